@@ -1,0 +1,43 @@
+# Compiler settings that every Cairn target shares, as the interface target cairn::flags.
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# Debug information stays in the binaries of the release build only where asked for: it doubles link time.
+set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(CAIRN_MARCH "x86-64-v3" CACHE STRING "Target of -march")
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(CAIRN_MARCH "armv8-a" CACHE STRING "Target of -march")
+else()
+  set(CAIRN_MARCH "" CACHE STRING "Target of -march")
+endif()
+set(CAIRN_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize takes them: address,undefined or thread")
+option(CAIRN_WERROR "Warnings are errors" ON)
+
+find_program(CAIRN_CCACHE ccache)
+if(CAIRN_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CAIRN_CCACHE})
+endif()
+
+add_library(cairn_flags INTERFACE)
+add_library(cairn::flags ALIAS cairn_flags)
+target_compile_options(cairn_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+  $<$<BOOL:${CAIRN_WERROR}>:-Werror>
+  # Same bits everywhere: no contraction behind our back, fma only where written.
+  -ffp-contract=off
+  $<$<BOOL:${CAIRN_MARCH}>:-march=${CAIRN_MARCH}>)
+target_compile_definitions(cairn_flags INTERFACE
+  CAIRN_VERSION="${PROJECT_VERSION}" CAIRN_MARCH="${CAIRN_MARCH}")
+target_include_directories(cairn_flags INTERFACE ${CMAKE_SOURCE_DIR})
+if(CAIRN_SANITIZE)
+  target_compile_options(cairn_flags INTERFACE -fsanitize=${CAIRN_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(cairn_flags INTERFACE -fsanitize=${CAIRN_SANITIZE})
+endif()

@@ -1,0 +1,21 @@
+# cairn_library(NAME SOURCES … DEPS …): one target per folder, its sources listed.
+function(cairn_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC cairn::flags ${ARG_DEPS})
+endfunction()
+
+# cairn_test(NAME SOURCES … DEPS … [LABELS …]): one GoogleTest program per folder, a ctest entry per test.
+include(GoogleTest)
+function(cairn_test name)
+  if(NOT BUILD_TESTING)
+    return()
+  endif()
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE cairn::flags ${ARG_DEPS} GTest::gtest GTest::gtest_main)
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300 LABELS ${ARG_LABELS})
+endfunction()

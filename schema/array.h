@@ -1,0 +1,100 @@
+// An immutable, 64-byte-aligned, n-dimensional array: the unit of which blobs are made.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "schema/error.h"
+
+namespace cairn {
+
+enum class DType : std::uint8_t {
+  kU8 = 1,
+  kI32 = 2,
+  kI64 = 3,
+  kF32 = 4,
+  kF64 = 5,
+  kText = 6,  // UTF-8, each element of a fixed width in bytes, padded with zeros
+};
+
+const char* DTypeName(DType type);
+
+template <class T>
+constexpr DType DTypeOf() {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return DType::kU8;
+  else if constexpr (std::is_same_v<T, std::int32_t>) return DType::kI32;
+  else if constexpr (std::is_same_v<T, std::int64_t>) return DType::kI64;
+  else if constexpr (std::is_same_v<T, float>) return DType::kF32;
+  else {
+    static_assert(std::is_same_v<T, double>, "not an array element type");
+    return DType::kF64;
+  }
+}
+
+using Shape = std::vector<std::int64_t>;  // empty: a scalar
+
+class Array {
+ public:
+  Array() = default;  // an empty kU8 array of shape [0]
+
+  // Copies `values`, row-major, into fresh aligned memory. The product of `shape` must be values.size().
+  template <class T>
+  static Array Of(const Shape& shape, std::span<const T> values) {
+    return Copy(DTypeOf<T>(), sizeof(T), shape, std::as_bytes(values));
+  }
+  template <class T>
+  static Array Of(const Shape& shape, const std::vector<T>& values) {
+    return Of<T>(shape, std::span<const T>(values));
+  }
+  template <class T>
+  static Array Vector(const std::vector<T>& values) {
+    return Of<T>({static_cast<std::int64_t>(values.size())}, std::span<const T>(values));
+  }
+  template <class T>
+  static Array Scalar(T value) {
+    return Of<T>({}, std::span<const T>(&value, 1));
+  }
+  // Texts of shape [n]; the width is that of the longest (at least 1).
+  static Array Texts(const std::vector<std::string>& texts);
+  // One text of shape [].
+  static Array Text(const std::string& text);
+  // Copies raw bytes, as a file or a socket gave them; fails with kCorrupt where the length does not fit.
+  static Result<Array> FromBytes(DType type, std::size_t item_bytes, const Shape& shape,
+                                 std::span<const std::byte> bytes);
+
+  DType type() const { return type_; }
+  std::size_t item_bytes() const { return item_bytes_; }
+  const Shape& shape() const { return shape_; }
+  std::int64_t size() const;  // number of elements
+  std::span<const std::byte> bytes() const { return {data_.get(), byte_count_}; }
+
+  // The elements, row-major. Throws InputError where the type is another.
+  template <class T>
+  std::span<const T> As() const {
+    RequireType(DTypeOf<T>());
+    return {reinterpret_cast<const T*>(data_.get()), byte_count_ / sizeof(T)};
+  }
+  std::vector<std::string> AsTexts() const;  // throws InputError where not kText
+  // Rows [first, first + count) along the first axis, copied, so that they are aligned too.
+  Array Rows(std::int64_t first, std::int64_t count) const;
+
+  // Same type, shape and bytes (a NaN equals itself).
+  friend bool operator==(const Array& a, const Array& b);
+
+ private:
+  static Array Copy(DType type, std::size_t item_bytes, const Shape& shape, std::span<const std::byte> bytes);
+  void RequireType(DType type) const;
+
+  DType type_ = DType::kU8;
+  std::size_t item_bytes_ = 1;
+  Shape shape_{0};
+  std::size_t byte_count_ = 0;
+  std::shared_ptr<const std::byte> data_;
+};
+
+}  // namespace cairn
