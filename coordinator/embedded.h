@@ -1,0 +1,63 @@
+// A private coordinator with its own workers, for `cairn run`: over ipc in a folder of mode 0700, nobody else
+// joins.
+//
+// DIR/<stage>.h5 are the results, each published whole when its stage ends; DIR/.cairn is the store
+// (service.h).
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "coordinator/service.h"
+#include "schema/blob.h"
+#include "schema/wire.pb.h"
+
+namespace cairn::coordinator {
+
+struct EmbeddedOptions {
+  std::string dir;             // --out; made where it does not exist, locked while the run lasts
+  int workers = 1;             // processes, at least 1
+  std::string worker_program;  // path of cairn-worker
+  bool force = false;          // forget whatever an earlier run left in dir
+  double checkpoint_interval_s = 1;
+  std::uint64_t memory_bytes = 4ull << 30;
+  LogSink log;  // may be empty
+};
+
+enum class EmbeddedEnd {
+  kDone,         // exit 0: all results are in dir
+  kAlreadyDone,  // exit 0: an earlier run of the same job did it; nothing was run
+  kFailed,       // exit 1: the job failed through no fault of its input; `reason`
+  kInputError,   // exit 2: the job's input is bad; `reason` names task and input
+  kConflict,     // exit 2: dir holds a run of another job or inputs, or of another build; force starts anew
+  kBusy,         // exit 2: another process has dir
+  kStopped,      // `stop` was set; the same run again resumes
+  kPaused,       // exit 1: cannot save (a full disk); `reason`; the same run again resumes
+};
+
+struct EmbeddedResult {
+  EmbeddedEnd end = EmbeddedEnd::kFailed;
+  std::string reason;                          // empty for kDone
+  std::map<std::string, std::string> results;  // stage name -> path of its file, those that are done
+  wire::JobInfo info;                          // as it stood at the end
+  bool resumed = false;                        // an earlier run's checkpoint was used
+};
+
+struct EmbeddedProgress {
+  wire::JobInfo info;
+  unsigned workers = 0;  // connected
+};
+
+// Runs `job` to its end. `inputs`: by the names of job.inputs; truth must have been left behind by the
+// caller. `on_progress` is called on the calling thread, at most ten times a second; keep it short. Once
+// `stop` is true the run saves a checkpoint, ends its workers and returns within 2 s. Workers are killed with
+// this process, however it ends; one that dies is started again, at most 5 times a worker and then the run
+// fails.
+EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
+                           const std::map<std::string, BlobPtr>& inputs,
+                           const std::function<void(const EmbeddedProgress&)>& on_progress,
+                           const std::atomic<bool>& stop);
+
+}  // namespace cairn::coordinator
