@@ -31,7 +31,8 @@ using Store = std::map<std::string, BlobPtr>;  // binary hash -> blob
 BlobPtr Rows(const BlobPtr& blob, const proto::InputRef& ref) {
   if (ref.row_count() == 0) return blob;
   Blob rows;
-  for (const auto& [name, array] : blob->fields()) rows.Put(name, array.Rows(ref.first_row(), ref.row_count()));
+  for (const auto& [name, array] : blob->fields())
+    rows.Put(name, array.Rows(ref.first_row(), ref.row_count()));
   return std::make_shared<const Blob>(std::move(rows));
 }
 

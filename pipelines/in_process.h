@@ -1,4 +1,5 @@
-// The in-process runner: a loop over a pipeline's three functions. What a fleet computes must equal it bit for bit.
+// The in-process runner: a loop over a pipeline's three functions. What a fleet computes must equal it bit
+// for bit.
 #pragma once
 
 #include <functional>

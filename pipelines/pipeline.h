@@ -36,7 +36,8 @@ class Partials {
  public:
   virtual ~Partials() = default;
   virtual std::size_t size() const = 0;
-  // The partial of task `index`; read each one once, in order, and let it go: they need not all fit in memory.
+  // The partial of task `index`; read each one once, in order, and let it go: they need not all fit in
+  // memory.
   virtual BlobPtr Get(std::size_t index) = 0;
 };
 

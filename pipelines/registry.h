@@ -13,8 +13,8 @@ namespace cairn {
 
 struct PipelineInfo {
   std::string name;
-  std::string summary;                // one line
-  std::vector<std::string> inputs;    // "log", "poses?" (optional)
+  std::string summary;              // one line
+  std::vector<std::string> inputs;  // "log", "poses?" (optional)
   std::vector<OptionInfo> options;
 };
 

@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t kAlignment = 64;
 
 std::shared_ptr<std::byte> Allocate(std::size_t bytes) {
-  auto* data = static_cast<std::byte*>(::operator new(std::max<std::size_t>(bytes, 1), std::align_val_t{kAlignment}));
+  auto* data =
+      static_cast<std::byte*>(::operator new(std::max<std::size_t>(bytes, 1), std::align_val_t{kAlignment}));
   return {data, [](std::byte* p) { ::operator delete(p, std::align_val_t{kAlignment}); }};
 }
 
@@ -29,12 +30,18 @@ std::int64_t CountOf(const Shape& shape) {
 
 const char* DTypeName(DType type) {
   switch (type) {
-    case DType::kU8: return "uint8";
-    case DType::kI32: return "int32";
-    case DType::kI64: return "int64";
-    case DType::kF32: return "float32";
-    case DType::kF64: return "float64";
-    case DType::kText: return "text";
+    case DType::kU8:
+      return "uint8";
+    case DType::kI32:
+      return "int32";
+    case DType::kI64:
+      return "int64";
+    case DType::kF32:
+      return "float32";
+    case DType::kF64:
+      return "float64";
+    case DType::kText:
+      return "text";
   }
   return "unknown";
 }
@@ -47,7 +54,7 @@ Array Array::Copy(DType type, std::size_t item_bytes, const Shape& shape, std::s
 
 Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& shape,
                                std::span<const std::byte> bytes) {
-  const std::size_t fixed = type == DType::kU8                             ? 1
+  const std::size_t fixed = type == DType::kU8                           ? 1
                             : type == DType::kI32 || type == DType::kF32 ? 4
                             : type == DType::kI64 || type == DType::kF64 ? 8
                                                                          : 0;
@@ -56,7 +63,8 @@ Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& 
   if (!known || (fixed != 0 && item_bytes != fixed) || item_bytes == 0 || count < 0 ||
       static_cast<std::uint64_t>(count) > std::numeric_limits<std::size_t>::max() / item_bytes ||
       static_cast<std::size_t>(count) * item_bytes != bytes.size()) {
-    return Status(Code::kCorrupt, std::string("array of ") + DTypeName(type) + ": shape and length do not agree");
+    return Status(Code::kCorrupt,
+                  std::string("array of ") + DTypeName(type) + ": shape and length do not agree");
   }
   Array array;
   array.type_ = type;
@@ -73,7 +81,8 @@ Array Array::Texts(const std::vector<std::string>& texts) {
   std::size_t width = 1;
   for (const std::string& text : texts) width = std::max(width, text.size());
   std::vector<std::byte> bytes(width * texts.size());
-  for (std::size_t i = 0; i < texts.size(); ++i) std::memcpy(bytes.data() + i * width, texts[i].data(), texts[i].size());
+  for (std::size_t i = 0; i < texts.size(); ++i)
+    std::memcpy(bytes.data() + i * width, texts[i].data(), texts[i].size());
   return Copy(DType::kText, width, {static_cast<std::int64_t>(texts.size())}, bytes);
 }
 
@@ -87,7 +96,8 @@ std::int64_t Array::size() const { return CountOf(shape_); }
 
 void Array::RequireType(DType type) const {
   if (type != type_) {
-    throw InputError(std::string("an array holds ") + DTypeName(type_) + " where " + DTypeName(type) + " is needed");
+    throw InputError(std::string("an array holds ") + DTypeName(type_) + " where " + DTypeName(type) +
+                     " is needed");
   }
 }
 
@@ -102,12 +112,14 @@ std::vector<std::string> Array::AsTexts() const {
 }
 
 Array Array::Rows(std::int64_t first, std::int64_t count) const {
-  CAIRN_DEMAND(!shape_.empty() && first >= 0 && count >= 0 && first + count <= shape_[0], "rows out of range");
+  CAIRN_DEMAND(!shape_.empty() && first >= 0 && count >= 0 && first + count <= shape_[0],
+               "rows out of range");
   Shape shape = shape_;
   shape[0] = count;
   const std::size_t row_bytes = shape_[0] == 0 ? 0 : byte_count_ / static_cast<std::size_t>(shape_[0]);
   return Copy(type_, item_bytes_, shape,
-              bytes().subspan(static_cast<std::size_t>(first) * row_bytes, static_cast<std::size_t>(count) * row_bytes));
+              bytes().subspan(static_cast<std::size_t>(first) * row_bytes,
+                              static_cast<std::size_t>(count) * row_bytes));
 }
 
 bool operator==(const Array& a, const Array& b) {

@@ -4,7 +4,8 @@
 
 namespace cairn {
 
-static_assert(std::endian::native == std::endian::little, "arrays are hashed and stored as they lie in memory");
+static_assert(std::endian::native == std::endian::little,
+              "arrays are hashed and stored as they lie in memory");
 
 const Array& Blob::at(std::string_view name) const {
   const auto it = fields_.find(name);
@@ -15,13 +16,15 @@ const Array& Blob::at(std::string_view name) const {
 const Array& Blob::Checked(std::string_view name, DType type) const {
   const Array& array = at(name);
   if (array.type() != type) {
-    throw InputError("'" + std::string(name) + "' holds " + DTypeName(array.type()) + " where " + DTypeName(type) +
-                     " is needed");
+    throw InputError("'" + std::string(name) + "' holds " + DTypeName(array.type()) + " where " +
+                     DTypeName(type) + " is needed");
   }
   return array;
 }
 
-std::vector<std::string> Blob::Texts(std::string_view name) const { return Checked(name, DType::kText).AsTexts(); }
+std::vector<std::string> Blob::Texts(std::string_view name) const {
+  return Checked(name, DType::kText).AsTexts();
+}
 
 std::string Blob::Text(std::string_view name) const {
   std::vector<std::string> texts = Texts(name);

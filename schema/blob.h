@@ -1,5 +1,5 @@
-// A blob: an immutable bundle of named arrays, named by its content hash. What tasks read and return, what files
-// hold. A name is a path ("robot/0/odometry/time_s"); its last part ends in its unit.
+// A blob: an immutable bundle of named arrays, named by its content hash. What tasks read and return, what
+// files hold. A name is a path ("robot/0/odometry/time_s"); its last part ends in its unit.
 #pragma once
 
 #include <map>

@@ -55,7 +55,8 @@ TEST(Blob, HashDependsOnNameTypeShapeAndData) {
   EXPECT_NE(retyped.ContentHash(), hash);
 }
 
-// A golden value: what is stored today is found by its hash tomorrow. Printed by this test when it was written.
+// A golden value: what is stored today is found by its hash tomorrow. Printed by this test when it was
+// written.
 TEST(Blob, HashIsStableAcrossVersions) {
   Blob blob;
   blob.PutVector<double>("a/x_m", {1, 2, 3});

@@ -20,21 +20,21 @@ class InputError : public std::runtime_error {
 // Prints the condition, the place and the message, and aborts.
 [[noreturn]] void DemandFailed(const char* condition, const char* file, int line, const std::string& message);
 
-#define CAIRN_DEMAND(condition, message)                                     \
-  do {                                                                       \
-    if (!(condition)) [[unlikely]]                                           \
-      ::cairn::DemandFailed(#condition, __FILE__, __LINE__, (message));      \
+#define CAIRN_DEMAND(condition, message)                                \
+  do {                                                                  \
+    if (!(condition)) [[unlikely]]                                      \
+      ::cairn::DemandFailed(#condition, __FILE__, __LINE__, (message)); \
   } while (false)
 
 enum class Code {
   kOk,
-  kNotFound,   // no such file, blob, job
-  kCorrupt,    // checksum, truncated, not a Cairn file
-  kVersion,    // of a newer format, or another build
-  kNoSpace,    // a full disk or store
-  kBusy,       // locked by another process
-  kRefused,    // a peer said no
-  kIo,         // any other failure of a file or socket
+  kNotFound,  // no such file, blob, job
+  kCorrupt,   // checksum, truncated, not a Cairn file
+  kVersion,   // of a newer format, or another build
+  kNoSpace,   // a full disk or store
+  kBusy,      // locked by another process
+  kRefused,   // a peer said no
+  kIo,        // any other failure of a file or socket
 };
 
 class [[nodiscard]] Status {
@@ -55,8 +55,8 @@ class [[nodiscard]] Status {
 template <class T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}                 // NOLINT(google-explicit-constructor)
-  Result(Status status) : status_(std::move(status)) {          // NOLINT(google-explicit-constructor)
+  Result(T value) : value_(std::move(value)) {}         // NOLINT(google-explicit-constructor)
+  Result(Status status) : status_(std::move(status)) {  // NOLINT(google-explicit-constructor)
     CAIRN_DEMAND(!status_.ok(), "a Result without a value needs a failure");
   }
   bool ok() const { return value_.has_value(); }

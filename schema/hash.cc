@@ -20,7 +20,8 @@ std::string Hash::Binary() const { return {reinterpret_cast<const char*>(bytes.d
 
 Result<Hash> Hash::FromBinary(std::string_view binary) {
   Hash hash;
-  if (binary.size() != hash.bytes.size()) return Status(Code::kCorrupt, "a hash of another length than 16 bytes");
+  if (binary.size() != hash.bytes.size())
+    return Status(Code::kCorrupt, "a hash of another length than 16 bytes");
   std::memcpy(hash.bytes.data(), binary.data(), binary.size());
   return hash;
 }
@@ -30,11 +31,13 @@ Result<Hash> Hash::FromHex(std::string_view hex) {
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
   };
   Hash hash;
-  if (hex.size() != 2 * hash.bytes.size()) return Status(Code::kCorrupt, "a hash of another length than 32 digits");
+  if (hex.size() != 2 * hash.bytes.size())
+    return Status(Code::kCorrupt, "a hash of another length than 32 digits");
   for (std::size_t i = 0; i < hash.bytes.size(); ++i) {
     const int high = digit(hex[2 * i]);
     const int low = digit(hex[2 * i + 1]);
-    if (high < 0 || low < 0) return Status(Code::kCorrupt, "a hash with a character that is no hexadecimal digit");
+    if (high < 0 || low < 0)
+      return Status(Code::kCorrupt, "a hash with a character that is no hexadecimal digit");
     hash.bytes[i] = static_cast<std::uint8_t>(high * 16 + low);
   }
   return hash;
@@ -48,7 +51,9 @@ struct Hasher::State {
 Hasher::Hasher() : state_(std::make_unique<State>()) { XXH3_128bits_reset(state_->xxh); }
 Hasher::~Hasher() = default;
 
-void Hasher::Add(std::span<const std::byte> bytes) { XXH3_128bits_update(state_->xxh, bytes.data(), bytes.size()); }
+void Hasher::Add(std::span<const std::byte> bytes) {
+  XXH3_128bits_update(state_->xxh, bytes.data(), bytes.size());
+}
 
 void Hasher::Add(std::uint64_t value) {
   std::array<std::byte, 8> little;

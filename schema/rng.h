@@ -14,10 +14,10 @@ class Rng {
 
   std::uint32_t Bits32();
   std::uint64_t Bits64();
-  double Uniform();                        // in [0, 1), 53 bits
+  double Uniform();  // in [0, 1), 53 bits
   double Uniform(double low, double high);
-  std::uint64_t Below(std::uint64_t n);    // in [0, n), without bias; n >= 1
-  double Normal();                         // mean 0, variance 1 (Box-Muller)
+  std::uint64_t Below(std::uint64_t n);  // in [0, n), without bias; n >= 1
+  double Normal();                       // mean 0, variance 1 (Box-Muller)
 
  private:
   void Refill();
@@ -30,6 +30,7 @@ class Rng {
 };
 
 // One block of Philox4x32-10, as the reference tests give it.
-std::array<std::uint32_t, 4> Philox4x32(std::array<std::uint32_t, 4> counter, std::array<std::uint32_t, 2> key);
+std::array<std::uint32_t, 4> Philox4x32(std::array<std::uint32_t, 4> counter,
+                                        std::array<std::uint32_t, 2> key);
 
 }  // namespace cairn

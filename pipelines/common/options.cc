@@ -14,7 +14,8 @@ std::string Number(double value) {
 }
 
 std::string Allowed(const Option& option) {
-  return "from " + Number(option.low) + " to " + Number(option.high) + (*option.unit ? " " : "") + option.unit;
+  return "from " + Number(option.low) + " to " + Number(option.high) + (*option.unit ? " " : "") +
+         option.unit;
 }
 
 [[noreturn]] void Refuse(const Option& option, const std::string& problem) {
@@ -44,9 +45,12 @@ const proto::Value* Parser::Find(const Option& option) {
 void Parser::operator()(const Option& option, double& field) {
   const proto::Value* value = Find(option);
   if (value == nullptr) return;
-  if (value->kind_case() == proto::Value::kD) field = value->d();
-  else if (value->kind_case() == proto::Value::kI) field = static_cast<double>(value->i());
-  else Refuse(option, "a number is needed, " + Allowed(option));
+  if (value->kind_case() == proto::Value::kD)
+    field = value->d();
+  else if (value->kind_case() == proto::Value::kI)
+    field = static_cast<double>(value->i());
+  else
+    Refuse(option, "a number is needed, " + Allowed(option));
   CheckRange(option, field);
 }
 
@@ -90,11 +94,17 @@ OptionInfo& Describer::Add(const Option& option, const char* type) {
   return infos.back();
 }
 
-void Describer::operator()(const Option& option, double& field) { Add(option, "real").default_value.set_d(field); }
+void Describer::operator()(const Option& option, double& field) {
+  Add(option, "real").default_value.set_d(field);
+}
 void Describer::operator()(const Option& option, std::int64_t& field) {
   Add(option, "integer").default_value.set_i(field);
 }
-void Describer::operator()(const Option& option, bool& field) { Add(option, "boolean").default_value.set_b(field); }
-void Describer::operator()(const Option& option, std::string& field) { Add(option, "text").default_value.set_s(field); }
+void Describer::operator()(const Option& option, bool& field) {
+  Add(option, "boolean").default_value.set_b(field);
+}
+void Describer::operator()(const Option& option, std::string& field) {
+  Add(option, "text").default_value.set_s(field);
+}
 
 }  // namespace cairn::options_internal

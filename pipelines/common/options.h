@@ -19,10 +19,10 @@ namespace cairn {
 
 // One option, as a pipeline declares it. For texts and booleans the range is not looked at.
 struct Option {
-  const char* name;   // with its unit: cell_m
-  const char* unit;   // "" where it has none
-  double low = 0;     // inclusive
-  double high = 0;    // inclusive
+  const char* name;  // with its unit: cell_m
+  const char* unit;  // "" where it has none
+  double low = 0;    // inclusive
+  double high = 0;   // inclusive
   const char* help;
   std::vector<std::string> choices = {};  // texts: what is allowed; empty: anything
 };
@@ -67,8 +67,8 @@ class Describer {
 
 }  // namespace options_internal
 
-// Throws InputError that names the option, what it is and what is allowed: an unknown one, a wrong type, a value
-// outside its range. An integer is taken where a real is asked for.
+// Throws InputError that names the option, what it is and what is allowed: an unknown one, a wrong type, a
+// value outside its range. An integer is taken where a real is asked for.
 template <class Options>
 Options ParseOptions(const OptionValues& values) {
   Options options;

@@ -1,0 +1,55 @@
+# Which folder may link what: the table of folders as CMake sees it. tests/house/include_rules_test.cc holds the same
+# table against every #include line; this one stops a wrong link line when the build is configured.
+#
+# CAIRN_LINKS_<folder>: regular expressions of folders of our own, and of targets of others.
+set(CAIRN_LINKS_schema "Eigen3::.*|protobuf::.*|PkgConfig::CAIRN_XXHASH|cairn_proto")
+set(CAIRN_LINKS_schema_store "schema|PkgConfig::CAIRN_HDF5")
+set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_(ZMQ|SODIUM)")
+set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?|Eigen3::.*|cairn::opencv_(core|imgproc)")
+set(CAIRN_LINKS_datasets
+  "schema|schema/store|datasets(/.*)?|Eigen3::.*|cairn::opencv_.*|ZLIB::.*|nlohmann_json::.*")
+set(CAIRN_LINKS_worker "schema(/.*)?|pipelines|worker(/.*)?|spdlog::.*|nlohmann_json::.*|Threads::Threads")
+set(CAIRN_LINKS_coordinator
+  "schema(/.*)?|coordinator(/(core|sim|shell))?|spdlog::.*|SQLite::.*|nlohmann_json::.*|Threads::Threads")
+set(CAIRN_LINKS_coordinator_cli
+  "${CAIRN_LINKS_coordinator}|coordinator/.*|datasets(/.*)?|CLI11::.*|yaml-cpp(::.*)?")
+
+# The expression for a folder: its own, or that of the nearest folder above it.
+function(cairn_links_of folder result)
+  while(folder)
+    string(REPLACE "/" "_" key "${folder}")
+    if(DEFINED CAIRN_LINKS_${key})
+      set(${result} "${CAIRN_LINKS_${key}}" PARENT_SCOPE)
+      return()
+    endif()
+    cmake_path(GET folder PARENT_PATH folder)
+  endwhile()
+  set(${result} "" PARENT_SCOPE)
+endfunction()
+
+# Every library and program of ours, after all folders have been read.
+function(cairn_check_links)
+  get_property(targets GLOBAL PROPERTY CAIRN_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(directory ${target} SOURCE_DIR)
+    cmake_path(RELATIVE_PATH directory BASE_DIRECTORY ${CMAKE_SOURCE_DIR} OUTPUT_VARIABLE folder)
+    cairn_links_of("${folder}" allowed)
+    get_target_property(links ${target} LINK_LIBRARIES)
+    foreach(link IN LISTS links)
+      set(what "${link}")
+      if(link STREQUAL "cairn::flags")
+        continue()
+      endif()
+      if(TARGET ${link} AND NOT link MATCHES "::")
+        get_target_property(link_directory ${link} SOURCE_DIR)
+        cmake_path(IS_PREFIX CMAKE_SOURCE_DIR "${link_directory}" ours)
+        if(ours AND NOT link STREQUAL "cairn_proto")
+          cmake_path(RELATIVE_PATH link_directory BASE_DIRECTORY ${CMAKE_SOURCE_DIR} OUTPUT_VARIABLE what)
+        endif()
+      endif()
+      if(NOT what STREQUAL folder AND NOT what MATCHES "^(${allowed})$")
+        message(SEND_ERROR "${folder}/CMakeLists.txt: ${target} may not link ${link} (cmake/CairnRules.cmake)")
+      endif()
+    endforeach()
+  endforeach()
+endfunction()

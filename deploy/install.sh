@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that Cairn is built from; nothing where they are all there.
+#
+#   deploy/install.sh          what the build and the release tests need
+#   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py
+#
+# Runs as root, or as a user with sudo. The lists below are the whole of it: cmake/CairnDependencies.cmake finds the
+# same libraries, and fails with their names where one is missing.
+set -euo pipefail
+# shellcheck source-path=SCRIPTDIR
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+build_packages=(
+  g++ cmake ninja-build pkg-config protobuf-compiler
+  libprotobuf-dev libeigen3-dev libzmq3-dev cppzmq-dev libsodium-dev libhdf5-dev libsqlite3-dev libxxhash-dev
+  libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
+  libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
+)
+dev_packages=(clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py)
+
+packages=("${build_packages[@]}")
+for argument in "$@"; do
+  case $argument in
+    --dev) packages+=("${dev_packages[@]}") ;;
+    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) fail "unknown argument '$argument'; allowed: --dev" ;;
+  esac
+done
+
+command -v apt-get >/dev/null && command -v dpkg-query >/dev/null ||
+  fail "no apt-get here; install these, or what your system calls them: ${packages[*]}"
+
+missing=()
+for package in "${packages[@]}"; do
+  # A package that was removed but left its settings is known to dpkg too, so the state is asked for.
+  [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  command -v sudo >/dev/null || fail "run this as root, or install sudo; missing: ${missing[*]}"
+  as_root=(sudo)
+fi
+say "installing ${missing[*]}"
+apt_get() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o Dpkg::Use-Pty=0 "$@" </dev/null >&2; }
+apt_get update
+apt_get install -y --no-install-recommends "${missing[@]}"

@@ -1,0 +1,52 @@
+#!/usr/bin/env bash
+# Format and clang-tidy, version 19 of both.
+#
+#   deploy/lint.sh            clang-tidy on the sources that changed since main (on main: since the last commit)
+#   deploy/lint.sh --all      clang-tidy on all of them, which takes a while
+#   deploy/lint.sh --format   the format check of all files; --fix formats them
+#
+# clang-tidy reads build/release, which deploy/build.sh makes. A change of more than 30 sources is linted in part, the
+# same part each time, and says so.
+set -euo pipefail
+# shellcheck source-path=SCRIPTDIR
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+cd "$root"
+most_sources=30
+
+sources() { git ls-files -z -- '*.cc' '*.h' "$@"; }
+
+# main's last commit where this is a branch, else the commit before this one; nothing where there is neither.
+base_commit() {
+  local base head
+  head=$(git rev-parse HEAD)
+  for name in main origin/main; do
+    base=$(git merge-base HEAD "$name" 2>/dev/null) || continue
+    [ "$base" != "$head" ] && echo "$base" && return
+  done
+  git rev-parse --verify -q HEAD~1 || true
+}
+
+tidy() {
+  [ -f build/release/compile_commands.json ] || fail "run deploy/build.sh first"
+  # It counts the warnings that it keeps to itself on stderr; those lines are noise.
+  xargs -0 -r -n 1 -P "$(cairn_jobs)" clang-tidy-19 -p build/release --quiet --warnings-as-errors='*' \
+    2> >(grep -vE '^[0-9]+ warnings? generated\.$' >&2)
+}
+
+case ${1:-} in
+  --format) sources | xargs -0 -r clang-format-19 --dry-run --Werror ;;
+  --fix) sources | xargs -0 -r clang-format-19 -i ;;
+  --all) git ls-files -z -- '*.cc' | tidy ;;
+  '')
+    base=$(base_commit)
+    mapfile -d '' -t changed < <(git diff -z --name-only --diff-filter=d "${base:-HEAD}" -- '*.cc')
+    total=${#changed[@]}
+    if ((total > most_sources)); then
+      say "$total sources changed; clang-tidy reads the first $most_sources (deploy/lint.sh --all reads all)"
+      changed=("${changed[@]:0:most_sources}")
+    fi
+    ((total == 0)) || printf '%s\0' "${changed[@]}" | tidy
+    ;;
+  -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0" ;;
+  *) fail "unknown argument '$1'; allowed: --all, --format, --fix" ;;
+esac

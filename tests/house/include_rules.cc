@@ -1,0 +1,136 @@
+#include "tests/house/include_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <regex>
+#include <string_view>
+
+namespace cairn::house {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Headers of the operating system that a folder may use unless it is pure.
+constexpr std::string_view kSystem =
+    "dirent.h fcntl.h grp.h poll.h pthread.h pwd.h sched.h signal.h spawn.h sysexits.h termios.h time.h "
+    "unistd.h "
+    "immintrin.h xmmintrin.h pmmintrin.h cpuid.h arm_neon.h gnu/libc-version.h ";
+
+constexpr std::array<std::string_view, 18> kImpure = {
+    "atomic",       "chrono",     "condition_variable", "csignal", "cstdio", "ctime",  "filesystem",
+    "fstream",      "future",     "iostream",           "mutex",   "print",  "random", "semaphore",
+    "shared_mutex", "stop_token", "syncstream",         "thread"};
+
+bool IsStandard(const std::string& include) {
+  return include.find('.') == std::string::npos && include.find('/') == std::string::npos;
+}
+
+bool IsSystem(const std::string& include) {
+  if (include.starts_with("sys/") || include.starts_with("linux/")) return true;
+  return kSystem.find(include + " ") != std::string_view::npos;
+}
+
+bool Matches(const std::string& pattern, const std::string& include) {
+  if (pattern.ends_with("/*")) {
+    const std::size_t length = pattern.size() - 1;
+    return include.compare(0, length, pattern, 0, length) == 0 &&
+           include.find('/', length) == std::string::npos;
+  }
+  return pattern.ends_with('/') ? include.starts_with(pattern) : include == pattern;
+}
+
+// The rule of the longest folder that holds `file`; none: null.
+const Rule* RuleOf(const std::string& file) {
+  const Rule* best = nullptr;
+  for (const Rule& rule : Rules()) {
+    if (!file.starts_with(rule.folder + "/")) continue;
+    if (best == nullptr || rule.folder.size() > best->folder.size()) best = &rule;
+  }
+  return best;
+}
+
+bool IsTest(const std::string& file) {
+  return file.ends_with("_test.cc") || file.find("testing/") != std::string::npos;
+}
+
+std::string Complaint(const Rule& rule, const std::string& file, const std::string& include) {
+  if (IsTest(file) && (include.starts_with("gtest/") || IsStandard(include) || IsSystem(include))) return {};
+  if (IsStandard(include) || IsSystem(include)) {
+    const bool impure = IsSystem(include) || std::ranges::find(kImpure, include) != kImpure.end();
+    const bool vector_unit = include.ends_with("mmintrin.h") || include == "arm_neon.h";
+    if (!rule.pure || !impure || vector_unit || include == "cstdio") return {};
+    return rule.folder + "/ does no input or output, and knows no clock or thread";
+  }
+  for (const std::string& pattern : rule.allowed) {
+    if (Matches(pattern, include)) return {};
+  }
+  return "not in the table for " + rule.folder + "/ (tests/house/include_rules.cc)";
+}
+
+void ReadFile(const fs::path& root, const std::string& file, std::vector<Finding>& findings) {
+  const Rule* rule = RuleOf(file);
+  if (rule == nullptr) return;
+  static const std::regex kInclude(R"(^\s*#\s*include\s*[<"]([^>"]+)[>"].*)");
+  std::ifstream in(root / file);
+  std::string text;
+  for (int line = 1; std::getline(in, text); ++line) {
+    std::smatch match;
+    if (!std::regex_match(text, match, kInclude)) continue;
+    const std::string why = Complaint(*rule, file, match[1]);
+    if (!why.empty()) findings.push_back({file, line, match[1], why});
+  }
+}
+
+}  // namespace
+
+const std::vector<Rule>& Rules() {
+  static const std::vector<Rule> kRules = {
+      {"schema", {"schema/*", "Eigen/", "google/protobuf/", "xxhash.h"}, false},
+      {"schema/store", {"schema/*", "schema/store/", "hdf5.h", "hdf5_hl.h"}, false},
+      {"schema/wire",
+       {"schema/*", "schema/wire/", "zmq.h", "zmq.hpp", "sodium.h", "google/protobuf/"},
+       false},
+      {"pipelines", {"schema/*", "pipelines/", "Eigen/", "opencv2/core.hpp", "opencv2/imgproc.hpp"}, true},
+      {"datasets",
+       {"schema/*", "schema/store/", "datasets/", "Eigen/", "opencv2/", "zlib.h", "nlohmann/",
+        "google/protobuf/"},
+       false},
+      {"worker",
+       {"schema/", "worker/", "pipelines/pipeline.h", "pipelines/registry.h", "spdlog/", "nlohmann/",
+        "google/protobuf/"},
+       false},
+      {"coordinator",
+       {"schema/", "coordinator/", "spdlog/", "sqlite3.h", "nlohmann/", "google/protobuf/"},
+       false},
+      {"coordinator/cli",
+       {"schema/", "coordinator/", "datasets/", "CLI/", "yaml-cpp/", "spdlog/", "nlohmann/",
+        "google/protobuf/"},
+       false},
+  };
+  return kRules;
+}
+
+std::string ToText(const Finding& finding) {
+  return finding.file + ":" + std::to_string(finding.line) + ": may not include " + finding.include + ": " +
+         finding.why;
+}
+
+std::vector<Finding> FindWrongIncludes(const fs::path& root, int* files_read) {
+  std::vector<std::string> files;
+  for (const char* top : {"schema", "pipelines", "datasets", "worker", "coordinator"}) {
+    if (!fs::exists(root / top)) continue;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / top)) {
+      const fs::path extension = entry.path().extension();
+      if (extension == ".h" || extension == ".cc")
+        files.push_back(entry.path().lexically_relative(root).string());
+    }
+  }
+  std::ranges::sort(files);
+  *files_read = static_cast<int>(files.size());
+  std::vector<Finding> findings;
+  for (const std::string& file : files) ReadFile(root, file, findings);
+  return findings;
+}
+
+}  // namespace cairn::house
