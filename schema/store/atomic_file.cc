@@ -1,0 +1,104 @@
+#include "schema/store/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <string>
+#include <system_error>
+
+namespace cairn {
+namespace {
+
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& path, int flags)
+      : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~Descriptor() { Close(); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  int Close() {
+    const int result = fd_ < 0 ? 0 : ::close(fd_);
+    fd_ = -1;
+    return result;
+  }
+
+ private:
+  int fd_;
+};
+
+std::filesystem::path FolderOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+std::filesystem::path TemporaryFor(const std::filesystem::path& path) {
+  static std::atomic<unsigned> counter{0};
+  return FolderOf(path) / ("." + path.filename().string() + "." + std::to_string(::getpid()) + "-" +
+                           std::to_string(counter++) + ".tmp");
+}
+
+// Returns errno, or 0.
+int WriteAll(int fd, std::span<const std::byte> bytes) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 30;  // Linux writes at most 2 GiB a call
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(fd, bytes.data(), std::min(bytes.size(), kAtOnce));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return errno;
+    if (count == 0) return EIO;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return 0;
+}
+
+// Returns errno, or 0.
+int WriteSynced(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  Descriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
+  if (file.get() < 0) return errno;
+  if (const int error = WriteAll(file.get(), bytes)) return error;
+  if (::fsync(file.get()) != 0 || file.Close() != 0) return errno;
+  return 0;
+}
+
+// File systems that cannot sync a folder say EINVAL; there is nothing more to be done on them.
+int SyncFolder(const std::filesystem::path& folder) {
+  const Descriptor descriptor(folder, O_RDONLY | O_DIRECTORY);
+  if (descriptor.get() < 0) return errno;
+  return ::fsync(descriptor.get()) != 0 && errno != EINVAL ? errno : 0;
+}
+
+}  // namespace
+
+Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number) {
+  const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+  const bool missing = error_number == ENOENT || error_number == ENOTDIR;
+  const std::string cause = full      ? "no space left"
+                            : missing ? "no such file or folder"
+                                      : std::generic_category().message(error_number);
+  return {full      ? Code::kNoSpace
+          : missing ? Code::kNotFound
+                    : Code::kIo,
+          path.string() + ": " + doing + ": " + cause};
+}
+
+Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  const std::filesystem::path temporary = TemporaryFor(path);
+  int error = WriteSynced(temporary, bytes);
+  if (error == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
+  if (error != 0) {
+    // Another process's file of that name stays (EEXIST): only what was made here is removed.
+    if (error != EEXIST) ::unlink(temporary.c_str());
+    return SystemFailure(path, "cannot write", error);
+  }
+  if (const int sync = SyncFolder(FolderOf(path))) return SystemFailure(path, "cannot sync its folder", sync);
+  return Status::Ok();
+}
+
+Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text) {
+  return WriteFileAtomically(path, std::as_bytes(std::span(text)));
+}
+
+}  // namespace cairn

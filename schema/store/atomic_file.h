@@ -1,0 +1,23 @@
+// Files that are there whole or not at all: a temporary file in the same folder, fsync, rename, fsync of the
+// folder.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+#include "schema/error.h"
+
+namespace cairn {
+
+// Replaces `path` by `bytes`. On any failure nothing new is left behind, and a file that was there before
+// stays as it was. The Status names the file and the cause: kNotFound (the folder), kNoSpace, kIo. A process
+// that is killed in between leaves at most a hidden ".NAME.PID-N.tmp", which nothing reads.
+Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
+
+// The Status for a failed system call on `path`: kNotFound, kNoSpace (also quotas and file size limits), kIo.
+Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number);
+
+}  // namespace cairn

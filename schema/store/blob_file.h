@@ -1,0 +1,60 @@
+// Cairn's files: one HDF5 file that holds one blob (schema/FORMAT.md). Written whole or not at all; read with
+// every checksum looked at. The messages of a failed Status name the file and, where there is one, the
+// dataset.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn {
+
+inline constexpr std::int64_t kFormatVersion = 1;  // of schema/FORMAT.md
+
+struct BlobFile {
+  std::string kind;  // log, landmark_map, checkpoint, …
+  Blob blob;
+};
+
+// Which datasets to read, by the beginnings of their names.
+struct ReadOptions {
+  std::vector<std::string> only;     // empty: all
+  std::vector<std::string> without;  // takes away from `only`
+};
+
+// Replaces `path` atomically; on any failure nothing is left behind: kNotFound (the folder), kNoSpace, kIo
+// (also a name that HDF5 cannot hold, such as "a" beside "a/b"). The same blob gives the same bytes in the
+// file.
+Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
+
+// kNotFound; kCorrupt: not a Cairn file, truncated, a wrong checksum; kVersion: of a newer format; kBusy:
+// locked by a program that writes to it; kIo.
+Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options = {});
+
+// Without truth/ and provenance/: what a job may see.
+Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path);
+
+// What a file holds, without its data.
+struct DatasetInfo {
+  std::string name;
+  DType type = DType::kU8;
+  std::size_t item_bytes = 1;
+  Shape shape;
+  std::string unit;
+  std::uint64_t stored_bytes = 0;  // in the file, after deflate
+};
+struct BlobFileInfo {
+  std::string kind;
+  std::int64_t format = 0;
+  std::vector<DatasetInfo> datasets;  // in the order of names
+};
+Result<BlobFileInfo> ListBlobFile(const std::filesystem::path& path);
+
+// The same in memory: the bytes of a file. `name` stands for the file in messages.
+Result<BlobFile> ReadBlobImage(std::span<const std::byte> image, const std::string& name);
+
+}  // namespace cairn

@@ -1,0 +1,192 @@
+// What happens to a file in the world: flipped, cut, of another kind, locked, a full disk.
+#include <fcntl.h>
+#include <hdf5.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <thread>
+
+#include "schema/store/atomic_file.h"
+#include "schema/store/blob_file.h"
+#include "schema/store/encode.h"
+#include "schema/store/hdf5_handle.h"
+#include "schema/store/testing.h"
+
+namespace cairn {
+namespace {
+
+using store_testing::Bytes;
+using store_testing::OddBlob;
+using store_testing::Overwrite;
+using store_testing::TempFolder;
+
+std::vector<std::byte> ImageOf(const Blob& blob) {
+  const store::Image image = store::EncodeBlob("log", blob).value();
+  return {image.bytes().begin(), image.bytes().end()};
+}
+
+TEST(BlobFileFaults, NoFlippedByteGivesAnotherBlob) {
+  const Blob blob = OddBlob();
+  std::vector<std::byte> image = ImageOf(blob);
+  ASSERT_TRUE(ReadBlobImage(image, "image").ok());
+  std::size_t caught = 0;
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    const std::byte before = std::exchange(image[i], image[i] ^ std::byte{0x10});
+    const Result<BlobFile> read = ReadBlobImage(image, "image");
+    image[i] = before;
+    caught += !read.ok();
+    if (!read.ok()) continue;
+    // Bytes between the objects belong to nothing.
+    ASSERT_EQ(read.value().blob.ContentHash(), blob.ContentHash()) << "byte " << i;
+    ASSERT_EQ(read.value().kind, "log") << "byte " << i;
+  }
+  EXPECT_GT(caught, image.size() / 4);
+}
+
+TEST(BlobFileFaults, AFlippedByteOfDataNamesItsDataset) {
+  const TempFolder folder;
+  Blob blob;
+  const std::vector<std::string> names{"robot/0/time_s", "robot/1/time_s", "map/grid"};
+  std::vector<std::vector<double>> values;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    values.emplace_back(1000, 0.1 + static_cast<double>(k));
+    blob.PutVector(names[k], values[k]);
+  }
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", blob).ok());
+  const std::vector<std::byte> good = Bytes(folder / "a.h5");
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto needle = std::as_bytes(std::span(values[k]));
+    const auto found = std::ranges::search(good, needle);
+    ASSERT_FALSE(found.empty());
+    std::vector<std::byte> bad = good;
+    bad[static_cast<std::size_t>(found.begin() - good.begin()) + 4001] ^= std::byte{1};
+    Overwrite(folder / "b.h5", bad);
+    const Status status = ReadBlobFile(folder / "b.h5").status();
+    EXPECT_EQ(status.code(), Code::kCorrupt);
+    EXPECT_EQ(status.message(),
+              (folder / "b.h5").string() + ": dataset '" + names[k] + "': its checksum is wrong");
+    // The other datasets stay readable.
+    EXPECT_TRUE(ReadBlobFile(folder / "b.h5", {.only = {}, .without = {names[k]}}).ok());
+  }
+}
+
+TEST(BlobFileFaults, NoTruncatedFileGivesABlob) {
+  const std::vector<std::byte> image = ImageOf(OddBlob());
+  const std::span<const std::byte> bytes(image);
+  for (std::size_t size = 0; size < image.size(); ++size) {
+    ASSERT_EQ(ReadBlobImage(bytes.first(size), "image").status().code(), Code::kCorrupt) << size;
+  }
+}
+
+TEST(BlobFileFaults, ATruncatedFileSaysSo) {
+  const TempFolder folder;
+  const std::vector<std::byte> image = ImageOf(OddBlob());
+  for (const std::size_t size : {std::size_t{20}, std::size_t{100}, image.size() / 2, image.size() - 1}) {
+    Overwrite(folder / "a.h5", {image.begin(), image.begin() + static_cast<std::ptrdiff_t>(size)});
+    const Status status = ReadBlobFile(folder / "a.h5").status();
+    EXPECT_EQ(status.code(), Code::kCorrupt);
+    EXPECT_NE(status.message().find("a.h5: truncated: " + std::to_string(size) + " bytes"), std::string::npos)
+        << status.message();
+  }
+}
+
+TEST(BlobFileFaults, OtherFilesAreRefusedByName) {
+  const TempFolder folder;
+  EXPECT_EQ(ReadBlobFile(folder / "none.h5").status().code(), Code::kNotFound);
+  Overwrite(folder / "empty.h5", {});
+  EXPECT_NE(ReadBlobFile(folder / "empty.h5").status().message().find("it is empty"), std::string::npos);
+  ASSERT_TRUE(WriteTextAtomically(folder / "text.h5", "hello, this is a text and no HDF5 file at all").ok());
+  EXPECT_NE(ReadBlobFile(folder / "text.h5").status().message().find("not a Cairn file"), std::string::npos);
+  EXPECT_NE(ReadBlobFile(folder / ".").status().message().find("is not a file"), std::string::npos);
+  const std::string path = folder / "other.h5";
+  store::Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose).Close();
+  const Status status = ReadBlobFile(path).status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_NE(status.message().find("lacks the root attribute cairn_format"), std::string::npos);
+}
+
+TEST(BlobFileFaults, ANewerFormatIsRefused) {
+  const TempFolder folder;
+  const std::string path = folder / "a.h5";
+  ASSERT_TRUE(WriteBlobFile(path, "log", OddBlob()).ok());
+  {
+    const store::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    const store::Handle format(H5Aopen(file.get(), "cairn_format", H5P_DEFAULT), H5Aclose);
+    const std::int64_t newer = 2;
+    ASSERT_GE(H5Awrite(format.get(), H5T_NATIVE_INT64, &newer), 0);
+  }
+  const Status status = ReadBlobFile(path).status();
+  EXPECT_EQ(status.code(), Code::kVersion);
+  EXPECT_NE(status.message().find("of format 2, newer than 1"), std::string::npos) << status.message();
+  EXPECT_EQ(ListBlobFile(path).status().code(), Code::kVersion);
+}
+
+// Shared by the tests that need another process; returns true where the child's function did.
+template <class Function>
+bool InAnotherProcess(Function function) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(function() ? 0 : 1);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+TEST(BlobFileFaults, AFileUnderAWriterIsBusy) {
+  const TempFolder folder;
+  const std::string path = folder / "a.h5";
+  ASSERT_TRUE(WriteBlobFile(path, "log", OddBlob()).ok());
+  const int writer = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (::flock(writer, LOCK_EX | LOCK_NB) != 0)
+    GTEST_SKIP() << "this file system has no locks";  // as HDF5 locks it
+  const Status status = ReadBlobFile(path).status();
+  EXPECT_EQ(status.code(), Code::kBusy);
+  EXPECT_NE(status.message().find("a.h5: locked by a program that writes to it"), std::string::npos);
+  ::close(writer);
+  EXPECT_TRUE(ReadBlobFile(path).ok());
+}
+
+TEST(BlobFileFaults, AFullDiskLeavesNothing) {
+  const TempFolder folder;
+  Blob blob;
+  blob.PutVector<double>("x_m", std::vector<double>(100000, 0.1));
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", OddBlob()).ok());
+  const std::vector<std::byte> before = Bytes(folder / "a.h5");
+  // A limit on the size of files makes write() fail as a full disk does, once its signal is ignored.
+  EXPECT_TRUE(InAnotherProcess([&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{300000, 300000};
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) return false;
+    const Status status = WriteBlobFile(folder / "a.h5", "log", blob);
+    return status.code() == Code::kNoSpace && status.message().ends_with("a.h5: cannot write: no space left");
+  }));
+  EXPECT_EQ(folder.Files(), std::vector<std::string>{"a.h5"});
+  EXPECT_EQ(Bytes(folder / "a.h5"), before);
+}
+
+TEST(BlobFileFaults, AMissingFolderIsNamed) {
+  const TempFolder folder;
+  const Status status = WriteBlobFile(folder / "none/a.h5", "log", OddBlob());
+  EXPECT_EQ(status.code(), Code::kNotFound);
+  EXPECT_NE(status.message().find("none/a.h5"), std::string::npos);
+  EXPECT_TRUE(folder.Files().empty());
+}
+
+TEST(BlobFileFaults, NamesThatAFileCannotHoldAreRefused) {
+  const TempFolder folder;
+  for (const char* name : {"", "/x", "x/", "a//b", "a/./b", "."}) {
+    Blob blob;
+    blob.PutScalar<double>(name, 1);
+    EXPECT_FALSE(WriteBlobFile(folder / "a.h5", "log", blob).ok()) << name;
+  }
+  Blob clash;
+  clash.PutScalar<double>("a", 1);
+  clash.PutScalar<double>("a/b", 1);
+  EXPECT_FALSE(WriteBlobFile(folder / "a.h5", "log", clash).ok());
+  EXPECT_TRUE(folder.Files().empty());
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,202 @@
+#include "schema/store/decode.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "schema/store/hdf5_handle.h"
+
+namespace cairn::store {
+namespace {
+
+Status Corrupt(const std::string& message) { return {Code::kCorrupt, message}; }
+
+Status Damaged(const std::string& name) {
+  const Hdf5Cause cause = LastCause();
+  return Corrupt("dataset '" + name +
+                 "': " + (cause.in_a_filter ? "its checksum is wrong" : "damaged: " + cause.text));
+}
+
+// The text of a fixed- or variable-width attribute; false where it is none.
+bool TextAttribute(hid_t object, const char* name, std::string* text) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute.ok()) return false;
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose), space(H5Aget_space(attribute.get()), H5Sclose);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1) return false;
+  if (H5Tis_variable_str(type.get()) > 0) {
+    char* variable = nullptr;
+    if (H5Aread(attribute.get(), type.get(), &variable) < 0) return false;
+    if (variable != nullptr) *text = variable;
+    H5free_memory(variable);
+    return true;
+  }
+  std::string fixed(H5Tget_size(type.get()), '\0');
+  if (H5Aread(attribute.get(), type.get(), fixed.data()) < 0) return false;
+  *text = fixed.substr(0, fixed.find('\0'));
+  return true;
+}
+
+bool IntegerAttribute(hid_t object, const char* name, std::int64_t* value) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute.ok()) return false;
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose), space(H5Aget_space(attribute.get()), H5Sclose);
+  return H5Tget_class(type.get()) == H5T_INTEGER && H5Sget_simple_extent_npoints(space.get()) == 1 &&
+         H5Aread(attribute.get(), H5T_NATIVE_INT64, value) >= 0;
+}
+
+struct Open {
+  Handle dataset, type, space;
+  DatasetInfo info;
+  bool variable_text = false;
+};
+
+bool FillType(Open* open) {
+  const std::size_t size = H5Tget_size(open->type.get());
+  DatasetInfo& info = open->info;
+  info.item_bytes = size;
+  switch (H5Tget_class(open->type.get())) {
+    case H5T_INTEGER: {
+      const bool is_signed = H5Tget_sign(open->type.get()) == H5T_SGN_2;
+      info.type = size == 1 ? DType::kU8 : size == 4 ? DType::kI32 : DType::kI64;
+      return size == 1 ? !is_signed : is_signed && (size == 4 || size == 8);
+    }
+    case H5T_FLOAT:
+      info.type = size == 4 ? DType::kF32 : DType::kF64;
+      return size == 4 || size == 8;
+    case H5T_STRING:
+      info.type = DType::kText;
+      open->variable_text = H5Tis_variable_str(open->type.get()) > 0;
+      return true;
+    default:
+      return false;
+  }
+}
+
+// A damaged or hostile header must not make us ask for more memory than the data can fill: deflate shrinks at
+// most 1032 times. Without data HDF5 would give fill values that nobody wrote.
+bool SizeIsCredible(const DatasetInfo& info) {
+  constexpr std::uint64_t kMostDeflated = 1100;
+  std::uint64_t bytes = info.item_bytes;
+  for (const std::int64_t n : info.shape) {
+    if (__builtin_mul_overflow(bytes, static_cast<std::uint64_t>(n), &bytes)) return false;
+  }
+  return bytes / kMostDeflated <= info.stored_bytes && (bytes == 0 || info.stored_bytes > 0);
+}
+
+Result<Open> OpenDataset(hid_t file, const std::string& name) {
+  Open open;
+  open.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!open.dataset.ok()) return Damaged(name);
+  open.type = Handle(H5Dget_type(open.dataset.get()), H5Tclose);
+  open.space = Handle(H5Dget_space(open.dataset.get()), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(open.space.get());
+  if (!open.type.ok() || rank < 0) return Damaged(name);
+  open.info.name = name;
+  if (!FillType(&open)) return Corrupt("dataset '" + name + "': of a type that Cairn's files do not have");
+  std::vector<hsize_t> dims(static_cast<std::size_t>(rank));
+  if (rank > 0) H5Sget_simple_extent_dims(open.space.get(), dims.data(), nullptr);
+  open.info.shape.assign(dims.begin(), dims.end());
+  open.info.stored_bytes = H5Dget_storage_size(open.dataset.get());
+  if (H5Sget_simple_extent_type(open.space.get()) == H5S_NULL || !SizeIsCredible(open.info)) {
+    return Corrupt("dataset '" + name + "': its shape and its data do not agree");
+  }
+  std::int64_t scalar = 0;
+  if (IntegerAttribute(open.dataset.get(), "scalar", &scalar) && scalar == 1) {
+    if (open.info.shape != Shape{1})
+      return Corrupt("dataset '" + name + "': a scalar of more than one element");
+    open.info.shape.clear();
+  }
+  TextAttribute(open.dataset.get(), "unit", &open.info.unit);
+  return open;
+}
+
+Handle MemoryType(const Open& open) {
+  switch (open.info.type) {
+    case DType::kU8:
+      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
+    case DType::kI32:
+      return {H5Tcopy(H5T_STD_I32LE), H5Tclose};
+    case DType::kI64:
+      return {H5Tcopy(H5T_STD_I64LE), H5Tclose};
+    case DType::kF32:
+      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
+    case DType::kF64:
+      return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose};
+    case DType::kText:
+      break;
+  }
+  Handle text(H5Tcopy(open.type.get()), H5Tclose);
+  if (!open.variable_text) H5Tset_strpad(text.get(), H5T_STR_NULLPAD);
+  return text;
+}
+
+// Variable-width texts, as h5py writes them by default, become texts of the longest one's width.
+Result<Array> ReadVariableTexts(const Open& open, hid_t memory_type, std::size_t count) {
+  std::vector<char*> pointers(count, nullptr);
+  if (H5Dread(open.dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) {
+    return Damaged(open.info.name);
+  }
+  std::size_t width = 1;
+  for (const char* text : pointers) width = std::max(width, text == nullptr ? 0 : std::strlen(text));
+  std::vector<std::byte> bytes(width * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (pointers[i] != nullptr) std::memcpy(bytes.data() + i * width, pointers[i], std::strlen(pointers[i]));
+  }
+  H5Dvlen_reclaim(memory_type, open.space.get(), H5P_DEFAULT, pointers.data());
+  return Array::FromBytes(DType::kText, width, open.info.shape, bytes);
+}
+
+herr_t CollectDatasets(hid_t, const char* name, const H5O_info_t* info, void* data) {
+  if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
+  return 0;
+}
+
+}  // namespace
+
+Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind) {
+  if (!IntegerAttribute(file, "cairn_format", format)) {
+    return Corrupt("not a Cairn file: it lacks the root attribute cairn_format");
+  }
+  if (*format > kFormatVersion) {
+    return {Code::kVersion, "of format " + std::to_string(*format) + ", newer than " +
+                                std::to_string(kFormatVersion) + ", which this version of Cairn reads"};
+  }
+  if (*format < 1 || !TextAttribute(file, "cairn_kind", kind)) {
+    return Corrupt(
+        "not a Cairn file: its root attributes cairn_format and cairn_kind are not as they should be");
+  }
+  return Status::Ok();
+}
+
+Result<std::vector<std::string>> DatasetNames(hid_t file) {
+  std::vector<std::string> names;
+  if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, CollectDatasets, &names, H5O_INFO_BASIC) < 0) {
+    return Corrupt("damaged: " + LastCause().text);
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name) {
+  Result<Open> open = OpenDataset(file, name);
+  if (!open.ok()) return open.status();
+  return std::move(open).value().info;
+}
+
+Result<Array> ReadDataset(hid_t file, const std::string& name) {
+  const Result<Open> opened = OpenDataset(file, name);
+  if (!opened.ok()) return opened.status();
+  const Open& open = opened.value();
+  std::size_t count = 1;
+  for (const std::int64_t n : open.info.shape) count *= static_cast<std::size_t>(n);
+  const Handle type = MemoryType(open);
+  if (open.variable_text) return ReadVariableTexts(open, type.get(), count);
+  const std::size_t size = count * open.info.item_bytes;
+  const auto bytes = std::make_unique_for_overwrite<std::byte[]>(size);
+  if (size > 0 && H5Dread(open.dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.get()) < 0) {
+    return Damaged(name);
+  }
+  return Array::FromBytes(open.info.type, open.info.item_bytes, open.info.shape, {bytes.get(), size});
+}
+
+}  // namespace cairn::store

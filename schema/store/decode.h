@@ -1,0 +1,22 @@
+// What an open HDF5 file holds, checked. Messages of a failed Status name the dataset, not the file.
+#pragma once
+
+#include <hdf5.h>
+
+#include <string>
+#include <vector>
+
+#include "schema/store/blob_file.h"
+
+namespace cairn::store {
+
+// The root attributes; kCorrupt where it is not a Cairn file, kVersion where it is of a newer format.
+Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind);
+
+// Full names of all datasets, sorted. Soft and external links are not followed.
+Result<std::vector<std::string>> DatasetNames(hid_t file);
+
+Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name);
+Result<Array> ReadDataset(hid_t file, const std::string& name);
+
+}  // namespace cairn::store

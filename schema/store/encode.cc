@@ -1,0 +1,178 @@
+#include "schema/store/encode.h"
+
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "schema/store/blob_file.h"
+#include "schema/store/hdf5_handle.h"
+#include "schema/store/layout.h"
+
+namespace cairn::store {
+namespace {
+
+// HDF5's core driver keeps the file in memory that these callbacks own; at the close it lets go of it, and we
+// keep it.
+void* Allocate(std::size_t size, H5FD_file_image_op_t, void*) { return std::malloc(size); }
+void* CopyBytes(void* to, const void* from, std::size_t size, H5FD_file_image_op_t, void*) {
+  return std::memcpy(to, from, size);
+}
+void* Resize(void* old, std::size_t size, H5FD_file_image_op_t, void* udata) {
+  auto* image = static_cast<Image*>(udata);
+  static_cast<void>(image->data.release());
+  void* resized = std::realloc(old, size);
+  image->data.reset(static_cast<std::byte*>(resized == nullptr ? old : resized));
+  if (resized != nullptr) image->size = size;
+  return resized;
+}
+herr_t LetGo(void*, H5FD_file_image_op_t, void*) { return 0; }
+void* ShareUserData(void* udata) { return udata; }
+herr_t LeaveUserData(void*) { return 0; }
+
+Status Failed(const std::string& what) { return {Code::kIo, what + ": " + LastCause().text}; }
+
+Handle CreateInMemory(std::size_t expected_bytes, Image* image) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  H5FD_file_image_callbacks_t callbacks{Allocate,      CopyBytes,     Resize, LetGo,
+                                        ShareUserData, LeaveUserData, image};
+  // The 1.10 layout has checksums in all of its metadata too; times would make equal files differ.
+  if (H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110) < 0 ||
+      H5Pset_fapl_core(access.get(), expected_bytes, false) < 0 ||
+      H5Pset_file_image_callbacks(access.get(), &callbacks) < 0 ||
+      H5Pset_obj_track_times(creation.get(), false) < 0) {
+    return {};
+  }
+  return {H5Fcreate("blob", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose};
+}
+
+bool PutAttribute(hid_t object, const char* name, hid_t type, const void* value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  return attribute.ok() && H5Awrite(attribute.get(), type, value) >= 0;
+}
+
+// Fixed-width text: it lies in the object's header, under its checksum, which variable-length text does not.
+Handle TextType(std::size_t width) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), width);
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  return type;
+}
+
+bool PutTextAttribute(hid_t object, const char* name, const std::string& text) {
+  const std::string padded = text.empty() ? std::string(1, '\0') : text;
+  return PutAttribute(object, name, TextType(padded.size()).get(), padded.data());
+}
+
+// Memory and file type are the same: blobs are little-endian.
+Handle TypeOf(const Array& array) {
+  switch (array.type()) {
+    case DType::kU8:
+      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
+    case DType::kI32:
+      return {H5Tcopy(H5T_STD_I32LE), H5Tclose};
+    case DType::kI64:
+      return {H5Tcopy(H5T_STD_I64LE), H5Tclose};
+    case DType::kF32:
+      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
+    case DType::kF64:
+      return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose};
+    case DType::kText:
+      return TextType(array.item_bytes());
+  }
+  return {};
+}
+
+Handle CreationOf(const Array& array, const Shape& shape) {
+  Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(creation.get(), false);
+  if (array.size() == 0) return creation;  // nothing to cut, nothing to check
+  const Shape chunks = ChunksOf(shape, array.item_bytes());
+  const std::vector<hsize_t> dims(chunks.begin(), chunks.end());
+  H5Pset_chunk(creation.get(), static_cast<int>(dims.size()), dims.data());
+  if (DeflatePays(array)) {
+    if (array.item_bytes() > 1) H5Pset_shuffle(creation.get());
+    H5Pset_deflate(creation.get(), 1);
+  }
+  H5Pset_fletcher32(creation.get());
+  return creation;
+}
+
+Handle LinkCreation() {
+  Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(links.get(), 1);
+  H5Pset_char_encoding(links.get(), H5T_CSET_UTF8);
+  return links;
+}
+
+bool PutDataset(hid_t file, const std::string& name, const Array& array) {
+  const bool scalar = array.shape().empty();
+  const Shape shape = scalar ? Shape{1} : array.shape();
+  const std::vector<hsize_t> dims(shape.begin(), shape.end());
+  const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr), H5Sclose);
+  const Handle type = TypeOf(array);
+  const Handle links = LinkCreation(), creation = CreationOf(array, shape);
+  const Handle dataset(
+      H5Dcreate2(file, name.c_str(), type.get(), space.get(), links.get(), creation.get(), H5P_DEFAULT),
+      H5Dclose);
+  if (!dataset.ok() || !PutTextAttribute(dataset.get(), "unit", UnitOf(name))) return false;
+  const std::int32_t one = 1;
+  if (scalar && !PutAttribute(dataset.get(), "scalar", H5T_NATIVE_INT32, &one)) return false;
+  return array.size() == 0 ||
+         H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.bytes().data()) >= 0;
+}
+
+// HDF5 would silently drop empty and "." parts, and the name would not come back.
+bool NameHolds(const std::string& name) {
+  if (name.find('\0') != std::string::npos) return false;
+  for (std::size_t at = 0; at <= name.size();) {
+    const std::size_t end = std::min(name.find('/', at), name.size());
+    const std::string part = name.substr(at, end - at);
+    if (part.empty() || part == ".") return false;
+    at = end + 1;
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<Image> EncodeBlob(const std::string& kind, const Blob& blob) {
+  const QuietErrors quiet;
+  Image image;
+  const std::size_t expected = blob.ByteCount() + blob.fields().size() * 4096 + (std::size_t{1} << 16);
+  Handle file = CreateInMemory(expected, &image);
+  if (!file.ok()) return Failed("cannot begin");
+  const std::int64_t format = kFormatVersion;
+  if (!PutAttribute(file.get(), "cairn_format", H5T_STD_I64LE, &format) ||
+      !PutTextAttribute(file.get(), "cairn_kind", kind)) {
+    return Failed("cannot write the root attributes");
+  }
+  for (const auto& [name, array] : blob.fields()) {
+    if (!NameHolds(name)) return Status(Code::kIo, "dataset '" + name + "': not a name that a file can hold");
+    if (!PutDataset(file.get(), name, array)) return Failed("dataset '" + name + "'");
+  }
+  if (!file.Close()) return Failed("cannot close");
+  const std::uint64_t end = StatedEnd(image.bytes());
+  CAIRN_DEMAND(end > 0 && end <= image.size, "HDF5 made a file whose end cannot be found");
+  image.size = end;
+  return image;
+}
+
+bool HasHdf5Signature(std::span<const std::byte> head) {
+  constexpr std::array<unsigned char, 8> kSignature{0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
+  return head.size() >= kSignature.size() &&
+         std::memcmp(head.data(), kSignature.data(), kSignature.size()) == 0;
+}
+
+// HDF5 File Format Specification 3.0, II.A: version 2 and 3 keep the end-of-file address at byte 28.
+std::uint64_t StatedEnd(std::span<const std::byte> head) {
+  const auto byte = [&](std::size_t i) { return std::to_integer<std::uint64_t>(head[i]); };
+  if (head.size() < 48 || !HasHdf5Signature(head) || (byte(8) != 2 && byte(8) != 3) || byte(9) != 8) return 0;
+  std::uint64_t end = 0;
+  for (std::size_t i = 0; i < 8; ++i) end |= byte(28 + i) << (8 * i);
+  return end;
+}
+
+}  // namespace cairn::store

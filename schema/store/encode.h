@@ -1,0 +1,32 @@
+// A blob as the bytes of an HDF5 file, made in memory: a full disk then never meets HDF5's cache.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "schema/blob.h"
+
+namespace cairn::store {
+
+// Memory from malloc, as HDF5 resizes it.
+struct Image {
+  struct Free {
+    void operator()(void* data) const { std::free(data); }
+  };
+  std::unique_ptr<std::byte, Free> data;
+  std::size_t size = 0;
+  std::span<const std::byte> bytes() const { return {data.get(), size}; }
+};
+
+// The message of a failed Status names the dataset, not the file.
+Result<Image> EncodeBlob(const std::string& kind, const Blob& blob);
+
+// The end of the file as its superblock states it, or 0 where that cannot be said from these bytes (at least
+// 48 are needed, of a superblock of version 2 or 3).
+std::uint64_t StatedEnd(std::span<const std::byte> head);
+bool HasHdf5Signature(std::span<const std::byte> head);
+
+}  // namespace cairn::store

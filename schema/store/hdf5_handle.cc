@@ -1,0 +1,27 @@
+#include "schema/store/hdf5_handle.h"
+
+namespace cairn::store {
+namespace {
+
+// HDF5 tidies up when the process exits, and after it has met a damaged file it complains on stderr that it cannot.
+// There is nothing for it to tidy: every handle closes by itself and files are made in memory.
+[[maybe_unused]] const bool kNothingAtExit = H5dont_atexit() >= 0;
+
+// Walking downwards starts at the outermost call; the last one seen is where it went wrong.
+herr_t Visit(unsigned, const H5E_error2_t* error, void* data) {
+  auto* cause = static_cast<Hdf5Cause*>(data);
+  cause->text = error->desc == nullptr ? "" : error->desc;
+  cause->in_a_filter = cause->in_a_filter || error->maj_num == H5E_PLINE;
+  return 0;
+}
+
+}  // namespace
+
+Hdf5Cause LastCause() {
+  Hdf5Cause cause;
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, Visit, &cause);
+  if (cause.text.empty()) cause.text = "unknown cause";
+  return cause;
+}
+
+}  // namespace cairn::store

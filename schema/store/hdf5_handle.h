@@ -1,0 +1,60 @@
+// HDF5's C API behind small types. Nothing outside schema/store/ includes this.
+#pragma once
+
+#include <hdf5.h>
+
+#include <string>
+#include <utility>
+
+namespace cairn::store {
+
+// An HDF5 identifier with the function that closes it.
+class Handle {
+ public:
+  using Closer = herr_t (*)(hid_t);
+  Handle() = default;
+  Handle(hid_t id, Closer closer) : id_(id), closer_(closer) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), closer_(other.closer_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(closer_, other.closer_);
+    return *this;
+  }
+  ~Handle() { Close(); }
+  bool ok() const { return id_ >= 0; }
+  hid_t get() const { return id_; }
+  // False where HDF5 could not close it (it flushes when a file closes).
+  bool Close() {
+    const hid_t id = std::exchange(id_, -1);
+    return id < 0 || closer_(id) >= 0;
+  }
+
+ private:
+  hid_t id_ = -1;
+  Closer closer_ = nullptr;
+};
+
+// HDF5 prints its error stack to stderr by itself, a thread at a time: off while one of these lives.
+class QuietErrors {
+ public:
+  QuietErrors() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+// What HDF5's error stack of this thread holds.
+struct Hdf5Cause {
+  std::string text;          // the innermost description
+  bool in_a_filter = false;  // a checksum or a decompression failed
+};
+Hdf5Cause LastCause();
+
+}  // namespace cairn::store
