@@ -1,0 +1,142 @@
+#include "schema/wire/codec.h"
+
+#include <utility>
+
+namespace cairn::wire {
+namespace {
+
+using BlobMetas = google::protobuf::RepeatedPtrField<BlobMeta>;
+
+BlobMeta MetaOf(const NamedBlob& named) {
+  BlobMeta meta;
+  meta.set_hash(named.hash.Binary());
+  for (const auto& [name, array] : named.blob->fields()) {
+    ArrayMeta& a = *meta.add_arrays();
+    a.set_name(name);
+    a.set_type(static_cast<std::uint32_t>(array.type()));
+    a.set_item_bytes(array.item_bytes());
+    a.mutable_shape()->Assign(array.shape().begin(), array.shape().end());
+  }
+  return meta;
+}
+
+// The metas of those bodies that carry a list of blobs; null for the others.
+BlobMetas* MetaList(Envelope& envelope) {
+  switch (envelope.body_case()) {
+    case Envelope::kDone:
+      return envelope.mutable_done()->mutable_blobs();
+    case Envelope::kSubmit:
+      return envelope.mutable_submit()->mutable_blobs();
+    case Envelope::kReply:
+      return envelope.mutable_reply()->mutable_blobs();
+    default:
+      return nullptr;
+  }
+}
+
+void WriteMetas(Message& message) {
+  Envelope& envelope = message.envelope;
+  if (envelope.body_case() == Envelope::kBlob) {
+    CAIRN_DEMAND(message.blobs.size() == 1, "a BlobData carries one blob");
+    *envelope.mutable_blob()->mutable_blob() = MetaOf(message.blobs[0]);
+    return;
+  }
+  BlobMetas* list = MetaList(envelope);
+  CAIRN_DEMAND(list != nullptr || message.blobs.empty(), "this kind of message carries no blobs");
+  if (list == nullptr) return;
+  list->Clear();
+  for (const NamedBlob& named : message.blobs) *list->Add() = MetaOf(named);
+}
+
+// Takes the metas out of the envelope.
+std::vector<BlobMeta> TakeMetas(Envelope& envelope) {
+  std::vector<BlobMeta> metas;
+  if (envelope.body_case() == Envelope::kBlob) {
+    metas.push_back(std::move(*envelope.mutable_blob()->mutable_blob()));
+    envelope.mutable_blob()->clear_blob();
+  } else if (BlobMetas* list = MetaList(envelope)) {
+    for (BlobMeta& meta : *list) metas.push_back(std::move(meta));
+    list->Clear();
+  }
+  return metas;
+}
+
+Status Corrupt(const std::string& why) { return {Code::kCorrupt, "malformed message: " + why}; }
+
+Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames) {
+  const Result<Hash> hash = Hash::FromBinary(meta.hash());
+  if (!hash.ok()) return Corrupt(hash.status().message());
+  Blob::Fields fields;
+  for (int i = 0; i < meta.arrays_size(); ++i) {
+    const ArrayMeta& a = meta.arrays(i);
+    // Strictly ascending: a name given twice would shadow the first, and the hash runs in this order.
+    if (i > 0 && a.name() <= meta.arrays(i - 1).name()) return Corrupt("array names out of order");
+    if (a.type() > static_cast<std::uint32_t>(DType::kText)) return Corrupt("an array of an unknown type");
+    Result<Array> array = Array::FromBytes(static_cast<DType>(a.type()), a.item_bytes(),
+                                           Shape(a.shape().begin(), a.shape().end()), frames[i]);
+    if (!array.ok()) return Corrupt("'" + a.name() + "': " + array.status().message());
+    fields.emplace(a.name(), std::move(array).value());
+  }
+  NamedBlob named = NameBlob(std::make_shared<const Blob>(std::move(fields)));
+  if (named.hash != hash.value())
+    return Corrupt("a blob's bytes do not match its hash " + hash.value().Hex());
+  return named;
+}
+
+Status CheckSizes(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
+  if (frames.empty()) return Corrupt("no envelope");
+  if (frames[0].size() > limits.envelope_bytes) return Corrupt("the envelope is over the limit");
+  std::size_t left = limits.message_bytes;
+  for (const auto& frame : frames) {
+    if (frame.size() > left)
+      return Corrupt("over the limit of " + std::to_string(limits.message_bytes) + " bytes");
+    left -= frame.size();
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+NamedBlob NameBlob(BlobPtr blob) {
+  const Hash hash = blob->ContentHash();
+  return {hash, std::move(blob)};
+}
+
+Frames Encode(Message message) {
+  WriteMetas(message);
+  Frames frames;
+  frames.envelope = message.envelope.SerializeAsString();
+  for (const NamedBlob& named : message.blobs) {
+    for (const auto& [name, array] : named.blob->fields()) frames.arrays.push_back(array);
+  }
+  return frames;
+}
+
+Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
+  if (Status sizes = CheckSizes(frames, limits); !sizes.ok()) return sizes;
+  Message message;
+  if (!message.envelope.ParseFromArray(frames[0].data(), static_cast<int>(frames[0].size()))) {
+    return Corrupt("the envelope cannot be parsed");
+  }
+  if (message.envelope.body_case() == Envelope::BODY_NOT_SET) {
+    return Status(Code::kVersion, "a message of an unknown kind: the peer's version differs");
+  }
+  std::span<const std::span<const std::byte>> rest = frames.subspan(1);
+  for (const BlobMeta& meta : TakeMetas(message.envelope)) {
+    const auto count = static_cast<std::size_t>(meta.arrays_size());
+    if (count > rest.size()) return Corrupt("fewer frames than arrays announced");
+    Result<NamedBlob> blob = DecodeBlob(meta, rest.first(count));
+    if (!blob.ok()) return blob.status();
+    message.blobs.push_back(std::move(blob).value());
+    rest = rest.subspan(count);
+  }
+  if (!rest.empty()) return Corrupt("more frames than arrays announced");
+  return message;
+}
+
+const char* KindName(const Envelope& envelope) {
+  const auto* field = Envelope::descriptor()->FindFieldByNumber(static_cast<int>(envelope.body_case()));
+  return field == nullptr ? "nothing" : field->name().c_str();
+}
+
+}  // namespace cairn::wire

@@ -1,0 +1,54 @@
+// Envelope and blobs <-> the frames of one message: an Envelope, then the raw bytes of each array, a frame an
+// array. No sockets in here. Decoding trusts nothing: number of frames, each length, the order of names,
+// total size and content hash are checked before anyone sees a blob.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+#include "schema/wire.pb.h"
+
+namespace cairn::wire {
+
+// Hello.protocol. Raised when an old peer could no longer make sense of what a new one says.
+inline constexpr std::uint32_t kProtocol = 1;
+
+struct Limits {
+  std::size_t envelope_bytes = std::size_t{64} << 20;
+  std::size_t message_bytes = std::size_t{4} << 30;  // all frames of a message together
+};
+
+// A blob with its content hash, so that nobody hashes the same bytes twice.
+struct NamedBlob {
+  Hash hash;
+  BlobPtr blob;
+};
+NamedBlob NameBlob(BlobPtr blob);  // costs one pass over the bytes
+
+// What is sent and received. The BlobMetas inside the envelope are Encode's and Decode's business: leave them
+// empty.
+struct Message {
+  Envelope envelope;
+  std::vector<NamedBlob> blobs;  // of Done, BlobData (exactly one), Submit or Reply; else empty
+};
+
+// A message as it travels. The arrays share the memory of the blobs that they came from.
+struct Frames {
+  std::string envelope;
+  std::vector<Array> arrays;
+};
+
+Frames Encode(Message message);
+
+// kCorrupt: truncated, a frame too many or too few, bytes that do not match their hash, over a limit.
+// kVersion: an envelope that holds no kind of message known here.
+Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const Limits& limits = {});
+
+// One line for logs: "done", "blob", …
+const char* KindName(const Envelope& envelope);
+
+}  // namespace cairn::wire

@@ -1,0 +1,35 @@
+// Shared by this folder's .cc files alone: cppzmq does not leave the folder.
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <thread>
+#include <vector>
+#include <zmq.hpp>
+
+#include "schema/wire/codec.h"
+#include "schema/wire/context.h"
+
+namespace cairn::wire {
+
+struct Context::Impl {
+  zmq::context_t zmq{1};
+  std::mutex mutex;
+  std::filesystem::path allow_list;  // guarded by mutex
+  std::thread authenticator;
+  ~Impl();
+};
+
+// Sends all frames, without blocking. kNotFound: no such peer. kBusy: its queue is full, or nobody is
+// connected.
+Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames);
+
+// The frames of the next message; empty where none waits. Frames beyond `limits` are thrown away as they
+// come, the first of them kept, so that Decode refuses the message.
+std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& limits);
+
+Result<Message> DecodeFrames(std::span<const zmq::message_t> frames, const Limits& limits);
+
+Status ZmqStatus(const std::string& what, const zmq::error_t& error);
+
+}  // namespace cairn::wire

@@ -1,0 +1,99 @@
+// The two ends of the transport: a ROUTER that the coordinator binds, a DEALER that workers and clients
+// connect. A socket belongs to one thread. Neither blocks: wait with a Poller.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "schema/wire/codec.h"
+#include "schema/wire/context.h"
+#include "schema/wire/keys.h"
+
+namespace cairn::wire {
+
+struct SocketOptions {
+  Limits limits;
+  int queue_messages = 1000;  // high-water mark, each way and peer
+  int handshake_ms = 10'000;  // a connection that has not shaken hands by then is closed
+  int heartbeat_ms = 5'000;  // ZeroMQ's own pings, so that a vanished machine is noticed: after three of them
+  int linger_ms = 1'000;     // how long a closed socket may still send
+  int reconnect_ms = 100;    // Dealer: first pause, doubled up to reconnect_max_ms
+  int reconnect_max_ms = 2'000;
+};
+
+struct ServerSecurity {
+  KeyPair keys;
+  std::filesystem::path allowed_clients;  // Context::AllowClients
+};
+struct ClientSecurity {
+  KeyPair keys;
+  std::string server_public_key;
+};
+
+// A message that came in, or, where `status` is not ok, the reason why one was refused (its sender's
+// connection is dropped by then, and whatever else it had sent is thrown away).
+struct Received {
+  std::string peer;     // Router: who sent it; opaque
+  std::string user_id;  // Router with keys: the sender's public key
+  Status status;
+  Message message;
+};
+
+class RouterSocket {
+ public:
+  // kRefused by CheckEndpoint; kBusy: the address is in use.
+  static Result<RouterSocket> Bind(Context& context, const std::string& endpoint,
+                                   const std::optional<ServerSecurity>& security = {},
+                                   const SocketOptions& = {});
+  RouterSocket(RouterSocket&&) noexcept;
+  RouterSocket& operator=(RouterSocket&&) noexcept;
+  ~RouterSocket();
+
+  const std::string& endpoint() const;  // as bound: tcp://…:* with the port that was chosen
+  std::optional<Received> TryReceive();
+  // kNotFound: the peer is gone, or was dropped. kBusy: its queue is full.
+  Status Send(const std::string& peer, Message message);
+  std::uint64_t refused_messages() const;
+
+  struct Impl;
+
+ private:
+  friend class Poller;
+  explicit RouterSocket(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+enum class LinkEvent {
+  kConnected,     // shaken hands: say Hello
+  kDisconnected,  // what was queued to go out is lost; reconnects by itself
+  kKeyRefused,    // the service does not know this key; does not try again until Reconnect()
+};
+
+class DealerSocket {
+ public:
+  static Result<DealerSocket> Connect(const Context& context, const std::string& endpoint,
+                                      const std::optional<ClientSecurity>& security = {},
+                                      const SocketOptions& = {});
+  DealerSocket(DealerSocket&&) noexcept;
+  DealerSocket& operator=(DealerSocket&&) noexcept;
+  ~DealerSocket();
+
+  // Ask this first: an event tells which connection the messages that follow belong to.
+  std::optional<LinkEvent> TryEvent();
+  std::optional<Received> TryReceive();
+  // kBusy: not connected (a message is never kept for a later connection), or the queue is full.
+  Status Send(Message message);
+  // Closes the connection and opens a new one. kDisconnected is not reported. Done after a malformed message.
+  Status Reconnect();
+
+  struct Impl;
+
+ private:
+  friend class Poller;
+  explicit DealerSocket(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cairn::wire

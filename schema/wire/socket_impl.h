@@ -1,0 +1,39 @@
+// The insides of the two sockets, for socket.cc's halves and the poller.
+#pragma once
+
+#include <deque>
+#include <set>
+#include <string>
+
+#include "schema/wire/internal.h"
+#include "schema/wire/socket.h"
+
+namespace cairn::wire {
+
+struct RouterSocket::Impl {
+  std::shared_ptr<Context::Impl> context;  // first, so that it goes last
+  SocketOptions options;
+  zmq::socket_t socket;
+  std::string endpoint;
+  std::uint64_t refused = 0;
+  std::set<std::string> dropped;       // peers whose messages are thrown away …
+  std::deque<std::string> drop_order;  // … of which only the latest are remembered
+
+  Received Receive(std::vector<zmq::message_t> frames);
+  void Drop(const std::string& peer, const zmq::message_t& from);
+};
+
+struct DealerSocket::Impl {
+  std::shared_ptr<Context::Impl> context;
+  SocketOptions options;
+  std::string endpoint;
+  std::optional<ClientSecurity> security;
+  zmq::socket_t socket;
+  zmq::socket_t monitor;
+
+  Status Open();
+};
+
+void SetCommonOptions(zmq::socket_t& socket, const SocketOptions& options);
+
+}  // namespace cairn::wire

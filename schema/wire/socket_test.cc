@@ -1,0 +1,282 @@
+#include "schema/wire/socket.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <thread>
+#include <zmq.hpp>
+
+#include "schema/wire/poller.h"
+#include "schema/wire/testing.h"
+
+namespace cairn::wire {
+namespace {
+
+constexpr std::chrono::seconds kPatience{20};  // far more than anything here takes
+
+SocketOptions Quick() {
+  SocketOptions options;
+  options.reconnect_ms = 1;
+  options.reconnect_max_ms = 10;
+  options.linger_ms = 100;
+  return options;
+}
+
+// Waits until `take` gives something.
+template <class Socket, class Take>
+auto Await(Socket& socket, const Take& take) -> decltype(take()) {
+  Poller poller;
+  poller.Add(socket);
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (std::chrono::steady_clock::now() < end) {
+    if (auto got = take()) return got;
+    poller.Wait(std::chrono::milliseconds(50));
+  }
+  return {};
+}
+
+std::optional<Received> AwaitMessage(RouterSocket& s) {
+  return Await(s, [&] { return s.TryReceive(); });
+}
+std::optional<Received> AwaitMessage(DealerSocket& s) {
+  return Await(s, [&] { return s.TryReceive(); });
+}
+std::optional<LinkEvent> AwaitEvent(DealerSocket& s) {
+  return Await(s, [&] { return s.TryEvent(); });
+}
+
+Message HelloMessage(const std::string& host) {
+  Message message;
+  message.envelope.mutable_hello()->set_protocol(kProtocol);
+  message.envelope.mutable_hello()->set_host(host);
+  return message;
+}
+
+Message BlobMessage(std::size_t doubles) {
+  Blob blob;
+  blob.PutVector<double>("values", std::vector<double>(doubles, 0.5));
+  Message message;
+  message.envelope.mutable_blob();
+  message.blobs = {NameBlob(std::make_shared<const Blob>(std::move(blob)))};
+  return message;
+}
+
+struct Link {
+  PrivateFolder folder;
+  Context context;
+  RouterSocket router = RouterSocket::Bind(context, folder.Ipc("s"), {}, Quick()).value();
+  DealerSocket dealer = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+};
+
+// A peer that speaks ZeroMQ but not Cairn.
+void SendRaw(zmq::socket_t& socket, const std::vector<std::string>& frames) {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    socket.send(zmq::buffer(frames[i]),
+                i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  }
+}
+
+TEST(Socket, MessagesAndBlobsGoBothWays) {
+  Link link;
+  ASSERT_EQ(AwaitEvent(link.dealer), LinkEvent::kConnected);
+  for (const std::size_t doubles :
+       {std::size_t{1}, std::size_t{1} << 20}) {  // copied, and sent without a copy
+    ASSERT_TRUE(link.dealer.Send(BlobMessage(doubles)).ok());
+    const std::optional<Received> up = AwaitMessage(link.router);
+    ASSERT_TRUE(up && up->status.ok());
+    EXPECT_EQ(up->message.blobs[0].hash, BlobMessage(doubles).blobs[0].hash);
+    ASSERT_TRUE(link.router.Send(up->peer, up->message).ok());
+    const std::optional<Received> down = AwaitMessage(link.dealer);
+    ASSERT_TRUE(down && down->status.ok());
+    EXPECT_EQ(down->message.blobs[0].blob->fields(), BlobMessage(doubles).blobs[0].blob->fields());
+  }
+}
+
+TEST(Socket, SendingToAnUnknownPeerSaysSo) {
+  Link link;
+  EXPECT_EQ(link.router.Send("nobody", HelloMessage("x")).code(), Code::kNotFound);
+}
+
+TEST(Socket, AnUnconnectedDealerKeepsNothingForLater) {
+  PrivateFolder folder;
+  Context context;
+  DealerSocket dealer = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+  EXPECT_EQ(dealer.Send(HelloMessage("too early")).code(), Code::kBusy);
+  RouterSocket router = RouterSocket::Bind(context, folder.Ipc("s"), {}, Quick()).value();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  ASSERT_TRUE(dealer.Send(HelloMessage("now")).ok());
+  const std::optional<Received> first = AwaitMessage(router);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->message.envelope.hello().host(), "now");
+}
+
+TEST(Socket, TheDealerComesBackToARestartedRouter) {
+  PrivateFolder folder;
+  Context context;
+  std::optional<RouterSocket> router = RouterSocket::Bind(context, folder.Ipc("s"), {}, Quick()).value();
+  DealerSocket dealer = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  router.reset();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kDisconnected);
+  EXPECT_EQ(dealer.Send(HelloMessage("lost")).code(), Code::kBusy);
+  Result<RouterSocket> again = RouterSocket::Bind(context, folder.Ipc("s"), {}, Quick());
+  ASSERT_TRUE(again.ok()) << again.status().message();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  ASSERT_TRUE(dealer.Send(HelloMessage("again")).ok());
+  const std::optional<Received> first = AwaitMessage(again.value());
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->message.envelope.hello().host(), "again");
+}
+
+TEST(Socket, AMalformedMessageDropsItsSenderAndNobodyElse) {
+  Link link;
+  ASSERT_EQ(AwaitEvent(link.dealer), LinkEvent::kConnected);
+  zmq::context_t raw_context;
+  zmq::socket_t raw(raw_context, zmq::socket_type::dealer);
+  raw.set(zmq::sockopt::linger, 0);
+  raw.set(zmq::sockopt::reconnect_ivl, -1);
+  raw.connect(link.folder.Ipc("s"));
+  SendRaw(raw, {"\xff garbage"});
+  const std::optional<Received> bad = AwaitMessage(link.router);
+  ASSERT_TRUE(bad);
+  EXPECT_EQ(bad->status.code(), Code::kCorrupt);
+  EXPECT_EQ(link.router.refused_messages(), 1u);
+  EXPECT_EQ(link.router.Send(bad->peer, HelloMessage("x")).code(), Code::kNotFound);
+
+  ASSERT_TRUE(link.dealer.Send(HelloMessage("fine")).ok());
+  const std::optional<Received> good = AwaitMessage(link.router);
+  ASSERT_TRUE(good && good->status.ok());
+  EXPECT_EQ(good->message.envelope.hello().host(), "fine");
+}
+
+TEST(Socket, ADroppedPeersConnectionIsClosed) {
+  Link link;
+  ASSERT_EQ(AwaitEvent(link.dealer), LinkEvent::kConnected);
+  // A message that its sender's Encode lets through and the receiver's smaller limits do not.
+  SocketOptions narrow = Quick();
+  narrow.limits.message_bytes = 1000;
+  RouterSocket strict = RouterSocket::Bind(link.context, link.folder.Ipc("strict"), {}, narrow).value();
+  DealerSocket dealer = DealerSocket::Connect(link.context, link.folder.Ipc("strict"), {}, Quick()).value();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  Message message = BlobMessage(100);  // below MAXMSGSIZE a frame, above it with the next
+  message.blobs[0] = NameBlob(std::make_shared<const Blob>(Blob::Fields{
+      {"a", Array::Vector(std::vector<double>(100, 1))}, {"b", Array::Vector(std::vector<double>(100, 2))}}));
+  ASSERT_TRUE(dealer.Send(message).ok());
+  const std::optional<Received> bad = AwaitMessage(strict);
+  ASSERT_TRUE(bad);
+  EXPECT_EQ(bad->status.code(), Code::kCorrupt);
+  EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kDisconnected);
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  ASSERT_TRUE(dealer.Send(HelloMessage("sorry")).ok());
+  const std::optional<Received> good = AwaitMessage(strict);
+  ASSERT_TRUE(good && good->status.ok());
+}
+
+TEST(Socket, AFrameOverTheLimitIsStoppedByTheTransport) {
+  PrivateFolder folder;
+  Context context;
+  SocketOptions narrow = Quick();
+  narrow.limits = {.envelope_bytes = 1000, .message_bytes = 1000};
+  RouterSocket router = RouterSocket::Bind(context, folder.Ipc("s"), {}, narrow).value();
+  DealerSocket dealer = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  ASSERT_TRUE(dealer.Send(BlobMessage(1000)).ok());
+  EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kDisconnected);
+  EXPECT_FALSE(router.TryReceive());
+}
+
+TEST(Socket, ADealerThatGetsGarbageConnectsAgain) {
+  PrivateFolder folder;
+  zmq::context_t raw_context;
+  zmq::socket_t raw(raw_context, zmq::socket_type::dealer);
+  raw.set(zmq::sockopt::linger, 0);
+  raw.bind(folder.Ipc("s"));
+  Context context;
+  DealerSocket dealer = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  SendRaw(raw, {"\xff garbage", "more"});
+  const std::optional<Received> bad = AwaitMessage(dealer);
+  ASSERT_TRUE(bad);
+  EXPECT_FALSE(bad->status.ok());
+  EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+}
+
+TEST(Socket, BindingTwiceIsBusyAndTcpWithoutKeysRefused) {
+  Link link;
+  EXPECT_EQ(RouterSocket::Bind(link.context, "tcp://127.0.0.1:*").status().code(), Code::kRefused);
+  EXPECT_EQ(DealerSocket::Connect(link.context, "tcp://127.0.0.1:1").status().code(), Code::kRefused);
+  const KeyPair keys = GenerateKeyPair();
+  std::ofstream(link.folder.path() / "allowed") << keys.public_key << "\n";
+  const ServerSecurity security{keys, link.folder.path() / "allowed"};
+  const Result<RouterSocket> first = RouterSocket::Bind(link.context, "tcp://127.0.0.1:*", security);
+  ASSERT_TRUE(first.ok()) << first.status().message();
+  EXPECT_EQ(RouterSocket::Bind(link.context, first.value().endpoint(), security).status().code(),
+            Code::kBusy);
+}
+
+class SecuredSocket : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(folder_.path() / "allowed") << known_.public_key << " desk\n";
+    Result<RouterSocket> bound = RouterSocket::Bind(
+        context_, "tcp://127.0.0.1:*", ServerSecurity{server_, folder_.path() / "allowed"}, Quick());
+    ASSERT_TRUE(bound.ok()) << bound.status().message();
+    router_.emplace(std::move(bound).value());
+  }
+  DealerSocket Connect(const KeyPair& keys, const std::string& server_key) {
+    return DealerSocket::Connect(context_, router_->endpoint(), ClientSecurity{keys, server_key}, Quick())
+        .value();
+  }
+
+  PrivateFolder folder_;
+  Context context_;
+  const KeyPair server_ = GenerateKeyPair();
+  const KeyPair known_ = GenerateKeyPair();
+  std::optional<RouterSocket> router_;
+};
+
+TEST_F(SecuredSocket, AKnownKeyIsLetInAndNamed) {
+  DealerSocket dealer = Connect(known_, server_.public_key);
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  ASSERT_TRUE(dealer.Send(HelloMessage("desk")).ok());
+  const std::optional<Received> hello = AwaitMessage(*router_);
+  ASSERT_TRUE(hello && hello->status.ok());
+  EXPECT_EQ(hello->user_id, known_.public_key);
+}
+
+TEST_F(SecuredSocket, AnUnknownKeyIsRefused) {
+  DealerSocket stranger = Connect(GenerateKeyPair(), server_.public_key);
+  EXPECT_EQ(AwaitEvent(stranger), LinkEvent::kKeyRefused);
+  EXPECT_EQ(stranger.Send(HelloMessage("x")).code(), Code::kBusy);
+}
+
+TEST_F(SecuredSocket, AKeyAddedToTheListIsLetInWithoutARestart) {
+  const KeyPair late = GenerateKeyPair();
+  DealerSocket dealer = Connect(late, server_.public_key);
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kKeyRefused);
+  std::ofstream(folder_.path() / "allowed", std::ios::app) << late.public_key << "\n";
+  ASSERT_TRUE(dealer.Reconnect().ok());
+  EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+}
+
+TEST_F(SecuredSocket, AnImpostorOfTheServerIsNotTalkedTo) {
+  DealerSocket dealer = Connect(known_, GenerateKeyPair().public_key);
+  const std::optional<LinkEvent> event = AwaitEvent(dealer);
+  ASSERT_TRUE(event);
+  EXPECT_NE(*event, LinkEvent::kConnected);
+}
+
+TEST(Poller, AWakeupFromAnotherThreadEndsTheWait) {
+  Link link;
+  const Wakeup wakeup;
+  Poller poller;
+  poller.Add(link.router);
+  poller.Add(wakeup);
+  std::thread other([&] { wakeup.Signal(); });
+  EXPECT_TRUE(poller.Wait(kPatience));
+  other.join();
+  EXPECT_FALSE(poller.Wait(std::chrono::milliseconds(0)));
+}
+
+}  // namespace
+}  // namespace cairn::wire
