@@ -3,8 +3,8 @@
 namespace cairn::store {
 namespace {
 
-// HDF5 tidies up when the process exits, and after it has met a damaged file it complains on stderr that it cannot.
-// There is nothing for it to tidy: every handle closes by itself and files are made in memory.
+// HDF5 tidies up when the process exits, and after it has met a damaged file it complains on stderr that it
+// cannot. There is nothing for it to tidy: every handle closes by itself and files are made in memory.
 [[maybe_unused]] const bool kNothingAtExit = H5dont_atexit() >= 0;
 
 // Walking downwards starts at the outermost call; the last one seen is where it went wrong.

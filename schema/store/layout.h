@@ -17,8 +17,8 @@ std::string UnitOf(std::string_view name);
 Shape ChunksOf(const Shape& shape, std::size_t item_bytes);
 
 // Deflate (level 1, behind a byte shuffle) is used where at least three quarters of the bytes of an array of
-// 64 KiB or more are zero, as in probability grids: it then writes and reads about as fast as it would
-// without, and is several times smaller. Elsewhere it costs a factor of 30 in writing for little.
+// 64 KiB or more are zero, as in probability grids. Measured on 134 MB of doubles, 80% zeros in runs: written
+// at 232 MB/s (265 without, the sync included), read at 588 (1068), 0.19 of the room.
 bool DeflatePays(const Array& array);
 
 }  // namespace cairn::store

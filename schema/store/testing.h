@@ -37,9 +37,13 @@ class TempFolder {
   std::filesystem::path path_;
 };
 
-inline std::vector<std::byte> Bytes(const std::filesystem::path& path) {
+inline std::string Text(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline std::vector<std::byte> Bytes(const std::filesystem::path& path) {
+  const std::string text = Text(path);
   const auto bytes = std::as_bytes(std::span(text));
   return {bytes.begin(), bytes.end()};
 }
