@@ -1,0 +1,237 @@
+#include "coordinator/cli/job_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "coordinator/cli/job_arguments.h"
+#include "schema/error.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kDescription[] = R"({"pipelines": [
+  {"name": "landmark_map", "summary": "landmarks", "inputs": ["log"], "options": [
+    {"name": "cell_m", "type": "real", "unit": "m", "help": "edge", "low": 0.01, "high": 10, "default": 1},
+    {"name": "iterations", "type": "integer", "unit": "", "help": "most", "low": 1, "high": 100, "default": 10},
+    {"name": "blur", "type": "boolean", "unit": "", "help": "", "low": 0, "high": 0, "default": true},
+    {"name": "mode", "type": "text", "unit": "", "help": "", "low": 0, "high": 0, "choices": ["local", "global"],
+     "default": "local"}]},
+  {"name": "forward_map", "summary": "grids", "inputs": ["log", "poses?"], "options": []}]})";
+
+// A folder with museum.h5 and the job file job.yaml of the text that a test gives it.
+class JobFile : public testing::Test {
+ protected:
+  JobFile() : folder_(fs::path(testing::TempDir()) / ("cairn_job_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "museum.h5") << "x";
+  }
+  ~JobFile() override { fs::remove_all(folder_); }
+
+  ParsedJob Read(const std::string& text) {
+    std::ofstream(Path()) << text;
+    return ReadJobFile(Path(), catalog_);
+  }
+  std::string Path() const { return (folder_ / "job.yaml").string(); }
+
+  // What it says about a bad job, without the folder.
+  std::string Complaint(const std::string& text) {
+    try {
+      Read(text);
+    } catch (const InputError& error) {
+      std::string what = error.what();
+      for (std::size_t at; (at = what.find(folder_.string() + "/")) != std::string::npos;) {
+        what.erase(at, folder_.string().size() + 1);
+      }
+      return what;
+    }
+    return "accepted";
+  }
+
+  fs::path folder_;
+  Catalog catalog_ = Catalog::FromJson(kDescription);
+};
+
+// A good job; a test spoils one of its lines.
+constexpr char kGood[] =
+    "name: museum\n"
+    "seed: 7\n"
+    "inputs: {log: museum.h5}\n"
+    "stages:\n"
+    "  - name: landmarks\n"
+    "    pipeline: landmark_map\n"
+    "    log: log\n"
+    "    options:\n"
+    "      cell_m: 0.25\n"
+    "      iterations: 5\n"
+    "      blur: false\n"
+    "      mode: global\n"
+    "  - {name: grid, pipeline: forward_map, log: log, poses: landmarks}\n";
+
+std::string Spoiled(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST_F(JobFile, MapsEveryField) {
+  const ParsedJob parsed = Read(kGood);
+  EXPECT_EQ(parsed.job.name(), "museum");
+  EXPECT_EQ(parsed.job.seed(), 7u);
+  EXPECT_EQ(parsed.job.inputs().at("log"), "museum.h5");
+  EXPECT_EQ(parsed.inputs.at("log").path, (folder_ / "museum.h5").string());
+  ASSERT_EQ(parsed.job.stages_size(), 2);
+  const proto::Stage& stage = parsed.job.stages(0);
+  EXPECT_EQ(stage.name(), "landmarks");
+  EXPECT_EQ(stage.pipeline(), "landmark_map");
+  EXPECT_EQ(stage.inputs().at("log"), "log");
+  EXPECT_EQ(stage.options().at("cell_m").d(), 0.25);
+  EXPECT_EQ(stage.options().at("iterations").i(), 5);
+  EXPECT_EQ(stage.options().at("blur").kind_case(), proto::Value::kB);
+  EXPECT_EQ(stage.options().at("mode").s(), "global");
+  EXPECT_EQ(parsed.job.stages(1).inputs().at("poses"), "landmarks");
+}
+
+TEST_F(JobFile, TakesAWholeNumberForARealAndStoresAReal) {
+  const ParsedJob parsed = Read(Spoiled("cell_m: 0.25", "cell_m: 1"));
+  EXPECT_EQ(parsed.job.stages(0).options().at("cell_m").kind_case(), proto::Value::kD);
+}
+
+TEST_F(JobFile, TakesItsNameFromTheFileWhereNoneIsGiven) {
+  EXPECT_EQ(Read(Spoiled("name: museum\n", "")).job.name(), "job");
+}
+
+struct Bad {
+  const char* what;
+  const char* from;
+  const char* to;
+  const char* complaint;  // as it begins
+};
+
+constexpr Bad kBad[] = {
+    {"UnknownKey", "seed: 7", "sede: 7", "job.yaml:2: unknown key 'sede'; did you mean 'seed'?"},
+    {"KeyTwice", "seed: 7", "seed: 7\nseed: 8", "job.yaml:3: 'seed' was given already, at line 2"},
+    {"SeedOfAnotherType", "seed: 7", "seed: seven", "job.yaml:2: seed: a whole number from 0"},
+    {"SeedInQuotes", "seed: 7", "seed: '7'", "job.yaml:2: seed: a whole number from 0"},
+    {"SeedNegative", "seed: 7", "seed: -1", "job.yaml:2: seed: a whole number from 0"},
+    {"SeedIsAMap", "seed: 7", "seed: {a: 1}", "job.yaml:2: seed: a whole number from 0"},
+    {"NameIsANumber", "name: museum", "name: 7", "job.yaml:1: name: a text is needed; write '7' in quotes"},
+    {"NameIsAPath", "name: museum", "name: ../x", "job.yaml:1: name: '../x' is no name"},
+    {"NoInputs", "inputs: {log: museum.h5}\n", "", "job.yaml:1: 'inputs' is missing"},
+    {"InputsAreAList", "{log: museum.h5}", "[museum.h5]", "job.yaml:3: inputs: a map"},
+    {"InputsAreEmpty", "{log: museum.h5}", "", "job.yaml:3: inputs: a map"},
+    {"MissingFile", "museum.h5}", "muesum.h5}", "job.yaml:3: input 'log': there is no file 'muesum.h5'"},
+    {"UnusedInput", "{log: museum.h5}", "{log: museum.h5, other: museum.h5}",
+     "job.yaml:3: input 'other' is used by no stage"},
+    {"StageWithoutName", "  - name: landmarks\n    pipeline", "  - pipeline",
+     "job.yaml:5: a stage without 'name'"},
+    {"StageWithoutPipeline", "    pipeline: landmark_map\n", "", "job.yaml:5: a stage without 'pipeline'"},
+    {"StageTwice", "name: grid", "name: landmarks",
+     "job.yaml:13: stage 'landmarks' was named already, at line 5"},
+    {"StageNamedAsAnInput", "name: grid", "name: log", "job.yaml:13: stage 'log' has the name of an input"},
+    {"UnknownPipeline", "landmark_map", "landmarkmap",
+     "job.yaml:6: there is no pipeline 'landmarkmap'; did you mean 'landmark_map'?"},
+    {"UnknownRole", "    log: log", "    lag: log", "job.yaml:7: unknown key 'lag'; did you mean 'log'?"},
+    {"MissingRole", "    log: log\n", "", "job.yaml:5: stage 'landmarks': landmark_map needs `log: NAME`"},
+    {"UnknownSource", "poses: landmarks", "poses: landmark",
+     "job.yaml:13: poses: there is no input or earlier stage 'landmark'; did you mean 'landmarks'?"},
+    {"StageOfItself", "poses: landmarks", "poses: grid",
+     "job.yaml:13: poses: stage 'grid' is no earlier one (line 13)"},
+    {"LaterStage", "    log: log\n", "    log: grid\n",
+     "job.yaml:7: log: stage 'grid' is no earlier one (line 13)"},
+    {"UnknownOption", "cell_m", "ceil_m",
+     "job.yaml:9: unknown option 'ceil_m' of landmark_map; did you mean 'cell_m'?"},
+    {"OptionTwice", "iterations: 5", "cell_m: 5", "job.yaml:10: 'cell_m' was given already, at line 9"},
+    {"RealIsAText", "0.25", "wide",
+     "job.yaml:9: cell_m: 'wide' is not allowed; allowed: a number from 0.01 to 10 m"},
+    {"RealInQuotes", "0.25", "\"0.25\"", "job.yaml:9: cell_m: '\"0.25\"' is not allowed; allowed: a number"},
+    {"RealOutOfRange", "0.25", "11",
+     "job.yaml:9: cell_m: '11' is not allowed; allowed: a number from 0.01 to 10 m"},
+    {"RealIsNaN", "0.25", ".nan", "job.yaml:9: cell_m: '.nan' is not allowed"},
+    {"RealIsNan", "0.25", "nan", "job.yaml:9: cell_m: 'nan' is not allowed"},
+    {"RealWithUnit", "0.25", "0.25m", "job.yaml:9: cell_m: '0.25m' is not allowed"},
+    {"RealIsAList", "0.25", "[0.25]", "job.yaml:9: cell_m: allowed: a number from 0.01 to 10 m"},
+    {"IntegerIsReal", "iterations: 5", "iterations: 5.5",
+     "job.yaml:10: iterations: '5.5' is not allowed; allowed: a whole number from 1 to 100"},
+    {"IntegerOutOfRange", "iterations: 5", "iterations: 0", "job.yaml:10: iterations: '0' is not allowed"},
+    {"BooleanIsANumber", "blur: false", "blur: 0",
+     "job.yaml:11: blur: '0' is not allowed; allowed: true or false"},
+    {"BooleanInQuotes", "blur: false", "blur: 'false'", "job.yaml:11: blur: '\"false\"' is not allowed"},
+    {"TextIsNoChoice", "mode: global", "mode: globe",
+     "job.yaml:12: mode: 'globe' is not allowed; allowed: one of local, global"},
+    {"TextIsABoolean", "mode: global", "mode: true", "job.yaml:12: mode: 'true' is not allowed"},
+    {"NotYaml", "{log: museum.h5}", "{log: museum.h5", "job.yaml:"},
+    {"TwoDocuments", "name: museum", "name: museum\n---\nname: other", "job.yaml:"},
+};
+
+class BadJob : public JobFile, public testing::WithParamInterface<Bad> {};
+
+TEST_P(BadJob, IsRefusedWithFileLineAndWhatIsAllowed) {
+  const std::string complaint = Complaint(Spoiled(GetParam().from, GetParam().to));
+  EXPECT_TRUE(complaint.starts_with(GetParam().complaint)) << complaint;
+}
+
+INSTANTIATE_TEST_SUITE_P(Lines, BadJob, testing::ValuesIn(kBad),
+                         [](const testing::TestParamInfo<Bad>& bad) { return bad.param.what; });
+
+TEST_F(JobFile, ThatIsNotThereOrEmptyIsRefused) {
+  EXPECT_THROW(ReadJobFile((folder_ / "none.yaml").string(), catalog_), InputError);
+  EXPECT_NE(Complaint(""), "accepted");
+  EXPECT_EQ(Complaint("just a text\n"), "job.yaml:1: the job: a map of `key: value` is needed");
+}
+
+TEST_F(JobFile, StagesMustBeAListThatIsNotEmpty) {
+  const std::string head = "inputs: {log: museum.h5}\n";
+  EXPECT_EQ(Complaint(head + "stages: {a: 1}\n"),
+            "job.yaml:2: stages: a list is needed, its items after '- '");
+  EXPECT_EQ(Complaint(head + "stages: []\n"), "job.yaml:2: 'stages' is empty: a job has at least one");
+  EXPECT_EQ(Complaint(head + "stages:\n  - 7\n"), "job.yaml:3: a stage: a map of `key: value` is needed");
+}
+
+TEST_F(JobFile, FlippingAnyLetterNeverCrashes) {
+  for (std::size_t i = 0; i < std::string(kGood).size(); ++i) {
+    std::string text = kGood;
+    text[i] = static_cast<char>(text[i] ^ 0x10);
+    Complaint(text);
+    Complaint(std::string(kGood).substr(0, i));
+  }
+}
+
+TEST_F(JobFile, ArgumentsGiveTheSameOptionsAsAFile) {
+  const std::string log = (folder_ / "museum.h5").string();
+  const ParsedJob parsed =
+      MakeJob("landmark_map", log, {"cell_m=0.25", "iterations=5", "blur=false", "mode=global"}, 7, catalog_);
+  const ParsedJob from_file = Read(kGood);
+  ASSERT_EQ(parsed.job.stages_size(), 1);
+  for (const auto& [key, value] : from_file.job.stages(0).options()) {
+    EXPECT_EQ(parsed.job.stages(0).options().at(key).SerializeAsString(), value.SerializeAsString()) << key;
+  }
+}
+
+TEST_F(JobFile, BadArgumentsAreRefused) {
+  const std::string log = (folder_ / "museum.h5").string();
+  const auto complaint = [&](const std::string& pipeline,
+                             const std::vector<std::string>& settings) -> std::string {
+    try {
+      MakeJob(pipeline, log, settings, 0, catalog_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_TRUE(complaint("landmark_mpa", {}).starts_with("there is no pipeline 'landmark_mpa'; did you mean"));
+  EXPECT_TRUE(complaint("landmark_map", {"cell_m"}).starts_with("--set cell_m: write key=value"));
+  EXPECT_TRUE(
+      complaint("landmark_map", {"cel_m=1"}).starts_with("--set cel_m=1: unknown option; did you mean"));
+  EXPECT_TRUE(complaint("landmark_map", {"cell_m=1", "cell_m=2"}).ends_with("was given already"));
+  EXPECT_TRUE(complaint("landmark_map", {"cell_m=99"}).starts_with("--set cell_m=99: '99' is not allowed"));
+  EXPECT_THROW(MakeJob("landmark_map", log + "x", {}, 0, catalog_), InputError);
+}
+
+}  // namespace
+}  // namespace cairn::cli
