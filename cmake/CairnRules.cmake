@@ -8,7 +8,8 @@ set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_(ZMQ|SODIUM)")
 set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?|Eigen3::.*|cairn::opencv_(core|imgproc)")
 set(CAIRN_LINKS_datasets
   "schema|schema/store|datasets(/.*)?|Eigen3::.*|cairn::opencv_.*|ZLIB::.*|nlohmann_json::.*")
-set(CAIRN_LINKS_worker "schema(/.*)?|pipelines|worker(/.*)?|spdlog::.*|nlohmann_json::.*|Threads::Threads")
+set(CAIRN_LINKS_worker
+  "schema(/.*)?|pipelines|worker(/.*)?|CLI11::.*|spdlog::.*|nlohmann_json::.*|Threads::Threads")
 set(CAIRN_LINKS_coordinator
   "schema(/.*)?|coordinator(/(core|sim|shell))?|spdlog::.*|SQLite::.*|nlohmann_json::.*|Threads::Threads")
 set(CAIRN_LINKS_coordinator_cli

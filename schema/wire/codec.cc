@@ -48,15 +48,12 @@ void WriteMetas(Message& message) {
   for (const NamedBlob& named : message.blobs) *list->Add() = MetaOf(named);
 }
 
-// Takes the metas out of the envelope.
-std::vector<BlobMeta> TakeMetas(Envelope& envelope) {
-  std::vector<BlobMeta> metas;
+std::vector<const BlobMeta*> ListMetas(Envelope& envelope) {
+  std::vector<const BlobMeta*> metas;
   if (envelope.body_case() == Envelope::kBlob) {
-    metas.push_back(std::move(*envelope.mutable_blob()->mutable_blob()));
-    envelope.mutable_blob()->clear_blob();
-  } else if (BlobMetas* list = MetaList(envelope)) {
-    for (BlobMeta& meta : *list) metas.push_back(std::move(meta));
-    list->Clear();
+    metas.push_back(&envelope.blob().blob());
+  } else if (const BlobMetas* list = MetaList(envelope)) {
+    for (const BlobMeta& meta : *list) metas.push_back(&meta);
   }
   return metas;
 }
@@ -122,10 +119,10 @@ Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const
     return Status(Code::kVersion, "a message of an unknown kind: the peer's version differs");
   }
   std::span<const std::span<const std::byte>> rest = frames.subspan(1);
-  for (const BlobMeta& meta : TakeMetas(message.envelope)) {
-    const auto count = static_cast<std::size_t>(meta.arrays_size());
+  for (const BlobMeta* meta : ListMetas(message.envelope)) {
+    const auto count = static_cast<std::size_t>(meta->arrays_size());
     if (count > rest.size()) return Corrupt("fewer frames than arrays announced");
-    Result<NamedBlob> blob = DecodeBlob(meta, rest.first(count));
+    Result<NamedBlob> blob = DecodeBlob(*meta, rest.first(count));
     if (!blob.ok()) return blob.status();
     message.blobs.push_back(std::move(blob).value());
     rest = rest.subspan(count);

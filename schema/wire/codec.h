@@ -29,8 +29,8 @@ struct NamedBlob {
 };
 NamedBlob NameBlob(BlobPtr blob);  // costs one pass over the bytes
 
-// What is sent and received. The BlobMetas inside the envelope are Encode's and Decode's business: leave them
-// empty.
+// What is sent and received. Encode writes the envelope's BlobMetas from `blobs`; those of a received one
+// agree.
 struct Message {
   Envelope envelope;
   std::vector<NamedBlob> blobs;  // of Done, BlobData (exactly one), Submit or Reply; else empty
