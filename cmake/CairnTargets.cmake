@@ -12,6 +12,8 @@ function(cairn_program name)
   add_executable(${name} ${ARG_SOURCES} $<TARGET_OBJECTS:cairn_cpu_check>)
   target_link_libraries(${name} PRIVATE cairn::flags ${ARG_DEPS})
   set_property(GLOBAL APPEND PROPERTY CAIRN_TARGETS ${name})
+  # All programs in one folder, as when they are installed: `cairn` looks for cairn-worker beside itself.
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 

@@ -23,7 +23,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 out=${out:-$root/out/quickstart}
-cairn=$root/build/release/coordinator/cli/cairn
+cairn=$root/build/release/bin/cairn
 
 "$root/deploy/install.sh"
 say "building"

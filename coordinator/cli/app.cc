@@ -1,0 +1,114 @@
+#include "coordinator/cli/app.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/programs.h"
+#include "coordinator/cli/suggest.h"
+
+namespace cairn::cli {
+namespace {
+
+void Complain(std::string problem) {
+  while (!problem.empty() && problem.back() == '\n') problem.pop_back();
+  std::fprintf(stderr, "cairn: %s\n", problem.c_str());
+}
+
+void AddCommands(CLI::App& app, Invocation& call) {
+  AddSimulate(app, call);
+  AddKeys(app, call);
+}
+
+// `cairn worker …` becomes cairn-worker: the science stays out of this process.
+int BecomeWorker(char** argv) {
+  const std::string program = WorkerProgram();
+  argv[1] = const_cast<char*>(program.c_str());
+  execv(program.c_str(), argv + 1);
+  throw WorldError(program + " cannot be run");
+}
+
+std::vector<std::string> CommandNames(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  const std::vector<std::string> commands = CommandNames(app);
+  const bool known = std::ranges::find(commands, word) != commands.end();
+  if (argc > 1 && !known && !word.starts_with('-')) {
+    Complain("there is no command '" + word + "'" + Suggest(word, commands));
+  } else if (argc == 1) {
+    std::fputs(app.help().c_str(), stderr);
+  } else {
+    Complain(std::string(error.what()) + " (cairn " + (known ? word + " " : "") + "--help says more)");
+  }
+  return kExitBadInput;
+}
+
+int RunCaught(const Invocation& call) {
+  try {
+    return call.run();
+  } catch (const InputError& error) {
+    Complain(error.what());
+    return kExitBadInput;
+  } catch (const std::bad_alloc&) {
+    Complain("out of memory");
+  } catch (const std::exception& error) {
+    Complain(error.what());
+  }
+  return kExitFailed;
+}
+
+int ParseAndRun(int argc, char** argv) {
+  CLI::App app(
+      "Cairn turns robot logs into maps and learned landmarks, the same bits on a laptop or a cluster.",
+      "cairn");
+  app.set_version_flag("--version", "cairn " CAIRN_VERSION " (" CAIRN_MARCH ")");
+  app.require_subcommand(1);
+  app.fallthrough();
+  app.footer(
+      "Exit codes: 0 done, 1 failed through no fault of the input, 2 bad usage or input.\n"
+      "Example:\n  cairn simulate loop log.h5 && cairn run landmark_map log.h5 --out result");
+  Invocation call;
+  app.add_flag("--log-json", call.log_json, "Logs as JSON lines on stderr");
+  app.add_flag("-v,--verbose", call.verbose, "Say more about what happens");
+  AddCommands(app, call);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return UsageError(app, error, argc, argv);
+  }
+  return RunCaught(call);
+}
+
+}  // namespace
+
+int Main(int argc, char** argv) {
+  int code = kExitFailed;
+  if (argc > 1 && std::string_view(argv[1]) == "worker") {
+    Invocation call;
+    call.run = [argv] { return BecomeWorker(argv); };
+    code = RunCaught(call);
+  } else {
+    code = ParseAndRun(argc, argv);
+  }
+  // A full disk may show only when the last facts are written.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    Complain("cannot write to the standard output");
+    return kExitFailed;
+  }
+  return code;
+}
+
+}  // namespace cairn::cli

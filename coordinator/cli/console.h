@@ -1,0 +1,47 @@
+// What a person sees while something runs: on a terminal a line that is drawn again and again, elsewhere
+// plain lines about once a second; log lines between. All on stderr, so that stdout holds facts alone.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "coordinator/cli/invocation.h"
+#include "schema/wire.pb.h"
+
+namespace spdlog {
+class logger;
+}
+
+namespace cairn::cli {
+
+class Console {
+ public:
+  enum class Level { kInfo, kWarning, kError };
+
+  explicit Console(const Invocation& call);
+  ~Console();
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  void Progress(const wire::JobInfo& info);
+  void Log(Level level, const std::string& line);
+  // Takes the progress line away; the next Progress() draws it again.
+  void Clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double Elapsed(const wire::JobInfo& info);
+
+  bool terminal_;
+  bool json_ = false;
+  bool drawn_ = false;
+  std::shared_ptr<spdlog::logger> logger_;
+  std::string stage_;          // job and stage that `since_` belongs to
+  Clock::time_point since_{};  // when that stage was seen first
+  double part_then_ = 0;
+  Clock::time_point last_line_{};
+  std::string last_note_;
+};
+
+}  // namespace cairn::cli

@@ -1,0 +1,20 @@
+// The programs that are installed beside this one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "coordinator/cli/catalog.h"
+
+namespace cairn::cli {
+
+// The path of cairn-worker, in the folder of the running `cairn`. Throws WorldError where there is none.
+std::string WorkerProgram();
+
+// What `program arguments…` prints on stdout. Throws WorldError where it cannot be run or fails.
+std::string OutputOf(const std::string& program, const std::vector<std::string>& arguments);
+
+// Asks cairn-worker which pipelines there are.
+Catalog LoadCatalog();
+
+}  // namespace cairn::cli
