@@ -1,0 +1,111 @@
+// What goes into the core and what comes out of it. The shell turns messages, files and the clock into events, and
+// carries out actions in their order.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "schema/checkpoint.pb.h"
+#include "schema/hash.h"
+#include "schema/job.pb.h"
+#include "schema/wire.pb.h"
+
+namespace cairn::coordinator {
+
+// ---- events: workers ----
+struct WorkerHello {
+  std::string peer;
+  wire::Hello hello;
+};
+struct WorkerBeat {
+  std::string peer;
+  wire::Beat beat;
+};
+// It leaves of its own accord: nobody is to blame for its tasks.
+struct WorkerBye {
+  std::string peer;
+};
+// The shell knows that it is dead, sooner than its lease would tell.
+struct WorkerLost {
+  std::string peer;
+};
+struct TaskDone {
+  std::string peer;
+  wire::Done done;
+  std::vector<Hash> blobs;  // that came with it; the shell has them
+};
+struct TaskFailed {
+  std::string peer;
+  wire::Failed failed;
+};
+
+// ---- events: jobs ----
+// The shell has all of job.input_blobs, and `id` is new.
+struct SubmitJob {
+  std::string id;
+  proto::Job job;
+};
+struct CancelJob {
+  std::string id;
+};
+struct ResumeJob {
+  std::string id;
+};
+// Rebuilds a job from its last good checkpoint. The shell has all blobs that it names.
+struct RestoreJob {
+  proto::Checkpoint checkpoint;
+  std::vector<Hash> previous_blobs;  // of the checkpoint before it, kept too
+};
+
+// ---- events: disk and clock ----
+struct PersistDone {
+  std::string job;
+  std::uint64_t number = 0;
+};
+struct PersistFailed {
+  std::string job;
+  std::uint64_t number = 0;
+  std::string reason;
+};
+// Checkpoints that wait for their interval are wanted now: the service is about to end.
+struct SaveNow {};
+struct Tick {};
+
+using Event = std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, TaskDone, TaskFailed, SubmitJob,
+                           CancelJob, ResumeJob, RestoreJob, PersistDone, PersistFailed, SaveNow, Tick>;
+
+// ---- actions ----
+// To a worker: Welcome, Refuse, Stranger, Assign, Cancel.
+struct Send {
+  std::string peer;
+  wire::Envelope message;
+};
+struct Publish {
+  std::uint32_t stage = 0;
+  Hash result;
+};
+// Make the blobs durable, then the results, then the checkpoint; answer with PersistDone or PersistFailed. At most
+// one of a job is under way at any time. Checkpoint n durable: those before n - 1 may go.
+struct Persist {
+  proto::Checkpoint checkpoint;
+  std::vector<Publish> publish;
+};
+// Nobody needs these any more, in memory or on disk.
+struct DropBlobs {
+  std::vector<Hash> hashes;
+};
+// A job's state changed, or it came a round further.
+struct JobChanged {
+  std::string job;
+};
+// A line for people. kAlarm: a bug that must not go unseen, such as two answers to one task that differ.
+struct Report {
+  enum Level { kInfo, kWarning, kAlarm };
+  Level level = kInfo;
+  std::string text;
+};
+
+using Action = std::variant<Send, Persist, DropBlobs, JobChanged, Report>;
+
+}  // namespace cairn::coordinator
