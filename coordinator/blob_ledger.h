@@ -20,7 +20,8 @@ class BlobLedger {
   // Takes the new blobs before it lets the old ones go, so that what is in both is never dropped.
   void Replace(Hold& hold, const HashSet& hashes);
   void Release(Hold& hold) { Replace(hold, {}); }
-  // A blob that came in but that perhaps nobody wants: dropped at the next TakeDropped() if nobody holds it then.
+  // A blob that came in but that perhaps nobody wants: dropped at the next TakeDropped() if nobody holds it
+  // then.
   void Offer(const Hash& hash) { candidates_.insert(hash); }
   bool Held(const Hash& hash) const { return counts_.contains(hash); }
   std::size_t size() const { return counts_.size(); }

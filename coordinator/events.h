@@ -1,5 +1,5 @@
-// What goes into the core and what comes out of it. The shell turns messages, files and the clock into events, and
-// carries out actions in their order.
+// What goes into the core and what comes out of it. The shell turns messages, files and the clock into
+// events, and carries out actions in their order.
 #pragma once
 
 #include <string>
@@ -45,6 +45,7 @@ struct TaskFailed {
 struct SubmitJob {
   std::string id;
   proto::Job job;
+  std::vector<Hash> blobs;  // that came with it
 };
 struct CancelJob {
   std::string id;
@@ -85,8 +86,8 @@ struct Publish {
   std::uint32_t stage = 0;
   Hash result;
 };
-// Make the blobs durable, then the results, then the checkpoint; answer with PersistDone or PersistFailed. At most
-// one of a job is under way at any time. Checkpoint n durable: those before n - 1 may go.
+// Make the blobs durable, then the results, then the checkpoint; answer with PersistDone or PersistFailed. At
+// most one of a job is under way at any time. Checkpoint n durable: those before n - 1 may go.
 struct Persist {
   proto::Checkpoint checkpoint;
   std::vector<Publish> publish;

@@ -1,0 +1,175 @@
+// Answers and failures of tasks. The first answer to a task counts; a second one must be the same.
+#include <algorithm>
+
+#include "coordinator/core.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr std::size_t kFailuresKept = 20;
+
+Hash BinaryHash(const std::string& binary) {
+  const Result<Hash> hash = Hash::FromBinary(binary);
+  return hash.ok() ? hash.value() : Hash{};
+}
+
+}  // namespace
+
+void Core::On(const TaskDone& event) {
+  for (const Hash& blob : event.blobs) ledger_.Offer(blob);  // dropped again unless somebody takes it
+  Worker* worker = Heard(event.peer);
+  if (worker == nullptr) return;
+  const wire::TaskKey& key = event.done.key();
+  worker->hung = false;
+  worker->moved_s = now_s_;
+  const double head_s = worker->head_s;
+  const bool was_first = !worker->in_hand.empty() && SameAttempt(worker->in_hand.front().key, key);
+  const bool had_it = worker->Take(key, now_s_);
+  Job* job = FindById(key.job());
+  if (job == nullptr || job->Ended()) return;
+  if (key.kind() == wire::TaskKey::RUN)
+    AcceptPartial(*job, key, event, *worker);
+  else
+    AcceptPlan(*job, key, event, *worker);
+  if (had_it && was_first && key.kind() == wire::TaskKey::RUN && JobOf(key) == job)
+    job->task_seconds.insert(
+        std::upper_bound(job->task_seconds.begin(), job->task_seconds.end(), now_s_ - head_s),
+        now_s_ - head_s);
+}
+
+void Core::AcceptPartial(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker) {
+  if (!job.step || key.stage() != job.stage || key.round() != job.round || key.task() >= job.partials.size())
+    return;
+  const Hash partial = BinaryHash(event.done.partial());
+  Hash& known = job.partials[key.task()];
+  if (!known.empty()) return CompareSecond(job, key, known, partial, worker);
+  const bool came = std::find(event.blobs.begin(), event.blobs.end(), partial) != event.blobs.end();
+  if (partial.empty() || !(came || ledger_.Held(partial))) {
+    if (job.tasks.Withdraw(key.task(), key.attempt()))
+      FailAttempt(job, key.task(), "its answer came without its blob");
+    return;
+  }
+  Count(job, event.done, worker);
+  for (const std::uint32_t other : std::vector(job.tasks.task(key.task()).live_attempts))
+    if (other != key.attempt()) Withdraw(job, key.task(), other);
+  known = partial;
+  ledger_.Add(job.holds.partials, partial);
+  worker.has.insert(partial);
+  job.tasks.Finish(key.task(), partial);
+  if (job.tasks.AllDone()) job.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
+}
+
+void Core::AcceptPlan(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker) {
+  const proto::Step& step = event.done.step();
+  const Hash hash = HashOfStep(step);
+  if (job.last_plan.kind() == key.kind() && job.last_plan.job() == key.job() && SameTask(job.last_plan, key))
+    return CompareSecond(job, key, job.last_plan_hash, hash, worker);
+  if (key.kind() != job.tasks.kind() || key.stage() != job.stage || key.round() != job.round ||
+      key.task() != 0 || job.AllStagesDone())
+    return;
+  std::string wrong = CheckStep(step);
+  if (wrong.empty())
+    for (const Hash& blob : BlobsOfStep(step))
+      if (!ledger_.Held(blob) && std::find(event.blobs.begin(), event.blobs.end(), blob) == event.blobs.end())
+        wrong = "its plan names the blob " + blob.Hex() + " that nobody has";
+  if (!wrong.empty()) {
+    if (job.tasks.Withdraw(0, key.attempt())) FailAttempt(job, 0, wrong);
+    return;
+  }
+  Count(job, event.done, worker);
+  for (const std::uint32_t other : std::vector(job.tasks.task(0).live_attempts))
+    if (other != key.attempt()) Withdraw(job, 0, other);
+  for (const Hash& blob : event.blobs) worker.has.insert(blob);
+  job.last_plan = key;
+  job.last_plan_hash = hash;
+  EndRoundFacts(job);
+  if (step.result().empty())
+    BeginRound(job, step);
+  else
+    EndStage(job, BinaryHash(step.result()));
+  actions_.push_back(JobChanged{job.id});
+}
+
+void Core::CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
+                         const Worker& worker) {
+  if (first == second) return;
+  const std::string what =
+      "two answers to task " + std::to_string(key.task()) + " of round " + std::to_string(key.round()) +
+      " of stage " + std::to_string(key.stage()) + " of job " + job.id + " differ: " + first.Hex() + " and " +
+      second.Hex() + ", the latter by " + std::to_string(worker.hello.pid()) + " on " + worker.hello.host() +
+      ". Same task, same bytes is what everything rests on: please report this";
+  Say(Report::kAlarm, what);
+  FailJob(job, what, false);
+}
+
+void Core::Count(Job& job, const wire::Done& done, const Worker& worker) {
+  if (!job.build) job.build = worker.hello.build();
+  proto::StageFacts& facts = job.facts.back();
+  facts.set_compute_seconds(facts.compute_seconds() + done.seconds());
+  facts.set_tasks(facts.tasks() + 1);
+  facts.set_workers(std::max(facts.workers(), static_cast<std::uint32_t>(fleet_.size())));
+  auto& hosts = *facts.mutable_hosts();
+  const auto place = std::lower_bound(hosts.begin(), hosts.end(), worker.hello.host());
+  if (place != hosts.end() && *place == worker.hello.host()) return;
+  const auto index = place - hosts.begin();
+  *hosts.Add() = worker.hello.host();
+  std::rotate(hosts.begin() + index, hosts.end() - 1, hosts.end());
+}
+
+void Core::EndRoundFacts(Job& job) {
+  job.facts.back().add_round_seconds(now_s_ - job.round_since_s);
+  job.round_since_s = now_s_;
+  job.task_seconds.clear();
+}
+
+void Core::BeginRound(Job& job, const proto::Step& step) {
+  job.round = job.step ? job.round + 1 : 0;
+  job.step = step;
+  job.partials.assign(static_cast<std::size_t>(step.tasks_size()), Hash{});
+  ledger_.Replace(job.holds.step, BlobsOfStep(step));
+  ledger_.Release(job.holds.partials);
+  job.tasks = step.tasks_size() > 0 ? Round::OfTasks(step) : Round::OfPlan(wire::TaskKey::ADVANCE);
+  WantSave(job, false);
+}
+
+void Core::EndStage(Job& job, const Hash& result) {
+  job.results.push_back(result);
+  ledger_.Add(job.holds.results, result);
+  job.saving.unpublished.push_back({job.stage, result});
+  ++job.stage;
+  job.round = 0;
+  job.step.reset();
+  job.partials.clear();
+  ledger_.Release(job.holds.step);
+  ledger_.Release(job.holds.partials);
+  BeginAgain(job);
+  WantSave(job, true);
+}
+
+void Core::On(const TaskFailed& event) {
+  Worker* worker = Heard(event.peer);
+  if (worker == nullptr) return;
+  const wire::TaskKey& key = event.failed.key();
+  worker->hung = false;
+  worker->moved_s = now_s_;
+  worker->Take(key, now_s_);
+  Job* job = JobOf(key);
+  if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return;
+  if (event.failed.input_error())
+    return FailJob(*job, job->TaskName(key.task()) + ": " + event.failed.message(), true);
+  FailAttempt(*job, key.task(), event.failed.message());
+}
+
+void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& why) {
+  if (job.Ended() || job.tasks.task(task).status == TaskStatus::kDone) return;
+  const std::string name = job.TaskName(task);
+  const int failures = job.tasks.Blame(task);
+  job.failures.push_back(name + ": " + why);
+  if (job.failures.size() > kFailuresKept) job.failures.erase(job.failures.begin());
+  job.facts.back().set_retries(job.facts.back().retries() + 1);
+  if (failures >= options_.max_failures)
+    return FailJob(job, name + " failed " + std::to_string(failures) + " times, last: " + why, false);
+  Say(Report::kWarning, job.id + ": " + name + ": " + why + "; it is tried again");
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,45 @@
+#include "coordinator/core.h"
+
+namespace cairn::coordinator {
+
+std::vector<Action> Core::Handle(const Event& event, double now_s) {
+  CAIRN_DEMAND(now_s >= now_s_, "time runs backwards");
+  now_s_ = now_s;
+  std::visit([this](const auto& e) { On(e); }, event);
+  Settle();
+  return std::exchange(actions_, {});
+}
+
+void Core::Settle() {
+  Dispatch();
+  SaveWhatIsDue();
+  const std::vector<Hash> dropped = ledger_.TakeDropped();
+  if (dropped.empty()) return;
+  fleet_.Forget(dropped);
+  actions_.push_back(DropBlobs{dropped});
+}
+
+std::vector<wire::JobInfo> Core::Jobs() const {
+  std::vector<wire::JobInfo> infos;
+  for (const auto& [order, job] : jobs_) infos.push_back(MakeInfo(job, now_s_));
+  return infos;
+}
+
+std::optional<wire::JobInfo> Core::Find(const std::string& id) const {
+  const Job* job = FindJob(id);
+  if (job == nullptr) return std::nullopt;
+  return MakeInfo(*job, now_s_);
+}
+
+const Job* Core::FindJob(const std::string& id) const {
+  const auto it = orders_.find(id);
+  return it == orders_.end() ? nullptr : &jobs_.at(it->second);
+}
+
+bool Core::HasUnsaved() const {
+  for (const auto& [order, job] : jobs_)
+    if (job.saving.under_way || (job.saving.due && job.state != proto::JOB_PAUSED)) return true;
+  return false;
+}
+
+}  // namespace cairn::coordinator

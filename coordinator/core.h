@@ -1,0 +1,127 @@
+// The coordinator's logic as one pure state machine: events and the time go in, actions come out. No I/O, no
+// clock, no threads, no logging; nothing here depends on what a pipeline computes.
+//
+//   workers.cc   handshake, beats, leases, workers that hang or leave
+//   answers.cc   answers and failures of tasks; rounds and stages end here
+//   dispatch.cc  which task goes to which worker, stragglers
+//   jobs.cc      submit, cancel, resume, restore
+//   saving.cc    checkpoints
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/blob_ledger.h"
+#include "coordinator/events.h"
+#include "coordinator/fleet.h"
+#include "coordinator/job.h"
+
+namespace cairn::coordinator {
+
+struct CoreOptions {
+  double beat_s = 1;          // workers beat at least this often
+  double lease_s = 10;        // a worker not heard of for this long is lost
+  double unlisted_s = 4;      // a task given this long ago that its worker's beat does not list never arrived
+  double hung_s = 60;         // a RUN task whose tick count stands still for this long goes elsewhere
+  double plan_hung_s = 3600;  // the same of START and ADVANCE, which do not tick while they reduce
+  double straggler_factor = 3;  // an idle worker gets a copy of a task that runs this many medians …
+  double straggler_min_s = 2;   // … and at least this long
+  int max_failures = 3;         // of one task, then the job fails
+  double checkpoint_interval_s = 1;
+  std::uint32_t protocol = 1;  // Hello.protocol that is spoken here
+};
+
+class Core {
+ public:
+  explicit Core(const CoreOptions& options) : options_(options) {}
+
+  // Times never run backwards.
+  std::vector<Action> Handle(const Event& event, double now_s);
+
+  std::vector<wire::JobInfo> Jobs() const;  // in the order of submission
+  std::optional<wire::JobInfo> Find(const std::string& id) const;
+  const Job* FindJob(const std::string& id) const;
+  const Fleet& fleet() const { return fleet_; }
+  std::size_t held_blobs() const { return ledger_.size(); }
+  bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
+  // A checkpoint is under way, or SaveNow would begin one.
+  bool HasUnsaved() const;
+
+ private:
+  using JobMap = std::map<std::uint64_t, Job>;  // by order
+
+  void On(const WorkerHello& event);
+  void On(const WorkerBeat& event);
+  void On(const WorkerBye& event);
+  void On(const WorkerLost& event);
+  void On(const TaskDone& event);
+  void On(const TaskFailed& event);
+  void On(const SubmitJob& event);
+  void On(const CancelJob& event);
+  void On(const ResumeJob& event);
+  void On(const RestoreJob& event);
+  void On(const PersistDone& event);
+  void On(const PersistFailed& event);
+  void On(const SaveNow& event);
+  void On(const Tick& event);
+
+  // workers.cc
+  void Refuse(const std::string& peer, const std::string& reason);
+  const wire::Build* RequiredBuild() const;
+  Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is a stranger
+  void DropUnlisted(Worker& worker, const wire::Beat& beat);
+  void Lose(Worker& worker,
+            const std::string& blame);  // removes it; `blame`: what its running task did, or empty
+  void GiveUpHung(Worker& worker);
+
+  // answers.cc
+  void AcceptPartial(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker);
+  void AcceptPlan(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker);
+  void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
+                     const Worker& worker);
+  void Count(Job& job, const wire::Done& done, const Worker& worker);
+  void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
+  void BeginRound(Job& job, const proto::Step& step);
+  void EndStage(Job& job, const Hash& result);
+  void EndRoundFacts(Job& job);
+
+  // dispatch.cc
+  void Dispatch();
+  Job* NextJob();
+  void Assign(Job& job, std::uint32_t task, Worker& worker);
+  void Withdraw(Job& job, std::uint32_t task, std::uint32_t attempt);  // from whoever has it, with a Cancel
+  void WithdrawAll(Job& job);
+  bool MoveQueuedTo(Worker& idle);
+  bool CopyStragglerTo(Worker& idle);
+  Job* JobOf(const wire::TaskKey& key);  // null where the task is not part of what is under way
+
+  // jobs.cc
+  Job* FindById(const std::string& id);
+  void BeginAgain(Job& job);
+  void HoldRestored(Job& job, const RestoreJob& event);
+  void SetState(Job& job, proto::JobState state, const std::string& reason);
+  void FailJob(Job& job, const std::string& reason, bool input_error);
+  void ReleaseAll(Job& job);
+
+  // saving.cc
+  void Save(Job& job);
+  void SaveWhatIsDue();
+  void WantSave(Job& job, bool at_once);
+
+  void Say(Report::Level level, std::string text) { actions_.push_back(Report{level, std::move(text)}); }
+  void Settle();
+
+  CoreOptions options_;
+  double now_s_ = 0;
+  JobMap jobs_;
+  std::map<std::string, std::uint64_t> orders_;  // by job id
+  std::uint64_t next_order_ = 1;
+  std::uint64_t served_order_ = 0;  // whose task was placed last
+  Fleet fleet_;
+  BlobLedger ledger_;
+  std::vector<Action> actions_;
+};
+
+}  // namespace cairn::coordinator

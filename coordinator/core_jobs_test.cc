@@ -1,0 +1,262 @@
+// The life of a job: rounds, stages, chains of tasks, ends, checkpoints.
+#include <gtest/gtest.h>
+
+#include "coordinator/core_bench.h"
+
+namespace cairn::coordinator {
+namespace {
+
+using Envelope = wire::Envelope;
+
+// Carries a job with one worker to the first round of `tasks` tasks.
+void Begin(Bench& bench, int tasks, std::uint32_t slots = 1) {
+  bench.Submit();
+  bench.Do(PersistDone{"a", 1});
+  bench.Join("w", slots);
+  bench.AnswerPlan(bench.Next(), TestStep(tasks));
+}
+
+TEST(CoreJobs, RunsStartThenTasksThenAdvanceThenTheNextStage) {
+  Bench bench;
+  bench.Submit("a", TestJob(2));
+  bench.Join("w");
+  Bench::Assigned start = bench.Next();
+  EXPECT_EQ(start.assign.key().kind(), wire::TaskKey::START);
+  EXPECT_EQ(start.assign.stage().name(), "stage0");
+  EXPECT_EQ(start.assign.seed(), 7u);
+  EXPECT_EQ(start.assign.inputs().at("log"), H(1000).Binary());
+  proto::Step step = TestStep(2);
+  (*step.mutable_state()->mutable_blobs())["map"] = H(5).Binary();
+  bench.AnswerPlan(start, step, {H(5)});
+  bench.AnswerRun(bench.Next(), H(10));
+  bench.AnswerRun(bench.Next(), H(11));
+  const Bench::Assigned advance = bench.Next();
+  EXPECT_EQ(advance.assign.key().kind(), wire::TaskKey::ADVANCE);
+  EXPECT_EQ(advance.assign.key().round(), 0u);
+  ASSERT_EQ(advance.assign.partials_size(), 2);
+  EXPECT_EQ(advance.assign.partials(0), H(10).Binary());
+  EXPECT_EQ(advance.assign.partials(1), H(11).Binary());
+  EXPECT_EQ(advance.assign.state().blobs().at("map"), H(5).Binary());
+  EXPECT_EQ(advance.assign.inputs().at("log"), H(1000).Binary());
+  bench.AnswerResult(advance, H(20));
+  const Bench::Assigned second = bench.Next();
+  EXPECT_EQ(second.assign.key().kind(), wire::TaskKey::START);
+  EXPECT_EQ(second.assign.key().stage(), 1u);
+  EXPECT_EQ(second.assign.inputs().at("before"), H(20).Binary());
+}
+
+TEST(CoreJobs, PartialsAreReducedInTaskOrderWhateverTheOrderOfAnswers) {
+  Bench bench;
+  Begin(bench, 3, 4);
+  const auto t0 = bench.Next(), t1 = bench.Next(), t2 = bench.Next();
+  bench.AnswerRun(t2, H(12));
+  bench.AnswerRun(t0, H(10));
+  bench.AnswerRun(t1, H(11));
+  const auto advance = bench.Next();
+  ASSERT_EQ(advance.assign.partials_size(), 3);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(advance.assign.partials(i), H(10 + static_cast<std::uint64_t>(i)).Binary());
+}
+
+TEST(CoreJobs, ATaskIsSentWithTheHashOfThePartialThatItNames) {
+  Bench bench;
+  bench.Submit();
+  bench.Join("w", 4);
+  proto::Step step = TestStep(2);
+  step.mutable_tasks(1)->mutable_inputs(0)->set_task(0);
+  bench.AnswerPlan(bench.Next(), step);
+  const auto first = bench.Next();
+  EXPECT_TRUE(bench.assigned.empty());
+  bench.AnswerRun(first, H(10));
+  const auto second = bench.Next();
+  EXPECT_EQ(second.assign.key().task(), 1u);
+  ASSERT_TRUE(second.assign.task().inputs(0).source_case() == proto::InputRef::kBlob);
+  EXPECT_EQ(second.assign.task().inputs(0).blob(), H(10).Binary());
+}
+
+TEST(CoreJobs, ARoundWithoutTasksIsReducedAtOnce) {
+  Bench bench;
+  Begin(bench, 0);
+  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+}
+
+TEST(CoreJobs, IsDoneOnlyWhenItsEndIsDurable) {
+  Bench bench;
+  Begin(bench, 0);
+  bench.AnswerResult(bench.Next(), H(20));
+  const auto persists = bench.All<Persist>();
+  ASSERT_EQ(persists.size(), 1u);
+  EXPECT_EQ(persists[0].checkpoint.state(), proto::JOB_DONE);
+  ASSERT_EQ(persists[0].publish.size(), 1u);
+  EXPECT_EQ(persists[0].publish[0].result, H(20));
+  EXPECT_EQ(bench.Info().state(), "running");
+  EXPECT_TRUE(bench.core.Holds(H(20)));
+  bench.Do(PersistDone{"a", persists[0].checkpoint.number()});
+  EXPECT_EQ(bench.Info().state(), "done");
+  EXPECT_EQ(bench.core.held_blobs(), 0u);
+}
+
+TEST(CoreJobs, AnInputErrorFailsTheJobAtOnce) {
+  Bench bench;
+  Begin(bench, 2, 2);
+  const auto task = bench.Next();
+  bench.Fail(task, "robot 2, step 5: no mass left", true);
+  EXPECT_EQ(bench.Info().state(), "failed");
+  EXPECT_TRUE(bench.Info().input_error());
+  EXPECT_EQ(bench.Info().reason(),
+            "task 0 (toy) of round 0 of stage 'stage0': robot 2, step 5: no mass left");
+  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u) << "the other task is called back";
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.state(), proto::JOB_FAILED);
+}
+
+TEST(CoreJobs, ATaskThatFailsThreeTimesFailsTheJobAndOthersLiveOn) {
+  Bench bench;
+  Begin(bench, 1);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(bench.Info().state(), "running");
+    bench.Fail(bench.Next(), "bad_alloc");
+  }
+  EXPECT_EQ(bench.Info().state(), "failed");
+  EXPECT_FALSE(bench.Info().input_error());
+  EXPECT_NE(
+      bench.Info().reason().find("task 0 (toy) of round 0 of stage 'stage0' failed 3 times, last: bad_alloc"),
+      std::string::npos);
+  bench.Submit("b");
+  EXPECT_EQ(bench.Next().assign.key().job(), "b");
+}
+
+TEST(CoreJobs, ABadChainOfStagesIsAnInputError) {
+  const auto reason = [](auto&& change) {
+    Bench bench;
+    proto::Job job = TestJob(2);
+    change(job);
+    bench.Submit("a", job);
+    EXPECT_EQ(bench.Info().state(), "failed");
+    EXPECT_TRUE(bench.Info().input_error());
+    return bench.Info().reason();
+  };
+  EXPECT_EQ(reason([](proto::Job& job) { job.clear_stages(); }), "the job has no stages");
+  EXPECT_NE(reason([](proto::Job& job) {
+              (*job.mutable_stages(0)->mutable_inputs())["x"] = "stage1";
+            }).find("stage1"),
+            std::string::npos);
+  EXPECT_NE(reason([](proto::Job& job) { job.mutable_stages(1)->set_name("log"); }).find("'log'"),
+            std::string::npos);
+  EXPECT_NE(reason([](proto::Job& job) { (*job.mutable_input_blobs())["log"] = "x"; }).find("hash"),
+            std::string::npos);
+}
+
+TEST(CoreJobs, APlanThatNamesABlobNobodyHasIsAFailureOfTheTask) {
+  Bench bench;
+  bench.Submit();
+  bench.Join("w");
+  proto::Step step = TestStep(1);
+  step.mutable_tasks(0)->mutable_inputs(0)->set_blob(H(77).Binary());
+  for (int i = 0; i < 3; ++i) bench.AnswerPlan(bench.Next(), step);
+  EXPECT_EQ(bench.Info().state(), "failed");
+  EXPECT_NE(bench.Info().reason().find(H(77).Hex()), std::string::npos);
+}
+
+TEST(CoreJobs, CancelCallsBackTasksAndResumeGoesOnFromTheStep) {
+  Bench bench;
+  Begin(bench, 2, 2);
+  bench.AnswerRun(bench.Next(), H(10));
+  bench.Do(CancelJob{"a"});
+  EXPECT_EQ(bench.Info().state(), "cancelled");
+  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u);
+  EXPECT_FALSE(bench.core.Holds(H(10)));
+  bench.assigned.clear();
+  bench.Do(ResumeJob{"a"});
+  EXPECT_EQ(bench.Info().state(), "running");
+  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::RUN);
+  EXPECT_EQ(bench.Info().tasks_done(), 0u);
+}
+
+TEST(CoreJobs, JobsTakeTurns) {
+  Bench bench;
+  bench.Submit("a");
+  bench.Submit("b");
+  bench.Join("w", 2);
+  const auto a = bench.Next(), b = bench.Next();
+  EXPECT_EQ(a.assign.key().job(), "a");
+  EXPECT_EQ(b.assign.key().job(), "b");
+  bench.AnswerPlan(a, TestStep(4));
+  bench.AnswerPlan(b, TestStep(4));
+  std::map<std::string, int> served;
+  for (int i = 0; i < 6; ++i) {
+    const auto task = bench.Next();
+    ++served[task.assign.key().job()];
+    bench.AnswerRun(task, H(static_cast<std::uint64_t>(i)));
+  }
+  EXPECT_EQ(served["a"], 3);
+  EXPECT_EQ(served["b"], 3);
+}
+
+TEST(CoreJobs, TwoAnswersThatDifferRaiseAnAlarmAndFailTheJob) {
+  Bench bench;
+  Begin(bench, 2, 2);
+  const auto task = bench.Next();
+  bench.AnswerRun(task, H(10));
+  bench.AnswerRun(task, H(10));
+  EXPECT_TRUE(bench.alarms.empty());
+  bench.AnswerRun(task, H(11));
+  ASSERT_EQ(bench.alarms.size(), 1u);
+  EXPECT_NE(bench.alarms[0].find(H(11).Hex()), std::string::npos);
+  EXPECT_EQ(bench.Info().state(), "failed");
+}
+
+TEST(CoreJobs, TwoPlansThatDifferRaiseAnAlarmEvenAfterTheRoundHasBegun) {
+  Bench bench;
+  bench.Submit();
+  bench.Join("w");
+  const auto start = bench.Next();
+  bench.AnswerPlan(start, TestStep(1, "one"));
+  bench.AnswerPlan(start, TestStep(1, "one"));
+  EXPECT_TRUE(bench.alarms.empty());
+  bench.AnswerPlan(start, TestStep(1, "two"));
+  EXPECT_EQ(bench.alarms.size(), 1u);
+}
+
+TEST(CoreJobs, AnswersOfAnEarlierRoundAreIgnoredAndTheirBlobsDropped) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto old_task = bench.Next();
+  bench.AnswerRun(old_task, H(10));
+  bench.AnswerPlan(bench.Next(), TestStep(1));
+  EXPECT_EQ(bench.Info().round(), 1u);
+  bench.AnswerRun(old_task, H(99));
+  EXPECT_EQ(bench.Info().tasks_done(), 0u);
+  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
+  EXPECT_EQ(bench.All<DropBlobs>()[0].hashes, std::vector<Hash>{H(99)});
+}
+
+TEST(CoreJobs, AnAnswerWithoutItsBlobIsAFailure) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  wire::Done done;
+  *done.mutable_key() = task.assign.key();
+  done.set_partial(H(10).Binary());
+  bench.Do(TaskDone{task.peer, done, {}});
+  EXPECT_EQ(bench.Info().tasks_done(), 0u);
+  EXPECT_EQ(bench.Next().assign.key().attempt(), 2u);
+}
+
+TEST(CoreJobs, InfoSaysWhereAJobStands) {
+  Bench bench;
+  bench.Submit();
+  EXPECT_EQ(bench.Info().state(), "queued");
+  bench.Join("w", 2);
+  bench.AnswerPlan(bench.Next(), TestStep(2, "iteration 1"));
+  bench.AnswerRun(bench.Next(), H(10));
+  const wire::JobInfo info = bench.Info();
+  EXPECT_EQ(info.state(), "running");
+  EXPECT_EQ(info.stages(), 1u);
+  EXPECT_EQ(info.tasks(), 2u);
+  EXPECT_EQ(info.tasks_done(), 1u);
+  EXPECT_EQ(info.note(), "iteration 1");
+}
+
+}  // namespace
+}  // namespace cairn::coordinator

@@ -1,0 +1,223 @@
+// Checkpoints, full disks, restarts, and which blobs may go.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "coordinator/core_bench.h"
+
+namespace cairn::coordinator {
+namespace {
+
+// Plays one round of one task to its ADVANCE; the next step shares the blob `state`.
+void PlayRound(Bench& bench, std::uint64_t n) {
+  bench.AnswerRun(bench.Next(), H(100 + n));
+  proto::Step step = TestStep(1, "round " + std::to_string(n));
+  (*step.mutable_state()->mutable_blobs())["state"] = H(200 + n).Binary();
+  bench.AnswerPlan(bench.Next(), step, {H(200 + n)});
+}
+
+void Begin(Bench& bench) {
+  bench.Submit();
+  bench.Do(PersistDone{"a", 1});
+  bench.Join("w");
+  bench.AnswerPlan(bench.Next(), TestStep(1));
+}
+
+bool Names(const proto::Checkpoint& checkpoint, const Hash& hash) {
+  return std::find(checkpoint.blobs().begin(), checkpoint.blobs().end(), hash.Binary()) !=
+         checkpoint.blobs().end();
+}
+
+TEST(CoreSaving, ASubmittedJobIsSavedAtOnceWithItsInputs) {
+  Bench bench;
+  bench.Submit();
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  const proto::Checkpoint checkpoint = bench.All<Persist>()[0].checkpoint;
+  EXPECT_EQ(checkpoint.number(), 1u);
+  EXPECT_FALSE(checkpoint.has_step());
+  EXPECT_TRUE(Names(checkpoint, H(1000)));
+}
+
+TEST(CoreSaving, SavesAtMostOnceInAnIntervalAndThenTheLatest) {
+  Bench bench;
+  Begin(bench);
+  for (std::uint64_t n = 0; n < 5; ++n) {
+    PlayRound(bench, n);
+    EXPECT_TRUE(bench.All<Persist>().empty());
+  }
+  bench.Advance(1.1);
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  const proto::Checkpoint checkpoint = bench.All<Persist>()[0].checkpoint;
+  EXPECT_EQ(checkpoint.number(), 2u);
+  EXPECT_EQ(checkpoint.round(), 5u);
+  EXPECT_EQ(checkpoint.step().note(), "round 4");
+  EXPECT_TRUE(Names(checkpoint, H(204)));
+  bench.Advance(5);
+  EXPECT_TRUE(bench.All<Persist>().empty()) << "one at a time, and nothing new came";
+}
+
+TEST(CoreSaving, RoundsGoOnWhileACheckpointIsUnderWay) {
+  Bench bench;
+  Begin(bench);
+  bench.Advance(1.1);
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  bench.now_s += 2;
+  PlayRound(bench, 0);
+  PlayRound(bench, 1);
+  EXPECT_TRUE(bench.All<Persist>().empty());
+  EXPECT_EQ(bench.Info().round(), 2u);
+  bench.Do(PersistDone{"a", 2});
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.round(), 2u);
+}
+
+TEST(CoreSaving, KeepsTheBlobsOfTheLastTwoCheckpoints) {
+  Bench bench;
+  Begin(bench);
+  std::uint64_t number = 1;
+  const auto play_and_save = [&](std::uint64_t n) {
+    PlayRound(bench, n);
+    bench.Beat("w");
+    bench.Advance(1.1);
+    bench.Do(PersistDone{"a", ++number});
+  };
+  play_and_save(0);
+  play_and_save(1);
+  EXPECT_TRUE(bench.core.Holds(H(200)));
+  play_and_save(2);
+  EXPECT_FALSE(bench.core.Holds(H(200)));
+  EXPECT_TRUE(bench.core.Holds(H(201)));
+  EXPECT_TRUE(bench.core.Holds(H(202)));
+  EXPECT_FALSE(bench.core.Holds(H(102))) << "partials go when they are reduced";
+}
+
+TEST(CoreSaving, AFullDiskPausesTheJobWithTheReasonAndResumeGoesOn) {
+  Bench bench;
+  Begin(bench);
+  bench.Advance(1.1);
+  bench.Do(PersistFailed{"a", 2, "no space left on device"});
+  EXPECT_EQ(bench.Info().state(), "paused");
+  EXPECT_EQ(bench.Info().reason(), "cannot save: no space left on device");
+  bench.AnswerRun(bench.Next(), H(100));
+  EXPECT_EQ(bench.Info().tasks_done(), 1u) << "what was under way still counts";
+  EXPECT_TRUE(bench.assigned.empty());
+  bench.Advance(5);
+  EXPECT_TRUE(bench.All<Persist>().empty());
+  bench.Do(ResumeJob{"a"});
+  EXPECT_EQ(bench.Info().state(), "running");
+  EXPECT_EQ(bench.All<Persist>().size(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.number(), 3u);
+  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+}
+
+TEST(CoreSaving, AResultThatCouldNotBePublishedIsPublishedAfterResume) {
+  Bench bench;
+  bench.Submit("a", TestJob(2));
+  bench.Do(PersistDone{"a", 1});
+  bench.Join("w");
+  bench.AnswerResult(bench.Next(), H(20));
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].publish.size(), 1u);
+  bench.Do(PersistFailed{"a", 2, "full"});
+  bench.Do(ResumeJob{"a"});
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  ASSERT_EQ(bench.All<Persist>()[0].publish.size(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].publish[0].result, H(20));
+  bench.Do(PersistDone{"a", 3});
+  bench.AnswerResult(bench.Next(), H(21));
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  ASSERT_EQ(bench.All<Persist>()[0].publish.size(), 1u) << "each result once";
+  EXPECT_EQ(bench.All<Persist>()[0].publish[0].result, H(21));
+}
+
+TEST(CoreSaving, ARestoredJobGoesOnFromItsStepWithTheSameTasks) {
+  Bench before;
+  Begin(before);
+  PlayRound(before, 0);
+  before.Advance(1.1);
+  ASSERT_EQ(before.All<Persist>().size(), 1u);
+  const proto::Checkpoint checkpoint = before.All<Persist>()[0].checkpoint;
+
+  Bench after;
+  after.Do(RestoreJob{checkpoint, {}});
+  after.Join("w");
+  const auto task = after.Next(), same = before.Next();
+  EXPECT_EQ(task.assign.key().round(), 1u);
+  EXPECT_EQ(task.assign.SerializeAsString(), same.assign.SerializeAsString());
+  EXPECT_TRUE(after.core.Holds(H(200)));
+  after.AnswerRun(task, H(101));
+  after.AnswerResult(after.Next(), H(20));
+  ASSERT_EQ(after.All<Persist>().size(), 1u);
+  EXPECT_GT(after.All<Persist>()[0].checkpoint.number(), checkpoint.number());
+}
+
+TEST(CoreSaving, ARestoredJobRefusesWorkersOfAnotherBuild) {
+  Bench before;
+  Begin(before);
+  before.Advance(1.1);
+  Bench after;
+  after.Do(RestoreJob{before.All<Persist>().at(0).checkpoint, {}});
+  after.Join("x", 1, "2");
+  EXPECT_EQ(after.Sent(&wire::Envelope::has_refuse).size(), 1u);
+  EXPECT_TRUE(after.assigned.empty());
+}
+
+TEST(CoreSaving, AnEndedJobIsRestoredAsItEnded) {
+  Bench before;
+  Begin(before);
+  before.Do(CancelJob{"a"});
+  const proto::Checkpoint checkpoint = before.All<Persist>().at(0).checkpoint;
+  Bench after;
+  after.Do(RestoreJob{checkpoint, {}});
+  after.Join("w");
+  EXPECT_EQ(after.Info().state(), "cancelled");
+  EXPECT_TRUE(after.assigned.empty());
+  after.Do(ResumeJob{"a"});
+  EXPECT_EQ(after.Next().assign.key().kind(), wire::TaskKey::RUN);
+}
+
+TEST(CoreSaving, ARestoredJobKeepsThePlaceOfItsSubmission) {
+  Bench bench;
+  proto::Checkpoint checkpoint;
+  checkpoint.set_job_id("old");
+  checkpoint.set_order(5);
+  *checkpoint.mutable_job() = TestJob();
+  bench.Do(RestoreJob{checkpoint, {}});
+  bench.Submit("new");
+  ASSERT_EQ(bench.core.Jobs().size(), 2u);
+  EXPECT_EQ(bench.core.Jobs()[0].id(), "old");
+}
+
+TEST(CoreSaving, SaveNowDoesNotWaitForTheInterval) {
+  Bench bench;
+  Begin(bench);
+  EXPECT_TRUE(bench.core.HasUnsaved());
+  bench.Do(SaveNow{});
+  EXPECT_EQ(bench.All<Persist>().size(), 1u);
+  bench.Do(PersistDone{"a", 2});
+  EXPECT_FALSE(bench.core.HasUnsaved());
+}
+
+TEST(CoreSaving, BlobsThatCameWithARefusedJobAreDropped) {
+  Bench bench;
+  proto::Job job = TestJob();
+  job.clear_stages();
+  bench.Do(SubmitJob{"a", job, {H(1000)}});
+  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
+}
+
+TEST(CoreSaving, FactsCountHostsTasksAndRounds) {
+  Bench bench;
+  Begin(bench);
+  bench.now_s += 2;
+  PlayRound(bench, 0);
+  const proto::StageFacts& facts = bench.core.FindJob("a")->facts.at(0);
+  EXPECT_EQ(facts.tasks(), 3u);
+  ASSERT_EQ(facts.round_seconds_size(), 2);
+  EXPECT_DOUBLE_EQ(facts.round_seconds(1), 2.0);
+  ASSERT_EQ(facts.hosts_size(), 1);
+  EXPECT_EQ(facts.hosts(0), "host-w");
+}
+
+}  // namespace
+}  // namespace cairn::coordinator

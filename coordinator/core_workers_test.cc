@@ -1,0 +1,265 @@
+// Workers: handshake, leases, hanging, stragglers, placement.
+#include <gtest/gtest.h>
+
+#include "coordinator/core_bench.h"
+
+namespace cairn::coordinator {
+namespace {
+
+using Envelope = wire::Envelope;
+
+// A job whose first round has `tasks` tasks; `w` joined first, with `slots`.
+void Begin(Bench& bench, int tasks, std::uint32_t slots = 1) {
+  bench.Submit();
+  bench.Do(PersistDone{"a", 1});
+  bench.Join("w", slots);
+  bench.AnswerPlan(bench.Next(), TestStep(tasks));
+}
+
+TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
+  Bench bench;
+  bench.Join("w", 1, "1");
+  EXPECT_EQ(bench.Sent(&Envelope::has_welcome).size(), 1u);
+  bench.Join("x", 1, "2");
+  const auto refused = bench.Sent(&Envelope::has_refuse);
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].peer, "x");
+  EXPECT_EQ(refused[0].message.refuse().reason(), "version is '2', the others' is '1'");
+  EXPECT_EQ(bench.core.fleet().size(), 1u);
+}
+
+TEST(CoreWorkers, AnUnfinishedJobKeepsOtherBuildsOutUntilItEnds) {
+  Bench bench;
+  Begin(bench, 1);
+  bench.Do(WorkerBye{"w"});
+  bench.Join("x", 1, "2");
+  EXPECT_EQ(bench.core.fleet().size(), 0u);
+  bench.Do(CancelJob{"a"});
+  bench.Join("x", 1, "2");
+  EXPECT_EQ(bench.core.fleet().size(), 1u);
+  bench.Do(ResumeJob{"a"});
+  EXPECT_EQ(bench.Info().state(), "cancelled");
+  EXPECT_NE(bench.Info().reason().find("another build"), std::string::npos);
+}
+
+TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
+  Bench bench;
+  wire::Hello hello;
+  hello.set_protocol(2);
+  hello.set_slots(1);
+  bench.Do(WorkerHello{"w", hello});
+  EXPECT_EQ(bench.Sent(&Envelope::has_refuse).size(), 1u);
+  bench.Join("w", 0);
+  EXPECT_EQ(bench.Sent(&Envelope::has_refuse).size(), 1u);
+}
+
+TEST(CoreWorkers, AStrangerIsAskedToSayHello) {
+  Bench bench;
+  bench.Beat("nobody");
+  ASSERT_EQ(bench.Sent(&Envelope::has_stranger).size(), 1u);
+}
+
+TEST(CoreWorkers, GetsAsManyTasksAsItHasSlots) {
+  Bench bench;
+  Begin(bench, 5, 3);
+  EXPECT_EQ(bench.assigned.size(), 3u);
+  bench.AnswerRun(bench.Next(), H(10));
+  EXPECT_EQ(bench.assigned.size(), 3u);
+}
+
+TEST(CoreWorkers, ALateJoinerTakesOverWhatWaitsBehindAnother) {
+  Bench bench;
+  Begin(bench, 3, 3);
+  bench.assigned.clear();
+  bench.Join("late", 3);
+  const auto moved = bench.Next();
+  EXPECT_EQ(moved.peer, "late");
+  EXPECT_EQ(moved.assign.key().task(), 2u);
+  EXPECT_EQ(moved.assign.key().attempt(), 2u);
+  const auto cancels = bench.Sent(&Envelope::has_cancel);
+  ASSERT_EQ(cancels.size(), 1u);
+  EXPECT_EQ(cancels[0].peer, "w");
+  EXPECT_TRUE(bench.assigned.empty()) << "a worker that has something takes no more";
+}
+
+TEST(CoreWorkers, ATaskGoesElsewhereWhenTheLeaseExpires) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto lost = bench.Next();
+  bench.Join("x");
+  bench.Advance(9);
+  bench.Beat("x");
+  EXPECT_TRUE(bench.assigned.empty());
+  bench.Advance(2);
+  const auto again = bench.Next();
+  EXPECT_EQ(again.peer, "x");
+  EXPECT_EQ(again.assign.key().task(), lost.assign.key().task());
+  bench.Beat("w");
+  EXPECT_EQ(bench.Sent(&Envelope::has_stranger).size(), 1u);
+}
+
+TEST(CoreWorkers, ALateAnswerOfAWithdrawnAttemptCountsBecauseTasksArePure) {
+  Bench bench;
+  Begin(bench, 2, 2);
+  const auto first = bench.Next(), second = bench.Next();
+  bench.Join("w", 2);  // says Hello again: has forgotten both
+  bench.assigned.clear();
+  bench.AnswerRun(first, H(10));
+  EXPECT_EQ(bench.Info().tasks_done(), 1u);
+  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u);
+  bench.Fail(second, "failure of an attempt that was withdrawn");
+  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+}
+
+TEST(CoreWorkers, OnlyTheRunningTaskIsBlamedForADeadWorker) {
+  Bench bench;
+  Begin(bench, 2, 2);
+  for (int i = 0; i < 2; ++i) {
+    bench.assigned.clear();
+    bench.Do(WorkerLost{"w"});
+    bench.Join("w", 2);
+  }
+  ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 2u);
+  bench.Do(WorkerLost{"w"});
+  EXPECT_EQ(bench.Info().state(), "failed");
+  EXPECT_NE(bench.Info().reason().find("task 0 (toy)"), std::string::npos);
+}
+
+TEST(CoreWorkers, NobodyIsBlamedForAWorkerThatLeaves) {
+  Bench bench;
+  Begin(bench, 1);
+  for (int i = 0; i < 5; ++i) {
+    bench.Do(WorkerBye{"w"});
+    bench.Join("w");
+  }
+  EXPECT_EQ(bench.Info().state(), "running");
+  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+}
+
+TEST(CoreWorkers, AWorkerThatBeatsButDoesNotMoveHangs) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  bench.Join("x");
+  for (int i = 0; i < 65; ++i) {
+    bench.Beat("w", {task}, 3);
+    bench.Beat("x");
+    bench.Advance(1);
+  }
+  const auto again = bench.Next();
+  EXPECT_EQ(again.peer, "x");
+  ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_NE(bench.core.FindJob("a")->failures[0].find("did not move"), std::string::npos);
+  bench.AnswerRun(again, H(10));
+  EXPECT_EQ(bench.Next().peer, "x") << "a worker that hangs gets nothing";
+}
+
+TEST(CoreWorkers, AWorkerWhoseTicksMoveDoesNotHang) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    bench.Beat("w", {task}, i + 1);
+    bench.Advance(1);
+  }
+  EXPECT_TRUE(bench.assigned.empty());
+  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+}
+
+TEST(CoreWorkers, AHungWorkerThatMovesAgainGetsTasksAgain) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  for (int i = 0; i < 65; ++i) {
+    bench.Beat("w", {task}, 3);
+    bench.Advance(1);
+  }
+  EXPECT_TRUE(bench.assigned.empty());
+  bench.Beat("w");
+  EXPECT_EQ(bench.Next().assign.key().attempt(), 2u);
+}
+
+TEST(CoreWorkers, ATaskThatItsWorkerNeverListsIsSentAgain) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto lost = bench.Next();
+  bench.now_s += 3;
+  bench.Beat("w");
+  EXPECT_TRUE(bench.assigned.empty());
+  bench.now_s += 2;
+  bench.Beat("w");
+  const auto again = bench.Next();
+  EXPECT_EQ(again.assign.key().task(), lost.assign.key().task());
+  EXPECT_EQ(again.assign.key().attempt(), 2u);
+  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+}
+
+TEST(CoreWorkers, ATaskThatIsNotWantedIsCalledBackAtEachBeat) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  bench.Do(CancelJob{"a"});
+  bench.Beat("w", {task});
+  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u);
+}
+
+TEST(CoreWorkers, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
+  Bench bench;
+  Begin(bench, 4);
+  bench.Join("x");
+  auto on_w = bench.Next();
+  ASSERT_EQ(on_w.peer, "w");
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    bench.now_s += 0.5;
+    bench.AnswerRun(bench.Next(), H(10 + i));
+  }
+  bench.Beat("w", {on_w}, 1);
+  bench.Advance(0.4);
+  EXPECT_TRUE(bench.assigned.empty());
+  bench.Beat("x");
+  bench.Advance(0.2);
+  const auto copy = bench.Next();
+  EXPECT_EQ(copy.peer, "x");
+  EXPECT_EQ(copy.assign.key().task(), on_w.assign.key().task());
+  bench.Advance(1);
+  EXPECT_TRUE(bench.assigned.empty()) << "one copy is enough";
+  bench.AnswerRun(copy, H(20));
+  const auto cancels = bench.Sent(&Envelope::has_cancel);
+  ASSERT_EQ(cancels.size(), 1u);
+  EXPECT_EQ(cancels[0].peer, "w");
+  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+  bench.AnswerRun(on_w, H(20));
+  EXPECT_TRUE(bench.alarms.empty());
+}
+
+TEST(CoreWorkers, AChainStaysOnTheWorkerThatHasThePartial) {
+  Bench bench;
+  bench.Submit();
+  bench.Join("v");
+  bench.Join("w");
+  proto::Step step = TestStep(4);  // two chains: 0-2 and 1-3
+  step.mutable_tasks(2)->mutable_inputs(0)->set_task(0);
+  step.mutable_tasks(3)->mutable_inputs(0)->set_task(1);
+  bench.AnswerPlan(bench.Next(), step);
+  const auto t0 = bench.Next(), t1 = bench.Next();
+  ASSERT_NE(t0.peer, t1.peer);
+  bench.AnswerRun(t1, H(11));
+  const auto t3 = bench.Next();
+  EXPECT_EQ(t3.assign.key().task(), 3u);
+  EXPECT_EQ(t3.peer, t1.peer);
+}
+
+TEST(CoreWorkers, PlacementPrefersTheWorkerThatHasTheInputsWhereBothAreFree) {
+  Fleet fleet;
+  wire::Hello hello;
+  hello.set_slots(2);
+  fleet.Add("v", hello, 0);
+  fleet.Add("w", hello, 0).has.insert(H(1));
+  EXPECT_EQ(fleet.Place({H(1)})->peer, "w");
+  EXPECT_EQ(fleet.Place({H(2)})->peer, "v");
+  fleet.Find("w")->Give(wire::TaskKey(), 0);
+  EXPECT_EQ(fleet.Place({H(1)})->peer, "v") << "a free worker comes before one that has the inputs";
+}
+
+}  // namespace
+}  // namespace cairn::coordinator

@@ -1,0 +1,157 @@
+#include "coordinator/job.h"
+
+#include <set>
+
+namespace cairn::coordinator {
+
+wire::TaskKey Job::Key(std::uint32_t task, std::uint32_t attempt) const {
+  wire::TaskKey key;
+  key.set_job(id);
+  key.set_stage(stage);
+  key.set_round(round);
+  key.set_task(task);
+  key.set_kind(tasks.kind());
+  key.set_attempt(attempt);
+  return key;
+}
+
+std::string Job::TaskName(std::uint32_t task) const {
+  const std::string where = "stage '" + CurrentStage().name() + "'";
+  if (tasks.kind() == wire::TaskKey::START) return "the start of " + where;
+  const std::string round_name = "round " + std::to_string(round) + " of " + where;
+  if (tasks.kind() == wire::TaskKey::ADVANCE) return "the reduction of " + round_name;
+  const std::string& kind = step->tasks(static_cast<int>(task)).kind();
+  return "task " + std::to_string(task) + (kind.empty() ? "" : " (" + kind + ")") + " of " + round_name;
+}
+
+double Job::Seconds(double now_s) const {
+  return seconds_before + (Running() ? now_s - running_since_s : 0.0);
+}
+
+double Job::MedianTaskSeconds() const {
+  return task_seconds.size() < 3 ? 0.0 : task_seconds[task_seconds.size() / 2];
+}
+
+std::string CheckJob(const proto::Job& job) {
+  if (job.stages_size() == 0) return "the job has no stages";
+  std::set<std::string> known;
+  for (const auto& [name, hash] : job.input_blobs()) {
+    if (hash.size() != sizeof(Hash::bytes)) return "the input '" + name + "' has no content hash";
+    known.insert(name);
+  }
+  for (const proto::Stage& stage : job.stages()) {
+    if (stage.name().empty()) return "a stage has no name";
+    for (const auto& [name, source] : stage.inputs())
+      if (!known.contains(source))
+        return "stage '" + stage.name() + "' reads '" + source + "' as its " + name +
+               ", but there is no input or earlier stage of that name";
+    if (!known.insert(stage.name()).second) return "two stages or inputs are called '" + stage.name() + "'";
+  }
+  return "";
+}
+
+std::map<std::string, Hash> StageInputs(const Job& job) {
+  std::map<std::string, Hash> sources;
+  for (const auto& [name, hash] : job.spec.input_blobs()) sources[name] = Hash::FromBinary(hash).value();
+  for (std::size_t i = 0; i < job.results.size(); ++i)
+    sources[job.spec.stages(static_cast<int>(i)).name()] = job.results[i];
+  std::map<std::string, Hash> inputs;
+  for (const auto& [name, source] : job.CurrentStage().inputs()) inputs[name] = sources.at(source);
+  return inputs;
+}
+
+wire::Assign MakeAssign(const Job& job, std::uint32_t task, std::uint32_t attempt) {
+  wire::Assign assign;
+  *assign.mutable_key() = job.Key(task, attempt);
+  *assign.mutable_stage() = job.CurrentStage();
+  assign.set_seed(job.spec.seed());
+  if (job.tasks.kind() == wire::TaskKey::RUN) {
+    *assign.mutable_task() = job.step->tasks(static_cast<int>(task));
+    for (proto::InputRef& input : *assign.mutable_task()->mutable_inputs())
+      if (input.has_task()) input.set_blob(job.partials.at(input.task()).Binary());
+    return assign;
+  }
+  for (const auto& [name, hash] : StageInputs(job)) (*assign.mutable_inputs())[name] = hash.Binary();
+  if (job.tasks.kind() == wire::TaskKey::ADVANCE) {
+    *assign.mutable_state() = job.step->state();
+    for (const Hash& partial : job.partials) assign.add_partials(partial.Binary());
+  }
+  return assign;
+}
+
+std::vector<Hash> TaskInputs(const Job& job, std::uint32_t task) {
+  std::vector<Hash> hashes;
+  if (job.tasks.kind() == wire::TaskKey::RUN) {
+    for (const proto::InputRef& input : job.step->tasks(static_cast<int>(task)).inputs())
+      hashes.push_back(input.has_task() ? job.partials.at(input.task())
+                                        : Hash::FromBinary(input.blob()).value());
+    return hashes;
+  }
+  for (const auto& [name, hash] : StageInputs(job)) hashes.push_back(hash);
+  if (job.tasks.kind() == wire::TaskKey::ADVANCE)
+    hashes.insert(hashes.end(), job.partials.begin(), job.partials.end());
+  return hashes;
+}
+
+namespace {
+
+const char* StateName(const Job& job) {
+  switch (job.state) {
+    case proto::JOB_PAUSED:
+      return "paused";
+    case proto::JOB_DONE:
+      return "done";
+    case proto::JOB_FAILED:
+      return "failed";
+    case proto::JOB_CANCELLED:
+      return "cancelled";
+    default:
+      return job.build.has_value() ? "running" : "queued";
+  }
+}
+
+}  // namespace
+
+wire::JobInfo MakeInfo(const Job& job, double now_s) {
+  wire::JobInfo info;
+  info.set_id(job.id);
+  info.set_name(job.spec.name());
+  info.set_state(StateName(job));
+  info.set_reason(job.reason);
+  info.set_stage(job.stage);
+  info.set_stages(job.StageCount());
+  info.set_round(job.round);
+  info.set_input_error(job.input_error);
+  info.set_seconds(job.Seconds(now_s));
+  if (!job.step) return info;
+  info.set_tasks(static_cast<std::uint32_t>(job.step->tasks_size()));
+  info.set_tasks_done(job.tasks.kind() == wire::TaskKey::RUN ? job.tasks.done_count() : info.tasks());
+  info.set_note(job.step->note());
+  info.set_rounds_left(job.step->rounds_left());
+  return info;
+}
+
+proto::Checkpoint MakeCheckpoint(const Job& job, double now_s) {
+  proto::Checkpoint checkpoint;
+  checkpoint.set_job_id(job.id);
+  checkpoint.set_order(job.order);
+  *checkpoint.mutable_job() = job.spec;
+  checkpoint.set_state(job.AllStagesDone() && job.Running() ? proto::JOB_DONE : job.state);
+  checkpoint.set_reason(job.reason);
+  checkpoint.set_input_error(job.input_error);
+  checkpoint.set_stage(job.stage);
+  checkpoint.set_round(job.round);
+  if (job.step) *checkpoint.mutable_step() = *job.step;
+  for (const Hash& result : job.results) checkpoint.add_results(result.Binary());
+  if (job.build) *checkpoint.mutable_build() = *job.build;
+  for (const proto::StageFacts& facts : job.facts) *checkpoint.add_facts() = facts;
+  checkpoint.set_seconds(job.Seconds(now_s));
+  if (checkpoint.state() == proto::JOB_DONE) return checkpoint;  // its results are files of their own
+  HashSet blobs = job.holds.inputs;
+  blobs.insert(job.holds.results.begin(), job.holds.results.end());
+  blobs.insert(job.holds.step.begin(), job.holds.step.end());
+  for (const Hash& blob : blobs) checkpoint.add_blobs(blob.Binary());
+  return checkpoint;
+}
+
+}  // namespace cairn::coordinator

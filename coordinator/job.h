@@ -1,0 +1,93 @@
+// One job as the core sees it: where it stands in its chain of stages, the round under way, and what is saved
+// of it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/blob_ledger.h"
+#include "coordinator/events.h"
+#include "coordinator/round.h"
+
+namespace cairn::coordinator {
+
+// Checkpoints of a job: the next is always made of the job as it stands, so that there is no queue of them.
+struct Saving {
+  std::uint64_t number = 0;  // of the last one begun
+  bool under_way = false;
+  bool due = false;                  // something came since the last one
+  bool at_once = false;              // do not wait for the interval
+  double last_s = 0;                 // when the last one was begun
+  std::vector<Publish> unpublished;  // results that no durable checkpoint covers yet
+  std::size_t publishing = 0;        // the first so many of them go with the one under way
+  bool saves_the_end = false;        // the one under way says that the job is done
+};
+
+// Blobs that a job keeps alive, by reason.
+struct Holds {
+  BlobLedger::Hold inputs, results, step, partials, saving, saved, saved_before;
+};
+
+struct Job {
+  // Fixed when it is submitted.
+  std::string id;
+  std::uint64_t order = 0;
+  proto::Job spec;
+  // How it stands.
+  proto::JobState state = proto::JOB_RUNNING;
+  std::string reason;
+  bool input_error = false;
+  std::uint32_t stage = 0;
+  std::uint64_t round = 0;
+  std::optional<proto::Step> step;   // that planned `round`; none: the stage's START is due
+  Round tasks;                       // under way: START, RUN or ADVANCE
+  std::vector<Hash> partials;        // of `round`, by task; empty hashes where not yet known
+  std::vector<Hash> results;         // of finished stages
+  std::optional<wire::Build> build;  // of the workers that did what is done
+  Saving saving;
+  Holds holds;
+  // A second answer to the last START or ADVANCE is checked against this.
+  wire::TaskKey last_plan;
+  Hash last_plan_hash;
+  // For people and for placement; no result depends on it.
+  std::vector<proto::StageFacts> facts;
+  std::vector<std::string> failures;  // the last few
+  std::vector<double> task_seconds;   // of this round's answers, sorted
+  double round_since_s = 0;
+  double running_since_s = 0;
+  double seconds_before = 0;
+
+  bool Running() const { return state == proto::JOB_RUNNING; }
+  bool Ended() const { return state != proto::JOB_RUNNING && state != proto::JOB_PAUSED; }
+  std::uint32_t StageCount() const { return static_cast<std::uint32_t>(spec.stages_size()); }
+  bool AllStagesDone() const { return stage == StageCount(); }
+  const proto::Stage& CurrentStage() const { return spec.stages(static_cast<int>(stage)); }
+  // Key of an attempt at a task of what is under way.
+  wire::TaskKey Key(std::uint32_t task, std::uint32_t attempt) const;
+  // "task 3 (forward) of round 5 of stage 'landmarks'"
+  std::string TaskName(std::uint32_t task) const;
+  double Seconds(double now_s) const;
+  double MedianTaskSeconds() const;  // of this round; 0 where fewer than three answers are in
+};
+
+// What is wrong with a job's chain of stages, for people; empty where nothing is.
+std::string CheckJob(const proto::Job& job);
+
+// The current stage's inputs, by the pipeline's names for them.
+std::map<std::string, Hash> StageInputs(const Job& job);
+
+// The message that hands an attempt to a worker, every input a blob by hash.
+wire::Assign MakeAssign(const Job& job, std::uint32_t task, std::uint32_t attempt);
+
+// The blobs that a task reads: where it is placed depends on who has them.
+std::vector<Hash> TaskInputs(const Job& job, std::uint32_t task);
+
+wire::JobInfo MakeInfo(const Job& job, double now_s);
+
+// The job as it stands; the job itself says when it may be saved.
+proto::Checkpoint MakeCheckpoint(const Job& job, double now_s);
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,147 @@
+// Jobs come, end, and come back.
+#include <algorithm>
+
+#include "coordinator/core.h"
+
+namespace cairn::coordinator {
+
+Job* Core::FindById(const std::string& id) {
+  const auto it = orders_.find(id);
+  return it == orders_.end() ? nullptr : &jobs_.at(it->second);
+}
+
+void Core::On(const SubmitJob& event) {
+  for (const Hash& blob : event.blobs) ledger_.Offer(blob);
+  if (orders_.contains(event.id)) return;  // told twice
+  const std::uint64_t order = next_order_++;
+  orders_[event.id] = order;
+  Job& job = jobs_[order];
+  job.id = event.id;
+  job.order = order;
+  job.spec = event.job;
+  job.running_since_s = job.round_since_s = now_s_;
+  actions_.push_back(JobChanged{job.id});
+  const std::string wrong = CheckJob(job.spec);
+  if (!wrong.empty()) return FailJob(job, wrong, true);
+  for (const auto& [name, hash] : job.spec.input_blobs())
+    ledger_.Add(job.holds.inputs, Hash::FromBinary(hash).value());
+  BeginAgain(job);
+  WantSave(job, true);
+}
+
+// Puts the task that the job stands at back to its beginning: START, or the tasks of its step.
+void Core::BeginAgain(Job& job) {
+  job.round_since_s = now_s_;
+  if (job.AllStagesDone()) {
+    job.tasks = Round();
+    return;
+  }
+  while (job.facts.size() <= job.stage) job.facts.emplace_back();
+  if (!job.step) {
+    job.tasks = Round::OfPlan(wire::TaskKey::START);
+    return;
+  }
+  job.partials.assign(static_cast<std::size_t>(job.step->tasks_size()), Hash{});
+  ledger_.Release(job.holds.partials);
+  job.tasks = job.partials.empty() ? Round::OfPlan(wire::TaskKey::ADVANCE) : Round::OfTasks(*job.step);
+}
+
+void Core::SetState(Job& job, proto::JobState state, const std::string& reason) {
+  job.seconds_before = job.Seconds(now_s_);
+  job.running_since_s = now_s_;
+  job.state = state;
+  job.reason = reason;
+  job.input_error = false;
+  actions_.push_back(JobChanged{job.id});
+}
+
+void Core::FailJob(Job& job, const std::string& reason, bool input_error) {
+  if (job.Ended()) return;
+  WithdrawAll(job);
+  ledger_.Release(job.holds.partials);
+  SetState(job, proto::JOB_FAILED, reason);
+  job.input_error = input_error;
+  WantSave(job, true);
+  Say(Report::kWarning, job.id + " failed: " + reason);
+}
+
+void Core::On(const CancelJob& event) {
+  Job* job = FindById(event.id);
+  if (job == nullptr || job->Ended()) return;
+  WithdrawAll(*job);
+  ledger_.Release(job->holds.partials);
+  SetState(*job, proto::JOB_CANCELLED, "cancelled");
+  WantSave(*job, true);
+}
+
+void Core::On(const ResumeJob& event) {
+  Job* job = FindById(event.id);
+  if (job == nullptr || job->state == proto::JOB_RUNNING || job->state == proto::JOB_DONE) return;
+  const wire::Build* build = RequiredBuild();
+  if (build != nullptr && job->build && !BuildDifference(*build, *job->build).empty()) {
+    job->reason = "it was begun by another build: " + BuildDifference(*build, *job->build);
+    Say(Report::kWarning, job->id + " cannot go on: " + job->reason);
+    return;
+  }
+  if (!CheckJob(job->spec).empty()) return;  // it can never run
+  if (job->Ended()) BeginAgain(*job);
+  SetState(*job, proto::JOB_RUNNING, "");
+  job->failures.clear();
+  WantSave(*job, true);
+}
+
+void Core::On(const RestoreJob& event) {
+  const proto::Checkpoint& saved = event.checkpoint;
+  if (orders_.contains(saved.job_id())) return;
+  const wire::Build* build = RequiredBuild();
+  const std::string difference =
+      build != nullptr && saved.has_build() ? BuildDifference(*build, saved.build()) : std::string();
+  const std::uint64_t order = jobs_.contains(saved.order()) ? next_order_ : saved.order();
+  next_order_ = std::max(next_order_, order + 1);
+  orders_[saved.job_id()] = order;
+  Job& job = jobs_[order];
+  job.id = saved.job_id();
+  job.order = order;
+  job.spec = saved.job();
+  job.state = saved.state();
+  job.reason = saved.reason();
+  job.input_error = saved.input_error();
+  job.stage = saved.stage();
+  job.round = saved.round();
+  if (saved.has_step()) job.step = saved.step();
+  for (const std::string& result : saved.results()) job.results.push_back(Hash::FromBinary(result).value());
+  if (saved.has_build()) job.build = saved.build();
+  job.facts.assign(saved.facts().begin(), saved.facts().end());
+  job.seconds_before = saved.seconds();
+  job.running_since_s = now_s_;
+  job.saving.number = saved.number();
+  job.saving.last_s = now_s_;
+  actions_.push_back(JobChanged{job.id});
+  if (job.state == proto::JOB_DONE) return;
+  HoldRestored(job, event);
+  if (!CheckJob(job.spec).empty()) return;
+  BeginAgain(job);
+  if (job.Ended()) return;
+  job.state = difference.empty() ? proto::JOB_RUNNING : proto::JOB_PAUSED;
+  job.reason = difference.empty() ? "" : "it was begun by another build: " + difference;
+}
+
+void Core::HoldRestored(Job& job, const RestoreJob& event) {
+  for (const auto& [name, hash] : job.spec.input_blobs()) {
+    const Result<Hash> input = Hash::FromBinary(hash);
+    if (input.ok()) ledger_.Add(job.holds.inputs, input.value());
+  }
+  for (const Hash& result : job.results) ledger_.Add(job.holds.results, result);
+  if (job.step) ledger_.Replace(job.holds.step, BlobsOfStep(*job.step));
+  for (const std::string& blob : event.checkpoint.blobs())
+    ledger_.Add(job.holds.saved, Hash::FromBinary(blob).value());
+  for (const Hash& blob : event.previous_blobs) ledger_.Add(job.holds.saved_before, blob);
+}
+
+void Core::ReleaseAll(Job& job) {
+  for (BlobLedger::Hold* hold : {&job.holds.inputs, &job.holds.results, &job.holds.step, &job.holds.partials,
+                                 &job.holds.saving, &job.holds.saved, &job.holds.saved_before})
+    ledger_.Release(*hold);
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,86 @@
+// The tasks of one barrier: which wait, which are ready, which are under way, which are done. RUN tasks of a
+// round, or the one START or ADVANCE task that plans the next. Knows no workers and no clock.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schema/hash.h"
+#include "schema/job.pb.h"
+#include "schema/wire.pb.h"
+
+namespace cairn::coordinator {
+
+enum class TaskStatus {
+  kWaiting,  // for partials of earlier tasks
+  kReady,    // may be given to a worker
+  kRunning,  // at least one attempt is under way
+  kDone,
+};
+
+struct TaskRecord {
+  // Fixed by the plan.
+  std::uint64_t cost = 0;
+  std::vector<std::uint32_t> followers;  // tasks that read this one's partial
+  // How it stands.
+  TaskStatus status = TaskStatus::kWaiting;
+  std::uint32_t waits_for = 0;               // partials not yet known
+  std::uint32_t attempts = 0;                // begun, ever; the next is numbered attempts + 1
+  std::vector<std::uint32_t> live_attempts;  // numbers of those under way, ascending
+  int failures = 0;
+  // What came of it.
+  Hash partial;  // RUN only
+};
+
+class Round {
+ public:
+  Round() = default;
+  // A round of RUN tasks; `step` must have passed CheckStep.
+  static Round OfTasks(const proto::Step& step);
+  // A single START or ADVANCE task.
+  static Round OfPlan(wire::TaskKey::Kind kind);
+
+  wire::TaskKey::Kind kind() const { return kind_; }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(tasks_.size()); }
+  std::uint32_t done_count() const { return done_count_; }
+  bool AllDone() const { return done_count_ == size(); }
+  const TaskRecord& task(std::uint32_t index) const { return tasks_.at(index); }
+
+  bool HasReady() const { return !ready_.empty(); }
+  // The most costly ready task, of equals the first: long ones early keep the round's end short.
+  std::uint32_t NextReady() const;
+
+  // Begins an attempt (of a ready task, or one more of a running one) and returns its number.
+  std::uint32_t Begin(std::uint32_t index);
+  // Ends one without an answer. True where it was under way; the task is ready again where no other attempt
+  // is.
+  bool Withdraw(std::uint32_t index, std::uint32_t attempt);
+  // Counts a failure against the task and returns how many it has.
+  int Blame(std::uint32_t index) { return ++tasks_.at(index).failures; }
+  // The first answer. The task must not be done. Followers whose last input this was become ready.
+  void Finish(std::uint32_t index, const Hash& partial);
+
+ private:
+  void Move(TaskRecord& task, std::uint32_t index,
+            TaskStatus status);  // the one place where a status changes
+
+  wire::TaskKey::Kind kind_ = wire::TaskKey::START;
+  std::vector<TaskRecord> tasks_;
+  std::set<std::pair<std::uint64_t, std::uint32_t>> ready_;  // {~cost, index}
+  std::uint32_t done_count_ = 0;
+};
+
+// What is wrong with a step's form, for people; empty where nothing is: task indices in order, inputs that
+// name earlier tasks only, hashes of the right length.
+std::string CheckStep(const proto::Step& step);
+
+// The blobs that a step names: of its state, its tasks' inputs, its result.
+std::set<Hash> BlobsOfStep(const proto::Step& step);
+
+// Over the step's canonical bytes: equal where two answers to one task agree.
+Hash HashOfStep(const proto::Step& step);
+
+}  // namespace cairn::coordinator

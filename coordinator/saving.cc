@@ -1,0 +1,68 @@
+// Checkpoints: at most one of a job under way, made of the job as it stands; rounds never wait for them.
+#include "coordinator/core.h"
+
+namespace cairn::coordinator {
+
+void Core::WantSave(Job& job, bool at_once) {
+  job.saving.due = true;
+  job.saving.at_once |= at_once;
+}
+
+void Core::SaveWhatIsDue() {
+  for (auto& [order, job] : jobs_) {
+    const Saving& saving = job.saving;
+    if (!saving.due || saving.under_way || job.state == proto::JOB_PAUSED) continue;
+    if (saving.at_once || now_s_ - saving.last_s >= options_.checkpoint_interval_s) Save(job);
+  }
+}
+
+void Core::Save(Job& job) {
+  Saving& saving = job.saving;
+  saving.due = saving.at_once = false;
+  saving.under_way = true;
+  saving.last_s = now_s_;
+  Persist persist{MakeCheckpoint(job, now_s_), saving.unpublished};
+  persist.checkpoint.set_number(++saving.number);
+  saving.publishing = persist.publish.size();
+  saving.saves_the_end = persist.checkpoint.state() == proto::JOB_DONE;
+  HashSet needed;
+  for (const std::string& blob : persist.checkpoint.blobs()) needed.insert(Hash::FromBinary(blob).value());
+  for (const Publish& publish : persist.publish) needed.insert(publish.result);
+  ledger_.Replace(job.holds.saving, needed);
+  actions_.push_back(std::move(persist));
+}
+
+void Core::On(const PersistDone& event) {
+  Job* job = FindById(event.job);
+  if (job == nullptr || !job->saving.under_way || job->saving.number != event.number) return;
+  Saving& saving = job->saving;
+  saving.under_way = false;
+  saving.unpublished.erase(saving.unpublished.begin(),
+                           saving.unpublished.begin() + static_cast<std::ptrdiff_t>(saving.publishing));
+  saving.publishing = 0;
+  ledger_.Replace(job->holds.saved_before, job->holds.saved);
+  ledger_.Replace(job->holds.saved, job->holds.saving);
+  ledger_.Release(job->holds.saving);
+  if (!saving.saves_the_end || !job->Running()) return;
+  ReleaseAll(*job);
+  SetState(*job, proto::JOB_DONE, "");
+}
+
+void Core::On(const PersistFailed& event) {
+  Job* job = FindById(event.job);
+  if (job == nullptr || !job->saving.under_way || job->saving.number != event.number) return;
+  job->saving.under_way = false;
+  job->saving.publishing = 0;
+  ledger_.Release(job->holds.saving);
+  Say(Report::kWarning, job->id + ": cannot save: " + event.reason);
+  if (job->Ended()) return;  // its last good checkpoint stays; a restart would end it again
+  SetState(*job, proto::JOB_PAUSED, "cannot save: " + event.reason);
+  WantSave(*job, true);
+}
+
+void Core::On(const SaveNow&) {
+  for (auto& [order, job] : jobs_)
+    if (job.saving.due) job.saving.at_once = true;
+}
+
+}  // namespace cairn::coordinator

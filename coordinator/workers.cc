@@ -1,0 +1,160 @@
+// Handshake, beats, leases: who is there and whether it moves.
+#include <algorithm>
+
+#include "coordinator/core.h"
+
+namespace cairn::coordinator {
+namespace {
+
+std::string WorkerName(const wire::Hello& hello) {
+  return "worker " + std::to_string(hello.pid()) + " on " + (hello.host().empty() ? "?" : hello.host());
+}
+
+}  // namespace
+
+void Core::Refuse(const std::string& peer, const std::string& reason) {
+  Send send{peer, {}};
+  send.message.mutable_refuse()->set_reason(reason);
+  actions_.push_back(std::move(send));
+}
+
+// Bits must not mix: what the connected workers are, or else what an unfinished job was begun with.
+const wire::Build* Core::RequiredBuild() const {
+  if (!fleet_.workers().empty()) return &fleet_.workers().begin()->second.hello.build();
+  for (const auto& [order, job] : jobs_)
+    if (!job.Ended() && job.build) return &*job.build;
+  return nullptr;
+}
+
+void Core::On(const WorkerHello& event) {
+  const wire::Hello& hello = event.hello;
+  // A peer that says Hello again has forgotten its tasks; so do we, before its build is looked at anew.
+  if (Worker* known = fleet_.Find(event.peer)) Lose(*known, "");
+  std::string reason;
+  if (hello.protocol() != options_.protocol)
+    reason = "it speaks protocol " + std::to_string(hello.protocol()) + ", here it is " +
+             std::to_string(options_.protocol);
+  else if (hello.slots() == 0)
+    reason = "it offers no slots";
+  else if (const wire::Build* want = RequiredBuild())
+    reason = BuildDifference(*want, hello.build());
+  if (!reason.empty()) {
+    Refuse(event.peer, reason);
+    Say(Report::kWarning, "refused " + WorkerName(hello) + ": " + reason);
+    return;
+  }
+  fleet_.Add(event.peer, hello, now_s_);
+  Send send{event.peer, {}};
+  send.message.mutable_welcome()->set_beat_s(options_.beat_s);
+  actions_.push_back(std::move(send));
+  Say(Report::kInfo, WorkerName(hello) + " joined");
+}
+
+Worker* Core::Heard(const std::string& peer) {
+  Worker* worker = fleet_.Find(peer);
+  if (worker != nullptr) {
+    worker->heard_s = now_s_;
+    return worker;
+  }
+  Send send{peer, {}};
+  send.message.mutable_stranger();
+  actions_.push_back(std::move(send));
+  return nullptr;
+}
+
+void Core::On(const WorkerBeat& event) {
+  Worker* worker = Heard(event.peer);
+  if (worker == nullptr) return;
+  const wire::Beat& beat = event.beat;
+  if (beat.tasks_size() == 0) worker->hung = false;
+  for (int i = 0; i < beat.tasks_size(); ++i) {
+    const wire::TaskKey& key = beat.tasks(i);
+    if (worker->Find(key) == nullptr) {  // our Cancel was lost, or has not reached it yet
+      Send send{worker->peer, {}};
+      *send.message.mutable_cancel()->mutable_key() = key;
+      actions_.push_back(std::move(send));
+    } else if (i < beat.ticks_size()) {
+      worker->Tick(key, beat.ticks(i), now_s_);
+    }
+  }
+  DropUnlisted(*worker, beat);
+}
+
+// A message may get lost where a connection breaks and comes back before the lease is over.
+void Core::DropUnlisted(Worker& worker, const wire::Beat& beat) {
+  std::vector<wire::TaskKey> lost;
+  for (const InHand& task : worker.in_hand) {
+    if (now_s_ - task.since_s <= options_.unlisted_s) continue;
+    const bool listed = std::any_of(beat.tasks().begin(), beat.tasks().end(),
+                                    [&task](const wire::TaskKey& key) { return SameAttempt(key, task.key); });
+    if (!listed) lost.push_back(task.key);
+  }
+  for (const wire::TaskKey& key : lost) {
+    if (Job* job = JobOf(key)) Withdraw(*job, key.task(), key.attempt());
+    worker.Take(key, now_s_);
+  }
+}
+
+void Core::On(const WorkerBye& event) {
+  Worker* worker = fleet_.Find(event.peer);
+  if (worker == nullptr) return;
+  Say(Report::kInfo, WorkerName(worker->hello) + " left");
+  Lose(*worker, "");
+}
+
+void Core::On(const WorkerLost& event) {
+  Worker* worker = fleet_.Find(event.peer);
+  if (worker == nullptr) return;
+  Say(Report::kWarning, WorkerName(worker->hello) + " died");
+  Lose(*worker, WorkerName(worker->hello) + " died while it ran");
+}
+
+void Core::Lose(Worker& worker, const std::string& blame) {
+  const std::vector<InHand> tasks = worker.in_hand;
+  fleet_.Remove(worker.peer);
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const wire::TaskKey& key = tasks[i].key;
+    Job* job = JobOf(key);
+    if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) continue;
+    if (i == 0 && !blame.empty()) FailAttempt(*job, key.task(), blame);
+  }
+}
+
+// It beats, but what it runs does not move: the task goes elsewhere, and the rest that it has queued too.
+void Core::GiveUpHung(Worker& worker) {
+  const std::vector<InHand> tasks = worker.in_hand;
+  worker.hung = true;
+  const std::string why = "it did not move for " + std::to_string(static_cast<int>(now_s_ - worker.moved_s)) +
+                          " s on " + WorkerName(worker.hello);
+  Say(Report::kWarning, WorkerName(worker.hello) + " hangs");
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    Job* job = JobOf(tasks[i].key);
+    if (job == nullptr) continue;
+    Withdraw(*job, tasks[i].key.task(), tasks[i].key.attempt());
+    if (i == 0) FailAttempt(*job, tasks[i].key.task(), why);
+  }
+  worker.in_hand.clear();
+}
+
+void Core::On(const Tick&) {
+  std::vector<std::string> silent, hung;
+  for (const auto& [number, worker] : fleet_.workers()) {
+    if (now_s_ - worker.heard_s > options_.lease_s) {
+      silent.push_back(worker.peer);
+    } else if (!worker.in_hand.empty()) {
+      const bool runs = worker.in_hand.front().key.kind() == wire::TaskKey::RUN;
+      if (now_s_ - worker.moved_s > (runs ? options_.hung_s : options_.plan_hung_s))
+        hung.push_back(worker.peer);
+    }
+  }
+  for (const std::string& peer : silent) {
+    Worker& worker = *fleet_.Find(peer);
+    const std::string what = WorkerName(worker.hello) + " was not heard of for " +
+                             std::to_string(static_cast<int>(now_s_ - worker.heard_s)) + " s";
+    Say(Report::kWarning, what);
+    Lose(worker, what);
+  }
+  for (const std::string& peer : hung) GiveUpHung(*fleet_.Find(peer));
+}
+
+}  // namespace cairn::coordinator
