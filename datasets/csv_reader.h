@@ -1,0 +1,51 @@
+// CSV files with a header: columns are found by name, in any order, and others beside them are left alone.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/text_file.h"
+
+namespace cairn::datasets {
+
+class CsvReader {
+ public:
+  // Reads the file (plain or gzipped) and its header. `headers`: sets of columns, of which the file must have
+  // all of the first that fits. Throws InputError for a missing file or header, a column that is missing or
+  // doubled.
+  CsvReader(const std::string& path, const std::vector<std::vector<std::string>>& headers, BadLines* bad);
+
+  std::size_t header() const { return header_; }                            // which set the file has
+  const std::vector<std::string>& extra_columns() const { return extra_; }  // left alone
+
+  // Goes to the next row; lines of a wrong number of columns are bad, empty ones are passed over.
+  bool Next();
+  std::size_t line() const { return lines_.number(); }
+  // Field of the column `index` of the header, blanks around it cut off.
+  std::string_view Text(std::size_t index) const { return fields_[places_[index]]; }
+  // The number in a column; nothing where it is none, and the line is bad.
+  std::optional<double> Number(std::size_t index);
+  // Calls the line bad.
+  void Bad(const std::string& reason, const std::string& detail = {});
+
+ private:
+  bool Split();  // false: an open quote
+  void FindColumns(const std::vector<std::vector<std::string>>& headers);
+
+  std::string path_;
+  std::unique_ptr<const std::string> text_;  // stays where it is when the reader moves: lines_ looks into it
+  Lines lines_;
+  BadLines* bad_;
+  std::vector<std::string> columns_;  // of the header that fits
+  std::vector<std::size_t> places_;   // where they stand in a line
+  std::vector<std::string> extra_;
+  std::size_t header_ = 0, width_ = 0;
+  std::vector<std::string_view> fields_;
+  std::vector<std::string> unquoted_;
+};
+
+}  // namespace cairn::datasets

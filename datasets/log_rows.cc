@@ -1,0 +1,139 @@
+#include "datasets/log_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+using Figure = std::pair<const char*, const std::optional<double>*>;
+
+std::vector<Figure> Figures(const NominalFigures& nominal) {
+  return {{"noise/heading_drift_rad_per_m", &nominal.heading_drift_rad_per_m},
+          {"noise/heading_walk_rad_per_sqrt_m", &nominal.heading_walk_rad_per_sqrt_m},
+          {"noise/forward_ratio", &nominal.forward_ratio},
+          {"noise/turn_ratio", &nominal.turn_ratio},
+          {"noise/press_m", &nominal.press_m},
+          {"noise/range_m", &nominal.range_m},
+          {"noise/bearing_rad", &nominal.bearing_rad},
+          {"sensor/max_range_m", &nominal.max_range_m},
+          {"sensor/field_of_view_rad", &nominal.field_of_view_rad}};
+}
+
+void PutOdometry(const std::string& prefix, const Odometry& odometry, Blob* log) {
+  log->PutVector(prefix + "odometry/time_s", odometry.time_s);
+  log->PutVector(prefix + "odometry/turn_rad", odometry.turn_rad);
+  log->PutVector(prefix + "odometry/forward_m", odometry.forward_m);
+}
+
+void PutObservations(const std::string& prefix, const char* which, const Observations& observations,
+                     Blob* log) {
+  log->PutVector(prefix + "time_s", observations.time_s);
+  log->PutVector(prefix + which, observations.landmark);
+  log->PutVector(prefix + "range_m", observations.range_m);
+  log->PutVector(prefix + "bearing_rad", observations.bearing_rad);
+}
+
+void PutPoses(const std::string& prefix, const Poses& poses, Blob* log) {
+  log->PutVector(prefix + "time_s", poses.time_s);
+  log->PutVector(prefix + "x_m", poses.x_m);
+  log->PutVector(prefix + "y_m", poses.y_m);
+  log->PutVector(prefix + "heading_rad", poses.heading_rad);
+}
+
+void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {
+  const std::string prefix = "robot/" + std::to_string(index) + "/";
+  PutOdometry(prefix, robot.odometry, log);
+  PutObservations(prefix + "observations/", "landmark", robot.observations, log);
+  if (!robot.sightings.time_s.empty()) PutObservations(prefix + "sightings/", "robot", robot.sightings, log);
+  if (!robot.observations.truth_landmark.empty()) {
+    log->PutVector("truth/" + prefix + "observations/landmark", robot.observations.truth_landmark);
+  }
+  if (!robot.truth.time_s.empty()) PutPoses("truth/" + prefix + "poses/", robot.truth, log);
+}
+
+void Count(const RobotRows& robot, ImportReport* report) {
+  const auto size = [](const auto& column) { return static_cast<std::int64_t>(column.size()); };
+  report->controls += size(robot.odometry.time_s);
+  report->observations += size(robot.observations.time_s);
+  report->presses +=
+      std::ranges::count_if(robot.observations.range_m, [](double range) { return std::isnan(range); });
+  report->sightings += size(robot.sightings.time_s);
+}
+
+}  // namespace
+
+void Odometry::Add(double time, double turn, double forward) {
+  time_s.push_back(time);
+  turn_rad.push_back(turn);
+  forward_m.push_back(forward);
+}
+
+void Observations::Add(double time, std::int32_t which, double range, double bearing) {
+  time_s.push_back(time);
+  landmark.push_back(which);
+  range_m.push_back(range);
+  bearing_rad.push_back(bearing);
+}
+
+void VelocityIntegrator::Add(double time_s, double v_mps, double omega_radps, Odometry* odometry) {
+  if (!begun_) odometry->Add(time_s, 0, 0);
+  const double seconds = begun_ ? time_s - time_s_ : 0;
+  if (seconds > 0) {
+    const double turn = omega_radps_ * seconds, forward = v_mps_ * seconds;
+    const bool both = turn != 0 && forward != 0;
+    odometry->Add(time_s, both ? turn / 2 : turn, forward);
+    if (both) odometry->Add(time_s, turn / 2, 0);
+    largest_gap_s_ = std::max(largest_gap_s_, seconds);
+  }
+  begun_ = true;
+  time_s_ = time_s;
+  v_mps_ = v_mps;
+  omega_radps_ = omega_radps;
+}
+
+void CheckNominal(const NominalFigures& nominal) {
+  for (const auto& [name, figure] : Figures(nominal)) {
+    if (*figure && !(std::isfinite(**figure) && **figure >= 0)) {
+      throw InputError(std::string(name) + ": a nominal figure must be a number of at least 0");
+    }
+  }
+}
+
+Blob MakeLog(const LogRows& rows, ImportReport* report) {
+  Blob log;
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < rows.robots.size(); ++n) {
+    names.push_back(rows.robots[n].name);
+    PutRobot(rows.robots[n], n, &log);
+    Count(rows.robots[n], report);
+  }
+  if (report->controls == 0) throw InputError("the log is empty: it has no controls");
+  if (report->observations == 0)
+    report->warnings.emplace_back("the log has controls only: nothing can be mapped from it");
+  report->robots = static_cast<std::int64_t>(names.size());
+  report->landmarks = static_cast<std::int64_t>(rows.landmarks.size());
+  log.Put("robots", Array::Texts(names));
+  log.Put("landmarks", Array::Texts(rows.landmarks));
+  if (rows.truth_landmarks) {
+    log.Put("truth/landmarks/name", Array::Texts(rows.truth_landmarks->name));
+    log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);
+    log.PutVector("truth/landmarks/y_m", rows.truth_landmarks->y_m);
+  }
+  for (const auto& [name, figure] : Figures(rows.nominal)) {
+    if (*figure) log.PutScalar<double>(name, **figure);
+  }
+  return log;
+}
+
+double NormalizedAngle(double angle_rad) {
+  constexpr double kPi = std::numbers::pi;
+  if (angle_rad > -kPi && angle_rad <= kPi) return angle_rad;
+  const double wrapped = std::remainder(angle_rad, 2 * kPi);
+  return wrapped <= -kPi ? kPi : wrapped;
+}
+
+}  // namespace cairn::datasets

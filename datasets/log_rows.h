@@ -1,0 +1,98 @@
+// A log while it is read, and what importers have in common.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// Nominal figures of a robot and its sensor, as a data sheet gives them; schema/FORMAT.md, `noise/` and
+// `sensor/`. What is missing is left to the pipeline.
+struct NominalFigures {
+  std::optional<double> heading_drift_rad_per_m;
+  std::optional<double> heading_walk_rad_per_sqrt_m;
+  std::optional<double> forward_ratio;
+  std::optional<double> turn_ratio;
+  std::optional<double> press_m;
+  std::optional<double> range_m;
+  std::optional<double> bearing_rad;
+  std::optional<double> max_range_m;
+  std::optional<double> field_of_view_rad;
+};
+
+// What was taken in, and what was not.
+struct ImportReport {
+  std::int64_t robots = 0;
+  std::int64_t controls = 0;
+  std::int64_t observations = 0;  // presses among them
+  std::int64_t presses = 0;
+  std::int64_t sightings = 0;
+  std::int64_t landmarks = 0;                   // with identities
+  std::map<std::string, std::int64_t> skipped;  // bad lines, by reason; only with skip_bad
+  std::map<std::string, std::int64_t> dropped;  // good lines that no log has a place for, by reason
+  std::vector<std::string> warnings;
+};
+
+// Columns as in schema/FORMAT.md.
+struct Odometry {
+  std::vector<double> time_s, turn_rad, forward_m;
+  void Add(double time, double turn, double forward);
+};
+struct Observations {
+  std::vector<double> time_s, range_m, bearing_rad;
+  std::vector<std::int32_t> landmark;        // of a sighting: the robot
+  std::vector<std::int32_t> truth_landmark;  // empty: there is no truth
+  void Add(double time, std::int32_t which, double range, double bearing);
+};
+struct Poses {
+  std::vector<double> time_s, x_m, y_m, heading_rad;
+};
+struct RobotRows {
+  std::string name;
+  Odometry odometry;
+  Observations observations;
+  Observations sightings;  // of other robots
+  Poses truth;
+};
+struct TruthLandmarks {
+  std::vector<std::string> name;
+  std::vector<double> x_m, y_m;
+};
+struct LogRows {
+  std::vector<RobotRows> robots;
+  std::vector<std::string> landmarks;
+  std::optional<TruthLandmarks> truth_landmarks;
+  NominalFigures nominal;
+};
+
+// Velocities, each of which holds until the next one's time, as controls. An interval's way lies along the
+// heading in its middle: half of its turn comes before the way and half after it, so an interval that does
+// both becomes two rows of the same time, (turn/2, forward) and (turn/2, 0). The first velocity begins the
+// log with an empty control.
+class VelocityIntegrator {
+ public:
+  // `time` may repeat (the later velocity then counts) but not run backwards.
+  void Add(double time_s, double v_mps, double omega_radps, Odometry* odometry);
+  double largest_gap_s() const { return largest_gap_s_; }
+
+ private:
+  bool begun_ = false;
+  double time_s_ = 0, v_mps_ = 0, omega_radps_ = 0, largest_gap_s_ = 0;
+};
+
+// Throws InputError that names the figure where one is negative or not finite.
+void CheckNominal(const NominalFigures& nominal);
+
+// The blob of a log. Fills in the report's counts, and its warning where nothing was observed. Throws
+// InputError for a log without controls.
+Blob MakeLog(const LogRows& rows, ImportReport* report);
+
+// Wraps into (-pi, pi]; a value that lies there stays as it is to the bit.
+double NormalizedAngle(double angle_rad);
+
+}  // namespace cairn::datasets

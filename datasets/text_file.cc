@@ -1,0 +1,90 @@
+#include "datasets/text_file.h"
+
+#include <zlib.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+struct GzClose {
+  void operator()(gzFile_s* file) const { gzclose(file); }
+};
+
+}  // namespace
+
+std::string ReadText(const std::string& path) {
+  if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, not a file");
+  errno = 0;
+  const std::unique_ptr<gzFile_s, GzClose> file(gzopen(path.c_str(), "rb"));
+  if (!file) throw InputError(path + ": cannot open: " + std::generic_category().message(errno));
+  gzbuffer(file.get(), 1 << 17);
+  std::string text;
+  std::array<char, 1 << 16> part;
+  int count = 0;
+  while ((count = gzread(file.get(), part.data(), part.size())) > 0)
+    text.append(part.data(), static_cast<std::size_t>(count));
+  int error = Z_OK;
+  gzerror(file.get(), &error);  // a stream cut short gives all it has, then Z_BUF_ERROR
+  if (count < 0 || error != Z_OK) throw InputError(path + ": the gzip stream is damaged or cut short");
+  return text;
+}
+
+Lines::Lines(std::string_view text) : rest_(text) {
+  if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+}
+
+bool Lines::Next() {
+  if (rest_.empty()) return false;
+  const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+  line_ = rest_.substr(0, end);
+  rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  if (line_.ends_with('\r')) line_.remove_suffix(1);
+  ++number_;
+  return true;
+}
+
+void BadLines::Add(const std::string& file, std::size_t line, const std::string& reason,
+                   const std::string& detail) {
+  if (!skip_) {
+    throw InputError(file + ":" + std::to_string(line) + ": " + reason +
+                     (detail.empty() ? "" : ": " + detail));
+  }
+  ++counts_[reason];
+}
+
+std::string_view Trim(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+std::optional<double> ParseNumber(std::string_view text, const char** reason) {
+  text = Trim(text);
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (end != text.data() + text.size() || error == std::errc::invalid_argument) {
+    *reason = "not a number";
+    return std::nullopt;
+  }
+  // Too small for a double is taken as its nearest, zero; too large is as good as infinite.
+  if (error == std::errc::result_out_of_range)
+    value = text.find("e-") != text.npos || text.find("E-") != text.npos ? 0 : INFINITY;
+  if (!std::isfinite(value)) {
+    *reason = "not finite";
+    return std::nullopt;
+  }
+  return value;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,49 @@
+// Text files, plain or gzipped, a line at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace cairn::datasets {
+
+// The whole text of a file, gunzipped where it is a gzip stream. Throws InputError that names the file: none
+// there, a damaged or truncated gzip stream.
+std::string ReadText(const std::string& path);
+
+// Walks over the lines of a text: without their ends (LF or CR LF), without a byte order mark.
+class Lines {
+ public:
+  explicit Lines(std::string_view text);
+  bool Next();  // false at the end
+  std::string_view text() const { return line_; }
+  std::size_t number() const { return number_; }  // counts from 1
+
+ private:
+  std::string_view rest_, line_;
+  std::size_t number_ = 0;
+};
+
+// What to do with a line that cannot be used: stop, or skip and count.
+class BadLines {
+ public:
+  explicit BadLines(bool skip) : skip_(skip) {}
+  // Throws InputError "FILE:LINE: REASON: DETAIL", or counts the reason where lines are skipped.
+  void Add(const std::string& file, std::size_t line, const std::string& reason, const std::string& detail);
+  const std::map<std::string, std::int64_t>& counts() const { return counts_; }
+
+ private:
+  bool skip_;
+  std::map<std::string, std::int64_t> counts_;
+};
+
+std::string_view Trim(std::string_view text);
+
+// A finite number, all of `text` but blanks around it; else nothing, and `reason` says why: "not a number" or
+// "not finite". Independent of the locale.
+std::optional<double> ParseNumber(std::string_view text, const char** reason);
+
+}  // namespace cairn::datasets
