@@ -31,6 +31,13 @@ herr_t LeaveUserData(void*) { return 0; }
 
 Status Failed(const std::string& what) { return {Code::kIo, what + ": " + LastCause().text}; }
 
+// A group keeps its links in its own header, under its checksum. Beyond eight HDF5 would move them to a heap;
+// where a byte of that has flipped, HDF5 1.10 frees memory that it never allocated (H5G__dense_build_table).
+void KeepLinksInHeader(const Handle& group_creation) {
+  constexpr unsigned kMostLinks = 4096;  // finding one is linear
+  H5Pset_link_phase_change(group_creation.get(), kMostLinks, kMostLinks / 2);
+}
+
 Handle CreateInMemory(std::size_t expected_bytes, Image* image) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
@@ -43,6 +50,7 @@ Handle CreateInMemory(std::size_t expected_bytes, Image* image) {
       H5Pset_obj_track_times(creation.get(), false) < 0) {
     return {};
   }
+  KeepLinksInHeader(creation);
   return {H5Fcreate("blob", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose};
 }
 
@@ -102,12 +110,26 @@ Handle CreationOf(const Array& array, const Shape& shape) {
 
 Handle LinkCreation() {
   Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(links.get(), 1);
   H5Pset_char_encoding(links.get(), H5T_CSET_UTF8);
   return links;
 }
 
+// The groups above the dataset `name`, those that are not there yet.
+bool PutGroups(hid_t file, const std::string& name) {
+  const Handle links = LinkCreation();
+  const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  KeepLinksInHeader(creation);
+  for (std::size_t at = name.find('/'); at != std::string::npos; at = name.find('/', at + 1)) {
+    const std::string group = name.substr(0, at);
+    if (H5Lexists(file, group.c_str(), H5P_DEFAULT) > 0) continue;
+    const Handle made(H5Gcreate2(file, group.c_str(), links.get(), creation.get(), H5P_DEFAULT), H5Gclose);
+    if (!made.ok()) return false;
+  }
+  return true;
+}
+
 bool PutDataset(hid_t file, const std::string& name, const Array& array) {
+  if (!PutGroups(file, name)) return false;
   const bool scalar = array.shape().empty();
   const Shape shape = scalar ? Shape{1} : array.shape();
   const std::vector<hsize_t> dims(shape.begin(), shape.end());
