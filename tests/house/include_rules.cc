@@ -50,8 +50,10 @@ const Rule* RuleOf(const std::string& file) {
   return best;
 }
 
+// Tests, and what only tests include: testing.h, core_bench.h.
 bool IsTest(const std::string& file) {
-  return file.ends_with("_test.cc") || file.find("testing/") != std::string::npos;
+  const std::string stem = fs::path(file).stem().string();
+  return stem.ends_with("_test") || stem.ends_with("testing") || stem.ends_with("_bench");
 }
 
 std::string Complaint(const Rule& rule, const std::string& file, const std::string& include) {
