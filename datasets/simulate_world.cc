@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace cairn::datasets {
 namespace {
@@ -105,6 +106,8 @@ class LoopBuilder {
 };
 
 }  // namespace
+
+double DistanceM(PointM a, PointM b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 std::vector<std::pair<std::size_t, std::size_t>> CorridorWorld::Edges() const {
   std::vector<std::pair<std::size_t, std::size_t>> edges;

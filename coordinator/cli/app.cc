@@ -21,6 +21,7 @@ void Complain(std::string problem) {
 
 void AddCommands(CLI::App& app, Invocation& call) {
   AddSimulate(app, call);
+  AddImport(app, call);
   AddKeys(app, call);
 }
 

@@ -63,6 +63,10 @@ void Console::Log(Level level, const std::string& line) {
   logger_->log(ToSpdlog(level), "{}", json_ ? JsonText(line) : line);
 }
 
+coordinator::LogSink Console::Sink() {
+  return [this](Level level, const std::string& line) { Log(level, line); };
+}
+
 double Console::Elapsed(const wire::JobInfo& info) {
   const std::string stage = info.id() + "/" + std::to_string(info.stage());
   const Clock::time_point now = Clock::now();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "coordinator/cli/invocation.h"
+#include "coordinator/service.h"
 #include "schema/wire.pb.h"
 
 namespace spdlog {
@@ -17,7 +18,7 @@ namespace cairn::cli {
 
 class Console {
  public:
-  enum class Level { kInfo, kWarning, kError };
+  using Level = coordinator::Severity;
 
   explicit Console(const Invocation& call);
   ~Console();
@@ -28,6 +29,8 @@ class Console {
   void Log(Level level, const std::string& line);
   // Takes the progress line away; the next Progress() draws it again.
   void Clear();
+  // For a coordinator's log lines, while this lives.
+  coordinator::LogSink Sink();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,0 +1,52 @@
+#include <cstdio>
+
+#include "coordinator/cli/console.h"
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/home.h"
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/stop_signal.h"
+#include "coordinator/service.h"
+
+namespace cairn::cli {
+namespace {
+
+struct Options {
+  coordinator::ServiceOptions service;
+};
+
+int Serve(const Options& options, const Invocation& call) {
+  coordinator::ServiceOptions service = options.service;
+  if (service.store_dir.empty()) service.store_dir = HomeFolder() + "/store";
+  if (service.listen.empty()) service.listen = DefaultEndpoint();
+  Invocation talkative = call;
+  talkative.verbose = true;  // a service's log is all that there is to see of it
+  Console console(talkative);
+  console.Log(Console::Level::kInfo, "listening on " + service.listen + ", store " + service.store_dir);
+  Check(coordinator::Serve(service, console.Sink(), StopOnSignals()));
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddCoordinator(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<Options>(
+      app, call, "coordinator", "Serves jobs to workers on many machines, until Ctrl-C",
+      "cairn coordinator &\n  cairn worker & cairn worker &\n  cairn submit job.yaml && cairn watch", Serve,
+      &command);
+  coordinator::ServiceOptions& service = options->service;
+  command->add_option("--store", service.store_dir,
+                      "Folder of jobs, checkpoints and results (~/.cairn/store)");
+  command->add_option(
+      "--listen", service.listen,
+      "ipc://PATH in a folder of mode 0700 (~/.cairn), or tcp://HOST:PORT, which needs --keys");
+  command->add_option("--keys", service.keys_dir, "Folder of CURVE keys and the list of allowed clients")
+      ->check(CLI::ExistingDirectory);
+  command
+      ->add_option("--checkpoint-interval", service.checkpoint_interval_s,
+                   "Seconds between checkpoints of a job")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,42 @@
+#include "coordinator/cli/home.h"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "coordinator/cli/failure.h"
+
+namespace cairn::cli {
+namespace {
+
+std::string Environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+}  // namespace
+
+std::string HomeFolder() {
+  std::string folder = Environment("CAIRN_HOME");
+  if (folder.empty()) {
+    const std::string home = Environment("HOME");
+    if (home.empty())
+      throw InputError("neither CAIRN_HOME nor HOME is set: say --listen, --connect or --store");
+    folder = home + "/.cairn";
+  }
+  folder = std::filesystem::absolute(folder).string();
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
+    throw WorldError("cannot make the folder '" + folder + "': " + std::strerror(errno));
+  }
+  return folder;
+}
+
+std::string DefaultEndpoint() {
+  const std::string endpoint = Environment("CAIRN_COORDINATOR");
+  return endpoint.empty() ? "ipc://" + HomeFolder() + "/coordinator.ipc" : endpoint;
+}
+
+}  // namespace cairn::cli

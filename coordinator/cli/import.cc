@@ -1,0 +1,89 @@
+#include <cstdio>
+
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/output_path.h"
+#include "coordinator/cli/plan_text.h"
+#include "datasets/import_csv.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+struct CsvOptions {
+  datasets::CsvImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& counts) {
+  for (const auto& [reason, count] : counts) {
+    std::fprintf(stderr, "cairn: %s %lld: %s\n", verb, static_cast<long long>(count), reason.c_str());
+  }
+}
+
+int Store(const std::string& out, const Blob& log, const datasets::ImportReport& report) {
+  Check(WriteBlobFile(out, "log", log));
+  for (const std::string& warning : report.warnings) std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
+  PrintCounts("skipped", report.skipped);
+  PrintCounts("left out", report.dropped);
+  std::printf("%s: %s\n", out.c_str(), LogText(log).c_str());
+  return kExitDone;
+}
+
+int ImportCsv(const CsvOptions& options, const Invocation&) {
+  RefuseToOverwrite(options.out, options.force);
+  Blob log;
+  const datasets::ImportReport report = datasets::ImportCsv(options.import, &log);
+  return Store(options.out, log, report);
+}
+
+void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {
+  const auto add = [&](const char* flag, std::optional<double>& field, const char* help) {
+    command.add_option(flag, field, help)->check(CLI::NonNegativeNumber)->group("Nominal figures (else estimated)");
+  };
+  add("--heading-drift-rad-per-m", nominal.heading_drift_rad_per_m, "sd of a constant drift of the heading");
+  add("--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m, "sd of the heading's random walk");
+  add("--forward-ratio", nominal.forward_ratio, "sd of the way's error, a fraction of the way");
+  add("--turn-ratio", nominal.turn_ratio, "sd of a turn's error, a fraction of the turn");
+  add("--press-m", nominal.press_m, "sd of the distance between robot and landmark at a press, an axis");
+  add("--range-m", nominal.range_m, "sd of a range");
+  add("--bearing-rad", nominal.bearing_rad, "sd of a bearing");
+  add("--max-range-m", nominal.max_range_m, "largest range of the sensor; larger ones are bad lines");
+  add("--field-of-view-rad", nominal.field_of_view_rad, "full angle that the sensor sees, centred ahead");
+}
+
+template <class Options>
+void AddOutput(CLI::App& command, Options& options) {
+  command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
+  command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
+  command.add_option("OUT.h5", options.out, "The log to write")->required();
+}
+
+void AddCsv(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<CsvOptions>(import, call, "csv", "Your own logs, plain or gzipped (docs/my-own-log.md)",
+                             "cairn import csv --odometry odometry.csv --observations observations.csv log.h5",
+                             ImportCsv, &command);
+  datasets::CsvImportOptions& files = options->import;
+  command->add_option("--odometry", files.odometry, "time_s,robot,turn_rad,forward_m or time_s,robot,v_mps,omega_radps")
+      ->required();
+  command->add_option("--observations", files.observations, "time_s,robot,landmark,range_m,bearing_rad");
+  command->add_option("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
+  command->add_option("--truth-landmarks", files.truth_landmarks, "landmark,x_m,y_m");
+  command->add_option("--truth-associations", files.truth_associations, "time_s,robot,landmark");
+  AddNominal(*command, files.nominal);
+  AddOutput(*command, *options);
+}
+
+}  // namespace
+
+void AddImport(CLI::App& app, Invocation& call) {
+  CLI::App* import = app.add_subcommand("import", "Reads real logs into Cairn's format");
+  import->require_subcommand(1);
+  import->footer("Example:\n  cairn import csv --odometry odometry.csv --observations observations.csv log.h5");
+  AddCsv(*import, call);
+}
+
+}  // namespace cairn::cli

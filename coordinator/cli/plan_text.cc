@@ -1,0 +1,77 @@
+#include "coordinator/cli/plan_text.h"
+
+#include <charconv>
+
+namespace cairn::cli {
+namespace {
+
+std::string Number(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+std::string Megabytes(std::size_t bytes) { return Number(static_cast<double>(bytes / 10000) / 100) + " MB"; }
+
+std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
+  std::string text = "stage " + stage.name() + ": " + stage.pipeline() + "\n";
+  for (const InputSpec& input : pipeline.inputs) {
+    const auto source = stage.inputs().find(input.name);
+    if (source != stage.inputs().end()) text += "  " + input.name + ": " + source->second + "\n";
+  }
+  for (const OptionSpec& option : pipeline.options) {
+    const auto given = stage.options().find(option.name);
+    const bool is_default = given == stage.options().end();
+    text += "  " + option.name + " = " +
+            (is_default ? option.default_text + " (default)" : ValueText(given->second));
+    text += option.help.empty() ? "\n" : "   # " + option.help + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ValueText(const proto::Value& value) {
+  switch (value.kind_case()) {
+    case proto::Value::kI:
+      return std::to_string(value.i());
+    case proto::Value::kD:
+      return Number(value.d());
+    case proto::Value::kB:
+      return value.b() ? "true" : "false";
+    case proto::Value::kS:
+      return value.s();
+    case proto::Value::KIND_NOT_SET:
+      break;
+  }
+  return "";
+}
+
+std::string LogText(const Blob& blob) {
+  if (!blob.Has("robots") || !blob.Has("robot/0/odometry/time_s")) return "";
+  const std::int64_t robots = blob.at("robots").size();
+  std::int64_t controls = 0;
+  std::int64_t observations = 0;
+  for (std::int64_t i = 0; i < robots; ++i) {
+    const std::string robot = "robot/" + std::to_string(i);
+    if (blob.Has(robot + "/odometry/time_s")) controls += blob.at(robot + "/odometry/time_s").size();
+    if (blob.Has(robot + "/observations/time_s"))
+      observations += blob.at(robot + "/observations/time_s").size();
+  }
+  return std::to_string(robots) + (robots == 1 ? " robot, " : " robots, ") + std::to_string(controls) +
+         " controls, " + std::to_string(observations) + " observations";
+}
+
+std::string PlanText(const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
+                     const Catalog& catalog) {
+  std::string text = "job " + job.name() + ", seed " + std::to_string(job.seed()) + "\n";
+  for (const auto& [name, blob] : inputs) {
+    const std::string log = LogText(*blob);
+    text += "input " + name + ": " + job.inputs().at(name) + " (" + (log.empty() ? "" : log + ", ") +
+            Megabytes(blob->ByteCount()) + ")\n";
+  }
+  for (const proto::Stage& stage : job.stages()) text += StageText(stage, catalog.At(stage.pipeline()));
+  return text;
+}
+
+}  // namespace cairn::cli
