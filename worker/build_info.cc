@@ -1,0 +1,42 @@
+#include "worker/build_info.h"
+
+#include <string>
+
+#include "schema/numerics.h"
+
+#if defined(__GLIBC__)
+#include <gnu/libc-version.h>
+#endif
+
+namespace cairn::worker {
+namespace {
+
+std::string Compiler() {
+#if defined(__clang__)
+  return "clang " __clang_version__;
+#else
+  return "gcc " __VERSION__;
+#endif
+}
+
+std::string Libc() {
+#if defined(__GLIBC__)
+  return std::string("glibc ") + gnu_get_libc_version();
+#else
+  return "unknown";
+#endif
+}
+
+}  // namespace
+
+wire::Build ThisBuild() {
+  wire::Build build;
+  build.set_version(CAIRN_VERSION);
+  build.set_compiler(Compiler());
+  build.set_flags(CAIRN_BUILD_FLAGS);
+  build.set_libc(Libc());
+  build.set_numeric_self_test(NumericSelfTest().Binary());
+  return build;
+}
+
+}  // namespace cairn::worker

@@ -1,0 +1,182 @@
+#include "worker/desk.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "pipelines/pipeline.h"
+
+namespace cairn::worker {
+namespace {
+
+// How many partials may be on their way, or wait in memory, ahead of the one that is being read.
+constexpr std::size_t kPartialsAhead = 16;
+
+bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b) {
+  return a.attempt() == b.attempt() && a.task() == b.task() && a.round() == b.round() &&
+         a.stage() == b.stage() && a.kind() == b.kind() && a.job() == b.job();
+}
+
+// The blobs that must be here before the task can begin; a failure where a hash is none.
+void ListInputs(TaskInHand& task) {
+  const auto add = [&task](const std::string& binary, auto&& into) {
+    const Result<Hash> hash = Hash::FromBinary(binary);
+    if (hash.ok())
+      into(hash.value());
+    else
+      task.failure = "a malformed assignment: " + hash.status().message();
+  };
+  const auto input = [&task](const Hash& hash) { task.lacking.insert(hash); };
+  for (const auto& [name, hash] : task.assign.inputs()) add(hash, input);
+  for (const auto& [name, hash] : task.assign.state().blobs()) add(hash, input);
+  for (const proto::InputRef& ref : task.assign.task().inputs()) add(ref.blob(), input);
+  for (const std::string& partial : task.assign.partials()) {
+    add(partial, [&task](const Hash& hash) {
+      task.partials.push_back(hash);
+      ++task.partial_uses[hash];
+    });
+  }
+}
+
+}  // namespace
+
+void Desk::WantOne(const TaskPtr& task, const Hash& hash, bool keep) {
+  std::vector<TaskPtr>& waiters = waiting_[hash];
+  if (waiters.empty()) wants_.push_back({hash, keep});
+  if (std::ranges::find(waiters, task) == waiters.end()) waiters.push_back(task);
+}
+
+void Desk::WantInputs(const TaskPtr& task) {
+  for (const Hash& hash : task->lacking) WantOne(task, hash, true);
+  WantPartials(task, 0);
+}
+
+void Desk::WantPartials(const TaskPtr& task, std::size_t first) {
+  const std::size_t end = std::min(first + kPartialsAhead, task->partials.size());
+  for (std::size_t i = first; i < end; ++i) {
+    const Hash& hash = task->partials[i];
+    if (task->partial_blobs.contains(hash) || !task->partials_asked.insert(hash).second) continue;
+    WantOne(task, hash, false);
+  }
+}
+
+void Desk::Add(wire::Assign assign) {
+  auto task = std::make_shared<TaskInHand>(std::move(assign));
+  ListInputs(*task);
+  const Lock lock(mutex_);
+  if (task->failure.empty()) WantInputs(task);
+  queue_.push_back(std::move(task));
+  changed_.notify_all();
+}
+
+void Desk::Cancel(const wire::TaskKey& key) {
+  const Lock lock(mutex_);
+  std::erase_if(queue_, [&key](const TaskPtr& task) { return SameAttempt(task->assign.key(), key); });
+  if (running_ && SameAttempt(running_->assign.key(), key)) running_->cancelled = true;
+  changed_.notify_all();
+}
+
+void Desk::DropAll() {
+  const Lock lock(mutex_);
+  queue_.clear();
+  waiting_.clear();
+  wants_.clear();
+  answers_.clear();
+  if (running_) running_->cancelled = true;
+  changed_.notify_all();
+}
+
+void Desk::Deliver(const wire::NamedBlob& named) {
+  const Lock lock(mutex_);
+  const auto node = waiting_.extract(named.hash);
+  if (node.empty()) return;
+  for (const TaskPtr& task : node.mapped()) {
+    if (task->lacking.erase(named.hash) > 0) task->blobs[named.hash] = named.blob;
+    if (task->partials_asked.erase(named.hash) > 0) task->partial_blobs[named.hash] = named.blob;
+    ++task->ticks;  // an input that comes is a sign of progress too
+  }
+  changed_.notify_all();
+}
+
+void Desk::GiveUp(const Hash& hash) {
+  const Lock lock(mutex_);
+  const auto node = waiting_.extract(hash);
+  if (node.empty()) return;
+  for (const TaskPtr& task : node.mapped())
+    task->failure = "the coordinator does not have blob " + hash.Hex();
+  changed_.notify_all();
+}
+
+std::vector<Want> Desk::TakeWants() {
+  const Lock lock(mutex_);
+  return std::exchange(wants_, {});
+}
+
+std::vector<wire::Message> Desk::TakeAnswers() {
+  const Lock lock(mutex_);
+  return std::exchange(answers_, {});
+}
+
+wire::Beat Desk::InHand() const {
+  const Lock lock(mutex_);
+  wire::Beat beat;
+  const auto add = [&beat](const TaskInHand& task) {
+    *beat.add_tasks() = task.assign.key();
+    beat.add_ticks(task.ticks);
+  };
+  if (running_ && !running_->cancelled) add(*running_);
+  for (const TaskPtr& task : queue_) add(*task);
+  return beat;
+}
+
+void Desk::Close() {
+  const Lock lock(mutex_);
+  closed_ = true;
+  if (running_) running_->cancelled = true;
+  changed_.notify_all();
+}
+
+TaskPtr Desk::Next() {
+  Lock lock(mutex_);
+  const auto ready = [this] {
+    return closed_ || (!queue_.empty() && (queue_[0]->lacking.empty() || !queue_[0]->failure.empty()));
+  };
+  changed_.wait(lock, ready);
+  if (closed_) return nullptr;
+  running_ = queue_.front();
+  queue_.pop_front();
+  return running_;
+}
+
+std::string Desk::FailureOf(const TaskInHand& task) const {
+  const Lock lock(mutex_);
+  return task.failure;
+}
+
+BlobPtr Desk::AwaitPartial(TaskInHand& task, std::size_t index) {
+  Lock lock(mutex_);
+  CAIRN_DEMAND(running_.get() == &task && index < task.partials.size(), "no such partial");
+  const Hash hash = task.partials[index];
+  WantPartials(running_, index);
+  if (!wants_.empty()) wake_();
+  changed_.wait(lock,
+                [&] { return task.cancelled || !task.failure.empty() || task.partial_blobs.contains(hash); });
+  if (task.cancelled) throw Cancelled{};
+  if (!task.failure.empty()) throw std::runtime_error(task.failure);
+  ++task.ticks;
+  BlobPtr blob = task.partial_blobs.at(hash);
+  if (--task.partial_uses[hash] <= 0) task.partial_blobs.erase(hash);
+  return blob;
+}
+
+void Desk::Finish(const TaskInHand& task, wire::Message answer) {
+  {
+    const Lock lock(mutex_);
+    CAIRN_DEMAND(running_.get() == &task, "another task runs");
+    running_.reset();
+    if (task.cancelled) return;
+    answers_.push_back(std::move(answer));
+  }
+  wake_();
+}
+
+}  // namespace cairn::worker

@@ -1,0 +1,188 @@
+#include "worker/executor.h"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
+#include <chrono>
+#include <new>
+#include <utility>
+
+#include "schema/numerics.h"
+
+namespace cairn::worker {
+namespace {
+
+class TaskProgress : public Progress {
+ public:
+  explicit TaskProgress(TaskInHand& task) : task_(task) {}
+  void Tick() override {
+    task_.ticks.fetch_add(1, std::memory_order_relaxed);
+    if (task_.cancelled.load(std::memory_order_relaxed)) throw Cancelled{};
+  }
+
+ private:
+  TaskInHand& task_;
+};
+
+class TaskInputs : public Inputs {
+ public:
+  // Of START and ADVANCE: the stage's inputs, and the state's blobs, which come before an input of the same
+  // name.
+  static TaskInputs OfPlan(const TaskInHand& task) {
+    TaskInputs inputs;
+    for (const auto& [name, hash] : task.assign.inputs()) inputs.blobs_[name] = Find(task, hash);
+    for (const auto& [name, hash] : task.assign.state().blobs()) inputs.blobs_[name] = Find(task, hash);
+    return inputs;
+  }
+  static TaskInputs OfRun(const TaskInHand& task) {
+    TaskInputs inputs;
+    for (const proto::InputRef& ref : task.assign.task().inputs()) {
+      inputs.blobs_[ref.name()] = Rows(Find(task, ref.blob()), ref);
+    }
+    return inputs;
+  }
+  bool Has(const std::string& name) const override { return blobs_.contains(name); }
+  BlobPtr Get(const std::string& name) const override {
+    const auto it = blobs_.find(name);
+    if (it == blobs_.end()) throw InputError("there is no input '" + name + "'");
+    return it->second;
+  }
+
+ private:
+  static BlobPtr Find(const TaskInHand& task, const std::string& binary) {
+    return task.blobs.at(Hash::FromBinary(binary).value());
+  }
+  static BlobPtr Rows(const BlobPtr& blob, const proto::InputRef& ref) {
+    if (ref.row_count() == 0) return blob;
+    Blob rows;
+    for (const auto& [name, array] : blob->fields()) {
+      rows.Put(name, array.Rows(ref.first_row(), ref.row_count()));
+    }
+    return std::make_shared<const Blob>(std::move(rows));
+  }
+  std::map<std::string, BlobPtr> blobs_;
+};
+
+class FetchedPartials : public Partials {
+ public:
+  FetchedPartials(Desk& desk, TaskInHand& task) : desk_(desk), task_(task) {}
+  std::size_t size() const override { return task_.partials.size(); }
+  BlobPtr Get(std::size_t index) override { return desk_.AwaitPartial(task_, index); }
+
+ private:
+  Desk& desk_;
+  TaskInHand& task_;
+};
+
+wire::Message DoneWithStep(const wire::TaskKey& key, Step step) {
+  wire::Message message;
+  wire::Done& done = *message.envelope.mutable_done();
+  *done.mutable_key() = key;
+  *done.mutable_step() = std::move(step.plan);
+  for (BlobPtr& blob : step.blobs) message.blobs.push_back(wire::NameBlob(std::move(blob)));
+  return message;
+}
+
+wire::Message DoneWithPartial(const wire::TaskKey& key, Blob partial) {
+  wire::Message message;
+  message.blobs.push_back(wire::NameBlob(std::make_shared<const Blob>(std::move(partial))));
+  wire::Done& done = *message.envelope.mutable_done();
+  *done.mutable_key() = key;
+  done.set_partial(message.blobs[0].hash.Binary());
+  return message;
+}
+
+wire::Message Failure(const wire::Assign& assign, bool input_error, const std::string& why) {
+  wire::Message message;
+  wire::Failed& failed = *message.envelope.mutable_failed();
+  *failed.mutable_key() = assign.key();
+  failed.set_input_error(input_error);
+  failed.set_message(DescribeTask(assign) + ": " + why);
+  return message;
+}
+
+// Equal for equal stages: protobuf's maps have no order of their own.
+std::string Canonical(const proto::Stage& stage, std::uint64_t seed) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    coded.WriteVarint64(seed);
+    stage.SerializeToCodedStream(&coded);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::string DescribeTask(const wire::Assign& assign) {
+  const std::string stage = "stage " + assign.stage().name();
+  switch (assign.key().kind()) {
+    case wire::TaskKey::START:
+      return stage + ", start";
+    case wire::TaskKey::ADVANCE:
+      return stage + ", end of round " + std::to_string(assign.key().round());
+    default:
+      return stage + ", task " + assign.task().kind() + " " + std::to_string(assign.task().index());
+  }
+}
+
+const Pipeline& Executor::PipelineOf(const wire::Assign& assign) {
+  std::string wanted = Canonical(assign.stage(), assign.seed());
+  if (!pipeline_ || wanted != made_for_) {
+    pipeline_ = factory_(assign.stage(), assign.seed());
+    made_for_ = std::move(wanted);
+  }
+  return *pipeline_;
+}
+
+wire::Message Executor::Compute(TaskInHand& task) {
+  const wire::Assign& assign = task.assign;
+  const Pipeline& pipeline = PipelineOf(assign);
+  switch (assign.key().kind()) {
+    case wire::TaskKey::START:
+      return DoneWithStep(assign.key(), pipeline.Start(TaskInputs::OfPlan(task)));
+    case wire::TaskKey::ADVANCE: {
+      FetchedPartials partials(desk_, task);
+      return DoneWithStep(assign.key(), pipeline.Advance(assign.state(), partials, TaskInputs::OfPlan(task)));
+    }
+    default: {
+      TaskProgress progress(task);
+      return DoneWithPartial(assign.key(), pipeline.Run(assign.task(), TaskInputs::OfRun(task), progress));
+    }
+  }
+}
+
+wire::Message Executor::Answer(TaskInHand& task) {
+  const auto begin = std::chrono::steady_clock::now();
+  wire::Message answer = Compute(task);
+  answer.envelope.mutable_done()->set_seconds(
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  return answer;
+}
+
+void Executor::Loop() {
+  FixNumericsOfThread();
+  while (const TaskPtr task = desk_.Next()) {
+    wire::Message answer;
+    try {
+      const std::string failure = desk_.FailureOf(*task);
+      answer = failure.empty() ? Answer(*task) : Failure(task->assign, false, failure);
+    } catch (const Cancelled&) {
+      // Dropped by the desk where the task was cancelled; else the pipeline has thrown what it should not.
+      answer = Failure(task->assign, false, "it gave up though nobody had cancelled it");
+    } catch (const InputError& error) {
+      answer = Failure(task->assign, true, error.what());
+    } catch (const std::bad_alloc&) {
+      answer = Failure(task->assign, false, "out of memory");
+    } catch (const std::exception& error) {
+      answer = Failure(task->assign, false, error.what());
+    } catch (...) {
+      answer = Failure(task->assign, false, "an exception of an unknown type");
+    }
+    desk_.Finish(*task, std::move(answer));
+  }
+}
+
+}  // namespace cairn::worker

@@ -1,0 +1,161 @@
+#include "worker/program.h"
+
+#include <signal.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "schema/numerics.h"
+#include "schema/wire/keys.h"
+#include "worker/build_info.h"
+#include "worker/describe.h"
+#include "worker/worker.h"
+#include "worker/zmq_transport.h"
+
+namespace cairn::worker {
+namespace {
+
+struct Arguments {
+  std::string connect;
+  int slots = 4;
+  std::size_t cache_mb = 1024;
+  std::string key_file;
+  std::string server_key_file;
+  bool log_json = false;
+  bool die_with_parent = false;
+  bool describe = false;
+};
+
+std::atomic<bool> g_stop{false};
+std::atomic<Transport*> g_transport{nullptr};
+
+void StopOnSignal(int) {
+  g_stop = true;
+  if (Transport* transport = g_transport) transport->Wake();
+}
+
+void CatchSignals() {
+  struct sigaction action{};
+  action.sa_handler = StopOnSignal;
+  action.sa_flags = SA_RESETHAND;  // the second signal ends the process at once
+  for (const int number : {SIGINT, SIGTERM}) ::sigaction(number, &action, nullptr);
+}
+
+void Declare(CLI::App& app, Arguments& a) {
+  app.footer(
+      "Example: cairn-worker --connect tcp://hub:7000 --key desk.key --server-key hub.pub\n"
+      "Exit codes: 0 ended on request, 1 no coordinator, 2 refused or bad usage");
+  app.add_option("--connect", a.connect,
+                 "endpoint of the coordinator: ipc:///FOLDER/NAME or tcp://HOST:PORT");
+  app.add_option("--slots", a.slots, "tasks that may be in hand at a time")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--cache-mb", a.cache_mb, "memory for blobs that may be needed again")
+      ->capture_default_str();
+  app.add_option("--key", a.key_file, "this worker's key pair (tcp)");
+  app.add_option("--server-key", a.server_key_file, "the coordinator's public key (tcp)");
+  app.add_flag("--log-json", a.log_json, "log in JSON lines");
+  app.add_flag("--die-with-parent", a.die_with_parent, "end with the process that started this one");
+  app.add_flag("--describe", a.describe,
+               "print all pipelines with their inputs and options as JSON, and end");
+  app.set_version_flag("--version", CAIRN_VERSION);
+}
+
+std::string JsonLine(Severity severity, const std::string& line) {
+  constexpr std::array<const char*, 3> kNames = {"info", "warning", "error"};
+  return nlohmann::json{{"level", kNames[static_cast<std::size_t>(severity)]},
+                        {"pid", ::getpid()},
+                        {"program", "cairn-worker"},
+                        {"text", line}}
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+LogSink MakeLog(bool json) {
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("cairn-worker"));
+  if (json) {
+    spdlog::set_pattern("%v");
+    return [](Severity severity, const std::string& line) { spdlog::info("{}", JsonLine(severity, line)); };
+  }
+  spdlog::set_pattern("%H:%M:%S worker %P %^%l%$: %v");
+  return [](Severity severity, const std::string& line) {
+    constexpr std::array kLevels = {spdlog::level::info, spdlog::level::warn, spdlog::level::err};
+    spdlog::log(kLevels[static_cast<std::size_t>(severity)], "{}", line);
+  };
+}
+
+Result<std::optional<wire::ClientSecurity>> ReadSecurity(const Arguments& a) {
+  std::optional<wire::ClientSecurity> none;
+  if (a.key_file.empty() && a.server_key_file.empty()) return none;
+  Result<wire::KeyPair> keys = wire::ReadKeyPair(a.key_file);
+  if (!keys.ok()) return keys.status();
+  Result<std::string> server = wire::ReadPublicKey(a.server_key_file);
+  if (!server.ok()) return server.status();
+  return std::optional(wire::ClientSecurity{std::move(keys).value(), std::move(server).value()});
+}
+
+WorkerOptions MakeOptions(const Arguments& a) {
+  FixNumericsOfThread();
+  WorkerOptions options;
+  wire::Hello& hello = options.session.hello;
+  hello.set_protocol(wire::kProtocol);
+  *hello.mutable_build() = ThisBuild();
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  hello.set_host(host.data());
+  hello.set_pid(::getpid());
+  hello.set_slots(static_cast<std::uint32_t>(a.slots));
+  options.session.cache_bytes = a.cache_mb << 20;
+  options.session.exit_on_bye = a.die_with_parent;
+  // A private worker whose parent died before PR_SET_PDEATHSIG took hold finds nobody.
+  options.session.first_contact_s = a.die_with_parent ? 30 : 0;
+  return options;
+}
+
+int Run(const Arguments& a, const PipelineFactory& factory) {
+  WorkerOptions options = MakeOptions(a);
+  options.session.log = MakeLog(a.log_json);
+  const auto fail = [&](const Status& status) {
+    options.session.log(Severity::kError, status.message());
+    return kExitRefused;
+  };
+  const auto security = ReadSecurity(a);
+  if (!security.ok()) return fail(security.status());
+  const Result<std::unique_ptr<ZmqTransport>> transport = ZmqTransport::Connect(a.connect, security.value());
+  if (!transport.ok()) return fail(transport.status());
+  g_transport = transport.value().get();
+  CatchSignals();
+  const int code = RunWorker(*transport.value(), factory, options, g_stop);
+  g_transport = nullptr;
+  return code;
+}
+
+}  // namespace
+
+int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipelines,
+                  const PipelineFactory& factory) {
+  FixNumericsOfProcess();
+  Arguments arguments;
+  CLI::App app("Computes tasks for a Cairn coordinator", "cairn-worker");
+  Declare(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitRefused;
+  }
+  if (arguments.describe) return std::puts(DescribePipelines(pipelines).c_str()) < 0 ? kExitLost : kExitDone;
+  if (arguments.connect.empty()) {
+    std::fputs("cairn-worker: --connect ENDPOINT is missing (see --help)\n", stderr);
+    return kExitRefused;
+  }
+  if (arguments.die_with_parent) ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  return Run(arguments, factory);
+}
+
+}  // namespace cairn::worker

@@ -1,0 +1,199 @@
+#include "worker/session.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cairn::worker {
+namespace {
+
+// Fetches under way: enough to hide the round trip, few enough that the answers fit into the peer's queue.
+constexpr std::size_t kMaxRequests = 64;
+// Without an answer to any fetch for so long, the answer was lost (a full queue): ask again.
+constexpr double kAskAgain_s = 20;
+constexpr double kHelloAgain_s = 5;
+constexpr double kLongestWait_s = 1;
+constexpr double kRetry_s = 0.01;  // where the transport's queue is full
+
+wire::Message FetchOf(const Hash& hash) {
+  wire::Message message;
+  message.envelope.mutable_fetch()->set_hash(hash.Binary());
+  return message;
+}
+
+}  // namespace
+
+Session::Session(SessionOptions options, Transport& transport, Desk& desk, double now_s)
+    : options_(std::move(options)),
+      transport_(transport),
+      desk_(desk),
+      cache_(options_.cache_bytes),
+      started_s_(now_s) {}
+
+void Session::Handle(const Event& event, double now_s) {
+  switch (event.kind) {
+    case Event::kConnected:
+      connected_ = true;
+      DropConversation();
+      SayHello(now_s);
+      return;
+    case Event::kDisconnected:
+      options_.log(Severity::kWarning, "the coordinator is gone; waiting for it to come back");
+      connected_ = false;
+      DropConversation();
+      return;
+    case Event::kMalformed:
+      options_.log(Severity::kError, event.text);
+      connected_ = false;
+      DropConversation();
+      return;
+    case Event::kKeyRefused:
+      End(kExitRefused, Severity::kError, "the coordinator does not know this worker's key");
+      return;
+    case Event::kMessage:
+      HandleMessage(event.message, now_s);
+      return;
+  }
+}
+
+void Session::HandleMessage(const wire::Message& message, double now_s) {
+  const wire::Envelope& envelope = message.envelope;
+  switch (envelope.body_case()) {
+    case wire::Envelope::kWelcome:
+      beat_s_ = std::max(envelope.welcome().beat_s(), 0.01);
+      ever_welcome_ = true;
+      beaten_s_ = now_s - *beat_s_;  // the first one at once
+      options_.log(Severity::kInfo, "at work");
+      return;
+    case wire::Envelope::kRefuse:
+      End(kExitRefused, Severity::kError, "refused: " + envelope.refuse().reason());
+      return;
+    case wire::Envelope::kStranger:
+      // Strangers that were on their way when we said Hello are answered by that Hello.
+      if (beat_s_) SayHello(now_s);
+      return;
+    case wire::Envelope::kAssign:
+      if (beat_s_) desk_.Add(envelope.assign());
+      return;
+    case wire::Envelope::kCancel:
+      desk_.Cancel(envelope.cancel().key());
+      return;
+    case wire::Envelope::kBlob:
+      TakeBlob(message.blobs[0], now_s);
+      return;
+    case wire::Envelope::kMissing:
+      if (const Result<Hash> hash = Hash::FromBinary(envelope.missing().hash()); hash.ok()) {
+        blob_s_ = now_s;
+        requests_.erase(hash.value());
+        desk_.GiveUp(hash.value());
+      }
+      return;
+    case wire::Envelope::kBye:
+      if (options_.exit_on_bye) return End(kExitDone, Severity::kInfo, "the coordinator has ended");
+      options_.log(Severity::kInfo, "the coordinator has ended; waiting for the next");
+      DropConversation();
+      return;
+    default:
+      options_.log(Severity::kWarning, std::string("a message for nobody here: ") + wire::KindName(envelope));
+  }
+}
+
+void Session::TakeBlob(const wire::NamedBlob& named, double now_s) {
+  blob_s_ = now_s;
+  const auto request = requests_.extract(named.hash);
+  if (request.empty() || request.mapped().keep) cache_.Put(named);
+  desk_.Deliver(named);
+}
+
+void Session::SayHello(double now_s) {
+  DropConversation();
+  hello_s_ = now_s;
+  wire::Message message;
+  *message.envelope.mutable_hello() = options_.hello;
+  outbox_.push_back(std::move(message));
+}
+
+void Session::DropConversation() {
+  beat_s_.reset();
+  desk_.DropAll();
+  wants_.clear();
+  requests_.clear();
+  outbox_.clear();
+}
+
+void Session::End(int code, Severity severity, const std::string& line) {
+  options_.log(severity, line);
+  DropConversation();
+  exit_code_ = code;
+}
+
+void Session::SayBye() {
+  DropConversation();
+  wire::Message message;
+  message.envelope.mutable_bye();
+  if (connected_) transport_.Send(message);
+}
+
+void Session::TakeAnswers() {
+  for (wire::Message& answer : desk_.TakeAnswers()) {
+    // What this worker made is likely to be an input of what it gets next.
+    for (const wire::NamedBlob& named : answer.blobs) cache_.Put(named);
+    outbox_.push_back(std::move(answer));
+  }
+}
+
+void Session::Fetch(double now_s) {
+  for (const Want& want : desk_.TakeWants()) wants_.push_back(want);
+  while (!wants_.empty() && requests_.size() < kMaxRequests) {
+    const Want want = wants_.front();
+    wants_.pop_front();
+    if (const BlobPtr blob = cache_.Get(want.hash)) {
+      desk_.Deliver({want.hash, blob});
+    } else if (requests_.try_emplace(want.hash, Request{now_s, want.keep}).second) {
+      outbox_.push_back(FetchOf(want.hash));
+    }
+  }
+}
+
+void Session::RepeatFetches(double now_s) {
+  for (auto& [hash, request] : requests_) {
+    if (now_s - std::max(request.asked_s, blob_s_) < kAskAgain_s) continue;
+    request.asked_s = now_s;
+    outbox_.push_back(FetchOf(hash));
+  }
+}
+
+void Session::Beat(double now_s) {
+  if (now_s - beaten_s_ < *beat_s_ / 2) return;
+  beaten_s_ = now_s;
+  wire::Message message;
+  *message.envelope.mutable_beat() = desk_.InHand();
+  outbox_.push_back(std::move(message));
+}
+
+void Session::Flush() {
+  while (!outbox_.empty() && transport_.Send(outbox_.front())) outbox_.pop_front();
+}
+
+void Session::Work(double now_s) {
+  if (exit_code_) return;
+  if (beat_s_) {
+    TakeAnswers();
+    Fetch(now_s);
+    RepeatFetches(now_s);
+    Beat(now_s);
+  } else if (connected_ && now_s - hello_s_ >= kHelloAgain_s) {
+    SayHello(now_s);
+  }
+  if (connected_) Flush();
+  if (!ever_welcome_ && options_.first_contact_s > 0 && now_s - started_s_ >= options_.first_contact_s) {
+    End(kExitLost, Severity::kError, "no coordinator answers");
+  }
+}
+
+double Session::WaitSeconds(double now_s) const {
+  if (!outbox_.empty()) return kRetry_s;
+  if (!beat_s_) return kLongestWait_s;
+  return std::clamp(beaten_s_ + *beat_s_ / 2 - now_s, 0.0, kLongestWait_s);
+}
+
+}  // namespace cairn::worker

@@ -1,0 +1,81 @@
+// The worker's side of the conversation with a coordinator: Hello, beats, fetches, answers. No threads, no
+// clock and no sockets in here: events and the time go in, messages go out through the transport.
+//
+// A lost connection ends the conversation: the coordinator knows a worker by its connection, and gives the
+// tasks of a lost one to others under new attempt numbers. So all tasks in hand are dropped; the cache stays,
+// and with it the partials that the worker has made.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/blob_cache.h"
+#include "worker/desk.h"
+#include "worker/transport.h"
+
+namespace cairn::worker {
+
+enum class Severity { kInfo, kWarning, kError };
+using LogSink = std::function<void(Severity, const std::string& line)>;
+
+struct SessionOptions {
+  wire::Hello hello;  // as it is sent
+  std::size_t cache_bytes = 1u << 30;
+  bool exit_on_bye = false;    // a private worker of one run; else it waits for the next coordinator
+  double first_contact_s = 0;  // give up where nobody has said Welcome by then; 0: never
+  LogSink log = [](Severity, const std::string&) {};
+};
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitLost = 1;     // no coordinator in first_contact_s
+inline constexpr int kExitRefused = 2;  // the coordinator does not want this worker
+
+class Session {
+ public:
+  Session(SessionOptions options, Transport& transport, Desk& desk, double now_s);
+  void Handle(const Event& event, double now_s);
+  // Fetches, answers and beats that are due. Call it after events, after a wake-up, and after WaitSeconds.
+  void Work(double now_s);
+  double WaitSeconds(double now_s) const;
+  void SayBye();
+  std::optional<int> exit_code() const { return exit_code_; }  // set: the conversation is over for good
+
+ private:
+  struct Request {
+    double asked_s = 0;
+    bool keep = true;
+  };
+  void HandleMessage(const wire::Message& message, double now_s);
+  void TakeBlob(const wire::NamedBlob& named, double now_s);
+  void SayHello(double now_s);
+  void DropConversation();
+  void End(int code, Severity severity, const std::string& line);
+  void TakeAnswers();
+  void Fetch(double now_s);
+  void RepeatFetches(double now_s);
+  void Beat(double now_s);
+  void Flush();
+
+  const SessionOptions options_;
+  Transport& transport_;
+  Desk& desk_;
+  BlobCache cache_;
+  const double started_s_;
+  bool connected_ = false;
+  bool ever_welcome_ = false;
+  std::optional<double> beat_s_;  // since Welcome
+  double hello_s_ = 0;            // when Hello was last said
+  double beaten_s_ = 0;           // when the last beat went out
+  double blob_s_ = 0;             // when a fetch was last answered
+  std::deque<Want> wants_;        // not asked for yet
+  std::map<Hash, Request> requests_;
+  std::deque<wire::Message> outbox_;
+  std::optional<int> exit_code_;
+};
+
+}  // namespace cairn::worker

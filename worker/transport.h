@@ -1,0 +1,36 @@
+// What the worker's I/O loop asks of its link to the coordinator. zmq_transport.h binds it to ZeroMQ, tests
+// to a fake.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schema/wire/codec.h"
+
+namespace cairn::worker {
+
+struct Event {
+  enum Kind {
+    kConnected,
+    kDisconnected,  // what was under way is lost; the transport connects again by itself
+    kKeyRefused,    // the coordinator does not know our key
+    kMalformed,     // a message that could not be read; the transport connects again by itself
+    kMessage,
+  };
+  Kind kind = kMessage;
+  wire::Message message;  // kMessage
+  std::string text;       // kMalformed: why
+};
+
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  // What has come; waits up to `timeout_s` where nothing has, or until Wake.
+  virtual std::vector<Event> Poll(double timeout_s) = 0;
+  // Never waits. False: not now (the queue is full), or not connected.
+  virtual bool Send(const wire::Message& message) = 0;
+  // From any thread, and from a signal handler.
+  virtual void Wake() = 0;
+};
+
+}  // namespace cairn::worker

@@ -1,0 +1,61 @@
+#include "worker/worker.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <future>
+#include <thread>
+#include <utility>
+
+#include "schema/numerics.h"
+
+namespace cairn::worker {
+namespace {
+
+double SteadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The computing thread. Ends with the object, or takes the process with it.
+class ComputeThread {
+ public:
+  ComputeThread(Desk& desk, const PipelineFactory& factory)
+      : desk_(desk), thread_([this, factory] {
+          Executor(desk_, factory).Loop();
+          ended_.set_value();
+        }) {}
+  ~ComputeThread() { thread_.join(); }
+  ComputeThread(const ComputeThread&) = delete;
+  ComputeThread& operator=(const ComputeThread&) = delete;
+
+  void End(double patience_s, int exit_code) {
+    desk_.Close();
+    const auto patience = std::chrono::duration<double>(patience_s);
+    if (ended_.get_future().wait_for(patience) != std::future_status::ready) std::_Exit(exit_code);
+  }
+
+ private:
+  Desk& desk_;
+  std::promise<void> ended_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+int RunWorker(Transport& transport, const PipelineFactory& factory, const WorkerOptions& options,
+              const std::atomic<bool>& stop) {
+  FixNumericsOfProcess();
+  const std::function<double()> now_s = options.now_s ? options.now_s : SteadySeconds;
+  Desk desk([&transport] { transport.Wake(); });
+  Session session(options.session, transport, desk, now_s());
+  ComputeThread computing(desk, factory);
+  while (!stop && !session.exit_code()) {
+    for (const Event& event : transport.Poll(session.WaitSeconds(now_s()))) session.Handle(event, now_s());
+    session.Work(now_s());
+  }
+  if (!session.exit_code()) session.SayBye();
+  const int code = session.exit_code().value_or(kExitDone);
+  computing.End(options.patience_s, code);
+  return code;
+}
+
+}  // namespace cairn::worker

@@ -1,0 +1,26 @@
+// A worker: one thread computes, the calling one talks to the coordinator and keeps up the heartbeat.
+#pragma once
+
+#include <atomic>
+#include <functional>
+
+#include "worker/executor.h"
+#include "worker/session.h"
+#include "worker/transport.h"
+
+namespace cairn::worker {
+
+struct WorkerOptions {
+  SessionOptions session;
+  std::function<double()> now_s;  // monotonic; empty: the system's clock
+  // How long a task may take to notice that the worker ends. Then the process ends under it, with the exit
+  // code.
+  double patience_s = 2;
+};
+
+// Works until `stop` (call transport.Wake() after setting it) or until the coordinator ends it; returns the
+// process's exit code.
+int RunWorker(Transport& transport, const PipelineFactory& factory, const WorkerOptions& options,
+              const std::atomic<bool>& stop);
+
+}  // namespace cairn::worker

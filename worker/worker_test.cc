@@ -1,0 +1,323 @@
+#include "worker/worker.h"
+
+#include <gtest/gtest.h>
+
+#include <new>
+#include <stdexcept>
+
+#include "pipelines/in_process.h"
+#include "worker/testing/rig.h"
+#include "worker/testing/toy_pipeline.h"
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+namespace cairn::worker {
+namespace {
+
+Blob Number(double value) {
+  Blob blob;
+  blob.PutScalar("v", value);
+  return blob;
+}
+
+// v of input "a", plus the task's index.
+Blob AddIndex(const Task& task, const Inputs& inputs, Progress& progress) {
+  progress.Tick();
+  return Number(inputs.Get("a")->Scalar<double>("v") + task.index());
+}
+
+Blob SpinUntilCancelled(const Task& task, const Inputs&, Progress& progress) {
+  while (task.index() == 0) progress.Tick();
+  return Number(task.index());
+}
+
+wire::Message Plain(void (*set)(wire::Envelope&)) {
+  wire::Message message;
+  set(message.envelope);
+  return message;
+}
+const auto kBye = [](wire::Envelope& e) { e.mutable_bye(); };
+const auto kStranger = [](wire::Envelope& e) { e.mutable_stranger(); };
+
+TEST(Worker, ComputesATaskAndSaysWhatCameOfIt) {
+  Rig rig(AddIndex);
+  rig.Begin();
+  rig.Assign(RunTask(3, {{"a", rig.Keep(Number(0.5))}}));
+  const wire::Message done = rig.Serve();
+  ASSERT_TRUE(done.envelope.has_done());
+  EXPECT_EQ(done.envelope.done().key().task(), 3u);
+  EXPECT_EQ(done.envelope.done().key().attempt(), 1u);
+  ASSERT_EQ(done.blobs.size(), 1u);
+  EXPECT_EQ(done.blobs[0].blob->Scalar<double>("v"), 3.5);
+  EXPECT_EQ(done.envelope.done().partial(), Number(3.5).ContentHash().Binary());
+  EXPECT_EQ(rig.fetches, 1);
+}
+
+TEST(Worker, AWholeStageEqualsTheInProcessRunner) {
+  proto::Stage stage;
+  stage.set_name("s");
+  stage.set_pipeline("toy");
+  stage.mutable_options()->operator[]("slices").set_i(40);  // more partials than are fetched ahead
+  const auto log = std::make_shared<const Blob>(testing::ToyLog(100));
+  const BlobPtr expected = RunInProcess(*testing::MakeToy(stage, 5), {{"log", log}});
+
+  Rig rig(testing::MakeToy);
+  rig.Begin();
+  wire::Assign assign;
+  *assign.mutable_stage() = stage;
+  assign.set_seed(5);
+  (*assign.mutable_inputs())["log"] = rig.Keep(*log).Binary();
+  assign.mutable_key()->set_kind(wire::TaskKey::START);
+  rig.Assign(assign);
+  while (true) {
+    const wire::Message planned = rig.Serve();
+    ASSERT_TRUE(planned.envelope.has_done()) << planned.envelope.DebugString();
+    for (const wire::NamedBlob& named : planned.blobs) rig.store[named.hash] = named.blob;
+    const proto::Step& step = planned.envelope.done().step();
+    if (!step.result().empty()) {
+      EXPECT_EQ(rig.store.at(Hash::FromBinary(step.result()).value())->fields(), expected->fields());
+      return;
+    }
+    assign.mutable_key()->set_kind(wire::TaskKey::ADVANCE);
+    *assign.mutable_state() = step.state();
+    assign.clear_partials();
+    for (const proto::Task& task : step.tasks()) {
+      wire::Assign run;
+      *run.mutable_stage() = stage;
+      run.set_seed(5);
+      *run.mutable_task() = task;
+      for (proto::InputRef& ref : *run.mutable_task()->mutable_inputs()) {
+        if (ref.has_task()) ref.set_blob(assign.partials(static_cast<int>(ref.task())));
+      }
+      rig.Assign(run);
+      const wire::Message done = rig.Serve();
+      ASSERT_TRUE(done.envelope.has_done()) << done.envelope.DebugString();
+      assign.add_partials(done.envelope.done().partial());
+    }
+    rig.Assign(assign);
+  }
+}
+
+TEST(Worker, KeepsInputsAndItsOwnPartials) {
+  Rig rig(AddIndex);
+  rig.Begin();
+  const Hash a = rig.Keep(Number(1));
+  Hash last = a;
+  for (const std::uint32_t i : {1u, 2u, 3u}) {
+    rig.Assign(RunTask(i, {{"a", last}, {"b", a}}));
+    const wire::Message done = rig.Serve();
+    ASSERT_TRUE(done.envelope.has_done());
+    last = Hash::FromBinary(done.envelope.done().partial()).value();
+  }
+  EXPECT_EQ(last, Number(7).ContentHash());
+  EXPECT_EQ(rig.fetches, 1);
+}
+
+TEST(Worker, SaysWhichTaskFailedAndWhy) {
+  Rig rig([](const Task& task, const Inputs&, Progress&) -> Blob {
+    switch (task.index()) {
+      case 0:
+        throw InputError("robot 2, step 17: no mass is left");
+      case 1:
+        throw std::bad_alloc();
+      case 2:
+        throw std::runtime_error("odd");
+      case 3:
+        throw 3;  // NOLINT
+      case 4:
+        throw Cancelled{};
+      default:
+        return Number(1);
+    }
+  });
+  rig.Begin();
+  const std::vector<std::pair<bool, std::string>> expected = {
+      {true, "stage s, task slice 0: robot 2, step 17: no mass is left"},
+      {false, "stage s, task slice 1: out of memory"},
+      {false, "stage s, task slice 2: odd"},
+      {false, "stage s, task slice 3: an exception of an unknown type"},
+      {false, "stage s, task slice 4: it gave up though nobody had cancelled it"}};
+  for (std::uint32_t i = 0; i < expected.size(); ++i) {
+    rig.Assign(RunTask(i));
+    const wire::Message answer = rig.Serve();
+    ASSERT_TRUE(answer.envelope.has_failed());
+    EXPECT_EQ(answer.envelope.failed().key().task(), i);
+    EXPECT_EQ(answer.envelope.failed().input_error(), expected[i].first);
+    EXPECT_EQ(answer.envelope.failed().message(), expected[i].second);
+  }
+  rig.Assign(RunTask(9));
+  EXPECT_TRUE(rig.Serve().envelope.has_done()) << "a failure ends the task, not the worker";
+}
+
+TEST(Worker, ABlobThatNobodyHasIsNotTheInputsFault) {
+  Rig rig(AddIndex);
+  rig.Begin();
+  rig.Assign(RunTask(0, {{"a", Number(1).ContentHash()}}));
+  const wire::Message answer = rig.Serve();
+  ASSERT_TRUE(answer.envelope.has_failed());
+  EXPECT_FALSE(answer.envelope.failed().input_error());
+  EXPECT_NE(answer.envelope.failed().message().find(Number(1).ContentHash().Hex()), std::string::npos);
+}
+
+TEST(Worker, ACancelledTaskMakesRoomForTheNext) {
+  Rig rig(SpinUntilCancelled);
+  rig.Begin();
+  rig.Assign(RunTask(0));
+  rig.Assign(RunTask(1));
+  rig.Assign(RunTask(2));
+  rig.Cancel(RunTask(1).key());
+  rig.Cancel(RunTask(0).key());
+  EXPECT_EQ(rig.Serve().envelope.done().key().task(), 2u);
+}
+
+TEST(Worker, BeatsCarryTheTicksOfTheTasksInHand) {
+  Rig rig(SpinUntilCancelled);
+  rig.Begin(10);
+  rig.Assign(RunTask(0));
+  rig.Assign(RunTask(1));
+  std::uint64_t ticks = 0;
+  while (ticks == 0) {
+    const wire::Message beat = rig.transport.Take(true);
+    ASSERT_TRUE(beat.envelope.has_beat());
+    rig.Pass(6);
+    if (beat.envelope.beat().tasks_size() == 0) continue;  // before the tasks were read
+    ASSERT_EQ(beat.envelope.beat().ticks_size(), beat.envelope.beat().tasks_size());
+    EXPECT_EQ(beat.envelope.beat().tasks(0).task(), 0u);
+    ticks = beat.envelope.beat().ticks(0);
+  }
+  rig.Cancel(RunTask(0).key());
+  EXPECT_EQ(rig.Serve().envelope.done().key().task(), 1u);
+}
+
+TEST(Worker, ALostConnectionDropsTheTasksAndKeepsTheCache) {
+  Rig rig([](const Task& task, const Inputs& inputs, Progress& progress) {
+    while (task.index() == 0) progress.Tick();
+    return AddIndex(task, inputs, progress);
+  });
+  rig.Begin();
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(5, {{"a", a}}));
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  rig.Assign(RunTask(0, {{"a", a}}));
+  rig.Assign(RunTask(1, {{"a", a}}));
+  rig.Give(Event::kDisconnected);
+  rig.Begin();
+  rig.Assign(RunTask(2, {{"a", a}}));
+  EXPECT_EQ(rig.Serve().envelope.done().key().task(), 2u);
+  EXPECT_EQ(rig.fetches, 1);
+}
+
+TEST(Worker, SaysHelloAgainToACoordinatorThatDoesNotKnowIt) {
+  Rig rig(AddIndex);
+  rig.Begin();
+  rig.Give(Plain(kStranger));
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+  // A second one that was on its way before that Hello; and a task of the time before.
+  rig.Give(Plain(kStranger));
+  rig.Assign(RunTask(1, {{"a", rig.Keep(Number(1))}}));
+  wire::Message welcome;
+  welcome.envelope.mutable_welcome()->set_beat_s(1);
+  rig.Give(welcome);
+  rig.Assign(RunTask(2, {{"a", rig.Keep(Number(1))}}));
+  const wire::Message next = rig.Serve();
+  ASSERT_TRUE(next.envelope.has_done());
+  EXPECT_EQ(next.envelope.done().key().task(), 2u);
+}
+
+TEST(Worker, RepeatsAHelloThatNobodyAnswers) {
+  Rig rig(AddIndex);
+  rig.Give(Event::kConnected);
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+  rig.Pass(6);
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+}
+
+TEST(Worker, AsksAgainForABlobThatDoesNotCome) {
+  Rig rig(AddIndex);
+  rig.Begin(1000);
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(1, {{"a", a}}));
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  rig.Pass(21);
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  rig.Answer(a);
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+}
+
+TEST(Worker, AnAnswerWaitsWhileTheQueueIsFull) {
+  Rig rig(AddIndex);
+  rig.Begin(1000);
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(1, {{"a", a}}));
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  rig.transport.SetFull(true);
+  rig.Answer(a);
+  rig.Pass(1);
+  rig.transport.SetFull(false);
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+}
+
+TEST(Worker, ARefusalEndsItWithTheReason) {
+  Rig rig(AddIndex);
+  rig.Give(Event::kConnected);
+  wire::Message refuse;
+  refuse.envelope.mutable_refuse()->set_reason("its numeric self-test gives other bits");
+  rig.Give(refuse);
+  EXPECT_EQ(rig.Join(), kExitRefused);
+  EXPECT_NE(rig.log().find("other bits"), std::string::npos);
+}
+
+TEST(Worker, AnUnknownKeyEndsIt) {
+  Rig rig(AddIndex);
+  rig.Give(Event::kKeyRefused);
+  EXPECT_EQ(rig.Join(), kExitRefused);
+}
+
+TEST(Worker, ByeEndsAPrivateWorkerOnly) {
+  Rig own(AddIndex, [](WorkerOptions& o) { o.session.exit_on_bye = true; });
+  own.Begin();
+  own.Give(Plain(kBye));
+  EXPECT_EQ(own.Join(), kExitDone);
+
+  Rig fleet(AddIndex);
+  fleet.Begin();
+  fleet.Give(Plain(kBye));
+  fleet.Begin();
+  fleet.Assign(RunTask(1, {{"a", fleet.Keep(Number(1))}}));
+  EXPECT_TRUE(fleet.Serve().envelope.has_done());
+}
+
+TEST(Worker, APrivateWorkerThatFindsNobodyGivesUp) {
+  Rig rig(AddIndex, [](WorkerOptions& o) { o.session.first_contact_s = 30; });
+  rig.Give(Event::kConnected);
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+  rig.Pass(31);
+  EXPECT_EQ(rig.Join(), kExitLost);
+}
+
+TEST(Worker, StoppingSaysBye) {
+  Rig rig(SpinUntilCancelled);
+  rig.Begin();
+  rig.Assign(RunTask(0));
+  EXPECT_EQ(rig.Stop(), kExitDone);
+  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+}
+
+#if defined(__x86_64__)
+TEST(Worker, ComputesWithSubnormalNumbersWhateverItsParentThreadDoes) {
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040);  // inherited by threads that are made now
+  Rig rig([](const Task&, const Inputs& inputs, Progress&) {
+    return Number(inputs.Get("a")->Scalar<double>("v") * 0.5);
+  });
+  _mm_setcsr(before);
+  rig.Begin();
+  rig.Assign(RunTask(1, {{"a", rig.Keep(Number(1e-310))}}));
+  EXPECT_EQ(rig.Serve().blobs.at(0).blob->Scalar<double>("v"), 0.5e-310);
+}
+#endif
+
+}  // namespace
+}  // namespace cairn::worker

@@ -1,0 +1,53 @@
+#include "worker/zmq_transport.h"
+
+#include <cmath>
+#include <utility>
+
+namespace cairn::worker {
+namespace {
+
+// At most this many messages a call, so that beats go out whatever comes in.
+constexpr int kMessagesAtOnce = 256;
+
+Event::Kind KindOf(wire::LinkEvent event) {
+  switch (event) {
+    case wire::LinkEvent::kConnected:
+      return Event::kConnected;
+    case wire::LinkEvent::kDisconnected:
+      return Event::kDisconnected;
+    default:
+      return Event::kKeyRefused;
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ZmqTransport>> ZmqTransport::Connect(
+    const std::string& endpoint, const std::optional<wire::ClientSecurity>& security) {
+  const wire::Context context;
+  Result<wire::DealerSocket> socket = wire::DealerSocket::Connect(context, endpoint, security);
+  if (!socket.ok()) return socket.status();
+  return std::unique_ptr<ZmqTransport>(new ZmqTransport(std::move(socket).value()));
+}
+
+std::vector<Event> ZmqTransport::Poll(double timeout_s) {
+  poller_.Wait(std::chrono::milliseconds(static_cast<long>(std::ceil(timeout_s * 1000))));
+  std::vector<Event> events;
+  while (const std::optional<wire::LinkEvent> event = socket_.TryEvent()) {
+    events.push_back({.kind = KindOf(*event), .message = {}, .text = {}});
+  }
+  for (int i = 0; i < kMessagesAtOnce; ++i) {
+    std::optional<wire::Received> received = socket_.TryReceive();
+    if (!received) break;
+    const bool ok = received->status.ok();
+    events.push_back({.kind = ok ? Event::kMessage : Event::kMalformed,
+                      .message = std::move(received->message),
+                      .text = received->status.message()});
+    if (!ok) break;  // what follows belongs to the next connection
+  }
+  return events;
+}
+
+bool ZmqTransport::Send(const wire::Message& message) { return socket_.Send(message).ok(); }
+
+}  // namespace cairn::worker
