@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace cairn::datasets {
 namespace {
@@ -127,17 +126,6 @@ class Driver {
 };
 
 }  // namespace
-
-double WrapAngle(double angle_rad) {
-  const double wrapped = std::remainder(angle_rad, 2 * std::numbers::pi);
-  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
-}
-
-PoseM Apply(const PoseM& pose, const Control& control) {
-  const double heading = WrapAngle(pose.heading_rad + control.turn_rad);
-  return {pose.x_m + control.forward_m * std::cos(heading), pose.y_m + control.forward_m * std::sin(heading),
-          heading};
-}
 
 Drive DrawDrive(const CorridorWorld& world, const DriveOptions& options, Rng& rng) {
   Drive drive;

@@ -5,26 +5,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "datasets/planar.h"
 #include "datasets/simulate_world.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {
-
-struct PoseM {
-  double x_m = 0;
-  double y_m = 0;
-  double heading_rad = 0;
-};
-
-double WrapAngle(double angle_rad);  // to (-pi, pi]
-
-// First the turn, then the way forward.
-struct Control {
-  double turn_rad = 0;
-  double forward_m = 0;
-};
-
-PoseM Apply(const PoseM& pose, const Control& control);
 
 struct Press {
   std::size_t control = 0;   // at the end of which it happened

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace cairn::datasets {
 namespace {
@@ -106,8 +105,6 @@ class LoopBuilder {
 };
 
 }  // namespace
-
-double DistanceM(PointM a, PointM b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 std::vector<std::pair<std::size_t, std::size_t>> CorridorWorld::Edges() const {
   std::vector<std::pair<std::size_t, std::size_t>> edges;

@@ -7,16 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/planar.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {
-
-struct PointM {
-  double x_m = 0;
-  double y_m = 0;
-};
-
-double DistanceM(PointM a, PointM b);
 
 // Nodes are landmarks. An edge is a straight corridor between two nodes, mostly along an axis.
 struct CorridorWorld {

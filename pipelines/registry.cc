@@ -1,11 +1,49 @@
 #include "pipelines/registry.h"
 
+#include "pipelines/landmark_map/landmark_map.h"
+
 namespace cairn {
+namespace {
 
-std::vector<PipelineInfo> ListPipelines() { return {}; }
+struct Entry {
+  PipelineInfo info;
+  std::unique_ptr<const Pipeline> (*make)(const proto::Stage& stage, std::uint64_t seed);
+};
 
-std::unique_ptr<const Pipeline> MakePipeline(const proto::Stage& stage, std::uint64_t) {
-  throw InputError("stage " + stage.name() + ": there is no pipeline '" + stage.pipeline() + "'");
+template <class Method, class Options>
+Entry Register(const char* name, const char* summary, std::vector<std::string> inputs) {
+  return {{name, summary, std::move(inputs), DescribeOptions<Options>()},
+          [](const proto::Stage& stage, std::uint64_t seed) -> std::unique_ptr<const Pipeline> {
+            return std::make_unique<Method>(ParseOptions<Options>(stage.options()), seed);
+          }};
+}
+
+const std::vector<Entry>& Entries() {
+  static const std::vector<Entry> entries = {
+      Register<landmark_map::LandmarkMap, landmark_map::Options>(
+          "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log"}),
+  };
+  return entries;
+}
+
+}  // namespace
+
+std::vector<PipelineInfo> ListPipelines() {
+  std::vector<PipelineInfo> infos;
+  for (const Entry& entry : Entries()) infos.push_back(entry.info);
+  return infos;
+}
+
+std::unique_ptr<const Pipeline> MakePipeline(const proto::Stage& stage, std::uint64_t seed) {
+  for (const Entry& entry : Entries()) {
+    if (entry.info.name != stage.pipeline()) continue;
+    try {
+      return entry.make(stage, seed);
+    } catch (const InputError& error) {
+      throw InputError("stage '" + stage.name() + "': " + error.what());
+    }
+  }
+  throw InputError("stage '" + stage.name() + "': there is no pipeline '" + stage.pipeline() + "'");
 }
 
 }  // namespace cairn

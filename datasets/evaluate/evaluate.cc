@@ -1,0 +1,205 @@
+#include "datasets/evaluate/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/evaluate/align.h"
+#include "datasets/evaluate/associations.h"
+#include "datasets/evaluate/landmarks.h"
+#include "datasets/evaluate/track.h"
+
+namespace cairn::datasets {
+namespace {
+
+class Evaluator {
+ public:
+  Evaluator(const Blob& result, const Blob& log) : result_(result), log_(log) {}
+
+  Evaluation Run() {
+    Check();
+    ReadLandmarks();
+    ReadAssociations();
+    ReadTracks();
+    Align();
+    ScoreTrajectories();
+    if (has_landmarks_) ScoreLandmarks();
+    if (truth_associations_) {
+      out_.topology_correct = SamePartition(map_associations_, *truth_associations_, extracted_.size());
+    }
+    out_.iterations = result_.at("history/log_likelihood").size();
+    if (result_.Has("provenance/seconds_s")) out_.seconds = result_.Scalar<double>("provenance/seconds_s");
+    return out_;
+  }
+
+ private:
+  void Check() const {
+    if (log_.Sub("truth/").fields().empty()) {
+      throw InputError("the log has no truth: nothing to evaluate against");
+    }
+    for (const char* name : {"robots", "map/landmark_x_m", "map/landmark_y_m", "history/log_likelihood"}) {
+      if (!result_.Has(name)) throw InputError(std::string("not a landmark_map: '") + name + "' is missing");
+    }
+    const std::vector<std::string> robots = result_.Texts("robots"), expected = log_.Texts("robots");
+    if (robots != expected) {
+      throw InputError("the result's robots (" + Joined(robots) + ") are not the log's (" + Joined(expected) +
+                       "): was it made from this log?");
+    }
+  }
+
+  static std::string Joined(const std::vector<std::string>& texts) {
+    std::string joined;
+    for (const std::string& text : texts) joined += (joined.empty() ? "" : ", ") + text;
+    return joined;
+  }
+
+  void ReadLandmarks() {
+    extracted_ = ReadPoints(result_, "map/landmark_x_m", "map/landmark_y_m");
+    has_landmarks_ = log_.Has("truth/landmarks/x_m");
+    if (has_landmarks_) all_true_ = ReadPoints(log_, "truth/landmarks/x_m", "truth/landmarks/y_m");
+    identity_ = MapIdentities(result_, log_, extracted_.size());
+  }
+
+  // The true landmarks that count come first to be known here: associations name them by their index among
+  // all.
+  void ReadAssociations() {
+    map_associations_ = ReadMapAssociations(result_, log_, extracted_.size());
+    if (!has_landmarks_) return;
+    truth_associations_ = ReadTrueAssociations(log_, all_true_.size());
+    const std::vector<bool> observed = ObservedLandmarks(log_, all_true_.size());
+    for (std::size_t t = 0; t < all_true_.size(); ++t) {
+      if (!observed[t]) continue;
+      true_index_.push_back(t);
+      true_.push_back(all_true_[t]);
+    }
+  }
+
+  void ReadTracks() {
+    const std::vector<std::string> names = log_.Texts("robots");
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      const std::string poses = "robot/" + std::to_string(r) + "/poses/";
+      if (!result_.Has(poses + "mode_x_m")) {
+        throw InputError("not a landmark_map: '" + poses + "mode_x_m' is missing");
+      }
+      const Track estimate = ReadTrack(result_, poses, "mode_");
+      const Track truth = ReadTrack(log_, "truth/" + poses);
+      std::vector<std::pair<PoseM, PoseM>> pairs;
+      for (std::size_t i = 0; i < estimate.time_s.size(); ++i) {
+        const auto at = PoseAt(truth, estimate.time_s[i]);
+        if (at) pairs.emplace_back(estimate.poses[i], *at);
+      }
+      pose_pairs_.push_back(std::move(pairs));
+      out_.robots.push_back({.name = names[r], .rmse_m = {}, .heading_rmse_rad = {}, .poses = 0});
+    }
+  }
+
+  void Align() {
+    std::vector<PointPair> positions;
+    for (const auto& robot : pose_pairs_) {
+      for (const auto& [ours, theirs] : robot) {
+        positions.push_back({{ours.x_m, ours.y_m}, {theirs.x_m, theirs.y_m}});
+      }
+    }
+    if (!positions.empty()) {
+      out_.aligned_on = "poses";
+      out_.alignment = FitRigid(positions);
+      scaled_ = FitSimilarity(positions);
+    } else if (!extracted_.empty() && !true_.empty()) {
+      out_.aligned_on = "landmarks";
+      out_.alignment = AlignOnLandmarks();
+      scaled_ = FitSimilarity(PairUp(extracted_, true_, Match().pairs));
+    } else {
+      out_.aligned_on = "nothing";
+    }
+    out_.scale = scaled_.scale;
+  }
+
+  Similarity AlignOnLandmarks() const {
+    IndexPairs known;
+    for (std::size_t k = 0; k < extracted_.size(); ++k) {
+      const auto it =
+          std::find(true_index_.begin(), true_index_.end(), static_cast<std::size_t>(identity_[k]));
+      if (identity_[k] != kNoTruth && it != true_index_.end()) {
+        known.emplace_back(k, static_cast<std::size_t>(it - true_index_.begin()));
+      }
+    }
+    if (known.size() >= 2) return FitRigid(PairUp(extracted_, true_, known));
+    return SearchRigid(extracted_, true_, MayMatchIdentity(), Guess());
+  }
+
+  // From the associations, as indices into true_.
+  IndexPairs Guess() const {
+    IndexPairs guess;
+    if (!truth_associations_) return guess;
+    for (const auto& [k, t] : MajorityPairs(map_associations_, *truth_associations_, extracted_.size())) {
+      const auto it = std::find(true_index_.begin(), true_index_.end(), t);
+      guess.emplace_back(k, static_cast<std::size_t>(it - true_index_.begin()));
+    }
+    return guess;
+  }
+
+  MayMatch MayMatchIdentity() const {
+    return [this](std::size_t k, std::size_t t) {
+      return identity_[k] == kNoTruth || static_cast<std::size_t>(identity_[k]) == true_index_[t];
+    };
+  }
+
+  PointMatch Match() const {
+    std::vector<PointM> moved;
+    for (const PointM& point : extracted_) moved.push_back(out_.alignment(point));
+    return MatchPoints(moved, true_, MayMatchIdentity());
+  }
+
+  void ScoreTrajectories() {
+    for (std::size_t r = 0; r < pose_pairs_.size(); ++r) {
+      const auto& pairs = pose_pairs_[r];
+      RobotScore& score = out_.robots[r];
+      score.poses = static_cast<std::int64_t>(pairs.size());
+      if (pairs.empty()) continue;
+      double squares = 0, heading_squares = 0;
+      for (const auto& [ours, theirs] : pairs) {
+        const PoseM moved = out_.alignment(ours);
+        const double distance = DistanceM({moved.x_m, moved.y_m}, {theirs.x_m, theirs.y_m});
+        const double turn = WrapAngle(moved.heading_rad - theirs.heading_rad);
+        squares += distance * distance;
+        heading_squares += turn * turn;
+      }
+      score.rmse_m = std::sqrt(squares / static_cast<double>(pairs.size()));
+      score.heading_rmse_rad = std::sqrt(heading_squares / static_cast<double>(pairs.size()));
+      out_.trajectory_rmse_m = std::max(out_.trajectory_rmse_m.value_or(0), *score.rmse_m);
+    }
+  }
+
+  void ScoreLandmarks() {
+    const PointMatch match = Match();
+    LandmarkScore score;
+    score.found = score.within_3m = static_cast<std::int64_t>(match.pairs.size());
+    score.missed = static_cast<std::int64_t>(true_.size()) - score.found;
+    score.spurious = static_cast<std::int64_t>(extracted_.size()) - score.found;
+    score.gospa_m = match.gospa_m;
+    if (!match.pairs.empty()) {
+      const std::vector<PointPair> points = PairUp(extracted_, true_, match.pairs);
+      score.rmse_m = RmseM(points, out_.alignment);
+      score.rmse_similarity_m = RmseM(points, scaled_);
+    }
+    for (const auto& [k, t] : match.pairs) out_.pairs.emplace_back(k, true_index_[t]);
+    out_.landmarks = score;
+  }
+
+  const Blob& result_;
+  const Blob& log_;
+  Evaluation out_;
+  bool has_landmarks_ = false;
+  std::vector<PointM> extracted_, all_true_, true_;
+  std::vector<std::size_t> true_index_;  // of true_, into all_true_
+  std::vector<std::int32_t> identity_;   // of extracted_, into all_true_; kNoTruth
+  Associations map_associations_;
+  std::optional<Associations> truth_associations_;
+  std::vector<std::vector<std::pair<PoseM, PoseM>>> pose_pairs_;  // of each robot: estimate, truth
+  Similarity scaled_;
+};
+
+}  // namespace
+
+Evaluation Evaluate(const Blob& result, const Blob& truth_log) { return Evaluator(result, truth_log).Run(); }
+
+}  // namespace cairn::datasets

@@ -1,0 +1,65 @@
+// How good a landmark map and its trajectories are, measured against ground truth.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/evaluate/point_match.h"
+#include "datasets/evaluate/similarity.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// Extracted landmarks against those true ones that were observed: one to one, the matching of the least
+// GOSPA, after the alignment. Where a landmark's identity is known only the true one of the same name will
+// do.
+struct LandmarkScore {
+  std::int64_t found = 0;                   // true ones with a match closer than the cut-off of 3 m
+  std::int64_t missed = 0;                  // true ones without
+  std::int64_t spurious = 0;                // extracted ones without
+  std::int64_t within_3m = 0;               // pairs closer than 3 m: as `found`, whose cut-off it is
+  std::optional<double> rmse_m;             // of the pairs; none: no pair
+  std::optional<double> rmse_similarity_m;  // of the same pairs after an alignment with a scale
+  double gospa_m = 0;                       // cut-off 3 m, alpha 2, p 2
+};
+
+struct RobotScore {
+  std::string name;
+  std::optional<double>
+      rmse_m;  // of the most likely pose's position, after the alignment; none: no true poses
+  std::optional<double> heading_rmse_rad;
+  std::int64_t poses = 0;  // that were compared
+};
+
+struct Evaluation {
+  std::optional<LandmarkScore> landmarks;   // none: the truth has no landmarks
+  std::optional<double> trajectory_rmse_m;  // the worst robot's
+  std::vector<RobotScore> robots;
+  std::optional<bool> topology_correct;  // none: the truth has no associations
+  std::int64_t iterations = 0;           // of the expectation maximisation, that without a map included
+  std::optional<double> seconds;         // wall time, where the result's provenance tells it
+
+  // How the result lies over the truth: one rigid motion for all robots and landmarks.
+  std::string aligned_on;  // "poses", "landmarks" or "nothing"
+  Similarity alignment;
+  double scale = 1;                                          // of the alignment with a scale
+  std::vector<std::pair<std::int64_t, std::int64_t>> pairs;  // (extracted, index into truth/landmarks)
+};
+
+// `result`: a `landmark_map`; `truth_log`: the log that it was made from, with its truth (schema/FORMAT.md).
+// The alignment is the least-squares one over the time-stamped most likely poses of all robots where the
+// truth has poses; else that of the landmarks whose identities are known; else the one with the least GOSPA
+// that a search finds. A true landmark counts as observed where the true associations name it; for a robot
+// without them, where its observations name it; all count where neither tells. Throws InputError that says
+// so: a result without what is needed, robots that differ from the log's, no truth.
+Evaluation Evaluate(const Blob& result, const Blob& truth_log);
+
+// {"landmarks": {"found": …}, "trajectory": {…}, "topology": {"correct": …}, "iterations": …, "seconds": …,
+// "alignment": {…}}, as one line or indented; null stands for what there is none of.
+std::string EvaluationJson(const Evaluation& evaluation, int indent = 2);
+// The same for people, a line each.
+std::string EvaluationText(const Evaluation& evaluation);
+
+}  // namespace cairn::datasets

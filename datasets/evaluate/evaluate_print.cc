@@ -1,0 +1,102 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "datasets/evaluate/evaluate.h"
+
+namespace cairn::datasets {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json LandmarksJson(const std::optional<LandmarkScore>& score) {
+  Json json = {{"found", nullptr},     {"missed", nullptr}, {"spurious", nullptr},
+               {"within_3m", nullptr}, {"rmse_m", nullptr}, {"rmse_similarity_m", nullptr},
+               {"gospa_m", nullptr}};
+  if (!score) return json;
+  json["found"] = score->found;
+  json["missed"] = score->missed;
+  json["spurious"] = score->spurious;
+  json["within_3m"] = score->within_3m;
+  json["rmse_m"] = OrNull(score->rmse_m);
+  json["rmse_similarity_m"] = OrNull(score->rmse_similarity_m);
+  json["gospa_m"] = score->gospa_m;
+  return json;
+}
+
+std::string Line(const std::string& name, const std::string& value) {
+  return name + std::string(name.size() < 32 ? 32 - name.size() : 1, ' ') + value + "\n";
+}
+
+std::string Number(const std::optional<double>& value, const char* unit) {
+  if (!value) return "unknown";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3f %s", *value, unit);
+  return text;
+}
+
+std::string Angle(const std::optional<double>& value_rad) {
+  constexpr double kDegree = 57.29577951308232;
+  return value_rad ? Number(*value_rad * kDegree, "deg") : Number(value_rad, "deg");
+}
+
+std::string LandmarksText(const LandmarkScore& score) {
+  std::string text = Line("landmarks.found", std::to_string(score.found) + " of " +
+                                                 std::to_string(score.found + score.missed) + " observed");
+  text += Line("landmarks.missed", std::to_string(score.missed));
+  text += Line("landmarks.spurious", std::to_string(score.spurious));
+  text += Line("landmarks.within_3m", std::to_string(score.within_3m));
+  text += Line("landmarks.rmse_m", Number(score.rmse_m, "m"));
+  text += Line("landmarks.rmse_similarity_m", Number(score.rmse_similarity_m, "m"));
+  text += Line("landmarks.gospa_m", Number(score.gospa_m, "m"));
+  return text;
+}
+
+}  // namespace
+
+std::string EvaluationJson(const Evaluation& evaluation, int indent) {
+  Json robots = Json::array();
+  for (const RobotScore& robot : evaluation.robots) {
+    robots.push_back({{"name", robot.name},
+                      {"rmse_m", OrNull(robot.rmse_m)},
+                      {"heading_rmse_rad", OrNull(robot.heading_rmse_rad)},
+                      {"poses", robot.poses}});
+  }
+  Json json;
+  json["landmarks"] = LandmarksJson(evaluation.landmarks);
+  json["trajectory"] = {{"rmse_m", OrNull(evaluation.trajectory_rmse_m)}, {"robots", robots}};
+  json["topology"] = {{"correct", OrNull(evaluation.topology_correct)}};
+  json["iterations"] = evaluation.iterations;
+  json["seconds"] = OrNull(evaluation.seconds);
+  json["alignment"] = {{"on", evaluation.aligned_on},
+                       {"angle_rad", evaluation.alignment.angle_rad},
+                       {"x_m", evaluation.alignment.x_m},
+                       {"y_m", evaluation.alignment.y_m},
+                       {"scale_if_fitted", evaluation.scale}};
+  return json.dump(indent);
+}
+
+std::string EvaluationText(const Evaluation& evaluation) {
+  std::string text;
+  if (evaluation.landmarks)
+    text += LandmarksText(*evaluation.landmarks);
+  else
+    text += Line("landmarks", "unknown: the truth has none");
+  text += Line("trajectory.rmse_m", Number(evaluation.trajectory_rmse_m, "m, the worst robot"));
+  for (const RobotScore& robot : evaluation.robots) {
+    text += Line("  " + robot.name, Number(robot.rmse_m, "m") +
+                                        (robot.rmse_m ? ", heading " + Angle(robot.heading_rmse_rad) : ""));
+  }
+  const auto& correct = evaluation.topology_correct;
+  text += Line("topology.correct", !correct ? "unknown" : *correct ? "yes" : "no");
+  text += Line("iterations", std::to_string(evaluation.iterations));
+  text += Line("seconds", Number(evaluation.seconds, "s"));
+  text += Line("aligned on", evaluation.aligned_on);
+  return text;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,43 @@
+#include "datasets/evaluate/track.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cairn::datasets {
+
+Track ReadTrack(const Blob& blob, const std::string& prefix, const std::string& field) {
+  Track track;
+  if (!blob.Has(prefix + "time_s")) return track;
+  const auto time = blob.Get<double>(prefix + "time_s");
+  const auto x = blob.Get<double>(prefix + field + "x_m");
+  const auto y = blob.Get<double>(prefix + field + "y_m");
+  const auto heading = blob.Get<double>(prefix + field + "heading_rad");
+  if (x.size() != time.size() || y.size() != time.size() || heading.size() != time.size()) {
+    throw InputError("'" + prefix + "': columns of different length");
+  }
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    const std::string row = "'" + prefix + "', row " + std::to_string(i) + ": ";
+    if (!std::isfinite(time[i] + x[i] + y[i] + heading[i])) throw InputError(row + "a value is not finite");
+    if (i > 0 && time[i] < time[i - 1]) throw InputError(row + "time runs backwards");
+    track.time_s.push_back(time[i]);
+    track.poses.push_back({x[i], y[i], heading[i]});
+  }
+  return track;
+}
+
+std::optional<PoseM> PoseAt(const Track& track, double time_s) {
+  const auto after = std::lower_bound(track.time_s.begin(), track.time_s.end(), time_s);
+  if (after == track.time_s.end()) return std::nullopt;
+  const auto i = static_cast<std::size_t>(after - track.time_s.begin());
+  if (*after == time_s) return track.poses[i];
+  if (i == 0) return std::nullopt;
+  const double gap_s = track.time_s[i] - track.time_s[i - 1];
+  if (gap_s > kMaxGapS) return std::nullopt;
+  const double share = (time_s - track.time_s[i - 1]) / gap_s;
+  const PoseM &a = track.poses[i - 1], &b = track.poses[i];
+  const double turn = WrapAngle(b.heading_rad - a.heading_rad);
+  return PoseM{a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
+               WrapAngle(a.heading_rad + share * turn)};
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,169 @@
+#include "pipelines/common/layered_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipelines/common/taps.h"
+
+namespace cairn {
+
+Box Union(const Box& a, const Box& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  const int x0 = std::min(a.x0, b.x0), y0 = std::min(a.y0, b.y0);
+  return {x0, y0, std::max(a.x0 + a.nx, b.x0 + b.nx) - x0, std::max(a.y0 + a.ny, b.y0 + b.ny) - y0};
+}
+
+Box Intersection(const Box& a, const Box& b) {
+  const int x0 = std::max(a.x0, b.x0), y0 = std::max(a.y0, b.y0);
+  const int x1 = std::min(a.x0 + a.nx, b.x0 + b.nx), y1 = std::min(a.y0 + a.ny, b.y0 + b.ny);
+  if (x1 <= x0 || y1 <= y0) return {};
+  return {x0, y0, x1 - x0, y1 - y0};
+}
+
+void Layer::Cover(const Box& wanted) {
+  const Box wide = Union(box, wanted);
+  if (wide == box) return;
+  Layer layer(wide);
+  if (!box.empty()) layer.AddShifted(*this, 0, 0, 1.0);
+  *this = std::move(layer);
+}
+
+void Layer::AddShifted(const Layer& other, int dx, int dy, double weight) {
+  const int begin = other.box.x0, end = other.box.x0 + other.box.nx;
+  for (int y = other.box.y0; y < other.box.y0 + other.box.ny; ++y) {
+    const double* from = other.Row(y);
+    double* to = Row(y + dy) + dx;
+    for (int x = begin; x < end; ++x) to[x] = std::fma(weight, from[x], to[x]);
+  }
+}
+
+void Layer::Prune(double least) {
+  int x0 = box.x0 + box.nx, x1 = box.x0, y0 = box.y0 + box.ny, y1 = box.y0;
+  for (int y = box.y0; y < box.y0 + box.ny; ++y) {
+    double* row = Row(y);
+    int first = box.x0 + box.nx, last = box.x0 - 1;
+    for (int x = box.x0; x < box.x0 + box.nx; ++x) {
+      if (row[x] < least) row[x] = 0.0;
+      if (row[x] > 0.0) {
+        first = std::min(first, x);
+        last = x;
+      }
+    }
+    if (last < first) continue;
+    x0 = std::min(x0, first);
+    x1 = std::max(x1, last + 1);
+    y0 = std::min(y0, y);
+    y1 = y + 1;
+  }
+  if (y1 <= y0) {
+    *this = Layer();
+    return;
+  }
+  const Box tight{x0, y0, x1 - x0, y1 - y0};
+  if (tight == box) return;
+  Layer layer(tight);
+  for (int y = y0; y < y1; ++y) std::copy(Row(y) + x0, Row(y) + x1, layer.Row(y) + x0);
+  *this = std::move(layer);
+}
+
+double Layer::Sum() const {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum;
+}
+
+double Layer::Max() const {
+  double max = 0.0;
+  for (const double value : values) max = value > max ? value : max;
+  return max;
+}
+
+double LayeredGrid::Sum() const {
+  double sum = 0.0;
+  for (const Layer& layer : layers) sum += layer.Sum();
+  return sum;
+}
+
+double LayeredGrid::Max() const {
+  double max = 0.0;
+  for (const Layer& layer : layers) max = std::max(max, layer.Max());
+  return max;
+}
+
+void LayeredGrid::Scale(double factor) {
+  for (Layer& layer : layers) {
+    for (double& value : layer.values) value *= factor;
+  }
+}
+
+std::int64_t LayeredGrid::cells() const {
+  std::int64_t cells = 0;
+  for (const Layer& layer : layers) cells += layer.box.cells();
+  return cells;
+}
+
+void LayeredGrid::Store(const std::string& prefix, Blob* blob) const {
+  std::vector<std::int32_t> boxes;
+  std::vector<double> values;
+  for (const Layer& layer : layers) {
+    boxes.insert(boxes.end(), {layer.box.x0, layer.box.y0, layer.box.nx, layer.box.ny});
+    values.insert(values.end(), layer.values.begin(), layer.values.end());
+  }
+  blob->Put(prefix + "box", Array::Of<std::int32_t>({static_cast<std::int64_t>(layers.size()), 4}, boxes));
+  blob->PutVector<double>(prefix + "value", values);
+}
+
+LayeredGrid LayeredGrid::Load(const std::string& prefix, const Blob& blob) {
+  const auto boxes = blob.Get<std::int32_t>(prefix + "box");
+  const auto values = blob.Get<double>(prefix + "value");
+  LayeredGrid grid;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i + 3 < boxes.size(); i += 4) {
+    Layer layer;
+    layer.box = {boxes[i], boxes[i + 1], boxes[i + 2], boxes[i + 3]};
+    const auto cells = static_cast<std::size_t>(layer.box.cells());
+    if (cells > values.size() - at) throw InputError("'" + prefix + "value' is shorter than its boxes");
+    layer.values.assign(values.begin() + static_cast<std::ptrdiff_t>(at),
+                        values.begin() + static_cast<std::ptrdiff_t>(at + cells));
+    at += cells;
+    grid.layers.push_back(std::move(layer));
+  }
+  if (at != values.size()) throw InputError("'" + prefix + "value' is longer than its boxes");
+  return grid;
+}
+
+Layer Blur(const Layer& layer, double sigma) {
+  if (sigma <= 0.0 || layer.box.empty()) return layer;
+  const Taps taps = GaussianTaps(sigma);
+  const int reach = taps.reach();
+  Layer along_x(Box{layer.box.x0 - reach, layer.box.y0, layer.box.nx + 2 * reach, layer.box.ny});
+  for (int k = -reach; k <= reach; ++k) along_x.AddShifted(layer, k, 0, taps.At(k));
+  Layer blurred(along_x.box.empty()
+                    ? Box{}
+                    : Box{along_x.box.x0, layer.box.y0 - reach, along_x.box.nx, layer.box.ny + 2 * reach});
+  for (int k = -reach; k <= reach; ++k) blurred.AddShifted(along_x, 0, k, taps.At(k));
+  return blurred;
+}
+
+Layer DiscSum(const Layer& layer, double radius) {
+  if (layer.box.empty()) return {};
+  const int reach = static_cast<int>(std::floor(radius));
+  Layer sums(layer.box.Grown(reach));
+  std::vector<double> prefix(static_cast<std::size_t>(layer.box.nx) + 1);
+  for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
+    for (int i = 0; i < layer.box.nx; ++i) prefix[i + 1] = prefix[i] + layer.Row(y)[layer.box.x0 + i];
+    for (int dy = -reach; dy <= reach; ++dy) {
+      const int half = static_cast<int>(std::floor(std::sqrt(radius * radius - double(dy) * dy)));
+      double* row = sums.Row(y + dy);
+      for (int x = layer.box.x0 - half; x < layer.box.x0 + layer.box.nx + half; ++x) {
+        const int low = std::clamp(x - half - layer.box.x0, 0, layer.box.nx);
+        const int high = std::clamp(x + half + 1 - layer.box.x0, 0, layer.box.nx);
+        row[x] += prefix[static_cast<std::size_t>(high)] - prefix[static_cast<std::size_t>(low)];
+      }
+    }
+  }
+  return sums;
+}
+
+}  // namespace cairn

@@ -1,0 +1,119 @@
+#include "pipelines/common/motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cairn {
+namespace {
+
+int Wrap(int layer, int layers) { return ((layer % layers) + layers) % layers; }
+
+Box Reach(const Box& box, const Stencil& stencil) {
+  Box reach;
+  for (const StencilPoint& p : stencil) reach = Union(reach, box.Shifted(p.dx, p.dy));
+  return reach;
+}
+
+Layer Shift(const Layer& layer, const Stencil& stencil) {
+  Layer shifted(Reach(layer.box, stencil));
+  for (const StencilPoint& p : stencil) shifted.AddShifted(layer, p.dx, p.dy, p.weight);
+  return shifted;
+}
+
+// to(x) += weight * from(x + dx, y + dy) over `to`'s box, zero outside `from`'s.
+void Gather(const Layer& from, int dx, int dy, double weight, Layer* to) {
+  const Box common = Intersection(to->box, from.box.Shifted(-dx, -dy));
+  for (int y = common.y0; y < common.y0 + common.ny; ++y) {
+    const double* source = from.Row(y + dy) + dx;
+    double* target = to->Row(y);
+    for (int x = common.x0; x < common.x0 + common.nx; ++x)
+      target[x] = std::fma(weight, source[x], target[x]);
+  }
+}
+
+}  // namespace
+
+LegError ErrorOf(const Leg& leg, const MotionNoise& noise) {
+  const double drift = noise.heading_drift_rad_per_m * leg.path_m;
+  const double walk_squared =
+      noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m * leg.path_m;
+  const double turn = noise.turn_ratio * leg.turn_rad;
+  return {std::sqrt(drift * drift + walk_squared + turn * turn), noise.forward_ratio * leg.path_m};
+}
+
+MotionKernel::MotionKernel(const Leg& leg, const LegError& error, double cell_m, int headings,
+                           ErrorShape shape)
+    : dx_(leg.dx_m / cell_m),
+      dy_(leg.dy_m / cell_m),
+      along_(error.along_m / cell_m),
+      heading_step_(2.0 * std::numbers::pi / headings) {
+  const double half_sigma = error.heading_rad / std::numbers::sqrt2 / heading_step_;
+  half_turn_ = shape == ErrorShape::kGaussian ? GaussianTaps(half_sigma) : TriangularTaps(half_sigma);
+  const double length = std::sqrt(dx_ * dx_ + dy_ * dy_);
+  ux_ = length > 0 ? dx_ / length : 1.0;
+  uy_ = length > 0 ? dy_ / length : 0.0;
+}
+
+Stencil MotionKernel::StencilOf(int layer) const {
+  const double cosine = std::cos(layer * heading_step_), sine = std::sin(layer * heading_step_);
+  return ShiftStencil(cosine * dx_ - sine * dy_, sine * dx_ + cosine * dy_, cosine * ux_ - sine * uy_,
+                      sine * ux_ + cosine * uy_, along_);
+}
+
+LayeredGrid MotionKernel::TurnForward(const LayeredGrid& belief) const {
+  const int reach = half_turn_.reach(), headings = static_cast<int>(belief.layers.size());
+  if (reach == 0) return belief;
+  LayeredGrid turned;
+  turned.layers.resize(belief.layers.size());
+  for (int c = 0; c < headings; ++c) {
+    Box box;
+    for (int k = -reach; k <= reach; ++k) box = Union(box, belief.layers[Wrap(c - k, headings)].box);
+    if (box.empty()) continue;
+    Layer layer(box);
+    for (int k = -reach; k <= reach; ++k) {
+      layer.AddShifted(belief.layers[Wrap(c - k, headings)], 0, 0, half_turn_.At(k));
+    }
+    turned.layers[c] = std::move(layer);
+  }
+  return turned;
+}
+
+LayeredGrid MotionKernel::Forward(const LayeredGrid& belief) const {
+  LayeredGrid moved = TurnForward(belief);
+  for (std::size_t c = 0; c < moved.layers.size(); ++c) {
+    if (!moved.layers[c].box.empty())
+      moved.layers[c] = Shift(moved.layers[c], StencilOf(static_cast<int>(c)));
+  }
+  return TurnForward(moved);
+}
+
+LayeredGrid MotionKernel::Backward(const LayeredGrid& message, const LayeredGrid& support) const {
+  const int reach = half_turn_.reach(), headings = static_cast<int>(support.layers.size());
+  const auto at = [&](int c) { return static_cast<std::size_t>(Wrap(c, headings)); };
+  // Where the first half turn can have put the support: the only cells of the middle stage that matter.
+  LayeredGrid middle;
+  middle.layers.resize(support.layers.size());
+  for (int c = 0; c < headings; ++c) {
+    Box box;
+    for (int k = -reach; k <= reach; ++k) box = Union(box, support.layers[at(c - k)].box);
+    if (box.empty()) continue;
+    const Stencil stencil = StencilOf(c);
+    Layer turned(Reach(box, stencil));
+    for (int k = -reach; k <= reach; ++k) Gather(message.layers[at(c + k)], 0, 0, half_turn_.At(k), &turned);
+    Layer layer(box);
+    for (const StencilPoint& p : stencil) Gather(turned, p.dx, p.dy, p.weight, &layer);
+    middle.layers[at(c)] = std::move(layer);
+  }
+  LayeredGrid result;
+  result.layers.resize(support.layers.size());
+  for (int c = 0; c < headings; ++c) {
+    if (support.layers[at(c)].box.empty()) continue;
+    Layer layer(support.layers[at(c)].box);
+    for (int k = -reach; k <= reach; ++k) Gather(middle.layers[at(c + k)], 0, 0, half_turn_.At(k), &layer);
+    result.layers[at(c)] = std::move(layer);
+  }
+  return result;
+}
+
+}  // namespace cairn

@@ -1,0 +1,61 @@
+// P(xi' | u, xi) of [TBF98] section 2.1 on a grid of x-y-theta, as three simple operators a leg.
+//
+// A belief's layer c stands for headings "odometric heading + c * step": the correction to odometry, not the
+// heading itself. So a turn moves nothing (no aliasing of rotations), and a leg shifts layer c by the
+// odometric displacement rotated by c * step. Errors: half of the leg's heading error before the shift, half
+// after it (which couples heading and sideways errors as a random walk does), and the error of the way along
+// the shift.
+#pragma once
+
+#include <vector>
+
+#include "pipelines/common/layered_grid.h"
+#include "pipelines/common/taps.h"
+
+namespace cairn {
+
+// Errors of odometry, as standard deviations; see schema/FORMAT.md, noise/.
+struct MotionNoise {
+  double heading_drift_rad_per_m = 0.0;
+  double heading_walk_rad_per_sqrt_m = 0.0;
+  double forward_ratio = 0.0;
+  double turn_ratio = 0.0;
+};
+
+// The way between two steps, by odometry.
+struct Leg {
+  double dx_m = 0.0, dy_m = 0.0;  // displacement in the odometric frame
+  double path_m = 0.0;            // length of the way
+  double turn_rad = 0.0;          // sum of the absolute turns
+};
+
+// Standard deviations of one leg's errors.
+struct LegError {
+  double heading_rad = 0.0;
+  double along_m = 0.0;
+};
+LegError ErrorOf(const Leg& leg, const MotionNoise& noise);
+
+enum class ErrorShape { kGaussian, kTriangular };
+
+// The cached kernel of one leg on one grid ([TBF98] section 5, caching): taps over headings, a stencil per
+// heading.
+class MotionKernel {
+ public:
+  MotionKernel(const Leg& leg, const LegError& error, double cell_m, int headings, ErrorShape shape);
+
+  // sum over xi of P(xi' | u, xi) belief(xi): eq. 16. Mass is kept.
+  LayeredGrid Forward(const LayeredGrid& belief) const;
+  // sum over xi' of P(xi' | u, xi) message(xi') for xi in `support`'s boxes: eq. 17, the transpose of
+  // Forward.
+  LayeredGrid Backward(const LayeredGrid& message, const LayeredGrid& support) const;
+
+ private:
+  LayeredGrid TurnForward(const LayeredGrid& belief) const;
+  Stencil StencilOf(int layer) const;
+  Taps half_turn_;
+  double dx_, dy_, ux_, uy_, along_;  // displacement, its direction, error along it; in cells
+  double heading_step_;               // rad
+};
+
+}  // namespace cairn

@@ -1,0 +1,159 @@
+#include "pipelines/landmark_map/e_step.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace cairn::landmark_map {
+namespace {
+
+std::string Time(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", seconds);
+  return text;
+}
+
+[[noreturn]] void Vanished(const Slice& slice, int step, const std::string& why) {
+  throw InputError("robot '" + slice.robot + "', step " + std::to_string(step) + " (time " +
+                   Time(slice.steps.time_s[step]) + " s): " + why);
+}
+
+MotionKernel KernelTo(const EStepModel& model, const Slice& slice, int step) {
+  const Leg leg = slice.steps.LegTo(step);
+  return {leg, ErrorOf(leg, model.noise), model.grid.cell_m, model.grid.headings, model.shape};
+}
+
+void ObserveAll(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
+  if (model.perception == nullptr) return;
+  const RobotSteps& steps = slice.steps;
+  for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
+    Observe(steps.observations[k], model.grid, *model.perception, belief);
+  }
+}
+
+void Cut(const Box& limit, LayeredGrid* belief) {
+  if (limit.empty()) return;
+  for (Layer& layer : belief->layers) {
+    const Box kept = Intersection(layer.box, limit);
+    if (kept == layer.box) continue;
+    Layer cut(kept);
+    for (int y = kept.y0; y < kept.y0 + kept.ny; ++y) {
+      for (int x = kept.x0; x < kept.x0 + kept.nx; ++x) cut.Row(y)[x] = layer.Row(y)[x];
+    }
+    layer = std::move(cut);
+  }
+}
+
+std::string Seen(const Slice& slice, int step) {
+  const int count = slice.steps.first_observation[step + 1] - slice.steps.first_observation[step];
+  if (count == 0) return "nothing was observed there";
+  std::string text = "observed there:";
+  for (int k = slice.steps.first_observation[step]; k < slice.steps.first_observation[step + 1]; ++k) {
+    const Observation& o = slice.steps.observations[k];
+    text += " landmark type " + std::to_string(o.type) + " at " + Time(std::hypot(o.x_m, o.y_m)) + " m;";
+  }
+  text.pop_back();
+  return text;
+}
+
+// Observes, normalises, prunes and normalises again; returns the logarithm of P(o | past).
+double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
+  Cut(model.limit, belief);
+  const double before = belief->Sum();
+  if (!(before > 0.0)) Vanished(slice, step, "the robot has left the box: all probability lies outside");
+  ObserveAll(model, slice, step, belief);
+  const double after = belief->Sum();
+  if (!(after > 0.0) || !std::isfinite(after)) {
+    Vanished(slice, step,
+             "the evidence is impossible under the model, all probability vanished; " + Seen(slice, step));
+  }
+  const double least = model.prune * belief->Max();
+  for (Layer& layer : belief->layers) layer.Prune(least);
+  belief->Scale(1.0 / belief->Sum());
+  return std::log(after / before);
+}
+
+// alpha * beta, normalised; zero where either is.
+LayeredGrid Product(const LayeredGrid& alpha, const LayeredGrid& beta) {
+  LayeredGrid product = alpha;
+  for (std::size_t c = 0; c < product.layers.size(); ++c) {
+    std::vector<double>& values = product.layers[c].values;
+    const std::vector<double>& other = beta.layers[c].values;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] *= other[i];
+  }
+  const double sum = product.Sum();
+  if (sum > 0.0) product.Scale(1.0 / sum);
+  return product;
+}
+
+// Zero wherever alpha is zero: the belief lives nowhere else.
+void Mask(const LayeredGrid& alpha, LayeredGrid* message) {
+  for (std::size_t c = 0; c < message->layers.size(); ++c) {
+    std::vector<double>& values = message->layers[c].values;
+    const std::vector<double>& mask = alpha.layers[c].values;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (mask[i] == 0.0) values[i] = 0.0;
+    }
+  }
+}
+
+}  // namespace
+
+LayeredGrid DiracStart(const GridSpec& grid) {
+  LayeredGrid belief;
+  belief.layers.resize(static_cast<std::size_t>(grid.headings));
+  belief.layers[0] = Layer(Box{0, 0, 1, 1});
+  belief.layers[0].values[0] = 1.0;
+  return belief;
+}
+
+LayeredGrid UniformStart(const EStepModel& model, const RobotSteps& steps) {
+  CAIRN_DEMAND(model.perception != nullptr && !steps.observations.empty(),
+               "a uniform start needs a map and a sight");
+  LayeredGrid belief;
+  for (int c = 0; c < model.grid.headings; ++c) {
+    Layer layer(PlacesThatSee(steps.observations[0], model.grid, *model.perception, c));
+    layer.values.assign(layer.values.size(), 1.0);
+    belief.layers.push_back(std::move(layer));
+  }
+  const double sum = belief.Sum();
+  if (sum > 0.0) belief.Scale(1.0 / sum);
+  return belief;
+}
+
+LayeredGrid UniformBeta(const LayeredGrid& support) {
+  LayeredGrid beta = support;
+  for (Layer& layer : beta.layers) layer.values.assign(layer.values.size(), 1.0);
+  return beta;
+}
+
+Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress) {
+  Alphas alphas;
+  for (int step = slice.first; step < slice.end; ++step) {
+    progress.Tick();
+    LayeredGrid belief = step == 0               ? before
+                         : alphas.tables.empty() ? KernelTo(model, slice, step).Forward(before)
+                                                 : KernelTo(model, slice, step).Forward(alphas.tables.back());
+    alphas.log_likelihood += Settle(model, slice, step, &belief);
+    alphas.tables.push_back(std::move(belief));
+  }
+  return alphas;
+}
+
+LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
+                     const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visit& visit) {
+  for (int step = slice.end - 1; step >= slice.first; --step) {
+    progress.Tick();
+    const LayeredGrid& alpha = alphas.tables[static_cast<std::size_t>(step - slice.first)];
+    visit(step, Product(alpha, beta));
+    if (step == 0) return {};
+    Mask(alpha, &beta);
+    ObserveAll(model, slice, step, &beta);
+    const LayeredGrid& support =
+        step == slice.first ? before : alphas.tables[static_cast<std::size_t>(step - 1 - slice.first)];
+    beta = KernelTo(model, slice, step).Backward(beta, support);
+    beta.Scale(1.0 / beta.Max());
+  }
+  return beta;
+}
+
+}  // namespace cairn::landmark_map

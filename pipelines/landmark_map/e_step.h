@@ -1,0 +1,58 @@
+// The E-step ([TBF98] section 4.1) over one time slice of one robot's steps: alpha forward, beta backward,
+// their product the belief from which the expected counts are taken.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pipelines/common/motion.h"
+#include "pipelines/landmark_map/perception.h"
+#include "pipelines/landmark_map/steps.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+struct EStepModel {
+  GridSpec grid;
+  MotionNoise noise;
+  ErrorShape shape = ErrorShape::kGaussian;
+  double prune = 1e-3;  // [TBF98] section 5, selective computation: of the largest probability
+  Box limit;            // beliefs are cut to it; empty: no limit
+  const Perception* perception = nullptr;  // nullptr: no map yet, observations are ignored (section 4.1.3)
+};
+
+// Steps first <= t < end of a robot.
+struct Slice {
+  const RobotSteps& steps;
+  int first, end;
+  std::string robot;  // its name, for messages
+};
+
+// alpha^(t) for the slice's steps, each normalised; log_likelihood: sum of the logarithms of the normalisers.
+struct Alphas {
+  std::vector<LayeredGrid> tables;
+  double log_likelihood = 0.0;
+};
+
+// The belief at step 0 before its observations: all mass at the origin, or ([TBF98] section 8) spread evenly
+// over all headings and all places from which the map can explain step 0's first observation. Elsewhere only
+// the chance of a false observation speaks for a place, which selective computation drops.
+LayeredGrid DiracStart(const GridSpec& grid);
+LayeredGrid UniformStart(const EStepModel& model, const RobotSteps& steps);
+
+// eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start. Throws InputError
+// that names robot, step and observation where the evidence is impossible under the model.
+Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress);
+
+// eqs 17 and 18, from the slice's last step to its first. `beta`: of the last step, on the support of its
+// alpha; returned: beta of step first - 1 on `before`'s support (for first = 0: empty). Calls `visit(step,
+// belief)` with alpha * beta, normalised (eq. 13), last step first.
+using Visit = std::function<void(int step, const LayeredGrid& belief)>;
+LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
+                     const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visit& visit);
+
+// beta of the last step of all: 1 wherever `support` has a box.
+LayeredGrid UniformBeta(const LayeredGrid& support);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,29 @@
+// Landmark maps by EM over alpha-beta on an x-y-theta grid: S. Thrun, W. Burgard, D. Fox, A Probabilistic
+// Approach to Concurrent Mapping and Localization for Mobile Robots, Machine Learning 31, 1998 ([TBF98] in
+// the comments).
+#pragma once
+
+#include <cstdint>
+
+#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/plan.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+// Input: log (schema/FORMAT.md). Result: kind landmark_map. A round is an E-step: a chain of tasks `forward`
+// and a chain of tasks `backward` over the time slices of each robot; Advance is the M-step.
+class LandmarkMap : public Pipeline {
+ public:
+  // Draws no random numbers: the seed is not used.
+  explicit LandmarkMap(Options options, std::uint64_t /*seed*/ = 0) : options_(std::move(options)) {}
+
+  cairn::Step Start(const Inputs& inputs) const override;
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override;
+  cairn::Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
+
+ private:
+  Options options_;
+};
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,105 @@
+#include "pipelines/landmark_map/m_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cairn::landmark_map {
+namespace {
+
+// c / (c + c*): local to the perceptual radius.
+Layer LocalRatio(const Layer& count, const MapRules& rules) {
+  const Layer near = DiscSum(count, rules.radius_m / rules.grid.cell_m);
+  Layer ratio(count.box);
+  for (int y = count.box.y0; y < count.box.y0 + count.box.ny; ++y) {
+    for (int x = count.box.x0; x < count.box.x0 + count.box.nx; ++x) {
+      const double c = count.Row(y)[x];
+      if (c > 0.0) ratio.Row(y)[x] = c / std::max(near.Row(y)[x], c);  // the disc holds the cell itself
+    }
+  }
+  return ratio;
+}
+
+Layer Share(Layer count) {
+  const double sum = count.Sum();
+  for (double& value : count.values) value /= sum;
+  return count;
+}
+
+// eps + (1 - eps) * map, slightly blurred; eps is per cell, or fine grids would stall.
+Layer Mixture(const Layer& map, double sigma_cells, double eps) {
+  Layer mixture = Blur(map, sigma_cells);
+  for (double& value : mixture.values) value = std::fma(1.0 - eps, value, eps);
+  return mixture;
+}
+
+// The same with the no-landmark evidence: exp(-lambda * map mass within the radius, outside the core).
+Layer WithNoLandmark(const Layer& map, const MapRules& rules, double eps) {
+  const double cell = rules.grid.cell_m;
+  const Layer wide = DiscSum(map, rules.radius_m / cell);
+  const Layer core = DiscSum(map, rules.core_m / cell);
+  const Layer mixture = Mixture(map, rules.observation_m / cell, eps);
+  Layer likelihood(wide.box);
+  for (int y = wide.box.y0; y < wide.box.y0 + wide.box.ny; ++y) {
+    for (int x = wide.box.x0; x < wide.box.x0 + wide.box.nx; ++x) {
+      const double seen = mixture.box.Contains(x, y) ? mixture.Row(y)[x] : eps;
+      const double others = std::max(0.0, wide.Row(y)[x] - core.At(x, y));
+      likelihood.Row(y)[x] = seen * std::exp(-rules.no_landmark * others);
+    }
+  }
+  return likelihood;
+}
+
+// Bernoulli cells: m_xi * product over the radius, the cell itself left out, of (1 - m).
+Layer ExactLikelihood(const Layer& map, const MapRules& rules) {
+  Layer log_absent(map.box), likelihood(map.box);
+  constexpr double kSmallest = 1e-300;
+  for (std::size_t i = 0; i < map.values.size(); ++i) {
+    log_absent.values[i] = std::log(std::max(kSmallest, 1.0 - map.values[i]));
+  }
+  const Layer sums = DiscSum(log_absent, rules.radius_m / rules.grid.cell_m);
+  for (int y = map.box.y0; y < map.box.y0 + map.box.ny; ++y) {
+    for (int x = map.box.x0; x < map.box.x0 + map.box.nx; ++x) {
+      likelihood.Row(y)[x] = map.Row(y)[x] * std::exp(sums.Row(y)[x] - log_absent.Row(y)[x]);
+    }
+  }
+  return likelihood;
+}
+
+}  // namespace
+
+LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules) {
+  LayeredGrid map;
+  for (int type = 0; type <= rules.types; ++type) {
+    const Layer& count = counts.layers[static_cast<std::size_t>(type)];
+    if (!(count.Sum() > 0.0))
+      map.layers.emplace_back();
+    else if (type < rules.types)
+      map.layers.push_back(Share(count));
+    else
+      map.layers.push_back(LocalRatio(count, rules));
+  }
+  return map;
+}
+
+Perception PerceptionOf(const LayeredGrid& map, const MapRules& rules) {
+  Perception perception;
+  const double cell_area = rules.grid.cell_m * rules.grid.cell_m;
+  const double eps = std::min(0.5, rules.false_rate_per_m2 * cell_area);
+  for (int type = 0; type <= rules.types; ++type) {
+    const Layer& layer = map.layers[static_cast<std::size_t>(type)];
+    if (layer.box.empty()) {  // never seen so far: says nothing
+      perception.likelihood.layers.emplace_back();
+      perception.outside.push_back(eps);
+    } else if (type < rules.types) {
+      perception.likelihood.layers.push_back(Mixture(layer, rules.observation_m / rules.grid.cell_m, eps));
+      perception.outside.push_back(eps);
+    } else {
+      perception.likelihood.layers.push_back(rules.exact ? ExactLikelihood(layer, rules)
+                                                         : WithNoLandmark(layer, rules, eps));
+      perception.outside.push_back(rules.exact ? 0.0 : eps);
+    }
+  }
+  return perception;
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,31 @@
+// The M-step ([TBF98] section 4.2, eqs 19 to 21): expected counts to a map, and the map to what the next
+// E-step looks up.
+#pragma once
+
+#include <vector>
+
+#include "pipelines/common/layered_grid.h"
+#include "pipelines/landmark_map/perception.h"
+
+namespace cairn::landmark_map {
+
+struct MapRules {
+  GridSpec grid;
+  int types = 0;               // identities; layer `types` holds the landmarks without one
+  double observation_m = 0.3;  // sd of where an observed landmark stands relative to the robot, an axis
+  double radius_m = 10.0;      // perceptual radius of landmarks without identity
+  double core_m = 2.0;         // landmarks nearer than this to each other are one: no no-landmark evidence
+  double no_landmark = 0.5;    // lambda: weight of the no-landmark evidence
+  double false_rate_per_m2 = 1e-3;  // probability that an observation is false, per area in which it may lie
+  bool exact = false;               // Bernoulli cells, P(press) = m_xi * product over the radius of (1 - m)
+};
+
+// P(m_xy = l) for each layer. Identified landmarks: c / sum of c, each stands in one place. Others: c / (c +
+// c*), c* the counts within the perceptual radius except the cell's own: times something was observed there,
+// eq. 19.
+LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules);
+
+// P(o | xi, m) for each layer, as `Observe` looks it up.
+Perception PerceptionOf(const LayeredGrid& map, const MapRules& rules);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,68 @@
+// What a person can set of landmark_map.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pipelines/common/options.h"
+
+namespace cairn::landmark_map {
+
+struct Options {
+  double cell_m = 0.0;
+  double heading_deg = 0.0;
+  std::int64_t iterations = 10;
+  double growth_start = 0.0;
+  double growth_factor = 2.0;
+  bool calibrate = true;
+  std::string model = "robust";
+  std::string motion_error = "gaussian";
+  double prune = 1e-3;
+  double radius_m = 10.0;
+  double core_m = 2.0;
+  double no_landmark = 0.5;
+  double false_rate_per_m2 = 0.0;
+  double noise_scale = 1.0;
+  double box_m = 0.0;
+  double memory_mb = 4096;
+  std::int64_t slice_steps = 400;
+};
+
+template <class V>
+void VisitOptions(V& visit, Options& o) {
+  visit(Option{"cell_m", "m", 0, 100, "edge of a map cell; 0: a 90th of the first robot's extent"}, o.cell_m);
+  visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
+        o.heading_deg);
+  visit(Option{"iterations", "", 1, 10000, "EM iterations over all data"}, o.iterations);
+  visit(Option{"growth_start", "", 0, 1,
+               "fraction of the data in the first iteration; 0: by the kind of sensor"},
+        o.growth_start);
+  visit(Option{"growth_factor", "", 1, 100, "by how much that fraction grows an iteration"}, o.growth_factor);
+  visit(Option{"calibrate", "", 0, 0, "estimate each robot's constant heading drift in the M-step"},
+        o.calibrate);
+  visit(Option{"model",
+               "",
+               0,
+               0,
+               "perception: robust, or exact (Bernoulli cells, for button presses)",
+               {"robust", "exact"}},
+        o.model);
+  visit(Option{"motion_error", "", 0, 0, "shape of odometry's errors", {"gaussian", "triangular"}},
+        o.motion_error);
+  visit(Option{"prune", "", 0, 0.5, "a probability below this share of the largest is dropped"}, o.prune);
+  visit(Option{"radius_m", "m", 0.1, 1000, "perceptual radius of landmarks without identity"}, o.radius_m);
+  visit(Option{"core_m", "m", 0.01, 1000, "landmarks without identity nearer than this are one"}, o.core_m);
+  visit(Option{"no_landmark", "", 0, 100, "weight of the evidence that no other landmark is near"},
+        o.no_landmark);
+  visit(Option{"false_rate_per_m2", "1/m2", 0, 1,
+               "probability of a false observation, per area; 0: by the sensor"},
+        o.false_rate_per_m2);
+  visit(Option{"noise_scale", "", 0.1, 10, "factor on the log's nominal errors of odometry"}, o.noise_scale);
+  visit(
+      Option{"box_m", "m", 0, 100000, "edge of the square around the start that robots never leave; 0: none"},
+      o.box_m);
+  visit(Option{"memory_mb", "MB", 1, 1e9, "largest memory of one task"}, o.memory_mb);
+  visit(Option{"slice_steps", "", 2, 1e9, "steps in a time slice (a task)"}, o.slice_steps);
+}
+
+}  // namespace cairn::landmark_map

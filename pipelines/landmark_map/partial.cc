@@ -1,0 +1,163 @@
+#include "pipelines/landmark_map/partial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cairn::landmark_map {
+
+Blob ToBlob(const std::vector<Landmark>& landmarks) {
+  std::vector<double> x, y, covariance, count;
+  std::vector<std::int32_t> type;
+  for (const Landmark& l : landmarks) {
+    x.push_back(l.x_m);
+    y.push_back(l.y_m);
+    covariance.insert(covariance.end(), l.covariance_m2, l.covariance_m2 + 4);
+    type.push_back(l.type);
+    count.push_back(l.count);
+  }
+  Blob blob;
+  blob.PutVector("x_m", x);
+  blob.PutVector("y_m", y);
+  blob.Put("covariance_m2", Array::Of<double>({static_cast<std::int64_t>(x.size()), 2, 2}, covariance));
+  blob.PutVector("type", type);
+  blob.PutVector("count", count);
+  return blob;
+}
+
+std::vector<Landmark> LandmarksFromBlob(const Blob& blob) {
+  const auto x = blob.Get<double>("x_m"), y = blob.Get<double>("y_m"), v = blob.Get<double>("covariance_m2"),
+             count = blob.Get<double>("count");
+  const auto type = blob.Get<std::int32_t>("type");
+  std::vector<Landmark> landmarks;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    landmarks.push_back(
+        {x[i], y[i], {v[4 * i], v[4 * i + 1], v[4 * i + 2], v[4 * i + 3]}, type[i], count[i]});
+  }
+  return landmarks;
+}
+
+PartialBuilder::PartialBuilder(const Settings& settings, const Slice& slice, int robot,
+                               const std::vector<Landmark>* landmarks, LayeredGrid no_counts)
+    : settings_(settings),
+      slice_(slice),
+      robot_(robot),
+      landmarks_(landmarks),
+      counts_(std::move(no_counts)) {
+  if (landmarks_ == nullptr) return;
+  const RobotSteps& steps = slice.steps;
+  const auto seen =
+      static_cast<std::size_t>(steps.first_observation[slice.end] - steps.first_observation[slice.first]);
+  poses_.resize(static_cast<std::size_t>(slice.end - slice.first));
+  association_.assign(seen, -1);
+  association_probability_.assign(seen, 0.0);
+}
+
+void PartialBuilder::Add(int step, const LayeredGrid& belief) {
+  const RobotSteps& steps = slice_.steps;
+  for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
+    Count(steps.observations[k], settings_.map.grid, belief, &counts_);
+  }
+  TrackHeading(step, belief);
+  if (landmarks_ == nullptr) return;
+  poses_[static_cast<std::size_t>(step - slice_.first)] = Summarise(belief, settings_.map.grid);
+  AddAssociations(step, belief);
+}
+
+void PartialBuilder::AddAssociations(int step, const LayeredGrid& belief) {
+  const RobotSteps& steps = slice_.steps;
+  const MapRules& rules = settings_.map;
+  for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
+    const Observation& seen = steps.observations[k];
+    LayeredGrid where;
+    where.layers.resize(static_cast<std::size_t>(seen.type) + 1);
+    Count(seen, rules.grid, belief, &where);
+    const bool identified = seen.type < rules.types;
+    const double reach = identified ? 1e9 : std::max(1.5 * rules.core_m, 4.0 * rules.observation_m);
+    const Association a =
+        Associate(where.layers[seen.type], seen.type, *landmarks_, rules.grid.cell_m, reach);
+    const auto at = static_cast<std::size_t>(k - steps.first_observation[slice_.first]);
+    association_[at] = a.landmark;
+    association_probability_[at] = a.probability;
+  }
+}
+
+void PartialBuilder::TrackHeading(int step, const LayeredGrid& belief) {
+  const double angle = 2.0 * std::numbers::pi / settings_.map.grid.headings;
+  double cosine = 0, sine = 0;
+  for (std::size_t c = 0; c < belief.layers.size(); ++c) {
+    const double mass = belief.layers[c].Sum();
+    cosine += mass * std::cos(c * angle);
+    sine += mass * std::sin(c * angle);
+  }
+  const double heading = std::atan2(sine, cosine);
+  if (has_later_) {
+    turned_rad_ += std::remainder(later_heading_rad_ - heading, 2.0 * std::numbers::pi);
+    path_m_ += slice_.steps.path_m[step + 1];
+  }
+  later_heading_rad_ = heading;
+  has_later_ = true;
+}
+
+Blob PartialBuilder::Finish(double log_likelihood) const {
+  Blob partial;
+  counts_.Store("counts/", &partial);
+  partial.PutScalar<double>("log_likelihood", log_likelihood);
+  partial.PutScalar<double>("turned_rad", turned_rad_);
+  partial.PutScalar<double>("path_m", path_m_);
+  partial.PutScalar<std::int32_t>("robot", robot_);
+  partial.PutScalar<std::int32_t>("first", slice_.first);
+  if (landmarks_ == nullptr) return partial;
+  const auto n = static_cast<std::int64_t>(poses_.size());
+  const auto put = [&](const char* name, auto get) {
+    std::vector<double> values;
+    for (const PoseSummary& pose : poses_) values.push_back(get(pose));
+    partial.PutVector(std::string("pose/") + name, values);
+  };
+  put("x_m", [](const PoseSummary& p) { return p.x_m; });
+  put("y_m", [](const PoseSummary& p) { return p.y_m; });
+  put("heading_rad", [](const PoseSummary& p) { return p.heading_rad; });
+  put("mode_x_m", [](const PoseSummary& p) { return p.mode_x_m; });
+  put("mode_y_m", [](const PoseSummary& p) { return p.mode_y_m; });
+  put("mode_heading_rad", [](const PoseSummary& p) { return p.mode_heading_rad; });
+  std::vector<double> covariance;
+  for (const PoseSummary& p : poses_) covariance.insert(covariance.end(), p.covariance, p.covariance + 9);
+  partial.Put("pose/covariance", Array::Of<double>({n, 3, 3}, covariance));
+  partial.PutVector("association/landmark", association_);
+  partial.PutVector("association/probability", association_probability_);
+  return partial;
+}
+
+RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
+    : counts_(std::move(no_counts)), turned_rad_(robots, 0.0), path_m_(robots, 0.0), summaries_(robots) {}
+
+void RoundSum::Add(const Blob& partial) {
+  if (!partial.Has("log_likelihood")) return;
+  const LayeredGrid counts = LayeredGrid::Load("counts/", partial);
+  for (std::size_t type = 0; type < counts.layers.size(); ++type) {
+    counts_.layers[type].Cover(counts.layers[type].box);
+    counts_.layers[type].AddShifted(counts.layers[type], 0, 0, 1.0);
+  }
+  log_likelihood_ += partial.Scalar<double>("log_likelihood");
+  const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
+  turned_rad_[robot] += partial.Scalar<double>("turned_rad");
+  path_m_[robot] += partial.Scalar<double>("path_m");
+  if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
+}
+
+double RoundSum::DriftOf(std::size_t robot, const MotionNoise& noise, double so_far) const {
+  const double path = path_m_[robot];
+  if (!(path > 0.0)) return so_far;
+  const double prior = noise.heading_drift_rad_per_m * noise.heading_drift_rad_per_m;
+  const double evidence = noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m / path;
+  if (!(prior + evidence > 0.0)) return so_far;
+  return (so_far - turned_rad_[robot] / path) * prior / (prior + evidence);
+}
+
+std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {
+  std::vector<Blob> summaries = summaries_[robot];
+  std::ranges::sort(summaries, {}, [](const Blob& b) { return b.Scalar<std::int32_t>("first"); });
+  return summaries;
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,210 @@
+#include "pipelines/landmark_map/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/track.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// Calls f(name, field) for every figure: what ToBlob writes and FromBlob reads.
+template <class S, class F>
+void VisitFigures(S& s, const F& f) {
+  f("cell_m", s.map.grid.cell_m);
+  f("headings", s.map.grid.headings);
+  f("types", s.map.types);
+  f("observation_m", s.map.observation_m);
+  f("radius_m", s.map.radius_m);
+  f("core_m", s.map.core_m);
+  f("no_landmark", s.map.no_landmark);
+  f("false_rate_per_m2", s.map.false_rate_per_m2);
+  f("exact", s.map.exact);
+  f("heading_drift_rad_per_m", s.noise.heading_drift_rad_per_m);
+  f("heading_walk_rad_per_sqrt_m", s.noise.heading_walk_rad_per_sqrt_m);
+  f("forward_ratio", s.noise.forward_ratio);
+  f("turn_ratio", s.noise.turn_ratio);
+  f("max_leg_m", s.steps.max_leg_m);
+  f("frame_m", s.steps.frame_m);
+  f("frame_rad", s.steps.frame_rad);
+  f("step_types", s.steps.types);
+  f("triangular", s.shape);
+  f("prune", s.prune);
+  f("box_m", s.box_m);
+  f("growth_start", s.growth_start);
+}
+
+double Nominal(const Blob& log, const std::string& name, double otherwise) {
+  if (!log.Has(name)) return otherwise;
+  const double value = log.Scalar<double>(name);
+  if (!(value >= 0.0) || std::isinf(value))
+    throw InputError("the log's " + name + " is not a sensible figure");
+  return value;
+}
+
+// 1, 2 or 5 times a power of ten, the one nearest in ratio.
+double RoundNumber(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  const double lead = value / power;
+  return power * (lead < std::sqrt(2.0) ? 1 : lead < std::sqrt(10.0) ? 2 : lead < std::sqrt(50.0) ? 5 : 10);
+}
+
+double Extent(const Odometry& odometry) {
+  const auto [x0, x1] = std::ranges::minmax(odometry.x_m);
+  const auto [y0, y1] = std::ranges::minmax(odometry.y_m);
+  return std::max(x1 - x0, y1 - y0);
+}
+
+// What the log's observations are like.
+struct Sensing {
+  std::int64_t observations = 0, ranged = 0;
+  double mean_range_m = 0.0;
+};
+
+Sensing LookAt(const Blob& log, std::size_t robots) {
+  Sensing sensing;
+  for (std::size_t r = 0; r < robots; ++r) {
+    const std::string name = "robot/" + std::to_string(r) + "/observations/range_m";
+    for (const double range : log.Get<double>(name)) {
+      ++sensing.observations;
+      if (std::isnan(range)) continue;
+      ++sensing.ranged;
+      sensing.mean_range_m += (range - sensing.mean_range_m) / static_cast<double>(sensing.ranged);
+    }
+  }
+  return sensing;
+}
+
+// 360 degrees divided by a whole number, near `step_deg`.
+int Headings(double step_deg) { return std::max(4, static_cast<int>(std::lround(360.0 / step_deg))); }
+
+double HeadingStepDeg(const Options& options, const Sensing& sensing, double cell_m) {
+  if (options.heading_deg > 0) return options.heading_deg;
+  if (sensing.ranged == 0) return 5.0;
+  // A landmark at the usual range should move by about a cell from one heading to the next.
+  return std::clamp(cell_m / std::max(sensing.mean_range_m, 0.1) / kDegree, 1.0, 5.0);
+}
+
+void RefuseHugeStart(const Options& options, const Settings& settings, double extent_m, std::size_t robots) {
+  const double side = extent_m / settings.map.grid.cell_m + 1.0;
+  const double megabytes = side * side * settings.map.grid.headings * sizeof(double) * 3.0 / 1e6;
+  if (robots > 1 && megabytes > options.memory_mb) {
+    throw InputError("the grid would need about " + std::to_string(std::llround(megabytes)) + " MB (" +
+                     std::to_string(std::llround(side)) + " x " + std::to_string(std::llround(side)) +
+                     " cells x " + std::to_string(settings.map.grid.headings) +
+                     " headings), more than memory_mb = " + std::to_string(std::llround(options.memory_mb)) +
+                     ": take a larger cell_m or heading_deg");
+  }
+}
+
+}  // namespace
+
+EStepModel Settings::Model(const Perception* perception) const {
+  Box limit;
+  if (box_m > 0) {
+    const int half = static_cast<int>(std::floor(box_m / 2 / map.grid.cell_m));
+    limit = Box{0, 0, 1, 1}.Grown(half);
+  }
+  return {map.grid, noise, shape, prune, limit, perception};
+}
+
+Blob Settings::ToBlob() const {
+  Blob blob;
+  VisitFigures(
+      *this, [&](const char* name, auto value) { blob.PutScalar<double>(name, static_cast<double>(value)); });
+  return blob;
+}
+
+Settings Settings::FromBlob(const Blob& blob) {
+  Settings settings;
+  VisitFigures(settings, [&]<class T>(const char* name, T& field) {
+    field = static_cast<T>(blob.Scalar<double>(name));
+  });
+  return settings;
+}
+
+Settings Resolve(const Options& options, const Blob& log) {
+  const std::size_t robots = log.Texts("robots").size();
+  if (robots == 0) throw InputError("the log has no robots");
+  const double extent = Extent(Integrate(log.Sub("robot/0/"), log.Texts("robots")[0], 0.0));
+  const Sensing sensing = LookAt(log, robots);
+  if (sensing.observations == 0)
+    throw InputError("the log has controls only: without observations there is no map");
+
+  Settings settings;
+  GridSpec& grid = settings.map.grid;
+  grid.cell_m = options.cell_m > 0 ? options.cell_m : RoundNumber(std::max(extent, 0.9) / 90.0);
+  grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
+  const double step_rad = 2.0 * std::numbers::pi / grid.headings;
+  settings.map.types = static_cast<int>(log.Texts("landmarks").size());
+  const double bearing = Nominal(log, "noise/bearing_rad", 0.02) + step_rad / std::sqrt(12.0);
+  const double range = Nominal(log, "noise/range_m", 0.1);
+  settings.map.observation_m = sensing.ranged == 0 ? Nominal(log, "noise/press_m", 0.3)
+                                                   : std::hypot(range, bearing * sensing.mean_range_m);
+  settings.map.radius_m = options.radius_m;
+  settings.map.core_m = options.core_m;
+  settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
+  settings.map.false_rate_per_m2 = options.false_rate_per_m2 > 0 ? options.false_rate_per_m2
+                                   : sensing.ranged == 0         ? 1e-3
+                                                                 : 1e-3;
+  settings.map.exact = options.model == "exact";
+
+  settings.noise = {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * options.noise_scale,
+                    Nominal(log, "noise/heading_walk_rad_per_sqrt_m", 0.7 * kDegree) * options.noise_scale,
+                    Nominal(log, "noise/forward_ratio", 0.02) * options.noise_scale,
+                    Nominal(log, "noise/turn_ratio", 0.02) * options.noise_scale};
+  settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types};
+  settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
+  settings.prune = options.prune;
+  settings.box_m = options.box_m;
+  settings.growth_start = options.growth_start > 0 ? options.growth_start : sensing.ranged == 0 ? 1.0 : 0.05;
+  RefuseHugeStart(options, settings, extent + 2.0 * options.radius_m, robots);
+  return settings;
+}
+
+void Schedule::Store(State* state) const {
+  auto& scalars = *state->mutable_scalars();
+  scalars["iteration"].set_i(iteration);
+  scalars["prefix"].set_d(prefix);
+  scalars["robots"].set_i(robots);
+  scalars["settled"].set_i(settled);
+  scalars["summarise"].set_b(summarise);
+}
+
+Schedule Schedule::Load(const State& state) {
+  const auto& scalars = state.scalars();
+  return {scalars.at("iteration").i(), scalars.at("prefix").d(), scalars.at("robots").i(),
+          scalars.at("settled").i(), scalars.at("summarise").b()};
+}
+
+Schedule Schedule::Next(const Options& options, std::int64_t all_robots) const {
+  Schedule next = *this;
+  ++next.iteration;
+  if (prefix < 1.0) {
+    next.prefix = std::min(1.0, prefix * options.growth_factor);
+    return next;
+  }
+  ++next.settled;
+  if (next.settled < options.iterations) return next;
+  if (robots < all_robots) {
+    next.robots = all_robots;
+    next.settled = 0;
+  } else {
+    next.summarise = true;
+  }
+  return next;
+}
+
+std::int64_t Schedule::RoundsLeft(const Options& options, std::int64_t all_robots) const {
+  std::int64_t rounds = 1;
+  for (Schedule s = *this; !s.summarise; s = s.Next(options, all_robots)) ++rounds;
+  return rounds;
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,46 @@
+// What Start decides from the log and the options, and the schedule of iterations: from the State alone.
+#pragma once
+
+#include <cstdint>
+
+#include "pipelines/landmark_map/e_step.h"
+#include "pipelines/landmark_map/m_step.h"
+#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/steps.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+// The resolved figures of a job.
+struct Settings {
+  MapRules map;
+  MotionNoise noise;
+  StepRules steps;
+  ErrorShape shape = ErrorShape::kGaussian;
+  double prune = 1e-3;
+  double box_m = 0.0;
+  double growth_start = 1.0;
+
+  EStepModel Model(const Perception* perception) const;
+  Blob ToBlob() const;
+  static Settings FromBlob(const Blob& blob);
+};
+
+// From the options, the log's nominal figures, and defaults where both are silent. Throws InputError.
+Settings Resolve(const Options& options, const Blob& log);
+
+// Where EM stands. Robots but the first start anywhere ([TBF98] section 8): they join when there is a map.
+struct Schedule {
+  std::int64_t iteration = 0;  // E-steps done
+  double prefix = 1.0;         // fraction of the steps in use
+  std::int64_t robots = 1;     // robots that take part
+  std::int64_t settled = 0;    // iterations on all data of these robots
+  bool summarise = false;      // the last E-step, which also gives poses and associations
+
+  void Store(State* state) const;
+  static Schedule Load(const State& state);
+  Schedule Next(const Options& options, std::int64_t all_robots) const;
+  std::int64_t RoundsLeft(const Options& options, std::int64_t all_robots) const;
+};
+
+}  // namespace cairn::landmark_map

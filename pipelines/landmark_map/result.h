@@ -1,0 +1,20 @@
+// The stage's result (schema/FORMAT.md, landmark_map) from the last E-step's summaries.
+#pragma once
+
+#include <vector>
+
+#include "pipelines/landmark_map/partial.h"
+#include "pipelines/landmark_map/plan.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+// The group history/: a row an iteration.
+Blob EmptyHistory();
+Blob Extended(const Blob& history, const Schedule& done, double log_likelihood);
+
+// The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N.
+Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
+                const std::vector<double>& drift, const Blob& history);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,51 @@
+// From a log to the steps of one robot: coarse-grained time ([TBF98] section 5). A step stands where
+// something was observed, or where the way since the last one grew too long for the grid.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipelines/common/motion.h"
+#include "schema/blob.h"
+
+namespace cairn::landmark_map {
+
+// What was seen at a step: a landmark at (x_m, y_m) from the robot, in the odometric frame's directions, so
+// that a belief's layer c finds it at that vector turned by c * step. (0, 0) for a landmark at the robot
+// itself.
+struct Observation {
+  std::int32_t type = 0;  // layer of the map; the last one where the identity is unknown
+  double x_m = 0.0, y_m = 0.0;
+};
+
+// Arrays over the S steps of a robot; leg [s] leads to step s (leg 0 is empty).
+struct RobotSteps {
+  std::vector<double> time_s, odo_x_m, odo_y_m, odo_heading_rad, path_m,
+      turn_rad;                                 // path and turn: of the leg
+  std::vector<std::int32_t> first_observation;  // [S + 1] into `observations`
+  std::vector<Observation> observations;
+  std::vector<std::int32_t> row_observation;  // [O] the log's rows: which of `observations`, or -1: not used
+
+  int size() const { return static_cast<int>(time_s.size()); }
+  Leg LegTo(int step) const;
+
+  Blob ToBlob() const;
+  static RobotSteps FromBlob(const Blob& blob);
+};
+
+// How finely time is cut.
+struct StepRules {
+  double max_leg_m;  // longer ways are split
+  double frame_m;    // range-bearing observations within so much of way …
+  double frame_rad;  // … or turn are gathered into one step
+  int types;         // number of identities; observations without one get this type
+};
+
+// `drift_rad_per_m` is taken off the controls' headings. `shared` (may be nullptr): landmark types by which
+// this robot finds itself in a map; its steps begin at the first that observes one. `robot` is the log's
+// subtree robot/N/, `name` its name for messages. Throws InputError that names robot, row and reason: no
+// controls, no observations, a NaN, times that run backwards, an observation outside the controls' times.
+RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
+                     double drift_rad_per_m, const std::vector<bool>* shared);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,30 @@
+// Dead reckoning: the path that a robot's controls alone give, starting at (0, 0) with heading 0.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::landmark_map {
+
+struct Odometry {                             // one entry a control, plus one for the start
+  std::vector<double> time_s;                 // [C + 1]
+  std::vector<double> x_m, y_m, heading_rad;  // heading is not wrapped
+  std::vector<double> path_m, turn_rad;       // way and sum of absolute turns so far
+};
+
+// A pose on that path.
+struct OdometricPose {
+  double time_s, x_m, y_m, heading_rad, path_m, turn_rad;
+};
+
+// Integrates turn_rad, then forward_m, of the subtree robot/N/odometry/. Throws InputError that names robot
+// and row. `drift_rad_per_m`: a known heading drift, taken off.
+Odometry Integrate(const Blob& robot, const std::string& name, double drift_rad_per_m);
+
+// The pose at `time_s`: after the turn and a part of the way of the control that it falls into; ends are
+// clamped.
+OdometricPose PoseAt(const Odometry& odometry, double time_s);
+
+}  // namespace cairn::landmark_map
