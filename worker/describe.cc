@@ -22,11 +22,6 @@ Json ValueOf(const proto::Value& value) {
   }
 }
 
-Json InputOf(const std::string& declared) {
-  const bool optional = declared.ends_with('?');
-  return {{"name", optional ? declared.substr(0, declared.size() - 1) : declared}, {"optional", optional}};
-}
-
 Json OptionOf(const OptionInfo& option) {
   Json json = {{"name", option.name}, {"type", option.type}, {"unit", option.unit}, {"help", option.help}};
   json["default"] = ValueOf(option.default_value);
@@ -44,8 +39,7 @@ std::string DescribePipelines(const std::vector<PipelineInfo>& pipelines) {
   Json list = Json::array();
   for (const PipelineInfo& info : pipelines) {
     Json json = {{"name", info.name}, {"summary", info.summary}};
-    json["inputs"] = Json::array();
-    for (const std::string& input : info.inputs) json["inputs"].push_back(InputOf(input));
+    json["inputs"] = info.inputs;
     json["options"] = Json::array();
     for (const OptionInfo& option : info.options) json["options"].push_back(OptionOf(option));
     list.push_back(std::move(json));

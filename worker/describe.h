@@ -9,7 +9,7 @@
 namespace cairn::worker {
 
 // {"version": "0.1.0", "pipelines": [{"name", "summary",
-//   "inputs":  [{"name", "optional"}],
+//   "inputs":  ["log", "poses?"],      (with '?': optional)
 //   "options": [{"name", "type", "unit", "help", "default", "low", "high", "choices"}]}]}
 // `type` is real, integer, boolean or text; low and high stand with numbers only, choices with texts that
 // have some.

@@ -1,0 +1,159 @@
+#include "coordinator/client.h"
+
+#include <chrono>
+#include <set>
+#include <utility>
+
+#include "schema/wire/poller.h"
+
+namespace cairn::coordinator {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kSlowestBytesPerS = 1e6;
+
+std::chrono::milliseconds Left(Clock::time_point end) {
+  const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+  return std::max(left, std::chrono::milliseconds(0));
+}
+
+Result<wire::JobInfo> OnlyJob(const Result<wire::Message>& reply, const std::string& job) {
+  if (!reply.ok()) return reply.status();
+  const auto& jobs = reply.value().envelope.reply().jobs();
+  if (jobs.empty()) return Status(Code::kNotFound, "there is no job '" + job + "'");
+  return jobs[0];
+}
+
+// What came where a reply was expected.
+Result<wire::Message> Judge(wire::Received received) {
+  if (!received.status.ok()) return received.status;
+  const wire::Envelope& envelope = received.message.envelope;
+  if (envelope.has_refuse()) return Status(Code::kRefused, envelope.refuse().reason());
+  if (!envelope.has_reply()) {
+    return Status(Code::kVersion, std::string("the service answers with '") + wire::KindName(envelope) +
+                                      "': its version differs");
+  }
+  if (!envelope.reply().ok()) return Status(Code::kRefused, envelope.reply().message());
+  return std::move(received.message);
+}
+
+}  // namespace
+
+Client::Client(ClientOptions options, wire::DealerSocket socket)
+    : options_(std::move(options)), socket_(std::move(socket)) {}
+
+Result<Client> Client::Connect(const ClientOptions& options) {
+  const wire::Context context;
+  Result<wire::DealerSocket> socket =
+      wire::DealerSocket::Connect(context, options.endpoint, options.security);
+  if (!socket.ok()) return socket.status();
+  return Client(options, std::move(socket).value());
+}
+
+Result<wire::Message> Client::Ask(wire::Message question, double timeout_s) {
+  Result<wire::Message> answer = AskOnce(std::move(question), timeout_s);
+  const Code code = answer.status().code();
+  if (code == Code::kOk || (code == Code::kRefused && answered_)) return answer;
+  // An answer that comes late must not be taken for that to the next question.
+  if (const Status again = socket_.Reconnect(); !again.ok()) return again;
+  return answer;
+}
+
+Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) {
+  const Clock::time_point end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
+  wire::Poller poller;
+  poller.Add(socket_);
+  answered_ = false;
+  bool sent = false;
+  while (true) {
+    while (const std::optional<wire::LinkEvent> event = socket_.TryEvent()) {
+      if (*event == wire::LinkEvent::kKeyRefused)
+        return Status(Code::kRefused, "the service does not know this key");
+      if (*event == wire::LinkEvent::kDisconnected && sent) {
+        return Status(Code::kIo, "the service at " + options_.endpoint + " went away before it answered");
+      }
+    }
+    if (!sent) sent = socket_.Send(question).ok();
+    if (std::optional<wire::Received> received = socket_.TryReceive()) {
+      answered_ = received->status.ok();
+      return Judge(std::move(*received));
+    }
+    if (Clock::now() >= end) {
+      return Status(Code::kIo, sent ? "the service at " + options_.endpoint + " does not answer"
+                                    : "no service listens at " + options_.endpoint);
+    }
+    // Unsent, the connection may be there before its event is: look again soon.
+    poller.Wait(sent ? Left(end) : std::min(Left(end), std::chrono::milliseconds(20)));
+  }
+}
+
+Result<wire::JobInfo> Client::Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs) {
+  std::map<Hash, wire::NamedBlob> blobs;
+  wire::Message have;
+  have.envelope.mutable_have();
+  for (const auto& [name, blob] : inputs) {
+    const wire::NamedBlob named = wire::NameBlob(blob);
+    (*job.mutable_input_blobs())[name] = named.hash.Binary();
+    if (blobs.emplace(named.hash, named).second)
+      have.envelope.mutable_have()->add_hashes(named.hash.Binary());
+  }
+  const Result<wire::Message> reply = Ask(std::move(have), options_.timeout_s);
+  if (!reply.ok()) return reply.status();
+  wire::Message submit;
+  *submit.envelope.mutable_submit()->mutable_job() = std::move(job);
+  std::size_t bytes = 0;
+  for (const std::string& missing : reply.value().envelope.reply().missing()) {
+    const Result<Hash> hash = Hash::FromBinary(missing);
+    const auto it = hash.ok() ? blobs.find(hash.value()) : blobs.end();
+    if (it == blobs.end())
+      return Status(Code::kVersion, "the service asks for a blob that it was not offered");
+    bytes += it->second.blob->ByteCount();
+    submit.blobs.push_back(it->second);
+  }
+  return OnlyJob(Ask(std::move(submit), options_.timeout_s + static_cast<double>(bytes) / kSlowestBytesPerS),
+                 "");
+}
+
+Result<wire::Message> Client::Query(const std::string& job, const std::string& action, double timeout_s) {
+  wire::Message question;
+  question.envelope.mutable_query()->set_job(job);
+  question.envelope.mutable_query()->set_action(action);
+  return Ask(std::move(question), timeout_s);
+}
+
+Result<wire::JobInfo> Client::AskAboutOne(const std::string& job, const std::string& action) {
+  // An empty name would ask for all.
+  if (job.empty()) return Status(Code::kNotFound, "which job?");
+  return OnlyJob(Query(job, action, options_.timeout_s), job);
+}
+
+Result<JobList> Client::List() {
+  const Result<wire::Message> answer = Query("", "status", options_.timeout_s);
+  if (!answer.ok()) return answer.status();
+  const wire::Reply& reply = answer.value().envelope.reply();
+  return JobList{{reply.jobs().begin(), reply.jobs().end()}, reply.workers()};
+}
+
+Result<wire::JobInfo> Client::Info(const std::string& job) { return AskAboutOne(job, "status"); }
+Result<wire::JobInfo> Client::Cancel(const std::string& job) { return AskAboutOne(job, "cancel"); }
+Result<wire::JobInfo> Client::Resume(const std::string& job) { return AskAboutOne(job, "resume"); }
+
+Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {
+  if (job.empty()) return Status(Code::kNotFound, "which job?");
+  // How much will come is not known before: as for a gigabyte.
+  Result<wire::Message> answer = Query(job, "results", options_.timeout_s + 1e9 / kSlowestBytesPerS);
+  if (!answer.ok()) return answer.status();
+  const wire::Reply& reply = answer.value().envelope.reply();
+  const std::vector<wire::NamedBlob>& blobs = answer.value().blobs;
+  if (static_cast<std::size_t>(reply.names_size()) != blobs.size()) {
+    return Status(Code::kCorrupt, "the service names " + std::to_string(reply.names_size()) +
+                                      " results and sends " + std::to_string(blobs.size()));
+  }
+  std::map<std::string, BlobPtr> results;
+  for (std::size_t i = 0; i < blobs.size(); ++i) results[reply.names(static_cast<int>(i))] = blobs[i].blob;
+  return results;
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,59 @@
+// The client side of a coordinator's service (service.h): what `cairn submit`, `list`, `cancel` and the like
+// do.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+#include "schema/error.h"
+#include "schema/wire.pb.h"
+#include "schema/wire/socket.h"
+
+namespace cairn::coordinator {
+
+struct ClientOptions {
+  std::string endpoint;                          // ipc://PATH or tcp://HOST:PORT
+  std::optional<wire::ClientSecurity> security;  // needed for tcp
+  double timeout_s = 10;  // without an answer; a transfer gets a second more a megabyte
+};
+
+struct JobList {
+  std::vector<wire::JobInfo> jobs;
+  unsigned workers = 0;  // connected
+};
+
+// Every call asks once and waits for the answer. Failures: kIo: nobody answers at the endpoint; kRefused: the
+// service said no (message: why), or does not know this key; kNotFound: no such job. After any of them the
+// next call starts on a new connection. For one thread.
+class Client {
+ public:
+  // Does not wait for the service to be there: the first call does.
+  static Result<Client> Connect(const ClientOptions& options);
+
+  // Uploads those inputs (by the names of job.inputs; truth left behind by the caller) that the service
+  // lacks, fills in job.input_blobs, and returns the job as it is queued, once it is durable.
+  Result<wire::JobInfo> Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs);
+  Result<JobList> List();
+  Result<wire::JobInfo> Info(const std::string& job);
+  Result<wire::JobInfo> Cancel(const std::string& job);
+  Result<wire::JobInfo> Resume(const std::string& job);
+  // Of the stages that are done, by their names.
+  Result<std::map<std::string, BlobPtr>> Results(const std::string& job);
+
+ private:
+  explicit Client(ClientOptions options, wire::DealerSocket socket);
+  Result<wire::Message> Ask(wire::Message question, double timeout_s);
+  Result<wire::Message> AskOnce(wire::Message question, double timeout_s);
+  Result<wire::JobInfo> AskAboutOne(const std::string& job, const std::string& action);
+  Result<wire::Message> Query(const std::string& job, const std::string& action, double timeout_s);
+
+  ClientOptions options_;
+  wire::DealerSocket socket_;
+  bool answered_ = false;  // the last question, whatever the answer was
+};
+
+}  // namespace cairn::coordinator
