@@ -7,6 +7,7 @@
 #include <new>
 
 #include "coordinator/cli/failure.h"
+#include "coordinator/cli/home.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/suggest.h"
@@ -22,15 +23,26 @@ void Complain(std::string problem) {
 void AddCommands(CLI::App& app, Invocation& call) {
   AddSimulate(app, call);
   AddImport(app, call);
+  AddEvaluate(app, call);
+  AddWorker(app, call);
   AddKeys(app, call);
 }
 
-// `cairn worker …` becomes cairn-worker: the science stays out of this process.
-int BecomeWorker(char** argv) {
-  const std::string program = WorkerProgram();
-  argv[1] = const_cast<char*>(program.c_str());
-  execv(program.c_str(), argv + 1);
-  throw WorldError(program + " cannot be run");
+// `cairn worker …` becomes cairn-worker: the science stays out of this process. Without --connect it looks
+// for the coordinator where `cairn coordinator` listens when nobody says otherwise.
+int BecomeWorker(int argc, char** argv) {
+  std::vector<std::string> words = {WorkerProgram()};
+  for (int i = 2; i < argc; ++i) words.emplace_back(argv[i]);
+  const bool elsewhere = std::ranges::any_of(words, [](const std::string& word) {
+    return word.starts_with("--connect") || word == "--help" || word == "-h" || word == "--describe" ||
+           word == "--version";
+  });
+  if (!elsewhere) words.push_back("--connect=" + DefaultEndpoint());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  execv(pointers[0], pointers.data());
+  throw WorldError(words[0] + " cannot be run");
 }
 
 std::vector<std::string> CommandNames(const CLI::App& app) {
@@ -99,7 +111,7 @@ int Main(int argc, char** argv) {
   int code = kExitFailed;
   if (argc > 1 && std::string_view(argv[1]) == "worker") {
     Invocation call;
-    call.run = [argv] { return BecomeWorker(argv); };
+    call.run = [argc, argv] { return BecomeWorker(argc, argv); };
     code = RunCaught(call);
   } else {
     code = ParseAndRun(argc, argv);

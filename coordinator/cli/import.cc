@@ -5,6 +5,7 @@
 #include "coordinator/cli/output_path.h"
 #include "coordinator/cli/plan_text.h"
 #include "datasets/import_csv.h"
+#include "datasets/import_mrclam.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -24,7 +25,8 @@ void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& co
 
 int Store(const std::string& out, const Blob& log, const datasets::ImportReport& report) {
   Check(WriteBlobFile(out, "log", log));
-  for (const std::string& warning : report.warnings) std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
+  for (const std::string& warning : report.warnings)
+    std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
   PrintCounts("skipped", report.skipped);
   PrintCounts("left out", report.dropped);
   std::printf("%s: %s\n", out.c_str(), LogText(log).c_str());
@@ -38,12 +40,28 @@ int ImportCsv(const CsvOptions& options, const Invocation&) {
   return Store(options.out, log, report);
 }
 
+struct MrclamOptions {
+  datasets::MrclamImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+int ImportMrclam(const MrclamOptions& options, const Invocation&) {
+  RefuseToOverwrite(options.out, options.force);
+  Blob log;
+  const datasets::ImportReport report = datasets::ImportMrclam(options.import, &log);
+  return Store(options.out, log, report);
+}
+
 void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {
   const auto add = [&](const char* flag, std::optional<double>& field, const char* help) {
-    command.add_option(flag, field, help)->check(CLI::NonNegativeNumber)->group("Nominal figures (else estimated)");
+    command.add_option(flag, field, help)
+        ->check(CLI::NonNegativeNumber)
+        ->group("Nominal figures (else estimated)");
   };
   add("--heading-drift-rad-per-m", nominal.heading_drift_rad_per_m, "sd of a constant drift of the heading");
-  add("--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m, "sd of the heading's random walk");
+  add("--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m,
+      "sd of the heading's random walk");
   add("--forward-ratio", nominal.forward_ratio, "sd of the way's error, a fraction of the way");
   add("--turn-ratio", nominal.turn_ratio, "sd of a turn's error, a fraction of the turn");
   add("--press-m", nominal.press_m, "sd of the distance between robot and landmark at a press, an axis");
@@ -62,12 +80,13 @@ void AddOutput(CLI::App& command, Options& options) {
 
 void AddCsv(CLI::App& import, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options =
-      AddCommand<CsvOptions>(import, call, "csv", "Your own logs, plain or gzipped (docs/my-own-log.md)",
-                             "cairn import csv --odometry odometry.csv --observations observations.csv log.h5",
-                             ImportCsv, &command);
+  const auto options = AddCommand<CsvOptions>(
+      import, call, "csv", "Your own logs, plain or gzipped (docs/my-own-log.md)",
+      "cairn import csv --odometry odometry.csv --observations observations.csv log.h5", ImportCsv, &command);
   datasets::CsvImportOptions& files = options->import;
-  command->add_option("--odometry", files.odometry, "time_s,robot,turn_rad,forward_m or time_s,robot,v_mps,omega_radps")
+  command
+      ->add_option("--odometry", files.odometry,
+                   "time_s,robot,turn_rad,forward_m or time_s,robot,v_mps,omega_radps")
       ->required();
   command->add_option("--observations", files.observations, "time_s,robot,landmark,range_m,bearing_rad");
   command->add_option("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
@@ -77,13 +96,28 @@ void AddCsv(CLI::App& import, Invocation& call) {
   AddOutput(*command, *options);
 }
 
+void AddMrclam(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<MrclamOptions>(import, call, "mrclam", "UTIAS multi-robot logs (docs/datasets.md)",
+                                "cairn import mrclam MRCLAM_Dataset6 mrclam6.h5", ImportMrclam, &command);
+  command->add_option("FOLDER", options->import.folder, "One dataset: its .dat files, plain or gzipped")
+      ->required();
+  command->add_flag("--withhold-identities", options->import.withhold_identities,
+                    "Do not tell which landmark an observation is of; the truth still does");
+  AddNominal(*command, options->import.nominal);
+  AddOutput(*command, *options);
+}
+
 }  // namespace
 
 void AddImport(CLI::App& app, Invocation& call) {
   CLI::App* import = app.add_subcommand("import", "Reads real logs into Cairn's format");
   import->require_subcommand(1);
-  import->footer("Example:\n  cairn import csv --odometry odometry.csv --observations observations.csv log.h5");
+  import->footer(
+      "Example:\n  cairn import csv --odometry odometry.csv --observations observations.csv log.h5");
   AddCsv(*import, call);
+  AddMrclam(*import, call);
 }
 
 }  // namespace cairn::cli

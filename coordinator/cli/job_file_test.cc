@@ -15,13 +15,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kDescription[] = R"({"pipelines": [
-  {"name": "landmark_map", "summary": "landmarks", "inputs": ["log"], "options": [
+  {"name": "landmark_map", "summary": "landmarks", "inputs": [{"name": "log", "optional": false}], "options": [
     {"name": "cell_m", "type": "real", "unit": "m", "help": "edge", "low": 0.01, "high": 10, "default": 1},
     {"name": "iterations", "type": "integer", "unit": "", "help": "most", "low": 1, "high": 100, "default": 10},
     {"name": "blur", "type": "boolean", "unit": "", "help": "", "low": 0, "high": 0, "default": true},
     {"name": "mode", "type": "text", "unit": "", "help": "", "low": 0, "high": 0, "choices": ["local", "global"],
      "default": "local"}]},
-  {"name": "forward_map", "summary": "grids", "inputs": ["log", "poses?"], "options": []}]})";
+  {"name": "forward_map", "summary": "grids", "inputs": [
+    {"name": "log", "optional": false}, {"name": "poses", "optional": true}], "options": []}]})";
 
 // A folder with museum.h5 and the job file job.yaml of the text that a test gives it.
 class JobFile : public testing::Test {

@@ -50,14 +50,17 @@ const Rule* RuleOf(const std::string& file) {
   return best;
 }
 
-// Tests, and what only tests include: testing.h, core_bench.h.
+// Tests, and what only tests include: testing.h, core_bench.h, all of a folder testing/.
 bool IsTest(const std::string& file) {
   const std::string stem = fs::path(file).stem().string();
-  return stem.ends_with("_test") || stem.ends_with("testing") || stem.ends_with("_bench");
+  return stem.ends_with("_test") || stem.ends_with("testing") || stem.ends_with("_bench") ||
+         file.find("/testing/") != std::string::npos;
 }
 
 std::string Complaint(const Rule& rule, const std::string& file, const std::string& include) {
-  if (IsTest(file) && (include.starts_with("gtest/") || IsStandard(include) || IsSystem(include))) return {};
+  // The in-process runner is the reference that every fleet must equal.
+  const bool of_tests = include.starts_with("gtest/") || include == "pipelines/in_process.h";
+  if (IsTest(file) && (of_tests || IsStandard(include) || IsSystem(include))) return {};
   if (IsStandard(include) || IsSystem(include)) {
     const bool impure = IsSystem(include) || std::ranges::find(kImpure, include) != kImpure.end();
     const bool vector_unit = include.ends_with("mmintrin.h") || include == "arm_neon.h";

@@ -1,0 +1,41 @@
+#include "coordinator/cli/result_file.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/suggest.h"
+
+namespace cairn::cli {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> FilesOf(const std::string& folder) {
+  if (!fs::is_directory(folder)) throw InputError("there is no file or folder '" + folder + "'");
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && entry.path().extension() == ".h5") files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string ResultPath(const std::string& path, const std::string& kind) {
+  if (fs::is_regular_file(path)) return path;
+  std::vector<std::string> results;
+  for (const std::string& file : FilesOf(path)) {
+    if (Take(ListBlobFile(file)).kind == kind) results.push_back(file);
+  }
+  if (results.empty()) throw InputError("there is no " + kind + " in '" + path + "'");
+  if (results.size() > 1) throw InputError("which one of '" + path + "'? " + Join(results));
+  return results[0];
+}
+
+BlobFile ReadResult(const std::string& path, const std::string& kind) {
+  const std::string file = ResultPath(path, kind);
+  BlobFile result = Take(ReadBlobFile(file));
+  if (result.kind != kind) throw InputError(file + ": a " + result.kind + ", where a " + kind + " is needed");
+  return result;
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Bad input: a clear message with file and line, or robot and step; exit code 2; nothing half-written.
+source "$(dirname "$0")/common.sh"
+
+odometry() { printf 'time_s,robot,turn_rad,forward_m\n'; printf '%s\n' "$@"; }
+observations() { printf 'time_s,robot,landmark,range_m,bearing_rad\n'; printf '%s\n' "$@"; }
+import() { cairn import csv --odometry odometry.csv --observations observations.csv "$@" log.h5; }
+good_rows=('1,a,0,1' '2,a,0,1' '3,a,0,1')
+
+refuses_import() {
+  refuses "$@"
+  [ ! -e log.h5 ] || die "an import that was refused left a log"
+}
+
+# Import: each with its file and line.
+odometry >odometry.csv
+observations >observations.csv
+refuses_import 'odometry.csv' import
+odometry "${good_rows[@]}" >odometry.csv
+observations '2,b,,,' >observations.csv
+refuses_import 'observations.csv:2' import
+observations '0.5,a,,,' >observations.csv
+refuses_import 'observations.csv:2.*before the first control' import
+observations '2,a,,,' '1.5,a,,,' >observations.csv
+refuses_import 'observations.csv:3.*backwards' import
+observations '2,a,x,nan,0' >observations.csv
+refuses_import 'observations.csv:2' import
+observations '2,a,x,1' >observations.csv
+refuses_import 'observations.csv:2' import
+observations '2,a,x,9,0' >observations.csv
+refuses_import 'observations.csv:2.*range' import --max-range-m 8
+odometry '1,a,0,1' '2,a,0,inf' >odometry.csv
+observations >observations.csv
+refuses_import 'odometry.csv:3' import
+odometry '2,a,0,1' '1,a,0,1' >odometry.csv
+refuses_import 'odometry.csv:3.*backwards' import
+refuses_import 'nowhere.csv' cairn import csv --odometry nowhere.csv log.h5
+
+# A log with controls only: nothing to map.
+odometry "${good_rows[@]}" >odometry.csv
+exits 0 cairn import csv --odometry odometry.csv log.h5
+refuses 'observation' cairn run landmark_map log.h5 --out controls_only
+mv log.h5 controls_only.h5
+
+# Job files.
+simulate log.h5
+job() { printf '%s\n' "$@" >job.yaml; }
+job 'inputs: {log: nowhere.h5}' 'stages:' '  - {name: a, pipeline: landmark_map, log: log}'
+refuses "job.yaml:1: input 'log': there is no file 'nowhere.h5'" cairn run job.yaml
+job 'inputs: {log: log.h5}' 'stages:' '  - {name: a, pipeline: landmark_map, log: log, options: {ceil_m: 1}}'
+refuses "job.yaml:3: unknown option 'ceil_m'.*did you mean 'cell_m'" cairn run job.yaml
+job 'inputs: {log: log.h5}' 'stages:' '  - {name: a, pipeline: landmark_map, log: log, options: {cell_m: -1}}'
+refuses 'job.yaml:3: cell_m: .*allowed: a number from' cairn run job.yaml
+refuses 'unknown option' cairn run landmark_map log.h5 --set ceil_m=1
+refuses "no pipeline 'landmarkmap'" cairn run landmarkmap log.h5
+refuses "no file 'nowhere.h5'" cairn run landmark_map nowhere.h5
+refuses "no command 'rnu'.*did you mean 'run'" cairn rnu
+refuses 'wokers' cairn run landmark_map log.h5 --wokers 2
+
+# A grid beyond the memory allowed says how much it would need; a cell that fine says it before it tries.
+refuses 'GB|MB|memory' cairn run landmark_map log.h5 --set cell_m=0.01 --out fine
+[ ! -e fine/landmark_map.h5 ] || die "a run that was refused left a result"
+
+# Damaged files.
+head -c 3000 log.h5 >cut.h5
+refuses 'cut.h5' cairn run landmark_map cut.h5 --out cut
+refuses 'cut.h5' cairn inspect cut.h5
+printf 'no file of ours' >text.h5
+refuses 'text.h5' cairn inspect text.h5
+refuses 'text.h5' cairn diff text.h5 log.h5
+refuses 'text.h5' cairn evaluate text.h5 --truth log.h5
+refuses 'log.h5' cairn evaluate log.h5 --truth log.h5
+refuses 'out_of_nowhere' cairn report out_of_nowhere
+refuses 'there already' cairn simulate loop log.h5
+for folder in cut fine controls_only; do
+  [ ! -d "$folder" ] || ! find "$folder" -name '*.tmp' | grep -q . || die "a half-written file is left in $folder"
+done
+
+# Refused over a network without keys.
+refuses 'keys' cairn coordinator --store store --listen tcp://127.0.0.1:17171

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Ctrl-C stops in good order; two runs do not share a folder; a full disk pauses and leaves nothing half-written.
+source "$(dirname "$0")/common.sh"
+
+cairn simulate loop --difficulty base --robots 2 --seed 5 log.h5 >/dev/null
+cairn run landmark_map log.h5 --out stopped --workers 2 >stdout 2>stderr &
+run=$!
+until_true 20 pgrep -P "$run" -f cairn-worker >/dev/null
+refuses 'stopped' cairn run landmark_map log.h5 --out stopped --workers 2
+kill -INT "$run"
+code=0
+wait "$run" || code=$?
+[ "$code" -eq 130 ] || die "Ctrl-C gave exit code $code, not 130"
+exits 0 cairn run landmark_map log.h5 --out stopped --workers 2
+exits 0 cairn run landmark_map log.h5 --out whole --workers 2
+same_bits stopped whole
+
+# A disk of 200 kB: needs the right to mount.
+mkdir full
+mount -t tmpfs -o size=200k tmpfs full 2>/dev/null || exit 0
+code=0
+cairn run landmark_map log.h5 --out full/out --workers 2 >stdout 2>stderr || code=$?
+left=$(find full -name '*.tmp' | wc -l)
+[ ! -e full/out/landmark_map.h5 ] || cairn inspect full/out/landmark_map.h5 >/dev/null || left=1
+umount full
+[ "$code" -eq 1 ] || die "a full disk gave exit code $code, not 1"
+says 'space|full'
+[ "$left" -eq 0 ] || die "a half-written file is left on the full disk"

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# A coordinator, two workers and clients over ipc: submit, list, status, watch, results, cancel, a restart in between.
+source "$(dirname "$0")/common.sh"
+
+simulate log.h5
+printf '%s\n' 'name: tour' 'seed: 7' 'inputs: {log: log.h5}' 'stages:' \
+  '  - {name: landmark_map, pipeline: landmark_map, log: log}' >job.yaml
+exits 0 cairn run job.yaml --out here --workers 2
+
+serve() {
+  cairn coordinator >coordinator.log 2>&1 &
+  coordinator=$!
+}
+serve
+for _ in 1 2; do cairn worker >>worker.log 2>&1 & done
+
+exits 0 cairn submit job.yaml --json
+id=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
+[ -n "$id" ] || die "submit does not say the job's id"
+exits 0 cairn list
+says "$id"
+exits 0 cairn status "$id" --json
+says '"state"'
+
+# The coordinator is killed and started again; workers and the job go on.
+kill -9 "$coordinator"
+wait "$coordinator" 2>/dev/null || true
+serve
+exits 0 cairn watch "$id"
+exits 0 cairn status "$id"
+says 'done'
+exits 0 cairn results "$id" --out there
+same_bits here there
+
+# A second job is cancelled; one that is not there is named.
+exits 0 cairn submit job.yaml --set-name other --json
+second=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
+exits 0 cairn cancel "$second"
+exits 0 cairn resume "$second"
+exits 0 cairn watch "$second"
+refuses 'nobody' cairn status nobody
+kill -TERM "$coordinator"
+wait "$coordinator" || die "the coordinator did not end in good order"
