@@ -1,0 +1,41 @@
+// `cairn export`: what other tools read. Each function writes files into `folder` (made where missing), every
+// one whole or not at all, and returns their paths. They throw InputError where the blob lacks what is asked
+// for; a failed Status is the world's: no space, no right to write.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+using Written = Result<std::vector<std::string>>;
+
+// ROBOT.tum for each robot: "time x y z qx qy qz qw" a line, as TUM's tools and evo read it. Poses are the
+// most likely ones where the file has them, else the means; of a log, the true ones.
+Written ExportTum(const Blob& blob, const std::string& folder);
+
+// graph.g2o: VERTEX_SE2 for each pose (as for tum), VERTEX_XY for each landmark, EDGE_SE2 between successive
+// poses. A result keeps no covariance between poses, so an edge's information is the inverse of the mean of
+// its two poses' covariances, turned into the first pose's frame: cautious. With the log at hand (else null)
+// an EDGE_SE2_XY for each observation that is associated with a landmark, from the latest pose not after it;
+// its information is from the log's nominal noise (range 0.1 m, bearing 0.02 rad, press 0.5 m where it has
+// none).
+Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder);
+
+// map.pgm and map.yaml, as map_server of ROS reads them: occupied 0, free 254, unknown 205, by map_saver's
+// thresholds 0.65 and 0.196. Of a landmark map, occupied is where any landmark is.
+Written ExportRos(const Blob& result, const std::string& folder);
+
+// map.png: the map's grid in grey, paths in colours (a dot where they begin), landmarks with their 2 sigma
+// ellipses, a bar for scale.
+Written ExportPng(const Blob& result, const std::string& folder);
+
+// Of a log: odometry.csv, observations.csv, truth_poses.csv, truth_landmarks.csv, truth_associations.csv
+// (those that it has), from which `import csv` makes the same log, to the bit; nominal figures are not in
+// them. Of a result: poses.csv, landmarks.csv, associations.csv. Numbers have as many digits as it takes to
+// read them back.
+Written ExportCsv(const Blob& blob, const std::string& folder);
+
+}  // namespace cairn::datasets

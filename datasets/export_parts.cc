@@ -1,0 +1,127 @@
+#include "datasets/export_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+#include "schema/store/atomic_file.h"
+
+namespace cairn::datasets {
+namespace {
+
+std::string FileName(const std::string& robot, std::size_t index, std::set<std::string>* taken) {
+  std::string name = robot;
+  for (char& c : name) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
+  }
+  if (name.empty() || !taken->insert(name).second) taken->insert(name += "_" + std::to_string(index));
+  return name;
+}
+
+void ReadPath(const Blob& blob, const std::string& prefix, Path* path) {
+  const auto times = blob.Get<double>(prefix + "time_s");
+  path->time_s.assign(times.begin(), times.end());
+  const std::string mode = blob.Has(prefix + "mode_x_m") ? prefix + "mode_" : prefix;
+  const auto x = Column<double>(blob, mode + "x_m", times.size()),
+             y = Column<double>(blob, mode + "y_m", times.size());
+  const auto heading = Column<double>(blob, mode + "heading_rad", times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) path->poses.push_back({x[i], y[i], heading[i]});
+  if (!blob.Has(prefix + "covariance")) return;
+  const auto covariance = Column<double>(blob, prefix + "covariance", 9 * times.size());
+  path->covariances.assign(covariance.begin(), covariance.end());
+}
+
+std::vector<double> Probabilities(const Array& array) {
+  if (array.type() == DType::kF32) {
+    const auto values = array.As<float>();
+    return {values.begin(), values.end()};
+  }
+  const auto values = array.As<double>();
+  return {values.begin(), values.end()};
+}
+
+}  // namespace
+
+std::string NumberText(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+std::vector<Path> ReadPaths(const Blob& blob) {
+  std::vector<Path> paths;
+  std::set<std::string> taken;
+  const std::vector<std::string> robots = blob.Texts("robots");
+  for (std::size_t n = 0; n < robots.size(); ++n) {
+    const std::string prefix = "robot/" + std::to_string(n) + "/poses/";
+    const std::string found = blob.Has(prefix + "time_s") ? prefix : "truth/" + prefix;
+    if (!blob.Has(found + "time_s")) continue;
+    Path path{n, robots[n], FileName(robots[n], n, &taken), {}, {}, {}};
+    ReadPath(blob, found, &path);
+    paths.push_back(std::move(path));
+  }
+  if (paths.empty()) throw InputError("there are no poses in it");
+  return paths;
+}
+
+std::optional<Grid> ReadGrid(const Blob& blob) {
+  if (!blob.Has("map/grid/probability")) return std::nullopt;
+  const Array& array = blob.at("map/grid/probability");
+  const Shape& shape = array.shape();
+  if (shape.size() != 2 && shape.size() != 3)
+    throw InputError("'map/grid/probability' is no grid of 2 or 3 axes");
+  Grid grid{shape[shape.size() - 2],
+            shape.back(),
+            blob.Scalar<double>("map/grid/origin_x_m"),
+            blob.Scalar<double>("map/grid/origin_y_m"),
+            blob.Scalar<double>("map/grid/cell_m"),
+            {}};
+  const std::vector<double> layers = Probabilities(array);
+  const auto cells = static_cast<std::size_t>(grid.rows * grid.columns);
+  if (layers.empty()) throw InputError("'map/grid/probability' has no cells");
+  grid.probability.assign(layers.begin(), layers.begin() + static_cast<std::ptrdiff_t>(cells));
+  for (std::size_t i = cells; i < layers.size(); ++i) {
+    double& any = grid.probability[i % cells];
+    any = 1 - (1 - any) * (1 - layers[i]);
+  }
+  return grid;
+}
+
+std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob) {
+  std::vector<MapLandmark> landmarks;
+  if (!blob.Has("map/landmark_x_m")) return landmarks;
+  const auto x = blob.Get<double>("map/landmark_x_m"), y = Column<double>(blob, "map/landmark_y_m", x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) landmarks.push_back({{x[k], y[k]}});
+  if (!blob.Has("map/landmark_covariance_m2")) return landmarks;
+  const auto covariance = Column<double>(blob, "map/landmark_covariance_m2", 4 * x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    landmarks[k].var_xx_m2 = covariance[4 * k];
+    landmarks[k].var_xy_m2 = covariance[4 * k + 1];
+    landmarks[k].var_yy_m2 = covariance[4 * k + 3];
+  }
+  return landmarks;
+}
+
+FolderWriter::FolderWriter(const std::string& folder) : folder_(folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) status_ = SystemFailure(folder, "cannot make the folder", error.value());
+}
+
+void FolderWriter::Write(const std::string& name, std::string_view text) {
+  if (!status_.ok()) return;
+  const std::filesystem::path path = std::filesystem::path(folder_) / name;
+  status_ = WriteTextAtomically(path, text);
+  paths_.push_back(path.string());
+}
+
+Written FolderWriter::Finish() {
+  if (!status_.ok()) return status_;
+  return paths_;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,71 @@
+// What the exporters share.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/export.h"
+#include "datasets/planar.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// The shortest text that reads back as the same number, whatever the locale.
+std::string NumberText(double value);
+
+// A column of `length` elements; throws InputError where it is missing, of another type or another length.
+template <class T>
+std::span<const T> Column(const Blob& blob, const std::string& name, std::size_t length) {
+  const std::span<const T> column = blob.Get<T>(name);
+  if (column.size() != length) {
+    throw InputError("'" + name + "' has " + std::to_string(column.size()) + " rows where " +
+                     std::to_string(length) + " are needed");
+  }
+  return column;
+}
+
+// A robot's path, and where it has them the covariances of x, y, heading (9 numbers a pose).
+struct Path {
+  std::size_t index = 0;  // in `robots`
+  std::string robot;      // its name
+  std::string file;       // its name made fit for a file name, unlike the others'
+  std::vector<double> time_s;
+  std::vector<PoseM> poses;
+  std::vector<double> covariances;
+};
+
+// The most likely poses, else the means, else the true ones. Throws InputError where there are none, or where
+// columns are of different lengths.
+std::vector<Path> ReadPaths(const Blob& blob);
+
+// A grid of probabilities; row 0 is the lowest y. Layers of a landmark map are joined: P(any) = 1 - product
+// of 1 - p.
+struct Grid {
+  std::int64_t rows = 0, columns = 0;
+  double origin_x_m = 0, origin_y_m = 0, cell_m = 1;
+  std::vector<double> probability;
+};
+std::optional<Grid> ReadGrid(const Blob& blob);
+
+struct MapLandmark {
+  PointM at;
+  double var_xx_m2 = 0, var_xy_m2 = 0, var_yy_m2 = 0;
+};
+std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob);  // empty where there are none
+
+// Files that are written into a folder one after the other.
+class FolderWriter {
+ public:
+  explicit FolderWriter(const std::string& folder);
+  void Write(const std::string& name, std::string_view text);
+  Written Finish();  // the paths, or the first failure
+
+ private:
+  std::string folder_;
+  Status status_;
+  std::vector<std::string> paths_;
+};
+
+}  // namespace cairn::datasets
