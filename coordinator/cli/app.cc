@@ -24,7 +24,9 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddSimulate(app, call);
   AddImport(app, call);
   AddEvaluate(app, call);
+  AddExport(app, call);
   AddWorker(app, call);
+  AddJobCommands(app, call);
   AddKeys(app, call);
 }
 

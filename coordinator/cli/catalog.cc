@@ -39,7 +39,10 @@ PipelineSpec ToPipeline(const json& j) {
   pipeline.name = j.at("name").get<std::string>();
   pipeline.summary = j.value("summary", "");
   for (const json& input : j.at("inputs")) {
-    pipeline.inputs.push_back({input.at("name").get<std::string>(), input.at("optional").get<bool>()});
+    std::string name = input.get<std::string>();
+    const bool optional = name.ends_with('?');
+    if (optional) name.pop_back();
+    pipeline.inputs.push_back({name, optional});
   }
   for (const json& option : j.at("options")) pipeline.options.push_back(ToOption(option));
   return pipeline;

@@ -25,28 +25,53 @@ void Set(const std::string& setting, const PipelineSpec& pipeline, proto::Stage&
   }
 }
 
-}  // namespace
-
-ParsedJob MakeJob(const std::string& pipeline_name, const std::string& log,
-                  const std::vector<std::string>& settings, std::uint64_t seed, const Catalog& catalog) {
-  const PipelineSpec& pipeline = catalog.At(pipeline_name);
-  if (!std::filesystem::is_regular_file(log)) throw InputError("there is no file '" + log + "'");
+ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
+  const PipelineSpec& pipeline = catalog.At(arguments.what);
+  if (arguments.log.empty()) throw InputError("which log? " + arguments.what + " LOG.h5");
+  if (!std::filesystem::is_regular_file(arguments.log))
+    throw InputError("there is no file '" + arguments.log + "'");
   ParsedJob parsed;
-  parsed.job.set_name(pipeline_name);
-  parsed.job.set_seed(seed);
-  (*parsed.job.mutable_inputs())["log"] = log;
-  parsed.inputs["log"] = {log, log};
+  parsed.job.set_name(pipeline.name);
+  parsed.job.set_seed(arguments.seed);
+  (*parsed.job.mutable_inputs())["log"] = arguments.log;
+  parsed.inputs["log"] = {arguments.log, "the log"};
   proto::Stage& stage = *parsed.job.add_stages();
-  stage.set_name(pipeline_name);
-  stage.set_pipeline(pipeline_name);
+  stage.set_name(pipeline.name);
+  stage.set_pipeline(pipeline.name);
   for (const InputSpec& input : pipeline.inputs) {
     if (input.name == "log")
       (*stage.mutable_inputs())["log"] = "log";
     else if (!input.optional)
-      throw InputError(pipeline_name + " also needs '" + input.name + "': write a job file");
+      throw InputError(pipeline.name + " also needs '" + input.name + "': write a job file");
   }
-  for (const std::string& setting : settings) Set(setting, pipeline, stage);
+  for (const std::string& setting : arguments.settings) Set(setting, pipeline, stage);
   return parsed;
+}
+
+bool IsJobFile(const std::string& what) { return what.ends_with(".yaml") || what.ends_with(".yml"); }
+
+}  // namespace
+
+void AddJobArguments(CLI::App& command, JobArguments& arguments) {
+  command.add_option("JOB.yaml|PIPELINE", arguments.what, "A job file, or the name of a pipeline")
+      ->required();
+  command.add_option("LOG.h5", arguments.log, "The log, where a pipeline is named");
+  command.add_option("--set", arguments.settings, "An option of the pipeline, key=value; again for another")
+      ->type_size(1)
+      ->allow_extra_args(false);
+  command.add_option("--seed", arguments.seed, "Seed, where a pipeline is named")->capture_default_str();
+}
+
+ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog) {
+  if (!IsJobFile(arguments.what)) return MakeJob(arguments, catalog);
+  if (!arguments.log.empty()) {
+    throw InputError("a job file names its own logs; '" + arguments.log + "' is one too many");
+  }
+  if (!arguments.settings.empty() || arguments.seed != 0) {
+    throw InputError("--set and --seed are for a pipeline without a job file; write them into " +
+                     arguments.what);
+  }
+  return ReadJobFile(arguments.what, catalog);
 }
 
 }  // namespace cairn::cli

@@ -1,6 +1,7 @@
-// A job of one stage, as `cairn run PIPELINE LOG --set key=value …` says it.
+// What `cairn run` and `cairn submit` take to say what is to be done: a job file, or a pipeline and a log.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,9 +11,17 @@
 
 namespace cairn::cli {
 
-// The stage and the job have the pipeline's name. Throws InputError that names the argument and what is
-// allowed.
-ParsedJob MakeJob(const std::string& pipeline_name, const std::string& log,
-                  const std::vector<std::string>& settings, std::uint64_t seed, const Catalog& catalog);
+struct JobArguments {
+  std::string what;  // a job file (.yaml, .yml), or a pipeline
+  std::string log;
+  std::vector<std::string> settings;  // key=value
+  std::uint64_t seed = 0;
+};
+
+void AddJobArguments(CLI::App& command, JobArguments& arguments);
+
+// Reads the job file; or makes a job of one stage, both with the pipeline's name. Throws InputError that
+// names the argument, or file and line, and what is allowed.
+ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog);
 
 }  // namespace cairn::cli

@@ -15,14 +15,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kDescription[] = R"({"pipelines": [
-  {"name": "landmark_map", "summary": "landmarks", "inputs": [{"name": "log", "optional": false}], "options": [
+  {"name": "landmark_map", "summary": "landmarks", "inputs": ["log"], "options": [
     {"name": "cell_m", "type": "real", "unit": "m", "help": "edge", "low": 0.01, "high": 10, "default": 1},
     {"name": "iterations", "type": "integer", "unit": "", "help": "most", "low": 1, "high": 100, "default": 10},
     {"name": "blur", "type": "boolean", "unit": "", "help": "", "low": 0, "high": 0, "default": true},
     {"name": "mode", "type": "text", "unit": "", "help": "", "low": 0, "high": 0, "choices": ["local", "global"],
      "default": "local"}]},
-  {"name": "forward_map", "summary": "grids", "inputs": [
-    {"name": "log", "optional": false}, {"name": "poses", "optional": true}], "options": []}]})";
+  {"name": "forward_map", "summary": "grids", "inputs": ["log", "poses?"], "options": []}]})";
 
 // A folder with museum.h5 and the job file job.yaml of the text that a test gives it.
 class JobFile : public testing::Test {
@@ -205,8 +204,8 @@ TEST_F(JobFile, FlippingAnyLetterNeverCrashes) {
 
 TEST_F(JobFile, ArgumentsGiveTheSameOptionsAsAFile) {
   const std::string log = (folder_ / "museum.h5").string();
-  const ParsedJob parsed =
-      MakeJob("landmark_map", log, {"cell_m=0.25", "iterations=5", "blur=false", "mode=global"}, 7, catalog_);
+  const ParsedJob parsed = ResolveJob(
+      {"landmark_map", log, {"cell_m=0.25", "iterations=5", "blur=false", "mode=global"}, 7}, catalog_);
   const ParsedJob from_file = Read(kGood);
   ASSERT_EQ(parsed.job.stages_size(), 1);
   for (const auto& [key, value] : from_file.job.stages(0).options()) {
@@ -219,7 +218,7 @@ TEST_F(JobFile, BadArgumentsAreRefused) {
   const auto complaint = [&](const std::string& pipeline,
                              const std::vector<std::string>& settings) -> std::string {
     try {
-      MakeJob(pipeline, log, settings, 0, catalog_);
+      ResolveJob({pipeline, log, settings, 0}, catalog_);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -231,7 +230,7 @@ TEST_F(JobFile, BadArgumentsAreRefused) {
       complaint("landmark_map", {"cel_m=1"}).starts_with("--set cel_m=1: unknown option; did you mean"));
   EXPECT_TRUE(complaint("landmark_map", {"cell_m=1", "cell_m=2"}).ends_with("was given already"));
   EXPECT_TRUE(complaint("landmark_map", {"cell_m=99"}).starts_with("--set cell_m=99: '99' is not allowed"));
-  EXPECT_THROW(MakeJob("landmark_map", log + "x", {}, 0, catalog_), InputError);
+  EXPECT_THROW(ResolveJob({"landmark_map", log + "x", {}, 0}, catalog_), InputError);
 }
 
 }  // namespace

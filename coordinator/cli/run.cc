@@ -1,14 +1,11 @@
-#include <unistd.h>
-
+#include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <thread>
 
 #include "coordinator/cli/console.h"
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/job_arguments.h"
-#include "coordinator/cli/job_file.h"
 #include "coordinator/cli/job_inputs.h"
 #include "coordinator/cli/plan_text.h"
 #include "coordinator/cli/programs.h"
@@ -20,31 +17,13 @@ namespace cairn::cli {
 namespace {
 
 struct Options {
-  std::string what;  // a job file, or a pipeline
-  std::string log;
-  std::vector<std::string> settings;
-  std::uint64_t seed = 0;
+  JobArguments job;
   std::string out;
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   bool force = false;
   bool dry_run = false;
   bool json = false;
 };
-
-bool IsJobFile(const std::string& what) { return what.ends_with(".yaml") || what.ends_with(".yml"); }
-
-ParsedJob ResolveJob(const Options& options, const Catalog& catalog) {
-  if (!IsJobFile(options.what)) {
-    if (options.log.empty()) catalog.At(options.what);  // a mistyped pipeline is the first thing to say
-    if (options.log.empty()) throw InputError("which log? cairn run " + options.what + " LOG.h5 --out DIR");
-    return MakeJob(options.what, options.log, options.settings, options.seed, catalog);
-  }
-  if (!options.log.empty())
-    throw InputError("a job file names its own logs; '" + options.log + "' is one too many");
-  if (!options.settings.empty())
-    throw InputError("--set is for a run without a job file; write options into " + options.what);
-  return ReadJobFile(options.what, catalog);
-}
 
 int ExitCode(coordinator::EmbeddedEnd end) {
   using coordinator::EmbeddedEnd;
@@ -76,7 +55,7 @@ void Explain(const coordinator::EmbeddedResult& result, const std::string& out) 
 
 int Run(const Options& options, const Invocation& call) {
   const Catalog catalog = LoadCatalog();
-  ParsedJob parsed = ResolveJob(options, catalog);
+  ParsedJob parsed = ResolveJob(options.job, catalog);
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
   if (options.dry_run) {
     std::fputs(PlanText(parsed.job, inputs, catalog).c_str(), stdout);
@@ -99,7 +78,10 @@ int Run(const Options& options, const Invocation& call) {
     Explain(result, embedded.dir);
     return code;
   }
-  const RunSummary summary = Summarize(parsed, embedded.dir, result);
+  RunSummary summary = Summarize(parsed, embedded.dir, result.results);
+  if (result.end == coordinator::EmbeddedEnd::kAlreadyDone)
+    summary.note = "finished already; nothing was run";
+  if (result.resumed) summary.note = "resumed where it was";
   std::fputs(options.json ? summary.Json().c_str() : summary.Text().c_str(), stdout);
   return kExitDone;
 }
@@ -113,13 +95,7 @@ void AddRun(CLI::App& app, Invocation& call) {
       "cairn run job.yaml --out result\n  cairn run landmark_map log.h5 --set cell_m=0.5 --out result "
       "--workers 4",
       Run, &command);
-  command->add_option("JOB.yaml|PIPELINE", options->what, "A job file, or the name of a pipeline")
-      ->required();
-  command->add_option("LOG.h5", options->log, "The log, where a pipeline is named");
-  command->add_option("--set", options->settings, "An option of the pipeline, key=value; again for another")
-      ->type_size(1)
-      ->allow_extra_args(false);
-  command->add_option("--seed", options->seed, "Seed, where a pipeline is named")->capture_default_str();
+  AddJobArguments(*command, options->job);
   command->add_option("--out", options->out, "Folder of the results (the job's name)");
   command->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
       ->check(CLI::Range(1, 1024));

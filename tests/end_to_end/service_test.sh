@@ -32,8 +32,9 @@ says 'done'
 exits 0 cairn results "$id" --out there
 same_bits here there
 
-# A second job is cancelled; one that is not there is named.
-exits 0 cairn submit job.yaml --set-name other --json
+# A second job is cancelled and resumed; one that is not there is named.
+sed -i "s|seed: 7|seed: 8|" job.yaml
+exits 0 cairn submit job.yaml --json
 second=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
 exits 0 cairn cancel "$second"
 exits 0 cairn resume "$second"

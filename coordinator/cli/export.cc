@@ -1,0 +1,69 @@
+#include "datasets/export.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/result_file.h"
+
+namespace cairn::cli {
+namespace {
+
+struct Options {
+  std::string format;  // set by the subcommand
+  std::string from;
+  std::string folder;
+  std::string log;  // g2o only
+};
+
+// A file of any kind, or the landmark map of a folder.
+Blob ReadSource(const std::string& path) {
+  if (std::filesystem::is_regular_file(path)) return Take(ReadBlobFile(path)).blob;
+  return ReadResult(path, "landmark_map").blob;
+}
+
+datasets::Written Write(const Options& options, const Blob& blob) {
+  if (options.format == "tum") return datasets::ExportTum(blob, options.folder);
+  if (options.format == "ros") return datasets::ExportRos(blob, options.folder);
+  if (options.format == "png") return datasets::ExportPng(blob, options.folder);
+  if (options.format == "csv") return datasets::ExportCsv(blob, options.folder);
+  if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder);
+  const Blob log = ReadResult(options.log, "log").blob;
+  return datasets::ExportG2o(blob, &log, options.folder);
+}
+
+int Export(const Options& options, const Invocation&) {
+  for (const std::string& file : Take(Write(options, ReadSource(options.from))))
+    std::printf("%s\n", file.c_str());
+  return kExitDone;
+}
+
+void AddFormat(CLI::App& parent, Invocation& call, const char* format, const char* help) {
+  CLI::App* command = nullptr;
+  const std::string example = "cairn export " + std::string(format) + " result exported";
+  const auto options = AddCommand<Options>(parent, call, format, help, example.c_str(), Export, &command);
+  options->format = format;
+  command->add_option("RESULT", options->from, "A result file, or the folder given as --out")->required();
+  command->add_option("FOLDER", options->folder, "Where to write; made where it is missing")->required();
+  if (options->format == "g2o") {
+    command->add_option("--log", options->log,
+                        "The log that the result was made from: adds its observations");
+  }
+}
+
+}  // namespace
+
+void AddExport(CLI::App& app, Invocation& call) {
+  CLI::App* parent = app.add_subcommand("export", "Writes maps and trajectories for other tools");
+  parent->require_subcommand(1);
+  parent->footer("Example:\n  cairn export tum result exported");
+  AddFormat(*parent, call, "tum", "Trajectories, a file a robot, as TUM's tools and evo read them");
+  AddFormat(*parent, call, "g2o", "Poses, landmarks and their edges as a graph");
+  AddFormat(*parent, call, "ros", "The map as map_server of ROS reads it: PGM and YAML");
+  AddFormat(*parent, call, "png", "The map as a picture");
+  AddFormat(*parent, call, "csv",
+            "Tables: of a log those that `import csv` reads, of a result poses and landmarks");
+}
+
+}  // namespace cairn::cli

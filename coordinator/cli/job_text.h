@@ -1,0 +1,26 @@
+// Jobs of a service, for people and for programs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schema/wire.pb.h"
+
+namespace cairn::cli {
+
+// A table, a line a job.
+std::string JobTable(const std::vector<wire::JobInfo>& jobs);
+
+// All that is known of one, a line each.
+std::string JobText(const wire::JobInfo& job);
+
+std::string JobJson(const wire::JobInfo& job);
+std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers);
+
+// Nothing more will happen to it by itself.
+bool IsOver(const wire::JobInfo& job);
+
+// Of a job that is over: 0 done, 2 its input was bad, else 1.
+int ExitCodeOf(const wire::JobInfo& job);
+
+}  // namespace cairn::cli

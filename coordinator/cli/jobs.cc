@@ -1,0 +1,180 @@
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "coordinator/cli/client_arguments.h"
+#include "coordinator/cli/console.h"
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/job_arguments.h"
+#include "coordinator/cli/job_inputs.h"
+#include "coordinator/cli/job_text.h"
+#include "coordinator/cli/programs.h"
+#include "coordinator/cli/stop_signal.h"
+#include "schema/store/blob_file.h"
+#include "schema/store/result_kind.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  ClientArguments client;
+  JobArguments arguments;  // submit
+  std::string job;         // the others
+  std::string out;         // results
+  bool json = false;
+};
+
+void Print(const wire::JobInfo& info, bool json) {
+  std::fputs((json ? JobJson(info) : JobText(info)).c_str(), stdout);
+}
+
+int Submit(const Options& options, const Invocation&) {
+  ParsedJob parsed = ResolveJob(options.arguments, LoadCatalog());
+  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
+  coordinator::Client client = ConnectClient(options.client);
+  const wire::JobInfo info = Take(client.Submit(parsed.job, inputs));
+  if (options.json)
+    Print(info, true);
+  else
+    std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
+  return kExitDone;
+}
+
+int List(const Options& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  const coordinator::JobList list = Take(client.List());
+  if (options.json) {
+    std::fputs(JobsJson(list.jobs, list.workers).c_str(), stdout);
+  } else {
+    std::printf("%s%u workers\n", JobTable(list.jobs).c_str(), list.workers);
+  }
+  return kExitDone;
+}
+
+int Status(const Options& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  Print(Take(client.Info(options.job)), options.json);
+  return kExitDone;
+}
+
+int Cancel(const Options& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  Print(Take(client.Cancel(options.job)), options.json);
+  return kExitDone;
+}
+
+int Resume(const Options& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  Print(Take(client.Resume(options.job)), options.json);
+  return kExitDone;
+}
+
+// The one job that is not over, where none is named.
+std::string OnlyJob(coordinator::Client& client) {
+  std::vector<std::string> running;
+  for (const wire::JobInfo& job : Take(client.List()).jobs) {
+    if (!IsOver(job)) running.push_back(job.id());
+  }
+  if (running.empty()) throw InputError("no job is running");
+  if (running.size() > 1) throw InputError("several jobs are running; which one? cairn list names them");
+  return running[0];
+}
+
+int Watch(const Options& options, const Invocation& call) {
+  coordinator::Client client = ConnectClient(options.client);
+  const std::string job = options.job.empty() ? OnlyJob(client) : options.job;
+  const std::atomic<bool>& stop = StopOnSignals();
+  Console console(call);
+  std::string last_reason;
+  while (!stop) {
+    const Result<wire::JobInfo> answer = client.Info(job);
+    // A coordinator that is started again answers soon.
+    if (!answer.ok() && answer.status().code() == Code::kIo) {
+      console.Log(Console::Level::kWarning, answer.status().message());
+      continue;
+    }
+    const wire::JobInfo info = Take(answer);
+    if (IsOver(info)) {
+      console.Clear();
+      Print(info, options.json);
+      return ExitCodeOf(info);
+    }
+    if (info.reason() != last_reason && !info.reason().empty()) {
+      console.Log(Console::Level::kWarning, info.state() + ": " + info.reason());
+    }
+    last_reason = info.reason();
+    console.Progress(info);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+  return kExitStopped;
+}
+
+int Results(const Options& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  const std::map<std::string, BlobPtr> results = Take(client.Results(options.job));
+  if (results.empty()) throw InputError("job " + options.job + " has no results yet");
+  const fs::path folder = options.out.empty() ? options.job : options.out;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw WorldError("cannot make the folder '" + folder.string() + "': " + error.message());
+  for (const auto& [stage, blob] : results) {
+    const std::string file = (folder / (stage + ".h5")).string();
+    Check(WriteBlobFile(file, ResultKind(*blob), *blob));
+    std::printf("%s\n", file.c_str());
+  }
+  return kExitDone;
+}
+
+std::shared_ptr<Options> AddClientCommand(CLI::App& app, Invocation& call, const char* name,
+                                          const char* summary, const char* example,
+                                          int (*run)(const Options&, const Invocation&), CLI::App** command) {
+  auto options = AddCommand<Options>(app, call, name, summary, example, run, command);
+  AddClientArguments(**command, options->client);
+  return options;
+}
+
+}  // namespace
+
+void AddJobCommands(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  auto options = AddClientCommand(app, call, "submit", "Hands a job and its inputs to a coordinator",
+                                  "cairn submit job.yaml", Submit, &command);
+  AddJobArguments(*command, options->arguments);
+  command->add_flag("--json", options->json, "As JSON");
+
+  options =
+      AddClientCommand(app, call, "list", "All jobs of a coordinator", "cairn list --json", List, &command);
+  command->add_flag("--json", options->json, "As JSON");
+
+  struct OfOneJob {
+    const char* name;
+    const char* summary;
+    const char* example;
+    int (*run)(const Options&, const Invocation&);
+  };
+  for (const OfOneJob& one :
+       {OfOneJob{"status", "How a job stands", "cairn status museum-1 --json", Status},
+        OfOneJob{"cancel", "Ends a job; its last checkpoint stays", "cairn cancel museum-1", Cancel},
+        OfOneJob{"resume", "Goes on with a paused, cancelled or failed job", "cairn resume museum-1",
+                 Resume}}) {
+    options = AddClientCommand(app, call, one.name, one.summary, one.example, one.run, &command);
+    command->add_option("JOB", options->job, "Its id, as submit and list say it")->required();
+    command->add_flag("--json", options->json, "As JSON");
+  }
+
+  options = AddClientCommand(app, call, "watch", "Follows a job to its end, and ends as it does",
+                             "cairn watch museum-1", Watch, &command);
+  command->add_option("JOB", options->job, "Its id (the one that is running)");
+  command->add_flag("--json", options->json, "How it ended, as JSON");
+
+  options = AddClientCommand(app, call, "results", "Fetches the results of a job, a file a stage",
+                             "cairn results museum-1 --out museum", Results, &command);
+  command->add_option("JOB", options->job, "Its id")->required();
+  command->add_option("--out", options->out, "Folder to write to (the job's id)");
+}
+
+}  // namespace cairn::cli

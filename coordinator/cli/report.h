@@ -1,0 +1,18 @@
+// The page and the picture of a landmark map.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "datasets/evaluate/evaluate.h"
+#include "schema/blob.h"
+
+namespace cairn::cli {
+
+// True where a log has ground truth to score against.
+bool HasTruth(const Blob& log);
+
+// Replaces `path` by the page. `log` may be null; where it has truth the page shows it.
+void WriteReport(const std::string& path, const std::string& title, const Blob& result, const Blob* log);
+
+}  // namespace cairn::cli

@@ -1,0 +1,12 @@
+#include "schema/store/result_kind.h"
+
+namespace cairn {
+
+std::string ResultKind(const Blob& result) {
+  if (result.Has("map/landmark_x_m")) return "landmark_map";
+  if (result.Has("map/grid/probability")) return "grid_map";
+  if (result.Has("robot/0/poses/time_s")) return "poses";
+  return "result";
+}
+
+}  // namespace cairn

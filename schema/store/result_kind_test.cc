@@ -1,0 +1,20 @@
+#include "schema/store/result_kind.h"
+
+#include <gtest/gtest.h>
+
+namespace cairn {
+namespace {
+
+TEST(ResultKind, GoesByTheArraysThatAKindMustHave) {
+  Blob blob;
+  EXPECT_EQ(ResultKind(blob), "result");
+  blob.PutVector<double>("robot/0/poses/time_s", {0});
+  EXPECT_EQ(ResultKind(blob), "poses");
+  blob.PutVector<double>("map/grid/probability", {0});
+  EXPECT_EQ(ResultKind(blob), "grid_map");
+  blob.PutVector<double>("map/landmark_x_m", {});
+  EXPECT_EQ(ResultKind(blob), "landmark_map");
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,35 @@
+// What the conformance suite runs over: every registered pipeline, and the toy, each with small inputs of its
+// own.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipelines/pipeline.h"
+#include "pipelines/registry.h"
+#include "schema/job.pb.h"
+
+namespace cairn::conformance {
+
+using InputMap = std::map<std::string, BlobPtr>;
+
+struct Case {
+  std::string pipeline;
+  proto::Stage stage;  // with options that cut the fixture into several rounds of several tasks
+  std::uint64_t seed = 7;
+  InputMap inputs;
+};
+
+// A registered pipeline without a fixture has no inputs here, and fails the first test of the suite.
+std::vector<Case> AllCases();
+
+// MakePipeline of the registry, and the toy.
+std::unique_ptr<const Pipeline> Make(const proto::Stage& stage, std::uint64_t seed);
+// What --describe of the suite's worker says.
+std::vector<PipelineInfo> ListAll();
+
+// The names under which a job finds a case's inputs: each is called what the pipeline calls it.
+proto::Job JobOf(const Case& c);
+
+}  // namespace cairn::conformance

@@ -1,0 +1,117 @@
+// What every pipeline promises, whatever its method. A new one gets a branch in AddFixture (cases.cc), and
+// nothing here.
+#include <gtest/gtest.h>
+
+#include "pipelines/in_process.h"
+#include "schema/numerics.h"
+#include "schema/rng.h"
+#include "tests/conformance/replay.h"
+
+namespace cairn::conformance {
+namespace {
+
+class Conformance : public ::testing::TestWithParam<Case> {
+ protected:
+  static void SetUpTestSuite() {
+    FixNumericsOfProcess();
+    FixNumericsOfThread();
+  }
+  // The undisturbed run, computed once a pipeline.
+  const Trace& Undisturbed() const {
+    static std::map<std::string, Trace> traces;
+    const auto it = traces.find(GetParam().pipeline);
+    if (it != traces.end()) return it->second;
+    return traces[GetParam().pipeline] = Replay(GetParam(), GetParam().inputs);
+  }
+  void ExpectSame(const Trace& other) const {
+    ASSERT_EQ(other.plans.size(), Undisturbed().plans.size());
+    for (std::size_t i = 0; i < other.plans.size(); ++i) {
+      EXPECT_EQ(other.plans[i], Undisturbed().plans[i]) << "step " << i;
+    }
+    EXPECT_EQ(other.partials, Undisturbed().partials);
+    EXPECT_EQ(other.result->ContentHash(), Undisturbed().result->ContentHash());
+  }
+};
+
+TEST_P(Conformance, TheFixtureHasSeveralRoundsOfSeveralTasks) {
+  ASSERT_FALSE(GetParam().inputs.empty())
+      << "add a fixture for " << GetParam().pipeline << " to AddFixture in cases.cc";
+  ASSERT_GE(Undisturbed().moments.size(), 3u);
+  std::size_t most = 0;
+  for (const auto& partials : Undisturbed().partials) most = std::max(most, partials.size());
+  EXPECT_GE(most, 3u);
+  EXPECT_FALSE(Undisturbed().result->fields().empty());
+}
+
+TEST_P(Conformance, StartAndAdvanceAreDeterministic) { ExpectSame(Replay(GetParam(), GetParam().inputs)); }
+
+TEST_P(Conformance, TheReplayEqualsTheInProcessRunner) {
+  const auto pipeline = Make(GetParam().stage, GetParam().seed);
+  const BlobPtr result = RunInProcess(*pipeline, GetParam().inputs);
+  EXPECT_EQ(result->ContentHash(), Undisturbed().result->ContentHash());
+}
+
+TEST_P(Conformance, RunIsPure) {
+  ExpectSame(Replay(GetParam(), GetParam().inputs, {.pick = {}, .times = 2}));
+}
+
+TEST_P(Conformance, TheOrderOfTasksChangesNothing) {
+  ExpectSame(Replay(GetParam(), GetParam().inputs, {.pick = [](std::size_t n) { return n - 1; }}));
+  Rng rng(3);
+  ExpectSame(Replay(GetParam(), GetParam().inputs, {.pick = [&rng](std::size_t n) { return rng.Below(n); }}));
+}
+
+TEST_P(Conformance, ResumedAtAnyStepEqualsUndisturbed) {
+  const Trace& whole = Undisturbed();
+  for (std::size_t k = 0; k < whole.moments.size(); ++k) {
+    const Trace rest = ReplayFrom(GetParam(), CopyElsewhere(GetParam().inputs), whole.moments[k]);
+    const auto from = static_cast<std::ptrdiff_t>(k);
+    EXPECT_EQ(rest.plans, (std::vector(whole.plans.begin() + from, whole.plans.end())))
+        << "resumed at step " << k;
+    EXPECT_EQ(rest.result->ContentHash(), whole.result->ContentHash()) << "resumed at step " << k;
+  }
+}
+
+TEST_P(Conformance, ACheckpointNeedsOnlyTheBlobsThatItsStepNames) {
+  for (Moment moment : Undisturbed().moments) {
+    Store named;
+    const auto keep = [&](const std::string& hash) { named[hash] = moment.store.at(hash); };
+    for (const auto& [name, hash] : moment.plan.state().blobs()) keep(hash);
+    for (const Task& task : moment.plan.tasks()) {
+      for (const proto::InputRef& ref : task.inputs()) {
+        if (ref.has_blob()) keep(ref.blob());
+      }
+    }
+    if (!moment.plan.result().empty()) keep(moment.plan.result());
+    moment.store = std::move(named);
+    const Trace rest = ReplayFrom(GetParam(), GetParam().inputs, moment);
+    EXPECT_EQ(rest.result->ContentHash(), Undisturbed().result->ContentHash());
+  }
+}
+
+TEST_P(Conformance, TheTruthInTheLogChangesNothing) {
+  InputMap stripped;
+  bool had_truth = false;
+  for (const auto& [name, blob] : GetParam().inputs) {
+    const auto without = std::make_shared<const Blob>(blob->Without("truth/"));
+    had_truth |= without->fields().size() < blob->fields().size();
+    stripped[name] = without;
+  }
+  ASSERT_TRUE(had_truth) << "a fixture without truth shows nothing";
+  const Trace trace = Replay(GetParam(), stripped);
+  EXPECT_EQ(trace.partials, Undisturbed().partials);
+  EXPECT_EQ(trace.result->ContentHash(), Undisturbed().result->ContentHash());
+}
+
+TEST_P(Conformance, WhereTheInputLiesInMemoryChangesNothing) {
+  const InputMap first = CopyElsewhere(GetParam().inputs);
+  const InputMap second = CopyElsewhere(GetParam().inputs);  // both live: other addresses
+  ExpectSame(Replay(GetParam(), first));
+  ExpectSame(Replay(GetParam(), second));
+}
+
+INSTANTIATE_TEST_SUITE_P(AllPipelines, Conformance, ::testing::ValuesIn(AllCases()),
+                         [](const auto& instance) { return instance.param.pipeline; });
+
+}  // namespace
+}  // namespace cairn::conformance

@@ -1,0 +1,142 @@
+#include "tests/conformance/replay.h"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <gtest/gtest.h>
+
+namespace cairn::conformance {
+namespace {
+
+class MapInputs : public Inputs {
+ public:
+  InputMap blobs;
+  bool Has(const std::string& name) const override { return blobs.contains(name); }
+  BlobPtr Get(const std::string& name) const override {
+    const auto it = blobs.find(name);
+    if (it == blobs.end()) throw InputError("there is no input '" + name + "'");
+    return it->second;
+  }
+};
+
+class VectorPartials : public Partials {
+ public:
+  std::vector<BlobPtr> blobs;
+  std::size_t size() const override { return blobs.size(); }
+  BlobPtr Get(std::size_t index) override { return blobs.at(index); }
+};
+
+class NoProgress : public Progress {
+ public:
+  void Tick() override {}
+};
+
+std::string Canonical(const proto::Step& step) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    step.SerializeToCodedStream(&coded);
+  }
+  return bytes;
+}
+
+BlobPtr InputOf(const proto::InputRef& ref, const Store& store, const std::vector<BlobPtr>& partials) {
+  const BlobPtr whole = ref.has_task() ? partials.at(ref.task()) : store.at(ref.blob());
+  if (ref.row_count() == 0) return CopyElsewhere(whole);
+  Blob rows;
+  for (const auto& [name, array] : whole->fields()) {
+    rows.Put(name, array.Rows(ref.first_row(), ref.row_count()));
+  }
+  return std::make_shared<const Blob>(std::move(rows));
+}
+
+// A round's tasks in the order that `policy` picks. Each is computed by a pipeline made anew.
+std::vector<BlobPtr> RunRound(const Case& c, const Moment& moment, const Policy& policy) {
+  NoProgress progress;
+  std::vector<BlobPtr> partials(static_cast<std::size_t>(moment.plan.tasks_size()));
+  const auto ready = [&](const Task& task) {
+    for (const proto::InputRef& ref : task.inputs()) {
+      if (ref.has_task() && partials.at(ref.task()) == nullptr) return false;
+    }
+    return partials.at(task.index()) == nullptr;
+  };
+  for (std::size_t done = 0; done < partials.size(); ++done) {
+    std::vector<const Task*> choice;
+    for (const Task& task : moment.plan.tasks()) {
+      if (ready(task)) choice.push_back(&task);
+    }
+    const Task& task = *choice.at(policy.pick ? policy.pick(choice.size()) : 0);
+    for (int i = 0; i < policy.times; ++i) {
+      MapInputs inputs;
+      for (const proto::InputRef& ref : task.inputs()) {
+        inputs.blobs[ref.name()] = InputOf(ref, moment.store, partials);
+      }
+      const auto pipeline = Make(c.stage, c.seed);
+      const auto partial = std::make_shared<const Blob>(pipeline->Run(task, inputs, progress));
+      if (i == 0) partials.at(task.index()) = partial;
+      EXPECT_EQ(partial->ContentHash(), partials.at(task.index())->ContentHash())
+          << "task " << task.kind() << " " << task.index() << " gives other bytes the second time";
+    }
+  }
+  return partials;
+}
+
+// Everything as if it had been written out and read back.
+Moment MomentOf(const Step& step, Store store) {
+  Moment moment;
+  EXPECT_TRUE(moment.plan.ParseFromString(step.plan.SerializeAsString()));
+  moment.store = std::move(store);
+  for (const BlobPtr& blob : step.blobs) moment.store[blob->ContentHash().Binary()] = CopyElsewhere(blob);
+  return moment;
+}
+
+Trace Continue(const Case& c, const InputMap& inputs, Moment moment, const Policy& policy) {
+  Trace trace;
+  while (true) {
+    trace.plans.push_back(Canonical(moment.plan));
+    trace.moments.push_back(moment);
+    if (!moment.plan.result().empty()) {
+      trace.result = moment.store.at(moment.plan.result());
+      return trace;
+    }
+    VectorPartials partials;
+    partials.blobs = RunRound(c, moment, policy);
+    std::vector<Hash>& hashes = trace.partials.emplace_back();
+    for (const BlobPtr& partial : partials.blobs) hashes.push_back(partial->ContentHash());
+    MapInputs round_inputs;
+    round_inputs.blobs = inputs;
+    for (const auto& [name, hash] : moment.plan.state().blobs())
+      round_inputs.blobs[name] = moment.store.at(hash);
+    const auto pipeline = Make(c.stage, c.seed);
+    moment = MomentOf(pipeline->Advance(moment.plan.state(), partials, round_inputs), moment.store);
+  }
+}
+
+}  // namespace
+
+Trace Replay(const Case& c, const InputMap& inputs, const Policy& policy) {
+  MapInputs stage_inputs;
+  stage_inputs.blobs = inputs;
+  return Continue(c, inputs, MomentOf(Make(c.stage, c.seed)->Start(stage_inputs), {}), policy);
+}
+
+Trace ReplayFrom(const Case& c, const InputMap& inputs, const Moment& moment, const Policy& policy) {
+  return Continue(c, inputs, moment, policy);
+}
+
+BlobPtr CopyElsewhere(const BlobPtr& blob) {
+  Blob copy;
+  for (const auto& [name, array] : blob->fields()) {
+    copy.Put(name, Array::FromBytes(array.type(), array.item_bytes(), array.shape(), array.bytes()).value());
+  }
+  return std::make_shared<const Blob>(std::move(copy));
+}
+
+InputMap CopyElsewhere(const InputMap& inputs) {
+  InputMap copies;
+  for (const auto& [name, blob] : inputs) copies[name] = CopyElsewhere(blob);
+  return copies;
+}
+
+}  // namespace cairn::conformance
