@@ -14,6 +14,7 @@ set(CAIRN_LINKS_coordinator
   "schema(/.*)?|coordinator(/(core|sim|shell))?|spdlog::.*|SQLite::.*|nlohmann_json::.*|Threads::Threads")
 set(CAIRN_LINKS_coordinator_cli
   "${CAIRN_LINKS_coordinator}|coordinator/.*|datasets(/.*)?|CLI11::.*|yaml-cpp(::.*)?")
+set(CAIRN_LINKS_tests ".*")
 
 set(CAIRN_LINKS_tests ".*")
 

@@ -28,16 +28,17 @@ void Core::On(const TaskDone& event) {
   Job* job = FindById(key.job());
   if (job == nullptr || job->Ended()) return;
   if (key.kind() == wire::TaskKey::RUN)
-    AcceptPartial(*job, key, event, *worker);
+    AcceptPartial(*job, event, *worker, had_it);
   else
-    AcceptPlan(*job, key, event, *worker);
+    AcceptPlan(*job, event, *worker, had_it);
   if (had_it && was_first && key.kind() == wire::TaskKey::RUN && JobOf(key) == job)
     job->task_seconds.insert(
         std::upper_bound(job->task_seconds.begin(), job->task_seconds.end(), now_s_ - head_s),
         now_s_ - head_s);
 }
 
-void Core::AcceptPartial(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker) {
+void Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
+  const wire::TaskKey& key = event.done.key();
   if (!job.step || key.stage() != job.stage || key.round() != job.round || key.task() >= job.partials.size())
     return;
   const Hash partial = BinaryHash(event.done.partial());
@@ -45,13 +46,12 @@ void Core::AcceptPartial(Job& job, const wire::TaskKey& key, const TaskDone& eve
   if (!known.empty()) return CompareSecond(job, key, known, partial, worker);
   const bool came = std::find(event.blobs.begin(), event.blobs.end(), partial) != event.blobs.end();
   if (partial.empty() || !(came || ledger_.Held(partial))) {
-    if (job.tasks.Withdraw(key.task(), key.attempt()))
+    if (had_it && job.tasks.Withdraw(key.task(), key.attempt()))
       FailAttempt(job, key.task(), "its answer came without its blob");
     return;
   }
   Count(job, event.done, worker);
-  for (const std::uint32_t other : std::vector(job.tasks.task(key.task()).live_attempts))
-    if (other != key.attempt()) Withdraw(job, key.task(), other);
+  WithdrawOthers(job, key.task());
   known = partial;
   ledger_.Add(job.holds.partials, partial);
   worker.has.insert(partial);
@@ -59,7 +59,8 @@ void Core::AcceptPartial(Job& job, const wire::TaskKey& key, const TaskDone& eve
   if (job.tasks.AllDone()) job.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
 }
 
-void Core::AcceptPlan(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker) {
+void Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
+  const wire::TaskKey& key = event.done.key();
   const proto::Step& step = event.done.step();
   const Hash hash = HashOfStep(step);
   if (job.last_plan.kind() == key.kind() && job.last_plan.job() == key.job() && SameTask(job.last_plan, key))
@@ -73,12 +74,11 @@ void Core::AcceptPlan(Job& job, const wire::TaskKey& key, const TaskDone& event,
       if (!ledger_.Held(blob) && std::find(event.blobs.begin(), event.blobs.end(), blob) == event.blobs.end())
         wrong = "its plan names the blob " + blob.Hex() + " that nobody has";
   if (!wrong.empty()) {
-    if (job.tasks.Withdraw(0, key.attempt())) FailAttempt(job, 0, wrong);
+    if (had_it && job.tasks.Withdraw(0, key.attempt())) FailAttempt(job, 0, wrong);
     return;
   }
   Count(job, event.done, worker);
-  for (const std::uint32_t other : std::vector(job.tasks.task(0).live_attempts))
-    if (other != key.attempt()) Withdraw(job, 0, other);
+  WithdrawOthers(job, 0);
   for (const Hash& blob : event.blobs) worker.has.insert(blob);
   job.last_plan = key;
   job.last_plan_hash = hash;
@@ -152,7 +152,8 @@ void Core::On(const TaskFailed& event) {
   const wire::TaskKey& key = event.failed.key();
   worker->hung = false;
   worker->moved_s = now_s_;
-  worker->Take(key, now_s_);
+  // Numbers of attempts begin again after a restart: only what this worker was given here counts.
+  if (!worker->Take(key, now_s_)) return;
   Job* job = JobOf(key);
   if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return;
   if (event.failed.input_error())

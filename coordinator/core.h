@@ -77,8 +77,8 @@ class Core {
   void GiveUpHung(Worker& worker);
 
   // answers.cc
-  void AcceptPartial(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker);
-  void AcceptPlan(Job& job, const wire::TaskKey& key, const TaskDone& event, Worker& worker);
+  void AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it);
+  void AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
                      const Worker& worker);
   void Count(Job& job, const wire::Done& done, const Worker& worker);
@@ -92,6 +92,7 @@ class Core {
   Job* NextJob();
   void Assign(Job& job, std::uint32_t task, Worker& worker);
   void Withdraw(Job& job, std::uint32_t task, std::uint32_t attempt);  // from whoever has it, with a Cancel
+  void WithdrawOthers(Job& job, std::uint32_t task);  // all attempts that are still under way
   void WithdrawAll(Job& job);
   bool MoveQueuedTo(Worker& idle);
   bool CopyStragglerTo(Worker& idle);

@@ -111,6 +111,23 @@ TEST(CoreWorkers, ALateAnswerOfAWithdrawnAttemptCountsBecauseTasksArePure) {
   EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
 }
 
+TEST(CoreWorkers, AnAnswerFromBeforeARestartCallsBackAnAttemptOfTheSameNumber) {
+  Bench bench;
+  Begin(bench, 2);
+  const auto task = bench.Next();
+  bench.Join("x");
+  const auto other = bench.Next();
+  Bench::Assigned from_before = task;  // x was given attempt 1 of task 0 by the coordinator that died
+  from_before.peer = "x";
+  bench.Fail(from_before, "not an attempt of ours");
+  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+  bench.AnswerRun(from_before, H(10));
+  const auto cancels = bench.Sent(&Envelope::has_cancel);
+  ASSERT_EQ(cancels.size(), 1u);
+  EXPECT_EQ(cancels[0].peer, "w");
+  EXPECT_TRUE(bench.core.fleet().workers().begin()->second.in_hand.empty());
+}
+
 TEST(CoreWorkers, OnlyTheRunningTaskIsBlamedForADeadWorker) {
   Bench bench;
   Begin(bench, 2, 2);

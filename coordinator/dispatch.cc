@@ -52,10 +52,13 @@ void Core::Withdraw(Job& job, std::uint32_t task, std::uint32_t attempt) {
   }
 }
 
+void Core::WithdrawOthers(Job& job, std::uint32_t task) {
+  for (const std::uint32_t attempt : std::vector(job.tasks.task(task).live_attempts))
+    Withdraw(job, task, attempt);
+}
+
 void Core::WithdrawAll(Job& job) {
-  for (std::uint32_t task = 0; task < job.tasks.size(); ++task)
-    for (const std::uint32_t attempt : std::vector(job.tasks.task(task).live_attempts))
-      Withdraw(job, task, attempt);
+  for (std::uint32_t task = 0; task < job.tasks.size(); ++task) WithdrawOthers(job, task);
 }
 
 Job* Core::JobOf(const wire::TaskKey& key) {

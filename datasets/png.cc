@@ -35,8 +35,9 @@ std::string Deflated(const std::string& data) {
 
 }  // namespace
 
-std::string EncodePng(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> pixels) {
-  const std::size_t row = std::size_t{3} * width;
+std::string EncodePng(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> pixels,
+                      PngColour colour) {
+  const std::size_t row = static_cast<std::size_t>(colour) * width;
   CAIRN_DEMAND(width > 0 && height > 0 && pixels.size() == row * height, "pixels do not fill the picture");
   std::string lines;
   lines.reserve((row + 1) * height);
@@ -44,8 +45,9 @@ std::string EncodePng(std::uint32_t width, std::uint32_t height, std::span<const
     lines += '\0';  // filter type: none
     lines.append(reinterpret_cast<const char*>(pixels.data()) + y * row, row);
   }
-  // 8 bits, RGB, the only compression and filter methods, not interlaced.
-  const std::string header = BigEndian(width) + BigEndian(height) + std::string("\x08\x02\0\0\0", 5);
+  // 8 bits, RGB or RGBA, the only compression and filter methods, not interlaced.
+  const char type = colour == PngColour::kRgb ? '\x02' : '\x06';
+  const std::string header = BigEndian(width) + BigEndian(height) + '\x08' + type + std::string(3, '\0');
   return "\x89PNG\r\n\x1a\n" + Chunk("IHDR", header) + Chunk("IDAT", Deflated(lines)) + Chunk("IEND", "");
 }
 

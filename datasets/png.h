@@ -7,8 +7,11 @@
 
 namespace cairn::datasets {
 
-// The bytes of a PNG file of 8-bit RGB pixels, row-major from the top. pixels: 3 * width * height. `width`
-// and `height` are at least 1.
-std::string EncodePng(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> pixels);
+enum class PngColour : std::uint8_t { kRgb = 3, kRgba = 4 };  // channels of a pixel
+
+// The bytes of a PNG file of 8-bit pixels, row-major from the top, channels together. pixels: channels *
+// width * height. `width` and `height` are at least 1.
+std::string EncodePng(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> pixels,
+                      PngColour colour = PngColour::kRgb);
 
 }  // namespace cairn::datasets

@@ -102,15 +102,12 @@ class Evaluator {
     if (!positions.empty()) {
       out_.aligned_on = "poses";
       out_.alignment = FitRigid(positions);
-      scaled_ = FitSimilarity(positions);
     } else if (!extracted_.empty() && !true_.empty()) {
       out_.aligned_on = "landmarks";
       out_.alignment = AlignOnLandmarks();
-      scaled_ = FitSimilarity(PairUp(extracted_, true_, Match().pairs));
     } else {
       out_.aligned_on = "nothing";
     }
-    out_.scale = scaled_.scale;
   }
 
   Similarity AlignOnLandmarks() const {
@@ -179,7 +176,9 @@ class Evaluator {
     if (!match.pairs.empty()) {
       const std::vector<PointPair> points = PairUp(extracted_, true_, match.pairs);
       score.rmse_m = RmseM(points, out_.alignment);
-      score.rmse_similarity_m = RmseM(points, scaled_);
+      const Similarity scaled = FitSimilarity(points);
+      score.rmse_similarity_m = RmseM(points, scaled);
+      out_.scale = scaled.scale;
     }
     for (const auto& [k, t] : match.pairs) out_.pairs.emplace_back(k, true_index_[t]);
     out_.landmarks = score;
@@ -195,7 +194,6 @@ class Evaluator {
   Associations map_associations_;
   std::optional<Associations> truth_associations_;
   std::vector<std::vector<std::pair<PoseM, PoseM>>> pose_pairs_;  // of each robot: estimate, truth
-  Similarity scaled_;
 };
 
 }  // namespace

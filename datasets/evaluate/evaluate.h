@@ -21,7 +21,7 @@ struct LandmarkScore {
   std::int64_t spurious = 0;                // extracted ones without
   std::int64_t within_3m = 0;               // pairs closer than 3 m: as `found`, whose cut-off it is
   std::optional<double> rmse_m;             // of the pairs; none: no pair
-  std::optional<double> rmse_similarity_m;  // of the same pairs after an alignment with a scale
+  std::optional<double> rmse_similarity_m;  // of the same pairs after their own best alignment with a scale
   double gospa_m = 0;                       // cut-off 3 m, alpha 2, p 2
 };
 

@@ -1,0 +1,130 @@
+#include "datasets/inspect.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/array_text.h"
+#include "datasets/export_parts.h"
+
+namespace cairn::datasets {
+namespace {
+
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+// A column where the file has it as its kind says, else empty: inspecting forgives what a pipeline would
+// refuse.
+template <class T>
+std::span<const T> ColumnOrNone(const Blob& blob, const std::string& name) {
+  if (!blob.Has(name) || blob.at(name).type() != DTypeOf<T>()) return {};
+  return blob.Get<T>(name);
+}
+
+std::vector<std::string> TextsOrNone(const Blob& blob, const std::string& name) {
+  if (!blob.Has(name) || blob.at(name).type() != DType::kText) return {};
+  return blob.Texts(name);
+}
+
+std::string Count(std::size_t count, const std::string& of) {
+  return std::to_string(count) + " " + of + (count == 1 ? "" : "s");
+}
+
+std::string Duration(std::span<const double> time_s) {
+  return time_s.size() < 2 ? "" : " over " + ShortNumber(time_s.back() - time_s.front()) + " s";
+}
+
+std::string RobotOfLog(const Blob& blob, const std::string& prefix) {
+  const auto time = ColumnOrNone<double>(blob, prefix + "odometry/time_s");
+  double way = 0;
+  for (const double forward : ColumnOrNone<double>(blob, prefix + "odometry/forward_m"))
+    way += std::abs(forward);
+  const auto range = ColumnOrNone<double>(blob, prefix + "observations/range_m");
+  const auto presses =
+      static_cast<std::size_t>(std::ranges::count_if(range, [](double r) { return std::isnan(r); }));
+  std::string text = Count(time.size(), "control") + Duration(time) + ", " + ShortNumber(way) + " m, " +
+                     Count(range.size(), "observation");
+  if (presses > 0) text += " (" + std::to_string(presses) + " at the robot)";
+  const auto sightings = ColumnOrNone<double>(blob, prefix + "sightings/time_s");
+  if (!sightings.empty()) text += ", " + Count(sightings.size(), "sighting") + " of other robots";
+  const auto truth = ColumnOrNone<double>(blob, "truth/" + prefix + "poses/time_s");
+  if (!truth.empty()) text += ", " + Count(truth.size(), "true pose");
+  return text;
+}
+
+std::string RobotOfMap(const Blob& blob, const std::string& prefix) {
+  const auto time = ColumnOrNone<double>(blob, prefix + "poses/time_s");
+  const auto landmark = ColumnOrNone<std::int32_t>(blob, prefix + "observations/map_landmark");
+  const auto associated =
+      static_cast<std::size_t>(std::ranges::count_if(landmark, [](std::int32_t k) { return k >= 0; }));
+  return Count(time.size(), "pose") + Duration(time) + ", " + std::to_string(associated) + " of " +
+         Count(landmark.size(), "observation") + " associated";
+}
+
+Facts FactsOf(const Blob& blob) {
+  Facts facts;
+  const std::vector<std::string> robots = TextsOrNone(blob, "robots");
+  for (std::size_t n = 0; n < robots.size(); ++n) {
+    const std::string prefix = "robot/" + std::to_string(n) + "/";
+    const bool log = blob.Has(prefix + "odometry/time_s");
+    facts.emplace_back("robot " + robots[n], log ? RobotOfLog(blob, prefix) : RobotOfMap(blob, prefix));
+  }
+  if (blob.Has("landmarks")) {
+    const std::size_t count = TextsOrNone(blob, "landmarks").size();
+    facts.emplace_back("identities", count == 0 ? "unknown" : Count(count, "landmark"));
+  }
+  if (blob.Has("truth/landmarks/name")) {
+    facts.emplace_back("true landmarks", std::to_string(TextsOrNone(blob, "truth/landmarks/name").size()));
+  }
+  if (blob.Has("map/landmark_x_m")) {
+    facts.emplace_back("map landmarks",
+                       std::to_string(ColumnOrNone<double>(blob, "map/landmark_x_m").size()));
+  }
+  const auto likelihoods = ColumnOrNone<double>(blob, "history/log_likelihood");
+  if (!likelihoods.empty()) {
+    facts.emplace_back("iterations", std::to_string(likelihoods.size()) + ", log-likelihood " +
+                                         ShortNumber(likelihoods.front()) + " to " +
+                                         ShortNumber(likelihoods.back()));
+  }
+  return facts;
+}
+
+std::string Sample(const Array& array) {
+  constexpr std::int64_t kShown = 4;
+  if (array.size() == 1) return ElementText(array, 0);
+  if (array.type() != DType::kText) return {};
+  std::string sample;
+  for (std::int64_t i = 0; i < std::min(array.size(), kShown); ++i)
+    sample += (i == 0 ? "" : ", ") + ElementText(array, i);
+  return sample + (array.size() > kShown ? ", …" : "");
+}
+
+DatasetSummary Summarize(const DatasetInfo& info, const Array& array) {
+  DatasetSummary summary{info, {}, {}, 0, Sample(array)};
+  if (array.type() == DType::kText) return summary;
+  for (std::int64_t i = 0; i < array.size(); ++i) {
+    const double value = ElementNumber(array, i);
+    if (!std::isfinite(value)) {
+      ++summary.not_finite;
+      continue;
+    }
+    summary.low = summary.low ? std::min(*summary.low, value) : value;
+    summary.high = summary.high ? std::max(*summary.high, value) : value;
+  }
+  return summary;
+}
+
+}  // namespace
+
+Result<Inspection> Inspect(const std::string& path) {
+  const Result<BlobFileInfo> info = ListBlobFile(path);
+  if (!info.ok()) return info.status();
+  const Result<BlobFile> file = ReadBlobFile(path);
+  if (!file.ok()) return file.status();
+  const Blob& blob = file.value().blob;
+  Inspection inspection{info.value().kind, info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {}};
+  for (const DatasetInfo& dataset : info.value().datasets) {
+    inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
+  }
+  return inspection;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "datasets/array_text.h"
+#include "datasets/inspect.h"
+
+namespace cairn::datasets {
+namespace {
+
+std::string Padded(std::string text, std::size_t width) {
+  if (text.size() < width) text.append(width - text.size(), ' ');
+  return text;
+}
+
+std::string ValuesText(const DatasetSummary& dataset) {
+  if (!dataset.sample.empty()) return dataset.sample;
+  std::string text = dataset.low ? ShortNumber(*dataset.low) + " to " + ShortNumber(*dataset.high) : "";
+  if (dataset.not_finite > 0)
+    text += (text.empty() ? "" : ", ") + std::to_string(dataset.not_finite) + " not finite";
+  return text;
+}
+
+nlohmann::json Json(const DatasetSummary& dataset) {
+  nlohmann::json json{{"name", dataset.info.name},
+                      {"type", DTypeName(dataset.info.type)},
+                      {"shape", dataset.info.shape},
+                      {"unit", dataset.info.unit},
+                      {"stored_bytes", dataset.info.stored_bytes},
+                      {"not_finite", dataset.not_finite}};
+  json["low"] = dataset.low ? nlohmann::json(*dataset.low) : nlohmann::json();
+  json["high"] = dataset.high ? nlohmann::json(*dataset.high) : nlohmann::json();
+  if (!dataset.sample.empty()) json["sample"] = dataset.sample;
+  return json;
+}
+
+}  // namespace
+
+std::string InspectText(const Inspection& inspection) {
+  std::string text = inspection.kind + ", format " + std::to_string(inspection.format) + ", content " +
+                     inspection.hash + "\n";
+  std::size_t name_width = 0, fact_width = 0;
+  for (const auto& [name, fact] : inspection.facts) fact_width = std::max(fact_width, name.size());
+  for (const DatasetSummary& dataset : inspection.datasets)
+    name_width = std::max(name_width, dataset.info.name.size());
+  for (const auto& [name, fact] : inspection.facts)
+    text += "  " + Padded(name, fact_width) + "  " + fact + "\n";
+  text += "\n";
+  for (const DatasetSummary& dataset : inspection.datasets) {
+    std::string line =
+        "  " + Padded(dataset.info.name, name_width) + "  " + Padded(DTypeName(dataset.info.type), 7) + "  " +
+        Padded(ShapeText(dataset.info.shape), 12) + "  " +
+        Padded(dataset.info.unit == "1" ? "" : dataset.info.unit, 5) + "  " + ValuesText(dataset);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string InspectJson(const Inspection& inspection) {
+  nlohmann::json facts = nlohmann::json::object(), datasets = nlohmann::json::array();
+  for (const auto& [name, fact] : inspection.facts) facts[name] = fact;
+  for (const DatasetSummary& dataset : inspection.datasets) datasets.push_back(Json(dataset));
+  const nlohmann::json json{{"kind", inspection.kind},
+                            {"format", inspection.format},
+                            {"content", inspection.hash},
+                            {"facts", facts},
+                            {"datasets", datasets}};
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace cairn::datasets

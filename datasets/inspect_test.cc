@@ -1,0 +1,68 @@
+#include "datasets/inspect.h"
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/simulate_loop.h"
+#include "datasets/testing.h"
+#include "datasets/testing_result.h"
+
+namespace cairn::datasets {
+namespace {
+
+Inspection Inspected(const Blob& blob, const std::string& kind) {
+  const TestFolder folder;
+  EXPECT_TRUE(WriteBlobFile(folder / "a.h5", kind, blob).ok());
+  return Inspect(folder / "a.h5").value();
+}
+
+TEST(Inspect, TellsWhatALogHolds) {
+  const std::string text = InspectText(Inspected(SmallLog(), "log"));
+  EXPECT_TRUE(text.starts_with("log, format 1, content " + SmallLog().ContentHash().Hex() + "\n")) << text;
+  ExpectContains(text, "  robot Rosa  3 controls over 2 s, 3 m, 3 observations (1 at the robot)\n");
+  ExpectContains(text, "  robot a/b   3 controls over 2 s, 3 m, 0 observations\n");
+  ExpectContains(text, "  identities  1 landmark\n");
+  ExpectContains(text,
+                 "  robot/0/observations/range_m      float64  [3]           m      1 to 2, 1 not finite\n");
+  ExpectContains(text, "  robots                            text     [2]                  'Rosa', 'a/b'\n");
+  ExpectContains(text, "  noise/range_m                     float64  []            m      0.1\n");
+}
+
+TEST(Inspect, TellsWhatAMapHolds) {
+  Blob blob = SmallResult();
+  blob.PutVector<double>("history/log_likelihood", {-512.5, -100, -99.25});
+  const std::string text = InspectText(Inspected(blob, "landmark_map"));
+  ExpectContains(text, "robot Rosa     3 poses over 2 s, 2 of 3 observations associated\n");
+  ExpectContains(text, "map landmarks  2\n");
+  ExpectContains(text, "iterations     3, log-likelihood -512.5 to -99.25\n");
+}
+
+TEST(Inspect, JsonHoldsEveryDataset) {
+  const Blob log = SimulateLoop({.difficulty = "paper", .robots = 2, .seed = 1});
+  const auto json = nlohmann::json::parse(InspectJson(Inspected(log, "log")));
+  EXPECT_EQ(json["kind"], "log");
+  EXPECT_EQ(json["content"], log.ContentHash().Hex());
+  ASSERT_EQ(json["datasets"].size(), log.fields().size());
+  for (const auto& dataset : json["datasets"]) {
+    EXPECT_EQ(dataset["shape"], log.at(dataset["name"].get<std::string>()).shape());
+  }
+  EXPECT_EQ(json["facts"].size(), 4U);  // two robots, identities, true landmarks
+}
+
+TEST(Inspect, ForgivesAFileThatIsNotAsItsKindSays) {
+  Blob odd;
+  odd.PutVector<double>("robots", {1, 2});
+  odd.PutVector<float>("map/landmark_x_m", {1});
+  odd.Put("landmarks", Array::Text("x"));
+  EXPECT_EQ(Inspected(odd, "log").datasets.size(), 3U);
+  EXPECT_EQ(Inspected(Blob(), "").datasets.size(), 0U);
+}
+
+TEST(Inspect, ADamagedFileIsNamed) {
+  const TestFolder folder;
+  folder.Put("a.h5", "no");
+  ExpectContains(Inspect(folder / "a.h5").status().message(), "a.h5: not a Cairn file");
+  EXPECT_EQ(Inspect(folder / "b.h5").status().code(), Code::kNotFound);
+}
+
+}  // namespace
+}  // namespace cairn::datasets

@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/report/axes.h"
+#include "datasets/report/figures.h"
+#include "datasets/report/format.h"
+#include "datasets/report/svg.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+constexpr double kWidth = 1040;
+
+std::string TickLabel(double value, double step) {
+  const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
+  return Grouped(value, digits);
+}
+
+struct Range {
+  double low = 0, high = 0;
+};
+
+Range RangeOf(const std::vector<double>& values) {
+  Range range{INFINITY, -INFINITY};
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    range.low = std::min(range.low, value);
+    range.high = std::max(range.high, value);
+  }
+  const double pad = std::max(0.06 * (range.high - range.low), 1e-9 + 1e-6 * std::abs(range.high));
+  return {range.low - pad, range.high + pad};
+}
+
+// May the likelihoods of two iterations in a row be compared?
+bool SameData(const Iteration& a, const Iteration& b) {
+  return a.prefix == b.prefix && a.robots == b.robots && std::isfinite(a.log_likelihood + b.log_likelihood);
+}
+
+}  // namespace
+
+std::string LikelihoodFigure(const std::vector<Iteration>& iterations) {
+  std::vector<double> values;
+  std::int64_t robots = 0;
+  for (const Iteration& it : iterations) {
+    values.push_back(it.log_likelihood);
+    robots = std::max(robots, it.robots);
+  }
+  const Range range = RangeOf(values);
+  if (!(range.low < range.high)) return {};
+  const Panel p{86, 10, kWidth - 96, 230};
+  Svg svg(kWidth, p.top + p.height + 40, "Log-likelihood by iteration");
+  const double last = std::max<double>(1, static_cast<double>(iterations.size()) - 1);
+  const auto x = [&](double i) { return p.left + 14 + (p.width - 28) * i / last; };
+  const auto y = [&](double value) {
+    return p.top + p.height * (range.high - value) / (range.high - range.low);
+  };
+  svg.Rect(p.left, p.top, p.width, p.height, "panel");
+  const double step = TickStep(range.low, range.high, 5);
+  for (const double tick : Ticks(range.low, range.high, 5)) {
+    svg.Line(p.left, y(tick), p.left + p.width, y(tick), "grid");
+    svg.Text(p.left - 7, y(tick) + 4, TickLabel(tick, step), "tick end");
+  }
+  for (const double tick : Ticks(0, last, static_cast<int>(std::min(last, 20.0)))) {
+    svg.Text(x(tick), p.top + p.height + 15, Short(tick), "tick middle");
+  }
+  svg.Rect(p.left, p.top, p.width, p.height, "frame");
+  svg.Text(p.left + p.width / 2, p.top + p.height + 34, "iteration", "axis middle");
+  svg.VerticalText(16, p.top + p.height / 2, "log-likelihood [nat]", "axis middle");
+  for (std::size_t i = 1; i < iterations.size(); ++i) {
+    if (!SameData(iterations[i - 1], iterations[i]) || i == 1) continue;
+    svg.Line(x(static_cast<double>(i) - 1), y(values[i - 1]), x(static_cast<double>(i)), y(values[i]),
+             "curve");
+  }
+  for (std::size_t i = 0; i < iterations.size(); ++i) {
+    const Iteration& it = iterations[i];
+    if (!std::isfinite(it.log_likelihood)) continue;
+    const bool part = i == 0 || it.prefix < 1 || it.robots < robots;
+    svg.Circle(x(static_cast<double>(i)), y(it.log_likelihood), 3.6, part ? "point part" : "point",
+               "iteration " + std::to_string(i) + ": " + Short(it.log_likelihood, 3) + " on " +
+                   Short(100 * it.prefix, 1) + "% of the data of " + Count(it.robots, "robot"));
+  }
+  return svg.Finish();
+}
+
+std::string RoundsFigure(const std::vector<RoundTime>& rounds) {
+  double longest = 0;
+  for (const RoundTime& round : rounds) longest = std::max(longest, round.seconds);
+  if (longest <= 0) return {};
+  const Panel p{86, 10, kWidth - 96, 180};
+  Svg svg(kWidth, p.top + p.height + 40, "Wall time of each round");
+  const double pitch = p.width / static_cast<double>(rounds.size());
+  const double gap = pitch > 4 ? std::min(4.0, 0.2 * pitch) : 0;
+  svg.Rect(p.left, p.top, p.width, p.height, "panel");
+  const double step = TickStep(0, longest, 4);
+  const auto y = [&](double seconds) { return p.top + p.height * (1 - seconds / (1.05 * longest)); };
+  for (const double tick : Ticks(0, 1.05 * longest, 4)) {
+    svg.Line(p.left, y(tick), p.left + p.width, y(tick), "grid");
+    svg.Text(p.left - 7, y(tick) + 4, TickLabel(tick, step), "tick end");
+  }
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    const RoundTime& round = rounds[i];
+    svg.Rect(p.left + pitch * static_cast<double>(i) + gap / 2, y(round.seconds), pitch - gap,
+             p.top + p.height - y(round.seconds), "bar",
+             "round " + std::to_string(i) + (round.note.empty() ? "" : ": " + round.note) + "; " +
+                 Duration(round.seconds) + ", " + Count(round.tasks, "task") + ", " +
+                 Duration(round.compute_seconds) + " of computing");
+  }
+  const auto count = static_cast<double>(rounds.size());
+  for (const double tick : Ticks(0, count - 1, static_cast<int>(std::clamp(count - 1, 1.0, 16.0)))) {
+    svg.Text(p.left + pitch * (tick + 0.5), p.top + p.height + 15, Short(tick), "tick middle");
+  }
+  svg.Rect(p.left, p.top, p.width, p.height, "frame");
+  svg.Text(p.left + p.width / 2, p.top + p.height + 34, "round", "axis middle");
+  svg.VerticalText(16, p.top + p.height / 2, "wall time [s]", "axis middle");
+  return svg.Finish();
+}
+
+}  // namespace cairn::datasets::report

@@ -1,0 +1,38 @@
+// The report's words and tables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/evaluate/evaluate.h"
+#include "datasets/report/figures.h"
+#include "datasets/report/scene.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets::report {
+
+// "3 robots, 3,012 m in 2 h 31 min, 203 observations; 20 landmarks found."
+std::string LeadHtml(const Blob& result, const Blob* log);
+
+// The key numbers, as tiles.
+std::string TilesHtml(const Blob& result, const Evaluation* evaluation);
+
+// What the map's colours and marks mean.
+std::string LegendHtml(const Scene& scene);
+
+// A table a robot: its way, observations, error.
+std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluation* evaluation);
+
+// A table of the landmarks.
+std::string LandmarksTableHtml(const Scene& scene);
+
+// From the history; empty where it has none. Throws InputError where its columns differ in length.
+std::vector<Iteration> Iterations(const Blob& result);
+
+// From the provenance; empty where it has no rounds. Throws InputError where its columns differ in length.
+std::vector<RoundTime> RoundTimes(const Blob& result);
+
+// Version, workers, seconds and the resolved job, where the provenance tells them.
+std::string ProvenanceHtml(const Blob& result);
+
+}  // namespace cairn::datasets::report

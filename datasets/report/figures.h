@@ -1,0 +1,41 @@
+// The pictures of the report, as inline SVG.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/report/scene.h"
+
+namespace cairn::datasets::report {
+
+inline constexpr std::size_t kRobotColours = 8;  // robots beyond them begin again
+
+// The map: paths, landmarks with their 95% regions, and truth where the scene has it.
+std::string MapFigure(const Scene& scene);
+
+// Dead reckoning and the corrected paths side by side at one scale; empty where the scene has no odometry.
+std::string BeforeAfterFigure(const Scene& scene);
+
+// P(landmark) of each cell; empty where the scene has no grid.
+std::string GridFigure(const Scene& scene);
+
+// One iteration of the expectation maximisation.
+struct Iteration {
+  double log_likelihood = 0;
+  double prefix = 1;        // fraction of the data that it used
+  std::int64_t robots = 1;  // that took part
+};
+// Log-likelihood by iteration. A line joins those of the same data; what is not of all data is hollow, and so
+// is the first one, which had no map. Empty without a finite value.
+std::string LikelihoodFigure(const std::vector<Iteration>& iterations);
+
+struct RoundTime {
+  std::string note;
+  double seconds = 0;          // wall time
+  double compute_seconds = 0;  // of all its tasks, added up
+  std::int64_t tasks = 0;
+};
+// A bar for each round; empty without rounds.
+std::string RoundsFigure(const std::vector<RoundTime>& rounds);
+
+}  // namespace cairn::datasets::report

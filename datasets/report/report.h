@@ -1,0 +1,22 @@
+// The report of a result: one self-contained HTML page.
+#pragma once
+
+#include <string>
+
+#include "datasets/evaluate/evaluate.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets::report {
+
+struct ReportOptions {
+  std::string title = "Landmark map";
+};
+
+// A page of its own: style and pictures are inside, nothing is loaded from anywhere. It follows the reader's
+// light or dark scheme, and prints light. `log`, with or without truth, and `evaluation` may be null: without
+// a log there is no raw odometry, without an evaluation no truth. The same input gives the same bytes. Throws
+// InputError where `result` is no landmark_map, or the log's robots are not the result's.
+std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
+                       const ReportOptions& options = {});
+
+}  // namespace cairn::datasets::report

@@ -1,0 +1,194 @@
+#include "datasets/report/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "datasets/evaluate/landmarks.h"
+#include "datasets/evaluate/track.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+constexpr double kChiSquared95 = 5.991464547107979;
+
+Path ToPath(const Track& track, const std::string& robot, std::size_t index) {
+  Path path{robot, index, {}};
+  for (const PoseM& pose : track.poses) path.points.push_back({pose.x_m, pose.y_m});
+  return path;
+}
+
+class SceneMaker {
+ public:
+  SceneMaker(const Blob& result, const Blob* log, const Evaluation* evaluation)
+      : result_(result), log_(log), evaluation_(evaluation) {}
+
+  Scene Make() {
+    const std::vector<std::string> names = result_.Texts("robots");
+    for (std::size_t r = 0; r < names.size(); ++r) {
+      const Track track = ReadTrack(result_, "robot/" + std::to_string(r) + "/poses/", "mode_");
+      scene_.paths.push_back(ToPath(track, names[r], r));
+      if (log_ != nullptr && !track.poses.empty()) AddOdometry(track, names[r], r);
+      if (log_ != nullptr && evaluation_ != nullptr) AddTruthPath(names[r], r);
+    }
+    AddLandmarks();
+    if (log_ != nullptr && evaluation_ != nullptr) AddTruthLandmarks();
+    if (result_.Has("map/grid/probability")) AddGrid();
+    return std::move(scene_);
+  }
+
+ private:
+  // The inverse of the alignment, which has no scale.
+  PointM FromTruth(PointM truth) const {
+    const Similarity& a = evaluation_->alignment;
+    const double c = std::cos(a.angle_rad), s = std::sin(a.angle_rad);
+    const double x = truth.x_m - a.x_m, y = truth.y_m - a.y_m;
+    return {c * x + s * y, -s * x + c * y};
+  }
+
+  void AddOdometry(const Track& track, const std::string& name, std::size_t r) {
+    const std::string robot = "robot/" + std::to_string(r) + "/";
+    const auto time = log_->Get<double>(robot + "odometry/time_s");
+    const auto turn = log_->Get<double>(robot + "odometry/turn_rad");
+    const auto forward = log_->Get<double>(robot + "odometry/forward_m");
+    const auto marks = log_->Get<double>(robot + "observations/time_s");
+    Path path{name, r, {}}, at_marks{name, r, {}};
+    PoseM pose = track.poses.front();
+    path.points.push_back({pose.x_m, pose.y_m});
+    std::size_t next_mark = 0;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      for (; next_mark < marks.size() && marks[next_mark] < time[i]; ++next_mark) {
+        at_marks.points.push_back({pose.x_m, pose.y_m});
+      }
+      if (time[i] <= track.time_s.front()) continue;
+      pose = Apply(pose, {turn[i], forward[i]});
+      path.points.push_back({pose.x_m, pose.y_m});
+    }
+    for (; next_mark < marks.size(); ++next_mark) at_marks.points.push_back({pose.x_m, pose.y_m});
+    scene_.odometry.push_back(std::move(path));
+    scene_.odometry_marks.push_back(std::move(at_marks));
+  }
+
+  void AddTruthPath(const std::string& name, std::size_t r) {
+    const Track truth = ReadTrack(*log_, "truth/robot/" + std::to_string(r) + "/poses/");
+    Path path = ToPath(truth, name, r);
+    if (path.points.empty()) return;
+    for (PointM& point : path.points) point = FromTruth(point);
+    scene_.truth_paths.push_back(std::move(path));
+  }
+
+  void AddLandmarks() {
+    const auto points = ReadPoints(result_, "map/landmark_x_m", "map/landmark_y_m");
+    const auto covariance = result_.Get<double>("map/landmark_covariance_m2");
+    const auto count = result_.Get<double>("map/landmark_count");
+    const auto identity = result_.Get<std::int32_t>("map/landmark_identity");
+    const std::vector<std::string> names = result_.Texts("landmarks");
+    if (covariance.size() != 4 * points.size() || count.size() != points.size() ||
+        identity.size() != points.size()) {
+      throw InputError("the map's landmark columns differ in length");
+    }
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      MapLandmark landmark;
+      landmark.at = points[k];
+      landmark.ellipse = EllipseOf(points[k], {covariance[4 * k], covariance[4 * k + 1],
+                                               covariance[4 * k + 2], covariance[4 * k + 3]});
+      landmark.count = count[k];
+      const bool known = identity[k] >= 0 && identity[k] < static_cast<std::int64_t>(names.size());
+      landmark.name = known ? names[static_cast<std::size_t>(identity[k])] : std::to_string(k);
+      landmark.spurious = evaluation_ != nullptr && evaluation_->landmarks.has_value();
+      scene_.landmarks.push_back(std::move(landmark));
+    }
+  }
+
+  void AddTruthLandmarks() {
+    if (!evaluation_->landmarks) return;
+    const auto truth = ReadPoints(*log_, "truth/landmarks/x_m", "truth/landmarks/y_m");
+    const std::vector<bool> observed = ObservedLandmarks(*log_, truth.size());
+    for (std::size_t t = 0; t < truth.size(); ++t) {
+      if (observed[t]) scene_.truth_landmarks.push_back(FromTruth(truth[t]));
+    }
+    for (const auto& [k, t] : evaluation_->pairs) {
+      MapLandmark& landmark = scene_.landmarks.at(static_cast<std::size_t>(k));
+      const PointM at = FromTruth(truth.at(static_cast<std::size_t>(t)));
+      landmark.spurious = false;
+      landmark.error_m = DistanceM(landmark.at, at);
+      scene_.error_lines.emplace_back(landmark.at, at);
+    }
+  }
+
+  void AddGrid() {
+    const Array& array = result_.at("map/grid/probability");
+    if (array.shape().size() != 3 || array.size() == 0) return;
+    const auto values = array.As<double>();
+    Grid grid;
+    grid.origin = {result_.Scalar<double>("map/grid/origin_x_m"),
+                   result_.Scalar<double>("map/grid/origin_y_m")};
+    grid.cell_m = result_.Scalar<double>("map/grid/cell_m");
+    grid.rows = array.shape()[1];
+    grid.columns = array.shape()[2];
+    const auto cells = static_cast<std::size_t>(grid.rows * grid.columns);
+    grid.probability.assign(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(cells));
+    for (std::size_t i = cells; i < values.size(); ++i) {
+      grid.probability[i % cells] = std::max(grid.probability[i % cells], values[i]);
+    }
+    scene_.grid = std::move(grid);
+  }
+
+  const Blob& result_;
+  const Blob* log_;
+  const Evaluation* evaluation_;
+  Scene scene_;
+};
+
+class Bounds {
+ public:
+  void Add(PointM point) {
+    box_.x_low_m = std::min(box_.x_low_m, point.x_m);
+    box_.x_high_m = std::max(box_.x_high_m, point.x_m);
+    box_.y_low_m = std::min(box_.y_low_m, point.y_m);
+    box_.y_high_m = std::max(box_.y_high_m, point.y_m);
+  }
+  void Add(const std::vector<Path>& paths) {
+    for (const Path& path : paths) {
+      for (const PointM& point : path.points) Add(point);
+    }
+  }
+  Box Padded() const {
+    if (box_.x_low_m > box_.x_high_m) return {-0.5, 0.5, -0.5, 0.5};
+    const double pad = std::max(0.5, 0.04 * std::max(box_.width_m(), box_.height_m()));
+    return {box_.x_low_m - pad, box_.x_high_m + pad, box_.y_low_m - pad, box_.y_high_m + pad};
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Box box_{kInfinity, -kInfinity, kInfinity, -kInfinity};
+};
+
+}  // namespace
+
+Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation) {
+  return SceneMaker(result, log, evaluation).Make();
+}
+
+Box BoundsOf(const Scene& scene, bool with_odometry) {
+  Bounds bounds;
+  bounds.Add(scene.paths);
+  bounds.Add(scene.truth_paths);
+  if (with_odometry) bounds.Add(scene.odometry);
+  for (const MapLandmark& landmark : scene.landmarks) bounds.Add(landmark.at);
+  for (const PointM& point : scene.truth_landmarks) bounds.Add(point);
+  return bounds.Padded();
+}
+
+EllipseM EllipseOf(PointM centre, const std::array<double, 4>& covariance_m2) {
+  const double a = covariance_m2[0], b = (covariance_m2[1] + covariance_m2[2]) / 2, d = covariance_m2[3];
+  const double middle = (a + d) / 2, spread = std::hypot((a - d) / 2, b);
+  EllipseM ellipse;
+  ellipse.centre = centre;
+  ellipse.major_m = std::sqrt(kChiSquared95 * std::max(0.0, middle + spread));
+  ellipse.minor_m = std::sqrt(kChiSquared95 * std::max(0.0, middle - spread));
+  ellipse.angle_rad = 0.5 * std::atan2(2 * b, a - d);
+  return ellipse;
+}
+
+}  // namespace cairn::datasets::report

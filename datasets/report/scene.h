@@ -1,0 +1,72 @@
+// What there is to draw of a landmark map, in metres, in the result's own frame.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/evaluate/evaluate.h"
+#include "datasets/planar.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets::report {
+
+struct Path {
+  std::string robot;
+  std::size_t index = 0;  // of the robot: its colour
+  std::vector<PointM> points;
+};
+
+struct EllipseM {
+  PointM centre;
+  double major_m = 0, minor_m = 0;  // semi-axes of the 95% region
+  double angle_rad = 0;             // of the major one, from x
+};
+
+struct MapLandmark {
+  PointM at;
+  EllipseM ellipse;
+  double count = 0;               // expected observations
+  std::string name;               // its identity's, else its number
+  bool spurious = false;          // an evaluation found no true one near it
+  std::optional<double> error_m;  // to its true one
+};
+
+struct Grid {
+  PointM origin;  // lower left corner
+  double cell_m = 1;
+  std::int64_t columns = 0, rows = 0;
+  std::vector<double> probability;  // [rows][columns], the largest over the landmark types
+};
+
+struct Box {
+  double x_low_m = 0, x_high_m = 0, y_low_m = 0, y_high_m = 0;
+  double width_m() const { return x_high_m - x_low_m; }
+  double height_m() const { return y_high_m - y_low_m; }
+};
+
+struct Scene {
+  std::vector<Path> paths;           // most likely poses
+  std::vector<Path> odometry;        // dead reckoning from each path's first pose; empty without a log
+  std::vector<Path> odometry_marks;  // where it puts the robot at each observation
+  std::vector<Path> truth_paths;     // empty without an evaluation
+  std::vector<MapLandmark> landmarks;
+  std::vector<PointM> truth_landmarks;                 // those that were observed
+  std::vector<std::pair<PointM, PointM>> error_lines;  // (extracted, true), matched
+  std::optional<Grid> grid;
+};
+
+// `log` and `evaluation` may be null; truth is drawn where both are there, laid over the result by the
+// inverse of the evaluation's alignment. Throws InputError where the result lacks what a landmark_map has.
+Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation);
+
+// Round the paths, landmarks and true landmarks; with `with_odometry` the dead reckoning too. At least 1 m
+// wide.
+Box BoundsOf(const Scene& scene, bool with_odometry);
+
+// Semi-axes of the region that holds 95% of a normal distribution of this covariance (row-major, m2):
+// chi-squared with two degrees of freedom, 5.991.
+EllipseM EllipseOf(PointM centre, const std::array<double, 4>& covariance_m2);
+
+}  // namespace cairn::datasets::report

@@ -1,0 +1,66 @@
+// The trace's lines.
+#include "tests/simulation/checks.h"
+
+namespace cairn::simulation {
+namespace {
+
+using namespace coordinator;  // NOLINT: events and actions, all over this file
+
+std::string Text(const wire::TaskKey& key) {
+  return wire::TaskKey::Kind_Name(key.kind()) + " " + key.job() + " stage " + std::to_string(key.stage()) +
+         " round " + std::to_string(key.round()) + " task " + std::to_string(key.task()) + " attempt " +
+         std::to_string(key.attempt());
+}
+
+struct Words {
+  std::string operator()(const WorkerHello& e) const { return e.peer + " Hello"; }
+  std::string operator()(const WorkerBeat& e) const {
+    std::string text = e.peer + " Beat";
+    for (int i = 0; i < e.beat.tasks_size(); ++i)
+      text += " [" + Text(e.beat.tasks(i)) + ": " + std::to_string(e.beat.ticks(i)) + "]";
+    return text;
+  }
+  std::string operator()(const WorkerBye& e) const { return e.peer + " Bye"; }
+  std::string operator()(const WorkerLost& e) const { return e.peer + " is dead"; }
+  std::string operator()(const TaskDone& e) const { return e.peer + " Done " + Text(e.done.key()); }
+  std::string operator()(const TaskFailed& e) const {
+    return e.peer + " Failed " + Text(e.failed.key()) + ": " + e.failed.message();
+  }
+  std::string operator()(const SubmitJob& e) const { return "submit " + e.id; }
+  std::string operator()(const CancelJob& e) const { return "cancel " + e.id; }
+  std::string operator()(const ResumeJob& e) const { return "resume " + e.id; }
+  std::string operator()(const RestoreJob& e) const { return "restore " + e.checkpoint.job_id(); }
+  std::string operator()(const PersistDone& e) const {
+    return e.job + " checkpoint " + std::to_string(e.number) + " durable";
+  }
+  std::string operator()(const PersistFailed& e) const {
+    return e.job + " checkpoint " + std::to_string(e.number) + " failed: " + e.reason;
+  }
+  std::string operator()(const SaveNow&) const { return "save now"; }
+  std::string operator()(const Tick&) const { return "tick"; }
+
+  std::string operator()(const Send& a) const {
+    const wire::Envelope& m = a.message;
+    if (m.has_assign()) return a.peer + " Assign " + Text(m.assign().key());
+    if (m.has_cancel()) return a.peer + " Cancel " + Text(m.cancel().key());
+    if (m.has_refuse()) return a.peer + " Refuse: " + m.refuse().reason();
+    return a.peer + (m.has_welcome() ? " Welcome" : m.has_stranger() ? " Stranger" : " ?");
+  }
+  std::string operator()(const Persist& a) const {
+    return "persist " + a.checkpoint.job_id() + " number " + std::to_string(a.checkpoint.number()) +
+           " stage " + std::to_string(a.checkpoint.stage()) + " round " +
+           std::to_string(a.checkpoint.round()) + ", " + std::to_string(a.publish.size()) + " results";
+  }
+  std::string operator()(const DropBlobs& a) const {
+    return "drop " + std::to_string(a.hashes.size()) + " blobs";
+  }
+  std::string operator()(const JobChanged& a) const { return a.job + " changed"; }
+  std::string operator()(const Report& a) const { return "report: " + a.text; }
+};
+
+}  // namespace
+
+std::string Describe(const Event& event) { return std::visit(Words{}, event); }
+std::string Describe(const Action& action) { return std::visit(Words{}, action); }
+
+}  // namespace cairn::simulation
