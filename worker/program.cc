@@ -80,8 +80,10 @@ std::string JsonLine(Severity severity, const std::string& line) {
 LogSink MakeLog(bool json) {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("cairn-worker"));
   if (json) {
-    spdlog::set_pattern("%v");
-    return [](Severity severity, const std::string& line) { spdlog::info("{}", JsonLine(severity, line)); };
+    spdlog::set_pattern(R"({"time":"%Y-%m-%dT%T.%e%z",%v)");
+    return [](Severity severity, const std::string& line) {
+      spdlog::info("{}", JsonLine(severity, line).substr(1));  // the pattern has opened the brace
+    };
   }
   spdlog::set_pattern("%H:%M:%S worker %P %^%l%$: %v");
   return [](Severity severity, const std::string& line) {
