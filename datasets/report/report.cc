@@ -8,7 +8,8 @@
 #include "datasets/report/scene.h"
 #include "datasets/report/style.h"
 
-namespace cairn::datasets::report {
+namespace cairn::datasets {
+namespace report {
 namespace {
 
 std::string Section(const std::string& title, const std::string& body) {
@@ -72,10 +73,8 @@ void Check(const Blob& result, const Blob* log, const Evaluation* evaluation) {
                "an evaluation of this result");
 }
 
-}  // namespace
-
-std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
-                       const ReportOptions& options) {
+std::string Page(const Blob& result, const Blob* log, const Evaluation* evaluation,
+                 const ReportOptions& options) {
   Check(result, log, evaluation);
   const Scene scene = MakeScene(result, log, evaluation);
   std::string html =
@@ -103,4 +102,12 @@ std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* ev
   return html + Footer(result) + "</main>\n</body>\n</html>\n";
 }
 
-}  // namespace cairn::datasets::report
+}  // namespace
+}  // namespace report
+
+std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
+                       const ReportOptions& options) {
+  return report::Page(result, log, evaluation, options);
+}
+
+}  // namespace cairn::datasets

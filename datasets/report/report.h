@@ -6,7 +6,7 @@
 #include "datasets/evaluate/evaluate.h"
 #include "schema/blob.h"
 
-namespace cairn::datasets::report {
+namespace cairn::datasets {
 
 struct ReportOptions {
   std::string title = "Landmark map";
@@ -19,4 +19,4 @@ struct ReportOptions {
 std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
                        const ReportOptions& options = {});
 
-}  // namespace cairn::datasets::report
+}  // namespace cairn::datasets

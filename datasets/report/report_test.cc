@@ -201,7 +201,7 @@ TEST(MapFrame, KeepsOneScaleAndCentres) {
 }
 
 TEST(Ticks, AreRound) {
-  EXPECT_EQ(Ticks(-12, 23, 5), (std::vector<double>{-10, 0, 10, 20}));
+  EXPECT_EQ(Ticks(-12, 25, 5), (std::vector<double>{-10, 0, 10, 20}));
   EXPECT_EQ(Ticks(0, 1, 5).size(), 6U);
   EXPECT_TRUE(Ticks(1, 1, 5).empty());
   for (const double span : {0.013, 0.7, 3.0, 42.0, 999.0, 12345.0}) {
