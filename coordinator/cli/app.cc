@@ -23,8 +23,11 @@ void Complain(std::string problem) {
 void AddCommands(CLI::App& app, Invocation& call) {
   AddSimulate(app, call);
   AddImport(app, call);
+  AddInspect(app, call);
   AddEvaluate(app, call);
+  AddReport(app, call);
   AddExport(app, call);
+  AddDiff(app, call);
   AddWorker(app, call);
   AddJobCommands(app, call);
   AddKeys(app, call);

@@ -1,5 +1,5 @@
-// Which kind of file a stage's result is stored as (schema/FORMAT.md). The blob itself says it, so that a coordinator,
-// which knows no pipeline, and a client, which fetches results, store the same.
+// Which kind of file a stage's result is stored as (schema/FORMAT.md). The blob itself says it, so that a
+// coordinator, which knows no pipeline, and a client, which fetches results, store the same.
 #pragma once
 
 #include <string>

@@ -24,15 +24,17 @@ for key in found missed spurious within_3m rmse_m rmse_similarity_m gospa_m corr
 done
 [ "$(number found stdout)" -gt 0 ] || die "no landmark was found"
 
-exits 0 cairn export tum 'my result' path.tum
-exits 0 cairn export g2o 'my result' graph.g2o
-exits 0 cairn export ros 'my result' ros_map
-exits 0 cairn export png 'my result' picture.png
+for format in tum g2o ros png csv; do
+  exits 0 cairn export $format 'my result' exported
+done
 exits 0 cairn export csv log.h5 csv
-exits 0 cairn export csv 'my result' result_csv
-[ -s path.tum ] && [ -s graph.g2o ] && [ -s picture.png ] || die "an export is empty"
-exits 0 cairn report 'my result' --out again.html
-[ -s again.html ] || die "the report is empty"
+for file in graph.g2o map.pgm map.yaml map.png poses.csv landmarks.csv; do
+  [ -s "exported/$file" ] || die "export made no $file"
+done
+ls exported/*.tum >/dev/null || die "export made no trajectory"
+exits 0 cairn report 'my result' --log log.h5 --out again.html
+grep -q '</html>' again.html || die "the page is cut off"
+refuses 'there already' cairn report 'my result' --out again.html
 
 # The same again: finished, says so, and touches no result.
 before=$(stat -c '%i %Y' 'my result/landmark_map.h5')
