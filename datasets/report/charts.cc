@@ -10,6 +10,7 @@ namespace cairn::datasets::report {
 namespace {
 
 constexpr double kWidth = 1040;
+constexpr double kLikelihoodTop = 24, kLikelihoodHeight = 230;
 
 std::string TickLabel(double value, double step) {
   const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
@@ -36,48 +37,80 @@ bool SameData(const Iteration& a, const Iteration& b) {
   return a.prefix == b.prefix && a.robots == b.robots && std::isfinite(a.log_likelihood + b.log_likelihood);
 }
 
+class LikelihoodCanvas {
+ public:
+  LikelihoodCanvas(Svg& svg, const std::vector<Iteration>& iterations, std::int64_t robots)
+      : svg_(svg), iterations_(iterations), robots_(robots) {}
+
+  // Iterations [first, end) with axes of their own.
+  void Draw(const Panel& p, std::size_t first, std::size_t end, const std::string& title) {
+    std::vector<double> values;
+    for (std::size_t i = first; i < end; ++i) values.push_back(iterations_[i].log_likelihood);
+    const Range range = RangeOf(values);
+    if (!(range.low < range.high)) return;
+    const auto from = static_cast<double>(first), to = std::max(from + 1, static_cast<double>(end) - 1);
+    const auto x = [&](double i) { return p.left + 14 + (p.width - 28) * (i - from) / (to - from); };
+    const auto y = [&](double v) { return p.top + p.height * (range.high - v) / (range.high - range.low); };
+    svg_.Rect(p.left, p.top, p.width, p.height, "panel");
+    const double step = TickStep(range.low, range.high, 5);
+    for (const double tick : Ticks(range.low, range.high, 5)) {
+      svg_.Line(p.left, y(tick), p.left + p.width, y(tick), "grid");
+      svg_.Text(p.left - 7, y(tick) + 4, TickLabel(tick, step), "tick end");
+    }
+    for (const double tick : Ticks(from, to, static_cast<int>(std::min(to - from, p.width / 50)))) {
+      svg_.Text(x(tick), p.top + p.height + 15, Short(tick), "tick middle");
+    }
+    svg_.Rect(p.left, p.top, p.width, p.height, "frame");
+    svg_.Text(p.left, p.top - 6, title, "heading");
+    svg_.Text(p.left + p.width / 2, p.top + p.height + 34, "iteration", "axis middle");
+    if (first == 0) svg_.VerticalText(16, p.top + p.height / 2, "log-likelihood [nat]", "axis middle");
+    for (std::size_t i = std::max<std::size_t>(first, 1) + 1; i < end; ++i) {
+      if (!SameData(iterations_[i - 1], iterations_[i])) continue;
+      const auto at = static_cast<double>(i);
+      svg_.Line(x(at - 1), y(values[i - 1 - first]), x(at), y(values[i - first]), "curve");
+    }
+    for (std::size_t i = first; i < end; ++i) {
+      if (std::isfinite(values[i - first])) Point(x(static_cast<double>(i)), y(values[i - first]), i);
+    }
+  }
+
+ private:
+  void Point(double x, double y, std::size_t i) {
+    const Iteration& it = iterations_[i];
+    const bool part = i == 0 || it.prefix < 1 || it.robots < robots_;
+    svg_.Circle(x, y, 3.6, part ? "point part" : "point",
+                "iteration " + std::to_string(i) + ": " + Short(it.log_likelihood, 3) + " on " +
+                    Short(100 * it.prefix, 1) + "% of the data of " + Count(it.robots, "robot"));
+  }
+
+  Svg& svg_;
+  const std::vector<Iteration>& iterations_;
+  std::int64_t robots_;
+};
+
 }  // namespace
 
 std::string LikelihoodFigure(const std::vector<Iteration>& iterations) {
-  std::vector<double> values;
   std::int64_t robots = 0;
+  bool any = false;
   for (const Iteration& it : iterations) {
-    values.push_back(it.log_likelihood);
     robots = std::max(robots, it.robots);
+    any = any || std::isfinite(it.log_likelihood);
   }
-  const Range range = RangeOf(values);
-  if (!(range.low < range.high)) return {};
-  const Panel p{86, 10, kWidth - 96, 230};
-  Svg svg(kWidth, p.top + p.height + 40, "Log-likelihood by iteration");
-  const double last = std::max<double>(1, static_cast<double>(iterations.size()) - 1);
-  const auto x = [&](double i) { return p.left + 14 + (p.width - 28) * i / last; };
-  const auto y = [&](double value) {
-    return p.top + p.height * (range.high - value) / (range.high - range.low);
-  };
-  svg.Rect(p.left, p.top, p.width, p.height, "panel");
-  const double step = TickStep(range.low, range.high, 5);
-  for (const double tick : Ticks(range.low, range.high, 5)) {
-    svg.Line(p.left, y(tick), p.left + p.width, y(tick), "grid");
-    svg.Text(p.left - 7, y(tick) + 4, TickLabel(tick, step), "tick end");
-  }
-  for (const double tick : Ticks(0, last, static_cast<int>(std::min(last, 20.0)))) {
-    svg.Text(x(tick), p.top + p.height + 15, Short(tick), "tick middle");
-  }
-  svg.Rect(p.left, p.top, p.width, p.height, "frame");
-  svg.Text(p.left + p.width / 2, p.top + p.height + 34, "iteration", "axis middle");
-  svg.VerticalText(16, p.top + p.height / 2, "log-likelihood [nat]", "axis middle");
-  for (std::size_t i = 1; i < iterations.size(); ++i) {
-    if (!SameData(iterations[i - 1], iterations[i]) || i == 1) continue;
-    svg.Line(x(static_cast<double>(i) - 1), y(values[i - 1]), x(static_cast<double>(i)), y(values[i]),
-             "curve");
-  }
-  for (std::size_t i = 0; i < iterations.size(); ++i) {
-    const Iteration& it = iterations[i];
-    if (!std::isfinite(it.log_likelihood)) continue;
-    const bool part = i == 0 || it.prefix < 1 || it.robots < robots;
-    svg.Circle(x(static_cast<double>(i)), y(it.log_likelihood), 3.6, part ? "point part" : "point",
-               "iteration " + std::to_string(i) + ": " + Short(it.log_likelihood, 3) + " on " +
-                   Short(100 * it.prefix, 1) + "% of the data of " + Count(it.robots, "robot"));
+  if (!any) return {};
+  // The iterations over all data, at the end, have an axis of their own: the others' values do not compare.
+  std::size_t split = iterations.size();
+  while (split > 1 && iterations[split - 1].prefix >= 1 && iterations[split - 1].robots == robots) --split;
+  Svg svg(kWidth, kLikelihoodTop + kLikelihoodHeight + 40, "Log-likelihood by iteration");
+  LikelihoodCanvas canvas(svg, iterations, robots);
+  if (split <= 1 || split == iterations.size()) {
+    canvas.Draw({86, kLikelihoodTop, kWidth - 96, kLikelihoodHeight}, 0, iterations.size(), "");
+  } else {
+    const double share = static_cast<double>(split) / static_cast<double>(iterations.size());
+    const double space = kWidth - 96 - 86, left = std::clamp(share, 0.25, 0.75) * space;
+    canvas.Draw({86, kLikelihoodTop, left, kLikelihoodHeight}, 0, split, "part of the data");
+    canvas.Draw({86 + left + 86, kLikelihoodTop, space - left, kLikelihoodHeight}, split, iterations.size(),
+                "all data");
   }
   return svg.Finish();
 }

@@ -47,6 +47,11 @@ std::string LegendItem(const std::string& drawing, const std::string& what) {
          "</li>\n";
 }
 
+// "robot 3" for a robot that is called 3.
+std::string RobotTitle(const std::string& name) {
+  return name.find_first_not_of("0123456789") == std::string::npos ? "robot " + name : name;
+}
+
 }  // namespace
 
 std::string LeadHtml(const Blob& result, const Blob* log) {
@@ -102,11 +107,10 @@ std::string LegendHtml(const Scene& scene) {
   std::string items;
   for (const Path& path : scene.paths) {
     const std::string robot = " r" + std::to_string(path.index % kRobotColours) + "\"";
-    items += LegendItem("<line class=\"path" + robot +
-                            " x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/><circle class=\"start" + robot +
-                            " cx=\"6\" cy=\"7\" r=\"4.5\"/>",
-                        path.robot + " from its start");
+    items += LegendItem("<line class=\"path" + robot + " x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>",
+                        RobotTitle(path.robot));
   }
+  items += LegendItem("<circle class=\"start\" cx=\"13\" cy=\"7\" r=\"5\"/>", "start");
   items += LegendItem(
       "<ellipse class=\"ellipse\" cx=\"13\" cy=\"7\" rx=\"11\" ry=\"6\"/><circle class=\"landmark\" "
       "cx=\"13\" cy=\"7\" r=\"3.2\"/>",
@@ -135,7 +139,7 @@ std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluatio
   std::string rows = Row(head, "th");
   for (std::size_t r = 0; r < names.size(); ++r) {
     const auto poses = static_cast<double>(result.at(RobotPrefix(r) + "poses/time_s").size());
-    std::vector<std::string> cells = {names[r], Grouped(poses)};
+    std::vector<std::string> cells = {RobotTitle(names[r]), Grouped(poses)};
     if (log != nullptr) {
       const LogFacts facts = FactsOf(*log, r);
       cells.insert(cells.end(), {Grouped(facts.way_m) + " m", Duration(facts.seconds),

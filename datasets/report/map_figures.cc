@@ -25,6 +25,12 @@ std::string TickText(double value) {
   return value < 0 && text != "0" ? "−" + text : text;
 }
 
+// To two significant digits: "0.034".
+std::string TwoDigits(double value) {
+  if (!(value > 0)) return "0";
+  return Short(value, std::clamp(1 - static_cast<int>(std::floor(std::log10(value))), 0, 12));
+}
+
 std::vector<PointM> ToPixels(const MapFrame& frame, const std::vector<PointM>& points) {
   std::vector<PointM> pixels;
   for (const PointM& point : points) pixels.push_back({frame.X(point.x_m), frame.Y(point.y_m)});
@@ -196,8 +202,7 @@ std::string GridFigure(const Scene& scene) {
   // The picture's strength goes with the root of the probability.
   for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     const double probability = share * share * highest;
-    svg.Text(x + 22, y + key_height * (1 - share) + 4, Short(probability, probability < 0.01 ? 4 : 2),
-             "tick");
+    svg.Text(x + 22, y + key_height * (1 - share) + 4, TwoDigits(probability), "tick");
   }
   return svg.Finish();
 }

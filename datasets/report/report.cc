@@ -33,6 +33,14 @@ std::string MapCaption(const Evaluation* evaluation) {
   return caption + (evaluation->aligned_on == "poses" ? "the poses of all robots." : "the landmarks.");
 }
 
+std::string BeforeAfterCaption(const Scene& scene) {
+  std::string caption = "Both at one scale, each path from its first corrected pose.";
+  bool marks = false;
+  for (const Path& path : scene.odometry_marks) marks = marks || !path.points.empty();
+  if (marks) caption += " Dots on the left: where raw odometry has the robot when it is at a landmark.";
+  return caption;
+}
+
 std::string LikelihoodSection(const std::vector<Iteration>& iterations) {
   return Figure(
       LikelihoodFigure(iterations),
@@ -85,11 +93,7 @@ std::string Page(const Blob& result, const Blob* log, const Evaluation* evaluati
       "<h1>" + Escape(options.title) + "</h1>\n<p class=\"lead\">" + Escape(LeadHtml(result, log)) + "</p>\n";
   html += TilesHtml(result, evaluation);
   html += Section("Map", LegendHtml(scene) + Figure(MapFigure(scene), MapCaption(evaluation)));
-  html +=
-      Section("Before and after",
-              Figure(BeforeAfterFigure(scene),
-                     "Both at one scale. Dots on the left are where the raw odometry puts the robot at its "
-                     "landmark observations."));
+  html += Section("Before and after", Figure(BeforeAfterFigure(scene), BeforeAfterCaption(scene)));
   html += Section("Landmark probability",
                   Figure(GridFigure(scene),
                          "P(landmark) of each cell, the largest over the landmark types; a "

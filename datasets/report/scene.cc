@@ -46,12 +46,24 @@ class SceneMaker {
     return {c * x + s * y, -s * x + c * y};
   }
 
+  // Of the observations at the robot itself.
+  std::vector<double> PressTimes(const std::string& observations) const {
+    const auto time = log_->Get<double>(observations + "time_s");
+    const auto range = log_->Get<double>(observations + "range_m");
+    if (range.size() != time.size()) throw InputError("'" + observations + "': columns of different length");
+    std::vector<double> presses;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      if (std::isnan(range[i])) presses.push_back(time[i]);
+    }
+    return presses;
+  }
+
   void AddOdometry(const Track& track, const std::string& name, std::size_t r) {
     const std::string robot = "robot/" + std::to_string(r) + "/";
     const auto time = log_->Get<double>(robot + "odometry/time_s");
     const auto turn = log_->Get<double>(robot + "odometry/turn_rad");
     const auto forward = log_->Get<double>(robot + "odometry/forward_m");
-    const auto marks = log_->Get<double>(robot + "observations/time_s");
+    const std::vector<double> marks = PressTimes(robot + "observations/");
     Path path{name, r, {}}, at_marks{name, r, {}};
     PoseM pose = track.poses.front();
     path.points.push_back({pose.x_m, pose.y_m});

@@ -49,7 +49,7 @@ struct Box {
 struct Scene {
   std::vector<Path> paths;           // most likely poses
   std::vector<Path> odometry;        // dead reckoning from each path's first pose; empty without a log
-  std::vector<Path> odometry_marks;  // where it puts the robot at each observation
+  std::vector<Path> odometry_marks;  // where it puts the robot at each observation without a range
   std::vector<Path> truth_paths;     // empty without an evaluation
   std::vector<MapLandmark> landmarks;
   std::vector<PointM> truth_landmarks;                 // those that were observed

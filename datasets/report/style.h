@@ -51,7 +51,7 @@ svg text { fill:var(--ink); font-size:12px; } .tick { fill:var(--soft) !importan
 .truth-landmark { fill:none; stroke:var(--truth); stroke-width:1.8; } .miss { stroke:var(--bad); stroke-width:1.6; }
 .ellipse { fill:var(--ink); fill-opacity:.1; stroke:var(--ink); stroke-opacity:.6; stroke-width:1; }
 .name { font-size:11.5px !important; font-weight:600; paint-order:stroke; stroke:var(--panel); stroke-width:3px; }
-.start { fill:var(--robot); stroke:var(--paper); stroke-width:1.5; } .mark { fill:var(--robot); stroke:var(--paper); stroke-width:.7; }
+.start { fill:var(--robot,var(--soft)); stroke:var(--paper); stroke-width:1.5; } .mark { fill:var(--robot); stroke:var(--paper); stroke-width:.7; }
 .curve { fill:none; stroke:var(--accent); stroke-width:2; } .point { fill:var(--accent); stroke:var(--accent); stroke-width:1.6; }
 .point.part { fill:var(--paper); } .bar { fill:var(--accent); fill-opacity:.8; }
 .r0{--robot:var(--r0)} .r1{--robot:var(--r1)} .r2{--robot:var(--r2)} .r3{--robot:var(--r3)}
