@@ -14,7 +14,7 @@ namespace cairn::store {
 // Memory from malloc, as HDF5 resizes it.
 struct Image {
   struct Free {
-    void operator()(void* data) const { std::free(data); }
+    void operator()(void* memory) const { std::free(memory); }
   };
   std::unique_ptr<std::byte, Free> data;
   std::size_t size = 0;

@@ -1,0 +1,7 @@
+// The entry that libFuzzer calls; CAIRN_FUZZ_TARGET is one of targets.h.
+#include "tests/fuzz/targets.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static_cast<void>(cairn::fuzz::CAIRN_FUZZ_TARGET({data, size}));
+  return 0;
+}
