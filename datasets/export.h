@@ -28,8 +28,8 @@ Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder
 // thresholds 0.65 and 0.196. Of a landmark map, occupied is where any landmark is.
 Written ExportRos(const Blob& result, const std::string& folder);
 
-// map.png: the map's grid in grey, paths in colours (a dot where they begin), landmarks with their 2 sigma
-// ellipses, a bar for scale.
+// map.png: paths, landmarks with their 95% regions, the grid beneath, axes, a bar for scale
+// (report/draw_map.h).
 Written ExportPng(const Blob& result, const std::string& folder);
 
 // Of a log: odometry.csv, observations.csv, truth_poses.csv, truth_landmarks.csv, truth_associations.csv

@@ -16,13 +16,14 @@ namespace cairn::datasets {
 // GOSPA, after the alignment. Where a landmark's identity is known only the true one of the same name will
 // do.
 struct LandmarkScore {
-  std::int64_t found = 0;                   // true ones with a match closer than the cut-off of 3 m
-  std::int64_t missed = 0;                  // true ones without
-  std::int64_t spurious = 0;                // extracted ones without
-  std::int64_t within_3m = 0;               // pairs closer than 3 m: as `found`, whose cut-off it is
-  std::optional<double> rmse_m;             // of the pairs; none: no pair
-  std::optional<double> rmse_similarity_m;  // of the same pairs after their own best alignment with a scale
-  double gospa_m = 0;                       // cut-off 3 m, alpha 2, p 2
+  std::int64_t found = 0;        // true ones with a match closer than the cut-off of 3 m
+  std::int64_t missed = 0;       // true ones without
+  std::int64_t spurious = 0;     // extracted ones without
+  std::int64_t within_3m = 0;    // pairs closer than 3 m: as `found`, whose cut-off it is
+  std::optional<double> rmse_m;  // of the pairs; none: no pair
+  // Of the same pairs, after their own best alignment with a scale.
+  std::optional<double> rmse_similarity_m;
+  double gospa_m = 0;  // cut-off 3 m, alpha 2, p 2
 };
 
 struct RobotScore {

@@ -47,11 +47,6 @@ std::string LegendItem(const std::string& drawing, const std::string& what) {
          "</li>\n";
 }
 
-// "robot 3" for a robot that is called 3.
-std::string RobotTitle(const std::string& name) {
-  return name.find_first_not_of("0123456789") == std::string::npos ? "robot " + name : name;
-}
-
 }  // namespace
 
 std::string LeadHtml(const Blob& result, const Blob* log) {

@@ -24,14 +24,16 @@ class SceneMaker {
       : result_(result), log_(log), evaluation_(evaluation) {}
 
   Scene Make() {
-    const std::vector<std::string> names = result_.Texts("robots");
+    std::vector<std::string> names;
+    if (result_.Has("robots")) names = result_.Texts("robots");
     for (std::size_t r = 0; r < names.size(); ++r) {
-      const Track track = ReadTrack(result_, "robot/" + std::to_string(r) + "/poses/", "mode_");
+      const std::string poses = "robot/" + std::to_string(r) + "/poses/";
+      const Track track = ReadTrack(result_, poses, result_.Has(poses + "mode_x_m") ? "mode_" : "");
       scene_.paths.push_back(ToPath(track, names[r], r));
       if (log_ != nullptr && !track.poses.empty()) AddOdometry(track, names[r], r);
       if (log_ != nullptr && evaluation_ != nullptr) AddTruthPath(names[r], r);
     }
-    AddLandmarks();
+    if (result_.Has("map/landmark_x_m")) AddLandmarks();
     if (log_ != nullptr && evaluation_ != nullptr) AddTruthLandmarks();
     if (result_.Has("map/grid/probability")) AddGrid();
     return std::move(scene_);
@@ -165,8 +167,9 @@ class Bounds {
       for (const PointM& point : path.points) Add(point);
     }
   }
+  bool empty() const { return box_.x_low_m > box_.x_high_m; }
   Box Padded() const {
-    if (box_.x_low_m > box_.x_high_m) return {-0.5, 0.5, -0.5, 0.5};
+    if (empty()) return {-0.5, 0.5, -0.5, 0.5};
     const double pad = std::max(0.5, 0.04 * std::max(box_.width_m(), box_.height_m()));
     return {box_.x_low_m - pad, box_.x_high_m + pad, box_.y_low_m - pad, box_.y_high_m + pad};
   }
@@ -177,6 +180,10 @@ class Bounds {
 };
 
 }  // namespace
+
+std::string RobotTitle(const std::string& name) {
+  return name.find_first_not_of("0123456789") == std::string::npos ? "robot " + name : name;
+}
 
 Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation) {
   return SceneMaker(result, log, evaluation).Make();
@@ -189,6 +196,12 @@ Box BoundsOf(const Scene& scene, bool with_odometry) {
   if (with_odometry) bounds.Add(scene.odometry);
   for (const MapLandmark& landmark : scene.landmarks) bounds.Add(landmark.at);
   for (const PointM& point : scene.truth_landmarks) bounds.Add(point);
+  if (bounds.empty() && scene.grid) {
+    const Grid& grid = *scene.grid;
+    bounds.Add(grid.origin);
+    bounds.Add({grid.origin.x_m + static_cast<double>(grid.columns) * grid.cell_m,
+                grid.origin.y_m + static_cast<double>(grid.rows) * grid.cell_m});
+  }
   return bounds.Padded();
 }
 

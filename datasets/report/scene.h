@@ -57,6 +57,9 @@ struct Scene {
   std::optional<Grid> grid;
 };
 
+// "robot 3" for a robot that is called 3.
+std::string RobotTitle(const std::string& name);
+
 // `log` and `evaluation` may be null; truth is drawn where both are there, laid over the result by the
 // inverse of the evaluation's alignment. Throws InputError where the result lacks what a landmark_map has.
 Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation);

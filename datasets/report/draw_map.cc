@@ -1,0 +1,225 @@
+#include "datasets/report/draw_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/report/axes.h"
+#include "datasets/report/canvas.h"
+#include "datasets/report/figures.h"
+#include "datasets/report/format.h"
+#include "datasets/report/grid_picture.h"
+#include "datasets/report/scene.h"
+
+namespace cairn::datasets {
+namespace report {
+namespace {
+
+// The report's colours on white paper.
+constexpr Rgb kPaper{255, 255, 255}, kInk{28, 39, 51}, kSoft{91, 107, 123}, kLine{205, 213, 221};
+constexpr Rgb kRaster{233, 238, 242}, kTruePathGrey{214, 219, 225}, kTruth{133, 147, 161}, kBad{179, 38, 30};
+constexpr Rgb kTint{143, 184, 232}, kBlack{0, 0, 0}, kUnknown{205, 205, 205};
+constexpr std::array<Rgb, kRobotColours> kRobots = {{{31, 111, 181},
+                                                     {210, 96, 26},
+                                                     {22, 134, 92},
+                                                     {160, 79, 184},
+                                                     {14, 147, 166},
+                                                     {181, 54, 94},
+                                                     {138, 116, 17},
+                                                     {85, 96, 200}}};
+constexpr double kText = 11, kMargin = 22;
+
+Rgb Mix(Rgb a, Rgb b, double share) {
+  Rgb mixed{};
+  for (std::size_t c = 0; c < 3; ++c) mixed[c] = static_cast<int>(std::lround(a[c] + share * (b[c] - a[c])));
+  return mixed;
+}
+
+struct Legend {
+  enum class Kind { kPath, kTruthPath, kLandmark, kTruthLandmark, kSpurious } kind;
+  std::string text;
+  Rgb colour;
+};
+
+std::vector<Legend> LegendOf(const Scene& scene) {
+  using enum Legend::Kind;
+  std::vector<Legend> items;
+  for (const Path& path : scene.paths) {
+    items.push_back({kPath, RobotTitle(path.robot), kRobots[path.index % kRobotColours]});
+  }
+  if (!scene.landmarks.empty()) items.push_back({kLandmark, "landmark, 95% region", kInk});
+  if (!scene.truth_landmarks.empty()) items.push_back({kTruthLandmark, "true landmark", kTruth});
+  if (!scene.truth_paths.empty()) items.push_back({kTruthPath, "true path", kTruePathGrey});
+  const bool spurious = std::any_of(scene.landmarks.begin(), scene.landmarks.end(),
+                                    [](const MapLandmark& landmark) { return landmark.spurious; });
+  if (spurious) items.push_back({kSpurious, "spurious landmark", kBad});
+  return items;
+}
+
+// Places the legend's items in rows; `draw` says whether to draw them or only to count. Returns the height.
+double DrawLegend(const std::vector<Legend>& items, double width, Canvas* canvas) {
+  using enum Legend::Kind;
+  constexpr double kSwatch = 30, kGap = 26, kRow = 24;
+  double x = kMargin, y = kMargin + kText;
+  for (const Legend& item : items) {
+    const double needed = kSwatch + 8 + Canvas::TextWidth(item.text, kText) + kGap;
+    if (x > kMargin && x + needed > width - kMargin) {
+      x = kMargin;
+      y += kRow;
+    }
+    if (canvas != nullptr) {
+      const double middle = y - kText / 2;
+      const PointM centre{x + kSwatch / 2, middle};
+      if (item.kind == kPath) canvas->Line({x, middle}, {x + kSwatch, middle}, item.colour, 2);
+      if (item.kind == kTruthPath) canvas->Line({x, middle}, {x + kSwatch, middle}, item.colour, 5);
+      if (item.kind == kLandmark) canvas->Ellipse(centre, 13, 8, 0, kSoft, 0.5);
+      if (item.kind == kLandmark || item.kind == kSpurious) canvas->Dot(centre, 4, item.colour);
+      if (item.kind == kTruthLandmark) canvas->Ring(centre, 8, item.colour, 2);
+      canvas->Text({x + kSwatch + 8, y}, item.text, kInk, kText);
+    }
+    x += needed;
+  }
+  return y + kRow / 2;
+}
+
+class MapPainter {
+ public:
+  MapPainter(const Scene& scene, Canvas& canvas, const MapFrame& frame)
+      : scene_(scene), canvas_(canvas), frame_(frame) {}
+
+  void Paint() {
+    if (scene_.grid) PaintGrid(*scene_.grid);
+    PaintRaster();
+    for (const Path& path : scene_.truth_paths) canvas_.Polyline(At(path.points), kTruePathGrey, 5);
+    for (const Path& path : scene_.paths) {
+      canvas_.Polyline(At(path.points), kRobots[path.index % kRobotColours], 1.5);
+    }
+    for (const auto& [ours, theirs] : scene_.error_lines) canvas_.Line(At(ours), At(theirs), kBad, 2);
+    for (const PointM& point : scene_.truth_landmarks) canvas_.Ring(At(point), 9, kTruth, 2);
+    PaintLandmarks();
+    PaintStarts();
+    PaintFrame();
+  }
+
+ private:
+  PointM At(PointM point) const { return {frame_.X(point.x_m), frame_.Y(point.y_m)}; }
+
+  std::vector<PointM> At(const std::vector<PointM>& points) const {
+    std::vector<PointM> pixels;
+    for (const PointM& point : points) pixels.push_back(At(point));
+    return pixels;
+  }
+
+  void PaintGrid(const Grid& grid) {
+    const bool tint = !scene_.landmarks.empty();
+    const double highest = tint ? HighestProbability(grid) : 1;
+    for (std::int64_t row = 0; row < grid.rows; ++row) {
+      for (std::int64_t column = 0; column < grid.columns; ++column) {
+        const double p = grid.probability[static_cast<std::size_t>(row * grid.columns + column)];
+        if (p <= 0) continue;
+        const Rgb full = tint ? kTint : kBlack;
+        const double share = highest > 0 ? std::clamp(p / highest, 0.0, 1.0) : 0;
+        const double x = grid.origin.x_m + static_cast<double>(column) * grid.cell_m;
+        const double y = grid.origin.y_m + static_cast<double>(row) * grid.cell_m;
+        const Rgb colour = std::isnan(p) ? kUnknown : Mix(kPaper, full, tint ? std::sqrt(share) : share);
+        canvas_.Fill(At({x, y + grid.cell_m}), At({x + grid.cell_m, y}), colour);
+      }
+    }
+  }
+
+  void PaintRaster() {
+    const Panel& p = frame_.panel();
+    const Box& box = frame_.box();
+    for (const double x : Ticks(box.x_low_m, box.x_high_m, static_cast<int>(p.width / 120))) {
+      canvas_.Line({frame_.X(x), p.top}, {frame_.X(x), p.top + p.height}, kRaster, 1);
+    }
+    for (const double y : Ticks(box.y_low_m, box.y_high_m, static_cast<int>(p.height / 90))) {
+      canvas_.Line({p.left, frame_.Y(y)}, {p.left + p.width, frame_.Y(y)}, kRaster, 1);
+    }
+  }
+
+  void PaintLandmarks() {
+    for (const MapLandmark& landmark : scene_.landmarks) {
+      const EllipseM& e = landmark.ellipse;
+      const double major = e.major_m * frame_.pixels_per_m(), minor = e.minor_m * frame_.pixels_per_m();
+      const double degrees = -e.angle_rad * 180 / std::numbers::pi;
+      if (major > 5) canvas_.Ellipse(At(landmark.at), major, std::max(minor, 1.0), degrees, kSoft, 0.5);
+    }
+    for (const MapLandmark& landmark : scene_.landmarks) {
+      const PointM at = At(landmark.at);
+      canvas_.Dot(at, 5.2, kPaper);
+      canvas_.Dot(at, 4, landmark.spurious ? kBad : kInk);
+      canvas_.Text({at.x_m + 9, at.y_m - 9}, landmark.name, kInk, kText, Align::kLeft, 2);
+    }
+  }
+
+  void PaintStarts() {
+    for (const Path& path : scene_.paths) {
+      if (path.points.empty()) continue;
+      canvas_.Dot(At(path.points.front()), 8, kPaper);
+      canvas_.Dot(At(path.points.front()), 6.5, kRobots[path.index % kRobotColours]);
+    }
+  }
+
+  // What was drawn beyond the panel is covered, then come the axes.
+  void PaintFrame() {
+    const Panel& p = frame_.panel();
+    const double right = p.left + p.width, bottom = p.top + p.height, far = 20000;
+    canvas_.Fill({0, 0}, {far, p.top}, kPaper);
+    canvas_.Fill({0, bottom}, {far, far}, kPaper);
+    canvas_.Fill({0, 0}, {p.left, far}, kPaper);
+    canvas_.Fill({right, 0}, {far, far}, kPaper);
+    canvas_.Frame({p.left, p.top}, {right, bottom}, kLine, 1);
+    const Box& box = frame_.box();
+    for (const double x : Ticks(box.x_low_m, box.x_high_m, static_cast<int>(p.width / 120))) {
+      canvas_.Text({frame_.X(x), bottom + 20}, Short(x), kSoft, kText, Align::kMiddle);
+    }
+    for (const double y : Ticks(box.y_low_m, box.y_high_m, static_cast<int>(p.height / 90))) {
+      canvas_.Text({p.left - 8, frame_.Y(y) + kText / 2}, Short(y), kSoft, kText, Align::kRight);
+    }
+    canvas_.Text({p.left + p.width / 2, bottom + 44}, "x [m]", kSoft, kText, Align::kMiddle);
+    canvas_.Text({p.left + 8, p.top + 18}, "y [m]", kSoft, kText, Align::kLeft, 2);
+    PaintScale(right, bottom);
+  }
+
+  void PaintScale(double right, double bottom) {
+    const double bar_m = RoundBelow(frame_.box().width_m() / 6);
+    const double width = bar_m * frame_.pixels_per_m(), end = right - 20, y = bottom - 18;
+    canvas_.Fill({end - width - 10, y - 26}, {end + 10, y + 10}, kPaper);
+    canvas_.Line({end - width, y}, {end, y}, kInk, 2);
+    for (const double x : {end - width, end}) canvas_.Line({x, y - 6}, {x, y + 6}, kInk, 2);
+    canvas_.Text({end - width / 2, y - 10}, Short(bar_m) + " m", kInk, kText, Align::kMiddle);
+  }
+
+  const Scene& scene_;
+  Canvas& canvas_;
+  const MapFrame& frame_;
+};
+
+std::string Draw(const Scene& scene, int width_px) {
+  const std::vector<Legend> legend = LegendOf(scene);
+  const double legend_height = DrawLegend(legend, width_px, nullptr);
+  const Box box = BoundsOf(scene, false);
+  constexpr double kLeft = 70, kRight = 22, kBottom = 60;
+  Panel panel{kLeft, legend_height + 16, width_px - kLeft - kRight, 0};
+  panel.height = PanelHeight(box, panel.width, 0.25 * panel.width, 1.4 * panel.width);
+  Canvas canvas(width_px, static_cast<int>(std::ceil(panel.top + panel.height + kBottom)), kPaper);
+  const MapFrame frame(box, panel);
+  MapPainter(scene, canvas, frame).Paint();
+  DrawLegend(legend, width_px, &canvas);
+  return canvas.Png();
+}
+
+}  // namespace
+}  // namespace report
+
+std::string DrawMapPng(const Blob& result, const Blob* log, const Evaluation* evaluation, int width_px) {
+  CAIRN_DEMAND(width_px >= 400 && width_px <= 10000, "400 to 10000 pixels");
+  const report::Scene scene = report::MakeScene(result, log, evaluation);
+  bool drawable = scene.grid.has_value() || !scene.landmarks.empty();
+  for (const report::Path& path : scene.paths) drawable = drawable || !path.points.empty();
+  if (!drawable) throw InputError("there is neither a map nor a path in it to draw");
+  return report::Draw(scene, width_px);
+}
+
+}  // namespace cairn::datasets

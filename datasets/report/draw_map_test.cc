@@ -1,0 +1,76 @@
+#include "datasets/report/draw_map.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "datasets/evaluate/perfect_result.h"
+#include "datasets/simulate_loop.h"
+#include "datasets/testing.h"
+
+namespace cairn::datasets {
+namespace {
+
+cv::Mat Decoded(const std::string& png) {
+  return cv::imdecode(std::vector<char>(png.begin(), png.end()), cv::IMREAD_COLOR);
+}
+
+int Count(const cv::Mat& image, const cv::Scalar& bgr) {
+  cv::Mat mask;
+  cv::inRange(image, bgr, bgr, mask);
+  return cv::countNonZero(mask);
+}
+
+const cv::Scalar kTruePath(225, 219, 214), kSecondRobot(26, 96, 210), kThirdRobot(92, 134, 22),
+    kBad(30, 38, 179);
+
+TEST(DrawMap, ShowsPathsAndTruthAtTheAskedWidth) {
+  const Blob log = SimulateLoop({.difficulty = "paper", .robots = 2, .seed = 2});
+  Blob result = PerfectLandmarkMap(log);
+  const Evaluation evaluation = Evaluate(result, log);
+  const cv::Mat plain = Decoded(DrawMapPng(result, nullptr, nullptr, 900));
+  EXPECT_EQ(plain.cols, 900);
+  EXPECT_GT(plain.rows, 300);
+  EXPECT_EQ(Count(plain, kTruePath), 0);
+  EXPECT_GT(Count(plain, kSecondRobot), 100);
+  EXPECT_EQ(Count(plain, kThirdRobot), 0);
+  const cv::Mat with_truth = Decoded(DrawMapPng(result, &log, &evaluation, 900));
+  EXPECT_GT(Count(with_truth, kTruePath), 100);
+  EXPECT_EQ(Count(with_truth, kBad), 0) << "nothing is wrong";
+}
+
+TEST(DrawMap, MarksWhatIsWrong) {
+  const Blob log = SimulateLoop({.difficulty = "paper", .robots = 1, .seed = 2});
+  Blob result = PerfectLandmarkMap(log);
+  const auto x = result.Get<double>("map/landmark_x_m");
+  std::vector<double> moved(x.begin(), x.end());
+  moved[0] += 2;   // an error line
+  moved[1] += 20;  // spurious
+  result.PutVector("map/landmark_x_m", moved);
+  const Evaluation evaluation = Evaluate(result, log);
+  EXPECT_GT(Count(Decoded(DrawMapPng(result, &log, &evaluation)), kBad), 50);
+}
+
+TEST(DrawMap, AGridAloneIsGrey) {
+  Blob map;
+  map.Put(
+      "map/grid/probability",
+      Array::Of<double>({1, 2, 2}, std::vector<double>{0, 1, std::numeric_limits<double>::quiet_NaN(), 0.5}));
+  map.PutScalar("map/grid/origin_x_m", -1.0);
+  map.PutScalar("map/grid/origin_y_m", 3.0);
+  map.PutScalar("map/grid/cell_m", 0.5);
+  const cv::Mat image = Decoded(DrawMapPng(map, nullptr, nullptr, 600));
+  const int cell = Count(image, {0, 0, 0});
+  EXPECT_GT(cell, 10000);
+  // The three other cells are as large, but for the raster over them and the scale bar's plate.
+  EXPECT_NEAR(Count(image, {205, 205, 205}), cell, 0.2 * cell);
+  EXPECT_NEAR(Count(image, {128, 128, 128}), cell, 0.2 * cell);
+}
+
+TEST(DrawMap, RefusesWhatHoldsNothing) {
+  ExpectContains(InputErrorOf([] { DrawMapPng(Blob(), nullptr, nullptr); }), "neither a map nor a path");
+}
+
+}  // namespace
+}  // namespace cairn::datasets
