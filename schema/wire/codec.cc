@@ -1,5 +1,7 @@
 #include "schema/wire/codec.h"
 
+#include <google/protobuf/stubs/logging.h>
+
 #include <utility>
 
 namespace cairn::wire {
@@ -112,6 +114,7 @@ Frames Encode(Message message) {
 Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
   if (Status sizes = CheckSizes(frames, limits); !sizes.ok()) return sizes;
   Message message;
+  const google::protobuf::LogSilencer quiet;  // a peer must not fill our log with protobuf's complaints
   if (!message.envelope.ParseFromArray(frames[0].data(), static_cast<int>(frames[0].size()))) {
     return Corrupt("the envelope cannot be parsed");
   }
