@@ -16,7 +16,6 @@ set(CAIRN_LINKS_coordinator_cli
   "${CAIRN_LINKS_coordinator}|coordinator/.*|datasets(/.*)?|CLI11::.*|yaml-cpp(::.*)?")
 set(CAIRN_LINKS_tests ".*")
 
-set(CAIRN_LINKS_tests ".*")
 
 # The expression for a folder: its own, or that of the nearest folder above it.
 function(cairn_links_of folder result)

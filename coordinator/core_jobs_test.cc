@@ -143,6 +143,9 @@ TEST(CoreJobs, ABadChainOfStagesIsAnInputError) {
             std::string::npos);
   EXPECT_NE(reason([](proto::Job& job) { job.mutable_stages(1)->set_name("log"); }).find("'log'"),
             std::string::npos);
+  for (const std::string name : {"", "../up", ".hidden", "a b"})
+    EXPECT_NE(reason([&](proto::Job& job) { job.mutable_stages(1)->set_name(name); }).find("cannot be"),
+              std::string::npos);
   EXPECT_NE(reason([](proto::Job& job) { (*job.mutable_input_blobs())["log"] = "x"; }).find("hash"),
             std::string::npos);
 }

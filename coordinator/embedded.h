@@ -6,11 +6,12 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
 
-#include "coordinator/service.h"
+#include "coordinator/log.h"
 #include "schema/blob.h"
 #include "schema/wire.pb.h"
 

@@ -1,5 +1,7 @@
 #include "coordinator/job.h"
 
+#include <algorithm>
+#include <cctype>
 #include <set>
 
 namespace cairn::coordinator {
@@ -32,6 +34,18 @@ double Job::MedianTaskSeconds() const {
   return task_seconds.size() < 3 ? 0.0 : task_seconds[task_seconds.size() / 2];
 }
 
+namespace {
+
+// It becomes part of a file name.
+bool IsPlainName(const std::string& name) {
+  return !name.empty() && name.size() <= 100 && name[0] != '.' &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) {
+           return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+         });
+}
+
+}  // namespace
+
 std::string CheckJob(const proto::Job& job) {
   if (job.stages_size() == 0) return "the job has no stages";
   std::set<std::string> known;
@@ -40,7 +54,10 @@ std::string CheckJob(const proto::Job& job) {
     known.insert(name);
   }
   for (const proto::Stage& stage : job.stages()) {
-    if (stage.name().empty()) return "a stage has no name";
+    if (!IsPlainName(stage.name()))
+      return "'" + stage.name() +
+             "' cannot be a stage's name: letters, digits, '_', '-' and '.' can, up to 100, " +
+             "and no '.' first";
     for (const auto& [name, source] : stage.inputs())
       if (!known.contains(source))
         return "stage '" + stage.name() + "' reads '" + source + "' as its " + name +
@@ -48,6 +65,12 @@ std::string CheckJob(const proto::Job& job) {
     if (!known.insert(stage.name()).second) return "two stages or inputs are called '" + stage.name() + "'";
   }
   return "";
+}
+
+Hash HashOfJob(const proto::Job& job) {
+  proto::Job canonical = job;
+  canonical.clear_inputs();
+  return HashOfMessage(canonical);
 }
 
 std::map<std::string, Hash> StageInputs(const Job& job) {

@@ -76,6 +76,9 @@ struct Job {
 // What is wrong with a job's chain of stages, for people; empty where nothing is.
 std::string CheckJob(const proto::Job& job);
 
+// Equal where two jobs compute the same: all but the paths from which the inputs were read.
+Hash HashOfJob(const proto::Job& job);
+
 // The current stage's inputs, by the pipeline's names for them.
 std::map<std::string, Hash> StageInputs(const Job& job);
 

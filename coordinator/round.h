@@ -80,7 +80,10 @@ std::string CheckStep(const proto::Step& step);
 // The blobs that a step names: of its state, its tasks' inputs, its result.
 std::set<Hash> BlobsOfStep(const proto::Step& step);
 
-// Over the step's canonical bytes: equal where two answers to one task agree.
-Hash HashOfStep(const proto::Step& step);
+// Over a message's bytes with maps in the order of their keys: equal messages, equal hashes (within one
+// build).
+Hash HashOfMessage(const google::protobuf::Message& message);
+// Equal where two answers to one task agree.
+inline Hash HashOfStep(const proto::Step& step) { return HashOfMessage(step); }
 
 }  // namespace cairn::coordinator

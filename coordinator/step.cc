@@ -47,13 +47,13 @@ std::set<Hash> BlobsOfStep(const proto::Step& step) {
   return hashes;
 }
 
-Hash HashOfStep(const proto::Step& step) {
+Hash HashOfMessage(const google::protobuf::Message& message) {
   std::string bytes;
   {
     google::protobuf::io::StringOutputStream stream(&bytes);
     google::protobuf::io::CodedOutputStream coded(&stream);
     coded.SetSerializationDeterministic(true);  // maps in the order of their keys
-    step.SerializeWithCachedSizes(&coded);
+    message.SerializeToCodedStream(&coded);
   }
   Hasher hasher;
   hasher.Add(std::string_view(bytes));

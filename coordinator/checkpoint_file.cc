@@ -1,0 +1,73 @@
+#include "coordinator/checkpoint_file.h"
+
+#include <google/protobuf/util/json_util.h>
+
+#include <span>
+
+#include "coordinator/job.h"
+#include "schema/blob.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+bool IsHash(const std::string& binary) { return binary.size() == sizeof(Hash::bytes); }
+
+// A core that restores it may rely on this.
+std::string WhatIsWrong(const proto::Checkpoint& checkpoint) {
+  if (checkpoint.job_id().empty() || checkpoint.number() == 0) return "it names no job or has no number";
+  if (checkpoint.results_size() != static_cast<int>(checkpoint.stage()))
+    return "its results are not its stages'";
+  for (const std::string& hash : checkpoint.results())
+    if (!IsHash(hash)) return "a result has no hash";
+  for (const std::string& hash : checkpoint.blobs())
+    if (!IsHash(hash)) return "a blob has no hash";
+  if (static_cast<int>(checkpoint.stage()) > checkpoint.job().stages_size())
+    return "it has more stages than its job";
+  return checkpoint.has_step() ? CheckStep(checkpoint.step()) : "";
+}
+
+}  // namespace
+
+std::string JobAsJson(const proto::Job& job) {
+  proto::Job readable = job;
+  for (auto& [name, hash] : *readable.mutable_input_blobs()) {
+    const Result<Hash> parsed = Hash::FromBinary(hash);
+    if (parsed.ok()) (*readable.mutable_inputs())[name] += " (" + parsed.value().Hex() + ")";
+  }
+  readable.clear_input_blobs();  // JSON would show them in base64
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  std::string text;
+  const auto status = google::protobuf::util::MessageToJsonString(readable, &text, options);
+  return status.ok() ? text : std::string("{}");
+}
+
+Status WriteCheckpoint(const std::filesystem::path& path, const proto::Checkpoint& checkpoint) {
+  const std::string bytes = checkpoint.SerializeAsString();
+  Blob blob;
+  blob.Put("checkpoint", Array::Of<std::uint8_t>(
+                             {static_cast<std::int64_t>(bytes.size())},
+                             std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size())));
+  blob.Put("job", Array::Text(JobAsJson(checkpoint.job())));
+  return WriteBlobFile(path, "checkpoint", blob);
+}
+
+Result<proto::Checkpoint> ReadCheckpoint(const std::filesystem::path& path) {
+  const Result<BlobFile> file = ReadBlobFile(path);
+  if (!file.ok()) return file.status();
+  proto::Checkpoint checkpoint;
+  try {
+    const auto bytes = file.value().blob.Get<std::uint8_t>("checkpoint");
+    if (!checkpoint.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+      return Status(Code::kCorrupt, path.string() + ": not a checkpoint");
+  } catch (const InputError& error) {
+    return Status(Code::kCorrupt, path.string() + ": " + error.what());
+  }
+  const std::string wrong = WhatIsWrong(checkpoint);
+  if (!wrong.empty()) return Status(Code::kCorrupt, path.string() + ": " + wrong);
+  return checkpoint;
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,128 @@
+#include "coordinator/disk_writer.h"
+
+#include <utility>
+
+#include "coordinator/checkpoint_file.h"
+#include "coordinator/result_file.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::coordinator {
+
+namespace fs = std::filesystem;
+
+DiskWriter::DiskWriter(const StoreFolder& folder, JobTable table, std::function<void()> wake)
+    : folder_(folder), table_(std::move(table)), wake_(std::move(wake)), thread_([this] { Loop(); }) {}
+
+DiskWriter::~DiskWriter() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_one();
+  thread_.join();
+}
+
+std::uint64_t DiskWriter::Add(DiskWork work) {
+  const std::uint64_t ticket = next_ticket_++;
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.push_back({ticket, std::move(work)});
+  }
+  changed_.notify_one();
+  return ticket;
+}
+
+std::vector<DiskDone> DiskWriter::TakeDone() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(done_, {});
+}
+
+void DiskWriter::Loop() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return closed_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+    Item item = std::move(queue_.front());
+    queue_.pop_front();
+    lock.unlock();
+    std::optional<DiskDone> done = Do(item);
+    lock.lock();
+    if (!done) continue;
+    done_.push_back(std::move(*done));
+    wake_();
+  }
+}
+
+std::optional<DiskDone> DiskWriter::Do(Item& item) {
+  std::optional<DiskDone> done;
+  if (const auto* checkpoint = std::get_if<WriteCheckpointWork>(&item.work)) done = Do(*checkpoint);
+  if (const auto* blobs = std::get_if<WriteBlobsWork>(&item.work)) done = Do(*blobs);
+  if (const auto* remove = std::get_if<RemoveBlobsWork>(&item.work)) Do(*remove);
+  if (const auto* row = std::get_if<WriteRowWork>(&item.work)) {
+    done = Do(*row);
+    if (done->status.ok()) done.reset();
+  }
+  if (done) done->ticket = item.ticket;
+  return done;
+}
+
+DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
+  const proto::Checkpoint& checkpoint = work.checkpoint;
+  DiskDone done;
+  done.job = checkpoint.job_id();
+  done.number = checkpoint.number();
+  done.status = WriteBlobs(work.blobs, done.written);
+  for (const ResultToWrite& result : work.results) {
+    if (!done.status.ok()) return done;
+    std::error_code ignored;  // the write below says what is wrong
+    fs::create_directories(result.path.parent_path(), ignored);
+    done.status = WriteBlobFile(result.path, result.kind,
+                                WithProvenance(*result.blob, checkpoint, result.stage, UtcNow()));
+  }
+  if (!done.status.ok()) return done;
+  const fs::path path = folder_.CheckpointFile(checkpoint.job_id(), checkpoint.number());
+  std::error_code ignored;
+  fs::create_directories(path.parent_path(), ignored);
+  done.status = WriteCheckpoint(path, checkpoint);
+  if (done.status.ok()) RemoveOldCheckpoints(checkpoint);
+  return done;
+}
+
+DiskDone DiskWriter::Do(const WriteBlobsWork& work) const {
+  DiskDone done;
+  done.status = WriteBlobs(work.blobs, done.written);
+  return done;
+}
+
+Status DiskWriter::WriteBlobs(const std::vector<wire::NamedBlob>& blobs, std::vector<Hash>& written) const {
+  for (const wire::NamedBlob& named : blobs) {
+    if (Status status = WriteBlobFile(folder_.BlobFile(named.hash), "blob", *named.blob); !status.ok())
+      return status;
+    written.push_back(named.hash);
+  }
+  return Status::Ok();
+}
+
+void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const {
+  const std::size_t keep = checkpoint.state() == proto::JOB_DONE ? 1 : 2;
+  const std::vector<std::uint64_t> numbers = folder_.CheckpointNumbers(checkpoint.job_id());
+  for (std::size_t i = 0; i + keep < numbers.size(); ++i) {
+    std::error_code ignored;  // an old checkpoint too many does no harm
+    fs::remove(folder_.CheckpointFile(checkpoint.job_id(), numbers[i]), ignored);
+  }
+}
+
+void DiskWriter::Do(const RemoveBlobsWork& work) const {
+  for (const Hash& hash : work.hashes) {
+    std::error_code ignored;  // the next start clears it away
+    fs::remove(folder_.BlobFile(hash), ignored);
+  }
+}
+
+DiskDone DiskWriter::Do(const WriteRowWork& work) {
+  DiskDone done;
+  done.status = table_.Write(work.row);
+  return done;
+}
+
+}  // namespace cairn::coordinator

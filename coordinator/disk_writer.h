@@ -1,0 +1,94 @@
+// One thread that does all writing, in the order in which it was asked, so that the event loop never waits
+// for a disk.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "coordinator/job_table.h"
+#include "coordinator/store_folder.h"
+#include "schema/blob.h"
+#include "schema/checkpoint.pb.h"
+#include "schema/wire/codec.h"
+
+namespace cairn::coordinator {
+
+struct ResultToWrite {
+  std::filesystem::path path;
+  std::string kind;
+  std::uint32_t stage = 0;
+  BlobPtr blob;
+};
+// Blobs first, then results, then the checkpoint, which so never names what is not there; then older ones go.
+struct WriteCheckpointWork {
+  proto::Checkpoint checkpoint;
+  std::vector<wire::NamedBlob> blobs;  // those not yet on disk
+  std::vector<ResultToWrite> results;
+};
+struct WriteBlobsWork {
+  std::vector<wire::NamedBlob> blobs;
+};
+struct RemoveBlobsWork {
+  std::vector<Hash> hashes;
+};
+struct WriteRowWork {
+  JobRow row;
+};
+using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork>;
+
+// What came of a checkpoint or of blobs; of rows only a failure is told. (A removal that fails is made up for
+// by the next start.)
+struct DiskDone {
+  std::uint64_t ticket = 0;
+  std::string job;           // empty: not a checkpoint
+  std::uint64_t number = 0;  // of the checkpoint
+  Status status;
+  std::vector<Hash> written;  // blobs that lie on disk now
+};
+
+class DiskWriter {
+ public:
+  // `wake` is called on the writer's thread when something is done.
+  DiskWriter(const StoreFolder& folder, JobTable table, std::function<void()> wake);
+  ~DiskWriter();  // after all work is done
+
+  std::uint64_t Add(DiskWork work);  // returns its ticket; tickets grow
+  std::uint64_t next_ticket() const { return next_ticket_; }
+  std::vector<DiskDone> TakeDone();
+
+ private:
+  struct Item {
+    std::uint64_t ticket;
+    DiskWork work;
+  };
+  void Loop();
+  std::optional<DiskDone> Do(Item& item);
+  DiskDone Do(const WriteCheckpointWork& work) const;
+  DiskDone Do(const WriteBlobsWork& work) const;
+  void Do(const RemoveBlobsWork& work) const;
+  DiskDone Do(const WriteRowWork& work);
+  Status WriteBlobs(const std::vector<wire::NamedBlob>& blobs, std::vector<Hash>& written) const;
+  void RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const;
+
+  const StoreFolder& folder_;
+  JobTable table_;
+  const std::function<void()> wake_;
+  std::uint64_t next_ticket_ = 1;  // of the thread that adds
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool closed_ = false;
+  std::deque<Item> queue_;
+  std::vector<DiskDone> done_;
+  std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,211 @@
+#include "coordinator/embedded.h"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "coordinator/hub.h"
+#include "coordinator/private_folder.h"
+#include "coordinator/recovery.h"
+#include "coordinator/worker_pool.h"
+#include "coordinator/zmq_transport.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kJobId = "run";
+constexpr double kStep_s = 0.05;
+constexpr double kProgressEvery_s = 0.1;
+constexpr double kSavePatience_s = 1.2;  // these two together stay below 2 s
+constexpr double kWorkerPatience_s = 0.3;
+
+EmbeddedResult End(EmbeddedEnd end, std::string reason) {
+  EmbeddedResult result;
+  result.end = end;
+  result.reason = std::move(reason);
+  return result;
+}
+
+double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+class Run {
+ public:
+  Run(const EmbeddedOptions& options, proto::Job job, StoreFolder folder)
+      : options_(options), job_(std::move(job)), folder_(std::move(folder)) {
+    if (!options_.log) options_.log = [](Severity, const std::string&) {};
+  }
+
+  EmbeddedResult Do(const std::vector<wire::NamedBlob>& inputs,
+                    const std::function<void(const EmbeddedProgress&)>& on_progress,
+                    const std::atomic<bool>& stop);
+
+ private:
+  fs::path ResultFile(const std::string& stage) const { return fs::path(options_.dir) / (stage + ".h5"); }
+  Status Clear();
+  Status Open();
+  std::optional<EmbeddedResult> LookAtEarlierRun();
+  void Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
+            const std::atomic<bool>& stop);
+  EmbeddedResult Outcome() const;
+  const Job* Known() const { return hub_->core().FindJob(kJobId); }
+
+  EmbeddedOptions options_;
+  const proto::Job job_;
+  StoreFolder folder_;
+  std::optional<PrivateFolder> socket_folder_;
+  std::unique_ptr<Transport> transport_;
+  std::unique_ptr<Hub> hub_;
+  bool resumed_ = false;
+  std::optional<EmbeddedResult> trouble_;  // that ends the run, whatever the job's state
+};
+
+Status Run::Clear() {
+  for (const proto::Stage& stage : job_.stages()) {
+    std::error_code error;
+    fs::remove(ResultFile(stage.name()), error);
+    if (error) return {Code::kIo, ResultFile(stage.name()).string() + ": " + error.message()};
+  }
+  return folder_.Clear();
+}
+
+Status Run::Open() {
+  Result<PrivateFolder> socket_folder = PrivateFolder::Make();
+  if (!socket_folder.ok()) return socket_folder.status();
+  socket_folder_.emplace(std::move(socket_folder).value());
+  Result<std::unique_ptr<Transport>> transport =
+      ListenZmq("ipc://" + (socket_folder_->path() / "hub").string());
+  if (!transport.ok()) return transport.status();
+  transport_ = std::move(transport).value();
+  Result<JobTable> table = OpenJobTable(folder_, options_.log);
+  if (!table.ok()) return table.status();
+  HubOptions hub;
+  hub.core.checkpoint_interval_s = options_.checkpoint_interval_s;
+  hub.memory_bytes = options_.memory_bytes;
+  hub.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
+  hub_ = std::make_unique<Hub>(folder_, *transport_, std::move(table).value(), std::move(hub), options_.log);
+  return Status::Ok();
+}
+
+// What is in the folder already: nothing, the same job, or something else.
+std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
+  const Job* known = Known();
+  if (known == nullptr) {
+    for (const proto::Stage& stage : job_.stages())
+      if (fs::exists(ResultFile(stage.name())))
+        return End(EmbeddedEnd::kConflict,
+                   ResultFile(stage.name()).string() + " is there already, of another run");
+    return std::nullopt;
+  }
+  if (HashOfJob(known->spec) != HashOfJob(job_))
+    return End(EmbeddedEnd::kConflict,
+               options_.dir + " holds a run of another job, or of other inputs or options");
+  if (known->state != proto::JOB_DONE) {
+    resumed_ = known->step.has_value() || known->stage > 0;
+    return std::nullopt;
+  }
+  for (const proto::Stage& stage : job_.stages())
+    if (!fs::exists(ResultFile(stage.name())))
+      return End(EmbeddedEnd::kConflict, options_.dir + " holds this run, done, but " +
+                                             ResultFile(stage.name()).string() + " is missing");
+  EmbeddedResult done = Outcome();
+  done.end = EmbeddedEnd::kAlreadyDone;
+  return done;
+}
+
+EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
+                       const std::function<void(const EmbeddedProgress&)>& on_progress,
+                       const std::atomic<bool>& stop) {
+  if (options_.force)
+    if (const Status status = Clear(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
+  if (const Status status = Open(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
+  if (std::optional<EmbeddedResult> found = LookAtEarlierRun()) return *found;
+  WorkerPool workers({options_.worker_program, "ipc://" + (socket_folder_->path() / "hub").string(),
+                      options_.workers, 5, folder_.dir() / "workers.log"});
+  if (const Status status = workers.Start(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
+  if (Known() == nullptr)
+    hub_->Submit(kJobId, job_, inputs);
+  else
+    hub_->Resume(kJobId);  // does nothing where it goes on by itself
+  Loop(workers, on_progress, stop);
+  hub_->Shut(kSavePatience_s);
+  workers.End(kWorkerPatience_s);
+  if (on_progress)
+    on_progress({MakeInfo(*Known(), Now()), static_cast<unsigned>(hub_->core().fleet().size())});
+  return trouble_ ? *trouble_ : Outcome();
+}
+
+void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
+               const std::atomic<bool>& stop) {
+  double told_s = 0;
+  while (!stop && !trouble_ && Known()->Running()) {
+    hub_->Step(kStep_s);
+    if (Now() - told_s < kProgressEvery_s) continue;
+    told_s = Now();
+    if (on_progress)
+      on_progress({MakeInfo(*Known(), told_s), static_cast<unsigned>(hub_->core().fleet().size())});
+    for (const WorkerPool::Death& death : workers.Reap()) {
+      hub_->TellDead(death.pid);
+      if (death.refused)
+        trouble_ = End(EmbeddedEnd::kConflict, "the workers were refused: " + hub_->last_refusal());
+    }
+    if (workers.AllGone() && !trouble_)
+      trouble_ = End(EmbeddedEnd::kFailed, "the workers keep dying; what they say is in " +
+                                               (folder_.dir() / "workers.log").string());
+  }
+}
+
+EmbeddedResult Run::Outcome() const {
+  const Job& job = *Known();
+  EmbeddedResult result;
+  result.reason = job.reason;
+  result.info = MakeInfo(job, Now());
+  result.resumed = resumed_;
+  switch (job.state) {
+    case proto::JOB_DONE:
+      result.end = EmbeddedEnd::kDone;
+      break;
+    case proto::JOB_PAUSED:
+      result.end = EmbeddedEnd::kPaused;
+      break;
+    case proto::JOB_FAILED:
+      result.end = job.input_error ? EmbeddedEnd::kInputError : EmbeddedEnd::kFailed;
+      break;
+    default:
+      result.end = EmbeddedEnd::kStopped;
+  }
+  for (std::uint32_t stage = 0; stage < job.stage; ++stage) {
+    const std::string& name = job_.stages(static_cast<int>(stage)).name();
+    result.results[name] = ResultFile(name).string();
+  }
+  return result;
+}
+
+}  // namespace
+
+EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
+                           const std::map<std::string, BlobPtr>& inputs,
+                           const std::function<void(const EmbeddedProgress&)>& on_progress,
+                           const std::atomic<bool>& stop) {
+  std::vector<wire::NamedBlob> named;
+  job.clear_input_blobs();
+  for (const auto& [name, blob] : inputs) {
+    named.push_back(wire::NameBlob(blob));
+    (*job.mutable_input_blobs())[name] = named.back().hash.Binary();
+  }
+  if (const std::string wrong = CheckJob(job); !wrong.empty()) return End(EmbeddedEnd::kInputError, wrong);
+  std::error_code error;
+  fs::create_directories(options.dir, error);
+  if (error) return End(EmbeddedEnd::kInputError, options.dir + ": " + error.message());
+  Result<StoreFolder> folder = StoreFolder::Open(fs::path(options.dir) / ".cairn");
+  if (!folder.ok())
+    return End(folder.status().code() == Code::kBusy ? EmbeddedEnd::kBusy : EmbeddedEnd::kFailed,
+               folder.status().message());
+  return Run(options, std::move(job), std::move(folder).value()).Do(named, on_progress, stop);
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,138 @@
+#include "coordinator/hub.h"
+
+#include <chrono>
+#include <utility>
+
+#include "coordinator/recovery.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr double kTick_s = 0.1;
+
+}  // namespace
+
+Hub::Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOptions options, LogSink log)
+    : folder_(folder),
+      transport_(transport),
+      options_(std::move(options)),
+      log_(std::move(log)),
+      core_(options_.core),
+      blobs_(folder, options_.memory_bytes),
+      writer_(folder, std::move(table), [&transport] { transport.Wake(); }) {
+  Restore();
+}
+
+double Hub::Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void Hub::Restore() {
+  for (const RestoreJob& job : Recover(folder_, log_)) {
+    for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
+    for (const Hash& blob : job.previous_blobs)
+      if (std::filesystem::exists(folder_.BlobFile(blob))) blobs_.AddDurable(blob);
+    Handle(job);
+  }
+}
+
+void Hub::Step(double timeout_s) {
+  for (Incoming& incoming : transport_.Poll(timeout_s)) Receive(incoming);
+  TakeDiskDone();
+  if (const double now_s = Now(); now_s - ticked_s_ >= kTick_s) {
+    ticked_s_ = now_s;
+    Handle(Tick{});
+  }
+  WriteBlobsWork spill;
+  for (const Hash& hash : blobs_.TakeSpills()) spill.blobs.push_back({hash, blobs_.Get(hash)});
+  if (!spill.blobs.empty()) writer_.Add(std::move(spill));
+}
+
+bool Hub::Shut(double patience_s) {
+  const double end_s = Now() + patience_s;
+  Handle(SaveNow{});
+  while (core_.HasUnsaved() && Now() < end_s) {
+    // Answers that still come are for the next start to compute again: a round may not begin now.
+    TakeDiskDone();
+    static_cast<void>(transport_.Poll(0.005));
+  }
+  for (const auto& [number, worker] : core_.fleet().workers()) {
+    wire::Message bye;
+    bye.envelope.mutable_bye();
+    transport_.Send(worker.peer, std::move(bye));
+  }
+  return !core_.HasUnsaved();
+}
+
+void Hub::Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs) {
+  Handle(SubmitJob{id, job, KeepBlobs(blobs)});
+}
+
+void Hub::TellDead(std::int64_t pid) {
+  for (const auto& [number, worker] : core_.fleet().workers())
+    if (worker.hello.pid() == pid) return Handle(WorkerLost{std::string(worker.peer)});
+}
+
+std::vector<Hash> Hub::KeepBlobs(const std::vector<wire::NamedBlob>& blobs) {
+  std::vector<Hash> hashes;
+  for (const wire::NamedBlob& named : blobs) {
+    blobs_.Put(named, writer_.next_ticket());
+    hashes.push_back(named.hash);
+  }
+  return hashes;
+}
+
+void Hub::Handle(const Event& event) {
+  for (const Action& action : core_.Handle(event, Now()))
+    std::visit([this](const auto& a) { Do(a); }, action);
+}
+
+void Hub::Receive(Incoming& incoming) {
+  const std::string& peer = incoming.peer;
+  if (!incoming.status.ok()) {
+    ++refused_messages_;
+    return log_(Severity::kWarning, "refused a message: " + incoming.status.message());
+  }
+  wire::Envelope& envelope = incoming.message.envelope;
+  const std::vector<wire::NamedBlob>& blobs = incoming.message.blobs;
+  switch (envelope.body_case()) {
+    case wire::Envelope::kHello:
+      return Handle(WorkerHello{peer, envelope.hello()});
+    case wire::Envelope::kBeat:
+      return Handle(WorkerBeat{peer, envelope.beat()});
+    case wire::Envelope::kBye:
+      return Handle(WorkerBye{peer});
+    case wire::Envelope::kDone:
+      return Handle(TaskDone{peer, envelope.done(), KeepBlobs(blobs)});
+    case wire::Envelope::kFailed:
+      return Handle(TaskFailed{peer, envelope.failed()});
+    case wire::Envelope::kFetch:
+      return Serve(peer, envelope.fetch());
+    case wire::Envelope::kHave:
+      return Serve(peer, envelope.have());
+    case wire::Envelope::kSubmit:
+      return Serve(peer, envelope.submit(), blobs);
+    case wire::Envelope::kQuery:
+      return Serve(peer, envelope.query());
+    default:
+      ++refused_messages_;
+      log_(Severity::kWarning, std::string("a message for nobody here: ") + wire::KindName(envelope));
+  }
+}
+
+void Hub::TakeDiskDone() {
+  for (const DiskDone& done : writer_.TakeDone()) {
+    blobs_.MarkDurable(done.written, done.ticket);
+    if (done.job.empty()) {
+      if (!done.status.ok()) log_(Severity::kWarning, done.status.message());
+      continue;
+    }
+    if (done.status.ok())
+      Handle(PersistDone{done.job, done.number});
+    else
+      Handle(PersistFailed{done.job, done.number, done.status.message()});
+    AnswerSubmitter(done.job, done.status.ok() ? "" : done.status.message());
+  }
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,91 @@
+// The shell around the core: turns messages, the disk's answers and the clock into events, and carries out
+// actions. One thread; it never waits for a disk, except to read back a blob that memory had no room for.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "coordinator/blob_store.h"
+#include "coordinator/core.h"
+#include "coordinator/disk_writer.h"
+#include "coordinator/log.h"
+#include "coordinator/store_folder.h"
+#include "coordinator/transport.h"
+
+namespace cairn::coordinator {
+
+struct HubOptions {
+  CoreOptions core;
+  std::uint64_t memory_bytes = 4ull << 30;
+  // Where the result of a job's stage is published.
+  std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
+};
+
+class Hub {
+ public:
+  // `folder` and `transport` must outlive it. Restores the jobs that it finds in the store.
+  Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOptions options, LogSink log);
+
+  // Waits for messages for up to `timeout_s`, then does all that there is to do. `now_s` after the wait: see
+  // clock.
+  void Step(double timeout_s);
+  // Saves what is unsaved, for at most `patience_s`, and tells the workers Bye. True where all is saved.
+  bool Shut(double patience_s);
+
+  // A job from this process.
+  void Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs);
+  void Resume(const std::string& id) { Handle(ResumeJob{id}); }
+  // A worker of this process's own is known to be dead.
+  void TellDead(std::int64_t pid);
+
+  const Core& core() const { return core_; }
+  const std::string& last_refusal() const {
+    return last_refusal_;
+  }  // why a worker was refused; empty: none was
+  std::uint64_t refused_messages() const { return refused_messages_; }
+
+ private:
+  static double Now();  // monotonic
+  void Restore();
+  void Handle(const Event& event);
+  void Receive(Incoming& incoming);
+  void TakeDiskDone();
+
+  // hub_actions.cc
+  void Do(const coordinator::Send& send);
+  void Do(const Persist& persist);
+  void Do(const DropBlobs& drop);
+  void Do(const JobChanged& changed);
+  void Do(const Report& report);
+  void WriteRow(const std::string& job);
+
+  // hub_requests.cc
+  void Serve(const std::string& peer, const wire::Fetch& fetch);
+  void Serve(const std::string& peer, const wire::Have& have);
+  void Serve(const std::string& peer, const wire::Submit& submit, const std::vector<wire::NamedBlob>& blobs);
+  void Serve(const std::string& peer, const wire::JobQuery& query);
+  void AddResults(const std::string& job, wire::Message& reply);
+  void AnswerSubmitter(const std::string& job, const std::string& problem);
+  void Reply(const std::string& peer, wire::Message reply);
+  std::string NewJobId(const proto::Job& job);
+  std::vector<Hash> KeepBlobs(const std::vector<wire::NamedBlob>& blobs);
+
+  const StoreFolder& folder_;
+  Transport& transport_;
+  const HubOptions options_;
+  const LogSink log_;
+  Core core_;
+  BlobStore blobs_;
+  double ticked_s_ = 0;
+  std::string last_refusal_;
+  std::uint64_t refused_messages_ = 0;
+  std::map<std::string, std::string> submitters_;  // job -> peer that waits for it to be durable
+  std::map<std::string, std::string> row_states_;  // job -> state in the job table
+  DiskWriter writer_;                              // last: it is joined first
+};
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,63 @@
+// What the core wants done.
+#include <utility>
+
+#include "coordinator/hub.h"
+#include "coordinator/result_file.h"
+
+namespace cairn::coordinator {
+
+void Hub::Do(const coordinator::Send& send) {
+  if (send.message.has_refuse()) last_refusal_ = send.message.refuse().reason();
+  transport_.Send(send.peer, wire::Message{send.message, {}});
+}
+
+void Hub::Do(const Persist& persist) {
+  const proto::Checkpoint& checkpoint = persist.checkpoint;
+  WriteCheckpointWork work{checkpoint, {}, {}};
+  for (const std::string& binary : checkpoint.blobs()) {
+    const Hash hash = Hash::FromBinary(binary).value();
+    if (!blobs_.Durable(hash)) work.blobs.push_back({hash, blobs_.Get(hash)});
+  }
+  for (const Publish& publish : persist.publish) {
+    const proto::Stage& stage = checkpoint.job().stages(static_cast<int>(publish.stage));
+    const BlobPtr blob = blobs_.Get(publish.result);
+    if (blob == nullptr)
+      return Handle(
+          PersistFailed{checkpoint.job_id(), checkpoint.number(), "a result cannot be read back from disk"});
+    work.results.push_back(
+        {options_.result_path(checkpoint.job_id(), stage.name()), stage.pipeline(), publish.stage, blob});
+  }
+  writer_.Add(std::move(work));
+  WriteRow(checkpoint.job_id());
+}
+
+void Hub::Do(const DropBlobs& drop) {
+  RemoveBlobsWork remove;
+  for (const Hash& hash : drop.hashes)
+    if (blobs_.Has(hash)) remove.hashes.push_back(hash);
+  blobs_.Drop(drop.hashes);
+  writer_.Add(std::move(remove));
+}
+
+// Rounds are written to the table with their checkpoints; a change of state at once.
+void Hub::Do(const JobChanged& changed) {
+  const auto info = core_.Find(changed.job);
+  if (info && row_states_[changed.job] != info->state()) WriteRow(changed.job);
+}
+
+void Hub::WriteRow(const std::string& job) {
+  const auto info = core_.Find(job);
+  if (!info) return;
+  row_states_[job] = info->state();
+  const std::string now = UtcNow();
+  writer_.Add(WriteRowWork{{*info, now, now}});
+}
+
+void Hub::Do(const Report& report) {
+  const Severity severity = report.level == Report::kInfo      ? Severity::kInfo
+                            : report.level == Report::kWarning ? Severity::kWarning
+                                                               : Severity::kError;
+  log_(severity, report.text);
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,138 @@
+// What clients ask, and the blobs that workers fetch.
+#include <cctype>
+#include <utility>
+
+#include "coordinator/hub.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+wire::Message Refusal(const std::string& why) {
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(false);
+  reply.envelope.mutable_reply()->set_message(why);
+  return reply;
+}
+
+// Of a job's name, what is safe in a file name.
+std::string FileNamePart(const std::string& name) {
+  std::string part;
+  for (const char c : name.substr(0, 40))
+    part += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' ? c : '-';
+  return part.empty() ? "job" : part;
+}
+
+}  // namespace
+
+void Hub::Reply(const std::string& peer, wire::Message reply) {
+  reply.envelope.mutable_reply()->set_workers(static_cast<std::uint32_t>(core_.fleet().size()));
+  transport_.Send(peer, std::move(reply));
+}
+
+void Hub::Serve(const std::string& peer, const wire::Fetch& fetch) {
+  const Result<Hash> hash = Hash::FromBinary(fetch.hash());
+  wire::Message answer;
+  if (const BlobPtr blob = hash.ok() ? blobs_.Get(hash.value()) : nullptr) {
+    answer.envelope.mutable_blob();
+    answer.blobs.push_back({hash.value(), blob});
+  } else {
+    answer.envelope.mutable_missing()->set_hash(fetch.hash());
+  }
+  transport_.Send(peer, std::move(answer));
+}
+
+void Hub::Serve(const std::string& peer, const wire::Have& have) {
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(true);
+  for (const std::string& binary : have.hashes()) {
+    const Result<Hash> hash = Hash::FromBinary(binary);
+    if (!hash.ok() || !blobs_.Has(hash.value())) reply.envelope.mutable_reply()->add_missing(binary);
+  }
+  Reply(peer, std::move(reply));
+}
+
+void Hub::Serve(const std::string& peer, const wire::Submit& submit,
+                const std::vector<wire::NamedBlob>& blobs) {
+  const proto::Job& job = submit.job();
+  if (const std::string wrong = CheckJob(job); !wrong.empty()) return Reply(peer, Refusal(wrong));
+  for (const wire::JobInfo& info : core_.Jobs()) {
+    const Job* known = core_.FindJob(info.id());
+    if (known->Ended() || HashOfJob(known->spec) != HashOfJob(job)) continue;
+    wire::Message reply;  // told twice
+    reply.envelope.mutable_reply()->set_ok(true);
+    *reply.envelope.mutable_reply()->add_jobs() = info;
+    return Reply(peer, std::move(reply));
+  }
+  const std::vector<Hash> came = KeepBlobs(blobs);
+  std::string missing;
+  for (const auto& [name, binary] : job.input_blobs())
+    if (!blobs_.Has(Hash::FromBinary(binary).value()))
+      missing = "the blob of the input '" + name + "' is missing";
+  if (!missing.empty()) {
+    for (const Hash& hash : came)
+      if (!core_.Holds(hash)) blobs_.Drop({hash});
+    return Reply(peer, Refusal(missing));
+  }
+  const std::string id = NewJobId(job);
+  submitters_[id] = peer;
+  Handle(SubmitJob{id, job, came});
+}
+
+// Never used before in this store: numbers go on behind all that have left a checkpoint.
+std::string Hub::NewJobId(const proto::Job& job) {
+  std::uint64_t next = 1;
+  const auto look = [&next](const std::string& id) {
+    next = std::max<std::uint64_t>(next, std::strtoull(id.c_str(), nullptr, 10) + 1);
+  };
+  for (const wire::JobInfo& info : core_.Jobs()) look(info.id());
+  for (const std::string& id : folder_.JobsWithCheckpoints()) look(id);
+  return std::to_string(next) + "-" + FileNamePart(job.name());
+}
+
+void Hub::AnswerSubmitter(const std::string& job, const std::string& problem) {
+  const auto it = submitters_.find(job);
+  if (it == submitters_.end()) return;
+  const std::string peer = it->second;
+  submitters_.erase(it);
+  wire::Message reply = Refusal(problem);
+  reply.envelope.mutable_reply()->set_ok(problem.empty());
+  *reply.envelope.mutable_reply()->add_jobs() = core_.Find(job).value_or(wire::JobInfo());
+  Reply(peer, std::move(reply));
+}
+
+void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
+  const std::string& action = query.action();
+  if (action != "" && action != "status" && action != "cancel" && action != "resume" && action != "results")
+    return Reply(peer, Refusal("there is no action '" + action + "': status, cancel, resume, results"));
+  if (query.job().empty()) {
+    if (!action.empty() && action != "status") return Reply(peer, Refusal("which job?"));
+  } else if (core_.FindJob(query.job()) == nullptr) {
+    return Reply(peer, Refusal("there is no job '" + query.job() + "'"));
+  }
+  if (action == "cancel") Handle(CancelJob{query.job()});
+  if (action == "resume") Handle(ResumeJob{query.job()});
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(true);
+  for (const wire::JobInfo& info : core_.Jobs())
+    if (query.job().empty() || info.id() == query.job()) *reply.envelope.mutable_reply()->add_jobs() = info;
+  if (action == "results") AddResults(query.job(), reply);
+  Reply(peer, std::move(reply));
+}
+
+// As they are published. A stage whose file cannot be read is named in the message.
+void Hub::AddResults(const std::string& job, wire::Message& reply) {
+  for (const proto::Stage& stage : core_.FindJob(job)->spec.stages()) {
+    const std::filesystem::path path = options_.result_path(job, stage.name());
+    if (!std::filesystem::exists(path)) continue;
+    Result<BlobFile> file = ReadBlobFile(path);
+    if (!file.ok()) {
+      reply.envelope.mutable_reply()->set_message(file.status().message());
+      continue;
+    }
+    reply.envelope.mutable_reply()->add_names(stage.name());
+    reply.blobs.push_back(wire::NameBlob(std::make_shared<const Blob>(std::move(file).value().blob)));
+  }
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,135 @@
+#include "coordinator/job_table.h"
+
+#include <sqlite3.h>
+
+#include <utility>
+
+namespace cairn::coordinator {
+namespace {
+
+// WAL: readers are never in the way, and a crash loses at most the last rows, which the checkpoints have too.
+constexpr const char* kSchema = R"sql(
+  PRAGMA journal_mode = WAL;
+  PRAGMA synchronous = NORMAL;
+  CREATE TABLE IF NOT EXISTS jobs (
+    id TEXT PRIMARY KEY, name TEXT NOT NULL, state TEXT NOT NULL, reason TEXT NOT NULL,
+    stage INTEGER NOT NULL, stages INTEGER NOT NULL, round INTEGER NOT NULL, note TEXT NOT NULL,
+    input_error INTEGER NOT NULL, seconds REAL NOT NULL,
+    submitted_utc TEXT NOT NULL, updated_utc TEXT NOT NULL);
+)sql";
+
+constexpr const char* kWrite = R"sql(
+  INSERT INTO jobs (id, name, state, reason, stage, stages, round, note, input_error, seconds, submitted_utc,
+                    updated_utc)
+  VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)
+  ON CONFLICT (id) DO UPDATE SET
+    name = excluded.name, state = excluded.state, reason = excluded.reason, stage = excluded.stage,
+    stages = excluded.stages, round = excluded.round, note = excluded.note, input_error = excluded.input_error,
+    seconds = excluded.seconds, updated_utc = excluded.updated_utc;
+)sql";
+
+constexpr const char* kRead = R"sql(
+  SELECT id, name, state, reason, stage, stages, round, note, input_error, seconds, submitted_utc, updated_utc
+  FROM jobs ORDER BY id;
+)sql";
+
+struct Finalize {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
+
+Status Failure(sqlite3* db) {
+  const int code = sqlite3_errcode(db) & 0xff;
+  const Code kind = code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ? Code::kCorrupt
+                    : code == SQLITE_FULL                                                   ? Code::kNoSpace
+                                                                                            : Code::kIo;
+  const char* file = sqlite3_db_filename(db, nullptr);
+  return {kind, std::string(file == nullptr ? "job table" : file) + ": " + sqlite3_errmsg(db)};
+}
+
+Result<Statement> Prepare(sqlite3* db, const char* sql) {
+  sqlite3_stmt* statement = nullptr;
+  if (sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) != SQLITE_OK) return Failure(db);
+  return Statement(statement);
+}
+
+std::string Text(sqlite3_stmt* statement, int column) {
+  const unsigned char* text = sqlite3_column_text(statement, column);
+  return text == nullptr ? "" : reinterpret_cast<const char*>(text);
+}
+
+}  // namespace
+
+void JobTable::Close::operator()(sqlite3* db) const { sqlite3_close(db); }
+
+Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
+  JobTable table;
+  sqlite3* db = nullptr;
+  const int opened = sqlite3_open(path.c_str(), &db);
+  table.db_.reset(db);
+  if (opened != SQLITE_OK) return Status(Code::kIo, path.string() + ": " + sqlite3_errstr(opened));
+  if (Status status = table.Execute(kSchema); !status.ok()) return status;
+  // A table of that name with other columns is not ours.
+  if (Result<Statement> read = Prepare(db, kRead); !read.ok()) return read.status();
+  return table;
+}
+
+Status JobTable::Execute(const char* sql) const {
+  if (sqlite3_exec(db_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) return Failure(db_.get());
+  return Status::Ok();
+}
+
+Status JobTable::Write(const JobRow& row) {
+  Result<Statement> prepared = Prepare(db_.get(), kWrite);
+  if (!prepared.ok()) return prepared.status();
+  sqlite3_stmt* statement = prepared.value().get();
+  int column = 0;
+  const auto text = [&](const std::string& value) {
+    sqlite3_bind_text(statement, ++column, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT);
+  };
+  const auto number = [&](std::uint64_t value) {
+    sqlite3_bind_int64(statement, ++column, static_cast<sqlite3_int64>(value));
+  };
+  const wire::JobInfo& info = row.info;
+  text(info.id());
+  text(info.name());
+  text(info.state());
+  text(info.reason());
+  number(info.stage());
+  number(info.stages());
+  number(info.round());
+  text(info.note());
+  number(info.input_error() ? 1 : 0);
+  sqlite3_bind_double(statement, ++column, info.seconds());
+  text(row.submitted_utc);
+  text(row.updated_utc);
+  return sqlite3_step(statement) == SQLITE_DONE ? Status::Ok() : Failure(db_.get());
+}
+
+Result<std::vector<JobRow>> JobTable::Read() const {
+  Result<Statement> prepared = Prepare(db_.get(), kRead);
+  if (!prepared.ok()) return prepared.status();
+  sqlite3_stmt* statement = prepared.value().get();
+  std::vector<JobRow> rows;
+  int step = SQLITE_ROW;
+  while ((step = sqlite3_step(statement)) == SQLITE_ROW) {
+    JobRow row;
+    row.info.set_id(Text(statement, 0));
+    row.info.set_name(Text(statement, 1));
+    row.info.set_state(Text(statement, 2));
+    row.info.set_reason(Text(statement, 3));
+    row.info.set_stage(static_cast<std::uint32_t>(sqlite3_column_int64(statement, 4)));
+    row.info.set_stages(static_cast<std::uint32_t>(sqlite3_column_int64(statement, 5)));
+    row.info.set_round(static_cast<std::uint64_t>(sqlite3_column_int64(statement, 6)));
+    row.info.set_note(Text(statement, 7));
+    row.info.set_input_error(sqlite3_column_int64(statement, 8) != 0);
+    row.info.set_seconds(sqlite3_column_double(statement, 9));
+    row.submitted_utc = Text(statement, 10);
+    row.updated_utc = Text(statement, 11);
+    rows.push_back(std::move(row));
+  }
+  if (step != SQLITE_DONE) return Failure(db_.get());
+  return rows;
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,45 @@
+// The job table: what jobs there are and where they stand, for people and their tools. The checkpoints are
+// the truth; a table that is lost or damaged is made anew from them.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "schema/error.h"
+#include "schema/wire.pb.h"
+
+struct sqlite3;
+
+namespace cairn::coordinator {
+
+struct JobRow {
+  wire::JobInfo info;
+  std::string submitted_utc;  // kept from the first time that a job is written
+  std::string updated_utc;
+};
+
+// For one thread.
+class JobTable {
+ public:
+  // Opens or makes the file. kCorrupt: it is not a job table, or damaged.
+  static Result<JobTable> Open(const std::filesystem::path& path);
+  JobTable(JobTable&&) noexcept = default;
+  JobTable& operator=(JobTable&&) noexcept = default;
+
+  // Inserts or replaces a job's row, but for submitted_utc.
+  Status Write(const JobRow& row);
+  Result<std::vector<JobRow>> Read() const;  // by id
+
+ private:
+  struct Close {
+    void operator()(sqlite3* db) const;
+  };
+  JobTable() = default;
+  Status Execute(const char* sql) const;
+
+  std::unique_ptr<sqlite3, Close> db_;
+};
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,102 @@
+#include "coordinator/recovery.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "coordinator/blob_store.h"
+#include "coordinator/checkpoint_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<Hash> BlobsOf(const proto::Checkpoint& checkpoint) {
+  std::vector<Hash> blobs;
+  for (const std::string& blob : checkpoint.blobs()) blobs.push_back(Hash::FromBinary(blob).value());
+  return blobs;
+}
+
+// Sets aside what is damaged of it; true where all can be read.
+bool BlobsAreGood(const StoreFolder& folder, const proto::Checkpoint& checkpoint, const LogSink& log) {
+  for (const Hash& hash : BlobsOf(checkpoint)) {
+    const Result<BlobPtr> blob = ReadStoredBlob(folder, hash);
+    if (blob.ok()) continue;
+    log(Severity::kWarning, blob.status().message());
+    if (blob.status().code() == Code::kCorrupt) SetAside(folder.BlobFile(hash));
+    return false;
+  }
+  return true;
+}
+
+// The newest that is good, from `numbers` (ascending), which loses it and all that were newer.
+std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, const std::string& job,
+                                            std::vector<std::uint64_t>& numbers, const LogSink& log) {
+  while (!numbers.empty()) {
+    const fs::path path = folder.CheckpointFile(job, numbers.back());
+    numbers.pop_back();
+    Result<proto::Checkpoint> checkpoint = ReadCheckpoint(path);
+    if (checkpoint.ok() && checkpoint.value().job_id() == job &&
+        BlobsAreGood(folder, checkpoint.value(), log))
+      return std::move(checkpoint).value();
+    const std::string why =
+        checkpoint.ok() ? "its blobs are missing or damaged" : checkpoint.status().message();
+    log(Severity::kWarning, "set aside the checkpoint " + path.string() + ": " + why +
+                                (numbers.empty() ? "" : "; the one before it is used"));
+    SetAside(path);
+  }
+  return std::nullopt;
+}
+
+void RemoveUnnamedBlobs(const StoreFolder& folder, const std::set<Hash>& named) {
+  std::vector<fs::path> garbage;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.Blobs(), ignored)) {
+    if (entry.path().extension() == ".damaged") continue;
+    const Result<Hash> hash = Hash::FromHex(entry.path().stem().string());
+    if (!hash.ok() || !named.contains(hash.value())) garbage.push_back(entry.path());
+  }
+  for (const fs::path& path : garbage) fs::remove(path, ignored);
+}
+
+}  // namespace
+
+std::vector<RestoreJob> Recover(const StoreFolder& folder, const LogSink& log) {
+  std::vector<RestoreJob> jobs;
+  std::set<Hash> named;
+  for (const std::string& job : folder.JobsWithCheckpoints()) {
+    std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
+    std::optional<proto::Checkpoint> newest = TakeNewest(folder, job, numbers, log);
+    if (!newest) {
+      log(Severity::kError, "job " + job + " has no checkpoint left that can be read; it is lost");
+      continue;
+    }
+    RestoreJob restore{std::move(*newest), {}};
+    if (!numbers.empty())
+      if (const auto before = ReadCheckpoint(folder.CheckpointFile(job, numbers.back())); before.ok())
+        restore.previous_blobs = BlobsOf(before.value());
+    for (const Hash& hash : BlobsOf(restore.checkpoint)) named.insert(hash);
+    named.insert(restore.previous_blobs.begin(), restore.previous_blobs.end());
+    jobs.push_back(std::move(restore));
+  }
+  RemoveUnnamedBlobs(folder, named);
+  std::stable_sort(jobs.begin(), jobs.end(), [](const RestoreJob& a, const RestoreJob& b) {
+    return a.checkpoint.order() < b.checkpoint.order();
+  });
+  return jobs;
+}
+
+Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
+  Result<JobTable> table = JobTable::Open(folder.JobTable());
+  if (table.ok() || table.status().code() != Code::kCorrupt) return table;
+  log(Severity::kWarning, "made the job table anew from the checkpoints: " + table.status().message());
+  SetAside(folder.JobTable());
+  std::error_code ignored;
+  fs::remove(folder.JobTable().string() + "-wal", ignored);
+  fs::remove(folder.JobTable().string() + "-shm", ignored);
+  return JobTable::Open(folder.JobTable());
+}
+
+}  // namespace cairn::coordinator

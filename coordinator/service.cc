@@ -1,0 +1,49 @@
+#include "coordinator/service.h"
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "coordinator/hub.h"
+#include "coordinator/recovery.h"
+#include "coordinator/zmq_transport.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr double kStep_s = 0.1;
+constexpr double kPatience_s = 1.5;  // to save what is unsaved when it ends
+
+Result<std::optional<wire::ServerSecurity>> ReadSecurity(const std::string& keys_dir) {
+  if (keys_dir.empty()) return std::optional<wire::ServerSecurity>();
+  const std::filesystem::path dir = keys_dir;
+  Result<wire::KeyPair> keys = wire::ReadKeyPair(dir / "coordinator.key");
+  if (!keys.ok()) return keys.status();
+  return std::optional(wire::ServerSecurity{std::move(keys).value(), dir / "allowed"});
+}
+
+}  // namespace
+
+Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop) {
+  const Result<std::optional<wire::ServerSecurity>> security = ReadSecurity(options.keys_dir);
+  if (!security.ok()) return security.status();
+  const Result<StoreFolder> folder = StoreFolder::Open(options.store_dir);
+  if (!folder.ok()) return folder.status();
+  const Result<std::unique_ptr<Transport>> transport = ListenZmq(options.listen, security.value());
+  if (!transport.ok()) return transport.status();
+  Result<JobTable> table = OpenJobTable(folder.value(), log);
+  if (!table.ok()) return table.status();
+
+  HubOptions hub_options;
+  hub_options.core.checkpoint_interval_s = options.checkpoint_interval_s;
+  hub_options.memory_bytes = options.memory_bytes;
+  hub_options.result_path = [dir = folder.value().dir()](const std::string& job, const std::string& stage) {
+    return dir / "results" / job / (stage + ".h5");
+  };
+  Hub hub(folder.value(), *transport.value(), std::move(table).value(), std::move(hub_options), log);
+  while (!stop) hub.Step(kStep_s);
+  if (!hub.Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
+  return Status::Ok();
+}
+
+}  // namespace cairn::coordinator

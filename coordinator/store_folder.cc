@@ -1,0 +1,87 @@
+#include "coordinator/store_folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <utility>
+
+#include "schema/store/atomic_file.h"
+
+namespace cairn::coordinator {
+
+namespace fs = std::filesystem;
+
+Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
+  std::error_code error;
+  const bool made = fs::create_directories(dir, error);
+  if (error) return SystemFailure(dir, "make the folder", error.value());
+  if (made) fs::permissions(dir, fs::perms::owner_all, error);
+  const fs::path lock_file = dir / "lock";
+  const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (lock < 0) return SystemFailure(lock_file, "open", errno);
+  StoreFolder folder(dir, lock);
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
+    return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
+  if (Status status = folder.MakeFolders(); !status.ok()) return status;
+  return folder;
+}
+
+StoreFolder::StoreFolder(StoreFolder&& other) noexcept
+    : dir_(std::move(other.dir_)), lock_(std::exchange(other.lock_, -1)) {}
+
+StoreFolder::~StoreFolder() {
+  if (lock_ >= 0) ::close(lock_);  // and with it the lock
+}
+
+Status StoreFolder::MakeFolders() const {
+  for (const fs::path& folder : {Blobs(), Checkpoints()}) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) return SystemFailure(folder, "make the folder", error.value());
+  }
+  return Status::Ok();
+}
+
+std::vector<std::uint64_t> StoreFolder::CheckpointNumbers(const std::string& job) const {
+  std::vector<std::uint64_t> numbers;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints() / job, error)) {
+    const std::string stem = entry.path().stem().string();
+    std::uint64_t number = 0;
+    const auto end = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+    if (entry.path().extension() == ".h5" && end.ec == std::errc() && end.ptr == stem.data() + stem.size())
+      numbers.push_back(number);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+std::vector<std::string> StoreFolder::JobsWithCheckpoints() const {
+  std::vector<std::string> jobs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints(), error))
+    if (entry.is_directory()) jobs.push_back(entry.path().filename().string());
+  std::sort(jobs.begin(), jobs.end());
+  return jobs;
+}
+
+Status StoreFolder::Clear() {
+  for (const fs::directory_entry& entry : fs::directory_iterator(dir_)) {
+    if (entry.path().filename() == "lock") continue;
+    std::error_code error;
+    fs::remove_all(entry.path(), error);
+    if (error) return SystemFailure(entry.path(), "remove", error.value());
+  }
+  return MakeFolders();
+}
+
+void SetAside(const fs::path& file) {
+  std::error_code ignored;  // where even this fails, the file stays and is found damaged again
+  fs::rename(file, file.string() + ".damaged", ignored);
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,48 @@
+// The folder in which a coordinator keeps everything; one coordinator at a time has it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "schema/error.h"
+#include "schema/hash.h"
+
+namespace cairn::coordinator {
+
+class StoreFolder {
+ public:
+  // Makes it where it does not exist, with mode 0700, and locks it until the object goes. kBusy: another has
+  // it.
+  static Result<StoreFolder> Open(const std::filesystem::path& dir);
+  StoreFolder(StoreFolder&& other) noexcept;
+  StoreFolder& operator=(StoreFolder&&) = delete;
+  ~StoreFolder();
+
+  const std::filesystem::path& dir() const { return dir_; }
+  std::filesystem::path JobTable() const { return dir_ / "jobs.sqlite"; }
+  std::filesystem::path Blobs() const { return dir_ / "blobs"; }
+  std::filesystem::path BlobFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".h5"); }
+  std::filesystem::path Checkpoints() const { return dir_ / "checkpoints"; }
+  std::filesystem::path CheckpointFile(const std::string& job, std::uint64_t number) const {
+    return Checkpoints() / job / (std::to_string(number) + ".h5");
+  }
+  // Numbers of a job's checkpoint files, ascending.
+  std::vector<std::uint64_t> CheckpointNumbers(const std::string& job) const;
+  std::vector<std::string> JobsWithCheckpoints() const;  // sorted
+  // Forgets all jobs: everything but the lock.
+  Status Clear();
+
+ private:
+  StoreFolder(std::filesystem::path dir, int lock) : dir_(std::move(dir)), lock_(lock) {}
+  Status MakeFolders() const;
+
+  std::filesystem::path dir_;
+  int lock_ = -1;  // file descriptor
+};
+
+// Renames a damaged file so that it is never read again but can be looked at: FILE.damaged.
+void SetAside(const std::filesystem::path& file);
+
+}  // namespace cairn::coordinator

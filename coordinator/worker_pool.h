@@ -1,0 +1,53 @@
+// Worker processes of one's own: started, started again when they die, and gone when this process is.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "schema/error.h"
+
+namespace cairn::coordinator {
+
+struct WorkerPoolOptions {
+  std::string program;   // path of cairn-worker
+  std::string endpoint;  // to connect to
+  int workers = 1;
+  int restarts = 5;                // of each
+  std::filesystem::path log_file;  // what they say goes here
+};
+
+class WorkerPool {
+ public:
+  explicit WorkerPool(WorkerPoolOptions options) : options_(std::move(options)) {}
+  ~WorkerPool() { End(0); }
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  // kNotFound, kIo: they cannot be started.
+  Status Start();
+  struct Death {
+    std::int64_t pid = 0;
+    bool refused = false;  // by the coordinator: it would be refused again
+  };
+  // Those that have died since the last call; all but refused ones were started again while their turns last.
+  std::vector<Death> Reap();
+  bool AllGone() const;  // and none is started again
+  // Waits for them to end by themselves for up to `patience_s`, then kills.
+  void End(double patience_s);
+
+ private:
+  struct Place {
+    pid_t pid = 0;  // 0: nobody
+    int restarts = 0;
+  };
+  Result<pid_t> Spawn() const;
+
+  const WorkerPoolOptions options_;
+  std::vector<Place> places_;
+};
+
+}  // namespace cairn::coordinator
