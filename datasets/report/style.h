@@ -12,12 +12,6 @@ inline constexpr char kStyle[] = R"css(
   --paper:#12181f; --ink:#e4eaf0; --soft:#9aa9b8; --line:#2c3945; --grid:#202b35; --panel:#161e26; --plate:#12181fd9;
   --truth:#8696a6; --accent:#6db3f2; --good:#5fd09a; --bad:#ff8a80;
   --r0:#6db3f2; --r1:#f2975a; --r2:#55c79a; --r3:#cf93e6; --r4:#4fc9da; --r5:#f27fa3; --r6:#d1b94a; --r7:#9aa4ff; } }
-@media print { :root { color-scheme: light;
-  --paper:#fff; --ink:#1c2733; --soft:#5b6b7b; --line:#d9e0e7; --grid:#e9eef2; --panel:#fff; --plate:#ffffffd9;
-  --truth:#8593a1; --accent:#1f6fb5; --good:#1a7f4b; --bad:#b3261e;
-  --r0:#1f6fb5; --r1:#d2601a; --r2:#16865c; --r3:#a04fb8; --r4:#0e93a6; --r5:#b5365e; --r6:#8a7411; --r7:#5560c8; }
-  main { max-width:none !important; padding:0 !important; } figure, .tiles, table { break-inside:avoid; }
-  h2 { break-after:avoid; } details > summary { display:none; } }
 * { box-sizing:border-box; }
 body { margin:0; background:var(--paper); color:var(--ink);
   font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif; }
@@ -56,6 +50,14 @@ svg text { fill:var(--ink); font-size:12px; } .tick { fill:var(--soft) !importan
 .point.part { fill:var(--paper); } .bar { fill:var(--accent); fill-opacity:.8; }
 .r0{--robot:var(--r0)} .r1{--robot:var(--r1)} .r2{--robot:var(--r2)} .r3{--robot:var(--r3)}
 .r4{--robot:var(--r4)} .r5{--robot:var(--r5)} .r6{--robot:var(--r6)} .r7{--robot:var(--r7)}
+@media print { :root { color-scheme: light;
+  --paper:#fff; --ink:#1c2733; --soft:#5b6b7b; --line:#d9e0e7; --grid:#e9eef2; --panel:#fff; --plate:#ffffffd9;
+  --truth:#8593a1; --accent:#1f6fb5; --good:#1a7f4b; --bad:#b3261e;
+  --r0:#1f6fb5; --r1:#d2601a; --r2:#16865c; --r3:#a04fb8; --r4:#0e93a6; --r5:#b5365e; --r6:#8a7411; --r7:#5560c8; }
+  body { font-size:11.5px; } main { max-width:none; padding:0; } h1 { font-size:21px; } h2 { font-size:14px;
+  margin:20px 0 6px; break-after:avoid; } .lead { margin-bottom:12px; } table, .legend, figcaption { font-size:11px; }
+  .tiles { grid-template-columns:repeat(6,1fr); gap:8px; } .tile { padding:6px 9px; } .tile b { font-size:16px; }
+  .tile span { font-size:10.5px; } figure svg { max-height:135mm; } figure, .tiles, tr { break-inside:avoid; } }
 )css";
 
 }  // namespace cairn::datasets::report
