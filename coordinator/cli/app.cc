@@ -21,6 +21,8 @@ void Complain(std::string problem) {
 }
 
 void AddCommands(CLI::App& app, Invocation& call) {
+  AddRun(app, call);
+  AddCoordinator(app, call);
   AddSimulate(app, call);
   AddImport(app, call);
   AddInspect(app, call);
