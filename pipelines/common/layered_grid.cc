@@ -32,8 +32,8 @@ void Layer::Cover(const Box& wanted) {
 void Layer::AddShifted(const Layer& other, int dx, int dy, double weight) {
   const int begin = other.box.x0, end = other.box.x0 + other.box.nx;
   for (int y = other.box.y0; y < other.box.y0 + other.box.ny; ++y) {
-    const double* from = other.Row(y);
-    double* to = Row(y + dy) + dx;
+    const RowOf<const double> from = other.Row(y);
+    const RowOf<double> to = Row(y + dy) + dx;
     for (int x = begin; x < end; ++x) to[x] = std::fma(weight, from[x], to[x]);
   }
 }
@@ -41,7 +41,7 @@ void Layer::AddShifted(const Layer& other, int dx, int dy, double weight) {
 void Layer::Prune(double least) {
   int x0 = box.x0 + box.nx, x1 = box.x0, y0 = box.y0 + box.ny, y1 = box.y0;
   for (int y = box.y0; y < box.y0 + box.ny; ++y) {
-    double* row = Row(y);
+    const RowOf<double> row = Row(y);
     int first = box.x0 + box.nx, last = box.x0 - 1;
     for (int x = box.x0; x < box.x0 + box.nx; ++x) {
       if (row[x] < least) row[x] = 0.0;
@@ -63,7 +63,7 @@ void Layer::Prune(double least) {
   const Box tight{x0, y0, x1 - x0, y1 - y0};
   if (tight == box) return;
   Layer layer(tight);
-  for (int y = y0; y < y1; ++y) std::copy(Row(y) + x0, Row(y) + x1, layer.Row(y) + x0);
+  for (int y = y0; y < y1; ++y) std::copy_n(&Row(y)[x0], tight.nx, &layer.Row(y)[x0]);
   *this = std::move(layer);
 }
 
@@ -155,7 +155,7 @@ Layer DiscSum(const Layer& layer, double radius) {
     for (int i = 0; i < layer.box.nx; ++i) prefix[i + 1] = prefix[i] + layer.Row(y)[layer.box.x0 + i];
     for (int dy = -reach; dy <= reach; ++dy) {
       const int half = static_cast<int>(std::floor(std::sqrt(radius * radius - double(dy) * dy)));
-      double* row = sums.Row(y + dy);
+      const RowOf<double> row = sums.Row(y + dy);
       for (int x = layer.box.x0 - half; x < layer.box.x0 + layer.box.nx + half; ++x) {
         const int low = std::clamp(x - half - layer.box.x0, 0, layer.box.nx);
         const int high = std::clamp(x + half + 1 - layer.box.x0, 0, layer.box.nx);

@@ -27,6 +27,15 @@ struct Box {
 Box Union(const Box& a, const Box& b);
 Box Intersection(const Box& a, const Box& b);
 
+// A row of a layer, indexed by cell: row[x]. `row + dx` reads dx cells further.
+template <class T>
+struct RowOf {
+  T* first;
+  int x0;
+  T& operator[](int x) const { return first[x - x0]; }
+  RowOf operator+(int dx) const { return {first, x0 - dx}; }
+};
+
 // One layer: values [ny][nx] over its box, zero outside.
 struct Layer {
   Box box;
@@ -34,8 +43,8 @@ struct Layer {
 
   Layer() = default;
   explicit Layer(const Box& b) : box(b), values(static_cast<std::size_t>(b.cells()), 0.0) {}
-  double* Row(int y) { return values.data() + std::int64_t{y - box.y0} * box.nx - box.x0; }  // indexed by x
-  const double* Row(int y) const { return values.data() + std::int64_t{y - box.y0} * box.nx - box.x0; }
+  RowOf<double> Row(int y) { return {values.data() + std::int64_t{y - box.y0} * box.nx, box.x0}; }
+  RowOf<const double> Row(int y) const { return {values.data() + std::int64_t{y - box.y0} * box.nx, box.x0}; }
   double At(int x, int y) const { return box.Contains(x, y) ? Row(y)[x] : 0.0; }
 
   // Widens the box to hold `wanted` too, keeping the values.

@@ -25,8 +25,8 @@ Layer Shift(const Layer& layer, const Stencil& stencil) {
 void Gather(const Layer& from, int dx, int dy, double weight, Layer* to) {
   const Box common = Intersection(to->box, from.box.Shifted(-dx, -dy));
   for (int y = common.y0; y < common.y0 + common.ny; ++y) {
-    const double* source = from.Row(y + dy) + dx;
-    double* target = to->Row(y);
+    const RowOf<const double> source = from.Row(y + dy) + dx;
+    const RowOf<double> target = to->Row(y);
     for (int x = common.x0; x < common.x0 + common.nx; ++x)
       target[x] = std::fma(weight, source[x], target[x]);
   }
@@ -35,11 +35,12 @@ void Gather(const Layer& from, int dx, int dy, double weight, Layer* to) {
 }  // namespace
 
 LegError ErrorOf(const Leg& leg, const MotionNoise& noise) {
-  const double drift = noise.heading_drift_rad_per_m * leg.path_m;
+  const double drift = noise.heading_drift_rad_per_m;
+  const double drift_squared = drift * drift * noise.drift_length_m * leg.path_m;
   const double walk_squared =
       noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m * leg.path_m;
   const double turn = noise.turn_ratio * leg.turn_rad;
-  return {std::sqrt(drift * drift + walk_squared + turn * turn), noise.forward_ratio * leg.path_m};
+  return {std::sqrt(drift_squared + walk_squared + turn * turn), noise.forward_ratio * leg.path_m};
 }
 
 MotionKernel::MotionKernel(const Leg& leg, const LegError& error, double cell_m, int headings,

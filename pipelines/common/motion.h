@@ -18,6 +18,7 @@ namespace cairn {
 struct MotionNoise {
   double heading_drift_rad_per_m = 0.0;
   double heading_walk_rad_per_sqrt_m = 0.0;
+  double drift_length_m = 0.0;  // over so much way the unknown drift adds up before landmarks stop it
   double forward_ratio = 0.0;
   double turn_ratio = 0.0;
 };

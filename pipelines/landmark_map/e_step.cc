@@ -12,7 +12,7 @@ std::string Time(double seconds) {
   return text;
 }
 
-[[noreturn]] void Vanished(const Slice& slice, int step, const std::string& why) {
+[[noreturn]] void Refuse(const Slice& slice, int step, const std::string& why) {
   throw InputError("robot '" + slice.robot + "', step " + std::to_string(step) + " (time " +
                    Time(slice.steps.time_s[step]) + " s): " + why);
 }
@@ -59,17 +59,27 @@ std::string Seen(const Slice& slice, int step) {
 double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
   Cut(model.limit, belief);
   const double before = belief->Sum();
-  if (!(before > 0.0)) Vanished(slice, step, "the robot has left the box: all probability lies outside");
+  if (!(before > 0.0)) Refuse(slice, step, "the robot has left the box: all probability lies outside");
   ObserveAll(model, slice, step, belief);
   const double after = belief->Sum();
   if (!(after > 0.0) || !std::isfinite(after)) {
-    Vanished(slice, step,
-             "the evidence is impossible under the model, all probability vanished; " + Seen(slice, step));
+    Refuse(slice, step,
+           "the evidence is impossible under the model, all probability vanished; " + Seen(slice, step));
   }
   const double least = model.prune * belief->Max();
   for (Layer& layer : belief->layers) layer.Prune(least);
   belief->Scale(1.0 / belief->Sum());
   return std::log(after / before);
+}
+
+void CheckMemory(const EStepModel& model, const Slice& slice, int step, std::int64_t cells) {
+  const double bytes = static_cast<double>(cells) * sizeof(double);
+  if (bytes <= model.memory_bytes) return;
+  const double all = bytes * (slice.end - slice.first) / (step + 1 - slice.first);
+  Refuse(slice, step,
+         "the beliefs would need about " + std::to_string(std::llround(all / 1e6)) +
+             " MB, more than memory_mb = " + std::to_string(std::llround(model.memory_bytes / 1e6)) +
+             ": take a larger cell_m or heading_deg, or fewer slice_steps");
 }
 
 // alpha * beta, normalised; zero where either is.
@@ -128,12 +138,15 @@ LayeredGrid UniformBeta(const LayeredGrid& support) {
 
 Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress) {
   Alphas alphas;
+  std::int64_t cells = 0;
   for (int step = slice.first; step < slice.end; ++step) {
     progress.Tick();
     LayeredGrid belief = step == 0               ? before
                          : alphas.tables.empty() ? KernelTo(model, slice, step).Forward(before)
                                                  : KernelTo(model, slice, step).Forward(alphas.tables.back());
     alphas.log_likelihood += Settle(model, slice, step, &belief);
+    cells += belief.cells();
+    CheckMemory(model, slice, step, cells);
     alphas.tables.push_back(std::move(belief));
   }
   return alphas;

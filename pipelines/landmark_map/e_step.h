@@ -17,8 +17,9 @@ struct EStepModel {
   GridSpec grid;
   MotionNoise noise;
   ErrorShape shape = ErrorShape::kGaussian;
-  double prune = 1e-3;  // [TBF98] section 5, selective computation: of the largest probability
-  Box limit;            // beliefs are cut to it; empty: no limit
+  double prune = 1e-3;        // [TBF98] section 5, selective computation: of the largest probability
+  Box limit;                  // beliefs are cut to it; empty: no limit
+  double memory_bytes = 4e9;  // alpha tables of one slice may take so much
   const Perception* perception = nullptr;  // nullptr: no map yet, observations are ignored (section 4.1.3)
 };
 

@@ -214,7 +214,7 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
   }
   const LayeredGrid map = MapOf(sum.counts(), settings.map);
   const Perception perception = PerceptionOf(map, settings.map);
-  const Schedule next = done.Next(options_, planner.AllRobots());
+  const Schedule next = done.Next(options_, planner.AllRobots(), sum.log_likelihood());
   const std::vector<Landmark> landmarks = ExtractLandmarks(sum.counts(), settings.map);
   Blob counts;
   sum.counts().Store("counts/", &counts);

@@ -12,6 +12,7 @@ struct Options {
   double cell_m = 0.0;
   double heading_deg = 0.0;
   std::int64_t iterations = 10;
+  double tolerance = 1e-3;
   double growth_start = 0.0;
   double growth_factor = 2.0;
   bool calibrate = true;
@@ -19,10 +20,11 @@ struct Options {
   std::string motion_error = "gaussian";
   double prune = 1e-3;
   double radius_m = 10.0;
-  double core_m = 2.0;
+  double core_m = 2.5;
   double no_landmark = 0.5;
   double false_rate_per_m2 = 0.0;
   double noise_scale = 1.0;
+  double drift_length_m = 0.0;
   double box_m = 0.0;
   double memory_mb = 4096;
   std::int64_t slice_steps = 400;
@@ -34,6 +36,9 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
         o.heading_deg);
   visit(Option{"iterations", "", 1, 10000, "EM iterations over all data"}, o.iterations);
+  visit(Option{"tolerance", "", 0, 1,
+               "stop where an iteration changes the log-likelihood by less than this share"},
+        o.tolerance);
   visit(Option{"growth_start", "", 0, 1,
                "fraction of the data in the first iteration; 0: by the kind of sensor"},
         o.growth_start);
@@ -58,6 +63,10 @@ void VisitOptions(V& visit, Options& o) {
                "probability of a false observation, per area; 0: by the sensor"},
         o.false_rate_per_m2);
   visit(Option{"noise_scale", "", 0.1, 10, "factor on the log's nominal errors of odometry"}, o.noise_scale);
+  visit(Option{"drift_length_m", "m", 0, 100000,
+               "a constant drift is unknown over so much way, which widens the heading's random walk; 0: 150 "
+               "cells"},
+        o.drift_length_m);
   visit(
       Option{"box_m", "m", 0, 100000, "edge of the square around the start that robots never leave; 0: none"},
       o.box_m);

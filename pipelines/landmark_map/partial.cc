@@ -91,6 +91,7 @@ void PartialBuilder::TrackHeading(int step, const LayeredGrid& belief) {
     sine += mass * std::sin(c * angle);
   }
   const double heading = std::atan2(sine, cosine);
+  if (!has_later_) last_heading_rad_ = heading;
   if (has_later_) {
     turned_rad_ += std::remainder(later_heading_rad_ - heading, 2.0 * std::numbers::pi);
     path_m_ += slice_.steps.path_m[step + 1];
@@ -105,6 +106,9 @@ Blob PartialBuilder::Finish(double log_likelihood) const {
   partial.PutScalar<double>("log_likelihood", log_likelihood);
   partial.PutScalar<double>("turned_rad", turned_rad_);
   partial.PutScalar<double>("path_m", path_m_);
+  partial.PutScalar<double>("first_heading_rad", later_heading_rad_);
+  partial.PutScalar<double>("last_heading_rad", last_heading_rad_);
+  partial.PutScalar<double>("first_path_m", slice_.steps.path_m[slice_.first]);
   partial.PutScalar<std::int32_t>("robot", robot_);
   partial.PutScalar<std::int32_t>("first", slice_.first);
   if (landmarks_ == nullptr) return partial;
@@ -129,7 +133,7 @@ Blob PartialBuilder::Finish(double log_likelihood) const {
 }
 
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
-    : counts_(std::move(no_counts)), turned_rad_(robots, 0.0), path_m_(robots, 0.0), summaries_(robots) {}
+    : counts_(std::move(no_counts)), headings_(robots), summaries_(robots) {}
 
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
@@ -140,18 +144,30 @@ void RoundSum::Add(const Blob& partial) {
   }
   log_likelihood_ += partial.Scalar<double>("log_likelihood");
   const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
-  turned_rad_[robot] += partial.Scalar<double>("turned_rad");
-  path_m_[robot] += partial.Scalar<double>("path_m");
+  AddHeadings(partial, &headings_[robot]);
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
 }
 
+void RoundSum::AddHeadings(const Blob& partial, Headings* sum) {
+  if (sum->any) {  // the leg from this slice into the later one, which came before
+    const double last = partial.Scalar<double>("last_heading_rad");
+    sum->turned_rad += std::remainder(sum->first_heading_rad - last, 2.0 * std::numbers::pi);
+    sum->path_m += sum->first_path_m;
+  }
+  sum->turned_rad += partial.Scalar<double>("turned_rad");
+  sum->path_m += partial.Scalar<double>("path_m");
+  sum->first_heading_rad = partial.Scalar<double>("first_heading_rad");
+  sum->first_path_m = partial.Scalar<double>("first_path_m");
+  sum->any = true;
+}
+
 double RoundSum::DriftOf(std::size_t robot, const MotionNoise& noise, double so_far) const {
-  const double path = path_m_[robot];
+  const double path = headings_[robot].path_m;
   if (!(path > 0.0)) return so_far;
   const double prior = noise.heading_drift_rad_per_m * noise.heading_drift_rad_per_m;
   const double evidence = noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m / path;
   if (!(prior + evidence > 0.0)) return so_far;
-  return (so_far - turned_rad_[robot] / path) * prior / (prior + evidence);
+  return (so_far - headings_[robot].turned_rad / path) * prior / (prior + evidence);
 }
 
 std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {

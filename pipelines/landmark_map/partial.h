@@ -13,8 +13,9 @@ namespace cairn::landmark_map {
 Blob ToBlob(const std::vector<Landmark>& landmarks);
 std::vector<Landmark> LandmarksFromBlob(const Blob& blob);
 
-// Fields: counts/…, log_likelihood, robot, first, turned_rad, path_m; with landmarks also pose/… (a row a
-// step) and association/… (a row an observation of the slice).
+// Fields: counts/…, log_likelihood, robot, first, turned_rad and path_m (change of the heading correction
+// over the slice's way), first_heading_rad, last_heading_rad, first_path_m (to join it with its neighbours);
+// with landmarks also pose/… (a row a step) and association/… (a row an observation of the slice).
 class PartialBuilder {
  public:
   // `landmarks`: nullptr where no summary is wanted.
@@ -37,7 +38,7 @@ class PartialBuilder {
   std::vector<std::int32_t> association_;  // per observation of the slice
   std::vector<double> association_probability_;
   double turned_rad_ = 0.0, path_m_ = 0.0;  // change of the mean heading correction, and the way
-  double later_heading_rad_ = 0.0;
+  double later_heading_rad_ = 0.0, last_heading_rad_ = 0.0;
   bool has_later_ = false;
 };
 
@@ -56,9 +57,17 @@ class RoundSum {
   std::vector<Blob> SummariesOf(std::size_t robot) const;
 
  private:
+  // What a robot's heading corrections did over the slices added so far, the latest first.
+  struct Headings {
+    bool any = false;
+    double turned_rad = 0.0, path_m = 0.0;
+    double first_heading_rad = 0.0, first_path_m = 0.0;  // of the earliest slice so far
+  };
+  static void AddHeadings(const Blob& partial, Headings* sum);
+
   LayeredGrid counts_;
   double log_likelihood_ = 0.0;
-  std::vector<double> turned_rad_, path_m_;
+  std::vector<Headings> headings_;
   std::vector<std::vector<Blob>> summaries_;
 };
 

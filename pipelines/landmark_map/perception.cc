@@ -29,8 +29,8 @@ Layer Padded(const Layer& table, double outside, const Box& wanted) {
   padded.values.assign(padded.values.size(), outside);
   const Box common = Intersection(wanted, table.box);
   for (int y = common.y0; y < common.y0 + common.ny; ++y) {
-    const double* from = table.Row(y);
-    double* to = padded.Row(y);
+    const RowOf<const double> from = table.Row(y);
+    const RowOf<double> to = padded.Row(y);
     for (int x = common.x0; x < common.x0 + common.nx; ++x) to[x] = from[x];
   }
   return padded;
@@ -39,9 +39,9 @@ Layer Padded(const Layer& table, double outside, const Box& wanted) {
 void MultiplyByLookup(const Layer& table, const Offset& offset, Layer* layer) {
   const int begin = layer->box.x0, end = begin + layer->box.nx;
   for (int y = layer->box.y0; y < layer->box.y0 + layer->box.ny; ++y) {
-    const double* low = table.Row(y + offset.dy) + offset.dx;
-    const double* high = table.Row(y + offset.dy + 1) + offset.dx;
-    double* row = layer->Row(y);
+    const RowOf<const double> low = table.Row(y + offset.dy) + offset.dx;
+    const RowOf<const double> high = table.Row(y + offset.dy + 1) + offset.dx;
+    const RowOf<double> row = layer->Row(y);
     for (int x = begin; x < end; ++x) {
       const double below = std::fma(offset.weight[1], low[x + 1], offset.weight[0] * low[x]);
       row[x] *= std::fma(offset.weight[3], high[x + 1], std::fma(offset.weight[2], high[x], below));

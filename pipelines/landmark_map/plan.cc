@@ -28,6 +28,7 @@ void VisitFigures(S& s, const F& f) {
   f("exact", s.map.exact);
   f("heading_drift_rad_per_m", s.noise.heading_drift_rad_per_m);
   f("heading_walk_rad_per_sqrt_m", s.noise.heading_walk_rad_per_sqrt_m);
+  f("drift_length_m", s.noise.drift_length_m);
   f("forward_ratio", s.noise.forward_ratio);
   f("turn_ratio", s.noise.turn_ratio);
   f("max_leg_m", s.steps.max_leg_m);
@@ -38,6 +39,7 @@ void VisitFigures(S& s, const F& f) {
   f("prune", s.prune);
   f("box_m", s.box_m);
   f("growth_start", s.growth_start);
+  f("memory_mb", s.memory_mb);
 }
 
 double Nominal(const Blob& log, const std::string& name, double otherwise) {
@@ -111,7 +113,7 @@ EStepModel Settings::Model(const Perception* perception) const {
     const int half = static_cast<int>(std::floor(box_m / 2 / map.grid.cell_m));
     limit = Box{0, 0, 1, 1}.Grown(half);
   }
-  return {map.grid, noise, shape, prune, limit, perception};
+  return {map.grid, noise, shape, prune, limit, memory_mb * 1e6, perception};
 }
 
 Blob Settings::ToBlob() const {
@@ -157,10 +159,12 @@ Settings Resolve(const Options& options, const Blob& log) {
 
   settings.noise = {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * options.noise_scale,
                     Nominal(log, "noise/heading_walk_rad_per_sqrt_m", 0.7 * kDegree) * options.noise_scale,
+                    options.drift_length_m > 0 ? options.drift_length_m : 150.0 * grid.cell_m,
                     Nominal(log, "noise/forward_ratio", 0.02) * options.noise_scale,
                     Nominal(log, "noise/turn_ratio", 0.02) * options.noise_scale};
   settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types};
   settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
+  settings.memory_mb = options.memory_mb;
   settings.prune = options.prune;
   settings.box_m = options.box_m;
   settings.growth_start = options.growth_start > 0 ? options.growth_start : sensing.ranged == 0 ? 1.0 : 0.05;
@@ -174,24 +178,28 @@ void Schedule::Store(State* state) const {
   scalars["prefix"].set_d(prefix);
   scalars["robots"].set_i(robots);
   scalars["settled"].set_i(settled);
+  scalars["log_likelihood"].set_d(log_likelihood);
   scalars["summarise"].set_b(summarise);
 }
 
 Schedule Schedule::Load(const State& state) {
   const auto& scalars = state.scalars();
-  return {scalars.at("iteration").i(), scalars.at("prefix").d(), scalars.at("robots").i(),
-          scalars.at("settled").i(), scalars.at("summarise").b()};
+  return {scalars.at("iteration").i(), scalars.at("prefix").d(),         scalars.at("robots").i(),
+          scalars.at("settled").i(),   scalars.at("log_likelihood").d(), scalars.at("summarise").b()};
 }
 
-Schedule Schedule::Next(const Options& options, std::int64_t all_robots) const {
+Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now) const {
   Schedule next = *this;
   ++next.iteration;
+  next.log_likelihood = log_likelihood_now;
   if (prefix < 1.0) {
     next.prefix = std::min(1.0, prefix * options.growth_factor);
     return next;
   }
   ++next.settled;
-  if (next.settled < options.iterations) return next;
+  const double change = std::abs(log_likelihood_now - log_likelihood);
+  const bool converged = settled > 0 && change < options.tolerance * std::abs(log_likelihood_now);
+  if (next.settled < options.iterations && !converged) return next;
   if (robots < all_robots) {
     next.robots = all_robots;
     next.settled = 0;
@@ -203,7 +211,11 @@ Schedule Schedule::Next(const Options& options, std::int64_t all_robots) const {
 
 std::int64_t Schedule::RoundsLeft(const Options& options, std::int64_t all_robots) const {
   std::int64_t rounds = 1;
-  for (Schedule s = *this; !s.summarise; s = s.Next(options, all_robots)) ++rounds;
+  double changing = 1.0;
+  for (Schedule s = *this; !s.summarise; s = s.Next(options, all_robots, changing)) {
+    changing = -changing;
+    ++rounds;
+  }
   return rounds;
 }
 

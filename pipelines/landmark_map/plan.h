@@ -20,6 +20,7 @@ struct Settings {
   double prune = 1e-3;
   double box_m = 0.0;
   double growth_start = 1.0;
+  double memory_mb = 4096.0;
 
   EStepModel Model(const Perception* perception) const;
   Blob ToBlob() const;
@@ -31,15 +32,18 @@ Settings Resolve(const Options& options, const Blob& log);
 
 // Where EM stands. Robots but the first start anywhere ([TBF98] section 8): they join when there is a map.
 struct Schedule {
-  std::int64_t iteration = 0;  // E-steps done
-  double prefix = 1.0;         // fraction of the steps in use
-  std::int64_t robots = 1;     // robots that take part
-  std::int64_t settled = 0;    // iterations on all data of these robots
-  bool summarise = false;      // the last E-step, which also gives poses and associations
+  std::int64_t iteration = 0;   // E-steps done
+  double prefix = 1.0;          // fraction of the steps in use
+  std::int64_t robots = 1;      // robots that take part
+  std::int64_t settled = 0;     // iterations on all data of these robots
+  double log_likelihood = 0.0;  // of the iteration before
+  bool summarise = false;       // the last E-step, which also gives poses and associations
 
   void Store(State* state) const;
   static Schedule Load(const State& state);
-  Schedule Next(const Options& options, std::int64_t all_robots) const;
+  // After an E-step that found `log_likelihood`.
+  Schedule Next(const Options& options, std::int64_t all_robots, double log_likelihood_now) const;
+  // At most.
   std::int64_t RoundsLeft(const Options& options, std::int64_t all_robots) const;
 };
 

@@ -1,0 +1,108 @@
+#include "pipelines/common/motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "schema/rng.h"
+
+namespace cairn {
+namespace {
+
+constexpr int kHeadings = 12;
+
+LayeredGrid RandomGrid(std::uint64_t seed, const Box& around) {
+  Rng rng(seed);
+  LayeredGrid grid;
+  for (int c = 0; c < kHeadings; ++c) {
+    if (rng.Below(4) == 0) {
+      grid.layers.emplace_back();
+      continue;
+    }
+    Layer layer(around.Shifted(static_cast<int>(rng.Below(3)), static_cast<int>(rng.Below(3))));
+    for (double& value : layer.values) value = rng.Uniform();
+    grid.layers.push_back(std::move(layer));
+  }
+  return grid;
+}
+
+double Dot(const LayeredGrid& a, const LayeredGrid& b) {
+  double sum = 0;
+  for (std::size_t c = 0; c < a.layers.size(); ++c) {
+    const Box& box = a.layers[c].box;
+    for (int y = box.y0; y < box.y0 + box.ny; ++y) {
+      for (int x = box.x0; x < box.x0 + box.nx; ++x) sum += a.layers[c].At(x, y) * b.layers[c].At(x, y);
+    }
+  }
+  return sum;
+}
+
+const Leg kLeg{2.3, 1.1, 2.6, 0.4};
+const LegError kError{0.5, 0.4};
+
+TEST(Motion, KeepsMass) {
+  const LayeredGrid belief = RandomGrid(1, {0, 0, 5, 4});
+  const LayeredGrid moved = MotionKernel(kLeg, kError, 0.5, kHeadings, ErrorShape::kGaussian).Forward(belief);
+  EXPECT_NEAR(moved.Sum(), belief.Sum(), 1e-10);
+}
+
+// A turn of the frame turns the displacement: layer c moves by R(c * step) d.
+TEST(Motion, MovesEachHeadingItsOwnWay) {
+  for (const int c : {0, 3, 6, 9}) {  // quarter turns: whole cells
+    LayeredGrid belief;
+    belief.layers.resize(kHeadings);
+    belief.layers[c] = Layer(Box{0, 0, 1, 1});
+    belief.layers[c].values[0] = 1.0;
+    const LayeredGrid moved =
+        MotionKernel({3.0, 1.0, 4.0, 0.0}, {0.0, 0.0}, 1.0, kHeadings, ErrorShape::kGaussian).Forward(belief);
+    const double angle = c * 2 * std::numbers::pi / kHeadings;
+    const int x = static_cast<int>(std::lround(3 * std::cos(angle) - std::sin(angle)));
+    const int y = static_cast<int>(std::lround(3 * std::sin(angle) + std::cos(angle)));
+    EXPECT_NEAR(moved.layers[c].At(x, y), 1.0, 1e-9);
+  }
+}
+
+// <Forward(a), m> = <a, Backward(m)> for any a on the support: eq. 17 is the transpose of eq. 16.
+TEST(Motion, BackwardIsTheTransposeOfForward) {
+  for (const ErrorShape shape : {ErrorShape::kGaussian, ErrorShape::kTriangular}) {
+    const MotionKernel kernel(kLeg, kError, 0.5, kHeadings, shape);
+    const LayeredGrid alpha = RandomGrid(2, {0, 0, 6, 5});
+    const LayeredGrid message = RandomGrid(3, {2, 1, 8, 7});
+    EXPECT_NEAR(Dot(kernel.Forward(alpha), message), Dot(alpha, kernel.Backward(message, alpha)), 1e-10);
+  }
+}
+
+TEST(Motion, SpreadsHeadingsByTheLegsError) {
+  LayeredGrid belief;
+  belief.layers.resize(360);
+  belief.layers[0] = Layer(Box{0, 0, 1, 1});
+  belief.layers[0].values[0] = 1.0;
+  const LayeredGrid moved =
+      MotionKernel({10.0, 0.0, 10.0, 0.0}, {0.1, 0.0}, 1.0, 360, ErrorShape::kGaussian).Forward(belief);
+  double heading_variance = 0, side_variance = 0, both = 0;
+  for (int c = 0; c < 360; ++c) {
+    const double h = std::remainder(c * std::numbers::pi / 180, 2 * std::numbers::pi);
+    const Layer& layer = moved.layers[c];
+    for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
+      for (int x = layer.box.x0; x < layer.box.x0 + layer.box.nx; ++x) {
+        heading_variance += layer.Row(y)[x] * h * h;
+        side_variance += layer.Row(y)[x] * y * y;
+        both += layer.Row(y)[x] * h * y;
+      }
+    }
+  }
+  EXPECT_NEAR(heading_variance, 0.01, 0.0005);
+  EXPECT_NEAR(both, 10.0 * 0.01 / 2, 0.005);     // a random walk's: length * variance / 2
+  EXPECT_NEAR(side_variance, 100 * 0.005, 0.3);  // half of the error comes before the way
+}
+
+TEST(ErrorOf, GrowsWithWayAndTurn) {
+  const MotionNoise noise{0.002, 0.01, 100.0, 0.02, 0.03};
+  const LegError error = ErrorOf({4, 0, 4, 0.5}, noise);
+  EXPECT_NEAR(error.heading_rad, std::sqrt(4 * (0.01 * 0.01 + 0.002 * 0.002 * 100) + 0.015 * 0.015), 1e-12);
+  EXPECT_NEAR(error.along_m, 0.08, 1e-12);
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,236 @@
+// The E-step against the sum over all paths in a tiny world, written from the equations and sharing no
+// recursion.
+#include "pipelines/landmark_map/e_step.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <tuple>
+
+#include "pipelines/landmark_map/testing.h"
+#include "schema/rng.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+using Pose = std::tuple<int, int, int>;  // layer, x, y
+constexpr int kHeadings = 6;
+
+RobotSteps TinySteps() {
+  RobotSteps steps;
+  steps.time_s = {0, 1, 2, 3};
+  steps.odo_x_m = {0.0, 1.2, 1.9, 1.9};
+  steps.odo_y_m = {0.0, 0.3, 1.3, 2.1};
+  steps.odo_heading_rad = {0, 0.2, 1.0, 1.6};
+  steps.path_m = {0, 1.3, 1.3, 0.8};
+  steps.turn_rad = {0, 0.2, 0.8, 0.6};
+  steps.first_observation = {0, 1, 1, 3, 4};
+  steps.observations = {{0, 0.4, 0.1}, {1, 0, 0}, {0, -0.7, 0.5}, {1, 0, 0}};
+  return steps;
+}
+
+EStepModel TinyModel(const Perception* perception) {
+  EStepModel model;
+  model.grid = {0.8, kHeadings};
+  model.noise = {0.1, 0.3, 1.0, 0.2, 0.2};
+  model.prune = 0.0;
+  model.perception = perception;
+  return model;
+}
+
+Perception RandomPerception() {
+  Rng rng(11);
+  Perception perception;
+  for (int type = 0; type < 2; ++type) {
+    Layer layer(Box{-1 + type, -2, 5, 4});
+    for (double& value : layer.values) value = 0.05 + rng.Uniform();
+    perception.likelihood.layers.push_back(std::move(layer));
+    perception.outside.push_back(0.02);
+  }
+  return perception;
+}
+
+double Lookup(const Perception& p, int type, int x, int y) {
+  const Layer& layer = p.likelihood.layers[type];
+  return layer.box.Contains(x, y) ? layer.At(x, y) : p.outside[type];
+}
+
+double ObservationProbability(const RobotSteps& steps, int step, const EStepModel& model, const Pose& pose) {
+  const auto [c, x, y] = pose;
+  double probability = 1.0;
+  for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
+    const Observation& o = steps.observations[k];
+    const double angle = c * 2 * std::numbers::pi / kHeadings;
+    const double px = x + (std::cos(angle) * o.x_m - std::sin(angle) * o.y_m) / model.grid.cell_m;
+    const double py = y + (std::sin(angle) * o.x_m + std::cos(angle) * o.y_m) / model.grid.cell_m;
+    const int ix = static_cast<int>(std::floor(px)), iy = static_cast<int>(std::floor(py));
+    const double ax = px - ix, ay = py - iy;
+    probability *= (1 - ax) * (1 - ay) * Lookup(*model.perception, o.type, ix, iy) +
+                   ax * (1 - ay) * Lookup(*model.perception, o.type, ix + 1, iy) +
+                   (1 - ax) * ay * Lookup(*model.perception, o.type, ix, iy + 1) +
+                   ax * ay * Lookup(*model.perception, o.type, ix + 1, iy + 1);
+  }
+  return probability;
+}
+
+// P(xi' | u, xi): half of the turn's error, the shift of the heading in between, the other half.
+std::map<Pose, double> Successors(const RobotSteps& steps, int step, const EStepModel& model,
+                                  const Pose& pose) {
+  const Leg leg = steps.LegTo(step);
+  const LegError error = ErrorOf(leg, model.noise);
+  const double angle_step = 2 * std::numbers::pi / kHeadings;
+  const Taps half = GaussianTaps(error.heading_rad / std::sqrt(2.0) / angle_step);
+  const double length = std::hypot(leg.dx_m, leg.dy_m);
+  std::map<Pose, double> successors;
+  const auto [c, x, y] = pose;
+  for (int a = -half.reach(); a <= half.reach(); ++a) {
+    const double angle = (c + a) * angle_step, cosine = std::cos(angle), sine = std::sin(angle);
+    const double dx = (cosine * leg.dx_m - sine * leg.dy_m) / model.grid.cell_m;
+    const double dy = (sine * leg.dx_m + cosine * leg.dy_m) / model.grid.cell_m;
+    const double norm = length / model.grid.cell_m;
+    for (const StencilPoint& p :
+         ShiftStencil(dx, dy, dx / norm, dy / norm, error.along_m / model.grid.cell_m)) {
+      for (int b = -half.reach(); b <= half.reach(); ++b) {
+        const int layer = ((c + a + b) % kHeadings + kHeadings) % kHeadings;
+        successors[{layer, x + p.dx, y + p.dy}] += half.At(a) * p.weight * half.At(b);
+      }
+    }
+  }
+  return successors;
+}
+
+// Adds the probability of every path to the marginals of the poses that it goes through.
+struct Enumeration {
+  const RobotSteps& steps;
+  const EStepModel& model;
+  std::vector<std::map<Pose, double>> marginals = std::vector<std::map<Pose, double>>(4);
+  double evidence = 0.0;
+  std::vector<Pose> path;
+
+  void Walk(int step, const Pose& pose, double probability) {
+    probability *= ObservationProbability(steps, step, model, pose);
+    path.push_back(pose);
+    if (step + 1 == steps.size()) {
+      evidence += probability;
+      for (int t = 0; t < steps.size(); ++t) marginals[t][path[t]] += probability;
+    } else {
+      for (const auto& [next, p] : Successors(steps, step + 1, model, pose))
+        Walk(step + 1, next, probability * p);
+    }
+    path.pop_back();
+  }
+};
+
+TEST(EStep, EqualsTheSumOverAllPaths) {
+  const RobotSteps steps = TinySteps();
+  const Perception perception = RandomPerception();
+  const EStepModel model = TinyModel(&perception);
+  Enumeration all{steps, model, std::vector<std::map<Pose, double>>(4), 0.0, {}};
+  all.Walk(0, {0, 0, 0}, 1.0);
+
+  const Slice slice{steps, 0, 4, "a"};
+  NoProgress progress;
+  const LayeredGrid start = DiracStart(model.grid);
+  const Alphas alphas = Forward(model, slice, start, progress);
+  EXPECT_NEAR(alphas.log_likelihood, std::log(all.evidence), 1e-9);
+  int compared = 0;
+  Backward(model, slice, alphas, start, UniformBeta(alphas.tables.back()), progress,
+           [&](int step, const LayeredGrid& belief) {
+             EXPECT_NEAR(belief.Sum(), 1.0, 1e-12);
+             for (const auto& [pose, p] : all.marginals[step]) {
+               const auto [c, x, y] = pose;
+               ASSERT_NEAR(belief.layers[c].At(x, y), p / all.evidence, 1e-9);
+               ++compared;
+             }
+           });
+  EXPECT_GT(compared, 100);
+}
+
+TEST(EStep, AlphaSumsToOneAtEveryStep) {
+  const RobotSteps steps = TinySteps();
+  const Perception perception = RandomPerception();
+  EStepModel model = TinyModel(&perception);
+  model.prune = 1e-3;
+  NoProgress progress;
+  for (const LayeredGrid& alpha :
+       Forward(model, {steps, 0, 4, "a"}, DiracStart(model.grid), progress).tables) {
+    EXPECT_NEAR(alpha.Sum(), 1.0, 1e-12);
+  }
+}
+
+// Forward over a slice from where the slice before ended, backward from where the slice after began.
+TEST(EStep, SlicesGiveWhatOnePassGives) {
+  const RobotSteps steps = TinySteps();
+  const Perception perception = RandomPerception();
+  const EStepModel model = TinyModel(&perception);
+  NoProgress progress;
+  const LayeredGrid start = DiracStart(model.grid);
+  std::vector<LayeredGrid> whole(4), sliced(4);
+  const Alphas one = Forward(model, {steps, 0, 4, "a"}, start, progress);
+  Backward(model, {steps, 0, 4, "a"}, one, start, UniformBeta(one.tables.back()), progress,
+           [&](int step, const LayeredGrid& belief) { whole[step] = belief; });
+
+  const Slice early{steps, 0, 2, "a"}, late{steps, 2, 4, "a"};
+  const Alphas first = Forward(model, early, start, progress);
+  const Alphas second = Forward(model, late, first.tables.back(), progress);
+  const auto keep = [&](int step, const LayeredGrid& belief) { sliced[step] = belief; };
+  const LayeredGrid beta =
+      Backward(model, late, second, first.tables.back(), UniformBeta(second.tables.back()), progress, keep);
+  Backward(model, early, first, start, beta, progress, keep);
+  EXPECT_NEAR(first.log_likelihood + second.log_likelihood, one.log_likelihood, 1e-12);
+  for (int t = 0; t < 4; ++t) {
+    for (int c = 0; c < kHeadings; ++c) {
+      ASSERT_EQ(whole[t].layers[c].box, sliced[t].layers[c].box);
+      for (std::size_t i = 0; i < whole[t].layers[c].values.size(); ++i) {
+        ASSERT_NEAR(whole[t].layers[c].values[i], sliced[t].layers[c].values[i], 1e-12);
+      }
+    }
+  }
+}
+
+TEST(EStep, ImpossibleEvidenceNamesRobotStepAndObservation) {
+  const RobotSteps steps = TinySteps();
+  Perception perception = RandomPerception();
+  perception.likelihood.layers[1] = Layer(Box{100, 100, 1, 1});
+  perception.outside = {0.02, 0.0};
+  const EStepModel model = TinyModel(&perception);
+  NoProgress progress;
+  try {
+    Forward(model, {steps, 0, 4, "rover"}, DiracStart(model.grid), progress);
+    FAIL();
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    for (const char* part : {"rover", "step 2", "impossible", "landmark type 1"}) {
+      EXPECT_NE(what.find(part), std::string::npos) << what;
+    }
+  }
+}
+
+TEST(EStep, ABoxTooSmallAndAMemoryTooSmallAreNamed) {
+  const RobotSteps steps = TinySteps();
+  EStepModel model = TinyModel(nullptr);
+  NoProgress progress;
+  model.limit = Box{0, 0, 1, 1};
+  const MotionNoise noise = model.noise;
+  model.noise = {};
+  try {
+    Forward(model, {steps, 0, 4, "a"}, DiracStart(model.grid), progress);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("left the box"), std::string::npos) << e.what();
+  }
+  model.limit = Box{};
+  model.noise = noise;
+  model.memory_bytes = 100;
+  try {
+    Forward(model, {steps, 0, 4, "a"}, DiracStart(model.grid), progress);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("memory_mb"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map

@@ -1,0 +1,127 @@
+// The whole pipeline on logs made by hand.
+#include "pipelines/landmark_map/landmark_map.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipelines/in_process.h"
+#include "pipelines/landmark_map/testing.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+BlobPtr Map(const Blob& log, const Options& options, int* rounds = nullptr, int* tasks = nullptr) {
+  const LandmarkMap pipeline(options);
+  return RunInProcess(pipeline, {{"log", std::make_shared<const Blob>(log)}}, [&](const proto::Step& step) {
+    if (rounds != nullptr) ++*rounds;
+    if (tasks != nullptr) *tasks = std::max(*tasks, step.tasks_size());
+  });
+}
+
+// The corners of a square, whatever its place and heading: six distances, sorted.
+std::vector<double> Distances(const Blob& result) {
+  const auto x = result.Get<double>("map/landmark_x_m"), y = result.Get<double>("map/landmark_y_m");
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) distances.push_back(std::hypot(x[i] - x[k], y[i] - y[k]));
+  }
+  std::ranges::sort(distances);
+  return distances;
+}
+
+void ExpectSquare(const Blob& result, double side_m, double tolerance_m) {
+  ASSERT_EQ(result.Get<double>("map/landmark_x_m").size(), 4U);
+  const std::vector<double> distances = Distances(result);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(distances[i], side_m, tolerance_m);
+  for (int i = 4; i < 6; ++i) EXPECT_NEAR(distances[i], side_m * std::sqrt(2.0), tolerance_m);
+}
+
+TEST(LandmarkMap, FindsTheCornersFromPressesThatLookAlike) {
+  SquareLog log{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002};
+  const BlobPtr result = Map(log.Make(), {.cell_m = 0.5});
+  ExpectSquare(*result, 20.0, 0.7);
+  const auto landmark = result->Get<std::int32_t>("robot/0/observations/map_landmark");
+  for (std::size_t i = 4; i < landmark.size(); ++i) EXPECT_EQ(landmark[i], landmark[i - 4]) << i;
+  EXPECT_NEAR(result->Scalar<double>("robot/0/heading_drift_rad_per_m"), 0.002, 0.001);
+}
+
+TEST(LandmarkMap, FindsTheCornersFromRangeAndBearingWithIdentities) {
+  SquareLog log{.laps = 4, .ranged = true, .identified = true};
+  const BlobPtr result = Map(log.Make(), {});
+  ExpectSquare(*result, 10.0, 0.5);
+  const auto identity = result->Get<std::int32_t>("map/landmark_identity");
+  EXPECT_EQ(std::vector<std::int32_t>(identity.begin(), identity.end()),
+            (std::vector<std::int32_t>{0, 1, 2, 3}));
+}
+
+TEST(LandmarkMap, FindsTheCornersFromRangeAndBearingWithoutIdentities) {
+  SquareLog log{.laps = 4, .side_m = 20.0, .ranged = true};
+  const BlobPtr result = Map(log.Make(), {.cell_m = 0.5, .radius_m = 5.0});
+  ExpectSquare(*result, 20.0, 1.0);
+}
+
+TEST(LandmarkMap, TheTriangularErrorOfThePaperWorksToo) {
+  SquareLog log{.laps = 4, .side_m = 20.0};
+  ExpectSquare(*Map(log.Make(), {.cell_m = 0.5, .motion_error = "triangular"}), 20.0, 0.7);
+}
+
+TEST(LandmarkMap, TimeSlicesGiveWhatOneSequentialPassGives) {
+  const Blob log = SquareLog{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002}.Make();
+  int whole_tasks = 0, sliced_tasks = 0;
+  const BlobPtr whole = Map(log, {.cell_m = 1.0, .slice_steps = 1000}, nullptr, &whole_tasks);
+  const BlobPtr sliced = Map(log, {.cell_m = 1.0, .slice_steps = 5}, nullptr, &sliced_tasks);
+  EXPECT_EQ(whole_tasks, 1);
+  EXPECT_GT(sliced_tasks, 5);
+  for (const char* name :
+       {"robot/0/poses/x_m", "robot/0/poses/y_m", "robot/0/poses/heading_rad", "robot/0/poses/covariance",
+        "robot/0/observations/probability", "map/grid/probability", "map/landmark_x_m", "map/landmark_y_m"}) {
+    const auto a = whole->Get<double>(name), b = sliced->Get<double>(name);
+    ASSERT_EQ(a.size(), b.size()) << name;
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-6) << name << ' ' << i;
+  }
+}
+
+// EM's promise holds for the exact model, with nothing pruned and the motion model left alone.
+TEST(LandmarkMap, TheLikelihoodNeverFallsUnderTheExactModel) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const Blob log = SquareLog{.laps = 3, .side_m = 8.0, .seed = seed}.Make();
+    const BlobPtr result = Map(log, {.cell_m = 1.0,
+                                     .heading_deg = 10.0,
+                                     .iterations = 12,
+                                     .tolerance = 0.0,
+                                     .calibrate = false,
+                                     .model = "exact",
+                                     .prune = 0.0});
+    const auto history = result->Get<double>("history/log_likelihood");
+    ASSERT_GE(history.size(), 12U);
+    for (std::size_t i = 2; i < history.size(); ++i) EXPECT_GE(history[i], history[i - 1] - 1e-9) << i;
+    EXPECT_GT(history.back(), history[1] + 1.0);
+  }
+}
+
+TEST(LandmarkMap, StopsWhereTheLikelihoodNoLongerChanges) {
+  const Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
+  int some = 0, all = 0;
+  Map(log, {.iterations = 30, .tolerance = 0.01}, &some);
+  Map(log, {.iterations = 30, .tolerance = 0.0}, &all);
+  EXPECT_LT(some, all);
+  EXPECT_EQ(all, 30 + 2);  // planning, thirty E-steps, and the one for the summary
+}
+
+TEST(LandmarkMap, ALogWithControlsOnlyIsRefused) {
+  Blob log = SquareLog{}.Make();
+  log.Put("robot/0/observations/time_s", Array::Vector<double>({}));
+  log.Put("robot/0/observations/landmark", Array::Vector<std::int32_t>({}));
+  log.Put("robot/0/observations/range_m", Array::Vector<double>({}));
+  log.Put("robot/0/observations/bearing_rad", Array::Vector<double>({}));
+  EXPECT_THROW(Map(log, {}), InputError);
+}
+
+TEST(LandmarkMap, ABoxTooSmallForTheTrajectoryIsRefused) {
+  EXPECT_THROW(Map(SquareLog{.side_m = 20.0}.Make(), {.box_m = 10.0}), InputError);
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map

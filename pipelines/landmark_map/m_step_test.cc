@@ -1,0 +1,76 @@
+#include "pipelines/landmark_map/m_step.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace cairn::landmark_map {
+namespace {
+
+MapRules Rules(int types) {
+  MapRules rules;
+  rules.grid = {1.0, 4};
+  rules.types = types;
+  rules.observation_m = 0.0;
+  rules.radius_m = 3.0;
+  rules.core_m = 1.0;
+  return rules;
+}
+
+LayeredGrid Points(int layers, int layer, const std::vector<std::array<double, 3>>& points) {
+  LayeredGrid counts;
+  counts.layers.resize(static_cast<std::size_t>(layers));
+  counts.layers[layer] = Layer(Box{0, 0, 20, 20});
+  for (const auto& [x, y, count] : points) {
+    counts.layers[layer].Row(static_cast<int>(y))[static_cast<int>(x)] = count;
+  }
+  return counts;
+}
+
+// Eq. 19 by hand: 4 presses here, 1 two cells away, 5 out of sight.
+TEST(MapOf, UnidentifiedLandmarksShareTheirPerceptualRadiusOnly) {
+  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {15, 15, 5}}), Rules(0));
+  EXPECT_DOUBLE_EQ(map.layers[0].At(5, 5), 4.0 / 5.0);
+  EXPECT_DOUBLE_EQ(map.layers[0].At(7, 5), 1.0 / 5.0);
+  EXPECT_DOUBLE_EQ(map.layers[0].At(15, 15), 1.0);
+  EXPECT_EQ(map.layers[0].At(6, 5), 0.0);
+}
+
+TEST(MapOf, AnIdentifiedLandmarkStandsInOnePlace) {
+  const LayeredGrid map = MapOf(Points(3, 1, {{5, 5, 4}, {15, 15, 4}}), Rules(2));
+  EXPECT_DOUBLE_EQ(map.layers[1].At(5, 5), 0.5);
+  EXPECT_DOUBLE_EQ(map.layers[1].Sum(), 1.0);
+  EXPECT_TRUE(map.layers[0].box.empty());
+  EXPECT_TRUE(map.layers[2].box.empty());
+}
+
+TEST(PerceptionOf, NoLandmarkEvidenceCountsWhatLiesBeyondTheCore) {
+  MapRules rules = Rules(0);
+  rules.false_rate_per_m2 = 0.1;
+  rules.no_landmark = 0.5;
+  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}}), rules);
+  const Perception perception = PerceptionOf(map, rules);
+  EXPECT_NEAR(perception.likelihood.layers[0].At(5, 5), (0.1 + 0.9 * 0.8) * std::exp(-0.5 * 0.2), 1e-12);
+  EXPECT_NEAR(perception.likelihood.layers[0].At(7, 5), (0.1 + 0.9 * 0.2) * std::exp(-0.5 * 0.8), 1e-12);
+  EXPECT_NEAR(perception.outside[0], 0.1, 1e-12);
+}
+
+TEST(PerceptionOf, ExactModelIsTheProductOverTheRadius) {
+  MapRules rules = Rules(0);
+  rules.exact = true;
+  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {5, 6, 1}}), rules);
+  const double a = map.layers[0].At(5, 5), b = map.layers[0].At(7, 5), c = map.layers[0].At(5, 6);
+  const Perception perception = PerceptionOf(map, rules);
+  EXPECT_NEAR(perception.likelihood.layers[0].At(5, 5), a * (1 - b) * (1 - c), 1e-12);
+  EXPECT_NEAR(perception.likelihood.layers[0].At(7, 5), b * (1 - a) * (1 - c), 1e-12);
+  EXPECT_EQ(perception.outside[0], 0.0);
+}
+
+TEST(PerceptionOf, ALandmarkNeverSeenSaysNothing) {
+  const Perception perception = PerceptionOf(MapOf(Points(3, 1, {{5, 5, 4}}), Rules(2)), Rules(2));
+  EXPECT_TRUE(perception.likelihood.layers[0].box.empty());
+  EXPECT_GT(perception.outside[0], 0.0);
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map

@@ -1,0 +1,123 @@
+#include "pipelines/landmark_map/steps.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "pipelines/landmark_map/testing.h"
+#include "pipelines/landmark_map/track.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+const StepRules kRules{4.0, 1.0, 0.5, 2};
+
+// Two metres ahead, a left turn, two metres: controls of one metre.
+Blob Robot(std::vector<double> seen_s, std::vector<std::int32_t> landmark, std::vector<double> range,
+           std::vector<double> bearing) {
+  Blob robot;
+  robot.PutVector<double>("odometry/time_s", {1, 2, 3, 4});
+  robot.PutVector<double>("odometry/turn_rad", {0, 0, std::numbers::pi / 2, 0});
+  robot.PutVector<double>("odometry/forward_m", {1, 1, 1, 1});
+  robot.PutVector("observations/time_s", seen_s);
+  robot.PutVector("observations/landmark", landmark);
+  robot.PutVector("observations/range_m", range);
+  robot.PutVector("observations/bearing_rad", bearing);
+  return robot;
+}
+
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Integrate, TurnsFirstThenGoes) {
+  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a", 0.0);
+  EXPECT_NEAR(odometry.x_m.back(), 2.0, 1e-12);
+  EXPECT_NEAR(odometry.y_m.back(), 2.0, 1e-12);
+  const OdometricPose half = PoseAt(odometry, 2.5);
+  EXPECT_NEAR(half.y_m, 0.5, 1e-12);
+  EXPECT_NEAR(half.heading_rad, std::numbers::pi / 2, 1e-12);
+  EXPECT_NEAR(half.path_m, 2.5, 1e-12);
+}
+
+TEST(Integrate, TakesAKnownDriftOff) {
+  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a", 0.1);
+  EXPECT_NEAR(odometry.heading_rad.back(), std::numbers::pi / 2 - 0.4, 1e-12);
+}
+
+TEST(MakeSteps, APressStandsAtTheRobotAndLongWaysAreSplit) {
+  const RobotSteps steps =
+      MakeSteps(Robot({2.0}, {-1}, {kNaN}, {kNaN}), "a", {1.5, 1.0, 0.5, 2}, 0.0, nullptr);
+  ASSERT_EQ(steps.size(), 5);  // start, 1 m, 2 m (press), 3 m, end
+  EXPECT_NEAR(steps.odo_x_m[2], 2.0, 1e-12);
+  EXPECT_EQ(steps.first_observation[2], 0);
+  EXPECT_EQ(steps.first_observation[3], 1);
+  EXPECT_EQ(steps.observations[0].type, 2);  // identity unknown
+  EXPECT_EQ(steps.observations[0].x_m, 0.0);
+  EXPECT_EQ(steps.row_observation, std::vector<std::int32_t>{0});
+  EXPECT_NEAR(steps.LegTo(4).dy_m, 1.0, 1e-12);
+}
+
+// Seen at 2.0 s from (2, 0) and at 2.25 s from (2, 0.25) after the turn: one landmark, one mean vector.
+TEST(MakeSteps, GathersSightingsOfOneFrameInTheOdometricFrame) {
+  const double quarter = std::numbers::pi / 2;
+  const RobotSteps steps = MakeSteps(Robot({2.25, 2.5}, {1, 1}, {1.0, 1.0}, {0.0, -quarter}), "a",
+                                     {4.0, 1.0, 0.5, 2}, 0.0, nullptr);
+  ASSERT_EQ(steps.observations.size(), 1U);
+  EXPECT_EQ(steps.observations[0].type, 1);
+  // Step at 2.5 s, (2, 0.5): the first points to (2, 1.25), the second to (3, 0.5).
+  EXPECT_NEAR(steps.observations[0].x_m, 0.5, 1e-12);
+  EXPECT_NEAR(steps.observations[0].y_m, 0.375, 1e-12);
+  EXPECT_EQ(steps.row_observation, (std::vector<std::int32_t>{0, 0}));
+}
+
+TEST(MakeSteps, ALateRobotBeginsWhereItSeesWhatTheFirstRobotSaw) {
+  const std::vector<bool> shared = {false, true, false};
+  const Blob robot = Robot({1.0, 3.0}, {0, 1}, {1, 1}, {0, 0});
+  const RobotSteps steps = MakeSteps(robot, "b", kRules, 0.0, &shared);
+  EXPECT_EQ(steps.time_s[0], 3.0);
+  EXPECT_EQ(steps.row_observation, (std::vector<std::int32_t>{-1, 0}));
+  const std::vector<bool> none = {false, false, false};
+  EXPECT_THROW(MakeSteps(robot, "b", kRules, 0.0, &none), InputError);
+}
+
+TEST(MakeSteps, BlobsGiveTheSameStepsBack) {
+  const RobotSteps steps = MakeSteps(Robot({1.0, 3.0}, {0, 1}, {1, 1}, {0, 0}), "a", kRules, 0.0, nullptr);
+  EXPECT_EQ(RobotSteps::FromBlob(steps.ToBlob()).ToBlob().ContentHash(), steps.ToBlob().ContentHash());
+}
+
+TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {
+  const auto refusal = [](const Blob& robot) -> std::string {
+    try {
+      MakeSteps(robot, "rover", kRules, 0.0, nullptr);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  const auto has = [&](const Blob& robot, const char* reason) {
+    const std::string what = refusal(robot);
+    EXPECT_NE(what.find("rover"), std::string::npos) << what;
+    EXPECT_NE(what.find(reason), std::string::npos) << what;
+  };
+  has(Robot({-5.0}, {-1}, {kNaN}, {kNaN}), "before the first control");
+  has(Robot({50.0}, {-1}, {kNaN}, {kNaN}), "after the last control");
+  has(Robot({2.0, 1.0}, {-1, -1}, {kNaN, kNaN}, {kNaN, kNaN}), "observation 1: time runs backwards");
+  has(Robot({kNaN}, {-1}, {kNaN}, {kNaN}), "not a number");
+  has(Robot({2.0}, {7}, {kNaN}, {kNaN}), "does not list");
+  has(Robot({2.0}, {1}, {3.0}, {kNaN}), "range without bearing");
+  has(Robot({2.0}, {1}, {-3.0}, {0.0}), "not a range");
+  Blob backwards = Robot({}, {}, {}, {});
+  backwards.PutVector<double>("odometry/time_s", {1, 2, 1.5, 4});
+  has(backwards, "control 2: time runs backwards");
+  Blob hollow = Robot({}, {}, {}, {});
+  hollow.PutVector<double>("odometry/forward_m", {1, kNaN, 1, 1});
+  has(hollow, "control 1: not a number");
+  Blob empty = Robot({}, {}, {}, {});
+  for (const char* name : {"odometry/time_s", "odometry/turn_rad", "odometry/forward_m"})
+    empty.PutVector<double>(name, {});
+  has(empty, "no controls");
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map

@@ -1,0 +1,80 @@
+// What the tests of landmark_map share: a log made by hand.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "pipelines/pipeline.h"
+#include "schema/blob.h"
+#include "schema/rng.h"
+
+namespace cairn::landmark_map {
+
+class NoProgress : public Progress {
+ public:
+  void Tick() override {}
+};
+
+// A robot that goes round a square of `side_m` `laps` times in controls of 1 m. It presses a button at each
+// corner, or sees the corners by range and bearing; odometry errs by a heading drift and noise.
+struct SquareLog {
+  int laps = 3;
+  double side_m = 10.0;
+  bool ranged = false;
+  bool identified = false;
+  double drift_rad_per_m = 0.0;
+  std::uint64_t seed = 1;
+
+  Blob Make() const {
+    Rng rng(seed);
+    std::vector<double> time, turn, forward, seen_s, range, bearing;
+    std::vector<std::int32_t> landmark;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    double t = 0;
+    const int legs = static_cast<int>(side_m);
+    for (int lap = 0; lap < laps; ++lap) {
+      for (int corner = 0; corner < 4; ++corner) {
+        for (int k = 0; k < legs; ++k) {
+          const bool first = k == 0 && (lap > 0 || corner > 0);
+          time.push_back(t += 1);
+          turn.push_back((first ? std::numbers::pi / 2 : 0.0) + drift_rad_per_m + 0.005 * rng.Normal());
+          forward.push_back(1.0 + 0.01 * rng.Normal());
+          if (ranged && k == legs / 2)
+            See(t, (corner + 1) % 4, side_m - k - 1, &seen_s, &landmark, &range, &bearing);
+        }
+        if (ranged) continue;
+        seen_s.push_back(t);
+        landmark.push_back(identified ? (corner + 1) % 4 : -1);
+        range.push_back(nan);
+        bearing.push_back(nan);
+      }
+    }
+    Blob log;
+    log.Put("robots", Array::Texts({"rover"}));
+    log.Put("landmarks", identified ? Array::Texts({"a", "b", "c", "d"}) : Array::Texts({}));
+    log.PutVector("robot/0/odometry/time_s", time);
+    log.PutVector("robot/0/odometry/turn_rad", turn);
+    log.PutVector("robot/0/odometry/forward_m", forward);
+    log.PutVector("robot/0/observations/time_s", seen_s);
+    log.PutVector("robot/0/observations/landmark", landmark);
+    log.PutVector("robot/0/observations/range_m", range);
+    log.PutVector("robot/0/observations/bearing_rad", bearing);
+    return log;
+  }
+
+ private:
+  void See(double t, int corner, double ahead_m, std::vector<double>* seen_s,
+           std::vector<std::int32_t>* landmark, std::vector<double>* range,
+           std::vector<double>* bearing) const {
+    seen_s->push_back(t);
+    landmark->push_back(identified ? corner : -1);
+    range->push_back(ahead_m);
+    bearing->push_back(0.0);
+  }
+};
+
+}  // namespace cairn::landmark_map
