@@ -25,8 +25,10 @@ void AddBits(Hasher& hasher, const std::vector<T>& values) {
 // answers.
 std::vector<double> Arguments() {
   Rng rng(20240229, 1, 2);
-  std::vector<double> values;
-  for (int i = 0; i < 400; ++i) values.push_back(rng.Normal() * std::ldexp(1.0, i % 24 - 12));
+  std::vector<double> values(400);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = rng.Normal() * std::ldexp(1.0, static_cast<int>(i % 24) - 12);
+  }
   return values;
 }
 

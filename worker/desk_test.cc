@@ -101,8 +101,8 @@ TEST_F(DeskTest, AHashOfTheWrongLengthIsAFailureNotACrash) {
 }
 
 TEST_F(DeskTest, PartialsAreFetchedAFewAheadOfTheReader) {
-  std::vector<wire::NamedBlob> partials;
-  for (int i = 0; i < 100; ++i) partials.push_back(BlobOf(i % 40));  // equal partials are common
+  std::vector<wire::NamedBlob> partials(100);
+  for (int i = 0; i < 100; ++i) partials[i] = BlobOf(i % 40);  // equal partials are common
   desk_.Add(AdvanceTask(partials));
   const TaskPtr task = desk_.Next();
   std::size_t wanted = 0;

@@ -29,6 +29,7 @@ class Process {
   Process(std::vector<std::string> arguments, const std::filesystem::path& output) {
     arguments.insert(arguments.begin(), CAIRN_CONFORMANCE_WORKER);
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     posix_spawn_file_actions_t actions;
