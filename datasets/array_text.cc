@@ -64,7 +64,8 @@ double ElementNumber(const Array& array, std::int64_t index) {
 
 std::string ShortNumber(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
+  // Seconds since 1970 would all look alike in four digits.
+  std::snprintf(text, sizeof text, std::abs(value) < 1e5 ? "%.4g" : "%.12g", value);
   return text;
 }
 

@@ -12,6 +12,6 @@ std::string TypeText(const Array& array);                       // "float64"; te
 std::string ShapeText(const std::vector<std::int64_t>& shape);  // "[3,4]"; also of an index
 std::string ElementText(const Array& array, std::int64_t index);
 double ElementNumber(const Array& array, std::int64_t index);  // NaN for a text
-std::string ShortNumber(double value);                         // four digits: "0.08333"
+std::string ShortNumber(double value);  // four digits, "0.08333"; of large numbers twelve
 
 }  // namespace cairn::datasets

@@ -89,6 +89,7 @@ class CsvExport {
                    const std::vector<std::string>& names) const {
     const auto time = blob_.Get<double>(prefix + "time_s");
     std::vector<std::span<const double>> columns;
+    columns.reserve(names.size());
     for (const std::string& name : names) {
       columns.push_back(Column<double>(blob_, prefix + name, time.size()));
     }

@@ -104,16 +104,17 @@ TEST(ExportRos, SaysWhereThereIsNoGrid) {
 }
 
 TEST(Png, OpenCvReadsBackTheSamePixels) {
-  std::vector<std::uint8_t> pixels;
-  for (int i = 0; i < 3 * 5 * 7; ++i) pixels.push_back(static_cast<std::uint8_t>(i * 37));
+  std::vector<std::uint8_t> pixels(3 * 5 * 7);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * 37);
   const std::string png = EncodePng(5, 7, pixels);
   const cv::Mat image = cv::imdecode(std::vector<char>(png.begin(), png.end()), cv::IMREAD_COLOR);
   ASSERT_EQ(image.cols, 5);
   ASSERT_EQ(image.rows, 7);
-  for (int y = 0; y < 7; ++y) {
-    for (int x = 0; x < 5; ++x) {
-      const auto* rgb = &pixels[static_cast<std::size_t>(3 * (5 * y + x))];
-      EXPECT_EQ(image.at<cv::Vec3b>(y, x), cv::Vec3b(rgb[2], rgb[1], rgb[0]));
+  for (std::size_t y = 0; y < 7; ++y) {
+    for (std::size_t x = 0; x < 5; ++x) {
+      const auto* rgb = &pixels[3 * (5 * y + x)];
+      EXPECT_EQ(image.at<cv::Vec3b>(static_cast<int>(y), static_cast<int>(x)),
+                cv::Vec3b(rgb[2], rgb[1], rgb[0]));
     }
   }
 }

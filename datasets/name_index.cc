@@ -43,6 +43,7 @@ std::vector<std::int32_t> NameIndex::Sort() {
   std::ranges::sort(names_, ComesBefore);
   for (std::size_t i = 0; i < names_.size(); ++i) numbers_[names_[i]] = static_cast<std::int32_t>(i);
   std::vector<std::int32_t> renumbered;
+  renumbered.reserve(before.size());
   for (const std::string& name : before) renumbered.push_back(Find(name));
   return renumbered;
 }

@@ -13,7 +13,6 @@ namespace {
 
 using store_testing::Bytes;
 using store_testing::OddBlob;
-using store_testing::Overwrite;
 using store_testing::TempFolder;
 
 TEST(BlobFile, EveryTypeAndShapeComesBack) {
@@ -103,6 +102,7 @@ TEST(BlobFile, ManyReadersAtOnceSeeTheSame) {
   const Hash expected = OddBlob().ContentHash();
   std::vector<int> right(4, 0);
   std::vector<std::thread> threads;
+  threads.reserve(right.size());
   for (int& count : right) {
     threads.emplace_back([&] {
       for (int i = 0; i < 20; ++i) {
