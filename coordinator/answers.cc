@@ -105,8 +105,7 @@ void Core::CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, 
 void Core::Count(Job& job, const wire::Done& done, const Worker& worker) {
   if (!job.build) job.build = worker.hello.build();
   proto::StageFacts& facts = job.facts.back();
-  facts.set_compute_seconds(facts.compute_seconds() + done.seconds());
-  facts.set_tasks(facts.tasks() + 1);
+  facts.set_open_compute_seconds(facts.open_compute_seconds() + done.seconds());
   facts.set_workers(std::max(facts.workers(), static_cast<std::uint32_t>(fleet_.size())));
   auto& hosts = *facts.mutable_hosts();
   const auto place = std::lower_bound(hosts.begin(), hosts.end(), worker.hello.host());
@@ -117,7 +116,13 @@ void Core::Count(Job& job, const wire::Done& done, const Worker& worker) {
 }
 
 void Core::EndRoundFacts(Job& job) {
-  job.facts.back().add_round_seconds(now_s_ - job.round_since_s);
+  proto::StageFacts& facts = job.facts.back();
+  proto::RoundFacts& round = *facts.add_rounds();
+  round.set_note(job.step ? job.step->note() : "start");
+  round.set_tasks(static_cast<std::uint32_t>(job.partials.size()));
+  round.set_seconds(now_s_ - job.round_since_s);
+  round.set_compute_seconds(facts.open_compute_seconds());
+  facts.set_open_compute_seconds(0);
   job.round_since_s = now_s_;
   job.task_seconds.clear();
 }

@@ -1,10 +1,9 @@
 #include "coordinator/checkpoint_file.h"
 
-#include <google/protobuf/util/json_util.h>
-
 #include <span>
 
-#include "coordinator/job.h"
+#include "coordinator/job_yaml.h"
+#include "coordinator/round.h"
 #include "schema/blob.h"
 #include "schema/store/blob_file.h"
 
@@ -29,28 +28,13 @@ std::string WhatIsWrong(const proto::Checkpoint& checkpoint) {
 
 }  // namespace
 
-std::string JobAsJson(const proto::Job& job) {
-  proto::Job readable = job;
-  for (auto& [name, hash] : *readable.mutable_input_blobs()) {
-    const Result<Hash> parsed = Hash::FromBinary(hash);
-    if (parsed.ok()) (*readable.mutable_inputs())[name] += " (" + parsed.value().Hex() + ")";
-  }
-  readable.clear_input_blobs();  // JSON would show them in base64
-  google::protobuf::util::JsonPrintOptions options;
-  options.add_whitespace = true;
-  options.preserve_proto_field_names = true;
-  std::string text;
-  const auto status = google::protobuf::util::MessageToJsonString(readable, &text, options);
-  return status.ok() ? text : std::string("{}");
-}
-
 Status WriteCheckpoint(const std::filesystem::path& path, const proto::Checkpoint& checkpoint) {
   const std::string bytes = checkpoint.SerializeAsString();
   Blob blob;
   blob.Put("checkpoint", Array::Of<std::uint8_t>(
                              {static_cast<std::int64_t>(bytes.size())},
                              std::span(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size())));
-  blob.Put("job", Array::Text(JobAsJson(checkpoint.job())));
+  blob.Put("job_yaml", Array::Text(JobAsYaml(checkpoint.job())));
   return WriteBlobFile(path, "checkpoint", blob);
 }
 

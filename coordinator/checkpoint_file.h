@@ -1,4 +1,4 @@
-// A checkpoint as a Cairn file of kind `checkpoint`: the message as bytes, and the job as JSON for people.
+// A checkpoint as a Cairn file of kind `checkpoint`: the message as bytes, and the job as YAML for people.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,5 @@ Status WriteCheckpoint(const std::filesystem::path& path, const proto::Checkpoin
 // kCorrupt names the file: a wrong checksum, or bytes that are no checkpoint, or one whose parts do not fit
 // together.
 Result<proto::Checkpoint> ReadCheckpoint(const std::filesystem::path& path);
-
-// The job as people read it: JSON, the inputs' content hashes in hexadecimal digits behind their paths.
-std::string JobAsJson(const proto::Job& job);
 
 }  // namespace cairn::coordinator

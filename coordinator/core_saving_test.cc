@@ -212,9 +212,11 @@ TEST(CoreSaving, FactsCountHostsTasksAndRounds) {
   bench.now_s += 2;
   PlayRound(bench, 0);
   const proto::StageFacts& facts = bench.core.FindJob("a")->facts.at(0);
-  EXPECT_EQ(facts.tasks(), 3u);
-  ASSERT_EQ(facts.round_seconds_size(), 2);
-  EXPECT_DOUBLE_EQ(facts.round_seconds(1), 2.0);
+  ASSERT_EQ(facts.rounds_size(), 2);
+  EXPECT_EQ(facts.rounds(0).note(), "start");
+  EXPECT_EQ(facts.rounds(0).tasks(), 0u);
+  EXPECT_EQ(facts.rounds(1).tasks(), 1u);
+  EXPECT_DOUBLE_EQ(facts.rounds(1).seconds(), 2.0);
   ASSERT_EQ(facts.hosts_size(), 1);
   EXPECT_EQ(facts.hosts(0), "host-w");
 }

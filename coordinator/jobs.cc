@@ -37,6 +37,7 @@ void Core::BeginAgain(Job& job) {
     return;
   }
   while (job.facts.size() <= job.stage) job.facts.emplace_back();
+  job.facts.back().set_open_compute_seconds(0);
   if (!job.step) {
     job.tasks = Round::OfPlan(wire::TaskKey::START);
     return;

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "coordinator/checkpoint_file.h"
+#include "coordinator/job_yaml.h"
 
 namespace cairn::coordinator {
 
@@ -18,30 +18,48 @@ std::string UtcNow() {
   return text.data();
 }
 
+namespace {
+
+void PutRounds(Blob& blob, const proto::StageFacts& facts) {
+  std::vector<std::string> notes;
+  std::vector<std::int64_t> tasks;
+  std::vector<double> seconds, compute_s;
+  for (const proto::RoundFacts& round : facts.rounds()) {
+    notes.push_back(round.note());
+    tasks.push_back(round.tasks());
+    seconds.push_back(round.seconds());
+    compute_s.push_back(round.compute_seconds());
+  }
+  blob.PutScalar<double>("provenance/seconds_s", std::accumulate(seconds.begin(), seconds.end(), 0.0));
+  blob.Put("provenance/round/note", Array::Texts(notes));
+  blob.PutVector<std::int64_t>("provenance/round/tasks", tasks);
+  blob.PutVector<double>("provenance/round/seconds_s", seconds);
+  blob.PutVector<double>("provenance/round/compute_s", compute_s);
+}
+
+}  // namespace
+
 Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std::uint32_t stage,
                     const std::string& finished_utc) {
-  const proto::StageFacts facts = static_cast<int>(stage) < checkpoint.facts_size()
-                                      ? checkpoint.facts(static_cast<int>(stage))
-                                      : proto::StageFacts();
-  const std::vector<double> rounds_s(facts.round_seconds().begin(), facts.round_seconds().end());
+  const int index = static_cast<int>(stage);
+  const proto::StageFacts facts =
+      index < checkpoint.facts_size() ? checkpoint.facts(index) : proto::StageFacts();
+  const proto::Stage& plan = checkpoint.job().stages(index);
+  const wire::Build& build = checkpoint.build();
   Blob blob = result.Without("provenance/");
   const auto text = [&blob](const char* name, const std::string& value) {
     blob.Put(name, Array::Text(value));
   };
-  text("provenance/job", JobAsJson(checkpoint.job()));
-  text("provenance/kind", checkpoint.job().stages(static_cast<int>(stage)).pipeline());
-  text("provenance/version", checkpoint.build().version());
-  text("provenance/compiler", checkpoint.build().compiler());
-  text("provenance/flags", checkpoint.build().flags());
-  text("provenance/libc", checkpoint.build().libc());
+  text("provenance/job_yaml", JobAsYaml(checkpoint.job()));
+  text("provenance/stage", plan.name());
+  text("provenance/kind", plan.pipeline());
+  text("provenance/version", build.version());
+  text("provenance/build", build.compiler() + "; " + build.flags() + "; " + build.libc());
   text("provenance/finished_utc", finished_utc);
   blob.Put("provenance/hosts", Array::Texts({facts.hosts().begin(), facts.hosts().end()}));
   blob.PutScalar<std::int64_t>("provenance/workers", facts.workers());
-  blob.PutScalar<double>("provenance/wall_s", std::accumulate(rounds_s.begin(), rounds_s.end(), 0.0));
-  blob.PutScalar<double>("provenance/compute_s", facts.compute_seconds());
-  blob.PutVector<double>("provenance/round_s", rounds_s);
-  blob.PutScalar<std::int64_t>("provenance/tasks", static_cast<std::int64_t>(facts.tasks()));
   blob.PutScalar<std::int64_t>("provenance/retries", static_cast<std::int64_t>(facts.retries()));
+  PutRounds(blob, facts);
   return blob;
 }
 
