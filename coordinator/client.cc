@@ -146,6 +146,8 @@ Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {
   Result<wire::Message> answer = Query(job, "results", options_.timeout_s + 1e9 / kSlowestBytesPerS);
   if (!answer.ok()) return answer.status();
   const wire::Reply& reply = answer.value().envelope.reply();
+  // A stage whose file cannot be read any more.
+  if (!reply.message().empty()) return Status(Code::kCorrupt, reply.message());
   const std::vector<wire::NamedBlob>& blobs = answer.value().blobs;
   if (static_cast<std::size_t>(reply.names_size()) != blobs.size()) {
     return Status(Code::kCorrupt, "the service names " + std::to_string(reply.names_size()) +

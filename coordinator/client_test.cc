@@ -162,6 +162,17 @@ TEST_F(ClientTest, AnAnswerThatIsNoReplyIsAnotherVersion) {
   EXPECT_EQ(Connect().List().status().code(), Code::kVersion);
 }
 
+TEST_F(ClientTest, AResultThatTheServiceCannotReadIsNotLeftOutInSilence) {
+  FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->set_message("landmarks.h5: wrong checksum");
+    return reply;
+  });
+  const Status status = Connect().Results("j").status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_EQ(status.message(), "landmarks.h5: wrong checksum");
+}
+
 TEST_F(ClientTest, ResultsWithoutAllTheirNamesAreCorrupt) {
   FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
     wire::Message reply = Ok();

@@ -1,0 +1,164 @@
+// The service for many machines over TCP with keys: real workers, real clients, and peers that mean harm.
+#include "coordinator/service.h"
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <atomic>
+#include <fstream>
+#include <mutex>
+#include <thread>
+#include <zmq.hpp>
+
+#include "coordinator/client.h"
+#include "pipelines/in_process.h"
+#include "schema/numerics.h"
+#include "schema/wire/testing.h"
+#include "tests/conformance/cases.h"
+#include "tests/conformance/process.h"
+
+namespace cairn::conformance {
+namespace {
+
+using coordinator::Client;
+
+std::string FreeTcpEndpoint() {
+  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  CAIRN_DEMAND(::bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
+                   ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0,
+               "no free port");
+  ::close(fd);
+  return "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+}
+
+class TcpService : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"coordinator", "worker", "client", "stranger"}) {
+      keys_[name] = wire::GenerateKeyPair();
+      ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / name, keys_[name]).ok());
+    }
+    std::ofstream(folder_.path() / "allowed") << keys_["worker"].public_key << "\n"
+                                              << keys_["client"].public_key;
+    coordinator::ServiceOptions options;
+    options.store_dir = (folder_.path() / "store").string();
+    options.listen = endpoint_;
+    options.keys_dir = folder_.path().string();
+    service_ = std::thread([this, options] {
+      status_ = coordinator::Serve(
+          options, [this](coordinator::Severity, const std::string& line) { Log(line); }, stop_);
+    });
+  }
+  void TearDown() override {
+    stop_ = true;
+    service_.join();
+    EXPECT_TRUE(status_.ok()) << status_.message();
+  }
+  Client ConnectAs(const std::string& name) {
+    const wire::ClientSecurity security{keys_.at(name), keys_.at("coordinator").public_key};
+    return Client::Connect({.endpoint = endpoint_, .security = security, .timeout_s = 30}).value();
+  }
+  std::unique_ptr<Process> StartWorker(const std::string& name) {
+    const std::string stem = folder_.path().string() + "/";
+    return std::make_unique<Process>(
+        std::vector<std::string>{"--connect", endpoint_, "--key", stem + name + ".key", "--server-key",
+                                 stem + "coordinator.pub"},
+        folder_.path() / (name + ".log"));
+  }
+  void Log(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    log_ += line + "\n";
+  }
+  std::string log() {
+    const std::lock_guard lock(mutex_);
+    return log_;
+  }
+
+  const wire::PrivateFolder folder_;
+  const std::string endpoint_ = FreeTcpEndpoint();
+  std::map<std::string, wire::KeyPair> keys_;
+  std::atomic<bool> stop_{false};
+  Status status_;
+  std::thread service_;
+  std::mutex mutex_;
+  std::string log_;
+};
+
+// Waits for the end of a job by asking.
+wire::JobInfo Await(Client& client, const std::string& id) {
+  while (true) {
+    const Result<wire::JobInfo> info = client.Info(id);
+    CAIRN_DEMAND(info.ok(), info.status().message());
+    if (info.value().state() != "queued" && info.value().state() != "running") return info.value();
+    std::this_thread::yield();
+  }
+}
+
+// Speaks CURVE with a known key, but no Cairn.
+void SendGarbage(const std::string& endpoint, const wire::KeyPair& keys, const std::string& server_key) {
+  zmq::context_t context;
+  zmq::socket_t socket(context, zmq::socket_type::dealer);
+  socket.set(zmq::sockopt::curve_serverkey, server_key);
+  socket.set(zmq::sockopt::curve_publickey, keys.public_key);
+  socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
+  socket.set(zmq::sockopt::linger, 5000);
+  socket.connect(endpoint);
+  socket.send(zmq::str_buffer("\xff\xff garbage"), zmq::send_flags::none);
+}
+
+TEST_F(TcpService, EveryPipelineGivesTheBitsOfTheInProcessRunner) {
+  const auto first = StartWorker("worker");
+  const auto second = StartWorker("worker");
+  Client client = ConnectAs("client");
+  FixNumericsOfProcess();
+  FixNumericsOfThread();
+  for (const Case& c : AllCases()) {
+    const Result<wire::JobInfo> job = client.Submit(JobOf(c), c.inputs);
+    ASSERT_TRUE(job.ok()) << job.status().message();
+    SendGarbage(endpoint_, keys_["client"], keys_["coordinator"].public_key);
+    const wire::JobInfo end = Await(client, job.value().id());
+    ASSERT_EQ(end.state(), "done") << end.reason() << log();
+    const auto results = client.Results(job.value().id());
+    ASSERT_TRUE(results.ok()) << results.status().message();
+    EXPECT_EQ(results.value().at("stage")->Without("provenance/").ContentHash(),
+              RunInProcess(*Make(c.stage, c.seed), c.inputs)->ContentHash());
+  }
+  EXPECT_NE(log().find("refused a message"), std::string::npos) << log();
+}
+
+TEST_F(TcpService, AStrangerGetsNothing) {
+  EXPECT_EQ(ConnectAs("stranger").List().status().code(), Code::kRefused);
+  EXPECT_EQ(StartWorker("stranger")->Wait(), 2);
+  std::ifstream file(folder_.path() / "stranger.log");
+  const std::string said{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(said.find("key"), std::string::npos) << said;
+  const Result<coordinator::JobList> list = ConnectAs("client").List();
+  ASSERT_TRUE(list.ok()) << list.status().message();
+  EXPECT_EQ(list.value().workers, 0u);
+}
+
+TEST_F(TcpService, ABadJobIsRefusedAndABadInputFailsTheJobWithItsReason) {
+  const auto worker = StartWorker("worker");
+  Client client = ConnectAs("client");
+  Case c = AllCases().back();
+  c.stage.set_pipeline("toy");
+  Blob empty = *c.inputs.at("log");
+  empty.PutVector<double>("robot/0/odometry/forward_m", {});
+  c.inputs["log"] = std::make_shared<const Blob>(std::move(empty));
+  const Result<wire::JobInfo> job = client.Submit(JobOf(c), c.inputs);
+  ASSERT_TRUE(job.ok()) << job.status().message();
+  const wire::JobInfo end = Await(client, job.value().id());
+  EXPECT_EQ(end.state(), "failed");
+  EXPECT_TRUE(end.input_error());
+  EXPECT_NE(end.reason().find("the log has no odometry"), std::string::npos) << end.reason();
+  EXPECT_EQ(client.Submit(proto::Job(), {}).status().code(), Code::kRefused) << "a job without stages";
+  EXPECT_FALSE(client.Info("nobody").ok());
+}
+
+}  // namespace
+}  // namespace cairn::conformance
