@@ -141,7 +141,8 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_name(job.spec.name());
   info.set_state(StateName(job));
   info.set_reason(job.reason);
-  info.set_stage(job.stage);
+  info.set_stage(job.AllStagesDone() && job.stage > 0 ? job.stage - 1
+                                                      : job.stage);  // the last one, when done
   info.set_stages(job.StageCount());
   info.set_round(job.round);
   info.set_input_error(job.input_error);

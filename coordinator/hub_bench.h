@@ -1,0 +1,193 @@
+// A bench for tests of the hub: a folder of its own, and a transport behind which workers and clients are
+// played.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/hub.h"
+#include "coordinator/recovery.h"
+
+namespace cairn::coordinator {
+
+class TempFolder {
+ public:
+  TempFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "cairn-test-XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data());
+  }
+  ~TempFolder() { std::filesystem::remove_all(path_); }
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline wire::NamedBlob TextBlob(const std::string& text) {
+  Blob blob;
+  blob.Put("text", Array::Text(text));
+  return wire::NameBlob(std::make_shared<const Blob>(std::move(blob)));
+}
+
+// Answers for workers at once: rounds of `tasks` tasks whose blobs say what they were made of.
+class FakeTransport : public Transport {
+ public:
+  int rounds = 3, tasks = 2;
+  std::vector<std::pair<std::string, wire::Message>> sent;  // but for what workers were sent
+  int assigned = 0;
+  std::function<bool(const wire::Assign&)> swallow = [](const wire::Assign&) { return false; };
+
+  void Come(const std::string& peer, wire::Message message) {
+    queue_.push_back({peer, Status::Ok(), std::move(message)});
+  }
+  void ComeDamaged(const std::string& peer) {
+    queue_.push_back({peer, Status(Code::kCorrupt, "no message"), {}});
+  }
+  void ComeWorker(const std::string& peer) {
+    wire::Message hello;
+    hello.envelope.mutable_hello()->set_protocol(1);
+    hello.envelope.mutable_hello()->set_slots(2);
+    hello.envelope.mutable_hello()->set_host("here");
+    Come(peer, std::move(hello));
+  }
+
+  std::vector<Incoming> Poll(double timeout_s) override {
+    if (queue_.empty() && timeout_s > 0) ::usleep(200);
+    return std::exchange(queue_, {});
+  }
+  void Send(const std::string& peer, wire::Message message) override {
+    if (message.envelope.has_assign()) {
+      ++assigned;
+      if (!swallow(message.envelope.assign())) Come(peer, Answer(message.envelope.assign()));
+      return;
+    }
+    sent.emplace_back(peer, std::move(message));
+  }
+  void Wake() override {}
+
+ private:
+  wire::Message Answer(const wire::Assign& assign) const {
+    wire::Message message;
+    wire::Done& done = *message.envelope.mutable_done();
+    *done.mutable_key() = assign.key();
+    done.set_seconds(0.5);
+    if (assign.key().kind() == wire::TaskKey::RUN) {
+      std::string text = "task " + std::to_string(assign.key().task());
+      for (const proto::InputRef& input : assign.task().inputs())
+        text += Hash::FromBinary(input.blob()).value().Hex();
+      message.blobs = {TextBlob(text)};
+      done.set_partial(message.blobs[0].hash.Binary());
+      return message;
+    }
+    std::string text = assign.stage().name();
+    for (const std::string& partial : assign.partials()) text += Hash::FromBinary(partial).value().Hex();
+    message.blobs = {TextBlob(text)};
+    const std::string shared = message.blobs[0].hash.Binary();
+    const bool planned = assign.key().kind() == wire::TaskKey::ADVANCE;
+    if (planned && assign.key().round() + 1 == static_cast<std::uint64_t>(rounds)) {
+      done.mutable_step()->set_result(shared);
+      return message;
+    }
+    for (int i = 0; i < tasks; ++i) {
+      proto::Task& task = *done.mutable_step()->add_tasks();
+      task.set_index(static_cast<std::uint32_t>(i));
+      proto::InputRef& input = *task.add_inputs();
+      input.set_name("shared");
+      input.set_blob(shared);
+    }
+    (*done.mutable_step()->mutable_state()->mutable_blobs())["shared"] = shared;
+    return message;
+  }
+
+  std::vector<Incoming> queue_;
+};
+
+class HubBench {
+ public:
+  HubBench() { Start(); }
+
+  TempFolder temp;
+  FakeTransport transport;
+  std::vector<std::string> log;
+  std::optional<StoreFolder> folder;
+  std::unique_ptr<Hub> hub;
+  std::uint64_t memory_bytes = 1 << 20;
+  double checkpoint_interval_s = 0;
+
+  void Start() {
+    hub.reset();
+    folder.reset();
+    folder.emplace(StoreFolder::Open(temp.path() / "store").value());
+    HubOptions options;
+    options.memory_bytes = memory_bytes;
+    options.core.checkpoint_interval_s = checkpoint_interval_s;
+    options.result_path = [this](const std::string& job, const std::string& stage) {
+      return temp.path() / "results" / job / (stage + ".h5");
+    };
+    const LogSink sink = [this](Severity, const std::string& line) { log.push_back(line); };
+    hub = std::make_unique<Hub>(*folder, transport, OpenJobTable(*folder, sink).value(), std::move(options),
+                                sink);
+  }
+  proto::Job MakeJob(int stages = 1) {
+    proto::Job job;
+    job.set_name("toy");
+    (*job.mutable_inputs())["log"] = "log.h5";
+    (*job.mutable_input_blobs())["log"] = TextBlob("the log").hash.Binary();
+    for (int i = 0; i < stages; ++i) {
+      proto::Stage& stage = *job.add_stages();
+      stage.set_name("stage" + std::to_string(i));
+      stage.set_pipeline("toy");
+      (*stage.mutable_inputs())["log"] = "log";
+    }
+    return job;
+  }
+  void Submit(const std::string& id = "a", int stages = 1) {
+    hub->Submit(id, MakeJob(stages), {TextBlob("the log")});
+  }
+  std::string State(const std::string& id = "a") {
+    return hub->core().Find(id).value_or(wire::JobInfo()).state();
+  }
+  // Steps until `done`, which must come to pass.
+  void Until(const std::function<bool()>& done) {
+    for (int i = 0; i < 20000; ++i) {
+      if (done()) return;
+      hub->Step(0.001);
+    }
+    FAIL() << "it does not come to pass";
+  }
+  std::optional<wire::Reply> TakeReply(const std::string& peer) {
+    for (auto it = transport.sent.begin(); it != transport.sent.end(); ++it) {
+      if (it->first != peer || !it->second.envelope.has_reply()) continue;
+      last_blobs = it->second.blobs;
+      wire::Reply reply = it->second.envelope.reply();
+      transport.sent.erase(it);
+      return reply;
+    }
+    return std::nullopt;
+  }
+  wire::Reply Ask(wire::Message question) {
+    std::optional<wire::Reply> reply;
+    transport.Come("client", std::move(question));
+    Until([&] { return (reply = TakeReply("client")).has_value(); });
+    return reply.value_or(wire::Reply());
+  }
+  bool Logged(const std::string& part) const {
+    for (const std::string& line : log)
+      if (line.find(part) != std::string::npos) return true;
+    return false;
+  }
+  std::vector<wire::NamedBlob> last_blobs;  // of the last reply
+};
+
+}  // namespace cairn::coordinator

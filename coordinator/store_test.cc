@@ -1,0 +1,194 @@
+// The parts of the store, each by itself.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "coordinator/checkpoint_file.h"
+#include "coordinator/hub_bench.h"
+#include "coordinator/job_yaml.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+proto::Checkpoint SomeCheckpoint() {
+  proto::Checkpoint checkpoint;
+  checkpoint.set_job_id("a");
+  checkpoint.set_number(3);
+  checkpoint.mutable_job()->add_stages()->set_name("one");
+  (*checkpoint.mutable_step()->mutable_state()->mutable_scalars())["x"].set_d(0.1);
+  checkpoint.add_blobs(TextBlob("b").hash.Binary());
+  return checkpoint;
+}
+
+TEST(CheckpointFile, RoundTrips) {
+  TempFolder temp;
+  ASSERT_TRUE(WriteCheckpoint(temp.path() / "3.h5", SomeCheckpoint()).ok());
+  const auto read = ReadCheckpoint(temp.path() / "3.h5");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(HashOfMessage(read.value()), HashOfMessage(SomeCheckpoint()));
+}
+
+TEST(CheckpointFile, ATruncatedOneIsNeverTakenForGood) {
+  TempFolder temp;
+  ASSERT_TRUE(WriteCheckpoint(temp.path() / "3.h5", SomeCheckpoint()).ok());
+  const auto size = fs::file_size(temp.path() / "3.h5");
+  for (std::uintmax_t length = 0; length < size; length += 97) {
+    fs::copy_file(temp.path() / "3.h5", temp.path() / "cut.h5", fs::copy_options::overwrite_existing);
+    fs::resize_file(temp.path() / "cut.h5", length);
+    EXPECT_FALSE(ReadCheckpoint(temp.path() / "cut.h5").ok()) << length;
+  }
+}
+
+TEST(CheckpointFile, AFlippedByteNeverGivesAnotherCheckpoint) {
+  TempFolder temp;
+  ASSERT_TRUE(WriteCheckpoint(temp.path() / "3.h5", SomeCheckpoint()).ok());
+  std::ifstream in(temp.path() / "3.h5", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  int refused = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += 13) {
+    std::string flipped = bytes;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
+    std::ofstream(temp.path() / "flip.h5", std::ios::binary) << flipped;
+    const auto read = ReadCheckpoint(temp.path() / "flip.h5");
+    if (!read.ok())
+      ++refused;
+    else  // a byte that means nothing
+      EXPECT_EQ(HashOfMessage(read.value()), HashOfMessage(SomeCheckpoint())) << at;
+  }
+  EXPECT_GT(refused, 0);
+}
+
+TEST(CheckpointFile, PartsThatDoNotFitTogetherAreRefused) {
+  TempFolder temp;
+  const auto refused = [&](const std::function<void(proto::Checkpoint&)>& change) {
+    proto::Checkpoint checkpoint = SomeCheckpoint();
+    change(checkpoint);
+    EXPECT_TRUE(WriteCheckpoint(temp.path() / "x.h5", checkpoint).ok());
+    return ReadCheckpoint(temp.path() / "x.h5").status().code() == Code::kCorrupt;
+  };
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.set_stage(1); }));
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.set_number(0); }));
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.add_blobs("short"); }));
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.mutable_step()->add_tasks()->set_index(9); }));
+}
+
+TEST(StoreFolder, HasOneOwner) {
+  TempFolder temp;
+  {
+    const auto first = StoreFolder::Open(temp.path() / "s");
+    ASSERT_TRUE(first.ok());
+    EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kBusy);
+  }
+  EXPECT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+}
+
+TEST(StoreFolder, ClearForgetsJobsAndKeepsTheLock) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  ASSERT_TRUE(folder.ok());
+  fs::create_directories(folder.value().Checkpoints() / "a");
+  ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 3), SomeCheckpoint()).ok());
+  EXPECT_EQ(folder.value().CheckpointNumbers("a"), std::vector<std::uint64_t>{3});
+  EXPECT_EQ(folder.value().JobsWithCheckpoints(), std::vector<std::string>{"a"});
+  ASSERT_TRUE(folder.value().Clear().ok());
+  EXPECT_TRUE(folder.value().JobsWithCheckpoints().empty());
+  EXPECT_TRUE(fs::exists(folder.value().dir() / "lock"));
+}
+
+TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  BlobStore store(folder.value(), 10);
+  const wire::NamedBlob a = TextBlob("aaaaaaaa"), b = TextBlob("bbbbbbbb");
+  store.Put(a, 1);
+  store.Put(b, 1);
+  EXPECT_EQ(store.memory_bytes(), 16u) << "nothing is lost that is nowhere else";
+  EXPECT_EQ(store.TakeSpills(), std::vector<Hash>{a.hash});
+  EXPECT_TRUE(store.TakeSpills().empty());
+  ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(a.hash), "blob", *a.blob).ok());
+  store.MarkDurable({a.hash}, 2);
+  EXPECT_EQ(store.memory_bytes(), 8u);
+  ASSERT_NE(store.Get(a.hash), nullptr);
+  EXPECT_EQ(store.Get(a.hash)->ContentHash(), a.hash);
+}
+
+TEST(BlobStore, WhatWasWrittenBeforeADropDoesNotCountAfterwards) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  BlobStore store(folder.value(), 1000);
+  const wire::NamedBlob a = TextBlob("a");
+  store.Put(a, 1);
+  store.Drop({a.hash});  // its file will be removed
+  store.Put(a, 5);
+  store.MarkDurable({a.hash}, 3);
+  EXPECT_FALSE(store.Durable(a.hash));
+  store.MarkDurable({a.hash}, 5);
+  EXPECT_TRUE(store.Durable(a.hash));
+}
+
+TEST(BlobStore, AFileWithAnotherContentIsNotServed) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  BlobStore store(folder.value(), 1000);
+  const wire::NamedBlob a = TextBlob("a"), b = TextBlob("b");
+  ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(a.hash), "blob", *b.blob).ok());
+  store.AddDurable(a.hash);
+  EXPECT_EQ(store.Get(a.hash), nullptr);
+  EXPECT_EQ(ReadStoredBlob(folder.value(), a.hash).status().code(), Code::kCorrupt);
+}
+
+TEST(JobTable, KeepsARowAJobAndTheTimeOfSubmission) {
+  TempFolder temp;
+  auto table = JobTable::Open(temp.path() / "jobs.sqlite");
+  ASSERT_TRUE(table.ok()) << table.status().message();
+  JobRow row;
+  row.info.set_id("1-a");
+  row.info.set_state("running");
+  row.info.set_round(7);
+  row.info.set_note("it's \"quoted\"; DROP TABLE jobs");
+  row.submitted_utc = row.updated_utc = "2024-01-01T00:00:00Z";
+  ASSERT_TRUE(table.value().Write(row).ok());
+  row.info.set_state("done");
+  row.submitted_utc = row.updated_utc = "2025-01-01T00:00:00Z";
+  ASSERT_TRUE(table.value().Write(row).ok());
+  const auto rows = table.value().Read();
+  ASSERT_TRUE(rows.ok());
+  ASSERT_EQ(rows.value().size(), 1u);
+  EXPECT_EQ(rows.value()[0].info.state(), "done");
+  EXPECT_EQ(rows.value()[0].info.round(), 7u);
+  EXPECT_EQ(rows.value()[0].info.note(), row.info.note());
+  EXPECT_EQ(rows.value()[0].submitted_utc, "2024-01-01T00:00:00Z");
+  EXPECT_EQ(rows.value()[0].updated_utc, "2025-01-01T00:00:00Z");
+}
+
+TEST(JobTable, AFileThatIsNoTableIsCorrupt) {
+  TempFolder temp;
+  std::ofstream(temp.path() / "jobs.sqlite") << std::string(4096, 'x');
+  EXPECT_EQ(JobTable::Open(temp.path() / "jobs.sqlite").status().code(), Code::kCorrupt);
+}
+
+TEST(JobYaml, IsAJobFile) {
+  proto::Job job;
+  job.set_name("a \"name\"");
+  job.set_seed(7);
+  (*job.mutable_inputs())["log"] = "dir/log.h5";
+  proto::Stage& stage = *job.add_stages();
+  stage.set_name("map");
+  stage.set_pipeline("landmark_map");
+  (*stage.mutable_inputs())["log"] = "log";
+  (*stage.mutable_options())["cell_m"].set_d(1);
+  (*stage.mutable_options())["count"].set_i(-3);
+  (*stage.mutable_options())["sharp"].set_b(true);
+  (*stage.mutable_options())["mode"].set_s("fast\n");
+  EXPECT_EQ(
+      JobAsYaml(job),
+      "name: \"a \\\"name\\\"\"\nseed: 7\ninputs:\n  log: \"dir/log.h5\"\nstages:\n  - name: \"map\"\n"
+      "    pipeline: \"landmark_map\"\n    log: \"log\"\n    options:\n      cell_m: 1.0\n      count: -3\n"
+      "      mode: \"fast\\x0a\"\n      sharp: true\n");
+}
+
+}  // namespace
+}  // namespace cairn::coordinator
