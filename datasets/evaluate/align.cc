@@ -111,6 +111,7 @@ class Search {
 
   PointMatch MatchMoved(const Similarity& motion) const {
     std::vector<PointM> moved;
+    moved.reserve(estimate_.size());
     for (const PointM& point : estimate_) moved.push_back(motion(point));
     return MatchPoints(moved, truth_, may_match_);
   }

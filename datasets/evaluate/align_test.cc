@@ -55,6 +55,7 @@ TEST(SearchRigid, ManyPointsStayWithinTheLimitOfStarts) {
   const std::vector<PointM> truth = DrawPoints(rng, 120);
   const Similarity away{1, 1, 5, 5};
   std::vector<PointM> estimate;
+  estimate.reserve(truth.size());
   for (const PointM& point : truth) estimate.push_back(away(point));
   const Similarity found = SearchRigid(estimate, truth, kAny, {});
   for (const PointM& point : truth) EXPECT_LT(DistanceM(found(away(point)), point), 1e-6);

@@ -142,6 +142,7 @@ class Evaluator {
 
   PointMatch Match() const {
     std::vector<PointM> moved;
+    moved.reserve(extracted_.size());
     for (const PointM& point : extracted_) moved.push_back(out_.alignment(point));
     return MatchPoints(moved, true_, MayMatchIdentity());
   }

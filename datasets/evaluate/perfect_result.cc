@@ -29,6 +29,7 @@ void PutPoses(const std::string& prefix, const Track& track, Blob& result) {
 // Index in the map of each true landmark; -1: never observed. `counts`: of each true one's observations.
 std::vector<std::int32_t> MapIndices(const std::vector<double>& counts) {
   std::vector<std::int32_t> indices;
+  indices.reserve(counts.size());
   std::int32_t next = 0;
   for (const double count : counts) indices.push_back(count > 0 ? next++ : -1);
   return indices;

@@ -44,6 +44,7 @@ struct Legend {
 std::vector<Legend> LegendOf(const Scene& scene) {
   using enum Legend::Kind;
   std::vector<Legend> items;
+  items.reserve(scene.paths.size());
   for (const Path& path : scene.paths) {
     items.push_back({kPath, RobotTitle(path.robot), kRobots[path.index % kRobotColours]});
   }
@@ -106,6 +107,7 @@ class MapPainter {
 
   std::vector<PointM> At(const std::vector<PointM>& points) const {
     std::vector<PointM> pixels;
+    pixels.reserve(points.size());
     for (const PointM& point : points) pixels.push_back(At(point));
     return pixels;
   }

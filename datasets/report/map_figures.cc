@@ -33,6 +33,7 @@ std::string TwoDigits(double value) {
 
 std::vector<PointM> ToPixels(const MapFrame& frame, const std::vector<PointM>& points) {
   std::vector<PointM> pixels;
+  pixels.reserve(points.size());
   for (const PointM& point : points) pixels.push_back({frame.X(point.x_m), frame.Y(point.y_m)});
   return pixels;
 }
