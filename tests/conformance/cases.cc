@@ -11,55 +11,94 @@ namespace {
 
 constexpr int kSide = 6;  // controls of 1 m along a side of the square that is driven
 constexpr int kLaps = 3;
-constexpr int kPressEvery = 6;  // a landmark at each corner
+constexpr double kCornerX_m[] = {6, 6, 0, 0};
+constexpr double kCornerY_m[] = {0, 6, 6, 0};
 
-// A robot that drives a square three times and presses its button at each corner. Its odometry drifts; the
-// truth is there, so that a pipeline that reads it can be found out.
-Blob SquareLog() {
-  Rng rng(4);
-  std::vector<double> time_s, turn_rad, forward_m, press_s, nan, x_m, y_m, heading_rad;
-  std::vector<std::int32_t> unknown, corner;
+enum class Sensor { kButton, kRangeBearing };
+
+struct Columns {
+  std::vector<double> time_s, turn_rad, forward_m;   // odometry
+  std::vector<double> seen_s, range_m, bearing_rad;  // observations
+  std::vector<std::int32_t> landmark, true_landmark;
+  std::vector<double> x_m, y_m, heading_rad;  // truth
+};
+
+void Observe(Sensor sensor, double x, double y, double heading, Rng& rng, Columns& c) {
+  for (int corner = 0; corner < 4; ++corner) {
+    const double dx = kCornerX_m[corner] - x;
+    const double dy = kCornerY_m[corner] - y;
+    const double range = std::hypot(dx, dy);
+    const bool button = sensor == Sensor::kButton;
+    if (button ? range > 0.5 : range < 0.5 || range > 4) continue;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    c.seen_s.push_back(c.time_s.back());
+    c.landmark.push_back(button ? -1 : corner);
+    c.true_landmark.push_back(corner);
+    c.range_m.push_back(button ? nan : range + 0.1 * rng.Normal());
+    c.bearing_rad.push_back(
+        button ? nan : std::remainder(std::atan2(dy, dx) - heading + 0.03 * rng.Normal(), 2 * M_PI));
+  }
+}
+
+// A robot that drives a square three times from its lower left corner, with odometry that drifts.
+Columns Drive(Sensor sensor, std::uint64_t robot) {
+  Rng rng(4, robot);
+  Columns c;
   double x = 0, y = 0, heading = 0;
   for (int i = 0; i < 4 * kSide * kLaps; ++i) {
     const double turn = i > 0 && i % kSide == 0 ? M_PI / 2 : 0;
     heading += turn;
     x += std::cos(heading);
     y += std::sin(heading);
-    time_s.push_back(i + 1);
-    turn_rad.push_back(turn + 0.004 + 0.005 * rng.Normal());
-    forward_m.push_back(1 + 0.02 * rng.Normal());
-    x_m.push_back(x);
-    y_m.push_back(y);
-    heading_rad.push_back(std::remainder(heading, 2 * M_PI));
-    if ((i + 1) % kPressEvery != 0) continue;
-    press_s.push_back(i + 1);
-    unknown.push_back(-1);
-    corner.push_back((i + 1) / kPressEvery % 4);
-    nan.push_back(std::numeric_limits<double>::quiet_NaN());
+    c.time_s.push_back(i + 1);
+    c.turn_rad.push_back(turn + 0.004 + 0.005 * rng.Normal());
+    c.forward_m.push_back(1 + 0.02 * rng.Normal());
+    c.x_m.push_back(x);
+    c.y_m.push_back(y);
+    c.heading_rad.push_back(std::remainder(heading, 2 * M_PI));
+    Observe(sensor, x, y, heading, rng, c);
   }
+  return c;
+}
+
+void AddRobot(const Columns& c, int robot, Blob& log) {
+  const std::string own = "robot/" + std::to_string(robot) + "/";
+  log.PutVector(own + "odometry/time_s", c.time_s);
+  log.PutVector(own + "odometry/turn_rad", c.turn_rad);
+  log.PutVector(own + "odometry/forward_m", c.forward_m);
+  log.PutVector(own + "observations/time_s", c.seen_s);
+  log.PutVector(own + "observations/landmark", c.landmark);
+  log.PutVector(own + "observations/range_m", c.range_m);
+  log.PutVector(own + "observations/bearing_rad", c.bearing_rad);
+  log.PutVector("truth/" + own + "poses/time_s", c.time_s);
+  log.PutVector("truth/" + own + "poses/x_m", c.x_m);
+  log.PutVector("truth/" + own + "poses/y_m", c.y_m);
+  log.PutVector("truth/" + own + "poses/heading_rad", c.heading_rad);
+  log.PutVector("truth/" + own + "observations/landmark", c.true_landmark);
+}
+
+// With its truth inside, so that a pipeline that reads it can be found out.
+Blob SquareLog(Sensor sensor, int robots) {
   Blob log;
-  log.Put("robots", Array::Texts({"square"}));
-  log.Put("landmarks", Array::Texts({}));
-  log.PutVector("robot/0/odometry/time_s", time_s);
-  log.PutVector("robot/0/odometry/turn_rad", turn_rad);
-  log.PutVector("robot/0/odometry/forward_m", forward_m);
-  log.PutVector("robot/0/observations/time_s", press_s);
-  log.PutVector("robot/0/observations/landmark", unknown);
-  log.PutVector("robot/0/observations/range_m", nan);
-  log.PutVector("robot/0/observations/bearing_rad", nan);
+  const std::vector<std::string> corners = {"a", "b", "c", "d"};
+  std::vector<std::string> names;
+  for (int robot = 0; robot < robots; ++robot) {
+    AddRobot(Drive(sensor, static_cast<std::uint64_t>(robot)), robot, log);
+    names.push_back("robot " + std::to_string(robot));
+  }
+  log.Put("robots", Array::Texts(names));
+  log.Put("landmarks", Array::Texts(sensor == Sensor::kButton ? std::vector<std::string>() : corners));
   log.PutScalar("noise/heading_drift_rad_per_m", 0.005);
   log.PutScalar("noise/heading_walk_rad_per_sqrt_m", 0.01);
   log.PutScalar("noise/forward_ratio", 0.02);
   log.PutScalar("noise/turn_ratio", 0.02);
   log.PutScalar("noise/press_m", 0.3);
-  log.PutVector("truth/robot/0/poses/time_s", time_s);
-  log.PutVector("truth/robot/0/poses/x_m", x_m);
-  log.PutVector("truth/robot/0/poses/y_m", y_m);
-  log.PutVector("truth/robot/0/poses/heading_rad", heading_rad);
-  log.PutVector("truth/robot/0/observations/landmark", corner);
-  log.Put("truth/landmarks/name", Array::Texts({"a", "b", "c", "d"}));
-  log.PutVector<double>("truth/landmarks/x_m", {6, 6, 0, 0});
-  log.PutVector<double>("truth/landmarks/y_m", {0, 6, 6, 0});
+  log.PutScalar("noise/range_m", 0.1);
+  log.PutScalar("noise/bearing_rad", 0.03);
+  log.PutScalar("sensor/max_range_m", 4.0);
+  log.Put("truth/landmarks/name", Array::Texts(corners));
+  log.PutVector<double>("truth/landmarks/x_m", {std::begin(kCornerX_m), std::end(kCornerX_m)});
+  log.PutVector<double>("truth/landmarks/y_m", {std::begin(kCornerY_m), std::end(kCornerY_m)});
   return log;
 }
 
@@ -72,18 +111,27 @@ void SetInteger(proto::Stage& stage, const std::string& option, std::int64_t val
   (*stage.mutable_options())[option].set_i(value);
 }
 
-// Inputs and options, by the pipeline's name. A new pipeline adds its branch.
-void AddFixture(Case& c) {
-  if (c.pipeline == "toy") {
-    c.inputs["log"] = Share(testing::ToyLog(60));
+Case LandmarkMap(const std::string& name, Sensor sensor, int robots) {
+  Case c{.name = name, .stage = {}, .inputs = {{"log", Share(SquareLog(sensor, robots))}}};
+  Set(c.stage, "cell_m", 0.5);
+  Set(c.stage, "heading_deg", 10);
+  SetInteger(c.stage, "iterations", 3);
+  SetInteger(c.stage, "slice_steps", 20);
+  return c;
+}
+
+// The cases of a registered pipeline, named after it. A new pipeline adds its branch.
+std::vector<Case> FixturesOf(const std::string& pipeline) {
+  if (pipeline == "toy") {
+    Case c{.name = "toy", .stage = {}, .inputs = {{"log", Share(testing::ToyLog(60))}}};
     SetInteger(c.stage, "slices", 6);
-  } else if (c.pipeline == "landmark_map") {
-    c.inputs["log"] = Share(SquareLog());
-    Set(c.stage, "cell_m", 0.5);
-    Set(c.stage, "heading_deg", 10);
-    SetInteger(c.stage, "iterations", 3);
-    SetInteger(c.stage, "slice_steps", 20);
+    return {c};
   }
+  if (pipeline == "landmark_map") {
+    return {LandmarkMap("landmark_map_presses", Sensor::kButton, 1),
+            LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2)};
+  }
+  return {{.name = pipeline, .stage = {}, .inputs = {}}};
 }
 
 }  // namespace
@@ -97,13 +145,12 @@ std::vector<PipelineInfo> ListAll() {
 std::vector<Case> AllCases() {
   std::vector<Case> cases;
   for (const PipelineInfo& info : ListAll()) {
-    Case c;
-    c.pipeline = info.name;
-    c.stage.set_name("stage");
-    c.stage.set_pipeline(info.name);
-    AddFixture(c);
-    for (const auto& [name, blob] : c.inputs) (*c.stage.mutable_inputs())[name] = name;
-    cases.push_back(std::move(c));
+    for (Case& c : FixturesOf(info.name)) {
+      c.stage.set_name("stage");
+      c.stage.set_pipeline(info.name);
+      for (const auto& [name, blob] : c.inputs) (*c.stage.mutable_inputs())[name] = name;
+      cases.push_back(std::move(c));
+    }
   }
   return cases;
 }

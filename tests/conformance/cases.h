@@ -15,7 +15,7 @@ namespace cairn::conformance {
 using InputMap = std::map<std::string, BlobPtr>;
 
 struct Case {
-  std::string pipeline;
+  std::string name;    // the pipeline's, and what is particular
   proto::Stage stage;  // with options that cut the fixture into several rounds of several tasks
   std::uint64_t seed = 7;
   InputMap inputs;

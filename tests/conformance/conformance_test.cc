@@ -1,4 +1,4 @@
-// What every pipeline promises, whatever its method. A new one gets a branch in AddFixture (cases.cc), and
+// What every pipeline promises, whatever its method. A new one gets a branch in FixturesOf (cases.cc), and
 // nothing here.
 #include <gtest/gtest.h>
 
@@ -19,9 +19,9 @@ class Conformance : public ::testing::TestWithParam<Case> {
   // The undisturbed run, computed once a pipeline.
   const Trace& Undisturbed() const {
     static std::map<std::string, Trace> traces;
-    const auto it = traces.find(GetParam().pipeline);
+    const auto it = traces.find(GetParam().name);
     if (it != traces.end()) return it->second;
-    return traces[GetParam().pipeline] = Replay(GetParam(), GetParam().inputs);
+    return traces[GetParam().name] = Replay(GetParam(), GetParam().inputs);
   }
   void ExpectSame(const Trace& other) const {
     ASSERT_EQ(other.plans.size(), Undisturbed().plans.size());
@@ -35,7 +35,7 @@ class Conformance : public ::testing::TestWithParam<Case> {
 
 TEST_P(Conformance, TheFixtureHasSeveralRoundsOfSeveralTasks) {
   ASSERT_FALSE(GetParam().inputs.empty())
-      << "add a fixture for " << GetParam().pipeline << " to AddFixture in cases.cc";
+      << "add a fixture for " << GetParam().name << " to FixturesOf in cases.cc";
   ASSERT_GE(Undisturbed().moments.size(), 3u);
   std::size_t most = 0;
   for (const auto& partials : Undisturbed().partials) most = std::max(most, partials.size());
@@ -111,7 +111,7 @@ TEST_P(Conformance, WhereTheInputLiesInMemoryChangesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllPipelines, Conformance, ::testing::ValuesIn(AllCases()),
-                         [](const auto& instance) { return instance.param.pipeline; });
+                         [](const auto& instance) { return instance.param.name; });
 
 }  // namespace
 }  // namespace cairn::conformance

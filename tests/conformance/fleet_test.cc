@@ -70,12 +70,12 @@ TEST_P(FleetConformance, AnyNumberOfWorkersEqualsInProcess) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllPipelines, FleetConformance, ::testing::ValuesIn(AllCases()),
-                         [](const auto& instance) { return instance.param.pipeline; });
+                         [](const auto& instance) { return instance.param.name; });
 
 // A toy that takes long enough to be disturbed.
 Case LongToy() {
   for (Case& c : AllCases()) {
-    if (c.pipeline != "toy") continue;
+    if (c.name != "toy") continue;
     (*c.stage.mutable_options())["rounds"].set_i(800);
     (*c.stage.mutable_options())["padding"].set_i(2000);
     return c;
