@@ -7,6 +7,7 @@
 #include <string>
 
 #include "schema/store/encode.h"
+#include "schema/wire/codec.h"
 #include "tests/fuzz/mutate.h"
 #include "tests/fuzz/targets.h"
 
@@ -69,6 +70,41 @@ TEST(Fuzz, NoBytesCrashTheFileReaderOrGiveABlobThatDoesNotComeBack) {
   for (const Bytes& seed : seeds) ASSERT_EQ(FuzzBlobFile(seed), Outcome::kAccepted);
   const auto outcomes = Outcomes(FuzzBlobFile, seeds, 2000);
   EXPECT_GT(outcomes.at(Outcome::kRefused), 500);
+}
+
+void AddFrame(std::span<const std::byte> frame, Bytes& bytes) {
+  bytes.push_back(static_cast<std::uint8_t>(frame.size()));
+  bytes.push_back(static_cast<std::uint8_t>(frame.size() >> 8));
+  for (const std::byte b : frame) bytes.push_back(std::to_integer<std::uint8_t>(b));
+}
+
+Bytes BytesOf(const wire::Message& message) {
+  const wire::Frames frames = wire::Encode(message);
+  Bytes bytes;
+  AddFrame(std::as_bytes(std::span(frames.envelope)), bytes);
+  for (const Array& array : frames.arrays) AddFrame(array.bytes(), bytes);
+  return bytes;
+}
+
+TEST(Fuzz, NoMessageCrashesTheDecoderOrGivesABlobOfAnotherHash) {
+  Blob blob;
+  blob.PutVector<double>("x_m", {1, 2, 3});
+  blob.Put("empty", Array::Of<float>({2, 0}, std::vector<float>()));
+  blob.Put("names", Array::Texts({"a", "Grüße"}));
+  wire::Message data, done, assign;
+  data.envelope.mutable_blob();
+  data.blobs = {wire::NameBlob(std::make_shared<const Blob>(blob))};
+  done.envelope.mutable_done()->mutable_key()->set_job("museum");
+  done.blobs = {data.blobs[0], data.blobs[0]};
+  wire::Assign& task = *assign.envelope.mutable_assign();
+  task.mutable_stage()->set_pipeline("landmark_map");
+  (*task.mutable_inputs())["log"] = data.blobs[0].hash.Binary();
+  task.add_partials("short");
+  const std::vector<Bytes> seeds{BytesOf(data), BytesOf(done), BytesOf(assign)};
+  for (const Bytes& seed : seeds) ASSERT_EQ(FuzzMessage(seed), Outcome::kAccepted);
+  const auto outcomes = Outcomes(FuzzMessage, seeds, 20000);
+  EXPECT_GT(outcomes.at(Outcome::kAccepted), 500);
+  EXPECT_GT(outcomes.at(Outcome::kRefused), 5000);
 }
 
 }  // namespace

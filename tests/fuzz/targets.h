@@ -18,4 +18,8 @@ Outcome FuzzCsv(std::span<const std::uint8_t> bytes);
 // where it is not.
 Outcome FuzzBlobFile(std::span<const std::uint8_t> bytes);
 
+// A message as it comes from a socket: frames, each after its length in two bytes, little-endian. An accepted
+// one is encoded and decoded again, and must be the same. Aborts where it is not.
+Outcome FuzzMessage(std::span<const std::uint8_t> bytes);
+
 }  // namespace cairn::fuzz
