@@ -1,6 +1,7 @@
 #include "pipelines/common/layered_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "pipelines/common/taps.h"
@@ -67,15 +68,26 @@ void Layer::Prune(double least) {
   *this = std::move(layer);
 }
 
+// Eight running values, joined in one fixed order: quick, and the same bits whatever the vector width.
 double Layer::Sum() const {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum;
+  std::array<double, 8> lanes{};
+  std::size_t i = 0;
+  for (; i + 8 <= values.size(); i += 8) {
+    for (std::size_t k = 0; k < 8; ++k) lanes[k] += values[i + k];
+  }
+  for (std::size_t k = 0; i < values.size(); ++i, ++k) lanes[k] += values[i];
+  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 
 double Layer::Max() const {
+  std::array<double, 8> lanes{};
+  std::size_t i = 0;
+  for (; i + 8 <= values.size(); i += 8) {
+    for (std::size_t k = 0; k < 8; ++k) lanes[k] = values[i + k] > lanes[k] ? values[i + k] : lanes[k];
+  }
   double max = 0.0;
-  for (const double value : values) max = value > max ? value : max;
+  for (; i < values.size(); ++i) max = std::max(max, values[i]);
+  for (const double lane : lanes) max = std::max(max, lane);
   return max;
 }
 

@@ -32,6 +32,21 @@ void Gather(const Layer& from, int dx, int dy, double weight, Layer* to) {
   }
 }
 
+// For each layer the box that holds the boxes of all layers within `reach` of it, around the circle.
+std::vector<Box> Dilated(const LayeredGrid& grid, int reach) {
+  const int layers = static_cast<int>(grid.layers.size());
+  std::vector<Box> boxes(grid.layers.size());
+  for (int c = 0; c < layers; ++c) {
+    const Box& box = grid.layers[c].box;
+    if (box.empty()) continue;
+    for (int k = -reach; k <= reach; ++k) {
+      Box& wide = boxes[Wrap(c + k, layers)];
+      wide = Union(wide, box);
+    }
+  }
+  return boxes;
+}
+
 }  // namespace
 
 LegError ErrorOf(const Leg& leg, const MotionNoise& noise) {
@@ -67,11 +82,10 @@ LayeredGrid MotionKernel::TurnForward(const LayeredGrid& belief) const {
   if (reach == 0) return belief;
   LayeredGrid turned;
   turned.layers.resize(belief.layers.size());
+  const std::vector<Box> boxes = Dilated(belief, reach);
   for (int c = 0; c < headings; ++c) {
-    Box box;
-    for (int k = -reach; k <= reach; ++k) box = Union(box, belief.layers[Wrap(c - k, headings)].box);
-    if (box.empty()) continue;
-    Layer layer(box);
+    if (boxes[c].empty()) continue;
+    Layer layer(boxes[c]);
     for (int k = -reach; k <= reach; ++k) {
       layer.AddShifted(belief.layers[Wrap(c - k, headings)], 0, 0, half_turn_.At(k));
     }
@@ -95,14 +109,13 @@ LayeredGrid MotionKernel::Backward(const LayeredGrid& message, const LayeredGrid
   // Where the first half turn can have put the support: the only cells of the middle stage that matter.
   LayeredGrid middle;
   middle.layers.resize(support.layers.size());
+  const std::vector<Box> boxes = Dilated(support, reach);
   for (int c = 0; c < headings; ++c) {
-    Box box;
-    for (int k = -reach; k <= reach; ++k) box = Union(box, support.layers[at(c - k)].box);
-    if (box.empty()) continue;
+    if (boxes[c].empty()) continue;
     const Stencil stencil = StencilOf(c);
-    Layer turned(Reach(box, stencil));
+    Layer turned(Reach(boxes[c], stencil));
     for (int k = -reach; k <= reach; ++k) Gather(message.layers[at(c + k)], 0, 0, half_turn_.At(k), &turned);
-    Layer layer(box);
+    Layer layer(boxes[c]);
     for (const StencilPoint& p : stencil) Gather(turned, p.dx, p.dy, p.weight, &layer);
     middle.layers[at(c)] = std::move(layer);
   }

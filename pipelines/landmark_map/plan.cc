@@ -134,7 +134,7 @@ Settings Settings::FromBlob(const Blob& blob) {
 Settings Resolve(const Options& options, const Blob& log) {
   const std::size_t robots = log.Texts("robots").size();
   if (robots == 0) throw InputError("the log has no robots");
-  const double extent = Extent(Integrate(log.Sub("robot/0/"), log.Texts("robots")[0], 0.0));
+  const double extent = Extent(Integrate(log.Sub("robot/0/"), log.Texts("robots")[0]));
   const Sensing sensing = LookAt(log, robots);
   if (sensing.observations == 0)
     throw InputError("the log has controls only: without observations there is no map");

@@ -60,7 +60,7 @@ Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b,
 class PathWriter {
  public:
   PathWriter(const RobotSteps& steps, const Odometry& odometry, const std::vector<Blob>& summaries,
-             double spacing_m)
+             double drift_rad_per_m, double spacing_m)
       : steps_(steps),
         odometry_(odometry),
         spacing_m_(spacing_m),
@@ -68,7 +68,15 @@ class PathWriter {
               Joined(summaries, "pose/heading_rad")},
         mode_{Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
               Joined(summaries, "pose/mode_heading_rad")},
-        covariance_(Joined(summaries, "pose/covariance")) {}
+        covariance_(Joined(summaries, "pose/covariance")) {
+    // The estimates are relative to odometry without its drift, the path here is written from odometry as it
+    // is.
+    const std::vector<double> way = steps.WaySoFar();
+    for (std::size_t s = 0; s < way.size(); ++s) {
+      mean_.correction_rad[s] -= drift_rad_per_m * way[s];
+      mode_.correction_rad[s] -= drift_rad_per_m * way[s];
+    }
+  }
 
   void Write(const std::string& prefix, Blob* result) {
     const int last = steps_.size() - 1;
@@ -237,9 +245,10 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
     const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
-    const Odometry odometry = Integrate(log.Sub(prefix), robots[r], drift[r]);
+    const Odometry odometry = Integrate(log.Sub(prefix), robots[r]);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
-    PathWriter(steps, odometry, summaries, 0.5 * settings.map.grid.cell_m).Write(prefix + "poses/", &result);
+    PathWriter(steps, odometry, summaries, drift[r], 0.5 * settings.map.grid.cell_m)
+        .Write(prefix + "poses/", &result);
     PutAssociations(steps, summaries, prefix + "observations/", &result);
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift[r]);
   }

@@ -47,6 +47,11 @@ std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, 
   return sightings;
 }
 
+Observation Turned(const Observation& o, double angle) {
+  const double cosine = std::cos(angle), sine = std::sin(angle);
+  return {o.type, cosine * o.x_m - sine * o.y_m, sine * o.x_m + cosine * o.y_m};
+}
+
 // Where steps stand: the progress along the track at which each sighting is gathered, and the splits of long
 // legs.
 class StepPlanner {
@@ -157,9 +162,35 @@ Leg RobotSteps::LegTo(int step) const {
   return {odo_x_m[step] - odo_x_m[step - 1], odo_y_m[step] - odo_y_m[step - 1], path_m[step], turn_rad[step]};
 }
 
+std::vector<double> RobotSteps::WaySoFar() const {
+  std::vector<double> way(path_m.size(), 0.0);
+  for (std::size_t s = 1; s < way.size(); ++s) way[s] = way[s - 1] + path_m[s];
+  return way;
+}
+
+RobotSteps RobotSteps::WithoutDrift(double drift_rad_per_m) const {
+  RobotSteps steps = *this;
+  if (drift_rad_per_m == 0.0) return steps;
+  const std::vector<double> way = WaySoFar();
+  for (int s = 0; s < size(); ++s) {
+    const double turn = -drift_rad_per_m * way[s];
+    steps.odo_heading_rad[s] += turn;
+    if (s > 0) {
+      const Leg leg = LegTo(s);
+      const Observation moved = Turned({0, leg.dx_m, leg.dy_m}, turn + 0.5 * drift_rad_per_m * leg.path_m);
+      steps.odo_x_m[s] = steps.odo_x_m[s - 1] + moved.x_m;
+      steps.odo_y_m[s] = steps.odo_y_m[s - 1] + moved.y_m;
+    }
+    for (int k = first_observation[s]; k < first_observation[s + 1]; ++k) {
+      steps.observations[k] = Turned(observations[k], turn);
+    }
+  }
+  return steps;
+}
+
 RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
-                     double drift_rad_per_m, const std::vector<bool>* shared) {
-  const Odometry odometry = Integrate(robot, name, drift_rad_per_m);
+                     const std::vector<bool>* shared) {
+  const Odometry odometry = Integrate(robot, name);
   const std::vector<Sighting> sightings = ReadSightings(robot, name, odometry, rules.types);
   std::size_t begin = 0;
   if (shared != nullptr) {

@@ -28,6 +28,11 @@ struct RobotSteps {
 
   int size() const { return static_cast<int>(time_s.size()); }
   Leg LegTo(int step) const;
+  // Way from the first step to each: [S].
+  std::vector<double> WaySoFar() const;
+  // The same steps with a heading drift taken off the odometry: legs and sightings turn back by drift * way
+  // so far.
+  RobotSteps WithoutDrift(double drift_rad_per_m) const;
 
   Blob ToBlob() const;
   static RobotSteps FromBlob(const Blob& blob);
@@ -41,11 +46,11 @@ struct StepRules {
   int types;         // number of identities; observations without one get this type
 };
 
-// `drift_rad_per_m` is taken off the controls' headings. `shared` (may be nullptr): landmark types by which
+// `shared` (may be nullptr): landmark types by which
 // this robot finds itself in a map; its steps begin at the first that observes one. `robot` is the log's
 // subtree robot/N/, `name` its name for messages. Throws InputError that names robot, row and reason: no
 // controls, no observations, a NaN, times that run backwards, an observation outside the controls' times.
 RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
-                     double drift_rad_per_m, const std::vector<bool>* shared);
+                     const std::vector<bool>* shared);
 
 }  // namespace cairn::landmark_map

@@ -31,7 +31,7 @@ Blob Robot(std::vector<double> seen_s, std::vector<std::int32_t> landmark, std::
 const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(Integrate, TurnsFirstThenGoes) {
-  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a", 0.0);
+  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a");
   EXPECT_NEAR(odometry.x_m.back(), 2.0, 1e-12);
   EXPECT_NEAR(odometry.y_m.back(), 2.0, 1e-12);
   const OdometricPose half = PoseAt(odometry, 2.5);
@@ -40,14 +40,8 @@ TEST(Integrate, TurnsFirstThenGoes) {
   EXPECT_NEAR(half.path_m, 2.5, 1e-12);
 }
 
-TEST(Integrate, TakesAKnownDriftOff) {
-  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a", 0.1);
-  EXPECT_NEAR(odometry.heading_rad.back(), std::numbers::pi / 2 - 0.4, 1e-12);
-}
-
 TEST(MakeSteps, APressStandsAtTheRobotAndLongWaysAreSplit) {
-  const RobotSteps steps =
-      MakeSteps(Robot({2.0}, {-1}, {kNaN}, {kNaN}), "a", {1.5, 1.0, 0.5, 2}, 0.0, nullptr);
+  const RobotSteps steps = MakeSteps(Robot({2.0}, {-1}, {kNaN}, {kNaN}), "a", {1.5, 1.0, 0.5, 2}, nullptr);
   ASSERT_EQ(steps.size(), 5);  // start, 1 m, 2 m (press), 3 m, end
   EXPECT_NEAR(steps.odo_x_m[2], 2.0, 1e-12);
   EXPECT_EQ(steps.first_observation[2], 0);
@@ -61,8 +55,8 @@ TEST(MakeSteps, APressStandsAtTheRobotAndLongWaysAreSplit) {
 // Seen at 2.0 s from (2, 0) and at 2.25 s from (2, 0.25) after the turn: one landmark, one mean vector.
 TEST(MakeSteps, GathersSightingsOfOneFrameInTheOdometricFrame) {
   const double quarter = std::numbers::pi / 2;
-  const RobotSteps steps = MakeSteps(Robot({2.25, 2.5}, {1, 1}, {1.0, 1.0}, {0.0, -quarter}), "a",
-                                     {4.0, 1.0, 0.5, 2}, 0.0, nullptr);
+  const RobotSteps steps =
+      MakeSteps(Robot({2.25, 2.5}, {1, 1}, {1.0, 1.0}, {0.0, -quarter}), "a", {4.0, 1.0, 0.5, 2}, nullptr);
   ASSERT_EQ(steps.observations.size(), 1U);
   EXPECT_EQ(steps.observations[0].type, 1);
   // Step at 2.5 s, (2, 0.5): the first points to (2, 1.25), the second to (3, 0.5).
@@ -74,22 +68,44 @@ TEST(MakeSteps, GathersSightingsOfOneFrameInTheOdometricFrame) {
 TEST(MakeSteps, ALateRobotBeginsWhereItSeesWhatTheFirstRobotSaw) {
   const std::vector<bool> shared = {false, true, false};
   const Blob robot = Robot({1.0, 3.0}, {0, 1}, {1, 1}, {0, 0});
-  const RobotSteps steps = MakeSteps(robot, "b", kRules, 0.0, &shared);
+  const RobotSteps steps = MakeSteps(robot, "b", kRules, &shared);
   EXPECT_EQ(steps.time_s[0], 3.0);
   EXPECT_EQ(steps.row_observation, (std::vector<std::int32_t>{-1, 0}));
   const std::vector<bool> none = {false, false, false};
-  EXPECT_THROW(MakeSteps(robot, "b", kRules, 0.0, &none), InputError);
+  EXPECT_THROW(MakeSteps(robot, "b", kRules, &none), InputError);
+}
+
+// Odometry bends a straight way by its drift: taking the drift off straightens it, sightings too.
+TEST(WithoutDrift, StraightensAWayThatOdometryBends) {
+  const double drift = 0.05;
+  std::vector<double> time, turn, forward;
+  for (int i = 1; i <= 200; ++i) {
+    time.push_back(i);
+    turn.push_back(drift * 0.1);
+    forward.push_back(0.1);
+  }
+  Blob robot = Robot({200.0}, {0}, {2.0}, {0.0});
+  robot.PutVector("odometry/time_s", time);
+  robot.PutVector("odometry/turn_rad", turn);
+  robot.PutVector("odometry/forward_m", forward);
+  const RobotSteps bent = MakeSteps(robot, "a", {0.5, 1.0, 0.5, 2}, nullptr);
+  const RobotSteps straight = bent.WithoutDrift(drift);
+  EXPECT_GT(std::abs(bent.odo_y_m.back()), 5.0);
+  EXPECT_NEAR(straight.odo_x_m.back(), 20.0, 0.01);
+  EXPECT_NEAR(straight.odo_y_m.back(), 0.0, 0.06);
+  EXPECT_NEAR(straight.observations[0].y_m, 0.0, 0.01);
+  EXPECT_EQ(bent.WithoutDrift(0.0).ToBlob().ContentHash(), bent.ToBlob().ContentHash());
 }
 
 TEST(MakeSteps, BlobsGiveTheSameStepsBack) {
-  const RobotSteps steps = MakeSteps(Robot({1.0, 3.0}, {0, 1}, {1, 1}, {0, 0}), "a", kRules, 0.0, nullptr);
+  const RobotSteps steps = MakeSteps(Robot({1.0, 3.0}, {0, 1}, {1, 1}, {0, 0}), "a", kRules, nullptr);
   EXPECT_EQ(RobotSteps::FromBlob(steps.ToBlob()).ToBlob().ContentHash(), steps.ToBlob().ContentHash());
 }
 
 TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {
   const auto refusal = [](const Blob& robot) -> std::string {
     try {
-      MakeSteps(robot, "rover", kRules, 0.0, nullptr);
+      MakeSteps(robot, "rover", kRules, nullptr);
     } catch (const InputError& e) {
       return e.what();
     }

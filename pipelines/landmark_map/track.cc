@@ -12,7 +12,7 @@ namespace {
 
 }  // namespace
 
-Odometry Integrate(const Blob& robot, const std::string& name, double drift_rad_per_m) {
+Odometry Integrate(const Blob& robot, const std::string& name) {
   const auto time = robot.Get<double>("odometry/time_s");
   const auto turn = robot.Get<double>("odometry/turn_rad");
   const auto forward = robot.Get<double>("odometry/forward_m");
@@ -27,7 +27,7 @@ Odometry Integrate(const Blob& robot, const std::string& name, double drift_rad_
     if (!std::isfinite(time[i]) || !std::isfinite(turn[i]) || !std::isfinite(forward[i]))
       Refuse(name, i, "not a number");
     if (time[i] < odometry.time_s.back()) Refuse(name, i, "time runs backwards");
-    const double heading = odometry.heading_rad.back() + turn[i] - drift_rad_per_m * std::abs(forward[i]);
+    const double heading = odometry.heading_rad.back() + turn[i];
     odometry.time_s.push_back(time[i]);
     odometry.heading_rad.push_back(heading);
     odometry.x_m.push_back(odometry.x_m.back() + forward[i] * std::cos(heading));

@@ -20,8 +20,8 @@ struct OdometricPose {
 };
 
 // Integrates turn_rad, then forward_m, of the subtree robot/N/odometry/. Throws InputError that names robot
-// and row. `drift_rad_per_m`: a known heading drift, taken off.
-Odometry Integrate(const Blob& robot, const std::string& name, double drift_rad_per_m);
+// and row.
+Odometry Integrate(const Blob& robot, const std::string& name);
 
 // The pose at `time_s`: after the turn and a part of the way of the control that it falls into; ends are
 // clamped.

@@ -1,0 +1,32 @@
+// A round of landmark_map: the State that it starts from and its tasks, chains over the time slices of each
+// robot.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/plan.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+// What the State carries from round to round besides the schedule.
+struct Carried {
+  std::map<std::string, std::string> blobs;  // name -> hash: settings, steps/N
+  std::vector<std::int64_t> step_counts;     // per robot
+  std::vector<double> drift_rad_per_m;       // per robot
+
+  void Store(State* state) const;
+  static Carried Load(const State& state, std::size_t robots);
+};
+
+// Fills `step` with the E-step that `schedule` asks for. `fresh`: the round's own blobs (history, counts,
+// and, once there is a map, perception and landmarks). For each robot the tasks `forward` run from the first
+// slice to the last but one, each from where the one before ended; the tasks `backward` run from the last
+// slice to the first, each from alpha at its start and beta at its end.
+void PlanRound(const Options& options, const std::vector<std::string>& robots, const Schedule& schedule,
+               const Carried& carried, const std::map<std::string, Blob>& fresh, cairn::Step* step);
+
+}  // namespace cairn::landmark_map
