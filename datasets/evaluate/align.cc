@@ -15,7 +15,12 @@ constexpr int kMaxRounds = 50;
 
 struct Start {
   double cost = 0;
+  std::size_t order = 0;  // in which it was found: ties go to the first
   Similarity motion;
+
+  bool operator<(const Start& other) const {
+    return cost != other.cost ? cost < other.cost : order < other.order;
+  }
 };
 
 class Search {
@@ -27,9 +32,8 @@ class Search {
     if (guess.size() >= 2) Add(FitRigid(PairUp(estimate_, truth_, guess)));
     AddPairStarts();
     if (starts_.empty()) AddShifts();
-    std::stable_sort(starts_.begin(), starts_.end(),
-                     [](const Start& a, const Start& b) { return a.cost < b.cost; });
-    Start best{std::numeric_limits<double>::infinity(), {}};
+    std::sort(starts_.begin(), starts_.end());
+    Start best{std::numeric_limits<double>::infinity(), 0, {}};
     for (std::size_t i = 0; i < std::min(kImproved, starts_.size()); ++i) {
       const Start improved = Improve(starts_[i].motion);
       if (improved.cost < best.cost) best = improved;
@@ -56,10 +60,9 @@ class Search {
   }
 
   void Add(const Similarity& motion) {
-    starts_.push_back({NearestCost(motion), motion});
+    starts_.push_back({NearestCost(motion), found_++, motion});
     if (starts_.size() < 4 * kImproved) return;
-    std::stable_sort(starts_.begin(), starts_.end(),
-                     [](const Start& a, const Start& b) { return a.cost < b.cost; });
+    std::sort(starts_.begin(), starts_.end());
     starts_.resize(kImproved);
   }
 
@@ -106,7 +109,7 @@ class Search {
       match = std::move(next);
       if (settled) break;
     }
-    return {match.gospa_m, motion};
+    return {match.gospa_m, 0, motion};
   }
 
   PointMatch MatchMoved(const Similarity& motion) const {
@@ -120,6 +123,7 @@ class Search {
   const std::vector<PointM>& truth_;
   const MayMatch& may_match_;
   std::vector<Start> starts_;
+  std::size_t found_ = 0;
 };
 
 }  // namespace
