@@ -34,7 +34,7 @@ class CsvImport {
     if (rows_.truth_landmarks) Associate();
     SortLandmarks();
     report_.skipped = bad_.counts();
-    *log = MakeLog(rows_, &report_);
+    *log = MakeLog(rows_, options_.odometry, &report_);
     return report_;
   }
 

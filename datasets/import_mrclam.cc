@@ -39,7 +39,7 @@ class MrclamImport {
       ReadTruthPoses(Find(Robot(subject, "Groundtruth")), &robot);
     }
     report_.skipped = bad_.counts();
-    *log = MakeLog(rows_, &report_);
+    *log = MakeLog(rows_, options_.folder, &report_);
     return report_;
   }
 

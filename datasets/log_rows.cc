@@ -103,7 +103,7 @@ void CheckNominal(const NominalFigures& nominal) {
   }
 }
 
-Blob MakeLog(const LogRows& rows, ImportReport* report) {
+Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report) {
   Blob log;
   std::vector<std::string> names;
   for (std::size_t n = 0; n < rows.robots.size(); ++n) {
@@ -111,7 +111,7 @@ Blob MakeLog(const LogRows& rows, ImportReport* report) {
     PutRobot(rows.robots[n], n, &log);
     Count(rows.robots[n], report);
   }
-  if (report->controls == 0) throw InputError("the log is empty: it has no controls");
+  if (report->controls == 0) throw InputError(source + ": the log is empty: it has no controls");
   if (report->observations == 0)
     report->warnings.emplace_back("the log has controls only: nothing can be mapped from it");
   report->robots = static_cast<std::int64_t>(names.size());

@@ -88,9 +88,9 @@ class VelocityIntegrator {
 // Throws InputError that names the figure where one is negative or not finite.
 void CheckNominal(const NominalFigures& nominal);
 
-// The blob of a log. Fills in the report's counts, and its warning where nothing was observed. Throws
-// InputError for a log without controls.
-Blob MakeLog(const LogRows& rows, ImportReport* report);
+// The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, and its
+// warning where nothing was observed. Throws InputError for a log without controls.
+Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report);
 
 // Wraps into (-pi, pi]; a value that lies there stays as it is to the bit.
 double NormalizedAngle(double angle_rad);

@@ -28,7 +28,7 @@ refuses_import 'observations.csv:2' import
 observations '2,a,x,1' >observations.csv
 refuses_import 'observations.csv:2' import
 observations '2,a,x,9,0' >observations.csv
-refuses_import 'observations.csv:2.*range' import --max-range-m 8
+refuses_import 'observations.csv:2.*maximum' import --max-range-m 8
 odometry '1,a,0,1' '2,a,0,inf' >odometry.csv
 observations >observations.csv
 refuses_import 'odometry.csv:3' import
@@ -57,8 +57,8 @@ refuses "no file 'nowhere.h5'" cairn run landmark_map nowhere.h5
 refuses "no command 'rnu'.*did you mean 'run'" cairn rnu
 refuses 'wokers' cairn run landmark_map log.h5 --wokers 2
 
-# A grid beyond the memory allowed says how much it would need; a cell that fine says it before it tries.
-refuses 'GB|MB|memory' cairn run landmark_map log.h5 --set cell_m=0.01 --out fine
+# More memory than allowed: says how much it would need.
+refuses 'would need about [0-9.]+ [MG]B.*memory_mb' cairn run landmark_map log.h5 --set memory_mb=1 --out fine
 [ ! -e fine/landmark_map.h5 ] || die "a run that was refused left a result"
 
 # Damaged files.
