@@ -25,7 +25,7 @@ namespace {
 struct Arguments {
   std::string connect;
   int slots = 4;
-  std::size_t cache_mb = 1024;
+  std::size_t cache_mb = 512;
   std::string key_file;
   std::string server_key_file;
   bool log_json = false;

@@ -1,5 +1,6 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 
 #include <algorithm>
 #include <utility>
@@ -12,28 +13,37 @@ namespace {
 
 constexpr std::size_t kDroppedPeersKept = 4096;
 
-// ZeroMQ has no call that drops one peer of a ROUTER, but a frame knows the descriptor that it came through.
-// The descriptor may have been closed and given to someone else since, so only one that is a connected stream
-// socket of our own address is shut down: the worst that can happen is that another peer has to connect
-// again.
-void ShutDownConnection(const zmq::message_t& frame, const std::string& endpoint) {
-  const int fd = zmq_msg_get(const_cast<zmq_msg_t*>(frame.handle()), ZMQ_SRCFD);
+// The address that a descriptor is bound to, as endpoints write it; empty where it is not a connected stream
+// socket.
+std::string LocalEndpoint(int fd) {
   sockaddr_storage local{};
   sockaddr_storage remote{};
   socklen_t local_size = sizeof local;
   socklen_t remote_size = sizeof remote;
-  if (fd < 0 || ::getsockname(fd, reinterpret_cast<sockaddr*>(&local), &local_size) != 0 ||
+  if (::getsockname(fd, reinterpret_cast<sockaddr*>(&local), &local_size) != 0 ||
       ::getpeername(fd, reinterpret_cast<sockaddr*>(&remote), &remote_size) != 0) {
-    return;
+    return "";
   }
-  const std::string port = endpoint.substr(endpoint.rfind(':') + 1);
-  in_port_t local_port = 0;
-  if (local.ss_family == AF_INET) local_port = reinterpret_cast<const sockaddr_in&>(local).sin_port;
-  if (local.ss_family == AF_INET6) local_port = reinterpret_cast<const sockaddr_in6&>(local).sin6_port;
-  const bool ours = local.ss_family == AF_UNIX
-                        ? endpoint.starts_with("ipc://")
-                        : endpoint.starts_with("tcp://") && std::to_string(ntohs(local_port)) == port;
-  if (ours) ::shutdown(fd, SHUT_RDWR);
+  switch (local.ss_family) {
+    case AF_UNIX:
+      return std::string("ipc://") + reinterpret_cast<const sockaddr_un&>(local).sun_path;
+    case AF_INET:
+      return "tcp::" + std::to_string(ntohs(reinterpret_cast<const sockaddr_in&>(local).sin_port));
+    case AF_INET6:
+      return "tcp::" + std::to_string(ntohs(reinterpret_cast<const sockaddr_in6&>(local).sin6_port));
+    default:
+      return "";
+  }
+}
+
+// ZeroMQ has no call that drops one peer of a ROUTER, but a frame knows the descriptor that it came through.
+// The descriptor may have been closed and given to someone else since, so only one that is connected to our
+// own address is shut down: the worst that can happen is that another peer has to connect again.
+void ShutDownConnection(const zmq::message_t& frame, const std::string& endpoint) {
+  const int fd = zmq_msg_get(const_cast<zmq_msg_t*>(frame.handle()), ZMQ_SRCFD);
+  const bool ipc = endpoint.starts_with("ipc://");
+  const std::string ours = ipc ? endpoint : "tcp::" + endpoint.substr(endpoint.rfind(':') + 1);
+  if (fd >= 0 && LocalEndpoint(fd) == ours) ::shutdown(fd, SHUT_RDWR);
 }
 
 std::string UserId(const zmq::message_t& frame) {
