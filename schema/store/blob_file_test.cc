@@ -51,6 +51,18 @@ TEST(BlobFile, LargeArraysInManyChunksComeBack) {
   EXPECT_EQ(read.value().blob.ContentHash(), blob.ContentHash());
 }
 
+TEST(BlobFile, ThousandsOfDatasetsAndGroupsComeBack) {
+  Blob blob;
+  for (int i = 0; i < 2000; ++i) {
+    blob.PutScalar<std::int32_t>("many/x" + std::to_string(i), i);
+    blob.PutScalar<std::int32_t>(std::to_string(i) + "/deep/x", i);
+  }
+  const store::Image image = store::EncodeBlob("blob", blob).value();
+  const Result<BlobFile> read = ReadBlobImage(image.bytes(), "image");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read.value().blob.ContentHash(), blob.ContentHash());
+}
+
 TEST(BlobFile, TheSameBlobGivesTheSameFileBytes) {
   const TempFolder folder;
   ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", OddBlob()).ok());

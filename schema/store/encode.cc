@@ -1,7 +1,10 @@
 #include "schema/store/encode.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <map>
+#include <set>
 #include <vector>
 
 #include "schema/store/blob_file.h"
@@ -31,14 +34,39 @@ herr_t LeaveUserData(void*) { return 0; }
 
 Status Failed(const std::string& what) { return {Code::kIo, what + ": " + LastCause().text}; }
 
-// A group keeps its links in its own header, under its checksum. Beyond eight HDF5 would move them to a heap;
-// where a byte of that has flipped, HDF5 1.10 frees memory that it never allocated (H5G__dense_build_table).
-void KeepLinksInHeader(const Handle& group_creation) {
-  constexpr unsigned kMostLinks = 4096;  // finding one is linear
-  H5Pset_link_phase_change(group_creation.get(), kMostLinks, kMostLinks / 2);
+// How many links a group will hold, and the bytes of their names.
+struct GroupSize {
+  std::set<std::string, std::less<>> links;
+  std::size_t name_bytes = 0;
+};
+using GroupSizes = std::map<std::string, GroupSize, std::less<>>;  // by name; the root's is ""
+
+GroupSizes SizesOf(const Blob& blob) {
+  GroupSizes sizes{{"", {}}};
+  for (const auto& [name, array] : blob.fields()) {
+    for (std::size_t begin = 0; begin <= name.size();) {
+      const std::size_t end = std::min(name.find('/', begin), name.size());
+      GroupSize& group = sizes[name.substr(0, begin == 0 ? 0 : begin - 1)];
+      if (group.links.insert(name.substr(begin, end - begin)).second) group.name_bytes += end - begin;
+      begin = end + 1;
+    }
+  }
+  return sizes;
 }
 
-Handle CreateInMemory(std::size_t expected_bytes, Image* image) {
+// A group keeps its links in its own header, under its checksum. Beyond eight HDF5 would move them to a heap;
+// where a byte of that has flipped, HDF5 1.10 frees memory that it never allocated (H5G__dense_build_table).
+// The header gets its room at once: to grow it link by link takes minutes for some thousand links.
+void KeepLinksInHeader(const Handle& group_creation, const GroupSize& size) {
+  constexpr std::size_t kMost = 65535;  // as many as HDF5 takes
+  const auto links = static_cast<unsigned>(std::clamp<std::size_t>(size.links.size(), 8, kMost));
+  const auto name = static_cast<unsigned>(
+      std::min(size.name_bytes / std::max<std::size_t>(size.links.size(), 1) + 1, kMost));
+  H5Pset_link_phase_change(group_creation.get(), links, links / 2);
+  H5Pset_est_link_info(group_creation.get(), links, name);
+}
+
+Handle CreateInMemory(std::size_t expected_bytes, const GroupSize& root, Image* image) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5FD_file_image_callbacks_t callbacks{Allocate,      CopyBytes,     Resize, LetGo,
@@ -50,7 +78,7 @@ Handle CreateInMemory(std::size_t expected_bytes, Image* image) {
       H5Pset_obj_track_times(creation.get(), false) < 0) {
     return {};
   }
-  KeepLinksInHeader(creation);
+  KeepLinksInHeader(creation, root);
   return {H5Fcreate("blob", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose};
 }
 
@@ -114,22 +142,20 @@ Handle LinkCreation() {
   return links;
 }
 
-// The groups above the dataset `name`, those that are not there yet.
-bool PutGroups(hid_t file, const std::string& name) {
+// Groups above datasets; a name's parts come before it in the map.
+bool PutGroups(hid_t file, const GroupSizes& sizes) {
   const Handle links = LinkCreation();
-  const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
-  KeepLinksInHeader(creation);
-  for (std::size_t at = name.find('/'); at != std::string::npos; at = name.find('/', at + 1)) {
-    const std::string group = name.substr(0, at);
-    if (H5Lexists(file, group.c_str(), H5P_DEFAULT) > 0) continue;
-    const Handle made(H5Gcreate2(file, group.c_str(), links.get(), creation.get(), H5P_DEFAULT), H5Gclose);
+  for (const auto& [name, size] : sizes) {
+    if (name.empty()) continue;
+    const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+    KeepLinksInHeader(creation, size);
+    const Handle made(H5Gcreate2(file, name.c_str(), links.get(), creation.get(), H5P_DEFAULT), H5Gclose);
     if (!made.ok()) return false;
   }
   return true;
 }
 
 bool PutDataset(hid_t file, const std::string& name, const Array& array) {
-  if (!PutGroups(file, name)) return false;
   const bool scalar = array.shape().empty();
   const Shape shape = scalar ? Shape{1} : array.shape();
   const std::vector<hsize_t> dims(shape.begin(), shape.end());
@@ -162,17 +188,21 @@ bool NameHolds(const std::string& name) {
 
 Result<Image> EncodeBlob(const std::string& kind, const Blob& blob) {
   const QuietErrors quiet;
+  for (const auto& [name, array] : blob.fields()) {
+    if (!NameHolds(name)) return Status(Code::kIo, "dataset '" + name + "': not a name that a file can hold");
+  }
+  const GroupSizes sizes = SizesOf(blob);
   Image image;
   const std::size_t expected = blob.ByteCount() + blob.fields().size() * 4096 + (std::size_t{1} << 16);
-  Handle file = CreateInMemory(expected, &image);
+  Handle file = CreateInMemory(expected, sizes.at(""), &image);
   if (!file.ok()) return Failed("cannot begin");
   const std::int64_t format = kFormatVersion;
   if (!PutAttribute(file.get(), "cairn_format", H5T_STD_I64LE, &format) ||
       !PutTextAttribute(file.get(), "cairn_kind", kind)) {
     return Failed("cannot write the root attributes");
   }
+  if (!PutGroups(file.get(), sizes)) return Failed("cannot make the groups");
   for (const auto& [name, array] : blob.fields()) {
-    if (!NameHolds(name)) return Status(Code::kIo, "dataset '" + name + "': not a name that a file can hold");
     if (!PutDataset(file.get(), name, array)) return Failed("dataset '" + name + "'");
   }
   if (!file.Close()) return Failed("cannot close");
