@@ -25,7 +25,8 @@ Written ExportTum(const Blob& blob, const std::string& folder);
 Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder);
 
 // map.pgm and map.yaml, as map_server of ROS reads them: occupied 0, free 254, unknown 205, by map_saver's
-// thresholds 0.65 and 0.196. Of a landmark map, occupied is where any landmark is.
+// thresholds 0.65 and 0.196. Of a landmark map, occupied is
+// also the cell of each extracted landmark, which alone seldom has that much of its probability.
 Written ExportRos(const Blob& result, const std::string& folder);
 
 // map.png: paths, landmarks with their 95% regions, the grid beneath, axes, a bar for scale

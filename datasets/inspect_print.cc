@@ -12,8 +12,18 @@ std::string Padded(std::string text, std::size_t width) {
   return text;
 }
 
+// One line of a text that may be long and of many lines.
+std::string OneLine(std::string text) {
+  constexpr std::size_t kMost = 70;
+  std::ranges::replace_if(text, [](unsigned char c) { return c < ' '; }, ' ');
+  if (text.size() <= kMost) return text;
+  std::size_t end = kMost;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not within a character
+  return text.substr(0, end) + "…";
+}
+
 std::string ValuesText(const DatasetSummary& dataset) {
-  if (!dataset.sample.empty()) return dataset.sample;
+  if (!dataset.sample.empty()) return OneLine(dataset.sample);
   std::string text = dataset.low ? ShortNumber(*dataset.low) + " to " + ShortNumber(*dataset.high) : "";
   if (dataset.not_finite > 0)
     text += (text.empty() ? "" : ", ") + std::to_string(dataset.not_finite) + " not finite";

@@ -57,6 +57,12 @@ TEST(Inspect, ForgivesAFileThatIsNotAsItsKindSays) {
   EXPECT_EQ(Inspected(Blob(), "").datasets.size(), 0U);
 }
 
+TEST(Inspect, LongTextsTakeOneLine) {
+  Blob blob;
+  blob.Put("job", Array::Text("{\n" + std::string(66, 'x') + "é, and more}"));
+  ExpectContains(InspectText(Inspected(blob, "blob")), "'{ " + std::string(66, 'x') + "…\n");
+}
+
 TEST(Inspect, ADamagedFileIsNamed) {
   const TestFolder folder;
   folder.Put("a.h5", "no");
