@@ -131,6 +131,31 @@ TEST_F(TcpService, EveryPipelineGivesTheBitsOfTheInProcessRunner) {
   EXPECT_NE(log().find("refused a message"), std::string::npos) << log();
 }
 
+TEST_F(TcpService, AWorkerThatComesLateTakesOverFromOneThatLeaves) {
+  auto first = StartWorker("worker");
+  Client client = ConnectAs("client");
+  Case c = AllCases().back();
+  ASSERT_EQ(c.name, "toy");
+  (*c.stage.mutable_options())["rounds"].set_i(400);
+  const Result<wire::JobInfo> job = client.Submit(JobOf(c), c.inputs);
+  ASSERT_TRUE(job.ok()) << job.status().message();
+  const auto early = [&] {
+    const wire::JobInfo info = client.Info(job.value().id()).value();
+    return info.state() != "done" && info.round() < 20;
+  };
+  while (early()) std::this_thread::yield();
+  const auto second = StartWorker("worker");
+  while (client.List().value().workers < 2) std::this_thread::yield();
+  ASSERT_EQ(::kill(first->pid(), SIGTERM), 0);
+  EXPECT_EQ(first->Wait(), 0);
+  const wire::JobInfo end = Await(client, job.value().id());
+  ASSERT_EQ(end.state(), "done") << end.reason();
+  FixNumericsOfProcess();
+  FixNumericsOfThread();
+  EXPECT_EQ(client.Results(job.value().id()).value().at("stage")->Without("provenance/").ContentHash(),
+            RunInProcess(*Make(c.stage, c.seed), c.inputs)->ContentHash());
+}
+
 TEST_F(TcpService, AStrangerGetsNothing) {
   EXPECT_EQ(ConnectAs("stranger").List().status().code(), Code::kRefused);
   EXPECT_EQ(StartWorker("stranger")->Wait(), 2);
