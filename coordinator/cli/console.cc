@@ -85,6 +85,7 @@ void Console::Progress(const wire::JobInfo& info) {
     drawn_ = true;
     return;
   }
+  if (info.tasks() == 0 && info.note().empty()) return;  // nothing to say yet
   const Clock::time_point now = Clock::now();
   const bool fresh = info.note() != last_note_ || now - last_line_ > std::chrono::seconds(10);
   if (!fresh || now - last_line_ < std::chrono::seconds(1)) return;

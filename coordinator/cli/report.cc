@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
@@ -32,7 +33,10 @@ int Report(const Options& options, const Invocation&) {
   RefuseToOverwrite(out, options.force || options.out.empty());
   std::optional<Blob> log;
   if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
-  WriteReport(out, std::filesystem::path(file).stem().string(), result, log ? &*log : nullptr);
+  std::optional<datasets::Evaluation> evaluation;
+  if (log && HasTruth(*log)) evaluation = datasets::Evaluate(result, *log);
+  WriteReport(out, std::filesystem::path(file).stem().string(), result, log ? &*log : nullptr,
+              evaluation ? &*evaluation : nullptr);
   std::printf("%s\n", out.c_str());
   return kExitDone;
 }
@@ -41,13 +45,11 @@ int Report(const Options& options, const Invocation&) {
 
 bool HasTruth(const Blob& log) { return !log.Sub("truth/").fields().empty(); }
 
-void WriteReport(const std::string& path, const std::string& title, const Blob& result, const Blob* log) {
-  std::optional<datasets::Evaluation> evaluation;
-  if (log != nullptr && HasTruth(*log)) evaluation = datasets::Evaluate(result, *log);
+void WriteReport(const std::string& path, const std::string& title, const Blob& result, const Blob* log,
+                 const datasets::Evaluation* evaluation) {
   datasets::ReportOptions options;
   options.title = title;
-  Check(WriteTextAtomically(path,
-                            datasets::ReportHtml(result, log, evaluation ? &*evaluation : nullptr, options)));
+  Check(WriteTextAtomically(path, datasets::ReportHtml(result, log, evaluation, options)));
 }
 
 void AddReport(CLI::App& app, Invocation& call) {

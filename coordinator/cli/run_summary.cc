@@ -6,7 +6,8 @@
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/report.h"
-#include "datasets/export.h"
+#include "datasets/report/draw_map.h"
+#include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -35,12 +36,16 @@ StageSummary SummarizeStage(const ParsedJob& parsed, const proto::Stage& stage, 
   StageSummary summary;
   summary.stage = stage.name();
   summary.map = file;
-  summary.picture = Take(datasets::ExportPng(map, dir.string())).at(0);
+  summary.picture = (dir / "map.png").string();
   summary.report = (dir / "report.html").string();
   Count(map, summary);
   const std::optional<Blob> log = LogOf(parsed, stage);
   if (log && HasTruth(*log)) summary.evaluation = datasets::Evaluate(map, *log);
-  WriteReport(summary.report, parsed.job.name(), map, log ? &*log : nullptr);
+  const Blob* log_or_null = log ? &*log : nullptr;
+  const datasets::Evaluation* evaluation = summary.evaluation ? &*summary.evaluation : nullptr;
+  fs::create_directories(dir);
+  Check(WriteTextAtomically(summary.picture, datasets::DrawMapPng(map, log_or_null, evaluation)));
+  WriteReport(summary.report, parsed.job.name(), map, log_or_null, evaluation);
   return summary;
 }
 
