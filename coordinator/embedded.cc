@@ -10,6 +10,7 @@
 #include "coordinator/recovery.h"
 #include "coordinator/worker_pool.h"
 #include "coordinator/zmq_transport.h"
+#include "schema/store/atomic_file.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -205,6 +206,7 @@ EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
   if (!folder.ok())
     return End(folder.status().code() == Code::kBusy ? EmbeddedEnd::kBusy : EmbeddedEnd::kFailed,
                folder.status().message());
+  RemoveLeftovers(options.dir);
   return Run(options, std::move(job), std::move(folder).value()).Do(named, on_progress, stop);
 }
 

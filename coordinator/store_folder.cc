@@ -27,6 +27,8 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
   if (Status status = folder.MakeFolders(); !status.ok()) return status;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
+    if (entry.is_directory()) RemoveLeftovers(entry.path());
   return folder;
 }
 

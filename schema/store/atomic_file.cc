@@ -1,12 +1,14 @@
 #include "schema/store/atomic_file.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <regex>
 #include <string>
 #include <system_error>
 
@@ -39,6 +41,13 @@ std::filesystem::path TemporaryFor(const std::filesystem::path& path) {
   static std::atomic<unsigned> counter{0};
   return FolderOf(path) / ("." + path.filename().string() + "." + std::to_string(::getpid()) + "-" +
                            std::to_string(counter++) + ".tmp");
+}
+
+// The process that a temporary file belongs to; 0: the name is none that TemporaryFor makes.
+pid_t OwnerOf(const std::string& name) {
+  static const std::regex kTemporary(R"(\..*\.([0-9]{1,9})-[0-9]+\.tmp)");
+  std::smatch match;
+  return std::regex_match(name, match, kTemporary) ? static_cast<pid_t>(std::stol(match[1])) : 0;
 }
 
 // Returns errno, or 0.
@@ -99,6 +108,16 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::span<const st
 
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text) {
   return WriteFileAtomically(path, std::as_bytes(std::span(text)));
+}
+
+void RemoveLeftovers(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const pid_t owner = OwnerOf(entry.path().filename().string());
+    const bool gone = owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH;
+    std::error_code ignored;
+    if (gone) std::filesystem::remove(entry.path(), ignored);
+  }
 }
 
 }  // namespace cairn

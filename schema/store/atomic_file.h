@@ -17,6 +17,10 @@ namespace cairn {
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
 
+// Removes what processes that are no more have left behind right in `folder` while they wrote. What cannot be
+// removed stays.
+void RemoveLeftovers(const std::filesystem::path& folder);
+
 // The Status for a failed system call on `path`: kNotFound, kNoSpace (also quotas and file size limits), kIo.
 Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number);
 

@@ -4,6 +4,7 @@
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -186,6 +187,23 @@ TEST(BlobFileFaults, NamesThatAFileCannotHoldAreRefused) {
   clash.PutScalar<double>("a/b", 1);
   EXPECT_FALSE(WriteBlobFile(folder / "a.h5", "log", clash).ok());
   EXPECT_TRUE(folder.Files().empty());
+}
+
+TEST(RemoveLeftovers, TakesOnlyWhatADeadProcessLeft) {
+  const TempFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  const std::string of_dead = ".log.h5." + std::to_string(child) + "-3.tmp";
+  const std::string of_living = ".log.h5." + std::to_string(::getpid()) + "-3.tmp";
+  for (const std::string& name : {of_dead, of_living, std::string("log.h5"), std::string(".other.tmp")})
+    std::ofstream(folder / name) << "x";
+  RemoveLeftovers(folder / "");
+  std::vector<std::string> files = folder.Files();
+  std::ranges::sort(files);
+  std::vector<std::string> stay = {of_living, ".other.tmp", "log.h5"};
+  std::ranges::sort(stay);
+  EXPECT_EQ(files, stay);
 }
 
 }  // namespace

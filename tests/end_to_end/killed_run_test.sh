@@ -4,7 +4,8 @@ source "$(dirname "$0")/common.sh"
 kills=${KILLS:-10}
 
 cairn simulate loop --difficulty base --robots 3 --seed 5 log.h5 >/dev/null
-exits 0 cairn run landmark_map log.h5 --out undisturbed --workers 2
+job=(cairn run landmark_map log.h5 --set cell_m=0.4 --workers 2)
+exits 0 "${job[@]}" --out undisturbed
 
 # The moments are spread over the run by what it has saved, not by the clock: after the first checkpoint, the next, …
 saved() { find killed/.cairn -name '*.h5' -newer mark 2>/dev/null | grep -q .; }
@@ -13,7 +14,7 @@ saved_or_ended() { saved || ended; }
 killed=0
 for ((i = 0; i < kills; ++i)); do
   touch mark
-  cairn run landmark_map log.h5 --out killed --workers 2 >stdout 2>stderr &
+  "${job[@]}" --out killed >stdout 2>stderr &
   run=$!
   [ "$i" -eq 0 ] || until_true 120 saved_or_ended
   workers=$(pgrep -P "$run" -f cairn-worker || true)
@@ -25,6 +26,7 @@ for ((i = 0; i < kills; ++i)); do
   done
 done
 [ "$killed" -gt 1 ] || die "the run was over before it could be killed twice"
-exits 0 cairn run landmark_map log.h5 --out killed --workers 2
+exits 0 "${job[@]}" --out killed
+says 'resumed'
 same_bits undisturbed killed
 if find killed -name '*.tmp' | grep -q .; then die "a half-written file is left: $(find killed -name '*.tmp')"; fi
