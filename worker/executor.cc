@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <new>
+#include <stdexcept>
 #include <utility>
 
 #include "schema/numerics.h"
@@ -56,6 +57,11 @@ class TaskInputs : public Inputs {
     if (ref.row_count() == 0) return blob;
     Blob rows;
     for (const auto& [name, array] : blob->fields()) {
+      const std::int64_t have = array.shape().empty() ? 0 : array.shape()[0];
+      if (ref.first_row() < 0 || ref.row_count() < 0 || ref.first_row() > have - ref.row_count()) {
+        throw std::runtime_error("input '" + ref.name() + "': the plan asks for rows that '" + name +
+                                 "' lacks");
+      }
       rows.Put(name, array.Rows(ref.first_row(), ref.row_count()));
     }
     return std::make_shared<const Blob>(std::move(rows));

@@ -161,6 +161,27 @@ TEST(Worker, ABlobThatNobodyHasIsNotTheInputsFault) {
   EXPECT_NE(answer.envelope.failed().message().find(Number(1).ContentHash().Hex()), std::string::npos);
 }
 
+TEST(Worker, GivesATaskTheRowsThatItAsksForAndNoOthers) {
+  Rig rig([](const Task&, const Inputs& inputs, Progress&) {
+    return Number(inputs.Get("a")->Get<double>("v")[0] +
+                  10 * static_cast<double>(inputs.Get("a")->at("v").size()));
+  });
+  rig.Begin();
+  Blob rows;
+  rows.PutVector<double>("v", {1, 2, 3, 4});
+  wire::Assign assign = RunTask(0, {{"a", rig.Keep(std::move(rows))}});
+  proto::InputRef& ref = *assign.mutable_task()->mutable_inputs(0);
+  ref.set_first_row(1);
+  ref.set_row_count(3);
+  rig.Assign(assign);
+  EXPECT_EQ(rig.Serve().blobs.at(0).blob->Scalar<double>("v"), 32);
+  ref.set_row_count(4);
+  rig.Assign(assign);
+  const wire::Message beyond = rig.Serve();
+  ASSERT_TRUE(beyond.envelope.has_failed());
+  EXPECT_FALSE(beyond.envelope.failed().input_error()) << "the plan's fault, not the user's";
+}
+
 TEST(Worker, ACancelledTaskMakesRoomForTheNext) {
   Rig rig(SpinUntilCancelled);
   rig.Begin();

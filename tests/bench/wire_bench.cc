@@ -57,7 +57,7 @@ class BareEcho {
     peer_.connect(endpoint);
     echo_ = std::thread([this] {
       zmq::message_t message;
-      while (peer_.recv(message) && message.size() > 0) {
+      while (peer_.recv(message) && !message.empty()) {
         if (message.size() < 1000)
           peer_.send(message, zmq::send_flags::none);
         else

@@ -107,19 +107,18 @@ TEST(FleetFaults, KilledWorkersChangeNothing) {
 
 TEST(FleetFaults, StoppedAndResumedEqualsUndisturbed) {
   Fleet fleet(LongToy(), 2);
-  int stops = 0;
+  unsigned stops = 0;
   EmbeddedResult result;
   do {
     fleet.stop = false;
     result = fleet.Run([&](const EmbeddedProgress& progress) {
-      if (stops < 3 && progress.info.round() > static_cast<std::uint64_t>(100 * (stops + 1)))
-        fleet.stop = true;
+      if (stops < 3 && progress.info.round() > 100u * (stops + 1u)) fleet.stop = true;
     });
     if (result.end == EmbeddedEnd::kStopped) ++stops;
   } while (result.end == EmbeddedEnd::kStopped);
   ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason << "\n" << fleet.log();
   EXPECT_TRUE(result.resumed);
-  EXPECT_GE(stops, 1);
+  EXPECT_GE(stops, 1u);
   EXPECT_EQ(fleet.Stored(), InProcess(LongToy()));
 }
 
