@@ -11,18 +11,12 @@
 namespace cairn::worker {
 namespace {
 
-Blob Number(std::int64_t value) {
-  Blob blob;
-  blob.PutScalar("v", value);
-  return blob;
-}
-
 // The sum of the inputs, and the index.
 Blob Sum(const Task& task, const Inputs& inputs, Progress& progress) {
-  std::int64_t sum = task.index();
+  double sum = task.index();
   for (const proto::InputRef& ref : task.inputs()) {
     progress.Tick();
-    sum += inputs.Get(ref.name())->Scalar<std::int64_t>("v");
+    sum += inputs.Get(ref.name())->Scalar<double>("v");
   }
   return Number(sum);
 }
@@ -53,10 +47,10 @@ class Caprice {
  private:
   void Assign() {
     std::map<std::string, Hash> inputs;
-    std::int64_t sum = next_;
+    double sum = next_;
     for (std::uint64_t i = rng_.Below(4); i > 0; --i) {
       const std::uint64_t which = rng_.Below(hashes_.size());
-      sum += static_cast<std::int64_t>(which) * 1000;
+      sum += static_cast<double>(which) * 1000;
       inputs[std::to_string(i)] = hashes_[which];
     }
     rig_.Assign(RunTask(next_, inputs));
@@ -79,7 +73,7 @@ class Caprice {
       const std::uint32_t task = answer.envelope.done().key().task();
       if (cancelled_.erase(task) > 0) continue;
       ASSERT_TRUE(open_.contains(task)) << "an answer to nobody's question, or a second one: " << task;
-      EXPECT_EQ(answer.blobs.at(0).blob->Scalar<std::int64_t>("v"), open_.at(task));
+      EXPECT_EQ(answer.blobs.at(0).blob->Scalar<double>("v"), open_.at(task));
       open_.erase(task);
       ++answers_;
       return;
@@ -102,8 +96,8 @@ class Caprice {
   Rig rig_;
   std::vector<Hash> hashes_;
   std::uint32_t next_ = 0;
-  std::map<std::uint32_t, std::int64_t> open_;  // task -> what its answer must say
-  std::set<std::uint32_t> cancelled_;           // in this connection
+  std::map<std::uint32_t, double> open_;  // task -> what its answer must say
+  std::set<std::uint32_t> cancelled_;     // in this connection
   int answers_ = 0;
 };
 

@@ -147,4 +147,21 @@ inline wire::Assign RunTask(std::uint32_t index, const std::map<std::string, Has
   return assign;
 }
 
+inline Blob Number(double value) {
+  Blob blob;
+  blob.PutScalar("v", value);
+  return blob;
+}
+
+// v of input "a", plus the task's index.
+inline Blob AddIndex(const Task& task, const Inputs& inputs, Progress& progress) {
+  progress.Tick();
+  return Number(inputs.Get("a")->Scalar<double>("v") + task.index());
+}
+
+inline Blob SpinUntilCancelled(const Task& task, const Inputs&, Progress& progress) {
+  while (task.index() == 0) progress.Tick();
+  return Number(task.index());
+}
+
 }  // namespace cairn::worker

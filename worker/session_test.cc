@@ -1,0 +1,134 @@
+// The worker's side of the conversation: what it says when, and what it makes of what it is told.
+#include "worker/session.h"
+
+#include <gtest/gtest.h>
+
+#include "worker/testing/rig.h"
+
+namespace cairn::worker {
+namespace {
+
+wire::Message Plain(void (*set)(wire::Envelope&)) {
+  wire::Message message;
+  set(message.envelope);
+  return message;
+}
+const auto kBye = [](wire::Envelope& e) { e.mutable_bye(); };
+const auto kStranger = [](wire::Envelope& e) { e.mutable_stranger(); };
+
+TEST(Conversation, ALostConnectionDropsTheTasksAndKeepsTheCache) {
+  Rig rig([](const Task& task, const Inputs& inputs, Progress& progress) {
+    while (task.index() == 0) progress.Tick();
+    return AddIndex(task, inputs, progress);
+  });
+  rig.Begin();
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(5, {{"a", a}}));
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  rig.Assign(RunTask(0, {{"a", a}}));
+  rig.Assign(RunTask(1, {{"a", a}}));
+  rig.Give(Event::kDisconnected);
+  rig.Begin();
+  rig.Assign(RunTask(2, {{"a", a}}));
+  EXPECT_EQ(rig.Serve().envelope.done().key().task(), 2u);
+  EXPECT_EQ(rig.fetches, 1);
+}
+
+TEST(Conversation, SaysHelloAgainToACoordinatorThatDoesNotKnowIt) {
+  Rig rig(AddIndex);
+  rig.Begin();
+  rig.Give(Plain(kStranger));
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+  // A second one that was on its way before that Hello; and a task of the time before.
+  rig.Give(Plain(kStranger));
+  rig.Assign(RunTask(1, {{"a", rig.Keep(Number(1))}}));
+  wire::Message welcome;
+  welcome.envelope.mutable_welcome()->set_beat_s(1);
+  rig.Give(welcome);
+  rig.Assign(RunTask(2, {{"a", rig.Keep(Number(1))}}));
+  const wire::Message next = rig.Serve();
+  ASSERT_TRUE(next.envelope.has_done());
+  EXPECT_EQ(next.envelope.done().key().task(), 2u);
+}
+
+TEST(Conversation, RepeatsAHelloThatNobodyAnswers) {
+  Rig rig(AddIndex);
+  rig.Give(Event::kConnected);
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+  rig.Pass(6);
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+}
+
+TEST(Conversation, AsksAgainForABlobThatDoesNotCome) {
+  Rig rig(AddIndex);
+  rig.Begin(1000);
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(1, {{"a", a}}));
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  rig.Pass(21);
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  rig.Answer(a);
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+}
+
+TEST(Conversation, AnAnswerWaitsWhileTheQueueIsFull) {
+  Rig rig(AddIndex);
+  rig.Begin(1000);
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(1, {{"a", a}}));
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  rig.transport.SetFull(true);
+  rig.Answer(a);
+  rig.Pass(1);
+  rig.transport.SetFull(false);
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+}
+
+TEST(Conversation, ARefusalEndsItWithTheReason) {
+  Rig rig(AddIndex);
+  rig.Give(Event::kConnected);
+  wire::Message refuse;
+  refuse.envelope.mutable_refuse()->set_reason("its numeric self-test gives other bits");
+  rig.Give(refuse);
+  EXPECT_EQ(rig.Join(), kExitRefused);
+  EXPECT_NE(rig.log().find("other bits"), std::string::npos);
+}
+
+TEST(Conversation, AnUnknownKeyEndsIt) {
+  Rig rig(AddIndex);
+  rig.Give(Event::kKeyRefused);
+  EXPECT_EQ(rig.Join(), kExitRefused);
+}
+
+TEST(Conversation, ByeEndsAPrivateWorkerOnly) {
+  Rig own(AddIndex, [](WorkerOptions& o) { o.session.exit_on_bye = true; });
+  own.Begin();
+  own.Give(Plain(kBye));
+  EXPECT_EQ(own.Join(), kExitDone);
+
+  Rig fleet(AddIndex);
+  fleet.Begin();
+  fleet.Give(Plain(kBye));
+  fleet.Begin();
+  fleet.Assign(RunTask(1, {{"a", fleet.Keep(Number(1))}}));
+  EXPECT_TRUE(fleet.Serve().envelope.has_done());
+}
+
+TEST(Conversation, APrivateWorkerThatFindsNobodyGivesUp) {
+  Rig rig(AddIndex, [](WorkerOptions& o) { o.session.first_contact_s = 30; });
+  rig.Give(Event::kConnected);
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+  rig.Pass(31);
+  EXPECT_EQ(rig.Join(), kExitLost);
+}
+
+TEST(Conversation, StoppingSaysBye) {
+  Rig rig(SpinUntilCancelled);
+  rig.Begin();
+  rig.Assign(RunTask(0));
+  EXPECT_EQ(rig.Stop(), kExitDone);
+  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+}
+
+}  // namespace
+}  // namespace cairn::worker
