@@ -42,7 +42,9 @@ void Hub::Step(double timeout_s) {
   if (const double now_s = Now(); now_s - ticked_s_ >= kTick_s) {
     ticked_s_ = now_s;
     Handle(Tick{});
+    ProbeSilent(now_s);
   }
+  for (const std::string& peer : std::exchange(gone_, {})) Handle(WorkerLost{peer});
   WriteBlobsWork spill;
   for (const Hash& hash : blobs_.TakeSpills()) spill.blobs.push_back({hash, blobs_.Get(hash)});
   if (!spill.blobs.empty()) writer_.Add(std::move(spill));

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "coordinator/blob_store.h"
@@ -62,6 +63,7 @@ class Hub {
   void Do(const JobChanged& changed);
   void Do(const Report& report);
   void WriteRow(const std::string& job);
+  void ProbeSilent(double now_s);
 
   // hub_requests.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
@@ -81,6 +83,7 @@ class Hub {
   Core core_;
   BlobStore blobs_;
   double ticked_s_ = 0;
+  std::set<std::string> gone_;  // peers that a message could not be sent to
   std::string last_refusal_;
   std::uint64_t refused_messages_ = 0;
   std::map<std::string, std::string> submitters_;  // job -> peer that waits for it to be durable

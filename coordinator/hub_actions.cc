@@ -5,10 +5,25 @@
 #include "coordinator/result_file.h"
 
 namespace cairn::coordinator {
+namespace {
+
+constexpr double kProbeAfter_s = 1.5;  // beats without a sign of life
+
+}  // namespace
 
 void Hub::Do(const coordinator::Send& send) {
   if (send.message.has_refuse()) last_refusal_ = send.message.refuse().reason();
-  transport_.Send(send.peer, wire::Message{send.message, {}});
+  if (!transport_.Send(send.peer, wire::Message{send.message, {}})) gone_.insert(send.peer);
+}
+
+// A dead process takes its connection with it, which only shows when something is sent there.
+void Hub::ProbeSilent(double now_s) {
+  for (const auto& [number, worker] : core_.fleet().workers()) {
+    if (now_s - worker.heard_s < kProbeAfter_s * options_.core.beat_s) continue;
+    wire::Message probe;
+    probe.envelope.mutable_cancel();  // of no task: ignored
+    if (!transport_.Send(worker.peer, std::move(probe))) gone_.insert(worker.peer);
+  }
 }
 
 void Hub::Do(const Persist& persist) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,13 +67,16 @@ class FakeTransport : public Transport {
     if (queue_.empty() && timeout_s > 0) ::usleep(200);
     return std::exchange(queue_, {});
   }
-  void Send(const std::string& peer, wire::Message message) override {
+  std::set<std::string> gone;  // peers that nothing can be sent to
+  bool Send(const std::string& peer, wire::Message message) override {
+    if (gone.contains(peer)) return false;
     if (message.envelope.has_assign()) {
       ++assigned;
       if (!swallow(message.envelope.assign())) Come(peer, Answer(message.envelope.assign()));
-      return;
+      return true;
     }
     sent.emplace_back(peer, std::move(message));
+    return true;
   }
   void Wake() override {}
 

@@ -205,6 +205,19 @@ TEST(Hub, ARefusedMessageIsCountedAndNothingElseNotices) {
   EXPECT_EQ(bench.hub->refused_messages(), 1u);
 }
 
+TEST(Hub, AWorkerWhoseConnectionIsGoneIsLostBeforeItsLeaseIsOver) {
+  HubBench bench;
+  bench.transport.swallow = [](const wire::Assign&) { return true; };
+  bench.transport.ComeWorker("w");
+  bench.Submit();
+  bench.Until([&] { return bench.transport.assigned == 1; });
+  bench.transport.gone = {"w"};
+  bench.transport.swallow = [](const wire::Assign&) { return false; };
+  bench.transport.ComeWorker("x");
+  bench.Until([&] { return bench.State() == "done"; });
+  EXPECT_EQ(bench.hub->core().fleet().size(), 1u);
+}
+
 TEST(Hub, ShutSavesWhatIsUnsavedAndSaysBye) {
   HubBench bench;
   bench.checkpoint_interval_s = 1e6;

@@ -22,9 +22,9 @@ class Transport {
   // What has arrived; waits up to `timeout_s`, or until Wake, where nothing has. May return fewer than there
   // are.
   virtual std::vector<Incoming> Poll(double timeout_s) = 0;
-  // Queues a message and never waits. A peer that is gone or whose queue is full loses it: leases repair
-  // that.
-  virtual void Send(const std::string& peer, wire::Message message) = 0;
+  // Queues a message and never waits. False: the peer is known to be gone. True promises nothing: a message
+  // that is lost on its way, or because the peer's queue is full, is made up for by leases.
+  virtual bool Send(const std::string& peer, wire::Message message) = 0;
   // From any thread.
   virtual void Wake() = 0;
 };

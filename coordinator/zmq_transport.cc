@@ -27,9 +27,8 @@ class ZmqTransport : public Transport {
     return incoming;
   }
 
-  // A peer that does not take its message has lost its connection, or is too slow: its lease tells.
-  void Send(const std::string& peer, wire::Message message) override {
-    static_cast<void>(socket_.Send(peer, std::move(message)));
+  bool Send(const std::string& peer, wire::Message message) override {
+    return socket_.Send(peer, std::move(message)).code() != Code::kNotFound;
   }
 
   void Wake() override { wakeup_.Signal(); }
