@@ -117,6 +117,14 @@ class CsvImport {
     return false;
   }
 
+  // Whether there is a pose to observe from; the line is bad where there is none.
+  static bool WhileDriving(double time, const std::vector<double>& controls, CsvReader* reader) {
+    const double first = controls.front(), last = controls.back();
+    if (time < first) reader->Bad("before the first control", Shown(time) + " before " + Shown(first));
+    if (time > last) reader->Bad("after the last control", Shown(time) + " after " + Shown(last));
+    return time >= first && time <= last;
+  }
+
   // Range and bearing, both NaN for a press; false where the line is bad.
   bool Measurement(CsvReader* reader, double* range, double* bearing) {
     *range = *bearing = std::numeric_limits<double>::quiet_NaN();
@@ -147,11 +155,7 @@ class CsvImport {
       RobotRows* robot = Robot(&reader);
       if (robot == nullptr || !InOrder(*time, robot->observations.time_s, &reader)) continue;
       if (!LandmarkIsKnown(reader.Text(2), &reader)) continue;
-      if (*time < robot->odometry.time_s.front()) {
-        reader.Bad("before the first control",
-                   Shown(*time) + " before " + Shown(robot->odometry.time_s.front()));
-        continue;
-      }
+      if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
       const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
       robot->observations.Add(*time, landmark, range, bearing);
     }
