@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct Case {
   std::uint64_t seed = 7;
   InputMap inputs;
 };
+
+// For GoogleTest, which would print the bytes.
+inline void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 // A registered pipeline without a fixture has no inputs here, and fails the first test of the suite.
 std::vector<Case> AllCases();
