@@ -1,0 +1,150 @@
+// RunEmbedded with real worker processes: what `cairn run` stands on.
+#include "coordinator/embedded.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <utility>
+
+#include "pipelines/in_process.h"
+#include "schema/store/blob_file.h"
+#include "schema/wire/testing.h"
+#include "worker/testing/toy_pipeline.h"
+
+namespace cairn::faults {
+namespace {
+
+namespace fs = std::filesystem;
+using coordinator::EmbeddedEnd;
+using coordinator::EmbeddedOptions;
+using coordinator::EmbeddedProgress;
+using coordinator::EmbeddedResult;
+
+class Embedded : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ::setenv("CAIRN_TASK_MS", "1", 1);
+    log_ = std::make_shared<const Blob>(testing::ToyLog(50).Without("truth/"));
+    proto::Stage& stage = *job_.add_stages();
+    stage.set_name("toy");
+    stage.set_pipeline("toy");
+    (*stage.mutable_inputs())["log"] = "log";
+    SetOption("rounds", 20);
+    options_.dir = (folder_.path() / "out").string();
+    options_.workers = 2;
+    options_.worker_program = CAIRN_FAULTS_WORKER;
+    options_.checkpoint_interval_s = 0;
+    options_.log = [this](coordinator::Severity, const std::string& line) { lines_ += line + "\n"; };
+  }
+  void SetOption(const std::string& name, std::int64_t value) {
+    (*job_.mutable_stages(0)->mutable_options())[name].set_i(value);
+  }
+  EmbeddedResult Run() {
+    return RunEmbedded(
+        options_, job_, {{"log", log_}}, [this](const EmbeddedProgress& p) { on_progress_(p); }, stop_);
+  }
+  Hash Want() const {
+    return RunInProcess(*testing::MakeToy(job_.stages(0), 0), {{"log", log_}})->ContentHash();
+  }
+  Hash Have() const {
+    const auto file =
+        ReadBlobFile(fs::path(options_.dir) / "toy.h5", {.only = {}, .without = {"provenance/"}});
+    return file.ok() ? file.value().blob.ContentHash() : Hash{};
+  }
+
+  wire::PrivateFolder folder_;
+  EmbeddedOptions options_;
+  proto::Job job_;
+  BlobPtr log_;
+  std::string lines_;
+  std::atomic<bool> stop_{false};
+  std::function<void(const EmbeddedProgress&)> on_progress_ = [](const EmbeddedProgress&) {};
+};
+
+TEST_F(Embedded, GivesTheBitsOfTheInProcessRunAndThenSaysThatItIsDone) {
+  const EmbeddedResult result = Run();
+  ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason << lines_;
+  EXPECT_EQ(result.info.state(), "done");
+  EXPECT_EQ(result.results.at("toy"), (fs::path(options_.dir) / "toy.h5").string());
+  EXPECT_EQ(Have(), Want());
+  EXPECT_EQ(Run().end, EmbeddedEnd::kAlreadyDone);
+}
+
+TEST_F(Embedded, AnotherJobInTheSameFolderIsAConflictUntilForced) {
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  SetOption("rounds", 3);
+  const Hash before = Have();
+  EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
+  EXPECT_EQ(Have(), before);
+  options_.force = true;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_EQ(Have(), Want());
+  EXPECT_NE(Have(), before);
+}
+
+TEST_F(Embedded, AResultFileOfSomebodyElseIsNotOverwritten) {
+  fs::create_directories(options_.dir);
+  std::ofstream(fs::path(options_.dir) / "toy.h5") << "mine";
+  EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
+  EXPECT_EQ(fs::file_size(fs::path(options_.dir) / "toy.h5"), 4u);
+}
+
+TEST_F(Embedded, ADoneRunWhoseResultIsGoneIsNotCalledDone) {
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  fs::remove(fs::path(options_.dir) / "toy.h5");
+  EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
+}
+
+TEST_F(Embedded, StoppedItResumesToTheSameBits) {
+  SetOption("rounds", 40);
+  on_progress_ = [this](const EmbeddedProgress& progress) { stop_ = progress.info.round() >= 3; };
+  const EmbeddedResult stopped = Run();
+  ASSERT_EQ(stopped.end, EmbeddedEnd::kStopped) << stopped.reason;
+  EXPECT_LT(stopped.info.round(), 40u);
+  EXPECT_EQ(Have(), Hash{}) << "nothing is published before its stage ends";
+  stop_ = false;
+  std::uint64_t first_round = 1000;
+  on_progress_ = [&](const EmbeddedProgress& progress) {
+    if (progress.info.state() == "running") first_round = std::min(first_round, progress.info.round());
+  };
+  const EmbeddedResult result = Run();
+  ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason;
+  EXPECT_TRUE(result.resumed);
+  EXPECT_GE(first_round, stopped.info.round());
+  EXPECT_EQ(Have(), Want());
+}
+
+TEST_F(Embedded, AFolderIsForOneRunAtATime) {
+  EmbeddedEnd second = EmbeddedEnd::kDone;
+  bool tried = false;
+  on_progress_ = [&](const EmbeddedProgress&) {
+    if (!std::exchange(tried, true)) second = Run().end;
+  };
+  EXPECT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_EQ(second, EmbeddedEnd::kBusy);
+}
+
+TEST_F(Embedded, BadInputEndsTheRunWithTheReason) {
+  log_ = std::make_shared<const Blob>(testing::ToyLog(0).Without("truth/"));
+  const EmbeddedResult result = Run();
+  EXPECT_EQ(result.end, EmbeddedEnd::kInputError);
+  EXPECT_NE(result.reason.find("the log has no odometry"), std::string::npos) << result.reason;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kInputError) << "and so each time";
+}
+
+TEST_F(Embedded, WorkersThatCannotWorkEndTheRun) {
+  options_.worker_program = "/bin/false";
+  EmbeddedResult result = Run();
+  EXPECT_EQ(result.end, EmbeddedEnd::kFailed);
+  EXPECT_NE(result.reason.find("workers.log"), std::string::npos);
+  options_.worker_program = "/nowhere/cairn-worker";
+  result = Run();
+  EXPECT_EQ(result.end, EmbeddedEnd::kFailed);
+  EXPECT_NE(result.reason.find("/nowhere/cairn-worker"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cairn::faults
