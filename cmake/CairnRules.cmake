@@ -4,7 +4,7 @@
 # CAIRN_LINKS_<folder>: regular expressions of folders of our own, and of targets of others.
 set(CAIRN_LINKS_schema "Eigen3::.*|protobuf::.*|PkgConfig::CAIRN_XXHASH|cairn_proto")
 set(CAIRN_LINKS_schema_store "schema|PkgConfig::CAIRN_HDF5")
-set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_(ZMQ|SODIUM)")
+set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_ZMQ")
 set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?|Eigen3::.*|cairn::opencv_(core|imgproc)")
 set(CAIRN_LINKS_datasets
   "schema|schema/store|datasets(/.*)?|Eigen3::.*|cairn::opencv_.*|ZLIB::.*|nlohmann_json::.*")

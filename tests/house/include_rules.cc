@@ -94,7 +94,7 @@ const std::vector<Rule>& Rules() {
       {"schema", {"schema/*", "Eigen/", "google/protobuf/", "xxhash.h"}, false},
       {"schema/store", {"schema/*", "schema/store/", "hdf5.h", "hdf5_hl.h"}, false},
       {"schema/wire",
-       {"schema/*", "schema/wire/", "zmq.h", "zmq.hpp", "sodium.h", "netinet/in.h", "google/protobuf/"},
+       {"schema/*", "schema/wire/", "zmq.h", "zmq.hpp", "netinet/in.h", "google/protobuf/"},
        false},
       {"pipelines", {"schema/*", "pipelines/", "Eigen/", "opencv2/core.hpp", "opencv2/imgproc.hpp"}, true},
       {"datasets",
