@@ -1,9 +1,12 @@
 #include "datasets/inspect.h"
 
 #include <cstdio>
+#include <filesystem>
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
+#include "coordinator/cli/result_file.h"
+#include "coordinator/cli/suggest.h"
 
 namespace cairn::cli {
 namespace {
@@ -14,6 +17,9 @@ struct Options {
 };
 
 int Inspect(const Options& options, const Invocation&) {
+  if (std::filesystem::is_directory(options.file)) {
+    throw InputError("'" + options.file + "' is a folder; which file? " + Join(FilesOf(options.file)));
+  }
   const datasets::Inspection inspection = Take(datasets::Inspect(options.file));
   std::fputs((options.json ? datasets::InspectJson(inspection) : datasets::InspectText(inspection)).c_str(),
              stdout);

@@ -27,7 +27,8 @@ void Set(const std::string& setting, const PipelineSpec& pipeline, proto::Stage&
 
 ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   const PipelineSpec& pipeline = catalog.At(arguments.what);
-  if (arguments.log.empty()) throw InputError("which log? " + arguments.what + " LOG.h5");
+  if (arguments.log.empty())
+    throw InputError("which log? It comes after the pipeline: " + arguments.what + " LOG.h5");
   if (!std::filesystem::is_regular_file(arguments.log))
     throw InputError("there is no file '" + arguments.log + "'");
   ParsedJob parsed;

@@ -53,10 +53,10 @@ std::string ProgressLine(const wire::JobInfo& info, double elapsed_s, double par
       info.name() + " " + std::to_string(info.stage() + 1) + "/" + std::to_string(info.stages());
   const double part = PartDone(info);
   if (part >= 0) line += " " + Bar(part);
+  const double progressed = part - std::max(0.0, part_then);
+  if (part >= 0 && progressed > 0.02) line += " " + Duration(elapsed_s * (1 - part) / progressed) + " left,";
   line += " " + std::to_string(info.tasks_done()) + "/" + std::to_string(info.tasks()) + " tasks";
   if (!info.note().empty()) line += ", " + info.note();
-  const double progressed = part - std::max(0.0, part_then);
-  if (part >= 0 && progressed > 0.02) line += ", " + Duration(elapsed_s * (1 - part) / progressed) + " left";
   return Cut(line, width);
 }
 

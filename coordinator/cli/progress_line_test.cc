@@ -30,7 +30,7 @@ TEST(PartDone, CountsRoundsAndTheRoundsTasks) {
 }
 
 TEST(ProgressLine, SaysStageTasksAndWhatIsLeft) {
-  EXPECT_EQ(ProgressLine(Info(), 10, 0, 200), "museum 1/2 [##########----------] 10/20 tasks, 0:10 left");
+  EXPECT_EQ(ProgressLine(Info(), 10, 0, 200), "museum 1/2 [##########----------] 0:10 left, 10/20 tasks");
 }
 
 TEST(ProgressLine, GoesByWhatWasDoneSinceItBegan) {
