@@ -57,6 +57,7 @@ void Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
   worker.has.insert(partial);
   job.tasks.Finish(key.task(), partial);
   if (job.tasks.AllDone()) job.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
+  WantSave(job, false);
 }
 
 void Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it) {

@@ -101,6 +101,7 @@ class Core {
   // jobs.cc
   Job* FindById(const std::string& id);
   void BeginAgain(Job& job);
+  void TakeUpPartials(Job& job, const proto::Checkpoint& saved);
   void HoldRestored(Job& job, const RestoreJob& event);
   void SetState(Job& job, proto::JobState state, const std::string& reason);
   void FailJob(Job& job, const std::string& reason, bool input_error);

@@ -151,6 +151,50 @@ TEST(CoreSaving, ARestoredJobGoesOnFromItsStepWithTheSameTasks) {
   EXPECT_GT(after.All<Persist>()[0].checkpoint.number(), checkpoint.number());
 }
 
+TEST(CoreSaving, ALongRoundIsSavedWithItsPartialsAndGoesOnFromThem) {
+  Bench before;
+  before.Submit();
+  before.Do(PersistDone{"a", 1});
+  before.Join("w");
+  before.AnswerPlan(before.Next(), TestStep(3));
+  before.Advance(0.5);
+  before.AnswerRun(before.Next(), H(100));
+  before.Beat("w");
+  before.Advance(0.6);
+  ASSERT_EQ(before.All<Persist>().size(), 1u);
+  const proto::Checkpoint checkpoint = before.All<Persist>()[0].checkpoint;
+  ASSERT_EQ(checkpoint.partials_size(), 3);
+  EXPECT_EQ(checkpoint.partials(0), H(100).Binary());
+  EXPECT_TRUE(checkpoint.partials(1).empty());
+  EXPECT_TRUE(Names(checkpoint, H(100)));
+
+  Bench after;
+  after.Do(RestoreJob{checkpoint, {}});
+  EXPECT_EQ(after.Info().tasks_done(), 1u);
+  after.Join("w");
+  for (const std::uint32_t task : {1u, 2u}) {
+    const auto next = after.Next();
+    EXPECT_EQ(next.assign.key().task(), task);
+    after.AnswerRun(next, H(100 + task));
+  }
+  const auto advance = after.Next();
+  ASSERT_EQ(advance.assign.key().kind(), wire::TaskKey::ADVANCE);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(advance.assign.partials(i), H(100 + static_cast<std::uint64_t>(i)).Binary());
+}
+
+TEST(CoreSaving, AYoungRoundIsSavedWithoutPartials) {
+  Bench bench;
+  Begin(bench);
+  bench.now_s = 0.9;
+  PlayRound(bench, 0);
+  bench.AnswerRun(bench.Next(), H(101));
+  bench.Advance(0.2);
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.round(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.partials_size(), 0);
+}
+
 TEST(CoreSaving, ARestoredJobRefusesWorkersOfAnotherBuild) {
   Bench before;
   Begin(before);

@@ -155,7 +155,7 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   return info;
 }
 
-proto::Checkpoint MakeCheckpoint(const Job& job, double now_s) {
+proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partials) {
   proto::Checkpoint checkpoint;
   checkpoint.set_job_id(job.id);
   checkpoint.set_order(job.order);
@@ -174,6 +174,11 @@ proto::Checkpoint MakeCheckpoint(const Job& job, double now_s) {
   HashSet blobs = job.holds.inputs;
   blobs.insert(job.holds.results.begin(), job.holds.results.end());
   blobs.insert(job.holds.step.begin(), job.holds.step.end());
+  if (with_partials) {
+    blobs.insert(job.holds.partials.begin(), job.holds.partials.end());
+    for (const Hash& partial : job.partials)
+      checkpoint.add_partials(partial.empty() ? std::string() : partial.Binary());
+  }
   for (const Hash& blob : blobs) checkpoint.add_blobs(blob.Binary());
   return checkpoint;
 }

@@ -90,7 +90,7 @@ std::vector<Hash> TaskInputs(const Job& job, std::uint32_t task);
 
 wire::JobInfo MakeInfo(const Job& job, double now_s);
 
-// The job as it stands; the job itself says when it may be saved.
-proto::Checkpoint MakeCheckpoint(const Job& job, double now_s);
+// The job as it stands, with or without the partials of its round; the job itself says when it may be saved.
+proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partials);
 
 }  // namespace cairn::coordinator

@@ -123,8 +123,22 @@ void Core::On(const RestoreJob& event) {
   if (!CheckJob(job.spec).empty()) return;
   BeginAgain(job);
   if (job.Ended()) return;
+  TakeUpPartials(job, saved);
   job.state = difference.empty() ? proto::JOB_RUNNING : proto::JOB_PAUSED;
   job.reason = difference.empty() ? "" : "it was begun by another build: " + difference;
+}
+
+// What the round had when it was saved need not be computed again.
+void Core::TakeUpPartials(Job& job, const proto::Checkpoint& saved) {
+  if (saved.partials_size() != static_cast<int>(job.partials.size())) return;
+  for (std::uint32_t task = 0; task < job.partials.size(); ++task) {
+    const Result<Hash> partial = Hash::FromBinary(saved.partials(static_cast<int>(task)));
+    if (!partial.ok()) continue;
+    job.partials[task] = partial.value();
+    ledger_.Add(job.holds.partials, partial.value());
+    job.tasks.Finish(task, partial.value());
+  }
+  if (!job.partials.empty() && job.tasks.AllDone()) job.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
 }
 
 void Core::HoldRestored(Job& job, const RestoreJob& event) {

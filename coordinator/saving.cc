@@ -1,4 +1,5 @@
-// Checkpoints: at most one of a job under way, made of the job as it stands; rounds never wait for them.
+// Checkpoints: at most one of a job under way, made of the job as it stands; rounds never wait for them. A
+// long round is saved with the partials that it has.
 #include "coordinator/core.h"
 
 namespace cairn::coordinator {
@@ -21,7 +22,8 @@ void Core::Save(Job& job) {
   saving.due = saving.at_once = false;
   saving.under_way = true;
   saving.last_s = now_s_;
-  Persist persist{MakeCheckpoint(job, now_s_), saving.unpublished};
+  const bool long_round = now_s_ - job.round_since_s >= options_.checkpoint_interval_s;
+  Persist persist{MakeCheckpoint(job, now_s_, long_round), saving.unpublished};
   persist.checkpoint.set_number(++saving.number);
   saving.publishing = persist.publish.size();
   saving.saves_the_end = persist.checkpoint.state() == proto::JOB_DONE;

@@ -81,8 +81,9 @@ void Checks::SeeEnd(const coordinator::Job& job) {
 
 std::size_t Checks::MostBlobs(const std::string& id) const {
   const Known& known = jobs_.at(id);
-  // Input, results, partials, and shared and kept of the step, of two checkpoints, and of the one under way.
-  return 1 + known.stages + known.truth.most_tasks + 4 * 2;
+  // Input and results; partials, shared and kept blobs of the step, of two checkpoints, and of the one under
+  // way.
+  return 1 + known.stages + 4 * (known.truth.most_tasks + 2);
 }
 
 }  // namespace cairn::simulation
