@@ -103,7 +103,8 @@ void Hub::AnswerSubmitter(const std::string& job, const std::string& problem) {
 
 void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
   const std::string& action = query.action();
-  if (action != "" && action != "status" && action != "cancel" && action != "resume" && action != "results")
+  if (!action.empty() && action != "status" && action != "cancel" && action != "resume" &&
+      action != "results")
     return Reply(peer, Refusal("there is no action '" + action + "': status, cancel, resume, results"));
   if (query.job().empty()) {
     if (!action.empty() && action != "status") return Reply(peer, Refusal("which job?"));

@@ -1,6 +1,7 @@
 // Real processes that are killed, stopped, added late or find damaged files: the result has the same bits
 // each time.
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -190,6 +191,52 @@ TEST_F(Faults, AnEndedServiceSaysByeAndItsJobsGoOnWithTheNext) {
   EXPECT_GE(Await([](const wire::JobInfo& info) { return !info.id().empty(); }).round(), 3u);
   ExpectTheSameBits();
   EXPECT_NE(LogText("worker.log").find("the coordinator has ended"), std::string::npos);
+}
+
+// Undone with the object.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const fs::path& path) : path_(path) {
+    fs::create_directories(path);
+    mounted_ = ::mount("tmpfs", path.c_str(), "tmpfs", 0, "size=2m") == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) ::umount2(path_.c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  bool mounted() const { return mounted_; }
+  void Fill() const {
+    std::ofstream filler(path_ / "filler", std::ios::binary);
+    const std::string page(4096, 'x');
+    while (filler.write(page.data(), static_cast<std::streamsize>(page.size())).flush()) {
+    }
+  }
+  void Free() const { fs::remove(path_ / "filler"); }
+
+ private:
+  const fs::path path_;
+  bool mounted_ = false;
+};
+
+TEST_F(Faults, AFullDiskPausesTheJobAndResumeGoesOn) {
+  coordinator_->Kill();
+  fs::remove_all(Store());
+  const SmallDisk disk(Store());
+  if (!disk.mounted()) GTEST_SKIP() << "may not mount a small disk here";
+  StartCoordinator();
+  AddWorker();
+  Submit();
+  AwaitRound(1);
+  disk.Fill();
+  const wire::JobInfo paused = Await([](const wire::JobInfo& info) { return info.state() == "paused"; });
+  EXPECT_NE(paused.reason().find("no space left"), std::string::npos) << paused.reason();
+  disk.Free();
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(Store()))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  ASSERT_TRUE(client_->Resume(job_).ok());
+  ExpectTheSameBits();
+  coordinator_->Kill();  // before its disk goes
 }
 
 }  // namespace
