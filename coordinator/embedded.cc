@@ -53,6 +53,7 @@ class Run {
   void Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
             const std::atomic<bool>& stop);
   EmbeddedResult Outcome() const;
+  EmbeddedResult Refused() const;
   const Job* Known() const { return hub_->core().FindJob(kJobId); }
 
   EmbeddedOptions options_;
@@ -151,13 +152,20 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
       on_progress({MakeInfo(*Known(), told_s), static_cast<unsigned>(hub_->core().fleet().size())});
     for (const WorkerPool::Death& death : workers.Reap()) {
       hub_->TellDead(death.pid);
-      if (death.refused)
-        trouble_ = End(EmbeddedEnd::kConflict, "the workers were refused: " + hub_->last_refusal());
+      if (death.refused) trouble_ = Refused();
     }
     if (workers.AllGone() && !trouble_)
       trouble_ = End(EmbeddedEnd::kFailed, "the workers keep dying; what they say is in " +
                                                (folder_.dir() / "workers.log").string());
   }
+}
+
+EmbeddedResult Run::Refused() const {
+  if (Known()->build)
+    return End(EmbeddedEnd::kConflict, options_.dir +
+                                           " holds a run that another build of cairn began: the worker's " +
+                                           hub_->last_refusal());
+  return End(EmbeddedEnd::kFailed, "a worker was refused: " + hub_->last_refusal());
 }
 
 EmbeddedResult Run::Outcome() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "coordinator/blob_store.h"
@@ -82,8 +83,9 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, const LogSink& log) {
     jobs.push_back(std::move(restore));
   }
   RemoveUnnamedBlobs(folder, named);
-  std::stable_sort(jobs.begin(), jobs.end(), [](const RestoreJob& a, const RestoreJob& b) {
-    return a.checkpoint.order() < b.checkpoint.order();
+  std::sort(jobs.begin(), jobs.end(), [](const RestoreJob& a, const RestoreJob& b) {
+    return std::tuple(a.checkpoint.order(), a.checkpoint.job_id()) <
+           std::tuple(b.checkpoint.order(), b.checkpoint.job_id());
   });
   return jobs;
 }

@@ -21,7 +21,7 @@ Faults DrawFaults(std::uint64_t seed) {
   f.tell_deaths = rng.Below(2) == 0;
   f.coordinator_crash_per_s = maybe(0.15);
   f.disk_full = maybe(0.2);
-  f.checkpoint_damaged = maybe(0.5);
+  f.checkpoint_damaged = maybe(1);
   f.persist_s = rng.Uniform(0.001, 2);
   f.cancel_per_s = maybe(0.05);
   f.workers = 1 + static_cast<int>(rng.Below(5));

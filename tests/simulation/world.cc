@@ -113,6 +113,7 @@ void World::DisturbUsers() {
     if (Chance(faults.cancel_per_s)) shell_->Deliver(coordinator::CancelJob{id});
     if (rng.Below(4) == 0) shell_->ResumeIfStopped(id);
   }
+  if (rng.Below(10) == 0) shell_->Deliver(coordinator::SaveNow{});
 }
 
 void World::Heal() {
