@@ -2,12 +2,16 @@
 #include "coordinator/embedded.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "pipelines/in_process.h"
 #include "schema/store/blob_file.h"
@@ -99,11 +103,11 @@ TEST_F(Embedded, ADoneRunWhoseResultIsGoneIsNotCalledDone) {
 }
 
 TEST_F(Embedded, StoppedItResumesToTheSameBits) {
-  SetOption("rounds", 40);
+  SetOption("rounds", 200);
   on_progress_ = [this](const EmbeddedProgress& progress) { stop_ = progress.info.round() >= 3; };
   const EmbeddedResult stopped = Run();
   ASSERT_EQ(stopped.end, EmbeddedEnd::kStopped) << stopped.reason;
-  EXPECT_LT(stopped.info.round(), 40u);
+  EXPECT_LT(stopped.info.round(), 200u);
   EXPECT_EQ(Have(), Hash{}) << "nothing is published before its stage ends";
   stop_ = false;
   std::uint64_t first_round = 1000;
@@ -115,6 +119,29 @@ TEST_F(Embedded, StoppedItResumesToTheSameBits) {
   EXPECT_TRUE(result.resumed);
   EXPECT_GE(first_round, stopped.info.round());
   EXPECT_EQ(Have(), Want());
+}
+
+// Processes that this thread started.
+std::vector<pid_t> Children() {
+  const std::string pid = std::to_string(::getpid());
+  std::ifstream in("/proc/" + pid + "/task/" + pid + "/children");
+  return {std::istream_iterator<pid_t>(in), {}};
+}
+
+TEST_F(Embedded, AWorkerThatDiesIsStartedAgainAndTheBitsAreTheSame) {
+  SetOption("rounds", 200);
+  bool killed = false;
+  on_progress_ = [&](const EmbeddedProgress& progress) {
+    if (progress.info.round() < 3 || progress.workers < 2 || std::exchange(killed, true)) return;
+    ASSERT_EQ(Children().size(), 2u);
+    ::kill(Children()[0], SIGKILL);
+  };
+  const EmbeddedResult result = Run();
+  ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason;
+  EXPECT_TRUE(killed);
+  EXPECT_NE(lines_.find("died"), std::string::npos) << lines_;
+  EXPECT_EQ(Have(), Want());
+  EXPECT_TRUE(Children().empty());
 }
 
 TEST_F(Embedded, AFolderIsForOneRunAtATime) {
