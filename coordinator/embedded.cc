@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
+#include "coordinator/checkpoint_file.h"
 #include "coordinator/hub.h"
 #include "coordinator/private_folder.h"
 #include "coordinator/recovery.h"
@@ -49,6 +51,7 @@ class Run {
   fs::path ResultFile(const std::string& stage) const { return fs::path(options_.dir) / (stage + ".h5"); }
   Status Clear();
   Status Open();
+  bool EarlierRunIsWorthless() const;
   std::optional<EmbeddedResult> LookAtEarlierRun();
   void Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
             const std::atomic<bool>& stop);
@@ -66,16 +69,33 @@ class Run {
   std::optional<EmbeddedResult> trouble_;  // that ends the run, whatever the job's state
 };
 
+// Forgets earlier runs with their results.
 Status Run::Clear() {
-  for (const proto::Stage& stage : job_.stages()) {
+  std::set<fs::path> files;
+  for (const proto::Stage& stage : job_.stages()) files.insert(ResultFile(stage.name()));
+  for (const std::string& job : folder_.JobsWithCheckpoints())
+    for (const std::uint64_t number : folder_.CheckpointNumbers(job))
+      if (const auto checkpoint = ReadCheckpoint(folder_.CheckpointFile(job, number)); checkpoint.ok())
+        for (const proto::Stage& stage : checkpoint.value().job().stages())
+          files.insert(ResultFile(stage.name()));
+  for (const fs::path& file : files) {
     std::error_code error;
-    fs::remove(ResultFile(stage.name()), error);
-    if (error) return {Code::kIo, ResultFile(stage.name()).string() + ": " + error.message()};
+    fs::remove(file, error);
+    if (error) return {Code::kIo, file.string() + ": " + error.message()};
   }
   return folder_.Clear();
 }
 
+// A run that ended for bad input before it had any result: whoever mends the input need not force anything.
+bool Run::EarlierRunIsWorthless() const {
+  const Job* known = Known();
+  return known != nullptr && known->input_error && known->results.empty() &&
+         HashOfJob(known->spec) != HashOfJob(job_);
+}
+
 Status Run::Open() {
+  transport_.reset();
+  socket_folder_.reset();
   Result<PrivateFolder> socket_folder = PrivateFolder::Make();
   if (!socket_folder.ok()) return socket_folder.status();
   socket_folder_.emplace(std::move(socket_folder).value());
@@ -125,6 +145,12 @@ EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
   if (options_.force)
     if (const Status status = Clear(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (const Status status = Open(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
+  if (EarlierRunIsWorthless()) {
+    hub_.reset();
+    Status status = folder_.Clear();
+    if (status.ok()) status = Open();
+    if (!status.ok()) return End(EmbeddedEnd::kFailed, status.message());
+  }
   if (std::optional<EmbeddedResult> found = LookAtEarlierRun()) return *found;
   WorkerPool workers({options_.worker_program, "ipc://" + (socket_folder_->path() / "hub").string(),
                       options_.workers, 5, folder_.dir() / "workers.log"});

@@ -32,10 +32,11 @@ enum class EmbeddedEnd {
   kAlreadyDone,  // exit 0: an earlier run of the same job did it; nothing was run
   kFailed,       // exit 1: the job failed through no fault of its input; `reason`
   kInputError,   // exit 2: the job's input is bad; `reason` names task and input
-  kConflict,     // exit 2: dir holds a run of another job or inputs, or of another build; force starts anew
-  kBusy,         // exit 2: another process has dir
-  kStopped,      // `stop` was set; the same run again resumes
-  kPaused,       // exit 1: cannot save (a full disk); `reason`; the same run again resumes
+  kConflict,  // exit 2: dir holds a run of another job or inputs, or of another build; force starts anew. (A
+              // run that ended for bad input without a result is in nobody's way.)
+  kBusy,      // exit 2: another process has dir
+  kStopped,   // `stop` was set; the same run again resumes
+  kPaused,    // exit 1: cannot save (a full disk); `reason`; the same run again resumes
 };
 
 struct EmbeddedResult {

@@ -87,6 +87,9 @@ TEST_F(Embedded, AnotherJobInTheSameFolderIsAConflictUntilForced) {
   EXPECT_EQ(Run().end, EmbeddedEnd::kDone);
   EXPECT_EQ(Have(), Want());
   EXPECT_NE(Have(), before);
+  job_.mutable_stages(0)->set_name("other");
+  EXPECT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_EQ(Have(), Hash{}) << "the results of the run that was forgotten are gone too";
 }
 
 TEST_F(Embedded, AResultFileOfSomebodyElseIsNotOverwritten) {
@@ -160,6 +163,9 @@ TEST_F(Embedded, BadInputEndsTheRunWithTheReason) {
   EXPECT_EQ(result.end, EmbeddedEnd::kInputError);
   EXPECT_NE(result.reason.find("the log has no odometry"), std::string::npos) << result.reason;
   EXPECT_EQ(Run().end, EmbeddedEnd::kInputError) << "and so each time";
+  log_ = std::make_shared<const Blob>(testing::ToyLog(50).Without("truth/"));
+  EXPECT_EQ(Run().end, EmbeddedEnd::kDone) << "a mended log needs no force";
+  EXPECT_EQ(Have(), Want());
 }
 
 TEST_F(Embedded, WorkersThatCannotWorkEndTheRun) {
