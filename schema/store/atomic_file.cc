@@ -8,8 +8,8 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
-#include <regex>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 namespace cairn {
@@ -43,11 +43,20 @@ std::filesystem::path TemporaryFor(const std::filesystem::path& path) {
                            std::to_string(counter++) + ".tmp");
 }
 
+bool AreDigits(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 // The process that a temporary file belongs to; 0: the name is none that TemporaryFor makes.
-pid_t OwnerOf(const std::string& name) {
-  static const std::regex kTemporary(R"(\..*\.([0-9]{1,9})-[0-9]+\.tmp)");
-  std::smatch match;
-  return std::regex_match(name, match, kTemporary) ? static_cast<pid_t>(std::stol(match[1])) : 0;
+pid_t OwnerOf(std::string_view name) {
+  constexpr std::string_view kEnd = ".tmp";
+  if (!name.starts_with('.') || !name.ends_with(kEnd)) return 0;
+  name.remove_suffix(kEnd.size());
+  const std::size_t dash = name.rfind('-'), dot = name.rfind('.', dash);
+  if (dash == std::string_view::npos || dot == std::string_view::npos || dot == 0) return 0;
+  const std::string_view pid = name.substr(dot + 1, dash - dot - 1);
+  if (pid.size() > 9 || !AreDigits(pid) || !AreDigits(name.substr(dash + 1))) return 0;
+  return static_cast<pid_t>(std::stol(std::string(pid)));
 }
 
 // Returns errno, or 0.
