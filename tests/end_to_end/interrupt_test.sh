@@ -3,7 +3,7 @@
 source "$(dirname "$0")/common.sh"
 
 cairn simulate loop --difficulty base --robots 2 --seed 5 log.h5 >/dev/null
-cairn run landmark_map log.h5 --out stopped --workers 2 >stdout 2>stderr &
+cairn run landmark_map log.h5 --out stopped --workers 2 >background.out 2>background.err &
 run=$!
 until_true 20 pgrep -P "$run" -f cairn-worker >/dev/null
 refuses 'stopped' cairn run landmark_map log.h5 --out stopped --workers 2

@@ -14,7 +14,7 @@ saved_or_ended() { saved || ended; }
 killed=0
 for ((i = 0; i < kills; ++i)); do
   touch mark
-  "${job[@]}" --out killed >stdout 2>stderr &
+  "${job[@]}" --out killed >background.out 2>background.err &
   run=$!
   [ "$i" -eq 0 ] || until_true 120 saved_or_ended
   workers=$(pgrep -P "$run" -f cairn-worker || true)

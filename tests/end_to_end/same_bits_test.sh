@@ -10,7 +10,7 @@ for workers in 2 3 5; do
 done
 
 # A worker is killed as soon as there is one; the run goes on.
-cairn run landmark_map log.h5 --out killed --workers 3 2>stderr >stdout &
+cairn run landmark_map log.h5 --out killed --workers 3 >background.out 2>background.err &
 run=$!
 until_true 20 pgrep -P "$run" -f cairn-worker >/dev/null
 kill -9 "$(pgrep -P "$run" -f cairn-worker | head -n 1)" 2>/dev/null || true
