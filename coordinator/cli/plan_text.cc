@@ -1,6 +1,7 @@
 #include "coordinator/cli/plan_text.h"
 
 #include <charconv>
+#include <cmath>
 
 namespace cairn::cli {
 namespace {
@@ -11,7 +12,9 @@ std::string Number(double value) {
   return {text, end};
 }
 
-std::string Megabytes(std::size_t bytes) { return Number(static_cast<double>(bytes / 10000) / 100) + " MB"; }
+std::string Megabytes(std::size_t bytes) {
+  return Number(std::round(static_cast<double>(bytes) / 1e4) / 100) + " MB";
+}
 
 std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
   std::string text = "stage " + stage.name() + ": " + stage.pipeline() + "\n";
