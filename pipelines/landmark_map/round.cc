@@ -107,7 +107,6 @@ void PlanRound(const Options& options, const std::vector<std::string>& robots, c
   }
   step->plan.set_rounds_left(
       static_cast<std::uint32_t>(schedule.RoundsLeft(options, static_cast<std::int64_t>(robots.size()))));
-  step->plan.set_memory_bytes(static_cast<std::uint64_t>(options.memory_mb * 1e6));
 }
 
 }  // namespace cairn::landmark_map
