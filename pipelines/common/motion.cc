@@ -64,7 +64,8 @@ MotionKernel::MotionKernel(const Leg& leg, const LegError& error, double cell_m,
       dy_(leg.dy_m / cell_m),
       along_(error.along_m / cell_m),
       heading_step_(2.0 * std::numbers::pi / headings) {
-  const double half_sigma = error.heading_rad / std::numbers::sqrt2 / heading_step_;
+  // Beyond an eighth of the circle a heading is as good as unknown, and taps would go round it.
+  const double half_sigma = std::min(error.heading_rad / std::numbers::sqrt2 / heading_step_, headings / 8.0);
   half_turn_ = shape == ErrorShape::kGaussian ? GaussianTaps(half_sigma) : TriangularTaps(half_sigma);
   const double length = std::sqrt(dx_ * dx_ + dy_ * dy_);
   ux_ = length > 0 ? dx_ / length : 1.0;

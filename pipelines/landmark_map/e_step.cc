@@ -22,12 +22,21 @@ MotionKernel KernelTo(const EStepModel& model, const Slice& slice, int step) {
   return {leg, ErrorOf(leg, model.noise), model.grid.cell_m, model.grid.headings, model.shape};
 }
 
-void ObserveAll(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
-  if (model.perception == nullptr) return;
+// Multiplies by P(o | xi, m) for all that was seen at a step and returns the logarithm by which the table was
+// scaled: after each observation its largest value is one again, or many of them would leave the range of a
+// double.
+double ObserveAll(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
+  double log_scale = 0.0;
+  if (model.perception == nullptr) return log_scale;
   const RobotSteps& steps = slice.steps;
   for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
     Observe(steps.observations[k], model.grid, *model.perception, belief);
+    const double max = belief->Max();
+    if (!std::isnormal(max)) return log_scale;  // the caller sees it
+    belief->Scale(1.0 / max);
+    log_scale += std::log(max);
   }
+  return log_scale;
 }
 
 void Cut(const Box& limit, LayeredGrid* belief) {
@@ -60,16 +69,16 @@ double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid
   Cut(model.limit, belief);
   const double before = belief->Sum();
   if (!(before > 0.0)) Refuse(slice, step, "the robot has left the box: all probability lies outside");
-  ObserveAll(model, slice, step, belief);
+  const double log_scale = ObserveAll(model, slice, step, belief);
   const double after = belief->Sum();
-  if (!(after > 0.0) || !std::isfinite(after)) {
+  if (!std::isnormal(after)) {
     Refuse(slice, step,
            "the evidence is impossible under the model, all probability vanished; " + Seen(slice, step));
   }
   const double least = model.prune * belief->Max();
   for (Layer& layer : belief->layers) layer.Prune(least);
   belief->Scale(1.0 / belief->Sum());
-  return std::log(after / before);
+  return std::log(after / before) + log_scale;
 }
 
 void CheckMemory(const EStepModel& model, const Slice& slice, int step, std::int64_t cells) {
@@ -82,16 +91,24 @@ void CheckMemory(const EStepModel& model, const Slice& slice, int step, std::int
              ": take a larger cell_m or heading_deg, or fewer slice_steps");
 }
 
+// Scales a message to a largest value of one. What alpha keeps always has a way on, so beta never vanishes
+// there.
+void Rescale(const Slice& slice, int step, LayeredGrid* message) {
+  const double max = message->Max();
+  if (!std::isnormal(max)) Refuse(slice, step, "alpha and beta have no pose in common");
+  message->Scale(1.0 / max);
+}
+
 // alpha * beta, normalised; zero where either is.
-LayeredGrid Product(const LayeredGrid& alpha, const LayeredGrid& beta) {
+LayeredGrid Product(const Slice& slice, int step, const LayeredGrid& alpha, const LayeredGrid& beta) {
   LayeredGrid product = alpha;
   for (std::size_t c = 0; c < product.layers.size(); ++c) {
     std::vector<double>& values = product.layers[c].values;
     const std::vector<double>& other = beta.layers[c].values;
     for (std::size_t i = 0; i < values.size(); ++i) values[i] *= other[i];
   }
-  const double sum = product.Sum();
-  if (sum > 0.0) product.Scale(1.0 / sum);
+  Rescale(slice, step, &product);
+  product.Scale(1.0 / product.Sum());
   return product;
 }
 
@@ -116,17 +133,23 @@ LayeredGrid DiracStart(const GridSpec& grid) {
   return belief;
 }
 
-LayeredGrid UniformStart(const EStepModel& model, const RobotSteps& steps) {
-  CAIRN_DEMAND(model.perception != nullptr && !steps.observations.empty(),
-               "a uniform start needs a map and a sight");
+LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
+  CAIRN_DEMAND(model.perception != nullptr, "a robot that starts anywhere needs a map");
+  const RobotSteps& steps = slice.steps;
+  const std::vector<Layer>& tables = model.perception->likelihood.layers;
+  int known = 0;  // the first observation that the map can place
+  while (known < steps.first_observation[1] && tables[steps.observations[known].type].box.empty()) ++known;
+  if (known == steps.first_observation[1]) {
+    Refuse(slice, 0,
+           "the map holds nothing of what the robot saw first: it cannot be placed; " + Seen(slice, 0));
+  }
   LayeredGrid belief;
   for (int c = 0; c < model.grid.headings; ++c) {
-    Layer layer(PlacesThatSee(steps.observations[0], model.grid, *model.perception, c));
+    Layer layer(PlacesThatSee(steps.observations[known], model.grid, *model.perception, c));
     layer.values.assign(layer.values.size(), 1.0);
     belief.layers.push_back(std::move(layer));
   }
-  const double sum = belief.Sum();
-  if (sum > 0.0) belief.Scale(1.0 / sum);
+  belief.Scale(1.0 / belief.Sum());
   return belief;
 }
 
@@ -144,9 +167,10 @@ Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& b
     LayeredGrid belief = step == 0               ? before
                          : alphas.tables.empty() ? KernelTo(model, slice, step).Forward(before)
                                                  : KernelTo(model, slice, step).Forward(alphas.tables.back());
+    constexpr std::int64_t kCopies = 4;  // that moving a belief needs for a moment
+    CheckMemory(model, slice, step, cells + kCopies * belief.cells());
     alphas.log_likelihood += Settle(model, slice, step, &belief);
     cells += belief.cells();
-    CheckMemory(model, slice, step, cells);
     alphas.tables.push_back(std::move(belief));
   }
   return alphas;
@@ -157,14 +181,14 @@ LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& 
   for (int step = slice.end - 1; step >= slice.first; --step) {
     progress.Tick();
     const LayeredGrid& alpha = alphas.tables[static_cast<std::size_t>(step - slice.first)];
-    visit(step, Product(alpha, beta));
+    visit(step, Product(slice, step, alpha, beta));
     if (step == 0) return {};
     Mask(alpha, &beta);
     ObserveAll(model, slice, step, &beta);
     const LayeredGrid& support =
         step == slice.first ? before : alphas.tables[static_cast<std::size_t>(step - 1 - slice.first)];
     beta = KernelTo(model, slice, step).Backward(beta, support);
-    beta.Scale(1.0 / beta.Max());
+    Rescale(slice, step - 1, &beta);
   }
   return beta;
 }

@@ -40,7 +40,7 @@ struct Alphas {
 // over all headings and all places from which the map can explain step 0's first observation. Elsewhere only
 // the chance of a false observation speaks for a place, which selective computation drops.
 LayeredGrid DiracStart(const GridSpec& grid);
-LayeredGrid UniformStart(const EStepModel& model, const RobotSteps& steps);
+LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 
 // eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start. Throws InputError
 // that names robot, step and observation where the evidence is impossible under the model.

@@ -208,6 +208,26 @@ TEST(EStep, ImpossibleEvidenceNamesRobotStepAndObservation) {
   }
 }
 
+// Hundreds of unlikely observations at one step leave the range of a double unless each is normalised.
+TEST(EStep, ManyUnlikelyObservationsAtOneStepStayFinite) {
+  RobotSteps steps = TinySteps();
+  steps.observations.assign(400, Observation{0, 0.4, 0.1});
+  steps.first_observation = {0, 0, 0, 200, 400};
+  Perception perception = RandomPerception();
+  for (double& value : perception.likelihood.layers[0].values) value *= 1e-6;
+  perception.outside[0] *= 1e-6;
+  EStepModel model = TinyModel(&perception);
+  model.prune = 1e-3;
+  NoProgress progress;
+  const Slice slice{steps, 0, 4, "a"};
+  const LayeredGrid start = DiracStart(model.grid);
+  const Alphas alphas = Forward(model, slice, start, progress);
+  EXPECT_TRUE(std::isfinite(alphas.log_likelihood));
+  EXPECT_LT(alphas.log_likelihood, -400 * 10.0);
+  Backward(model, slice, alphas, start, UniformBeta(alphas.tables.back()), progress,
+           [](int, const LayeredGrid& belief) { EXPECT_NEAR(belief.Sum(), 1.0, 1e-12); });
+}
+
 TEST(EStep, ABoxTooSmallAndAMemoryTooSmallAreNamed) {
   const RobotSteps steps = TinySteps();
   EStepModel model = TinyModel(nullptr);

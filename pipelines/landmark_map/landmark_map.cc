@@ -54,9 +54,9 @@ Blob StoredCounts(const LayeredGrid& counts) {
 }
 
 // alpha before the slice's first step; robots but the first start anywhere.
-LayeredGrid Before(const Task& task, const Inputs& inputs, const EStepModel& model, const RobotSteps& steps) {
+LayeredGrid Before(const Task& task, const Inputs& inputs, const EStepModel& model, const Slice& slice) {
   if (inputs.Has("before")) return LayeredGrid::Load("alpha/", *inputs.Get("before"));
-  return task.params().at("robot").i() == 0 ? DiracStart(model.grid) : UniformStart(model, steps);
+  return task.params().at("robot").i() == 0 ? DiracStart(model.grid) : UniformStart(model, slice);
 }
 
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
@@ -95,7 +95,7 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
   const EStepModel model = settings.Model(mapped ? &perception : nullptr);
   const Slice slice{steps, static_cast<int>(params.at("first").i()), static_cast<int>(params.at("end").i()),
                     params.at("name").s()};
-  const LayeredGrid before = Before(task, inputs, model, steps);
+  const LayeredGrid before = Before(task, inputs, model, slice);
   const Alphas alphas = Forward(model, slice, before, progress);
   Blob partial;
   if (task.kind() == "forward") {

@@ -110,6 +110,39 @@ TEST(LandmarkMap, StopsWhereTheLikelihoodNoLongerChanges) {
   EXPECT_EQ(all, 30 + 2);  // planning, thirty E-steps, and the one for the summary
 }
 
+// The second robot is the first one's log begun a lap later: it must find itself in the first one's map.
+TEST(LandmarkMap, ASecondRobotIsPlacedInTheFirstOnesMapAndTimesIncrease) {
+  Blob log = SquareLog{.laps = 4, .ranged = true, .identified = true}.Make();
+  const Blob second = SquareLog{.laps = 2, .ranged = true, .identified = true, .seed = 2}.Make();
+  log.Put("robots", Array::Texts({"one", "two"}));
+  log.PutAll("robot/1/", second.Sub("robot/0/"));
+  const BlobPtr result = Map(log, {});
+  ExpectSquare(*result, 10.0, 0.5);
+  for (const char* robot : {"robot/0/", "robot/1/"}) {
+    const auto time = result->Get<double>(std::string(robot) + "poses/time_s");
+    for (std::size_t i = 1; i < time.size(); ++i) ASSERT_GT(time[i], time[i - 1]) << robot << i;
+  }
+  // Both drove the same square from the same corner: their paths must lie on each other.
+  const auto x = result->Get<double>("robot/1/poses/mode_x_m"),
+             y = result->Get<double>("robot/1/poses/mode_y_m");
+  EXPECT_NEAR(x.front(), 0.0, 0.8);
+  EXPECT_NEAR(y.front(), 0.0, 0.8);
+}
+
+TEST(LandmarkMap, TheExactModelIsForPressesOnly) {
+  EXPECT_THROW(Map(SquareLog{.ranged = true}.Make(), {.model = "exact"}), InputError);
+}
+
+TEST(LandmarkMap, AGridThatWouldNeedTooMuchMemorySaysHowMuch) {
+  try {
+    Map(SquareLog{}.Make(), {.cell_m = 0.001, .memory_mb = 100});
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("would need about"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("memory_mb = 100"), std::string::npos) << e.what();
+  }
+}
+
 TEST(LandmarkMap, ALogWithControlsOnlyIsRefused) {
   Blob log = SquareLog{}.Make();
   log.Put("robot/0/observations/time_s", Array::Vector<double>({}));

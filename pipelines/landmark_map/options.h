@@ -22,7 +22,7 @@ struct Options {
   double radius_m = 10.0;
   double core_m = 2.5;
   double no_landmark = 0.5;
-  double false_rate_per_m2 = 0.0;
+  double false_rate_per_m2 = 1e-3;
   double noise_scale = 1.0;
   double drift_length_m = 0.0;
   double box_m = 0.0;
@@ -42,7 +42,8 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"growth_start", "", 0, 1,
                "fraction of the data in the first iteration; 0: by the kind of sensor"},
         o.growth_start);
-  visit(Option{"growth_factor", "", 1, 100, "by how much that fraction grows an iteration"}, o.growth_factor);
+  visit(Option{"growth_factor", "", 1.1, 100, "by how much that fraction grows an iteration"},
+        o.growth_factor);
   visit(Option{"calibrate", "", 0, 0, "estimate each robot's constant heading drift in the M-step"},
         o.calibrate);
   visit(Option{"model",
@@ -57,10 +58,9 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"prune", "", 0, 0.5, "a probability below this share of the largest is dropped"}, o.prune);
   visit(Option{"radius_m", "m", 0.1, 1000, "perceptual radius of landmarks without identity"}, o.radius_m);
   visit(Option{"core_m", "m", 0.01, 1000, "landmarks without identity nearer than this are one"}, o.core_m);
-  visit(Option{"no_landmark", "", 0, 100, "weight of the evidence that no other landmark is near"},
+  visit(Option{"no_landmark", "", 0, 100, "weight of the evidence that no other landmark is near a press"},
         o.no_landmark);
-  visit(Option{"false_rate_per_m2", "1/m2", 0, 1,
-               "probability of a false observation, per area; 0: by the sensor"},
+  visit(Option{"false_rate_per_m2", "1/m2", 1e-9, 1, "probability of a false observation, per area"},
         o.false_rate_per_m2);
   visit(Option{"noise_scale", "", 0.1, 10, "factor on the log's nominal errors of odometry"}, o.noise_scale);
   visit(Option{"drift_length_m", "m", 0, 100000,

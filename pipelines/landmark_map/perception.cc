@@ -77,6 +77,7 @@ Box PlacesThatSee(const Observation& observation, const GridSpec& grid, const Pe
 void Observe(const Observation& observation, const GridSpec& grid, const Perception& perception,
              LayeredGrid* belief) {
   const Layer& table = perception.likelihood.layers[observation.type];
+  if (table.box.empty()) return;  // never seen so far: says nothing
   const double outside = perception.outside[observation.type];
   for (int c = 0; c < grid.headings; ++c) {
     Layer& layer = belief->layers[c];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -66,17 +67,18 @@ double Extent(const Odometry& odometry) {
 // What the log's observations are like.
 struct Sensing {
   std::int64_t observations = 0, ranged = 0;
-  double mean_range_m = 0.0;
+  double mean_range_m = 0.0, max_range_m = 0.0;
 };
 
 Sensing LookAt(const Blob& log, std::size_t robots) {
   Sensing sensing;
   for (std::size_t r = 0; r < robots; ++r) {
-    const std::string name = "robot/" + std::to_string(r) + "/observations/range_m";
-    for (const double range : log.Get<double>(name)) {
+    const Blob robot = log.Sub("robot/" + std::to_string(r) + "/");
+    for (const double range : robot.Get<double>("observations/range_m")) {
       ++sensing.observations;
       if (std::isnan(range)) continue;
       ++sensing.ranged;
+      sensing.max_range_m = std::max(sensing.max_range_m, range);
       sensing.mean_range_m += (range - sensing.mean_range_m) / static_cast<double>(sensing.ranged);
     }
   }
@@ -93,15 +95,21 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
   return std::clamp(cell_m / std::max(sensing.mean_range_m, 0.1) / kDegree, 1.0, 5.0);
 }
 
-void RefuseHugeStart(const Options& options, const Settings& settings, double extent_m, std::size_t robots) {
-  const double side = extent_m / settings.map.grid.cell_m + 1.0;
-  const double megabytes = side * side * settings.map.grid.headings * sizeof(double) * 3.0 / 1e6;
-  if (robots > 1 && megabytes > options.memory_mb) {
-    throw InputError("the grid would need about " + std::to_string(std::llround(megabytes)) + " MB (" +
-                     std::to_string(std::llround(side)) + " x " + std::to_string(std::llround(side)) +
-                     " cells x " + std::to_string(settings.map.grid.headings) +
-                     " headings), more than memory_mb = " + std::to_string(std::llround(options.memory_mb)) +
-                     ": take a larger cell_m or heading_deg");
+// What no grid can hold, before anything is allocated. `extent_m`: of the first robot's odometry and what it
+// can see from there.
+void RefuseHugeGrids(const Options& options, const Settings& settings, double extent_m, bool anywhere) {
+  const double cell_m = settings.map.grid.cell_m;
+  const double side = extent_m / cell_m + 1.0;
+  const double layers = anywhere ? settings.map.grid.headings : 1.0;  // a start anywhere fills every heading
+  const double megabytes = 3.0 * side * side * layers * sizeof(double) / 1e6;
+  if (megabytes > options.memory_mb) {
+    char text[256];
+    std::snprintf(
+        text, sizeof text,
+        "the grid would need about %.0f MB (%.0f x %.0f cells x %.0f headings), more than memory_mb = %.0f: "
+        "take a larger cell_m or heading_deg",
+        megabytes, side, side, layers, options.memory_mb);
+    throw InputError(text);
   }
 }
 
@@ -139,6 +147,13 @@ Settings Resolve(const Options& options, const Blob& log) {
   if (sensing.observations == 0)
     throw InputError("the log has controls only: without observations there is no map");
 
+  if (options.model == "exact" && sensing.ranged > 0) {
+    throw InputError("model exact is for button presses; this log has ranges and bearings: take robust");
+  }
+  if (options.cell_m > 0 && options.cell_m < 1e-3) throw InputError("cell_m: 0, or at least 0.001 m");
+  if (options.heading_deg > 0 && options.heading_deg < 0.25) {
+    throw InputError("heading_deg: 0, or at least 0.25 degrees");
+  }
   Settings settings;
   GridSpec& grid = settings.map.grid;
   grid.cell_m = options.cell_m > 0 ? options.cell_m : RoundNumber(std::max(extent, 0.9) / 90.0);
@@ -152,9 +167,7 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.radius_m = options.radius_m;
   settings.map.core_m = options.core_m;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
-  settings.map.false_rate_per_m2 = options.false_rate_per_m2 > 0 ? options.false_rate_per_m2
-                                   : sensing.ranged == 0         ? 1e-3
-                                                                 : 1e-3;
+  settings.map.false_rate_per_m2 = options.false_rate_per_m2;
   settings.map.exact = options.model == "exact";
 
   settings.noise = {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * options.noise_scale,
@@ -168,7 +181,8 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.prune = options.prune;
   settings.box_m = options.box_m;
   settings.growth_start = options.growth_start > 0 ? options.growth_start : sensing.ranged == 0 ? 1.0 : 0.05;
-  RefuseHugeStart(options, settings, extent + 2.0 * options.radius_m, robots);
+  RefuseHugeGrids(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
+                  robots > 1 && sensing.ranged == 0);
   return settings;
 }
 

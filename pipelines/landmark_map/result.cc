@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -63,7 +64,10 @@ class PathWriter {
              double drift_rad_per_m, double spacing_m)
       : steps_(steps),
         odometry_(odometry),
+        drift_rad_per_m_(drift_rad_per_m),
         spacing_m_(spacing_m),
+        way_(steps.WaySoFar()),
+        path_of_first_(PoseAt(odometry, steps.time_s.front()).path_m),
         mean_{Joined(summaries, "pose/x_m"), Joined(summaries, "pose/y_m"),
               Joined(summaries, "pose/heading_rad")},
         mode_{Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
@@ -71,34 +75,19 @@ class PathWriter {
         covariance_(Joined(summaries, "pose/covariance")) {
     // The estimates are relative to odometry without its drift, the path here is written from odometry as it
     // is.
-    const std::vector<double> way = steps.WaySoFar();
-    for (std::size_t s = 0; s < way.size(); ++s) {
-      mean_.correction_rad[s] -= drift_rad_per_m * way[s];
-      mode_.correction_rad[s] -= drift_rad_per_m * way[s];
+    for (std::size_t s = 0; s < way_.size(); ++s) {
+      mean_.correction_rad[s] -= drift_rad_per_m * way_[s];
+      mode_.correction_rad[s] -= drift_rad_per_m * way_[s];
     }
   }
 
   void Write(const std::string& prefix, Blob* result) {
-    const int last = steps_.size() - 1;
-    double previous = -1e300;
     std::size_t control = 0;
-    for (int s = 0; s <= last; ++s) {
-      const double until = steps_.time_s[s];
-      for (; control < odometry_.time_s.size() && odometry_.time_s[control] < until; ++control) {
-        if (odometry_.path_m[control] - previous < spacing_m_) continue;
-        AddAt(PoseAt(odometry_, odometry_.time_s[control]), s - 1);
-        previous = odometry_.path_m[control];
-      }
-      const OdometricPose at = PoseOfStep(s);
-      AddAt(at, s);
-      previous = at.path_m;
-      while (control < odometry_.time_s.size() && odometry_.time_s[control] <= until) ++control;
+    for (int s = 0; s < steps_.size(); ++s) {
+      AddControls(&control, steps_.time_s[s], s - 1);
+      Add(PoseOfStep(s), s);
     }
-    for (; control < odometry_.time_s.size(); ++control) {
-      if (odometry_.path_m[control] - previous < spacing_m_) continue;
-      AddAt(PoseAt(odometry_, odometry_.time_s[control]), last);
-      previous = odometry_.path_m[control];
-    }
+    AddControls(&control, std::numeric_limits<double>::infinity(), steps_.size() - 1);
     Put(prefix, result);
   }
 
@@ -109,34 +98,55 @@ class PathWriter {
   };
 
   OdometricPose PoseOfStep(int s) const {
-    OdometricPose at = PoseAt(odometry_, steps_.time_s[s]);
-    at.x_m = steps_.odo_x_m[s];
-    at.y_m = steps_.odo_y_m[s];
-    at.heading_rad = steps_.odo_heading_rad[s];
-    return at;
+    return {steps_.time_s[s],          steps_.odo_x_m[s], steps_.odo_y_m[s],
+            steps_.odo_heading_rad[s], PathOfStep(s),     0.0};
+  }
+  double PathOfStep(int s) const { return path_of_first_ + way_[s]; }
+
+  // The poses at ends of controls before `until_s`, all of which lie after step `s` (-1: before the first).
+  void AddControls(std::size_t* control, double until_s, int s) {
+    for (; *control < odometry_.time_s.size() && odometry_.time_s[*control] < until_s; ++*control) {
+      const OdometricPose at = PoseAt(odometry_, odometry_.time_s[*control]);
+      if (rows_.empty() || at.path_m - last_path_m_ >= spacing_m_) Add(at, s);
+    }
+  }
+
+  // Times increase: of several poses at one time the last one stays.
+  void Add(const OdometricPose& at, int s) {
+    if (!rows_.empty() && at.time_s <= rows_.back().time_s) rows_.pop_back();
+    if (rows_.empty() || at.time_s > rows_.back().time_s) rows_.push_back(RowAt(at, s));
+    last_path_m_ = at.path_m;
   }
 
   // The pose `at` lies at or after step `s` (-1: before the first).
-  void AddAt(const OdometricPose& at, int s) {
-    const int last = steps_.size() - 1, anchor = std::max(s, 0);
-    Anchor mean = Carry(steps_, anchor, mean_.at(anchor), at),
-           mode = Carry(steps_, anchor, mode_.at(anchor), at);
+  Row RowAt(const OdometricPose& at, int s) const {
+    const int last = steps_.size() - 1, anchor = std::max(s, 0), next = std::min(anchor + 1, last);
+    Anchor mean, mode;
     double part = 0.0;
-    if (s >= 0 && s < last && at.time_s > steps_.time_s[s]) {
-      const double start = PoseAt(odometry_, steps_.time_s[s]).path_m;
-      part =
-          steps_.path_m[s + 1] > 0 ? std::clamp((at.path_m - start) / steps_.path_m[s + 1], 0.0, 1.0) : 0.0;
+    if (s >= 0 && s < last) {
+      const double way = steps_.path_m[s + 1];
+      part = way > 0 ? std::clamp((at.path_m - PathOfStep(s)) / way, 0.0, 1.0) : 0.0;
       mean = Between(steps_, s, mean_.at(s), mean_.at(s + 1), at, part);
       mode = Between(steps_, s, mode_.at(s), mode_.at(s + 1), at, part);
+    } else {
+      const double turn = -drift_rad_per_m_ * (at.path_m - PathOfStep(anchor));
+      mean = Drifting(mean_.at(anchor), anchor, turn, at);
+      mode = Drifting(mode_.at(anchor), anchor, turn, at);
     }
     Row row{at.time_s, mean.x_m, mean.y_m, Wrap(at.heading_rad + mean.correction_rad),
             {},        mode.x_m, mode.y_m, Wrap(at.heading_rad + mode.correction_rad)};
-    const int next = std::min(anchor + 1, last);
     for (int k = 0; k < 9; ++k) {
       row.covariance[k] =
           covariance_[9 * anchor + k] + part * (covariance_[9 * next + k] - covariance_[9 * anchor + k]);
     }
-    rows_.push_back(row);
+    return row;
+  }
+
+  // Beyond the first or last step: odometry from there on, its drift taken off.
+  Anchor Drifting(const Anchor& anchor, int s, double turn, const OdometricPose& at) const {
+    Anchor there = Carry(steps_, s, {anchor.x_m, anchor.y_m, anchor.correction_rad + 0.5 * turn}, at);
+    there.correction_rad = anchor.correction_rad + turn;
+    return there;
   }
 
   void Put(const std::string& prefix, Blob* result) const {
@@ -160,7 +170,10 @@ class PathWriter {
 
   const RobotSteps& steps_;
   const Odometry& odometry_;
-  double spacing_m_;
+  double drift_rad_per_m_, spacing_m_;
+  std::vector<double> way_;
+  double path_of_first_;
+  double last_path_m_ = 0.0;
   Table mean_, mode_;
   std::vector<double> covariance_;
   std::vector<Row> rows_;

@@ -58,13 +58,14 @@ class StepPlanner {
  public:
   StepPlanner(const Odometry& odometry, const StepRules& rules) : odometry_(odometry), rules_(rules) {}
 
-  // From sighting `begin` on; the first step stands there (`late`) or at the track's start.
+  // From sighting `begin` on; the first step is the one that gathers it (`late`) or stands at the track's
+  // start.
   void Plan(const std::vector<Sighting>& sightings, std::size_t begin, bool late, RobotSteps* steps) {
     steps_ = steps;
-    AddStep(late ? sightings[begin].at : PoseAt(odometry_, odometry_.time_s.front()));
+    if (!late) AddStep(PoseOf(odometry_, 0));
     steps_->row_observation.assign(sightings.size(), -1);
     for (std::size_t i = begin; i < sightings.size();) i = AddFrame(sightings, i);
-    MoveTo(PoseAt(odometry_, odometry_.time_s.back()));
+    MoveTo(PoseOf(odometry_, odometry_.time_s.size() - 1));
     steps_->first_observation.push_back(static_cast<std::int32_t>(steps_->observations.size()));
   }
 
@@ -89,19 +90,12 @@ class StepPlanner {
   // A step at `pose`, with others before it where the way there is too long; none where the robot has not
   // moved.
   void MoveTo(const OdometricPose& pose) {
+    if (steps_->time_s.empty()) return AddStep(pose);
     const double way = pose.path_m - last_.path_m;
     const int parts = std::max(1, static_cast<int>(std::ceil(way / rules_.max_leg_m)));
     const double start = last_.path_m;
-    for (int k = 1; k < parts; ++k) AddStep(PoseAt(odometry_, TimeOfPath(start + way * k / parts)));
+    for (int k = 1; k < parts; ++k) AddStep(PoseAtPath(odometry_, start + way * k / parts));
     if (way > 0 || pose.turn_rad > last_.turn_rad) AddStep(pose);
-  }
-
-  double TimeOfPath(double path_m) const {
-    const auto& path = odometry_.path_m;
-    const auto i = std::max<std::ptrdiff_t>(1, std::ranges::lower_bound(path, path_m) - path.begin());
-    const double span = path[i] - path[i - 1];
-    const double part = span > 0 ? (path_m - path[i - 1]) / span : 1.0;
-    return odometry_.time_s[i - 1] + part * (odometry_.time_s[i] - odometry_.time_s[i - 1]);
   }
 
   // Gathers the sightings from `begin` on that share a frame; returns the first that does not.

@@ -76,6 +76,27 @@ TEST(MakeSteps, ALateRobotBeginsWhereItSeesWhatTheFirstRobotSaw) {
 }
 
 // Odometry bends a straight way by its drift: taking the drift off straightens it, sightings too.
+// schema/FORMAT.md: a control's time is its end, so a press at that time stands after it; several may end at
+// once.
+TEST(PoseAt, AnObservationAtAControlsEndStandsAfterIt) {
+  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a");
+  EXPECT_NEAR(PoseAt(odometry, 1.0).x_m, 1.0, 1e-12);
+  EXPECT_NEAR(PoseAt(odometry, 0.5).x_m, 0.5, 1e-12);
+  EXPECT_NEAR(PoseAt(odometry, -3.0).x_m, 0.0, 1e-12);
+  EXPECT_NEAR(PoseAtPath(odometry, 2.5).y_m, 0.5, 1e-12);
+  Blob at_once = Robot({}, {}, {}, {});
+  at_once.PutVector<double>("odometry/time_s", {1, 2, 2, 2});
+  EXPECT_NEAR(PoseAt(Integrate(at_once, "a"), 2.0).y_m, 2.0, 1e-12);
+}
+
+TEST(MakeSteps, SplitsALongWayThatAControlMakesInAnInstant) {
+  Blob robot = Robot({2.0}, {-1}, {kNaN}, {kNaN});
+  robot.PutVector<double>("odometry/time_s", {1, 1, 1, 2});
+  const RobotSteps steps = MakeSteps(robot, "a", {0.5, 1.0, 0.5, 2}, nullptr);
+  for (int s = 1; s < steps.size(); ++s) EXPECT_LE(steps.path_m[s], 0.5 + 1e-9) << s;
+  EXPECT_NEAR(steps.odo_y_m.back(), 2.0, 1e-12);
+}
+
 TEST(WithoutDrift, StraightensAWayThatOdometryBends) {
   const double drift = 0.05;
   std::vector<double> time, turn, forward;
@@ -129,6 +150,9 @@ TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {
   Blob hollow = Robot({}, {}, {}, {});
   hollow.PutVector<double>("odometry/forward_m", {1, kNaN, 1, 1});
   has(hollow, "control 1: not a number");
+  Blob wild = Robot({}, {}, {}, {});
+  wild.PutVector<double>("odometry/forward_m", {1, 1e300, 1, 1});
+  has(wild, "control 1: a way or turn too large");
   Blob empty = Robot({}, {}, {}, {});
   for (const char* name : {"odometry/time_s", "odometry/turn_rad", "odometry/forward_m"})
     empty.PutVector<double>(name, {});

@@ -163,11 +163,11 @@ std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules
     const bool identified = type < rules.types;
     const double radius =
         (identified ? std::max(5.0 * rules.observation_m, 2.0 * cell) : rules.core_m) / cell;
-    while (!left.box.empty()) {
+    while (left.Sum() >= kLeastCount) {
       Landmark landmark;
       const Layer smooth = Blur(left, 0.5 * radius);
       if (!TakePeak(smooth, radius, type, cell, &left, &landmark)) break;
-      if (landmark.count < kLeastCount) break;
+      if (landmark.count < kLeastCount) continue;  // peaks come by height, not by count
       landmarks.push_back(landmark);
       if (identified) break;
     }

@@ -47,6 +47,22 @@ TEST(ExtractLandmarks, JoinsACoreAndDropsWhatIsLessThanHalfAnObservation) {
   EXPECT_NEAR(landmarks[1].x_m, 20.0, 1e-12);
 }
 
+// A single cell of 0.45 stands higher than 0.7 spread over a disc, but it is no landmark; the disc is.
+TEST(ExtractLandmarks, ANarrowPeakThatIsNoLandmarkHidesNoOther) {
+  MapRules rules;
+  rules.grid = {1.0, 4};
+  rules.core_m = 2.5;
+  std::vector<std::array<double, 3>> points = {{30, 30, 0.45}};
+  for (int y = -2; y <= 2; ++y) {
+    for (int x = -2; x <= 2; ++x) {
+      if (x * x + y * y <= 4) points.push_back({double(x), double(y), 0.7 / 13});
+    }
+  }
+  const std::vector<Landmark> landmarks = ExtractLandmarks(Counts(points), rules);
+  ASSERT_EQ(landmarks.size(), 1U);
+  EXPECT_NEAR(landmarks[0].count, 0.7, 1e-9);
+}
+
 TEST(Associate, TakesTheNearestLandmarkOfTheTypeWithinReach) {
   const std::vector<Landmark> landmarks = {{0, 0, {}, 0, 1}, {4, 0, {}, 0, 1}, {4, 0.5, {}, 1, 1}};
   Layer where(Box{0, 0, 6, 1});

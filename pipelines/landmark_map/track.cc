@@ -2,12 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace cairn::landmark_map {
 namespace {
 
 [[noreturn]] void Refuse(const std::string& robot, std::size_t row, const std::string& why) {
   throw InputError("robot '" + robot + "', control " + std::to_string(row) + ": " + why);
+}
+
+// The start lies as long before the first control's end as controls usually take.
+double UsualInterval(std::span<const double> time) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (time[i] > time[i - 1]) intervals.push_back(time[i] - time[i - 1]);
+  }
+  if (intervals.empty()) return 1.0;
+  std::ranges::nth_element(intervals, intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2));
+  return intervals[intervals.size() / 2];
+}
+
+// After the turn and `part` of the way of the control that ends in state `i`.
+OdometricPose Within(const Odometry& odometry, std::size_t i, double part) {
+  const auto between = [&](const std::vector<double>& v) { return v[i - 1] + part * (v[i] - v[i - 1]); };
+  return {between(odometry.time_s), between(odometry.x_m),    between(odometry.y_m),
+          odometry.heading_rad[i],  between(odometry.path_m), odometry.turn_rad[i]};
 }
 
 }  // namespace
@@ -21,11 +40,15 @@ Odometry Integrate(const Blob& robot, const std::string& name) {
     throw InputError("robot '" + name + "': odometry arrays differ in length");
   }
   Odometry odometry;
-  odometry.time_s = {time[0]};
+  odometry.time_s = {time[0] - UsualInterval(time)};
   odometry.x_m = odometry.y_m = odometry.heading_rad = odometry.path_m = odometry.turn_rad = {0.0};
   for (std::size_t i = 0; i < time.size(); ++i) {
     if (!std::isfinite(time[i]) || !std::isfinite(turn[i]) || !std::isfinite(forward[i]))
       Refuse(name, i, "not a number");
+    constexpr double kFarthest_m = 1e5, kLargestTurn_rad = 1e3;  // no robot does so in one control
+    if (std::abs(forward[i]) > kFarthest_m || std::abs(turn[i]) > kLargestTurn_rad) {
+      Refuse(name, i, "a way or turn too large to be one");
+    }
     if (time[i] < odometry.time_s.back()) Refuse(name, i, "time runs backwards");
     const double heading = odometry.heading_rad.back() + turn[i];
     odometry.time_s.push_back(time[i]);
@@ -38,20 +61,27 @@ Odometry Integrate(const Blob& robot, const std::string& name) {
   return odometry;
 }
 
+OdometricPose PoseOf(const Odometry& odometry, std::size_t i) {
+  return {odometry.time_s[i],      odometry.x_m[i],    odometry.y_m[i],
+          odometry.heading_rad[i], odometry.path_m[i], odometry.turn_rad[i]};
+}
+
 OdometricPose PoseAt(const Odometry& odometry, double time_s) {
   const auto& time = odometry.time_s;
-  const auto after = static_cast<std::size_t>(std::ranges::lower_bound(time, time_s) - time.begin());
-  if (after == 0) return {time_s, 0.0, 0.0, 0.0, 0.0, 0.0};
-  const std::size_t i = std::min(after, time.size() - 1);
-  const double span = time[i] - time[i - 1];
-  const double part = span > 0 ? std::min(1.0, (time_s - time[i - 1]) / span) : 1.0;
-  const auto between = [&](const std::vector<double>& v) { return v[i - 1] + part * (v[i] - v[i - 1]); };
-  return {time_s,
-          between(odometry.x_m),
-          between(odometry.y_m),
-          odometry.heading_rad[i],
-          between(odometry.path_m),
-          odometry.turn_rad[i]};
+  const auto next = static_cast<std::size_t>(std::ranges::upper_bound(time, time_s) - time.begin());
+  if (next == 0 || next == time.size()) {
+    OdometricPose end = PoseOf(odometry, next == 0 ? 0 : next - 1);
+    end.time_s = time_s;
+    return end;
+  }
+  return Within(odometry, next, (time_s - time[next - 1]) / (time[next] - time[next - 1]));
+}
+
+OdometricPose PoseAtPath(const Odometry& odometry, double path_m) {
+  const auto& path = odometry.path_m;
+  const auto next = static_cast<std::size_t>(std::ranges::lower_bound(path, path_m) - path.begin());
+  if (next == 0 || next == path.size()) return PoseOf(odometry, next == 0 ? 0 : next - 1);
+  return Within(odometry, next, (path_m - path[next - 1]) / (path[next] - path[next - 1]));
 }
 
 }  // namespace cairn::landmark_map

@@ -23,8 +23,14 @@ struct OdometricPose {
 // and row.
 Odometry Integrate(const Blob& robot, const std::string& name);
 
-// The pose at `time_s`: after the turn and a part of the way of the control that it falls into; ends are
-// clamped.
+// The pose at `time_s`: after all controls that have ended by then, and after the turn and a part of the way
+// of the one under way; ends are clamped.
 OdometricPose PoseAt(const Odometry& odometry, double time_s);
+
+// The pose where `path_m` of way has been made, at the earliest.
+OdometricPose PoseAtPath(const Odometry& odometry, double path_m);
+
+// The pose at the end of control `i` - 1 (0: the start).
+OdometricPose PoseOf(const Odometry& odometry, std::size_t i);
 
 }  // namespace cairn::landmark_map
