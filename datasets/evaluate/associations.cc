@@ -13,7 +13,7 @@ std::vector<std::int32_t> ReadIndices(const Blob& blob, const std::string& name,
   const auto indices = blob.Get<std::int32_t>(name);
   if (indices.size() != rows) {
     throw InputError("'" + name + "' has " + std::to_string(indices.size()) + " rows; the log has " +
-                     std::to_string(rows) + " observations of this robot");
+                     std::to_string(rows) + " observations of this robot: was it made from this log?");
   }
   for (std::size_t i = 0; i < rows; ++i) {
     if (indices[i] < -1 || indices[i] >= static_cast<std::int64_t>(landmarks)) {

@@ -46,6 +46,20 @@ class Evaluator {
     }
   }
 
+  // A path lies within the robot's controls; where it stood still at the end the path may end before them.
+  void CheckTimes(std::size_t robot, const std::vector<double>& times_s) const {
+    const std::string odometry = "robot/" + std::to_string(robot) + "/odometry/time_s";
+    if (times_s.empty() || !log_.Has(odometry)) return;
+    const auto controls_s = log_.Get<double>(odometry);
+    constexpr double kSlack_s = 1.1;  // observations may be up to 1 s outside the controls
+    if (controls_s.empty() ||
+        (times_s.back() >= controls_s.front() - kSlack_s && times_s.back() <= controls_s.back() + kSlack_s)) {
+      return;
+    }
+    throw InputError("the result's poses of robot '" + log_.Texts("robots")[robot] +
+                     "' do not have the log's times: was it made from this log?");
+  }
+
   static std::string Joined(const std::vector<std::string>& texts) {
     std::string joined;
     for (const std::string& text : texts) joined += (joined.empty() ? "" : ", ") + text;
@@ -81,6 +95,7 @@ class Evaluator {
         throw InputError("not a landmark_map: '" + poses + "mode_x_m' is missing");
       }
       const Track estimate = ReadTrack(result_, poses, "mode_");
+      CheckTimes(r, estimate.time_s);
       const Track truth = ReadTrack(log_, "truth/" + poses);
       std::vector<std::pair<PoseM, PoseM>> pairs;
       for (std::size_t i = 0; i < estimate.time_s.size(); ++i) {

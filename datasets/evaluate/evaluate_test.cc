@@ -242,6 +242,14 @@ TEST(Evaluate, SaysWhatIsWrongWithItsInput) {
   Blob renamed = result;
   renamed.Put("robots", Array::Texts({"b"}));
   EXPECT_NE(MessageOf(renamed, log).find("(b) are not the log's (a)"), std::string::npos);
+  Blob later = result;
+  later.PutVector(
+      "robot/0/poses/time_s",
+      std::vector<double>(static_cast<std::size_t>(result.at("robot/0/poses/time_s").size()), 1e6));
+  Blob driven = log;
+  driven.PutVector("robot/0/odometry/time_s", std::vector<double>{0, 1, 2, 3, 4});
+  EXPECT_EQ(MessageOf(result, driven), "");
+  EXPECT_NE(MessageOf(later, driven).find("was it made from this log?"), std::string::npos);
   Blob broken = result;
   broken.PutVector("map/landmark_x_m", std::vector<double>{0, NAN, 1, 2});
   EXPECT_NE(MessageOf(broken, log).find("row 1"), std::string::npos);
