@@ -1,6 +1,7 @@
 // `cairn export`: what other tools read. Each function writes files into `folder` (made where missing), every
 // one whole or not at all, and returns their paths. They throw InputError where the blob lacks what is asked
-// for; a failed Status is the world's: no space, no right to write.
+// for, and where one of the files is there already and `replace` is false: then none is written. A failed
+// Status is the world's: no space, no right to write.
 #pragma once
 
 #include <string>
@@ -14,7 +15,7 @@ using Written = Result<std::vector<std::string>>;
 
 // ROBOT.tum for each robot: "time x y z qx qy qz qw" a line, as TUM's tools and evo read it. Poses are the
 // most likely ones where the file has them, else the means; of a log, the true ones.
-Written ExportTum(const Blob& blob, const std::string& folder);
+Written ExportTum(const Blob& blob, const std::string& folder, bool replace = true);
 
 // graph.g2o: VERTEX_SE2 for each pose (as for tum), VERTEX_XY for each landmark, EDGE_SE2 between successive
 // poses. A result keeps no covariance between poses, so an edge's information is the inverse of the mean of
@@ -22,21 +23,21 @@ Written ExportTum(const Blob& blob, const std::string& folder);
 // an EDGE_SE2_XY for each observation that is associated with a landmark, from the latest pose not after it;
 // its information is from the log's nominal noise (range 0.1 m, bearing 0.02 rad, press 0.5 m where it has
 // none).
-Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder);
+Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace = true);
 
 // map.pgm and map.yaml, as map_server of ROS reads them: occupied 0, free 254, unknown 205, by map_saver's
 // thresholds 0.65 and 0.196. Of a landmark map, occupied is
 // also the cell of each extracted landmark, which alone seldom has that much of its probability.
-Written ExportRos(const Blob& result, const std::string& folder);
+Written ExportRos(const Blob& result, const std::string& folder, bool replace = true);
 
 // map.png: paths, landmarks with their 95% regions, the grid beneath, axes, a bar for scale
 // (report/draw_map.h).
-Written ExportPng(const Blob& result, const std::string& folder);
+Written ExportPng(const Blob& result, const std::string& folder, bool replace = true);
 
 // Of a log: odometry.csv, observations.csv, truth_poses.csv, truth_landmarks.csv, truth_associations.csv
 // (those that it has), from which `import csv` makes the same log, to the bit; nominal figures are not in
 // them. Of a result: poses.csv, landmarks.csv, associations.csv. Numbers have as many digits as it takes to
 // read them back.
-Written ExportCsv(const Blob& blob, const std::string& folder);
+Written ExportCsv(const Blob& blob, const std::string& folder, bool replace = true);
 
 }  // namespace cairn::datasets

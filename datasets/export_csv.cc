@@ -28,8 +28,8 @@ std::string Name(const std::vector<std::string>& names, std::int32_t index) {
 
 class CsvExport {
  public:
-  CsvExport(const Blob& blob, const std::string& folder)
-      : blob_(blob), robots_(blob.Texts("robots")), writer_(folder) {}
+  CsvExport(const Blob& blob, const std::string& folder, bool replace)
+      : blob_(blob), robots_(blob.Texts("robots")), writer_(folder, replace) {}
 
   void WriteLog() {
     const std::vector<std::string> landmarks = blob_.Texts("landmarks");
@@ -183,11 +183,11 @@ class CsvExport {
 
 }  // namespace
 
-Written ExportCsv(const Blob& blob, const std::string& folder) {
+Written ExportCsv(const Blob& blob, const std::string& folder, bool replace) {
   const bool is_log = blob.Has("robot/0/odometry/time_s");
   if (!is_log && !blob.Has("robot/0/poses/time_s"))
     throw InputError("there are neither controls nor poses in it");
-  CsvExport csv(blob, folder);
+  CsvExport csv(blob, folder, replace);
   if (is_log)
     csv.WriteLog();
   else

@@ -81,7 +81,7 @@ std::string LandmarkEdges(const Blob& result, const Blob& log, const Path& path,
 
 }  // namespace
 
-Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder) {
+Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace) {
   const std::vector<Path> paths = ReadPaths(result);
   const std::vector<MapLandmark> landmarks = ReadMapLandmarks(result);
   std::size_t poses = 0;
@@ -100,7 +100,7 @@ Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder
     vertices += "VERTEX_XY " + std::to_string(id++) + " " + NumberText(landmark.at.x_m) + " " +
                 NumberText(landmark.at.y_m) + "\n";
   }
-  FolderWriter writer(folder);
+  FolderWriter writer(folder, replace);
   writer.Write("graph.g2o", vertices + "FIX 0\n" + edges);
   return writer.Finish();
 }

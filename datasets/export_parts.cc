@@ -106,22 +106,24 @@ std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob) {
   return landmarks;
 }
 
-FolderWriter::FolderWriter(const std::string& folder) : folder_(folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) status_ = SystemFailure(folder, "cannot make the folder", error.value());
-}
-
-void FolderWriter::Write(const std::string& name, std::string_view text) {
-  if (!status_.ok()) return;
-  const std::filesystem::path path = std::filesystem::path(folder_) / name;
-  status_ = WriteTextAtomically(path, text);
-  paths_.push_back(path.string());
+void FolderWriter::Write(const std::string& name, std::string text) {
+  files_.emplace_back((std::filesystem::path(folder_) / name).string(), std::move(text));
 }
 
 Written FolderWriter::Finish() {
-  if (!status_.ok()) return status_;
-  return paths_;
+  for (const auto& [path, text] : files_) {
+    if (!replace_ && std::filesystem::exists(path))
+      throw InputError("'" + path + "' is there already (--force replaces it)");
+  }
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) return SystemFailure(folder_, "cannot make the folder", error.value());
+  std::vector<std::string> paths;
+  for (const auto& [path, text] : files_) {
+    if (Status status = WriteTextAtomically(path, text); !status.ok()) return status;
+    paths.push_back(path);
+  }
+  return paths;
 }
 
 }  // namespace cairn::datasets

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/export.h"
@@ -55,17 +56,19 @@ struct MapLandmark {
 };
 std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob);  // empty where there are none
 
-// Files that are written into a folder one after the other.
+// Files that are written into a folder, once all of them are known.
 class FolderWriter {
  public:
-  explicit FolderWriter(const std::string& folder);
-  void Write(const std::string& name, std::string_view text);
-  Written Finish();  // the paths, or the first failure
+  FolderWriter(std::string folder, bool replace) : folder_(std::move(folder)), replace_(replace) {}
+  void Write(const std::string& name, std::string text);
+  // The paths, or the first failure. Throws InputError, and writes nothing, where one of the files is there
+  // already and none is to be replaced.
+  Written Finish();
 
  private:
   std::string folder_;
-  Status status_;
-  std::vector<std::string> paths_;
+  bool replace_;
+  std::vector<std::pair<std::string, std::string>> files_;  // path, text
 };
 
 }  // namespace cairn::datasets

@@ -4,9 +4,9 @@
 
 namespace cairn::datasets {
 
-Written ExportPng(const Blob& result, const std::string& folder) {
+Written ExportPng(const Blob& result, const std::string& folder, bool replace) {
   const std::string png = DrawMapPng(result, nullptr, nullptr);
-  FolderWriter writer(folder);
+  FolderWriter writer(folder, replace);
   writer.Write("map.png", png);
   return writer.Finish();
 }

@@ -25,7 +25,7 @@ void Occupy(PointM at, Grid* grid) {
 
 }  // namespace
 
-Written ExportRos(const Blob& result, const std::string& folder) {
+Written ExportRos(const Blob& result, const std::string& folder, bool replace) {
   std::optional<Grid> grid = ReadGrid(result);
   if (!grid) throw InputError("there is no grid map in it (map/grid/probability)");
   for (const MapLandmark& landmark : ReadMapLandmarks(result)) Occupy(landmark.at, &*grid);
@@ -40,7 +40,7 @@ Written ExportRos(const Blob& result, const std::string& folder) {
                            NumberText(grid->origin_y_m) +
                            ", 0]\nnegate: 0\noccupied_thresh: " + NumberText(kOccupied) +
                            "\nfree_thresh: " + NumberText(kFree) + "\n";
-  FolderWriter writer(folder);
+  FolderWriter writer(folder, replace);
   writer.Write("map.pgm", image);
   writer.Write("map.yaml", yaml);
   return writer.Finish();

@@ -44,6 +44,18 @@ TEST(ExportTum, WritesTheMostLikelyPosesOfEachRobot) {
   ExpectNear(Numbers(lines[2], ""), {2, 1, 0, 0, 0, 0, std::sqrt(0.5), std::sqrt(0.5)}, 1e-12);
 }
 
+TEST(Export, LeavesFilesAloneThatAreThereUnlessToldToReplaceThem) {
+  const TestFolder folder;
+  const std::string file = ExportCsv(SmallLog(), folder / "csv").value().at(0);
+  const auto before = LinesOf(file);
+  std::filesystem::remove(folder / "csv/observations.csv");
+  ExpectContains(InputErrorOf([&] { (void)ExportCsv(SmallLog(), folder / "csv", false); }),
+                 "odometry.csv' is there already");
+  EXPECT_FALSE(std::filesystem::exists(folder / "csv/observations.csv")) << "all or nothing";
+  EXPECT_TRUE(ExportCsv(SmallLog(), folder / "csv", true).ok());
+  EXPECT_EQ(LinesOf(file), before);
+}
+
 TEST(ExportTum, SaysWhereThereAreNoPoses) {
   const TestFolder folder;
   ExpectContains(InputErrorOf([&] { (void)ExportTum(SmallLog(), folder / "x"); }),

@@ -5,9 +5,9 @@
 
 namespace cairn::datasets {
 
-Written ExportTum(const Blob& blob, const std::string& folder) {
+Written ExportTum(const Blob& blob, const std::string& folder, bool replace) {
   const std::vector<Path> paths = ReadPaths(blob);
-  FolderWriter writer(folder);
+  FolderWriter writer(folder, replace);
   for (const Path& path : paths) {
     std::string text = "# time x y z qx qy qz qw\n";
     for (std::size_t i = 0; i < path.poses.size(); ++i) {
