@@ -1,6 +1,7 @@
 #include "coordinator/embedded.h"
 
 #include <chrono>
+#include <fstream>
 #include <optional>
 #include <set>
 #include <utility>
@@ -36,6 +37,13 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+std::set<std::string> ReadLines(const fs::path& path) {
+  std::set<std::string> lines;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) lines.insert(line);
+  return lines;
+}
+
 class Run {
  public:
   Run(const EmbeddedOptions& options, proto::Job job, StoreFolder folder)
@@ -49,7 +57,10 @@ class Run {
 
  private:
   fs::path ResultFile(const std::string& stage) const { return fs::path(options_.dir) / (stage + ".h5"); }
+  // Stages of the run that `force` replaces, while their results are still there.
+  fs::path ReplacedFile() const { return folder_.dir() / "replaced"; }
   Status Clear();
+  void RemoveReplaced();
   Status Open();
   bool EarlierRunIsWorthless() const;
   std::optional<EmbeddedResult> LookAtEarlierRun();
@@ -69,21 +80,38 @@ class Run {
   std::optional<EmbeddedResult> trouble_;  // that ends the run, whatever the job's state
 };
 
-// Forgets earlier runs with their results.
+// Forgets earlier runs. Their results stay until the new run has one of its own: it may yet be refused.
 Status Run::Clear() {
-  std::set<fs::path> files;
-  for (const proto::Stage& stage : job_.stages()) files.insert(ResultFile(stage.name()));
+  std::set<std::string> stages = ReadLines(ReplacedFile());
+  for (const proto::Stage& stage : job_.stages()) stages.insert(stage.name());
   for (const std::string& job : folder_.JobsWithCheckpoints())
     for (const std::uint64_t number : folder_.CheckpointNumbers(job))
       if (const auto checkpoint = ReadCheckpoint(folder_.CheckpointFile(job, number)); checkpoint.ok())
-        for (const proto::Stage& stage : checkpoint.value().job().stages())
-          files.insert(ResultFile(stage.name()));
+        for (const proto::Stage& stage : checkpoint.value().job().stages()) stages.insert(stage.name());
+  if (const Status status = folder_.Clear(); !status.ok()) return status;
+  std::string lines;
+  for (const std::string& stage : stages) lines += stage + "\n";
+  return WriteTextAtomically(ReplacedFile(), lines);
+}
+
+// The new run has a result: what it replaces goes, all together, with the pictures that were made of it.
+void Run::RemoveReplaced() {
+  if (Known()->stage == 0 || !fs::exists(ReplacedFile())) return;
+  std::set<std::string> stages = ReadLines(ReplacedFile());
+  std::vector<fs::path> files = {fs::path(options_.dir) / "map.png", fs::path(options_.dir) / "report.html"};
+  for (const std::string& stage : stages)
+    for (const char* picture : {"map.png", "report.html"})
+      files.push_back(fs::path(options_.dir) / stage / picture);
+  for (std::uint32_t done = 0; done < Known()->stage; ++done)
+    stages.erase(job_.stages(static_cast<int>(done)).name());
+  for (const std::string& stage : stages) files.push_back(ResultFile(stage));
   for (const fs::path& file : files) {
     std::error_code error;
     fs::remove(file, error);
-    if (error) return {Code::kIo, file.string() + ": " + error.message()};
+    if (error) options_.log(Severity::kWarning, file.string() + ": " + error.message());
   }
-  return folder_.Clear();
+  std::error_code ignored;  // the next run tries again
+  fs::remove(ReplacedFile(), ignored);
 }
 
 // A run that ended for bad input before it had any result: whoever mends the input need not force anything.
@@ -117,8 +145,9 @@ Status Run::Open() {
 std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
   const Job* known = Known();
   if (known == nullptr) {
+    const std::set<std::string> replaced = ReadLines(ReplacedFile());
     for (const proto::Stage& stage : job_.stages())
-      if (fs::exists(ResultFile(stage.name())))
+      if (fs::exists(ResultFile(stage.name())) && !replaced.contains(stage.name()))
         return End(EmbeddedEnd::kConflict,
                    ResultFile(stage.name()).string() + " is there already, of another run");
     return std::nullopt;
@@ -161,6 +190,7 @@ EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
     hub_->Resume(kJobId);  // does nothing where it goes on by itself
   Loop(workers, on_progress, stop);
   hub_->Shut(kSavePatience_s);
+  RemoveReplaced();
   workers.End(kWorkerPatience_s);
   if (on_progress)
     on_progress({MakeInfo(*Known(), Now()), static_cast<unsigned>(hub_->core().fleet().size())});
@@ -172,6 +202,7 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
   double told_s = 0;
   while (!stop && !trouble_ && Known()->Running()) {
     hub_->Step(kStep_s);
+    RemoveReplaced();
     if (Now() - told_s < kProgressEvery_s) continue;
     told_s = Now();
     if (on_progress)

@@ -21,7 +21,7 @@ struct EmbeddedOptions {
   std::string dir;             // --out; made where it does not exist, locked while the run lasts
   int workers = 1;             // processes, at least 1
   std::string worker_program;  // path of cairn-worker
-  bool force = false;          // forget whatever an earlier run left in dir
+  bool force = false;          // forget an earlier run in dir; its results go when this one has its first
   double checkpoint_interval_s = 1;
   std::uint64_t memory_bytes = 4ull << 30;
   LogSink log;  // may be empty

@@ -92,6 +92,25 @@ TEST_F(Embedded, AnotherJobInTheSameFolderIsAConflictUntilForced) {
   EXPECT_EQ(Have(), Hash{}) << "the results of the run that was forgotten are gone too";
 }
 
+TEST_F(Embedded, ForceKeepsTheOldResultsUntilThereIsANewOne) {
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  const fs::path picture = fs::path(options_.dir) / "map.png";
+  std::ofstream(picture) << "of the old run";
+  const Hash before = Have();
+  const BlobPtr good = log_;
+  log_ = std::make_shared<const Blob>(testing::ToyLog(0).Without("truth/"));
+  job_.mutable_stages(0)->set_name("other");
+  options_.force = true;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kInputError);
+  EXPECT_EQ(Have(), before) << "a run that was refused takes nothing away";
+  EXPECT_TRUE(fs::exists(picture));
+  log_ = good;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_EQ(Have(), Hash{});
+  EXPECT_FALSE(fs::exists(picture));
+  EXPECT_TRUE(fs::exists(fs::path(options_.dir) / "other.h5"));
+}
+
 TEST_F(Embedded, AResultFileOfSomebodyElseIsNotOverwritten) {
   fs::create_directories(options_.dir);
   std::ofstream(fs::path(options_.dir) / "toy.h5") << "mine";
