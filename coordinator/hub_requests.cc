@@ -1,6 +1,8 @@
 // What clients ask, and the blobs that workers fetch.
+#include <algorithm>
 #include <cctype>
 #include <utility>
+#include <vector>
 
 #include "coordinator/hub.h"
 #include "schema/store/blob_file.h"
@@ -21,6 +23,15 @@ std::string FileNamePart(const std::string& name) {
   for (const char c : name.substr(0, 40))
     part += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' ? c : '-';
   return part.empty() ? "job" : part;
+}
+
+// The latest ten, where there are more.
+std::string KnownJobs(const std::vector<wire::JobInfo>& jobs) {
+  if (jobs.empty()) return "; there are none";
+  std::string known;
+  for (std::size_t i = jobs.size() - std::min<std::size_t>(jobs.size(), 10); i < jobs.size(); ++i)
+    known += (known.empty() ? "; known: " : ", ") + jobs[i].id();
+  return known;
 }
 
 }  // namespace
@@ -109,7 +120,7 @@ void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
   if (query.job().empty()) {
     if (!action.empty() && action != "status") return Reply(peer, Refusal("which job?"));
   } else if (core_.FindJob(query.job()) == nullptr) {
-    return Reply(peer, Refusal("there is no job '" + query.job() + "'"));
+    return Reply(peer, Refusal("there is no job '" + query.job() + "'" + KnownJobs(core_.Jobs())));
   }
   if (action == "cancel") Handle(CancelJob{query.job()});
   if (action == "resume") Handle(ResumeJob{query.job()});

@@ -41,6 +41,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
     return dir / "results" / job / (stage + ".h5");
   };
   Hub hub(folder.value(), *transport.value(), std::move(table).value(), std::move(hub_options), log);
+  log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
   while (!stop) hub.Step(kStep_s);
   if (!hub.Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
   return Status::Ok();

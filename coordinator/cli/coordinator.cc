@@ -21,7 +21,6 @@ int Serve(const Options& options, const Invocation& call) {
   Invocation talkative = call;
   talkative.verbose = true;  // a service's log is all that there is to see of it
   Console console(talkative);
-  console.Log(Console::Level::kInfo, "listening on " + service.listen + ", store " + service.store_dir);
   Check(coordinator::Serve(service, console.Sink(), StopOnSignals()));
   return kExitDone;
 }

@@ -15,6 +15,7 @@ struct Options {
   std::string from;
   std::string folder;
   std::string log;  // g2o only
+  bool force = false;
 };
 
 // A file of any kind, or the landmark map of a folder.
@@ -24,13 +25,13 @@ Blob ReadSource(const std::string& path) {
 }
 
 datasets::Written Write(const Options& options, const Blob& blob) {
-  if (options.format == "tum") return datasets::ExportTum(blob, options.folder);
-  if (options.format == "ros") return datasets::ExportRos(blob, options.folder);
-  if (options.format == "png") return datasets::ExportPng(blob, options.folder);
-  if (options.format == "csv") return datasets::ExportCsv(blob, options.folder);
-  if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder);
+  if (options.format == "tum") return datasets::ExportTum(blob, options.folder, options.force);
+  if (options.format == "ros") return datasets::ExportRos(blob, options.folder, options.force);
+  if (options.format == "png") return datasets::ExportPng(blob, options.folder, options.force);
+  if (options.format == "csv") return datasets::ExportCsv(blob, options.folder, options.force);
+  if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder, options.force);
   const Blob log = ReadResult(options.log, "log").blob;
-  return datasets::ExportG2o(blob, &log, options.folder);
+  return datasets::ExportG2o(blob, &log, options.folder, options.force);
 }
 
 int Export(const Options& options, const Invocation&) {
@@ -46,6 +47,7 @@ void AddFormat(CLI::App& parent, Invocation& call, const char* format, const cha
   options->format = format;
   command->add_option("RESULT", options->from, "A result file, or the folder given as --out")->required();
   command->add_option("FOLDER", options->folder, "Where to write; made where it is missing")->required();
+  command->add_flag("--force", options->force, "Replace files that are there already");
   if (options->format == "g2o") {
     command->add_option("--log", options->log,
                         "The log that the result was made from: adds its observations");

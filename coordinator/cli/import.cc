@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <filesystem>
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
@@ -34,6 +35,9 @@ int Store(const std::string& out, const Blob& log, const datasets::ImportReport&
 }
 
 int ImportCsv(const CsvOptions& options, const Invocation&) {
+  const datasets::CsvImportOptions& files = options.import;
+  RefuseToReplaceInput(options.out, {files.odometry, files.observations, files.truth_poses,
+                                     files.truth_landmarks, files.truth_associations});
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportCsv(options.import, &log);
@@ -46,7 +50,20 @@ struct MrclamOptions {
   bool force = false;
 };
 
+// The dataset's own files are .dat, plain or gzipped; a log may lie among them.
+void RefuseToReplaceDataset(const std::string& out, const std::string& folder) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(folder)) return;  // which the import says
+  std::vector<std::string> inputs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(".dat") || name.ends_with(".dat.gz")) inputs.push_back(entry.path().string());
+  }
+  RefuseToReplaceInput(out, inputs);
+}
+
 int ImportMrclam(const MrclamOptions& options, const Invocation&) {
+  RefuseToReplaceDataset(options.out, options.import.folder);
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportMrclam(options.import, &log);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "coordinator/cli/scalar.h"
 #include "coordinator/cli/suggest.h"
 #include "schema/error.h"
 
@@ -60,7 +61,9 @@ void AddJobArguments(CLI::App& command, JobArguments& arguments) {
   command.add_option("--set", arguments.settings, "An option of the pipeline, key=value; again for another")
       ->type_size(1)
       ->allow_extra_args(false);
-  command.add_option("--seed", arguments.seed, "Seed, where a pipeline is named")->capture_default_str();
+  command.add_option("--seed", arguments.seed, "Seed, where a pipeline is named")
+      ->check(CheckSeed)
+      ->capture_default_str();
 }
 
 ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog) {

@@ -32,6 +32,14 @@ void Print(const wire::JobInfo& info, bool json) {
   std::fputs((json ? JobJson(info) : JobText(info)).c_str(), stdout);
 }
 
+// Why nothing happens to a job that waits; empty where it does not, or nobody can tell.
+std::string WaitsFor(coordinator::Client& client, const wire::JobInfo& info) {
+  if (info.state() != "queued" && info.state() != "running") return "";
+  const Result<coordinator::JobList> list = client.List();
+  if (!list.ok() || list.value().workers > 0) return "";
+  return "waiting: no worker is connected (start 'cairn worker')";
+}
+
 int Submit(const Options& options, const Invocation&) {
   ParsedJob parsed = ResolveJob(options.arguments, LoadCatalog());
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
@@ -57,7 +65,10 @@ int List(const Options& options, const Invocation&) {
 
 int Status(const Options& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
-  Print(Take(client.Info(options.job)), options.json);
+  const wire::JobInfo info = Take(client.Info(options.job));
+  Print(info, options.json);
+  if (const std::string waits = WaitsFor(client, info); !options.json && !waits.empty())
+    std::printf("%s\n", waits.c_str());
   return kExitDone;
 }
 
@@ -89,7 +100,7 @@ int Watch(const Options& options, const Invocation& call) {
   const std::string job = options.job.empty() ? OnlyJob(client) : options.job;
   const std::atomic<bool>& stop = StopOnSignals();
   Console console(call);
-  std::string last_reason;
+  std::string last_reason, last_wait;
   while (!stop) {
     const Result<wire::JobInfo> answer = client.Info(job);
     // A coordinator that is started again answers soon.
@@ -107,6 +118,9 @@ int Watch(const Options& options, const Invocation& call) {
       console.Log(Console::Level::kWarning, info.state() + ": " + info.reason());
     }
     last_reason = info.reason();
+    const std::string waits = WaitsFor(client, info);
+    if (waits != last_wait && !waits.empty()) console.Log(Console::Level::kWarning, waits);
+    last_wait = waits;
     console.Progress(info);
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
@@ -157,9 +171,9 @@ void AddJobCommands(CLI::App& app, Invocation& call) {
     int (*run)(const Options&, const Invocation&);
   };
   for (const OfOneJob& one :
-       {OfOneJob{"status", "How a job stands", "cairn status museum-1 --json", Status},
-        OfOneJob{"cancel", "Ends a job; its last checkpoint stays", "cairn cancel museum-1", Cancel},
-        OfOneJob{"resume", "Goes on with a paused, cancelled or failed job", "cairn resume museum-1",
+       {OfOneJob{"status", "How a job stands", "cairn status 1-museum --json", Status},
+        OfOneJob{"cancel", "Ends a job; its last checkpoint stays", "cairn cancel 1-museum", Cancel},
+        OfOneJob{"resume", "Goes on with a paused, cancelled or failed job", "cairn resume 1-museum",
                  Resume}}) {
     options = AddClientCommand(app, call, one.name, one.summary, one.example, one.run, &command);
     command->add_option("JOB", options->job, "Its id, as submit and list say it")->required();
@@ -167,12 +181,12 @@ void AddJobCommands(CLI::App& app, Invocation& call) {
   }
 
   options = AddClientCommand(app, call, "watch", "Follows a job to its end, and ends as it does",
-                             "cairn watch museum-1", Watch, &command);
+                             "cairn watch 1-museum", Watch, &command);
   command->add_option("JOB", options->job, "Its id (the one that is running)");
   command->add_flag("--json", options->json, "How it ended, as JSON");
 
   options = AddClientCommand(app, call, "results", "Fetches the results of a job, a file a stage",
-                             "cairn results museum-1 --out museum", Results, &command);
+                             "cairn results 1-museum --out museum", Results, &command);
   command->add_option("JOB", options->job, "Its id")->required();
   command->add_option("--out", options->out, "Folder to write to (the job's id)");
 }

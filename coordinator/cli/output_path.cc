@@ -1,10 +1,19 @@
 #include "coordinator/cli/output_path.h"
 
 #include <filesystem>
+#include <system_error>
 
 #include "schema/error.h"
 
 namespace cairn::cli {
+
+void RefuseToReplaceInput(const std::string& path, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code ignored;  // of files that are not there: not the same
+    if (!input.empty() && std::filesystem::equivalent(path, input, ignored))
+      throw InputError("'" + path + "' is an input; it would be overwritten");
+  }
+}
 
 void RefuseToOverwrite(const std::string& path, bool force) {
   namespace fs = std::filesystem;

@@ -2,8 +2,13 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace cairn::cli {
+
+// Throws InputError where `path` is one of `inputs`, by whatever name: not even force may replace what is
+// read.
+void RefuseToReplaceInput(const std::string& path, const std::vector<std::string>& inputs);
 
 // Throws InputError where `path` is there already and `force` is not given, or its folder is not there: said
 // before the work is done.

@@ -30,7 +30,7 @@ int Report(const Options& options, const Invocation&) {
   const std::string file = ResultPath(options.result, "landmark_map");
   const Blob result = ReadResult(file, "landmark_map").blob;
   const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
-  RefuseToOverwrite(out, options.force || options.out.empty());
+  RefuseToOverwrite(out, options.force);
   std::optional<Blob> log;
   if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
   std::optional<datasets::Evaluation> evaluation;
@@ -54,8 +54,9 @@ void WriteReport(const std::string& path, const std::string& title, const Blob& 
 
 void AddReport(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options = AddCommand<Options>(app, call, "report", "One self-contained HTML page about a result",
-                                           "cairn report result --log log.h5", Report, &command);
+  const auto options =
+      AddCommand<Options>(app, call, "report", "One self-contained HTML page about a result",
+                          "cairn report result --log log.h5 --out page.html", Report, &command);
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
   command->add_option("--log", options->log, "The log that it was made from: adds raw odometry, and truth");
   command->add_option("--out", options->out, "The page to write (report.html beside the result)");

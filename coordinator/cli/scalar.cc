@@ -26,6 +26,11 @@ std::optional<std::int64_t> ToInteger(const std::string& text) { return Parse<st
 
 std::optional<std::uint64_t> ToUnsigned(const std::string& text) { return Parse<std::uint64_t>(text); }
 
+std::string CheckSeed(const std::string& text) {
+  if (ToUnsigned(text)) return "";
+  return "'" + text + "' is no seed; allowed: a whole number from 0 to 18446744073709551615";
+}
+
 std::optional<bool> ToBoolean(const std::string& text) {
   if (text == "true") return true;
   if (text == "false") return false;

@@ -26,6 +26,13 @@ TEST(ToUnsigned, TakesAllOf64BitsAndNoSign) {
   EXPECT_EQ(ToUnsigned("18446744073709551616"), std::nullopt);
 }
 
+TEST(CheckSeed, SaysWhatIsAllowed) {
+  EXPECT_EQ(CheckSeed("0"), "");
+  EXPECT_EQ(CheckSeed("18446744073709551615"), "");
+  for (const char* text : {"-1", "18446744073709551616", "1.5", ""})
+    EXPECT_NE(CheckSeed(text).find("from 0 to 18446744073709551615"), std::string::npos) << text;
+}
+
 TEST(ToBoolean, TakesTrueAndFalseOnly) {
   EXPECT_EQ(ToBoolean("true"), true);
   EXPECT_EQ(ToBoolean("false"), false);

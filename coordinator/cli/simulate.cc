@@ -3,6 +3,7 @@
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/output_path.h"
+#include "coordinator/cli/scalar.h"
 #include "datasets/simulate_loop.h"
 #include "schema/store/blob_file.h"
 
@@ -46,7 +47,9 @@ void AddSimulate(CLI::App& app, Invocation& call) {
   loop->add_option("--robots", options->loop.robots, "How many, from 1 to 64; each starts anywhere")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  loop->add_option("--seed", options->loop.seed, "Same seed, same log")->capture_default_str();
+  loop->add_option("--seed", options->loop.seed, "Same seed, same log")
+      ->check(CheckSeed)
+      ->capture_default_str();
   loop->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
   loop->add_option("OUT.h5", options->out, "The log to write")->required();
 }

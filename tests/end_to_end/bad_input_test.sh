@@ -36,6 +36,11 @@ odometry '2,a,0,1' '1,a,0,1' >odometry.csv
 refuses_import 'odometry.csv:3.*backwards' import
 refuses_import 'nowhere.csv' cairn import csv --odometry nowhere.csv log.h5
 
+cp odometry.csv kept.csv
+refuses "'odometry.csv' is an input" cairn import csv --odometry odometry.csv odometry.csv --force
+refuses "'./odometry.csv' is an input" cairn import csv --odometry odometry.csv ./odometry.csv --force
+cmp odometry.csv kept.csv || die "an import has overwritten its input"
+
 # A log with controls only: nothing to map.
 odometry "${good_rows[@]}" >odometry.csv
 exits 0 cairn import csv --odometry odometry.csv log.h5
@@ -61,6 +66,17 @@ refuses 'wokers' cairn run landmark_map log.h5 --wokers 2
 refuses 'would need about [0-9.]+ [MG]B.*memory_mb' cairn run landmark_map log.h5 --set memory_mb=1 --out fine
 [ ! -e fine/landmark_map.h5 ] || die "a run that was refused left a result"
 
+# A result where a log is needed; another log's truth; seeds.
+exits 0 cairn run landmark_map log.h5 --set iterations=1 --out done
+refuses 'done/landmark_map.h5: a landmark_map, where a log is needed' cairn run landmark_map done/landmark_map.h5 --out no
+refuses 'a landmark_map, where a log is needed' cairn run landmark_map done/landmark_map.h5 --out no --dry-run
+[ ! -e no ] || die "a run that was refused made its folder"
+refuses 'seed.*from 0 to 18446744073709551615' cairn simulate loop --seed -1 no.h5
+refuses 'seed.*from 0 to 18446744073709551615' cairn simulate loop --seed 18446744073709551616 no.h5
+exits 0 cairn simulate loop --difficulty base --seed 7 another.h5
+refuses 'was it made from this log' cairn evaluate done --truth another.h5
+exits 0 cairn evaluate done --truth log.h5
+
 # Damaged files.
 head -c 3000 log.h5 >cut.h5
 refuses 'cut.h5' cairn run landmark_map cut.h5 --out cut
@@ -78,3 +94,4 @@ done
 
 # Refused over a network without keys.
 refuses 'keys' cairn coordinator --store store --listen tcp://127.0.0.1:17171
+! grep -q 'listening on' stderr || die "a coordinator that was refused says that it listens"

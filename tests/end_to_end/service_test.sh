@@ -12,6 +12,12 @@ serve() {
   coordinator=$!
 }
 serve
+until_true 20 cairn list >/dev/null
+exits 0 cairn submit landmark_map log.h5 --seed 99 --json
+early=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
+exits 0 cairn status "$early"
+says "^waiting: no worker is connected \(start 'cairn worker'\)"
+exits 0 cairn cancel "$early"
 for _ in 1 2; do cairn worker >>worker.log 2>&1 & done
 
 exits 0 cairn submit job.yaml --json
@@ -39,6 +45,7 @@ second=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
 exits 0 cairn cancel "$second"
 exits 0 cairn resume "$second"
 exits 0 cairn watch "$second"
-refuses 'nobody' cairn status nobody
+refuses "nobody'; known: .*$second" cairn status nobody
+grep -q 'listening on' coordinator.log || die "the coordinator does not say where it listens"
 kill -TERM "$coordinator"
 wait "$coordinator" || die "the coordinator did not end in good order"

@@ -35,6 +35,10 @@ ls exported/*.tum >/dev/null || die "export made no trajectory"
 exits 0 cairn report 'my result' --log log.h5 --out again.html
 grep -q '</html>' again.html || die "the page is cut off"
 refuses 'there already' cairn report 'my result' --out again.html
+refuses 'there already' cairn report 'my result'
+exits 0 cairn report 'my result' --force
+refuses "csv/odometry.csv' is there already" cairn export csv log.h5 csv
+exits 0 cairn export csv log.h5 csv --force
 
 # The same again: finished, says so, and touches no result.
 before=$(stat -c '%i %Y' 'my result/landmark_map.h5')
@@ -44,6 +48,9 @@ says 'finished'
 
 # Another job in the same folder: refused, then forced.
 refuses 'force' cairn run landmark_map log.h5 --set iterations=1 --out 'my result'
+refuses 'memory_mb' cairn run landmark_map log.h5 --set memory_mb=1 --out 'my result' --force
+[ "$before" = "$(stat -c '%i %Y' 'my result/landmark_map.h5')" ] || die "a run that was refused replaced a result"
+[ -s 'my result/map.png' ] || die "a run that was refused took the picture away"
 exits 0 cairn diff 'my result' 'my result'
 exits 0 cairn run landmark_map log.h5 --set iterations=1 --out other
 exits 1 cairn diff 'my result' other
