@@ -125,6 +125,7 @@ void Core::EndRoundFacts(Job& job) {
   round.set_compute_seconds(facts.open_compute_seconds());
   facts.set_open_compute_seconds(0);
   job.round_since_s = now_s_;
+  job.saving.with_partials = false;
   job.task_seconds.clear();
 }
 

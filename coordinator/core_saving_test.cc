@@ -146,6 +146,8 @@ TEST(CoreSaving, ARestoredJobGoesOnFromItsStepWithTheSameTasks) {
   EXPECT_EQ(task.assign.SerializeAsString(), same.assign.SerializeAsString());
   EXPECT_TRUE(after.core.Holds(H(200)));
   after.AnswerRun(task, H(101));
+  ASSERT_EQ(after.All<Persist>().size(), 1u);
+  after.Do(PersistDone{"a", after.All<Persist>()[0].checkpoint.number()});
   after.AnswerResult(after.Next(), H(20));
   ASSERT_EQ(after.All<Persist>().size(), 1u);
   EXPECT_GT(after.All<Persist>()[0].checkpoint.number(), checkpoint.number());
@@ -193,6 +195,53 @@ TEST(CoreSaving, AYoungRoundIsSavedWithoutPartials) {
   ASSERT_EQ(bench.All<Persist>().size(), 1u);
   EXPECT_EQ(bench.All<Persist>()[0].checkpoint.round(), 1u);
   EXPECT_EQ(bench.All<Persist>()[0].checkpoint.partials_size(), 0);
+}
+
+TEST(CoreSaving, TheFirstAnswerAfterARestartIsSavedAtOnceThenOnceInAnInterval) {
+  Bench before;
+  before.Submit();
+  before.Do(PersistDone{"a", 1});
+  before.Join("w");
+  before.AnswerPlan(before.Next(), TestStep(4));
+  before.Advance(1.1);
+  ASSERT_EQ(before.All<Persist>().size(), 1u);
+  const proto::Checkpoint checkpoint = before.All<Persist>()[0].checkpoint;
+
+  Bench after;
+  after.Do(RestoreJob{checkpoint, {}});
+  after.Join("w");
+  after.Advance(0.1);
+  EXPECT_TRUE(after.All<Persist>().empty()) << "nothing new came";
+  after.AnswerRun(after.Next(), H(100));
+  ASSERT_EQ(after.All<Persist>().size(), 1u);
+  EXPECT_EQ(after.All<Persist>()[0].checkpoint.partials(0), H(100).Binary());
+  after.Do(PersistDone{"a", checkpoint.number() + 1});
+  after.AnswerRun(after.Next(), H(101));
+  EXPECT_TRUE(after.All<Persist>().empty());
+  after.Beat("w");
+  after.Advance(1.1);
+  EXPECT_EQ(after.All<Persist>().size(), 1u);
+}
+
+// A run that is stopped soon after it was started again must not lose what it began with.
+TEST(CoreSaving, PartialsThatWereSavedStaySavedAfterARestart) {
+  Bench before;
+  before.Submit();
+  before.Do(PersistDone{"a", 1});
+  before.Join("w");
+  before.AnswerPlan(before.Next(), TestStep(3));
+  before.AnswerRun(before.Next(), H(100));
+  before.Advance(1.1);
+  const proto::Checkpoint checkpoint = before.All<Persist>().at(0).checkpoint;
+  ASSERT_EQ(checkpoint.partials(0), H(100).Binary());
+
+  Bench after;
+  after.Do(RestoreJob{checkpoint, {}});
+  after.Join("w");
+  after.AnswerRun(after.Next(), H(101));
+  ASSERT_EQ(after.All<Persist>().size(), 1u);
+  EXPECT_EQ(after.All<Persist>()[0].checkpoint.partials(0), H(100).Binary());
+  EXPECT_EQ(after.All<Persist>()[0].checkpoint.partials(1), H(101).Binary());
 }
 
 TEST(CoreSaving, ARestoredJobRefusesWorkersOfAnotherBuild) {

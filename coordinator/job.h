@@ -21,6 +21,7 @@ struct Saving {
   bool due = false;                  // something came since the last one
   bool at_once = false;              // do not wait for the interval
   double last_s = 0;                 // when the last one was begun
+  bool with_partials = false;        // the round under way is saved with the partials that it has
   std::vector<Publish> unpublished;  // results that no durable checkpoint covers yet
   std::size_t publishing = 0;        // the first so many of them go with the one under way
   bool saves_the_end = false;        // the one under way says that the job is done

@@ -116,7 +116,8 @@ void Core::On(const RestoreJob& event) {
   job.seconds_before = saved.seconds();
   job.running_since_s = now_s_;
   job.saving.number = saved.number();
-  job.saving.last_s = now_s_;
+  // The first answer is saved at once: a run that is killed again and again within an interval gets on too.
+  job.saving.last_s = now_s_ - options_.checkpoint_interval_s;
   actions_.push_back(JobChanged{job.id});
   if (job.state == proto::JOB_DONE) return;
   HoldRestored(job, event);
@@ -130,6 +131,7 @@ void Core::On(const RestoreJob& event) {
 
 // What the round had when it was saved need not be computed again.
 void Core::TakeUpPartials(Job& job, const proto::Checkpoint& saved) {
+  job.saving.with_partials = true;  // what was saved of a round stays saved, and its first answer is worth it
   if (saved.partials_size() != static_cast<int>(job.partials.size())) return;
   for (std::uint32_t task = 0; task < job.partials.size(); ++task) {
     const Result<Hash> partial = Hash::FromBinary(saved.partials(static_cast<int>(task)));

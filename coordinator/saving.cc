@@ -1,8 +1,14 @@
 // Checkpoints: at most one of a job under way, made of the job as it stands; rounds never wait for them. A
-// long round is saved with the partials that it has.
+// round is saved with the partials that it has, unless it is so young that they are cheaper made than
+// written.
 #include "coordinator/core.h"
 
 namespace cairn::coordinator {
+namespace {
+
+constexpr double kYoung = 0.25;  // of the interval
+
+}  // namespace
 
 void Core::WantSave(Job& job, bool at_once) {
   job.saving.due = true;
@@ -22,8 +28,8 @@ void Core::Save(Job& job) {
   saving.due = saving.at_once = false;
   saving.under_way = true;
   saving.last_s = now_s_;
-  const bool long_round = now_s_ - job.round_since_s >= options_.checkpoint_interval_s;
-  Persist persist{MakeCheckpoint(job, now_s_, long_round), saving.unpublished};
+  saving.with_partials |= now_s_ - job.round_since_s >= kYoung * options_.checkpoint_interval_s;
+  Persist persist{MakeCheckpoint(job, now_s_, saving.with_partials), saving.unpublished};
   persist.checkpoint.set_number(++saving.number);
   saving.publishing = persist.publish.size();
   saving.saves_the_end = persist.checkpoint.state() == proto::JOB_DONE;
