@@ -38,20 +38,25 @@ Status WriteCheckpoint(const std::filesystem::path& path, const proto::Checkpoin
   return WriteBlobFile(path, "checkpoint", blob);
 }
 
+Result<proto::Checkpoint> ParseCheckpoint(std::span<const std::uint8_t> bytes) {
+  proto::Checkpoint checkpoint;
+  if (!checkpoint.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+    return Status(Code::kCorrupt, "not a checkpoint");
+  const std::string wrong = WhatIsWrong(checkpoint);
+  if (!wrong.empty()) return Status(Code::kCorrupt, wrong);
+  return checkpoint;
+}
+
 Result<proto::Checkpoint> ReadCheckpoint(const std::filesystem::path& path) {
   const Result<BlobFile> file = ReadBlobFile(path);
   if (!file.ok()) return file.status();
-  proto::Checkpoint checkpoint;
   try {
-    const auto bytes = file.value().blob.Get<std::uint8_t>("checkpoint");
-    if (!checkpoint.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
-      return Status(Code::kCorrupt, path.string() + ": not a checkpoint");
+    Result<proto::Checkpoint> checkpoint = ParseCheckpoint(file.value().blob.Get<std::uint8_t>("checkpoint"));
+    if (checkpoint.ok()) return checkpoint;
+    return Status(Code::kCorrupt, path.string() + ": " + checkpoint.status().message());
   } catch (const InputError& error) {
     return Status(Code::kCorrupt, path.string() + ": " + error.what());
   }
-  const std::string wrong = WhatIsWrong(checkpoint);
-  if (!wrong.empty()) return Status(Code::kCorrupt, path.string() + ": " + wrong);
-  return checkpoint;
 }
 
 }  // namespace cairn::coordinator

@@ -1,7 +1,9 @@
 // A checkpoint as a Cairn file of kind `checkpoint`: the message as bytes, and the job as YAML for people.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "schema/checkpoint.pb.h"
 #include "schema/error.h"
@@ -13,5 +15,7 @@ Status WriteCheckpoint(const std::filesystem::path& path, const proto::Checkpoin
 // kCorrupt names the file: a wrong checksum, or bytes that are no checkpoint, or one whose parts do not fit
 // together.
 Result<proto::Checkpoint> ReadCheckpoint(const std::filesystem::path& path);
+// What such a file holds; kCorrupt says what is wrong with it, not where.
+Result<proto::Checkpoint> ParseCheckpoint(std::span<const std::uint8_t> bytes);
 
 }  // namespace cairn::coordinator

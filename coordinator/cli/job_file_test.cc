@@ -213,6 +213,16 @@ TEST_F(JobFile, ArgumentsGiveTheSameOptionsAsAFile) {
   }
 }
 
+TEST_F(JobFile, HostileTextsAreRefusedAtOnce) {
+  EXPECT_EQ(Complaint("!,o"), "job.yaml:1: the job: a map of `key: value` is needed");
+  EXPECT_EQ(Complaint("a: 1\n---\nb: 2\n"), "job.yaml:2: a second document: a file holds one job");
+  EXPECT_EQ(Complaint("---\n"), "job.yaml:1: the file is empty");
+  EXPECT_EQ(Complaint(std::string(100000, '[')), "job.yaml:1: nested too deep for a job file");
+  std::string bomb = "a: &a x\nb:\n";
+  for (int i = 0; i < 101; ++i) bomb += "  - *a\n";
+  EXPECT_EQ(Complaint(bomb), "job.yaml:103: more than 100 aliases");
+}
+
 TEST_F(JobFile, BadArgumentsAreRefused) {
   const std::string log = (folder_ / "museum.h5").string();
   const auto complaint = [&](const std::string& pipeline,

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "coordinator/cli/scalar.h"
+#include "coordinator/cli/yaml_look.h"
 #include "schema/error.h"
 
 namespace cairn::cli {
@@ -30,10 +31,11 @@ YAML::Node YamlReader::Load(const std::string& path) const {
     throw InputError(file_ + ": there is no such job file, or it cannot be read or is empty");
   if (text.str().size() > kMostBytes) throw InputError(file_ + ": larger than 1 MB: this is no job file");
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text.str());
-    if (documents.empty()) Refuse(1, "the file is empty");
-    if (documents.size() > 1) Refuse(Line(documents[1]), "a second document: a file holds one job");
-    return documents[0];
+    const YamlLook look = LookThroughYaml(text.str());
+    if (!look.problem.empty()) Refuse(look.line, look.problem);
+    if (look.documents == 0) Refuse(1, "the file is empty");
+    if (look.documents > 1) Refuse(look.second_line, "a second document: a file holds one job");
+    return YAML::Load(text.str());
   } catch (const YAML::Exception& error) {
     Refuse(std::max(1, error.mark.line + 1), "not YAML: " + error.msg);
   }

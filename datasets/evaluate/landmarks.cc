@@ -25,6 +25,14 @@ std::vector<std::int32_t> TruthOfNames(const std::vector<std::string>& names, co
   return truth;
 }
 
+// The truth's columns and indices come from a file, and need not fit together.
+void Mark(std::int32_t landmark, const std::string& name, std::vector<bool>& observed) {
+  if (landmark >= static_cast<std::int64_t>(observed.size()))
+    throw InputError("'" + name + "': landmark " + std::to_string(landmark) + " of " +
+                     std::to_string(observed.size()));
+  observed[static_cast<std::size_t>(landmark)] = true;
+}
+
 // Marks what the log's own identities tell of robot `r`; false where one is unknown.
 bool MarkByIdentity(const Blob& log, std::size_t r, const std::vector<std::int32_t>& truth_of,
                     std::vector<bool>& observed) {
@@ -33,7 +41,7 @@ bool MarkByIdentity(const Blob& log, std::size_t r, const std::vector<std::int32
   for (const std::int32_t landmark : log.Get<std::int32_t>(name)) {
     if (landmark < 0 || landmark >= static_cast<std::int64_t>(truth_of.size())) return false;
     const std::int32_t truth = truth_of[static_cast<std::size_t>(landmark)];
-    if (truth != kNoTruth) observed[static_cast<std::size_t>(truth)] = true;
+    if (truth != kNoTruth) Mark(truth, name, observed);
   }
   return true;
 }
@@ -61,7 +69,7 @@ std::vector<bool> ObservedLandmarks(const Blob& log, std::size_t landmarks) {
     const std::string name = "truth/robot/" + std::to_string(r) + "/observations/landmark";
     if (log.Has(name)) {
       for (const std::int32_t landmark : log.Get<std::int32_t>(name)) {
-        if (landmark >= 0) observed[static_cast<std::size_t>(landmark)] = true;
+        if (landmark >= 0) Mark(landmark, name, observed);
       }
     } else if (!MarkByIdentity(log, r, truth_of, observed)) {
       return std::vector<bool>(landmarks, true);

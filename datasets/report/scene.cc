@@ -65,6 +65,8 @@ class SceneMaker {
     const auto time = log_->Get<double>(robot + "odometry/time_s");
     const auto turn = log_->Get<double>(robot + "odometry/turn_rad");
     const auto forward = log_->Get<double>(robot + "odometry/forward_m");
+    if (turn.size() != time.size() || forward.size() != time.size())
+      throw InputError("'" + robot + "odometry/': columns of different length");
     const std::vector<double> marks = PressTimes(robot + "observations/");
     Path path{name, r, {}}, at_marks{name, r, {}};
     PoseM pose = track.poses.front();

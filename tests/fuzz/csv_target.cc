@@ -1,6 +1,3 @@
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,26 +5,12 @@
 #include <string_view>
 
 #include "datasets/import_csv.h"
+#include "tests/fuzz/gzip.h"
+#include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"
 
 namespace cairn::fuzz {
 namespace {
-
-// A file in memory that has a path.
-class MemoryFile {
- public:
-  explicit MemoryFile(std::string_view text) : fd_(::memfd_create("fuzz", MFD_CLOEXEC)) {
-    CAIRN_DEMAND(fd_ >= 0 && ::write(fd_, text.data(), text.size()) == static_cast<ssize_t>(text.size()),
-                 "no memory file");
-  }
-  ~MemoryFile() { ::close(fd_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  std::string path() const { return "/proc/self/fd/" + std::to_string(fd_); }
-
- private:
-  int fd_;
-};
 
 constexpr std::array<std::string_view, 5> kGood{
     "time_s,robot,turn_rad,forward_m\n1,a,0,1\n2,a,0.5,1\n2,b,0,1\n",
@@ -36,6 +19,8 @@ constexpr std::array<std::string_view, 5> kGood{
     "landmark,x_m,y_m\ndoor,1,2\narch,3,4\n",
     "time_s,robot,landmark\n1,a,door\n2,a,arch\n",
 };
+
+constexpr std::uint8_t kSkipBad = 128, kGzip = 64;
 
 void CheckOrdered(const Blob& log, const std::string& name) {
   const auto times = log.Get<double>(name);
@@ -66,12 +51,13 @@ void CheckLog(const Blob& log) {
   }
 }
 
-}  // namespace
-
-Outcome FuzzCsv(std::span<const std::uint8_t> bytes) {
+Outcome Run(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return Outcome::kRefused;
   std::array<std::string_view, 5> texts = kGood;
-  texts[bytes[0] % texts.size()] = {reinterpret_cast<const char*>(bytes.data()) + 1, bytes.size() - 1};
+  const std::uint8_t choice = bytes[0];
+  const std::string text =
+      (choice & kGzip) != 0 ? Gzip(AsText(bytes.subspan(1))) : std::string(AsText(bytes.subspan(1)));
+  texts[(choice & 63) % texts.size()] = text;
   const MemoryFile odometry(texts[0]), observations(texts[1]), poses(texts[2]), landmarks(texts[3]),
       associations(texts[4]);
   datasets::CsvImportOptions options{odometry.path(),
@@ -79,7 +65,7 @@ Outcome FuzzCsv(std::span<const std::uint8_t> bytes) {
                                      poses.path(),
                                      landmarks.path(),
                                      associations.path(),
-                                     bytes[0] >= 128,
+                                     (choice & kSkipBad) != 0,
                                      {}};
   Blob log;
   try {
@@ -90,5 +76,31 @@ Outcome FuzzCsv(std::span<const std::uint8_t> bytes) {
   CheckLog(log);
   return Outcome::kAccepted;
 }
+
+std::vector<Bytes> Seeds() {
+  constexpr std::array<std::string_view, 6> kFiles{
+      "time_s,robot,turn_rad,forward_m\n1,a,0,1\n2,a,0.5,1\n2,b,0,1\n3,a,0,0\n",
+      "time_s,robot,landmark,range_m,bearing_rad\n1,a,door,2,0.1\n2,a,,,\n2,b,\"arch\",1,0\n",
+      "time_s,robot,x_m,y_m,heading_rad\n1,a,0,0,0\n2,a,1,1,-4\n2,b,1,1,1\n",
+      "landmark,x_m,y_m\ndoor,1,2\narch,3,4\n",
+      "time_s,robot,landmark\n1,a,door\n2,a,arch\n2,b,\n",
+      "time_s,robot,v_mps,omega_radps\n1,a,1,0.5\n2,a,0.5,1\n2,b,0,1\n5,b,2,2\n",
+  };
+  std::vector<Bytes> seeds;
+  for (std::size_t i = 0; i < kFiles.size(); ++i) {
+    for (const std::uint8_t flags : {0, 0 + kSkipBad, 0 + kGzip}) {
+      seeds.emplace_back(kFiles[i].begin(), kFiles[i].end());
+      seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(i % 5 + flags));
+    }
+    const std::string zipped = Gzip(kFiles[i]);
+    seeds.emplace_back(zipped.begin(), zipped.end());
+    seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(i % 5));
+  }
+  return seeds;
+}
+
+}  // namespace
+
+Target CsvTarget() { return {"csv", Run, Seeds, 4000}; }
 
 }  // namespace cairn::fuzz

@@ -1,27 +1,11 @@
-#include <algorithm>
-
 #include "schema/wire/codec.h"
+#include "tests/fuzz/frames.h"
 #include "tests/fuzz/targets.h"
 
 namespace cairn::fuzz {
 namespace {
 
-std::vector<std::span<const std::byte>> CutIntoFrames(std::span<const std::byte> bytes) {
-  std::vector<std::span<const std::byte>> frames;
-  while (bytes.size() >= 2) {
-    const std::size_t stated =
-        std::to_integer<std::size_t>(bytes[0]) + 256 * std::to_integer<std::size_t>(bytes[1]);
-    bytes = bytes.subspan(2);
-    const std::size_t length = std::min(stated, bytes.size());
-    frames.push_back(bytes.first(length));
-    bytes = bytes.subspan(length);
-  }
-  return frames;
-}
-
-}  // namespace
-
-Outcome FuzzMessage(std::span<const std::uint8_t> bytes) {
+Outcome Run(std::span<const std::uint8_t> bytes) {
   const Result<wire::Message> read = wire::Decode(CutIntoFrames(std::as_bytes(bytes)));
   if (!read.ok()) return Outcome::kRefused;
   const wire::Frames frames = wire::Encode(read.value());
@@ -39,5 +23,26 @@ Outcome FuzzMessage(std::span<const std::uint8_t> bytes) {
   }
   return Outcome::kAccepted;
 }
+
+std::vector<Bytes> Seeds() {
+  Blob blob;
+  blob.PutVector<double>("x_m", {1, 2, 3});
+  blob.Put("empty", Array::Of<float>({2, 0}, std::vector<float>()));
+  blob.Put("names", Array::Texts({"a", "Grüße"}));
+  wire::Message data, done, assign;
+  data.envelope.mutable_blob();
+  data.blobs = {wire::NameBlob(std::make_shared<const Blob>(blob))};
+  done.envelope.mutable_done()->mutable_key()->set_job("museum");
+  done.blobs = {data.blobs[0], data.blobs[0]};
+  wire::Assign& task = *assign.envelope.mutable_assign();
+  task.mutable_stage()->set_pipeline("landmark_map");
+  (*task.mutable_inputs())["log"] = data.blobs[0].hash.Binary();
+  task.add_partials("short");
+  return {JoinFrames(data), JoinFrames(done), JoinFrames(assign)};
+}
+
+}  // namespace
+
+Target MessageTarget() { return {"message", Run, Seeds, 20000}; }
 
 }  // namespace cairn::fuzz

@@ -1,25 +1,57 @@
 // What is fuzzed: bytes go in, and whatever they are, nothing may crash, leak, hang or contradict itself.
+// Each target aborts where it does.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace cairn::fuzz {
 
+using Bytes = std::vector<std::uint8_t>;
+
 enum class Outcome { kRefused, kAccepted };
 
-// The first byte chooses which file of an import (odometry, observations, three of truth) the others are, and
-// whether bad lines are skipped; the other files are good ones. An accepted log has columns of equal length,
-// finite numbers and times in order. Aborts where it has not.
-Outcome FuzzCsv(std::span<const std::uint8_t> bytes);
+struct Target {
+  std::string name;
+  Outcome (*run)(std::span<const std::uint8_t> bytes);
+  std::vector<Bytes> (*seeds)();  // each of them is accepted
+  int short_runs;                 // of mutations, in fuzz_test
+};
 
-// The bytes of a Cairn file. An accepted blob is written again and read again, and must be the same. Aborts
-// where it is not.
-Outcome FuzzBlobFile(std::span<const std::uint8_t> bytes);
+// The first byte chooses which file of an import (odometry, observations, three of truth) the others are,
+// whether bad lines are skipped, and whether the file is gzipped first; the other files are good ones. An
+// accepted log has columns of equal length, finite numbers and times in order.
+Target CsvTarget();
+// The same of a folder of MRCLAM's.
+Target MrclamTarget();
+// A job file.
+Target JobFileTarget();
+// Key pairs, public keys, lists of those allowed.
+Target KeysTarget();
 
 // A message as it comes from a socket: frames, each after its length in two bytes, little-endian. An accepted
-// one is encoded and decoded again, and must be the same. Aborts where it is not.
-Outcome FuzzMessage(std::span<const std::uint8_t> bytes);
+// one is encoded and decoded again, and must be the same.
+Target MessageTarget();
+// What workers and clients say to a coordinator, as a session: right, wrong at some place, or any bytes. The
+// store that is left can be read by the next coordinator.
+Target CoordinatorTarget();
+// What a coordinator says to a worker, as a session.
+Target WorkerTarget();
+
+// The bytes of a Cairn file, read by HDF5. An accepted blob is written again and read again, and must be the
+// same.
+Target BlobFileTarget();
+// The bytes inside a checkpoint; the core takes up what is accepted and goes on with it.
+Target CheckpointTarget();
+// A job table.
+Target JobTableTarget();
+// A log, and a result, with some fields changed: planned with, evaluated, exported, drawn.
+Target LogTarget();
+Target ResultTarget();
+
+std::vector<Target> AllTargets();
 
 }  // namespace cairn::fuzz

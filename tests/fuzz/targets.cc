@@ -1,0 +1,11 @@
+#include "tests/fuzz/targets.h"
+
+namespace cairn::fuzz {
+
+std::vector<Target> AllTargets() {
+  return {CsvTarget(),         MrclamTarget(),   JobFileTarget(),  KeysTarget(),
+          MessageTarget(),     WorkerTarget(),   BlobFileTarget(), CheckpointTarget(),
+          CoordinatorTarget(), JobTableTarget(), LogTarget(),      ResultTarget()};
+}
+
+}  // namespace cairn::fuzz
