@@ -2,19 +2,7 @@
 
 #include <utility>
 
-#include "schema/store/blob_file.h"
-
 namespace cairn::coordinator {
-
-Result<BlobPtr> ReadStoredBlob(const StoreFolder& folder, const Hash& hash) {
-  Result<BlobFile> file = ReadBlobFile(folder.BlobFile(hash));
-  if (!file.ok()) return file.status();
-  auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
-  if (blob->ContentHash() != hash)
-    return Status(Code::kCorrupt,
-                  folder.BlobFile(hash).string() + ": its content is another than its name says");
-  return BlobPtr(std::move(blob));
-}
 
 void BlobStore::Put(const wire::NamedBlob& named, std::uint64_t ticket) {
   const auto [it, is_new] = entries_.try_emplace(named.hash);
@@ -41,7 +29,7 @@ BlobPtr BlobStore::Get(const Hash& hash) {
     ages_.splice(ages_.end(), ages_, entry.age);
     return entry.blob;
   }
-  Result<BlobPtr> read = ReadStoredBlob(folder_, hash);
+  Result<BlobPtr> read = files_.Read(hash);
   if (!read.ok()) return nullptr;
   BlobPtr blob = std::move(read).value();
   Keep(entry, hash, blob);

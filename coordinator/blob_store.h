@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "coordinator/store_folder.h"
+#include "coordinator/blob_files.h"
 #include "schema/blob.h"
 #include "schema/wire/codec.h"
 
@@ -15,8 +15,7 @@ namespace cairn::coordinator {
 
 class BlobStore {
  public:
-  BlobStore(const StoreFolder& folder, std::uint64_t memory_bytes)
-      : folder_(folder), cap_bytes_(memory_bytes) {}
+  BlobStore(BlobFiles& files, std::uint64_t memory_bytes) : files_(files), cap_bytes_(memory_bytes) {}
 
   // `ticket`: any number that grows; what is made durable under an earlier one does not count for this blob.
   void Put(const wire::NamedBlob& named, std::uint64_t ticket);
@@ -46,14 +45,11 @@ class BlobStore {
   void Keep(Entry& entry, const Hash& hash, BlobPtr blob);
   void Evict();
 
-  const StoreFolder& folder_;
+  BlobFiles& files_;
   const std::uint64_t cap_bytes_;
   std::uint64_t bytes_ = 0;
   std::map<Hash, Entry> entries_;
   std::list<Hash> ages_;  // least recently used first
 };
-
-// Reads a blob's file; kCorrupt where its content is not what its name says.
-Result<BlobPtr> ReadStoredBlob(const StoreFolder& folder, const Hash& hash);
 
 }  // namespace cairn::coordinator

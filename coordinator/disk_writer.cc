@@ -10,8 +10,11 @@ namespace cairn::coordinator {
 
 namespace fs = std::filesystem;
 
-DiskWriter::DiskWriter(const StoreFolder& folder, JobTable table, std::function<void()> wake)
-    : folder_(folder), table_(std::move(table)), wake_(std::move(wake)), thread_([this] { Loop(); }) {}
+DiskWriter::DiskWriter(const StoreFolder& folder, BlobFiles& files, JobTable table,
+                       std::function<void()> wake)
+    : folder_(folder), files_(files), table_(std::move(table)), wake_(std::move(wake)), thread_([this] {
+        Loop();
+      }) {}
 
 DiskWriter::~DiskWriter() {
   {
@@ -57,7 +60,7 @@ std::optional<DiskDone> DiskWriter::Do(Item& item) {
   std::optional<DiskDone> done;
   if (const auto* checkpoint = std::get_if<WriteCheckpointWork>(&item.work)) done = Do(*checkpoint);
   if (const auto* blobs = std::get_if<WriteBlobsWork>(&item.work)) done = Do(*blobs);
-  if (const auto* remove = std::get_if<RemoveBlobsWork>(&item.work)) Do(*remove);
+  if (const auto* remove = std::get_if<RemoveBlobsWork>(&item.work)) files_.Remove(remove->hashes);
   if (const auto* row = std::get_if<WriteRowWork>(&item.work)) {
     done = Do(*row);
     if (done->status.ok()) done.reset();
@@ -71,7 +74,7 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
   DiskDone done;
   done.job = checkpoint.job_id();
   done.number = checkpoint.number();
-  done.status = WriteBlobs(work.blobs, done.written);
+  done.status = files_.Write(work.blobs, done.written);
   for (const ResultToWrite& result : work.results) {
     if (!done.status.ok()) return done;
     std::error_code ignored;  // the write below says what is wrong
@@ -90,17 +93,8 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
 
 DiskDone DiskWriter::Do(const WriteBlobsWork& work) const {
   DiskDone done;
-  done.status = WriteBlobs(work.blobs, done.written);
+  done.status = files_.Write(work.blobs, done.written);
   return done;
-}
-
-Status DiskWriter::WriteBlobs(const std::vector<wire::NamedBlob>& blobs, std::vector<Hash>& written) const {
-  for (const wire::NamedBlob& named : blobs) {
-    if (Status status = WriteBlobFile(folder_.BlobFile(named.hash), "blob", *named.blob); !status.ok())
-      return status;
-    written.push_back(named.hash);
-  }
-  return Status::Ok();
 }
 
 void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const {
@@ -109,13 +103,6 @@ void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const
   for (std::size_t i = 0; i + keep < numbers.size(); ++i) {
     std::error_code ignored;  // an old checkpoint too many does no harm
     fs::remove(folder_.CheckpointFile(checkpoint.job_id(), numbers[i]), ignored);
-  }
-}
-
-void DiskWriter::Do(const RemoveBlobsWork& work) const {
-  for (const Hash& hash : work.hashes) {
-    std::error_code ignored;  // the next start clears it away
-    fs::remove(folder_.BlobFile(hash), ignored);
   }
 }
 

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "coordinator/blob_files.h"
 #include "coordinator/job_table.h"
 #include "coordinator/store_folder.h"
 #include "schema/blob.h"
@@ -58,7 +59,7 @@ struct DiskDone {
 class DiskWriter {
  public:
   // `wake` is called on the writer's thread when something is done.
-  DiskWriter(const StoreFolder& folder, JobTable table, std::function<void()> wake);
+  DiskWriter(const StoreFolder& folder, BlobFiles& files, JobTable table, std::function<void()> wake);
   ~DiskWriter();  // after all work is done
 
   std::uint64_t Add(DiskWork work);  // returns its ticket; tickets grow
@@ -74,12 +75,11 @@ class DiskWriter {
   std::optional<DiskDone> Do(Item& item);
   DiskDone Do(const WriteCheckpointWork& work) const;
   DiskDone Do(const WriteBlobsWork& work) const;
-  void Do(const RemoveBlobsWork& work) const;
   DiskDone Do(const WriteRowWork& work);
-  Status WriteBlobs(const std::vector<wire::NamedBlob>& blobs, std::vector<Hash>& written) const;
   void RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const;
 
   const StoreFolder& folder_;
+  BlobFiles& files_;
   JobTable table_;
   const std::function<void()> wake_;
   std::uint64_t next_ticket_ = 1;  // of the thread that adds

@@ -18,8 +18,9 @@ Hub::Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOpt
       options_(std::move(options)),
       log_(std::move(log)),
       core_(options_.core),
-      blobs_(folder, options_.memory_bytes),
-      writer_(folder, std::move(table), [&transport] { transport.Wake(); }) {
+      files_(folder),
+      blobs_(files_, options_.memory_bytes),
+      writer_(folder, files_, std::move(table), [&transport] { transport.Wake(); }) {
   Restore();
 }
 
@@ -28,10 +29,10 @@ double Hub::Now() {
 }
 
 void Hub::Restore() {
-  for (const RestoreJob& job : Recover(folder_, log_)) {
+  for (const RestoreJob& job : Recover(folder_, files_, log_)) {
     for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
     for (const Hash& blob : job.previous_blobs)
-      if (std::filesystem::exists(folder_.BlobFile(blob))) blobs_.AddDurable(blob);
+      if (files_.Has(blob)) blobs_.AddDurable(blob);
     Handle(job);
   }
 }

@@ -81,6 +81,7 @@ class Hub {
   const HubOptions options_;
   const LogSink log_;
   Core core_;
+  BlobFiles files_;
   BlobStore blobs_;
   double ticked_s_ = 0;
   std::set<std::string> gone_;  // peers that a message could not be sent to

@@ -6,7 +6,6 @@
 #include <tuple>
 #include <utility>
 
-#include "coordinator/blob_store.h"
 #include "coordinator/checkpoint_file.h"
 
 namespace cairn::coordinator {
@@ -21,26 +20,26 @@ std::vector<Hash> BlobsOf(const proto::Checkpoint& checkpoint) {
 }
 
 // Sets aside what is damaged of it; true where all can be read.
-bool BlobsAreGood(const StoreFolder& folder, const proto::Checkpoint& checkpoint, const LogSink& log) {
+bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, const LogSink& log) {
   for (const Hash& hash : BlobsOf(checkpoint)) {
-    const Result<BlobPtr> blob = ReadStoredBlob(folder, hash);
+    const Status blob = files.Check(hash);
     if (blob.ok()) continue;
-    log(Severity::kWarning, blob.status().message());
-    if (blob.status().code() == Code::kCorrupt) SetAside(folder.BlobFile(hash));
+    log(Severity::kWarning, blob.message());
+    if (blob.code() == Code::kCorrupt) files.SetAside(hash);
     return false;
   }
   return true;
 }
 
 // The newest that is good, from `numbers` (ascending), which loses it and all that were newer.
-std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, const std::string& job,
-                                            std::vector<std::uint64_t>& numbers, const LogSink& log) {
+std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles& files,
+                                            const std::string& job, std::vector<std::uint64_t>& numbers,
+                                            const LogSink& log) {
   while (!numbers.empty()) {
     const fs::path path = folder.CheckpointFile(job, numbers.back());
     numbers.pop_back();
     Result<proto::Checkpoint> checkpoint = ReadCheckpoint(path);
-    if (checkpoint.ok() && checkpoint.value().job_id() == job &&
-        BlobsAreGood(folder, checkpoint.value(), log))
+    if (checkpoint.ok() && checkpoint.value().job_id() == job && BlobsAreGood(files, checkpoint.value(), log))
       return std::move(checkpoint).value();
     const std::string why =
         checkpoint.ok() ? "its blobs are missing or damaged" : checkpoint.status().message();
@@ -51,25 +50,14 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, const std
   return std::nullopt;
 }
 
-void RemoveUnnamedBlobs(const StoreFolder& folder, const std::set<Hash>& named) {
-  std::vector<fs::path> garbage;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder.Blobs(), ignored)) {
-    if (entry.path().extension() == ".damaged") continue;
-    const Result<Hash> hash = Hash::FromHex(entry.path().stem().string());
-    if (!hash.ok() || !named.contains(hash.value())) garbage.push_back(entry.path());
-  }
-  for (const fs::path& path : garbage) fs::remove(path, ignored);
-}
-
 }  // namespace
 
-std::vector<RestoreJob> Recover(const StoreFolder& folder, const LogSink& log) {
+std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const LogSink& log) {
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
   for (const std::string& job : folder.JobsWithCheckpoints()) {
     std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
-    std::optional<proto::Checkpoint> newest = TakeNewest(folder, job, numbers, log);
+    std::optional<proto::Checkpoint> newest = TakeNewest(folder, files, job, numbers, log);
     if (!newest) {
       log(Severity::kError, "job " + job + " has no checkpoint left that can be read; it is lost");
       continue;
@@ -82,7 +70,7 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, const LogSink& log) {
     named.insert(restore.previous_blobs.begin(), restore.previous_blobs.end());
     jobs.push_back(std::move(restore));
   }
-  RemoveUnnamedBlobs(folder, named);
+  files.RemoveAllBut(named);
   std::sort(jobs.begin(), jobs.end(), [](const RestoreJob& a, const RestoreJob& b) {
     return std::tuple(a.checkpoint.order(), a.checkpoint.job_id()) <
            std::tuple(b.checkpoint.order(), b.checkpoint.job_id());

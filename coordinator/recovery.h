@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "coordinator/blob_files.h"
 #include "coordinator/events.h"
 #include "coordinator/job_table.h"
 #include "coordinator/log.h"
@@ -13,7 +14,7 @@ namespace cairn::coordinator {
 // The last good checkpoint of every job, in the order of submission. A damaged one, or one whose blobs are
 // missing or damaged, is named, renamed to FILE.damaged, and the one before is taken. Blobs that none of the
 // kept checkpoints names, and leftovers of interrupted writes, are removed.
-std::vector<RestoreJob> Recover(const StoreFolder& folder, const LogSink& log);
+std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const LogSink& log);
 
 // The job table; one that cannot be read is set aside and begun anew.
 Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log);

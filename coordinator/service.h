@@ -2,8 +2,8 @@
 //
 // Store:  DIR/lock                        flock'ed while a coordinator serves
 //         DIR/jobs.sqlite                 job table (WAL); rebuilt from the checkpoints where it is lost
-//         DIR/blobs/<hash>.h5             blobs that checkpoints name
-//         DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done
+//         DIR/blobs/<hash>.h5             blobs that checkpoints name; blobs/pack-<hash>.h5: many small ones
+//         in one DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done
 //         DIR/results/<job>/<stage>.h5    results, published whole
 #pragma once
 

@@ -71,6 +71,27 @@ std::vector<std::string> StoreFolder::JobsWithCheckpoints() const {
   return jobs;
 }
 
+std::vector<fs::path> StoreFolder::PackFiles() const {
+  std::vector<fs::path> packs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Blobs(), error))
+    if (entry.path().filename().string().starts_with("pack-") && entry.path().extension() == ".h5")
+      packs.push_back(entry.path());
+  std::sort(packs.begin(), packs.end());
+  return packs;
+}
+
+std::vector<Hash> StoreFolder::BlobsAlone() const {
+  std::vector<Hash> blobs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Blobs(), error)) {
+    const Result<Hash> hash = Hash::FromHex(entry.path().stem().string());
+    if (hash.ok() && entry.path().extension() == ".h5") blobs.push_back(hash.value());
+  }
+  std::sort(blobs.begin(), blobs.end());
+  return blobs;
+}
+
 Status StoreFolder::Clear() {
   for (const fs::directory_entry& entry : fs::directory_iterator(dir_)) {
     if (entry.path().filename() == "lock") continue;

@@ -24,6 +24,9 @@ class StoreFolder {
   std::filesystem::path JobTable() const { return dir_ / "jobs.sqlite"; }
   std::filesystem::path Blobs() const { return dir_ / "blobs"; }
   std::filesystem::path BlobFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".h5"); }
+  std::filesystem::path PackFile(const Hash& hash) const { return Blobs() / ("pack-" + hash.Hex() + ".h5"); }
+  std::vector<std::filesystem::path> PackFiles() const;  // sorted
+  std::vector<Hash> BlobsAlone() const;                  // that have files of their own; sorted
   std::filesystem::path Checkpoints() const { return dir_ / "checkpoints"; }
   std::filesystem::path CheckpointFile(const std::string& job, std::uint64_t number) const {
     return Checkpoints() / job / (std::to_string(number) + ".h5");

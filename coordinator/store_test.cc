@@ -101,7 +101,8 @@ TEST(StoreFolder, ClearForgetsJobsAndKeepsTheLock) {
 TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
   TempFolder temp;
   auto folder = StoreFolder::Open(temp.path() / "s");
-  BlobStore store(folder.value(), 10);
+  BlobFiles files(folder.value());
+  BlobStore store(files, 10);
   const wire::NamedBlob a = TextBlob("aaaaaaaa"), b = TextBlob("bbbbbbbb");
   store.Put(a, 1);
   store.Put(b, 1);
@@ -118,7 +119,8 @@ TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
 TEST(BlobStore, WhatWasWrittenBeforeADropDoesNotCountAfterwards) {
   TempFolder temp;
   auto folder = StoreFolder::Open(temp.path() / "s");
-  BlobStore store(folder.value(), 1000);
+  BlobFiles files(folder.value());
+  BlobStore store(files, 1000);
   const wire::NamedBlob a = TextBlob("a");
   store.Put(a, 1);
   store.Drop({a.hash});  // its file will be removed
@@ -132,12 +134,13 @@ TEST(BlobStore, WhatWasWrittenBeforeADropDoesNotCountAfterwards) {
 TEST(BlobStore, AFileWithAnotherContentIsNotServed) {
   TempFolder temp;
   auto folder = StoreFolder::Open(temp.path() / "s");
-  BlobStore store(folder.value(), 1000);
+  BlobFiles files(folder.value());
+  BlobStore store(files, 1000);
   const wire::NamedBlob a = TextBlob("a"), b = TextBlob("b");
   ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(a.hash), "blob", *b.blob).ok());
   store.AddDurable(a.hash);
   EXPECT_EQ(store.Get(a.hash), nullptr);
-  EXPECT_EQ(ReadStoredBlob(folder.value(), a.hash).status().code(), Code::kCorrupt);
+  EXPECT_EQ(files.Read(a.hash).status().code(), Code::kCorrupt);
 }
 
 TEST(JobTable, KeepsARowAJobAndTheTimeOfSubmission) {

@@ -115,7 +115,8 @@ class Session {
       CAIRN_DEMAND(hub_->Shut(60), "it cannot save what it has");
       hub_.reset();
       log_.clear();
-      Recover(*folder_, Sink());
+      coordinator::BlobFiles files(*folder_);
+      Recover(*folder_, files, Sink());
       CAIRN_DEMAND(log_.find("set aside") == std::string::npos, log_);
     }
     return peers_.replies() > 0 || !peers_.assigned().empty() ? Outcome::kAccepted : Outcome::kRefused;
