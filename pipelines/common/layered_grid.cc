@@ -115,33 +115,102 @@ std::int64_t LayeredGrid::cells() const {
   return cells;
 }
 
-void LayeredGrid::Store(const std::string& prefix, Blob* blob) const {
+namespace {
+
+Array BoxesOf(const std::vector<Layer>& layers) {
   std::vector<std::int32_t> boxes;
-  std::vector<double> values;
   for (const Layer& layer : layers) {
     boxes.insert(boxes.end(), {layer.box.x0, layer.box.y0, layer.box.nx, layer.box.ny});
-    values.insert(values.end(), layer.values.begin(), layer.values.end());
   }
-  blob->Put(prefix + "box", Array::Of<std::int32_t>({static_cast<std::int64_t>(layers.size()), 4}, boxes));
+  return Array::Of<std::int32_t>({static_cast<std::int64_t>(layers.size()), 4}, boxes);
+}
+
+// Layers without values yet. Boxes that no belief can have are refused: their corners would leave 32 bits.
+std::vector<Layer> LayersOf(const std::string& prefix, const Blob& blob) {
+  const auto boxes = blob.Get<std::int32_t>(prefix + "box");
+  if (boxes.size() % 4 != 0) throw InputError("'" + prefix + "box' does not hold four numbers a layer");
+  std::vector<Layer> layers(boxes.size() / 4);
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    constexpr std::int32_t kFarthest = 1 << 28;
+    for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
+      if (boxes[k] < -kFarthest || boxes[k] > kFarthest || (k % 4 > 1 && boxes[k] < 0))
+        throw InputError("'" + prefix + "box' holds a box that is none: layer " + std::to_string(i));
+    }
+    layers[i].box = {boxes[4 * i], boxes[4 * i + 1], boxes[4 * i + 2], boxes[4 * i + 3]};
+  }
+  return layers;
+}
+
+}  // namespace
+
+void LayeredGrid::Store(const std::string& prefix, Blob* blob) const {
+  std::vector<double> values;
+  for (const Layer& layer : layers) values.insert(values.end(), layer.values.begin(), layer.values.end());
+  blob->Put(prefix + "box", BoxesOf(layers));
   blob->PutVector<double>(prefix + "value", values);
 }
 
 LayeredGrid LayeredGrid::Load(const std::string& prefix, const Blob& blob) {
-  const auto boxes = blob.Get<std::int32_t>(prefix + "box");
   const auto values = blob.Get<double>(prefix + "value");
-  LayeredGrid grid;
+  LayeredGrid grid{LayersOf(prefix, blob)};
   std::size_t at = 0;
-  for (std::size_t i = 0; i + 3 < boxes.size(); i += 4) {
-    Layer layer;
-    layer.box = {boxes[i], boxes[i + 1], boxes[i + 2], boxes[i + 3]};
+  for (Layer& layer : grid.layers) {
     const auto cells = static_cast<std::size_t>(layer.box.cells());
     if (cells > values.size() - at) throw InputError("'" + prefix + "value' is shorter than its boxes");
     layer.values.assign(values.begin() + static_cast<std::ptrdiff_t>(at),
                         values.begin() + static_cast<std::ptrdiff_t>(at + cells));
     at += cells;
-    grid.layers.push_back(std::move(layer));
   }
   if (at != values.size()) throw InputError("'" + prefix + "value' is longer than its boxes");
+  return grid;
+}
+
+void LayeredGrid::StoreSparse(const std::string& prefix, Blob* blob) const {
+  std::vector<std::int64_t> runs;
+  std::vector<double> values;
+  std::size_t filled = 0;
+  for (const Layer& layer : layers) filled += layer.values.size() - std::ranges::count(layer.values, 0.0);
+  values.reserve(filled);
+  std::int64_t at = 0;
+  for (const Layer& layer : layers) {
+    bool inside = false;
+    for (const double value : layer.values) {
+      if (value != 0.0) {
+        if (!inside) runs.insert(runs.end(), {at, 0});
+        ++runs.back();
+        values.push_back(value);
+      }
+      inside = value != 0.0;
+      ++at;
+    }
+  }
+  blob->Put(prefix + "box", BoxesOf(layers));
+  blob->Put(prefix + "run", Array::Of<std::int64_t>({static_cast<std::int64_t>(runs.size() / 2), 2}, runs));
+  blob->PutVector<double>(prefix + "value", values);
+}
+
+LayeredGrid LayeredGrid::LoadSparse(const std::string& prefix, const Blob& blob) {
+  const auto values = blob.Get<double>(prefix + "value");
+  const auto runs = blob.Get<std::int64_t>(prefix + "run");
+  LayeredGrid grid{LayersOf(prefix, blob)};
+  const auto refuse = [&] { throw InputError("'" + prefix + "run' does not fit its boxes and values"); };
+  if (runs.size() % 2 != 0) refuse();
+  std::int64_t begin = 0, value = 0;  // of the layer's cells; of the values not yet placed
+  std::size_t run = 0;
+  for (Layer& layer : grid.layers) {
+    const std::int64_t cells = layer.box.cells(), end = begin + cells;
+    layer.values.assign(static_cast<std::size_t>(cells), 0.0);
+    for (std::int64_t least = begin; run < runs.size() && runs[run] < end; run += 2) {
+      const std::int64_t first = runs[run], count = runs[run + 1];
+      if (first < least || count < 1 || count > end - first) refuse();
+      if (count > static_cast<std::int64_t>(values.size()) - value) refuse();
+      std::copy_n(values.begin() + value, count, layer.values.begin() + (first - begin));
+      value += count;
+      least = first + count;
+    }
+    begin = end;
+  }
+  if (run != runs.size() || value != static_cast<std::int64_t>(values.size())) refuse();
   return grid;
 }
 

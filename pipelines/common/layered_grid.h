@@ -69,6 +69,10 @@ struct LayeredGrid {
   void Store(const std::string& prefix, Blob* blob) const;
   static LayeredGrid Load(const std::string& prefix,
                           const Blob& blob);  // throws InputError where they disagree
+  // The same without zeros, for grids that are nearly empty: PREFIXvalue holds what PREFIXrun [R,2] i64
+  // (index of a run's first cell in the order of layers, rows, cells; its length) picks out.
+  void StoreSparse(const std::string& prefix, Blob* blob) const;
+  static LayeredGrid LoadSparse(const std::string& prefix, const Blob& blob);  // throws as Load does
 };
 
 // A separable blur by a Gaussian of `sigma` cells, mass kept; the box grows by the taps' reach.

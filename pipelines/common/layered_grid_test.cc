@@ -38,6 +38,54 @@ TEST(Layer, CoverKeepsValuesAndPruneTightensTheBox) {
   EXPECT_TRUE(layer.box.empty());
 }
 
+TEST(LayeredGrid, SparseStorageKeepsAllAndNoZero) {
+  LayeredGrid grid;
+  grid.layers = {Layer(Box{-3, 2, 5, 2}), Layer(), Layer(Box{7, -1, 1, 1}), Layer(Box{0, 0, 3, 1})};
+  grid.layers[0].values = {0.0, 1.5, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.5};
+  grid.layers[2].values = {4.5};  // its run must not be joined with the one before
+  Blob blob;
+  grid.StoreSparse("alpha/", &blob);
+  EXPECT_EQ(blob.at("alpha/value").size(), 4);
+  EXPECT_EQ(blob.at("alpha/run").shape(), (std::vector<std::int64_t>{3, 2}));
+  const LayeredGrid again = LayeredGrid::LoadSparse("alpha/", blob);
+  ASSERT_EQ(again.layers.size(), grid.layers.size());
+  for (std::size_t i = 0; i < grid.layers.size(); ++i) {
+    EXPECT_EQ(again.layers[i].box, grid.layers[i].box);
+    EXPECT_EQ(again.layers[i].values, grid.layers[i].values);
+  }
+}
+
+TEST(LayeredGrid, SparseStorageThatDoesNotAddUpIsRefused) {
+  LayeredGrid grid;
+  grid.layers = {Layer(Box{0, 0, 4, 1}), Layer(Box{0, 0, 2, 1})};
+  grid.layers[0].values = {0.0, 1.0, 1.0, 0.0};
+  grid.layers[1].values = {0.0, 1.0};
+  Blob good;
+  grid.StoreSparse("", &good);
+  const auto runs = [&](const std::vector<std::int64_t>& values) {
+    Blob bad = good;
+    bad.Put("run", Array::Of<std::int64_t>({static_cast<std::int64_t>(values.size() / 2), 2}, values));
+    return bad;
+  };
+  EXPECT_NO_THROW(LayeredGrid::LoadSparse("", runs({1, 2, 5, 1})));
+  for (const std::vector<std::int64_t>& values :
+       std::vector<std::vector<std::int64_t>>{{1, 2},
+                                              {1, 2, 6, 1},
+                                              {1, 2, 5, 2},
+                                              {3, 2, 5, 1},
+                                              {1, 2, 2, 1},
+                                              {5, 1, 1, 2},
+                                              {1, 4},
+                                              {1, 3, 5, 0},
+                                              {-1, 2, 5, 1},
+                                              {1, 1, 2, 1, 5, 1, 5, 1}}) {
+    EXPECT_THROW(LayeredGrid::LoadSparse("", runs(values)), InputError);
+  }
+  Blob bad = good;
+  bad.Put("box", Array::Of<std::int32_t>({2, 4}, std::vector<std::int32_t>{0, 0, 1 << 30, 1, 0, 0, 2, 1}));
+  EXPECT_THROW(LayeredGrid::LoadSparse("", bad), InputError);
+}
+
 TEST(LayeredGrid, StoresAndLoadsTheSame) {
   LayeredGrid grid;
   grid.layers = {RandomLayer({-3, 2, 4, 5}, 1), Layer(), RandomLayer({7, 7, 1, 1}, 2)};

@@ -22,6 +22,11 @@ MotionKernel KernelTo(const EStepModel& model, const Slice& slice, int step) {
   return {leg, ErrorOf(leg, model.noise), model.grid.cell_m, model.grid.headings, model.shape};
 }
 
+// eq. 16 from the step before; step 0 has no leg to it.
+LayeredGrid Moved(const EStepModel& model, const Slice& slice, int step, const LayeredGrid& belief) {
+  return step == 0 ? belief : KernelTo(model, slice, step).Forward(belief);
+}
+
 // Multiplies by P(o | xi, m) for all that was seen at a step and returns the logarithm by which the table was
 // scaled: after each observation its largest value is one again, or many of them would leave the range of a
 // double.
@@ -81,14 +86,16 @@ double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid
   return std::log(after / before) + log_scale;
 }
 
-void CheckMemory(const EStepModel& model, const Slice& slice, int step, std::int64_t cells) {
-  const double bytes = static_cast<double>(cells) * sizeof(double);
+// `held`: cells of the tables that are kept already.
+void CheckMemory(const EStepModel& model, const Slice& slice, int step, std::int64_t held,
+                 const LayeredGrid& belief) {
+  constexpr std::int64_t kCopies = 5;  // the belief, and what moving it needs for a moment
+  const double bytes = static_cast<double>(held + kCopies * belief.cells()) * sizeof(double);
   if (bytes <= model.memory_bytes) return;
-  const double all = bytes * (slice.end - slice.first) / (step + 1 - slice.first);
   Refuse(slice, step,
-         "the beliefs would need about " + std::to_string(std::llround(all / 1e6)) +
-             " MB, more than memory_mb = " + std::to_string(std::llround(model.memory_bytes / 1e6)) +
-             ": take a larger cell_m or heading_deg, or fewer slice_steps");
+         "the beliefs would need about " + std::to_string(std::llround(std::ceil(bytes / 1e6))) +
+             " MB or more, memory_mb = " + std::to_string(std::llround(model.memory_bytes / 1e6)) +
+             ": take a larger cell_m or heading_deg, or a smaller slice_mcells");
 }
 
 // Scales a message to a largest value of one. What alpha keeps always has a way on, so beta never vanishes
@@ -155,7 +162,9 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
 
 LayeredGrid UniformBeta(const LayeredGrid& support) {
   LayeredGrid beta = support;
-  for (Layer& layer : beta.layers) layer.values.assign(layer.values.size(), 1.0);
+  for (Layer& layer : beta.layers) {
+    for (double& value : layer.values) value = value > 0.0 ? 1.0 : 0.0;
+  }
   return beta;
 }
 
@@ -164,16 +173,28 @@ Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& b
   std::int64_t cells = 0;
   for (int step = slice.first; step < slice.end; ++step) {
     progress.Tick();
-    LayeredGrid belief = step == 0               ? before
-                         : alphas.tables.empty() ? KernelTo(model, slice, step).Forward(before)
-                                                 : KernelTo(model, slice, step).Forward(alphas.tables.back());
-    constexpr std::int64_t kCopies = 4;  // that moving a belief needs for a moment
-    CheckMemory(model, slice, step, cells + kCopies * belief.cells());
+    LayeredGrid belief = Moved(model, slice, step, alphas.tables.empty() ? before : alphas.tables.back());
+    alphas.work += static_cast<double>(belief.cells()) + kStepCells;
+    CheckMemory(model, slice, step, cells, belief);
     alphas.log_likelihood += Settle(model, slice, step, &belief);
     cells += belief.cells();
     alphas.tables.push_back(std::move(belief));
   }
   return alphas;
+}
+
+Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid before, double work,
+                    Progress& progress) {
+  Frontier frontier{slice.first, std::move(before)};
+  for (double done = 0.0; frontier.end < slice.end && (done == 0.0 || done < work); ++frontier.end) {
+    progress.Tick();
+    LayeredGrid belief = Moved(model, slice, frontier.end, frontier.alpha);
+    done += static_cast<double>(belief.cells()) + kStepCells;
+    CheckMemory(model, slice, frontier.end, 0, belief);
+    Settle(model, slice, frontier.end, &belief);
+    frontier.alpha = std::move(belief);
+  }
+  return frontier;
 }
 
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
@@ -183,11 +204,11 @@ LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& 
     const LayeredGrid& alpha = alphas.tables[static_cast<std::size_t>(step - slice.first)];
     visit(step, Product(slice, step, alpha, beta));
     if (step == 0) return {};
-    Mask(alpha, &beta);
     ObserveAll(model, slice, step, &beta);
     const LayeredGrid& support =
         step == slice.first ? before : alphas.tables[static_cast<std::size_t>(step - 1 - slice.first)];
     beta = KernelTo(model, slice, step).Backward(beta, support);
+    Mask(support, &beta);
     Rescale(slice, step - 1, &beta);
   }
   return beta;

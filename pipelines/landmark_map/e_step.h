@@ -30,10 +30,21 @@ struct Slice {
   std::string robot;  // its name, for messages
 };
 
-// alpha^(t) for the slice's steps, each normalised; log_likelihood: sum of the logarithms of the normalisers.
+// What a step costs whatever its size, in cells (work.h).
+inline constexpr double kStepCells = 4000.0;
+
+// alpha^(t) for the slice's steps, each normalised; log_likelihood: sum of the logarithms of the normalisers;
+// work: see work.h.
 struct Alphas {
   std::vector<LayeredGrid> tables;
   double log_likelihood = 0.0;
+  double work = 0.0;
+};
+
+// The same without the tables before the last one.
+struct Frontier {
+  int end = 0;        // the step after the last one
+  LayeredGrid alpha;  // of the last one
 };
 
 // The belief at step 0 before its observations: all mass at the origin, or ([TBF98] section 8) spread evenly
@@ -46,6 +57,10 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 // that names robot, step and observation where the evidence is impossible under the model.
 Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress);
 
+// The same from slice.first on until `work` is used up, a step at least and slice.end at most.
+Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid before, double work,
+                    Progress& progress);
+
 // eqs 17 and 18, from the slice's last step to its first. `beta`: of the last step, on the support of its
 // alpha; returned: beta of step first - 1 on `before`'s support (for first = 0: empty). Calls `visit(step,
 // belief)` with alpha * beta, normalised (eq. 13), last step first.
@@ -53,7 +68,7 @@ using Visit = std::function<void(int step, const LayeredGrid& belief)>;
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
                      const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visit& visit);
 
-// beta of the last step of all: 1 wherever `support` has a box.
+// beta of the last step of all: 1 wherever `support` is above zero.
 LayeredGrid UniformBeta(const LayeredGrid& support);
 
 }  // namespace cairn::landmark_map

@@ -9,6 +9,7 @@
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -36,6 +37,7 @@ Carried MakeAllSteps(const Blob& log, const Settings& settings, cairn::Step* ste
     const RobotSteps steps =
         MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, r == 0 ? nullptr : &shared);
     carried.step_counts.push_back(steps.size());
+    carried.work.push_back(WorkOf(OpenLoopCells(steps, settings.Model(nullptr)), steps.size()));
     carried.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
   }
   return carried;
@@ -55,8 +57,31 @@ Blob StoredCounts(const LayeredGrid& counts) {
 
 // alpha before the slice's first step; robots but the first start anywhere.
 LayeredGrid Before(const Task& task, const Inputs& inputs, const EStepModel& model, const Slice& slice) {
-  if (inputs.Has("before")) return LayeredGrid::Load("alpha/", *inputs.Get("before"));
+  if (inputs.Has("before")) return LayeredGrid::LoadSparse("alpha/", *inputs.Get("before"));
   return task.params().at("robot").i() == 0 ? DiracStart(model.grid) : UniformStart(model, slice);
+}
+
+// The steps of a task's slice: from where the forward task before it ended to where the backward task after
+// it began; `forward` tasks may go on to the end of all.
+std::pair<int, int> Range(const Task& task, const Inputs& inputs) {
+  const int first = inputs.Has("before") ? inputs.Get("before")->Scalar<std::int32_t>("end") : 0;
+  const int end = inputs.Has("beta") ? inputs.Get("beta")->Scalar<std::int32_t>("first")
+                                     : static_cast<int>(task.params().at("count").i());
+  return {first, end};
+}
+
+// What the next E-step of each robot should cost: what the last one did, or, of a robot that joins, what a
+// search of the whole map takes.
+std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Schedule& next,
+                             const std::vector<std::int64_t>& steps, const EStepModel& model) {
+  std::vector<double> work;
+  for (std::size_t r = 0; r < steps.size(); ++r) {
+    const int count = StepsInUse(next, steps[r]);
+    work.push_back(static_cast<std::int64_t>(r) < done.robots
+                       ? sum.WorkOf(r) * count / StepsInUse(done, steps[r])
+                       : WorkWhereLost(count, model));
+  }
+  return work;
 }
 
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
@@ -86,6 +111,12 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
 
 Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   const auto& params = task.params();
+  const auto [first, end] = Range(task, inputs);
+  if (first == end) {  // an empty slice
+    Blob partial;
+    partial.PutScalar<std::int32_t>(task.kind() == "forward" ? "end" : "first", end);
+    return partial;
+  }
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   const RobotSteps steps =
       RobotSteps::FromBlob(*inputs.Get("steps")).WithoutDrift(params.at("drift_rad_per_m").d());
@@ -93,17 +124,19 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
   const bool mapped = inputs.Has("perception");
   if (mapped) perception = Perception::FromBlob(*inputs.Get("perception"));
   const EStepModel model = settings.Model(mapped ? &perception : nullptr);
-  const Slice slice{steps, static_cast<int>(params.at("first").i()), static_cast<int>(params.at("end").i()),
-                    params.at("name").s()};
-  const LayeredGrid before = Before(task, inputs, model, slice);
-  const Alphas alphas = Forward(model, slice, before, progress);
-  Blob partial;
+  const Slice slice{steps, first, end, params.at("name").s()};
+  LayeredGrid before = Before(task, inputs, model, slice);
   if (task.kind() == "forward") {
-    alphas.tables.back().Store("alpha/", &partial);
+    const Frontier frontier = ForwardFor(model, slice, std::move(before), params.at("work").d(), progress);
+    Blob partial;
+    frontier.alpha.StoreSparse("alpha/", &partial);
+    partial.PutScalar<std::int32_t>("end", frontier.end);
     return partial;
   }
-  LayeredGrid beta = inputs.Has("beta") ? LayeredGrid::Load("beta/", *inputs.Get("beta"))
-                                        : UniformBeta(alphas.tables.back());
+  const Alphas alphas = Forward(model, slice, before, progress);
+  const bool later = inputs.Has("beta") && inputs.Get("beta")->Has("beta/box");
+  LayeredGrid beta =
+      later ? LayeredGrid::LoadSparse("beta/", *inputs.Get("beta")) : UniformBeta(alphas.tables.back());
   std::vector<Landmark> landmarks;
   const bool summarise = params.at("summarise").b();
   if (summarise) landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
@@ -111,8 +144,8 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
                          summarise ? &landmarks : nullptr, NoCounts(settings));
   beta = Backward(model, slice, alphas, before, std::move(beta), progress,
                   [&](int step, const LayeredGrid& belief) { builder.Add(step, belief); });
-  partial = builder.Finish(alphas.log_likelihood);
-  if (slice.first > 0) beta.Store("beta/", &partial);
+  Blob partial = builder.Finish(alphas);
+  if (slice.first > 0) beta.StoreSparse("beta/", &partial);
   return partial;
 }
 
@@ -136,12 +169,14 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
   }
   const LayeredGrid map = MapOf(sum.counts(), settings.map);
   const std::vector<Landmark> landmarks = ExtractLandmarks(sum.counts(), settings.map);
+  const Perception perception = PerceptionOf(map, settings.map);
   const Schedule next = done.Next(options_, static_cast<std::int64_t>(robots.size()), sum.log_likelihood());
+  carried.work = NextWork(sum, done, next, carried.step_counts, settings.Model(&perception));
   cairn::Step step;
   PlanRound(options_, robots, next, carried,
             {{"history", history},
              {"counts", StoredCounts(sum.counts())},
-             {"perception", PerceptionOf(map, settings.map).ToBlob()},
+             {"perception", perception.ToBlob()},
              {"landmarks", ToBlob(landmarks)}},
             &step);
   step.plan.set_note(Note(done, sum.log_likelihood(), landmarks.size()));

@@ -27,7 +27,7 @@ struct Options {
   double drift_length_m = 0.0;
   double box_m = 0.0;
   double memory_mb = 4096;
-  std::int64_t slice_steps = 400;
+  double slice_mcells = 8.0;
 };
 
 template <class V>
@@ -71,7 +71,9 @@ void VisitOptions(V& visit, Options& o) {
       Option{"box_m", "m", 0, 100000, "edge of the square around the start that robots never leave; 0: none"},
       o.box_m);
   visit(Option{"memory_mb", "MB", 1, 1e9, "largest memory of one task"}, o.memory_mb);
-  visit(Option{"slice_steps", "", 2, 1e9, "steps in a time slice (a task)"}, o.slice_steps);
+  visit(Option{"slice_mcells", "1e6", 1e-3, 1e6,
+               "millions of cells, added up over its steps, in a time slice (a task)"},
+        o.slice_mcells);
 }
 
 }  // namespace cairn::landmark_map

@@ -100,10 +100,11 @@ void PartialBuilder::TrackHeading(int step, const LayeredGrid& belief) {
   has_later_ = true;
 }
 
-Blob PartialBuilder::Finish(double log_likelihood) const {
+Blob PartialBuilder::Finish(const Alphas& alphas) const {
   Blob partial;
   counts_.Store("counts/", &partial);
-  partial.PutScalar<double>("log_likelihood", log_likelihood);
+  partial.PutScalar<double>("log_likelihood", alphas.log_likelihood);
+  partial.PutScalar<double>("work", alphas.work);
   partial.PutScalar<double>("turned_rad", turned_rad_);
   partial.PutScalar<double>("path_m", path_m_);
   partial.PutScalar<double>("first_heading_rad", later_heading_rad_);
@@ -133,7 +134,7 @@ Blob PartialBuilder::Finish(double log_likelihood) const {
 }
 
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
-    : counts_(std::move(no_counts)), headings_(robots), summaries_(robots) {}
+    : counts_(std::move(no_counts)), work_(robots, 0.0), headings_(robots), summaries_(robots) {}
 
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
@@ -144,6 +145,7 @@ void RoundSum::Add(const Blob& partial) {
   }
   log_likelihood_ += partial.Scalar<double>("log_likelihood");
   const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
+  work_[robot] += partial.Scalar<double>("work");
   AddHeadings(partial, &headings_[robot]);
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
 }

@@ -13,9 +13,10 @@ namespace cairn::landmark_map {
 Blob ToBlob(const std::vector<Landmark>& landmarks);
 std::vector<Landmark> LandmarksFromBlob(const Blob& blob);
 
-// Fields: counts/…, log_likelihood, robot, first, turned_rad and path_m (change of the heading correction
-// over the slice's way), first_heading_rad, last_heading_rad, first_path_m (to join it with its neighbours);
-// with landmarks also pose/… (a row a step) and association/… (a row an observation of the slice).
+// Fields: counts/…, log_likelihood, work, robot, first, turned_rad and path_m (change of the heading
+// correction over the slice's way), first_heading_rad, last_heading_rad, first_path_m (to join it with its
+// neighbours); with landmarks also pose/… (a row a step) and association/… (a row an observation of the
+// slice).
 class PartialBuilder {
  public:
   // `landmarks`: nullptr where no summary is wanted.
@@ -23,7 +24,7 @@ class PartialBuilder {
                  const std::vector<Landmark>* landmarks, LayeredGrid no_counts);
   // The belief of a step; the last step comes first.
   void Add(int step, const LayeredGrid& belief);
-  Blob Finish(double log_likelihood) const;
+  Blob Finish(const Alphas& alphas) const;
 
  private:
   void AddAssociations(int step, const LayeredGrid& belief);
@@ -46,10 +47,11 @@ class PartialBuilder {
 class RoundSum {
  public:
   RoundSum(LayeredGrid no_counts, std::size_t robots);
-  void Add(const Blob& partial);  // `forward` partials are passed over
+  void Add(const Blob& partial);  // `forward` partials and those of empty slices are passed over
 
   const LayeredGrid& counts() const { return counts_; }
   double log_likelihood() const { return log_likelihood_; }
+  double WorkOf(std::size_t robot) const { return work_[robot]; }
   // A robot's heading drift [rad/m] given what its headings did under the drift `so_far`, and a Gaussian
   // prior as wide as the nominal drift.
   double DriftOf(std::size_t robot, const MotionNoise& noise, double so_far) const;
@@ -67,6 +69,7 @@ class RoundSum {
 
   LayeredGrid counts_;
   double log_likelihood_ = 0.0;
+  std::vector<double> work_;
   std::vector<Headings> headings_;
   std::vector<std::vector<Blob>> summaries_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/landmark_map/work.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -14,35 +16,31 @@ class RoundPlanner {
       : options_(options), schedule_(schedule), carried_(carried), plan_(plan) {}
 
   void AddRobot(std::size_t robot, const std::string& name) {
-    const auto steps = static_cast<int>(carried_.step_counts[robot]);
-    const double part = schedule_.summarise ? 1.0 : schedule_.prefix;
-    const int count = std::clamp(static_cast<int>(std::ceil(part * steps)), 1, steps);
-    const int slices = static_cast<int>((count + options_.slice_steps - 1) / options_.slice_steps);
-    const auto begin = [&](int slice) { return static_cast<int>(std::int64_t{count} * slice / slices); };
+    const int count = StepsInUse(schedule_, carried_.step_counts[robot]);
+    const int slices = SlicesFor(carried_.work[robot], 1e6 * options_.slice_mcells, count);
     std::vector<std::int64_t> forward{kNone};  // [s]: the task that ends where slice s begins
     for (int s = 0; s + 1 < slices; ++s) {
-      forward.push_back(AddTask("forward", robot, name, begin(s), begin(s + 1), forward.back(), kNone));
+      forward.push_back(AddTask("forward", robot, name, count, forward.back(), kNone));
     }
     std::int64_t beta = kNone;
     for (int s = slices - 1; s >= 0; --s) {
-      const std::int64_t before = forward[static_cast<std::size_t>(s)];
-      beta = AddTask("backward", robot, name, begin(s), begin(s + 1), before, beta);
+      beta = AddTask("backward", robot, name, count, forward[static_cast<std::size_t>(s)], beta);
     }
   }
 
  private:
-  std::int64_t AddTask(const char* kind, std::size_t robot, const std::string& name, int first, int end,
+  std::int64_t AddTask(const char* kind, std::size_t robot, const std::string& name, int count,
                        std::int64_t before, std::int64_t beta) {
     const std::int64_t index = plan_->tasks_size();
     Task& task = *plan_->add_tasks();
     task.set_index(static_cast<std::uint32_t>(index));
     task.set_kind(kind);
-    task.set_cost(static_cast<std::uint64_t>(end - first));
+    task.set_cost(static_cast<std::uint64_t>(carried_.work[robot] / kStepCells));
     auto& params = *task.mutable_params();
     params["robot"].set_i(static_cast<std::int64_t>(robot));
     params["name"].set_s(name);
-    params["first"].set_i(first);
-    params["end"].set_i(end);
+    params["count"].set_i(count);
+    params["work"].set_d(1e6 * options_.slice_mcells);
     params["drift_rad_per_m"].set_d(carried_.drift_rad_per_m[robot]);
     params["summarise"].set_b(schedule_.summarise);
     AddBlob("settings", "settings", &task);
@@ -74,12 +72,19 @@ class RoundPlanner {
 
 }  // namespace
 
+int StepsInUse(const Schedule& schedule, std::int64_t steps) {
+  const double part = schedule.summarise ? 1.0 : schedule.prefix;
+  return std::clamp(static_cast<int>(std::ceil(part * static_cast<double>(steps))), 1,
+                    static_cast<int>(steps));
+}
+
 void Carried::Store(State* state) const {
   for (const auto& [name, hash] : blobs) (*state->mutable_blobs())[name] = hash;
   for (std::size_t r = 0; r < step_counts.size(); ++r) {
     const std::string number = std::to_string(r);
     (*state->mutable_scalars())["steps/" + number].set_i(step_counts[r]);
     (*state->mutable_scalars())["drift_rad_per_m/" + number].set_d(drift_rad_per_m[r]);
+    (*state->mutable_scalars())["work/" + number].set_d(work[r]);
   }
 }
 
@@ -91,6 +96,7 @@ Carried Carried::Load(const State& state, std::size_t robots) {
     carried.blobs["steps/" + number] = state.blobs().at("steps/" + number);
     carried.step_counts.push_back(state.scalars().at("steps/" + number).i());
     carried.drift_rad_per_m.push_back(state.scalars().at("drift_rad_per_m/" + number).d());
+    carried.work.push_back(state.scalars().at("work/" + number).d());
   }
   return carried;
 }

@@ -17,15 +17,20 @@ struct Carried {
   std::map<std::string, std::string> blobs;  // name -> hash: settings, steps/N
   std::vector<std::int64_t> step_counts;     // per robot
   std::vector<double> drift_rad_per_m;       // per robot
+  std::vector<double> work;                  // per robot, expected of its next E-step (work.h)
 
   void Store(State* state) const;
   static Carried Load(const State& state, std::size_t robots);
 };
 
+// How many of a robot's steps an E-step looks at.
+int StepsInUse(const Schedule& schedule, std::int64_t steps);
+
 // Fills `step` with the E-step that `schedule` asks for. `fresh`: the round's own blobs (history, counts,
-// and, once there is a map, perception and landmarks). For each robot the tasks `forward` run from the first
-// slice to the last but one, each from where the one before ended; the tasks `backward` run from the last
-// slice to the first, each from alpha at its start and beta at its end.
+// and, once there is a map, perception and landmarks). For each robot the tasks `forward` run one after the
+// other, each from where the one before ended until it has done a slice's work, so that they cut the time;
+// the tasks `backward` run from the last slice to the first, each from alpha at its start and beta at its
+// end. The last slice takes what the others left; where they left nothing, tasks are empty.
 void PlanRound(const Options& options, const std::vector<std::string>& robots, const Schedule& schedule,
                const Carried& carried, const std::map<std::string, Blob>& fresh, cairn::Step* step);
 

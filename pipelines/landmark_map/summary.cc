@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "pipelines/common/taps.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -91,35 +94,72 @@ Landmark FromMoments(const Moments& m, int type, double cell_m) {
           m.mass};
 }
 
-// The landmark around the strongest peak of `counts`, its window moved to its own mean until it stays.
-bool TakePeak(const Layer& smooth, double radius, int type, double cell_m, Layer* counts,
-              Landmark* landmark) {
-  double best = 0.0, cx = 0, cy = 0;
-  for (int y = smooth.box.y0; y < smooth.box.y0 + smooth.box.ny; ++y) {
-    for (int x = smooth.box.x0; x < smooth.box.x0 + smooth.box.nx; ++x) {
-      if (smooth.Row(y)[x] <= best) continue;
-      best = smooth.Row(y)[x];
-      cx = x;
-      cy = y;
+// Expected counts, their blur, and what is left of both as landmarks are taken out of them.
+class PeakFinder {
+ public:
+  // `radius`, in cells: what lies within it of a landmark is that landmark's.
+  PeakFinder(Layer counts, double radius) : counts_(std::move(counts)), radius_(radius) {
+    smooth_ = Blur(counts_, Sigma());
+  }
+
+  double Left() const { return counts_.Sum(); }
+
+  // The landmark around the strongest peak, its window moved to its own mean until it stays. False: none is
+  // left.
+  bool Take(int type, double cell_m, Landmark* landmark) {
+    double best = 0.0, cx = 0, cy = 0;
+    for (int y = smooth_.box.y0; y < smooth_.box.y0 + smooth_.box.ny; ++y) {
+      const RowOf<const double> row = std::as_const(smooth_).Row(y);
+      for (int x = smooth_.box.x0; x < smooth_.box.x0 + smooth_.box.nx; ++x) {
+        if (row[x] <= best) continue;
+        best = row[x];
+        cx = x;
+        cy = y;
+      }
+    }
+    if (best <= 0.0) return false;
+    Moments moments;
+    for (int i = 0; i < 10; ++i) {
+      moments = MomentsWithin(counts_, cx, cy, radius_);
+      if (!(moments.mass > 0.0)) return false;
+      cx = moments.x / moments.mass;
+      cy = moments.y / moments.mass;
+    }
+    *landmark = FromMoments(moments, type, cell_m);
+    Remove(cx, cy);
+    return true;
+  }
+
+ private:
+  double Sigma() const { return 0.5 * radius_; }
+
+  // Takes the disc out of the counts and blurs again where that is seen: the rest of the blur stays as it is.
+  void Remove(double cx, double cy) {
+    const int reach = static_cast<int>(std::ceil(radius_)) + 1;
+    const Box centre{static_cast<int>(std::lround(cx)), static_cast<int>(std::lround(cy)), 1, 1};
+    const Box disc = Intersection(counts_.box, centre.Grown(reach));
+    for (int y = disc.y0; y < disc.y0 + disc.ny; ++y) {
+      for (int x = disc.x0; x < disc.x0 + disc.nx; ++x) {
+        const double dx = x - cx, dy = y - cy;
+        if (dx * dx + dy * dy <= radius_ * radius_) counts_.Row(y)[x] = 0.0;
+      }
+    }
+    const int blur = GaussianTaps(Sigma()).reach();
+    const Box seen = Intersection(smooth_.box, disc.Grown(blur));
+    Layer part(Intersection(counts_.box, seen.Grown(blur)));
+    Copy(counts_, part.box, &part);
+    Copy(Blur(part, Sigma()), seen, &smooth_);
+  }
+
+  static void Copy(const Layer& from, const Box& box, Layer* to) {
+    for (int y = box.y0; y < box.y0 + box.ny; ++y) {
+      for (int x = box.x0; x < box.x0 + box.nx; ++x) to->Row(y)[x] = from.Row(y)[x];
     }
   }
-  if (best <= 0.0) return false;
-  Moments moments;
-  for (int i = 0; i < 10; ++i) {
-    moments = MomentsWithin(*counts, cx, cy, radius);
-    if (!(moments.mass > 0.0)) return false;
-    cx = moments.x / moments.mass;
-    cy = moments.y / moments.mass;
-  }
-  *landmark = FromMoments(moments, type, cell_m);
-  for (int y = counts->box.y0; y < counts->box.y0 + counts->box.ny; ++y) {
-    for (int x = counts->box.x0; x < counts->box.x0 + counts->box.nx; ++x) {
-      const double dx = x - cx, dy = y - cy;
-      if (dx * dx + dy * dy <= radius * radius) counts->Row(y)[x] = 0.0;
-    }
-  }
-  return true;
-}
+
+  Layer counts_, smooth_;
+  double radius_;
+};
 
 }  // namespace
 
@@ -159,14 +199,13 @@ std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules
   const double cell = rules.grid.cell_m;
   std::vector<Landmark> landmarks;
   for (int type = 0; type <= rules.types; ++type) {
-    Layer left = counts.layers[static_cast<std::size_t>(type)];
     const bool identified = type < rules.types;
     const double radius =
         (identified ? std::max(5.0 * rules.observation_m, 2.0 * cell) : rules.core_m) / cell;
-    while (left.Sum() >= kLeastCount) {
+    PeakFinder peaks(counts.layers[static_cast<std::size_t>(type)], radius);
+    while (peaks.Left() >= kLeastCount) {
       Landmark landmark;
-      const Layer smooth = Blur(left, 0.5 * radius);
-      if (!TakePeak(smooth, radius, type, cell, &left, &landmark)) break;
+      if (!peaks.Take(type, cell, &landmark)) break;
       if (landmark.count < kLeastCount) continue;  // peaks come by height, not by count
       landmarks.push_back(landmark);
       if (identified) break;

@@ -116,7 +116,7 @@ Case LandmarkMap(const std::string& name, Sensor sensor, int robots) {
   Set(c.stage, "cell_m", 0.5);
   Set(c.stage, "heading_deg", 10);
   SetInteger(c.stage, "iterations", 3);
-  SetInteger(c.stage, "slice_steps", 20);
+  Set(c.stage, "slice_mcells", 0.2);
   return c;
 }
 

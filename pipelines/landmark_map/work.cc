@@ -1,0 +1,90 @@
+#include "pipelines/landmark_map/work.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr double kStepsLost = 20.0;
+
+// Second moments of a pose whose heading correction h turns the ways that follow, in cells and rad.
+struct Spread {
+  double hh = 0, hx = 0, hy = 0, xx = 0, xy = 0, yy = 0;
+
+  void TurnBy(double variance) { hh += variance; }
+  // A leg (dx, dy) with an error along it; the grid's bilinear shift blurs by a sixth of a cell squared.
+  void Move(double dx, double dy, double along_sd) {
+    const double nx = -dy, ny = dx, length = std::hypot(dx, dy);
+    const double ux = length > 0 ? dx / length : 0.0, uy = length > 0 ? dy / length : 0.0;
+    const double along = along_sd * along_sd, blur = length > 0 ? 1.0 / 6.0 : 0.0;
+    xx += 2.0 * nx * hx + hh * nx * nx + along * ux * ux + blur;
+    xy += nx * hy + ny * hx + hh * nx * ny + along * ux * uy;
+    yy += 2.0 * ny * hy + hh * ny * ny + along * uy * uy + blur;
+    hx += hh * nx;
+    hy += hh * ny;
+  }
+  // Cells of the boxes, a heading at a time, of what lies within `reach` standard deviations.
+  double Cells(double reach, const GridSpec& grid, double way, double limit) const {
+    const double step = 2.0 * std::numbers::pi / grid.headings;
+    const int far = std::min(grid.headings / 2, static_cast<int>(std::ceil(reach * std::sqrt(hh) / step)));
+    const double given_x = hh > 0 ? xx - hx * hx / hh : xx, given_y = hh > 0 ? yy - hy * hy / hh : yy;
+    constexpr double kMargin = 4.0;  // a cell itself, and what a move adds before it is pruned
+    double cells = 0.0;
+    for (int c = -far; c <= far; ++c) {
+      const double left = std::max(0.0, reach * reach - (hh > 0 ? c * step * c * step / hh : 0.0));
+      const auto edge = [&](double variance) {
+        const double wide = 2.0 * std::sqrt(left * std::max(0.0, variance));
+        return std::min({wide, 2.0 * way, limit}) + kMargin;
+      };
+      cells += edge(given_x) * edge(given_y);
+    }
+    return cells;
+  }
+};
+
+}  // namespace
+
+std::vector<double> OpenLoopCells(const RobotSteps& steps, const EStepModel& model) {
+  constexpr double kLeast = 1e-9;  // without pruning taps still end somewhere
+  const double reach = std::sqrt(-2.0 * std::log(std::max(model.prune, kLeast)));
+  const double cell = model.grid.cell_m;
+  const double limit = model.limit.empty() ? HUGE_VAL : model.limit.nx;
+  Spread spread;
+  double way = 0.0;
+  std::vector<double> cells;
+  for (int s = 0; s < steps.size(); ++s) {
+    const Leg leg = steps.LegTo(s);
+    const LegError error = ErrorOf(leg, model.noise);
+    const double half_turn = 0.5 * error.heading_rad * error.heading_rad;
+    way += leg.path_m / cell;
+    spread.TurnBy(half_turn);
+    spread.Move(leg.dx_m / cell, leg.dy_m / cell, error.along_m / cell);
+    spread.TurnBy(half_turn);
+    cells.push_back(spread.Cells(reach, model.grid, way, limit));
+  }
+  return cells;
+}
+
+double WorkOf(const std::vector<double>& cells, int count) {
+  double work = 0.0;
+  for (int s = 0; s < count; ++s) work += cells[static_cast<std::size_t>(s)] + kStepCells;
+  return work;
+}
+
+double WorkWhereLost(int count, const EStepModel& model) {
+  double map = 0.0;
+  for (const Layer& layer : model.perception->likelihood.layers) {
+    map = std::max(map, static_cast<double>(layer.box.cells()));
+  }
+  return std::min(kStepsLost, static_cast<double>(count)) * map * model.grid.headings + count * kStepCells;
+}
+
+int SlicesFor(double work, double slice_work, int count) {
+  if (work <= slice_work || count < 2) return 1;
+  constexpr double kReserve = 1.5;
+  return static_cast<int>(std::min<double>(count, std::ceil(kReserve * work / slice_work) + 2.0));
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,30 @@
+// How much work there is, reckoned from sizes alone, never from clocks: so slices are the same everywhere.
+//
+// The unit is a cell: of the boxes of the moved beliefs, over the steps. A step costs kStepCells more,
+// whatever its size. On one core of a 2020s server a backward task does some 10 to 30 million cells a second
+// (tests/bench/task_times prints it).
+#pragma once
+
+#include <vector>
+
+#include "pipelines/landmark_map/e_step.h"
+
+namespace cairn::landmark_map {
+
+// The cells of the belief at each step where nothing is known but odometry, from a Dirac at the start: [S].
+// The pose's covariance is carried along the legs to first order; a heading's box is what pruning leaves of a
+// Gaussian. Right to a factor of about two while headings are known to a radian.
+std::vector<double> OpenLoopCells(const RobotSteps& steps, const EStepModel& model);
+
+// The work of the first `count` steps.
+double WorkOf(const std::vector<double>& cells, int count);
+
+// The work of the first E-step of a robot that may start anywhere: the map's box under every heading until it
+// is found, which takes some kStepsLost steps.
+double WorkWhereLost(int count, const EStepModel& model);
+
+// How many time slices to provide for `work` in slices of `slice_work`: one where it fits, else more than
+// should be needed, for where a slice ends is seen only when it is run; what is not needed is left empty.
+int SlicesFor(double work, double slice_work, int count);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,71 @@
+#include "pipelines/landmark_map/work.h"
+
+#include <gtest/gtest.h>
+
+#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/testing.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+struct World {
+  explicit World(const Options& options)
+      : log(SquareLog{.laps = 6, .side_m = 20.0}.Make()),
+        settings(Resolve(options, log)),
+        steps(MakeSteps(log.Sub("robot/0/"), "rover", settings.steps, nullptr)) {}
+  Blob log;
+  Settings settings;
+  RobotSteps steps;
+};
+
+TEST(OpenLoopCells, AgreeWithWhatAPassWithoutAMapMovesToAFactorOfTwo) {
+  for (const Options& options : {Options{.cell_m = 1.0}, Options{.cell_m = 0.5, .heading_deg = 3.0},
+                                 Options{.cell_m = 0.5, .prune = 1e-4}}) {
+    const World world(options);
+    const EStepModel model = world.settings.Model(nullptr);
+    NoProgress progress;
+    const Alphas alphas =
+        Forward(model, {world.steps, 0, world.steps.size(), "rover"}, DiracStart(model.grid), progress);
+    const double expected = WorkOf(OpenLoopCells(world.steps, model), world.steps.size());
+    EXPECT_GT(expected, 0.5 * alphas.work) << options.cell_m;
+    EXPECT_LT(expected, 2.0 * alphas.work) << options.cell_m;
+  }
+}
+
+TEST(OpenLoopCells, NoBoxIsLargerThanTheOneThatIsAllowed) {
+  const World wide(Options{.cell_m = 0.5}), narrow(Options{.cell_m = 0.5, .box_m = 2.0});
+  const auto all = OpenLoopCells(wide.steps, wide.settings.Model(nullptr));
+  const auto cut = OpenLoopCells(narrow.steps, narrow.settings.Model(nullptr));
+  EXPECT_LT(cut.back(), 0.5 * all.back());
+}
+
+TEST(ForwardFor, StopsWhereItsWorkIsDoneAndGivesTheSameAlpha) {
+  const World world(Options{.cell_m = 0.5});
+  const EStepModel model = world.settings.Model(nullptr);
+  const Slice all{world.steps, 0, world.steps.size(), "rover"};
+  NoProgress progress;
+  const LayeredGrid start = DiracStart(model.grid);
+  const Alphas alphas = Forward(model, all, start, progress);
+  const Frontier one = ForwardFor(model, all, start, 1.0, progress);
+  EXPECT_EQ(one.end, 1) << "a step at least";
+  const Frontier half = ForwardFor(model, all, start, 0.5 * alphas.work, progress);
+  EXPECT_GT(half.end, 1);
+  EXPECT_LT(half.end, world.steps.size());
+  const LayeredGrid& table = alphas.tables[static_cast<std::size_t>(half.end - 1)];
+  for (std::size_t c = 0; c < table.layers.size(); ++c) {
+    EXPECT_EQ(half.alpha.layers[c].box, table.layers[c].box);
+    EXPECT_EQ(half.alpha.layers[c].values, table.layers[c].values);
+  }
+  EXPECT_EQ(ForwardFor(model, all, start, 1e300, progress).end, world.steps.size())
+      << "no further than the end";
+}
+
+TEST(SlicesFor, OneWhereTheWorkFitsElseMoreThanShouldBeNeededButNoMoreThanSteps) {
+  EXPECT_EQ(SlicesFor(100.0, 100.0, 50), 1);
+  EXPECT_EQ(SlicesFor(1000.0, 100.0, 50), 17);
+  EXPECT_EQ(SlicesFor(1e9, 100.0, 50), 50);
+  EXPECT_EQ(SlicesFor(1e9, 100.0, 1), 1);
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map

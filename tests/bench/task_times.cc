@@ -1,0 +1,132 @@
+// How long the tasks of a job are (processor time), and how much memory it takes: runs a stage in this
+// process and prints a line a round and one of all.
+//   task_times PIPELINE LOG.h5 [key=value …]
+#include <sys/resource.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "pipelines/in_process.h"
+#include "pipelines/registry.h"
+#include "schema/numerics.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn {
+namespace {
+
+// Of processor time: a machine that is shared does not matter.
+double Seconds() {
+  struct timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+struct Round {
+  int tasks = 0;
+  double longest_s = 0.0, all_s = 0.0, work = 0.0;
+  std::size_t largest_bytes = 0;
+};
+
+// Passes everything on and takes the time.
+class Timed : public Pipeline {
+ public:
+  explicit Timed(const Pipeline& pipeline) : pipeline_(pipeline) {}
+
+  Step Start(const Inputs& inputs) const override {
+    const double begin = Seconds();
+    Step step = pipeline_.Start(inputs);
+    std::printf("start %.3f s\n", Seconds() - begin);
+    return step;
+  }
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override {
+    const double begin = Seconds();
+    Blob partial = pipeline_.Run(task, inputs, progress);
+    const double seconds = Seconds() - begin;
+    ++round_.tasks;
+    round_.longest_s = std::max(round_.longest_s, seconds);
+    round_.all_s += seconds;
+    if (partial.Has("work") && task.kind() == "backward") round_.work += partial.Scalar<double>("work");
+    round_.largest_bytes = std::max(round_.largest_bytes, partial.ByteCount());
+    return partial;
+  }
+  Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override {
+    const double begin = Seconds();
+    Step step = pipeline_.Advance(state, partials, inputs);
+    std::printf(
+        "%5d tasks, longest %.3f s, all %.3f s, %.2f million cells, largest partial %.2f MB; advance %.3f s: "
+        "%s\n",
+        round_.tasks, round_.longest_s, round_.all_s, round_.work / 1e6,
+        static_cast<double>(round_.largest_bytes) / 1e6, Seconds() - begin, step.plan.note().c_str());
+    longest_s_ = std::max({longest_s_, round_.longest_s, Seconds() - begin});
+    work_ += round_.work;
+    run_s_ += round_.all_s;
+    round_ = {};
+    return step;
+  }
+  void PrintTotal() const {
+    struct rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    std::printf("longest %.3f s; %.1f million cells in %.2f s, %.1f million a second; peak %.0f MB\n",
+                longest_s_, work_ / 1e6, run_s_, work_ / 1e6 / run_s_,
+                static_cast<double>(usage.ru_maxrss) / 1e3);
+  }
+
+ private:
+  const Pipeline& pipeline_;
+  mutable Round round_;
+  mutable double longest_s_ = 0.0, work_ = 0.0, run_s_ = 0.0;
+};
+
+proto::Value ValueOf(const std::string& text) {
+  proto::Value value;
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  if (text == "true" || text == "false")
+    value.set_b(text == "true");
+  else if (end == text.c_str() || *end != '\0')
+    value.set_s(text);
+  else if (text.find_first_of(".e") == std::string::npos)
+    value.set_i(std::atoll(text.c_str()));
+  else
+    value.set_d(number);
+  return value;
+}
+
+int Main(const std::vector<std::string>& args) {
+  if (args.size() < 2) {
+    std::fprintf(stderr, "usage: task_times PIPELINE LOG.h5 [key=value ...]\n");
+    return 2;
+  }
+  proto::Stage stage;
+  stage.set_name("stage");
+  stage.set_pipeline(args[0]);
+  for (std::size_t i = 2; i < args.size(); ++i) {
+    const std::size_t equals = args[i].find('=');
+    if (equals == std::string::npos) throw InputError("'" + args[i] + "' is not key=value");
+    (*stage.mutable_options())[args[i].substr(0, equals)] = ValueOf(args[i].substr(equals + 1));
+  }
+  const auto log = ReadBlobFileWithoutTruth(args[1]);
+  if (!log.ok()) throw InputError(log.status().message());
+  const auto pipeline = MakePipeline(stage, 1);
+  const Timed timed(*pipeline);
+  RunInProcess(timed, {{"log", std::make_shared<const Blob>(log.value().blob)}});
+  timed.PrintTotal();
+  return 0;
+}
+
+}  // namespace
+}  // namespace cairn
+
+int main(int argc, char** argv) {
+  try {
+    cairn::FixNumericsOfProcess();
+    return cairn::Main({argv + 1, argv + argc});
+  } catch (const cairn::InputError& error) {
+    std::fprintf(stderr, "task_times: %s\n", error.what());
+    return 2;
+  }
+}
