@@ -2,88 +2,229 @@
 
 #include <algorithm>
 
+#include "tests/simulation/world.h"
+
 namespace cairn::simulation {
+
+using namespace coordinator;  // NOLINT: events and actions, all over this file
+
 namespace {
 
 std::string Text(const std::pair<std::uint32_t, std::uint64_t>& place) {
-  return "stage " + std::to_string(place.first) + " round " + std::to_string(place.second) + "-";
+  return "stage " + std::to_string(place.first) +
+         (place.second == 0 ? " before its start" : " round " + std::to_string(place.second - 1));
+}
+
+std::string Text(proto::JobState state) { return proto::JobState_Name(state); }
+
+template <typename T>
+bool Concerns(const Event& event, const std::string& id) {
+  const T* is = std::get_if<T>(&event);
+  if constexpr (requires { is->number; })
+    return is != nullptr && is->job == id;
+  else
+    return is != nullptr && is->id == id;
+}
+
+// The transitions that there are, and what may cause each.
+bool MayMove(const std::string& id, proto::JobState from, proto::JobState to, const Event& event) {
+  const bool open = from == proto::JOB_RUNNING || from == proto::JOB_PAUSED;
+  switch (to) {
+    case proto::JOB_DONE:
+      return from == proto::JOB_RUNNING && Concerns<PersistDone>(event, id);
+    case proto::JOB_PAUSED:
+      return from == proto::JOB_RUNNING && Concerns<PersistFailed>(event, id);
+    case proto::JOB_CANCELLED:
+      return open && Concerns<CancelJob>(event, id);
+    case proto::JOB_FAILED:
+      return open && (std::holds_alternative<TaskDone>(event) || std::holds_alternative<TaskFailed>(event) ||
+                      std::holds_alternative<WorkerLost>(event) || std::holds_alternative<Tick>(event));
+    default:
+      return from != proto::JOB_DONE && Concerns<ResumeJob>(event, id);
+  }
+}
+
+Mark MarkOf(proto::JobState from, proto::JobState to) {
+  const bool paused = from == proto::JOB_PAUSED;
+  switch (to) {
+    case proto::JOB_DONE:
+      return kDone;
+    case proto::JOB_PAUSED:
+      return kPaused;
+    case proto::JOB_CANCELLED:
+      return paused ? kCancelledFromPause : kCancelledJob;
+    case proto::JOB_FAILED:
+      return paused ? kFailedPaused : kFailed;
+    default:
+      return paused ? kWokePaused : from == proto::JOB_FAILED ? kWokeFailed : kWokeCancelled;
+  }
 }
 
 }  // namespace
 
-void Checks::AddJob(const std::string& id, const proto::Job& job) {
-  if (jobs_.contains(id)) return;
-  Known& known = jobs_[id];
-  known.stages = static_cast<std::uint32_t>(job.stages_size());
-  known.bad = job.stages(0).options().contains("bad");
-  known.truth = RunToy(job);
+Checks::Place Checks::PlaceOf(const proto::Checkpoint& checkpoint) {
+  return {checkpoint.stage(), checkpoint.has_step() ? checkpoint.round() + 1 : 0};
 }
 
-void Checks::See(const coordinator::Job& job, std::uint64_t incarnation) {
+void Checks::AddJob(const std::string& id, const proto::Job& job, ToyKind kind) {
+  Known& known = jobs_[id];
+  known.kind = kind;
+  known.stages = static_cast<std::uint32_t>(job.stages_size());
+  if (kind != ToyKind::kHopeless) known.truth = RunToy(job);
+}
+
+void Checks::Before(const Core& core, const Event& event) {
+  alarm_ = Alarm::kNever;
+  if (const auto* done = std::get_if<TaskDone>(&event)) Weigh(core, *done);
+  ready_before_.clear();
+  for (const auto& [id, known] : jobs_)
+    if (const Job* job = core.FindJob(id); job != nullptr && job->Running() && job->tasks.HasReady())
+      ready_before_.insert(id);
+}
+
+void Checks::After(const Core& core, const Event& event, const std::vector<Action>& actions,
+                   std::uint64_t process) {
+  for (const auto& [id, known] : jobs_) {
+    const proto::JobState before = known.state;
+    const Job* job = core.FindJob(id);
+    if (job == nullptr) continue;
+    const bool told = std::any_of(actions.begin(), actions.end(), [&id = id](const Action& action) {
+      const auto* changed = std::get_if<JobChanged>(&action);
+      return changed != nullptr && changed->job == id;
+    });
+    See(*job, event, process);
+    if (job->state != before && !told) Fail(id + " changed its state, and nobody was told");
+  }
+  SeeOrders(core, event);
+  SeeAlarms(actions);
+  SeeTables(core);
+  SeeTurns(core, actions);
+  CountActions(core, actions);
+}
+
+void Checks::See(const Job& job, const Event& event, std::uint64_t process) {
   Known& known = jobs_.at(job.id);
   const Place place{job.stage, job.step ? job.round + 1 : 0};
-  if (incarnation != known.incarnation) {
-    if (place < known.durable)
-      Fail(job.id + " came back at " + Text(place) + ", durable was " + Text(known.durable));
+  if (process != known.process) {
+    known.process = process;
+    known.passed_over = 0;
+    if (const auto* restore = std::get_if<RestoreJob>(&event)) {
+      SeeRestored(job, restore->checkpoint, known);
+    } else {
+      if (known.durable_number > 0) Fail(job.id + " was durable, and has to be submitted again");
+      known.state = proto::JOB_RUNNING;
+    }
   } else if (place != known.seen) {
     const bool next_round = place == Place{known.seen.first, known.seen.second + 1};
     const bool next_stage = place == Place{known.seen.first + 1, 0};
     if (!next_round && !next_stage) Fail(job.id + " went from " + Text(known.seen) + " to " + Text(place));
+    world_.Count(next_stage ? kStageEnded : kRoundEnded);
   }
-  known.incarnation = incarnation;
-  if (place == known.seen) return;
   known.seen = place;
-  if (job.step && coordinator::HashOfStep(*job.step) != known.truth.steps[{job.stage, job.round}])
-    Fail(job.id + " has another step than the undisturbed job at " + Text(place));
-  if (job.stage > 0 && job.results.at(job.stage - 1) != known.truth.results.at(job.stage - 1))
-    Fail(job.id + " has another result than the undisturbed job");
+  SeeState(job, event, known);
+  SeeTruth(job, known);
 }
 
-void Checks::SeePersist(const coordinator::Persist& persist, std::uint64_t, double) {
-  Known& known = jobs_.at(persist.checkpoint.job_id());
-  if (persist.checkpoint.number() == 0) Fail("a checkpoint without a number");
-  known.number = persist.checkpoint.number();
+void Checks::SeeRestored(const Job& job, const proto::Checkpoint& saved, Known& known) {
+  if (saved.number() < known.durable_number)
+    Fail(job.id + " came back from checkpoint " + std::to_string(saved.number()) + ", durable was " +
+         std::to_string(known.durable_number));
+  const Place place{job.stage, job.step ? job.round + 1 : 0};
+  if (place != PlaceOf(saved))
+    Fail(job.id + " came back at " + Text(place) + ", saved was " + Text(PlaceOf(saved)));
+  if (place < known.durable)
+    Fail(job.id + " came back at " + Text(place) + ", durable was " + Text(known.durable));
+  if (saved.partials_size() > 0) world_.Count(kRestoredWithPartials);
+  known.state = saved.state();
+  // It goes on by itself, or says why not.
+  if (saved.state() == proto::JOB_RUNNING || saved.state() == proto::JOB_PAUSED) known.state = job.state;
+}
+
+void Checks::SeeState(const Job& job, const Event& event, Known& known) {
+  const bool hopeless = known.kind == ToyKind::kHopeless && Concerns<SubmitJob>(event, job.id);
+  if (job.state != known.state) {
+    if (!MayMove(job.id, known.state, job.state, event) && !hopeless)
+      Fail(job.id + " went from " + Text(known.state) + " to " + Text(job.state) + " by " + Describe(event));
+    world_.Count(MarkOf(known.state, job.state));
+    if (job.state == proto::JOB_FAILED) {
+      if (job.input_error) world_.Count(kInputError);
+      if (job.reason.find(" times") != std::string::npos) world_.Count(kThirdFailure);
+    }
+    if (job.state == proto::JOB_DONE && known.durable_state != proto::JOB_DONE)
+      Fail(job.id + " is done before its end is durable");
+  }
+  known.state = job.state;
+  if (!job.Running() && job.state != proto::JOB_DONE && job.reason.empty())
+    Fail(job.id + " waits or has ended, and says no reason");
+}
+
+// What a user orders happens at once.
+void Checks::SeeOrders(const Core& core, const Event& event) {
+  if (const auto* cancel = std::get_if<CancelJob>(&event)) {
+    const Job* job = core.FindJob(cancel->id);
+    if (job != nullptr && !job->Ended()) Fail(cancel->id + " was cancelled and goes on");
+  }
+  if (const auto* resume = std::get_if<ResumeJob>(&event)) {
+    const Job* job = core.FindJob(resume->id);
+    if (job != nullptr && jobs_.at(resume->id).kind != ToyKind::kHopeless && !job->Running() &&
+        job->state != proto::JOB_DONE)
+      Fail(resume->id + " was resumed and does not go on: " + job->reason);
+  }
 }
 
 void Checks::SeeDurable(const proto::Checkpoint& checkpoint) {
   Known& known = jobs_.at(checkpoint.job_id());
-  const Place place{checkpoint.stage(), checkpoint.has_step() ? checkpoint.round() + 1 : 0};
-  if (place < known.durable) Fail(checkpoint.job_id() + " saved an earlier round after a later one");
-  known.durable = place;
-  if (checkpoint.state() != proto::JOB_DONE) return;
-  if (known.published.size() != known.stages)
+  if (checkpoint.number() <= known.durable_number) Fail("a checkpoint's number does not grow");
+  if (PlaceOf(checkpoint) < known.durable)
+    Fail(checkpoint.job_id() + " saved an earlier round after a later one");
+  known.durable = PlaceOf(checkpoint);
+  known.durable_number = checkpoint.number();
+  known.durable_state = checkpoint.state();
+  if (checkpoint.state() == proto::JOB_DONE && known.published.size() != known.stages)
     Fail(checkpoint.job_id() + " is done before its results are published");
 }
 
 void Checks::SeeDamaged(const proto::Checkpoint& checkpoint) {
-  jobs_.at(checkpoint.job_id()).durable = {checkpoint.stage(),
-                                           checkpoint.has_step() ? checkpoint.round() + 1 : 0};
+  Known& known = jobs_.at(checkpoint.job_id());
+  known.durable = PlaceOf(checkpoint);
+  known.durable_number = checkpoint.number();
+  known.durable_state = checkpoint.state();
+}
+
+void Checks::SeeLost(const std::string& id) {
+  if (jobs_.at(id).durable_number > 0) Fail(id + " is lost: none of its checkpoints can be read");
 }
 
 void Checks::SeeResult(const std::string& id, std::uint32_t stage, const Hash& result) {
   Known& known = jobs_.at(id);
-  if (known.truth.results.at(stage) != result)
+  if (!known.deceived && known.truth.results.at(stage) != result)
     Fail(id + " published another result than the undisturbed job's");
   known.published[stage] = result;
 }
 
-void Checks::SeeEnd(const coordinator::Job& job) {
-  const Known& known = jobs_.at(job.id);
-  if (known.bad) {
-    if (!job.input_error || job.reason.find("bad input") == std::string::npos)
-      Fail(job.id + " has bad input, but ended otherwise: " + job.reason);
-    return;
-  }
-  if (job.state != proto::JOB_DONE) Fail(job.id + " is not done: " + job.reason);
-  if (known.published.size() != known.stages)
-    Fail(job.id + " is done, but not all its results are published");
+// More blobs than this nobody can need: inputs and results; partials, shared and kept blobs of the step, of
+// two checkpoints, and of the one under way.
+void Checks::SeeMemory(std::size_t blobs) {
+  std::size_t most = 0;
+  for (const auto& [id, known] : jobs_) most += 1 + known.stages + 4 * (known.truth.most_tasks + 2);
+  if (blobs > most) Fail(std::to_string(blobs) + " blobs in memory, more than " + std::to_string(most));
 }
 
-std::size_t Checks::MostBlobs(const std::string& id) const {
-  const Known& known = jobs_.at(id);
-  // Input and results; partials, shared and kept blobs of the step, of two checkpoints, and of the one under
-  // way.
-  return 1 + known.stages + 4 * (known.truth.most_tasks + 2);
+void Checks::SeeEnd(const Job& job, const proto::Checkpoint* saved, bool given_up) {
+  const Known& known = jobs_.at(job.id);
+  const std::string how = job.id + " ended as " + Text(job.state) + " (" + job.reason + ")";
+  if (saved == nullptr || saved->state() != job.state) Fail(how + ", which is not what is saved");
+  if (job.state == proto::JOB_CANCELLED && given_up) return;
+  if (known.kind == ToyKind::kHopeless || known.kind == ToyKind::kBadInput) {
+    if (!job.input_error) Fail(how + ", which does not blame its input");
+  } else if (known.kind == ToyKind::kPoisoned) {
+    if (job.reason.find("failed 3 times") == std::string::npos && !known.deceived)
+      Fail(how + ", not by its third failure");
+  } else if (job.state != proto::JOB_DONE) {
+    Fail(how);
+  } else if (known.published.size() != known.stages) {
+    Fail(how + ", but not all its results are published");
+  }
 }
 
 }  // namespace cairn::simulation

@@ -1,50 +1,94 @@
 // What must hold in every world, at every step. The first thing that does not is kept.
+//
+//   checks.cc         a job's way: rounds one by one, what is durable stays, states change for a cause
+//   answer_checks.cc  what a job takes for true, lies, and two answers that differ
+//   table_checks.cc   the core's tables: nobody's tasks, no task forgotten, no worker idle, nothing that
+//   grows
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "coordinator/core.h"
 #include "tests/simulation/toy.h"
 
 namespace cairn::simulation {
 
+class World;
+
 class Checks {
  public:
+  explicit Checks(World& world) : world_(world) {}
   void Fail(const std::string& what) {
     if (violation_.empty()) violation_ = what;
   }
   const std::string& violation() const { return violation_; }
 
-  void AddJob(const std::string& id, const proto::Job& job);
-  // A job as it stands after an event: it moves by one round at a time, forward, and as the undisturbed one
-  // does.
-  void See(const coordinator::Job& job, std::uint64_t incarnation);
-  void SeePersist(const coordinator::Persist& persist, std::uint64_t incarnation, double now_s);
+  void AddJob(const std::string& id, const proto::Job& job, ToyKind kind);
+  // Around each event that the core handles. `process` counts the coordinator's.
+  void Before(const coordinator::Core& core, const coordinator::Event& event);
+  void After(const coordinator::Core& core, const coordinator::Event& event,
+             const std::vector<coordinator::Action>& actions, std::uint64_t process);
+  // The store: a checkpoint is durable; the newest was damaged, what is left is this; none is left.
   void SeeDurable(const proto::Checkpoint& checkpoint);
-  // The newest checkpoint was damaged: what is left is this.
   void SeeDamaged(const proto::Checkpoint& checkpoint);
+  void SeeLost(const std::string& id);
   void SeeResult(const std::string& id, std::uint32_t stage, const Hash& result);
-  void SeeEnd(const coordinator::Job& job);
-  // More blobs than this the job can never need.
-  std::size_t MostBlobs(const std::string& id) const;
+  void SeeMemory(std::size_t blobs);
+  // All is over: how the job ended, and what the store says of it (null: nothing).
+  void SeeEnd(const coordinator::Job& job, const proto::Checkpoint* saved, bool given_up);
 
  private:
   using Place = std::pair<std::uint32_t, std::uint64_t>;  // stage; round + 1, or 0 before START is answered
   struct Known {
-    ToyTruth truth;
+    ToyKind kind = ToyKind::kGood;
     std::uint32_t stages = 0;
-    bool bad = false;
+    ToyTruth truth;
+    // The last that is durable.
     Place durable{0, 0};
-    Place seen{0, 0};
-    std::uint64_t incarnation = 0;
-    std::uint64_t number = 0;  // of the last checkpoint begun
+    std::uint64_t durable_number = 0;
+    proto::JobState durable_state = proto::JOB_RUNNING;
     std::map<std::uint32_t, Hash> published;
+    // How it stood after the last event.
+    std::uint64_t process = 0;
+    Place seen{0, 0};
+    proto::JobState state = proto::JOB_RUNNING;
+    std::uint64_t passed_over = 0;  // tasks of others that were given out while its own were ready
+    // Wrong answers that came for it, and whether each could be believed: it had the right form, and came
+    // from one who had been given the task.
+    std::map<Hash, bool> lies;
+    bool deceived = false;  // it believed one: its truth is no longer known
   };
+  enum class Alarm { kNever, kMay, kMust };
+
+  static Place PlaceOf(const proto::Checkpoint& checkpoint);
+  void See(const coordinator::Job& job, const coordinator::Event& event, std::uint64_t process);
+  void SeeRestored(const coordinator::Job& job, const proto::Checkpoint& saved, Known& known);
+  void SeeState(const coordinator::Job& job, const coordinator::Event& event, Known& known);
+  void SeeOrders(const coordinator::Core& core, const coordinator::Event& event);
+  // answer_checks.cc
+  void Weigh(const coordinator::Core& core, const coordinator::TaskDone& event);
+  Hash TruthOf(const Known& known, const wire::TaskKey& key) const;
+  void SeeAlarms(const std::vector<coordinator::Action>& actions);
+  void SeeTruth(const coordinator::Job& job, Known& known);
+  bool Believed(const std::string& id, Known& known, const Hash& hash);
+  // table_checks.cc
+  void SeeTables(const coordinator::Core& core);
+  void SeeJobTables(const coordinator::Job& job);
+  void SeeTurns(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
+  void CountActions(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
+
+  World& world_;
   std::map<std::string, Known> jobs_;
   std::string violation_;
+  // Of the event under way.
+  Alarm alarm_ = Alarm::kNever;
+  std::set<std::string> ready_before_;  // jobs that run and have a task to give out
+  std::uint64_t events_ = 0;
 };
 
 // One line, for the trace.

@@ -17,7 +17,8 @@ struct Words {
   std::string operator()(const WorkerBeat& e) const {
     std::string text = e.peer + " Beat";
     for (int i = 0; i < e.beat.tasks_size(); ++i)
-      text += " [" + Text(e.beat.tasks(i)) + ": " + std::to_string(e.beat.ticks(i)) + "]";
+      text += " [" + Text(e.beat.tasks(i)) + ": " +
+              (i < e.beat.ticks_size() ? std::to_string(e.beat.ticks(i)) : "no") + " ticks]";
     return text;
   }
   std::string operator()(const WorkerBye& e) const { return e.peer + " Bye"; }

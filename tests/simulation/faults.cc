@@ -1,36 +1,73 @@
 #include "tests/simulation/faults.h"
 
 namespace cairn::simulation {
+namespace {
 
-Faults DrawFaults(std::uint64_t seed) {
-  Rng rng(seed, 1);
-  Faults f;
-  const auto maybe = [&rng](double high) { return rng.Uniform() < 0.4 ? rng.Uniform(0, high) : 0.0; };
-  f.lose = maybe(0.15);
-  f.duplicate = maybe(0.3);
-  f.delay_s = rng.Uniform(0.0005, 0.05);
-  f.late = maybe(0.1);
-  f.partition_per_s = maybe(0.05);
+// A world knows each kind of trouble with this probability.
+constexpr double kKnown = 0.35;
+
+void DrawWorkers(Faults& f, Rng& rng) {
+  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
   f.crash_per_s = maybe(0.08);
   f.hang_per_s = maybe(0.03);
+  f.stop_per_s = maybe(0.03);
   f.leave_per_s = maybe(0.05);
+  f.clock_jump_per_s = maybe(0.05);
+  f.crash_at_message = maybe(0.02);
   f.task_crash = maybe(0.05);
   f.slow = maybe(0.5);
   f.other_build = maybe(0.5);
   f.late_joiners_per_s = maybe(0.1);
+  if (rng.Below(5) == 0) {
+    f.liars = rng.Uniform(0.1, 0.7);
+    f.lie = rng.Uniform(0.05, 0.5);
+    f.plausible_lies = rng.Below(2) == 0;
+  }
   f.tell_deaths = rng.Below(2) == 0;
+}
+
+void DrawCoordinator(Faults& f, Rng& rng) {
+  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
   f.coordinator_crash_per_s = maybe(0.15);
-  f.disk_full = maybe(0.2);
-  f.checkpoint_damaged = maybe(1);
+  f.coordinator_stop_per_s = maybe(0.05);
+  f.coordinator_clock_jump_per_s = maybe(0.05);
+  f.crash_at_action = maybe(0.01);
+  f.power_cut = rng.Below(2) == 0 ? rng.Uniform() : 0.0;
+  f.disk_full_per_s = maybe(0.1);
+  f.sync_fails = maybe(0.1);
+  f.damaged = maybe(1);
   f.persist_s = rng.Uniform(0.001, 2);
+}
+
+void DrawJobs(Faults& f, Rng& rng) {
+  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
   f.cancel_per_s = maybe(0.05);
+  f.give_up = maybe(0.5);
   f.workers = 1 + static_cast<int>(rng.Below(5));
   f.jobs = 1 + static_cast<int>(rng.Below(3));
   f.stages = 1 + static_cast<int>(rng.Below(3));
   f.rounds = 1 + static_cast<int>(rng.Below(8));
   f.tasks = 1 + static_cast<int>(rng.Below(9));
   f.bad_input = rng.Below(5) == 0;
+  f.poisoned = rng.Below(10) == 0;
+  f.hopeless = rng.Below(10) == 0;
   f.task_s = rng.Uniform(0.01, 0.5);
+}
+
+}  // namespace
+
+Faults DrawFaults(std::uint64_t seed) {
+  Rng rng(seed, 1);
+  Faults f;
+  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
+  f.lose = maybe(0.15);
+  f.duplicate = maybe(0.3);
+  f.delay_s = rng.Uniform(0.0005, 0.05);
+  f.late = maybe(0.1);
+  f.partition_per_s = maybe(0.05);
+  DrawWorkers(f, rng);
+  DrawCoordinator(f, rng);
+  DrawJobs(f, rng);
   f.core.lease_s = rng.Uniform(3, 6);
   f.core.unlisted_s = rng.Uniform(2, 3);
   f.core.hung_s = rng.Uniform(6, 12);

@@ -13,22 +13,34 @@ struct Faults {
   double trouble_s = 40;  // then everything heals, and all jobs must end
   // Network, a message each.
   double lose = 0, duplicate = 0, delay_s = 0.01, late = 0;  // `late`: fraction that comes seconds later
-  double partition_per_s = 0;
+  double partition_per_s = 0;                                // of a worker; some in one direction only
   // Workers, each.
-  double crash_per_s = 0, hang_per_s = 0, leave_per_s = 0;
-  double task_crash = 0;   // fraction of tasks that end in a failure
-  double slow = 0;         // fraction of workers that are 20 times slower
-  double other_build = 0;  // fraction of joiners that are of another build
+  double crash_per_s = 0, hang_per_s = 0, stop_per_s = 0, leave_per_s = 0, clock_jump_per_s = 0;
+  double crash_at_message = 0;  // fraction of messages and of answers that it does not outlive
+  double task_crash = 0;        // fraction of tasks that end in a failure
+  double slow = 0;              // fraction of workers that are 20 times slower
+  double other_build = 0;       // fraction of joiners that are of another build
   double late_joiners_per_s = 0;
-  bool tell_deaths = false;  // the shell sees a worker die before its lease is over
-  // Coordinator and its disk.
-  double coordinator_crash_per_s = 0, disk_full = 0, checkpoint_damaged = 0;
-  double persist_s = 0.02;
+  double liars = 0, lie = 0;    // fraction of workers that lie, and of their answers that are lies
+  bool plausible_lies = false;  // theirs may be of the right shape too
+  bool tell_deaths = false;     // the shell sees a worker die before its lease is over
+  // The coordinator's process and machine.
+  double coordinator_crash_per_s = 0, coordinator_stop_per_s = 0, coordinator_clock_jump_per_s = 0;
+  double crash_at_action = 0;  // fraction of the core's actions that the process does not live to carry out
+  double power_cut = 0;        // fraction of its crashes in which the machine goes too
+  // Its disk.
+  double disk_full_per_s = 0;  // for some seconds
+  double sync_fails = 0;       // fraction of fsyncs
+  double damaged = 0;       // fraction of restarts that find the newest checkpoint, or a blob of it, damaged
+  double persist_s = 0.02;  // a checkpoint takes at most this long
   // Users.
   double cancel_per_s = 0;
+  double give_up = 0;  // fraction of cancels that are for good
 
   int workers = 3, jobs = 1, stages = 1, rounds = 5, tasks = 6;
   bool bad_input = false;  // one more job, whose input is bad
+  bool poisoned = false;   // one more job, one of whose tasks always fails
+  bool hopeless = false;   // one more job, whose chain of stages cannot be
   double task_s = 0.1;
   coordinator::CoreOptions core;
 };

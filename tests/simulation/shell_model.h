@@ -1,5 +1,5 @@
-// The coordinator's shell without sockets and files: carries out the core's actions against a model of memory
-// and disk, dies, and comes back with what was durable.
+// The coordinator's process without sockets: feeds the core, carries out its actions against a model of
+// memory and the store, dies at any moment, and comes back with what was durable. (hub.cc)
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "coordinator/core.h"
+#include "tests/simulation/store_model.h"
 #include "tests/simulation/toy.h"
 
 namespace cairn::simulation {
@@ -18,42 +19,51 @@ class World;
 
 class ShellModel {
  public:
-  explicit ShellModel(World& world) : world_(world) {}
+  explicit ShellModel(World& world) : world_(world), store_(world) {}
   void Start();
-  void Submit(const std::string& id, const proto::Job& job);
-  void Deliver(const coordinator::Event& event);  // lost while the coordinator is down
-  void Crash(double down_s);
-  void ResumeIfStopped(const std::string& id);
+  // From a socket or a user; lost while the process is down, late while it is stopped. `whole`: every blob's
+  // content is what its hash says.
+  void Deliver(const coordinator::Event& event, bool whole = true);
+  void Crash(bool power_cut, double down_s);
+  void StopUntil(double until_s) { stopped_until_s_ = until_s; }
+  void JumpClock(double by_s) { clock_offset_s_ += by_s; }
+  void FillDiskUntil(double until_s) { store_.FillUntil(until_s); }
   // Whether a worker that was given `key` could fetch its inputs. A task that is still wanted must have them.
   bool Serves(const wire::TaskKey& key, const std::string& peer, const std::set<Hash>& blobs);
-  bool AllEnded(const std::vector<std::string>& ids) const;
-  void CheckEnd(const std::vector<std::string>& ids);
-  std::string Summary() const;
+  const coordinator::Core* core() const { return core_.get(); }  // null while it is down
+  const StoreModel& store() const { return store_; }
+  // An attempt that this process gave to `peer`.
+  bool WasGiven(const std::string& peer, const wire::TaskKey& key) const;
 
  private:
-  using Checkpoints = std::map<std::uint64_t, proto::Checkpoint>;  // of a job, by number
+  struct Kept {
+    bool durable = false;
+    std::uint64_t ticket = 0;
+  };
   void TickOn();
   void Restart();
-  void Restore(const std::string& id, Checkpoints& checkpoints);
+  void Handle(const coordinator::Event& event);
+  void TakeIn(const coordinator::Event& event);
+  void Keep(const std::vector<Hash>& blobs);
   void Apply(const coordinator::Action& action);
   void Do(const coordinator::Send& send);
   void Do(const coordinator::Persist& persist);
   void Do(const coordinator::DropBlobs& drop);
   void Do(const coordinator::JobChanged&) {}
-  void Do(const coordinator::Report& report);
-  void EndPersist(const coordinator::Persist& persist, bool tell);
+  void Do(const coordinator::Report&) {}
+  void Take(const WriteDone& done);
   void CheckAssign(const wire::Assign& assign);
   void CheckMemory();
+  double Now();
 
   World& world_;
-  std::unique_ptr<coordinator::Core> core_;  // null while it is down
-  std::uint64_t incarnation_ = 0;
-  std::map<std::string, proto::Job> submitted_;
-  std::set<std::string> accepted_;  // submissions that were answered: durable
-  std::set<Hash> memory_;
-  // What survives a crash.
-  std::map<std::string, Checkpoints> checkpoints_;
-  std::set<Hash> disk_;
+  StoreModel store_;  // it outlives the process
+  std::unique_ptr<coordinator::Core> core_;
+  std::uint64_t process_ = 0;
+  double stopped_until_s_ = 0;
+  double clock_offset_s_ = 0, clock_s_ = 0;  // the clock, and the last that was read of it
+  std::map<Hash, Kept> memory_;
+  std::set<std::string> given_;  // attempts, with their workers
 };
 
 }  // namespace cairn::simulation

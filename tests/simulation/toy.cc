@@ -78,6 +78,7 @@ ToyAnswer ComputeToy(const wire::Assign& assign) {
     answer.partial = Mix("partial", parts);
     answer.blobs = {answer.partial};
     answer.input_error = stage.options().contains("bad") && assign.key().round() == 1;
+    answer.fails = stage.options().contains("poison") && assign.key().round() == 1;
     return answer;
   }
   std::vector<std::string> parts = Values(assign.inputs());
@@ -89,11 +90,13 @@ ToyAnswer ComputeToy(const wire::Assign& assign) {
     parts.insert(parts.end(), assign.partials().begin(), assign.partials().end());
   }
   ToyAnswer answer = Plan(stage, Mix("plan", parts), round);
-  answer.input_error = stage.options().contains("bad") && round == 2;  // where round 1 had no tasks
+  // Where round 1 had no tasks.
+  answer.input_error = stage.options().contains("bad") && round == 2;
+  answer.fails = stage.options().contains("poison") && round == 2;
   return answer;
 }
 
-proto::Job MakeToyJob(std::uint64_t seed, int stages, int rounds, int tasks, bool input_error) {
+proto::Job MakeToyJob(std::uint64_t seed, int stages, int rounds, int tasks, ToyKind kind) {
   Rng rng(seed, 77);
   proto::Job job;
   job.set_name("toy");
@@ -110,10 +113,11 @@ proto::Job MakeToyJob(std::uint64_t seed, int stages, int rounds, int tasks, boo
     (*stage.mutable_options())["rounds"].set_i(
         static_cast<std::int64_t>(rng.Below(static_cast<std::uint64_t>(rounds) + 1)));
     (*stage.mutable_options())["tasks"].set_i(tasks);
-    if (input_error && i == 0) {
-      (*stage.mutable_options())["rounds"].set_i(rounds + 3);
-      (*stage.mutable_options())["bad"].set_b(true);
-    }
+    if (kind == ToyKind::kGood || i > 0) continue;
+    (*stage.mutable_options())["rounds"].set_i(rounds + 3);
+    if (kind == ToyKind::kBadInput) (*stage.mutable_options())["bad"].set_b(true);
+    if (kind == ToyKind::kPoisoned) (*stage.mutable_options())["poison"].set_b(true);
+    if (kind == ToyKind::kHopeless) (*stage.mutable_inputs())["before"] = "nothing of that name";
   }
   return job;
 }
@@ -130,7 +134,8 @@ ToyTruth RunToy(const proto::Job& job) {
     assign.mutable_key()->set_kind(wire::TaskKey::START);
     ToyAnswer plan = ComputeToy(assign);
     for (std::uint64_t round = 0; plan.step.result().empty(); ++round) {
-      truth.steps[{s, round}] = coordinator::HashOfStep(plan.step);
+      ToyTruth::Round& known_round = truth.rounds[{s, round}];
+      known_round.step = coordinator::HashOfStep(plan.step);
       truth.most_tasks = std::max(truth.most_tasks, static_cast<std::size_t>(plan.step.tasks_size()));
       assign.mutable_key()->set_round(round);
       assign.mutable_key()->set_kind(wire::TaskKey::RUN);
@@ -139,12 +144,14 @@ ToyTruth RunToy(const proto::Job& job) {
         *assign.mutable_task() = task;
         for (proto::InputRef& input : *assign.mutable_task()->mutable_inputs())
           if (input.has_task()) input.set_blob(std::string(assign.partials(static_cast<int>(input.task()))));
-        assign.add_partials(ComputeToy(assign).partial.Binary());
+        known_round.partials.push_back(ComputeToy(assign).partial);
+        assign.add_partials(known_round.partials.back().Binary());
       }
       *assign.mutable_state() = plan.step.state();
       assign.mutable_key()->set_kind(wire::TaskKey::ADVANCE);
       plan = ComputeToy(assign);
     }
+    truth.ends.push_back(coordinator::HashOfStep(plan.step));
     truth.results.push_back(Hash::FromBinary(plan.step.result()).value());
     known[assign.stage().name()] = plan.step.result();
   }

@@ -21,19 +21,31 @@ struct ToyAnswer {
   proto::Step step;         // START, ADVANCE
   std::vector<Hash> blobs;  // that come with it
   bool input_error = false;
+  bool fails = false;  // whoever tries it
 };
 
 // What a worker answers to `assign`.
 ToyAnswer ComputeToy(const wire::Assign& assign);
 
+enum class ToyKind {
+  kGood,
+  kBadInput,  // round 1 finds that the input is bad
+  kPoisoned,  // a task of round 1, or its reduction, fails whoever tries it
+  kHopeless,  // its chain of stages cannot be
+};
 // A job of `stages` stages; `rounds` and `tasks` are upper bounds, drawn from the seed stage by stage.
-proto::Job MakeToyJob(std::uint64_t seed, int stages, int rounds, int tasks, bool input_error);
+proto::Job MakeToyJob(std::uint64_t seed, int stages, int rounds, int tasks, ToyKind kind);
 
 // What the job gives when nothing disturbs it.
 struct ToyTruth {
-  std::map<std::pair<std::uint32_t, std::uint64_t>, Hash>
-      steps;                  // (stage, round) -> hash of the step planning it
-  std::vector<Hash> results;  // of each stage
+  struct Round {
+    Hash step;  // that plans it
+    std::vector<Hash> partials;
+  };
+  std::map<std::pair<std::uint32_t, std::uint64_t>, Round> rounds;  // by stage and round
+  std::vector<Hash> results;                                        // of each stage
+  // Hashes of the plans that end the stages.
+  std::vector<Hash> ends;
   std::size_t most_tasks = 0;
 };
 ToyTruth RunToy(const proto::Job& job);

@@ -9,11 +9,12 @@ namespace cairn::simulation {
 
 using coordinator::SameAttempt;
 
-WorkerModel::WorkerModel(World& world, std::string name, std::string build, double speed, std::uint32_t slots)
-    : world_(world), name_(std::move(name)), build_(std::move(build)), speed_(speed), slots_(slots) {}
+WorkerModel::WorkerModel(World& world, std::string name, WorkerTraits traits)
+    : world_(world), name_(std::move(name)), traits_(std::move(traits)) {}
 
 void WorkerModel::Start() {
-  world_.Say(name_ + " starts" + (build_ == "1" ? "" : ", another build") + (speed_ < 1 ? ", slow" : ""));
+  world_.Say(name_ + " starts" + (Foreign() ? ", another build" : "") + (traits_.speed < 1 ? ", slow" : "") +
+             (traits_.lies ? ", a liar" : ""));
   KeepSayingHello();
   BeatOn();
 }
@@ -21,71 +22,86 @@ void WorkerModel::Start() {
 void WorkerModel::SayHello() {
   wire::Hello hello;
   hello.set_protocol(1);
-  hello.mutable_build()->set_version(build_);
+  hello.mutable_build()->set_version(traits_.build);
   hello.set_host(name_);
-  hello.set_slots(slots_);
-  world_.ToCoordinator(name_, coordinator::WorkerHello{name_, hello});
+  hello.set_slots(traits_.slots);
+  world_.network.ToCoordinator(name_, coordinator::WorkerHello{name_, hello});
 }
 
 void WorkerModel::KeepSayingHello() {
   if (!alive_) return;
-  if (!welcomed_ && !refused_) SayHello();
+  if (!welcomed_ && !refused_ && world_.schedule.now_s() >= stopped_until_s_) SayHello();
   world_.schedule.After(1.7, [this] { KeepSayingHello(); });
 }
 
 void WorkerModel::BeatOn() {
   if (!alive_) return;
-  if (welcomed_) {
+  if (welcomed_ && world_.schedule.now_s() >= stopped_until_s_) {
     wire::Beat beat;
-    for (Held& held : queue_) {
+    for (const Held& held : queue_) {
       *beat.add_tasks() = held.assign.key();
       beat.add_ticks(held.ticks);
     }
     if (!queue_.empty() && computing_ && !hung_) ++queue_.front().ticks;
-    world_.ToCoordinator(name_, coordinator::WorkerBeat{name_, beat});
+    world_.network.ToCoordinator(name_, coordinator::WorkerBeat{name_, beat});
   }
-  world_.schedule.After(0.9, [this] { BeatOn(); });
+  // A clock that jumped makes a beat come too early or too late.
+  const double wait_s = std::max(0.01, 0.9 - std::exchange(clock_jump_s_, 0));
+  world_.schedule.After(wait_s, [this] { BeatOn(); });
 }
 
 void WorkerModel::Receive(const wire::Envelope& message) {
   if (!alive_) return;
+  if (const double wait_s = stopped_until_s_ - world_.schedule.now_s(); wait_s > 0)
+    return world_.schedule.After(wait_s, [this, message] { Receive(message); });
+  if (world_.Chance(world_.faults.crash_at_message)) {
+    world_.Count(kWorkerKilledAtMessage);
+    return Crash();
+  }
   if (message.has_welcome()) welcomed_ = true;
   if (message.has_refuse()) {
-    if (build_ == "1") world_.checks.Fail(name_ + " was refused: " + message.refuse().reason());
+    if (!Foreign()) world_.checks.Fail(name_ + " was refused: " + message.refuse().reason());
     refused_ = true;
   }
   if (message.has_stranger() && !refused_) {
     if (world_.rng.Below(2) == 0) Forget();
     SayHello();
   }
-  if (message.has_assign()) {
-    if (build_ != "1") world_.checks.Fail(name_ + " of another build was given a task");
-    const auto same = [&](const Held& held) {
-      return SameAttempt(held.assign.key(), message.assign().key());
-    };
-    if (std::any_of(queue_.begin(), queue_.end(), same)) return;
-    queue_.push_back({message.assign()});
-    BeginNext();
-  }
-  if (message.has_cancel() && !hung_) {
-    if (queue_.empty()) return;
-    const bool first = SameAttempt(queue_.front().assign.key(), message.cancel().key());
-    std::erase_if(queue_,
-                  [&](const Held& held) { return SameAttempt(held.assign.key(), message.cancel().key()); });
-    if (!first) return;
-    computing_ = false;
-    ++computation_;
-    BeginNext();
-  }
+  if (message.has_assign()) Take(message.assign());
+  if (message.has_cancel() && !hung_) Drop(message.cancel().key());
+}
+
+void WorkerModel::Take(const wire::Assign& assign) {
+  if (Foreign()) world_.checks.Fail(name_ + " of another build was given a task");
+  const auto same = [&](const Held& held) { return SameAttempt(held.assign.key(), assign.key()); };
+  if (std::any_of(queue_.begin(), queue_.end(), same)) return;
+  queue_.push_back({assign});
+  BeginNext();
+}
+
+void WorkerModel::Drop(const wire::TaskKey& key) {
+  if (queue_.empty()) return;
+  const bool first = SameAttempt(queue_.front().assign.key(), key);
+  std::erase_if(queue_, [&](const Held& held) { return SameAttempt(held.assign.key(), key); });
+  if (!first) return;
+  computing_ = false;
+  ++computation_;
+  BeginNext();
 }
 
 void WorkerModel::BeginNext() {
   if (computing_ || queue_.empty() || hung_) return;
   computing_ = true;
   const std::uint64_t number = ++computation_;
-  const double takes_s = world_.rng.Uniform(0.2, 2) * world_.faults.task_s / speed_;
+  const double takes_s = world_.rng.Uniform(0.2, 2) * world_.faults.task_s / traits_.speed;
   world_.schedule.After(takes_s, [this, number] {
-    if (alive_ && !hung_ && computing_ && number == computation_) FinishFirst();
+    if (!alive_ || hung_ || !computing_ || number != computation_) return;
+    const double wait_s = stopped_until_s_ - world_.schedule.now_s();
+    if (wait_s <= 0) return FinishFirst();
+    computing_ = false;
+    world_.schedule.After(wait_s, [this, number] {
+      if (alive_ && number == computation_) BeginNext();
+    });
   });
 }
 
@@ -103,26 +119,38 @@ void WorkerModel::FinishFirst() {
   const wire::Assign assign = queue_.front().assign;
   queue_.pop_front();
   computing_ = false;
-  const ToyAnswer answer = ComputeToy(assign);
-  if (!HasInputs(assign) || answer.input_error || world_.Chance(world_.faults.task_crash)) {
-    wire::Failed failed;
-    *failed.mutable_key() = assign.key();
-    failed.set_message(answer.input_error ? "bad input" : "trouble");
-    failed.set_input_error(answer.input_error);
-    world_.ToCoordinator(name_, coordinator::TaskFailed{name_, failed});
-  } else {
-    wire::Done done;
-    *done.mutable_key() = assign.key();
-    if (assign.key().kind() == wire::TaskKey::RUN)
-      done.set_partial(answer.partial.Binary());
-    else
-      *done.mutable_step() = answer.step;
-    world_.ToCoordinator(name_, coordinator::TaskDone{name_, done, answer.blobs});
+  if (world_.Chance(world_.faults.crash_at_message)) {
+    world_.Count(kWorkerKilledBeforeAnswer);
+    return Crash();
+  }
+  SendAnswer(assign);
+  if (world_.Chance(world_.faults.crash_at_message)) {
+    world_.Count(kWorkerKilledAfterAnswer);
+    return Crash();
   }
   BeginNext();
 }
 
+void WorkerModel::SendAnswer(const wire::Assign& assign) {
+  const ToyAnswer toy = ComputeToy(assign);
+  const bool trouble = world_.Chance(world_.faults.task_crash);
+  if (trouble) world_.Count(kTaskTrouble);
+  if (trouble || toy.input_error || toy.fails || !HasInputs(assign)) {
+    wire::Failed failed;
+    *failed.mutable_key() = assign.key();
+    failed.set_message(toy.input_error ? "bad input" : "trouble");
+    failed.set_input_error(toy.input_error);
+    world_.network.ToCoordinator(name_, coordinator::TaskFailed{name_, failed});
+  } else if (traits_.lies && world_.Chance(world_.faults.lie)) {
+    for (const Answer& lie : TellLies(world_, name_, assign, toy))
+      world_.network.ToCoordinator(name_, lie.event, lie.whole);
+  } else {
+    world_.network.ToCoordinator(name_, TellTruth(name_, assign, toy).event);
+  }
+}
+
 void WorkerModel::Forget() {
+  if (!queue_.empty()) world_.Count(kWorkerForgot);
   queue_.clear();
   computing_ = false;
   ++computation_;
@@ -130,30 +158,39 @@ void WorkerModel::Forget() {
 
 void WorkerModel::Crash() {
   world_.Say(name_ + " dies");
-  ++world_.outcome.worker_ends;
   alive_ = false;
   Forget();
-  if (world_.faults.tell_deaths) world_.shell().Deliver(coordinator::WorkerLost{name_});
+  if (!world_.faults.tell_deaths) return;
+  world_.schedule.After(world_.rng.Uniform(0, 2),
+                        [this] { world_.shell().Deliver(coordinator::WorkerLost{name_}); });
 }
 
 void WorkerModel::Leave() {
   world_.Say(name_ + " leaves");
-  ++world_.outcome.worker_ends;
-  world_.ToCoordinator(name_, coordinator::WorkerBye{name_});
+  world_.network.ToCoordinator(name_, coordinator::WorkerBye{name_});
   alive_ = false;
   Forget();
 }
 
 void WorkerModel::Hang() {
   world_.Say(name_ + " hangs");
+  world_.Count(kWorkerHung);
   hung_ = true;
   if (world_.rng.Below(3) == 0) return;  // for good
   world_.schedule.After(world_.rng.Uniform(2, 30), [this] {
     if (!alive_ || !hung_) return;
+    world_.Say(name_ + " moves again");
+    world_.Count(kWorkerUnhung);
     hung_ = false;
     computing_ = false;
     BeginNext();
   });
+}
+
+void WorkerModel::StopUntil(double until_s) {
+  world_.Say(name_ + " is stopped until " + std::to_string(until_s));
+  world_.Count(kWorkerStopped);
+  stopped_until_s_ = until_s;
 }
 
 }  // namespace cairn::simulation

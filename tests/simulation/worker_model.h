@@ -1,48 +1,62 @@
 // A worker as the coordinator sees it: says Hello, beats, computes what it is given one after the other. It
-// may be slow, hang, die, forget, or be of another build.
+// may be slow, hang, be stopped, die, forget, lie, or be of another build.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "schema/hash.h"
 #include "schema/wire.pb.h"
+#include "tests/simulation/lies.h"
 
 namespace cairn::simulation {
 
 class World;
 
+struct WorkerTraits {
+  std::string build = "1";
+  double speed = 1;
+  std::uint32_t slots = 1;
+  bool lies = false;
+};
+
 class WorkerModel {
  public:
-  WorkerModel(World& world, std::string name, std::string build, double speed, std::uint32_t slots);
+  WorkerModel(World& world, std::string name, WorkerTraits traits);
   void Start();
   void Receive(const wire::Envelope& message);
   bool alive() const { return alive_; }
-  bool hung() const { return hung_; }
   void Crash();
   void Leave();
-  void Hang();
+  void Hang();                     // what computes stands still, beats go on
+  void StopUntil(double until_s);  // all of it stands still; what comes meanwhile waits
+  void JumpClock(double by_s) { clock_jump_s_ += by_s; }
 
  private:
   struct Held {
     wire::Assign assign;
     std::uint64_t ticks = 0;
   };
+  bool Foreign() const { return traits_.build != "1"; }
   void SayHello();
   void KeepSayingHello();
   void BeatOn();
+  void Take(const wire::Assign& assign);
+  void Drop(const wire::TaskKey& key);
   void BeginNext();
   void FinishFirst();
+  void SendAnswer(const wire::Assign& assign);
   void Forget();
   bool HasInputs(const wire::Assign& assign);
 
   World& world_;
-  const std::string name_, build_;
-  const double speed_;
-  const std::uint32_t slots_;
+  const std::string name_;
+  const WorkerTraits traits_;
   bool alive_ = true, hung_ = false, welcomed_ = false, refused_ = false, computing_ = false;
+  double stopped_until_s_ = 0, clock_jump_s_ = 0;
   std::uint64_t computation_ = 0;  // numbered, so that what was called off does not end
   std::deque<Held> queue_;
 };

@@ -1,7 +1,5 @@
 #include "tests/simulation/world.h"
 
-#include <algorithm>
-
 namespace cairn::simulation {
 namespace {
 
@@ -13,82 +11,56 @@ constexpr std::uint64_t kMostEvents = 2'000'000;
 World::World(std::uint64_t seed, Trace trace)
     : faults(DrawFaults(seed)),
       rng(seed, 2),
+      checks(*this),
+      network(*this),
+      users(*this),
       trace_(std::move(trace)),
       shell_(std::make_unique<ShellModel>(*this)) {}
 
 Outcome World::Run() {
-  SubmitJobs();
+  users.Start();
   for (int i = 0; i < faults.workers; ++i) AddWorker(false);
   shell_->Start();
   EverySecond();
-  while (checks.violation().empty() && !(healed_ && AllEnded())) {
-    if (!schedule.Step() || ++outcome.events > kMostEvents ||
+  while (checks.violation().empty() && !(healed_ && users.AllEnded())) {
+    if (!schedule.Step() || ++outcome_.events > kMostEvents ||
         schedule.now_s() > faults.trouble_s + kPatience_s) {
-      checks.Fail("not every job ended: " + shell_->Summary());
+      checks.Fail("not every job ended: " + users.Summary());
       break;
     }
   }
-  if (checks.violation().empty()) shell_->CheckEnd(jobs_);
-  outcome.violation = checks.violation();
-  outcome.simulated_s = schedule.now_s();
-  return outcome;
+  if (checks.violation().empty()) users.CheckEnd();
+  outcome_.violation = checks.violation();
+  outcome_.simulated_s = schedule.now_s();
+  return outcome_;
 }
 
-bool World::AllEnded() const { return shell_->AllEnded(jobs_); }
-
-void World::SubmitJobs() {
-  for (int i = 0; i < faults.jobs + (faults.bad_input ? 1 : 0); ++i) {
-    const std::string id = "job" + std::to_string(i);
-    const proto::Job job =
-        MakeToyJob(rng.Bits64() >> 8, faults.stages, faults.rounds, faults.tasks, i >= faults.jobs);
-    jobs_.push_back(id);
-    schedule.After(rng.Uniform(0, i == 0 ? 0.1 : 10), [this, id, job] { shell_->Submit(id, job); });
-  }
+WorkerModel* World::FindWorker(const std::string& name) {
+  const auto it = workers_.find(name);
+  return it == workers_.end() ? nullptr : it->second.get();
 }
 
-void World::AddWorker(bool may_be_other_build) {
+void World::AddWorker(bool is_late) {
   const std::string name = "w" + std::to_string(next_worker_++);
-  const bool other = may_be_other_build && Chance(faults.other_build);
-  const double speed = Chance(faults.slow) ? 0.05 : 1.0;
-  workers_[name] = std::make_unique<WorkerModel>(*this, name, other ? "other" : "1", speed,
-                                                 static_cast<std::uint32_t>(1 + rng.Below(4)));
+  WorkerTraits traits;
+  if (is_late) Count(kWorkerLateJoiner);
+  if (is_late && Chance(faults.other_build)) traits.build = "other", Count(kWorkerOtherBuild);
+  if (Chance(faults.slow)) traits.speed = 0.05, Count(kWorkerSlow);
+  traits.slots = static_cast<std::uint32_t>(1 + rng.Below(4));
+  traits.lies = Chance(faults.liars);
+  if (traits.lies && rng.Below(4) == 0) traits.slots = 1u << 31;
+  workers_[name] = std::make_unique<WorkerModel>(*this, name, traits);
   workers_[name]->Start();
-}
-
-std::vector<double> World::Deliveries(const std::string& peer) {
-  const auto cut = cut_until_s_.find(peer);
-  if ((cut != cut_until_s_.end() && schedule.now_s() < cut->second) || Chance(faults.lose)) {
-    ++outcome.messages_lost;
-    return {};
-  }
-  std::vector<double> delays;
-  const int copies = Chance(faults.duplicate) ? 2 : 1;
-  for (int i = 0; i < copies; ++i)
-    delays.push_back(Chance(faults.late) ? rng.Uniform(0, 15) : rng.Uniform(0.0001, faults.delay_s));
-  return delays;
-}
-
-void World::ToCoordinator(const std::string& peer, coordinator::Event event) {
-  for (const double delay : Deliveries(peer))
-    schedule.After(delay, [this, event] { shell_->Deliver(event); });
-}
-
-void World::ToWorker(const std::string& peer, wire::Envelope message) {
-  for (const double delay : Deliveries(peer))
-    schedule.After(delay, [this, peer, message] {
-      const auto it = workers_.find(peer);
-      if (it != workers_.end()) it->second->Receive(message);
-    });
 }
 
 void World::EverySecond() {
   if (!healed_ && schedule.now_s() >= faults.trouble_s) Heal();
-  if (!healed_) {
-    DisturbWorkers();
-    DisturbUsers();
-    if (Chance(faults.coordinator_crash_per_s)) shell_->Crash(rng.Uniform(0.1, 8));
+  if (healed_) {
+    users.BringToAnEnd();
   } else {
-    for (const std::string& id : jobs_) shell_->ResumeIfStopped(id);
+    DisturbWorkers();
+    users.Disturb();
+    DisturbCoordinator();
   }
   schedule.After(1, [this] { EverySecond(); });
 }
@@ -96,30 +68,58 @@ void World::EverySecond() {
 void World::DisturbWorkers() {
   int alive = 0;
   for (auto& [name, worker] : workers_) {
-    if (Chance(faults.partition_per_s)) {
-      cut_until_s_[name] = schedule.now_s() + rng.Uniform(0.5, 15);
-      Say(name + " is cut off until " + std::to_string(cut_until_s_[name]));
+    const double now_s = schedule.now_s();
+    if (Chance(faults.partition_per_s)) network.CutOff(name, now_s + rng.Uniform(0.5, 15));
+    if (worker->alive() && Chance(faults.crash_per_s)) {
+      Count(kWorkerKilled);
+      worker->Crash();
     }
-    if (worker->alive() && Chance(faults.crash_per_s)) worker->Crash();
-    if (worker->alive() && Chance(faults.leave_per_s)) worker->Leave();
-    if (worker->alive() && Chance(faults.hang_per_s)) worker->Hang();
-    if (worker->alive()) ++alive;
+    if (worker->alive() && Chance(faults.leave_per_s)) {
+      Count(kWorkerLeft);
+      worker->Leave();
+    }
+    if (!worker->alive()) continue;
+    ++alive;
+    if (Chance(faults.hang_per_s)) worker->Hang();
+    if (Chance(faults.stop_per_s)) worker->StopUntil(now_s + rng.Uniform(0.5, 12));
+    if (!Chance(faults.clock_jump_per_s)) continue;
+    const bool forward = rng.Below(2) == 0;
+    Count(forward ? kWorkerClockForward : kWorkerClockBackward);
+    worker->JumpClock(forward ? rng.Uniform(0.5, 60) : -rng.Uniform(0.5, 15));
   }
   if ((alive < faults.workers && rng.Below(3) == 0) || Chance(faults.late_joiners_per_s)) AddWorker(true);
 }
 
-void World::DisturbUsers() {
-  for (const std::string& id : jobs_) {
-    if (Chance(faults.cancel_per_s)) shell_->Deliver(coordinator::CancelJob{id});
-    if (rng.Below(4) == 0) shell_->ResumeIfStopped(id);
+void World::DisturbCoordinator() {
+  const double now_s = schedule.now_s();
+  // At some moment of this second, not at its beginning.
+  if (Chance(faults.coordinator_crash_per_s)) {
+    const bool power_cut = Chance(faults.power_cut);
+    const double down_s = rng.Uniform(0.1, 8);
+    schedule.After(rng.Uniform(), [this, power_cut, down_s] { shell_->Crash(power_cut, down_s); });
   }
-  if (rng.Below(10) == 0) shell_->Deliver(coordinator::SaveNow{});
+  if (Chance(faults.coordinator_stop_per_s)) {
+    Count(kCoordinatorStalled);
+    Say("the coordinator is stopped");
+    shell_->StopUntil(now_s + rng.Uniform(0.5, 12));
+  }
+  if (Chance(faults.coordinator_clock_jump_per_s)) {
+    const bool forward = rng.Below(2) == 0;
+    Say(forward ? "the coordinator's clock jumps forward" : "the coordinator's clock jumps backward");
+    Count(forward ? kClockForward : kClockBackward);
+    shell_->JumpClock(forward ? rng.Uniform(0.5, rng.Below(3) == 0 ? 5000 : 20) : -rng.Uniform(0.5, 15));
+  }
+  if (Chance(faults.disk_full_per_s)) {
+    Say("the disk is full");
+    shell_->FillDiskUntil(now_s + rng.Uniform(0.5, 10));
+  }
 }
 
 void World::Heal() {
   Say("everything heals");
   healed_ = true;
-  cut_until_s_.clear();
+  network.Heal();
+  shell_->FillDiskUntil(0);
   AddWorker(false);
   AddWorker(false);
 }

@@ -1,0 +1,35 @@
+// Messages between workers and the coordinator: lost, doubled, late, overtaken, or cut off by a partition.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/events.h"
+
+namespace cairn::simulation {
+
+class World;
+
+class NetworkModel {
+ public:
+  explicit NetworkModel(World& world) : world_(world) {}
+  // `whole`: see ShellModel::Deliver.
+  void ToCoordinator(const std::string& peer, coordinator::Event event, bool whole = true);
+  void ToWorker(const std::string& peer, wire::Envelope message);
+  // Both ways, or one of them.
+  void CutOff(const std::string& peer, double until_s);
+  void Heal() { cut_until_s_.clear(); }
+
+ private:
+  enum Way { kIn, kOut };
+  // When one message comes: each is one delivery, none is a loss.
+  std::vector<double> Delays(const std::string& peer, Way way);
+
+  World& world_;
+  std::map<std::pair<std::string, Way>, double> cut_until_s_;
+  std::map<std::pair<std::string, Way>, double> latest_s_;  // delivery so far
+};
+
+}  // namespace cairn::simulation

@@ -1,0 +1,78 @@
+// The coordinator's store: the one thread that writes, in the order in which it was asked (disk_writer.cc),
+// and what a start finds there (recovery.cc). The process may die at any step of a write, and the machine
+// with it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "coordinator/events.h"
+#include "tests/simulation/disk_model.h"
+
+namespace cairn::simulation {
+
+class World;
+
+struct WriteWork {
+  std::uint64_t ticket = 0;
+  std::optional<coordinator::Persist> persist;
+  std::vector<Hash> blobs;   // of it, those that are not on disk yet
+  std::vector<Hash> remove;  // else: blobs that nobody needs
+};
+struct WriteDone {
+  std::uint64_t ticket = 0;
+  std::string job;
+  std::uint64_t number = 0;
+  std::string problem;        // empty: all is durable
+  std::vector<Hash> written;  // blobs
+};
+
+class StoreModel {
+ public:
+  explicit StoreModel(World& world) : world_(world) {}
+
+  // `tell` hears of each checkpoint, as long as the process lives.
+  void BeginProcess(std::function<void(const WriteDone&)> tell) { tell_ = std::move(tell); }
+  std::uint64_t next_ticket() const { return next_ticket_; }
+  void Add(WriteWork work);
+  void EndProcess(bool power_cut);
+  void FillUntil(double until_s) { full_until_s_ = until_s; }
+  // What the next process finds, in the order of submission; some of it damaged before.
+  std::vector<coordinator::RestoreJob> Recover();
+  bool Has(const Hash& blob) const { return blobs_.Read(blob) != nullptr; }
+  // The newest of a job; null where there is none.
+  const proto::Checkpoint* Newest(const std::string& job) const;
+
+ private:
+  using CheckpointPtr = std::shared_ptr<const proto::Checkpoint>;
+  using Checkpoints = FolderModel<std::uint64_t, CheckpointPtr>;  // of a job, by number
+
+  void BeginNext();
+  DiskOutcome Step(DiskStep step);
+  DiskOutcome Perform(const WriteWork& work, WriteDone& done);
+  DiskOutcome WriteCheckpoint(const WriteWork& work, WriteDone& done);
+  void RemoveOld(Checkpoints& checkpoints, const proto::Checkpoint& newest);
+  bool IsGood(const CheckpointPtr& checkpoint) const;
+  void DamageSomething(const std::string& job, Checkpoints& checkpoints);
+  std::optional<coordinator::RestoreJob> RecoverJob(const std::string& job, Checkpoints& checkpoints);
+
+  World& world_;
+  std::function<void(const WriteDone&)> tell_;
+  std::deque<WriteWork> queue_;
+  bool busy_ = false;
+  std::uint64_t process_ = 0;
+  std::uint64_t next_ticket_ = 1;
+  std::optional<std::uint64_t> steps_left_;  // before the process dies
+  double full_until_s_ = 0;
+  FolderModel<Hash, bool> blobs_;
+  std::map<std::string, Checkpoints> checkpoints_;
+  std::map<std::string, FolderModel<std::uint32_t, Hash>> results_;
+};
+
+}  // namespace cairn::simulation

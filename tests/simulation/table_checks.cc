@@ -1,0 +1,122 @@
+// The core's tables, as anybody may look at them.
+#include <algorithm>
+
+#include "tests/simulation/checks.h"
+#include "tests/simulation/world.h"
+
+namespace cairn::simulation {
+
+using namespace coordinator;  // NOLINT: events and actions, all over this file
+
+namespace {
+
+constexpr std::size_t kMostFailures = 20;  // that a job keeps the text of
+constexpr std::uint64_t kLookCloser = 16;  // every so many events
+
+bool IsUnderWay(const Job* job, const wire::TaskKey& key) {
+  if (job == nullptr || job->Ended() || key.stage() != job->stage || key.round() != job->round ||
+      key.kind() != job->tasks.kind() || key.task() >= job->tasks.size())
+    return false;
+  const auto& live = job->tasks.task(key.task()).live_attempts;
+  return std::find(live.begin(), live.end(), key.attempt()) != live.end();
+}
+
+}  // namespace
+
+// What a worker has in hand is under way, and what is under way some worker has in hand.
+void Checks::SeeTables(const Core& core) {
+  std::map<std::string, std::size_t> held, live;
+  bool room = false;
+  for (const auto& [number, worker] : core.fleet().workers()) {
+    room |= worker.HasRoom();
+    if (worker.in_hand.size() > worker.hello.slots()) Fail(worker.peer + " has more tasks than slots");
+    for (const InHand& task : worker.in_hand) {
+      if (!IsUnderWay(core.FindJob(task.key.job()), task.key))
+        Fail(worker.peer + " has a task in hand that nobody waits for");
+      ++held[task.key.job()];
+    }
+    if (worker.has.size() > core.held_blobs()) Fail("the blobs that " + worker.peer + " may have grow");
+    if (events_ % kLookCloser == 0)
+      for (const Hash& blob : worker.has)
+        if (!core.Holds(blob)) Fail("a blob that nobody needs is known to be with " + worker.peer);
+  }
+  for (const auto& [id, known] : jobs_) {
+    const Job* job = core.FindJob(id);
+    if (job == nullptr) continue;
+    for (std::uint32_t i = 0; i < job->tasks.size(); ++i) {
+      const TaskRecord& task = job->tasks.task(i);
+      live[id] += task.live_attempts.size();
+      if ((task.status == TaskStatus::kRunning) == task.live_attempts.empty())
+        Fail("task " + std::to_string(i) + " of " + id + " is not where it says");
+    }
+    if (live[id] != held[id]) Fail("a task of " + id + " runs that no worker has");
+    if (room && job->Running() && job->tasks.HasReady())
+      Fail("a worker has room and " + id + " a task that is ready");
+    SeeJobTables(*job);
+  }
+  ++events_;
+}
+
+void Checks::SeeJobTables(const Job& job) {
+  const Known& known = jobs_.at(job.id);
+  if (job.failures.size() > kMostFailures) Fail(job.id + "'s failures grow");
+  if (job.task_seconds.size() > job.partials.size()) Fail(job.id + "'s task times grow");
+  if (job.saving.unpublished.size() > known.stages) Fail(job.id + "'s results to publish grow");
+  if (job.facts.size() > known.stages) Fail(job.id + "'s facts grow");
+  if (known.deceived || events_ % kLookCloser != 0) return;
+  for (std::uint32_t stage = 0; stage < job.facts.size(); ++stage) {
+    const auto first = known.truth.rounds.lower_bound({stage, 0});
+    const auto last = known.truth.rounds.lower_bound({stage + 1, 0});
+    if (job.facts[stage].rounds_size() > std::distance(first, last) + 1)
+      Fail(job.id + " counts rounds that it did not run");
+  }
+}
+
+// Nothing starves: a job that has a task to give out is not passed over for long.
+void Checks::SeeTurns(const Core& core, const std::vector<Action>& actions) {
+  std::map<std::string, std::uint64_t> given;
+  std::uint64_t all = 0;
+  for (const Action& action : actions) {
+    const auto* send = std::get_if<Send>(&action);
+    if (send == nullptr || !send->message.has_assign()) continue;
+    ++given[send->message.assign().key().job()];
+    ++all;
+  }
+  for (const std::string& id : ready_before_) {
+    Known& known = jobs_.at(id);
+    const Job* job = core.FindJob(id);
+    if (given[id] > 0 || job == nullptr || !job->Running() || !job->tasks.HasReady()) {
+      known.passed_over = 0;
+    } else if (known.passed_over += all; known.passed_over > 8 + 4 * jobs_.size()) {
+      Fail(id + " starves: " + std::to_string(known.passed_over) +
+           " tasks of others were given out before its own");
+    }
+  }
+}
+
+void Checks::CountActions(const Core& core, const std::vector<Action>& actions) {
+  for (const Action& action : actions) {
+    if (std::holds_alternative<Persist>(action)) world_.Count(kPersist);
+    if (std::holds_alternative<DropBlobs>(action)) world_.Count(kDrop);
+    const auto* send = std::get_if<Send>(&action);
+    if (send == nullptr) continue;
+    const wire::Envelope& message = send->message;
+    if (message.has_welcome()) world_.Count(kWelcome);
+    if (message.has_refuse()) world_.Count(kRefuse);
+    if (message.has_stranger()) world_.Count(kStranger);
+    if (message.has_cancel()) world_.Count(kCancel);
+    if (!message.has_assign()) continue;
+    world_.Count(kAssign);
+    const wire::TaskKey& key = message.assign().key();
+    const Job* job = core.FindJob(key.job());
+    if (!IsUnderWay(job, key)) {
+      Fail("a task was handed out that nobody waits for");
+    } else {
+      if (!job->Running()) Fail("a task of " + job->id + " was handed out, which does not run");
+      if (key.attempt() > 1) world_.Count(kAttemptAgain);
+      if (job->tasks.task(key.task()).live_attempts.size() > 1) world_.Count(kCopied);
+    }
+  }
+}
+
+}  // namespace cairn::simulation
