@@ -1,5 +1,7 @@
-// Answers and failures of tasks. The first answer to a task counts; a second one must be the same.
+// Answers and failures of tasks. The first answer to a task counts, of whoever was given it; a second one
+// must be the same.
 #include <algorithm>
+#include <cmath>
 
 #include "coordinator/core.h"
 
@@ -26,29 +28,30 @@ void Core::On(const TaskDone& event) {
   const bool was_first = !worker->in_hand.empty() && SameAttempt(worker->in_hand.front().key, key);
   const bool had_it = worker->Take(key, now_s_);
   Job* job = FindById(key.job());
-  if (job == nullptr || job->Ended()) return;
-  if (key.kind() == wire::TaskKey::RUN)
-    AcceptPartial(*job, event, *worker, had_it);
-  else
-    AcceptPlan(*job, event, *worker, had_it);
-  if (had_it && was_first && key.kind() == wire::TaskKey::RUN && JobOf(key) == job)
+  if (job == nullptr || job->Ended() || !job->WasGiven(key, event.peer)) return;
+  if (key.kind() != wire::TaskKey::RUN) return AcceptPlan(*job, event, *worker, had_it);
+  const bool accepted = AcceptPartial(*job, event, *worker, had_it);
+  if (accepted && had_it && was_first)
     job->task_seconds.insert(
         std::upper_bound(job->task_seconds.begin(), job->task_seconds.end(), now_s_ - head_s),
         now_s_ - head_s);
 }
 
-void Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
+bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
   const wire::TaskKey& key = event.done.key();
   if (!job.step || key.stage() != job.stage || key.round() != job.round || key.task() >= job.partials.size())
-    return;
+    return false;
   const Hash partial = BinaryHash(event.done.partial());
   Hash& known = job.partials[key.task()];
-  if (!known.empty()) return CompareSecond(job, key, known, partial, worker);
+  if (!known.empty()) {
+    CompareSecond(job, key, known, partial, worker);
+    return false;
+  }
   const bool came = std::find(event.blobs.begin(), event.blobs.end(), partial) != event.blobs.end();
   if (partial.empty() || !(came || ledger_.Held(partial))) {
     if (had_it && job.tasks.Withdraw(key.task(), key.attempt()))
       FailAttempt(job, key.task(), "its answer came without its blob");
-    return;
+    return false;
   }
   Count(job, event.done, worker);
   WithdrawOthers(job, key.task());
@@ -58,6 +61,7 @@ void Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
   job.tasks.Finish(key.task(), partial);
   if (job.tasks.AllDone()) job.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
   WantSave(job, false);
+  return true;
 }
 
 void Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
@@ -69,7 +73,7 @@ void Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
   if (key.kind() != job.tasks.kind() || key.stage() != job.stage || key.round() != job.round ||
       key.task() != 0 || job.AllStagesDone())
     return;
-  std::string wrong = CheckStep(step);
+  std::string wrong = event.done.has_step() ? CheckStep(step) : "its answer has no plan";
   if (wrong.empty())
     for (const Hash& blob : BlobsOfStep(step))
       if (!ledger_.Held(blob) && std::find(event.blobs.begin(), event.blobs.end(), blob) == event.blobs.end())
@@ -83,6 +87,7 @@ void Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
   for (const Hash& blob : event.blobs) worker.has.insert(blob);
   job.last_plan = key;
   job.last_plan_hash = hash;
+  job.ForgetGivenBut(key);
   EndRoundFacts(job);
   if (step.result().empty())
     BeginRound(job, step);
@@ -106,7 +111,8 @@ void Core::CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, 
 void Core::Count(Job& job, const wire::Done& done, const Worker& worker) {
   if (!job.build) job.build = worker.hello.build();
   proto::StageFacts& facts = job.facts.back();
-  facts.set_open_compute_seconds(facts.open_compute_seconds() + done.seconds());
+  if (std::isfinite(done.seconds()) && done.seconds() > 0)  // what a worker says of itself
+    facts.set_open_compute_seconds(facts.open_compute_seconds() + done.seconds());
   facts.set_workers(std::max(facts.workers(), static_cast<std::uint32_t>(fleet_.size())));
   auto& hosts = *facts.mutable_hosts();
   const auto place = std::lower_bound(hosts.begin(), hosts.end(), worker.hello.host());

@@ -30,6 +30,7 @@ struct CoreOptions {
   double straggler_min_s = 2;   // … and at least this long
   int max_failures = 3;         // of one task, then the job fails
   double checkpoint_interval_s = 1;
+  double save_again_s = 5;  // what could not be saved of a job that has ended is tried again after this long
   std::uint32_t protocol = 1;  // Hello.protocol that is spoken here
 };
 
@@ -77,7 +78,7 @@ class Core {
   void GiveUpHung(Worker& worker);
 
   // answers.cc
-  void AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it);
+  bool AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   void AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
                      const Worker& worker);

@@ -1,6 +1,8 @@
 // The life of a job: rounds, stages, chains of tasks, ends, checkpoints.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "coordinator/core_bench.h"
 
 namespace cairn::coordinator {
@@ -232,6 +234,34 @@ TEST(CoreJobs, AnswersOfAnEarlierRoundAreIgnoredAndTheirBlobsDropped) {
   EXPECT_EQ(bench.Info().tasks_done(), 0u);
   ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
   EXPECT_EQ(bench.All<DropBlobs>()[0].hashes, std::vector<Hash>{H(99)});
+}
+
+TEST(CoreJobs, APlanThatIsNoPlanIsAFailureOfTheTask) {
+  Bench bench;
+  bench.Submit();
+  bench.Join("w");
+  const auto start = bench.Next();
+  wire::Done done;
+  *done.mutable_key() = start.assign.key();
+  bench.Do(TaskDone{"w", done, {}});
+  EXPECT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::START);
+}
+
+TEST(CoreJobs, TimesThatCannotBeAreNotCounted) {
+  Bench bench;
+  bench.Submit();
+  bench.Join("w");
+  bench.AnswerPlan(bench.Next(), TestStep(2));
+  for (const double seconds : {std::nan(""), -1e300}) {
+    const auto task = bench.Next();
+    wire::Done done;
+    *done.mutable_key() = task.assign.key();
+    done.set_partial(H(10).Binary());
+    done.set_seconds(seconds);
+    bench.Do(TaskDone{"w", done, {H(10)}});
+  }
+  EXPECT_EQ(bench.core.FindJob("a")->facts.back().open_compute_seconds(), 0);
 }
 
 TEST(CoreJobs, AnAnswerWithoutItsBlobIsAFailure) {

@@ -110,6 +110,39 @@ TEST(CoreSaving, AFullDiskPausesTheJobWithTheReasonAndResumeGoesOn) {
   EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
 }
 
+TEST(CoreSaving, ACancelThatCouldNotBeSavedIsSavedLater) {
+  Bench bench;
+  Begin(bench);
+  bench.Do(CancelJob{"a"});
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  const std::uint64_t number = bench.All<Persist>()[0].checkpoint.number();
+  bench.Do(PersistFailed{"a", number, "no space left on device"});
+  EXPECT_TRUE(bench.All<Persist>().empty()) << "not at once: the disk is full";
+  EXPECT_EQ(bench.Info().state(), "cancelled");
+  EXPECT_TRUE(bench.core.HasUnsaved());
+  bench.Advance(4);
+  EXPECT_TRUE(bench.All<Persist>().empty());
+  bench.Advance(2);
+  ASSERT_EQ(bench.All<Persist>().size(), 1u);
+  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.state(), proto::JOB_CANCELLED);
+  bench.Do(PersistDone{"a", number + 1});
+  EXPECT_FALSE(bench.core.HasUnsaved());
+}
+
+TEST(CoreSaving, BlobsOfOlderCheckpointsOfAJobThatIsDoneAreDroppedAtRestore) {
+  proto::Checkpoint done;
+  done.set_job_id("a");
+  done.set_number(9);
+  *done.mutable_job() = TestJob();
+  done.set_state(proto::JOB_DONE);
+  done.set_stage(1);
+  done.add_results(H(20).Binary());
+  Bench bench;
+  bench.Do(RestoreJob{done, {H(5)}});
+  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
+  EXPECT_EQ(bench.All<DropBlobs>()[0].hashes, std::vector{H(5)});
+}
+
 TEST(CoreSaving, AResultThatCouldNotBePublishedIsPublishedAfterResume) {
   Bench bench;
   bench.Submit("a", TestJob(2));

@@ -111,21 +111,32 @@ TEST(CoreWorkers, ALateAnswerOfAWithdrawnAttemptCountsBecauseTasksArePure) {
   EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
 }
 
-TEST(CoreWorkers, AnAnswerFromBeforeARestartCallsBackAnAttemptOfTheSameNumber) {
+TEST(CoreWorkers, AnAnswerToATaskThatWasNeverItsWorkersChangesNothing) {
   Bench bench;
   Begin(bench, 2);
   const auto task = bench.Next();
   bench.Join("x");
   const auto other = bench.Next();
-  Bench::Assigned from_before = task;  // x was given attempt 1 of task 0 by the coordinator that died
-  from_before.peer = "x";
-  bench.Fail(from_before, "not an attempt of ours");
-  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
-  bench.AnswerRun(from_before, H(10));
-  const auto cancels = bench.Sent(&Envelope::has_cancel);
-  ASSERT_EQ(cancels.size(), 1u);
-  EXPECT_EQ(cancels[0].peer, "w");
-  EXPECT_TRUE(bench.core.fleet().workers().begin()->second.in_hand.empty());
+  Bench::Assigned stolen = task;  // or from before a restart of the coordinator
+  stolen.peer = "x";
+  bench.Fail(stolen, "not its own", true);
+  EXPECT_EQ(bench.Info().state(), "running");
+  bench.AnswerRun(stolen, H(66));
+  EXPECT_EQ(bench.Info().tasks_done(), 0u);
+  EXPECT_TRUE(bench.Sent(&Envelope::has_cancel).empty());
+  bench.AnswerRun(task, H(10));
+  EXPECT_EQ(bench.Info().tasks_done(), 1u);
+  bench.AnswerRun(stolen, H(66));
+  EXPECT_EQ(bench.Info().state(), "running") << "nor does it contradict anybody";
+  EXPECT_TRUE(bench.alarms.empty());
+  bench.AnswerRun(other, H(11));
+  const auto plan = bench.Next();
+  Bench::Assigned stolen_plan = plan;
+  stolen_plan.peer = plan.peer == "x" ? "w" : "x";
+  bench.AnswerPlan(stolen_plan, TestStep(1));
+  EXPECT_EQ(bench.Info().round(), 0u);
+  bench.AnswerPlan(plan, TestStep(1));
+  EXPECT_EQ(bench.Info().round(), 1u);
 }
 
 TEST(CoreWorkers, OnlyTheRunningTaskIsBlamedForADeadWorker) {

@@ -87,7 +87,11 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
   std::error_code ignored;
   fs::create_directories(path.parent_path(), ignored);
   done.status = WriteCheckpoint(path, checkpoint);
-  if (done.status.ok()) RemoveOldCheckpoints(checkpoint);
+  if (done.status.ok())
+    RemoveOldCheckpoints(checkpoint);
+  else  // Whole perhaps, but not known to be durable: the core forgets its blobs, so it must not be counted
+        // on.
+    fs::remove(path, ignored);
   return done;
 }
 

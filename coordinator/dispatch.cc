@@ -36,6 +36,7 @@ void Core::Assign(Job& job, std::uint32_t task, Worker& worker) {
   const std::uint32_t attempt = job.tasks.Begin(task);
   for (const Hash& input : TaskInputs(job, task)) worker.has.insert(input);
   worker.Give(job.Key(task, attempt), now_s_);
+  job.NoteGiven(job.Key(task, attempt), worker.peer);
   Send send{worker.peer, {}};
   *send.message.mutable_assign() = MakeAssign(job, task, attempt);
   actions_.push_back(std::move(send));

@@ -56,7 +56,7 @@ struct ResumeJob {
 // Rebuilds a job from its last good checkpoint. The shell has all blobs that it names.
 struct RestoreJob {
   proto::Checkpoint checkpoint;
-  std::vector<Hash> previous_blobs;  // of the checkpoint before it, kept too
+  std::vector<Hash> previous_blobs;  // of the checkpoint before it, those that are there: kept too
 };
 
 // ---- events: disk and clock ----

@@ -31,8 +31,7 @@ double Hub::Now() {
 void Hub::Restore() {
   for (const RestoreJob& job : Recover(folder_, files_, log_)) {
     for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
-    for (const Hash& blob : job.previous_blobs)
-      if (files_.Has(blob)) blobs_.AddDurable(blob);
+    for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
     Handle(job);
   }
 }

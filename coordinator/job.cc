@@ -17,6 +17,26 @@ wire::TaskKey Job::Key(std::uint32_t task, std::uint32_t attempt) const {
   return key;
 }
 
+namespace {
+
+GivenAttempt Given(const wire::TaskKey& key, const std::string& peer) {
+  return {key.stage(), key.round(), key.kind(), key.task(), key.attempt(), peer};
+}
+
+}  // namespace
+
+void Job::NoteGiven(const wire::TaskKey& key, const std::string& peer) { given.insert(Given(key, peer)); }
+
+bool Job::WasGiven(const wire::TaskKey& key, const std::string& peer) const {
+  return given.contains(Given(key, peer));
+}
+
+void Job::ForgetGivenBut(const wire::TaskKey& plan) {
+  std::erase_if(given, [&plan](const GivenAttempt& attempt) {
+    return attempt.kind != plan.kind() || attempt.stage != plan.stage() || attempt.round != plan.round();
+  });
+}
+
 std::string Job::TaskName(std::uint32_t task) const {
   const std::string where = "stage '" + CurrentStage().name() + "'";
   if (tasks.kind() == wire::TaskKey::START) return "the start of " + where;

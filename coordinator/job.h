@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,21 @@ struct Saving {
   bool due = false;                  // something came since the last one
   bool at_once = false;              // do not wait for the interval
   double last_s = 0;                 // when the last one was begun
+  double not_before_s = 0;           // the last one failed: the next is not tried earlier
   bool with_partials = false;        // the round under way is saved with the partials that it has
   std::vector<Publish> unpublished;  // results that no durable checkpoint covers yet
   std::size_t publishing = 0;        // the first so many of them go with the one under way
   bool saves_the_end = false;        // the one under way says that the job is done
+};
+
+// An attempt that was handed out, and to whom.
+struct GivenAttempt {
+  std::uint32_t stage = 0;
+  std::uint64_t round = 0;
+  wire::TaskKey::Kind kind = wire::TaskKey::RUN;
+  std::uint32_t task = 0, attempt = 0;
+  std::string peer;
+  auto operator<=>(const GivenAttempt&) const = default;
 };
 
 // Blobs that a job keeps alive, by reason.
@@ -50,6 +62,8 @@ struct Job {
   std::optional<wire::Build> build;  // of the workers that did what is done
   Saving saving;
   Holds holds;
+  // Of the round under way and of the last START or ADVANCE: nobody else's answer counts.
+  std::set<GivenAttempt> given;
   // A second answer to the last START or ADVANCE is checked against this.
   wire::TaskKey last_plan;
   Hash last_plan_hash;
@@ -68,6 +82,9 @@ struct Job {
   const proto::Stage& CurrentStage() const { return spec.stages(static_cast<int>(stage)); }
   // Key of an attempt at a task of what is under way.
   wire::TaskKey Key(std::uint32_t task, std::uint32_t attempt) const;
+  void NoteGiven(const wire::TaskKey& key, const std::string& peer);
+  bool WasGiven(const wire::TaskKey& key, const std::string& peer) const;
+  void ForgetGivenBut(const wire::TaskKey& plan);  // all attempts at other tasks
   // "task 3 (forward) of round 5 of stage 'landmarks'"
   std::string TaskName(std::uint32_t task) const;
   double Seconds(double now_s) const;

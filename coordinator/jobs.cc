@@ -32,6 +32,7 @@ void Core::On(const SubmitJob& event) {
 // Puts the task that the job stands at back to its beginning: START, or the tasks of its step.
 void Core::BeginAgain(Job& job) {
   job.round_since_s = now_s_;
+  job.task_seconds.clear();
   if (job.AllStagesDone()) {
     job.tasks = Round();
     return;
@@ -119,9 +120,11 @@ void Core::On(const RestoreJob& event) {
   // The first answer is saved at once: a run that is killed again and again within an interval gets on too.
   job.saving.last_s = now_s_ - options_.checkpoint_interval_s;
   actions_.push_back(JobChanged{job.id});
-  if (job.state == proto::JOB_DONE) return;
+  // What nobody holds below was kept for an older checkpoint only.
+  for (const std::string& blob : saved.blobs()) ledger_.Offer(Hash::FromBinary(blob).value());
+  for (const Hash& blob : event.previous_blobs) ledger_.Offer(blob);
+  if (job.state == proto::JOB_DONE || !CheckJob(job.spec).empty()) return;
   HoldRestored(job, event);
-  if (!CheckJob(job.spec).empty()) return;
   BeginAgain(job);
   if (job.Ended()) return;
   TakeUpPartials(job, saved);

@@ -65,7 +65,8 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, con
     RestoreJob restore{std::move(*newest), {}};
     if (!numbers.empty())
       if (const auto before = ReadCheckpoint(folder.CheckpointFile(job, numbers.back())); before.ok())
-        restore.previous_blobs = BlobsOf(before.value());
+        for (const Hash& hash : BlobsOf(before.value()))
+          if (files.Has(hash)) restore.previous_blobs.push_back(hash);
     for (const Hash& hash : BlobsOf(restore.checkpoint)) named.insert(hash);
     named.insert(restore.previous_blobs.begin(), restore.previous_blobs.end());
     jobs.push_back(std::move(restore));

@@ -13,12 +13,14 @@ constexpr double kYoung = 0.25;  // of the interval
 void Core::WantSave(Job& job, bool at_once) {
   job.saving.due = true;
   job.saving.at_once |= at_once;
+  if (at_once) job.saving.not_before_s = 0;
 }
 
 void Core::SaveWhatIsDue() {
   for (auto& [order, job] : jobs_) {
     const Saving& saving = job.saving;
-    if (!saving.due || saving.under_way || job.state == proto::JOB_PAUSED) continue;
+    if (!saving.due || saving.under_way || job.state == proto::JOB_PAUSED || now_s_ < saving.not_before_s)
+      continue;
     if (saving.at_once || now_s_ - saving.last_s >= options_.checkpoint_interval_s) Save(job);
   }
 }
@@ -63,14 +65,18 @@ void Core::On(const PersistFailed& event) {
   job->saving.publishing = 0;
   ledger_.Release(job->holds.saving);
   Say(Report::kWarning, job->id + ": cannot save: " + event.reason);
-  if (job->Ended()) return;  // its last good checkpoint stays; a restart would end it again
-  SetState(*job, proto::JOB_PAUSED, "cannot save: " + event.reason);
-  WantSave(*job, true);
+  if (!job->Ended()) SetState(*job, proto::JOB_PAUSED, "cannot save: " + event.reason);
+  WantSave(*job, !job->Ended());
+  // Nobody resumes what has ended, yet a restart must not find it running: it is tried again by and by.
+  if (job->Ended()) job->saving.not_before_s = now_s_ + options_.save_again_s;
 }
 
 void Core::On(const SaveNow&) {
-  for (auto& [order, job] : jobs_)
-    if (job.saving.due) job.saving.at_once = true;
+  for (auto& [order, job] : jobs_) {
+    if (!job.saving.due) continue;
+    job.saving.at_once = true;
+    job.saving.not_before_s = 0;
+  }
 }
 
 }  // namespace cairn::coordinator

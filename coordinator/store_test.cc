@@ -6,6 +6,7 @@
 #include "coordinator/checkpoint_file.h"
 #include "coordinator/hub_bench.h"
 #include "coordinator/job_yaml.h"
+#include "coordinator/recovery.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
@@ -96,6 +97,26 @@ TEST(StoreFolder, ClearForgetsJobsAndKeepsTheLock) {
   ASSERT_TRUE(folder.value().Clear().ok());
   EXPECT_TRUE(folder.value().JobsWithCheckpoints().empty());
   EXPECT_TRUE(fs::exists(folder.value().dir() / "lock"));
+}
+
+TEST(Recovery, OfTheCheckpointBeforeOnlyBlobsThatAreThereAreKept) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  fs::create_directories(folder.value().Checkpoints() / "a");
+  const wire::NamedBlob b = TextBlob("b"), c = TextBlob("c");
+  for (const wire::NamedBlob& named : {b, c})
+    ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(named.hash), "blob", *named.blob).ok());
+  ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 3), SomeCheckpoint()).ok());
+  proto::Checkpoint before = SomeCheckpoint();  // its removal did not outlive a power cut, its blob's did
+  before.set_number(2);
+  before.add_blobs(c.hash.Binary());
+  before.add_blobs(TextBlob("gone").hash.Binary());
+  ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 2), before).ok());
+  BlobFiles files(folder.value());
+  const auto jobs = Recover(folder.value(), files, [](Severity, const std::string&) {});
+  ASSERT_EQ(jobs.size(), 1u);
+  EXPECT_EQ(jobs[0].checkpoint.number(), 3u);
+  EXPECT_EQ(jobs[0].previous_blobs, (std::vector{b.hash, c.hash}));
 }
 
 TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
