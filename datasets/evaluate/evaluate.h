@@ -54,7 +54,8 @@ struct Evaluation {
 // truth has poses; else that of the landmarks whose identities are known; else the one with the least GOSPA
 // that a search finds. A true landmark counts as observed where the true associations name it; for a robot
 // without them, where its observations name it; all count where neither tells. Throws InputError that says
-// so: a result without what is needed, robots that differ from the log's, no truth.
+// so: a result without what is needed, robots that differ from the log's, a
+// log whose content, truth aside, is not what the result was made from, no truth.
 Evaluation Evaluate(const Blob& result, const Blob& truth_log);
 
 // {"landmarks": {"found": …}, "trajectory": {…}, "topology": {"correct": …}, "iterations": …, "seconds": …,

@@ -59,6 +59,28 @@ Blob Moved(Blob result, const Similarity& motion, int robots) {
   return result;
 }
 
+TEST(Evaluate, AResultOfAnotherLogIsRefusedByItsHashTruthAside) {
+  const Blob log = SimulateLoop({.seed = 3});
+  Blob result = PerfectLandmarkMap(log);
+  result.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
+  EXPECT_NO_THROW(Evaluate(result, log));
+  Blob more_truth = log;
+  std::vector<double> x = Column(log, "truth/landmarks/x_m");
+  x[0] += 1.0;
+  more_truth.PutVector("truth/landmarks/x_m", x);
+  EXPECT_NO_THROW(Evaluate(result, more_truth));
+  Blob other = log;  // as many robots, rows and the same times
+  std::vector<double> turn = Column(log, "robot/0/odometry/turn_rad");
+  turn[7] += 1e-9;
+  other.PutVector("robot/0/odometry/turn_rad", turn);
+  try {
+    Evaluate(result, other);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("made from another log"), std::string::npos) << e.what();
+  }
+}
+
 TEST(Evaluate, TruthItselfIsPerfect) {
   for (const std::string difficulty : {"paper", "base", "extreme"}) {
     const Blob log = SimulateLoop({.difficulty = difficulty, .robots = 2, .seed = 3});

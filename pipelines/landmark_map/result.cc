@@ -255,6 +255,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   Blob result;
   result.Put("robots", log.at("robots"));
   result.Put("landmarks", log.at("landmarks"));
+  result.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
     const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));

@@ -74,7 +74,7 @@ refuses 'a landmark_map, where a log is needed' cairn run landmark_map done/land
 refuses 'seed.*from 0 to 18446744073709551615' cairn simulate loop --seed -1 no.h5
 refuses 'seed.*from 0 to 18446744073709551615' cairn simulate loop --seed 18446744073709551616 no.h5
 exits 0 cairn simulate loop --difficulty base --seed 7 another.h5
-refuses 'was it made from this log' cairn evaluate done --truth another.h5
+refuses 'made from another log' cairn evaluate done --truth another.h5
 exits 0 cairn evaluate done --truth log.h5
 
 # Damaged files.
