@@ -135,14 +135,11 @@ class CsvImport {
     }
     const auto r = reader->Number(3), b = r ? reader->Number(4) : r;
     if (!b) return false;
-    const auto& most = options_.nominal.max_range_m;
-    if (*r < 0)
-      reader->Bad("negative range", Shown(*r) + " m");
-    else if (most && *r > *most)
-      reader->Bad("beyond the sensor's maximum", Shown(*r) + " m of " + Shown(*most) + " m");
     *range = *r;
     *bearing = NormalizedAngle(*b);
-    return *r >= 0 && !(most && *r > *most);
+    const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.nominal);
+    if (misreading) reader->Bad(misreading->reason, misreading->detail);
+    return !misreading;
   }
 
   void ReadObservations() {

@@ -29,15 +29,15 @@ struct CsvImportOptions {
   std::string truth_landmarks;     // without associations, truth is by the observations' own names
   std::string truth_associations;  // needs truth_landmarks
   bool skip_bad = false;   // skip bad lines and count them by reason, instead of stopping at the first
-  NominalFigures nominal;  // max_range_m also refuses ranges beyond it
+  NominalFigures nominal;  // max_range_m and field_of_view_rad also refuse what lies beyond
 };
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name
 // (numbers by value). Throws InputError "FILE:LINE: REASON: DETAIL". Bad are: not a number, not finite, wrong
 // number of columns, time runs backwards, unknown robot (none that odometry names), unknown landmark (none
 // that truth_landmarks names, where given), before the first control or after the last (a robot that stood
-// still there needs a row that says so), negative range, beyond the sensor's maximum, range or bearing alone,
-// no such observation (associations).
+// still there needs a row that says so), negative range, beyond the sensor's maximum, outside its field of
+// view, range or bearing alone, no such observation (associations).
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

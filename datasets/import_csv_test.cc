@@ -145,6 +145,10 @@ TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
   ExpectContains(failure("2,Rosa,,-1,0\n"), "observations.csv:2: negative range: -1.000000 m");
   ExpectContains(failure("2,Rosa,,5.5,0\n"),
                  "observations.csv:2: beyond the sensor's maximum: 5.500000 m of 5.000000 m");
+  options_.nominal.field_of_view_rad = 2;
+  ExpectContains(
+      failure("2,Rosa,,5,-1.1\n"),
+      "observations.csv:2: outside the sensor's field of view: -1.100000 rad, of at most 1.000000 rad");
   ExpectContains(failure("2,Rosa,,5,\n"), "observations.csv:2: range or bearing alone");
   ExpectContains(failure("2,Rosa,,,1\n"), "observations.csv:2: range or bearing alone");
   ExpectContains(failure("2,Rosa,,inf,1\n"), "observations.csv:2: not finite");

@@ -1,5 +1,7 @@
 #include "datasets/import_mrclam.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -12,6 +14,7 @@
 namespace cairn::datasets {
 namespace {
 
+constexpr std::array kFilesOfARobot = {"Odometry", "Measurement", "Groundtruth"};
 constexpr int kLastRobot = 5;  // subjects 1 to 5 are robots, the others landmarks
 
 class MrclamImport {
@@ -25,8 +28,8 @@ class MrclamImport {
     ReadBarcodes();
     ReadTruthLandmarks();
     for (int subject = 1; subject <= kLastRobot; ++subject) {
-      const std::string odometry = Find(Robot(subject, "Odometry"));
-      if (odometry.empty()) continue;
+      if (!HasFileOf(subject)) continue;
+      const std::string odometry = Need(Robot(subject, "Odometry"));
       robots_[subject] = static_cast<std::int32_t>(rows_.robots.size());
       rows_.robots.emplace_back().name = std::to_string(subject);
       ReadOdometry(odometry, &rows_.robots.back());
@@ -38,6 +41,7 @@ class MrclamImport {
       ReadMeasurements(subject, &robot);
       ReadTruthPoses(Find(Robot(subject, "Groundtruth")), &robot);
     }
+    WarnOfMissingTruth();
     report_.skipped = bad_.counts();
     *log = MakeLog(rows_, options_.folder, &report_);
     return report_;
@@ -80,6 +84,22 @@ class MrclamImport {
     const std::string path = Find(name);
     if (path.empty()) throw InputError(options_.folder + ": there is no " + name + "(.gz) in it");
     return path;
+  }
+
+  bool HasFileOf(int subject) const {
+    return std::ranges::any_of(kFilesOfARobot,
+                               [&](const char* what) { return !Find(Robot(subject, what)).empty(); });
+  }
+
+  // Truth may be missing, but where some of it is there the rest was meant to be.
+  void WarnOfMissingTruth() {
+    std::vector<std::string> files = {"Landmark_Groundtruth.dat"};
+    for (const auto& [subject, index] : robots_) files.push_back(Robot(subject, "Groundtruth"));
+    const auto missing = [this](const std::string& file) { return Find(file).empty(); };
+    if (std::ranges::all_of(files, missing)) return;
+    for (const std::string& file : files)
+      if (missing(file))
+        report_.warnings.push_back(options_.folder + ": there is no " + file + "(.gz) in it: no such truth");
   }
 
   // The subject number in column 0, or 0 where the line is bad.
@@ -132,19 +152,19 @@ class MrclamImport {
     }
   }
 
-  bool RangeIsGood(double range, DatReader* reader) {
-    const double most = *rows_.nominal.max_range_m;
-    if (range >= 0 && range <= most) return true;
-    reader->Bad(range < 0 ? "negative range" : "beyond the sensor's maximum", std::to_string(range) + " m");
-    return false;
+  bool IsGood(double range, double bearing, DatReader* reader) {
+    const std::optional<Misreading> misreading =
+        FindMisreading(range, NormalizedAngle(bearing), rows_.nominal);
+    if (misreading) reader->Bad(misreading->reason, misreading->detail);
+    return !misreading;
   }
 
   void ReadMeasurements(int observer, RobotRows* robot) {
-    const std::string path = Find(Robot(observer, "Measurement"));
-    if (path.empty() || robot->odometry.time_s.empty()) return;
+    const std::string path = Need(Robot(observer, "Measurement"));
+    if (robot->odometry.time_s.empty()) return;
     DatReader reader(path, 4, &bad_);
     while (reader.Next()) {
-      if (!reader.InOrder() || !RangeIsGood(reader[2], &reader)) continue;
+      if (!reader.InOrder() || !IsGood(reader[2], reader[3], &reader)) continue;
       const auto subject = subjects_.find(reader[1]);
       if (subject == subjects_.end()) {
         ++report_.dropped["unknown barcode"];

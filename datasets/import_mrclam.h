@@ -2,10 +2,12 @@
 // Y. K. Leung, Y. Halpern, T. D. Barfoot, H. H. T. Liu, IJRR 30(8):969-974, 2011), its files plain or
 // gzipped:
 //
-//   RobotN_Odometry.dat     time, forward velocity, angular velocity   robots are those that have one
+//   RobotN_Odometry.dat     time, forward velocity, angular velocity
 //   RobotN_Measurement.dat  time, barcode, range, bearing
 //   Barcodes.dat            subject, barcode: differs between the datasets, so it is always read
 //   Landmark_Groundtruth.dat, RobotN_Groundtruth.dat                   where there, they become `truth/`
+//
+// The robots are those that have any file of theirs; each then needs the first two.
 #pragma once
 
 #include <string>
@@ -33,10 +35,11 @@ NominalFigures MrclamNominal();
 // holds until the next one (VelocityIntegrator); repeated time stamps add nothing. Measurements of other
 // robots become `robot/N/sightings`. Dropped and counted: measurements with a barcode that is in no table (a
 // decoding error), and those before the first odometry or after the last, where there is no pose to see them
-// from (the streams start and end seconds apart). Throws InputError "FILE:LINE: REASON: DETAIL"; bad are: not
+// from (the streams start and end seconds apart). Throws InputError that names a file which is missing, or
+// "FILE:LINE: REASON: DETAIL"; bad are: not
 // a number, not finite, wrong number of columns, time runs backwards (as once in each of four robots of
-// dataset 9), negative range, beyond the sensor's maximum, unknown landmark (a subject that has no true
-// position).
+// dataset 9), negative range, beyond the sensor's maximum, outside its field of view, unknown landmark (a
+// subject that has no true position).
 ImportReport ImportMrclam(const MrclamImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

@@ -25,6 +25,7 @@ class ImportMrclamTest : public testing::Test {
     folder_.Put("Robot2_Odometry.dat.gz", "10 1 0\n12 0 0\n");
     folder_.Put("Robot1_Measurement.dat",
                 "9 63 1 0\n10 63 1 0.5\n10 7 2 -0.5\n11 14 3 0\n11 99 3 0\n12.5 63 1 0\n");
+    folder_.Put("Robot2_Measurement.dat", "# it saw nothing\n");
     folder_.Put("Robot1_Groundtruth.dat", "10 1 2 -3\n10.5 2 3 3\n");
   }
   ImportReport Import() { return ImportMrclam(options_, &log_); }
@@ -95,6 +96,23 @@ TEST_F(ImportMrclamTest, BadLinesNameFileLineAndReason) {
   ExpectContains(Failure(), "Robot1_Measurement.dat:1: beyond the sensor's maximum: 11.000000 m");
   folder_.Put("Robot1_Measurement.dat", "11 63 -1 0\n");
   ExpectContains(Failure(), "Robot1_Measurement.dat:1: negative range");
+  folder_.Put("Robot1_Measurement.dat", "11 63 1 -0.7\n");
+  ExpectContains(Failure(), "Robot1_Measurement.dat:1: outside the sensor's field of view: -0.700000 rad");
+}
+
+TEST_F(ImportMrclamTest, AFileThatIsMissingIsNamed) {
+  folder_.Put("Robot4_Odometry.dat", "10 1 0\n12 1 0\n");
+  ExpectContains(Failure(), "there is no Robot4_Measurement.dat(.gz) in it");
+  folder_.Put("Robot4_Measurement.dat.gz", "");
+  EXPECT_EQ(Import().robots, 3);
+  folder_.Put("Robot5_Groundtruth.dat", "10 1 2 3\n");
+  ExpectContains(Failure(), "there is no Robot5_Odometry.dat(.gz) in it");
+}
+
+TEST_F(ImportMrclamTest, TruthThatIsThereInPartIsWarnedOf) {
+  const ImportReport report = Import();
+  ASSERT_EQ(report.warnings.size(), 1U);
+  ExpectContains(report.warnings[0], "there is no Robot2_Groundtruth.dat(.gz) in it");
 }
 
 TEST_F(ImportMrclamTest, AFolderThatIsNoneIsRefused) {

@@ -9,6 +9,8 @@
 namespace cairn::datasets {
 namespace {
 
+constexpr double kFullTurn = 2 * std::numbers::pi;
+
 using Figure = std::pair<const char*, const std::optional<double>*>;
 
 std::vector<Figure> Figures(const NominalFigures& nominal) {
@@ -101,6 +103,26 @@ void CheckNominal(const NominalFigures& nominal) {
       throw InputError(std::string(name) + ": a nominal figure must be a number of at least 0");
     }
   }
+  if (nominal.max_range_m == 0.0)
+    throw InputError("sensor/max_range_m: a sensor that sees nothing; allowed: a number above 0");
+  // With room for a full turn that is written in a few digits.
+  const double field = nominal.field_of_view_rad.value_or(kFullTurn);
+  if (field == 0 || field > kFullTurn + 0.01)
+    throw InputError("sensor/field_of_view_rad: " + std::to_string(field) +
+                     " is no field of view; allowed: above 0, up to a full turn (6.2832)");
+}
+
+std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal) {
+  if (range_m < 0) return Misreading{"negative range", std::to_string(range_m) + " m"};
+  if (nominal.max_range_m && range_m > *nominal.max_range_m)
+    return Misreading{"beyond the sensor's maximum",
+                      std::to_string(range_m) + " m of " + std::to_string(*nominal.max_range_m) + " m"};
+  constexpr double kRounding_rad = 1e-9;
+  if (nominal.field_of_view_rad && std::abs(bearing_rad) > *nominal.field_of_view_rad / 2 + kRounding_rad)
+    return Misreading{"outside the sensor's field of view",
+                      std::to_string(bearing_rad) + " rad, of at most " +
+                          std::to_string(*nominal.field_of_view_rad / 2) + " rad to either side"};
+  return std::nullopt;
 }
 
 Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report) {

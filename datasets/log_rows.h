@@ -85,8 +85,16 @@ class VelocityIntegrator {
   double time_s_ = 0, v_mps_ = 0, omega_radps_ = 0, largest_gap_s_ = 0;
 };
 
-// Throws InputError that names the figure where one is negative or not finite.
+// Throws InputError that names the figure, and what is allowed, where one is negative or not finite; where
+// the sensor's range is zero, or its field of view is zero or more than a full turn.
 void CheckNominal(const NominalFigures& nominal);
+
+// Why no such sensor can have measured this, as the reason and the detail of a bad line.
+struct Misreading {
+  std::string reason, detail;
+};
+// Nothing where it can. `bearing_rad` lies in (-pi, pi].
+std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal);
 
 // The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, and its
 // warning where nothing was observed. Throws InputError for a log without controls.

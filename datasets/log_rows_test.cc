@@ -91,5 +91,37 @@ TEST(CheckNominal, NamesTheFigureThatCannotBe) {
   EXPECT_THROW(CheckNominal(nominal), InputError);
 }
 
+TEST(CheckNominal, ASensorThatSeesNothingIsRefused) {
+  NominalFigures nominal;
+  nominal.max_range_m = 0;
+  EXPECT_THROW(CheckNominal(nominal), InputError);
+  nominal.max_range_m = 0.1;
+  for (const double allowed : {0.1, 2 * std::numbers::pi, 6.2832}) {
+    nominal.field_of_view_rad = allowed;
+    CheckNominal(nominal);
+  }
+  for (const double refused : {0.0, 6.4, 360.0}) {
+    nominal.field_of_view_rad = refused;
+    EXPECT_THROW(CheckNominal(nominal), InputError) << refused;
+  }
+}
+
+TEST(FindMisreading, SaysWhatTheSensorCannotSee) {
+  NominalFigures nominal;
+  const auto reason = [&nominal](double range_m, double bearing_rad) {
+    const auto misreading = FindMisreading(range_m, bearing_rad, nominal);
+    return misreading ? misreading->reason : "";
+  };
+  EXPECT_EQ(reason(1e3, 3), "");
+  EXPECT_EQ(reason(-1, 0), "negative range");
+  nominal.max_range_m = 5;
+  nominal.field_of_view_rad = 1.22;
+  EXPECT_EQ(reason(5, 0.61), "");
+  EXPECT_EQ(reason(5, -0.61), "");
+  EXPECT_EQ(reason(5.1, 0), "beyond the sensor's maximum");
+  EXPECT_EQ(reason(5, 0.611), "outside the sensor's field of view");
+  EXPECT_EQ(reason(5, -0.611), "outside the sensor's field of view");
+}
+
 }  // namespace
 }  // namespace cairn::datasets

@@ -85,7 +85,8 @@ void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {
   add("--range-m", nominal.range_m, "sd of a range");
   add("--bearing-rad", nominal.bearing_rad, "sd of a bearing");
   add("--max-range-m", nominal.max_range_m, "largest range of the sensor; larger ones are bad lines");
-  add("--field-of-view-rad", nominal.field_of_view_rad, "full angle that the sensor sees, centred ahead");
+  add("--field-of-view-rad", nominal.field_of_view_rad,
+      "full angle that the sensor sees, centred ahead; bearings outside it are bad lines");
 }
 
 template <class Options>
