@@ -36,7 +36,7 @@ Rgb Mix(Rgb a, Rgb b, double share) {
 }
 
 struct Legend {
-  enum class Kind { kPath, kTruthPath, kLandmark, kTruthLandmark, kSpurious } kind;
+  enum class Kind { kPath, kTruthPath, kLandmark, kTruthLandmark, kSpurious, kStart, kError } kind;
   std::string text;
   Rgb colour;
 };
@@ -48,13 +48,20 @@ std::vector<Legend> LegendOf(const Scene& scene) {
   for (const Path& path : scene.paths) {
     items.push_back({kPath, RobotTitle(path.robot), kRobots[path.index % kRobotColours]});
   }
+  if (!scene.paths.empty()) items.push_back({kStart, "start", items.front().colour});
   if (!scene.landmarks.empty()) items.push_back({kLandmark, "landmark, 95% region", kInk});
   if (!scene.truth_landmarks.empty()) items.push_back({kTruthLandmark, "true landmark", kTruth});
   if (!scene.truth_paths.empty()) items.push_back({kTruthPath, "true path", kTruePathGrey});
+  if (!scene.error_lines.empty()) items.push_back({kError, "error", kBad});
   const bool spurious = std::any_of(scene.landmarks.begin(), scene.landmarks.end(),
                                     [](const MapLandmark& landmark) { return landmark.spurious; });
   if (spurious) items.push_back({kSpurious, "spurious landmark", kBad});
   return items;
+}
+
+void DrawStart(PointM at, Rgb colour, Canvas& canvas) {
+  canvas.Dot(at, 8, kPaper);
+  canvas.Dot(at, 6.5, colour);
 }
 
 // Places the legend's items in rows; `draw` says whether to draw them or only to count. Returns the height.
@@ -75,6 +82,8 @@ double DrawLegend(const std::vector<Legend>& items, double width, Canvas* canvas
       if (item.kind == kTruthPath) canvas->Line({x, middle}, {x + kSwatch, middle}, item.colour, 5);
       if (item.kind == kLandmark) canvas->Ellipse(centre, 13, 8, 0, kSoft, 0.5);
       if (item.kind == kLandmark || item.kind == kSpurious) canvas->Dot(centre, 4, item.colour);
+      if (item.kind == kError) canvas->Line({x, middle}, {x + kSwatch, middle}, item.colour, 2);
+      if (item.kind == kStart) DrawStart(centre, item.colour, *canvas);
       if (item.kind == kTruthLandmark) canvas->Ring(centre, 8, item.colour, 2);
       canvas->Text({x + kSwatch + 8, y}, item.text, kInk, kText);
     }
@@ -158,8 +167,7 @@ class MapPainter {
   void PaintStarts() {
     for (const Path& path : scene_.paths) {
       if (path.points.empty()) continue;
-      canvas_.Dot(At(path.points.front()), 8, kPaper);
-      canvas_.Dot(At(path.points.front()), 6.5, kRobots[path.index % kRobotColours]);
+      DrawStart(At(path.points.front()), kRobots[path.index % kRobotColours], canvas_);
     }
   }
 
