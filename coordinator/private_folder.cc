@@ -1,7 +1,8 @@
 #include "coordinator/private_folder.h"
 
-#include <signal.h>
+#include <fcntl.h>
 #include <stdlib.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -24,17 +25,28 @@ fs::path Base() {
   return error || base.string().size() > kLongestBase ? fs::path("/tmp") : base;
 }
 
+// A descriptor of this user's own folder `path`, locked; -1 where it is none, or another process holds the
+// lock. Whoever wants to remove the folder takes the lock too, so under it the folder stays.
+int Lock(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (fd < 0) return -1;
+  struct stat opened{}, named{};
+  const bool ours = ::fstat(fd, &opened) == 0 && opened.st_uid == ::geteuid();
+  if (ours && ::flock(fd, LOCK_EX | LOCK_NB) == 0 && ::lstat(path.c_str(), &named) == 0 &&
+      named.st_ino == opened.st_ino)
+    return fd;
+  ::close(fd);
+  return -1;
+}
+
 void RemoveLeftovers(const fs::path& base) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(kPrefix)) continue;
-    const pid_t pid =
-        static_cast<pid_t>(std::strtol(name.c_str() + std::char_traits<char>::length(kPrefix), nullptr, 10));
-    struct stat info{};
-    const bool ours =
-        ::lstat(entry.path().c_str(), &info) == 0 && info.st_uid == ::geteuid() && S_ISDIR(info.st_mode);
-    if (ours && pid > 0 && ::kill(pid, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), ignored);
+    if (!entry.path().filename().string().starts_with(kPrefix)) continue;
+    const int lock = Lock(entry.path());
+    if (lock < 0) continue;
+    fs::remove_all(entry.path(), ignored);
+    ::close(lock);
   }
 }
 
@@ -43,14 +55,19 @@ void RemoveLeftovers(const fs::path& base) {
 Result<PrivateFolder> PrivateFolder::Make() {
   const fs::path base = Base();
   RemoveLeftovers(base);
-  std::string pattern = (base / (kPrefix + std::to_string(::getpid()) + "-XXXXXX")).string();
-  if (::mkdtemp(pattern.data()) == nullptr) return SystemFailure(pattern, "make the folder", errno);
-  return PrivateFolder(pattern);
+  constexpr int kTries = 100;  // another run may take a folder that is not locked yet for a leftover
+  for (int i = 0; i < kTries; ++i) {
+    std::string pattern = (base / (kPrefix + std::to_string(::getpid()) + "-XXXXXX")).string();
+    if (::mkdtemp(pattern.data()) == nullptr) return SystemFailure(pattern, "make the folder", errno);
+    if (const int lock = Lock(pattern); lock >= 0) return PrivateFolder(pattern, lock);
+  }
+  return Status(Code::kIo, base.string() + ": no folder made there stays");
 }
 
 PrivateFolder::~PrivateFolder() {
   std::error_code ignored;  // the next run removes it
   if (!path_.empty()) fs::remove_all(path_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 }  // namespace cairn::coordinator

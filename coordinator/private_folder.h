@@ -11,16 +11,19 @@ namespace cairn::coordinator {
 
 class PrivateFolder {
  public:
-  // Also removes those that killed processes of this user have left.
+  // Also removes those that killed processes of this user have left: each is locked while its process lives,
+  // wherever that runs (a container has process ids of its own).
   static Result<PrivateFolder> Make();
-  PrivateFolder(PrivateFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  PrivateFolder(PrivateFolder&& other) noexcept
+      : path_(std::exchange(other.path_, {})), lock_(std::exchange(other.lock_, -1)) {}
   PrivateFolder& operator=(PrivateFolder&&) = delete;
   ~PrivateFolder();
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  explicit PrivateFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  PrivateFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
   std::filesystem::path path_;
+  int lock_;  // a descriptor of the folder, locked
 };
 
 }  // namespace cairn::coordinator
