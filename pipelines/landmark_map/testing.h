@@ -8,16 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/pipeline.h"
+#include "pipelines/in_process.h"
 #include "schema/blob.h"
 #include "schema/rng.h"
 
 namespace cairn::landmark_map {
-
-class NoProgress : public Progress {
- public:
-  void Tick() override {}
-};
 
 // A robot that goes round a square of `side_m` `laps` times in controls of 1 m. It presses a button at each
 // corner, or sees the corners by range and bearing; odometry errs by a heading drift and noise.

@@ -74,7 +74,7 @@ TEST_P(Conformance, ResumedAtAnyStepEqualsUndisturbed) {
 
 TEST_P(Conformance, ACheckpointNeedsOnlyTheBlobsThatItsStepNames) {
   for (Moment moment : Undisturbed().moments) {
-    Store named;
+    BlobsByHash named;
     const auto keep = [&](const std::string& hash) { named[hash] = moment.store.at(hash); };
     for (const auto& [name, hash] : moment.plan.state().blobs()) keep(hash);
     for (const Task& task : moment.plan.tasks()) {

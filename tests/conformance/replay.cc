@@ -7,29 +7,6 @@
 namespace cairn::conformance {
 namespace {
 
-class MapInputs : public Inputs {
- public:
-  InputMap blobs;
-  bool Has(const std::string& name) const override { return blobs.contains(name); }
-  BlobPtr Get(const std::string& name) const override {
-    const auto it = blobs.find(name);
-    if (it == blobs.end()) throw InputError("there is no input '" + name + "'");
-    return it->second;
-  }
-};
-
-class VectorPartials : public Partials {
- public:
-  std::vector<BlobPtr> blobs;
-  std::size_t size() const override { return blobs.size(); }
-  BlobPtr Get(std::size_t index) override { return blobs.at(index); }
-};
-
-class NoProgress : public Progress {
- public:
-  void Tick() override {}
-};
-
 std::string Canonical(const proto::Step& step) {
   std::string bytes;
   {
@@ -39,16 +16,6 @@ std::string Canonical(const proto::Step& step) {
     step.SerializeToCodedStream(&coded);
   }
   return bytes;
-}
-
-BlobPtr InputOf(const proto::InputRef& ref, const Store& store, const std::vector<BlobPtr>& partials) {
-  const BlobPtr whole = ref.has_task() ? partials.at(ref.task()) : store.at(ref.blob());
-  if (ref.row_count() == 0) return CopyElsewhere(whole);
-  Blob rows;
-  for (const auto& [name, array] : whole->fields()) {
-    rows.Put(name, array.Rows(ref.first_row(), ref.row_count()));
-  }
-  return std::make_shared<const Blob>(std::move(rows));
 }
 
 // A round's tasks in the order that `policy` picks. Each is computed by a pipeline made anew.
@@ -70,7 +37,7 @@ std::vector<BlobPtr> RunRound(const Case& c, const Moment& moment, const Policy&
     for (int i = 0; i < policy.times; ++i) {
       MapInputs inputs;
       for (const proto::InputRef& ref : task.inputs()) {
-        inputs.blobs[ref.name()] = InputOf(ref, moment.store, partials);
+        inputs.Put(ref.name(), CopyElsewhere(InputOf(ref, moment.store, partials)));
       }
       const auto pipeline = Make(c.stage, c.seed);
       const auto partial = std::make_shared<const Blob>(pipeline->Run(task, inputs, progress));
@@ -83,7 +50,7 @@ std::vector<BlobPtr> RunRound(const Case& c, const Moment& moment, const Policy&
 }
 
 // Everything as if it had been written out and read back.
-Moment MomentOf(const Step& step, Store store) {
+Moment MomentOf(const Step& step, BlobsByHash store) {
   Moment moment;
   EXPECT_TRUE(moment.plan.ParseFromString(step.plan.SerializeAsString()));
   moment.store = std::move(store);
@@ -100,14 +67,11 @@ Trace Continue(const Case& c, const InputMap& inputs, Moment moment, const Polic
       trace.result = moment.store.at(moment.plan.result());
       return trace;
     }
-    VectorPartials partials;
-    partials.blobs = RunRound(c, moment, policy);
+    const std::vector<BlobPtr> done = RunRound(c, moment, policy);
     std::vector<Hash>& hashes = trace.partials.emplace_back();
-    for (const BlobPtr& partial : partials.blobs) hashes.push_back(partial->ContentHash());
-    MapInputs round_inputs;
-    round_inputs.blobs = inputs;
-    for (const auto& [name, hash] : moment.plan.state().blobs())
-      round_inputs.blobs[name] = moment.store.at(hash);
+    for (const BlobPtr& partial : done) hashes.push_back(partial->ContentHash());
+    VectorPartials partials(done);
+    const MapInputs round_inputs = InputsOfRound(moment.plan.state(), moment.store, inputs);
     const auto pipeline = Make(c.stage, c.seed);
     moment = MomentOf(pipeline->Advance(moment.plan.state(), partials, round_inputs), moment.store);
   }
@@ -116,9 +80,7 @@ Trace Continue(const Case& c, const InputMap& inputs, Moment moment, const Polic
 }  // namespace
 
 Trace Replay(const Case& c, const InputMap& inputs, const Policy& policy) {
-  MapInputs stage_inputs;
-  stage_inputs.blobs = inputs;
-  return Continue(c, inputs, MomentOf(Make(c.stage, c.seed)->Start(stage_inputs), {}), policy);
+  return Continue(c, inputs, MomentOf(Make(c.stage, c.seed)->Start(MapInputs(inputs)), {}), policy);
 }
 
 Trace ReplayFrom(const Case& c, const InputMap& inputs, const Moment& moment, const Policy& policy) {

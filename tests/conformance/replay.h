@@ -8,16 +8,15 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/in_process.h"
 #include "tests/conformance/cases.h"
 
 namespace cairn::conformance {
 
-using Store = std::map<std::string, BlobPtr>;  // binary hash -> blob
-
 // What a coordinator knows after a step: a checkpoint.
 struct Moment {
   proto::Step plan;
-  Store store;  // all blobs of this step and those before it
+  BlobsByHash store;  // all blobs of this step and those before it
 };
 
 struct Trace {
