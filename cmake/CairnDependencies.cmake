@@ -12,7 +12,8 @@ find_package(SQLite3 REQUIRED)
 
 pkg_check_modules(CAIRN_ZMQ REQUIRED IMPORTED_TARGET libzmq)
 pkg_check_modules(CAIRN_XXHASH REQUIRED IMPORTED_TARGET libxxhash)
-pkg_check_modules(CAIRN_HDF5 REQUIRED IMPORTED_TARGET hdf5)
+# Debian calls the serial build so; what it calls hdf5 may be one for MPI.
+pkg_search_module(CAIRN_HDF5 REQUIRED IMPORTED_TARGET hdf5-serial hdf5)
 
 # Debian packs OpenCVConfig.cmake only with the 673 MB of libopencv-dev; the parts that we use need no more than this.
 find_path(CAIRN_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)

@@ -26,10 +26,18 @@ base_commit() {
   git rev-parse --verify -q HEAD~1 || true
 }
 
+# Of the sources on stdin those that build/release compiles: clang-tidy knows no flags for the others (the fuzzers').
+compiled() {
+  local file
+  while IFS= read -r -d '' file; do
+    if grep -qF "\"file\": \"$root/$file\"" build/release/compile_commands.json; then printf '%s\0' "$file"; fi
+  done
+}
+
 tidy() {
   [ -f build/release/compile_commands.json ] || fail "run deploy/build.sh first"
   # It counts the warnings that it keeps to itself on stderr; those lines are noise.
-  xargs -0 -r -n 1 -P "$(cairn_jobs)" clang-tidy-19 -p build/release --quiet --warnings-as-errors='*' \
+  compiled | xargs -0 -r -n 1 -P "$(cairn_jobs)" clang-tidy-19 -p build/release --quiet --warnings-as-errors='*' \
     2> >(grep -vE '^[0-9]+ warnings? generated\.$' >&2)
 }
 
