@@ -33,6 +33,16 @@ EmbeddedResult End(EmbeddedEnd end, std::string reason) {
   return result;
 }
 
+// The run cannot have its folder: in use, full, or no place to write to, which is the user's choice.
+EmbeddedResult NoFolder(const Status& status) {
+  const Code code = status.code();
+  const bool worlds_fault = code == Code::kNoSpace || code == Code::kIo;
+  return End(code == Code::kBusy ? EmbeddedEnd::kBusy
+             : worlds_fault      ? EmbeddedEnd::kFailed
+                                 : EmbeddedEnd::kInputError,
+             status.message());
+}
+
 double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -266,11 +276,9 @@ EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
   if (const std::string wrong = CheckJob(job); !wrong.empty()) return End(EmbeddedEnd::kInputError, wrong);
   std::error_code error;
   fs::create_directories(options.dir, error);
-  if (error) return End(EmbeddedEnd::kInputError, options.dir + ": " + error.message());
+  if (error) return NoFolder(SystemFailure(options.dir, "cannot make the folder", error.value()));
   Result<StoreFolder> folder = StoreFolder::Open(fs::path(options.dir) / ".cairn");
-  if (!folder.ok())
-    return End(folder.status().code() == Code::kBusy ? EmbeddedEnd::kBusy : EmbeddedEnd::kFailed,
-               folder.status().message());
+  if (!folder.ok()) return NoFolder(folder.status());
   RemoveLeftovers(options.dir);
   return Run(options, std::move(job), std::move(folder).value()).Do(named, on_progress, stop);
 }

@@ -31,7 +31,7 @@ enum class EmbeddedEnd {
   kDone,         // exit 0: all results are in dir
   kAlreadyDone,  // exit 0: an earlier run of the same job did it; nothing was run
   kFailed,       // exit 1: the job failed through no fault of its input; `reason`
-  kInputError,   // exit 2: the job's input is bad; `reason` names task and input
+  kInputError,   // exit 2: the job's input is bad, or dir no place to write to; `reason` says which
   kConflict,  // exit 2: dir holds a run of another job or inputs, or of another build; force starts anew. (A
               // run that ended for bad input without a result is in nobody's way.)
   kBusy,      // exit 2: another process has dir

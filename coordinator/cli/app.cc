@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 
 #include "coordinator/cli/failure.h"
@@ -11,6 +12,7 @@
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/suggest.h"
+#include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -80,6 +82,11 @@ int RunCaught(const Invocation& call) {
   } catch (const InputError& error) {
     Complain(error.what());
     return kExitBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    // A name that no file can have, a folder that nobody may look into.
+    const Status status = SystemFailure(error.path1(), "cannot be used", error.code().value());
+    Complain(status.message());
+    if (!IsTheWorldsFault(status)) return kExitBadInput;
   } catch (const std::bad_alloc&) {
     Complain("out of memory");
   } catch (const std::exception& error) {
@@ -96,7 +103,8 @@ int ParseAndRun(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(
-      "Exit codes: 0 done, 1 failed through no fault of the input, 2 bad usage or input.\n"
+      "Exit codes: 0 done, 1 failed through no fault of the input, 2 bad usage or input, or an output that\n"
+      "cannot be written where it was asked for.\n"
       "Example:\n  cairn simulate loop log.h5 && cairn run landmark_map log.h5 --out result");
   Invocation call;
   app.add_flag("--log-json", call.log_json, "Logs as JSON lines on stderr");

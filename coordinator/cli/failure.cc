@@ -2,9 +2,12 @@
 
 namespace cairn::cli {
 
+bool IsTheWorldsFault(const Status& status) {
+  return status.code() == Code::kNoSpace || status.code() == Code::kIo;
+}
+
 void Throw(const Status& status) {
-  const bool worlds_fault = status.code() == Code::kNoSpace || status.code() == Code::kIo;
-  if (worlds_fault) throw WorldError(status.message());
+  if (IsTheWorldsFault(status)) throw WorldError(status.message());
   throw InputError(status.message());
 }
 

@@ -15,6 +15,9 @@ class WorldError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// kNoSpace, kIo; the others are the user's choice of a file or an endpoint.
+bool IsTheWorldsFault(const Status& status);
+
 // Throws InputError (kNotFound, kCorrupt, kVersion, kBusy, kRefused) or WorldError (kNoSpace, kIo).
 [[noreturn]] void Throw(const Status& status);
 

@@ -4,10 +4,10 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 
 #include "coordinator/cli/failure.h"
+#include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -29,7 +29,7 @@ std::string HomeFolder() {
   }
   folder = std::filesystem::absolute(folder).string();
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
-    throw WorldError("cannot make the folder '" + folder + "': " + std::strerror(errno));
+    Throw(SystemFailure(folder, "cannot make the folder", errno));
   }
   return folder;
 }

@@ -12,6 +12,7 @@
 #include "coordinator/cli/job_text.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/stop_signal.h"
+#include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 #include "schema/store/result_kind.h"
 
@@ -58,7 +59,7 @@ int List(const Options& options, const Invocation&) {
   if (options.json) {
     std::fputs(JobsJson(list.jobs, list.workers).c_str(), stdout);
   } else {
-    std::printf("%s%u workers\n", JobTable(list.jobs).c_str(), list.workers);
+    std::printf("%s%u worker%s\n", JobTable(list.jobs).c_str(), list.workers, list.workers == 1 ? "" : "s");
   }
   return kExitDone;
 }
@@ -134,7 +135,7 @@ int Results(const Options& options, const Invocation&) {
   const fs::path folder = options.out.empty() ? options.job : options.out;
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw WorldError("cannot make the folder '" + folder.string() + "': " + error.message());
+  if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
     Check(WriteBlobFile(file, ResultKind(*blob), *blob));

@@ -26,7 +26,7 @@ void AddKeys(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options =
       AddCommand<Options>(app, call, "keys", "Makes a key pair for a fleet that listens on TCP",
-                          "cairn keys keys/worker1", Keys, &command);
+                          "cairn keys worker1", Keys, &command);
   command->add_option("STEM", options->stem, "Writes STEM.key (secret) and STEM.pub")->required();
 }
 

@@ -66,8 +66,9 @@ std::string ToText(const StageSummary& stage) {
   std::string text =
       "map       " + stage.map + "\npicture   " + stage.picture + "\nreport    " + stage.report + "\n";
   char line[160];
-  std::snprintf(line, sizeof line, "found     %lld landmarks in %lld iterations, log-likelihood %.1f\n",
-                static_cast<long long>(stage.landmarks), static_cast<long long>(stage.iterations),
+  std::snprintf(line, sizeof line, "found     %lld landmark%s in %lld iteration%s, log-likelihood %.1f\n",
+                static_cast<long long>(stage.landmarks), stage.landmarks == 1 ? "" : "s",
+                static_cast<long long>(stage.iterations), stage.iterations == 1 ? "" : "s",
                 stage.log_likelihood.value_or(0));
   text += line;
   if (stage.evaluation)

@@ -88,6 +88,22 @@ int SyncFolder(const std::filesystem::path& folder) {
   return ::fsync(descriptor.get()) != 0 && errno != EINVAL ? errno : 0;
 }
 
+// The place is not one to write to, whoever's program asks: another has to be named.
+bool IsRefusal(int error_number) {
+  switch (error_number) {
+    case EACCES:
+    case EPERM:
+    case EROFS:
+    case EISDIR:
+    case EEXIST:
+    case ELOOP:
+    case ENAMETOOLONG:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number) {
@@ -96,9 +112,10 @@ Status SystemFailure(const std::filesystem::path& path, const std::string& doing
   const std::string cause = full      ? "no space left"
                             : missing ? "no such file or folder"
                                       : std::generic_category().message(error_number);
-  return {full      ? Code::kNoSpace
-          : missing ? Code::kNotFound
-                    : Code::kIo,
+  return {full                      ? Code::kNoSpace
+          : missing                 ? Code::kNotFound
+          : IsRefusal(error_number) ? Code::kRefused
+                                    : Code::kIo,
           path.string() + ": " + doing + ": " + cause};
 }
 

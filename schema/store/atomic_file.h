@@ -12,8 +12,8 @@
 namespace cairn {
 
 // Replaces `path` by `bytes`. On any failure nothing new is left behind, and a file that was there before
-// stays as it was. The Status names the file and the cause: kNotFound (the folder), kNoSpace, kIo. A process
-// that is killed in between leaves at most a hidden ".NAME.PID-N.tmp", which nothing reads.
+// stays as it was. The Status names the file and the cause: kNotFound (the folder), kNoSpace, kRefused, kIo.
+// A process that is killed in between leaves at most a hidden ".NAME.PID-N.tmp", which nothing reads.
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
 
@@ -21,7 +21,8 @@ Status WriteTextAtomically(const std::filesystem::path& path, std::string_view t
 // removed stays.
 void RemoveLeftovers(const std::filesystem::path& folder);
 
-// The Status for a failed system call on `path`: kNotFound, kNoSpace (also quotas and file size limits), kIo.
+// The Status for a failed system call on `path`: kNotFound; kNoSpace (also quotas and file size limits);
+// kRefused: no place to write to (no right to, read-only, no name that a file may have); kIo.
 Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number);
 
 }  // namespace cairn

@@ -61,7 +61,7 @@ Result<File> Open(const std::filesystem::path& path) {
   const Handle closer(fd, [](hid_t id) -> herr_t { return ::close(static_cast<int>(id)); });
   struct stat info{};
   if (::fstat(fd, &info) != 0) return SystemFailure(path, "cannot open", errno);
-  if (!S_ISREG(info.st_mode)) return Status(Code::kIo, path.string() + ": is not a file");
+  if (!S_ISREG(info.st_mode)) return Status(Code::kCorrupt, path.string() + ": is not a file");
   std::array<std::byte, 48> head{};
   const ssize_t count = ::pread(fd, head.data(), head.size(), 0);
   if (count < 0) return SystemFailure(path, "cannot read", errno);

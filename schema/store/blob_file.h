@@ -26,9 +26,9 @@ struct ReadOptions {
   std::vector<std::string> without;  // takes away from `only`
 };
 
-// Replaces `path` atomically; on any failure nothing is left behind: kNotFound (the folder), kNoSpace, kIo
-// (also a name that HDF5 cannot hold, such as "a" beside "a/b"). The same blob gives the same bytes in the
-// file.
+// Replaces `path` atomically; on any failure nothing is left behind: kNotFound (the folder), kNoSpace,
+// kRefused, kIo (also a name that HDF5 cannot hold, such as "a" beside "a/b"). The same blob gives the same
+// bytes in the file.
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
 
 // kNotFound; kCorrupt: not a Cairn file, truncated, a wrong checksum; kVersion: of a newer format; kBusy:

@@ -22,7 +22,28 @@ zmq::message_t FrameOf(const Array& array) {
 }  // namespace
 
 Status ZmqStatus(const std::string& what, const zmq::error_t& error) {
-  return {error.num() == EADDRINUSE ? Code::kBusy : Code::kIo, what + ": " + error.what()};
+  Code code = Code::kIo;
+  switch (error.num()) {
+    case EADDRINUSE:
+      code = Code::kBusy;
+      break;
+    // An endpoint that this machine cannot have: another has to be named.
+    case EACCES:
+    case EPERM:
+    case EROFS:
+    case ENOENT:
+    case ENOTDIR:
+    case ENAMETOOLONG:
+    case ENODEV:
+    case EADDRNOTAVAIL:
+    case EINVAL:
+    case EPROTONOSUPPORT:
+      code = Code::kRefused;
+      break;
+    default:
+      break;
+  }
+  return {code, what + ": " + error.what()};
 }
 
 Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames) {

@@ -24,7 +24,11 @@ bool IsKey(const std::string& text) {
 
 Status WriteNew(const std::filesystem::path& path, const std::string& text, mode_t mode) {
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-  if (fd < 0) return {errno == EEXIST ? Code::kBusy : Code::kIo, path.string() + ": " + std::strerror(errno)};
+  if (fd < 0) {
+    // Whatever else is wrong with the place, another has to be named.
+    const Code code = errno == EEXIST ? Code::kBusy : errno == ENOSPC ? Code::kNoSpace : Code::kRefused;
+    return {code, path.string() + ": " + std::strerror(errno)};
+  }
   const bool written =
       ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(fd) == 0;
   const std::string why = std::strerror(errno);

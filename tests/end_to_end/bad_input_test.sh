@@ -29,6 +29,10 @@ observations '2,a,x,1' >observations.csv
 refuses_import 'observations.csv:2' import
 observations '2,a,x,9,0' >observations.csv
 refuses_import 'observations.csv:2.*maximum' import --max-range-m 8
+refuses_import 'max_range_m: .*allowed: a number above 0' import --max-range-m 0
+refuses_import 'field_of_view_rad: 360.*allowed: above 0, up to a full turn' import --field-of-view-rad 360
+observations '2,a,x,5,0.7' >observations.csv
+refuses_import "observations.csv:2: outside the sensor's field of view: 0.7" import --field-of-view-rad 1.2
 odometry '1,a,0,1' '2,a,0,inf' >odometry.csv
 observations >observations.csv
 refuses_import 'odometry.csv:3' import
@@ -40,6 +44,14 @@ cp odometry.csv kept.csv
 refuses "'odometry.csv' is an input" cairn import csv --odometry odometry.csv odometry.csv --force
 refuses "'./odometry.csv' is an input" cairn import csv --odometry odometry.csv ./odometry.csv --force
 cmp odometry.csv kept.csv || die "an import has overwritten its input"
+
+# MRCLAM: a folder with a file missing.
+mkdir mrclam
+refuses_import 'no Barcodes.dat' cairn import mrclam mrclam log.h5
+printf '1 5\n6 63\n' >mrclam/Barcodes.dat
+refuses_import 'no Robot1_Odometry.dat' cairn import mrclam mrclam log.h5
+printf '10 1 0\n12 1 0\n' >mrclam/Robot1_Odometry.dat
+refuses_import 'no Robot1_Measurement.dat' cairn import mrclam mrclam log.h5
 
 # A log with controls only: nothing to map.
 odometry "${good_rows[@]}" >odometry.csv
@@ -66,6 +78,11 @@ refuses 'wokers' cairn run landmark_map log.h5 --wokers 2
 refuses 'would need about [0-9.]+ [MG]B.*memory_mb' cairn run landmark_map log.h5 --set memory_mb=1 --out fine
 [ ! -e fine/landmark_map.h5 ] || die "a run that was refused left a result"
 
+# Evidence that is impossible: exact cells hold no landmark where the first data showed none, and none is false.
+refuses "robot 'robot 0', step [0-9]+ \(time [0-9.]+ s\): the evidence is impossible.*observed there: " \
+  cairn run landmark_map log.h5 --set model=exact --set growth_start=0.2 --set cell_m=1 --out impossible
+[ ! -e impossible/landmark_map.h5 ] || die "a run that was refused left a result"
+
 # A result where a log is needed; another log's truth; seeds.
 exits 0 cairn run landmark_map log.h5 --set iterations=1 --out done
 refuses 'done/landmark_map.h5: a landmark_map, where a log is needed' cairn run landmark_map done/landmark_map.h5 --out no
@@ -76,6 +93,21 @@ refuses 'seed.*from 0 to 18446744073709551615' cairn simulate loop --seed 184467
 exits 0 cairn simulate loop --difficulty base --seed 7 another.h5
 refuses 'made from another log' cairn evaluate done --truth another.h5
 exits 0 cairn evaluate done --truth log.h5
+
+# Places that cannot be written to are the user's choice, for every command that writes.
+: >a_file
+long=$(printf 'x%.0s' {1..300})
+for place in a_file/out /proc/out "$long"; do
+  refuses 'a_file|/proc|x{40}' cairn simulate loop "$place"
+  refuses 'a_file|/proc|x{40}' cairn export tum done "$place"
+  refuses 'a_file|/proc|x{40}' cairn report done --out "$place"
+  refuses 'a_file|/proc|x{40}' cairn run landmark_map log.h5 --out "$place"
+  refuses 'a_file|/proc|x{40}' cairn keys "$place"
+  refuses 'a_file|/proc|x{40}' cairn coordinator --store "$place" --listen "ipc://$work/c.ipc"
+  refuses 'a_file|/proc|x{40}' cairn coordinator --store store --listen "ipc://$place/c.ipc"
+  CAIRN_HOME=$place refuses 'a_file|/proc|x{40}' cairn coordinator
+done
+refuses 'a_file' cairn run landmark_map log.h5 --out a_file
 
 # Damaged files.
 head -c 3000 log.h5 >cut.h5

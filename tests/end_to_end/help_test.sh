@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every command has --help with an example, and knows a wrong option when it sees one.
+# Every command has --help with an example that runs as printed, and knows a wrong option when it sees one.
 source "$(dirname "$0")/common.sh"
 
 commands=$(cairn --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}')
@@ -9,3 +9,59 @@ for command in $commands; do
   says 'xample'
   [ "$command" = worker ] || refuses 'no-such-option|required' cairn "$command" --no-such-option
 done
+
+# What the examples speak of.
+mkdir inputs
+simulate inputs/log.h5
+cairn export csv inputs/log.h5 inputs >/dev/null
+mkdir inputs/MRCLAM_Dataset6
+printf '1 5\n6 63\n' >inputs/MRCLAM_Dataset6/Barcodes.dat
+printf '10 1 0\n12 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Odometry.dat
+printf '11 63 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Measurement.dat
+printf '%s\n' 'name: museum' 'inputs: {log: log.h5}' 'stages:' '  - {name: landmarks, pipeline: landmark_map, log: log}' \
+  >inputs/job.yaml
+cairn run landmark_map inputs/log.h5 --out inputs/result >/dev/null 2>&1
+cp -r inputs/result inputs/one-worker
+cp -r inputs/result inputs/five-workers
+
+# example COMMAND…: the lines after "Example:" in its help.
+example() { cairn "$@" --help | awk 'on && /^  / {sub(/^  /, ""); print} /^Example:/ {on = 1}'; }
+
+# runs COMMAND…: its example, as printed, each line in a folder that holds what it reads and not what it writes.
+runs() {
+  local line
+  [ -n "$(example "$@")" ] || die "cairn $*: no example"
+  while IFS= read -r line; do
+    rm -rf here
+    cp -r inputs here
+    [[ ! $line =~ simulate\ loop|import\ csv ]] || rm here/log.h5
+    [[ ! $line =~ --out\ result ]] || rm -r here/result
+    (cd here && bash -euo pipefail -c "$line") </dev/null >stdout 2>stderr || die "the example of cairn $* fails: $line"
+    ran=$((ran + 1))
+  done < <(example "$@")
+}
+ran=0
+
+runs
+for command in run simulate 'simulate loop' import 'import csv' 'import mrclam' inspect evaluate report export \
+  'export tum' 'export g2o' 'export ros' 'export png' 'export csv' diff keys; do
+  read -ra words <<<"$command"
+  runs "${words[@]}"
+done
+
+# Those of the service: a job is submitted, cancelled and gone on with before there is a worker.
+(CAIRN_HOME=$work/service exec cairn coordinator) 2>service.log &
+export CAIRN_HOME=$work/service
+until_true 10 grep -q 'listening' service.log
+for command in submit list status cancel resume; do runs "$command"; done
+cairn worker 2>worker.log &
+runs watch
+runs results
+
+# The service as its own help shows it, from nothing.
+export CAIRN_HOME=$work/another
+lines=$(example coordinator)
+(cd inputs && bash -c "$lines"$'\n''code=$?; kill $(jobs -p); exit $code') >stdout 2>stderr ||
+  die "the example of cairn coordinator fails: $lines"
+says 'done|landmarks'
+[ "$ran" -ge 20 ] || die "only $ran examples were run"
