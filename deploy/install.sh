@@ -3,6 +3,8 @@
 #
 #   deploy/install.sh          what the build and the release tests need
 #   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py
+#   deploy/install.sh --arm64  also what ./deploy/arm64.sh needs: a cross compiler, qemu-user
+#   deploy/install.sh --list   installs nothing, prints the packages of the first line
 #
 # Runs as root, or as a user with sudo. The lists below are the whole of it: cmake/CairnDependencies.cmake finds the
 # same libraries, and fails with their names where one is missing.
@@ -17,13 +19,16 @@ build_packages=(
   libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
 )
 dev_packages=(clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py)
+arm64_packages=(g++-aarch64-linux-gnu qemu-user)
 
 packages=("${build_packages[@]}")
 for argument in "$@"; do
   case $argument in
     --dev) packages+=("${dev_packages[@]}") ;;
-    -h | --help) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    *) fail "unknown argument '$argument'; allowed: --dev" ;;
+    --arm64) packages+=("${arm64_packages[@]}") ;;
+    --list) printf '%s\n' "${build_packages[@]}"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) fail "unknown argument '$argument'; allowed: --dev, --arm64, --list" ;;
   esac
 done
 
