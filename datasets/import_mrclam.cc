@@ -96,10 +96,11 @@ class MrclamImport {
     std::vector<std::string> files = {"Landmark_Groundtruth.dat"};
     for (const auto& [subject, index] : robots_) files.push_back(Robot(subject, "Groundtruth"));
     const auto missing = [this](const std::string& file) { return Find(file).empty(); };
-    if (std::ranges::all_of(files, missing)) return;
+    if (std::ranges::none_of(files, missing) || std::ranges::all_of(files, missing)) return;
+    std::string names;
     for (const std::string& file : files)
-      if (missing(file))
-        report_.warnings.push_back(options_.folder + ": there is no " + file + "(.gz) in it: no such truth");
+      if (missing(file)) names += (names.empty() ? "" : ", ") + file;
+    report_.warnings.push_back(options_.folder + ": no truth is taken from what is not there: " + names);
   }
 
   // The subject number in column 0, or 0 where the line is bad.

@@ -112,7 +112,7 @@ TEST_F(ImportMrclamTest, AFileThatIsMissingIsNamed) {
 TEST_F(ImportMrclamTest, TruthThatIsThereInPartIsWarnedOf) {
   const ImportReport report = Import();
   ASSERT_EQ(report.warnings.size(), 1U);
-  ExpectContains(report.warnings[0], "there is no Robot2_Groundtruth.dat(.gz) in it");
+  ExpectContains(report.warnings[0], "what is not there: Robot2_Groundtruth.dat");
 }
 
 TEST_F(ImportMrclamTest, AFolderThatIsNoneIsRefused) {
