@@ -225,12 +225,6 @@ class MrclamImport {
 
 NominalFigures MrclamNominal() {
   NominalFigures figures;
-  figures.heading_drift_rad_per_m = 0.035;
-  figures.heading_walk_rad_per_sqrt_m = 0.044;
-  figures.forward_ratio = 0.05;
-  figures.turn_ratio = 0.1;
-  figures.range_m = 0.12;
-  figures.bearing_rad = 0.01;
   figures.max_range_m = 10;
   figures.field_of_view_rad = 1.22;
   return figures;

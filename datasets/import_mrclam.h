@@ -24,11 +24,8 @@ struct MrclamImportOptions {
   NominalFigures nominal;            // replaces figures of MrclamNominal()
 };
 
-// The camera, as a data sheet would put it. It looks ahead over 70 degrees and sees to 10 m. Its noise is
-// what the dataset's README measured on dataset 6, rounded: median absolute deviations of 0.053 to 0.121 m
-// and 0.0039 to 0.0074 rad, times 1.48 for a standard deviation. The odometry is integrated velocity
-// commands: against dataset 6's Vicon poses, in windows of 5 s, the heading errs by about a tenth of the
-// turn, drifts by 1 to 4 deg/m and wanders by 1.5 deg over 0.3 m of straight way; the way errs by 5%.
+// What the measurements themselves show of the camera, rounded: it looks ahead over 70 degrees and sees to 10
+// m. The dataset gives no noise figures, of odometry or camera, and the importer makes none up.
 NominalFigures MrclamNominal();
 
 // Writes a `log` (schema/FORMAT.md). Robots and landmarks are called by their subject numbers. Each velocity

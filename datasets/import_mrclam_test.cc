@@ -77,7 +77,13 @@ TEST_F(ImportMrclamTest, GivenFiguresReplaceTheNominalOnes) {
   Import();
   EXPECT_EQ(log_.Scalar<double>("noise/range_m"), 0.5);
   EXPECT_EQ(log_.Scalar<double>("noise/forward_ratio"), 0.05);
-  EXPECT_EQ(log_.Scalar<double>("noise/bearing_rad"), 0.01);
+  EXPECT_EQ(log_.Scalar<double>("sensor/max_range_m"), 10);
+}
+
+// The dataset states none, and its ground truth is not for the pipeline to see.
+TEST_F(ImportMrclamTest, NoNoiseFiguresAreMadeUp) {
+  Import();
+  for (const auto& [name, array] : log_.fields()) EXPECT_FALSE(name.starts_with("noise/")) << name;
 }
 
 TEST_F(ImportMrclamTest, BadLinesNameFileLineAndReason) {

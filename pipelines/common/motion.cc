@@ -1,6 +1,7 @@
 #include "pipelines/common/motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -30,6 +31,22 @@ void Gather(const Layer& from, int dx, int dy, double weight, Layer* to) {
     for (int x = common.x0; x < common.x0 + common.nx; ++x)
       target[x] = std::fma(weight, source[x], target[x]);
   }
+}
+
+// Sum of the products over the cells that both have. Eight running values, as in Layer::Sum.
+double Dot(const Layer& a, const Layer& b) {
+  const Box common = Intersection(a.box, b.box);
+  std::array<double, 8> lanes{};
+  for (int y = common.y0; y < common.y0 + common.ny; ++y) {
+    const double* p = &a.Row(y)[common.x0];
+    const double* q = &b.Row(y)[common.x0];
+    int i = 0;
+    for (; i + 8 <= common.nx; i += 8) {
+      for (int k = 0; k < 8; ++k) lanes[k] = std::fma(p[i + k], q[i + k], lanes[k]);
+    }
+    for (int k = 0; i < common.nx; ++i, ++k) lanes[k] = std::fma(p[i], q[i], lanes[k]);
+  }
+  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
 
 // For each layer the box that holds the boxes of all layers within `reach` of it, around the circle.
@@ -78,6 +95,24 @@ Stencil MotionKernel::StencilOf(int layer) const {
                       sine * ux_ + cosine * uy_, along_);
 }
 
+HalfTurn MotionKernel::FirstHalfTurn(const LayeredGrid& belief, const LayeredGrid& middle) const {
+  const int reach = half_turn_.reach(), headings = static_cast<int>(belief.layers.size());
+  double prior = 0.0, mass = 0.0, first = 0.0, second = 0.0;
+  for (int k = -reach; k <= reach; ++k) {
+    double joint = 0.0;
+    for (int c = 0; c < headings; ++c) joint += Dot(belief.layers[c], middle.layers[Wrap(c + k, headings)]);
+    joint *= half_turn_.At(k);
+    prior += half_turn_.At(k) * k * k;
+    mass += joint;
+    first += joint * k;
+    second += joint * k * k;
+  }
+  const double square = heading_step_ * heading_step_;
+  if (!(mass > 0.0)) return {prior * square, 0.0, prior * square};
+  const double mean = first / mass;
+  return {prior * square, mean * heading_step_, (second / mass - mean * mean) * square};
+}
+
 LayeredGrid MotionKernel::TurnForward(const LayeredGrid& belief) const {
   const int reach = half_turn_.reach(), headings = static_cast<int>(belief.layers.size());
   if (reach == 0) return belief;
@@ -104,7 +139,8 @@ LayeredGrid MotionKernel::Forward(const LayeredGrid& belief) const {
   return TurnForward(moved);
 }
 
-LayeredGrid MotionKernel::Backward(const LayeredGrid& message, const LayeredGrid& support) const {
+LayeredGrid MotionKernel::Backward(const LayeredGrid& message, const LayeredGrid& support,
+                                   HalfTurn* half_turn) const {
   const int reach = half_turn_.reach(), headings = static_cast<int>(support.layers.size());
   const auto at = [&](int c) { return static_cast<std::size_t>(Wrap(c, headings)); };
   // Where the first half turn can have put the support: the only cells of the middle stage that matter.
@@ -120,6 +156,7 @@ LayeredGrid MotionKernel::Backward(const LayeredGrid& message, const LayeredGrid
     for (const StencilPoint& p : stencil) Gather(turned, p.dx, p.dy, p.weight, &layer);
     middle.layers[at(c)] = std::move(layer);
   }
+  if (half_turn != nullptr) *half_turn = FirstHalfTurn(support, middle);
   LayeredGrid result;
   result.layers.resize(support.layers.size());
   for (int c = 0; c < headings; ++c) {

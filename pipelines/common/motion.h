@@ -39,6 +39,13 @@ LegError ErrorOf(const Leg& leg, const MotionNoise& noise);
 
 enum class ErrorShape { kGaussian, kTriangular };
 
+// The error of the first of a leg's two half turns: what the kernel gives it, and what is left of it after
+// the fact.
+struct HalfTurn {
+  double prior_rad2 = 0.0;                     // variance under the kernel alone
+  double mean_rad = 0.0, variance_rad2 = 0.0;  // of the posterior
+};
+
 // The cached kernel of one leg on one grid ([TBF98] section 5, caching): taps over headings, a stencil per
 // heading.
 class MotionKernel {
@@ -49,10 +56,15 @@ class MotionKernel {
   LayeredGrid Forward(const LayeredGrid& belief) const;
   // sum over xi' of P(xi' | u, xi) message(xi') for xi in `support`'s boxes: eq. 17, the transpose of
   // Forward.
-  LayeredGrid Backward(const LayeredGrid& message, const LayeredGrid& support) const;
+  // `half_turn` (may be nullptr): receives the posterior of the first half turn's error, where `support` is
+  // the belief before the leg: of the paths that the kernel joins, each weighed by support(xi) P(xi' | u, xi)
+  // message(xi').
+  LayeredGrid Backward(const LayeredGrid& message, const LayeredGrid& support,
+                       HalfTurn* half_turn = nullptr) const;
 
  private:
   LayeredGrid TurnForward(const LayeredGrid& belief) const;
+  HalfTurn FirstHalfTurn(const LayeredGrid& belief, const LayeredGrid& middle) const;
   Stencil StencilOf(int layer) const;
   Taps half_turn_;
   double dx_, dy_, ux_, uy_, along_;  // displacement, its direction, error along it; in cells

@@ -97,6 +97,53 @@ TEST(Motion, SpreadsHeadingsByTheLegsError) {
   EXPECT_NEAR(side_variance, 100 * 0.005, 0.3);  // half of the error comes before the way
 }
 
+// Every layer's mass moved by `k` headings.
+LayeredGrid TurnedBy(const LayeredGrid& grid, int k) {
+  LayeredGrid turned;
+  turned.layers.resize(kHeadings);
+  for (int c = 0; c < kHeadings; ++c) turned.layers[(c + k + kHeadings) % kHeadings] = grid.layers[c];
+  return turned;
+}
+
+// Of each error of the first half turn, the mass of all paths that have it: turned by hand, shifted by a
+// kernel that has no heading error, turned by hand once more.
+TEST(Motion, TellsWhatTheFirstHalfTurnWas) {
+  const LayeredGrid belief = RandomGrid(4, {0, 0, 4, 3}), message = RandomGrid(5, {3, 1, 6, 6});
+  const double step = 2 * std::numbers::pi / kHeadings;
+  const double half_variance = 0.5 * kError.heading_rad * kError.heading_rad / (step * step);
+  const double taps[] = {half_variance / 2, 1 - half_variance, half_variance / 2};
+  const MotionKernel shift(kLeg, {0.0, kError.along_m}, 0.5, kHeadings, ErrorShape::kGaussian);
+  double mass = 0, first = 0, second = 0;
+  for (int j = -1; j <= 1; ++j) {
+    for (int k = -1; k <= 1; ++k) {
+      const LayeredGrid moved = TurnedBy(shift.Forward(TurnedBy(belief, j)), k);
+      const double joint = taps[j + 1] * taps[k + 1] * Dot(moved, message);
+      mass += joint;
+      first += joint * j;
+      second += joint * j * j;
+    }
+  }
+  HalfTurn found;
+  const MotionKernel kernel(kLeg, kError, 0.5, kHeadings, ErrorShape::kGaussian);
+  const LayeredGrid beta = kernel.Backward(message, belief, &found);
+  EXPECT_NEAR(found.prior_rad2, half_variance * step * step, 1e-12);
+  EXPECT_NEAR(found.mean_rad, first / mass * step, 1e-12);
+  EXPECT_NEAR(found.variance_rad2, (second / mass - std::pow(first / mass, 2)) * step * step, 1e-12);
+  EXPECT_GT(std::abs(found.mean_rad), 1e-3);
+  EXPECT_NEAR(Dot(belief, beta), Dot(kernel.Forward(belief), message), 1e-10);
+
+  // A message that says nothing leaves the error as it was.
+  LayeredGrid flat;
+  for (int c = 0; c < kHeadings; ++c) {
+    Layer layer(Box{-20, -20, 45, 45});
+    layer.values.assign(layer.values.size(), 1.0);
+    flat.layers.push_back(std::move(layer));
+  }
+  kernel.Backward(flat, belief, &found);
+  EXPECT_NEAR(found.mean_rad, 0.0, 1e-12);
+  EXPECT_NEAR(found.variance_rad2, found.prior_rad2, 1e-12);
+}
+
 TEST(ErrorOf, GrowsWithWayAndTurn) {
   const MotionNoise noise{0.002, 0.01, 100.0, 0.02, 0.03};
   const LegError error = ErrorOf({4, 0, 4, 0.5}, noise);

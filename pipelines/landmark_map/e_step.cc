@@ -198,16 +198,20 @@ Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid bef
 }
 
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
-                     const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visit& visit) {
+                     const LayeredGrid& before, LayeredGrid beta, Progress& progress,
+                     const Visitor& visitor) {
+  const bool learn = model.perception != nullptr && visitor.leg;
   for (int step = slice.end - 1; step >= slice.first; --step) {
     progress.Tick();
     const LayeredGrid& alpha = alphas.tables[static_cast<std::size_t>(step - slice.first)];
-    visit(step, Product(slice, step, alpha, beta));
+    visitor.step(step, Product(slice, step, alpha, beta));
     if (step == 0) return {};
     ObserveAll(model, slice, step, &beta);
     const LayeredGrid& support =
         step == slice.first ? before : alphas.tables[static_cast<std::size_t>(step - 1 - slice.first)];
-    beta = KernelTo(model, slice, step).Backward(beta, support);
+    HalfTurn turn;
+    beta = KernelTo(model, slice, step).Backward(beta, support, learn ? &turn : nullptr);
+    if (learn) visitor.leg(step, turn);
     Mask(support, &beta);
     Rescale(slice, step - 1, &beta);
   }

@@ -62,11 +62,16 @@ Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid bef
                     Progress& progress);
 
 // eqs 17 and 18, from the slice's last step to its first. `beta`: of the last step, on the support of its
-// alpha; returned: beta of step first - 1 on `before`'s support (for first = 0: empty). Calls `visit(step,
-// belief)` with alpha * beta, normalised (eq. 13), last step first.
-using Visit = std::function<void(int step, const LayeredGrid& belief)>;
+// alpha; returned: beta of step first - 1 on `before`'s support (for first = 0: empty). Shows `visitor` what
+// it passes, last step first.
+struct Visitor {
+  std::function<void(int step, const LayeredGrid& belief)> step;  // alpha * beta, normalised (eq. 13)
+  // The heading's error on the leg to `step`; may be empty. Without a map there is nothing to learn of it,
+  // and no call.
+  std::function<void(int step, const HalfTurn& posterior)> leg;
+};
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
-                     const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visit& visit);
+                     const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visitor& visitor);
 
 // beta of the last step of all: 1 wherever `support` is above zero.
 LayeredGrid UniformBeta(const LayeredGrid& support);

@@ -137,14 +137,15 @@ TEST(EStep, EqualsTheSumOverAllPaths) {
   EXPECT_NEAR(alphas.log_likelihood, std::log(all.evidence), 1e-9);
   int compared = 0;
   Backward(model, slice, alphas, start, UniformBeta(alphas.tables.back()), progress,
-           [&](int step, const LayeredGrid& belief) {
-             EXPECT_NEAR(belief.Sum(), 1.0, 1e-12);
-             for (const auto& [pose, p] : all.marginals[step]) {
-               const auto [c, x, y] = pose;
-               ASSERT_NEAR(belief.layers[c].At(x, y), p / all.evidence, 1e-9);
-               ++compared;
-             }
-           });
+           Visitor{[&](int step, const LayeredGrid& belief) {
+                     EXPECT_NEAR(belief.Sum(), 1.0, 1e-12);
+                     for (const auto& [pose, p] : all.marginals[step]) {
+                       const auto [c, x, y] = pose;
+                       ASSERT_NEAR(belief.layers[c].At(x, y), p / all.evidence, 1e-9);
+                       ++compared;
+                     }
+                   },
+                   nullptr});
   EXPECT_GT(compared, 100);
 }
 
@@ -170,12 +171,12 @@ TEST(EStep, SlicesGiveWhatOnePassGives) {
   std::vector<LayeredGrid> whole(4), sliced(4);
   const Alphas one = Forward(model, {steps, 0, 4, "a"}, start, progress);
   Backward(model, {steps, 0, 4, "a"}, one, start, UniformBeta(one.tables.back()), progress,
-           [&](int step, const LayeredGrid& belief) { whole[step] = belief; });
+           Visitor{[&](int step, const LayeredGrid& belief) { whole[step] = belief; }, nullptr});
 
   const Slice early{steps, 0, 2, "a"}, late{steps, 2, 4, "a"};
   const Alphas first = Forward(model, early, start, progress);
   const Alphas second = Forward(model, late, first.tables.back(), progress);
-  const auto keep = [&](int step, const LayeredGrid& belief) { sliced[step] = belief; };
+  const Visitor keep{[&](int step, const LayeredGrid& belief) { sliced[step] = belief; }, nullptr};
   const LayeredGrid beta =
       Backward(model, late, second, first.tables.back(), UniformBeta(second.tables.back()), progress, keep);
   Backward(model, early, first, start, beta, progress, keep);
@@ -225,7 +226,7 @@ TEST(EStep, ManyUnlikelyObservationsAtOneStepStayFinite) {
   EXPECT_TRUE(std::isfinite(alphas.log_likelihood));
   EXPECT_LT(alphas.log_likelihood, -400 * 10.0);
   Backward(model, slice, alphas, start, UniformBeta(alphas.tables.back()), progress,
-           [](int, const LayeredGrid& belief) { EXPECT_NEAR(belief.Sum(), 1.0, 1e-12); });
+           Visitor{[](int, const LayeredGrid& belief) { EXPECT_NEAR(belief.Sum(), 1.0, 1e-12); }, nullptr});
 }
 
 TEST(EStep, ABoxTooSmallAndAMemoryTooSmallAreNamed) {

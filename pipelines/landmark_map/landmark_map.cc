@@ -32,7 +32,7 @@ Carried MakeAllSteps(const Blob& log, const Settings& settings, cairn::Step* ste
   const std::vector<bool> shared = TypesSeen(log.Sub("robot/0/"), settings.map.types);
   Carried carried;
   carried.blobs["settings"] = step->Share(settings.ToBlob());
-  carried.drift_rad_per_m.assign(robots.size(), 0.0);
+  carried.odometry.assign(robots.size(), OdometryFit::Of(settings.noise));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const RobotSteps steps =
         MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, r == 0 ? nullptr : &shared);
@@ -117,9 +117,10 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
     partial.PutScalar<std::int32_t>(task.kind() == "forward" ? "end" : "first", end);
     return partial;
   }
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  const RobotSteps steps =
-      RobotSteps::FromBlob(*inputs.Get("steps")).WithoutDrift(params.at("drift_rad_per_m").d());
+  const OdometryFit odometry = OdometryOf(task);
+  Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+  settings.noise = odometry.Widths(settings.noise);
+  const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps")).WithoutDrift(odometry.drift_rad_per_m);
   Perception perception;
   const bool mapped = inputs.Has("perception");
   if (mapped) perception = Perception::FromBlob(*inputs.Get("perception"));
@@ -142,8 +143,11 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
   if (summarise) landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
   PartialBuilder builder(settings, slice, static_cast<int>(params.at("robot").i()),
                          summarise ? &landmarks : nullptr, NoCounts(settings));
-  beta = Backward(model, slice, alphas, before, std::move(beta), progress,
-                  [&](int step, const LayeredGrid& belief) { builder.Add(step, belief); });
+  Visitor visitor{[&](int step, const LayeredGrid& belief) { builder.Add(step, belief); }, nullptr};
+  if (options_.calibrate) {
+    visitor.leg = [&](int step, const HalfTurn& posterior) { builder.AddLeg(step, posterior); };
+  }
+  beta = Backward(model, slice, alphas, before, std::move(beta), progress, visitor);
   Blob partial = builder.Finish(alphas);
   if (slice.first > 0) beta.StoreSparse("beta/", &partial);
   return partial;
@@ -159,13 +163,14 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
   RoundSum sum(NoCounts(settings), robots.size());
   for (std::size_t i = 0; i < partials.size(); ++i) sum.Add(*partials.Get(i));
   const Blob history = Extended(*inputs.Get("history"), done, sum.log_likelihood());
-  if (done.summarise) return MakeResult(*log, settings, inputs, sum, carried.drift_rad_per_m, history);
+  if (done.summarise) return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
 
   if (options_.calibrate) {
     for (std::size_t r = 0; r < robots.size(); ++r) {
-      double& drift = carried.drift_rad_per_m[r];
-      drift = sum.DriftOf(r, settings.noise, drift);
+      double& drift = carried.odometry[r].drift_rad_per_m;
+      drift = DriftOf(sum.legs()[r], settings.noise, drift);
     }
+    FitWidths(sum.legs(), settings.noise, &carried.odometry);
   }
   const LayeredGrid map = MapOf(sum.counts(), settings.map);
   const std::vector<Landmark> landmarks = ExtractLandmarks(sum.counts(), settings.map);

@@ -44,7 +44,8 @@ void VisitOptions(V& visit, Options& o) {
         o.growth_start);
   visit(Option{"growth_factor", "", 1.1, 100, "by how much that fraction grows an iteration"},
         o.growth_factor);
-  visit(Option{"calibrate", "", 0, 0, "estimate each robot's constant heading drift in the M-step"},
+  visit(Option{"calibrate", "", 0, 0,
+               "estimate each robot's heading drift, walk and turn errors in the M-step"},
         o.calibrate);
   visit(Option{"model",
                "",

@@ -58,7 +58,7 @@ void PartialBuilder::Add(int step, const LayeredGrid& belief) {
   for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
     Count(steps.observations[k], settings_.map.grid, belief, &counts_);
   }
-  TrackHeading(step, belief);
+  legs_.AddHeading(HeadingOf(belief), step + 1 < slice_.end ? slice_.steps.path_m[step + 1] : 0.0);
   if (landmarks_ == nullptr) return;
   poses_[static_cast<std::size_t>(step - slice_.first)] = Summarise(belief, settings_.map.grid);
   AddAssociations(step, belief);
@@ -82,7 +82,7 @@ void PartialBuilder::AddAssociations(int step, const LayeredGrid& belief) {
   }
 }
 
-void PartialBuilder::TrackHeading(int step, const LayeredGrid& belief) {
+double PartialBuilder::HeadingOf(const LayeredGrid& belief) const {
   const double angle = 2.0 * std::numbers::pi / settings_.map.grid.headings;
   double cosine = 0, sine = 0;
   for (std::size_t c = 0; c < belief.layers.size(); ++c) {
@@ -90,14 +90,11 @@ void PartialBuilder::TrackHeading(int step, const LayeredGrid& belief) {
     cosine += mass * std::cos(c * angle);
     sine += mass * std::sin(c * angle);
   }
-  const double heading = std::atan2(sine, cosine);
-  if (!has_later_) last_heading_rad_ = heading;
-  if (has_later_) {
-    turned_rad_ += std::remainder(later_heading_rad_ - heading, 2.0 * std::numbers::pi);
-    path_m_ += slice_.steps.path_m[step + 1];
-  }
-  later_heading_rad_ = heading;
-  has_later_ = true;
+  return std::atan2(sine, cosine);
+}
+
+void PartialBuilder::AddLeg(int step, const HalfTurn& posterior) {
+  legs_.AddLeg(slice_.steps.LegTo(step), posterior, settings_.noise);
 }
 
 Blob PartialBuilder::Finish(const Alphas& alphas) const {
@@ -105,10 +102,7 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   counts_.Store("counts/", &partial);
   partial.PutScalar<double>("log_likelihood", alphas.log_likelihood);
   partial.PutScalar<double>("work", alphas.work);
-  partial.PutScalar<double>("turned_rad", turned_rad_);
-  partial.PutScalar<double>("path_m", path_m_);
-  partial.PutScalar<double>("first_heading_rad", later_heading_rad_);
-  partial.PutScalar<double>("last_heading_rad", last_heading_rad_);
+  legs_.Store("legs/", &partial);
   partial.PutScalar<double>("first_path_m", slice_.steps.path_m[slice_.first]);
   partial.PutScalar<std::int32_t>("robot", robot_);
   partial.PutScalar<std::int32_t>("first", slice_.first);
@@ -134,7 +128,11 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
 }
 
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
-    : counts_(std::move(no_counts)), work_(robots, 0.0), headings_(robots), summaries_(robots) {}
+    : counts_(std::move(no_counts)),
+      work_(robots, 0.0),
+      legs_(robots),
+      first_path_m_(robots, 0.0),
+      summaries_(robots) {}
 
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
@@ -146,30 +144,9 @@ void RoundSum::Add(const Blob& partial) {
   log_likelihood_ += partial.Scalar<double>("log_likelihood");
   const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
   work_[robot] += partial.Scalar<double>("work");
-  AddHeadings(partial, &headings_[robot]);
+  legs_[robot].Join(LegSums::Load("legs/", partial), first_path_m_[robot]);
+  first_path_m_[robot] = partial.Scalar<double>("first_path_m");
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
-}
-
-void RoundSum::AddHeadings(const Blob& partial, Headings* sum) {
-  if (sum->any) {  // the leg from this slice into the later one, which came before
-    const double last = partial.Scalar<double>("last_heading_rad");
-    sum->turned_rad += std::remainder(sum->first_heading_rad - last, 2.0 * std::numbers::pi);
-    sum->path_m += sum->first_path_m;
-  }
-  sum->turned_rad += partial.Scalar<double>("turned_rad");
-  sum->path_m += partial.Scalar<double>("path_m");
-  sum->first_heading_rad = partial.Scalar<double>("first_heading_rad");
-  sum->first_path_m = partial.Scalar<double>("first_path_m");
-  sum->any = true;
-}
-
-double RoundSum::DriftOf(std::size_t robot, const MotionNoise& noise, double so_far) const {
-  const double path = headings_[robot].path_m;
-  if (!(path > 0.0)) return so_far;
-  const double prior = noise.heading_drift_rad_per_m * noise.heading_drift_rad_per_m;
-  const double evidence = noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m / path;
-  if (!(prior + evidence > 0.0)) return so_far;
-  return (so_far - headings_[robot].turned_rad / path) * prior / (prior + evidence);
 }
 
 std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {

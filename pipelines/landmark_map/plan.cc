@@ -66,7 +66,7 @@ double Extent(const Odometry& odometry) {
 
 // What the log's observations are like.
 struct Sensing {
-  std::int64_t observations = 0, ranged = 0;
+  std::int64_t observations = 0, ranged = 0, identified = 0;
   double mean_range_m = 0.0, max_range_m = 0.0;
 };
 
@@ -74,6 +74,9 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
   Sensing sensing;
   for (std::size_t r = 0; r < robots; ++r) {
     const Blob robot = log.Sub("robot/" + std::to_string(r) + "/");
+    for (const std::int32_t landmark : robot.Get<std::int32_t>("observations/landmark")) {
+      sensing.identified += landmark >= 0 ? 1 : 0;
+    }
     for (const double range : robot.Get<double>("observations/range_m")) {
       ++sensing.observations;
       if (std::isnan(range)) continue;
@@ -93,6 +96,19 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
   if (sensing.ranged == 0) return 5.0;
   // A landmark at the usual range should move by about a cell from one heading to the next.
   return std::clamp(cell_m / std::max(sensing.mean_range_m, 0.1) / kDegree, 1.0, 5.0);
+}
+
+// Odometry's errors where the log does not tell them. They are where EM starts and are estimated from there:
+// with identities from far above, for a width too small loses robots for good and one too large costs time
+// only. Without identities a large width lets landmarks be taken for one another.
+MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sensing, double cell_m) {
+  const double wide = sensing.identified == sensing.observations ? 3.0 : 1.0;
+  const double scale = options.noise_scale;
+  return {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * scale,
+          Nominal(log, "noise/heading_walk_rad_per_sqrt_m", wide * 0.7 * kDegree) * scale,
+          options.drift_length_m > 0 ? options.drift_length_m : 150.0 * cell_m,
+          Nominal(log, "noise/forward_ratio", 0.02) * scale,
+          Nominal(log, "noise/turn_ratio", wide * 0.02) * scale};
 }
 
 // What no grid can hold, before anything is allocated. `extent_m`: of the first robot's odometry and what it
@@ -170,11 +186,7 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.false_rate_per_m2 = options.false_rate_per_m2;
   settings.map.exact = options.model == "exact";
 
-  settings.noise = {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * options.noise_scale,
-                    Nominal(log, "noise/heading_walk_rad_per_sqrt_m", 0.7 * kDegree) * options.noise_scale,
-                    options.drift_length_m > 0 ? options.drift_length_m : 150.0 * grid.cell_m,
-                    Nominal(log, "noise/forward_ratio", 0.02) * options.noise_scale,
-                    Nominal(log, "noise/turn_ratio", 0.02) * options.noise_scale};
+  settings.noise = NoiseOf(options, log, sensing, grid.cell_m);
   settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types};
   settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
   settings.memory_mb = options.memory_mb;

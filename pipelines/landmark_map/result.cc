@@ -249,7 +249,7 @@ Blob Extended(const Blob& history, const Schedule& done, double log_likelihood) 
 }
 
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<double>& drift, const Blob& history) {
+                const std::vector<OdometryFit>& odometry, const Blob& history) {
   const std::vector<std::string> robots = log.Texts("robots");
   const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
   Blob result;
@@ -259,12 +259,14 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
     const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
-    const Odometry odometry = Integrate(log.Sub(prefix), robots[r]);
+    const Odometry track = Integrate(log.Sub(prefix), robots[r]);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
-    PathWriter(steps, odometry, summaries, drift[r], 0.5 * settings.map.grid.cell_m)
+    PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m)
         .Write(prefix + "poses/", &result);
     PutAssociations(steps, summaries, prefix + "observations/", &result);
-    result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift[r]);
+    result.PutScalar<double>(prefix + "heading_drift_rad_per_m", odometry[r].drift_rad_per_m);
+    result.PutScalar<double>(prefix + "heading_walk_rad_per_sqrt_m", odometry[r].heading_walk_rad_per_sqrt_m);
+    result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);
   }
   PutLandmarks(landmarks, settings.map.types, &result);
   const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));

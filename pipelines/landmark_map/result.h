@@ -15,6 +15,6 @@ Blob Extended(const Blob& history, const Schedule& done, double log_likelihood);
 
 // The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N.
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<double>& drift, const Blob& history);
+                const std::vector<OdometryFit>& odometry, const Blob& history);
 
 }  // namespace cairn::landmark_map

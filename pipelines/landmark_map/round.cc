@@ -10,6 +10,14 @@ namespace {
 
 constexpr std::int64_t kNone = -1;
 
+// Calls f(name, field) for every figure of a robot's odometry.
+template <class S, class F>
+void VisitOdometry(S& fit, const F& f) {
+  f("drift_rad_per_m", fit.drift_rad_per_m);
+  f("heading_walk_rad_per_sqrt_m", fit.heading_walk_rad_per_sqrt_m);
+  f("turn_ratio", fit.turn_ratio);
+}
+
 class RoundPlanner {
  public:
   RoundPlanner(const Options& options, const Schedule& schedule, const Carried& carried, proto::Step* plan)
@@ -41,7 +49,8 @@ class RoundPlanner {
     params["name"].set_s(name);
     params["count"].set_i(count);
     params["work"].set_d(1e6 * options_.slice_mcells);
-    params["drift_rad_per_m"].set_d(carried_.drift_rad_per_m[robot]);
+    VisitOdometry(carried_.odometry[robot],
+                  [&](const char* figure, double value) { params[figure].set_d(value); });
     params["summarise"].set_b(schedule_.summarise);
     AddBlob("settings", "settings", &task);
     AddBlob("steps", "steps/" + std::to_string(robot), &task);
@@ -83,8 +92,10 @@ void Carried::Store(State* state) const {
   for (std::size_t r = 0; r < step_counts.size(); ++r) {
     const std::string number = std::to_string(r);
     (*state->mutable_scalars())["steps/" + number].set_i(step_counts[r]);
-    (*state->mutable_scalars())["drift_rad_per_m/" + number].set_d(drift_rad_per_m[r]);
     (*state->mutable_scalars())["work/" + number].set_d(work[r]);
+    VisitOdometry(odometry[r], [&](const char* name, double value) {
+      (*state->mutable_scalars())[name + ("/" + number)].set_d(value);
+    });
   }
 }
 
@@ -95,10 +106,18 @@ Carried Carried::Load(const State& state, std::size_t robots) {
     const std::string number = std::to_string(r);
     carried.blobs["steps/" + number] = state.blobs().at("steps/" + number);
     carried.step_counts.push_back(state.scalars().at("steps/" + number).i());
-    carried.drift_rad_per_m.push_back(state.scalars().at("drift_rad_per_m/" + number).d());
     carried.work.push_back(state.scalars().at("work/" + number).d());
+    VisitOdometry(carried.odometry.emplace_back(), [&](const char* name, double& value) {
+      value = state.scalars().at(name + ("/" + number)).d();
+    });
   }
   return carried;
+}
+
+OdometryFit OdometryOf(const Task& task) {
+  OdometryFit fit;
+  VisitOdometry(fit, [&](const char* name, double& value) { value = task.params().at(name).d(); });
+  return fit;
 }
 
 void PlanRound(const Options& options, const std::vector<std::string>& robots, const Schedule& schedule,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/landmark_map/odometry_fit.h"
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/pipeline.h"
 
@@ -16,7 +17,7 @@ namespace cairn::landmark_map {
 struct Carried {
   std::map<std::string, std::string> blobs;  // name -> hash: settings, steps/N
   std::vector<std::int64_t> step_counts;     // per robot
-  std::vector<double> drift_rad_per_m;       // per robot
+  std::vector<OdometryFit> odometry;         // per robot
   std::vector<double> work;                  // per robot, expected of its next E-step (work.h)
 
   void Store(State* state) const;
@@ -25,6 +26,9 @@ struct Carried {
 
 // How many of a robot's steps an E-step looks at.
 int StepsInUse(const Schedule& schedule, std::int64_t steps);
+
+// What a task is told of its robot's odometry.
+OdometryFit OdometryOf(const Task& task);
 
 // Fills `step` with the E-step that `schedule` asks for. `fresh`: the round's own blobs (history, counts,
 // and, once there is a map, perception and landmarks). For each robot the tasks `forward` run one after the

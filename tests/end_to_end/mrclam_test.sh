@@ -17,7 +17,7 @@ map mrclam6 0.10
 
 # Where the path is known it must be right too: a good map can hide a wrong path.
 worst=$(tr -d ' \n' <mrclam6.json | grep -oE '"trajectory":\{[^[]*"rmse_m":[0-9.]+' | grep -oE '[0-9.]+$')
-below "$worst" 0.5
+below "$worst" 0.3
 
 # Times that run backwards: named, or skipped and counted.
 if [ -d "$CAIRN_DATA/mrclam9" ]; then

@@ -1,0 +1,72 @@
+// The M-step of the motion model: how far a robot's odometry drifts and errs, from what the E-step says that
+// its headings did. The paper takes the motion model as given; its log-likelihood says which one was right.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pipelines/common/motion.h"
+#include "schema/blob.h"
+
+namespace cairn::landmark_map {
+
+// What is known of one robot's odometry.
+struct OdometryFit {
+  double drift_rad_per_m = 0.0;  // taken off its odometry
+  double heading_walk_rad_per_sqrt_m = 0.0;
+  double turn_ratio = 0.0;
+
+  static OdometryFit Of(const MotionNoise& nominal) {
+    return {0.0, nominal.heading_walk_rad_per_sqrt_m, nominal.turn_ratio};
+  }
+  // The nominal figures with these widths in their places.
+  MotionNoise Widths(MotionNoise nominal) const;
+};
+
+// What the data say of one source of errors: errors squared, in units of the variance that the E-step took
+// for granted, and how many errors' worth of them the data have told. In equal numbers: the variance was
+// right.
+struct WidthEvidence {
+  double squares = 0.0, known = 0.0;
+};
+
+// Sums over legs, the latest leg first; slices of a robot join.
+class LegSums {
+ public:
+  // The mean of a step's heading correction; `next_path_m`: way from it to the step after it, which came
+  // before.
+  void AddHeading(double heading_rad, double next_path_m);
+  // One leg's posterior under the widths that made its kernel.
+  void AddLeg(const Leg& leg, const HalfTurn& posterior, const MotionNoise& widths);
+  // `earlier`: of the slice before this one; `link_path_m`: way from its last step to this one's first.
+  void Join(const LegSums& earlier, double link_path_m);
+
+  double path_m() const { return path_m_; }
+  // By how much the heading correction changed over that way.
+  double turned_rad() const { return turned_rad_; }
+  const WidthEvidence& walk() const { return walk_; }
+  const WidthEvidence& turn() const { return turn_; }
+
+  void Store(const std::string& prefix, Blob* blob) const;
+  static LegSums Load(const std::string& prefix, const Blob& blob);
+
+ private:
+  bool any_ = false;
+  double turned_rad_ = 0.0, path_m_ = 0.0;
+  double first_rad_ = 0.0, last_rad_ = 0.0;  // heading corrections at both ends
+  WidthEvidence walk_, turn_;
+};
+
+// A robot's heading drift [rad/m] given what its headings did under the drift `so_far`, and a Gaussian prior
+// as wide as the nominal drift.
+double DriftOf(const LegSums& sums, const MotionNoise& nominal, double so_far);
+
+// New widths for every robot from the sums of those that took part (the others' are empty). A prior of
+// kPriorLegs legs that erred as the nominal figures say holds the mean over all robots, and one of as many
+// legs that erred as that mean each robot. A width at most doubles or halves at a time, and never falls below
+// a third of the nominal one.
+inline constexpr double kPriorLegs = 20.0;
+void FitWidths(const std::vector<LegSums>& sums, const MotionNoise& nominal, std::vector<OdometryFit>* fits);
+
+}  // namespace cairn::landmark_map
