@@ -37,6 +37,7 @@ class Process {
   }
   ~Process() { Kill(); }
 
+  pid_t pid() const { return pid_; }
   void Signal(int number) const { ::kill(pid_, number); }
   // Its exit code, or minus the signal that ended it.
   int Wait() {
