@@ -18,7 +18,7 @@ constexpr std::size_t kPackBytes = 16 << 20;   // … and has no more bytes than
 constexpr std::size_t kOpenPacks = 4;
 
 Result<BlobPtr> ReadAlone(const fs::path& path, const Hash& hash) {
-  Result<BlobFile> file = ReadBlobFile(path);
+  Result<BlobFile> file = ReadStoredFile(path);
   if (!file.ok()) return file.status();
   auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
   if (blob->ContentHash() != hash)
@@ -27,7 +27,7 @@ Result<BlobPtr> ReadAlone(const fs::path& path, const Hash& hash) {
 }
 
 Result<std::vector<wire::NamedBlob>> ReadPack(const fs::path& path) {
-  Result<BlobFile> file = ReadBlobFile(path);
+  Result<BlobFile> file = ReadStoredFile(path);
   if (!file.ok()) return file.status();
   Result<std::vector<wire::NamedBlob>> blobs = UnpackBlobs(file.value().blob);
   if (!blobs.ok()) return Status(blobs.status().code(), path.string() + ": " + blobs.status().message());

@@ -48,7 +48,7 @@ Result<proto::Checkpoint> ParseCheckpoint(std::span<const std::uint8_t> bytes) {
 }
 
 Result<proto::Checkpoint> ReadCheckpoint(const std::filesystem::path& path) {
-  const Result<BlobFile> file = ReadBlobFile(path);
+  const Result<BlobFile> file = ReadStoredFile(path);
   if (!file.ok()) return file.status();
   try {
     Result<proto::Checkpoint> checkpoint = ParseCheckpoint(file.value().blob.Get<std::uint8_t>("checkpoint"));

@@ -137,7 +137,7 @@ void Hub::AddResults(const std::string& job, wire::Message& reply) {
   for (const proto::Stage& stage : core_.FindJob(job)->spec.stages()) {
     const std::filesystem::path path = options_.result_path(job, stage.name());
     if (!std::filesystem::exists(path)) continue;
-    Result<BlobFile> file = ReadBlobFile(path);
+    Result<BlobFile> file = ReadStoredFile(path);
     if (!file.ok()) {
       reply.envelope.mutable_reply()->set_message(file.status().message());
       continue;

@@ -34,7 +34,7 @@ TEST(Hub, RunsAJobAndPublishesItsResultsWithProvenance) {
   bench.Submit("a", 2);
   bench.Until([&] { return bench.State() == "done"; });
   for (const std::string stage : {"stage0", "stage1"}) {
-    const auto file = ReadBlobFile(bench.temp.path() / "results/a" / (stage + ".h5"));
+    const auto file = ReadStoredFile(bench.temp.path() / "results/a" / (stage + ".h5"));
     ASSERT_TRUE(file.ok()) << file.status().message();
     EXPECT_EQ(file.value().kind, "toy");
     EXPECT_TRUE(file.value().blob.Text("text").starts_with(stage));
@@ -71,7 +71,7 @@ TEST(Hub, ARestartGoesOnFromTheLastCheckpointToTheSameResult) {
   bench.transport.ComeWorker("v");
   bench.Until([&] { return bench.State() == "done"; });
   const auto text = [](HubBench& b) {
-    return ReadBlobFile(b.temp.path() / "results/a/stage0.h5").value().blob.Text("text");
+    return ReadStoredFile(b.temp.path() / "results/a/stage0.h5").value().blob.Text("text");
   };
   EXPECT_EQ(text(bench), text(undisturbed));
 }

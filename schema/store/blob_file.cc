@@ -8,15 +8,19 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <mutex>
 
 #include "schema/store/atomic_file.h"
 #include "schema/store/decode.h"
 #include "schema/store/encode.h"
+#include "schema/store/guarded.h"
 #include "schema/store/hdf5_handle.h"
+#include "schema/store/seal.h"
 
 namespace cairn {
 namespace {
 
+using store::FileContents;
 using store::Handle;
 
 Status Named(const std::string& file, const Status& status) {
@@ -84,17 +88,37 @@ bool Wanted(const std::string& name, const ReadOptions& options) {
          std::ranges::none_of(options.without, begins);
 }
 
-Result<BlobFile> ReadAll(const File& file, const std::string& name, const ReadOptions& options) {
+Result<FileContents> ReadAll(const File& file, const std::string& name, const ReadOptions& options) {
   Result<std::vector<std::string>> names = store::DatasetNames(file.handle.get());
   if (!names.ok()) return Named(name, names.status());
-  BlobFile result{file.kind, {}};
+  FileContents result{file.kind, file.format, {}, {}};
   for (const std::string& dataset : names.value()) {
     if (!Wanted(dataset, options)) continue;
     Result<Array> array = store::ReadDataset(file.handle.get(), dataset);
     if (!array.ok()) return Named(name, array.status());
+    const Array& a = array.value();
+    result.datasets.push_back({dataset, a.type(), a.item_bytes(), a.shape(), {}, 0});
     result.blob.Put(dataset, std::move(array).value());
   }
   return result;
+}
+
+Result<FileContents> DescribeAll(const File& file, const std::string& name) {
+  const hid_t id = file.handle.get();
+  Result<std::vector<std::string>> names = store::DatasetNames(id);
+  if (!names.ok()) return Named(name, names.status());
+  FileContents result{file.kind, file.format, {}, {}};
+  for (const std::string& dataset : names.value()) {
+    Result<DatasetInfo> info = store::DescribeDataset(id, dataset);
+    if (!info.ok()) return Named(name, info.status());
+    result.datasets.push_back(std::move(info).value());
+  }
+  return result;
+}
+
+Result<BlobFile> AsBlobFile(Result<FileContents> contents) {
+  if (!contents.ok()) return contents.status();
+  return BlobFile{std::move(contents.value().kind), std::move(contents.value().blob)};
 }
 
 }  // namespace
@@ -106,10 +130,21 @@ Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind,
 }
 
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options) {
+  return AsBlobFile(store::InChild(path, [&]() -> Result<FileContents> {
+    const store::QuietErrors quiet;
+    const Result<File> file = Open(path);
+    if (!file.ok()) return file.status();
+    return ReadAll(file.value(), path.string(), options);
+  }));
+}
+
+Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {
+  if (Status sealed = store::CheckSeal(path); !sealed.ok()) return sealed;
+  const std::lock_guard lock(store::LibraryMutex());
   const store::QuietErrors quiet;
   const Result<File> file = Open(path);
   if (!file.ok()) return file.status();
-  return ReadAll(file.value(), path.string(), options);
+  return AsBlobFile(ReadAll(file.value(), path.string(), {}));
 }
 
 Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path) {
@@ -117,24 +152,22 @@ Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path) {
 }
 
 Result<BlobFileInfo> ListBlobFile(const std::filesystem::path& path) {
-  const store::QuietErrors quiet;
-  const Result<File> file = Open(path);
-  if (!file.ok()) return file.status();
-  const hid_t id = file.value().handle.get();
-  Result<std::vector<std::string>> names = store::DatasetNames(id);
-  if (!names.ok()) return Named(path.string(), names.status());
-  BlobFileInfo result{file.value().kind, file.value().format, {}};
-  for (const std::string& name : names.value()) {
-    Result<DatasetInfo> info = store::DescribeDataset(id, name);
-    if (!info.ok()) return Named(path.string(), info.status());
-    result.datasets.push_back(std::move(info).value());
-  }
-  return result;
+  Result<FileContents> contents = store::InChild(path, [&]() -> Result<FileContents> {
+    const store::QuietErrors quiet;
+    const Result<File> file = Open(path);
+    if (!file.ok()) return file.status();
+    return DescribeAll(file.value(), path.string());
+  });
+  if (!contents.ok()) return contents.status();
+  FileContents& found = contents.value();
+  return BlobFileInfo{std::move(found.kind), found.format, std::move(found.datasets)};
 }
 
 Result<BlobFile> ReadBlobImage(std::span<const std::byte> image, const std::string& name) {
+  const std::lock_guard lock(store::LibraryMutex());
   const store::QuietErrors quiet;
-  Status status = CheckHead(image.first(std::min<std::size_t>(image.size(), 48)), image.size());
+  const std::span<const std::byte> head = image.first(std::min<std::size_t>(image.size(), 48));
+  Status status = CheckHead(head, image.size());
   if (!status.ok()) return Named(name, status);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(access.get(), 1 << 16, false);
@@ -144,7 +177,7 @@ Result<BlobFile> ReadBlobImage(std::span<const std::byte> image, const std::stri
   if (!file.handle.ok()) return Status(Code::kCorrupt, name + ": damaged: " + store::LastCause().text);
   status = store::ReadRoot(file.handle.get(), &file.format, &file.kind);
   if (!status.ok()) return Named(name, status);
-  return ReadAll(file, name, {});
+  return AsBlobFile(ReadAll(file, name, {}));
 }
 
 }  // namespace cairn

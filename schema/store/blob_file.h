@@ -31,9 +31,14 @@ struct ReadOptions {
 // bytes in the file.
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
 
-// kNotFound; kCorrupt: not a Cairn file, truncated, a wrong checksum; kVersion: of a newer format; kBusy:
-// locked by a program that writes to it; kIo.
+// A file of anybody: it is read in a child process, as HDF5 can crash on a damaged one. kNotFound; kCorrupt:
+// not a Cairn file, truncated, a wrong checksum; kVersion: of a newer format; kBusy: locked by a program that
+// writes to it; kIo.
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options = {});
+
+// A file of a store, which WriteBlobFile wrote: its seal is checked before HDF5 sees it, in this process.
+// Fails as ReadBlobFile does; kCorrupt also where a single byte is another.
+Result<BlobFile> ReadStoredFile(const std::filesystem::path& path);
 
 // Without truth/ and provenance/: what a job may see.
 Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path);
@@ -54,7 +59,7 @@ struct BlobFileInfo {
 };
 Result<BlobFileInfo> ListBlobFile(const std::filesystem::path& path);
 
-// The same in memory: the bytes of a file. `name` stands for the file in messages.
+// The same in memory and in this process: the bytes of a file. `name` stands for the file in messages.
 Result<BlobFile> ReadBlobImage(std::span<const std::byte> image, const std::string& name);
 
 }  // namespace cairn

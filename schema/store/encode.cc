@@ -4,12 +4,14 @@
 #include <array>
 #include <cstring>
 #include <map>
+#include <new>
 #include <set>
 #include <vector>
 
 #include "schema/store/blob_file.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/layout.h"
+#include "schema/store/seal.h"
 
 namespace cairn::store {
 namespace {
@@ -184,9 +186,22 @@ bool NameHolds(const std::string& name) {
   return true;
 }
 
+void AppendSeal(std::size_t end, Image* image) {
+  if (image->size < end + kSealBytes) {
+    void* grown = std::realloc(image->data.get(), end + kSealBytes);
+    if (grown == nullptr) throw std::bad_alloc();
+    static_cast<void>(image->data.release());
+    image->data.reset(static_cast<std::byte*>(grown));
+  }
+  const std::array<std::byte, kSealBytes> seal = SealOf(std::span<const std::byte>(image->data.get(), end));
+  std::memcpy(image->data.get() + end, seal.data(), seal.size());
+  image->size = end + kSealBytes;
+}
+
 }  // namespace
 
 Result<Image> EncodeBlob(const std::string& kind, const Blob& blob) {
+  const std::lock_guard lock(LibraryMutex());
   const QuietErrors quiet;
   for (const auto& [name, array] : blob.fields()) {
     if (!NameHolds(name)) return Status(Code::kIo, "dataset '" + name + "': not a name that a file can hold");
@@ -208,7 +223,7 @@ Result<Image> EncodeBlob(const std::string& kind, const Blob& blob) {
   if (!file.Close()) return Failed("cannot close");
   const std::uint64_t end = StatedEnd(image.bytes());
   CAIRN_DEMAND(end > 0 && end <= image.size, "HDF5 made a file whose end cannot be found");
-  image.size = end;
+  AppendSeal(end, &image);
   return image;
 }
 

@@ -21,7 +21,7 @@ struct Image {
   std::span<const std::byte> bytes() const { return {data.get(), size}; }
 };
 
-// The message of a failed Status names the dataset, not the file.
+// With its seal. The message of a failed Status names the dataset, not the file.
 Result<Image> EncodeBlob(const std::string& kind, const Blob& blob);
 
 // The end of the file as its superblock states it, or 0 where that cannot be said from these bytes (at least

@@ -17,6 +17,11 @@ herr_t Visit(unsigned, const H5E_error2_t* error, void* data) {
 
 }  // namespace
 
+std::mutex& LibraryMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 Hdf5Cause LastCause() {
   Hdf5Cause cause;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, Visit, &cause);

@@ -3,6 +3,7 @@
 
 #include <hdf5.h>
 
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -33,6 +34,10 @@ class Handle {
   hid_t id_ = -1;
   Closer closer_ = nullptr;
 };
+
+// Held by whoever is inside HDF5, which has one lock for all of itself anyway; with it held no other thread
+// is, and the process may fork.
+std::mutex& LibraryMutex();
 
 // HDF5 prints its error stack to stderr by itself, a thread at a time: off while one of these lives.
 class QuietErrors {

@@ -3,9 +3,9 @@
 namespace cairn::fuzz {
 
 std::vector<Target> AllTargets() {
-  return {CsvTarget(),         MrclamTarget(),   JobFileTarget(),  KeysTarget(),
-          MessageTarget(),     WorkerTarget(),   BlobFileTarget(), CheckpointTarget(),
-          CoordinatorTarget(), JobTableTarget(), LogTarget(),      ResultTarget()};
+  return {CsvTarget(),      MrclamTarget(),   JobFileTarget(),    KeysTarget(),       MessageTarget(),
+          WorkerTarget(),   BlobFileTarget(), StoredFileTarget(), CheckpointTarget(), CoordinatorTarget(),
+          JobTableTarget(), LogTarget(),      ResultTarget()};
 }
 
 }  // namespace cairn::fuzz

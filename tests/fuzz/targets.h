@@ -44,6 +44,8 @@ Target WorkerTarget();
 // The bytes of a Cairn file, read by HDF5. An accepted blob is written again and read again, and must be the
 // same.
 Target BlobFileTarget();
+// The bytes of a file of a store: HDF5 sees those only that were written.
+Target StoredFileTarget();
 // The bytes inside a checkpoint; the core takes up what is accepted and goes on with it.
 Target CheckpointTarget();
 // A job table.

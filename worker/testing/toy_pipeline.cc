@@ -88,6 +88,7 @@ class Toy : public Pipeline {
 
  private:
   void PlanRound(std::int64_t round, double scale, std::int64_t rows, Step& step) const {
+    if (rows < 1 || rows > 1'000'000'000) throw InputError("a state of this pipeline has other rows");
     auto& scalars = *step.plan.mutable_state()->mutable_scalars();
     scalars["round"].set_i(round);
     scalars["rows"].set_i(rows);

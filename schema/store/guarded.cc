@@ -1,0 +1,170 @@
+#include "schema/store/guarded.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "schema/store/atomic_file.h"
+#include "schema/store/hdf5_handle.h"
+
+namespace cairn::store {
+namespace {
+
+struct CloseStream {
+  void operator()(FILE* file) const { std::fclose(file); }
+};
+using Stream = std::unique_ptr<FILE, CloseStream>;
+
+// ---- the child's side: numbers as eight bytes, texts and arrays after their length ----
+void Put(FILE* out, std::uint64_t value) { std::fwrite(&value, sizeof value, 1, out); }
+void Put(FILE* out, const std::string& text) {
+  Put(out, text.size());
+  std::fwrite(text.data(), 1, text.size(), out);
+}
+
+void PutContents(FILE* out, const FileContents& contents) {
+  Put(out, contents.kind);
+  Put(out, static_cast<std::uint64_t>(contents.format));
+  Put(out, contents.datasets.size());
+  for (const DatasetInfo& info : contents.datasets) {
+    Put(out, info.name);
+    Put(out, static_cast<std::uint64_t>(info.type));
+    Put(out, info.item_bytes);
+    Put(out, info.shape.size());
+    for (const std::int64_t n : info.shape) Put(out, static_cast<std::uint64_t>(n));
+    Put(out, info.unit);
+    Put(out, info.stored_bytes);
+    const auto found = contents.blob.fields().find(info.name);
+    Put(out, found != contents.blob.fields().end() ? 1 : 0);
+    if (found == contents.blob.fields().end()) continue;
+    Put(out, found->second.bytes().size());
+    std::fwrite(found->second.bytes().data(), 1, found->second.bytes().size(), out);
+  }
+}
+
+[[noreturn]] void BeChild(int pipe, std::uint64_t file_bytes,
+                          const std::function<Result<FileContents>()>& read) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const rlimit none{0, 0};
+  ::setrlimit(RLIMIT_CORE, &none);
+  const rlim_t seconds = 30 + file_bytes / 4'000'000;
+  const rlimit cpu{seconds, seconds + 5};
+  ::setrlimit(RLIMIT_CPU, &cpu);
+  // What the C library says of a heap that HDF5 has damaged is for nobody.
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
+  FILE* out = ::fdopen(pipe, "wb");
+  if (out == nullptr) ::_exit(1);
+  const Result<FileContents> contents = read();
+  Put(out, static_cast<std::uint64_t>(contents.ok() ? Code::kOk : contents.status().code()));
+  if (contents.ok())
+    PutContents(out, contents.value());
+  else
+    Put(out, contents.status().message());
+  ::_exit(std::fclose(out) == 0 ? 0 : 1);
+}
+
+// ---- the parent's side: nothing where the child broke off ----
+class Reader {
+ public:
+  explicit Reader(FILE* in) : in_(in) {}
+  bool Get(std::uint64_t* value) { return std::fread(value, sizeof *value, 1, in_) == 1; }
+  bool Get(std::string* text) {
+    std::uint64_t size = 0;
+    if (!Get(&size) || size > kMostText) return false;
+    text->resize(size);
+    return std::fread(text->data(), 1, size, in_) == size;
+  }
+  bool Get(std::byte* bytes, std::size_t size) { return std::fread(bytes, 1, size, in_) == size; }
+
+ private:
+  static constexpr std::uint64_t kMostText = 1 << 20;
+  FILE* in_;
+};
+
+bool GetInfo(Reader& in, DatasetInfo* info) {
+  std::uint64_t type = 0, item = 0, rank = 0, n = 0;
+  if (!in.Get(&info->name) || !in.Get(&type) || !in.Get(&item) || !in.Get(&rank) || rank > 64) return false;
+  info->type = static_cast<DType>(type);
+  info->item_bytes = item;
+  for (; rank > 0; --rank) {
+    if (!in.Get(&n)) return false;
+    info->shape.push_back(static_cast<std::int64_t>(n));
+  }
+  return in.Get(&info->unit) && in.Get(&info->stored_bytes);
+}
+
+bool GetArray(Reader& in, const DatasetInfo& info, Blob* blob) {
+  std::uint64_t size = 0;
+  if (!in.Get(&size)) return false;
+  const auto bytes = std::make_unique_for_overwrite<std::byte[]>(size);
+  if (!in.Get(bytes.get(), size)) return false;
+  Result<Array> array = Array::FromBytes(info.type, info.item_bytes, info.shape, {bytes.get(), size});
+  if (!array.ok()) return false;
+  blob->Put(info.name, std::move(array).value());
+  return true;
+}
+
+std::optional<Result<FileContents>> GetContents(Reader in) {
+  std::uint64_t code = 0, format = 0, count = 0, has = 0;
+  if (!in.Get(&code)) return std::nullopt;
+  FileContents contents;
+  if (static_cast<Code>(code) != Code::kOk) {
+    std::string message;
+    if (!in.Get(&message)) return std::nullopt;
+    return Result<FileContents>(Status(static_cast<Code>(code), message));
+  }
+  if (!in.Get(&contents.kind) || !in.Get(&format) || !in.Get(&count)) return std::nullopt;
+  contents.format = static_cast<std::int64_t>(format);
+  for (; count > 0; --count) {
+    DatasetInfo& info = contents.datasets.emplace_back();
+    if (!GetInfo(in, &info) || !in.Get(&has)) return std::nullopt;
+    if (has != 0 && !GetArray(in, info, &contents.blob)) return std::nullopt;
+  }
+  return Result<FileContents>(std::move(contents));
+}
+
+Status BrokeOff(const std::filesystem::path& path, int wait_status) {
+  const bool endless = WIFSIGNALED(wait_status) && WTERMSIG(wait_status) == SIGXCPU;
+  return {Code::kCorrupt, path.string() + ": damaged; HDF5 " +
+                              (endless ? "comes to no end reading it" : "crashed while reading it")};
+}
+
+}  // namespace
+
+Result<FileContents> InChild(const std::filesystem::path& path,
+                             const std::function<Result<FileContents>()>& read) {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return SystemFailure(path, "cannot make a pipe", errno);
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  pid_t child = 0;
+  {
+    const std::lock_guard lock(LibraryMutex());  // no other thread is inside HDF5 when the child begins
+    child = ::fork();
+    if (child == 0) BeChild(ends[1], unknown ? 0 : size, read);
+  }
+  ::close(ends[1]);
+  Stream in(::fdopen(ends[0], "rb"));
+  if (child < 0) return SystemFailure(path, "cannot start a process to read it", errno);
+  std::optional<Result<FileContents>> contents = GetContents(Reader(in.get()));
+  in.reset();  // a child that still writes ends too
+  int wait_status = 0;
+  while (::waitpid(child, &wait_status, 0) < 0 && errno == EINTR) {
+  }
+  if (!contents || wait_status != 0) return BrokeOff(path, wait_status);
+  return std::move(*contents);
+}
+
+}  // namespace cairn::store
