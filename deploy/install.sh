@@ -18,8 +18,11 @@ build_packages=(
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
   libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
 )
-dev_packages=(clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py)
 arm64_packages=(g++-aarch64-linux-gnu qemu-user)
+dev_packages=(
+  clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py
+  iproute2 nftables # tests/faults: networks that fail
+)
 
 packages=("${build_packages[@]}")
 for argument in "$@"; do

@@ -14,7 +14,7 @@ TEST_F(Faults, AWorkerWhoseTaskHangsWhileItBeatsChangesNothing) {
   AddWorker();
   ::unsetenv("CAIRN_HANG_FILE");
   Submit();
-  AwaitRound(1);
+  AwaitRound(kRounds - 3);
   std::ofstream(hang) << "x";
   ExpectTheSameBits();
   EXPECT_FALSE(fs::exists(hang)) << "no worker has hung";

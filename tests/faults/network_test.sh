@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# Two machines, as network namespaces of this test's own: a partition, a quarter of all packets lost, connections that are
+# reset. Every job ends with the undisturbed bits. Needs root, ip and nft.
+source "$CAIRN_SOURCE/tests/end_to_end/common.sh"
+
+[ "$(id -u)" -eq 0 ] || skip "needs root to make network namespaces"
+command -v ip >/dev/null && command -v nft >/dev/null || skip "needs ip (iproute2) and nft (nftables)"
+hub=cairn-$$-hub desk=cairn-$$-desk
+ip netns add "$hub" 2>/dev/null || skip "may not make network namespaces here"
+leave() {
+  local code=$?
+  ip netns del "$hub" || true
+  ip netns del "$desk" 2>/dev/null || true
+  set +e
+  (exit "$code")
+  cleanup
+}
+trap leave EXIT
+ip netns add "$desk"
+ip link add wire0 netns "$hub" type veth peer name wire0 netns "$desk" || skip "may not make links here"
+for end in "$hub 10.77.0.1" "$desk 10.77.0.2"; do
+  read -r ns address <<<"$end"
+  ip -n "$ns" addr add "$address/24" dev wire0
+  ip -n "$ns" link set wire0 up
+  ip -n "$ns" link set lo up
+done
+on_hub() { ip netns exec "$hub" "$@"; }
+on_desk() { ip netns exec "$desk" "$@"; }
+on_hub nft 'table inet probe {}' 2>/dev/null || skip "nft cannot do its work here"
+
+mkdir -p keys
+for name in coordinator worker client; do exits 0 cairn keys "keys/$name"; done
+cat keys/worker.pub keys/client.pub >keys/allowed
+coordinator_keys=(--keys keys)
+worker_keys=(--key keys/worker.key --server-key keys/coordinator.pub)
+client_keys=(--key keys/client.key --server-key keys/coordinator.pub)
+
+simulate log.h5
+exits 0 cairn run landmark_map log.h5 --set cell_m=0.5 --out here --workers 1
+service() {
+  on_hub cairn coordinator --store store --listen tcp://10.77.0.1:7017 "${coordinator_keys[@]}" >>hub.log 2>&1 &
+}
+worker() { on_desk cairn worker --connect tcp://10.77.0.1:7017 "${worker_keys[@]}" >>desk.log 2>&1 & }
+client() { local command=$1; shift; on_hub cairn "$command" "$@" --connect tcp://10.77.0.1:7017 "${client_keys[@]}"; }
+connected() { client list 2>/dev/null | grep -q "^$1 workers"; }
+service
+worker
+worker
+until_true 30 connected 2
+
+# job NAME: submits; each name is another job, so that it is computed anew.
+job() {
+  printf 'name: %s\ninputs: {log: log.h5}\nstages: [{name: landmark_map, pipeline: landmark_map, log: log, options: {cell_m: 0.5}}]\n' \
+    "$1" >"$1.yaml"
+  exits 0 client submit "$1.yaml" --json
+  id=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
+}
+state() { client status "$id" --json 2>/dev/null | grep -oE '"state": ?"[^"]+"' | cut -d'"' -f4; }
+begun() { [ "$(state)" != queued ]; }
+done_with() { [ "$(state)" = done ]; }
+same() {
+  until_true 120 done_with
+  exits 0 client results "$id" --out "$1"
+  same_bits here "$1"
+  printf '%s: the undisturbed bits\n' "$1"
+}
+
+job partition
+until_true 60 begun
+ip -n "$hub" link set wire0 down
+[ "$(state)" != done ] || die "the job was over before the partition"
+sleep 3 # a partition has to last
+ip -n "$hub" link set wire0 up
+ip -n "$hub" addr show dev wire0 | grep -q 10.77.0.1 || ip -n "$hub" addr add 10.77.0.1/24 dev wire0
+same partition
+
+job loss
+on_desk nft 'table inet fault { chain in { type filter hook input priority 0; policy accept; numgen random mod 100 lt 25 drop; } ; }'
+same loss
+[ "$(on_desk nft list ruleset | grep -c numgen)" -eq 1 ] || die "there was no loss"
+on_desk nft delete table inet fault
+
+job reset
+until_true 60 begun
+on_hub nft 'table inet fault { chain in { type filter hook input priority 0; policy accept; iifname "wire0" tcp dport 7017 counter reject with tcp reset; } ; }'
+until_true 60 bash -c "ip netns exec $hub nft list ruleset | grep -qE 'counter packets [1-9]'"
+on_hub nft delete table inet fault
+same reset
