@@ -58,7 +58,7 @@ void PutContents(FILE* out, const FileContents& contents) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
-  const rlim_t seconds = 30 + file_bytes / 4'000'000;
+  const rlim_t seconds = 10 + file_bytes / 4'000'000;
   const rlimit cpu{seconds, seconds + 5};
   ::setrlimit(RLIMIT_CPU, &cpu);
   // What the C library says of a heap that HDF5 has damaged is for nobody.
