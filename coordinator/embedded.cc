@@ -210,7 +210,8 @@ EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
 void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
                const std::atomic<bool>& stop) {
   double told_s = 0;
-  while (!stop && !trouble_ && Known()->Running()) {
+  const auto planned = [&] { return options_.plan_only && (Known()->step || Known()->stage > 0); };
+  while (!stop && !trouble_ && Known()->Running() && !planned()) {
     hub_->Step(kStep_s);
     RemoveReplaced();
     if (Now() - told_s < kProgressEvery_s) continue;

@@ -22,6 +22,7 @@ struct EmbeddedOptions {
   int workers = 1;             // processes, at least 1
   std::string worker_program;  // path of cairn-worker
   bool force = false;          // forget an earlier run in dir; its results go when this one has its first
+  bool plan_only = false;  // stop when the first stage is planned (kStopped): info.note says what it found
   double checkpoint_interval_s = 1;
   std::uint64_t memory_bytes = 4ull << 30;
   LogSink log;  // may be empty

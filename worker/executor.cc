@@ -103,7 +103,7 @@ wire::Message Failure(const wire::Assign& assign, bool input_error, const std::s
   wire::Failed& failed = *message.envelope.mutable_failed();
   *failed.mutable_key() = assign.key();
   failed.set_input_error(input_error);
-  failed.set_message(DescribeTask(assign) + ": " + why);
+  failed.set_message(why);  // the coordinator says of which task
   return message;
 }
 
@@ -121,18 +121,6 @@ std::string Canonical(const proto::Stage& stage, std::uint64_t seed) {
 }
 
 }  // namespace
-
-std::string DescribeTask(const wire::Assign& assign) {
-  const std::string stage = "stage " + assign.stage().name();
-  switch (assign.key().kind()) {
-    case wire::TaskKey::START:
-      return stage + ", start";
-    case wire::TaskKey::ADVANCE:
-      return stage + ", end of round " + std::to_string(assign.key().round());
-    default:
-      return stage + ", task " + assign.task().kind() + " " + std::to_string(assign.task().index());
-  }
-}
 
 const Pipeline& Executor::PipelineOf(const wire::Assign& assign) {
   std::string wanted = Canonical(assign.stage(), assign.seed());

@@ -34,7 +34,4 @@ class Executor {
   std::unique_ptr<const Pipeline> pipeline_;
 };
 
-// "stage landmarks, task slice 3": what an error message begins with.
-std::string DescribeTask(const wire::Assign& assign);
-
 }  // namespace cairn::worker

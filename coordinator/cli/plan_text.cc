@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace cairn::cli {
 namespace {
@@ -65,16 +66,37 @@ std::string LogText(const Blob& blob) {
          " controls, " + std::to_string(observations) + " observations";
 }
 
-std::string PlanText(const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
-                     const Catalog& catalog) {
+std::string PlanText(const Plan& plan) {
+  const proto::Job& job = plan.job;
   std::string text = "job " + job.name() + ", seed " + std::to_string(job.seed()) + "\n";
-  for (const auto& [name, blob] : inputs) {
+  for (const auto& [name, blob] : plan.inputs) {
     const std::string log = LogText(*blob);
     text += "input " + name + ": " + job.inputs().at(name) + " (" + (log.empty() ? "" : log + ", ") +
             Megabytes(blob->ByteCount()) + ")\n";
   }
-  for (const proto::Stage& stage : job.stages()) text += StageText(stage, catalog.At(stage.pipeline()));
-  return text;
+  for (const proto::Stage& stage : job.stages()) text += StageText(stage, plan.catalog.At(stage.pipeline()));
+  return text + "stage " + job.stages(0).name() + ", expected: " + plan.first_stage + "\n";
+}
+
+std::string PlanJson(const Plan& plan) {
+  const proto::Job& job = plan.job;
+  nlohmann::ordered_json json = {{"job", job.name()}, {"seed", job.seed()}};
+  for (const auto& [name, blob] : plan.inputs) {
+    json["inputs"][name] = {
+        {"path", job.inputs().at(name)}, {"bytes", blob->ByteCount()}, {"what", LogText(*blob)}};
+  }
+  for (const proto::Stage& stage : job.stages()) {
+    nlohmann::ordered_json one = {{"name", stage.name()}, {"pipeline", stage.pipeline()}};
+    for (const auto& [name, source] : stage.inputs()) one["inputs"][name] = source;
+    for (const OptionSpec& option : plan.catalog.At(stage.pipeline()).options) {
+      const auto given = stage.options().find(option.name);
+      one["options"][option.name] =
+          given == stage.options().end() ? option.default_text : ValueText(given->second);
+    }
+    json["stages"].push_back(one);
+  }
+  json["expected"] = plan.first_stage;
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace cairn::cli

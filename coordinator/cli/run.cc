@@ -12,6 +12,7 @@
 #include "coordinator/cli/run_summary.h"
 #include "coordinator/cli/stop_signal.h"
 #include "coordinator/embedded.h"
+#include "coordinator/private_folder.h"
 
 namespace cairn::cli {
 namespace {
@@ -53,14 +54,32 @@ void Explain(const coordinator::EmbeddedResult& result, const std::string& out) 
   std::fprintf(stderr, "cairn: %s\n", text.c_str());
 }
 
+// Plans the first stage as a real run would, in a folder of its own that is gone afterwards.
+int DryRun(const Options& options, const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
+           const Catalog& catalog) {
+  Result<coordinator::PrivateFolder> folder = coordinator::PrivateFolder::Make();
+  if (!folder.ok()) Throw(folder.status());
+  coordinator::EmbeddedOptions embedded;
+  embedded.dir = (folder.value().path() / "plan").string();
+  embedded.worker_program = WorkerProgram();
+  embedded.plan_only = true;
+  embedded.log = [](coordinator::Severity, const std::string&) {};
+  const coordinator::EmbeddedResult planned =
+      coordinator::RunEmbedded(embedded, job, inputs, {}, StopOnSignals());
+  if (planned.end != coordinator::EmbeddedEnd::kStopped && planned.end != coordinator::EmbeddedEnd::kDone) {
+    Explain(planned, embedded.dir);
+    return ExitCode(planned.end);
+  }
+  const Plan plan{job, inputs, catalog, planned.info.note()};
+  std::fputs((options.json ? PlanJson(plan) : PlanText(plan)).c_str(), stdout);
+  return kExitDone;
+}
+
 int Run(const Options& options, const Invocation& call) {
   const Catalog catalog = LoadCatalog();
   ParsedJob parsed = ResolveJob(options.job, catalog);
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
-  if (options.dry_run) {
-    std::fputs(PlanText(parsed.job, inputs, catalog).c_str(), stdout);
-    return kExitDone;
-  }
+  if (options.dry_run) return DryRun(options, parsed.job, inputs, catalog);
   coordinator::EmbeddedOptions embedded;
   embedded.dir = options.out.empty() ? parsed.job.name() : options.out;
   embedded.workers = options.workers;
@@ -100,8 +119,9 @@ void AddRun(CLI::App& app, Invocation& call) {
   command->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
       ->check(CLI::Range(1, 1024));
   command->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
-  command->add_flag("--dry-run", options->dry_run, "Check everything, print the plan, run nothing");
-  command->add_flag("--json", options->json, "The summary as JSON");
+  command->add_flag("--dry-run", options->dry_run,
+                    "Check everything, plan the first stage, print the plan with estimates, run nothing");
+  command->add_flag("--json", options->json, "The summary, or the plan, as JSON");
 }
 
 }  // namespace cairn::cli

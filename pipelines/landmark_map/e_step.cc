@@ -73,7 +73,10 @@ std::string Seen(const Slice& slice, int step) {
 double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
   Cut(model.limit, belief);
   const double before = belief->Sum();
-  if (!(before > 0.0)) Refuse(slice, step, "the robot has left the box: all probability lies outside");
+  if (!(before > 0.0))
+    Refuse(slice, step,
+           "the robot has left the box that box_m allows: all probability lies outside; take a larger box_m, "
+           "or 0");
   const double log_scale = ObserveAll(model, slice, step, belief);
   const double after = belief->Sum();
   if (!std::isnormal(after)) {

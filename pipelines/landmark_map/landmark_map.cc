@@ -27,7 +27,7 @@ std::vector<bool> TypesSeen(const Blob& robot, int types) {
 }
 
 // Every robot's steps; robots but the first begin where they see what the first has seen too.
-Carried MakeAllSteps(const Blob& log, const Settings& settings, cairn::Step* step) {
+Carried MakeAllSteps(const Blob& log, const Settings& settings, const Schedule& schedule, cairn::Step* step) {
   const std::vector<std::string> robots = log.Texts("robots");
   const std::vector<bool> shared = TypesSeen(log.Sub("robot/0/"), settings.map.types);
   Carried carried;
@@ -37,7 +37,8 @@ Carried MakeAllSteps(const Blob& log, const Settings& settings, cairn::Step* ste
     const RobotSteps steps =
         MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, r == 0 ? nullptr : &shared);
     carried.step_counts.push_back(steps.size());
-    carried.work.push_back(WorkOf(OpenLoopCells(steps, settings.Model(nullptr)), steps.size()));
+    carried.work.push_back(
+        WorkOf(OpenLoopCells(steps, settings.Model(nullptr)), StepsInUse(schedule, steps.size())));
     carried.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
   }
   return carried;
@@ -55,9 +56,20 @@ Blob StoredCounts(const LayeredGrid& counts) {
   return blob;
 }
 
+// A table that another task handed over; a layer for each heading.
+LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std::string& prefix,
+                       int headings) {
+  LayeredGrid grid = LayeredGrid::LoadSparse(prefix, *inputs.Get(input));
+  if (grid.layers.size() != static_cast<std::size_t>(headings)) {
+    throw InputError("the input '" + input + "' has " + std::to_string(grid.layers.size()) +
+                     " layers where the grid has " + std::to_string(headings) + " headings");
+  }
+  return grid;
+}
+
 // alpha before the slice's first step; robots but the first start anywhere.
 LayeredGrid Before(const Task& task, const Inputs& inputs, const EStepModel& model, const Slice& slice) {
-  if (inputs.Has("before")) return LayeredGrid::LoadSparse("alpha/", *inputs.Get("before"));
+  if (inputs.Has("before")) return HandedOver(inputs, "before", "alpha/", model.grid.headings);
   return task.params().at("robot").i() == 0 ? DiracStart(model.grid) : UniformStart(model, slice);
 }
 
@@ -67,6 +79,10 @@ std::pair<int, int> Range(const Task& task, const Inputs& inputs) {
   const int first = inputs.Has("before") ? inputs.Get("before")->Scalar<std::int32_t>("end") : 0;
   const int end = inputs.Has("beta") ? inputs.Get("beta")->Scalar<std::int32_t>("first")
                                      : static_cast<int>(task.params().at("count").i());
+  if (first < 0 || first > end || end > task.params().at("count").i()) {
+    throw InputError("the inputs name the steps from " + std::to_string(first) + " to " +
+                     std::to_string(end) + ", which are none");
+  }
   return {first, end};
 }
 
@@ -93,6 +109,27 @@ std::string Note(const Schedule& done, double log_likelihood, std::size_t landma
   return text;
 }
 
+// For people who ask what a job will cost. The rate is near what tests/bench/task_times prints; half as much
+// again is for the later rounds, which a map makes small, and each of them looks at every step once more.
+std::string Expectation(const Settings& settings, const Carried& carried, const proto::Step& plan) {
+  constexpr double kCellsPerSecond = 40e6, kLaterRounds = 0.5;
+  const double cells = carried.work[0];
+  double steps = 0.0;
+  for (const std::int64_t count : carried.step_counts) steps += static_cast<double>(count);
+  const double all_cells = (1.0 + kLaterRounds) * cells + plan.rounds_left() * steps * kStepCells;
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "planned: cells of %g m, %d headings, %lld steps of the first robot, %d tasks in the first of at most "
+      "%u rounds, which moves about %.3g million cells: some %.2g s on one core, within a factor of five",
+      settings.map.grid.cell_m, settings.map.grid.headings, static_cast<long long>(carried.step_counts[0]),
+      plan.tasks_size(), plan.rounds_left(), cells / 1e6, all_cells / kCellsPerSecond);
+  std::string note = text;
+  if (carried.step_counts.size() > 1)
+    note += "; what it takes to find robots that start anywhere comes on top";
+  return note;
+}
+
 }  // namespace
 
 cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
@@ -102,10 +139,10 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   Schedule schedule;
   schedule.prefix = settings.growth_start;
   cairn::Step step;
-  const Carried carried = MakeAllSteps(*log, settings, &step);
+  const Carried carried = MakeAllSteps(*log, settings, schedule, &step);
   PlanRound(options_, robots, schedule, carried,
             {{"history", EmptyHistory()}, {"counts", StoredCounts(NoCounts(settings))}}, &step);
-  step.plan.set_note("planned");
+  step.plan.set_note(Expectation(settings, carried, step.plan));
   return step;
 }
 
@@ -137,7 +174,11 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
   const Alphas alphas = Forward(model, slice, before, progress);
   const bool later = inputs.Has("beta") && inputs.Get("beta")->Has("beta/box");
   LayeredGrid beta =
-      later ? LayeredGrid::LoadSparse("beta/", *inputs.Get("beta")) : UniformBeta(alphas.tables.back());
+      later ? HandedOver(inputs, "beta", "beta/", model.grid.headings) : UniformBeta(alphas.tables.back());
+  for (std::size_t c = 0; c < beta.layers.size(); ++c) {
+    if (beta.layers[c].box != alphas.tables.back().layers[c].box)
+      throw InputError("the input 'beta' does not lie where alpha does, in layer " + std::to_string(c));
+  }
   std::vector<Landmark> landmarks;
   const bool summarise = params.at("summarise").b();
   if (summarise) landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));

@@ -83,6 +83,10 @@ refuses "robot 'robot 0', step [0-9]+ \(time [0-9.]+ s\): the evidence is imposs
   cairn run landmark_map log.h5 --set model=exact --set growth_start=0.2 --set cell_m=1 --out impossible
 [ ! -e impossible/landmark_map.h5 ] || die "a run that was refused left a result"
 
+# A box too small: the option is named, the task once. A dry run refuses what a run refuses, and leaves nothing.
+refuses 'left the box that box_m allows' cairn run landmark_map log.h5 --set box_m=5 --out box
+! grep -Eq 'stage .*stage ' stderr || die "the stage is named twice: $(cat stderr)"
+
 # A result where a log is needed; another log's truth; seeds.
 exits 0 cairn run landmark_map log.h5 --set iterations=1 --out done
 refuses 'done/landmark_map.h5: a landmark_map, where a log is needed' cairn run landmark_map done/landmark_map.h5 --out no

@@ -7,6 +7,10 @@ exits 0 cairn inspect log.h5
 says 'log'
 exits 0 cairn run landmark_map log.h5 --dry-run
 says 'cell_m'
+says 'expected: planned: .* million cells'
+exits 0 cairn run landmark_map log.h5 --dry-run --json
+says '"expected": "planned: '
+[ ! -e landmark_map ] || die "a dry run left something behind"
 exits 0 cairn run landmark_map log.h5 --out 'my result' --workers 2
 says 'report.html'
 says 'landmarks'
