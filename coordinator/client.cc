@@ -89,7 +89,14 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
   }
 }
 
-Result<wire::JobInfo> Client::Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs) {
+// What the service has when it is asked may be gone when it is used: the job that held it has ended, or the
+// service was started again. Then the second time it is sent along; any other refusal is only repeated.
+Result<wire::JobInfo> Client::Submit(const proto::Job& job, const std::map<std::string, BlobPtr>& inputs) {
+  Result<wire::JobInfo> info = SubmitOnce(job, inputs);
+  return info.status().code() == Code::kRefused ? SubmitOnce(job, inputs) : info;
+}
+
+Result<wire::JobInfo> Client::SubmitOnce(proto::Job job, const std::map<std::string, BlobPtr>& inputs) {
   std::map<Hash, wire::NamedBlob> blobs;
   wire::Message have;
   have.envelope.mutable_have();

@@ -36,7 +36,7 @@ class Client {
 
   // Uploads those inputs (by the names of job.inputs; truth left behind by the caller) that the service
   // lacks, fills in job.input_blobs, and returns the job as it is queued, once it is durable.
-  Result<wire::JobInfo> Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs);
+  Result<wire::JobInfo> Submit(const proto::Job& job, const std::map<std::string, BlobPtr>& inputs);
   Result<JobList> List();
   Result<wire::JobInfo> Info(const std::string& job);
   Result<wire::JobInfo> Cancel(const std::string& job);
@@ -46,6 +46,7 @@ class Client {
 
  private:
   explicit Client(ClientOptions options, wire::DealerSocket socket);
+  Result<wire::JobInfo> SubmitOnce(proto::Job job, const std::map<std::string, BlobPtr>& inputs);
   Result<wire::Message> Ask(wire::Message question, double timeout_s);
   Result<wire::Message> AskOnce(wire::Message question, double timeout_s);
   Result<wire::JobInfo> AskAboutOne(const std::string& job, const std::string& action);

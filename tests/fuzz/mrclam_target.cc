@@ -13,13 +13,14 @@ struct File {
   const char* name;
   std::string_view good;
 };
-constexpr std::array<File, 6> kFiles{{
+constexpr std::array<File, 7> kFiles{{
     {"Barcodes.dat", "# subject barcode\n1 5\n2 14\n6 72\n7 27\n"},
     {"Landmark_Groundtruth.dat", "6 1.5 -2.5 0.001 0.002\n7 0 3 0.001 0.002\n"},
     {"Robot1_Odometry.dat", "1.0 0.1 0\n2.0 0.1 0.5\n2.5 0 0\n"},
-    {"Robot1_Measurement.dat", "1.5 72 2.0 0.3\n1.5 14 1.0 -0.5\n2.0 99 1 1\n"},
+    {"Robot1_Measurement.dat", "1.5 72 2.0 0.3\n1.5 14 1.0 -0.5\n2.0 99 1 0.2\n"},
     {"Robot1_Groundtruth.dat", "1.0 0 0 0\n2.0 0.1 0 -3.5\n"},
     {"Robot2_Odometry.dat", "1.0 0.1 0\n9.0 0.1 0.5\n"},
+    {"Robot2_Measurement.dat", "5.0 72 2.0 0.3\n"},
 }};
 constexpr std::uint8_t kSkipBad = 128, kGzip = 64, kWithhold = 32;
 
