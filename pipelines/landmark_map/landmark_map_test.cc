@@ -62,6 +62,24 @@ TEST(LandmarkMap, FindsTheCornersFromRangeAndBearingWithoutIdentities) {
   ExpectSquare(*result, 20.0, 1.0);
 }
 
+// The walk and the drift that made the log, to 30%, from nominal figures two and a half times too small and
+// too large. Every leg has one corner, so that the turns' error must be known (there is none) for the walk's
+// to show; and no room is left for an unknown drift (drift_length_m), which would take the walk's place.
+TEST(LandmarkMap, FindsTheWalkAndTheDriftThatTheLogsFiguresGetWrong) {
+  constexpr double kWalk = 0.02, kDrift = 0.005;  // the walk alone moves the mean drift by 0.02 / sqrt(480 m)
+  for (const double wrong : {0.4, 2.5}) {
+    SquareLog square{.laps = 12, .ranged = true, .identified = true, .drift_rad_per_m = kDrift};
+    square.walk_rad_per_sqrt_m = kWalk;
+    Blob log = square.Make();
+    log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", wrong * kWalk);
+    log.PutScalar<double>("noise/heading_drift_rad_per_m", wrong * kDrift);
+    log.PutScalar<double>("noise/turn_ratio", 0.0);
+    const BlobPtr result = Map(log, {.drift_length_m = 0.01});
+    EXPECT_NEAR(result->Scalar<double>("robot/0/heading_walk_rad_per_sqrt_m"), kWalk, 0.3 * kWalk) << wrong;
+    EXPECT_NEAR(result->Scalar<double>("robot/0/heading_drift_rad_per_m"), kDrift, 0.3 * kDrift) << wrong;
+  }
+}
+
 TEST(LandmarkMap, TheTriangularErrorOfThePaperWorksToo) {
   SquareLog log{.laps = 4, .side_m = 20.0};
   ExpectSquare(*Map(log.Make(), {.cell_m = 0.5, .motion_error = "triangular"}), 20.0, 0.7);

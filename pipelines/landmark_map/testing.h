@@ -22,6 +22,7 @@ struct SquareLog {
   bool ranged = false;
   bool identified = false;
   double drift_rad_per_m = 0.0;
+  double walk_rad_per_sqrt_m = 0.005;
   std::uint64_t seed = 1;
 
   Blob Make() const {
@@ -36,7 +37,8 @@ struct SquareLog {
         for (int k = 0; k < legs; ++k) {
           const bool first = k == 0 && (lap > 0 || corner > 0);
           time.push_back(t += 1);
-          turn.push_back((first ? std::numbers::pi / 2 : 0.0) + drift_rad_per_m + 0.005 * rng.Normal());
+          turn.push_back((first ? std::numbers::pi / 2 : 0.0) + drift_rad_per_m +
+                         walk_rad_per_sqrt_m * rng.Normal());
           forward.push_back(1.0 + 0.01 * rng.Normal());
           if (ranged && k == legs / 2)
             See(t, (corner + 1) % 4, side_m - k - 1, &seen_s, &landmark, &range, &bearing);
