@@ -130,10 +130,14 @@ Result<wire::Message> Client::Query(const std::string& job, const std::string& a
   return Ask(std::move(question), timeout_s);
 }
 
-Result<wire::JobInfo> Client::AskAboutOne(const std::string& job, const std::string& action) {
+Result<wire::JobInfo> Client::Command(const std::string& job, const std::string& action, int priority) {
   // An empty name would ask for all.
   if (job.empty()) return Status(Code::kNotFound, "which job?");
-  return OnlyJob(Query(job, action, options_.timeout_s), job);
+  wire::Message question;
+  question.envelope.mutable_query()->set_job(job);
+  question.envelope.mutable_query()->set_action(action);
+  question.envelope.mutable_query()->set_priority(priority);
+  return OnlyJob(Ask(std::move(question), options_.timeout_s), job);
 }
 
 Result<JobList> Client::List() {
@@ -143,9 +147,7 @@ Result<JobList> Client::List() {
   return JobList{{reply.jobs().begin(), reply.jobs().end()}, reply.workers()};
 }
 
-Result<wire::JobInfo> Client::Info(const std::string& job) { return AskAboutOne(job, "status"); }
-Result<wire::JobInfo> Client::Cancel(const std::string& job) { return AskAboutOne(job, "cancel"); }
-Result<wire::JobInfo> Client::Resume(const std::string& job) { return AskAboutOne(job, "resume"); }
+Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job, "status"); }
 
 Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {
   if (job.empty()) return Status(Code::kNotFound, "which job?");

@@ -39,8 +39,9 @@ class Client {
   Result<wire::JobInfo> Submit(const proto::Job& job, const std::map<std::string, BlobPtr>& inputs);
   Result<JobList> List();
   Result<wire::JobInfo> Info(const std::string& job);
-  Result<wire::JobInfo> Cancel(const std::string& job);
-  Result<wire::JobInfo> Resume(const std::string& job);
+  // pause, resume, cancel, retry, delete or priority: once it is durable, the job as it stands then (one that
+  // is gone has the state `deleted`).
+  Result<wire::JobInfo> Command(const std::string& job, const std::string& action, int priority = 0);
   // Of the stages that are done, by their names.
   Result<std::map<std::string, BlobPtr>> Results(const std::string& job);
 
@@ -49,7 +50,6 @@ class Client {
   Result<wire::JobInfo> SubmitOnce(proto::Job job, const std::map<std::string, BlobPtr>& inputs);
   Result<wire::Message> Ask(wire::Message question, double timeout_s);
   Result<wire::Message> AskOnce(wire::Message question, double timeout_s);
-  Result<wire::JobInfo> AskAboutOne(const std::string& job, const std::string& action);
   Result<wire::Message> Query(const std::string& job, const std::string& action, double timeout_s);
 
   ClientOptions options_;

@@ -112,8 +112,8 @@ TEST_F(ClientTest, QueriesCarryTheirActionAndResultsTheirNames) {
   Client client = Connect();
   EXPECT_EQ(client.List().value().workers, 3u);
   EXPECT_EQ(client.Info("j").value().id(), "j");
-  EXPECT_TRUE(client.Cancel("j").ok());
-  EXPECT_TRUE(client.Resume("j").ok());
+  EXPECT_TRUE(client.Command("j", "cancel").ok());
+  EXPECT_TRUE(client.Command("j", "resume").ok());
   const auto results = client.Results("j");
   ASSERT_TRUE(results.ok());
   EXPECT_EQ(results.value().at("grid")->Scalar<double>("v"), 2);
@@ -131,10 +131,11 @@ TEST_F(ClientTest, ARefusalCarriesTheReasonAndAnUnknownJobIsNotFound) {
   });
   Client client = Connect();
   EXPECT_EQ(client.Info("nothing").status().code(), Code::kNotFound);
-  const Status refused = client.Resume("j").status();
+  const Status refused = client.Command("j", "resume").status();
   EXPECT_EQ(refused.code(), Code::kRefused);
   EXPECT_EQ(refused.message(), "it is done");
-  EXPECT_EQ(client.Cancel("").status().code(), Code::kNotFound) << "an empty name would mean all jobs";
+  EXPECT_EQ(client.Command("", "cancel").status().code(), Code::kNotFound)
+      << "an empty name would mean all jobs";
 }
 
 TEST_F(ClientTest, ASilentServiceAndNoServiceAreToldApart) {

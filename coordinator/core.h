@@ -4,7 +4,8 @@
 //   workers.cc   handshake, beats, leases, workers that hang or leave
 //   answers.cc   answers and failures of tasks; rounds and stages end here
 //   dispatch.cc  which task goes to which worker, stragglers
-//   jobs.cc      submit, cancel, resume, restore
+//   jobs.cc      submit, restore, how jobs end
+//   commands.cc  what a job's owner tells it
 //   saving.cc    checkpoints
 #pragma once
 
@@ -17,6 +18,7 @@
 #include "coordinator/events.h"
 #include "coordinator/fleet.h"
 #include "coordinator/job.h"
+#include "coordinator/job_commands.h"
 
 namespace cairn::coordinator {
 
@@ -49,6 +51,8 @@ class Core {
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
   // A checkpoint is under way, or SaveNow would begin one.
   bool HasUnsaved() const;
+  // The checkpoint that makes durable what the job was told last; none where nothing waits to be saved.
+  std::optional<std::uint64_t> NextDurable(const std::string& job) const;
 
  private:
   using JobMap = std::map<std::uint64_t, Job>;  // by order
@@ -60,8 +64,12 @@ class Core {
   void On(const TaskDone& event);
   void On(const TaskFailed& event);
   void On(const SubmitJob& event);
-  void On(const CancelJob& event);
+  void On(const PauseJob& event);
   void On(const ResumeJob& event);
+  void On(const CancelJob& event);
+  void On(const RetryJob& event);
+  void On(const DeleteJob& event);
+  void On(const PrioritizeJob& event);
   void On(const RestoreJob& event);
   void On(const PersistDone& event);
   void On(const PersistFailed& event);
@@ -98,6 +106,11 @@ class Core {
   bool MoveQueuedTo(Worker& idle);
   bool CopyStragglerTo(Worker& idle);
   Job* JobOf(const wire::TaskKey& key);  // null where the task is not part of what is under way
+
+  // commands.cc
+  Job* Obeying(const std::string& id, JobCommand command);  // null where it is not there or does not obey
+  bool FitsTheFleet(Job& job);
+  void GoOn(Job& job);
 
   // jobs.cc
   Job* FindById(const std::string& id);

@@ -163,21 +163,6 @@ TEST(CoreJobs, APlanThatNamesABlobNobodyHasIsAFailureOfTheTask) {
   EXPECT_NE(bench.Info().reason().find(H(77).Hex()), std::string::npos);
 }
 
-TEST(CoreJobs, CancelCallsBackTasksAndResumeGoesOnFromTheStep) {
-  Bench bench;
-  Begin(bench, 2, 2);
-  bench.AnswerRun(bench.Next(), H(10));
-  bench.Do(CancelJob{"a"});
-  EXPECT_EQ(bench.Info().state(), "cancelled");
-  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u);
-  EXPECT_FALSE(bench.core.Holds(H(10)));
-  bench.assigned.clear();
-  bench.Do(ResumeJob{"a"});
-  EXPECT_EQ(bench.Info().state(), "running");
-  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::RUN);
-  EXPECT_EQ(bench.Info().tasks_done(), 0u);
-}
-
 TEST(CoreJobs, JobsTakeTurns) {
   Bench bench;
   bench.Submit("a");

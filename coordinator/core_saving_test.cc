@@ -291,14 +291,15 @@ TEST(CoreSaving, ARestoredJobRefusesWorkersOfAnotherBuild) {
 TEST(CoreSaving, AnEndedJobIsRestoredAsItEnded) {
   Bench before;
   Begin(before);
-  before.Do(CancelJob{"a"});
+  before.Fail(before.Next(), "no good", true);
   const proto::Checkpoint checkpoint = before.All<Persist>().at(0).checkpoint;
   Bench after;
   after.Do(RestoreJob{checkpoint, {}});
   after.Join("w");
-  EXPECT_EQ(after.Info().state(), "cancelled");
+  EXPECT_EQ(after.Info().state(), "failed");
+  EXPECT_TRUE(after.Info().input_error());
   EXPECT_TRUE(after.assigned.empty());
-  after.Do(ResumeJob{"a"});
+  after.Do(RetryJob{"a"});
   EXPECT_EQ(after.Next().assign.key().kind(), wire::TaskKey::RUN);
 }
 

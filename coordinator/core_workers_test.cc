@@ -34,11 +34,14 @@ TEST(CoreWorkers, AnUnfinishedJobKeepsOtherBuildsOutUntilItEnds) {
   bench.Do(WorkerBye{"w"});
   bench.Join("x", 1, "2");
   EXPECT_EQ(bench.core.fleet().size(), 0u);
-  bench.Do(CancelJob{"a"});
+  bench.Join("w");
+  bench.assigned.erase(bench.assigned.begin());
+  bench.Fail(bench.Next(), "no good", true);
+  bench.Do(WorkerBye{"w"});
   bench.Join("x", 1, "2");
   EXPECT_EQ(bench.core.fleet().size(), 1u);
-  bench.Do(ResumeJob{"a"});
-  EXPECT_EQ(bench.Info().state(), "cancelled");
+  bench.Do(RetryJob{"a"});
+  EXPECT_EQ(bench.Info().state(), "failed");
   EXPECT_NE(bench.Info().reason().find("another build"), std::string::npos);
 }
 

@@ -60,6 +60,7 @@ std::optional<DiskDone> DiskWriter::Do(Item& item) {
   std::optional<DiskDone> done;
   if (const auto* checkpoint = std::get_if<WriteCheckpointWork>(&item.work)) done = Do(*checkpoint);
   if (const auto* blobs = std::get_if<WriteBlobsWork>(&item.work)) done = Do(*blobs);
+  if (const auto* forget = std::get_if<ForgetWork>(&item.work)) done = Do(*forget);
   if (const auto* remove = std::get_if<RemoveBlobsWork>(&item.work)) files_.Remove(remove->hashes);
   if (const auto* row = std::get_if<WriteRowWork>(&item.work)) {
     done = Do(*row);
@@ -102,7 +103,8 @@ DiskDone DiskWriter::Do(const WriteBlobsWork& work) const {
 }
 
 void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const {
-  const std::size_t keep = checkpoint.state() == proto::JOB_DONE ? 1 : 2;
+  const bool final = checkpoint.state() == proto::JOB_DONE || checkpoint.state() == proto::JOB_CANCELLED;
+  const std::size_t keep = final ? 1 : 2;  // its record alone
   const std::vector<std::uint64_t> numbers = folder_.CheckpointNumbers(checkpoint.job_id());
   for (std::size_t i = 0; i + keep < numbers.size(); ++i) {
     std::error_code ignored;  // an old checkpoint too many does no harm
@@ -113,6 +115,14 @@ void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const
 DiskDone DiskWriter::Do(const WriteRowWork& work) {
   DiskDone done;
   done.status = table_.Write(work.row);
+  return done;
+}
+
+DiskDone DiskWriter::Do(const ForgetWork& work) {
+  DiskDone done;
+  done.job = work.job;
+  done.status = folder_.Forget(work.job, work.results);
+  if (done.status.ok()) done.status = table_.Remove(work.job);
   return done;
 }
 

@@ -44,14 +44,19 @@ struct RemoveBlobsWork {
 struct WriteRowWork {
   JobRow row;
 };
-using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork>;
+// All that there is of a job: see StoreFolder::Forget.
+struct ForgetWork {
+  std::string job;
+  std::filesystem::path results;  // the folder of its results, or empty
+};
+using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork>;
 
 // What came of a checkpoint or of blobs; of rows only a failure is told. (A removal that fails is made up for
 // by the next start.)
 struct DiskDone {
   std::uint64_t ticket = 0;
-  std::string job;           // empty: not a checkpoint
-  std::uint64_t number = 0;  // of the checkpoint
+  std::string job;           // empty: neither a checkpoint nor a job that went
+  std::uint64_t number = 0;  // of the checkpoint; 0: the job is forgotten
   Status status;
   std::vector<Hash> written;  // blobs that lie on disk now
 };
@@ -76,6 +81,7 @@ class DiskWriter {
   DiskDone Do(const WriteCheckpointWork& work) const;
   DiskDone Do(const WriteBlobsWork& work) const;
   DiskDone Do(const WriteRowWork& work);
+  DiskDone Do(const ForgetWork& work);
   void RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const;
 
   const StoreFolder& folder_;

@@ -197,7 +197,7 @@ EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
   if (Known() == nullptr)
     hub_->Submit(kJobId, job_, inputs);
   else
-    hub_->Resume(kJobId);  // does nothing where it goes on by itself
+    hub_->GoOn(kJobId);
   Loop(workers, on_progress, stop);
   hub_->Shut(kSavePatience_s);
   RemoveReplaced();

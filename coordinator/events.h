@@ -47,11 +47,25 @@ struct SubmitJob {
   proto::Job job;
   std::vector<Hash> blobs;  // that came with it
 };
-struct CancelJob {
+// A command that the job's state does not allow (job_commands.h) changes nothing.
+struct PauseJob {
   std::string id;
 };
 struct ResumeJob {
   std::string id;
+};
+struct CancelJob {
+  std::string id;
+};
+struct RetryJob {
+  std::string id;
+};
+struct DeleteJob {
+  std::string id;
+};
+struct PrioritizeJob {
+  std::string id;
+  int priority = 0;
 };
 // Rebuilds a job from its last good checkpoint. The shell has all blobs that it names.
 struct RestoreJob {
@@ -74,7 +88,8 @@ struct SaveNow {};
 struct Tick {};
 
 using Event = std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, TaskDone, TaskFailed, SubmitJob,
-                           CancelJob, ResumeJob, RestoreJob, PersistDone, PersistFailed, SaveNow, Tick>;
+                           PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob, RestoreJob,
+                           PersistDone, PersistFailed, SaveNow, Tick>;
 
 // ---- actions ----
 // To a worker: Welcome, Refuse, Stranger, Assign, Cancel.
@@ -96,6 +111,10 @@ struct Persist {
 struct DropBlobs {
   std::vector<Hash> hashes;
 };
+// The job is deleted: all that the disk has of it goes, after what was asked for before.
+struct ForgetJob {
+  std::string job;
+};
 // A job's state changed, or it came a round further.
 struct JobChanged {
   std::string job;
@@ -107,6 +126,6 @@ struct Report {
   std::string text;
 };
 
-using Action = std::variant<Send, Persist, DropBlobs, JobChanged, Report>;
+using Action = std::variant<Send, Persist, DropBlobs, ForgetJob, JobChanged, Report>;
 
 }  // namespace cairn::coordinator

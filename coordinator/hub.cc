@@ -70,6 +70,11 @@ void Hub::Submit(const std::string& id, const proto::Job& job, const std::vector
   Handle(SubmitJob{id, job, KeepBlobs(blobs)});
 }
 
+void Hub::GoOn(const std::string& id) {
+  Handle(ResumeJob{id});
+  Handle(RetryJob{id});
+}
+
 void Hub::TellDead(std::int64_t pid) {
   for (const auto& [number, worker] : core_.fleet().workers())
     if (worker.hello.pid() == pid) return Handle(WorkerLost{std::string(worker.peer)});
@@ -129,11 +134,15 @@ void Hub::TakeDiskDone() {
       if (!done.status.ok()) log_(Severity::kWarning, done.status.message());
       continue;
     }
+    if (done.number == 0) {
+      AnswerWaiting(done.job, kWhenForgotten, done.status.message());
+      continue;
+    }
     if (done.status.ok())
       Handle(PersistDone{done.job, done.number});
     else
       Handle(PersistFailed{done.job, done.number, done.status.message()});
-    AnswerSubmitter(done.job, done.status.ok() ? "" : done.status.message());
+    AnswerWaiting(done.job, done.number, done.status.message());
   }
 }
 

@@ -24,6 +24,8 @@ struct HubOptions {
   std::uint64_t memory_bytes = 4ull << 30;
   // Where the result of a job's stage is published.
   std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
+  // The folder of a job's results, which goes with the job; none: they are not this hub's to remove.
+  std::function<std::filesystem::path(const std::string& job)> results_folder;
 };
 
 class Hub {
@@ -39,7 +41,8 @@ class Hub {
 
   // A job from this process.
   void Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs);
-  void Resume(const std::string& id) { Handle(ResumeJob{id}); }
+  // Goes on with a job that is paused or has failed; does nothing where it runs.
+  void GoOn(const std::string& id);
   // A worker of this process's own is known to be dead.
   void TellDead(std::int64_t pid);
 
@@ -50,6 +53,7 @@ class Hub {
   std::uint64_t refused_messages() const { return refused_messages_; }
 
  private:
+  static constexpr std::uint64_t kWhenForgotten = ~0ull;
   static double Now();  // monotonic
   void Restore();
   void Handle(const Event& event);
@@ -60,6 +64,7 @@ class Hub {
   void Do(const coordinator::Send& send);
   void Do(const Persist& persist);
   void Do(const DropBlobs& drop);
+  void Do(const ForgetJob& forget);
   void Do(const JobChanged& changed);
   void Do(const Report& report);
   void WriteRow(const std::string& job);
@@ -71,7 +76,10 @@ class Hub {
   void Serve(const std::string& peer, const wire::Submit& submit, const std::vector<wire::NamedBlob>& blobs);
   void Serve(const std::string& peer, const wire::JobQuery& query);
   void AddResults(const std::string& job, wire::Message& reply);
-  void AnswerSubmitter(const std::string& job, const std::string& problem);
+  std::string WhatIsWrong(const wire::JobQuery& query) const;
+  void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);
+  void AnswerWhenDurable(const std::string& peer, const std::string& job, std::uint64_t number);
+  void AnswerWaiting(const std::string& job, std::uint64_t number, const std::string& problem);
   void Reply(const std::string& peer, wire::Message reply);
   std::string NewJobId(const proto::Job& job);
   std::vector<Hash> KeepBlobs(const std::vector<wire::NamedBlob>& blobs);
@@ -87,7 +95,11 @@ class Hub {
   std::set<std::string> gone_;  // peers that a message could not be sent to
   std::string last_refusal_;
   std::uint64_t refused_messages_ = 0;
-  std::map<std::string, std::string> submitters_;  // job -> peer that waits for it to be durable
+  struct Waiting {
+    std::string peer;
+    std::uint64_t number = 0;  // of the checkpoint that it waits for
+  };
+  std::multimap<std::string, Waiting> waiting_;    // by job
   std::map<std::string, std::string> row_states_;  // job -> state in the job table
   DiskWriter writer_;                              // last: it is joined first
 };

@@ -54,6 +54,12 @@ void Hub::Do(const DropBlobs& drop) {
   writer_.Add(std::move(remove));
 }
 
+void Hub::Do(const ForgetJob& forget) {
+  row_states_.erase(forget.job);
+  writer_.Add(ForgetWork{
+      forget.job, options_.results_folder ? options_.results_folder(forget.job) : std::filesystem::path()});
+}
+
 // Rounds are written to the table with their checkpoints; a change of state at once.
 void Hub::Do(const JobChanged& changed) {
   const auto info = core_.Find(changed.job);

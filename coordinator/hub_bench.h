@@ -139,6 +139,8 @@ class HubBench {
     options.result_path = [this](const std::string& job, const std::string& stage) {
       return temp.path() / "results" / job / (stage + ".h5");
     };
+    options.results_folder = [this](const std::string& job) { return temp.path() / "results" / job; };
+    folder->FinishForgetting(options.results_folder);
     const LogSink sink = [this](Severity, const std::string& line) { log.push_back(line); };
     hub = std::make_unique<Hub>(*folder, transport, OpenJobTable(*folder, sink).value(), std::move(options),
                                 sink);

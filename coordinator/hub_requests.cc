@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coordinator/hub.h"
+#include "coordinator/rights.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
@@ -86,7 +87,7 @@ void Hub::Serve(const std::string& peer, const wire::Submit& submit,
     return Reply(peer, Refusal(missing));
   }
   const std::string id = NewJobId(job);
-  submitters_[id] = peer;
+  AnswerWhenDurable(peer, id, 1);
   Handle(SubmitJob{id, job, came});
 }
 
@@ -101,35 +102,84 @@ std::string Hub::NewJobId(const proto::Job& job) {
   return std::to_string(next) + "-" + FileNamePart(job.name());
 }
 
-void Hub::AnswerSubmitter(const std::string& job, const std::string& problem) {
-  const auto it = submitters_.find(job);
-  if (it == submitters_.end()) return;
-  const std::string peer = it->second;
-  submitters_.erase(it);
-  wire::Message reply = Refusal(problem);
-  reply.envelope.mutable_reply()->set_ok(problem.empty());
-  *reply.envelope.mutable_reply()->add_jobs() = core_.Find(job).value_or(wire::JobInfo());
-  Reply(peer, std::move(reply));
+// Answers once the job's checkpoint `number` is durable.
+void Hub::AnswerWhenDurable(const std::string& peer, const std::string& job, std::uint64_t number) {
+  waiting_.emplace(job, Waiting{peer, number});
+}
+
+void Hub::AnswerWaiting(const std::string& job, std::uint64_t number, const std::string& problem) {
+  for (auto [it, end] = waiting_.equal_range(job); it != end;) {
+    if (it->second.number > number) {
+      ++it;
+      continue;
+    }
+    wire::Message reply = Refusal(problem);
+    reply.envelope.mutable_reply()->set_ok(problem.empty());
+    wire::JobInfo gone;
+    gone.set_id(job);
+    gone.set_state("deleted");
+    *reply.envelope.mutable_reply()->add_jobs() = core_.Find(job).value_or(gone);
+    Reply(it->second.peer, std::move(reply));
+    it = waiting_.erase(it);
+  }
+}
+
+std::string Hub::WhatIsWrong(const wire::JobQuery& query) const {
+  const std::string& action = query.action();
+  wire::Envelope envelope;
+  *envelope.mutable_query() = query;
+  if (!RightNeeded(envelope)) return "there is no action '" + action + "': " + JobActions();
+  if (query.job().empty()) return action.empty() || action == "status" ? "" : "which job?";
+  const Job* job = core_.FindJob(query.job());
+  if (job == nullptr) return "there is no job '" + query.job() + "'" + KnownJobs(core_.Jobs());
+  const std::optional<JobCommand> command = CommandOf(action);
+  if (!command) return "";
+  if (command == JobCommand::kPrioritize &&
+      (query.priority() < kLowestPriority || query.priority() > kHighestPriority))
+    return "a priority is a number from -10 to 10";
+  const std::string why = WhyNot(*job, *command);
+  return why.empty() ? "" : "cannot " + action + " " + job->id + ": " + why;
 }
 
 void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
-  const std::string& action = query.action();
-  if (!action.empty() && action != "status" && action != "cancel" && action != "resume" &&
-      action != "results")
-    return Reply(peer, Refusal("there is no action '" + action + "': status, cancel, resume, results"));
-  if (query.job().empty()) {
-    if (!action.empty() && action != "status") return Reply(peer, Refusal("which job?"));
-  } else if (core_.FindJob(query.job()) == nullptr) {
-    return Reply(peer, Refusal("there is no job '" + query.job() + "'" + KnownJobs(core_.Jobs())));
-  }
-  if (action == "cancel") Handle(CancelJob{query.job()});
-  if (action == "resume") Handle(ResumeJob{query.job()});
+  if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
+  if (const auto command = CommandOf(query.action())) return Obey(peer, query, *command);
   wire::Message reply;
   reply.envelope.mutable_reply()->set_ok(true);
-  for (const wire::JobInfo& info : core_.Jobs())
-    if (query.job().empty() || info.id() == query.job()) *reply.envelope.mutable_reply()->add_jobs() = info;
-  if (action == "results") AddResults(query.job(), reply);
+  if (query.job().empty())
+    for (const wire::JobInfo& info : core_.Jobs()) *reply.envelope.mutable_reply()->add_jobs() = info;
+  else
+    *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
+  if (query.action() == "results") AddResults(query.job(), reply);
   Reply(peer, std::move(reply));
+}
+
+// Answered when it is durable: what a service said it did, a crash does not undo.
+void Hub::Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command) {
+  const std::string& id = query.job();
+  if (command == JobCommand::kDelete) AnswerWhenDurable(peer, id, kWhenForgotten);
+  switch (command) {
+    case JobCommand::kPause:
+      Handle(PauseJob{id});
+      break;
+    case JobCommand::kResume:
+      Handle(ResumeJob{id});
+      break;
+    case JobCommand::kCancel:
+      Handle(CancelJob{id});
+      break;
+    case JobCommand::kRetry:
+      Handle(RetryJob{id});
+      break;
+    case JobCommand::kDelete:
+      return Handle(DeleteJob{id});
+    case JobCommand::kPrioritize:
+      Handle(PrioritizeJob{id, query.priority()});
+      break;
+  }
+  const std::optional<std::uint64_t> number = core_.NextDurable(id);
+  AnswerWhenDurable(peer, id, number.value_or(0));
+  if (!number) AnswerWaiting(id, 0, "");
 }
 
 // As they are published. A stage whose file cannot be read is named in the message.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "coordinator/hub_bench.h"
+#include "coordinator/rights.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -78,7 +79,82 @@ TEST(HubRequests, StatusListCancelAndResume) {
   EXPECT_EQ(bench.Ask(Query("", "")).jobs_size(), 2);
   EXPECT_EQ(bench.Ask(Query("b", "status")).jobs(0).stages(), 2u);
   EXPECT_EQ(bench.Ask(Query("a", "cancel")).jobs(0).state(), "cancelled");
+  EXPECT_EQ(bench.Ask(Query("a", "resume")).message(), "cannot resume a: it was cancelled");
+}
+
+TEST(HubRequests, ACommandIsDurableWhenItIsAnswered) {
+  HubBench bench;
+  bench.Submit("a");
+  bench.Submit("b", 2);
+  EXPECT_EQ(bench.Ask(Query("a", "pause")).jobs(0).state(), "paused");
+  EXPECT_EQ(bench.Ask(Query("b", "cancel")).jobs(0).state(), "cancelled");
+  wire::Message priority = Query("a", "priority");
+  priority.envelope.mutable_query()->set_priority(3);
+  EXPECT_EQ(bench.Ask(priority).jobs(0).priority(), 3);
+  const std::filesystem::path before = bench.temp.path() / "before";
+  std::filesystem::copy(bench.folder->Checkpoints(), before, std::filesystem::copy_options::recursive);
+  bench.hub.reset();
+  std::filesystem::remove_all(bench.folder->Checkpoints());  // as if it had died right after its answers
+  std::filesystem::copy(before, bench.folder->Checkpoints(), std::filesystem::copy_options::recursive);
+  bench.Start();
+  EXPECT_EQ(bench.State("a"), "paused");
+  EXPECT_EQ(bench.hub->core().Find("a")->reason(), "paused by its owner");
+  EXPECT_EQ(bench.hub->core().Find("a")->priority(), 3);
+  EXPECT_EQ(bench.State("b"), "cancelled");
   EXPECT_EQ(bench.Ask(Query("a", "resume")).jobs(0).state(), "queued");
+}
+
+TEST(HubRequests, ACancelledJobLeavesItsRecordAloneAndADeletedOneNothing) {
+  HubBench bench;
+  bench.transport.swallow = [](const wire::Assign& assign) { return assign.key().stage() == 1; };
+  bench.transport.ComeWorker("w");
+  bench.Submit("a", 2);
+  bench.Until([&] { return bench.hub->core().FindJob("a")->stage == 1 && !bench.hub->core().HasUnsaved(); });
+  const std::filesystem::path results = bench.temp.path() / "results/a";
+  ASSERT_TRUE(std::filesystem::exists(results / "stage0.h5"));
+  EXPECT_EQ(bench.Ask(Query("a", "delete")).message(), "cannot delete a: it has not ended; cancel it first");
+  EXPECT_TRUE(bench.Ask(Query("a", "cancel")).ok());
+  EXPECT_EQ(bench.folder->CheckpointNumbers("a").size(), 1u);
+  EXPECT_TRUE(std::filesystem::exists(results / "stage0.h5"));
+  EXPECT_EQ(bench.Ask(Query("a", "delete")).jobs(0).state(), "deleted");
+  EXPECT_TRUE(std::filesystem::is_empty(bench.folder->Checkpoints()));
+  EXPECT_FALSE(std::filesystem::exists(results));
+  EXPECT_TRUE(bench.Ask(Query("", "status")).jobs().empty());
+  bench.hub.reset();
+  EXPECT_TRUE(std::filesystem::is_empty(bench.folder->Blobs()));
+  EXPECT_TRUE(JobTable::Open(bench.folder->JobTable()).value().Read().value().empty());
+  bench.Start();
+  EXPECT_TRUE(bench.hub->core().Jobs().empty());
+}
+
+TEST(HubRequests, ADeletionThatWasCutOffIsFinishedByTheNextStart) {
+  HubBench bench;
+  bench.Submit("a");
+  EXPECT_TRUE(bench.Ask(Query("a", "cancel")).ok());
+  bench.hub.reset();
+  std::filesystem::create_directories(bench.temp.path() / "results/a");
+  std::filesystem::rename(bench.folder->Checkpoints() / "a", bench.folder->Checkpoints() / "a.deleted");
+  bench.Start();
+  EXPECT_TRUE(bench.hub->core().Jobs().empty());
+  EXPECT_TRUE(std::filesystem::is_empty(bench.folder->Checkpoints()));
+  EXPECT_FALSE(std::filesystem::exists(bench.temp.path() / "results/a"));
+}
+
+TEST(HubRequests, EveryRequestHasOneRightThatItNeeds) {
+  const auto* body = wire::Envelope::descriptor()->FindOneofByName("body");
+  std::set<std::string> without;
+  for (int i = 0; i < body->field_count(); ++i) {
+    wire::Envelope envelope;
+    envelope.GetReflection()->MutableMessage(&envelope, body->field(i));
+    if (!RightNeeded(envelope)) without.insert(body->field(i)->name());
+  }
+  EXPECT_EQ(without, (std::set<std::string>{"welcome", "refuse", "assign", "cancel", "blob", "missing",
+                                            "stranger", "reply"}))
+      << "what only a coordinator says";
+  const auto right = [](const std::string& action) { return RightNeeded(Query("a", action).envelope); };
+  EXPECT_EQ(right("status"), Right::kView);
+  EXPECT_EQ(right("delete"), Right::kSubmit);
+  EXPECT_EQ(right("explode"), std::nullopt);
 }
 
 TEST(HubRequests, WhatMakesNoSenseIsRefusedWithTheReason) {

@@ -164,7 +164,7 @@ TEST(Hub, ADiskThatCannotBeWrittenPausesTheJobWithTheReasonAndResumeGoesOn) {
   bench.Until([&] { return bench.State() == "paused"; });
   EXPECT_NE(bench.hub->core().Find("a")->reason().find("cannot save"), std::string::npos);
   fs::remove(bench.folder->Checkpoints());
-  bench.hub->Resume("a");
+  bench.hub->GoOn("a");
   bench.Until([&] { return bench.State() == "done"; });
 }
 

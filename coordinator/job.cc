@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <set>
 
 namespace cairn::coordinator {
@@ -68,6 +69,10 @@ bool IsPlainName(const std::string& name) {
 
 std::string CheckJob(const proto::Job& job) {
   if (job.stages_size() == 0) return "the job has no stages";
+  if (job.priority() < kLowestPriority || job.priority() > kHighestPriority)
+    return "the priority " + std::to_string(job.priority()) + " is not one of -10 to 10";
+  if (!(job.task_time_s() >= 0 && std::isfinite(job.task_time_s())))
+    return "task_time_s must be a time in seconds, or 0";
   std::set<std::string> known;
   for (const auto& [name, hash] : job.input_blobs()) {
     if (hash.size() != sizeof(Hash::bytes)) return "the input '" + name + "' has no content hash";
@@ -90,6 +95,8 @@ std::string CheckJob(const proto::Job& job) {
 Hash HashOfJob(const proto::Job& job) {
   proto::Job canonical = job;
   canonical.clear_inputs();
+  canonical.clear_priority();
+  canonical.clear_task_time_s();
   return HashOfMessage(canonical);
 }
 
@@ -166,6 +173,7 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_stages(job.StageCount());
   info.set_round(job.round);
   info.set_input_error(job.input_error);
+  info.set_priority(job.spec.priority());
   info.set_seconds(job.Seconds(now_s));
   if (!job.step) return info;
   info.set_tasks(static_cast<std::uint32_t>(job.step->tasks_size()));
@@ -183,14 +191,16 @@ proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partial
   checkpoint.set_state(job.AllStagesDone() && job.Running() ? proto::JOB_DONE : job.state);
   checkpoint.set_reason(job.reason);
   checkpoint.set_input_error(job.input_error);
+  checkpoint.set_held(job.held);
   checkpoint.set_stage(job.stage);
   checkpoint.set_round(job.round);
-  if (job.step) *checkpoint.mutable_step() = *job.step;
+  const bool final = checkpoint.state() == proto::JOB_DONE || checkpoint.state() == proto::JOB_CANCELLED;
+  if (job.step && !final) *checkpoint.mutable_step() = *job.step;
   for (const Hash& result : job.results) checkpoint.add_results(result.Binary());
   if (job.build) *checkpoint.mutable_build() = *job.build;
   for (const proto::StageFacts& facts : job.facts) *checkpoint.add_facts() = facts;
   checkpoint.set_seconds(job.Seconds(now_s));
-  if (checkpoint.state() == proto::JOB_DONE) return checkpoint;  // its results are files of their own
+  if (final) return checkpoint;  // published results are files of their own
   HashSet blobs = job.holds.inputs;
   blobs.insert(job.holds.results.begin(), job.holds.results.end());
   blobs.insert(job.holds.step.begin(), job.holds.step.end());

@@ -26,7 +26,7 @@ struct Saving {
   bool with_partials = false;        // the round under way is saved with the partials that it has
   std::vector<Publish> unpublished;  // results that no durable checkpoint covers yet
   std::size_t publishing = 0;        // the first so many of them go with the one under way
-  bool saves_the_end = false;        // the one under way says that the job is done
+  proto::JobState saves = proto::JOB_RUNNING;  // what the last one begun says of the job
 };
 
 // An attempt that was handed out, and to whom.
@@ -53,6 +53,7 @@ struct Job {
   proto::JobState state = proto::JOB_RUNNING;
   std::string reason;
   bool input_error = false;
+  bool held = false;  // paused by its owner: stays so, and is saved
   std::uint32_t stage = 0;
   std::uint64_t round = 0;
   std::optional<proto::Step> step;   // that planned `round`; none: the stage's START is due
@@ -77,6 +78,10 @@ struct Job {
 
   bool Running() const { return state == proto::JOB_RUNNING; }
   bool Ended() const { return state != proto::JOB_RUNNING && state != proto::JOB_PAUSED; }
+  // Nothing but its record is needed any more.
+  bool Final() const { return state == proto::JOB_DONE || state == proto::JOB_CANCELLED; }
+  // It could not be saved: the next try is when it is resumed.
+  bool SavingWaits() const { return state == proto::JOB_PAUSED && !held; }
   std::uint32_t StageCount() const { return static_cast<std::uint32_t>(spec.stages_size()); }
   bool AllStagesDone() const { return stage == StageCount(); }
   const proto::Stage& CurrentStage() const { return spec.stages(static_cast<int>(stage)); }
@@ -91,10 +96,13 @@ struct Job {
   double MedianTaskSeconds() const;  // of this round; 0 where fewer than three answers are in
 };
 
-// What is wrong with a job's chain of stages, for people; empty where nothing is.
+inline constexpr int kLowestPriority = -10, kHighestPriority = 10;
+
+// What is wrong with a job's chain of stages or its settings, for people; empty where nothing is.
 std::string CheckJob(const proto::Job& job);
 
-// Equal where two jobs compute the same: all but the paths from which the inputs were read.
+// Equal where two jobs compute the same: all but the paths from which the inputs were read, priority and
+// limits.
 Hash HashOfJob(const proto::Job& job);
 
 // The current stage's inputs, by the pipeline's names for them.

@@ -106,6 +106,14 @@ Status JobTable::Write(const JobRow& row) {
   return sqlite3_step(statement) == SQLITE_DONE ? Status::Ok() : Failure(db_.get());
 }
 
+Status JobTable::Remove(const std::string& job) {
+  Result<Statement> prepared = Prepare(db_.get(), "DELETE FROM jobs WHERE id = ?;");
+  if (!prepared.ok()) return prepared.status();
+  sqlite3_stmt* statement = prepared.value().get();
+  sqlite3_bind_text(statement, 1, job.data(), static_cast<int>(job.size()), SQLITE_TRANSIENT);
+  return sqlite3_step(statement) == SQLITE_DONE ? Status::Ok() : Failure(db_.get());
+}
+
 Result<std::vector<JobRow>> JobTable::Read() const {
   Result<Statement> prepared = Prepare(db_.get(), kRead);
   if (!prepared.ok()) return prepared.status();

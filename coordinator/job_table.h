@@ -30,6 +30,7 @@ class JobTable {
 
   // Inserts or replaces a job's row, but for submitted_utc.
   Status Write(const JobRow& row);
+  Status Remove(const std::string& job);
   Result<std::vector<JobRow>> Read() const;  // by id
 
  private:

@@ -53,7 +53,7 @@ void Core::SetState(Job& job, proto::JobState state, const std::string& reason) 
   job.running_since_s = now_s_;
   job.state = state;
   job.reason = reason;
-  job.input_error = false;
+  job.input_error = job.held = false;
   actions_.push_back(JobChanged{job.id});
 }
 
@@ -65,31 +65,6 @@ void Core::FailJob(Job& job, const std::string& reason, bool input_error) {
   job.input_error = input_error;
   WantSave(job, true);
   Say(Report::kWarning, job.id + " failed: " + reason);
-}
-
-void Core::On(const CancelJob& event) {
-  Job* job = FindById(event.id);
-  if (job == nullptr || job->Ended()) return;
-  WithdrawAll(*job);
-  ledger_.Release(job->holds.partials);
-  SetState(*job, proto::JOB_CANCELLED, "cancelled");
-  WantSave(*job, true);
-}
-
-void Core::On(const ResumeJob& event) {
-  Job* job = FindById(event.id);
-  if (job == nullptr || job->state == proto::JOB_RUNNING || job->state == proto::JOB_DONE) return;
-  const wire::Build* build = RequiredBuild();
-  if (build != nullptr && job->build && !BuildDifference(*build, *job->build).empty()) {
-    job->reason = "it was begun by another build: " + BuildDifference(*build, *job->build);
-    Say(Report::kWarning, job->id + " cannot go on: " + job->reason);
-    return;
-  }
-  if (!CheckJob(job->spec).empty()) return;  // it can never run
-  if (job->Ended()) BeginAgain(*job);
-  SetState(*job, proto::JOB_RUNNING, "");
-  job->failures.clear();
-  WantSave(*job, true);
 }
 
 void Core::On(const RestoreJob& event) {
@@ -108,6 +83,7 @@ void Core::On(const RestoreJob& event) {
   job.state = saved.state();
   job.reason = saved.reason();
   job.input_error = saved.input_error();
+  job.held = saved.held();
   job.stage = saved.stage();
   job.round = saved.round();
   if (saved.has_step()) job.step = saved.step();
@@ -123,11 +99,12 @@ void Core::On(const RestoreJob& event) {
   // What nobody holds below was kept for an older checkpoint only.
   for (const std::string& blob : saved.blobs()) ledger_.Offer(Hash::FromBinary(blob).value());
   for (const Hash& blob : event.previous_blobs) ledger_.Offer(blob);
-  if (job.state == proto::JOB_DONE || !CheckJob(job.spec).empty()) return;
+  if (job.Final() || !CheckJob(job.spec).empty()) return;
   HoldRestored(job, event);
   BeginAgain(job);
   if (job.Ended()) return;
   TakeUpPartials(job, saved);
+  if (job.held) return;
   job.state = difference.empty() ? proto::JOB_RUNNING : proto::JOB_PAUSED;
   job.reason = difference.empty() ? "" : "it was begun by another build: " + difference;
 }

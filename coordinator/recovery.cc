@@ -63,6 +63,11 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, con
       continue;
     }
     RestoreJob restore{std::move(*newest), {}};
+    const proto::JobState state = restore.checkpoint.state();
+    if (state == proto::JOB_DONE || state == proto::JOB_CANCELLED) {
+      restore.checkpoint.clear_blobs();  // needed before version 1 of checkpoints only
+      numbers.clear();
+    }
     if (!numbers.empty())
       if (const auto before = ReadCheckpoint(folder.CheckpointFile(job, numbers.back())); before.ok())
         for (const Hash& hash : BlobsOf(before.value()))

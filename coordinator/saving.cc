@@ -19,8 +19,8 @@ void Core::WantSave(Job& job, bool at_once) {
 void Core::SaveWhatIsDue() {
   for (auto& [order, job] : jobs_) {
     const Saving& saving = job.saving;
-    if (!saving.due || saving.under_way || job.state == proto::JOB_PAUSED || now_s_ < saving.not_before_s)
-      continue;
+    if (!saving.due || saving.under_way || job.SavingWaits()) continue;
+    if (now_s_ < saving.not_before_s && !saving.at_once) continue;
     if (saving.at_once || now_s_ - saving.last_s >= options_.checkpoint_interval_s) Save(job);
   }
 }
@@ -34,7 +34,7 @@ void Core::Save(Job& job) {
   Persist persist{MakeCheckpoint(job, now_s_, saving.with_partials), saving.unpublished};
   persist.checkpoint.set_number(++saving.number);
   saving.publishing = persist.publish.size();
-  saving.saves_the_end = persist.checkpoint.state() == proto::JOB_DONE;
+  saving.saves = persist.checkpoint.state();
   HashSet needed;
   for (const std::string& blob : persist.checkpoint.blobs()) needed.insert(Hash::FromBinary(blob).value());
   for (const Publish& publish : persist.publish) needed.insert(publish.result);
@@ -53,9 +53,8 @@ void Core::On(const PersistDone& event) {
   ledger_.Replace(job->holds.saved_before, job->holds.saved);
   ledger_.Replace(job->holds.saved, job->holds.saving);
   ledger_.Release(job->holds.saving);
-  if (!saving.saves_the_end || !job->Running()) return;
-  ReleaseAll(*job);
-  SetState(*job, proto::JOB_DONE, "");
+  if (saving.saves == proto::JOB_DONE && job->Running()) SetState(*job, proto::JOB_DONE, "");
+  if (job->Final() && job->state == saving.saves) ReleaseAll(*job);
 }
 
 void Core::On(const PersistFailed& event) {
@@ -65,10 +64,10 @@ void Core::On(const PersistFailed& event) {
   job->saving.publishing = 0;
   ledger_.Release(job->holds.saving);
   Say(Report::kWarning, job->id + ": cannot save: " + event.reason);
-  if (!job->Ended()) SetState(*job, proto::JOB_PAUSED, "cannot save: " + event.reason);
-  WantSave(*job, !job->Ended());
+  if (!job->Ended() && !job->held) SetState(*job, proto::JOB_PAUSED, "cannot save: " + event.reason);
+  WantSave(*job, job->SavingWaits());
   // Nobody resumes what has ended, yet a restart must not find it running: it is tried again by and by.
-  if (job->Ended()) job->saving.not_before_s = now_s_ + options_.save_again_s;
+  if (!job->SavingWaits()) job->saving.not_before_s = now_s_ + options_.save_again_s;
 }
 
 void Core::On(const SaveNow&) {

@@ -40,6 +40,10 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   hub_options.result_path = [dir = folder.value().dir()](const std::string& job, const std::string& stage) {
     return dir / "results" / job / (stage + ".h5");
   };
+  hub_options.results_folder = [dir = folder.value().dir()](const std::string& job) {
+    return dir / "results" / job;
+  };
+  folder.value().FinishForgetting(hub_options.results_folder);
   Hub hub(folder.value(), *transport.value(), std::move(table).value(), std::move(hub_options), log);
   log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
   while (!stop) hub.Step(kStep_s);

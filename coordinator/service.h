@@ -33,10 +33,10 @@ struct ServiceOptions {
 //   Submit: Reply.jobs[0], once the job is durable; not ok where an input blob is missing or the job is bad.
 //   The same
 //     job and inputs again while it is unfinished: that job.
-//   JobQuery: Reply.jobs, of one job or all, after the action: "" or status; cancel, which ends it, its last
-//   checkpoint
-//     stays; resume, from there (paused, cancelled or failed); results, those done: blobs, by stage name in
-//     `names`, each with its `provenance/`, where `provenance/kind` says what kind of file it is.
+//   JobQuery: Reply.jobs, of one job or all, after the action: "" or status; pause, resume, cancel, retry,
+//     delete and priority (README.md says what each does in which state), once that is durable; results,
+//     those done: blobs, by stage name in `names`, each with its `provenance/`, where `provenance/kind` says
+//     what kind of file it is.
 Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop);
 
 }  // namespace cairn::coordinator

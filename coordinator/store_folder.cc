@@ -15,6 +15,10 @@ namespace cairn::coordinator {
 
 namespace fs = std::filesystem;
 
+namespace {
+constexpr const char* kGone = ".deleted";  // a job's folder of checkpoints, once the job is deleted
+}
+
 Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   std::error_code error;
   const bool made = fs::create_directories(dir, error);
@@ -66,7 +70,8 @@ std::vector<std::string> StoreFolder::JobsWithCheckpoints() const {
   std::vector<std::string> jobs;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints(), error))
-    if (entry.is_directory()) jobs.push_back(entry.path().filename().string());
+    if (entry.is_directory() && entry.path().extension() != kGone)
+      jobs.push_back(entry.path().filename().string());
   std::sort(jobs.begin(), jobs.end());
   return jobs;
 }
@@ -90,6 +95,28 @@ std::vector<Hash> StoreFolder::BlobsAlone() const {
   }
   std::sort(blobs.begin(), blobs.end());
   return blobs;
+}
+
+// The rename says that the job is gone; the rest is tidying up.
+Status StoreFolder::Forget(const std::string& job, const fs::path& results) const {
+  const fs::path checkpoints = Checkpoints() / job, gone = Checkpoints() / (job + kGone);
+  std::error_code error;
+  if (fs::exists(checkpoints, error)) {
+    fs::rename(checkpoints, gone, error);
+    if (error) return SystemFailure(checkpoints, "rename", error.value());
+    if (Status status = SyncFolder(Checkpoints()); !status.ok()) return status;
+  }
+  if (!results.empty()) fs::remove_all(results, error);
+  if (!error) fs::remove_all(gone, error);
+  return error ? SystemFailure(results, "remove", error.value()) : Status::Ok();
+}
+
+void StoreFolder::FinishForgetting(const std::function<fs::path(const std::string& job)>& results_of) const {
+  std::vector<std::string> jobs;
+  std::error_code ignored;  // the next start tries again
+  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints(), ignored))
+    if (entry.path().extension() == kGone) jobs.push_back(entry.path().stem().string());
+  for (const std::string& job : jobs) static_cast<void>(Forget(job, results_of(job)));
 }
 
 Status StoreFolder::Clear() {

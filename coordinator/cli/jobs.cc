@@ -73,18 +73,6 @@ int Status(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-int Cancel(const Options& options, const Invocation&) {
-  coordinator::Client client = ConnectClient(options.client);
-  Print(Take(client.Cancel(options.job)), options.json);
-  return kExitDone;
-}
-
-int Resume(const Options& options, const Invocation&) {
-  coordinator::Client client = ConnectClient(options.client);
-  Print(Take(client.Resume(options.job)), options.json);
-  return kExitDone;
-}
-
 // The one job that is not over, where none is named.
 std::string OnlyJob(coordinator::Client& client) {
   std::vector<std::string> running;
@@ -154,7 +142,7 @@ std::shared_ptr<Options> AddClientCommand(CLI::App& app, Invocation& call, const
 
 }  // namespace
 
-void AddJobCommands(CLI::App& app, Invocation& call) {
+void AddJobs(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   auto options = AddClientCommand(app, call, "submit", "Hands a job and its inputs to a coordinator",
                                   "cairn submit job.yaml", Submit, &command);
@@ -165,21 +153,10 @@ void AddJobCommands(CLI::App& app, Invocation& call) {
       AddClientCommand(app, call, "list", "All jobs of a coordinator", "cairn list --json", List, &command);
   command->add_flag("--json", options->json, "As JSON");
 
-  struct OfOneJob {
-    const char* name;
-    const char* summary;
-    const char* example;
-    int (*run)(const Options&, const Invocation&);
-  };
-  for (const OfOneJob& one :
-       {OfOneJob{"status", "How a job stands", "cairn status 1-museum --json", Status},
-        OfOneJob{"cancel", "Ends a job; its last checkpoint stays", "cairn cancel 1-museum", Cancel},
-        OfOneJob{"resume", "Goes on with a paused, cancelled or failed job", "cairn resume 1-museum",
-                 Resume}}) {
-    options = AddClientCommand(app, call, one.name, one.summary, one.example, one.run, &command);
-    command->add_option("JOB", options->job, "Its id, as submit and list say it")->required();
-    command->add_flag("--json", options->json, "As JSON");
-  }
+  options = AddClientCommand(app, call, "status", "How a job stands", "cairn status 1-museum --json", Status,
+                             &command);
+  command->add_option("JOB", options->job, "Its id, as submit and list say it")->required();
+  command->add_flag("--json", options->json, "As JSON");
 
   options = AddClientCommand(app, call, "watch", "Follows a job to its end, and ends as it does",
                              "cairn watch 1-museum", Watch, &command);

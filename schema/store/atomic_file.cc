@@ -82,7 +82,7 @@ int WriteSynced(const std::filesystem::path& path, std::span<const std::byte> by
 }
 
 // File systems that cannot sync a folder say EINVAL; there is nothing more to be done on them.
-int SyncFolder(const std::filesystem::path& folder) {
+int TrySyncFolder(const std::filesystem::path& folder) {
   const Descriptor descriptor(folder, O_RDONLY | O_DIRECTORY);
   if (descriptor.get() < 0) return errno;
   return ::fsync(descriptor.get()) != 0 && errno != EINVAL ? errno : 0;
@@ -128,12 +128,18 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::span<const st
     if (error != EEXIST) ::unlink(temporary.c_str());
     return SystemFailure(path, "cannot write", error);
   }
-  if (const int sync = SyncFolder(FolderOf(path))) return SystemFailure(path, "cannot sync its folder", sync);
+  if (const int sync = TrySyncFolder(FolderOf(path)))
+    return SystemFailure(path, "cannot sync its folder", sync);
   return Status::Ok();
 }
 
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text) {
   return WriteFileAtomically(path, std::as_bytes(std::span(text)));
+}
+
+Status SyncFolder(const std::filesystem::path& folder) {
+  const int error = TrySyncFolder(folder);
+  return error == 0 ? Status::Ok() : SystemFailure(folder, "cannot sync", error);
 }
 
 void RemoveLeftovers(const std::filesystem::path& folder) {

@@ -17,6 +17,9 @@ namespace cairn {
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
 
+// So that what was renamed or removed in it stays so.
+Status SyncFolder(const std::filesystem::path& folder);
+
 // Removes what processes that are no more have left behind right in `folder` while they wrote. What cannot be
 // removed stays.
 void RemoveLeftovers(const std::filesystem::path& folder);

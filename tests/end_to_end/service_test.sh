@@ -38,13 +38,26 @@ says 'done'
 exits 0 cairn results "$id" --out there
 same_bits here there
 
-# A second job is cancelled and resumed; one that is not there is named.
+# A second job is paused over a restart, resumed, and deleted when it is done; one that is not there is named.
 sed -i "s|seed: 7|seed: 8|" job.yaml
 exits 0 cairn submit job.yaml --json
 second=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
-exits 0 cairn cancel "$second"
+exits 0 cairn pause "$second"
+says "^$second is paused: paused by its owner"
+kill -9 "$coordinator"
+wait "$coordinator" 2>/dev/null || true
+serve
+exits 0 cairn status "$second"
+says '^state +paused'
+exits 0 cairn priority "$second" 3
+refuses 'has not ended; cancel it first' cairn delete "$second"
 exits 0 cairn resume "$second"
 exits 0 cairn watch "$second"
+refuses 'it is done' cairn pause "$second"
+refuses 'it was cancelled' cairn resume "$early"
+exits 0 cairn delete "$early" "$id"
+says "^$early is deleted"
+[ ! -e home/store/results/"$id" ] || die "a deleted job's results are still there"
 refuses "nobody'; known: .*$second" cairn status nobody
 grep -q 'listening on' coordinator.log || die "the coordinator does not say where it listens"
 kill -TERM "$coordinator"

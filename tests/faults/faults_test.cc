@@ -130,7 +130,7 @@ TEST_F(Faults, AFullDiskPausesTheJobAndResumeGoesOn) {
   disk.Free();
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(Store()))
     EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
-  ASSERT_TRUE(client_->Resume(job_).ok());
+  ASSERT_TRUE(client_->Command(job_, "resume").ok());
   ExpectTheSameBits();
   coordinator_->Kill();  // before its disk goes
 }

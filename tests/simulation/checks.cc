@@ -33,14 +33,15 @@ bool MayMove(const std::string& id, proto::JobState from, proto::JobState to, co
     case proto::JOB_DONE:
       return from == proto::JOB_RUNNING && Concerns<PersistDone>(event, id);
     case proto::JOB_PAUSED:
-      return from == proto::JOB_RUNNING && Concerns<PersistFailed>(event, id);
+      return from == proto::JOB_RUNNING && (Concerns<PersistFailed>(event, id) || Concerns<PauseJob>(event, id));
     case proto::JOB_CANCELLED:
-      return open && Concerns<CancelJob>(event, id);
+      return from != proto::JOB_DONE && Concerns<CancelJob>(event, id);
     case proto::JOB_FAILED:
       return open && (std::holds_alternative<TaskDone>(event) || std::holds_alternative<TaskFailed>(event) ||
                       std::holds_alternative<WorkerLost>(event) || std::holds_alternative<Tick>(event));
     default:
-      return from != proto::JOB_DONE && Concerns<ResumeJob>(event, id);
+      return from == proto::JOB_PAUSED ? Concerns<ResumeJob>(event, id)
+                                       : from == proto::JOB_FAILED && Concerns<RetryJob>(event, id);
   }
 }
 
@@ -56,7 +57,7 @@ Mark MarkOf(proto::JobState from, proto::JobState to) {
     case proto::JOB_FAILED:
       return paused ? kFailedPaused : kFailed;
     default:
-      return paused ? kWokePaused : from == proto::JOB_FAILED ? kWokeFailed : kWokeCancelled;
+      return paused ? kWokePaused : kWokeFailed;
   }
 }
 
@@ -132,8 +133,11 @@ void Checks::SeeRestored(const Job& job, const proto::Checkpoint& saved, Known& 
   const Place place{job.stage, job.step ? job.round + 1 : 0};
   if (place != PlaceOf(saved))
     Fail(job.id + " came back at " + Text(place) + ", saved was " + Text(PlaceOf(saved)));
-  if (place < known.durable)
+  if (place < known.durable && saved.state() != proto::JOB_CANCELLED)
     Fail(job.id + " came back at " + Text(place) + ", durable was " + Text(known.durable));
+  if (saved.held() != job.held || (saved.held() && job.state != proto::JOB_PAUSED))
+    Fail(job.id + " was paused by its owner, and came back otherwise");
+  if (saved.job().priority() != job.spec.priority()) Fail(job.id + " came back with another priority");
   if (saved.partials_size() > 0) world_.Count(kRestoredWithPartials);
   known.state = saved.state();
   // It goes on by itself, or says why not.
@@ -166,18 +170,30 @@ void Checks::SeeOrders(const Core& core, const Event& event) {
   }
   if (const auto* resume = std::get_if<ResumeJob>(&event)) {
     const Job* job = core.FindJob(resume->id);
-    if (job != nullptr && jobs_.at(resume->id).kind != ToyKind::kHopeless && !job->Running() &&
-        job->state != proto::JOB_DONE)
+    if (job != nullptr && job->state == proto::JOB_PAUSED)
       Fail(resume->id + " was resumed and does not go on: " + job->reason);
+  }
+  if (const auto* retry = std::get_if<RetryJob>(&event)) {
+    const Job* job = core.FindJob(retry->id);
+    if (job != nullptr && jobs_.at(retry->id).kind != ToyKind::kHopeless && job->state == proto::JOB_FAILED)
+      Fail(retry->id + " was retried and does not go on: " + job->reason);
+  }
+  if (const auto* pause = std::get_if<PauseJob>(&event)) {
+    const Job* job = core.FindJob(pause->id);
+    if (job != nullptr && job->Running() && !job->AllStagesDone()) Fail(pause->id + " was paused and goes on");
   }
 }
 
 void Checks::SeeDurable(const proto::Checkpoint& checkpoint) {
   Known& known = jobs_.at(checkpoint.job_id());
   if (checkpoint.number() <= known.durable_number) Fail("a checkpoint's number does not grow");
-  if (PlaceOf(checkpoint) < known.durable)
-    Fail(checkpoint.job_id() + " saved an earlier round after a later one");
-  known.durable = PlaceOf(checkpoint);
+  if (checkpoint.state() == proto::JOB_CANCELLED) {  // where it stood is told by nothing any more
+    if (checkpoint.blobs_size() > 0) Fail(checkpoint.job_id() + " is cancelled and keeps blobs");
+  } else {
+    if (PlaceOf(checkpoint) < known.durable)
+      Fail(checkpoint.job_id() + " saved an earlier round after a later one");
+    known.durable = PlaceOf(checkpoint);
+  }
   known.durable_number = checkpoint.number();
   known.durable_state = checkpoint.state();
   if (checkpoint.state() == proto::JOB_DONE && known.published.size() != known.stages)

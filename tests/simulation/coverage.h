@@ -66,7 +66,10 @@ namespace cairn::simulation {
   X(kCancelledPaused, "user: cancels what is paused")                      \
   X(kCancelledUnsaved, "user: cancels before the job is durable")          \
   X(kResumed, "user: resumes")                                             \
-  X(kGaveUp, "user: cancels for good")                                     \
+  X(kHeld, "user: pauses")                                                 \
+  X(kRetried, "user: retries")                                             \
+  X(kPrioritized, "user: gives another priority")                          \
+  X(kDeleted, "user: deletes what has ended")                              \
   X(kSavedNow, "user: asks to save now")                                   \
   X(kRoundEnded, "core: a round ends")                                     \
   X(kStageEnded, "core: a stage ends")                                     \
@@ -78,7 +81,6 @@ namespace cairn::simulation {
   X(kCancelledFromPause, "core: paused -> cancelled")                      \
   X(kWokePaused, "core: paused -> running")                                \
   X(kWokeFailed, "core: failed -> running")                                \
-  X(kWokeCancelled, "core: cancelled -> running")                          \
   X(kInputError, "core: a job fails by its input")                         \
   X(kThirdFailure, "core: a job fails by a task's third failure")          \
   X(kAttemptAgain, "core: a task is given out again")                      \

@@ -28,8 +28,14 @@ struct Words {
     return e.peer + " Failed " + Text(e.failed.key()) + ": " + e.failed.message();
   }
   std::string operator()(const SubmitJob& e) const { return "submit " + e.id; }
-  std::string operator()(const CancelJob& e) const { return "cancel " + e.id; }
+  std::string operator()(const PauseJob& e) const { return "pause " + e.id; }
   std::string operator()(const ResumeJob& e) const { return "resume " + e.id; }
+  std::string operator()(const CancelJob& e) const { return "cancel " + e.id; }
+  std::string operator()(const RetryJob& e) const { return "retry " + e.id; }
+  std::string operator()(const DeleteJob& e) const { return "delete " + e.id; }
+  std::string operator()(const PrioritizeJob& e) const {
+    return "priority of " + e.id + ": " + std::to_string(e.priority);
+  }
   std::string operator()(const RestoreJob& e) const { return "restore " + e.checkpoint.job_id(); }
   std::string operator()(const PersistDone& e) const {
     return e.job + " checkpoint " + std::to_string(e.number) + " durable";
@@ -55,6 +61,7 @@ struct Words {
   std::string operator()(const DropBlobs& a) const {
     return "drop " + std::to_string(a.hashes.size()) + " blobs";
   }
+  std::string operator()(const ForgetJob& a) const { return "forget " + a.job; }
   std::string operator()(const JobChanged& a) const { return a.job + " changed"; }
   std::string operator()(const Report& a) const { return "report: " + a.text; }
 };

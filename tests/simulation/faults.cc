@@ -41,8 +41,10 @@ void DrawCoordinator(Faults& f, Rng& rng) {
 
 void DrawJobs(Faults& f, Rng& rng) {
   const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
-  f.cancel_per_s = maybe(0.05);
-  f.give_up = maybe(0.5);
+  f.cancel_per_s = maybe(0.02);
+  f.pause_per_s = maybe(0.1);
+  f.prioritize_per_s = maybe(0.1);
+  f.delete_per_s = maybe(0.05);
   f.workers = 1 + static_cast<int>(rng.Below(5));
   f.jobs = 1 + static_cast<int>(rng.Below(3));
   f.stages = 1 + static_cast<int>(rng.Below(3));

@@ -34,8 +34,7 @@ struct Faults {
   double damaged = 0;       // fraction of restarts that find the newest checkpoint, or a blob of it, damaged
   double persist_s = 0.02;  // a checkpoint takes at most this long
   // Users.
-  double cancel_per_s = 0;
-  double give_up = 0;  // fraction of cancels that are for good
+  double cancel_per_s = 0, pause_per_s = 0, prioritize_per_s = 0, delete_per_s = 0;  // a job each
 
   int workers = 3, jobs = 1, stages = 1, rounds = 5, tasks = 6;
   bool bad_input = false;  // one more job, whose input is bad

@@ -141,6 +141,12 @@ void ShellModel::Do(const DropBlobs& drop) {
   store_.Add(std::move(work));
 }
 
+void ShellModel::Do(const ForgetJob& forget) {
+  WriteWork work;
+  work.forget = forget.job;
+  store_.Add(std::move(work));
+}
+
 void ShellModel::Crash(bool power_cut, double down_s) {
   if (core_ == nullptr) return;
   world_.Say(power_cut ? "the coordinator's machine dies" : "the coordinator dies");

@@ -49,6 +49,7 @@ class ShellModel {
   void Do(const coordinator::Send& send);
   void Do(const coordinator::Persist& persist);
   void Do(const coordinator::DropBlobs& drop);
+  void Do(const coordinator::ForgetJob& forget);
   void Do(const coordinator::JobChanged&) {}
   void Do(const coordinator::Report&) {}
   void Take(const WriteDone& done);

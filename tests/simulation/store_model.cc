@@ -94,6 +94,11 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
     if (outcome == DiskOutcome::kFailed) done.problem = "the disk fails";
     return outcome;
   }
+  if (!work.forget.empty()) {
+    if (Step(DiskStep::kRename) != DiskOutcome::kOk) return DiskOutcome::kDead;
+    checkpoints_.erase(work.forget);
+    results_.erase(work.forget);
+  }
   for (const Hash& hash : work.remove) {
     if (Step(DiskStep::kRemove) != DiskOutcome::kOk) return DiskOutcome::kDead;
     blobs_.Remove(hash);
@@ -125,7 +130,8 @@ DiskOutcome StoreModel::WriteCheckpoint(const WriteWork& work, WriteDone& done) 
 }
 
 void StoreModel::RemoveOld(Checkpoints& checkpoints, const proto::Checkpoint& newest) {
-  const std::size_t keep = newest.state() == proto::JOB_DONE ? 1 : 2;
+  const bool final = newest.state() == proto::JOB_DONE || newest.state() == proto::JOB_CANCELLED;
+  const std::size_t keep = final ? 1 : 2;
   while (checkpoints.files().size() > keep) {
     if (Step(DiskStep::kRemove) != DiskOutcome::kOk) return;
     checkpoints.Remove(checkpoints.files().begin()->first);

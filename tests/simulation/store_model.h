@@ -24,6 +24,7 @@ struct WriteWork {
   std::optional<coordinator::Persist> persist;
   std::vector<Hash> blobs;   // of it, those that are not on disk yet
   std::vector<Hash> remove;  // else: blobs that nobody needs
+  std::string forget;        // else: a job that is deleted
 };
 struct WriteDone {
   std::uint64_t ticket = 0;

@@ -7,8 +7,12 @@
 namespace cairn::simulation {
 
 using coordinator::CancelJob;
+using coordinator::DeleteJob;
 using coordinator::Job;
+using coordinator::PauseJob;
+using coordinator::PrioritizeJob;
 using coordinator::ResumeJob;
+using coordinator::RetryJob;
 using coordinator::SubmitJob;
 
 namespace {
@@ -50,6 +54,7 @@ void Users::Wants(ToyKind kind) {
 // Again until the job is durable.
 void Users::Submit(const std::string& id) {
   const Wish& wish = wishes_.at(id);
+  if (wish.deleted) return;
   const coordinator::Core* core = world_.shell().core();
   if (core != nullptr && (core->FindJob(id) == nullptr || world_.rng.Below(8) == 0)) {
     const bool again = core->FindJob(id) != nullptr;
@@ -69,10 +74,7 @@ void Users::Cancel(const std::string& id, Wish& wish) {
   if (job == nullptr || job->Ended()) return;
   world_.Count(job->Running() ? kCancelled : kCancelledPaused);
   if (world_.shell().store().Newest(id) == nullptr) world_.Count(kCancelledUnsaved);
-  if (!wish.given_up && world_.Chance(world_.faults.give_up)) {
-    world_.Count(kGaveUp);
-    wish.given_up = true;
-  }
+  wish.given_up = true;
   world_.shell().Deliver(CancelJob{id});
 }
 
@@ -80,6 +82,12 @@ void Users::Disturb() {
   for (const std::string& id : ids_) {
     Wish& wish = wishes_.at(id);
     if (world_.Chance(world_.faults.cancel_per_s)) Cancel(id, wish);
+    if (world_.Chance(world_.faults.delete_per_s)) Delete(id, wish);
+    if (world_.Chance(world_.faults.pause_per_s)) Pause(id);
+    if (world_.Chance(world_.faults.prioritize_per_s)) {
+      world_.Count(kPrioritized);
+      world_.shell().Deliver(PrioritizeJob{id, static_cast<int>(world_.rng.Below(25)) - 12});
+    }
     if (world_.rng.Below(4) == 0) ResumeIfStopped(id);
     if (world_.rng.Below(100) == 0) Submit(id);
   }
@@ -88,15 +96,42 @@ void Users::Disturb() {
   world_.shell().Deliver(coordinator::SaveNow{});
 }
 
+void Users::Pause(const std::string& id) {
+  const coordinator::Core* core = world_.shell().core();
+  const Job* job = core == nullptr ? nullptr : core->FindJob(id);
+  if (job != nullptr && job->Running()) world_.Count(kHeld);
+  world_.shell().Deliver(PauseJob{id});
+}
+
+// What has ended, and again until it is gone.
+void Users::Delete(const std::string& id, Wish& wish) {
+  const coordinator::Core* core = world_.shell().core();
+  const Job* job = core == nullptr ? nullptr : core->FindJob(id);
+  const proto::Checkpoint* saved = world_.shell().store().Newest(id);
+  if (job == nullptr || saved == nullptr) return;
+  if (!wish.deleted && (!job->Ended() || saved->state() != job->state)) {
+    world_.shell().Deliver(DeleteJob{id});  // refused, unless it ends before that is heard
+    wish.deleted |= core == world_.shell().core() && core->FindJob(id) == nullptr;
+    return;
+  }
+  world_.Count(kDeleted);
+  wish.deleted = true;
+  world_.shell().Deliver(DeleteJob{id});
+}
+
 void Users::ResumeIfStopped(const std::string& id) {
   Wish& wish = wishes_.at(id);
   const coordinator::Core* core = world_.shell().core();
   const Job* job = core == nullptr ? nullptr : core->FindJob(id);
-  if (job == nullptr || job->Running() || job->state == proto::JOB_DONE || wish.given_up) return;
+  if (job == nullptr || job->Running() || job->Final() || wish.given_up || wish.deleted) return;
   if (job->input_error && wish.kind != ToyKind::kGood) return;
   if (world_.healed() && wish.kind == ToyKind::kPoisoned && job->state == proto::JOB_FAILED &&
       wish.resumed++ >= kPatience)
     return;
+  if (job->state == proto::JOB_FAILED) {
+    world_.Count(kRetried);
+    return world_.shell().Deliver(RetryJob{id});
+  }
   world_.Count(kResumed);
   world_.shell().Deliver(ResumeJob{id});
 }
@@ -104,6 +139,7 @@ void Users::ResumeIfStopped(const std::string& id) {
 void Users::BringToAnEnd() {
   for (const std::string& id : ids_) {
     Wish& wish = wishes_.at(id);
+    if (wish.deleted) Delete(id, wish);
     if (wish.given_up) Cancel(id, wish);
     ResumeIfStopped(id);
     CheckThatItMoves(id, wish);
@@ -115,7 +151,7 @@ void Users::CheckThatItMoves(const std::string& id, Wish& wish) {
   const coordinator::Core* core = world_.shell().core();
   const Job* job = core == nullptr ? nullptr : core->FindJob(id);
   const double now_s = world_.schedule.now_s();
-  if (job == nullptr || IsOver(*job, wish) || wish.moved_s == 0) {
+  if (job == nullptr || wish.deleted || IsOver(*job, wish) || wish.moved_s == 0) {
     wish.moved_s = now_s;
     return;
   }
@@ -142,6 +178,7 @@ bool Users::AllEnded() const {
   return core != nullptr && !core->HasUnsaved() && ids_.size() == wishes_.size() &&
          std::all_of(wishes_.begin(), wishes_.end(), [&](const auto& entry) {
            const Job* job = core->FindJob(entry.first);
+           if (entry.second.deleted) return job == nullptr;
            return job != nullptr && IsOver(*job, entry.second);
          });
 }
@@ -150,6 +187,7 @@ void Users::CheckEnd() const {
   const coordinator::Core& core = *world_.shell().core();
   bool all_done = true;
   for (const auto& [id, wish] : wishes_) {
+    if (wish.deleted) continue;  // AllEnded has seen that it is gone
     const Job& job = *core.FindJob(id);
     world_.checks.SeeEnd(job, world_.shell().store().Newest(id), wish.given_up);
     all_done &= job.state == proto::JOB_DONE;

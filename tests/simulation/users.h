@@ -31,7 +31,8 @@ class Users {
   struct Wish {
     proto::Job job;
     ToyKind kind = ToyKind::kGood;
-    bool given_up = false;  // cancelled for good
+    bool given_up = false;  // cancelled
+    bool deleted = false;
     int resumed = 0;        // since all is healed
     // How it stood when it was last seen to move, and when that was.
     std::tuple<std::uint32_t, std::uint64_t, std::size_t, int, std::uint64_t> stood;
@@ -40,6 +41,8 @@ class Users {
   void Wants(ToyKind kind);
   void Submit(const std::string& id);
   void Cancel(const std::string& id, Wish& wish);
+  void Pause(const std::string& id);
+  void Delete(const std::string& id, Wish& wish);
   void ResumeIfStopped(const std::string& id);
   bool IsOver(const coordinator::Job& job, const Wish& wish) const;
   void CheckThatItMoves(const std::string& id, Wish& wish);

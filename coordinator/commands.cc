@@ -1,0 +1,77 @@
+// What a job's owner tells it. job_commands.h says what is allowed when; what is not allowed changes nothing.
+#include "coordinator/core.h"
+#include "coordinator/job_commands.h"
+
+namespace cairn::coordinator {
+
+Job* Core::Obeying(const std::string& id, JobCommand command) {
+  Job* job = FindById(id);
+  return job != nullptr && WhyNot(*job, command).empty() ? job : nullptr;
+}
+
+// What workers have in hand of it is finished and counts; nothing more is handed out.
+void Core::On(const PauseJob& event) {
+  Job* job = Obeying(event.id, JobCommand::kPause);
+  if (job == nullptr || job->held) return;
+  SetState(*job, proto::JOB_PAUSED, "paused by its owner");
+  job->held = true;
+  WantSave(*job, true);
+}
+
+void Core::On(const ResumeJob& event) {
+  Job* job = Obeying(event.id, JobCommand::kResume);
+  if (job == nullptr || job->Running() || !FitsTheFleet(*job)) return;
+  GoOn(*job);
+}
+
+void Core::On(const RetryJob& event) {
+  Job* job = Obeying(event.id, JobCommand::kRetry);
+  if (job == nullptr || !FitsTheFleet(*job)) return;
+  BeginAgain(*job);
+  GoOn(*job);
+}
+
+bool Core::FitsTheFleet(Job& job) {
+  const wire::Build* build = RequiredBuild();
+  if (build == nullptr || !job.build || BuildDifference(*build, *job.build).empty()) return true;
+  job.reason = "it was begun by another build: " + BuildDifference(*build, *job.build);
+  Say(Report::kWarning, job.id + " cannot go on: " + job.reason);
+  return false;
+}
+
+void Core::GoOn(Job& job) {
+  SetState(job, proto::JOB_RUNNING, "");
+  job.failures.clear();
+  WantSave(job, true);
+}
+
+// For good: once that is durable its blobs go.
+void Core::On(const CancelJob& event) {
+  Job* job = Obeying(event.id, JobCommand::kCancel);
+  if (job == nullptr || job->state == proto::JOB_CANCELLED) return;
+  WithdrawAll(*job);
+  ledger_.Release(job->holds.partials);
+  SetState(*job, proto::JOB_CANCELLED, "cancelled");
+  WantSave(*job, true);
+}
+
+void Core::On(const DeleteJob& event) {
+  Job* job = Obeying(event.id, JobCommand::kDelete);
+  if (job == nullptr) return;
+  ReleaseAll(*job);
+  const std::uint64_t order = job->order;
+  orders_.erase(event.id);
+  jobs_.erase(order);
+  actions_.push_back(ForgetJob{event.id});
+}
+
+void Core::On(const PrioritizeJob& event) {
+  Job* job = Obeying(event.id, JobCommand::kPrioritize);
+  if (job == nullptr || event.priority == job->spec.priority()) return;
+  if (event.priority < kLowestPriority || event.priority > kHighestPriority) return;
+  job->spec.set_priority(event.priority);
+  actions_.push_back(JobChanged{job->id});
+  WantSave(*job, true);
+}
+
+}  // namespace cairn::coordinator
