@@ -18,7 +18,11 @@ early=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
 exits 0 cairn status "$early"
 says "^waiting: no worker is connected \(start 'cairn worker'\)"
 exits 0 cairn cancel "$early"
-for _ in 1 2; do cairn worker >>worker.log 2>&1 & done
+workers=()
+for _ in 1 2; do
+  cairn worker >>worker.log 2>&1 &
+  workers+=($!)
+done
 
 exits 0 cairn submit job.yaml --json
 id=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
@@ -39,6 +43,7 @@ exits 0 cairn results "$id" --out there
 same_bits here there
 
 # A second job is paused over a restart, resumed, and deleted when it is done; one that is not there is named.
+kill -9 "${workers[@]}"
 sed -i "s|seed: 7|seed: 8|" job.yaml
 exits 0 cairn submit job.yaml --json
 second=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
@@ -52,6 +57,7 @@ says '^state +paused'
 exits 0 cairn priority "$second" 3
 refuses 'has not ended; cancel it first' cairn delete "$second"
 exits 0 cairn resume "$second"
+cairn worker >>worker.log 2>&1 &
 exits 0 cairn watch "$second"
 refuses 'it is done' cairn pause "$second"
 refuses 'it was cancelled' cairn resume "$early"
