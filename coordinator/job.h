@@ -19,13 +19,13 @@ namespace cairn::coordinator {
 struct Saving {
   std::uint64_t number = 0;  // of the last one begun
   bool under_way = false;
-  bool due = false;                  // something came since the last one
-  bool at_once = false;              // do not wait for the interval
-  double last_s = 0;                 // when the last one was begun
-  double not_before_s = 0;           // the last one failed: the next is not tried earlier
-  bool with_partials = false;        // the round under way is saved with the partials that it has
-  std::vector<Publish> unpublished;  // results that no durable checkpoint covers yet
-  std::size_t publishing = 0;        // the first so many of them go with the one under way
+  bool due = false;                            // something came since the last one
+  bool at_once = false;                        // do not wait for the interval
+  double last_s = 0;                           // when the last one was begun
+  double not_before_s = 0;                     // the last one failed: the next is not tried earlier
+  bool with_partials = false;                  // the round under way is saved with the partials that it has
+  std::vector<Publish> unpublished;            // results that no durable checkpoint covers yet
+  std::size_t publishing = 0;                  // the first so many of them go with the one under way
   proto::JobState saves = proto::JOB_RUNNING;  // what the last one begun says of the job
 };
 

@@ -33,7 +33,8 @@ bool MayMove(const std::string& id, proto::JobState from, proto::JobState to, co
     case proto::JOB_DONE:
       return from == proto::JOB_RUNNING && Concerns<PersistDone>(event, id);
     case proto::JOB_PAUSED:
-      return from == proto::JOB_RUNNING && (Concerns<PersistFailed>(event, id) || Concerns<PauseJob>(event, id));
+      return from == proto::JOB_RUNNING &&
+             (Concerns<PersistFailed>(event, id) || Concerns<PauseJob>(event, id));
     case proto::JOB_CANCELLED:
       return from != proto::JOB_DONE && Concerns<CancelJob>(event, id);
     case proto::JOB_FAILED:
@@ -180,7 +181,8 @@ void Checks::SeeOrders(const Core& core, const Event& event) {
   }
   if (const auto* pause = std::get_if<PauseJob>(&event)) {
     const Job* job = core.FindJob(pause->id);
-    if (job != nullptr && job->Running() && !job->AllStagesDone()) Fail(pause->id + " was paused and goes on");
+    if (job != nullptr && job->Running() && !job->AllStagesDone())
+      Fail(pause->id + " was paused and goes on");
   }
 }
 

@@ -109,11 +109,7 @@ void Users::Delete(const std::string& id, Wish& wish) {
   const Job* job = core == nullptr ? nullptr : core->FindJob(id);
   const proto::Checkpoint* saved = world_.shell().store().Newest(id);
   if (job == nullptr || saved == nullptr) return;
-  if (!wish.deleted && (!job->Ended() || saved->state() != job->state)) {
-    world_.shell().Deliver(DeleteJob{id});  // refused, unless it ends before that is heard
-    wish.deleted |= core == world_.shell().core() && core->FindJob(id) == nullptr;
-    return;
-  }
+  if (!wish.deleted && (!job->Ended() || saved->state() != job->state)) return;
   world_.Count(kDeleted);
   wish.deleted = true;
   world_.shell().Deliver(DeleteJob{id});

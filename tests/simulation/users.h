@@ -33,7 +33,7 @@ class Users {
     ToyKind kind = ToyKind::kGood;
     bool given_up = false;  // cancelled
     bool deleted = false;
-    int resumed = 0;        // since all is healed
+    int resumed = 0;  // since all is healed
     // How it stood when it was last seen to move, and when that was.
     std::tuple<std::uint32_t, std::uint64_t, std::size_t, int, std::uint64_t> stood;
     double moved_s = 0;
