@@ -70,7 +70,11 @@ void AddJobCommands(CLI::App& app, Invocation& call) {
   const auto options = AddTelling(
       app, call, "priority", "Gives a job a larger or smaller share of the workers; each step doubles it",
       "cairn priority 1-museum 2", &command);
-  command->add_option("JOB", options->jobs, "Its id, as submit and list say it")->required()->expected(1);
+  command
+      ->add_option_function<std::string>(
+          "JOB", [options](const std::string& job) { options->jobs = {job}; },
+          "Its id, as submit and list say it")
+      ->required();
   command->add_option("N", options->priority, "-10 to 10; jobs begin with 0")
       ->required()
       ->check(CLI::Range(-10, 10));
