@@ -28,13 +28,25 @@ void Core::On(const TaskDone& event) {
   const bool was_first = !worker->in_hand.empty() && SameAttempt(worker->in_hand.front().key, key);
   const bool had_it = worker->Take(key, now_s_);
   Job* job = FindById(key.job());
-  if (job == nullptr || job->Ended() || !job->WasGiven(key, event.peer)) return;
+  if (job == nullptr || job->Ended()) return;
+  if (!job->WasGiven(key, event.peer)) return RefuseAnswer(*worker, key);
   if (key.kind() != wire::TaskKey::RUN) return AcceptPlan(*job, event, *worker, had_it);
   const bool accepted = AcceptPartial(*job, event, *worker, had_it);
   if (accepted && had_it && was_first)
     job->task_seconds.insert(
         std::upper_bound(job->task_seconds.begin(), job->task_seconds.end(), now_s_ - head_s),
         now_s_ - head_s);
+}
+
+// A worker writes nowhere but into the results of its own tasks. (One to a round that is over may be late.)
+void Core::RefuseAnswer(const Worker& worker, const wire::TaskKey& key) {
+  const Job* job = JobOf(key);
+  if (job == nullptr || job->WasGiven(key, worker.peer)) return;
+  actions_.push_back(Refused{
+      worker.peer,
+      {wire::RefusalKind::kTask, "an answer to task " + std::to_string(key.task()) + " of round " +
+                                     std::to_string(key.round()) + " of job " + key.job() +
+                                     ", which was not given to this worker on " + worker.hello.host()}});
 }
 
 bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
@@ -48,9 +60,12 @@ bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
     return false;
   }
   const bool came = std::find(event.blobs.begin(), event.blobs.end(), partial) != event.blobs.end();
-  if (partial.empty() || !(came || ledger_.Held(partial))) {
-    if (had_it && job.tasks.Withdraw(key.task(), key.attempt()))
-      FailAttempt(job, key.task(), "its answer came without its blob");
+  std::string wrong;
+  if (partial.empty() || !(came || ledger_.Held(partial))) wrong = "its answer came without its blob";
+  if (event.blobs.size() > 1 || (event.blobs.size() == 1 && !came))
+    wrong = "its answer came with a blob that it does not name";
+  if (!wrong.empty()) {
+    if (had_it && job.tasks.Withdraw(key.task(), key.attempt())) FailAttempt(job, key.task(), wrong);
     return false;
   }
   Count(job, event.done, worker);
@@ -166,7 +181,7 @@ void Core::On(const TaskFailed& event) {
   worker->hung = false;
   worker->moved_s = now_s_;
   // Numbers of attempts begin again after a restart: only what this worker was given here counts.
-  if (!worker->Take(key, now_s_)) return;
+  if (!worker->Take(key, now_s_)) return RefuseAnswer(*worker, key);
   Job* job = JobOf(key);
   if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return;
   if (event.failed.input_error())

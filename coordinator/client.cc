@@ -144,7 +144,9 @@ Result<JobList> Client::List() {
   const Result<wire::Message> answer = Query("", "status", options_.timeout_s);
   if (!answer.ok()) return answer.status();
   const wire::Reply& reply = answer.value().envelope.reply();
-  return JobList{{reply.jobs().begin(), reply.jobs().end()}, reply.workers()};
+  return JobList{{reply.jobs().begin(), reply.jobs().end()},
+                 reply.workers(),
+                 {reply.refused().begin(), reply.refused().end()}};
 }
 
 Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job, "status"); }
@@ -163,6 +165,10 @@ Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {
                                       " results and sends " + std::to_string(blobs.size()));
   }
   std::map<std::string, BlobPtr> results;
+  for (const std::string& name : reply.names())
+    if (name.empty() || name[0] == '.' || name.find('/') != std::string::npos ||
+        name.find('\0') != std::string::npos)
+      return Status(Code::kCorrupt, "the service sends a result whose name is no file's name");
   for (std::size_t i = 0; i < blobs.size(); ++i) results[reply.names(static_cast<int>(i))] = blobs[i].blob;
   return results;
 }

@@ -23,7 +23,8 @@ struct ClientOptions {
 
 struct JobList {
   std::vector<wire::JobInfo> jobs;
-  unsigned workers = 0;  // connected
+  unsigned workers = 0;                          // connected
+  std::map<std::string, std::uint64_t> refused;  // since the service began, by kind (schema/wire/refusal.h)
 };
 
 // Every call asks once and waits for the answer. Failures: kIo: nobody answers at the endpoint; kRefused: the

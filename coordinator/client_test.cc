@@ -183,5 +183,19 @@ TEST_F(ClientTest, ResultsWithoutAllTheirNamesAreCorrupt) {
   EXPECT_EQ(Connect().Results("j").status().code(), Code::kCorrupt);
 }
 
+// A result becomes a file of its name.
+TEST_F(ClientTest, AResultsNameDoesNotLeadOutOfItsFolder) {
+  for (const char* name : {"../grid", "/etc/grid", "..", "", "a/b"}) {
+    FakeService service(folder_.Ipc("s"), [&](const wire::Message&) {
+      wire::Message reply = Ok();
+      reply.envelope.mutable_reply()->add_jobs()->set_id("j");
+      reply.envelope.mutable_reply()->add_names(name);
+      reply.blobs = {wire::NameBlob(Number(1))};
+      return reply;
+    });
+    EXPECT_EQ(Connect().Results("j").status().code(), Code::kCorrupt) << name;
+  }
+}
+
 }  // namespace
 }  // namespace cairn::coordinator

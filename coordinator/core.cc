@@ -36,6 +36,11 @@ const Job* Core::FindJob(const std::string& id) const {
   return it == orders_.end() ? nullptr : &jobs_.at(it->second);
 }
 
+bool Core::MayRead(const std::string& peer, const Hash& hash) const {
+  const Worker* worker = fleet_.Find(peer);
+  return worker != nullptr && worker->has.contains(hash);
+}
+
 bool Core::HasUnsaved() const {
   for (const auto& [order, job] : jobs_)
     if (job.saving.under_way || (job.saving.due && !job.SavingWaits())) return true;

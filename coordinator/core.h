@@ -49,6 +49,8 @@ class Core {
   const Fleet& fleet() const { return fleet_; }
   std::size_t held_blobs() const { return ledger_.size(); }
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
+  // Whether a worker was handed a task that reads this blob, or made it.
+  bool MayRead(const std::string& peer, const Hash& hash) const;
   // A checkpoint is under way, or SaveNow would begin one.
   bool HasUnsaved() const;
   // The checkpoint that makes durable what the job was told last; none where nothing waits to be saved.
@@ -86,6 +88,7 @@ class Core {
   void GiveUpHung(Worker& worker);
 
   // answers.cc
+  void RefuseAnswer(const Worker& worker, const wire::TaskKey& key);
   bool AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   void AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,

@@ -124,7 +124,12 @@ TEST(CoreWorkers, AnAnswerToATaskThatWasNeverItsWorkersChangesNothing) {
   stolen.peer = "x";
   bench.Fail(stolen, "not its own", true);
   EXPECT_EQ(bench.Info().state(), "running");
+  EXPECT_EQ(bench.All<Refused>().size(), 1u);
   bench.AnswerRun(stolen, H(66));
+  ASSERT_EQ(bench.All<Refused>().size(), 1u);
+  EXPECT_EQ(bench.All<Refused>()[0].peer, "x");
+  EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kTask);
+  EXPECT_EQ(bench.All<DropBlobs>().size(), 1u) << "its blob is not kept";
   EXPECT_EQ(bench.Info().tasks_done(), 0u);
   EXPECT_TRUE(bench.Sent(&Envelope::has_cancel).empty());
   bench.AnswerRun(task, H(10));
@@ -132,7 +137,12 @@ TEST(CoreWorkers, AnAnswerToATaskThatWasNeverItsWorkersChangesNothing) {
   bench.AnswerRun(stolen, H(66));
   EXPECT_EQ(bench.Info().state(), "running") << "nor does it contradict anybody";
   EXPECT_TRUE(bench.alarms.empty());
+  Bench::Assigned forged = other;
+  forged.assign.mutable_key()->set_attempt(7);
+  bench.AnswerRun(forged, H(66));
+  EXPECT_EQ(bench.All<Refused>().size(), 1u);
   bench.AnswerRun(other, H(11));
+  EXPECT_TRUE(bench.All<Refused>().empty());
   const auto plan = bench.Next();
   Bench::Assigned stolen_plan = plan;
   stolen_plan.peer = plan.peer == "x" ? "w" : "x";
@@ -140,6 +150,31 @@ TEST(CoreWorkers, AnAnswerToATaskThatWasNeverItsWorkersChangesNothing) {
   EXPECT_EQ(bench.Info().round(), 0u);
   bench.AnswerPlan(plan, TestStep(1));
   EXPECT_EQ(bench.Info().round(), 1u);
+}
+
+TEST(CoreWorkers, ABlobThatAnAnswerDoesNotNameIsAFailureAndIsNotKept) {
+  Bench bench;
+  Begin(bench, 2, 2);
+  const auto task = bench.Next();
+  wire::Done done;
+  *done.mutable_key() = task.assign.key();
+  done.set_partial(H(10).Binary());
+  bench.Do(TaskDone{"w", done, {H(10), H(11)}});
+  EXPECT_EQ(bench.Info().tasks_done(), 0u);
+  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
+  EXPECT_EQ(bench.All<DropBlobs>()[0].hashes.size(), 2u);
+}
+
+TEST(CoreWorkers, AWorkerMayReadOnlyWhatItWasHandedOrMade) {
+  Bench bench;
+  Begin(bench, 1);
+  bench.Join("x");
+  const auto task = bench.Next();
+  const Hash input = TaskInputs(*bench.core.FindJob("a"), 0).at(0);
+  EXPECT_TRUE(bench.core.MayRead(task.peer, input));
+  EXPECT_FALSE(bench.core.MayRead("x", input));
+  EXPECT_FALSE(bench.core.MayRead("nobody", input));
+  EXPECT_FALSE(bench.core.MayRead(task.peer, H(4711)));
 }
 
 TEST(CoreWorkers, OnlyTheRunningTaskIsBlamedForADeadWorker) {

@@ -10,6 +10,7 @@
 #include "schema/hash.h"
 #include "schema/job.pb.h"
 #include "schema/wire.pb.h"
+#include "schema/wire/refusal.h"
 
 namespace cairn::coordinator {
 
@@ -126,6 +127,12 @@ struct Report {
   std::string text;
 };
 
-using Action = std::variant<Send, Persist, DropBlobs, ForgetJob, JobChanged, Report>;
+// A worker said what it may not; nothing came of it.
+struct Refused {
+  std::string peer;
+  wire::Refusal refusal;
+};
+
+using Action = std::variant<Send, Persist, DropBlobs, ForgetJob, JobChanged, Report, Refused>;
 
 }  // namespace cairn::coordinator

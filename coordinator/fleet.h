@@ -31,7 +31,7 @@ struct Worker {
   double head_s = 0;   // when the first in hand came to be the first
   bool hung = false;   // gets nothing until it moves again
   std::vector<InHand> in_hand;
-  HashSet has;  // blobs that it was sent or made; it may have forgotten some
+  HashSet has;                     // blobs that it was sent or made; it may have forgotten some
 
   bool Idle() const { return in_hand.empty() && !hung; }
   bool HasRoom() const { return in_hand.size() < hello.slots() && !hung; }
@@ -48,6 +48,8 @@ class Fleet {
   Worker& Add(const std::string& peer, const wire::Hello& hello, double now_s);
   void Remove(const std::string& peer);
   Worker* Find(const std::string& peer);
+  const Worker* Find(const std::string& peer) const { return const_cast<Fleet*>(this)->Find(peer); }
+  bool Knows(const std::string& peer) const { return numbers_.contains(peer); }
   std::size_t size() const { return workers_.size(); }
   std::map<std::uint64_t, Worker>& workers() { return workers_; }  // by number
   const std::map<std::uint64_t, Worker>& workers() const { return workers_; }

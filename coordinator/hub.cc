@@ -1,14 +1,17 @@
 #include "coordinator/hub.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
 #include "coordinator/recovery.h"
+#include "schema/wire/keys.h"
 
 namespace cairn::coordinator {
 namespace {
 
 constexpr double kTick_s = 0.1;
+constexpr std::size_t kLineBytes = 16'384;  // of the log
 
 }  // namespace
 
@@ -16,10 +19,14 @@ Hub::Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOpt
     : folder_(folder),
       transport_(transport),
       options_(std::move(options)),
-      log_(std::move(log)),
+      log_([log = std::move(log)](Severity severity, const std::string& line) {
+        log(severity, Printable(line, kLineBytes));
+      }),
       core_(options_.core),
       files_(folder),
       blobs_(files_, options_.memory_bytes),
+      gate_(options_.allow_list),
+      refusals_(log_),
       writer_(folder, files_, std::move(table), [&transport] { transport.Wake(); }) {
   Restore();
 }
@@ -37,7 +44,11 @@ void Hub::Restore() {
 }
 
 void Hub::Step(double timeout_s) {
-  for (Incoming& incoming : transport_.Poll(timeout_s)) Receive(incoming);
+  std::vector<Incoming> came = transport_.Poll(timeout_s);
+  // Looked at after the messages came: whoever was taken off the list before he sent one is refused it.
+  if (gate_.Refresh()) EndRevoked();
+  for (Incoming& incoming : came) Receive(incoming);
+  for (const wire::Refusal& refusal : transport_.TakeRefusals()) refusals_.Add(refusal, Now());
   TakeDiskDone();
   if (const double now_s = Now(); now_s - ticked_s_ >= kTick_s) {
     ticked_s_ = now_s;
@@ -95,23 +106,36 @@ void Hub::Handle(const Event& event) {
 }
 
 void Hub::Receive(Incoming& incoming) {
-  const std::string& peer = incoming.peer;
-  if (!incoming.status.ok()) {
-    ++refused_messages_;
-    return log_(Severity::kWarning, "refused a message: " + incoming.status.message());
-  }
+  if (!incoming.status.ok()) return TakeDamaged(incoming);
   wire::Envelope& envelope = incoming.message.envelope;
-  const std::vector<wire::NamedBlob>& blobs = incoming.message.blobs;
+  if (std::optional<wire::Refusal> refusal =
+          gate_.Check(incoming.peer, incoming.user, envelope, core_.fleet())) {
+    refusal->reason = wire::ShortKey(incoming.user) + ": " + refusal->reason;
+    return TurnAway(incoming.peer, *refusal);
+  }
+  Take(incoming.peer, envelope, incoming.message.blobs);
+}
+
+void Hub::Take(const std::string& peer, wire::Envelope& envelope, const std::vector<wire::NamedBlob>& blobs) {
+  const std::size_t most = options_.limits.text_bytes;
   switch (envelope.body_case()) {
-    case wire::Envelope::kHello:
-      return Handle(WorkerHello{peer, envelope.hello()});
+    case wire::Envelope::kHello: {
+      wire::Hello& hello = *envelope.mutable_hello();
+      hello.set_host(Printable(hello.host(), most));
+      hello.set_slots(std::min(hello.slots(), options_.limits.slots));
+      return Handle(WorkerHello{peer, hello});
+    }
     case wire::Envelope::kBeat:
       return Handle(WorkerBeat{peer, envelope.beat()});
     case wire::Envelope::kBye:
       return Handle(WorkerBye{peer});
-    case wire::Envelope::kDone:
+    case wire::Envelope::kDone: {
+      proto::Step* step = envelope.done().has_step() ? envelope.mutable_done()->mutable_step() : nullptr;
+      if (step != nullptr) step->set_note(Printable(step->note(), most));
       return Handle(TaskDone{peer, envelope.done(), KeepBlobs(blobs)});
+    }
     case wire::Envelope::kFailed:
+      envelope.mutable_failed()->set_message(Printable(envelope.failed().message(), most));
       return Handle(TaskFailed{peer, envelope.failed()});
     case wire::Envelope::kFetch:
       return Serve(peer, envelope.fetch());
@@ -122,8 +146,7 @@ void Hub::Receive(Incoming& incoming) {
     case wire::Envelope::kQuery:
       return Serve(peer, envelope.query());
     default:
-      ++refused_messages_;
-      log_(Severity::kWarning, std::string("a message for nobody here: ") + wire::KindName(envelope));
+      return;  // the gate lets nothing else through
   }
 }
 

@@ -13,7 +13,9 @@
 #include "coordinator/blob_store.h"
 #include "coordinator/core.h"
 #include "coordinator/disk_writer.h"
+#include "coordinator/gate.h"
 #include "coordinator/log.h"
+#include "coordinator/refusals.h"
 #include "coordinator/store_folder.h"
 #include "coordinator/transport.h"
 
@@ -21,6 +23,8 @@ namespace cairn::coordinator {
 
 struct HubOptions {
   CoreOptions core;
+  std::filesystem::path allow_list;  // of the keys that may connect; empty: there are no keys
+  wire::JobLimits limits;
   std::uint64_t memory_bytes = 4ull << 30;
   // Where the result of a job's stage is published.
   std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
@@ -50,7 +54,7 @@ class Hub {
   const std::string& last_refusal() const {
     return last_refusal_;
   }  // why a worker was refused; empty: none was
-  std::uint64_t refused_messages() const { return refused_messages_; }
+  const Refusals& refusals() const { return refusals_; }
 
  private:
   static constexpr std::uint64_t kWhenForgotten = ~0ull;
@@ -58,6 +62,7 @@ class Hub {
   void Restore();
   void Handle(const Event& event);
   void Receive(Incoming& incoming);
+  void Take(const std::string& peer, wire::Envelope& envelope, const std::vector<wire::NamedBlob>& blobs);
   void TakeDiskDone();
 
   // hub_actions.cc
@@ -67,14 +72,21 @@ class Hub {
   void Do(const ForgetJob& forget);
   void Do(const JobChanged& changed);
   void Do(const Report& report);
+  void Do(const Refused& refused);
   void WriteRow(const std::string& job);
   void ProbeSilent(double now_s);
+
+  // hub_rights.cc
+  void TakeDamaged(const Incoming& incoming);
+  void TurnAway(const std::string& peer, const wire::Refusal& refusal);
+  void EndRevoked();
 
   // hub_requests.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
   void Serve(const std::string& peer, const wire::Have& have);
   void Serve(const std::string& peer, const wire::Submit& submit, const std::vector<wire::NamedBlob>& blobs);
   void Serve(const std::string& peer, const wire::JobQuery& query);
+  void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void AddResults(const std::string& job, wire::Message& reply);
   std::string WhatIsWrong(const wire::JobQuery& query) const;
   void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);
@@ -94,7 +106,9 @@ class Hub {
   double ticked_s_ = 0;
   std::set<std::string> gone_;  // peers that a message could not be sent to
   std::string last_refusal_;
-  std::uint64_t refused_messages_ = 0;
+  Gate gate_;
+  Refusals refusals_;
+  std::set<std::string> warned_;  // peers that were told once that they have no business here
   struct Waiting {
     std::string peer;
     std::uint64_t number = 0;  // of the checkpoint that it waits for

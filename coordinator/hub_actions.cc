@@ -74,6 +74,8 @@ void Hub::WriteRow(const std::string& job) {
   writer_.Add(WriteRowWork{{*info, now, now}});
 }
 
+void Hub::Do(const Refused& refused) { refusals_.Add(refused.refusal, Now()); }
+
 void Hub::Do(const Report& report) {
   const Severity severity = report.level == Report::kInfo      ? Severity::kInfo
                             : report.level == Report::kWarning ? Severity::kWarning

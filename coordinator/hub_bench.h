@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -47,37 +48,43 @@ class FakeTransport : public Transport {
   int rounds = 3, tasks = 2;
   std::vector<std::pair<std::string, wire::Message>> sent;  // but for what workers were sent
   int assigned = 0;
+  std::map<std::string, std::string> users;  // of the workers that are played, by peer
   std::function<bool(const wire::Assign&)> swallow = [](const wire::Assign&) { return false; };
 
-  void Come(const std::string& peer, wire::Message message) {
-    queue_.push_back({peer, Status::Ok(), std::move(message)});
+  void Come(const std::string& peer, wire::Message message, const std::string& user = "") {
+    queue_.push_back({peer, Status::Ok(), std::move(message), user});
   }
-  void ComeDamaged(const std::string& peer) {
-    queue_.push_back({peer, Status(Code::kCorrupt, "no message"), {}});
+  void ComeDamaged(const std::string& peer, Code code = Code::kCorrupt) {
+    queue_.push_back({peer, Status(code, "no message"), {}});
   }
-  void ComeWorker(const std::string& peer) {
+  void ComeWorker(const std::string& peer, const std::string& user = "", std::int64_t pid = 0) {
     wire::Message hello;
     hello.envelope.mutable_hello()->set_protocol(1);
     hello.envelope.mutable_hello()->set_slots(2);
     hello.envelope.mutable_hello()->set_host("here");
-    Come(peer, std::move(hello));
+    hello.envelope.mutable_hello()->set_pid(pid);
+    Come(peer, std::move(hello), user);
   }
 
   std::vector<Incoming> Poll(double timeout_s) override {
     if (queue_.empty() && timeout_s > 0) ::usleep(200);
     return std::exchange(queue_, {});
   }
-  std::set<std::string> gone;  // peers that nothing can be sent to
+  std::set<std::string> gone;     // peers that nothing can be sent to
+  std::set<std::string> dropped;  // by the hub
+  std::vector<wire::Refusal> door;
   bool Send(const std::string& peer, wire::Message message) override {
     if (gone.contains(peer)) return false;
     if (message.envelope.has_assign()) {
       ++assigned;
-      if (!swallow(message.envelope.assign())) Come(peer, Answer(message.envelope.assign()));
+      if (!swallow(message.envelope.assign())) Come(peer, Answer(message.envelope.assign()), users[peer]);
       return true;
     }
     sent.emplace_back(peer, std::move(message));
     return true;
   }
+  void Drop(const std::string& peer) override { dropped.insert(peer); }
+  std::vector<wire::Refusal> TakeRefusals() override { return std::exchange(door, {}); }
   void Wake() override {}
 
  private:
@@ -128,6 +135,7 @@ class HubBench {
   std::unique_ptr<Hub> hub;
   std::uint64_t memory_bytes = 1 << 20;
   double checkpoint_interval_s = 0;
+  std::filesystem::path allow_list;
 
   void Start() {
     hub.reset();
@@ -136,6 +144,7 @@ class HubBench {
     HubOptions options;
     options.memory_bytes = memory_bytes;
     options.core.checkpoint_interval_s = checkpoint_interval_s;
+    options.allow_list = allow_list;
     options.result_path = [this](const std::string& job, const std::string& stage) {
       return temp.path() / "results" / job / (stage + ".h5");
     };

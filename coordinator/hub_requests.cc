@@ -1,10 +1,12 @@
 // What clients ask, and the blobs that workers fetch.
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "coordinator/hub.h"
+#include "coordinator/job_limits.h"
 #include "coordinator/rights.h"
 #include "schema/store/blob_file.h"
 
@@ -44,8 +46,13 @@ void Hub::Reply(const std::string& peer, wire::Message reply) {
 
 void Hub::Serve(const std::string& peer, const wire::Fetch& fetch) {
   const Result<Hash> hash = Hash::FromBinary(fetch.hash());
+  const bool may = hash.ok() && core_.MayRead(peer, hash.value());
+  // One that was dropped meanwhile is no offence, nor is a worker that does not know yet that it was given
+  // up.
+  if (hash.ok() && !may && blobs_.Has(hash.value()) && core_.fleet().Knows(peer))
+    refusals_.Add({wire::RefusalKind::kTask, "a fetch of a blob that is not for this worker"}, Now());
   wire::Message answer;
-  if (const BlobPtr blob = hash.ok() ? blobs_.Get(hash.value()) : nullptr) {
+  if (const BlobPtr blob = may ? blobs_.Get(hash.value()) : nullptr) {
     answer.envelope.mutable_blob();
     answer.blobs.push_back({hash.value(), blob});
   } else {
@@ -67,7 +74,14 @@ void Hub::Serve(const std::string& peer, const wire::Have& have) {
 void Hub::Serve(const std::string& peer, const wire::Submit& submit,
                 const std::vector<wire::NamedBlob>& blobs) {
   const proto::Job& job = submit.job();
-  if (const std::string wrong = CheckJob(job); !wrong.empty()) return Reply(peer, Refusal(wrong));
+  std::string wrong = CheckLimits(job, options_.limits);
+  if (wrong.empty()) wrong = CheckJob(job);
+  if (!wrong.empty()) return RefuseJob(peer, wire::RefusalKind::kJob, wrong);
+  std::set<Hash> inputs;
+  for (const auto& [name, binary] : job.input_blobs()) inputs.insert(Hash::FromBinary(binary).value());
+  for (const wire::NamedBlob& named : blobs)
+    if (!inputs.contains(named.hash))
+      return RefuseJob(peer, wire::RefusalKind::kBlob, "a blob came that is no input of the job");
   for (const wire::JobInfo& info : core_.Jobs()) {
     const Job* known = core_.FindJob(info.id());
     if (known->Ended() || HashOfJob(known->spec) != HashOfJob(job)) continue;
@@ -89,6 +103,11 @@ void Hub::Serve(const std::string& peer, const wire::Submit& submit,
   const std::string id = NewJobId(job);
   AnswerWhenDurable(peer, id, 1);
   Handle(SubmitJob{id, job, came});
+}
+
+void Hub::RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
+  refusals_.Add({kind, why}, Now());
+  Reply(peer, Refusal(why));
 }
 
 // Never used before in this store: numbers go on behind all that have left a checkpoint.
@@ -150,6 +169,8 @@ void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
     for (const wire::JobInfo& info : core_.Jobs()) *reply.envelope.mutable_reply()->add_jobs() = info;
   else
     *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
+  for (const auto& [kind, count] : refusals_.Counts())
+    (*reply.envelope.mutable_reply()->mutable_refused())[kind] = count;
   if (query.action() == "results") AddResults(query.job(), reply);
   Reply(peer, std::move(reply));
 }

@@ -174,15 +174,22 @@ TEST(Hub, BlobsBeyondTheMemoryCapLieOnDiskAndAreServedFromThere) {
   bench.Start();
   StandStill(bench);
   bench.Start();
-  const Hash log = TextBlob("the log").hash;
+  std::string input;
+  bench.transport.swallow = [&input](const wire::Assign& assign) {
+    input = assign.task().inputs(0).blob();
+    return true;
+  };
+  bench.transport.ComeWorker("w");
+  bench.Until([&] { return !input.empty(); });
   wire::Message fetch;
-  fetch.envelope.mutable_fetch()->set_hash(log.Binary());
+  fetch.envelope.mutable_fetch()->set_hash(input);
   bench.transport.Come("w", fetch);
   const auto served = [&] {
     return !bench.transport.sent.empty() && bench.transport.sent.back().second.envelope.has_blob();
   };
   bench.Until(served);
-  EXPECT_EQ(bench.transport.sent.back().second.blobs.at(0).hash, log);
+  EXPECT_EQ(bench.transport.sent.back().second.blobs.at(0).hash.Binary(), input);
+  bench.transport.swallow = [](const wire::Assign&) { return false; };
   bench.transport.ComeWorker("w");
   bench.Until([&] { return bench.State() == "done"; });
 }
@@ -202,7 +209,7 @@ TEST(Hub, ARefusedMessageIsCountedAndNothingElseNotices) {
   bench.transport.ComeDamaged("stranger");
   bench.Submit();
   bench.Until([&] { return bench.State() == "done"; });
-  EXPECT_EQ(bench.hub->refused_messages(), 1u);
+  EXPECT_EQ(bench.hub->refusals().count(wire::RefusalKind::kMalformed), 1u);
 }
 
 TEST(Hub, AWorkerWhoseConnectionIsGoneIsLostBeforeItsLeaseIsOver) {

@@ -138,8 +138,9 @@ std::vector<Hash> TaskInputs(const Job& job, std::uint32_t task) {
     return hashes;
   }
   for (const auto& [name, hash] : StageInputs(job)) hashes.push_back(hash);
-  if (job.tasks.kind() == wire::TaskKey::ADVANCE)
-    hashes.insert(hashes.end(), job.partials.begin(), job.partials.end());
+  if (job.tasks.kind() != wire::TaskKey::ADVANCE) return hashes;
+  hashes.insert(hashes.end(), job.partials.begin(), job.partials.end());
+  for (const auto& [name, hash] : job.step->state().blobs()) hashes.push_back(Hash::FromBinary(hash).value());
   return hashes;
 }
 

@@ -1,5 +1,7 @@
 #include "coordinator/service.h"
 
+#include <sys/resource.h>
+
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -12,6 +14,19 @@ namespace cairn::coordinator {
 namespace {
 
 constexpr double kStep_s = 0.1;
+
+std::filesystem::path AllowListIn(const std::string& keys_dir) {
+  return std::filesystem::path(keys_dir) / "allowed";
+}
+
+// As many connections as the system allows this user.
+void RaiseFileLimit() {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &files);
+}
+
 constexpr double kPatience_s = 1.5;  // to save what is unsaved when it ends
 
 Result<std::optional<wire::ServerSecurity>> ReadSecurity(const std::string& keys_dir) {
@@ -19,7 +34,7 @@ Result<std::optional<wire::ServerSecurity>> ReadSecurity(const std::string& keys
   const std::filesystem::path dir = keys_dir;
   Result<wire::KeyPair> keys = wire::ReadKeyPair(dir / "coordinator.key");
   if (!keys.ok()) return keys.status();
-  return std::optional(wire::ServerSecurity{std::move(keys).value(), dir / "allowed"});
+  return std::optional(wire::ServerSecurity{std::move(keys).value(), AllowListIn(keys_dir)});
 }
 
 }  // namespace
@@ -29,7 +44,9 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   if (!security.ok()) return security.status();
   const Result<StoreFolder> folder = StoreFolder::Open(options.store_dir);
   if (!folder.ok()) return folder.status();
-  const Result<std::unique_ptr<Transport>> transport = ListenZmq(options.listen, security.value());
+  RaiseFileLimit();
+  const Result<std::unique_ptr<Transport>> transport =
+      ListenZmq(options.listen, security.value(), options.sockets);
   if (!transport.ok()) return transport.status();
   Result<JobTable> table = OpenJobTable(folder.value(), log);
   if (!table.ok()) return table.status();
@@ -37,6 +54,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   HubOptions hub_options;
   hub_options.core.checkpoint_interval_s = options.checkpoint_interval_s;
   hub_options.memory_bytes = options.memory_bytes;
+  if (!options.keys_dir.empty()) hub_options.allow_list = AllowListIn(options.keys_dir);
   hub_options.result_path = [dir = folder.value().dir()](const std::string& job, const std::string& stage) {
     return dir / "results" / job / (stage + ".h5");
   };

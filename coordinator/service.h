@@ -13,14 +13,15 @@
 
 #include "coordinator/log.h"
 #include "schema/error.h"
+#include "schema/wire/socket.h"
 
 namespace cairn::coordinator {
 
 struct ServiceOptions {
   std::string store_dir;  // made where it does not exist
   std::string listen;     // ipc://PATH (its folder must be 0700), or tcp://HOST:PORT with keys only
-  std::string
-      keys_dir;  // for tcp: coordinator.key (`cairn keys`) and allowed, a list of clients' public keys
+  std::string keys_dir;   // for tcp: coordinator.key (`cairn keys new`) and allowed, who may do what
+  wire::SocketOptions sockets;
   double checkpoint_interval_s = 1;  // at most one checkpoint of a job in this time, and one at a stage's end
   std::uint64_t memory_bytes = 4ull << 30;  // blobs beyond this are kept on disk only
 };

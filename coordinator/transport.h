@@ -5,15 +5,17 @@
 #include <vector>
 
 #include "schema/wire/codec.h"
+#include "schema/wire/refusal.h"
 
 namespace cairn::coordinator {
 
 // What came from `peer`: a message, or, where `status` is not ok, why one was refused (its connection is
-// dropped).
+// dropped, but for kVersion).
 struct Incoming {
   std::string peer;  // the socket's name of who sent it; opaque
   Status status;
   wire::Message message;
+  std::string user = {};  // the sender's public key, where there are keys
 };
 
 class Transport {
@@ -25,6 +27,10 @@ class Transport {
   // Queues a message and never waits. False: the peer is known to be gone. True promises nothing: a message
   // that is lost on its way, or because the peer's queue is full, is made up for by leases.
   virtual bool Send(const std::string& peer, wire::Message message) = 0;
+  // Closes a peer's connection; what it still sends is thrown away.
+  virtual void Drop(const std::string& peer) = 0;
+  // What was turned away before it could say anything, since the last call.
+  virtual std::vector<wire::Refusal> TakeRefusals() = 0;
   // From any thread.
   virtual void Wake() = 0;
 };

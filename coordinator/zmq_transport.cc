@@ -31,6 +31,8 @@ class ZmqTransport : public Transport {
     return socket_.Send(peer, std::move(message)).code() != Code::kNotFound;
   }
 
+  void Drop(const std::string& peer) override { socket_.Drop(peer); }
+  std::vector<wire::Refusal> TakeRefusals() override { return socket_.TakeRefusals(); }
   void Wake() override { wakeup_.Signal(); }
 
  private:
@@ -38,8 +40,8 @@ class ZmqTransport : public Transport {
     while (incoming.size() < kMostAtOnce) {
       std::optional<wire::Received> received = socket_.TryReceive();
       if (!received) return;
-      incoming.push_back(
-          {std::move(received->peer), std::move(received->status), std::move(received->message)});
+      incoming.push_back({std::move(received->peer), std::move(received->status),
+                          std::move(received->message), std::move(received->user_id)});
     }
   }
 
@@ -52,11 +54,10 @@ class ZmqTransport : public Transport {
 }  // namespace
 
 Result<std::unique_ptr<Transport>> ListenZmq(const std::string& endpoint,
-                                             const std::optional<wire::ServerSecurity>& security) {
+                                             const std::optional<wire::ServerSecurity>& security,
+                                             const wire::SocketOptions& options) {
   auto context = std::make_unique<wire::Context>();
-  if (security)
-    if (Status status = context->AllowClients(security->allowed_clients); !status.ok()) return status;
-  Result<wire::RouterSocket> socket = wire::RouterSocket::Bind(*context, endpoint, security);
+  Result<wire::RouterSocket> socket = wire::RouterSocket::Bind(*context, endpoint, security, options);
   if (!socket.ok()) return socket.status();
   return std::unique_ptr<Transport>(
       std::make_unique<ZmqTransport>(std::move(context), std::move(socket).value()));

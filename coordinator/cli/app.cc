@@ -38,6 +38,17 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddKeys(app, call);
 }
 
+// Over TCP the keys are those in the folder of keys, where nobody says otherwise.
+void AddKeyArguments(std::vector<std::string>& words) {
+  const auto any = [&words](const char* what) {
+    return std::ranges::any_of(words, [what](const std::string& word) { return word.starts_with(what); });
+  };
+  const bool tcp =
+      std::ranges::any_of(words, [](const std::string& w) { return w.find("tcp://") != std::string::npos; });
+  if (tcp && !any("--key")) words.push_back("--key=" + DefaultKey("worker.key"));
+  if (tcp && !any("--server-key")) words.push_back("--server-key=" + DefaultKey("coordinator.pub"));
+}
+
 // `cairn worker …` becomes cairn-worker: the science stays out of this process. Without --connect it looks
 // for the coordinator where `cairn coordinator` listens when nobody says otherwise.
 int BecomeWorker(int argc, char** argv) {
@@ -48,6 +59,7 @@ int BecomeWorker(int argc, char** argv) {
            word == "--version";
   });
   if (!elsewhere) words.push_back("--connect=" + DefaultEndpoint());
+  AddKeyArguments(words);
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);

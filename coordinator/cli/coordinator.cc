@@ -18,6 +18,10 @@ int Serve(const Options& options, const Invocation& call) {
   coordinator::ServiceOptions service = options.service;
   if (service.store_dir.empty()) service.store_dir = HomeFolder() + "/store";
   if (service.listen.empty()) service.listen = DefaultEndpoint();
+  if (service.keys_dir.empty() && service.listen.starts_with("tcp://")) {
+    service.keys_dir = ConfigFolder();
+    DefaultKey("coordinator.key");
+  }
   Invocation talkative = call;
   talkative.verbose = true;  // a service's log is all that there is to see of it
   Console console(talkative);
@@ -36,11 +40,24 @@ void AddCoordinator(CLI::App& app, Invocation& call) {
   coordinator::ServiceOptions& service = options->service;
   command->add_option("--store", service.store_dir,
                       "Folder of jobs, checkpoints and results (~/.cairn/store)");
-  command->add_option(
-      "--listen", service.listen,
-      "ipc://PATH in a folder of mode 0700 (~/.cairn), or tcp://HOST:PORT, which needs --keys");
-  command->add_option("--keys", service.keys_dir, "Folder of CURVE keys and the list of allowed clients")
+  command->add_option("--listen", service.listen,
+                      "ipc://PATH in a folder of mode 0700 (~/.cairn), or tcp://HOST:PORT, which needs keys");
+  command
+      ->add_option("--keys", service.keys_dir,
+                   "Folder of coordinator.key and the list of allowed keys (tcp: ~/.config/cairn)")
       ->check(CLI::ExistingDirectory);
+  command->add_option("--max-connections", service.sockets.connections.connections, "At a time")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command
+      ->add_option_function<std::size_t>(
+          "--max-message-mb",
+          [&service](const std::size_t& mb) {
+            service.sockets.limits.message_bytes = mb << 20;
+            service.sockets.connections.unread_bytes = mb << 21;
+          },
+          "Largest message, blobs included (4096)")
+      ->check(CLI::Range(1, 1'000'000));
   command
       ->add_option("--checkpoint-interval", service.checkpoint_interval_s,
                    "Seconds between checkpoints of a job")

@@ -34,6 +34,21 @@ std::string HomeFolder() {
   return folder;
 }
 
+std::string ConfigFolder() {
+  const std::string config = Environment("XDG_CONFIG_HOME");
+  if (config.starts_with('/'))
+    return config + "/cairn";  // a relative one counts as unset: XDG base directories
+  const std::string home = Environment("HOME");
+  if (home.empty()) throw InputError("neither XDG_CONFIG_HOME nor HOME is set: say where the keys are");
+  return home + "/.config/cairn";
+}
+
+std::string DefaultKey(const std::string& file) {
+  std::string path = ConfigFolder() + "/" + file;
+  if (std::filesystem::exists(path)) return path;
+  throw InputError("TCP needs keys, and there is no " + path + " (see `cairn keys --help`)");
+}
+
 std::string DefaultEndpoint() {
   const std::string endpoint = Environment("CAIRN_COORDINATOR");
   return endpoint.empty() ? "ipc://" + HomeFolder() + "/coordinator.ipc" : endpoint;

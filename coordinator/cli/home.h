@@ -10,6 +10,12 @@ namespace cairn::cli {
 // set.
 std::string HomeFolder();
 
+// Where keys lie: $XDG_CONFIG_HOME/cairn, else $HOME/.config/cairn. Not made here. Throws InputError where
+// neither is set.
+std::string ConfigFolder();
+// A file in there. Throws InputError, with what to do, where it is missing.
+std::string DefaultKey(const std::string& file);
+
 // $CAIRN_COORDINATOR, else the ipc endpoint in HomeFolder().
 std::string DefaultEndpoint();
 

@@ -62,8 +62,17 @@ std::string JobText(const wire::JobInfo& job) {
 
 std::string JobJson(const wire::JobInfo& job) { return Dump(ToJson(job)); }
 
-std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers) {
-  nlohmann::ordered_json json = {{"workers", workers}, {"jobs", nlohmann::ordered_json::array()}};
+std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
+  std::string text;
+  for (const auto& [kind, count] : refused)
+    text += (text.empty() ? "refused: " : ", ") + kind + " " + std::to_string(count);
+  return text.empty() ? "" : text + "\n";
+}
+
+std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers,
+                     const std::map<std::string, std::uint64_t>& refused) {
+  nlohmann::ordered_json json = {
+      {"workers", workers}, {"refused", refused}, {"jobs", nlohmann::ordered_json::array()}};
   for (const wire::JobInfo& job : jobs) json["jobs"].push_back(ToJson(job));
   return Dump(json);
 }

@@ -1,6 +1,8 @@
 // Jobs of a service, for people and for programs.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,11 @@ std::string JobTable(const std::vector<wire::JobInfo>& jobs);
 std::string JobText(const wire::JobInfo& job);
 
 std::string JobJson(const wire::JobInfo& job);
-std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers);
+std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers,
+                     const std::map<std::string, std::uint64_t>& refused);
+
+// What a service has refused, by kind, in one line; empty where nothing.
+std::string RefusedText(const std::map<std::string, std::uint64_t>& refused);
 
 // Nothing more will happen to it by itself.
 bool IsOver(const wire::JobInfo& job);

@@ -57,9 +57,10 @@ int List(const Options& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   const coordinator::JobList list = Take(client.List());
   if (options.json) {
-    std::fputs(JobsJson(list.jobs, list.workers).c_str(), stdout);
+    std::fputs(JobsJson(list.jobs, list.workers, list.refused).c_str(), stdout);
   } else {
-    std::printf("%s%u worker%s\n", JobTable(list.jobs).c_str(), list.workers, list.workers == 1 ? "" : "s");
+    std::printf("%s%u worker%s\n%s", JobTable(list.jobs).c_str(), list.workers, list.workers == 1 ? "" : "s",
+                RefusedText(list.refused).c_str());
   }
   return kExitDone;
 }

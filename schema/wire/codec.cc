@@ -61,6 +61,9 @@ std::vector<const BlobMeta*> ListMetas(Envelope& envelope) {
 }
 
 Status Corrupt(const std::string& why) { return {Code::kCorrupt, "malformed message: " + why}; }
+Status OverLimit(const std::string& limit) {
+  return {Code::kRefused, "a message over the limit of " + limit};
+}
 
 Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames) {
   const Result<Hash> hash = Hash::FromBinary(meta.hash());
@@ -84,11 +87,12 @@ Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<con
 
 Status CheckSizes(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
   if (frames.empty()) return Corrupt("no envelope");
-  if (frames[0].size() > limits.envelope_bytes) return Corrupt("the envelope is over the limit");
+  if (frames.size() > limits.frames) return OverLimit(std::to_string(limits.frames) + " frames");
+  if (frames[0].size() > limits.envelope_bytes)
+    return OverLimit(std::to_string(limits.envelope_bytes) + " bytes of an envelope");
   std::size_t left = limits.message_bytes;
   for (const auto& frame : frames) {
-    if (frame.size() > left)
-      return Corrupt("over the limit of " + std::to_string(limits.message_bytes) + " bytes");
+    if (frame.size() > left) return OverLimit(std::to_string(limits.message_bytes) + " bytes");
     left -= frame.size();
   }
   return Status::Ok();

@@ -11,16 +11,12 @@
 
 #include "schema/blob.h"
 #include "schema/wire.pb.h"
+#include "schema/wire/limits.h"
 
 namespace cairn::wire {
 
 // Hello.protocol. Raised when an old peer could no longer make sense of what a new one says.
 inline constexpr std::uint32_t kProtocol = 1;
-
-struct Limits {
-  std::size_t envelope_bytes = std::size_t{64} << 20;
-  std::size_t message_bytes = std::size_t{4} << 30;  // all frames of a message together
-};
 
 // A blob with its content hash, so that nobody hashes the same bytes twice.
 struct NamedBlob {
@@ -44,8 +40,8 @@ struct Frames {
 
 Frames Encode(Message message);
 
-// kCorrupt: truncated, a frame too many or too few, bytes that do not match their hash, over a limit.
-// kVersion: an envelope that holds no kind of message known here.
+// kCorrupt: truncated, a frame too many or too few, bytes that do not match their hash. kRefused: over a
+// limit. kVersion: an envelope that holds no kind of message known here.
 Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const Limits& limits = {});
 
 // One line for logs: "done", "blob", …

@@ -1,11 +1,7 @@
-// What sockets of one process share: ZeroMQ's I/O thread, and the thread that says which client keys may
-// connect.
+// What sockets of one process share: ZeroMQ's I/O thread.
 #pragma once
 
-#include <filesystem>
 #include <memory>
-
-#include "schema/error.h"
 
 namespace cairn::wire {
 
@@ -17,10 +13,6 @@ class Context {
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
-
-  // From now on clients connect only with keys that are in this file; it is read at each handshake, so that
-  // keys can be added and taken away while a service runs. kCorrupt, kNotFound: it cannot be read now.
-  Status AllowClients(const std::filesystem::path& allow_list);
 
   struct Impl;
   const std::shared_ptr<Impl>& impl() const { return impl_; }

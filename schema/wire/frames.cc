@@ -8,6 +8,7 @@ namespace {
 
 // Below this a copy costs less than the allocation and the call back that zero-copy needs.
 constexpr std::size_t kZeroCopyBytes = 16 * 1024;
+constexpr std::size_t kLongestName = 255;  // ZMTP's limit
 
 zmq::message_t FrameOf(const Array& array) {
   const std::span<const std::byte> bytes = array.bytes();
@@ -76,7 +77,9 @@ std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& l
     if (got < 0 && (zmq_errno() == EAGAIN || zmq_errno() == EINTR)) break;
     CAIRN_DEMAND(got >= 0, zmq_strerror(zmq_errno()));
     more = frame.more();
-    if (bytes > limits.message_bytes) continue;
+    // A router's first frame, the peer's name, is not the message's: what is kept must still be over the
+    // limit.
+    if (bytes > limits.message_bytes + kLongestName || frames.size() > limits.frames + 1) continue;
     bytes += frame.size();
     frames.push_back(std::move(frame));
   }

@@ -1,9 +1,6 @@
 // Shared by this folder's .cc files alone: cppzmq does not leave the folder.
 #pragma once
 
-#include <filesystem>
-#include <mutex>
-#include <thread>
 #include <vector>
 #include <zmq.hpp>
 
@@ -14,10 +11,6 @@ namespace cairn::wire {
 
 struct Context::Impl {
   zmq::context_t zmq{1};
-  std::mutex mutex;
-  std::filesystem::path allow_list;  // guarded by mutex
-  std::thread authenticator;
-  ~Impl();
 };
 
 // Sends all frames, without blocking. kNotFound: no such peer. kBusy: its queue is full, or nobody is

@@ -1,115 +1,142 @@
 #include "schema/wire/keys.h"
 
 #include <fcntl.h>
+#include <string.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <sstream>
+#include <string_view>
 #include <vector>
 
 namespace cairn::wire {
 namespace {
 
 constexpr std::size_t kKeyChars = 40;
+constexpr std::size_t kMostBytes = 4096;  // of a key file
 
-bool IsKey(const std::string& text) {
-  std::array<std::uint8_t, 32> bytes;
-  return text.size() == kKeyChars && zmq_z85_decode(bytes.data(), text.c_str()) != nullptr;
-}
+void Wipe(std::string& text) { ::explicit_bzero(text.data(), text.size()); }
 
 Status WriteNew(const std::filesystem::path& path, const std::string& text, mode_t mode) {
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
   if (fd < 0) {
     // Whatever else is wrong with the place, another has to be named.
     const Code code = errno == EEXIST ? Code::kBusy : errno == ENOSPC ? Code::kNoSpace : Code::kRefused;
-    return {code, path.string() + ": " + std::strerror(errno)};
+    return {code, path.string() + ": " + ::strerror(errno)};
   }
   const bool written =
       ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(fd) == 0;
-  const std::string why = std::strerror(errno);
+  const std::string why = ::strerror(errno);
   ::close(fd);
   if (written) return Status::Ok();
   ::unlink(path.c_str());
   return {Code::kIo, path.string() + ": " + why};
 }
 
-Result<std::vector<std::string>> ReadLines(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) return Status(Code::kNotFound, path.string() + ": " + std::strerror(errno));
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) lines.push_back(line);
-  return lines;
+// Says why a file that holds a secret may not be used; asked of the open file, so that it cannot change
+// after.
+std::string WhyUnsafe(int fd) {
+  struct stat info{};
+  if (::fstat(fd, &info) != 0 || !S_ISREG(info.st_mode)) return "not a file";
+  if (info.st_uid != ::geteuid()) return "this secret key belongs to another user";
+  return (info.st_mode & 077) == 0 ? "" : "others can read this secret key; chmod 600 it";
 }
 
-// The first word of each line that has one, each a key.
-Result<std::vector<std::string>> ReadKeys(const std::filesystem::path& path) {
-  const Result<std::vector<std::string>> lines = ReadLines(path);
-  if (!lines.ok()) return lines.status();
-  std::vector<std::string> keys;
-  for (std::size_t i = 0; i < lines.value().size(); ++i) {
-    std::istringstream words(lines.value()[i]);
-    std::string key;
-    if (!(words >> key)) continue;
-    // A key may itself begin with '#'.
-    if (key.starts_with('#') && !IsKey(key)) continue;
-    if (!IsKey(key)) {
-      return Status(Code::kCorrupt,
-                    path.string() + ":" + std::to_string(i + 1) + ": not a key of 40 characters");
-    }
-    keys.push_back(key);
+// The file's text; the caller wipes it.
+Result<std::string> ReadText(const std::filesystem::path& path, bool secret) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd < 0) return Status(Code::kNotFound, path.string() + ": " + ::strerror(errno));
+  if (const std::string why = secret ? WhyUnsafe(fd) : ""; !why.empty()) {
+    ::close(fd);
+    return Status(Code::kRefused, path.string() + ": " + why);
+  }
+  std::string text(kMostBytes, '\0');
+  const ssize_t got = ::read(fd, text.data(), text.size());
+  ::close(fd);
+  text.resize(got < 0 ? 0 : static_cast<std::size_t>(got));
+  return text;
+}
+
+// The first word of each line that has one, each a key, as views into `text`. Empty where one is not.
+std::vector<std::string_view> KeysIn(std::string_view text) {
+  std::vector<std::string_view> keys;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) continue;
+    const std::string_view word = line.substr(first, line.find_first_of(" \t\r", first) - first);
+    const bool is_key = IsPublicKey(word);
+    if (!is_key && word.starts_with('#')) continue;  // a key may itself begin with '#'
+    if (!is_key) return {};
+    keys.push_back(word);
   }
   return keys;
 }
 
 }  // namespace
 
+KeyPair::~KeyPair() { Wipe(secret_key); }
+
 KeyPair GenerateKeyPair() {
   std::array<char, kKeyChars + 1> public_key{};
   std::array<char, kKeyChars + 1> secret_key{};
   CAIRN_DEMAND(zmq_curve_keypair(public_key.data(), secret_key.data()) == 0, "libzmq lacks CURVE");
-  return {public_key.data(), secret_key.data()};
+  KeyPair keys{public_key.data(), secret_key.data()};
+  ::explicit_bzero(secret_key.data(), secret_key.size());
+  return keys;
+}
+
+bool IsPublicKey(std::string_view text) {
+  if (text.size() != kKeyChars) return false;
+  std::array<char, kKeyChars + 1> copy{};  // it may be a secret that is looked at
+  std::array<std::uint8_t, 32> bytes{};
+  text.copy(copy.data(), kKeyChars);
+  const bool is_key = zmq_z85_decode(bytes.data(), copy.data()) != nullptr;
+  ::explicit_bzero(copy.data(), copy.size());
+  ::explicit_bzero(bytes.data(), bytes.size());
+  return is_key;
+}
+
+std::string ShortKey(const std::string& public_key) {
+  return public_key.empty() ? "no key" : "key " + public_key.substr(0, 8) + "...";
 }
 
 Status WriteKeyPair(const std::filesystem::path& stem, const KeyPair& keys) {
-  const std::string secret = "# Cairn key pair: public, then secret. Keep this file to yourself.\n" +
-                             keys.public_key + " public\n" + keys.secret_key + " secret\n";
-  if (Status s = WriteNew(stem.string() + ".key", secret, 0600); !s.ok()) return s;
+  std::string secret = "# Cairn key pair: public, then secret. Keep this file to yourself.\n" +
+                       keys.public_key + " public\n" + keys.secret_key + " secret\n";
+  const Status written = WriteNew(stem.string() + ".key", secret, 0600);
+  Wipe(secret);
+  if (!written.ok()) return written;
   return WriteNew(stem.string() + ".pub", keys.public_key + "\n", 0644);
 }
 
 Result<KeyPair> ReadKeyPair(const std::filesystem::path& path) {
-  struct stat info;
-  if (::stat(path.c_str(), &info) != 0)
-    return Status(Code::kNotFound, path.string() + ": " + std::strerror(errno));
-  if ((info.st_mode & 077) != 0) {
-    return Status(Code::kRefused, path.string() + ": others can read this secret key; chmod 600 it");
-  }
-  const Result<std::vector<std::string>> keys = ReadKeys(path);
-  if (!keys.ok()) return keys.status();
+  Result<std::string> text = ReadText(path, true);
+  if (!text.ok()) return text.status();
+  ::prctl(PR_SET_DUMPABLE, 0);
+  const std::vector<std::string_view> keys = KeysIn(text.value());
+  KeyPair pair;
+  if (keys.size() == 2) pair = {std::string(keys[0]), std::string(keys[1])};
+  Wipe(text.value());
   std::array<char, kKeyChars + 1> derived{};
-  if (keys.value().size() != 2 || zmq_curve_public(derived.data(), keys.value()[1].c_str()) != 0 ||
-      keys.value()[0] != derived.data()) {
+  if (keys.size() != 2 || zmq_curve_public(derived.data(), pair.secret_key.c_str()) != 0 ||
+      pair.public_key != derived.data()) {
     return Status(Code::kCorrupt, path.string() + ": not a key pair");
   }
-  return KeyPair{keys.value()[0], keys.value()[1]};
+  return pair;
 }
 
 Result<std::string> ReadPublicKey(const std::filesystem::path& path) {
-  const Result<std::vector<std::string>> keys = ReadKeys(path);
-  if (!keys.ok()) return keys.status();
-  if (keys.value().size() != 1) return Status(Code::kCorrupt, path.string() + ": not one public key");
-  return keys.value()[0];
-}
-
-Result<std::set<std::string>> ReadAllowList(const std::filesystem::path& path) {
-  const Result<std::vector<std::string>> keys = ReadKeys(path);
-  if (!keys.ok()) return keys.status();
-  return std::set<std::string>(keys.value().begin(), keys.value().end());
+  const Result<std::string> text = ReadText(path, false);
+  if (!text.ok()) return text.status();
+  const std::vector<std::string_view> keys = KeysIn(text.value());
+  if (keys.size() != 1) return Status(Code::kCorrupt, path.string() + ": not one public key");
+  return std::string(keys[0]);
 }
 
 }  // namespace cairn::wire

@@ -1,9 +1,9 @@
-// CURVE key pairs and the list of clients that may connect. Keys are texts of 40 characters (Z85).
+// CURVE key pairs. Keys are texts of 40 characters (Z85).
 #pragma once
 
 #include <filesystem>
-#include <set>
 #include <string>
+#include <string_view>
 
 #include "schema/error.h"
 
@@ -12,18 +12,21 @@ namespace cairn::wire {
 struct KeyPair {
   std::string public_key;
   std::string secret_key;
+
+  ~KeyPair();  // overwrites the secret
 };
 
 KeyPair GenerateKeyPair();
+bool IsPublicKey(std::string_view text);
+// Of a public key, what logs show of it.
+std::string ShortKey(const std::string& public_key);
 // Writes `stem`.key (both keys, mode 0600) and `stem`.pub (the public one, to hand out). kBusy where one
 // exists.
 Status WriteKeyPair(const std::filesystem::path& stem, const KeyPair& keys);
-// Reads a .key file. kRefused where others than its owner may read it.
+// Reads a .key file. kRefused where it is another's, or others than its owner may read it. From then on this
+// process leaves no core dump.
 Result<KeyPair> ReadKeyPair(const std::filesystem::path& path);
 // Reads the one key of a .pub file.
 Result<std::string> ReadPublicKey(const std::filesystem::path& path);
-// A public key a line, anything after it is a remark; a line that begins with '#' is one. kCorrupt names the
-// line that holds no key.
-Result<std::set<std::string>> ReadAllowList(const std::filesystem::path& path);
 
 }  // namespace cairn::wire

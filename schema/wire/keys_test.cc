@@ -1,6 +1,8 @@
 #include "schema/wire/keys.h"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -8,8 +10,6 @@
 
 namespace cairn::wire {
 namespace {
-
-void Write(const std::filesystem::path& path, const std::string& text) { std::ofstream(path) << text; }
 
 TEST(Keys, PairsAreWrittenAndReadBack) {
   const PrivateFolder folder;
@@ -65,19 +65,28 @@ TEST(Keys, APublicKeyThatDoesNotBelongToTheSecretIsCorrupt) {
   EXPECT_EQ(ReadKeyPair(folder.path() / "site.key").status().code(), Code::kCorrupt);
 }
 
-TEST(Keys, TheAllowListTakesRemarksAndNamesABadLine) {
+TEST(Keys, ASecretOfAnotherUserIsRefused) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   const PrivateFolder folder;
-  const std::string a = GenerateKeyPair().public_key;
-  const std::string b = GenerateKeyPair().public_key;
-  Write(folder.path() / "allowed", "# the lab\n\n" + a + "  desk\n" + b + "\n");
-  const Result<std::set<std::string>> keys = ReadAllowList(folder.path() / "allowed");
-  ASSERT_TRUE(keys.ok()) << keys.status().message();
-  EXPECT_EQ(keys.value(), (std::set<std::string>{a, b}));
-  Write(folder.path() / "bad", a + "\nnot-a-key\n");
-  const Result<std::set<std::string>> bad = ReadAllowList(folder.path() / "bad");
-  ASSERT_FALSE(bad.ok());
-  EXPECT_NE(bad.status().message().find("bad:2:"), std::string::npos) << bad.status().message();
-  EXPECT_EQ(ReadAllowList(folder.path() / "none").status().code(), Code::kNotFound);
+  ASSERT_TRUE(WriteKeyPair(folder.path() / "site", GenerateKeyPair()).ok());
+  ASSERT_EQ(::chown((folder.path() / "site.key").c_str(), 1, 1), 0);
+  EXPECT_EQ(ReadKeyPair(folder.path() / "site.key").status().code(), Code::kRefused);
+}
+
+TEST(Keys, AProcessThatReadASecretLeavesNoCoreDump) {
+  const PrivateFolder folder;
+  ASSERT_TRUE(WriteKeyPair(folder.path() / "site", GenerateKeyPair()).ok());
+  ::prctl(PR_SET_DUMPABLE, 1);
+  ASSERT_TRUE(ReadPublicKey(folder.path() / "site.pub").ok());
+  EXPECT_EQ(::prctl(PR_GET_DUMPABLE), 1);
+  ASSERT_TRUE(ReadKeyPair(folder.path() / "site.key").ok());
+  EXPECT_EQ(::prctl(PR_GET_DUMPABLE), 0);
+}
+
+TEST(Keys, WhatALogShowsOfAKeyIsAShortPart) {
+  const std::string key = GenerateKeyPair().public_key;
+  EXPECT_EQ(ShortKey(key), "key " + key.substr(0, 8) + "...");
+  EXPECT_EQ(ShortKey(""), "no key");
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ class Wakeup {
   Wakeup& operator=(const Wakeup&) = delete;
   void Signal() const;  // from any thread, and from a signal handler
   void Clear() const;
+  int descriptor() const { return fd_; }  // readable once it is signalled
 
  private:
   friend class Poller;

@@ -1,10 +1,8 @@
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
+#include "schema/wire/connection.h"
 #include "schema/wire/endpoint.h"
 #include "schema/wire/socket_impl.h"
 
@@ -13,37 +11,8 @@ namespace {
 
 constexpr std::size_t kDroppedPeersKept = 4096;
 
-// The address that a descriptor is bound to, as endpoints write it; empty where it is not a connected stream
-// socket.
-std::string LocalEndpoint(int fd) {
-  sockaddr_storage local{};
-  sockaddr_storage remote{};
-  socklen_t local_size = sizeof local;
-  socklen_t remote_size = sizeof remote;
-  if (::getsockname(fd, reinterpret_cast<sockaddr*>(&local), &local_size) != 0 ||
-      ::getpeername(fd, reinterpret_cast<sockaddr*>(&remote), &remote_size) != 0) {
-    return "";
-  }
-  switch (local.ss_family) {
-    case AF_UNIX:
-      return std::string("ipc://") + reinterpret_cast<const sockaddr_un&>(local).sun_path;
-    case AF_INET:
-      return "tcp::" + std::to_string(ntohs(reinterpret_cast<const sockaddr_in&>(local).sin_port));
-    case AF_INET6:
-      return "tcp::" + std::to_string(ntohs(reinterpret_cast<const sockaddr_in6&>(local).sin6_port));
-    default:
-      return "";
-  }
-}
-
-// ZeroMQ has no call that drops one peer of a ROUTER, but a frame knows the descriptor that it came through.
-// The descriptor may have been closed and given to someone else since, so only one that is connected to our
-// own address is shut down: the worst that can happen is that another peer has to connect again.
-void ShutDownConnection(const zmq::message_t& frame, const std::string& endpoint) {
-  const int fd = zmq_msg_get(const_cast<zmq_msg_t*>(frame.handle()), ZMQ_SRCFD);
-  const bool ipc = endpoint.starts_with("ipc://");
-  const std::string ours = ipc ? endpoint : "tcp::" + endpoint.substr(endpoint.rfind(':') + 1);
-  if (fd >= 0 && LocalEndpoint(fd) == ours) ::shutdown(fd, SHUT_RDWR);
+int Descriptor(const zmq::message_t& frame) {
+  return zmq_msg_get(const_cast<zmq_msg_t*>(frame.handle()), ZMQ_SRCFD);
 }
 
 std::string UserId(const zmq::message_t& frame) {
@@ -69,7 +38,7 @@ Result<RouterSocket> RouterSocket::Bind(Context& context, const std::string& end
                                         const SocketOptions& options) {
   if (Status s = CheckEndpoint(endpoint, security.has_value()); !s.ok()) return s;
   if (security) {
-    if (Status s = context.AllowClients(security->allowed_clients); !s.ok()) return s;
+    if (const auto keys = ReadAllowList(security->allow_list); !keys.ok()) return keys.status();
   }
   auto impl = std::make_unique<Impl>();
   impl->context = context.impl();
@@ -84,8 +53,12 @@ Result<RouterSocket> RouterSocket::Bind(Context& context, const std::string& end
       impl->socket.set(zmq::sockopt::curve_secretkey, security->keys.secret_key);
       impl->socket.set(zmq::sockopt::zap_domain, "cairn");
     }
+    impl->doorman = std::make_unique<Doorman>(impl->context->zmq, impl->socket,
+                                              security ? std::optional(security->allow_list) : std::nullopt,
+                                              options.connections);
     impl->socket.bind(endpoint);
     impl->endpoint = impl->socket.get(zmq::sockopt::last_endpoint);
+    impl->doorman->Start(impl->endpoint);
   } catch (const zmq::error_t& error) {
     return ZmqStatus(endpoint, error);
   }
@@ -98,11 +71,20 @@ RouterSocket& RouterSocket::operator=(RouterSocket&&) noexcept = default;
 RouterSocket::~RouterSocket() = default;
 
 const std::string& RouterSocket::endpoint() const { return impl_->endpoint; }
-std::uint64_t RouterSocket::refused_messages() const { return impl_->refused; }
+std::size_t RouterSocket::connections() const { return impl_->doorman->connections(); }
+std::vector<Refusal> RouterSocket::TakeRefusals() { return impl_->doorman->TakeRefusals(); }
+void RouterSocket::Drop(const std::string& peer) { impl_->Drop(peer); }
 
-void RouterSocket::Impl::Drop(const std::string& peer, const zmq::message_t& from) {
-  ++refused;
-  ShutDownConnection(from, endpoint);
+void RouterSocket::Impl::Remember(const std::string& peer, int fd) {
+  // Whoever is forgotten here and dropped before it sends again keeps a connection through which nothing
+  // comes.
+  if (descriptors.size() > 2 * options.connections.connections) descriptors.clear();
+  descriptors[peer] = fd;
+}
+
+void RouterSocket::Impl::Drop(const std::string& peer) {
+  if (const auto fd = descriptors.find(peer); fd != descriptors.end())
+    ShutDownConnection(fd->second, endpoint);
   if (!dropped.insert(peer).second) return;
   drop_order.push_back(peer);
   if (drop_order.size() <= kDroppedPeersKept) return;
@@ -115,12 +97,13 @@ Received RouterSocket::Impl::Receive(std::vector<zmq::message_t> frames) {
   received.peer = frames[0].to_string();
   const zmq::message_t& last = frames.back();
   received.user_id = UserId(last);
+  Remember(received.peer, Descriptor(last));
   Result<Message> message = DecodeFrames(std::span(frames).subspan(1), options.limits);
   if (message.ok()) {
     received.message = std::move(message).value();
   } else {
     received.status = message.status();
-    Drop(received.peer, last);
+    if (received.status.code() != Code::kVersion) Drop(received.peer);
   }
   return received;
 }
@@ -129,6 +112,9 @@ std::optional<Received> RouterSocket::TryReceive() {
   while (true) {
     std::vector<zmq::message_t> frames = ReceiveFrames(impl_->socket, impl_->options.limits);
     if (frames.empty()) return std::nullopt;
+    const std::size_t bytes = std::accumulate(frames.begin(), frames.end(), std::size_t{0},
+                                              [](std::size_t sum, const auto& f) { return sum + f.size(); });
+    impl_->doorman->TellTaken(Descriptor(frames.back()), bytes, frames.size());
     if (!impl_->dropped.contains(frames[0].to_string())) return impl_->Receive(std::move(frames));
   }
 }

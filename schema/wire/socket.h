@@ -3,20 +3,24 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "schema/wire/codec.h"
 #include "schema/wire/context.h"
 #include "schema/wire/keys.h"
+#include "schema/wire/refusal.h"
 
 namespace cairn::wire {
 
 struct SocketOptions {
   Limits limits;
-  int queue_messages = 1000;  // high-water mark, each way and peer
-  int handshake_ms = 10'000;  // a connection that has not shaken hands by then is closed
+  ConnectionLimits connections;  // Router
+  int queue_messages = 1000;     // high-water mark, each way and peer
+  int handshake_ms = 5'000;      // a connection that has not shaken hands by then is closed
   int heartbeat_ms = 5'000;  // ZeroMQ's own pings, so that a vanished machine is noticed: after three of them
   int linger_ms = 1'000;     // how long a closed socket may still send
   int reconnect_ms = 100;    // Dealer: first pause, doubled up to reconnect_max_ms
@@ -25,17 +29,18 @@ struct SocketOptions {
 
 struct ServerSecurity {
   KeyPair keys;
-  std::filesystem::path allowed_clients;  // Context::AllowClients
+  std::filesystem::path allow_list;  // allow_list.h; read again whenever it changes
 };
 struct ClientSecurity {
   KeyPair keys;
   std::string server_public_key;
 };
 
-// A message that came in, or, where `status` is not ok, the reason why one was refused (its sender's
-// connection is dropped by then, and whatever else it had sent is thrown away).
+// A message that came in, or, where `status` is not ok, the reason why one was refused (kCorrupt, kRefused:
+// its sender's connection is dropped by then, and whatever else it had sent is thrown away; kVersion: it may
+// be told).
 struct Received {
-  std::string peer;     // Router: who sent it; opaque
+  std::string peer;     // Router: which connection it came through; opaque, and the sender may have chosen it
   std::string user_id;  // Router with keys: the sender's public key
   Status status;
   Message message;
@@ -43,7 +48,8 @@ struct Received {
 
 class RouterSocket {
  public:
-  // kRefused by CheckEndpoint; kBusy: the address is in use.
+  // kRefused by CheckEndpoint; kBusy: the address is in use; what ReadAllowList says. A context holds at most
+  // one that has keys.
   static Result<RouterSocket> Bind(Context& context, const std::string& endpoint,
                                    const std::optional<ServerSecurity>& security = {},
                                    const SocketOptions& = {});
@@ -55,7 +61,11 @@ class RouterSocket {
   std::optional<Received> TryReceive();
   // kNotFound: the peer is gone, or was dropped. kBusy: its queue is full.
   Status Send(const std::string& peer, Message message);
-  std::uint64_t refused_messages() const;
+  // Closes a peer's connection; what it had sent, and still sends, is thrown away.
+  void Drop(const std::string& peer);
+  // What was turned away at the door since the last call, by kind. Messages are refused by TryReceive.
+  std::vector<Refusal> TakeRefusals();
+  std::size_t connections() const;
 
   struct Impl;
 

@@ -4,7 +4,9 @@
 #include <deque>
 #include <set>
 #include <string>
+#include <unordered_map>
 
+#include "schema/wire/doorman.h"
 #include "schema/wire/internal.h"
 #include "schema/wire/socket.h"
 
@@ -15,12 +17,14 @@ struct RouterSocket::Impl {
   SocketOptions options;
   zmq::socket_t socket;
   std::string endpoint;
-  std::uint64_t refused = 0;
-  std::set<std::string> dropped;       // peers whose messages are thrown away …
-  std::deque<std::string> drop_order;  // … of which only the latest are remembered
+  std::set<std::string> dropped;                     // peers whose messages are thrown away …
+  std::deque<std::string> drop_order;                // … of which only the latest are remembered
+  std::unordered_map<std::string, int> descriptors;  // by peer, as its last message had it
+  std::unique_ptr<Doorman> doorman;                  // goes before the socket that it watches
 
   Received Receive(std::vector<zmq::message_t> frames);
-  void Drop(const std::string& peer, const zmq::message_t& from);
+  void Remember(const std::string& peer, int fd);
+  void Drop(const std::string& peer);
 };
 
 struct DealerSocket::Impl {

@@ -140,7 +140,6 @@ TEST(Socket, AMalformedMessageDropsItsSenderAndNobodyElse) {
   const std::optional<Received> bad = AwaitMessage(link.router);
   ASSERT_TRUE(bad);
   EXPECT_EQ(bad->status.code(), Code::kCorrupt);
-  EXPECT_EQ(link.router.refused_messages(), 1u);
   EXPECT_EQ(link.router.Send(bad->peer, HelloMessage("x")).code(), Code::kNotFound);
 
   ASSERT_TRUE(link.dealer.Send(HelloMessage("fine")).ok());
@@ -164,7 +163,7 @@ TEST(Socket, ADroppedPeersConnectionIsClosed) {
   ASSERT_TRUE(dealer.Send(message).ok());
   const std::optional<Received> bad = AwaitMessage(strict);
   ASSERT_TRUE(bad);
-  EXPECT_EQ(bad->status.code(), Code::kCorrupt);
+  EXPECT_EQ(bad->status.code(), Code::kRefused);
   EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kDisconnected);
   ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
   ASSERT_TRUE(dealer.Send(HelloMessage("sorry")).ok());
@@ -206,7 +205,7 @@ TEST(Socket, BindingTwiceIsBusyAndTcpWithoutKeysRefused) {
   EXPECT_EQ(RouterSocket::Bind(link.context, "tcp://127.0.0.1:*").status().code(), Code::kRefused);
   EXPECT_EQ(DealerSocket::Connect(link.context, "tcp://127.0.0.1:1").status().code(), Code::kRefused);
   const KeyPair keys = GenerateKeyPair();
-  std::ofstream(link.folder.path() / "allowed") << keys.public_key << "\n";
+  std::ofstream(link.folder.path() / "allowed") << keys.public_key << " worker\n";
   const ServerSecurity security{keys, link.folder.path() / "allowed"};
   const Result<RouterSocket> first = RouterSocket::Bind(link.context, "tcp://127.0.0.1:*", security);
   ASSERT_TRUE(first.ok()) << first.status().message();
@@ -217,7 +216,7 @@ TEST(Socket, BindingTwiceIsBusyAndTcpWithoutKeysRefused) {
 class SecuredSocket : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::ofstream(folder_.path() / "allowed") << known_.public_key << " desk\n";
+    std::ofstream(folder_.path() / "allowed") << known_.public_key << " worker desk\n";
     Result<RouterSocket> bound = RouterSocket::Bind(
         context_, "tcp://127.0.0.1:*", ServerSecurity{server_, folder_.path() / "allowed"}, Quick());
     ASSERT_TRUE(bound.ok()) << bound.status().message();
@@ -254,7 +253,7 @@ TEST_F(SecuredSocket, AKeyAddedToTheListIsLetInWithoutARestart) {
   const KeyPair late = GenerateKeyPair();
   DealerSocket dealer = Connect(late, server_.public_key);
   ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kKeyRefused);
-  std::ofstream(folder_.path() / "allowed", std::ios::app) << late.public_key << "\n";
+  std::ofstream(folder_.path() / "allowed", std::ios::app) << late.public_key << " viewer\n";
   ASSERT_TRUE(dealer.Reconnect().ok());
   EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
 }

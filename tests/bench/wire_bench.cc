@@ -15,6 +15,7 @@
 #include "schema/wire/poller.h"
 #include "schema/wire/socket.h"
 #include "schema/wire/testing.h"
+#include "tests/bench/blob_rates.h"
 #include "worker/worker.h"
 #include "worker/zmq_transport.h"
 
@@ -260,4 +261,7 @@ void Main() {
 }  // namespace
 }  // namespace cairn::bench
 
-int main() { cairn::bench::Main(); }
+int main() {
+  cairn::bench::Main();
+  cairn::bench::PrintBlobRates();
+}

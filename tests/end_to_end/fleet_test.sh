@@ -20,12 +20,47 @@ while IFS= read -r command; do
   esac
 done <commands
 says 'landmark_map'
-client=(--connect "tcp://127.0.0.1:$port" --key keys/client.key --server-key keys/coordinator.pub)
-job=$(cairn list "${client[@]}" --json | grep -oE '"id": ?"[^"]+"' | head -n 1 | cut -d'"' -f4)
-exits 0 cairn watch "$job" "${client[@]}"
-exits 0 cairn results "$job" --out there "${client[@]}"
+keys=$HOME/.config/cairn
+export CAIRN_COORDINATOR=tcp://127.0.0.1:$port
+job=$(cairn list --json | grep -oE '"id": ?"[^"]+"' | head -n 1 | cut -d'"' -f4)
+exits 0 cairn watch "$job"
+exits 0 cairn results "$job" --out there
 exits 0 cairn run landmark_map log.h5 --out here --workers 1
 same_bits here there
 
-exits 0 cairn keys keys/stranger
-refuses 'key' cairn list --connect "tcp://127.0.0.1:$port" --key keys/stranger.key --server-key keys/coordinator.pub
+# No secret is in a log, and secrets are the owner's alone.
+for name in coordinator worker client; do
+  secret=$(awk '$2 == "secret" {print $1}' "$keys/$name.key")
+  [ ${#secret} -eq 40 ] || die "$name.key holds no secret"
+  ! grep -qF -- "$secret" log stdout stderr || die "a secret key was logged"
+  [ "$(stat -c %a "$keys/$name.key")" = 600 ] || die "$name.key is not its owner's alone"
+done
+
+# A stranger; a worker's key that submits; a viewer that cancels.
+exits 0 cairn keys new stranger
+refuses 'does not know this key' cairn list --key "$keys/stranger.key"
+refuses 'have is not for a worker' cairn submit landmark_map log.h5 --seed 3 --key "$keys/worker.key"
+exits 0 cairn keys allow "$keys/stranger.pub" --as viewer
+exits 0 cairn list --key "$keys/stranger.key"
+refuses "'cancel' is not for a viewer" cairn cancel "$job" --key "$keys/stranger.key"
+exits 0 cairn list --json
+says '"key": [1-9]'
+says '"right": 2'
+exits 0 cairn list
+says '^refused: .*key [1-9].*right 2'
+
+# A worker whose key is revoked leaves at once, and says why.
+worker=$(pgrep -P $$ -x cairn-worker)
+[ -n "$worker" ] || die "no worker runs"
+exits 0 cairn keys revoke worker
+code=0
+wait "$worker" || code=$?
+[ "$code" -eq 2 ] || die "a revoked worker ended with $code"
+grep -q 'taken off the list' log || die "a revoked worker does not say why it ends"
+exits 0 cairn list
+says '^0 workers'
+refuses 'not on the list' cairn keys revoke worker
+chmod 640 "$keys/client.key"
+refuses 'others can read this secret key' cairn list
+chmod 600 "$keys/client.key"
+refuses 'TCP needs keys|coordinator.key' cairn coordinator --store other --listen tcp://127.0.0.1:1 --keys "$work"

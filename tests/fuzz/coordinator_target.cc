@@ -33,6 +33,8 @@ class Peers : public coordinator::Transport {
     if (message.envelope.has_reply()) ++replies_;
     return true;
   }
+  void Drop(const std::string& peer) override { gone_.insert(peer); }
+  std::vector<wire::Refusal> TakeRefusals() override { return {}; }
   void Wake() override {}
 
   void Come(const std::string& peer, Status status, wire::Message message) {

@@ -1,3 +1,4 @@
+#include "schema/wire/allow_list.h"
 #include "schema/wire/keys.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"
@@ -23,7 +24,7 @@ std::vector<Bytes> Seeds() {
   const std::string pub(kPublic), secret(kSecret);
   std::vector<Bytes> seeds;
   for (const std::string& text : {pub + "\n", "# both\n" + pub + " public\n" + secret + " secret\n",
-                                  "# a list\n\n" + pub + " desk\n" + secret + "  hub\r\n"})
+                                  "# a list\n\n" + pub + " worker,viewer desk\n" + secret + "  submitter\r\n"})
     seeds.emplace_back(text.begin(), text.end());
   return seeds;
 }

@@ -52,6 +52,7 @@ class ShellModel {
   void Do(const coordinator::ForgetJob& forget);
   void Do(const coordinator::JobChanged&) {}
   void Do(const coordinator::Report&) {}
+  void Do(const coordinator::Refused&) {}
   void Take(const WriteDone& done);
   void CheckAssign(const wire::Assign& assign);
   void CheckMemory();

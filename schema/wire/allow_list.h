@@ -1,0 +1,61 @@
+// Who may do what: a file with a line for each public key that may connect,
+//
+//   KEY ROLE[,ROLE] [what it is called]
+//
+// where a role is worker, submitter or viewer. Empty lines and lines that begin with '#' are remarks.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "schema/error.h"
+
+namespace cairn::wire {
+
+struct Roles {
+  bool worker = false;     // computes tasks
+  bool submitter = false;  // submits jobs, and changes them; is a viewer too
+  bool viewer = false;     // sees jobs and their results
+
+  bool operator==(const Roles&) const = default;
+};
+
+// "worker,viewer" and back. kCorrupt where a word is no role.
+Result<Roles> ParseRoles(const std::string& text);
+std::string RoleText(const Roles& roles);
+
+struct Allowed {
+  Roles roles;
+  std::string name;  // for people; may be empty
+};
+using AllowedKeys = std::map<std::string, Allowed>;  // by public key
+
+// kNotFound, kCorrupt (names the line), kRefused where others than its owner may write it.
+Result<AllowedKeys> ReadAllowList(const std::filesystem::path& path);
+
+// The list as it is now. For one thread.
+class AllowList {
+ public:
+  explicit AllowList(std::filesystem::path path) : path_(std::move(path)) { Refresh(); }
+
+  // Reads the file again where it has changed since the last call (one stat where it has not); true where it
+  // has. A list that cannot be read allows nobody until it can.
+  bool Refresh();
+  const Status& status() const { return status_; }  // of the last reading
+  // Null: not on the list.
+  const Allowed* Find(const std::string& key) const;
+
+ private:
+  using Stamp = std::array<std::int64_t, 6>;  // differs where the file was written or replaced
+
+  std::filesystem::path path_;
+  std::optional<Stamp> stamp_;
+  Status status_;
+  AllowedKeys keys_;
+};
+
+}  // namespace cairn::wire

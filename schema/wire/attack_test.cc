@@ -1,0 +1,340 @@
+// Attacks on a listening socket, by strangers and by those whose key is on the list. Each ends with the same
+// question: does an honest peer still get through?
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <optional>
+#include <zmq.hpp>
+
+#include "schema/rng.h"
+#include "schema/wire/poller.h"
+#include "schema/wire/raw_peer.h"
+#include "schema/wire/socket.h"
+#include "schema/wire/testing.h"
+
+namespace cairn::wire {
+namespace {
+
+constexpr int kPatience_ms = 20'000;  // far more than anything here takes
+
+class Attack : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(List()) << honest_.public_key << " worker desk\n" << wicked_.public_key << " worker\n";
+    options_.handshake_ms = 300;
+    options_.reconnect_ms = 5;
+    options_.reconnect_max_ms = 50;
+    options_.linger_ms = 100;
+    options_.limits = {.envelope_bytes = 1 << 20, .message_bytes = 4 << 20, .frames = 100};
+  }
+  std::filesystem::path List() const { return folder_.path() / "allowed"; }
+  void Listen() {
+    Result<RouterSocket> bound =
+        RouterSocket::Bind(context_, "tcp://127.0.0.1:*", ServerSecurity{server_, List()}, options_);
+    ASSERT_TRUE(bound.ok()) << bound.status().message();
+    router_.emplace(std::move(bound).value());
+  }
+  int Port() const { return PortOf(router_->endpoint()); }
+
+  // Takes what comes until `done`; what is refused is counted.
+  bool Until(const std::function<bool()>& done) {
+    Poller poller;
+    poller.Add(*router_);
+    for (int waited_ms = 0; waited_ms < kPatience_ms; waited_ms += 5) {
+      while (std::optional<Received> received = router_->TryReceive()) {
+        if (received->status.ok())
+          taken_.push_back(std::move(*received));
+        else
+          bad_.push_back(std::move(*received));
+      }
+      for (const Refusal& refusal : router_->TakeRefusals()) {
+        counts_[refusal.kind] += refusal.count;
+        reasons_[refusal.kind] = refusal.reason;
+      }
+      if (done()) return true;
+      poller.Wait(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
+  bool UntilRefused(RefusalKind kind, std::uint64_t count = 1) {
+    return Until([&] { return counts_[kind] >= count; });
+  }
+  // An honest worker connects and is heard.
+  void ExpectService() {
+    const std::string word = "honest " + std::to_string(++words_);
+    DealerSocket dealer = DealerSocket::Connect(context_, router_->endpoint(),
+                                                ClientSecurity{honest_, server_.public_key}, options_)
+                              .value();
+    EXPECT_TRUE(Until([&] {
+      static_cast<void>(dealer.TryEvent());
+      return dealer.Send(Hello(word)).ok();
+    }));
+    EXPECT_TRUE(Until([&] { return Heard(word); })) << "an honest peer is not heard any more";
+  }
+  bool Heard(const std::string& word) const {
+    return std::any_of(taken_.begin(), taken_.end(), [&](const Received& r) {
+      return r.user_id == honest_.public_key && r.message.envelope.hello().host() == word;
+    });
+  }
+  static Message Hello(const std::string& host) {
+    Message message;
+    message.envelope.mutable_hello()->set_host(host);
+    return message;
+  }
+  // A ZeroMQ peer with a key on the list that does not keep to our rules.
+  zmq::socket_t Wicked(const KeyPair& keys, const std::string& endpoint, const std::string& name = "") {
+    zmq::socket_t socket(raw_, zmq::socket_type::dealer);
+    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::reconnect_ivl, -1);
+    socket.set(zmq::sockopt::sndtimeo, 50);
+    socket.set(zmq::sockopt::curve_serverkey, server_.public_key);
+    socket.set(zmq::sockopt::curve_publickey, keys.public_key);
+    socket.set(zmq::sockopt::curve_secretkey, keys.secret_key);
+    if (!name.empty()) socket.set(zmq::sockopt::routing_id, name);
+    socket.connect(endpoint);
+    return socket;
+  }
+  static bool Send(zmq::socket_t& socket, const std::string& bytes, bool more = false) {
+    return socket.send(zmq::buffer(bytes), more ? zmq::send_flags::sndmore : zmq::send_flags::none)
+        .has_value();
+  }
+
+  PrivateFolder folder_;
+  zmq::context_t raw_;
+  Context context_;
+  const KeyPair server_ = GenerateKeyPair(), honest_ = GenerateKeyPair(), wicked_ = GenerateKeyPair();
+  SocketOptions options_;
+  std::optional<RouterSocket> router_;
+  std::vector<Received> taken_, bad_;
+  std::map<RefusalKind, std::uint64_t> counts_;
+  std::map<RefusalKind, std::string> reasons_;
+  int words_ = 0;
+};
+
+TEST_F(Attack, AKeyThatIsNotOnTheListIsCountedAndShownInPartOnly) {
+  Listen();
+  const KeyPair stranger = GenerateKeyPair();
+  const zmq::socket_t socket = Wicked(stranger, router_->endpoint());
+  ASSERT_TRUE(UntilRefused(RefusalKind::kKey));
+  EXPECT_NE(reasons_[RefusalKind::kKey].find(stranger.public_key.substr(0, 8)), std::string::npos);
+  EXPECT_EQ(reasons_[RefusalKind::kKey].find(stranger.public_key), std::string::npos);
+  EXPECT_TRUE(taken_.empty());
+  ExpectService();
+}
+
+TEST_F(Attack, APeerWithoutAKeyGetsNowhere) {
+  Listen();
+  zmq::socket_t socket(raw_, zmq::socket_type::dealer);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.connect(router_->endpoint());
+  Send(socket, "let me in");
+  ASSERT_TRUE(UntilRefused(RefusalKind::kHandshake));
+  EXPECT_TRUE(taken_.empty());
+  ExpectService();
+}
+
+TEST_F(Attack, WhatIsNotZmtpAtAllIsTurnedAway) {
+  Listen();
+  Rng rng(1);
+  for (int i = 0; i < 20; ++i) {
+    std::string bytes = i == 0 ? "GET / HTTP/1.1\r\nHost: x\r\n\r\n" : std::string(200, '\0');
+    if (i > 0)
+      for (char& c : bytes) c = static_cast<char>(rng.Below(256));
+    // One that looks like the start of ZMTP 3, and goes on with rubbish.
+    if (i > 10) bytes.replace(0, 12, std::string("\xff\0\0\0\0\0\0\0\1\x7f\3\0", 12));
+    const RawTcp stranger(Port());
+    stranger.Send(bytes);
+    EXPECT_TRUE(stranger.IsEnded(kPatience_ms)) << i;
+  }
+  EXPECT_TRUE(UntilRefused(RefusalKind::kHandshake));
+  EXPECT_TRUE(taken_.empty());
+  ExpectService();
+}
+
+TEST_F(Attack, AHandshakeThatNeverEndsIsEnded) {
+  Listen();
+  const std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0CURVE", 17);
+  for (const std::size_t length : {std::size_t{0}, std::size_t{1}, std::size_t{11}, greeting.size()}) {
+    const RawTcp loris(Port());
+    loris.Send(greeting.substr(0, length));
+    EXPECT_TRUE(loris.IsEnded(kPatience_ms)) << length;
+  }
+  EXPECT_TRUE(UntilRefused(RefusalKind::kHandshake, 4));
+  ExpectService();
+}
+
+TEST_F(Attack, AnAnnouncedGiantInTheHandshakeIsRefused) {
+  Listen();
+  std::string bytes("\xff\0\0\0\0\0\0\0\1\x7f\3\0CURVE", 17);
+  bytes.resize(64);                                                 // the greeting, filled up
+  bytes += std::string("\x06\x7f\xff\xff\xff\xff\xff\xff\xff", 9);  // a command of 2^63 - 1 bytes
+  const RawTcp giant(Port());
+  giant.Send(bytes);
+  EXPECT_TRUE(giant.IsEnded(kPatience_ms));
+  ExpectService();
+}
+
+TEST_F(Attack, MassesOfHalfOpenConnectionsLeaveRoomForOthers) {
+  options_.connections.connections = 20;
+  Listen();
+  std::vector<RawTcp> masses;
+  for (int i = 0; i < 200; ++i) masses.emplace_back(Port());
+  ASSERT_TRUE(UntilRefused(RefusalKind::kConnections, 100));
+  EXPECT_TRUE(Until([&] { return router_->connections() <= 20; }));
+  masses.clear();
+  ExpectService();
+}
+
+TEST_F(Attack, AnAddressThatKnocksTooOftenIsTurnedAway) {
+  options_.connections.handshake_burst = 10;
+  options_.connections.handshakes_per_s = 20;
+  Listen();
+  std::vector<RawTcp> masses;
+  for (int i = 0; i < 100; ++i) masses.emplace_back(Port());
+  ASSERT_TRUE(UntilRefused(RefusalKind::kRate, 50));
+  EXPECT_NE(reasons_[RefusalKind::kRate].find("127.0.0.1"), std::string::npos);
+  masses.clear();
+  ExpectService();  // once its bucket has filled again: it comes from the same address
+}
+
+TEST_F(Attack, ASessionThatIsPlayedAgainSaysNothing) {
+  Listen();
+  std::string recording;
+  {
+    Relay relay(Port());
+    zmq::socket_t socket = Wicked(honest_, relay.endpoint());
+    ASSERT_TRUE(Send(socket, Hello("recorded").envelope.SerializeAsString()));
+    ASSERT_TRUE(Until([&] { return Heard("recorded"); }));
+    recording = relay.Heard();
+  }
+  taken_.clear();
+  ASSERT_GT(recording.size(), 400u);
+  const RawTcp replay(Port());
+  replay.Send(recording);
+  EXPECT_TRUE(replay.IsEnded(kPatience_ms));
+  EXPECT_TRUE(UntilRefused(RefusalKind::kHandshake));
+  EXPECT_TRUE(taken_.empty());
+  ExpectService();
+}
+
+TEST_F(Attack, AMessageThatIsSentAgainByWhoeverListensInCountsOnce) {
+  Listen();
+  Relay relay(Port());
+  zmq::socket_t socket = Wicked(honest_, relay.endpoint());
+  ASSERT_TRUE(Send(socket, Hello("first").envelope.SerializeAsString()));
+  ASSERT_TRUE(Until([&] { return Heard("first"); }));
+  relay.Tamper([](std::string bytes) { return bytes + bytes; });
+  ASSERT_TRUE(Send(socket, Hello("second").envelope.SerializeAsString()));
+  ASSERT_TRUE(UntilRefused(RefusalKind::kHandshake));
+  EXPECT_LE(taken_.size(), 2u);
+  ExpectService();
+}
+
+TEST_F(Attack, AMessageWithAFlippedBitIsNotHeard) {
+  Listen();
+  Relay relay(Port());
+  zmq::socket_t socket = Wicked(honest_, relay.endpoint());
+  ASSERT_TRUE(Send(socket, Hello("first").envelope.SerializeAsString()));
+  ASSERT_TRUE(Until([&] { return Heard("first"); }));
+  relay.Tamper([](std::string bytes) {
+    bytes.back() ^= 1;
+    return bytes;
+  });
+  ASSERT_TRUE(Send(socket, Hello("forged").envelope.SerializeAsString()));
+  ASSERT_TRUE(UntilRefused(RefusalKind::kHandshake));
+  EXPECT_EQ(taken_.size(), 1u);
+  ExpectService();
+}
+
+TEST_F(Attack, RandomFramesOfAKnownKeyAreRefusedAndItIsDropped) {
+  Listen();
+  Rng rng(2);
+  std::size_t sent = 0;
+  for (int i = 0; i < 30; ++i) {
+    zmq::socket_t socket = Wicked(wicked_, router_->endpoint());
+    const std::uint64_t frames = 1 + rng.Below(5);
+    for (std::uint64_t frame = 1; frame <= frames; ++frame) {
+      std::string bytes(rng.Below(300), '\0');
+      for (char& c : bytes) c = static_cast<char>(rng.Below(256));
+      if (frame == 1) bytes.insert(0, "\xff\xff");  // no envelope begins like this
+      ASSERT_TRUE(Send(socket, bytes, frame < frames));
+    }
+    ++sent;
+    ASSERT_TRUE(Until([&] { return bad_.size() >= sent; })) << i;
+  }
+  EXPECT_TRUE(taken_.empty());
+  ExpectService();
+}
+
+TEST_F(Attack, TooManyFramesAndTooManyBytesAreRefused) {
+  Listen();
+  zmq::socket_t many = Wicked(wicked_, router_->endpoint());
+  for (int i = 0; i < 5000; ++i) ASSERT_TRUE(Send(many, "x", i < 4999));
+  ASSERT_TRUE(Until([&] { return bad_.size() == 1; }));
+  EXPECT_EQ(bad_[0].status.code(), Code::kRefused);
+  zmq::socket_t large = Wicked(wicked_, router_->endpoint());
+  const std::string piece(1 << 20, 'x');
+  for (int i = 0; i < 6; ++i) ASSERT_TRUE(Send(large, piece, i < 5));
+  ASSERT_TRUE(Until([&] { return bad_.size() == 2; }));
+  EXPECT_EQ(bad_[1].status.code(), Code::kRefused);
+  ExpectService();
+}
+
+// ZeroMQ counts messages, not bytes: one with very many frames could fill the memory before anybody sees it.
+TEST_F(Attack, WhatPilesUpUnreadIsEndedBeforeMemoryIs) {
+  options_.connections.unread_bytes = 8 << 20;
+  Listen();
+  zmq::socket_t socket = Wicked(wicked_, router_->endpoint());
+  const std::string piece(100'000, 'x');
+  for (int i = 0; i < 300; ++i) ASSERT_TRUE(Send(socket, piece, i < 299));
+  Poller poller;
+  const Wakeup never;
+  poller.Add(never);
+  std::vector<Refusal> refusals;
+  for (int waited_ms = 0; refusals.empty() && waited_ms < kPatience_ms; waited_ms += 10) {
+    poller.Wait(std::chrono::milliseconds(10));
+    refusals = router_->TakeRefusals();
+  }
+  ASSERT_EQ(refusals.size(), 1u);
+  EXPECT_EQ(refusals[0].kind, RefusalKind::kOversized);
+  EXPECT_TRUE(Until([&] { return router_->connections() == 0; }));
+  ExpectService();
+  EXPECT_EQ(taken_.size(), 1u);
+}
+
+// A peer may choose the name of its connection, but not the key that goes with each of its messages.
+TEST_F(Attack, AnotherKeyThatTakesAConnectionsNameIsSeenByItsKey) {
+  Listen();
+  {
+    zmq::socket_t first = Wicked(honest_, router_->endpoint(), "w1");
+    ASSERT_TRUE(Send(first, Hello("honest").envelope.SerializeAsString()));
+    ASSERT_TRUE(Until([&] { return taken_.size() == 1; }));
+    zmq::socket_t early = Wicked(wicked_, router_->endpoint(), "w1");  // while the name is in use
+    Send(early, Hello("thief").envelope.SerializeAsString());
+    ExpectService();
+    EXPECT_EQ(taken_.size(), 2u) << "the thief is not heard";
+  }
+  ASSERT_TRUE(Until([&] { return router_->connections() == 0; }));
+  zmq::socket_t late = Wicked(wicked_, router_->endpoint(), "w1");
+  ASSERT_TRUE(Send(late, Hello("thief").envelope.SerializeAsString()));
+  ASSERT_TRUE(Until([&] { return taken_.size() == 3; }));
+  EXPECT_EQ(taken_[2].peer, taken_[0].peer);
+  EXPECT_EQ(taken_[2].user_id, wicked_.public_key);
+  EXPECT_EQ(taken_[0].user_id, honest_.public_key);
+}
+
+TEST_F(Attack, ADroppedPeerIsNotHeardAnyMore) {
+  Listen();
+  zmq::socket_t socket = Wicked(wicked_, router_->endpoint());
+  ASSERT_TRUE(Send(socket, Hello("x").envelope.SerializeAsString()));
+  ASSERT_TRUE(Until([&] { return taken_.size() == 1; }));
+  router_->Drop(taken_[0].peer);
+  EXPECT_TRUE(Until([&] { return router_->connections() == 0; }));
+  Send(socket, Hello("y").envelope.SerializeAsString());
+  ExpectService();
+  EXPECT_EQ(taken_.size(), 2u);
+}
+
+}  // namespace
+}  // namespace cairn::wire

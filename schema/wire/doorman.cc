@@ -1,0 +1,240 @@
+#include "schema/wire/doorman.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+#include "schema/wire/connection.h"
+#include "schema/wire/keys.h"
+
+namespace cairn::wire {
+namespace {
+
+constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";  // fixed by ZAP, rfc.zeromq.org/spec/27
+constexpr int kWatched = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED |
+                         ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+constexpr std::chrono::milliseconds kLookEvery{250};
+constexpr std::size_t kMostBuckets = 10'000;
+// At least what CURVE and ZMTP add to a frame: what is taken must not seem less than what came.
+constexpr std::size_t kFrameOverhead = 64;
+
+double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string Z85(const zmq::message_t& key) {
+  std::array<char, 41> text{};
+  if (key.size() != 32) return "";
+  zmq_z85_encode(text.data(), key.data<std::uint8_t>(), key.size());
+  return text.data();
+}
+
+std::string HandshakeReason(std::uint32_t value) {
+  switch (value) {
+    case ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC:
+      return "bytes that its key did not make: forged, damaged, or for another coordinator";
+    case ZMQ_PROTOCOL_ERROR_ZMTP_INVALID_SEQUENCE:
+      return "a message again, or out of turn";
+    case ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH:
+      return "it came without a key";
+    default:
+      return "what is no handshake of ours";
+  }
+}
+
+}  // namespace
+
+const char* KindName(RefusalKind kind) {
+  constexpr std::array kNames = {"connections", "rate",    "handshake", "key",   "malformed",
+                                 "oversized",   "version", "revoked",   "right", "identity",
+                                 "task",        "blob",    "job"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+bool Bucket::Take(double now_s) {
+  left_ = std::min(burst_, left_ + (now_s - then_s_) * per_s_);
+  then_s_ = now_s;
+  if (left_ < 1) return false;
+  left_ -= 1;
+  return true;
+}
+
+Doorman::Doorman(zmq::context_t& context, zmq::socket_t& router,
+                 std::optional<std::filesystem::path> allow_list, const ConnectionLimits& limits)
+    : limits_(limits) {
+  const std::string address =
+      "inproc://door-" + std::to_string(reinterpret_cast<std::uintptr_t>(router.handle()));
+  if (zmq_socket_monitor(router.handle(), address.c_str(), kWatched) != 0) throw zmq::error_t();
+  monitor_ = zmq::socket_t(context, zmq::socket_type::pair);
+  monitor_.set(zmq::sockopt::linger, 0);
+  monitor_.set(zmq::sockopt::rcvhwm, 0);  // ZeroMQ's thread waits where an event has no room
+  monitor_.connect(address);
+  if (!allow_list) return;
+  allow_list_.emplace(*allow_list);
+  zap_ = zmq::socket_t(context, zmq::socket_type::rep);
+  zap_.set(zmq::sockopt::linger, 0);
+  zap_.bind(kZapEndpoint);
+}
+
+void Doorman::Start(std::string endpoint) {
+  endpoint_ = std::move(endpoint);
+  thread_ = std::thread([this] { Loop(); });
+}
+
+Doorman::~Doorman() {
+  stop_ = true;
+  wakeup_.Signal();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Doorman::Loop() {
+  auto looked = std::chrono::steady_clock::now();
+  while (!stop_) {
+    std::vector<zmq::pollitem_t> items = {{monitor_.handle(), 0, ZMQ_POLLIN, 0},
+                                          {nullptr, wakeup_.descriptor(), ZMQ_POLLIN, 0}};
+    if (allow_list_) items.push_back({zap_.handle(), 0, ZMQ_POLLIN, 0});
+    zmq_poll(items.data(), static_cast<int>(items.size()), kLookEvery.count());
+    while (true) {
+      const std::vector<zmq::message_t> frames = ReceiveFrames(monitor_, {});
+      if (frames.size() != 2) break;
+      std::uint16_t event = 0;
+      std::uint32_t value = 0;
+      std::memcpy(&event, frames[0].data(), sizeof event);
+      std::memcpy(&value, frames[0].data<std::byte>() + sizeof event, sizeof value);
+      OnEvent(event, value, frames[1].to_string());
+    }
+    if (allow_list_) AnswerZap();
+    if (const auto now = std::chrono::steady_clock::now(); now - looked >= kLookEvery) {
+      looked = now;
+      CloseThoseThatPileUp();
+    }
+  }
+}
+
+// A request is: version, request id, domain, address, routing id, mechanism, credentials (CURVE: the client's
+// key).
+void Doorman::AnswerZap() {
+  while (true) {
+    const std::vector<zmq::message_t> request = ReceiveFrames(zap_, {});
+    if (request.empty()) return;
+    const std::string id = request.size() > 1 ? request[1].to_string() : "";
+    const bool curve = request.size() == 7 && request[5].to_string_view() == "CURVE";
+    const std::string key = curve ? Z85(request[6]) : "";
+    allow_list_->Refresh();
+    const bool allowed = !key.empty() && allow_list_->Find(key) != nullptr;
+    if (!allowed) {
+      const std::string why =
+          allow_list_->status().ok() ? "is not on the list" : allow_list_->status().message();
+      Count(RefusalKind::kKey, ShortKey(key) + " from " +
+                                   request.at(std::min<std::size_t>(3, request.size() - 1)).to_string() +
+                                   ": " + why);
+    }
+    const std::array<std::string, 6> reply = {
+        "1.0", id, allowed ? "200" : "400", allowed ? "" : "key not allowed", allowed ? key : "", ""};
+    for (std::size_t i = 0; i < reply.size(); ++i) {
+      zap_.send(zmq::buffer(reply[i]),
+                i + 1 < reply.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    }
+  }
+}
+
+void Doorman::OnEvent(std::uint16_t event, std::uint32_t value, const std::string& where) {
+  switch (event) {
+    case ZMQ_EVENT_ACCEPTED:
+      return OnAccepted(static_cast<int>(value));
+    case ZMQ_EVENT_ACCEPT_FAILED:
+      return Count(RefusalKind::kConnections,
+                   std::string("the system gives no more: ") + std::strerror(static_cast<int>(value)));
+    case ZMQ_EVENT_DISCONNECTED: {
+      const std::lock_guard lock(mutex_);
+      open_.erase(static_cast<int>(value));
+      open_count_ = open_.size();
+      return;
+    }
+    case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+      return Count(RefusalKind::kHandshake, HandshakeReason(value) + " (" + where + ")");
+    default:
+      return Count(RefusalKind::kHandshake,
+                   "it ended before it had shaken hands, or took too long (" + where + ")");
+  }
+}
+
+std::size_t Doorman::MostConnections() const {
+  rlimit files{};
+  ::getrlimit(RLIMIT_NOFILE, &files);
+  const std::size_t spare = std::min<std::size_t>(limits_.spare_files, files.rlim_cur / 2);
+  return std::min<std::size_t>(limits_.connections, files.rlim_cur - spare);
+}
+
+bool Doorman::WithinRate(const std::string& address) {
+  if (address.empty()) return true;
+  const double now_s = Now();
+  if (buckets_.size() >= kMostBuckets)
+    std::erase_if(buckets_, [&](const auto& b) { return b.second.Full(now_s); });
+  if (buckets_.size() >= kMostBuckets) return false;
+  return buckets_.try_emplace(address, limits_.handshakes_per_s, limits_.handshake_burst)
+      .first->second.Take(now_s);
+}
+
+void Doorman::OnAccepted(int fd) {
+  const std::string address = PeerAddress(fd);
+  {
+    const std::lock_guard lock(mutex_);
+    open_[fd] = {address, 0};
+    open_count_ = open_.size();
+  }
+  if (open_count_ > MostConnections()) {
+    Count(RefusalKind::kConnections,
+          address + ": more than " + std::to_string(MostConnections()) + " connections");
+  } else if (!WithinRate(address)) {
+    Count(RefusalKind::kRate, address + ": too many connections in a short time");
+  } else {
+    return;
+  }
+  ShutDownConnection(fd, endpoint_);
+}
+
+void Doorman::TellTaken(int fd, std::size_t bytes, std::size_t frames) {
+  const std::lock_guard lock(mutex_);
+  const auto it = open_.find(fd);
+  if (it != open_.end()) it->second.taken_bytes += bytes + frames * kFrameOverhead;
+}
+
+// ZeroMQ hands out whole messages only, and counts those: one that never ends would grow without a limit.
+void Doorman::CloseThoseThatPileUp() {
+  std::vector<std::pair<int, std::string>> piled;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto& [fd, connection] : open_) {
+      if (connection.address.empty()) continue;
+      const std::uint64_t came = BytesReceived(fd);
+      connection.taken_bytes = std::min(connection.taken_bytes, came);
+      if (came - connection.taken_bytes > limits_.unread_bytes) piled.emplace_back(fd, connection.address);
+    }
+  }
+  for (const auto& [fd, address] : piled) {
+    Count(RefusalKind::kOversized, address + ": a message that does not end");
+    ShutDownConnection(fd, endpoint_);
+  }
+}
+
+void Doorman::Count(RefusalKind kind, std::string reason) {
+  const std::lock_guard lock(mutex_);
+  const auto [it, fresh] = refusals_.try_emplace(kind, Refusal{kind, "", 0});
+  ++it->second.count;
+  it->second.reason = std::move(reason);
+}
+
+std::vector<Refusal> Doorman::TakeRefusals() {
+  const std::lock_guard lock(mutex_);
+  std::vector<Refusal> taken;
+  for (auto& [kind, refusal] : refusals_) taken.push_back(std::move(refusal));
+  refusals_.clear();
+  return taken;
+}
+
+}  // namespace cairn::wire

@@ -1,0 +1,33 @@
+// Every limit on what a peer may send or ask, in one place; docs/threat-model.md says what each is against.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace cairn::wire {
+
+// On one message. What is over is refused, and its sender's connection dropped.
+struct Limits {
+  std::size_t envelope_bytes = std::size_t{64} << 20;
+  std::size_t message_bytes = std::size_t{4} << 30;  // all frames of a message together, and any one of them
+  std::size_t frames = std::size_t{1} << 16;         // of a message
+};
+
+// On what knocks at a listening socket.
+struct ConnectionLimits {
+  std::size_t connections = 4096;  // at a time; fewer where the process may not open so many files
+  double handshakes_per_s = 100;   // from one address …
+  double handshake_burst = 1000;   // … beyond so many at once
+  std::size_t spare_files = 128;   // descriptors that are kept for everything else
+  std::size_t unread_bytes = std::size_t{8} << 30;  // that came over one connection and were not taken yet
+};
+
+// On a job, and on what a worker says of itself and of its tasks.
+struct JobLimits {
+  std::size_t job_bytes = 1 << 20;  // of a submission, without its blobs
+  int stages = 100;
+  std::size_t text_bytes = 4096;  // of a name, a reason, a note
+  std::uint32_t slots = 1000;     // of a worker
+};
+
+}  // namespace cairn::wire
