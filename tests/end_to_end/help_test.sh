@@ -21,6 +21,7 @@ printf '11 63 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Measurement.dat
 printf '%s\n' 'name: museum' 'inputs: {log: log.h5}' 'stages:' '  - {name: landmarks, pipeline: landmark_map, log: log}' \
   >inputs/job.yaml
 cairn run landmark_map inputs/log.h5 --out inputs/result >/dev/null 2>&1
+cairn keys new desk --dir inputs >/dev/null
 cp -r inputs/result inputs/one-worker
 cp -r inputs/result inputs/five-workers
 
@@ -44,7 +45,7 @@ ran=0
 
 runs
 for command in run simulate 'simulate loop' import 'import csv' 'import mrclam' inspect evaluate report export \
-  'export tum' 'export g2o' 'export ros' 'export png' 'export csv' diff keys; do
+  'export tum' 'export g2o' 'export ros' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"
 done
