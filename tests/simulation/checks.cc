@@ -153,6 +153,10 @@ void Checks::SeeState(const Job& job, const Event& event, Known& known) {
     world_.Count(MarkOf(known.state, job.state));
     if (job.state == proto::JOB_FAILED) {
       if (job.input_error) world_.Count(kInputError);
+      const auto* failed = std::get_if<TaskFailed>(&event);
+      const bool asked = failed != nullptr && world_.shell().WasGiven(failed->peer, failed->failed.key());
+      if (job.input_error && known.kind == ToyKind::kGood && !asked)
+        Fail(job.id + " is blamed for its input, which is good: " + job.reason);
       if (job.reason.find(" times") != std::string::npos) world_.Count(kThirdFailure);
     }
     if (job.state == proto::JOB_DONE && known.durable_state != proto::JOB_DONE)

@@ -102,6 +102,10 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
   for (const Hash& hash : work.remove) {
     if (Step(DiskStep::kRemove) != DiskOutcome::kOk) return DiskOutcome::kDead;
     blobs_.Remove(hash);
+    for (const auto& [job, kept] : protected_)
+      for (const std::set<Hash>& blobs : kept)
+        if (blobs.contains(hash))
+          world_.checks.Fail("a blob is removed that a checkpoint of " + job + " needs");
   }
   return DiskOutcome::kOk;
 }
@@ -125,8 +129,16 @@ DiskOutcome StoreModel::WriteCheckpoint(const WriteWork& work, WriteDone& done) 
   if (outcome == DiskOutcome::kFailed) checkpoints.Remove(checkpoint.number());
   if (outcome != DiskOutcome::kOk) return outcome;
   world_.checks.SeeDurable(checkpoint);
+  Protect(done.job, BlobsOf(checkpoint), checkpoint.state() == proto::JOB_DONE);
   RemoveOld(checkpoints, checkpoint);
   return DiskOutcome::kOk;
+}
+
+void StoreModel::Protect(const std::string& job, const std::vector<Hash>& blobs, bool alone) {
+  std::deque<std::set<Hash>>& kept = protected_[job];
+  if (alone) kept.clear();
+  kept.emplace_back(blobs.begin(), blobs.end());
+  if (kept.size() > 2) kept.pop_front();
 }
 
 void StoreModel::RemoveOld(Checkpoints& checkpoints, const proto::Checkpoint& newest) {
@@ -199,6 +211,7 @@ std::optional<RestoreJob> StoreModel::RecoverJob(const std::string& job, Checkpo
 std::vector<RestoreJob> StoreModel::Recover() {
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
+  protected_.clear();
   for (auto& [job, checkpoints] : checkpoints_) {
     DamageSomething(job, checkpoints);
     if (checkpoints.files().empty()) continue;
@@ -206,6 +219,8 @@ std::vector<RestoreJob> StoreModel::Recover() {
     if (!restore) continue;
     for (const Hash& blob : BlobsOf(restore->checkpoint)) named.insert(blob);
     named.insert(restore->previous_blobs.begin(), restore->previous_blobs.end());
+    Protect(job, restore->previous_blobs, true);
+    Protect(job, BlobsOf(restore->checkpoint), restore->checkpoint.state() == proto::JOB_DONE);
     jobs.push_back(std::move(*restore));
   }
   std::vector<Hash> unnamed;

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,7 @@ class StoreModel {
   DiskOutcome Step(DiskStep step);
   DiskOutcome Perform(const WriteWork& work, WriteDone& done);
   DiskOutcome WriteCheckpoint(const WriteWork& work, WriteDone& done);
+  void Protect(const std::string& job, const std::vector<Hash>& blobs, bool alone);
   void RemoveOld(Checkpoints& checkpoints, const proto::Checkpoint& newest);
   bool IsGood(const CheckpointPtr& checkpoint) const;
   void DamageSomething(const std::string& job, Checkpoints& checkpoints);
@@ -74,6 +76,8 @@ class StoreModel {
   FolderModel<Hash, bool> blobs_;
   std::map<std::string, Checkpoints> checkpoints_;
   std::map<std::string, FolderModel<std::uint32_t, Hash>> results_;
+  // Blobs of the last two checkpoints of each job that this process wrote or found: they must stay.
+  std::map<std::string, std::deque<std::set<Hash>>> protected_;
 };
 
 }  // namespace cairn::simulation
