@@ -85,7 +85,7 @@ void Checks::Before(const Core& core, const Event& event) {
 }
 
 void Checks::After(const Core& core, const Event& event, const std::vector<Action>& actions,
-                   std::uint64_t process) {
+                   std::uint64_t process, double now_s) {
   for (const auto& [id, known] : jobs_) {
     const proto::JobState before = known.state;
     const Job* job = core.FindJob(id);
@@ -99,7 +99,7 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
   }
   SeeOrders(core, event);
   SeeAlarms(actions);
-  SeeTables(core);
+  SeeTables(core, std::holds_alternative<Tick>(event), now_s);
   SeeTurns(core, actions);
   CountActions(core, actions);
 }

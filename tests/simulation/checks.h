@@ -32,7 +32,7 @@ class Checks {
   // Around each event that the core handles. `process` counts the coordinator's.
   void Before(const coordinator::Core& core, const coordinator::Event& event);
   void After(const coordinator::Core& core, const coordinator::Event& event,
-             const std::vector<coordinator::Action>& actions, std::uint64_t process);
+             const std::vector<coordinator::Action>& actions, std::uint64_t process, double now_s);
   // The store: a checkpoint is durable; the newest was damaged, what is left is this; none is left.
   void SeeDurable(const proto::Checkpoint& checkpoint);
   void SeeDamaged(const proto::Checkpoint& checkpoint);
@@ -77,7 +77,7 @@ class Checks {
   void SeeTruth(const coordinator::Job& job, Known& known);
   bool Believed(const std::string& id, Known& known, const Hash& hash);
   // table_checks.cc
-  void SeeTables(const coordinator::Core& core);
+  void SeeTables(const coordinator::Core& core, bool ticked, double now_s);
   void SeeJobTables(const coordinator::Job& job);
   void SeeTurns(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
   void CountActions(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);

@@ -52,7 +52,7 @@ void ShellModel::Handle(const Event& event) {
   TakeIn(event);
   world_.checks.Before(*core_, event);
   const std::vector<Action> actions = core_->Handle(event, Now());
-  world_.checks.After(*core_, event, actions, process_);
+  world_.checks.After(*core_, event, actions, process_, clock_s_);
   for (const Action& action : actions) {
     if (world_.Chance(world_.faults.crash_at_action)) {
       world_.Count(kCoordinatorKilledAtAction);

@@ -24,7 +24,7 @@ bool IsUnderWay(const Job* job, const wire::TaskKey& key) {
 }  // namespace
 
 // What a worker has in hand is under way, and what is under way some worker has in hand.
-void Checks::SeeTables(const Core& core) {
+void Checks::SeeTables(const Core& core, bool ticked, double now_s) {
   std::map<std::string, std::size_t> held, live;
   bool room = false;
   for (const auto& [number, worker] : core.fleet().workers()) {
@@ -35,6 +35,8 @@ void Checks::SeeTables(const Core& core) {
         Fail(worker.peer + " has a task in hand that nobody waits for");
       ++held[task.key.job()];
     }
+    if (ticked && now_s - worker.heard_s > world_.faults.core.lease_s)
+      Fail(worker.peer + " is silent, and still counted as there");
     if (worker.has.size() > core.held_blobs()) Fail("the blobs that " + worker.peer + " may have grow");
     if (events_ % kLookCloser == 0)
       for (const Hash& blob : worker.has)
