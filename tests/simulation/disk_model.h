@@ -52,9 +52,10 @@ class FolderModel {
       if (it == seen_.end())
         durable_.erase(key);
       else
-        durable_[key] = it->second, durable_[key].torn |= !it->second.synced;
+        durable_[key] = it->second;
     }
     changed_.clear();
+    for (auto& [key, file] : durable_) file.torn |= !file.synced;
     seen_ = durable_;
   }
   const Content* Read(const Key& key) const {  // null: not there, or damaged
