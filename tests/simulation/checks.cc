@@ -100,6 +100,7 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
   SeeOrders(core, event);
   SeeAlarms(actions);
   SeeTables(core, std::holds_alternative<Tick>(event), now_s);
+  if (const auto* beat = std::get_if<WorkerBeat>(&event)) SeeBeat(core, *beat, now_s);
   SeeTurns(core, actions);
   CountActions(core, actions);
 }

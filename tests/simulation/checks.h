@@ -78,6 +78,7 @@ class Checks {
   bool Believed(const std::string& id, Known& known, const Hash& hash);
   // table_checks.cc
   void SeeTables(const coordinator::Core& core, bool ticked, double now_s);
+  void SeeBeat(const coordinator::Core& core, const coordinator::WorkerBeat& event, double now_s);
   void SeeJobTables(const coordinator::Job& job);
   void SeeTurns(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
   void CountActions(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);

@@ -59,6 +59,21 @@ void Checks::SeeTables(const Core& core, bool ticked, double now_s) {
   ++events_;
 }
 
+// What a worker's beat does not list, though it was given long ago, never arrived: it goes elsewhere.
+void Checks::SeeBeat(const Core& core, const WorkerBeat& event, double now_s) {
+  for (const auto& [number, worker] : core.fleet().workers()) {
+    if (worker.peer != event.peer) continue;
+    for (const InHand& task : worker.in_hand) {
+      const auto& listed = event.beat.tasks();
+      const bool is_listed = std::any_of(listed.begin(), listed.end(), [&task](const wire::TaskKey& key) {
+        return SameAttempt(key, task.key);
+      });
+      if (!is_listed && now_s - task.since_s > world_.faults.core.unlisted_s)
+        Fail("a task that never came to " + worker.peer + " is still left to it");
+    }
+  }
+}
+
 void Checks::SeeJobTables(const Job& job) {
   const Known& known = jobs_.at(job.id);
   if (job.failures.size() > kMostFailures) Fail(job.id + "'s failures grow");
