@@ -20,6 +20,10 @@ std::vector<Hash> BlobsOf(const proto::Checkpoint& checkpoint) {
   return blobs;
 }
 
+bool IsFinal(const proto::Checkpoint& checkpoint) {
+  return checkpoint.state() == proto::JOB_DONE || checkpoint.state() == proto::JOB_CANCELLED;
+}
+
 }  // namespace
 
 void StoreModel::Add(WriteWork work) {
@@ -98,6 +102,7 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
     if (Step(DiskStep::kRename) != DiskOutcome::kOk) return DiskOutcome::kDead;
     checkpoints_.erase(work.forget);
     results_.erase(work.forget);
+    protected_.erase(work.forget);
   }
   for (const Hash& hash : work.remove) {
     if (Step(DiskStep::kRemove) != DiskOutcome::kOk) return DiskOutcome::kDead;
@@ -129,7 +134,7 @@ DiskOutcome StoreModel::WriteCheckpoint(const WriteWork& work, WriteDone& done) 
   if (outcome == DiskOutcome::kFailed) checkpoints.Remove(checkpoint.number());
   if (outcome != DiskOutcome::kOk) return outcome;
   world_.checks.SeeDurable(checkpoint);
-  Protect(done.job, BlobsOf(checkpoint), checkpoint.state() == proto::JOB_DONE);
+  Protect(done.job, BlobsOf(checkpoint), IsFinal(checkpoint));
   RemoveOld(checkpoints, checkpoint);
   return DiskOutcome::kOk;
 }
@@ -142,8 +147,7 @@ void StoreModel::Protect(const std::string& job, const std::vector<Hash>& blobs,
 }
 
 void StoreModel::RemoveOld(Checkpoints& checkpoints, const proto::Checkpoint& newest) {
-  const bool final = newest.state() == proto::JOB_DONE || newest.state() == proto::JOB_CANCELLED;
-  const std::size_t keep = final ? 1 : 2;
+  const std::size_t keep = IsFinal(newest) ? 1 : 2;
   while (checkpoints.files().size() > keep) {
     if (Step(DiskStep::kRemove) != DiskOutcome::kOk) return;
     checkpoints.Remove(checkpoints.files().begin()->first);
@@ -220,7 +224,7 @@ std::vector<RestoreJob> StoreModel::Recover() {
     for (const Hash& blob : BlobsOf(restore->checkpoint)) named.insert(blob);
     named.insert(restore->previous_blobs.begin(), restore->previous_blobs.end());
     Protect(job, restore->previous_blobs, true);
-    Protect(job, BlobsOf(restore->checkpoint), restore->checkpoint.state() == proto::JOB_DONE);
+    Protect(job, BlobsOf(restore->checkpoint), IsFinal(restore->checkpoint));
     jobs.push_back(std::move(*restore));
   }
   std::vector<Hash> unnamed;

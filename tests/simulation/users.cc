@@ -165,7 +165,7 @@ void Users::CheckThatItMoves(const std::string& id, Wish& wish) {
 
 bool Users::IsOver(const Job& job, const Wish& wish) const {
   if (job.state == proto::JOB_DONE || (job.input_error && wish.kind != ToyKind::kGood)) return true;
-  if (job.state == proto::JOB_CANCELLED) return wish.given_up;
+  if (wish.given_up && job.Ended()) return true;
   return job.state == proto::JOB_FAILED && wish.kind == ToyKind::kPoisoned && wish.resumed > kPatience;
 }
 
