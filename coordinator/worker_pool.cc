@@ -64,7 +64,7 @@ std::vector<WorkerPool::Death> WorkerPool::Reap() {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     deaths.push_back({place.pid, code == kExitRefused});
     place.pid = 0;
-    if (code == kExitRefused || code == kExitCannotExec || place.restarts >= options_.restarts) continue;
+    if (code == kExitCannotExec || place.restarts >= options_.restarts) continue;
     ++place.restarts;
     if (const Result<pid_t> pid = Spawn(); pid.ok()) place.pid = pid.value();
   }

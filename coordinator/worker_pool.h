@@ -31,9 +31,9 @@ class WorkerPool {
   Status Start();
   struct Death {
     std::int64_t pid = 0;
-    bool refused = false;  // by the coordinator: it would be refused again
+    bool refused = false;  // it says that it was, or that it cannot connect
   };
-  // Those that have died since the last call; all but refused ones were started again while their turns last.
+  // Those that have died since the last call; they were started again while their turns last.
   std::vector<Death> Reap();
   bool AllGone() const;  // and none is started again
   // Waits for them to end by themselves for up to `patience_s`, then kills.

@@ -12,9 +12,11 @@ constexpr int kWatched = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED 
                          ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                          ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
-LinkEvent Translate(int event) {
+// A connection that is lost before its handshake is over fails without detail. Where there are no keys nobody
+// can have refused one, and the socket connects again by itself.
+LinkEvent Translate(int event, bool with_keys) {
   if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) return LinkEvent::kConnected;
-  return event == ZMQ_EVENT_DISCONNECTED ? LinkEvent::kDisconnected : LinkEvent::kKeyRefused;
+  return event == ZMQ_EVENT_DISCONNECTED || !with_keys ? LinkEvent::kDisconnected : LinkEvent::kKeyRefused;
 }
 
 void OpenMonitor(zmq::context_t& context, zmq::socket_t& socket, zmq::socket_t& monitor) {
@@ -75,7 +77,7 @@ std::optional<LinkEvent> DealerSocket::TryEvent() {
   if (frames.empty()) return std::nullopt;
   std::uint16_t event = 0;
   std::memcpy(&event, frames[0].data(), sizeof event);
-  return Translate(event);
+  return Translate(event, impl_->security.has_value());
 }
 
 std::optional<Received> DealerSocket::TryReceive() {

@@ -1,7 +1,11 @@
 #include "schema/wire/socket.h"
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <thread>
 #include <zmq.hpp>
@@ -126,6 +130,28 @@ TEST(Socket, TheDealerComesBackToARestartedRouter) {
   const std::optional<Received> first = AwaitMessage(again.value());
   ASSERT_TRUE(first);
   EXPECT_EQ(first->message.envelope.hello().host(), "again");
+}
+
+TEST(Socket, AConnectionLostInItsHandshakeIsNoRefusedKeyWhereThereAreNone) {
+  PrivateFolder folder;
+  Context context;
+  const std::string path = (folder.path() / "s").string();
+  const int listener = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  path.copy(name.sun_path, sizeof name.sun_path - 1);
+  ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&name), sizeof name), 0);
+  ASSERT_EQ(::listen(listener, 1), 0);
+  DealerSocket dealer = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+  ::close(::accept(listener, nullptr, nullptr));
+  EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kDisconnected);
+  ::close(listener);
+  ASSERT_TRUE(std::filesystem::remove(path));
+  RouterSocket router = RouterSocket::Bind(context, folder.Ipc("s"), {}, Quick()).value();
+  // Every further loss is one too, until it stands.
+  std::optional<LinkEvent> event = AwaitEvent(dealer);
+  while (event == LinkEvent::kDisconnected) event = AwaitEvent(dealer);
+  EXPECT_EQ(event, LinkEvent::kConnected);
 }
 
 TEST(Socket, AMalformedMessageDropsItsSenderAndNobodyElse) {
