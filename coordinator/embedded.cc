@@ -54,6 +54,22 @@ std::set<std::string> ReadLines(const fs::path& path) {
   return lines;
 }
 
+// The figures that a plan's State carries for people.
+std::map<std::string, double> ExpectedOf(const proto::Step& step) {
+  const std::string prefix = "expected/";
+  std::map<std::string, double> expected;
+  for (const auto& [name, value] : step.state().scalars())
+    if (name.starts_with(prefix)) expected[name.substr(prefix.size())] = value.d();
+  return expected;
+}
+
+// What the run's end says again needs no warning of its own.
+LogSink WithoutTheEnd(LogSink log) {
+  return [log = std::move(log)](Severity severity, const std::string& line) {
+    if (!line.starts_with(std::string(kJobId) + " failed: ")) log(severity, line);
+  };
+}
+
 class Run {
  public:
   Run(const EmbeddedOptions& options, proto::Job job, StoreFolder folder)
@@ -147,7 +163,8 @@ Status Run::Open() {
   hub.core.checkpoint_interval_s = options_.checkpoint_interval_s;
   hub.memory_bytes = options_.memory_bytes;
   hub.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
-  hub_ = std::make_unique<Hub>(folder_, *transport_, std::move(table).value(), std::move(hub), options_.log);
+  hub_ = std::make_unique<Hub>(folder_, *transport_, std::move(table).value(), std::move(hub),
+                               WithoutTheEnd(options_.log));
   return Status::Ok();
 }
 
@@ -220,7 +237,8 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
       on_progress({MakeInfo(*Known(), told_s), static_cast<unsigned>(hub_->core().fleet().size())});
     for (const WorkerPool::Death& death : workers.Reap()) {
       hub_->TellDead(death.pid);
-      if (death.refused) trouble_ = Refused();
+      // Whom nobody here has refused (its connection broke at a bad moment) may fare better the next time.
+      if (death.refused && !hub_->last_refusal().empty()) trouble_ = Refused();
     }
     if (workers.AllGone() && !trouble_)
       trouble_ = End(EmbeddedEnd::kFailed, "the workers keep dying; what they say is in " +
@@ -242,6 +260,7 @@ EmbeddedResult Run::Outcome() const {
   result.reason = job.reason;
   result.info = MakeInfo(job, Now());
   result.resumed = resumed_;
+  if (options_.plan_only && job.step) result.expected = ExpectedOf(*job.step);
   switch (job.state) {
     case proto::JOB_DONE:
       result.end = EmbeddedEnd::kDone;

@@ -45,6 +45,7 @@ struct EmbeddedResult {
   std::string reason;                          // empty for kDone
   std::map<std::string, std::string> results;  // stage name -> path of its file, those that are done
   wire::JobInfo info;                          // as it stood at the end
+  std::map<std::string, double> expected;      // plan_only: the plan's figures expected/NAME, by NAME
   bool resumed = false;                        // an earlier run's checkpoint was used
 };
 

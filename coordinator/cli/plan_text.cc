@@ -95,7 +95,8 @@ std::string PlanJson(const Plan& plan) {
     }
     json["stages"].push_back(one);
   }
-  json["expected"] = plan.first_stage;
+  json["expected"] = plan.expected;
+  json["note"] = plan.first_stage;
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -14,14 +14,15 @@ struct Plan {
   const proto::Job& job;
   const std::map<std::string, BlobPtr>& inputs;
   const Catalog& catalog;
-  std::string first_stage;  // what its pipeline says of it when it has planned
+  std::string first_stage;                 // what its pipeline says of it when it has planned
+  std::map<std::string, double> expected;  // its figures
 };
 
 // Inputs with their sizes, then the stages with every option, given or default, and what is expected.
 std::string PlanText(const Plan& plan);
 
 // {"job", "seed", "inputs": {NAME: {"path", "bytes", "what"}}, "stages": [{"name", "pipeline", "inputs",
-// "options"}], "expected"}
+// "options"}], "expected": {NAME: number}, "note"}
 std::string PlanJson(const Plan& plan);
 
 // One line about a log: "2 robots, 2000 controls, 130 observations". Empty for another kind of file.

@@ -70,7 +70,7 @@ int DryRun(const Options& options, const proto::Job& job, const std::map<std::st
     Explain(planned, embedded.dir);
     return ExitCode(planned.end);
   }
-  const Plan plan{job, inputs, catalog, planned.info.note()};
+  const Plan plan{job, inputs, catalog, planned.info.note(), planned.expected};
   std::fputs((options.json ? PlanJson(plan) : PlanText(plan)).c_str(), stdout);
   return kExitDone;
 }

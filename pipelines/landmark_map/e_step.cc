@@ -1,5 +1,6 @@
 #include "pipelines/landmark_map/e_step.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -63,7 +64,9 @@ std::string Seen(const Slice& slice, int step) {
   std::string text = "observed there:";
   for (int k = slice.steps.first_observation[step]; k < slice.steps.first_observation[step + 1]; ++k) {
     const Observation& o = slice.steps.observations[k];
-    text += " landmark type " + std::to_string(o.type) + " at " + Time(std::hypot(o.x_m, o.y_m)) + " m;";
+    const double range_m = std::hypot(o.x_m, o.y_m);
+    text += range_m > 0 ? " landmark type " + std::to_string(o.type) + " at " + Time(range_m) + " m;"
+                        : " a press of landmark type " + std::to_string(o.type) + ";";
   }
   text.pop_back();
   return text;
@@ -89,11 +92,11 @@ double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid
   return std::log(after / before) + log_scale;
 }
 
-// `held`: cells of the tables that are kept already.
+// `held`: cells of the tables that are kept already; `largest`: of any of them or the one at hand.
 void CheckMemory(const EStepModel& model, const Slice& slice, int step, std::int64_t held,
-                 const LayeredGrid& belief) {
-  constexpr std::int64_t kCopies = 5;  // the belief, and what moving it needs for a moment
-  const double bytes = static_cast<double>(held + kCopies * belief.cells()) * sizeof(double);
+                 std::int64_t largest) {
+  const double cells = static_cast<double>(held) + kBeliefCopies * static_cast<double>(largest);
+  const double bytes = cells * sizeof(double);
   if (bytes <= model.memory_bytes) return;
   Refuse(slice, step,
          "the beliefs would need about " + std::to_string(std::llround(std::ceil(bytes / 1e6))) +
@@ -173,17 +176,24 @@ LayeredGrid UniformBeta(const LayeredGrid& support) {
 
 Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress) {
   Alphas alphas;
-  std::int64_t cells = 0;
+  std::int64_t cells = 0, largest = 0;
   for (int step = slice.first; step < slice.end; ++step) {
     progress.Tick();
     LayeredGrid belief = Moved(model, slice, step, alphas.tables.empty() ? before : alphas.tables.back());
     alphas.work += static_cast<double>(belief.cells()) + kStepCells;
-    CheckMemory(model, slice, step, cells, belief);
+    largest = std::max(largest, belief.cells());
+    CheckMemory(model, slice, step, cells, largest);
     alphas.log_likelihood += Settle(model, slice, step, &belief);
     cells += belief.cells();
     alphas.tables.push_back(std::move(belief));
   }
   return alphas;
+}
+
+std::int64_t Alphas::Cells() const {
+  std::int64_t cells = 0;
+  for (const LayeredGrid& table : tables) cells += table.cells();
+  return cells;
 }
 
 Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid before, double work,
@@ -193,7 +203,7 @@ Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid bef
     progress.Tick();
     LayeredGrid belief = Moved(model, slice, frontier.end, frontier.alpha);
     done += static_cast<double>(belief.cells()) + kStepCells;
-    CheckMemory(model, slice, frontier.end, 0, belief);
+    CheckMemory(model, slice, frontier.end, 0, belief.cells());
     Settle(model, slice, frontier.end, &belief);
     frontier.alpha = std::move(belief);
   }

@@ -30,6 +30,9 @@ struct Slice {
   std::string robot;  // its name, for messages
 };
 
+// Copies of a belief that are in memory besides the kept alphas: beta, the product, and what moving needs.
+inline constexpr double kBeliefCopies = 5.0;
+
 // What a step costs whatever its size, in cells (work.h).
 inline constexpr double kStepCells = 4000.0;
 
@@ -39,6 +42,8 @@ struct Alphas {
   std::vector<LayeredGrid> tables;
   double log_likelihood = 0.0;
   double work = 0.0;
+
+  std::int64_t Cells() const;
 };
 
 // The same without the tables before the last one.

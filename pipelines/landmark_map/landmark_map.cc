@@ -6,6 +6,7 @@
 #include <map>
 
 #include "pipelines/landmark_map/e_step.h"
+#include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
@@ -27,7 +28,8 @@ std::vector<bool> TypesSeen(const Blob& robot, int types) {
 }
 
 // Every robot's steps; robots but the first begin where they see what the first has seen too.
-Carried MakeAllSteps(const Blob& log, const Settings& settings, const Schedule& schedule, cairn::Step* step) {
+Carried MakeAllSteps(const Blob& log, const Settings& settings, const Schedule& schedule, cairn::Step* step,
+                     std::vector<RobotSteps>* all) {
   const std::vector<std::string> robots = log.Texts("robots");
   const std::vector<bool> shared = TypesSeen(log.Sub("robot/0/"), settings.map.types);
   Carried carried;
@@ -37,9 +39,10 @@ Carried MakeAllSteps(const Blob& log, const Settings& settings, const Schedule& 
     const RobotSteps steps =
         MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, r == 0 ? nullptr : &shared);
     carried.step_counts.push_back(steps.size());
-    carried.work.push_back(
-        WorkOf(OpenLoopCells(steps, settings.Model(nullptr)), StepsInUse(schedule, steps.size())));
+    const int count = StepsInUse(schedule, steps.size());
+    carried.work.push_back(WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
     carried.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
+    all->push_back(steps);
   }
   return carried;
 }
@@ -109,27 +112,6 @@ std::string Note(const Schedule& done, double log_likelihood, std::size_t landma
   return text;
 }
 
-// For people who ask what a job will cost. The rate is near what tests/bench/task_times prints; half as much
-// again is for the later rounds, which a map makes small, and each of them looks at every step once more.
-std::string Expectation(const Settings& settings, const Carried& carried, const proto::Step& plan) {
-  constexpr double kCellsPerSecond = 40e6, kLaterRounds = 0.5;
-  const double cells = carried.work[0];
-  double steps = 0.0;
-  for (const std::int64_t count : carried.step_counts) steps += static_cast<double>(count);
-  const double all_cells = (1.0 + kLaterRounds) * cells + plan.rounds_left() * steps * kStepCells;
-  char text[320];
-  std::snprintf(
-      text, sizeof text,
-      "planned: cells of %g m, %d headings, %lld steps of the first robot, %d tasks in the first of at most "
-      "%u rounds, which moves about %.3g million cells: some %.2g s on one core, within a factor of five",
-      settings.map.grid.cell_m, settings.map.grid.headings, static_cast<long long>(carried.step_counts[0]),
-      plan.tasks_size(), plan.rounds_left(), cells / 1e6, all_cells / kCellsPerSecond);
-  std::string note = text;
-  if (carried.step_counts.size() > 1)
-    note += "; what it takes to find robots that start anywhere comes on top";
-  return note;
-}
-
 }  // namespace
 
 cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
@@ -139,10 +121,14 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   Schedule schedule;
   schedule.prefix = settings.growth_start;
   cairn::Step step;
-  const Carried carried = MakeAllSteps(*log, settings, schedule, &step);
+  std::vector<RobotSteps> steps;
+  const Carried carried = MakeAllSteps(*log, settings, schedule, &step, &steps);
   PlanRound(options_, robots, schedule, carried,
             {{"history", EmptyHistory()}, {"counts", StoredCounts(NoCounts(settings))}}, &step);
-  step.plan.set_note(Expectation(settings, carried, step.plan));
+  const Estimate estimate = EstimateJob(options_, settings, steps, carried, step.plan);
+  RefuseMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
+  estimate.Store(step.plan.mutable_state());
+  step.plan.set_note(Sentence(estimate, settings, carried));
   return step;
 }
 
@@ -184,7 +170,13 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
   if (summarise) landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
   PartialBuilder builder(settings, slice, static_cast<int>(params.at("robot").i()),
                          summarise ? &landmarks : nullptr, NoCounts(settings));
-  Visitor visitor{[&](int step, const LayeredGrid& belief) { builder.Add(step, belief); }, nullptr};
+  const double tables = sizeof(double) * static_cast<double>(alphas.Cells());
+  const auto add = [&](int step, const LayeredGrid& belief) {
+    builder.Add(step, belief);
+    RefuseMemory("alphas and counts", tables + sizeof(double) * static_cast<double>(builder.counts().cells()),
+                 settings.memory_mb);
+  };
+  Visitor visitor{add, nullptr};
   if (options_.calibrate) {
     visitor.leg = [&](int step, const HalfTurn& posterior) { builder.AddLeg(step, posterior); };
   }
@@ -213,6 +205,7 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
     }
     FitWidths(sum.legs(), settings.noise, &carried.odometry);
   }
+  RefuseMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
   const LayeredGrid map = MapOf(sum.counts(), settings.map);
   const std::vector<Landmark> landmarks = ExtractLandmarks(sum.counts(), settings.map);
   const Perception perception = PerceptionOf(map, settings.map);

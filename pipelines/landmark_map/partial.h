@@ -26,6 +26,7 @@ class PartialBuilder {
   // The leg that leads to a step, after the step's belief.
   void AddLeg(int step, const HalfTurn& posterior);
   Blob Finish(const Alphas& alphas) const;
+  const LayeredGrid& counts() const { return counts_; }
 
  private:
   void AddAssociations(int step, const LayeredGrid& belief);

@@ -7,7 +7,7 @@
 namespace cairn::landmark_map {
 namespace {
 
-constexpr double kStepsLost = 20.0;
+constexpr double kMargin = 4.0;  // cells: one itself, and what a move adds before it is pruned
 
 // Second moments of a pose whose heading correction h turns the ways that follow, in cells and rad.
 struct Spread {
@@ -30,7 +30,6 @@ struct Spread {
     const double step = 2.0 * std::numbers::pi / grid.headings;
     const int far = std::min(grid.headings / 2, static_cast<int>(std::ceil(reach * std::sqrt(hh) / step)));
     const double given_x = hh > 0 ? xx - hx * hx / hh : xx, given_y = hh > 0 ? yy - hy * hy / hh : yy;
-    constexpr double kMargin = 4.0;  // a cell itself, and what a move adds before it is pruned
     double cells = 0.0;
     for (int c = -far; c <= far; ++c) {
       const double left = std::max(0.0, reach * reach - (hh > 0 ? c * step * c * step / hh : 0.0));
@@ -42,19 +41,28 @@ struct Spread {
     }
     return cells;
   }
+  // The box of all headings' boxes, around where odometry is.
+  Box Around(double x, double y, double reach, double way, double limit) const {
+    const auto half = [&](double variance) {
+      return 0.5 * (std::min({2.0 * reach * std::sqrt(std::max(0.0, variance)), 2.0 * way, limit}) + kMargin);
+    };
+    const double rx = half(xx), ry = half(yy);
+    return {static_cast<std::int32_t>(std::floor(x - rx)), static_cast<std::int32_t>(std::floor(y - ry)),
+            static_cast<std::int32_t>(std::ceil(2.0 * rx)), static_cast<std::int32_t>(std::ceil(2.0 * ry))};
+  }
 };
 
 }  // namespace
 
-std::vector<double> OpenLoopCells(const RobotSteps& steps, const EStepModel& model) {
+OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int count) {
   constexpr double kLeast = 1e-9;  // without pruning taps still end somewhere
   const double reach = std::sqrt(-2.0 * std::log(std::max(model.prune, kLeast)));
   const double cell = model.grid.cell_m;
   const double limit = model.limit.empty() ? HUGE_VAL : model.limit.nx;
   Spread spread;
   double way = 0.0;
-  std::vector<double> cells;
-  for (int s = 0; s < steps.size(); ++s) {
+  OpenLoop reckoned;
+  for (int s = 0; s < count; ++s) {
     const Leg leg = steps.LegTo(s);
     const LegError error = ErrorOf(leg, model.noise);
     const double half_turn = 0.5 * error.heading_rad * error.heading_rad;
@@ -62,9 +70,15 @@ std::vector<double> OpenLoopCells(const RobotSteps& steps, const EStepModel& mod
     spread.TurnBy(half_turn);
     spread.Move(leg.dx_m / cell, leg.dy_m / cell, error.along_m / cell);
     spread.TurnBy(half_turn);
-    cells.push_back(spread.Cells(reach, model.grid, way, limit));
+    reckoned.cells.push_back(spread.Cells(reach, model.grid, way, limit));
+    reckoned.boxes.push_back(
+        spread.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, way, limit));
   }
-  return cells;
+  for (int s = count; s < steps.size(); ++s) {
+    reckoned.boxes.push_back(
+        Spread{}.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, way, limit));
+  }
+  return reckoned;
 }
 
 double WorkOf(const std::vector<double>& cells, int count) {

@@ -11,16 +11,23 @@
 
 namespace cairn::landmark_map {
 
-// The cells of the belief at each step where nothing is known but odometry, from a Dirac at the start: [S].
-// The pose's covariance is carried along the legs to first order; a heading's box is what pruning leaves of a
-// Gaussian. Right to a factor of about two while headings are known to a radian.
-std::vector<double> OpenLoopCells(const RobotSteps& steps, const EStepModel& model);
+// The beliefs at each of the first `count` steps where nothing is known but odometry, from a Dirac at the
+// start. The pose's covariance is carried along the legs to first order; a heading's box is what pruning
+// leaves of a Gaussian. Right to a factor of about two while headings are known to a radian.
+struct OpenLoop {
+  std::vector<double> cells;  // [count]
+  std::vector<Box> boxes;     // [S] that hold them; of the steps that follow: where odometry is
+};
+OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int count);
 
 // The work of the first `count` steps.
 double WorkOf(const std::vector<double>& cells, int count);
 
+// How many steps a robot that may start anywhere takes to find itself.
+inline constexpr double kStepsLost = 20.0;
+
 // The work of the first E-step of a robot that may start anywhere: the map's box under every heading until it
-// is found, which takes some kStepsLost steps.
+// is found, which takes kStepsLost steps.
 double WorkWhereLost(int count, const EStepModel& model);
 
 // How many time slices to provide for `work` in slices of `slice_work`: one where it fits, else more than

@@ -18,7 +18,7 @@ struct World {
   RobotSteps steps;
 };
 
-TEST(OpenLoopCells, AgreeWithWhatAPassWithoutAMapMovesToAFactorOfTwo) {
+TEST(ReckonOpenLoop, AgreeWithWhatAPassWithoutAMapMovesToAFactorOfTwo) {
   for (const Options& options : {Options{.cell_m = 1.0}, Options{.cell_m = 0.5, .heading_deg = 3.0},
                                  Options{.cell_m = 0.5, .prune = 1e-4}}) {
     const World world(options);
@@ -26,16 +26,17 @@ TEST(OpenLoopCells, AgreeWithWhatAPassWithoutAMapMovesToAFactorOfTwo) {
     NoProgress progress;
     const Alphas alphas =
         Forward(model, {world.steps, 0, world.steps.size(), "rover"}, DiracStart(model.grid), progress);
-    const double expected = WorkOf(OpenLoopCells(world.steps, model), world.steps.size());
+    const double expected =
+        WorkOf(ReckonOpenLoop(world.steps, model, world.steps.size()).cells, world.steps.size());
     EXPECT_GT(expected, 0.5 * alphas.work) << options.cell_m;
     EXPECT_LT(expected, 2.0 * alphas.work) << options.cell_m;
   }
 }
 
-TEST(OpenLoopCells, NoBoxIsLargerThanTheOneThatIsAllowed) {
+TEST(ReckonOpenLoop, NoBoxIsLargerThanTheOneThatIsAllowed) {
   const World wide(Options{.cell_m = 0.5}), narrow(Options{.cell_m = 0.5, .box_m = 2.0});
-  const auto all = OpenLoopCells(wide.steps, wide.settings.Model(nullptr));
-  const auto cut = OpenLoopCells(narrow.steps, narrow.settings.Model(nullptr));
+  const auto all = ReckonOpenLoop(wide.steps, wide.settings.Model(nullptr), wide.steps.size()).cells;
+  const auto cut = ReckonOpenLoop(narrow.steps, narrow.settings.Model(nullptr), narrow.steps.size()).cells;
   EXPECT_LT(cut.back(), 0.5 * all.back());
 }
 

@@ -76,6 +76,7 @@ refuses 'wokers' cairn run landmark_map log.h5 --wokers 2
 
 # More memory than allowed: says how much it would need.
 refuses 'would need about [0-9.]+ [MG]B.*memory_mb' cairn run landmark_map log.h5 --set memory_mb=1 --out fine
+refuses 'would need about [0-9.]+ [MG]B.*memory_mb' cairn run landmark_map log.h5 --set cell_m=0.01 --out fine
 [ ! -e fine/landmark_map.h5 ] || die "a run that was refused left a result"
 
 # Evidence that is impossible: exact cells hold no landmark where the first data showed none, and none is false.

@@ -1,0 +1,171 @@
+#include "pipelines/landmark_map/estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "pipelines/landmark_map/work.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr double kCellMb = sizeof(double) / 1e6;
+// The rate is near what tests/bench/task_times prints; half as much again is for the later rounds, which a
+// map makes small, and each of them looks at every step once more.
+constexpr double kCellsPerSecond = 40e6, kLaterRounds = 0.5;
+constexpr double kProgramMb = 40.0;  // a worker that has done nothing yet, and its copy of the log
+constexpr double kCacheMb = 512.0;   // what a worker keeps of blobs at most (--cache-mb)
+
+// The slices of a round, in cells.
+struct Slices {
+  double tables = 0;  // alphas of the largest one
+  double step = 0;    // largest belief
+  double ends = 0;    // beliefs that one hands to the next, all together
+  double counts = 0;  // of one landmark type, all together
+};
+
+Slices CutIntoSlices(const OpenLoop& loop, double slice_work) {
+  Slices slices;
+  double tables = 0, work = 0;
+  Box box;
+  for (std::size_t s = 0; s < loop.cells.size(); ++s) {
+    const double here = loop.cells[s];
+    box = Union(box, loop.boxes[s]);
+    tables += here;
+    work += here + kStepCells;
+    slices.step = std::max(slices.step, here);
+    slices.tables = std::max(slices.tables, tables);
+    if (work < slice_work && s + 1 < loop.cells.size()) continue;
+    slices.ends += here;
+    slices.counts += static_cast<double>(box.cells());
+    box = {};
+    tables = work = 0;
+  }
+  return slices;
+}
+
+// What is seen at a range and bearing tells a robot where it may start; a press leaves every place of the
+// map.
+bool Presses(const RobotSteps& steps) {
+  return std::ranges::all_of(steps.observations,
+                             [](const Observation& o) { return o.x_m == 0 && o.y_m == 0; });
+}
+
+// A robot that may be anywhere: every heading of the whole map, and a slice holds a step at least.
+Slices SlicesWhereLost(double map_cells, const Settings& settings, double slice_work) {
+  const double step = map_cells * settings.map.grid.headings;
+  const double all = kStepsLost * step, tables = std::clamp(slice_work, step, all);
+  return {tables, step, all / tables * step, all / tables * map_cells};
+}
+
+double TaskMb(const Slices& slices, double counts) {
+  return kCellMb * (slices.tables + kBeliefCopies * slices.step + counts);
+}
+
+// Alphas and betas handed over, and counts.
+double PartialsMb(const Slices& slices, double types) {
+  return kCellMb * (2.0 * slices.ends + types * slices.counts);
+}
+
+std::set<std::int32_t> TypesSeen(const std::vector<RobotSteps>& robots) {
+  std::set<std::int32_t> types;
+  for (const RobotSteps& steps : robots) {
+    for (const Observation& seen : steps.observations) types.insert(seen.type);
+  }
+  return types;
+}
+
+Box GrownByRadius(const Box& box, const MapRules& rules) {
+  return box.Grown(static_cast<int>(std::ceil(rules.radius_m / rules.grid.cell_m)));
+}
+
+double MStepMb(const Box& box, bool identified, const MapRules& rules) {
+  constexpr double kTables = 9.0;
+  if (box.empty()) return 0.0;
+  return kTables * kCellMb * static_cast<double>((identified ? box : GrownByRadius(box, rules)).cells());
+}
+
+}  // namespace
+
+void Estimate::Store(State* state) const {
+  auto& scalars = *state->mutable_scalars();
+  scalars["expected/cells"].set_d(cells);
+  scalars["expected/tasks"].set_d(tasks);
+  scalars["expected/rounds"].set_d(rounds);
+  scalars["expected/seconds"].set_d(seconds);
+  scalars["expected/task_mb"].set_d(task_mb);
+  scalars["expected/memory_mb"].set_d(memory_mb);
+  scalars["expected/store_mb"].set_d(store_mb);
+}
+
+Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
+                     const Carried& carried, const proto::Step& plan) {
+  const int used = StepsInUse(Schedule{.prefix = settings.growth_start}, robots[0].size());
+  const OpenLoop first = ReckonOpenLoop(robots[0], settings.Model(nullptr), used);
+  const std::set<std::int32_t> types = TypesSeen(robots);
+  Box reach;
+  for (const Box& box : first.boxes) reach = Union(reach, box);
+  const auto layers = static_cast<double>(types.size());
+  const double counts = layers * static_cast<double>(reach.cells());
+  const double slice_work = 1e6 * options.slice_mcells;
+  Estimate estimate;
+  double steps = 0.0;
+  for (const RobotSteps& robot : robots) steps += robot.size();
+  estimate.cells = carried.work[0];
+  estimate.tasks = plan.tasks_size();
+  estimate.rounds = plan.rounds_left();
+  estimate.seconds =
+      ((1.0 + kLaterRounds) * estimate.cells + estimate.rounds * steps * kStepCells) / kCellsPerSecond;
+  const Slices slices = CutIntoSlices(first, slice_work);
+  estimate.task_mb = TaskMb(slices, counts);
+  double partials = PartialsMb(slices, layers);
+  if (robots.size() > 1 && Presses(robots[0])) {
+    const double map = static_cast<double>(GrownByRadius(reach, settings.map).cells());
+    const Slices lost = SlicesWhereLost(map, settings, slice_work);
+    estimate.task_mb = std::max(estimate.task_mb, TaskMb(lost, counts));
+    const auto others = static_cast<double>(robots.size() - 1);
+    estimate.seconds += others * kStepsLost * lost.step / kCellsPerSecond;
+    partials = std::max(partials, others * PartialsMb(lost, layers));
+  }
+  double m_step = 0.0;
+  for (const std::int32_t type : types) m_step += MStepMb(reach, type < settings.map.types, settings.map);
+  estimate.task_mb = std::max(estimate.task_mb, m_step);
+  estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, partials) + kProgramMb;
+  estimate.store_mb = 2.0 * (partials + 2.0 * kCellMb * counts);
+  return estimate;
+}
+
+std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried) {
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "planned: cells of %g m, %d headings, %lld steps of the first robot, %.0f tasks in the first of "
+      "at most %.0f rounds, which moves about %.3g million cells: some %.2g s on one core; a worker may "
+      "need %.0f MB, the store %.0f MB",
+      settings.map.grid.cell_m, settings.map.grid.headings, static_cast<long long>(carried.step_counts[0]),
+      estimate.tasks, estimate.rounds, estimate.cells / 1e6, estimate.seconds, estimate.memory_mb,
+      estimate.store_mb);
+  return text;
+}
+
+double MStepBytes(const LayeredGrid& counts, const MapRules& rules) {
+  double megabytes = 0.0;
+  for (std::size_t type = 0; type < counts.layers.size(); ++type) {
+    megabytes += MStepMb(counts.layers[type].box, static_cast<int>(type) < rules.types, rules);
+  }
+  return 1e6 * megabytes;
+}
+
+void RefuseMemory(const std::string& what, double bytes, double memory_mb) {
+  if (bytes <= 1e6 * memory_mb) return;
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "%s would need about %.0f MB, more than memory_mb = %.0f: take a larger cell_m or heading_deg, "
+      "or a smaller slice_mcells",
+      what.c_str(), std::ceil(bytes / 1e6), memory_mb);
+  throw InputError(text);
+}
+
+}  // namespace cairn::landmark_map

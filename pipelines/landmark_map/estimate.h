@@ -1,0 +1,41 @@
+// What a job will cost, reckoned from sizes before any of it is allocated: for people who ask, and to refuse
+// what their machines cannot hold.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/steps.h"
+
+namespace cairn::landmark_map {
+
+// 1 MB = 10^6 bytes. How right these are: README.md.
+struct Estimate {
+  double cells = 0;      // that the first round moves
+  double tasks = 0;      // of the first round
+  double rounds = 0;     // at most
+  double seconds = 0;    // of one core, the whole job
+  double task_mb = 0;    // tables of the largest task: alphas, beta, counts; or of the M-step
+  double memory_mb = 0;  // of a worker: that task, the blobs that it keeps, the program itself
+  double store_mb = 0;   // partials and States of a round and of the one before
+
+  // Into the State's scalars, as expected/cells and so on, where --dry-run reads them.
+  void Store(State* state) const;
+};
+
+// `robots`: the steps of each; `plan`: the first round's.
+Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
+                     const Carried& carried, const proto::Step& plan);
+
+// For people, one line.
+std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried);
+
+// Of the M-step's tables: counts, a partial's, the map, its sums over the perceptual radius, the likelihood.
+double MStepBytes(const LayeredGrid& counts, const MapRules& rules);
+
+// Throws InputError that names both figures where `what` needs more than is allowed.
+void RefuseMemory(const std::string& what, double bytes, double memory_mb);
+
+}  // namespace cairn::landmark_map

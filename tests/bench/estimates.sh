@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# What `cairn run --dry-run` expects against what the run then takes: seconds of all workers' processor time, and the
+# largest resident set of its only worker. estimates.sh [NAME LOG.h5 KEY=VALUE…]: that job, else some of its own (one
+# where CAIRN_DATA names a folder that holds mrclam6). CAIRN_BIN: the folder of the programs.
+set -euo pipefail
+PATH=${CAIRN_BIN:-$(cd "$(dirname "$0")/../.." && pwd)/build/release/bin}:$PATH
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+expected() { tr -d ' \n' <plan.json | grep -oE '"expected":\{[^}]*\}' | grep -oE "\"$1\":[0-9.eE+-]+" | cut -d: -f2; }
+
+# measure NAME LOG KEY=VALUE…
+measure() {
+  local name=$1 log=$2 settings=()
+  shift 2
+  for pair in "$@"; do settings+=(--set "$pair"); done
+  cairn run landmark_map "$log" "${settings[@]}" --dry-run --json >plan.json
+  cairn run landmark_map "$log" "${settings[@]}" --workers 1 --out "$name" >/dev/null 2>&1 &
+  local run=$! worker ticks=0 resident=0 store=0 now
+  worker=$(until pgrep -P "$run" -f cairn-worker; do kill -0 "$run" || break; done)
+  while kill -0 "$run" 2>/dev/null; do  # the worker is gone with the run, so look at it often
+    now=$(awk '/^VmHWM/ {print $2}' "/proc/$worker/status" 2>/dev/null || true)
+    [ -z "$now" ] || resident=$now
+    now=$(awk '{print $14 + $15}' "/proc/$worker/stat" 2>/dev/null || true)
+    [ -z "$now" ] || ticks=$now
+    now=$(du -sk "$name/.cairn" 2>/dev/null | cut -f 1 || true)
+    [ "${now:-0}" -le "$store" ] || store=$now
+  done
+  wait "$run"
+  awk -v name="$name" -v s="$(expected seconds)" -v m="$(expected memory_mb)" -v t="$ticks" -v hz="$(getconf CLK_TCK)" \
+    -v r="$resident" -v d="$store" -v e="$(expected store_mb)" 'BEGIN {
+    cpu = t / hz; mb = r * 1.024e-3; disk = d * 1.024e-3
+    printf "%-16s seconds: expected %6.1f, used %6.1f (x%.2f)   MB: expected %5.0f, used %5.0f (x%.2f)   ",
+      name, s, cpu, cpu / s, m, mb, mb / m
+    printf "store MB: expected %5.0f, used %5.0f\n", e, disk }'
+}
+
+if [ $# -gt 0 ]; then
+  measure "$@"
+  exit
+fi
+cairn simulate loop --difficulty base --robots 4 --seed 1 four.h5 >/dev/null
+cairn simulate loop --difficulty base --seed 1 one.h5 >/dev/null
+measure base-1m one.h5 cell_m=1
+measure base-four four.h5
+measure base-0.25m-2deg one.h5 cell_m=0.25 heading_deg=2
+if [ -n "${CAIRN_DATA:-}" ]; then
+  cairn import mrclam "$CAIRN_DATA/mrclam6" mrclam6.h5 >/dev/null
+  measure mrclam-6 mrclam6.h5
+fi
