@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "coordinator/checkpoint_file.h"
+#include "schema/store/atomic_file.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -50,9 +51,19 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
   return std::nullopt;
 }
 
+// A process that died may have left files that are there but whose folder was not synced: counted on, with
+// what came before them cleared away, they would be gone at the next power cut.
+void MakeDurable(const StoreFolder& folder, const LogSink& log) {
+  std::vector<fs::path> folders = {folder.Blobs(), folder.Checkpoints()};
+  for (const std::string& job : folder.JobsWithCheckpoints()) folders.push_back(folder.Checkpoints() / job);
+  for (const fs::path& path : folders)
+    if (const Status status = SyncFolder(path); !status.ok()) log(Severity::kError, status.message());
+}
+
 }  // namespace
 
 std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const LogSink& log) {
+  MakeDurable(folder, log);
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
   for (const std::string& job : folder.JobsWithCheckpoints()) {

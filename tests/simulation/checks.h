@@ -26,6 +26,7 @@ class Checks {
   void Fail(const std::string& what) {
     if (violation_.empty()) violation_ = what;
   }
+  bool Deceived(const std::string& id) const { return jobs_.at(id).deceived; }
   const std::string& violation() const { return violation_; }
 
   void AddJob(const std::string& id, const proto::Job& job, ToyKind kind);

@@ -62,9 +62,6 @@ class FolderModel {
     const auto it = seen_.find(key);
     return it == seen_.end() || it->second.torn ? nullptr : &it->second.content;
   }
-  const std::map<Key, File>& files() const { return seen_; }
-
- private:
   void SyncFolder() {
     for (const Key& key : changed_) {
       const auto it = seen_.find(key);
@@ -75,7 +72,9 @@ class FolderModel {
     }
     changed_.clear();
   }
+  const std::map<Key, File>& files() const { return seen_; }
 
+ private:
   std::map<Key, File> seen_, durable_;
   std::set<Key> changed_;  // since the folder was last synced
 };

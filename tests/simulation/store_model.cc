@@ -216,6 +216,8 @@ std::vector<RestoreJob> StoreModel::Recover() {
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
   protected_.clear();
+  blobs_.SyncFolder();
+  for (auto& [job, checkpoints] : checkpoints_) checkpoints.SyncFolder();
   for (auto& [job, checkpoints] : checkpoints_) {
     DamageSomething(job, checkpoints);
     if (checkpoints.files().empty()) continue;

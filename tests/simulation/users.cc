@@ -135,7 +135,13 @@ void Users::ResumeIfStopped(const std::string& id) {
 void Users::BringToAnEnd() {
   for (const std::string& id : ids_) {
     Wish& wish = wishes_.at(id);
-    if (wish.deleted) Delete(id, wish);
+    if (wish.deleted) {  // where the store lost its end it is back, and must end again first
+      Cancel(id, wish);
+      Delete(id, wish);
+    }
+    // Where a lie leads to is not known: it may be rounds without end.
+    if (world_.checks.Deceived(id) && world_.schedule.now_s() > 3 * world_.faults.trouble_s)
+      wish.given_up = true;
     if (wish.given_up) Cancel(id, wish);
     ResumeIfStopped(id);
     CheckThatItMoves(id, wish);
