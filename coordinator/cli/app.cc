@@ -33,6 +33,7 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddExport(app, call);
   AddDiff(app, call);
   AddWorker(app, call);
+  AddSubmit(app, call);
   AddJobs(app, call);
   AddJobCommands(app, call);
   AddKeys(app, call);

@@ -35,7 +35,8 @@ std::shared_ptr<Options> AddCommand(CLI::App& app, Invocation& call, const char*
 void AddRun(CLI::App& app, Invocation& call);
 void AddCoordinator(CLI::App& app, Invocation& call);
 void AddWorker(CLI::App& app, Invocation& call);
-void AddJobs(CLI::App& app, Invocation& call);         // submit, list, status, watch, results
+void AddSubmit(CLI::App& app, Invocation& call);
+void AddJobs(CLI::App& app, Invocation& call);         // list, status, watch, results
 void AddJobCommands(CLI::App& app, Invocation& call);  // pause, resume, cancel, retry, delete, priority
 void AddImport(CLI::App& app, Invocation& call);
 void AddSimulate(CLI::App& app, Invocation& call);

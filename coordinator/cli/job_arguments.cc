@@ -50,9 +50,9 @@ ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   return parsed;
 }
 
-bool IsJobFile(const std::string& what) { return what.ends_with(".yaml") || what.ends_with(".yml"); }
-
 }  // namespace
+
+bool IsJobFile(const std::string& what) { return what.ends_with(".yaml") || what.ends_with(".yml"); }
 
 void AddJobArguments(CLI::App& command, JobArguments& arguments) {
   command.add_option("JOB.yaml|PIPELINE", arguments.what, "A job file, or the name of a pipeline")

@@ -18,6 +18,8 @@ struct JobArguments {
   std::uint64_t seed = 0;
 };
 
+bool IsJobFile(const std::string& what);
+
 void AddJobArguments(CLI::App& command, JobArguments& arguments);
 
 // Reads the job file; or makes a job of one stage, both with the pipeline's name. Throws InputError that

@@ -61,8 +61,7 @@ void AddJobCommands(CLI::App& app, Invocation& call) {
                   "cairn cancel 1-museum"},
            OfJobs{"retry", "Goes on with a job that has failed, from its last checkpoint",
                   "cairn retry 1-museum"},
-           OfJobs{"delete", "Forgets jobs that have ended, their results and logs",
-                  "cairn delete 1-museum 2-museum"},
+           OfJobs{"delete", "Forgets jobs that have ended, their results and logs", "cairn delete 1-museum"},
        }) {
     const auto options = AddTelling(app, call, of.name, of.summary, of.example, &command);
     command->add_option("JOB", options->jobs, "Ids, as submit and list say them")->required();

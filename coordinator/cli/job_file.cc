@@ -1,10 +1,12 @@
 #include "coordinator/cli/job_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 
 #include "coordinator/cli/suggest.h"
 #include "coordinator/cli/yaml_reader.h"
+#include "coordinator/job.h"
 #include "schema/error.h"
 
 namespace cairn::cli {
@@ -28,12 +30,14 @@ class JobReader {
         parsed_.job.set_name(yaml_.Name(entry));
       else if (entry.key == "seed")
         parsed_.job.set_seed(yaml_.Unsigned(entry));
+      else if (entry.key == "priority")
+        parsed_.job.set_priority(Priority(entry));
       else if (entry.key == "inputs")
         inputs = &entry;
       else if (entry.key == "stages")
         stages = &entry;
       else
-        RefuseKey(entry, {"name", "seed", "inputs", "stages"});
+        RefuseKey(entry, {"name", "seed", "priority", "inputs", "stages"});
     }
     yaml_.CheckName(parsed_.job.name(), 1, "name (the file's, where none is given)");
     if (inputs == nullptr)
@@ -49,6 +53,18 @@ class JobReader {
  private:
   [[noreturn]] void RefuseKey(const YamlEntry& entry, const std::vector<std::string>& known) const {
     yaml_.Refuse(entry.key_line, "unknown key '" + entry.key + "'" + Suggest(entry.key, known));
+  }
+
+  int Priority(const YamlEntry& entry) const {
+    const std::string text =
+        entry.value.IsScalar() && !YamlReader::IsQuoted(entry.value) ? entry.value.Scalar() : "";
+    const char* const end = text.data() + text.size();
+    int priority = 0;
+    const auto [rest, error] = std::from_chars(text.data(), end, priority);
+    if (error != std::errc{} || rest != end || priority < coordinator::kLowestPriority ||
+        priority > coordinator::kHighestPriority)
+      yaml_.Refuse(entry.line, "priority: a whole number from -10 to 10");
+    return priority;
   }
 
   void ReadInputs(const YamlEntry& inputs) {

@@ -97,6 +97,11 @@ TEST_F(JobFile, MapsEveryField) {
   EXPECT_EQ(parsed.job.stages(1).inputs().at("poses"), "landmarks");
 }
 
+TEST_F(JobFile, MayGiveAPriority) {
+  EXPECT_EQ(Read(kGood).job.priority(), 0);
+  EXPECT_EQ(Read(Spoiled("seed: 7", "priority: -10")).job.priority(), -10);
+}
+
 TEST_F(JobFile, TakesAWholeNumberForARealAndStoresAReal) {
   const ParsedJob parsed = Read(Spoiled("cell_m: 0.25", "cell_m: 1"));
   EXPECT_EQ(parsed.job.stages(0).options().at("cell_m").kind_case(), proto::Value::kD);
@@ -119,6 +124,9 @@ constexpr Bad kBad[] = {
     {"SeedOfAnotherType", "seed: 7", "seed: seven", "job.yaml:2: seed: a whole number from 0"},
     {"SeedInQuotes", "seed: 7", "seed: '7'", "job.yaml:2: seed: a whole number from 0"},
     {"SeedNegative", "seed: 7", "seed: -1", "job.yaml:2: seed: a whole number from 0"},
+    {"PriorityTooHigh", "seed: 7", "priority: 11", "job.yaml:2: priority: a whole number from -10 to 10"},
+    {"PriorityInQuotes", "seed: 7", "priority: '1'", "job.yaml:2: priority: a whole number from -10 to 10"},
+    {"PriorityAFraction", "seed: 7", "priority: 1.5", "job.yaml:2: priority: a whole number from -10 to 10"},
     {"SeedIsAMap", "seed: 7", "seed: {a: 1}", "job.yaml:2: seed: a whole number from 0"},
     {"NameIsANumber", "name: museum", "name: 7", "job.yaml:1: name: a text is needed; write '7' in quotes"},
     {"NameIsAPath", "name: museum", "name: ../x", "job.yaml:1: name: '../x' is no name"},

@@ -22,6 +22,7 @@ nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
           {"rounds_left", job.rounds_left()},
           {"note", job.note()},
           {"seconds", job.seconds()},
+          {"priority", job.priority()},
           {"input_error", job.input_error()}};
 }
 
@@ -49,6 +50,7 @@ std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
 std::string JobText(const wire::JobInfo& job) {
   std::string text = "job      " + job.id() + "\nname     " + job.name() + "\nstate    " + job.state() + "\n";
   if (!job.reason().empty()) text += "reason   " + job.reason() + "\n";
+  if (job.priority() != 0) text += "priority " + std::to_string(job.priority()) + "\n";
   text += "stage    " + std::to_string(std::min(job.stage() + 1, job.stages())) + " of " +
           std::to_string(job.stages()) + "\nround    " + std::to_string(job.round()) + "\n";
   if (job.tasks() > 0) {

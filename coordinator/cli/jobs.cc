@@ -1,3 +1,5 @@
+#include <fnmatch.h>
+
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -7,10 +9,7 @@
 #include "coordinator/cli/console.h"
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
-#include "coordinator/cli/job_arguments.h"
-#include "coordinator/cli/job_inputs.h"
 #include "coordinator/cli/job_text.h"
-#include "coordinator/cli/programs.h"
 #include "coordinator/cli/stop_signal.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
@@ -23,9 +22,10 @@ namespace fs = std::filesystem;
 
 struct Options {
   ClientArguments client;
-  JobArguments arguments;  // submit
-  std::string job;         // the others
-  std::string out;         // results
+  std::string job;                // status, watch
+  std::vector<std::string> jobs;  // results
+  std::string out;                // results
+  std::string state, name;        // list, results: only those
   bool json = false;
 };
 
@@ -41,21 +41,20 @@ std::string WaitsFor(coordinator::Client& client, const wire::JobInfo& info) {
   return "waiting: no worker is connected (start 'cairn worker')";
 }
 
-int Submit(const Options& options, const Invocation&) {
-  ParsedJob parsed = ResolveJob(options.arguments, LoadCatalog());
-  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
-  coordinator::Client client = ConnectClient(options.client);
-  const wire::JobInfo info = Take(client.Submit(parsed.job, inputs));
-  if (options.json)
-    Print(info, true);
-  else
-    std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
-  return kExitDone;
+// Those of the state and the name (a pattern, as of files) that are asked for.
+std::vector<wire::JobInfo> Chosen(const Options& options, const std::vector<wire::JobInfo>& jobs) {
+  std::vector<wire::JobInfo> chosen;
+  for (const wire::JobInfo& job : jobs)
+    if ((options.state.empty() || job.state() == options.state) &&
+        (options.name.empty() || fnmatch(options.name.c_str(), job.name().c_str(), 0) == 0))
+      chosen.push_back(job);
+  return chosen;
 }
 
 int List(const Options& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
-  const coordinator::JobList list = Take(client.List());
+  coordinator::JobList list = Take(client.List());
+  list.jobs = Chosen(options, list.jobs);
   if (options.json) {
     std::fputs(JobsJson(list.jobs, list.workers, list.refused).c_str(), stdout);
   } else {
@@ -74,15 +73,15 @@ int Status(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-// The one job that is not over, where none is named.
+// Where none is named: the one job that is not over, or else the last, which may have ended just now.
 std::string OnlyJob(coordinator::Client& client) {
+  const std::vector<wire::JobInfo> jobs = Take(client.List()).jobs;
+  if (jobs.empty()) throw InputError("there are no jobs");
   std::vector<std::string> running;
-  for (const wire::JobInfo& job : Take(client.List()).jobs) {
+  for (const wire::JobInfo& job : jobs)
     if (!IsOver(job)) running.push_back(job.id());
-  }
-  if (running.empty()) throw InputError("no job is running");
   if (running.size() > 1) throw InputError("several jobs are running; which one? cairn list names them");
-  return running[0];
+  return running.empty() ? jobs.back().id() : running[0];
 }
 
 int Watch(const Options& options, const Invocation& call) {
@@ -117,11 +116,10 @@ int Watch(const Options& options, const Invocation& call) {
   return kExitStopped;
 }
 
-int Results(const Options& options, const Invocation&) {
-  coordinator::Client client = ConnectClient(options.client);
-  const std::map<std::string, BlobPtr> results = Take(client.Results(options.job));
-  if (results.empty()) throw InputError("job " + options.job + " has no results yet");
-  const fs::path folder = options.out.empty() ? options.job : options.out;
+// A file a stage.
+void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder) {
+  const std::map<std::string, BlobPtr> results = Take(client.Results(job));
+  if (results.empty()) throw InputError("job " + job + " has no results yet");
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
@@ -129,6 +127,24 @@ int Results(const Options& options, const Invocation&) {
     const std::string file = (folder / (stage + ".h5")).string();
     Check(WriteBlobFile(file, ResultKind(*blob), *blob));
     std::printf("%s\n", file.c_str());
+  }
+}
+
+// Of one job into --out itself; of many each into a folder of its own there.
+int Results(const Options& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  std::vector<std::string> jobs = options.jobs;
+  const bool by_name = !options.name.empty();
+  if (by_name == !jobs.empty()) throw InputError("name the jobs, or say --name PATTERN");
+  if (by_name)
+    for (const wire::JobInfo& job : Chosen(options, Take(client.List()).jobs))
+      if (job.state() == "done") jobs.push_back(job.id());
+  if (jobs.empty()) throw InputError("no job that is done is called '" + options.name + "'");
+  for (const std::string& job : jobs) {
+    const fs::path folder = options.out.empty()          ? fs::path(job)
+                            : by_name || jobs.size() > 1 ? fs::path(options.out) / job
+                                                         : fs::path(options.out);
+    Fetch(client, job, folder);
   }
   return kExitDone;
 }
@@ -145,13 +161,11 @@ std::shared_ptr<Options> AddClientCommand(CLI::App& app, Invocation& call, const
 
 void AddJobs(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  auto options = AddClientCommand(app, call, "submit", "Hands a job and its inputs to a coordinator",
-                                  "cairn submit job.yaml", Submit, &command);
-  AddJobArguments(*command, options->arguments);
-  command->add_flag("--json", options->json, "As JSON");
-
-  options =
-      AddClientCommand(app, call, "list", "All jobs of a coordinator", "cairn list --json", List, &command);
+  auto options = AddClientCommand(app, call, "list", "All jobs of a coordinator",
+                                  "cairn list --state running --name 'tour-*'", List, &command);
+  command->add_option("--state", options->state, "Only these")
+      ->check(CLI::IsMember({"queued", "running", "paused", "done", "failed", "cancelled"}));
+  command->add_option("--name", options->name, "Only those whose name matches this pattern");
   command->add_flag("--json", options->json, "As JSON");
 
   options = AddClientCommand(app, call, "status", "How a job stands", "cairn status 1-museum --json", Status,
@@ -161,12 +175,13 @@ void AddJobs(CLI::App& app, Invocation& call) {
 
   options = AddClientCommand(app, call, "watch", "Follows a job to its end, and ends as it does",
                              "cairn watch 1-museum", Watch, &command);
-  command->add_option("JOB", options->job, "Its id (the one that is running)");
+  command->add_option("JOB", options->job, "Its id (the one that is running, or else the last)");
   command->add_flag("--json", options->json, "How it ended, as JSON");
 
   options = AddClientCommand(app, call, "results", "Fetches the results of a job, a file a stage",
                              "cairn results 1-museum --out museum", Results, &command);
-  command->add_option("JOB", options->job, "Its id")->required();
+  command->add_option("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
+  command->add_option("--name", options->name, "All that are done whose name matches this pattern");
   command->add_option("--out", options->out, "Folder to write to (the job's id)");
 }
 

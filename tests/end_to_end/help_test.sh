@@ -22,6 +22,8 @@ printf '%s\n' 'name: museum' 'inputs: {log: log.h5}' 'stages:' '  - {name: landm
   >inputs/job.yaml
 cairn run landmark_map inputs/log.h5 --out inputs/result >/dev/null 2>&1
 cairn keys new desk --dir inputs >/dev/null
+mkdir inputs/logs
+cp inputs/log.h5 inputs/logs/monday.h5
 cp -r inputs/result inputs/one-worker
 cp -r inputs/result inputs/five-workers
 
@@ -50,11 +52,16 @@ for command in run simulate 'simulate loop' import 'import csv' 'import mrclam' 
   runs "${words[@]}"
 done
 
-# Those of the service: a job is submitted, cancelled and gone on with before there is a worker.
-(CAIRN_HOME=$work/service exec cairn coordinator) 2>service.log &
+# Those of the service: a job is submitted, paused, gone on with and cancelled before there is a worker; a second one is
+# computed.
+for home in idle service; do
+  (CAIRN_HOME=$work/$home exec cairn coordinator) 2>$home.log &
+  until_true 10 grep -q 'listening' $home.log
+done
+export CAIRN_HOME=$work/idle
+for command in submit list status pause resume priority cancel delete; do runs "$command"; done
 export CAIRN_HOME=$work/service
-until_true 10 grep -q 'listening' service.log
-for command in submit list status cancel resume; do runs "$command"; done
+runs submit
 cairn worker 2>worker.log &
 runs watch
 runs results

@@ -65,6 +65,34 @@ exits 0 cairn delete "$early" "$id"
 says "^$early is deleted"
 [ ! -e home/store/results/"$id" ] || die "a deleted job's results are still there"
 refuses "nobody'; known: .*$second" cairn status nobody
+
+# A job for each log of a fleet, all with what the command line says; their results each in a folder of its own.
+mkdir logs logs/not-a-log.h5
+cp log.h5 logs/monday.h5
+simulate logs/tuesday.h5 9
+refuses "no file matches 'nowhere/" cairn submit landmark_map --each 'nowhere/*.h5'
+refuses 'log.h5. is one too many' cairn submit landmark_map log.h5 --each 'logs/*.h5'
+exits 0 cairn submit landmark_map --each 'logs/*.h5' --priority -2
+[ "$(grep -c '^submitted ' stdout)" -eq 2 ] || die "not one job for each of the two logs"
+read -r monday tuesday < <(awk '{sub(/;/, "", $2); printf "%s ", $2}' stdout) || true
+for job in "$monday" "$tuesday"; do
+  exits 0 cairn watch "$job"
+  says '^priority -2'
+done
+exits 0 cairn list --name 'landmark_map-*' --state done
+says "^$monday .*landmark_map-monday"
+says "^$tuesday .*landmark_map-tuesday"
+[ "$(grep -c ' done ' stdout)" -eq 2 ] || die "list shows more than was asked for"
+exits 0 cairn list --state running
+[ "$(grep -c "$monday" stdout)" -eq 0 ] || die "list --state running shows what is done"
+refuses 'state' cairn list --state asleep
+exits 0 cairn results "$monday" "$tuesday" --out both
+exits 0 cairn results --name 'landmark_map-*' --out named
+for job in "$monday" "$tuesday"; do same_bits both/"$job" named/"$job"; done
+exits 0 cairn run landmark_map logs/tuesday.h5 --out tuesday
+same_bits tuesday both/"$tuesday"
+refuses "no job that is done is called 'nobody'" cairn results --name nobody
+refuses 'name the jobs' cairn results
 grep -q 'listening on' coordinator.log || die "the coordinator does not say where it listens"
 kill -TERM "$coordinator"
 wait "$coordinator" || die "the coordinator did not end in good order"

@@ -1,0 +1,97 @@
+// cairn submit: a job, or one of each log of a fleet.
+#include <glob.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "coordinator/cli/client_arguments.h"
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/job_arguments.h"
+#include "coordinator/cli/job_inputs.h"
+#include "coordinator/cli/job_text.h"
+#include "coordinator/cli/programs.h"
+
+namespace cairn::cli {
+namespace {
+
+struct Options {
+  ClientArguments client;
+  JobArguments arguments;
+  std::string each;  // a pattern of logs
+  std::optional<int> priority;
+  bool json = false;
+};
+
+// Sorted.
+std::vector<std::string> Matches(const std::string& pattern) {
+  glob_t found{};
+  const int failed = ::glob(pattern.c_str(), GLOB_MARK, nullptr, &found);
+  std::vector<std::string> files;
+  for (std::size_t i = 0; failed == 0 && i < found.gl_pathc; ++i)
+    if (!std::string_view(found.gl_pathv[i]).ends_with('/')) files.emplace_back(found.gl_pathv[i]);
+  ::globfree(&found);
+  if (files.empty()) throw InputError("no file matches '" + pattern + "'");
+  return files;
+}
+
+// The job of one log: it reads that as its `log`, and is called after it too.
+ParsedJob JobOfLog(const Options& options, const Catalog& catalog, const std::string& log) {
+  JobArguments arguments = options.arguments;
+  if (!arguments.log.empty())
+    throw InputError("--each names the logs; '" + arguments.log + "' is one too many");
+  if (!IsJobFile(arguments.what)) arguments.log = log;
+  ParsedJob parsed = ResolveJob(arguments, catalog);
+  if (!parsed.inputs.contains("log"))
+    throw InputError(arguments.what + ": --each needs an input that is called 'log'");
+  parsed.inputs.at("log") = {log, "the log"};
+  (*parsed.job.mutable_inputs())["log"] = log;
+  parsed.job.set_name(parsed.job.name() + "-" + std::filesystem::path(log).stem().string());
+  return parsed;
+}
+
+void SubmitOne(const Options& options, coordinator::Client& client, ParsedJob parsed) {
+  if (options.priority) parsed.job.set_priority(*options.priority);
+  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
+  const wire::JobInfo info = Take(client.Submit(parsed.job, inputs));
+  if (options.json)
+    std::fputs(JobJson(info).c_str(), stdout);
+  else
+    std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
+}
+
+// All logs are looked at before the first job is handed in.
+int Submit(const Options& options, const Invocation&) {
+  const Catalog catalog = LoadCatalog();
+  std::vector<ParsedJob> jobs;
+  if (options.each.empty()) {
+    jobs.push_back(ResolveJob(options.arguments, catalog));
+  } else {
+    for (const std::string& log : Matches(options.each)) jobs.push_back(JobOfLog(options, catalog, log));
+  }
+  coordinator::Client client = ConnectClient(options.client);
+  for (ParsedJob& job : jobs) SubmitOne(options, client, std::move(job));
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddSubmit(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<Options>(
+      app, call, "submit", "Hands a job and its inputs to a coordinator",
+      "cairn submit job.yaml\n  cairn submit landmark_map --each 'logs/*.h5' --priority -1", Submit,
+      &command);
+  AddClientArguments(*command, options->client);
+  AddJobArguments(*command, options->arguments);
+  command->add_option("--each", options->each,
+                      "A job for each log that matches this pattern, in place of the log that is named");
+  command
+      ->add_option("--priority", options->priority,
+                   "-10 to 10; each step doubles its share of the workers (the job file's, or 0)")
+      ->check(CLI::Range(-10, 10));
+  command->add_flag("--json", options->json, "As JSON");
+}
+
+}  // namespace cairn::cli
