@@ -30,3 +30,51 @@ exits 0 "${job[@]}" --out killed
 says 'resumed'
 same_bits undisturbed killed
 if find killed -name '*.tmp' | grep -q .; then die "a half-written file is left: $(find killed -name '*.tmp')"; fi
+
+# How much is done again: a finer job, killed whenever its workers have computed for so long (hundredths of a second of
+# processor time, not the clock, so that a busy machine does not matter). FINE_KILLS=10 FINE_SETTINGS='cell_m=0.15
+# heading_deg=2' is the long version.
+fine_kills=${FINE_KILLS:-2}
+settings=()
+for pair in ${FINE_SETTINGS:-cell_m=0.2 heading_deg=2}; do settings+=(--set "$pair"); done
+cairn simulate loop --difficulty base --seed 5 fine.h5 >/dev/null
+fine=(cairn run landmark_map fine.h5 "${settings[@]}" --workers 2)
+computed() { # PID: what its workers have used
+  local all=0 used worker
+  for worker in $(pgrep -P "$1" -f cairn-worker || true); do
+    used=$(awk '{print $14 + $15}' "/proc/$worker/stat" 2>/dev/null || true)
+    all=$((all + ${used:-0}))
+  done
+  echo $((all * 100 / $(getconf CLK_TCK)))
+}
+# live LIMIT DIR: runs until done or until the limit is used up; sets `used` and `code`.
+live() {
+  local now
+  "${fine[@]}" --out "$2" >background.out 2>background.err &
+  run=$! used=0 code=0
+  while kill -0 "$run" 2>/dev/null; do
+    now=$(computed "$run")
+    [ "$now" -le "$used" ] || used=$now
+    [ "$used" -lt "$1" ] || kill -9 "$run" 2>/dev/null || true
+    sleep 0.05
+  done
+  wait "$run" 2>/dev/null || code=$?
+}
+live 1000000 whole
+[ "$code" -eq 0 ] || die "the undisturbed run failed: $(cat background.err)"
+whole=$used
+total=0
+for ((i = 0; i < fine_kills; ++i)); do
+  live $((whole / (fine_kills + 1))) pieces
+  [ "$code" -eq 137 ] || die "life $i ended with $code before it was killed: $(cat background.err)"
+  total=$((total + used))
+done
+lived=$total
+live 1000000 pieces
+[ "$code" -eq 0 ] || die "the resumed run failed: $(cat background.err)"
+grep -q 'resumed' background.out || die "the last run did not resume: $(cat background.out)"
+same_bits whole pieces
+redone=$((total + used - whole))
+printf 'undisturbed %d.%02d s of processor time; killed %d times, %d hundredths done again, %d a kill\n' \
+  $((whole / 100)) $((whole % 100)) "$fine_kills" "$redone" $((redone / fine_kills))
+[ "$redone" -lt $((lived / 2)) ] || die "more than half of what the killed runs had done was done again"
