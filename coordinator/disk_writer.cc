@@ -121,8 +121,8 @@ DiskDone DiskWriter::Do(const WriteRowWork& work) {
 DiskDone DiskWriter::Do(const ForgetWork& work) {
   DiskDone done;
   done.job = work.job;
-  done.status = folder_.Forget(work.job, work.results);
-  if (done.status.ok()) done.status = table_.Remove(work.job);
+  done.status = table_.Remove(work.job);  // its number stays known when its checkpoints are gone
+  if (done.status.ok()) done.status = folder_.Forget(work.job, work.results);
   return done;
 }
 

@@ -27,6 +27,7 @@ Hub::Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOpt
       blobs_(files_, options_.memory_bytes),
       gate_(options_.allow_list),
       refusals_(log_),
+      last_job_number_(table.LastRemoved().ok() ? table.LastRemoved().value() : 0),
       writer_(folder, files_, std::move(table), [&transport] { transport.Wake(); }) {
   Restore();
 }

@@ -115,6 +115,7 @@ class Hub {
   };
   std::multimap<std::string, Waiting> waiting_;    // by job
   std::map<std::string, std::string> row_states_;  // job -> state in the job table
+  std::uint64_t last_job_number_;                  // that was ever given
   DiskWriter writer_;                              // last: it is joined first
 };
 

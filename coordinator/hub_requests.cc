@@ -110,15 +110,12 @@ void Hub::RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::
   Reply(peer, Refusal(why));
 }
 
-// Never used before in this store: numbers go on behind all that have left a checkpoint.
+// Never used before in this store: numbers go on behind all that have left a checkpoint or were deleted.
 std::string Hub::NewJobId(const proto::Job& job) {
-  std::uint64_t next = 1;
-  const auto look = [&next](const std::string& id) {
-    next = std::max<std::uint64_t>(next, std::strtoull(id.c_str(), nullptr, 10) + 1);
-  };
-  for (const wire::JobInfo& info : core_.Jobs()) look(info.id());
-  for (const std::string& id : folder_.JobsWithCheckpoints()) look(id);
-  return std::to_string(next) + "-" + FileNamePart(job.name());
+  std::uint64_t& last = last_job_number_;
+  for (const wire::JobInfo& info : core_.Jobs()) last = std::max(last, NumberOfJob(info.id()));
+  for (const std::string& id : folder_.JobsWithCheckpoints()) last = std::max(last, NumberOfJob(id));
+  return std::to_string(++last) + "-" + FileNamePart(job.name());
 }
 
 // Answers once the job's checkpoint `number` is durable.

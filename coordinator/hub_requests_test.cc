@@ -127,6 +127,26 @@ TEST(HubRequests, ACancelledJobLeavesItsRecordAloneAndADeletedOneNothing) {
   EXPECT_TRUE(bench.hub->core().Jobs().empty());
 }
 
+TEST(HubRequests, ANumberIsNeverGivenToASecondJob) {
+  HubBench bench;
+  const auto submitted = [&bench] {
+    wire::Message submit;
+    *submit.envelope.mutable_submit()->mutable_job() = bench.MakeJob();
+    submit.blobs = {TextBlob("the log")};
+    return bench.Ask(std::move(submit)).jobs(0).id();
+  };
+  const auto forget = [&bench](const std::string& id) {
+    EXPECT_TRUE(bench.Ask(Query(id, "cancel")).ok());
+    EXPECT_EQ(bench.Ask(Query(id, "delete")).jobs(0).state(), "deleted");
+  };
+  EXPECT_EQ(submitted(), "1-toy");
+  forget("1-toy");
+  EXPECT_EQ(submitted(), "2-toy") << "in the same process";
+  forget("2-toy");
+  bench.Start();
+  EXPECT_EQ(submitted(), "3-toy") << "after a restart too";
+}
+
 TEST(HubRequests, ADeletionThatWasCutOffIsFinishedByTheNextStart) {
   HubBench bench;
   bench.Submit("a");

@@ -2,20 +2,27 @@
 
 #include <sqlite3.h>
 
+#include <charconv>
 #include <utility>
 
 namespace cairn::coordinator {
 namespace {
 
+constexpr int kVersion = 2;  // in the file's user_version; version 1 left it 0
+
 // WAL: readers are never in the way, and a crash loses at most the last rows, which the checkpoints have too.
-constexpr const char* kSchema = R"sql(
-  PRAGMA journal_mode = WAL;
-  PRAGMA synchronous = NORMAL;
+constexpr const char* kOpen = "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;";
+constexpr const char* kVersion1 = R"sql(
   CREATE TABLE IF NOT EXISTS jobs (
     id TEXT PRIMARY KEY, name TEXT NOT NULL, state TEXT NOT NULL, reason TEXT NOT NULL,
     stage INTEGER NOT NULL, stages INTEGER NOT NULL, round INTEGER NOT NULL, note TEXT NOT NULL,
     input_error INTEGER NOT NULL, seconds REAL NOT NULL,
     submitted_utc TEXT NOT NULL, updated_utc TEXT NOT NULL);
+)sql";
+constexpr const char* kVersion2 = R"sql(
+  CREATE TABLE last_removed (one INTEGER PRIMARY KEY CHECK (one = 1), number INTEGER NOT NULL);
+  INSERT INTO last_removed VALUES (1, 0);
+  PRAGMA user_version = 2;
 )sql";
 
 constexpr const char* kWrite = R"sql(
@@ -53,12 +60,26 @@ Result<Statement> Prepare(sqlite3* db, const char* sql) {
   return Statement(statement);
 }
 
+// The one number that a query gives.
+Result<std::int64_t> Number(sqlite3* db, const char* sql) {
+  Result<Statement> prepared = Prepare(db, sql);
+  if (!prepared.ok()) return prepared.status();
+  if (sqlite3_step(prepared.value().get()) != SQLITE_ROW) return Failure(db);
+  return std::int64_t{sqlite3_column_int64(prepared.value().get(), 0)};
+}
+
 std::string Text(sqlite3_stmt* statement, int column) {
   const unsigned char* text = sqlite3_column_text(statement, column);
   return text == nullptr ? "" : reinterpret_cast<const char*>(text);
 }
 
 }  // namespace
+
+std::uint64_t NumberOfJob(const std::string& id) {
+  std::int64_t number = 0;
+  std::from_chars(id.data(), id.data() + id.size(), number);
+  return number > 0 ? static_cast<std::uint64_t>(number) : 0;
+}
 
 void JobTable::Close::operator()(sqlite3* db) const { sqlite3_close(db); }
 
@@ -68,10 +89,28 @@ Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
   const int opened = sqlite3_open(path.c_str(), &db);
   table.db_.reset(db);
   if (opened != SQLITE_OK) return Status(Code::kIo, path.string() + ": " + sqlite3_errstr(opened));
-  if (Status status = table.Execute(kSchema); !status.ok()) return status;
+  if (Status status = table.MakeOrUpgrade(); !status.ok()) return status;
   // A table of that name with other columns is not ours.
   if (Result<Statement> read = Prepare(db, kRead); !read.ok()) return read.status();
   return table;
+}
+
+// All or nothing.
+Status JobTable::MakeOrUpgrade() const {
+  const Result<std::int64_t> version = Number(db_.get(), "PRAGMA user_version;");
+  if (!version.ok()) return version.status();
+  if (version.value() > kVersion)
+    return {Code::kVersion, std::string(sqlite3_db_filename(db_.get(), nullptr)) +
+                                ": a job table of version " + std::to_string(version.value()) +
+                                ", of a newer Cairn; this one knows version " + std::to_string(kVersion)};
+  Status status = Execute(kOpen);
+  if (!status.ok() || version.value() == kVersion) return status;
+  status = Execute("BEGIN IMMEDIATE;");
+  if (status.ok()) status = Execute(kVersion1);
+  if (status.ok()) status = Execute(kVersion2);
+  if (status.ok()) return Execute("COMMIT;");
+  static_cast<void>(Execute("ROLLBACK;"));
+  return status;
 }
 
 Status JobTable::Execute(const char* sql) const {
@@ -111,7 +150,19 @@ Status JobTable::Remove(const std::string& job) {
   if (!prepared.ok()) return prepared.status();
   sqlite3_stmt* statement = prepared.value().get();
   sqlite3_bind_text(statement, 1, job.data(), static_cast<int>(job.size()), SQLITE_TRANSIENT);
-  return sqlite3_step(statement) == SQLITE_DONE ? Status::Ok() : Failure(db_.get());
+  if (sqlite3_step(statement) != SQLITE_DONE) return Failure(db_.get());
+  // No checkpoint will tell this number any more. With FULL a commit is synced.
+  const std::string number = std::to_string(NumberOfJob(job));
+  Status status = Execute(
+      ("PRAGMA synchronous = FULL; UPDATE last_removed SET number = max(number, " + number + ");").c_str());
+  const Status normal = Execute("PRAGMA synchronous = NORMAL;");
+  return status.ok() ? normal : status;
+}
+
+Result<std::uint64_t> JobTable::LastRemoved() const {
+  const Result<std::int64_t> number = Number(db_.get(), "SELECT number FROM last_removed;");
+  if (!number.ok()) return number.status();
+  return static_cast<std::uint64_t>(number.value());
 }
 
 Result<std::vector<JobRow>> JobTable::Read() const {

@@ -2,6 +2,7 @@
 // the truth; a table that is lost or damaged is made anew from them.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -20,17 +21,24 @@ struct JobRow {
   std::string updated_utc;
 };
 
+// What the id of a job begins with: 7 of `7-museum`; 0: no number.
+std::uint64_t NumberOfJob(const std::string& id);
+
 // For one thread.
 class JobTable {
  public:
-  // Opens or makes the file. kCorrupt: it is not a job table, or damaged.
+  // Opens or makes the file; one of an earlier version is upgraded. kCorrupt: it is not a job table, or
+  // damaged. kVersion: of a later version; then it is not touched.
   static Result<JobTable> Open(const std::filesystem::path& path);
   JobTable(JobTable&&) noexcept = default;
   JobTable& operator=(JobTable&&) noexcept = default;
 
   // Inserts or replaces a job's row, but for submitted_utc.
   Status Write(const JobRow& row);
+  // Durable when it returns, so that the job's number is never used again.
   Status Remove(const std::string& job);
+  // The highest number that the id of a removed job began with.
+  Result<std::uint64_t> LastRemoved() const;
   Result<std::vector<JobRow>> Read() const;  // by id
 
  private:
@@ -39,6 +47,7 @@ class JobTable {
   };
   JobTable() = default;
   Status Execute(const char* sql) const;
+  Status MakeOrUpgrade() const;
 
   std::unique_ptr<sqlite3, Close> db_;
 };

@@ -1,6 +1,7 @@
 // A coordinator for many machines: `cairn coordinator --store DIR --listen ENDPOINT`.
 //
 // Store:  DIR/lock                        flock'ed while a coordinator serves
+//         DIR/version                     of the store, a number
 //         DIR/jobs.sqlite                 job table (WAL); rebuilt from the checkpoints where it is lost
 //         DIR/blobs/<hash>.h5             blobs that checkpoints name; blobs/pack-<hash>.h5: many small ones
 //         in one DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <fstream>
 #include <utility>
 
 #include "schema/store/atomic_file.h"
+#include "schema/store/seal.h"
 
 namespace cairn::coordinator {
 
@@ -30,6 +32,7 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   StoreFolder folder(dir, lock);
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
+  if (Status status = folder.CheckVersion(); !status.ok()) return status;
   if (Status status = folder.MakeFolders(); !status.ok()) return status;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
     if (entry.is_directory()) RemoveLeftovers(entry.path());
@@ -43,7 +46,33 @@ StoreFolder::~StoreFolder() {
   if (lock_ >= 0) ::close(lock_);  // and with it the lock
 }
 
+Status StoreFolder::CheckVersion() const {
+  std::ifstream file(VersionFile());
+  int version = 0;
+  if (file && !(file >> version && version > 1))
+    return {Code::kCorrupt, VersionFile().string() + ": not the version of a store"};
+  if (version > kStoreVersion)
+    return {Code::kVersion, dir_.string() + ": a store of version " + std::to_string(version) +
+                                ", of a newer Cairn; this one knows version " +
+                                std::to_string(kStoreVersion)};
+  if (version > 0) return Status::Ok();
+  // Of version 1, or new. One seal tells that all files were written with seals: the others are damaged.
+  bool any = false;
+  for (const std::string& job : JobsWithCheckpoints())
+    for (const std::uint64_t number : CheckpointNumbers(job)) {
+      if (store::HasSeal(CheckpointFile(job, number))) return Status::Ok();
+      any = true;
+    }
+  if (!any) return Status::Ok();
+  return {Code::kVersion, dir_.string() + ": its files have no seals: they were written by an older Cairn, " +
+                              "which can finish these jobs; this one needs another folder"};
+}
+
 Status StoreFolder::MakeFolders() const {
+  if (!fs::exists(VersionFile()))
+    if (Status status = WriteTextAtomically(VersionFile(), std::to_string(kStoreVersion) + "\n");
+        !status.ok())
+      return status;
   for (const fs::path& folder : {Blobs(), Checkpoints()}) {
     std::error_code error;
     fs::create_directories(folder, error);

@@ -12,10 +12,13 @@
 
 namespace cairn::coordinator {
 
+// What DIR/version says. Version 1 had no such file; its files may have no seals.
+inline constexpr int kStoreVersion = 2;
+
 class StoreFolder {
  public:
   // Makes it where it does not exist, with mode 0700, and locks it until the object goes. kBusy: another has
-  // it.
+  // it. kVersion: it is of a newer version, or from before files had seals; then nothing in it is touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
   StoreFolder(StoreFolder&& other) noexcept;
   StoreFolder& operator=(StoreFolder&&) = delete;
@@ -23,6 +26,7 @@ class StoreFolder {
 
   const std::filesystem::path& dir() const { return dir_; }
   std::filesystem::path JobTable() const { return dir_ / "jobs.sqlite"; }
+  std::filesystem::path VersionFile() const { return dir_ / "version"; }
   std::filesystem::path Blobs() const { return dir_ / "blobs"; }
   std::filesystem::path BlobFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".h5"); }
   std::filesystem::path PackFile(const Hash& hash) const { return Blobs() / ("pack-" + hash.Hex() + ".h5"); }
@@ -45,6 +49,7 @@ class StoreFolder {
 
  private:
   StoreFolder(std::filesystem::path dir, int lock) : dir_(std::move(dir)), lock_(lock) {}
+  Status CheckVersion() const;
   Status MakeFolders() const;
 
   std::filesystem::path dir_;

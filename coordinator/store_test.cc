@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 
 #include "coordinator/checkpoint_file.h"
 #include "coordinator/hub_bench.h"
@@ -84,6 +85,57 @@ TEST(StoreFolder, HasOneOwner) {
     EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kBusy);
   }
   EXPECT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+}
+
+// Of all files below a folder, but for the lock.
+std::map<std::string, std::string> Contents(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "lock") continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    contents[entry.path()] = std::string(std::istreambuf_iterator<char>(in), {});
+  }
+  return contents;
+}
+
+TEST(StoreFolder, ANewerVersionIsRefusedAndNotTouched) {
+  TempFolder temp;
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok()) << "its own version";
+  std::ofstream(temp.path() / "s" / "version") << kStoreVersion + 1 << "\n";
+  std::ofstream(temp.path() / "s" / "x.tmp") << "what a newer one may need";
+  const auto before = Contents(temp.path());
+  EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kVersion);
+  EXPECT_EQ(Contents(temp.path()), before);
+  std::ofstream(temp.path() / "s" / "version") << "two";
+  EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kCorrupt);
+}
+
+// coordinator/testdata/store_1 was written before files had seals: to set them aside as damaged would lose
+// the jobs.
+TEST(StoreFolder, OneFromBeforeThereWereSealsIsRefusedAndNotTouched) {
+  TempFolder temp;
+  fs::copy(fs::path(CAIRN_SOURCE_DIR) / "coordinator/testdata/store_1", temp.path(),
+           fs::copy_options::recursive);
+  const auto before = Contents(temp.path());
+  ASSERT_GE(before.size(), 8u);
+  const Status status = StoreFolder::Open(temp.path() / "store").status();
+  EXPECT_EQ(status.code(), Code::kVersion);
+  EXPECT_NE(status.message().find("no seals"), std::string::npos) << status.message();
+  EXPECT_EQ(Contents(temp.path()), before);
+}
+
+TEST(StoreFolder, OneOfVersion1WithSealsIsUpgraded) {
+  TempFolder temp;
+  const fs::path store = temp.path() / "s";
+  fs::create_directories(store / "checkpoints" / "a");
+  std::ofstream(store / "checkpoints" / "a" / "1.h5") << std::string(1000, 'x');  // damaged
+  ASSERT_TRUE(WriteCheckpoint(store / "checkpoints" / "a" / "3.h5", SomeCheckpoint()).ok());
+  ASSERT_TRUE(StoreFolder::Open(store).ok());
+  EXPECT_TRUE(fs::exists(store / "version"));
+  fs::remove(store / "checkpoints" / "a" / "3.h5");
+  EXPECT_TRUE(StoreFolder::Open(store).ok())
+      << "damaged files are no reason to refuse a store that says its version";
 }
 
 TEST(StoreFolder, ClearForgetsJobsAndKeepsTheLock) {
@@ -186,6 +238,44 @@ TEST(JobTable, KeepsARowAJobAndTheTimeOfSubmission) {
   EXPECT_EQ(rows.value()[0].info.note(), row.info.note());
   EXPECT_EQ(rows.value()[0].submitted_utc, "2024-01-01T00:00:00Z");
   EXPECT_EQ(rows.value()[0].updated_utc, "2025-01-01T00:00:00Z");
+}
+
+TEST(JobTable, OneOfVersion1IsUpgradedWithItsRows) {
+  TempFolder temp;
+  fs::copy(fs::path(CAIRN_SOURCE_DIR) / "coordinator/testdata/store_1/store/jobs.sqlite", temp.path());
+  for (int i = 0; i < 2; ++i) {
+    auto table = JobTable::Open(temp.path() / "jobs.sqlite");
+    ASSERT_TRUE(table.ok()) << table.status().message();
+    const auto rows = table.value().Read();
+    ASSERT_EQ(rows.value().size(), 3u);
+    EXPECT_EQ(rows.value()[1].info.id(), "2-under-way");
+    EXPECT_EQ(rows.value()[1].info.round(), 2u);
+    EXPECT_EQ(rows.value()[0].submitted_utc, "2026-11-21T11:17:58Z");
+    EXPECT_EQ(table.value().LastRemoved().value(), 0u);
+  }
+}
+
+TEST(JobTable, ANewerOneIsRefusedAndNotTouched) {
+  TempFolder temp;
+  ASSERT_TRUE(JobTable::Open(temp.path() / "jobs.sqlite").ok());
+  {
+    std::fstream file(temp.path() / "jobs.sqlite", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(60 + 3);  // the last byte of user_version, https://sqlite.org/fileformat.html
+    file.put(3);
+  }
+  const auto before = Contents(temp.path());
+  const Status status = JobTable::Open(temp.path() / "jobs.sqlite").status();
+  EXPECT_EQ(status.code(), Code::kVersion) << status.message();
+  EXPECT_EQ(Contents(temp.path()), before);
+}
+
+TEST(JobTable, RemembersTheHighestNumberThatWasRemoved) {
+  TempFolder temp;
+  {
+    auto table = JobTable::Open(temp.path() / "jobs.sqlite");
+    for (const char* id : {"3-a", "12-b", "7-c", "no-number"}) ASSERT_TRUE(table.value().Remove(id).ok());
+  }
+  EXPECT_EQ(JobTable::Open(temp.path() / "jobs.sqlite").value().LastRemoved().value(), 12u);
 }
 
 TEST(JobTable, AFileThatIsNoTableIsCorrupt) {

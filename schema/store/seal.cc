@@ -94,4 +94,14 @@ Status CheckSeal(const std::filesystem::path& path) {
   return Judge(path.string(), SealOf(hasher), have);
 }
 
+bool HasSeal(const std::filesystem::path& path) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  struct stat info{};
+  if (file.fd < 0 || ::fstat(file.fd, &info) != 0 || info.st_size < static_cast<off_t>(kSealBytes))
+    return false;
+  std::array<std::byte, kMagic.size()> have;
+  return ReadAt(file.fd, have, info.st_size - static_cast<off_t>(kSealBytes)) == 0 &&
+         std::memcmp(have.data(), kMagic.data(), kMagic.size()) == 0;
+}
+
 }  // namespace cairn::store

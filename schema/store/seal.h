@@ -20,4 +20,7 @@ std::array<std::byte, kSealBytes> SealOf(std::span<const std::byte> bytes);
 Status CheckSeal(const std::filesystem::path& path);
 Status CheckSeal(std::span<const std::byte> image, const std::string& name);
 
+// Whether there is a seal at all, right or wrong: files from before there were seals have none.
+bool HasSeal(const std::filesystem::path& path);
+
 }  // namespace cairn::store
