@@ -22,20 +22,19 @@ void Core::On(const TaskDone& event) {
   Worker* worker = Heard(event.peer);
   if (worker == nullptr) return;
   const wire::TaskKey& key = event.done.key();
-  worker->hung = false;
+  fleet_.SetHung(*worker, false);
   worker->moved_s = now_s_;
   const double head_s = worker->head_s;
   const bool was_first = !worker->in_hand.empty() && SameAttempt(worker->in_hand.front().key, key);
-  const bool had_it = worker->Take(key, now_s_);
+  const bool had_it = fleet_.Take(*worker, key, now_s_);
   Job* job = FindById(key.job());
   if (job == nullptr || job->Ended()) return;
   if (!job->WasGiven(key, event.peer)) return RefuseAnswer(*worker, key);
-  if (key.kind() != wire::TaskKey::RUN) return AcceptPlan(*job, event, *worker, had_it);
-  const bool accepted = AcceptPartial(*job, event, *worker, had_it);
-  if (accepted && had_it && was_first)
-    job->task_seconds.insert(
-        std::upper_bound(job->task_seconds.begin(), job->task_seconds.end(), now_s_ - head_s),
-        now_s_ - head_s);
+  const bool timed = had_it && was_first && JobOf(key) == job;
+  const std::uint64_t cost = timed ? job->tasks.task(key.task()).cost : 0;
+  const bool accepted = key.kind() == wire::TaskKey::RUN ? AcceptPartial(*job, event, *worker, had_it)
+                                                         : AcceptPlan(*job, event, *worker, had_it);
+  if (accepted && timed) job->NoteSeconds(key.kind(), cost, now_s_ - head_s);
 }
 
 // A worker writes nowhere but into the results of its own tasks. (One to a round that is over may be late.)
@@ -72,34 +71,38 @@ bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
   WithdrawOthers(job, key.task());
   known = partial;
   ledger_.Add(job.holds.partials, partial);
-  worker.has.insert(partial);
+  fleet_.NoteBlob(worker, partial);
   job.tasks.Finish(key.task(), partial);
   if (job.tasks.AllDone()) job.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
   WantSave(job, false);
   return true;
 }
 
-void Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
+bool Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
   const wire::TaskKey& key = event.done.key();
   const proto::Step& step = event.done.step();
   const Hash hash = HashOfStep(step);
-  if (job.last_plan.kind() == key.kind() && job.last_plan.job() == key.job() && SameTask(job.last_plan, key))
-    return CompareSecond(job, key, job.last_plan_hash, hash, worker);
+  if (job.last_plan.kind() == key.kind() && job.last_plan.job() == key.job() &&
+      SameTask(job.last_plan, key)) {
+    CompareSecond(job, key, job.last_plan_hash, hash, worker);
+    return false;
+  }
   if (key.kind() != job.tasks.kind() || key.stage() != job.stage || key.round() != job.round ||
       key.task() != 0 || job.AllStagesDone())
-    return;
+    return false;
   std::string wrong = event.done.has_step() ? CheckStep(step) : "its answer has no plan";
+  const HashSet came(event.blobs.begin(), event.blobs.end());
   if (wrong.empty())
     for (const Hash& blob : BlobsOfStep(step))
-      if (!ledger_.Held(blob) && std::find(event.blobs.begin(), event.blobs.end(), blob) == event.blobs.end())
+      if (!ledger_.Held(blob) && !came.contains(blob))
         wrong = "its plan names the blob " + blob.Hex() + " that nobody has";
   if (!wrong.empty()) {
     if (had_it && job.tasks.Withdraw(0, key.attempt())) FailAttempt(job, 0, wrong);
-    return;
+    return false;
   }
   Count(job, event.done, worker);
   WithdrawOthers(job, 0);
-  for (const Hash& blob : event.blobs) worker.has.insert(blob);
+  for (const Hash& blob : event.blobs) fleet_.NoteBlob(worker, blob);
   job.last_plan = key;
   job.last_plan_hash = hash;
   job.ForgetGivenBut(key);
@@ -109,6 +112,7 @@ void Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
   else
     EndStage(job, BinaryHash(step.result()));
   actions_.push_back(JobChanged{job.id});
+  return true;
 }
 
 void Core::CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
@@ -163,6 +167,7 @@ void Core::BeginRound(Job& job, const proto::Step& step) {
 void Core::EndStage(Job& job, const Hash& result) {
   job.results.push_back(result);
   ledger_.Add(job.holds.results, result);
+  job.run_pace = Pace();
   job.saving.unpublished.push_back({job.stage, result});
   ++job.stage;
   job.round = 0;
@@ -178,10 +183,10 @@ void Core::On(const TaskFailed& event) {
   Worker* worker = Heard(event.peer);
   if (worker == nullptr) return;
   const wire::TaskKey& key = event.failed.key();
-  worker->hung = false;
+  fleet_.SetHung(*worker, false);
   worker->moved_s = now_s_;
   // Numbers of attempts begin again after a restart: only what this worker was given here counts.
-  if (!worker->Take(key, now_s_)) return RefuseAnswer(*worker, key);
+  if (!fleet_.Take(*worker, key, now_s_)) return RefuseAnswer(*worker, key);
   Job* job = JobOf(key);
   if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return;
   if (event.failed.input_error())

@@ -13,6 +13,8 @@ std::vector<Action> Core::Handle(const Event& event, double now_s) {
 void Core::Settle() {
   Dispatch();
   SaveWhatIsDue();
+  touched_.clear();
+  all_touched_ = false;
   const std::vector<Hash> dropped = ledger_.TakeDropped();
   if (dropped.empty()) return;
   fleet_.Forget(dropped);

@@ -11,11 +11,13 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "coordinator/blob_ledger.h"
 #include "coordinator/events.h"
+#include "coordinator/fair_share.h"
 #include "coordinator/fleet.h"
 #include "coordinator/job.h"
 #include "coordinator/job_commands.h"
@@ -89,8 +91,9 @@ class Core {
 
   // answers.cc
   void RefuseAnswer(const Worker& worker, const wire::TaskKey& key);
+  // True where it is what was waited for.
   bool AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it);
-  void AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it);
+  bool AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
                      const Worker& worker);
   void Count(Job& job, const wire::Done& done, const Worker& worker);
@@ -101,13 +104,15 @@ class Core {
 
   // dispatch.cc
   void Dispatch();
-  Job* NextJob();
-  void Assign(Job& job, std::uint32_t task, Worker& worker);
-  void Withdraw(Job& job, std::uint32_t task, std::uint32_t attempt);  // from whoever has it, with a Cancel
-  void WithdrawOthers(Job& job, std::uint32_t task);  // all attempts that are still under way
+  void Queue(std::uint64_t order);
+  void Assign(Job& job, std::uint32_t task, const std::vector<Hash>& inputs, Worker& worker);
+  void Withdraw(Job& job, std::uint32_t task, const Attempt& attempt);  // from whoever has it, with a Cancel
+  void CallBack(Worker& worker, const wire::TaskKey& key);              // a Cancel, where it has it
+  Job* TakeBack(Worker& worker, const wire::TaskKey& key);  // null where it was not under way any more
+  void WithdrawOthers(Job& job, std::uint32_t task);        // all attempts that are still under way
   void WithdrawAll(Job& job);
   bool MoveQueuedTo(Worker& idle);
-  bool CopyStragglerTo(Worker& idle);
+  void CopyStragglers();
   Job* JobOf(const wire::TaskKey& key);  // null where the task is not part of what is under way
 
   // commands.cc
@@ -127,6 +132,7 @@ class Core {
   // saving.cc
   void Save(Job& job);
   void SaveWhatIsDue();
+  void SaveIfDue(Job& job);
   void WantSave(Job& job, bool at_once);
 
   void Say(Report::Level level, std::string text) { actions_.push_back(Report{level, std::move(text)}); }
@@ -137,7 +143,9 @@ class Core {
   JobMap jobs_;
   std::map<std::string, std::uint64_t> orders_;  // by job id
   std::uint64_t next_order_ = 1;
-  std::uint64_t served_order_ = 0;  // whose task was placed last
+  std::set<std::uint64_t> touched_;  // jobs that this event may have changed, by order
+  bool all_touched_ = false;
+  FairShare share_;
   Fleet fleet_;
   BlobLedger ledger_;
   std::vector<Action> actions_;

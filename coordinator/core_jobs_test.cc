@@ -163,24 +163,52 @@ TEST(CoreJobs, APlanThatNamesABlobNobodyHasIsAFailureOfTheTask) {
   EXPECT_NE(bench.Info().reason().find(H(77).Hex()), std::string::npos);
 }
 
-TEST(CoreJobs, JobsTakeTurns) {
-  Bench bench;
+// How many tasks of jobs "a" and "b", a second each, are served while neither ends.
+std::map<std::string, int> Share(Bench& bench, int tasks) {
   bench.Submit("a");
   bench.Submit("b");
   bench.Join("w", 2);
+  bench.now_s += 1;
   const auto a = bench.Next(), b = bench.Next();
   EXPECT_EQ(a.assign.key().job(), "a");
   EXPECT_EQ(b.assign.key().job(), "b");
-  bench.AnswerPlan(a, TestStep(4));
-  bench.AnswerPlan(b, TestStep(4));
+  bench.AnswerPlan(a, TestStep(1000));
+  bench.AnswerPlan(b, TestStep(1000));
   std::map<std::string, int> served;
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < tasks; ++i) {
     const auto task = bench.Next();
     ++served[task.assign.key().job()];
+    bench.now_s += 1;
     bench.AnswerRun(task, H(static_cast<std::uint64_t>(i)));
   }
-  EXPECT_EQ(served["a"], 3);
-  EXPECT_EQ(served["b"], 3);
+  return served;
+}
+
+TEST(CoreJobs, JobsOfEqualPriorityShareTheWorkers) {
+  Bench bench;
+  const auto served = Share(bench, 200);
+  EXPECT_NEAR(served.at("a"), 100, 3);
+}
+
+TEST(CoreJobs, AHigherPriorityGetsTwiceAsMuchAndNobodyStarves) {
+  Bench bench;
+  bench.Do(Tick{});
+  proto::Job job = TestJob();
+  job.set_priority(1);
+  bench.Submit("b", job);
+  bench.Do(PersistDone{"b", 1});
+  bench.Submit("a");
+  bench.Join("w", 2);
+  bench.now_s += 1;
+  for (int i = 0; i < 2; ++i) bench.AnswerPlan(bench.Next(), TestStep(1000));
+  std::map<std::string, int> served;
+  for (int i = 0; i < 300; ++i) {
+    const auto task = bench.Next();
+    ++served[task.assign.key().job()];
+    bench.now_s += 1;
+    bench.AnswerRun(task, H(static_cast<std::uint64_t>(i)));
+  }
+  EXPECT_NEAR(served.at("b"), 200, 6);
 }
 
 TEST(CoreJobs, TwoAnswersThatDifferRaiseAnAlarmAndFailTheJob) {

@@ -320,11 +320,12 @@ TEST(CoreWorkers, PlacementPrefersTheWorkerThatHasTheInputsWhereBothAreFree) {
   wire::Hello hello;
   hello.set_slots(2);
   fleet.Add("v", hello, 0);
-  fleet.Add("w", hello, 0).has.insert(H(1));
-  EXPECT_EQ(fleet.Place({H(1)})->peer, "w");
-  EXPECT_EQ(fleet.Place({H(2)})->peer, "v");
-  fleet.Find("w")->Give(wire::TaskKey(), 0);
-  EXPECT_EQ(fleet.Place({H(1)})->peer, "v") << "a free worker comes before one that has the inputs";
+  fleet.NoteBlob(fleet.Add("w", hello, 0), H(1));
+  EXPECT_EQ(fleet.Place(std::vector{H(1)})->peer, "w");
+  EXPECT_EQ(fleet.Place(std::vector{H(2)})->peer, "v");
+  fleet.Give(*fleet.Find("w"), wire::TaskKey(), 0);
+  EXPECT_EQ(fleet.Place(std::vector{H(1)})->peer, "v")
+      << "a free worker comes before one that has the inputs";
 }
 
 }  // namespace

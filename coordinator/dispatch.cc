@@ -1,65 +1,74 @@
 // Which task goes to which worker. Nothing here may change a result, only when it is there.
+#include <algorithm>
+
 #include "coordinator/core.h"
 
 namespace cairn::coordinator {
 
 void Core::Dispatch() {
+  for (const std::uint64_t order : touched_) Queue(order);
   while (fleet_.AnyRoom()) {
-    Job* job = NextJob();
-    if (job == nullptr) break;
-    const std::uint32_t task = job->tasks.NextReady();
-    Assign(*job, task, *fleet_.Place(TaskInputs(*job, task)));
+    const std::optional<std::uint64_t> order = share_.Next();
+    if (!order) break;
+    Job& job = jobs_.at(*order);
+    const std::uint32_t task = job.tasks.NextReady();
+    const std::vector<Hash> inputs = TaskInputs(job, task);
+    Assign(job, task, inputs, *fleet_.Place(inputs));
+    share_.Charge(*order, job.ExpectedSeconds(task), job.spec.priority());
+    Queue(*order);
   }
-  for (auto& [number, worker] : fleet_.workers()) {
-    if (!worker.Idle()) continue;
-    if (!MoveQueuedTo(worker) && !CopyStragglerTo(worker))
-      break;  // nothing for this one, nothing for the next
-  }
+  while (Worker* idle = fleet_.Idle())
+    if (!MoveQueuedTo(*idle)) break;
+  if (all_touched_) CopyStragglers();
 }
 
-// Jobs take turns, a task each. Priorities would come in here.
-Job* Core::NextJob() {
-  Job* first = nullptr;
-  for (auto& [order, job] : jobs_) {
-    if (!job.Running() || !job.tasks.HasReady()) continue;
-    if (order > served_order_) {
-      served_order_ = order;
-      return &job;
-    }
-    if (first == nullptr) first = &job;
-  }
-  if (first != nullptr) served_order_ = first->order;
-  return first;
+// Whether a job has a task to give may have changed.
+void Core::Queue(std::uint64_t order) {
+  const auto it = jobs_.find(order);
+  if (it == jobs_.end()) return share_.Forget(order);
+  if (it->second.Running() && it->second.tasks.HasReady())
+    share_.Offer(order);
+  else
+    share_.Withdraw(order);
 }
 
-void Core::Assign(Job& job, std::uint32_t task, Worker& worker) {
-  const std::uint32_t attempt = job.tasks.Begin(task);
-  for (const Hash& input : TaskInputs(job, task)) worker.has.insert(input);
-  worker.Give(job.Key(task, attempt), now_s_);
+void Core::Assign(Job& job, std::uint32_t task, const std::vector<Hash>& inputs, Worker& worker) {
+  const std::uint32_t attempt = job.tasks.Begin(task, worker.number);
+  for (const Hash& input : inputs) fleet_.NoteBlob(worker, input);
+  fleet_.Give(worker, job.Key(task, attempt), now_s_);
   job.NoteGiven(job.Key(task, attempt), worker.peer);
   Send send{worker.peer, {}};
   *send.message.mutable_assign() = MakeAssign(job, task, attempt);
   actions_.push_back(std::move(send));
 }
 
-void Core::Withdraw(Job& job, std::uint32_t task, std::uint32_t attempt) {
-  const wire::TaskKey key = job.Key(task, attempt);
-  job.tasks.Withdraw(task, attempt);
-  for (auto& [number, worker] : fleet_.workers()) {
-    if (!worker.Take(key, now_s_)) continue;
-    Send send{worker.peer, {}};
-    *send.message.mutable_cancel()->mutable_key() = key;
-    actions_.push_back(std::move(send));
-  }
+void Core::Withdraw(Job& job, std::uint32_t task, const Attempt& attempt) {
+  job.tasks.Withdraw(task, attempt.number);
+  Worker* worker = fleet_.Find(attempt.worker);
+  if (worker != nullptr) CallBack(*worker, job.Key(task, attempt.number));
+}
+
+void Core::CallBack(Worker& worker, const wire::TaskKey& key) {
+  if (!fleet_.Take(worker, key, now_s_)) return;
+  Send send{worker.peer, {}};
+  *send.message.mutable_cancel()->mutable_key() = key;
+  actions_.push_back(std::move(send));
 }
 
 void Core::WithdrawOthers(Job& job, std::uint32_t task) {
-  for (const std::uint32_t attempt : std::vector(job.tasks.task(task).live_attempts))
-    Withdraw(job, task, attempt);
+  for (const Attempt& attempt : std::vector(job.tasks.task(task).live_attempts)) Withdraw(job, task, attempt);
 }
 
 void Core::WithdrawAll(Job& job) {
   for (std::uint32_t task = 0; task < job.tasks.size(); ++task) WithdrawOthers(job, task);
+}
+
+// A task that `worker` has in hand goes back to those that are ready, nobody to blame.
+Job* Core::TakeBack(Worker& worker, const wire::TaskKey& key) {
+  CallBack(worker, key);
+  Job* job = JobOf(key);
+  if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return nullptr;
+  return job;
 }
 
 Job* Core::JobOf(const wire::TaskKey& key) {
@@ -73,38 +82,41 @@ Job* Core::JobOf(const wire::TaskKey& key) {
 // Deep queues keep short tasks flowing; where they are long, an idle worker takes over what waits behind
 // another.
 bool Core::MoveQueuedTo(Worker& idle) {
-  Worker* longest = nullptr;
-  for (auto& [number, worker] : fleet_.workers())
-    if (worker.in_hand.size() >= 2 && (longest == nullptr || worker.in_hand.size() > longest->in_hand.size()))
-      longest = &worker;
-  if (longest == nullptr) return false;
-  const wire::TaskKey key = longest->in_hand.back().key;
-  Job* job = JobOf(key);
-  if (job == nullptr || !job->Running()) return false;
-  Withdraw(*job, key.task(), key.attempt());
-  if (job->tasks.task(key.task()).status == TaskStatus::kReady) Assign(*job, key.task(), idle);
+  Worker* busiest = fleet_.Busiest();
+  if (busiest == nullptr) return false;
+  const wire::TaskKey key = busiest->in_hand.back().key;
+  const Job* running = JobOf(key);
+  if (running == nullptr || !running->Running()) return false;
+  Job* job = TakeBack(*busiest, key);
+  if (job != nullptr && job->tasks.task(key.task()).status == TaskStatus::kReady)
+    Assign(*job, key.task(), TaskInputs(*job, key.task()), idle);
   return true;
 }
 
-bool Core::CopyStragglerTo(Worker& idle) {
-  Job* slowest = nullptr;
-  std::uint32_t task = 0;
-  double longest_s = options_.straggler_min_s;
+// Those that run for far longer than the others of their round did, the longest first; each has one copy.
+void Core::CopyStragglers() {
+  if (fleet_.Idle() == nullptr) return;
+  std::map<std::string, double> medians_s;  // by job
+  std::vector<std::pair<double, wire::TaskKey>> stragglers;
   for (const auto& [number, worker] : fleet_.workers()) {
-    if (worker.in_hand.empty()) continue;
-    const wire::TaskKey& key = worker.in_hand.front().key;
-    Job* job = key.kind() == wire::TaskKey::RUN ? JobOf(key) : nullptr;
-    if (job == nullptr || !job->Running() || job->tasks.task(key.task()).live_attempts.size() != 1) continue;
-    const double median_s = job->MedianTaskSeconds();
     const double runs_s = now_s_ - worker.head_s;
-    if (median_s <= 0 || runs_s < options_.straggler_factor * median_s || runs_s < longest_s) continue;
-    slowest = job;
-    task = key.task();
-    longest_s = runs_s;
+    if (worker.in_hand.empty() || runs_s < options_.straggler_min_s) continue;
+    const wire::TaskKey& key = worker.in_hand.front().key;
+    const Job* job = key.kind() == wire::TaskKey::RUN ? JobOf(key) : nullptr;
+    if (job == nullptr || !job->Running() || job->tasks.task(key.task()).live_attempts.size() != 1) continue;
+    const auto [median_s, is_new] = medians_s.try_emplace(key.job());
+    if (is_new) median_s->second = job->MedianTaskSeconds();
+    if (median_s->second > 0 && runs_s >= options_.straggler_factor * median_s->second)
+      stragglers.emplace_back(runs_s, key);
   }
-  if (slowest == nullptr) return false;
-  Assign(*slowest, task, idle);
-  return true;
+  std::stable_sort(stragglers.begin(), stragglers.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [runs_s, key] : stragglers) {
+    Worker* idle = fleet_.Idle();
+    if (idle == nullptr) return;
+    Job& job = *JobOf(key);
+    Assign(job, key.task(), TaskInputs(job, key.task()), *idle);
+  }
 }
 
 }  // namespace cairn::coordinator

@@ -1,9 +1,14 @@
 #include "coordinator/fleet.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace cairn::coordinator {
+namespace {
+
+// So that placing costs the same however large the fleet and the reduction are.
+constexpr std::size_t kWorkersLookedAt = 32, kInputsLookedAt = 64;
+
+}  // namespace
 
 bool SameTask(const wire::TaskKey& a, const wire::TaskKey& b) {
   return a.task() == b.task() && a.round() == b.round() && a.stage() == b.stage() && a.kind() == b.kind() &&
@@ -20,20 +25,6 @@ const InHand* Worker::Find(const wire::TaskKey& key) const {
   return nullptr;
 }
 
-void Worker::Give(const wire::TaskKey& key, double now_s) {
-  if (in_hand.empty()) moved_s = head_s = now_s;
-  in_hand.push_back({key, now_s, 0});
-}
-
-bool Worker::Take(const wire::TaskKey& key, double now_s) {
-  const auto it =
-      std::find_if(in_hand.begin(), in_hand.end(), [&](const InHand& t) { return SameAttempt(t.key, key); });
-  if (it == in_hand.end()) return false;
-  if (it == in_hand.begin()) moved_s = head_s = now_s;
-  in_hand.erase(it);
-  return true;
-}
-
 bool Worker::Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s) {
   for (InHand& task : in_hand) {
     if (ticks <= task.ticks || !SameAttempt(task.key, key)) continue;
@@ -44,6 +35,16 @@ bool Worker::Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s) {
   return false;
 }
 
+// Takes the worker out of the files, changes it, and files it anew.
+template <class Change>
+void Fleet::Refile(Worker& worker, const Change& change) {
+  open_.erase({worker.in_hand.size(), worker.number});
+  loaded_.erase({worker.in_hand.size(), worker.number});
+  change();
+  if (worker.HasRoom()) open_.insert({worker.in_hand.size(), worker.number});
+  if (worker.in_hand.size() >= 2) loaded_.insert({worker.in_hand.size(), worker.number});
+}
+
 Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now_s) {
   const std::uint64_t number = next_number_++;
   numbers_[peer] = number;
@@ -52,12 +53,21 @@ Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now
   worker.peer = peer;
   worker.hello = hello;
   worker.heard_s = worker.moved_s = worker.head_s = now_s;
+  Refile(worker, [] {});
   return worker;
 }
 
 void Fleet::Remove(const std::string& peer) {
   const auto it = numbers_.find(peer);
   if (it == numbers_.end()) return;
+  Worker& worker = workers_.at(it->second);
+  open_.erase({worker.in_hand.size(), worker.number});
+  loaded_.erase({worker.in_hand.size(), worker.number});
+  for (const Hash& blob : worker.has) {
+    const auto owners = owners_.find(blob);
+    owners->second.erase(worker.number);
+    if (owners->second.empty()) owners_.erase(owners);
+  }
   workers_.erase(it->second);
   numbers_.erase(it);
 }
@@ -67,28 +77,62 @@ Worker* Fleet::Find(const std::string& peer) {
   return it == numbers_.end() ? nullptr : &workers_.at(it->second);
 }
 
-Worker* Fleet::Place(const std::vector<Hash>& inputs) {
+Worker* Fleet::Find(std::uint64_t number) {
+  const auto it = workers_.find(number);
+  return it == workers_.end() ? nullptr : &it->second;
+}
+
+void Fleet::Give(Worker& worker, const wire::TaskKey& key, double now_s) {
+  if (worker.in_hand.empty()) worker.moved_s = worker.head_s = now_s;
+  Refile(worker, [&] { worker.in_hand.push_back({key, now_s, 0}); });
+}
+
+bool Fleet::Take(Worker& worker, const wire::TaskKey& key, double now_s) {
+  const auto it = std::find_if(worker.in_hand.begin(), worker.in_hand.end(),
+                               [&key](const InHand& task) { return SameAttempt(task.key, key); });
+  if (it == worker.in_hand.end()) return false;
+  if (it == worker.in_hand.begin()) worker.moved_s = worker.head_s = now_s;
+  Refile(worker, [&] { worker.in_hand.erase(it); });
+  return true;
+}
+
+void Fleet::SetHung(Worker& worker, bool hung) {
+  if (worker.hung != hung) Refile(worker, [&] { worker.hung = hung; });
+}
+
+void Fleet::NoteBlob(Worker& worker, const Hash& blob) {
+  if (worker.has.insert(blob).second) owners_[blob].insert(worker.number);
+}
+
+void Fleet::Forget(const std::vector<Hash>& dropped) {
+  for (const Hash& blob : dropped) {
+    const auto node = owners_.extract(blob);
+    if (node.empty()) continue;
+    for (const std::uint64_t number : node.mapped()) workers_.at(number).has.erase(blob);
+  }
+}
+
+Worker* Fleet::Place(std::span<const Hash> inputs) {
+  inputs = inputs.first(std::min(inputs.size(), kInputsLookedAt));
+  const std::size_t least = open_.begin()->first;
   Worker* best = nullptr;
-  std::tuple<std::size_t, std::size_t> best_score;
-  for (auto& [number, worker] : workers_) {
-    if (!worker.HasRoom()) continue;
+  std::ptrdiff_t best_missing = 0;
+  std::size_t looked_at = 0;
+  for (auto it = open_.begin(); it != open_.end() && it->first == least && looked_at < kWorkersLookedAt;
+       ++it, ++looked_at) {
+    Worker& worker = workers_.at(it->second);
     const auto missing = std::count_if(inputs.begin(), inputs.end(),
                                        [&worker](const Hash& hash) { return !worker.has.contains(hash); });
-    const std::tuple score{worker.in_hand.size(), static_cast<std::size_t>(missing)};
-    if (best == nullptr || score < best_score) best = &worker, best_score = score;
+    if (best == nullptr || missing < best_missing) best = &worker, best_missing = missing;
   }
   return best;
 }
 
-bool Fleet::AnyRoom() const {
-  return std::any_of(workers_.begin(), workers_.end(),
-                     [](const auto& entry) { return entry.second.HasRoom(); });
+Worker* Fleet::Idle() {
+  return open_.empty() || open_.begin()->first > 0 ? nullptr : &workers_.at(open_.begin()->second);
 }
 
-void Fleet::Forget(const std::vector<Hash>& dropped) {
-  for (auto& [number, worker] : workers_)
-    for (const Hash& hash : dropped) worker.has.erase(hash);
-}
+Worker* Fleet::Busiest() { return loaded_.empty() ? nullptr : &workers_.at(loaded_.rbegin()->second); }
 
 std::string BuildDifference(const wire::Build& want, const wire::Build& have) {
   std::string text;

@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coordinator/blob_ledger.h"
@@ -31,18 +34,15 @@ struct Worker {
   double head_s = 0;   // when the first in hand came to be the first
   bool hung = false;   // gets nothing until it moves again
   std::vector<InHand> in_hand;
-  HashSet has;                     // blobs that it was sent or made; it may have forgotten some
+  HashSet has;  // blobs that it was sent or made; it may have forgotten some
 
-  bool Idle() const { return in_hand.empty() && !hung; }
   bool HasRoom() const { return in_hand.size() < hello.slots() && !hung; }
   const InHand* Find(const wire::TaskKey& key) const;
-  void Give(const wire::TaskKey& key, double now_s);
-  // False where it did not have it.
-  bool Take(const wire::TaskKey& key, double now_s);
   // Ticks of what it has in hand. True where one moved.
   bool Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s);
 };
 
+// No call but the loops over workers() costs more than the logarithm of their number.
 class Fleet {
  public:
   Worker& Add(const std::string& peer, const wire::Hello& hello, double now_s);
@@ -50,20 +50,37 @@ class Fleet {
   Worker* Find(const std::string& peer);
   const Worker* Find(const std::string& peer) const { return const_cast<Fleet*>(this)->Find(peer); }
   bool Knows(const std::string& peer) const { return numbers_.contains(peer); }
+  Worker* Find(std::uint64_t number);
   std::size_t size() const { return workers_.size(); }
   std::map<std::uint64_t, Worker>& workers() { return workers_; }  // by number
   const std::map<std::uint64_t, Worker>& workers() const { return workers_; }
 
-  // The worker that has room and the least in hand; of equals the one that has most of `inputs`; then the
-  // first.
-  Worker* Place(const std::vector<Hash>& inputs);
-  bool AnyRoom() const;
+  // What changes what a worker may get goes through here.
+  void Give(Worker& worker, const wire::TaskKey& key, double now_s);
+  // False where it did not have it.
+  bool Take(Worker& worker, const wire::TaskKey& key, double now_s);
+  void SetHung(Worker& worker, bool hung);
+  void NoteBlob(Worker& worker, const Hash& blob);  // it was sent it, or made it
   void Forget(const std::vector<Hash>& dropped);
 
+  bool AnyRoom() const { return !open_.empty(); }
+  // A worker that has room and the least in hand; of the first few equals the one that has most of the first
+  // of `inputs`. There must be room.
+  Worker* Place(std::span<const Hash> inputs);
+  Worker* Idle();     // that may get tasks and has none; null where there is none
+  Worker* Busiest();  // with the most in hand, at least two; null where there is none
+
  private:
+  using ByLoad = std::set<std::pair<std::size_t, std::uint64_t>>;  // tasks in hand, number
+  template <class Change>
+  void Refile(Worker& worker, const Change& change);
+
   std::uint64_t next_number_ = 1;
   std::map<std::uint64_t, Worker> workers_;
-  std::map<std::string, std::uint64_t> numbers_;  // by peer
+  std::map<std::string, std::uint64_t> numbers_;    // by peer
+  ByLoad open_;                                     // those that have room
+  ByLoad loaded_;                                   // those with two and more in hand
+  std::map<Hash, std::set<std::uint64_t>> owners_;  // workers by what they have
 };
 
 // What differs between two builds, for people; empty where nothing does.

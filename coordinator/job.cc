@@ -6,6 +6,11 @@
 #include <set>
 
 namespace cairn::coordinator {
+namespace {
+
+constexpr std::size_t kTimesKept = 101;  // of tasks, for their median
+
+}  // namespace
 
 wire::TaskKey Job::Key(std::uint32_t task, std::uint32_t attempt) const {
   wire::TaskKey key;
@@ -52,7 +57,26 @@ double Job::Seconds(double now_s) const {
 }
 
 double Job::MedianTaskSeconds() const {
-  return task_seconds.size() < 3 ? 0.0 : task_seconds[task_seconds.size() / 2];
+  if (task_seconds.size() < 3) return 0;
+  std::vector<double> sorted(task_seconds.begin(), task_seconds.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
+
+void Job::NoteSeconds(wire::TaskKey::Kind kind, std::uint64_t cost, double seconds) {
+  Pace& pace = kind == wire::TaskKey::RUN ? run_pace : plan_pace;
+  pace.seconds += seconds;
+  pace.cost += static_cast<double>(cost);
+  if (kind != wire::TaskKey::RUN) return;
+  task_seconds.push_back(seconds);
+  if (task_seconds.size() > kTimesKept) task_seconds.pop_front();
+}
+
+double Job::ExpectedSeconds(std::uint32_t task) const {
+  const auto cost = static_cast<double>(tasks.task(task).cost);
+  if (tasks.kind() != wire::TaskKey::RUN) return plan_pace.Expect(1);
+  return run_pace.Expect(cost);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -39,6 +40,14 @@ struct GivenAttempt {
   auto operator<=>(const GivenAttempt&) const = default;
 };
 
+// What tasks took that are done, to guess what others will take.
+struct Pace {
+  double seconds = 0;
+  double cost = 0;
+
+  double Expect(double of_cost) const { return cost > 0 ? seconds / cost * of_cost : 1; }
+};
+
 // Blobs that a job keeps alive, by reason.
 struct Holds {
   BlobLedger::Hold inputs, results, step, partials, saving, saved, saved_before;
@@ -71,7 +80,8 @@ struct Job {
   // For people and for placement; no result depends on it.
   std::vector<proto::StageFacts> facts;
   std::vector<std::string> failures;  // the last few
-  std::vector<double> task_seconds;   // of this round's answers, sorted
+  std::deque<double> task_seconds;    // of this round's last answers
+  Pace run_pace, plan_pace;           // of this stage's RUN tasks; of every START and ADVANCE, each of cost 1
   double round_since_s = 0;
   double running_since_s = 0;
   double seconds_before = 0;
@@ -93,7 +103,9 @@ struct Job {
   // "task 3 (forward) of round 5 of stage 'landmarks'"
   std::string TaskName(std::uint32_t task) const;
   double Seconds(double now_s) const;
-  double MedianTaskSeconds() const;  // of this round; 0 where fewer than three answers are in
+  double MedianTaskSeconds() const;  // of this round's last ones; 0 where fewer than three answers are in
+  void NoteSeconds(wire::TaskKey::Kind kind, std::uint64_t cost, double seconds);  // of an answer
+  double ExpectedSeconds(std::uint32_t task) const;  // of work; 1 where nothing is known yet
 };
 
 inline constexpr int kLowestPriority = -10, kHighestPriority = 10;

@@ -7,7 +7,9 @@ namespace cairn::coordinator {
 
 Job* Core::FindById(const std::string& id) {
   const auto it = orders_.find(id);
-  return it == orders_.end() ? nullptr : &jobs_.at(it->second);
+  if (it == orders_.end()) return nullptr;
+  touched_.insert(it->second);
+  return &jobs_.at(it->second);
 }
 
 void Core::On(const SubmitJob& event) {
@@ -15,6 +17,7 @@ void Core::On(const SubmitJob& event) {
   if (orders_.contains(event.id)) return;  // told twice
   const std::uint64_t order = next_order_++;
   orders_[event.id] = order;
+  touched_.insert(order);
   Job& job = jobs_[order];
   job.id = event.id;
   job.order = order;
@@ -76,6 +79,7 @@ void Core::On(const RestoreJob& event) {
   const std::uint64_t order = jobs_.contains(saved.order()) ? next_order_ : saved.order();
   next_order_ = std::max(next_order_, order + 1);
   orders_[saved.job_id()] = order;
+  touched_.insert(order);
   Job& job = jobs_[order];
   job.id = saved.job_id();
   job.order = order;

@@ -13,7 +13,7 @@ Round Round::OfTasks(const proto::Step& step) {
     for (const proto::InputRef& input : task.inputs())
       if (input.has_task()) earlier.insert(input.task());
     TaskRecord& record = round.tasks_[task.index()];
-    record.cost = task.cost();
+    record.cost = std::max<std::uint64_t>(task.cost(), 1);
     record.waits_for = static_cast<std::uint32_t>(earlier.size());
     for (const std::uint32_t index : earlier) round.tasks_[index].followers.push_back(task.index());
     if (earlier.empty()) round.Move(record, task.index(), TaskStatus::kReady);
@@ -34,17 +34,19 @@ std::uint32_t Round::NextReady() const {
   return ready_.begin()->second;
 }
 
-std::uint32_t Round::Begin(std::uint32_t index) {
+std::uint32_t Round::Begin(std::uint32_t index, std::uint64_t worker) {
   TaskRecord& task = tasks_.at(index);
   CAIRN_DEMAND(task.status == TaskStatus::kReady || task.status == TaskStatus::kRunning, "task cannot begin");
-  task.live_attempts.push_back(++task.attempts);
+  task.live_attempts.push_back({++task.attempts, worker});
   Move(task, index, TaskStatus::kRunning);
   return task.attempts;
 }
 
 bool Round::Withdraw(std::uint32_t index, std::uint32_t attempt) {
   TaskRecord& task = tasks_.at(index);
-  if (std::erase(task.live_attempts, attempt) == 0) return false;
+  const auto erased =
+      std::erase_if(task.live_attempts, [attempt](const Attempt& live) { return live.number == attempt; });
+  if (erased == 0) return false;
   if (task.live_attempts.empty()) Move(task, index, TaskStatus::kReady);
   return true;
 }

@@ -21,15 +21,20 @@ enum class TaskStatus {
   kDone,
 };
 
+struct Attempt {
+  std::uint32_t number = 0;
+  std::uint64_t worker = 0;  // whose it is, for whoever began it
+};
+
 struct TaskRecord {
   // Fixed by the plan.
-  std::uint64_t cost = 0;
+  std::uint64_t cost = 1;                // at least 1
   std::vector<std::uint32_t> followers;  // tasks that read this one's partial
   // How it stands.
   TaskStatus status = TaskStatus::kWaiting;
-  std::uint32_t waits_for = 0;               // partials not yet known
-  std::uint32_t attempts = 0;                // begun, ever; the next is numbered attempts + 1
-  std::vector<std::uint32_t> live_attempts;  // numbers of those under way, ascending
+  std::uint32_t waits_for = 0;         // partials not yet known
+  std::uint32_t attempts = 0;          // begun, ever; the next is numbered attempts + 1
+  std::vector<Attempt> live_attempts;  // those under way, numbers ascending
   int failures = 0;
   // What came of it.
   Hash partial;  // RUN only
@@ -54,7 +59,7 @@ class Round {
   std::uint32_t NextReady() const;
 
   // Begins an attempt (of a ready task, or one more of a running one) and returns its number.
-  std::uint32_t Begin(std::uint32_t index);
+  std::uint32_t Begin(std::uint32_t index, std::uint64_t worker);
   // Ends one without an answer. True where it was under way; the task is ready again where no other attempt
   // is.
   bool Withdraw(std::uint32_t index, std::uint32_t attempt);

@@ -23,7 +23,7 @@ TEST(Round, ReadyTasksComeByCostThenIndex) {
   Round round = Round::OfTasks(step);
   for (const std::uint32_t want : {1u, 0u, 2u}) {
     ASSERT_EQ(round.NextReady(), want);
-    round.Begin(want);
+    round.Begin(want, 1);
   }
   EXPECT_FALSE(round.HasReady());
 }
@@ -31,7 +31,7 @@ TEST(Round, ReadyTasksComeByCostThenIndex) {
 TEST(Round, ATaskWaitsForThePartialsThatItNames) {
   Round round = Round::OfTasks(Chain(3));
   EXPECT_EQ(round.NextReady(), 0u);
-  round.Begin(0);
+  round.Begin(0, 1);
   EXPECT_FALSE(round.HasReady());
   round.Finish(0, H(1));
   EXPECT_EQ(round.NextReady(), 1u);
@@ -42,27 +42,27 @@ TEST(Round, NamingOnePartialTwiceWaitsOnce) {
   proto::Step step = Chain(2);
   *step.mutable_tasks(1)->add_inputs() = step.tasks(1).inputs(1);
   Round round = Round::OfTasks(step);
-  round.Begin(0);
+  round.Begin(0, 1);
   round.Finish(0, H(1));
   EXPECT_EQ(round.task(1).status, TaskStatus::kReady);
 }
 
 TEST(Round, WithdrawingTheLastAttemptMakesATaskReadyAgain) {
   Round round = Round::OfTasks(TestStep(1));
-  EXPECT_EQ(round.Begin(0), 1u);
-  EXPECT_EQ(round.Begin(0), 2u);
+  EXPECT_EQ(round.Begin(0, 1), 1u);
+  EXPECT_EQ(round.Begin(0, 1), 2u);
   EXPECT_TRUE(round.Withdraw(0, 1));
   EXPECT_FALSE(round.HasReady());
   EXPECT_FALSE(round.Withdraw(0, 1));
   EXPECT_TRUE(round.Withdraw(0, 2));
   EXPECT_TRUE(round.HasReady());
-  EXPECT_EQ(round.Begin(0), 3u);
+  EXPECT_EQ(round.Begin(0, 1), 3u);
 }
 
 TEST(Round, AnAnswerFromBeforeARestartMayComeBeforeItsTaskIsReady) {
   Round round = Round::OfTasks(Chain(2));
   round.Finish(1, H(2));
-  round.Begin(0);
+  round.Begin(0, 1);
   round.Finish(0, H(1));
   EXPECT_TRUE(round.AllDone());
   EXPECT_FALSE(round.HasReady());
@@ -70,7 +70,7 @@ TEST(Round, AnAnswerFromBeforeARestartMayComeBeforeItsTaskIsReady) {
 
 TEST(Round, AWithdrawnTaskThatIsAnsweredIsNoLongerReady) {
   Round round = Round::OfTasks(TestStep(1));
-  round.Withdraw(0, round.Begin(0));
+  round.Withdraw(0, round.Begin(0, 1));
   round.Finish(0, H(1));
   EXPECT_FALSE(round.HasReady());
   EXPECT_EQ(round.done_count(), 1u);

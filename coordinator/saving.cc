@@ -16,13 +16,21 @@ void Core::WantSave(Job& job, bool at_once) {
   if (at_once) job.saving.not_before_s = 0;
 }
 
+// An event touches few jobs; the intervals of all are looked at with every tick.
 void Core::SaveWhatIsDue() {
-  for (auto& [order, job] : jobs_) {
-    const Saving& saving = job.saving;
-    if (!saving.due || saving.under_way || job.SavingWaits()) continue;
-    if (now_s_ < saving.not_before_s && !saving.at_once) continue;
-    if (saving.at_once || now_s_ - saving.last_s >= options_.checkpoint_interval_s) Save(job);
+  if (all_touched_) {
+    for (auto& [order, job] : jobs_) SaveIfDue(job);
+    return;
   }
+  for (const std::uint64_t order : touched_)
+    if (const auto it = jobs_.find(order); it != jobs_.end()) SaveIfDue(it->second);
+}
+
+void Core::SaveIfDue(Job& job) {
+  const Saving& saving = job.saving;
+  if (!saving.due || saving.under_way || job.SavingWaits()) return;
+  if (now_s_ < saving.not_before_s && !saving.at_once) return;
+  if (saving.at_once || now_s_ - saving.last_s >= options_.checkpoint_interval_s) Save(job);
 }
 
 void Core::Save(Job& job) {
@@ -71,6 +79,7 @@ void Core::On(const PersistFailed& event) {
 }
 
 void Core::On(const SaveNow&) {
+  all_touched_ = true;
   for (auto& [order, job] : jobs_) {
     if (!job.saving.due) continue;
     job.saving.at_once = true;

@@ -66,7 +66,7 @@ void Core::On(const WorkerBeat& event) {
   Worker* worker = Heard(event.peer);
   if (worker == nullptr) return;
   const wire::Beat& beat = event.beat;
-  if (beat.tasks_size() == 0) worker->hung = false;
+  if (beat.tasks_size() == 0) fleet_.SetHung(*worker, false);
   for (int i = 0; i < beat.tasks_size(); ++i) {
     const wire::TaskKey& key = beat.tasks(i);
     if (worker->Find(key) == nullptr) {  // our Cancel was lost, or has not reached it yet
@@ -89,10 +89,7 @@ void Core::DropUnlisted(Worker& worker, const wire::Beat& beat) {
                                     [&task](const wire::TaskKey& key) { return SameAttempt(key, task.key); });
     if (!listed) lost.push_back(task.key);
   }
-  for (const wire::TaskKey& key : lost) {
-    if (Job* job = JobOf(key)) Withdraw(*job, key.task(), key.attempt());
-    worker.Take(key, now_s_);
-  }
+  for (const wire::TaskKey& key : lost) TakeBack(worker, key);
 }
 
 void Core::On(const WorkerBye& event) {
@@ -123,20 +120,18 @@ void Core::Lose(Worker& worker, const std::string& blame) {
 // It beats, but what it runs does not move: the task goes elsewhere, and the rest that it has queued too.
 void Core::GiveUpHung(Worker& worker) {
   const std::vector<InHand> tasks = worker.in_hand;
-  worker.hung = true;
+  fleet_.SetHung(worker, true);
   const std::string why = "it did not move for " + std::to_string(static_cast<int>(now_s_ - worker.moved_s)) +
                           " s on " + WorkerName(worker.hello);
   Say(Report::kWarning, WorkerName(worker.hello) + " hangs");
   for (std::size_t i = 0; i < tasks.size(); ++i) {
-    Job* job = JobOf(tasks[i].key);
-    if (job == nullptr) continue;
-    Withdraw(*job, tasks[i].key.task(), tasks[i].key.attempt());
-    if (i == 0) FailAttempt(*job, tasks[i].key.task(), why);
+    Job* job = TakeBack(worker, tasks[i].key);
+    if (i == 0 && job != nullptr) FailAttempt(*job, tasks[i].key.task(), why);
   }
-  worker.in_hand.clear();
 }
 
 void Core::On(const Tick&) {
+  all_touched_ = true;
   std::vector<std::string> silent, hung;
   for (const auto& [number, worker] : fleet_.workers()) {
     if (now_s_ - worker.heard_s > options_.lease_s) {

@@ -58,7 +58,8 @@ class Checks {
     std::uint64_t process = 0;
     Place seen{0, 0};
     proto::JobState state = proto::JOB_RUNNING;
-    std::uint64_t passed_over = 0;  // tasks of others that were given out while its own were ready
+    // Work of its own and of others that were given out while its own was ready, in seconds by share.
+    double largest_turn = 0, passed_over = 0;
     // Wrong answers that came for it, and whether each could be believed: it had the right form, and came
     // from one who had been given the task.
     std::map<Hash, bool> lies;

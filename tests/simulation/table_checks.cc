@@ -1,5 +1,6 @@
 // The core's tables, as anybody may look at them.
 #include <algorithm>
+#include <cmath>
 
 #include "tests/simulation/checks.h"
 #include "tests/simulation/world.h"
@@ -12,13 +13,15 @@ namespace {
 
 constexpr std::size_t kMostFailures = 20;  // that a job keeps the text of
 constexpr std::uint64_t kLookCloser = 16;  // every so many events
+constexpr double kLeastTurn_s = 1e-3;      // no turn is free
 
 bool IsUnderWay(const Job* job, const wire::TaskKey& key) {
   if (job == nullptr || job->Ended() || key.stage() != job->stage || key.round() != job->round ||
       key.kind() != job->tasks.kind() || key.task() >= job->tasks.size())
     return false;
   const auto& live = job->tasks.task(key.task()).live_attempts;
-  return std::find(live.begin(), live.end(), key.attempt()) != live.end();
+  return std::any_of(live.begin(), live.end(),
+                     [&key](const Attempt& attempt) { return attempt.number == key.attempt(); });
 }
 
 }  // namespace
@@ -89,25 +92,39 @@ void Checks::SeeJobTables(const Job& job) {
   }
 }
 
-// Nothing starves: a job that has a task to give out is not passed over for long.
+// Nothing starves: what others were given while a job had a task to give out is bounded. All are weighed by
+// the seconds that their tasks are expected to take, divided by the job's share, 2^priority: whoever is
+// served goes ahead by one task of its own, so that each other may get that much and one task more.
 void Checks::SeeTurns(const Core& core, const std::vector<Action>& actions) {
-  std::map<std::string, std::uint64_t> given;
-  std::uint64_t all = 0;
+  std::map<std::string, double> given;
+  double all = 0;
   for (const Action& action : actions) {
     const auto* send = std::get_if<Send>(&action);
     if (send == nullptr || !send->message.has_assign()) continue;
-    ++given[send->message.assign().key().job()];
-    ++all;
+    const wire::TaskKey& key = send->message.assign().key();
+    const Job* job = core.FindJob(key.job());
+    if (!IsUnderWay(job, key)) return;  // told of elsewhere
+    const double turn =
+        std::max(job->ExpectedSeconds(key.task()), kLeastTurn_s) * std::exp2(-job->spec.priority());
+    given[key.job()] += turn;
+    all += turn;
+    Known& known = jobs_.at(key.job());
+    known.largest_turn = std::max(known.largest_turn, turn);
   }
   for (const std::string& id : ready_before_) {
     Known& known = jobs_.at(id);
     const Job* job = core.FindJob(id);
     if (given[id] > 0 || job == nullptr || !job->Running() || !job->tasks.HasReady()) {
       known.passed_over = 0;
-    } else if (known.passed_over += all; known.passed_over > 8 + 4 * jobs_.size()) {
-      Fail(id + " starves: " + std::to_string(known.passed_over) +
-           " tasks of others were given out before its own");
+      continue;
     }
+    known.passed_over += all;
+    double fair = 0;
+    for (const auto& [other_id, other] : jobs_)
+      if (other_id != id) fair += known.largest_turn + other.largest_turn;
+    if (known.passed_over > fair * (1 + 1e-9))
+      Fail(id + " starves: others were given " + std::to_string(known.passed_over) +
+           " s of work before it was its turn, " + std::to_string(fair) + " s were fair");
   }
 }
 
