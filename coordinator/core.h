@@ -87,7 +87,9 @@ class Core {
   void DropUnlisted(Worker& worker, const wire::Beat& beat);
   void Lose(Worker& worker,
             const std::string& blame);  // removes it; `blame`: what its running task did, or empty
-  void GiveUpHung(Worker& worker);
+  // Its running task has failed, and what it has queued goes elsewhere; it gets nothing until it moves.
+  void GiveUp(Worker& worker, const std::string& why);
+  std::string WhyGiveUp(const Worker& worker) const;  // empty: there is no reason to
 
   // answers.cc
   void RefuseAnswer(const Worker& worker, const wire::TaskKey& key);

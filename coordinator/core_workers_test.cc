@@ -298,6 +298,44 @@ TEST(CoreWorkers, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
   EXPECT_TRUE(bench.alarms.empty());
 }
 
+TEST(CoreWorkers, AStuckWorkerThatListsNothingGetsNothingUntilItIsFree) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  for (int i = 0; i < 65; ++i) {
+    bench.Beat("w", {task}, 3);
+    bench.Advance(1);
+  }
+  wire::Beat stuck;
+  stuck.set_stuck(true);
+  bench.Do(WorkerBeat{"w", stuck});
+  EXPECT_TRUE(bench.assigned.empty()) << "a task would wait behind what was called back";
+  bench.Beat("w");
+  EXPECT_EQ(bench.Next().assign.key().attempt(), 2u);
+}
+
+TEST(CoreWorkers, ATaskThatRunsForLongerThanItsLimitHasFailedAndThreeTimesFailTheJob) {
+  Bench bench;
+  proto::Job job = TestJob();
+  job.set_task_time_s(5);
+  bench.Submit("a", job);
+  bench.Join("w");
+  bench.AnswerPlan(bench.Next(), TestStep(1));
+  for (int i = 0; i < 3; ++i) {
+    const auto task = bench.Next();
+    EXPECT_EQ(task.assign.key().kind(), wire::TaskKey::RUN);
+    for (std::uint64_t tick = 1; tick <= 6; ++tick) {
+      bench.Advance(1);
+      bench.Beat("w", {task}, tick);
+    }
+    EXPECT_EQ(bench.core.FindJob("a")->failures.size(), static_cast<std::size_t>(i) + 1);
+    bench.Beat("w");
+  }
+  EXPECT_EQ(bench.Info().state(), "failed");
+  EXPECT_NE(bench.Info().reason().find("failed 3 times, last: it ran for more than 5 s"), std::string::npos)
+      << bench.Info().reason();
+}
+
 TEST(CoreWorkers, AChainStaysOnTheWorkerThatHasThePartial) {
   Bench bench;
   bench.Submit();

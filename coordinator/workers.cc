@@ -1,5 +1,6 @@
 // Handshake, beats, leases: who is there and whether it moves.
 #include <algorithm>
+#include <cstdio>
 
 #include "coordinator/core.h"
 
@@ -8,6 +9,13 @@ namespace {
 
 std::string WorkerName(const wire::Hello& hello) {
   return "worker " + std::to_string(hello.pid()) + " on " + (hello.host().empty() ? "?" : hello.host());
+}
+
+// Without zeros that say nothing.
+std::string Number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
 }
 
 }  // namespace
@@ -66,7 +74,7 @@ void Core::On(const WorkerBeat& event) {
   Worker* worker = Heard(event.peer);
   if (worker == nullptr) return;
   const wire::Beat& beat = event.beat;
-  if (beat.tasks_size() == 0) fleet_.SetHung(*worker, false);
+  if (beat.tasks_size() == 0 && !beat.stuck()) fleet_.SetHung(*worker, false);
   for (int i = 0; i < beat.tasks_size(); ++i) {
     const wire::TaskKey& key = beat.tasks(i);
     if (worker->Find(key) == nullptr) {  // our Cancel was lost, or has not reached it yet
@@ -117,30 +125,38 @@ void Core::Lose(Worker& worker, const std::string& blame) {
   }
 }
 
-// It beats, but what it runs does not move: the task goes elsewhere, and the rest that it has queued too.
-void Core::GiveUpHung(Worker& worker) {
-  const std::vector<InHand> tasks = worker.in_hand;
+void Core::GiveUp(Worker& worker, const std::string& why) {
+  Say(Report::kWarning, WorkerName(worker.hello) + " gets nothing until it moves: its task " + why);
   fleet_.SetHung(worker, true);
-  const std::string why = "it did not move for " + std::to_string(static_cast<int>(now_s_ - worker.moved_s)) +
-                          " s on " + WorkerName(worker.hello);
-  Say(Report::kWarning, WorkerName(worker.hello) + " hangs");
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    Job* job = TakeBack(worker, tasks[i].key);
-    if (i == 0 && job != nullptr) FailAttempt(*job, tasks[i].key.task(), why);
-  }
+  const wire::TaskKey head = worker.in_hand.front().key;
+  Job* job = nullptr;  // of the head, which is taken last
+  while (!worker.in_hand.empty()) job = TakeBack(worker, wire::TaskKey(worker.in_hand.back().key));
+  if (job != nullptr) FailAttempt(*job, head.task(), "it " + why + " on " + WorkerName(worker.hello));
+}
+
+// It beats, but what it runs does not move, or runs for too long.
+std::string Core::WhyGiveUp(const Worker& worker) const {
+  if (worker.in_hand.empty()) return "";
+  const wire::TaskKey& key = worker.in_hand.front().key;
+  const double hung_s = key.kind() == wire::TaskKey::RUN ? options_.hung_s : options_.plan_hung_s;
+  if (now_s_ - worker.moved_s > hung_s)
+    return "did not move for " + std::to_string(static_cast<int>(now_s_ - worker.moved_s)) + " s";
+  const Job* job = FindJob(key.job());
+  if (job == nullptr) return "";
+  const double limit_s = job->spec.task_time_s();
+  if (limit_s <= 0 || now_s_ - worker.head_s <= limit_s) return "";
+  return "ran for more than " + Number(limit_s) + " s, its limit (task_time_s)";
 }
 
 void Core::On(const Tick&) {
   all_touched_ = true;
-  std::vector<std::string> silent, hung;
+  std::vector<std::string> silent;
+  std::vector<std::pair<std::string, std::string>> given_up;
   for (const auto& [number, worker] : fleet_.workers()) {
-    if (now_s_ - worker.heard_s > options_.lease_s) {
+    if (now_s_ - worker.heard_s > options_.lease_s)
       silent.push_back(worker.peer);
-    } else if (!worker.in_hand.empty()) {
-      const bool runs = worker.in_hand.front().key.kind() == wire::TaskKey::RUN;
-      if (now_s_ - worker.moved_s > (runs ? options_.hung_s : options_.plan_hung_s))
-        hung.push_back(worker.peer);
-    }
+    else if (const std::string why = WhyGiveUp(worker); !why.empty())
+      given_up.emplace_back(worker.peer, why);
   }
   for (const std::string& peer : silent) {
     Worker& worker = *fleet_.Find(peer);
@@ -149,7 +165,7 @@ void Core::On(const Tick&) {
     Say(Report::kWarning, what);
     Lose(worker, what);
   }
-  for (const std::string& peer : hung) GiveUpHung(*fleet_.Find(peer));
+  for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);
 }
 
 }  // namespace cairn::coordinator

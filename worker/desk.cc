@@ -124,6 +124,7 @@ wire::Beat Desk::InHand() const {
     beat.add_ticks(task.ticks);
   };
   if (running_ && !running_->cancelled) add(*running_);
+  beat.set_stuck(running_ && running_->cancelled);
   for (const TaskPtr& task : queue_) add(*task);
   return beat;
 }

@@ -127,6 +127,18 @@ TEST_F(DeskTest, AReaderThatWaitsForAPartialIsFreedByACancel) {
   talker.join();
 }
 
+TEST_F(DeskTest, WhatStillComputesWhenItWasCalledBackIsTold) {
+  desk_.Add(RunTask(0, {}));
+  EXPECT_FALSE(desk_.InHand().stuck());
+  const TaskPtr task = desk_.Next();
+  EXPECT_FALSE(desk_.InHand().stuck());
+  desk_.Cancel(task->assign.key());
+  EXPECT_TRUE(desk_.InHand().stuck());
+  EXPECT_EQ(desk_.InHand().tasks_size(), 0);
+  desk_.Finish(*task, {});
+  EXPECT_FALSE(desk_.InHand().stuck());
+}
+
 TEST_F(DeskTest, DroppingAllForgetsAnswersTooAndClosingEndsTheWait) {
   desk_.Add(RunTask(0, {}));
   desk_.Finish(*desk_.Next(), {});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include "coordinator/cli/suggest.h"
@@ -32,12 +33,14 @@ class JobReader {
         parsed_.job.set_seed(yaml_.Unsigned(entry));
       else if (entry.key == "priority")
         parsed_.job.set_priority(Priority(entry));
+      else if (entry.key == "task_time_s")
+        parsed_.job.set_task_time_s(TaskTime(entry));
       else if (entry.key == "inputs")
         inputs = &entry;
       else if (entry.key == "stages")
         stages = &entry;
       else
-        RefuseKey(entry, {"name", "seed", "priority", "inputs", "stages"});
+        RefuseKey(entry, {"name", "seed", "priority", "task_time_s", "inputs", "stages"});
     }
     yaml_.CheckName(parsed_.job.name(), 1, "name (the file's, where none is given)");
     if (inputs == nullptr)
@@ -65,6 +68,17 @@ class JobReader {
         priority > coordinator::kHighestPriority)
       yaml_.Refuse(entry.line, "priority: a whole number from -10 to 10");
     return priority;
+  }
+
+  double TaskTime(const YamlEntry& entry) const {
+    const std::string text =
+        entry.value.IsScalar() && !YamlReader::IsQuoted(entry.value) ? entry.value.Scalar() : "";
+    const char* const end = text.data() + text.size();
+    double seconds = 0;
+    const auto [rest, error] = std::from_chars(text.data(), end, seconds);
+    if (error != std::errc{} || rest != end || !std::isfinite(seconds) || seconds <= 0)
+      yaml_.Refuse(entry.line, "task_time_s: a time in seconds, above 0");
+    return seconds;
   }
 
   void ReadInputs(const YamlEntry& inputs) {

@@ -100,6 +100,8 @@ TEST_F(JobFile, MapsEveryField) {
 TEST_F(JobFile, MayGiveAPriority) {
   EXPECT_EQ(Read(kGood).job.priority(), 0);
   EXPECT_EQ(Read(Spoiled("seed: 7", "priority: -10")).job.priority(), -10);
+  EXPECT_EQ(Read(kGood).job.task_time_s(), 0) << "no limit";
+  EXPECT_EQ(Read(Spoiled("seed: 7", "task_time_s: 2.5")).job.task_time_s(), 2.5);
 }
 
 TEST_F(JobFile, TakesAWholeNumberForARealAndStoresAReal) {
@@ -125,6 +127,9 @@ constexpr Bad kBad[] = {
     {"SeedInQuotes", "seed: 7", "seed: '7'", "job.yaml:2: seed: a whole number from 0"},
     {"SeedNegative", "seed: 7", "seed: -1", "job.yaml:2: seed: a whole number from 0"},
     {"PriorityTooHigh", "seed: 7", "priority: 11", "job.yaml:2: priority: a whole number from -10 to 10"},
+    {"TaskTimeNegative", "seed: 7", "task_time_s: -1", "job.yaml:2: task_time_s: a time in seconds, above 0"},
+    {"TaskTimeNotANumber", "seed: 7", "task_time_s: nan",
+     "job.yaml:2: task_time_s: a time in seconds, above 0"},
     {"PriorityInQuotes", "seed: 7", "priority: '1'", "job.yaml:2: priority: a whole number from -10 to 10"},
     {"PriorityAFraction", "seed: 7", "priority: 1.5", "job.yaml:2: priority: a whole number from -10 to 10"},
     {"SeedIsAMap", "seed: 7", "seed: {a: 1}", "job.yaml:2: seed: a whole number from 0"},
