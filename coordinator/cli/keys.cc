@@ -8,6 +8,7 @@
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/home.h"
 #include "coordinator/cli/invocation.h"
+#include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -39,7 +40,7 @@ int New(const Options& options, const Invocation&) {
   std::error_code error;
   if (fs::create_directories(Folder(options), error))
     fs::permissions(Folder(options), fs::perms::owner_all, error);
-  if (error) throw WorldError(Folder(options).string() + ": " + error.message());
+  if (error) Throw(SystemFailure(Folder(options), "cannot make the folder", error.value()));
   const wire::KeyPair keys = wire::GenerateKeyPair();
   const std::string stem = (Folder(options) / options.name).string();
   Check(wire::WriteKeyPair(stem, keys));

@@ -107,7 +107,7 @@ for place in a_file/out /proc/out "$long"; do
   refuses 'a_file|/proc|x{40}' cairn export tum done "$place"
   refuses 'a_file|/proc|x{40}' cairn report done --out "$place"
   refuses 'a_file|/proc|x{40}' cairn run landmark_map log.h5 --out "$place"
-  refuses 'a_file|/proc|x{40}' cairn keys "$place"
+  refuses 'a_file|/proc|x{40}' cairn keys new desk --dir "$place"
   refuses 'a_file|/proc|x{40}' cairn coordinator --store "$place" --listen "ipc://$work/c.ipc"
   refuses 'a_file|/proc|x{40}' cairn coordinator --store store --listen "ipc://$place/c.ipc"
   CAIRN_HOME=$place refuses 'a_file|/proc|x{40}' cairn coordinator

@@ -23,8 +23,9 @@ Outcome Run(std::span<const std::uint8_t> bytes) {
 std::vector<Bytes> Seeds() {
   const std::string pub(kPublic), secret(kSecret);
   std::vector<Bytes> seeds;
-  for (const std::string& text : {pub + "\n", "# both\n" + pub + " public\n" + secret + " secret\n",
-                                  "# a list\n\n" + pub + " worker,viewer desk\n" + secret + "  submitter\r\n"})
+  for (const std::string& text :
+       {pub + "\n", "# both\n" + pub + " public\n" + secret + " secret\n",
+        "# a list\n\n" + pub + " worker,viewer desk\n" + secret + "  submitter\r\n"})
     seeds.emplace_back(text.begin(), text.end());
   return seeds;
 }
