@@ -17,6 +17,7 @@ namespace {
 
 // The report's colours on white paper.
 constexpr Rgb kPaper{255, 255, 255}, kInk{28, 39, 51}, kSoft{91, 107, 123}, kLine{205, 213, 221};
+constexpr double kVisibleErrorM = 0.01;
 constexpr Rgb kRaster{233, 238, 242}, kTruePathGrey{214, 219, 225}, kTruth{133, 147, 161}, kBad{179, 38, 30};
 constexpr Rgb kTint{143, 184, 232}, kBlack{0, 0, 0}, kUnknown{205, 205, 205};
 constexpr std::array<Rgb, kRobotColours> kRobots = {{{31, 111, 181},
@@ -52,7 +53,10 @@ std::vector<Legend> LegendOf(const Scene& scene) {
   if (!scene.landmarks.empty()) items.push_back({kLandmark, "landmark, 95% region", kInk});
   if (!scene.truth_landmarks.empty()) items.push_back({kTruthLandmark, "true landmark", kTruth});
   if (!scene.truth_paths.empty()) items.push_back({kTruthPath, "true path", kTruePathGrey});
-  if (!scene.error_lines.empty()) items.push_back({kError, "error", kBad});
+  const bool errs = std::any_of(scene.error_lines.begin(), scene.error_lines.end(), [](const auto& line) {
+    return DistanceM(line.first, line.second) > kVisibleErrorM;
+  });
+  if (errs) items.push_back({kError, "error", kBad});
   const bool spurious = std::any_of(scene.landmarks.begin(), scene.landmarks.end(),
                                     [](const MapLandmark& landmark) { return landmark.spurious; });
   if (spurious) items.push_back({kSpurious, "spurious landmark", kBad});
