@@ -200,6 +200,8 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_input_error(job.input_error);
   info.set_priority(job.spec.priority());
   info.set_seconds(job.Seconds(now_s));
+  info.mutable_failures()->Assign(job.failures.begin(), job.failures.end());
+  for (const proto::StageFacts& facts : job.facts) info.set_retries(info.retries() + facts.retries());
   if (!job.step) return info;
   info.set_tasks(static_cast<std::uint32_t>(job.step->tasks_size()));
   info.set_tasks_done(job.tasks.kind() == wire::TaskKey::RUN ? job.tasks.done_count() : info.tasks());

@@ -14,7 +14,6 @@ struct JobAction {
 const std::array kJobActions = {
     JobAction{"status", Right::kView, std::nullopt},
     JobAction{"results", Right::kView, std::nullopt},
-    JobAction{"logs", Right::kView, std::nullopt},
     JobAction{"pause", Right::kSubmit, JobCommand::kPause},
     JobAction{"resume", Right::kSubmit, JobCommand::kResume},
     JobAction{"cancel", Right::kSubmit, JobCommand::kCancel},
@@ -36,20 +35,13 @@ std::optional<Right> RightNeeded(const wire::Envelope& envelope) {
     case wire::Envelope::kHello:
     case wire::Envelope::kBeat:
     case wire::Envelope::kBye:
-    case wire::Envelope::kDrain:
     case wire::Envelope::kDone:
     case wire::Envelope::kFailed:
     case wire::Envelope::kFetch:
       return Right::kWork;
     case wire::Envelope::kHave:
     case wire::Envelope::kSubmit:
-    case wire::Envelope::kClean:
       return Right::kSubmit;
-    case wire::Envelope::kWorkers: {
-      const std::string& action = envelope.workers().action();
-      if (action == "drain") return Right::kSubmit;
-      return action.empty() || action == "status" ? std::optional(Right::kView) : std::nullopt;
-    }
     case wire::Envelope::kQuery: {
       const JobAction* action = Find(envelope.query().action());
       return action == nullptr ? std::nullopt : std::optional(action->needed);

@@ -23,6 +23,8 @@ nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
           {"note", job.note()},
           {"seconds", job.seconds()},
           {"priority", job.priority()},
+          {"retries", job.retries()},
+          {"failures", std::vector<std::string>(job.failures().begin(), job.failures().end())},
           {"input_error", job.input_error()}};
 }
 
@@ -59,6 +61,8 @@ std::string JobText(const wire::JobInfo& job) {
   }
   text += "time     " + Duration(job.seconds()) + "\n";
   if (!job.note().empty()) text += "note     " + job.note() + "\n";
+  if (job.retries() > 0) text += "retries  " + std::to_string(job.retries()) + " in all, the last:\n";
+  for (const std::string& failure : job.failures()) text += "         " + failure + "\n";
   return text;
 }
 

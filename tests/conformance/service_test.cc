@@ -43,8 +43,8 @@ class TcpService : public ::testing::Test {
       keys_[name] = wire::GenerateKeyPair();
       ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / name, keys_[name]).ok());
     }
-    std::ofstream(folder_.path() / "allowed") << keys_["worker"].public_key << "\n"
-                                              << keys_["client"].public_key;
+    std::ofstream(folder_.path() / "allowed") << keys_["worker"].public_key << " worker w\n"
+                                              << keys_["client"].public_key << " submitter c\n";
     coordinator::ServiceOptions options;
     options.store_dir = (folder_.path() / "store").string();
     options.listen = endpoint_;
@@ -128,7 +128,7 @@ TEST_F(TcpService, EveryPipelineGivesTheBitsOfTheInProcessRunner) {
     EXPECT_EQ(results.value().at("stage")->Without("provenance/").ContentHash(),
               RunInProcess(*Make(c.stage, c.seed), c.inputs)->ContentHash());
   }
-  EXPECT_NE(log().find("refused a message"), std::string::npos) << log();
+  EXPECT_NE(log().find("refused (malformed)"), std::string::npos) << log();
 }
 
 TEST_F(TcpService, AWorkerThatComesLateTakesOverFromOneThatLeaves) {

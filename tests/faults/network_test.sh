@@ -28,9 +28,9 @@ on_hub() { ip netns exec "$hub" "$@"; }
 on_desk() { ip netns exec "$desk" "$@"; }
 on_hub nft 'table inet probe {}' 2>/dev/null || skip "nft cannot do its work here"
 
-mkdir -p keys
-for name in coordinator worker client; do exits 0 cairn keys "keys/$name"; done
-cat keys/worker.pub keys/client.pub >keys/allowed
+for name in coordinator worker client; do exits 0 cairn keys new "$name" --dir keys; done
+exits 0 cairn keys allow keys/worker.pub --as worker --dir keys
+exits 0 cairn keys allow keys/client.pub --as submitter --dir keys
 coordinator_keys=(--keys keys)
 worker_keys=(--key keys/worker.key --server-key keys/coordinator.pub)
 client_keys=(--key keys/client.key --server-key keys/coordinator.pub)

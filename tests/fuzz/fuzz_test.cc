@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
+
 class Fuzz : public ::testing::TestWithParam<Target> {};
 
 TEST_P(Fuzz, AcceptsWhatIsGood) {

@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 
 // Headers of the operating system that a folder may use unless it is pure.
 constexpr std::string_view kSystem =
-    "dirent.h fcntl.h stdlib.h grp.h poll.h pthread.h pwd.h sched.h signal.h spawn.h sysexits.h termios.h "
+    "dirent.h fcntl.h fnmatch.h glob.h stdlib.h string.h grp.h poll.h pthread.h pwd.h sched.h signal.h "
+    "spawn.h sysexits.h termios.h "
     "time.h "
     "unistd.h "
     "immintrin.h xmmintrin.h pmmintrin.h cpuid.h arm_neon.h gnu/libc-version.h ";
@@ -95,7 +96,7 @@ const std::vector<Rule>& Rules() {
       {"schema", {"schema/*", "Eigen/", "google/protobuf/", "xxhash.h"}, false},
       {"schema/store", {"schema/*", "schema/store/", "hdf5.h", "hdf5_hl.h"}, false},
       {"schema/wire",
-       {"schema/*", "schema/wire/", "zmq.h", "zmq.hpp", "netinet/in.h", "google/protobuf/"},
+       {"schema/*", "schema/wire/", "zmq.h", "zmq.hpp", "netinet/in.h", "arpa/inet.h", "google/protobuf/"},
        false},
       {"pipelines", {"schema/*", "pipelines/", "Eigen/", "opencv2/core.hpp", "opencv2/imgproc.hpp"}, true},
       {"datasets",
