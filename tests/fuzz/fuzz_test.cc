@@ -11,11 +11,13 @@
 #include "tests/fuzz/targets.h"
 
 namespace cairn::fuzz {
+
+// How gtest names a parameter; where it finds it.
+inline void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
+
 namespace {
 
 namespace fs = std::filesystem;
-
-void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
 class Fuzz : public ::testing::TestWithParam<Target> {};
 
