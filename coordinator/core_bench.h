@@ -151,4 +151,20 @@ class Bench {
   }
 };
 
+// Carries a job with the worker `w` of so many slots to its first round of `tasks` tasks.
+inline void Begin(Bench& bench, int tasks, std::uint32_t slots = 1) {
+  bench.Submit();
+  bench.Do(PersistDone{"a", 1});
+  bench.Join("w", slots);
+  bench.AnswerPlan(bench.Next(), TestStep(tasks));
+}
+
+// The worker beats for longer than `hung_s`, but its task does not move.
+inline void BeatUnmoved(Bench& bench, const Bench::Assigned& task) {
+  for (int i = 0; i < 65; ++i) {
+    bench.Beat(task.peer, {task}, 3);
+    bench.Advance(1);
+  }
+}
+
 }  // namespace cairn::coordinator

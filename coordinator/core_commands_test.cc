@@ -8,14 +8,6 @@ namespace {
 
 using Envelope = wire::Envelope;
 
-// A job with one worker, in the first round of `tasks` tasks.
-void Begin(Bench& bench, int tasks, std::uint32_t slots = 1) {
-  bench.Submit();
-  bench.Do(PersistDone{"a", 1});
-  bench.Join("w", slots);
-  bench.AnswerPlan(bench.Next(), TestStep(tasks));
-}
-
 // The number of the checkpoint that the last event began, which it must have.
 std::uint64_t Persisted(const Bench& bench) {
   const auto persists = bench.All<Persist>();

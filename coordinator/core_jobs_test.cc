@@ -10,14 +10,6 @@ namespace {
 
 using Envelope = wire::Envelope;
 
-// Carries a job with one worker to the first round of `tasks` tasks.
-void Begin(Bench& bench, int tasks, std::uint32_t slots = 1) {
-  bench.Submit();
-  bench.Do(PersistDone{"a", 1});
-  bench.Join("w", slots);
-  bench.AnswerPlan(bench.Next(), TestStep(tasks));
-}
-
 TEST(CoreJobs, RunsStartThenTasksThenAdvanceThenTheNextStage) {
   Bench bench;
   bench.Submit("a", TestJob(2));

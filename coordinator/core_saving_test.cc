@@ -16,13 +16,6 @@ void PlayRound(Bench& bench, std::uint64_t n) {
   bench.AnswerPlan(bench.Next(), step, {H(200 + n)});
 }
 
-void Begin(Bench& bench) {
-  bench.Submit();
-  bench.Do(PersistDone{"a", 1});
-  bench.Join("w");
-  bench.AnswerPlan(bench.Next(), TestStep(1));
-}
-
 bool Names(const proto::Checkpoint& checkpoint, const Hash& hash) {
   return std::find(checkpoint.blobs().begin(), checkpoint.blobs().end(), hash.Binary()) !=
          checkpoint.blobs().end();
@@ -40,7 +33,7 @@ TEST(CoreSaving, ASubmittedJobIsSavedAtOnceWithItsInputs) {
 
 TEST(CoreSaving, SavesAtMostOnceInAnIntervalAndThenTheLatest) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   for (std::uint64_t n = 0; n < 5; ++n) {
     PlayRound(bench, n);
     EXPECT_TRUE(bench.All<Persist>().empty());
@@ -58,7 +51,7 @@ TEST(CoreSaving, SavesAtMostOnceInAnIntervalAndThenTheLatest) {
 
 TEST(CoreSaving, RoundsGoOnWhileACheckpointIsUnderWay) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   bench.Advance(1.1);
   ASSERT_EQ(bench.All<Persist>().size(), 1u);
   bench.now_s += 2;
@@ -73,7 +66,7 @@ TEST(CoreSaving, RoundsGoOnWhileACheckpointIsUnderWay) {
 
 TEST(CoreSaving, KeepsTheBlobsOfTheLastTwoCheckpoints) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   std::uint64_t number = 1;
   const auto play_and_save = [&](std::uint64_t n) {
     PlayRound(bench, n);
@@ -93,7 +86,7 @@ TEST(CoreSaving, KeepsTheBlobsOfTheLastTwoCheckpoints) {
 
 TEST(CoreSaving, AFullDiskPausesTheJobWithTheReasonAndResumeGoesOn) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   bench.Advance(1.1);
   bench.Do(PersistFailed{"a", 2, "no space left on device"});
   EXPECT_EQ(bench.Info().state(), "paused");
@@ -112,7 +105,7 @@ TEST(CoreSaving, AFullDiskPausesTheJobWithTheReasonAndResumeGoesOn) {
 
 TEST(CoreSaving, ACancelThatCouldNotBeSavedIsSavedLater) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   bench.Do(CancelJob{"a"});
   ASSERT_EQ(bench.All<Persist>().size(), 1u);
   const std::uint64_t number = bench.All<Persist>()[0].checkpoint.number();
@@ -165,7 +158,7 @@ TEST(CoreSaving, AResultThatCouldNotBePublishedIsPublishedAfterResume) {
 
 TEST(CoreSaving, ARestoredJobGoesOnFromItsStepWithTheSameTasks) {
   Bench before;
-  Begin(before);
+  Begin(before, 1);
   PlayRound(before, 0);
   before.Advance(1.1);
   ASSERT_EQ(before.All<Persist>().size(), 1u);
@@ -188,10 +181,7 @@ TEST(CoreSaving, ARestoredJobGoesOnFromItsStepWithTheSameTasks) {
 
 TEST(CoreSaving, ALongRoundIsSavedWithItsPartialsAndGoesOnFromThem) {
   Bench before;
-  before.Submit();
-  before.Do(PersistDone{"a", 1});
-  before.Join("w");
-  before.AnswerPlan(before.Next(), TestStep(3));
+  Begin(before, 3);
   before.Advance(0.5);
   before.AnswerRun(before.Next(), H(100));
   before.Beat("w");
@@ -220,7 +210,7 @@ TEST(CoreSaving, ALongRoundIsSavedWithItsPartialsAndGoesOnFromThem) {
 
 TEST(CoreSaving, AYoungRoundIsSavedWithoutPartials) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   bench.now_s = 0.9;
   PlayRound(bench, 0);
   bench.AnswerRun(bench.Next(), H(101));
@@ -232,10 +222,7 @@ TEST(CoreSaving, AYoungRoundIsSavedWithoutPartials) {
 
 TEST(CoreSaving, TheFirstAnswerAfterARestartIsSavedAtOnceThenOnceInAnInterval) {
   Bench before;
-  before.Submit();
-  before.Do(PersistDone{"a", 1});
-  before.Join("w");
-  before.AnswerPlan(before.Next(), TestStep(4));
+  Begin(before, 4);
   before.Advance(1.1);
   ASSERT_EQ(before.All<Persist>().size(), 1u);
   const proto::Checkpoint checkpoint = before.All<Persist>()[0].checkpoint;
@@ -259,10 +246,7 @@ TEST(CoreSaving, TheFirstAnswerAfterARestartIsSavedAtOnceThenOnceInAnInterval) {
 // A run that is stopped soon after it was started again must not lose what it began with.
 TEST(CoreSaving, PartialsThatWereSavedStaySavedAfterARestart) {
   Bench before;
-  before.Submit();
-  before.Do(PersistDone{"a", 1});
-  before.Join("w");
-  before.AnswerPlan(before.Next(), TestStep(3));
+  Begin(before, 3);
   before.AnswerRun(before.Next(), H(100));
   before.Advance(1.1);
   const proto::Checkpoint checkpoint = before.All<Persist>().at(0).checkpoint;
@@ -279,7 +263,7 @@ TEST(CoreSaving, PartialsThatWereSavedStaySavedAfterARestart) {
 
 TEST(CoreSaving, ARestoredJobRefusesWorkersOfAnotherBuild) {
   Bench before;
-  Begin(before);
+  Begin(before, 1);
   before.Advance(1.1);
   Bench after;
   after.Do(RestoreJob{before.All<Persist>().at(0).checkpoint, {}});
@@ -290,7 +274,7 @@ TEST(CoreSaving, ARestoredJobRefusesWorkersOfAnotherBuild) {
 
 TEST(CoreSaving, AnEndedJobIsRestoredAsItEnded) {
   Bench before;
-  Begin(before);
+  Begin(before, 1);
   before.Fail(before.Next(), "no good", true);
   const proto::Checkpoint checkpoint = before.All<Persist>().at(0).checkpoint;
   Bench after;
@@ -317,7 +301,7 @@ TEST(CoreSaving, ARestoredJobKeepsThePlaceOfItsSubmission) {
 
 TEST(CoreSaving, SaveNowDoesNotWaitForTheInterval) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   EXPECT_TRUE(bench.core.HasUnsaved());
   bench.Do(SaveNow{});
   EXPECT_EQ(bench.All<Persist>().size(), 1u);
@@ -335,7 +319,7 @@ TEST(CoreSaving, BlobsThatCameWithARefusedJobAreDropped) {
 
 TEST(CoreSaving, FactsCountHostsTasksAndRounds) {
   Bench bench;
-  Begin(bench);
+  Begin(bench, 1);
   bench.now_s += 2;
   PlayRound(bench, 0);
   const proto::StageFacts& facts = bench.core.FindJob("a")->facts.at(0);

@@ -8,14 +8,6 @@ namespace {
 
 using Envelope = wire::Envelope;
 
-// A job whose first round has `tasks` tasks; `w` joined first, with `slots`.
-void Begin(Bench& bench, int tasks, std::uint32_t slots = 1) {
-  bench.Submit();
-  bench.Do(PersistDone{"a", 1});
-  bench.Join("w", slots);
-  bench.AnswerPlan(bench.Next(), TestStep(tasks));
-}
-
 TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
   Bench bench;
   bench.Join("w", 1, "1");
@@ -237,10 +229,7 @@ TEST(CoreWorkers, AHungWorkerThatMovesAgainGetsTasksAgain) {
   Bench bench;
   Begin(bench, 1);
   const auto task = bench.Next();
-  for (int i = 0; i < 65; ++i) {
-    bench.Beat("w", {task}, 3);
-    bench.Advance(1);
-  }
+  BeatUnmoved(bench, task);
   EXPECT_TRUE(bench.assigned.empty());
   bench.Beat("w");
   EXPECT_EQ(bench.Next().assign.key().attempt(), 2u);
@@ -303,10 +292,7 @@ TEST(CoreWorkers, AStuckWorkerThatListsNothingGetsNothingUntilItIsFree) {
   Bench bench;
   Begin(bench, 1);
   const auto task = bench.Next();
-  for (int i = 0; i < 65; ++i) {
-    bench.Beat("w", {task}, 3);
-    bench.Advance(1);
-  }
+  BeatUnmoved(bench, task);
   wire::Beat stuck;
   stuck.set_stuck(true);
   bench.Do(WorkerBeat{"w", stuck});

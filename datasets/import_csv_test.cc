@@ -14,11 +14,9 @@ constexpr char kOdometry[] =
     "1\n";
 constexpr char kHeader[] = "time_s,robot,landmark,range_m,bearing_rad\n";
 
-class ImportCsvTest : public testing::Test {
+class ImportCsvTest : public ImportTest {
  protected:
-  TestFolder folder_;
   CsvImportOptions options_;
-  Blob log_;
 
   void SetUp() override { options_.odometry = folder_.Put("odometry.csv", kOdometry); }
   void PutObservations(const std::string& rows) {
@@ -27,11 +25,6 @@ class ImportCsvTest : public testing::Test {
   ImportReport Import() { return ImportCsv(options_, &log_); }
   std::string Failure() {
     return InputErrorOf([this] { Import(); });
-  }
-  template <class T>
-  std::vector<T> Column(const std::string& name) {
-    const auto values = log_.Get<T>(name);
-    return {values.begin(), values.end()};
   }
 };
 

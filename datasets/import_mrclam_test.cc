@@ -10,11 +10,9 @@
 namespace cairn::datasets {
 namespace {
 
-class ImportMrclamTest : public testing::Test {
+class ImportMrclamTest : public ImportTest {
  protected:
-  TestFolder folder_;
   MrclamImportOptions options_;
-  Blob log_;
 
   void SetUp() override {
     options_.folder = folder_ / "";
@@ -31,11 +29,6 @@ class ImportMrclamTest : public testing::Test {
   ImportReport Import() { return ImportMrclam(options_, &log_); }
   std::string Failure() {
     return InputErrorOf([this] { Import(); });
-  }
-  template <class T>
-  std::vector<T> Column(const std::string& name) {
-    const auto values = log_.Get<T>(name);
-    return {values.begin(), values.end()};
   }
 };
 

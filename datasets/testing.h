@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "schema/blob.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -65,6 +66,19 @@ std::string InputErrorOf(Function function) {
 inline void ExpectContains(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in '" << text << "'";
 }
+
+// An import's files and the log that it makes of them.
+class ImportTest : public testing::Test {
+ protected:
+  TestFolder folder_;
+  Blob log_;
+
+  template <class T>
+  std::vector<T> Column(const std::string& name) const {
+    const auto values = log_.Get<T>(name);
+    return {values.begin(), values.end()};
+  }
+};
 
 // Folder of the third-party data, or empty.
 inline std::string DataFolder() {

@@ -14,6 +14,7 @@
 #include "pipelines/registry.h"
 #include "schema/numerics.h"
 #include "schema/store/blob_file.h"
+#include "tests/bench/stage_option.h"
 
 namespace cairn {
 namespace {
@@ -81,21 +82,6 @@ class Timed : public Pipeline {
   mutable double longest_s_ = 0.0, work_ = 0.0, run_s_ = 0.0;
 };
 
-proto::Value ValueOf(const std::string& text) {
-  proto::Value value;
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  if (text == "true" || text == "false")
-    value.set_b(text == "true");
-  else if (end == text.c_str() || *end != '\0')
-    value.set_s(text);
-  else if (text.find_first_of(".e") == std::string::npos)
-    value.set_i(std::atoll(text.c_str()));
-  else
-    value.set_d(number);
-  return value;
-}
-
 int Main(const std::vector<std::string>& args) {
   if (args.size() < 2) {
     std::fprintf(stderr, "usage: task_times PIPELINE LOG.h5 [key=value ...]\n");
@@ -105,9 +91,7 @@ int Main(const std::vector<std::string>& args) {
   stage.set_name("stage");
   stage.set_pipeline(args[0]);
   for (std::size_t i = 2; i < args.size(); ++i) {
-    const std::size_t equals = args[i].find('=');
-    if (equals == std::string::npos) throw InputError("'" + args[i] + "' is not key=value");
-    (*stage.mutable_options())[args[i].substr(0, equals)] = ValueOf(args[i].substr(equals + 1));
+    SetOption(args[i], &stage);
   }
   const auto log = ReadBlobFileWithoutTruth(args[1]);
   if (!log.ok()) throw InputError(log.status().message());

@@ -12,24 +12,9 @@
 #include "datasets/simulate_loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
-
+#include "tests/bench/stage_option.h"
 namespace cairn {
 namespace {
-
-proto::Value ValueOf(const std::string& text) {
-  proto::Value value;
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);
-  if (text == "true" || text == "false")
-    value.set_b(text == "true");
-  else if (end == text.c_str() || *end != '\0')
-    value.set_s(text);
-  else if (text.find_first_of(".e") == std::string::npos)
-    value.set_i(std::atoll(text.c_str()));
-  else
-    value.set_d(number);
-  return value;
-}
 
 struct Tally {
   int jobs = 0, right = 0;
@@ -67,13 +52,10 @@ int Main(const std::vector<std::string>& args) {
   stage.set_name("landmarks");
   stage.set_pipeline("landmark_map");
   for (std::size_t i = 3; i < args.size(); ++i) {
-    const std::size_t equals = args[i].find('=');
     if (args[i] == "--robots" && i + 1 < args.size())
       world.robots = std::atoi(args[++i].c_str());
-    else if (equals == std::string::npos)
-      throw InputError("'" + args[i] + "' is not key=value");
     else
-      (*stage.mutable_options())[args[i].substr(0, equals)] = ValueOf(args[i].substr(equals + 1));
+      SetOption(args[i], &stage);
   }
   Tally tally;
   for (int seed = std::atoi(args[1].c_str()); seed <= std::atoi(args[2].c_str()); ++seed) {

@@ -2,6 +2,7 @@
 // README.md.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -41,25 +42,20 @@ TEST_P(Fuzz, SurvivesMutationsOfIt) {
   EXPECT_GT(outcomes[Outcome::kRefused], GetParam().short_runs / 100);
 }
 
-TEST_P(Fuzz, SurvivesWhatOnceBroughtItDown) {
-  const fs::path folder = fs::path(CAIRN_FUZZ_CRASHES) / GetParam().name;
-  if (!fs::exists(folder)) GTEST_SKIP() << "nothing has";
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+TEST(FuzzCrashes, WhatOnceBroughtATargetDownDoesSoNoMore) {
+  int replayed = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(CAIRN_FUZZ_CRASHES)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "README.md") continue;
     SCOPED_TRACE(entry.path());
+    const std::vector<Target> targets = AllTargets();
+    const auto target =
+        std::ranges::find(targets, entry.path().parent_path().filename().string(), &Target::name);
+    ASSERT_NE(target, targets.end()) << "its folder is named after no target";
     std::ifstream in(entry.path(), std::ios::binary);
-    const Bytes bytes{std::istreambuf_iterator<char>(in), {}};
-    GetParam().run(bytes);
+    target->run(Bytes{std::istreambuf_iterator<char>(in), {}});
+    ++replayed;
   }
-}
-
-TEST(FuzzCrashes, EachBelongsToATarget) {
-  int known = 0, folders = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(CAIRN_FUZZ_CRASHES)) {
-    if (!entry.is_directory()) continue;
-    ++folders;
-    for (const Target& target : AllTargets()) known += target.name == entry.path().filename();
-  }
-  EXPECT_EQ(known, folders);
+  EXPECT_GT(replayed, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Fuzz, ::testing::ValuesIn(AllTargets()),

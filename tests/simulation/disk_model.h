@@ -46,6 +46,21 @@ class FolderModel {
   }
   // Each change that was not synced is there or not, as `keeps` decides.
   void CutPower(const std::function<bool()>& keeps) {
+    KeepChanges(keeps);
+    for (auto& [key, file] : durable_) file.torn |= !file.synced;
+    seen_ = durable_;
+  }
+  const Content* Read(const Key& key) const {  // null: not there, or damaged
+    const auto it = seen_.find(key);
+    return it == seen_.end() || it->second.torn ? nullptr : &it->second.content;
+  }
+  void SyncFolder() {
+    KeepChanges([] { return true; });
+  }
+  const std::map<Key, File>& files() const { return seen_; }
+
+ private:
+  void KeepChanges(const std::function<bool()>& keeps) {
     for (const Key& key : changed_) {
       if (!keeps()) continue;
       const auto it = seen_.find(key);
@@ -55,26 +70,8 @@ class FolderModel {
         durable_[key] = it->second;
     }
     changed_.clear();
-    for (auto& [key, file] : durable_) file.torn |= !file.synced;
-    seen_ = durable_;
   }
-  const Content* Read(const Key& key) const {  // null: not there, or damaged
-    const auto it = seen_.find(key);
-    return it == seen_.end() || it->second.torn ? nullptr : &it->second.content;
-  }
-  void SyncFolder() {
-    for (const Key& key : changed_) {
-      const auto it = seen_.find(key);
-      if (it == seen_.end())
-        durable_.erase(key);
-      else
-        durable_[key] = it->second;
-    }
-    changed_.clear();
-  }
-  const std::map<Key, File>& files() const { return seen_; }
 
- private:
   std::map<Key, File> seen_, durable_;
   std::set<Key> changed_;  // since the folder was last synced
 };

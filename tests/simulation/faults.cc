@@ -6,8 +6,13 @@ namespace {
 // A world knows each kind of trouble with this probability.
 constexpr double kKnown = 0.35;
 
+// Draws how much a world has of a kind of trouble: none, or up to `high`.
+auto Maybe(Rng& rng) {
+  return [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
+}
+
 void DrawWorkers(Faults& f, Rng& rng) {
-  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
+  const auto maybe = Maybe(rng);
   f.crash_per_s = maybe(0.08);
   f.hang_per_s = maybe(0.03);
   f.stop_per_s = maybe(0.03);
@@ -27,7 +32,7 @@ void DrawWorkers(Faults& f, Rng& rng) {
 }
 
 void DrawCoordinator(Faults& f, Rng& rng) {
-  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
+  const auto maybe = Maybe(rng);
   f.coordinator_crash_per_s = maybe(0.15);
   f.coordinator_stop_per_s = maybe(0.05);
   f.coordinator_clock_jump_per_s = maybe(0.05);
@@ -40,7 +45,7 @@ void DrawCoordinator(Faults& f, Rng& rng) {
 }
 
 void DrawJobs(Faults& f, Rng& rng) {
-  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
+  const auto maybe = Maybe(rng);
   f.cancel_per_s = maybe(0.02);
   f.pause_per_s = maybe(0.1);
   f.prioritize_per_s = maybe(0.1);
@@ -61,7 +66,7 @@ void DrawJobs(Faults& f, Rng& rng) {
 Faults DrawFaults(std::uint64_t seed) {
   Rng rng(seed, 1);
   Faults f;
-  const auto maybe = [&rng](double high) { return rng.Uniform() < kKnown ? rng.Uniform(0, high) : 0.0; };
+  const auto maybe = Maybe(rng);
   f.lose = maybe(0.15);
   f.duplicate = maybe(0.3);
   f.delay_s = rng.Uniform(0.0005, 0.05);
