@@ -35,7 +35,9 @@ struct CoreOptions {
   int max_failures = 3;         // of one task, then the job fails
   double checkpoint_interval_s = 1;
   double save_again_s = 5;  // what could not be saved of a job that has ended is tried again after this long
-  std::uint32_t protocol = 1;  // Hello.protocol that is spoken here
+  double task_time_s = 0;   // of a task whose job says nothing; 0: no limit
+  std::uint64_t task_memory_mb = 0;  // the same
+  std::uint32_t protocol = 1;        // Hello.protocol that is spoken here
 };
 
 class Core {

@@ -141,6 +141,7 @@ TEST(CoreCommands, APriorityIsSavedAtOnceAndOutOfRangeItIsNone) {
   const Hash hash = HashOfJob(job);
   job.set_priority(4);
   job.set_task_time_s(60);
+  job.set_task_memory_mb(60);
   EXPECT_EQ(HashOfJob(job), hash) << "no bit of a result depends on these";
 }
 

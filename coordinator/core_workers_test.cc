@@ -323,6 +323,32 @@ TEST(CoreWorkers, ATaskThatRunsForLongerThanItsLimitHasFailedAndThreeTimesFailTh
       << bench.Info().reason();
 }
 
+TEST(CoreWorkers, AJobThatSaysNothingGetsTheCoordinatorsLimits) {
+  CoreOptions options;
+  options.task_time_s = 5;
+  options.task_memory_mb = 100;
+  Bench bench(options);
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  EXPECT_EQ(task.assign.memory_mb(), 100u);
+  for (std::uint64_t tick = 1; tick <= 6; ++tick) {
+    bench.Advance(1);
+    bench.Beat("w", {task}, tick);
+  }
+  ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_NE(bench.core.FindJob("a")->failures[0].find("--task-time-s"), std::string::npos);
+
+  Bench other(options);
+  proto::Job job = TestJob();
+  job.set_task_time_s(1000);
+  job.set_task_memory_mb(200);
+  other.Submit("a", job);
+  other.Join("w");
+  EXPECT_EQ(other.Next().assign.memory_mb(), 200u) << "its own limit, though it is the higher";
+  other.Advance(6);
+  EXPECT_TRUE(other.core.FindJob("a")->failures.empty());
+}
+
 TEST(CoreWorkers, AChainStaysOnTheWorkerThatHasThePartial) {
   Bench bench;
   bench.Submit();

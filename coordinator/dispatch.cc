@@ -38,7 +38,9 @@ void Core::Assign(Job& job, std::uint32_t task, const std::vector<Hash>& inputs,
   fleet_.Give(worker, job.Key(task, attempt), now_s_);
   job.NoteGiven(job.Key(task, attempt), worker.peer);
   Send send{worker.peer, {}};
-  *send.message.mutable_assign() = MakeAssign(job, task, attempt);
+  wire::Assign& assign = *send.message.mutable_assign();
+  assign = MakeAssign(job, task, attempt);
+  if (assign.memory_mb() == 0) assign.set_memory_mb(options_.task_memory_mb);
   actions_.push_back(std::move(send));
 }
 

@@ -209,7 +209,7 @@ EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
   }
   if (std::optional<EmbeddedResult> found = LookAtEarlierRun()) return *found;
   WorkerPool workers({options_.worker_program, "ipc://" + (socket_folder_->path() / "hub").string(),
-                      options_.workers, 5, folder_.dir() / "workers.log"});
+                      options_.workers, 5, folder_.dir() / "workers.log", options_.task_memory_mb});
   if (const Status status = workers.Start(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (Known() == nullptr)
     hub_->Submit(kJobId, job_, inputs);

@@ -25,7 +25,8 @@ struct EmbeddedOptions {
   bool plan_only = false;  // stop when the first stage is planned (kStopped): info.note says what it found
   double checkpoint_interval_s = 1;
   std::uint64_t memory_bytes = 4ull << 30;
-  LogSink log;  // may be empty
+  std::uint64_t task_memory_mb = 0;  // that a task may take, whatever the job says; 0: the job's limit alone
+  LogSink log;                       // may be empty
 };
 
 enum class EmbeddedEnd {

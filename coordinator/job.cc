@@ -97,6 +97,8 @@ std::string CheckJob(const proto::Job& job) {
     return "the priority " + std::to_string(job.priority()) + " is not one of -10 to 10";
   if (!(job.task_time_s() >= 0 && std::isfinite(job.task_time_s())))
     return "task_time_s must be a time in seconds, or 0";
+  if (job.task_memory_mb() > kMostTaskMemory_mb)
+    return "task_memory_mb must be at most " + std::to_string(kMostTaskMemory_mb);
   std::set<std::string> known;
   for (const auto& [name, hash] : job.input_blobs()) {
     if (hash.size() != sizeof(Hash::bytes)) return "the input '" + name + "' has no content hash";
@@ -121,6 +123,7 @@ Hash HashOfJob(const proto::Job& job) {
   canonical.clear_inputs();
   canonical.clear_priority();
   canonical.clear_task_time_s();
+  canonical.clear_task_memory_mb();
   return HashOfMessage(canonical);
 }
 
@@ -139,6 +142,7 @@ wire::Assign MakeAssign(const Job& job, std::uint32_t task, std::uint32_t attemp
   *assign.mutable_key() = job.Key(task, attempt);
   *assign.mutable_stage() = job.CurrentStage();
   assign.set_seed(job.spec.seed());
+  assign.set_memory_mb(job.spec.task_memory_mb());
   if (job.tasks.kind() == wire::TaskKey::RUN) {
     *assign.mutable_task() = job.step->tasks(static_cast<int>(task));
     for (proto::InputRef& input : *assign.mutable_task()->mutable_inputs())

@@ -109,6 +109,7 @@ struct Job {
 };
 
 inline constexpr int kLowestPriority = -10, kHighestPriority = 10;
+inline constexpr std::uint64_t kMostTaskMemory_mb = 1'000'000'000;
 
 // What is wrong with a job's chain of stages or its settings, for people; empty where nothing is.
 std::string CheckJob(const proto::Job& job);

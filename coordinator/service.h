@@ -24,6 +24,8 @@ struct ServiceOptions {
   std::string keys_dir;   // for tcp: coordinator.key (`cairn keys new`) and allowed, who may do what
   wire::SocketOptions sockets;
   double checkpoint_interval_s = 1;  // at most one checkpoint of a job in this time, and one at a stage's end
+  double task_time_s = 0;            // of a task whose job says nothing; 0: no limit
+  std::uint64_t task_memory_mb = 0;  // the same
   std::uint64_t memory_bytes = 4ull << 30;  // blobs beyond this are kept on disk only
 };
 

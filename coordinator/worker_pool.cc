@@ -36,6 +36,8 @@ Status WorkerPool::Start() {
 // Between fork and exec only calls that are safe in a child of a process with threads.
 Result<pid_t> WorkerPool::Spawn() const {
   std::vector<std::string> words = {options_.program, "--connect", options_.endpoint, "--die-with-parent"};
+  if (options_.task_memory_mb > 0)
+    words.push_back("--task-memory-mb=" + std::to_string(options_.task_memory_mb));
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);

@@ -16,8 +16,9 @@ struct WorkerPoolOptions {
   std::string program;   // path of cairn-worker
   std::string endpoint;  // to connect to
   int workers = 1;
-  int restarts = 5;                // of each
-  std::filesystem::path log_file;  // what they say goes here
+  int restarts = 5;                  // of each
+  std::filesystem::path log_file;    // what they say goes here
+  std::uint64_t task_memory_mb = 0;  // their own limit on a task; 0: none
 };
 
 class WorkerPool {

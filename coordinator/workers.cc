@@ -143,9 +143,11 @@ std::string Core::WhyGiveUp(const Worker& worker) const {
     return "did not move for " + std::to_string(static_cast<int>(now_s_ - worker.moved_s)) + " s";
   const Job* job = FindJob(key.job());
   if (job == nullptr) return "";
-  const double limit_s = job->spec.task_time_s();
+  const bool own = job->spec.task_time_s() > 0;
+  const double limit_s = own ? job->spec.task_time_s() : options_.task_time_s;
   if (limit_s <= 0 || now_s_ - worker.head_s <= limit_s) return "";
-  return "ran for more than " + Number(limit_s) + " s, its limit (task_time_s)";
+  return "ran for more than " + Number(limit_s) + " s, " +
+         (own ? "its limit (task_time_s)" : "the coordinator's limit (--task-time-s)");
 }
 
 void Core::On(const Tick&) {

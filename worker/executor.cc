@@ -73,7 +73,16 @@ class FetchedPartials : public Partials {
  public:
   FetchedPartials(Desk& desk, TaskInHand& task) : desk_(desk), task_(task) {}
   std::size_t size() const override { return task_.partials.size(); }
-  BlobPtr Get(std::size_t index) override { return desk_.AwaitPartial(task_, index); }
+  // Made elsewhere, and the task's to read: neither its coming nor its going counts as the task's memory.
+  BlobPtr Get(std::size_t index) override {
+    const TaskMemory::Pause pause;
+    BlobPtr partial = desk_.AwaitPartial(task_, index);
+    const Blob* const blob = partial.get();
+    return {blob, [partial = std::move(partial)](const Blob*) mutable {
+              const TaskMemory::Pause while_it_goes;
+              partial.reset();
+            }};
+  }
 
  private:
   Desk& desk_;
@@ -148,35 +157,42 @@ wire::Message Executor::Compute(TaskInHand& task) {
   }
 }
 
-wire::Message Executor::Answer(TaskInHand& task) {
+wire::Message Executor::Answer(TaskInHand& task, TaskMemory& memory) {
   const auto begin = std::chrono::steady_clock::now();
+  const TaskMemory::Hold hold(memory);
   wire::Message answer = Compute(task);
   answer.envelope.mutable_done()->set_seconds(
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   return answer;
 }
 
+wire::Message Executor::AnswerOrFailure(TaskInHand& task) {
+  const std::string failure = desk_.FailureOf(task);
+  if (!failure.empty()) return Failure(task.assign, false, failure);
+  TaskMemory memory(task.assign.memory_mb(), memory_mb_);
+  wire::Message answer;
+  try {
+    answer = Answer(task, memory);
+  } catch (const Cancelled&) {
+    // Dropped by the desk where the task was cancelled; else the pipeline has thrown what it should not.
+    answer = Failure(task.assign, false, "it gave up though nobody had cancelled it");
+  } catch (const InputError& error) {
+    answer = Failure(task.assign, true, error.what());
+  } catch (const std::bad_alloc&) {
+    answer = Failure(task.assign, false, "out of memory");
+  } catch (const std::exception& error) {
+    answer = Failure(task.assign, false, error.what());
+  } catch (...) {
+    answer = Failure(task.assign, false, "an exception of an unknown type");
+  }
+  // Whatever it made of that: no bit of a result may depend on a limit.
+  if (const std::string why = memory.WhyRefused(); !why.empty()) return Failure(task.assign, false, why);
+  return answer;
+}
+
 void Executor::Loop() {
   FixNumericsOfThread();
-  while (const TaskPtr task = desk_.Next()) {
-    wire::Message answer;
-    try {
-      const std::string failure = desk_.FailureOf(*task);
-      answer = failure.empty() ? Answer(*task) : Failure(task->assign, false, failure);
-    } catch (const Cancelled&) {
-      // Dropped by the desk where the task was cancelled; else the pipeline has thrown what it should not.
-      answer = Failure(task->assign, false, "it gave up though nobody had cancelled it");
-    } catch (const InputError& error) {
-      answer = Failure(task->assign, true, error.what());
-    } catch (const std::bad_alloc&) {
-      answer = Failure(task->assign, false, "out of memory");
-    } catch (const std::exception& error) {
-      answer = Failure(task->assign, false, error.what());
-    } catch (...) {
-      answer = Failure(task->assign, false, "an exception of an unknown type");
-    }
-    desk_.Finish(*task, std::move(answer));
-  }
+  while (const TaskPtr task = desk_.Next()) desk_.Finish(*task, AnswerOrFailure(*task));
 }
 
 }  // namespace cairn::worker

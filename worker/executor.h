@@ -9,6 +9,7 @@
 
 #include "pipelines/pipeline.h"
 #include "worker/desk.h"
+#include "worker/task_memory.h"
 
 namespace cairn::worker {
 
@@ -18,17 +19,21 @@ using PipelineFactory =
 
 class Executor {
  public:
-  Executor(Desk& desk, PipelineFactory factory) : desk_(desk), factory_(std::move(factory)) {}
+  // `memory_mb`: no task may take more, whatever its job says; 0: the job's limit alone.
+  Executor(Desk& desk, PipelineFactory factory, std::uint64_t memory_mb = 0)
+      : desk_(desk), factory_(std::move(factory)), memory_mb_(memory_mb) {}
   // Until the desk is closed.
   void Loop();
 
  private:
-  wire::Message Answer(TaskInHand& task);
+  wire::Message Answer(TaskInHand& task, TaskMemory& memory);
+  wire::Message AnswerOrFailure(TaskInHand& task);
   wire::Message Compute(TaskInHand& task);
   const Pipeline& PipelineOf(const wire::Assign& assign);
 
   Desk& desk_;
   const PipelineFactory factory_;
+  const std::uint64_t memory_mb_;
   // The pipeline of the task before: tasks of one stage follow each other.
   std::string made_for_;
   std::unique_ptr<const Pipeline> pipeline_;

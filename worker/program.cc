@@ -26,6 +26,7 @@ struct Arguments {
   std::string connect;
   int slots = 4;
   std::size_t cache_mb = 512;
+  std::uint64_t task_memory_mb = 0;
   std::string key_file;
   std::string server_key_file;
   bool log_json = false;
@@ -50,7 +51,8 @@ void CatchSignals() {
 
 void Declare(CLI::App& app, Arguments& a) {
   app.footer(
-      "Example: cairn-worker --connect tcp://hub:7000 --key desk.key --server-key hub.pub\n"
+      "Example: cairn-worker --connect tcp://hub:7000 --key desk.key --server-key hub.pub --task-memory-mb "
+      "2000\n"
       "Exit codes: 0 ended on request, 1 no coordinator, 2 refused or bad usage");
   app.add_option("--connect", a.connect,
                  "endpoint of the coordinator: ipc:///FOLDER/NAME or tcp://HOST:PORT");
@@ -58,6 +60,11 @@ void Declare(CLI::App& app, Arguments& a) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--cache-mb", a.cache_mb, "memory for blobs that may be needed again")
+      ->capture_default_str();
+  app.add_option("--task-memory-mb", a.task_memory_mb,
+                 "memory that a task may take beside its inputs; a job's own limit counts where it is lower "
+                 "(0: no limit of this worker's)")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
       ->capture_default_str();
   app.add_option("--key", a.key_file, "this worker's key pair (tcp)");
   app.add_option("--server-key", a.server_key_file, "the coordinator's public key (tcp)");
@@ -113,6 +120,7 @@ WorkerOptions MakeOptions(const Arguments& a) {
   hello.set_host(host.data());
   hello.set_pid(::getpid());
   hello.set_slots(static_cast<std::uint32_t>(a.slots));
+  options.task_memory_mb = a.task_memory_mb;
   options.session.cache_bytes = a.cache_mb << 20;
   options.session.exit_on_bye = a.die_with_parent;
   // A private worker whose parent died before PR_SET_PDEATHSIG took hold finds nobody.

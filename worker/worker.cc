@@ -18,9 +18,9 @@ double SteadySeconds() {
 // The computing thread. Ends with the object, or takes the process with it.
 class ComputeThread {
  public:
-  ComputeThread(Desk& desk, const PipelineFactory& factory)
-      : desk_(desk), thread_([this, factory] {
-          Executor(desk_, factory).Loop();
+  ComputeThread(Desk& desk, const PipelineFactory& factory, std::uint64_t task_memory_mb)
+      : desk_(desk), thread_([this, factory, task_memory_mb] {
+          Executor(desk_, factory, task_memory_mb).Loop();
           ended_.set_value();
         }) {}
   ~ComputeThread() { thread_.join(); }
@@ -47,7 +47,7 @@ int RunWorker(Transport& transport, const PipelineFactory& factory, const Worker
   const std::function<double()> now_s = options.now_s ? options.now_s : SteadySeconds;
   Desk desk([&transport] { transport.Wake(); });
   Session session(options.session, transport, desk, now_s());
-  ComputeThread computing(desk, factory);
+  ComputeThread computing(desk, factory, options.task_memory_mb);
   while (!stop && !session.exit_code()) {
     for (const Event& event : transport.Poll(session.WaitSeconds(now_s()))) session.Handle(event, now_s());
     session.Work(now_s());

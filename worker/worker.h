@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 
 #include "worker/executor.h"
@@ -16,6 +17,7 @@ struct WorkerOptions {
   // How long a task may take to notice that the worker ends. Then the process ends under it, with the exit
   // code.
   double patience_s = 2;
+  std::uint64_t task_memory_mb = 0;  // that a task may take, whatever its job says; 0: the job's limit alone
 };
 
 // Works until `stop` (call transport.Wake() after setting it) or until the coordinator ends it; returns the

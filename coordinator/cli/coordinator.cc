@@ -5,6 +5,7 @@
 #include "coordinator/cli/home.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/stop_signal.h"
+#include "coordinator/job.h"
 #include "coordinator/service.h"
 
 namespace cairn::cli {
@@ -62,6 +63,16 @@ void AddCoordinator(CLI::App& app, Invocation& call) {
       ->add_option("--checkpoint-interval", service.checkpoint_interval_s,
                    "Seconds between checkpoints of a job")
       ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command
+      ->add_option("--task-time-s", service.task_time_s,
+                   "Limit on a task's run time, where the job file says nothing (0: none)")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  command
+      ->add_option("--task-memory-mb", service.task_memory_mb,
+                   "Limit on the memory that a task may take, where the job file says nothing (0: none)")
+      ->check(CLI::Range(std::uint64_t{0}, coordinator::kMostTaskMemory_mb))
       ->capture_default_str();
 }
 

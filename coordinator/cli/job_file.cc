@@ -35,12 +35,14 @@ class JobReader {
         parsed_.job.set_priority(Priority(entry));
       else if (entry.key == "task_time_s")
         parsed_.job.set_task_time_s(TaskTime(entry));
+      else if (entry.key == "task_memory_mb")
+        parsed_.job.set_task_memory_mb(TaskMemory(entry));
       else if (entry.key == "inputs")
         inputs = &entry;
       else if (entry.key == "stages")
         stages = &entry;
       else
-        RefuseKey(entry, {"name", "seed", "priority", "task_time_s", "inputs", "stages"});
+        RefuseKey(entry, {"name", "seed", "priority", "task_time_s", "task_memory_mb", "inputs", "stages"});
     }
     yaml_.CheckName(parsed_.job.name(), 1, "name (the file's, where none is given)");
     if (inputs == nullptr)
@@ -79,6 +81,17 @@ class JobReader {
     if (error != std::errc{} || rest != end || !std::isfinite(seconds) || seconds <= 0)
       yaml_.Refuse(entry.line, "task_time_s: a time in seconds, above 0");
     return seconds;
+  }
+
+  std::uint64_t TaskMemory(const YamlEntry& entry) const {
+    const std::string text =
+        entry.value.IsScalar() && !YamlReader::IsQuoted(entry.value) ? entry.value.Scalar() : "";
+    const char* const end = text.data() + text.size();
+    std::uint64_t mb = 0;
+    const auto [rest, error] = std::from_chars(text.data(), end, mb);
+    if (error != std::errc{} || rest != end || mb < 1 || mb > coordinator::kMostTaskMemory_mb)
+      yaml_.Refuse(entry.line, "task_memory_mb: a whole number of megabytes, above 0");
+    return mb;
   }
 
   void ReadInputs(const YamlEntry& inputs) {

@@ -102,6 +102,8 @@ TEST_F(JobFile, MayGiveAPriority) {
   EXPECT_EQ(Read(Spoiled("seed: 7", "priority: -10")).job.priority(), -10);
   EXPECT_EQ(Read(kGood).job.task_time_s(), 0) << "no limit";
   EXPECT_EQ(Read(Spoiled("seed: 7", "task_time_s: 2.5")).job.task_time_s(), 2.5);
+  EXPECT_EQ(Read(kGood).job.task_memory_mb(), 0u) << "no limit";
+  EXPECT_EQ(Read(Spoiled("seed: 7", "task_memory_mb: 2000")).job.task_memory_mb(), 2000u);
 }
 
 TEST_F(JobFile, TakesAWholeNumberForARealAndStoresAReal) {
@@ -130,6 +132,12 @@ constexpr Bad kBad[] = {
     {"TaskTimeNegative", "seed: 7", "task_time_s: -1", "job.yaml:2: task_time_s: a time in seconds, above 0"},
     {"TaskTimeNotANumber", "seed: 7", "task_time_s: nan",
      "job.yaml:2: task_time_s: a time in seconds, above 0"},
+    {"TaskMemoryNegative", "seed: 7", "task_memory_mb: -1",
+     "job.yaml:2: task_memory_mb: a whole number of megabytes, above 0"},
+    {"TaskMemoryAFraction", "seed: 7", "task_memory_mb: 0.5",
+     "job.yaml:2: task_memory_mb: a whole number of megabytes, above 0"},
+    {"TaskMemoryTooMuch", "seed: 7", "task_memory_mb: 9223372036854775808",
+     "job.yaml:2: task_memory_mb: a whole number of megabytes, above 0"},
     {"PriorityInQuotes", "seed: 7", "priority: '1'", "job.yaml:2: priority: a whole number from -10 to 10"},
     {"PriorityAFraction", "seed: 7", "priority: 1.5", "job.yaml:2: priority: a whole number from -10 to 10"},
     {"SeedIsAMap", "seed: 7", "seed: {a: 1}", "job.yaml:2: seed: a whole number from 0"},

@@ -12,6 +12,7 @@
 #include "coordinator/cli/run_summary.h"
 #include "coordinator/cli/stop_signal.h"
 #include "coordinator/embedded.h"
+#include "coordinator/job.h"
 #include "coordinator/private_folder.h"
 
 namespace cairn::cli {
@@ -21,6 +22,7 @@ struct Options {
   JobArguments job;
   std::string out;
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::uint64_t task_memory_mb = 0;
   bool force = false;
   bool dry_run = false;
   bool json = false;
@@ -84,6 +86,7 @@ int Run(const Options& options, const Invocation& call) {
   embedded.dir = options.out.empty() ? parsed.job.name() : options.out;
   embedded.workers = options.workers;
   embedded.worker_program = WorkerProgram();
+  embedded.task_memory_mb = options.task_memory_mb;
   embedded.force = options.force;
   Console console(call);
   embedded.log = console.Sink();
@@ -118,6 +121,11 @@ void AddRun(CLI::App& app, Invocation& call) {
   command->add_option("--out", options->out, "Folder of the results (the job's name)");
   command->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
       ->check(CLI::Range(1, 1024));
+  command
+      ->add_option(
+          "--task-memory-mb", options->task_memory_mb,
+          "Memory that a task may take beside its inputs; the job's own limit counts where it is lower")
+      ->check(CLI::Range(std::uint64_t{1}, coordinator::kMostTaskMemory_mb));
   command->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
   command->add_flag("--dry-run", options->dry_run,
                     "Check everything, plan the first stage, print the plan with estimates, run nothing");

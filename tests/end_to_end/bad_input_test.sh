@@ -84,6 +84,12 @@ refuses "robot 'robot 0', step [0-9]+ \(time [0-9.]+ s\): the evidence is imposs
   cairn run landmark_map log.h5 --set model=exact --set growth_start=0.2 --set cell_m=1 --out impossible
 [ ! -e impossible/landmark_map.h5 ] || die "a run that was refused left a result"
 
+# A task over a limit on its memory: tried again, then the run fails with the limit's name. No fault of the input.
+exits 1 cairn run landmark_map log.h5 --out little --task-memory-mb 1
+grep -q 'failed 3 times, last: it would have taken more than 1 MB of memory, .*--task-memory-mb' stderr ||
+  die "the limit is not named"
+exits 0 cairn run landmark_map log.h5 --out little
+
 # A box too small: the option is named, the task once. A dry run refuses what a run refuses, and leaves nothing.
 refuses 'left the box that box_m allows' cairn run landmark_map log.h5 --set box_m=5 --out box
 ! grep -Eq 'stage .*stage ' stderr || die "the stage is named twice: $(cat stderr)"
