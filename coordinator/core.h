@@ -1,7 +1,7 @@
 // The coordinator's logic as one pure state machine: events and the time go in, actions come out. No I/O, no
 // clock, no threads, no logging; nothing here depends on what a pipeline computes.
 //
-//   workers.cc   handshake, beats, leases, workers that hang or leave
+//   workers.cc   handshake, beats, leases, workers that hang, drain or leave
 //   answers.cc   answers and failures of tasks; rounds and stages end here
 //   dispatch.cc  which task goes to which worker, stragglers
 //   jobs.cc      submit, restore, how jobs end
@@ -67,6 +67,7 @@ class Core {
   void On(const WorkerBeat& event);
   void On(const WorkerBye& event);
   void On(const WorkerLost& event);
+  void On(const DrainWorker& event);
   void On(const TaskDone& event);
   void On(const TaskFailed& event);
   void On(const SubmitJob& event);
@@ -86,6 +87,8 @@ class Core {
   void Refuse(const std::string& peer, const std::string& reason);
   const wire::Build* RequiredBuild() const;
   Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is a stranger
+  void BeginDraining(Worker& worker);
+  void TellDrain(const Worker& worker);
   void DropUnlisted(Worker& worker, const wire::Beat& beat);
   void Lose(Worker& worker,
             const std::string& blame);  // removes it; `blame`: what its running task did, or empty

@@ -349,6 +349,54 @@ TEST(CoreWorkers, AJobThatSaysNothingGetsTheCoordinatorsLimits) {
   EXPECT_TRUE(other.core.FindJob("a")->failures.empty());
 }
 
+TEST(CoreWorkers, ADrainingWorkerFinishesWhatItRunsAndTheRestGoesElsewhereWithoutBlame) {
+  Bench bench;
+  Begin(bench, 4, 3);
+  const auto running = bench.Next();
+  bench.assigned.clear();
+  bench.Do(DrainWorker{"w"});
+  EXPECT_EQ(bench.Sent(&Envelope::has_drain).size(), 1u);
+  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 2u);
+  bench.Do(DrainWorker{"w"});
+  EXPECT_TRUE(bench.actions.empty()) << "said twice it changes nothing";
+  bench.Beat("w", {running}, 1);
+  EXPECT_EQ(bench.Sent(&Envelope::has_drain).size(), 1u) << "the first word may have been lost";
+  bench.AnswerRun(running, H(10));
+  EXPECT_EQ(bench.Info().tasks_done(), 1u);
+  EXPECT_TRUE(bench.assigned.empty());
+  bench.Join("x", 3);
+  EXPECT_EQ(bench.assigned.size(), 3u);
+  bench.Do(WorkerBye{"w"});
+  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+  EXPECT_EQ(bench.core.fleet().size(), 1u);
+}
+
+TEST(CoreWorkers, ADrainingWorkerThatSaysHelloAgainStillDrains) {
+  Bench bench;
+  Begin(bench, 2);
+  bench.Do(DrainWorker{"w"});
+  bench.assigned.clear();
+  bench.Join("w");
+  EXPECT_EQ(bench.Sent(&Envelope::has_drain).size(), 1u);
+  EXPECT_TRUE(bench.assigned.empty());
+  EXPECT_TRUE(bench.core.fleet().Find("w")->draining);
+}
+
+TEST(CoreWorkers, WhatADrainingWorkerRunsForTooLongIsCopiedAndWhatHangsThereGoesElsewhere) {
+  Bench bench;
+  Begin(bench, 1);
+  const auto task = bench.Next();
+  bench.Do(DrainWorker{"w"});
+  bench.Join("x");
+  EXPECT_TRUE(bench.assigned.empty());
+  for (int i = 0; i < 62; ++i) {
+    bench.Beat("w", {task}, 1);
+    bench.Beat("x");
+    bench.Advance(1);
+  }
+  EXPECT_EQ(bench.Next().peer, "x");
+}
+
 TEST(CoreWorkers, AChainStaysOnTheWorkerThatHasThePartial) {
   Bench bench;
   bench.Submit();

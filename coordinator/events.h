@@ -31,6 +31,10 @@ struct WorkerBye {
 struct WorkerLost {
   std::string peer;
 };
+// It leaves once what it runs is done: told by its owner, or by itself. Repeated, it changes nothing.
+struct DrainWorker {
+  std::string peer;
+};
 struct TaskDone {
   std::string peer;
   wire::Done done;
@@ -88,12 +92,12 @@ struct PersistFailed {
 struct SaveNow {};
 struct Tick {};
 
-using Event = std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, TaskDone, TaskFailed, SubmitJob,
-                           PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob, RestoreJob,
-                           PersistDone, PersistFailed, SaveNow, Tick>;
+using Event = std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, DrainWorker, TaskDone, TaskFailed,
+                           SubmitJob, PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob,
+                           RestoreJob, PersistDone, PersistFailed, SaveNow, Tick>;
 
 // ---- actions ----
-// To a worker: Welcome, Refuse, Stranger, Assign, Cancel.
+// To a worker: Welcome, Refuse, Stranger, Assign, Cancel, Drain.
 struct Send {
   std::string peer;
   wire::Envelope message;

@@ -100,6 +100,10 @@ void Fleet::SetHung(Worker& worker, bool hung) {
   if (worker.hung != hung) Refile(worker, [&] { worker.hung = hung; });
 }
 
+void Fleet::SetDraining(Worker& worker) {
+  Refile(worker, [&] { worker.draining = true; });
+}
+
 void Fleet::NoteBlob(Worker& worker, const Hash& blob) {
   if (worker.has.insert(blob).second) owners_[blob].insert(worker.number);
 }

@@ -29,14 +29,15 @@ struct Worker {
   std::uint64_t number = 0;  // by the order in which they were accepted
   std::string peer;
   wire::Hello hello;
-  double heard_s = 0;  // last sign of life
-  double moved_s = 0;  // last sign of progress: an answer, a tick, or its first task
-  double head_s = 0;   // when the first in hand came to be the first
-  bool hung = false;   // gets nothing until it moves again
+  double heard_s = 0;     // last sign of life
+  double moved_s = 0;     // last sign of progress: an answer, a tick, or its first task
+  double head_s = 0;      // when the first in hand came to be the first
+  bool hung = false;      // gets nothing until it moves again
+  bool draining = false;  // gets nothing any more, and leaves
   std::vector<InHand> in_hand;
   HashSet has;  // blobs that it was sent or made; it may have forgotten some
 
-  bool HasRoom() const { return in_hand.size() < hello.slots() && !hung; }
+  bool HasRoom() const { return in_hand.size() < hello.slots() && !hung && !draining; }
   const InHand* Find(const wire::TaskKey& key) const;
   // Ticks of what it has in hand. True where one moved.
   bool Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s);
@@ -60,6 +61,7 @@ class Fleet {
   // False where it did not have it.
   bool Take(Worker& worker, const wire::TaskKey& key, double now_s);
   void SetHung(Worker& worker, bool hung);
+  void SetDraining(Worker& worker);
   void NoteBlob(Worker& worker, const Hash& blob);  // it was sent it, or made it
   void Forget(const std::vector<Hash>& dropped);
 

@@ -130,6 +130,8 @@ void Hub::Take(const std::string& peer, wire::Envelope& envelope, const std::vec
       return Handle(WorkerBeat{peer, envelope.beat()});
     case wire::Envelope::kBye:
       return Handle(WorkerBye{peer});
+    case wire::Envelope::kDrain:
+      return Handle(DrainWorker{peer});
     case wire::Envelope::kDone: {
       proto::Step* step = envelope.done().has_step() ? envelope.mutable_done()->mutable_step() : nullptr;
       if (step != nullptr) step->set_note(Printable(step->note(), most));

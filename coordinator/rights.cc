@@ -35,6 +35,7 @@ std::optional<Right> RightNeeded(const wire::Envelope& envelope) {
     case wire::Envelope::kHello:
     case wire::Envelope::kBeat:
     case wire::Envelope::kBye:
+    case wire::Envelope::kDrain:
     case wire::Envelope::kDone:
     case wire::Envelope::kFailed:
     case wire::Envelope::kFetch:

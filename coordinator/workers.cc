@@ -37,7 +37,11 @@ const wire::Build* Core::RequiredBuild() const {
 void Core::On(const WorkerHello& event) {
   const wire::Hello& hello = event.hello;
   // A peer that says Hello again has forgotten its tasks; so do we, before its build is looked at anew.
-  if (Worker* known = fleet_.Find(event.peer)) Lose(*known, "");
+  bool draining = false;
+  if (Worker* known = fleet_.Find(event.peer)) {
+    draining = known->draining;
+    Lose(*known, "");
+  }
   std::string reason;
   if (hello.protocol() != options_.protocol)
     reason = "it speaks protocol " + std::to_string(hello.protocol()) + ", here it is " +
@@ -51,11 +55,12 @@ void Core::On(const WorkerHello& event) {
     Say(Report::kWarning, "refused " + WorkerName(hello) + ": " + reason);
     return;
   }
-  fleet_.Add(event.peer, hello, now_s_);
+  Worker& worker = fleet_.Add(event.peer, hello, now_s_);
   Send send{event.peer, {}};
   send.message.mutable_welcome()->set_beat_s(options_.beat_s);
   actions_.push_back(std::move(send));
   Say(Report::kInfo, WorkerName(hello) + " joined");
+  if (draining) BeginDraining(worker);
 }
 
 Worker* Core::Heard(const std::string& peer) {
@@ -86,6 +91,7 @@ void Core::On(const WorkerBeat& event) {
     }
   }
   DropUnlisted(*worker, beat);
+  if (worker->draining) TellDrain(*worker);  // the first word may have been lost
 }
 
 // A message may get lost where a connection breaks and comes back before the lease is over.
@@ -112,6 +118,26 @@ void Core::On(const WorkerLost& event) {
   if (worker == nullptr) return;
   Say(Report::kWarning, WorkerName(worker->hello) + " died");
   Lose(*worker, WorkerName(worker->hello) + " died while it ran");
+}
+
+void Core::On(const DrainWorker& event) {
+  Worker* worker = fleet_.Find(event.peer);
+  if (worker == nullptr || worker->draining) return;
+  Say(Report::kInfo, WorkerName(worker->hello) + " finishes what it runs, and leaves");
+  BeginDraining(*worker);
+}
+
+// What it has queued goes elsewhere at once, nobody to blame.
+void Core::BeginDraining(Worker& worker) {
+  fleet_.SetDraining(worker);
+  while (worker.in_hand.size() > 1) TakeBack(worker, wire::TaskKey(worker.in_hand.back().key));
+  TellDrain(worker);
+}
+
+void Core::TellDrain(const Worker& worker) {
+  Send send{worker.peer, {}};
+  send.message.mutable_drain();
+  actions_.push_back(std::move(send));
 }
 
 void Core::Lose(Worker& worker, const std::string& blame) {

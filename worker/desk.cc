@@ -129,6 +129,11 @@ wire::Beat Desk::InHand() const {
   return beat;
 }
 
+bool Desk::Empty() const {
+  const Lock lock(mutex_);
+  return queue_.empty() && answers_.empty() && (!running_ || running_->cancelled);
+}
+
 void Desk::Close() {
   const Lock lock(mutex_);
   closed_ = true;

@@ -58,6 +58,7 @@ class Desk {
   std::vector<Want> TakeWants();  // those not taken before, in the order of need
   std::vector<wire::Message> TakeAnswers();
   wire::Beat InHand() const;  // running and waiting tasks with their ticks
+  bool Empty() const;         // no task that is still wanted is in hand, and no answer waits
   void Close();               // Next returns null from now on; what runs is cancelled
 
   // ---- for the thread that computes ----

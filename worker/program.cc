@@ -27,6 +27,7 @@ struct Arguments {
   int slots = 4;
   std::size_t cache_mb = 512;
   std::uint64_t task_memory_mb = 0;
+  double drain_s = 0;
   std::string key_file;
   std::string server_key_file;
   bool log_json = false;
@@ -34,18 +35,24 @@ struct Arguments {
   bool describe = false;
 };
 
-std::atomic<bool> g_stop{false};
+std::atomic<bool> g_stop{false}, g_drain{false}, g_may_drain{false};
 std::atomic<Transport*> g_transport{nullptr};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
 
-void StopOnSignal(int) {
-  g_stop = true;
+// SIGTERM drains where there is time for it; else, and at the next signal, it ends with a Bye; the signal
+// after that ends the process at once.
+void OnSignal(int number) {
+  const bool drains = number == SIGTERM && g_may_drain && !g_stop && !g_drain.exchange(true);
+  if (!drains && g_stop.exchange(true)) {
+    ::signal(number, SIG_DFL);
+    ::raise(number);
+  }
   if (Transport* transport = g_transport) transport->Wake();
 }
 
 void CatchSignals() {
   struct sigaction action{};
-  action.sa_handler = StopOnSignal;
-  action.sa_flags = SA_RESETHAND;  // the second signal ends the process at once
+  action.sa_handler = OnSignal;
   for (const int number : {SIGINT, SIGTERM}) ::sigaction(number, &action, nullptr);
 }
 
@@ -65,6 +72,12 @@ void Declare(CLI::App& app, Arguments& a) {
                  "memory that a task may take beside its inputs; a job's own limit counts where it is lower "
                  "(0: no limit of this worker's)")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->capture_default_str();
+  app.add_option(
+         "--drain-s", a.drain_s,
+         "on SIGTERM finish the task that runs, for at most so many seconds; a second signal does not "
+         "wait")
+      ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   app.add_option("--key", a.key_file, "this worker's key pair (tcp)");
   app.add_option("--server-key", a.server_key_file, "the coordinator's public key (tcp)");
@@ -121,6 +134,8 @@ WorkerOptions MakeOptions(const Arguments& a) {
   hello.set_pid(::getpid());
   hello.set_slots(static_cast<std::uint32_t>(a.slots));
   options.task_memory_mb = a.task_memory_mb;
+  options.drain = &g_drain;
+  options.drain_s = a.drain_s;
   options.session.cache_bytes = a.cache_mb << 20;
   options.session.exit_on_bye = a.die_with_parent;
   // A private worker whose parent died before PR_SET_PDEATHSIG took hold finds nobody.
@@ -140,6 +155,7 @@ int Run(const Arguments& a, const PipelineFactory& factory) {
   const Result<std::unique_ptr<ZmqTransport>> transport = ZmqTransport::Connect(a.connect, security.value());
   if (!transport.ok()) return fail(transport.status());
   g_transport = transport.value().get();
+  g_may_drain = a.drain_s > 0;
   CatchSignals();
   const int code = RunWorker(*transport.value(), factory, options, g_stop);
   g_transport = nullptr;

@@ -71,6 +71,10 @@ void Session::HandleMessage(const wire::Message& message, double now_s) {
       // Strangers that were on their way when we said Hello are answered by that Hello.
       if (beat_s_) SayHello(now_s);
       return;
+    case wire::Envelope::kDrain:
+      if (!leaving_) options_.log(Severity::kInfo, "told to leave: finishes what it runs");
+      leaving_ = true;
+      return;
     case wire::Envelope::kAssign:
       if (beat_s_) desk_.Add(envelope.assign());
       return;
@@ -133,6 +137,22 @@ void Session::SayBye() {
   if (connected_) transport_.Send(message);
 }
 
+void Session::Leave(double patience_s, double now_s) {
+  options_.log(Severity::kInfo, "leaves: finishes what it runs");
+  leaving_ = true;
+  leave_by_s_ = now_s + patience_s;
+  if (beat_s_) beaten_s_ = now_s - *beat_s_;  // the next beat, and with it the word, at once
+}
+
+// A conversation that is over, or was never begun, leaves nothing to finish.
+void Session::EndIfLeft(double now_s) {
+  const bool idle = outbox_.empty() && desk_.Empty();
+  const bool late = leave_by_s_ && now_s >= *leave_by_s_;
+  if (exit_code_ || (beat_s_ && !idle && !late)) return;
+  SayBye();
+  exit_code_ = kExitDone;
+}
+
 void Session::TakeAnswers() {
   for (wire::Message& answer : desk_.TakeAnswers()) {
     // What this worker made is likely to be an input of what it gets next.
@@ -168,6 +188,10 @@ void Session::Beat(double now_s) {
   wire::Message message;
   *message.envelope.mutable_beat() = desk_.InHand();
   outbox_.push_back(std::move(message));
+  if (!leave_by_s_) return;
+  wire::Message drain;  // with each beat: a word may get lost
+  drain.envelope.mutable_drain();
+  outbox_.push_back(std::move(drain));
 }
 
 void Session::Flush() {
@@ -185,6 +209,7 @@ void Session::Work(double now_s) {
     SayHello(now_s);
   }
   if (connected_) Flush();
+  if (leaving_) EndIfLeft(now_s);
   if (!ever_welcome_ && options_.first_contact_s > 0 && now_s - started_s_ >= options_.first_contact_s) {
     End(kExitLost, Severity::kError, "no coordinator answers");
   }
@@ -193,7 +218,8 @@ void Session::Work(double now_s) {
 double Session::WaitSeconds(double now_s) const {
   if (!outbox_.empty()) return kRetry_s;
   if (!beat_s_) return kLongestWait_s;
-  return std::clamp(beaten_s_ + *beat_s_ / 2 - now_s, 0.0, kLongestWait_s);
+  const double end_s = leave_by_s_.value_or(now_s + kLongestWait_s);
+  return std::clamp(std::min(beaten_s_ + *beat_s_ / 2, end_s) - now_s, 0.0, kLongestWait_s);
 }
 
 }  // namespace cairn::worker

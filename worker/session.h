@@ -42,6 +42,9 @@ class Session {
   // Fetches, answers and beats that are due. Call it after events, after a wake-up, and after WaitSeconds.
   void Work(double now_s);
   double WaitSeconds(double now_s) const;
+  // Says that it wants no more tasks, finishes what it runs, says Bye and ends with kExitDone; after
+  // `patience_s` it ends in any case.
+  void Leave(double patience_s, double now_s);
   void SayBye();
   std::optional<int> exit_code() const { return exit_code_; }  // set: the conversation is over for good
 
@@ -59,6 +62,7 @@ class Session {
   void Fetch(double now_s);
   void RepeatFetches(double now_s);
   void Beat(double now_s);
+  void EndIfLeft(double now_s);
   void Flush();
 
   const SessionOptions options_;
@@ -68,11 +72,13 @@ class Session {
   const double started_s_;
   bool connected_ = false;
   bool ever_welcome_ = false;
-  std::optional<double> beat_s_;  // since Welcome
-  double hello_s_ = 0;            // when Hello was last said
-  double beaten_s_ = 0;           // when the last beat went out
-  double blob_s_ = 0;             // when a fetch was last answered
-  std::deque<Want> wants_;        // not asked for yet
+  std::optional<double> beat_s_;      // since Welcome
+  double hello_s_ = 0;                // when Hello was last said
+  double beaten_s_ = 0;               // when the last beat went out
+  bool leaving_ = false;              // it ends once it has nothing in hand
+  std::optional<double> leave_by_s_;  // of its own accord: then it ends in any case
+  double blob_s_ = 0;                 // when a fetch was last answered
+  std::deque<Want> wants_;            // not asked for yet
   std::map<Hash, Request> requests_;
   std::deque<wire::Message> outbox_;
   std::optional<int> exit_code_;

@@ -122,6 +122,65 @@ TEST(Conversation, APrivateWorkerThatFindsNobodyGivesUp) {
   EXPECT_EQ(rig.Join(), kExitLost);
 }
 
+const auto kDrain = [](wire::Envelope& e) { e.mutable_drain(); };
+
+TEST(Conversation, AWorkerThatIsToldToLeaveFinishesWhatItRunsSaysByeAndEnds) {
+  Rig rig(AddIndex);
+  rig.Begin(1000);
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(3, {{"a", a}}));
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  rig.Give(Plain(kDrain));
+  rig.Answer(a);
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+  EXPECT_EQ(rig.Join(), kExitDone);
+}
+
+TEST(Conversation, AWorkerThatIsToldToLeaveAndIsCutOffEnds) {
+  Rig rig(SpinUntilCancelled);
+  rig.Begin(1000);
+  rig.Assign(RunTask(0));
+  rig.Give(Plain(kDrain));
+  rig.Give(Event::kDisconnected);
+  EXPECT_EQ(rig.Join(), kExitDone);
+}
+
+TEST(Conversation, OfItsOwnAccordItSaysSoFirstAndFinishesWhatItRuns) {
+  std::atomic<bool> drain{false};
+  Rig rig(AddIndex, [&drain](WorkerOptions& o) {
+    o.drain = &drain;
+    o.drain_s = 60;
+  });
+  rig.Begin(1000);
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(3, {{"a", a}}));
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  drain = true;
+  rig.transport.Wake();
+  EXPECT_TRUE(rig.transport.Take().envelope.has_drain());
+  rig.Answer(a);
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+  EXPECT_EQ(rig.Join(), kExitDone);
+}
+
+TEST(Conversation, OfItsOwnAccordItDoesNotWaitForLongerThanItWasGiven) {
+  std::atomic<bool> drain{false};
+  Rig rig(SpinUntilCancelled, [&drain](WorkerOptions& o) {
+    o.drain = &drain;
+    o.drain_s = 60;
+  });
+  rig.Begin(1000);
+  rig.Assign(RunTask(0));
+  drain = true;
+  rig.transport.Wake();
+  EXPECT_TRUE(rig.Serve().envelope.has_drain());
+  rig.Pass(61);
+  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+  EXPECT_EQ(rig.Join(), kExitDone);
+}
+
 TEST(Conversation, StoppingSaysBye) {
   Rig rig(SpinUntilCancelled);
   rig.Begin();

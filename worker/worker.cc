@@ -48,7 +48,10 @@ int RunWorker(Transport& transport, const PipelineFactory& factory, const Worker
   Desk desk([&transport] { transport.Wake(); });
   Session session(options.session, transport, desk, now_s());
   ComputeThread computing(desk, factory, options.task_memory_mb);
+  bool leaving = false;
   while (!stop && !session.exit_code()) {
+    if (options.drain != nullptr && *options.drain && !std::exchange(leaving, true))
+      session.Leave(options.drain_s, now_s());
     for (const Event& event : transport.Poll(session.WaitSeconds(now_s()))) session.Handle(event, now_s());
     session.Work(now_s());
   }

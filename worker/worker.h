@@ -18,6 +18,9 @@ struct WorkerOptions {
   // code.
   double patience_s = 2;
   std::uint64_t task_memory_mb = 0;  // that a task may take, whatever its job says; 0: the job's limit alone
+  // Where `drain` comes true it finishes what it runs, for at most drain_s, and then ends.
+  const std::atomic<bool>* drain = nullptr;
+  double drain_s = 0;
 };
 
 // Works until `stop` (call transport.Wake() after setting it) or until the coordinator ends it; returns the

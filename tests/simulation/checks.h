@@ -4,6 +4,7 @@
 //   answer_checks.cc  what a job takes for true, lies, and two answers that differ
 //   table_checks.cc   the core's tables: nobody's tasks, no task forgotten, no worker idle, nothing that
 //   grows
+//   worker_checks.cc  workers that are to leave
 #pragma once
 
 #include <cstdint>
@@ -85,13 +86,22 @@ class Checks {
   void SeeTurns(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
   void CountActions(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
 
+  // worker_checks.cc
+  std::uint64_t Retries(const coordinator::Core& core) const;  // attempts that failed, of all jobs
+  void SeeDraining(const coordinator::Core& core, const coordinator::Event& event,
+                   const std::vector<coordinator::Action>& actions);
+
   World& world_;
   std::map<std::string, Known> jobs_;
   std::string violation_;
   // Of the event under way.
   Alarm alarm_ = Alarm::kNever;
   std::set<std::string> ready_before_;  // jobs that run and have a task to give out
+  std::uint64_t retries_before_ = 0;
   std::uint64_t events_ = 0;
+  // Of the coordinator's process under way.
+  std::uint64_t process_ = 0;
+  std::set<std::string> draining_;  // workers that it knows to be about to leave
 };
 
 // One line, for the trace.

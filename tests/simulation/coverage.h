@@ -22,6 +22,8 @@ namespace cairn::simulation {
   X(kWorkerKilledBeforeAnswer, "worker: killed before it answers")         \
   X(kWorkerKilledAfterAnswer, "worker: killed after it answered")          \
   X(kWorkerLeft, "worker: leaves")                                         \
+  X(kWorkerTerminated, "worker: told to end, drains")                      \
+  X(kWorkerDrained, "worker: has drained, and leaves")                     \
   X(kWorkerHung, "worker: hangs, beats go on")                             \
   X(kWorkerUnhung, "worker: goes on after it hung")                        \
   X(kWorkerStopped, "worker: stopped as a whole")                          \
@@ -70,6 +72,7 @@ namespace cairn::simulation {
   X(kRetried, "user: retries")                                             \
   X(kPrioritized, "user: gives another priority")                          \
   X(kDeleted, "user: deletes what has ended")                              \
+  X(kDrainedByUser, "user: drains a worker")                               \
   X(kSavedNow, "user: asks to save now")                                   \
   X(kRoundEnded, "core: a round ends")                                     \
   X(kStageEnded, "core: a stage ends")                                     \
@@ -92,6 +95,8 @@ namespace cairn::simulation {
   X(kStranger, "core sends Stranger")                                      \
   X(kAssign, "core sends Assign")                                          \
   X(kCancel, "core sends Cancel")                                          \
+  X(kDrain, "core sends Drain")                                            \
+  X(kDrainedOfQueued, "core: what a draining worker has queued moves")     \
   X(kPersist, "core asks to save")                                         \
   X(kDrop, "core drops blobs")
 

@@ -23,6 +23,7 @@ struct Words {
   }
   std::string operator()(const WorkerBye& e) const { return e.peer + " Bye"; }
   std::string operator()(const WorkerLost& e) const { return e.peer + " is dead"; }
+  std::string operator()(const DrainWorker& e) const { return e.peer + " is to leave"; }
   std::string operator()(const TaskDone& e) const { return e.peer + " Done " + Text(e.done.key()); }
   std::string operator()(const TaskFailed& e) const {
     return e.peer + " Failed " + Text(e.failed.key()) + ": " + e.failed.message();
@@ -51,6 +52,7 @@ struct Words {
     if (m.has_assign()) return a.peer + " Assign " + Text(m.assign().key());
     if (m.has_cancel()) return a.peer + " Cancel " + Text(m.cancel().key());
     if (m.has_refuse()) return a.peer + " Refuse: " + m.refuse().reason();
+    if (m.has_drain()) return a.peer + " Drain";
     return a.peer + (m.has_welcome() ? " Welcome" : m.has_stranger() ? " Stranger" : " ?");
   }
   std::string operator()(const Persist& a) const {

@@ -17,6 +17,8 @@ void DrawWorkers(Faults& f, Rng& rng) {
   f.hang_per_s = maybe(0.03);
   f.stop_per_s = maybe(0.03);
   f.leave_per_s = maybe(0.05);
+  f.drain_per_s = maybe(0.05);
+  f.terminate_per_s = maybe(0.05);
   f.clock_jump_per_s = maybe(0.05);
   f.crash_at_message = maybe(0.02);
   f.task_crash = maybe(0.05);

@@ -16,6 +16,7 @@ struct Faults {
   double partition_per_s = 0;                                // of a worker; some in one direction only
   // Workers, each.
   double crash_per_s = 0, hang_per_s = 0, stop_per_s = 0, leave_per_s = 0, clock_jump_per_s = 0;
+  double drain_per_s = 0, terminate_per_s = 0;  // told to drain by a user; by its machine
   double crash_at_message = 0;  // fraction of messages and of answers that it does not outlive
   double task_crash = 0;        // fraction of tasks that end in a failure
   double slow = 0;              // fraction of workers that are 20 times slower

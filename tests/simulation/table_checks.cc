@@ -139,6 +139,7 @@ void Checks::CountActions(const Core& core, const std::vector<Action>& actions) 
     if (message.has_refuse()) world_.Count(kRefuse);
     if (message.has_stranger()) world_.Count(kStranger);
     if (message.has_cancel()) world_.Count(kCancel);
+    if (message.has_drain()) world_.Count(kDrain);
     if (!message.has_assign()) continue;
     world_.Count(kAssign);
     const wire::TaskKey& key = message.assign().key();

@@ -44,6 +44,7 @@ void WorkerModel::BeatOn() {
     }
     if (!queue_.empty() && computing_ && !hung_) ++queue_.front().ticks;
     world_.network.ToCoordinator(name_, coordinator::WorkerBeat{name_, beat});
+    if (terminated_) world_.network.ToCoordinator(name_, coordinator::DrainWorker{name_});
   }
   // A clock that jumped makes a beat come too early or too late.
   const double wait_s = std::max(0.01, 0.9 - std::exchange(clock_jump_s_, 0));
@@ -63,12 +64,32 @@ void WorkerModel::Receive(const wire::Envelope& message) {
     if (!Foreign()) world_.checks.Fail(name_ + " was refused: " + message.refuse().reason());
     refused_ = true;
   }
+  if (message.has_stranger() && draining_) return Leave();
   if (message.has_stranger() && !refused_) {
     if (world_.rng.Below(2) == 0) Forget();
     SayHello();
   }
   if (message.has_assign()) Take(message.assign());
   if (message.has_cancel() && !hung_) Drop(message.cancel().key());
+  if (message.has_drain()) draining_ = true;
+  LeaveIfDrained();
+}
+
+void WorkerModel::LeaveIfDrained() {
+  if (!alive_ || !draining_ || hung_ || !queue_.empty()) return;
+  world_.Count(kWorkerDrained);
+  Leave();
+}
+
+void WorkerModel::BeTerminated() {
+  world_.Say(name_ + " is told to end");
+  world_.Count(kWorkerTerminated);
+  draining_ = terminated_ = true;
+  world_.network.ToCoordinator(name_, coordinator::DrainWorker{name_});
+  LeaveIfDrained();
+  world_.schedule.After(world_.rng.Uniform(0.1, 20), [this] {
+    if (alive_) Leave();
+  });
 }
 
 void WorkerModel::Take(const wire::Assign& assign) {
@@ -128,7 +149,8 @@ void WorkerModel::FinishFirst() {
     world_.Count(kWorkerKilledAfterAnswer);
     return Crash();
   }
-  BeginNext();
+  LeaveIfDrained();
+  if (alive_) BeginNext();
 }
 
 void WorkerModel::SendAnswer(const wire::Assign& assign) {

@@ -31,6 +31,7 @@ class WorkerModel {
   bool alive() const { return alive_; }
   void Crash();
   void Leave();
+  void BeTerminated();             // drains for some seconds, then leaves in any case
   void Hang();                     // what computes stands still, beats go on
   void StopUntil(double until_s);  // all of it stands still; what comes meanwhile waits
   void JumpClock(double by_s) { clock_jump_s_ += by_s; }
@@ -46,6 +47,7 @@ class WorkerModel {
   void BeatOn();
   void Take(const wire::Assign& assign);
   void Drop(const wire::TaskKey& key);
+  void LeaveIfDrained();
   void BeginNext();
   void FinishFirst();
   void SendAnswer(const wire::Assign& assign);
@@ -56,6 +58,7 @@ class WorkerModel {
   const std::string name_;
   const WorkerTraits traits_;
   bool alive_ = true, hung_ = false, welcomed_ = false, refused_ = false, computing_ = false;
+  bool draining_ = false, terminated_ = false;
   double stopped_until_s_ = 0, clock_jump_s_ = 0;
   std::uint64_t computation_ = 0;  // numbered, so that what was called off does not end
   std::deque<Held> queue_;

@@ -78,6 +78,11 @@ void World::DisturbWorkers() {
       Count(kWorkerLeft);
       worker->Leave();
     }
+    if (worker->alive() && Chance(faults.drain_per_s)) {
+      Count(kDrainedByUser);
+      shell_->Deliver(coordinator::DrainWorker{name});
+    }
+    if (worker->alive() && Chance(faults.terminate_per_s)) worker->BeTerminated();
     if (!worker->alive()) continue;
     ++alive;
     if (Chance(faults.hang_per_s)) worker->Hang();

@@ -1,0 +1,41 @@
+// What a worker that is to leave may still get, and that nobody is blamed for its leaving.
+#include "tests/simulation/checks.h"
+#include "tests/simulation/world.h"
+
+namespace cairn::simulation {
+
+using namespace coordinator;  // NOLINT: events and actions, all over this file
+
+std::uint64_t Checks::Retries(const Core& core) const {
+  std::uint64_t retries = 0;
+  for (const auto& [id, known] : jobs_)
+    if (const Job* job = core.FindJob(id))
+      for (const proto::StageFacts& facts : job->facts) retries += facts.retries();
+  return retries;
+}
+
+// From when the core knows that a worker drains until it is gone.
+void Checks::SeeDraining(const Core& core, const Event& event, const std::vector<Action>& actions) {
+  const auto* drain = std::get_if<DrainWorker>(&event);
+  if (drain != nullptr && core.fleet().Knows(drain->peer)) draining_.insert(drain->peer);
+  std::erase_if(draining_, [&core](const std::string& peer) { return !core.fleet().Knows(peer); });
+  for (const std::string& peer : draining_)
+    if (core.fleet().Find(peer)->in_hand.size() > 1) Fail(peer + " drains, and keeps what it has queued");
+  const auto* beat = std::get_if<WorkerBeat>(&event);
+  bool told = false;
+  for (const Action& action : actions) {
+    const auto* send = std::get_if<Send>(&action);
+    if (send == nullptr) continue;
+    if (send->message.has_assign() && draining_.contains(send->peer))
+      Fail(send->peer + " drains, and is given a task");
+    if (drain != nullptr && send->peer == drain->peer && send->message.has_cancel())
+      world_.Count(kDrainedOfQueued);
+    told |= beat != nullptr && send->peer == beat->peer && send->message.has_drain();
+  }
+  if (beat != nullptr && draining_.contains(beat->peer) && !told)
+    Fail(beat->peer + " is to leave, and is not told so again");
+  if ((drain != nullptr || std::holds_alternative<WorkerBye>(event)) && Retries(core) != retries_before_)
+    Fail("somebody is blamed because a worker leaves");
+}
+
+}  // namespace cairn::simulation
