@@ -149,6 +149,15 @@ Result<JobList> Client::List() {
                  {reply.refused().begin(), reply.refused().end()}};
 }
 
+Result<std::vector<wire::WorkerInfo>> Client::Workers() {
+  wire::Message question;
+  question.envelope.mutable_workers()->set_action("status");
+  const Result<wire::Message> answer = Ask(std::move(question), options_.timeout_s);
+  if (!answer.ok()) return answer.status();
+  const auto& fleet = answer.value().envelope.reply().fleet();
+  return std::vector<wire::WorkerInfo>(fleet.begin(), fleet.end());
+}
+
 Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job, "status"); }
 
 Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {

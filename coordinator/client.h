@@ -43,6 +43,8 @@ class Client {
   // pause, resume, cancel, retry, delete or priority: once it is durable, the job as it stands then (one that
   // is gone has the state `deleted`).
   Result<wire::JobInfo> Command(const std::string& job, const std::string& action, int priority = 0);
+  // Those that are connected, in the order in which they joined.
+  Result<std::vector<wire::WorkerInfo>> Workers();
   // Of the stages that are done, by their names.
   Result<std::map<std::string, BlobPtr>> Results(const std::string& job);
 

@@ -38,6 +38,20 @@ const Job* Core::FindJob(const std::string& id) const {
   return it == orders_.end() ? nullptr : &jobs_.at(it->second);
 }
 
+std::vector<wire::WorkerInfo> Core::Workers() const {
+  std::vector<wire::WorkerInfo> infos;
+  for (const auto& [number, worker] : fleet_.workers()) {
+    wire::WorkerInfo& info = infos.emplace_back(MakeInfo(worker, now_s_));
+    if (worker.in_hand.empty()) continue;
+    const wire::TaskKey& key = worker.in_hand.front().key;
+    const Job* job = FindJob(key.job());
+    info.set_task(
+        key.job() + ": " +
+        (job != nullptr && job->IsUnderWay(key) ? job->TaskName(key.task()) : "not wanted any more"));
+  }
+  return infos;
+}
+
 bool Core::MayRead(const std::string& peer, const Hash& hash) const {
   const Worker* worker = fleet_.Find(peer);
   return worker != nullptr && worker->has.contains(hash);

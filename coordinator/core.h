@@ -50,6 +50,7 @@ class Core {
   std::vector<wire::JobInfo> Jobs() const;  // in the order of submission
   std::optional<wire::JobInfo> Find(const std::string& id) const;
   const Job* FindJob(const std::string& id) const;
+  std::vector<wire::WorkerInfo> Workers() const;  // in the order in which they joined
   const Fleet& fleet() const { return fleet_; }
   std::size_t held_blobs() const { return ledger_.size(); }
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }

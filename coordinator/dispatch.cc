@@ -75,10 +75,7 @@ Job* Core::TakeBack(Worker& worker, const wire::TaskKey& key) {
 
 Job* Core::JobOf(const wire::TaskKey& key) {
   Job* job = FindById(key.job());
-  const bool open = job != nullptr && !job->Ended() && key.stage() == job->stage &&
-                    key.round() == job->round && key.kind() == job->tasks.kind() &&
-                    key.task() < job->tasks.size();
-  return open ? job : nullptr;
+  return job != nullptr && job->IsUnderWay(key) ? job : nullptr;
 }
 
 // Deep queues keep short tasks flowing; where they are long, an idle worker takes over what waits behind

@@ -138,6 +138,19 @@ Worker* Fleet::Idle() {
 
 Worker* Fleet::Busiest() { return loaded_.empty() ? nullptr : &workers_.at(loaded_.rbegin()->second); }
 
+wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
+  wire::WorkerInfo info;
+  info.set_number(worker.number);
+  info.set_host(worker.hello.host());
+  info.set_pid(worker.hello.pid());
+  info.set_state(worker.hung ? "hung" : worker.in_hand.empty() ? "idle" : "busy");
+  info.set_slots(worker.hello.slots());
+  info.set_in_hand(static_cast<std::uint32_t>(worker.in_hand.size()));
+  info.set_silent_s(now_s - worker.heard_s);
+  if (!worker.in_hand.empty()) info.set_task_s(now_s - worker.head_s);
+  return info;
+}
+
 std::string BuildDifference(const wire::Build& want, const wire::Build& have) {
   std::string text;
   const auto compare = [&text](const char* what, const std::string& a, const std::string& b) {

@@ -85,6 +85,9 @@ class Fleet {
   std::map<Hash, std::set<std::uint64_t>> owners_;  // workers by what they have
 };
 
+// All but the name of the task that runs.
+wire::WorkerInfo MakeInfo(const Worker& worker, double now_s);
+
 // What differs between two builds, for people; empty where nothing does.
 std::string BuildDifference(const wire::Build& want, const wire::Build& have);
 

@@ -22,8 +22,9 @@ bool Has(const wire::Roles& roles, Right right) {
 
 std::string What(const wire::Envelope& envelope) {
   const std::string kind = wire::KindName(envelope);
-  return envelope.has_query() && !envelope.query().action().empty() ? "'" + envelope.query().action() + "'"
-                                                                    : kind;
+  const std::string& action =
+      envelope.has_workers() ? envelope.workers().action() : envelope.query().action();
+  return action.empty() ? kind : "'" + action + "'";
 }
 
 }  // namespace
@@ -36,7 +37,8 @@ std::optional<wire::Refusal> Gate::Check(const std::string& peer, const std::str
                                          const wire::Envelope& envelope, const Fleet& fleet) {
   using wire::RefusalKind;
   std::optional<Right> right = RightNeeded(envelope);
-  if (!right && envelope.has_query()) right = Right::kView;  // it is told which actions there are
+  if (!right && (envelope.has_query() || envelope.has_workers()))
+    right = Right::kView;  // it is told which actions there are
   if (!right)
     return wire::Refusal{RefusalKind::kRight, "'" + What(envelope) + "' is no message for a coordinator"};
   if (list_) {

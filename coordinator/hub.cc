@@ -148,6 +148,8 @@ void Hub::Take(const std::string& peer, wire::Envelope& envelope, const std::vec
       return Serve(peer, envelope.submit(), blobs);
     case wire::Envelope::kQuery:
       return Serve(peer, envelope.query());
+    case wire::Envelope::kWorkers:
+      return Serve(peer, envelope.workers());
     default:
       return;  // the gate lets nothing else through
   }

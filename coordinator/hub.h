@@ -86,9 +86,11 @@ class Hub {
   void Serve(const std::string& peer, const wire::Have& have);
   void Serve(const std::string& peer, const wire::Submit& submit, const std::vector<wire::NamedBlob>& blobs);
   void Serve(const std::string& peer, const wire::JobQuery& query);
+  void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void AddResults(const std::string& job, wire::Message& reply);
   std::string WhatIsWrong(const wire::JobQuery& query) const;
+  std::string WhatIsWrong(const wire::WorkerQuery& query) const;
   void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);
   void AnswerWhenDurable(const std::string& peer, const std::string& job, std::uint64_t number);
   void AnswerWaiting(const std::string& job, std::uint64_t number, const std::string& problem);

@@ -172,6 +172,25 @@ void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
   Reply(peer, std::move(reply));
 }
 
+std::string Hub::WhatIsWrong(const wire::WorkerQuery& query) const {
+  wire::Envelope envelope;
+  *envelope.mutable_workers() = query;
+  if (!RightNeeded(envelope))
+    return "there is no action '" + query.action() + "' on workers: " + WorkerActions();
+  if (query.worker() == 0 || core_.fleet().workers().contains(query.worker())) return "";
+  return "there is no worker " + std::to_string(query.worker()) + "; cairn status lists them";
+}
+
+void Hub::Serve(const std::string& peer, const wire::WorkerQuery& query) {
+  if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(true);
+  for (const wire::WorkerInfo& info : core_.Workers())
+    if (query.worker() == 0 || query.worker() == info.number())
+      *reply.envelope.mutable_reply()->add_fleet() = info;
+  Reply(peer, std::move(reply));
+}
+
 // Answered when it is durable: what a service said it did, a crash does not undo.
 void Hub::Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command) {
   const std::string& id = query.job();

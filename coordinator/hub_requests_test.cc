@@ -169,12 +169,39 @@ TEST(HubRequests, EveryRequestHasOneRightThatItNeeds) {
     if (!RightNeeded(envelope)) without.insert(body->field(i)->name());
   }
   EXPECT_EQ(without, (std::set<std::string>{"welcome", "refuse", "assign", "cancel", "blob", "missing",
-                                            "stranger", "reply"}))
+                                            "stranger", "reply", "drain", "clean"}))
       << "what only a coordinator says";
   const auto right = [](const std::string& action) { return RightNeeded(Query("a", action).envelope); };
   EXPECT_EQ(right("status"), Right::kView);
   EXPECT_EQ(right("delete"), Right::kSubmit);
   EXPECT_EQ(right("explode"), std::nullopt);
+}
+
+TEST(HubRequests, WorkersSayWhatEachRunsAndForHowLong) {
+  HubBench bench;
+  bench.transport.swallow = [](const wire::Assign&) { return true; };
+  bench.transport.ComeWorker("w", "", 12);
+  bench.transport.ComeWorker("v", "", 13);
+  bench.Submit();
+  bench.Until([&] { return bench.transport.assigned == 1; });
+  const auto ask = [&bench](std::uint64_t number, const std::string& action) {
+    wire::Message message;
+    message.envelope.mutable_workers()->set_worker(number);
+    message.envelope.mutable_workers()->set_action(action);
+    return bench.Ask(std::move(message));
+  };
+  const wire::Reply all = ask(0, "");
+  ASSERT_EQ(all.fleet_size(), 2);
+  EXPECT_EQ(all.fleet(0).number(), 1u);
+  EXPECT_EQ(all.fleet(0).pid(), 12);
+  EXPECT_EQ(all.fleet(0).state(), "busy");
+  EXPECT_EQ(all.fleet(0).in_hand(), 1u);
+  EXPECT_EQ(all.fleet(0).task(), "a: the start of stage 'stage0'");
+  EXPECT_EQ(all.fleet(1).state(), "idle");
+  EXPECT_EQ(all.fleet(1).task(), "");
+  ASSERT_EQ(ask(2, "status").fleet_size(), 1);
+  EXPECT_EQ(ask(7, "status").message(), "there is no worker 7; cairn status lists them");
+  EXPECT_NE(ask(0, "explode").message().find("'explode'"), std::string::npos);
 }
 
 TEST(HubRequests, WhatMakesNoSenseIsRefusedWithTheReason) {

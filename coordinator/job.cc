@@ -43,6 +43,11 @@ void Job::ForgetGivenBut(const wire::TaskKey& plan) {
   });
 }
 
+bool Job::IsUnderWay(const wire::TaskKey& key) const {
+  return !Ended() && key.stage() == stage && key.round() == round && key.kind() == tasks.kind() &&
+         key.task() < tasks.size();
+}
+
 std::string Job::TaskName(std::uint32_t task) const {
   const std::string where = "stage '" + CurrentStage().name() + "'";
   if (tasks.kind() == wire::TaskKey::START) return "the start of " + where;

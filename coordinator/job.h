@@ -100,6 +100,8 @@ struct Job {
   void NoteGiven(const wire::TaskKey& key, const std::string& peer);
   bool WasGiven(const wire::TaskKey& key, const std::string& peer) const;
   void ForgetGivenBut(const wire::TaskKey& plan);  // all attempts at other tasks
+  // Whether it names a task of what is under way, whatever the attempt.
+  bool IsUnderWay(const wire::TaskKey& key) const;
   // "task 3 (forward) of round 5 of stage 'landmarks'"
   std::string TaskName(std::uint32_t task) const;
   double Seconds(double now_s) const;

@@ -22,10 +22,34 @@ const std::array kJobActions = {
     JobAction{"priority", Right::kSubmit, JobCommand::kPrioritize},
 };
 
-const JobAction* Find(const std::string& name) {
-  for (const JobAction& action : kJobActions)
-    if (name == action.name || (name.empty() && &action == &kJobActions[0])) return &action;
+struct WorkerAction {
+  const char* name;
+  Right needed;
+};
+
+const std::array kWorkerActions = {
+    WorkerAction{"status", Right::kView},
+};
+
+// No name asks for the first, `status`.
+template <class Actions>
+auto Find(const Actions& actions, const std::string& name) -> decltype(actions.data()) {
+  for (const auto& action : actions)
+    if (name == action.name || (name.empty() && &action == actions.data())) return &action;
   return nullptr;
+}
+
+template <class Actions>
+std::optional<Right> RightOf(const Actions& actions, const std::string& name) {
+  const auto* action = Find(actions, name);
+  return action == nullptr ? std::nullopt : std::optional(action->needed);
+}
+
+template <class Actions>
+std::string Names(const Actions& actions) {
+  std::string names;
+  for (const auto& action : actions) names += (names.empty() ? "" : ", ") + std::string(action.name);
+  return names;
 }
 
 }  // namespace
@@ -43,24 +67,22 @@ std::optional<Right> RightNeeded(const wire::Envelope& envelope) {
     case wire::Envelope::kHave:
     case wire::Envelope::kSubmit:
       return Right::kSubmit;
-    case wire::Envelope::kQuery: {
-      const JobAction* action = Find(envelope.query().action());
-      return action == nullptr ? std::nullopt : std::optional(action->needed);
-    }
+    case wire::Envelope::kQuery:
+      return RightOf(kJobActions, envelope.query().action());
+    case wire::Envelope::kWorkers:
+      return RightOf(kWorkerActions, envelope.workers().action());
     default:
       return std::nullopt;
   }
 }
 
 std::optional<JobCommand> CommandOf(const std::string& action) {
-  const JobAction* found = Find(action);
+  const JobAction* found = Find(kJobActions, action);
   return found == nullptr ? std::nullopt : found->command;
 }
 
-std::string JobActions() {
-  std::string names;
-  for (const JobAction& action : kJobActions) names += (names.empty() ? "" : ", ") + std::string(action.name);
-  return names;
-}
+std::string JobActions() { return Names(kJobActions); }
+
+std::string WorkerActions() { return Names(kWorkerActions); }
 
 }  // namespace cairn::coordinator

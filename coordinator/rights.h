@@ -23,5 +23,7 @@ std::optional<JobCommand> CommandOf(const std::string& action);
 
 // "status, results, …": of JobQuery, for people.
 std::string JobActions();
+// The same of WorkerQuery.
+std::string WorkerActions();
 
 }  // namespace cairn::coordinator

@@ -28,11 +28,11 @@ nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
           {"input_error", job.input_error()}};
 }
 
+}  // namespace
+
 std::string Dump(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
-
-}  // namespace
 
 std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
   char line[256];
@@ -71,7 +71,7 @@ std::string JobJson(const wire::JobInfo& job) { return Dump(ToJson(job)); }
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
   std::string text;
   for (const auto& [kind, count] : refused)
-    text += (text.empty() ? "refused: " : ", ") + kind + " " + std::to_string(count);
+    text += (text.empty() ? "refused  " : ", ") + kind + " " + std::to_string(count);
   return text.empty() ? "" : text + "\n";
 }
 

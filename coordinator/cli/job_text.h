@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,9 @@ std::string JobJson(const wire::JobInfo& job);
 std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers,
                      const std::map<std::string, std::uint64_t>& refused);
 
-// What a service has refused, by kind, in one line; empty where nothing.
+std::string Dump(const nlohmann::ordered_json& json);  // bytes that are no UTF-8 are replaced
+
+// "refused  key 2, right 1\n": what a service has refused, by kind; empty where nothing.
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused);
 
 // Nothing more will happen to it by itself.

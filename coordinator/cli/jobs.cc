@@ -10,6 +10,7 @@
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/job_text.h"
+#include "coordinator/cli/service_text.h"
 #include "coordinator/cli/stop_signal.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
@@ -66,6 +67,12 @@ int List(const Options& options, const Invocation&) {
 
 int Status(const Options& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
+  if (options.job.empty()) {
+    const coordinator::JobList list = Take(client.List());
+    const std::vector<wire::WorkerInfo> workers = Take(client.Workers());
+    std::fputs((options.json ? ServiceJson(list, workers) : ServiceText(list, workers)).c_str(), stdout);
+    return kExitDone;
+  }
   const wire::JobInfo info = Take(client.Info(options.job));
   Print(info, options.json);
   if (const std::string waits = WaitsFor(client, info); !options.json && !waits.empty())
@@ -168,9 +175,9 @@ void AddJobs(CLI::App& app, Invocation& call) {
   command->add_option("--name", options->name, "Only those whose name matches this pattern");
   command->add_flag("--json", options->json, "As JSON");
 
-  options = AddClientCommand(app, call, "status", "How a job stands", "cairn status 1-museum --json", Status,
-                             &command);
-  command->add_option("JOB", options->job, "Its id, as submit and list say it")->required();
+  options = AddClientCommand(app, call, "status", "How a job stands, or the service: jobs, workers, refusals",
+                             "cairn status\n  cairn status 1-museum --json", Status, &command);
+  command->add_option("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
   command->add_flag("--json", options->json, "As JSON");
 
   options = AddClientCommand(app, call, "watch", "Follows a job to its end, and ends as it does",

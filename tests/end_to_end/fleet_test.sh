@@ -43,7 +43,7 @@ exits 0 cairn list --json
 says '"key": [1-9]'
 says '"right": 3' # a submit that is refused is tried once more
 exits 0 cairn list
-says '^refused: .*key [1-9].*right 3'
+says '^refused  .*key [1-9].*right 3'
 
 # A worker whose key is revoked leaves at once, and says why.
 worker=$(pgrep -P $$ -x cairn-worker)
