@@ -2,6 +2,7 @@
 // must be the same.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "coordinator/core.h"
 
@@ -9,6 +10,21 @@ namespace cairn::coordinator {
 namespace {
 
 constexpr std::size_t kFailuresKept = 20;
+
+std::string Seconds(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", seconds);
+  return text;
+}
+
+// "stage 'map', round 3: 12 tasks in 0.8 s, 3.1 s of work: iteration 3"
+std::string RoundText(const Job& job, const proto::RoundFacts& round) {
+  const std::string stage = "stage '" + job.CurrentStage().name() + "'";
+  if (!job.step) return stage + " begins, planned in " + Seconds(round.seconds());
+  return stage + ", round " + std::to_string(job.round) + ": " + std::to_string(round.tasks()) +
+         (round.tasks() == 1 ? " task in " : " tasks in ") + Seconds(round.seconds()) + ", " +
+         Seconds(round.compute_seconds()) + " of work" + (round.note().empty() ? "" : ": " + round.note());
+}
 
 Hash BinaryHash(const std::string& binary) {
   const Result<Hash> hash = Hash::FromBinary(binary);
@@ -123,7 +139,7 @@ void Core::CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, 
       " of stage " + std::to_string(key.stage()) + " of job " + job.id + " differ: " + first.Hex() + " and " +
       second.Hex() + ", the latter by " + std::to_string(worker.hello.pid()) + " on " + worker.hello.host() +
       ". Same task, same bytes is what everything rests on: please report this";
-  Say(Report::kAlarm, what);
+  Say(Report::kAlarm, job, what);
   FailJob(job, what, false);
 }
 
@@ -149,6 +165,7 @@ void Core::EndRoundFacts(Job& job) {
   round.set_seconds(now_s_ - job.round_since_s);
   round.set_compute_seconds(facts.open_compute_seconds());
   facts.set_open_compute_seconds(0);
+  Say(Report::kInfo, job, RoundText(job, round));
   job.round_since_s = now_s_;
   job.saving.with_partials = false;
   job.task_seconds.clear();
@@ -169,6 +186,7 @@ void Core::EndStage(Job& job, const Hash& result) {
   ledger_.Add(job.holds.results, result);
   job.run_pace = Pace();
   job.saving.unpublished.push_back({job.stage, result});
+  Say(Report::kInfo, job, "stage '" + job.CurrentStage().name() + "' is done");
   ++job.stage;
   job.round = 0;
   job.step.reset();
@@ -203,7 +221,7 @@ void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& why) {
   job.facts.back().set_retries(job.facts.back().retries() + 1);
   if (failures >= options_.max_failures)
     return FailJob(job, name + " failed " + std::to_string(failures) + " times, last: " + why, false);
-  Say(Report::kWarning, job.id + ": " + name + ": " + why + "; it is tried again");
+  Say(Report::kWarning, job, name + ": " + why + "; it is tried again");
 }
 
 }  // namespace cairn::coordinator

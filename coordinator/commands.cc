@@ -1,4 +1,6 @@
 // What a job's owner tells it. job_commands.h says what is allowed when; what is not allowed changes nothing.
+#include <algorithm>
+
 #include "coordinator/core.h"
 #include "coordinator/job_commands.h"
 
@@ -14,6 +16,7 @@ void Core::On(const PauseJob& event) {
   Job* job = Obeying(event.id, JobCommand::kPause);
   if (job == nullptr || job->held) return;
   SetState(*job, proto::JOB_PAUSED, "paused by its owner");
+  Say(Report::kInfo, *job, job->reason);
   job->held = true;
   WantSave(*job, true);
 }
@@ -21,27 +24,30 @@ void Core::On(const PauseJob& event) {
 void Core::On(const ResumeJob& event) {
   Job* job = Obeying(event.id, JobCommand::kResume);
   if (job == nullptr || job->Running() || !FitsTheFleet(*job)) return;
-  GoOn(*job);
+  // What it stood still for is no part of its round's time.
+  job->round_since_s = std::min(now_s_, job->round_since_s + now_s_ - job->running_since_s);
+  GoOn(*job, "resumed");
 }
 
 void Core::On(const RetryJob& event) {
   Job* job = Obeying(event.id, JobCommand::kRetry);
   if (job == nullptr || !FitsTheFleet(*job)) return;
   BeginAgain(*job);
-  GoOn(*job);
+  GoOn(*job, "retried");
 }
 
 bool Core::FitsTheFleet(Job& job) {
   const wire::Build* build = RequiredBuild();
   if (build == nullptr || !job.build || BuildDifference(*build, *job.build).empty()) return true;
   job.reason = "it was begun by another build: " + BuildDifference(*build, *job.build);
-  Say(Report::kWarning, job.id + " cannot go on: " + job.reason);
+  Say(Report::kWarning, job, "cannot go on: " + job.reason);
   return false;
 }
 
-void Core::GoOn(Job& job) {
+void Core::GoOn(Job& job, const std::string& how) {
   SetState(job, proto::JOB_RUNNING, "");
   job.failures.clear();
+  Say(Report::kInfo, job, how + Whereabouts(job));
   WantSave(job, true);
 }
 
@@ -52,6 +58,7 @@ void Core::On(const CancelJob& event) {
   WithdrawAll(*job);
   ledger_.Release(job->holds.partials);
   SetState(*job, proto::JOB_CANCELLED, "cancelled");
+  Say(Report::kInfo, *job, "cancelled");
   WantSave(*job, true);
 }
 
@@ -69,6 +76,8 @@ void Core::On(const PrioritizeJob& event) {
   Job* job = Obeying(event.id, JobCommand::kPrioritize);
   if (job == nullptr || event.priority == job->spec.priority()) return;
   if (event.priority < kLowestPriority || event.priority > kHighestPriority) return;
+  Say(Report::kInfo, *job,
+      "priority " + std::to_string(event.priority) + " instead of " + std::to_string(job->spec.priority()));
   job->spec.set_priority(event.priority);
   actions_.push_back(JobChanged{job->id});
   WantSave(*job, true);

@@ -91,8 +91,8 @@ class Core {
   void BeginDraining(Worker& worker);
   void TellDrain(const Worker& worker);
   void DropUnlisted(Worker& worker, const wire::Beat& beat);
-  void Lose(Worker& worker,
-            const std::string& blame);  // removes it; `blame`: what its running task did, or empty
+  // Removes it. `what` happened to it; `blame`: why its running task has failed, or empty.
+  void Lose(Worker& worker, const std::string& what, const std::string& blame);
   // Its running task has failed, and what it has queued goes elsewhere; it gets nothing until it moves.
   void GiveUp(Worker& worker, const std::string& why);
   std::string WhyGiveUp(const Worker& worker) const;  // empty: there is no reason to
@@ -126,7 +126,7 @@ class Core {
   // commands.cc
   Job* Obeying(const std::string& id, JobCommand command);  // null where it is not there or does not obey
   bool FitsTheFleet(Job& job);
-  void GoOn(Job& job);
+  void GoOn(Job& job, const std::string& how);
 
   // jobs.cc
   Job* FindById(const std::string& id);
@@ -143,7 +143,10 @@ class Core {
   void SaveIfDue(Job& job);
   void WantSave(Job& job, bool at_once);
 
-  void Say(Report::Level level, std::string text) { actions_.push_back(Report{level, std::move(text)}); }
+  void Say(Report::Level level, std::string text) { actions_.push_back(Report{level, "", std::move(text)}); }
+  void Say(Report::Level level, const Job& job, std::string text) {
+    actions_.push_back(Report{level, job.id, std::move(text)});
+  }
   void Settle();
 
   CoreOptions options_;

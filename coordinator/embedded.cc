@@ -66,7 +66,7 @@ std::map<std::string, double> ExpectedOf(const proto::Step& step) {
 // What the run's end says again needs no warning of its own.
 LogSink WithoutTheEnd(LogSink log) {
   return [log = std::move(log)](Severity severity, const std::string& line) {
-    if (!line.starts_with(std::string(kJobId) + " failed: ")) log(severity, line);
+    if (!line.starts_with(std::string(kJobId) + ": failed: ")) log(severity, line);
   };
 }
 

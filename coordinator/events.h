@@ -124,10 +124,12 @@ struct ForgetJob {
 struct JobChanged {
   std::string job;
 };
-// A line for people. kAlarm: a bug that must not go unseen, such as two answers to one task that differ.
+// A line for people, about a job or, where none is named, about the service. kAlarm: a bug that must not go
+// unseen, such as two answers to one task that differ.
 struct Report {
   enum Level { kInfo, kWarning, kAlarm };
   Level level = kInfo;
+  std::string job;
   std::string text;
 };
 

@@ -80,7 +80,7 @@ void Hub::Do(const Report& report) {
   const Severity severity = report.level == Report::kInfo      ? Severity::kInfo
                             : report.level == Report::kWarning ? Severity::kWarning
                                                                : Severity::kError;
-  log_(severity, report.text);
+  log_(severity, report.job.empty() ? report.text : report.job + ": " + report.text);
 }
 
 }  // namespace cairn::coordinator

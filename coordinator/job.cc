@@ -57,6 +57,14 @@ std::string Job::TaskName(std::uint32_t task) const {
   return "task " + std::to_string(task) + (kind.empty() ? "" : " (" + kind + ")") + " of " + round_name;
 }
 
+std::string Whereabouts(const Job& job) {
+  if (job.AllStagesDone() || job.tasks.size() == 0) return "";
+  if (job.tasks.kind() != wire::TaskKey::RUN) return ", at " + job.TaskName(0);
+  return ", at round " + std::to_string(job.round) + " of stage '" + job.CurrentStage().name() +
+         "', which has " + std::to_string(job.tasks.done_count()) + " of its " +
+         std::to_string(job.tasks.size()) + " tasks done";
+}
+
 double Job::Seconds(double now_s) const {
   return seconds_before + (Running() ? now_s - running_since_s : 0.0);
 }

@@ -24,6 +24,9 @@ void Core::On(const SubmitJob& event) {
   job.spec = event.job;
   job.running_since_s = job.round_since_s = now_s_;
   actions_.push_back(JobChanged{job.id});
+  Say(Report::kInfo, job,
+      "submitted: " + std::to_string(job.StageCount()) + (job.StageCount() == 1 ? " stage" : " stages") +
+          (job.spec.priority() == 0 ? "" : ", priority " + std::to_string(job.spec.priority())));
   const std::string wrong = CheckJob(job.spec);
   if (!wrong.empty()) return FailJob(job, wrong, true);
   for (const auto& [name, hash] : job.spec.input_blobs())
@@ -67,7 +70,7 @@ void Core::FailJob(Job& job, const std::string& reason, bool input_error) {
   SetState(job, proto::JOB_FAILED, reason);
   job.input_error = input_error;
   WantSave(job, true);
-  Say(Report::kWarning, job.id + " failed: " + reason);
+  Say(Report::kWarning, job, "failed: " + reason);
 }
 
 void Core::On(const RestoreJob& event) {
@@ -108,9 +111,13 @@ void Core::On(const RestoreJob& event) {
   BeginAgain(job);
   if (job.Ended()) return;
   TakeUpPartials(job, saved);
-  if (job.held) return;
-  job.state = difference.empty() ? proto::JOB_RUNNING : proto::JOB_PAUSED;
-  job.reason = difference.empty() ? "" : "it was begun by another build: " + difference;
+  if (!job.held) {
+    job.state = difference.empty() ? proto::JOB_RUNNING : proto::JOB_PAUSED;
+    job.reason = difference.empty() ? "" : "it was begun by another build: " + difference;
+  }
+  Say(job.Running() || job.held ? Report::kInfo : Report::kWarning, job,
+      "the coordinator was started again: " +
+          (job.Running() ? "goes on" + Whereabouts(job) : "stays paused: " + job.reason));
 }
 
 // What the round had when it was saved need not be computed again.

@@ -55,13 +55,20 @@ void Core::On(const PersistDone& event) {
   if (job == nullptr || !job->saving.under_way || job->saving.number != event.number) return;
   Saving& saving = job->saving;
   saving.under_way = false;
+  for (std::size_t i = 0; i < saving.publishing; ++i)
+    Say(Report::kInfo, *job,
+        "the result of stage '" + job->spec.stages(static_cast<int>(saving.unpublished[i].stage)).name() +
+            "' is published");
   saving.unpublished.erase(saving.unpublished.begin(),
                            saving.unpublished.begin() + static_cast<std::ptrdiff_t>(saving.publishing));
   saving.publishing = 0;
   ledger_.Replace(job->holds.saved_before, job->holds.saved);
   ledger_.Replace(job->holds.saved, job->holds.saving);
   ledger_.Release(job->holds.saving);
-  if (saving.saves == proto::JOB_DONE && job->Running()) SetState(*job, proto::JOB_DONE, "");
+  if (saving.saves == proto::JOB_DONE && job->Running()) {
+    SetState(*job, proto::JOB_DONE, "");
+    Say(Report::kInfo, *job, "done");
+  }
   if (job->Final() && job->state == saving.saves) ReleaseAll(*job);
 }
 
@@ -71,7 +78,7 @@ void Core::On(const PersistFailed& event) {
   job->saving.under_way = false;
   job->saving.publishing = 0;
   ledger_.Release(job->holds.saving);
-  Say(Report::kWarning, job->id + ": cannot save: " + event.reason);
+  Say(Report::kWarning, *job, "cannot save: " + event.reason);
   if (!job->Ended() && !job->held) SetState(*job, proto::JOB_PAUSED, "cannot save: " + event.reason);
   WantSave(*job, job->SavingWaits());
   // Nobody resumes what has ended, yet a restart must not find it running: it is tried again by and by.

@@ -40,7 +40,7 @@ void Core::On(const WorkerHello& event) {
   bool draining = false;
   if (Worker* known = fleet_.Find(event.peer)) {
     draining = known->draining;
-    Lose(*known, "");
+    Lose(*known, WorkerName(known->hello) + " began anew", "");
   }
   std::string reason;
   if (hello.protocol() != options_.protocol)
@@ -109,15 +109,17 @@ void Core::DropUnlisted(Worker& worker, const wire::Beat& beat) {
 void Core::On(const WorkerBye& event) {
   Worker* worker = fleet_.Find(event.peer);
   if (worker == nullptr) return;
-  Say(Report::kInfo, WorkerName(worker->hello) + " left");
-  Lose(*worker, "");
+  const std::string what = WorkerName(worker->hello) + " left";
+  Say(Report::kInfo, what);
+  Lose(*worker, what, "");
 }
 
 void Core::On(const WorkerLost& event) {
   Worker* worker = fleet_.Find(event.peer);
   if (worker == nullptr) return;
-  Say(Report::kWarning, WorkerName(worker->hello) + " died");
-  Lose(*worker, WorkerName(worker->hello) + " died while it ran");
+  const std::string what = WorkerName(worker->hello) + " died";
+  Say(Report::kWarning, what);
+  Lose(*worker, what, what + " while it ran");
 }
 
 void Core::On(const DrainWorker& event) {
@@ -140,15 +142,23 @@ void Core::TellDrain(const Worker& worker) {
   actions_.push_back(std::move(send));
 }
 
-void Core::Lose(Worker& worker, const std::string& blame) {
+void Core::Lose(Worker& worker, const std::string& what, const std::string& blame) {
   const std::vector<InHand> tasks = worker.in_hand;
+  std::map<std::string, int> moved;  // tasks, by job
   fleet_.Remove(worker.peer);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     const wire::TaskKey& key = tasks[i].key;
     Job* job = JobOf(key);
     if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) continue;
-    if (i == 0 && !blame.empty()) FailAttempt(*job, key.task(), blame);
+    if (i == 0 && !blame.empty())
+      FailAttempt(*job, key.task(), blame);
+    else
+      ++moved[job->id];
   }
+  for (const auto& [id, count] : moved)
+    Say(blame.empty() ? Report::kInfo : Report::kWarning, *FindJob(id),
+        what + ": " + std::to_string(count) + " of the tasks that it had " + (count == 1 ? "goes" : "go") +
+            " elsewhere");
 }
 
 void Core::GiveUp(Worker& worker, const std::string& why) {
@@ -191,7 +201,7 @@ void Core::On(const Tick&) {
     const std::string what = WorkerName(worker.hello) + " was not heard of for " +
                              std::to_string(static_cast<int>(now_s_ - worker.heard_s)) + " s";
     Say(Report::kWarning, what);
-    Lose(worker, what);
+    Lose(worker, what, what);
   }
   for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);
 }

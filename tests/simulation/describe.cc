@@ -65,7 +65,9 @@ struct Words {
   }
   std::string operator()(const ForgetJob& a) const { return "forget " + a.job; }
   std::string operator()(const JobChanged& a) const { return a.job + " changed"; }
-  std::string operator()(const Report& a) const { return "report: " + a.text; }
+  std::string operator()(const Report& a) const {
+    return "report: " + (a.job.empty() ? "" : a.job + ": ") + a.text;
+  }
   std::string operator()(const Refused& a) const { return "refused " + a.peer + ": " + a.refusal.reason; }
 };
 
