@@ -179,6 +179,17 @@ TEST_F(ReportOfALoop, SceneTakesTheLargestOverTheTypes) {
   EXPECT_EQ(HighestProbability(*scene.grid), 0.9);
 }
 
+TEST_F(ReportOfALoop, AGridOfNoProbabilitiesIsRefused) {
+  for (const double wrong : {HUGE_VAL, -0.1, std::nan("")}) {
+    Blob blob = result_;
+    const auto all = result_.at("map/grid/probability").As<double>();
+    std::vector<double> values(all.begin(), all.end());
+    values[7] = wrong;
+    blob.Put("map/grid/probability", Array::Of<double>(result_.at("map/grid/probability").shape(), values));
+    ExpectContains(InputErrorOf([&] { MakeScene(blob, nullptr, nullptr); }), "no probability");
+  }
+}
+
 TEST(Ellipse, OfADiagonalAndATurnedCovariance) {
   const double root = std::sqrt(5.991464547);
   const EllipseM upright = EllipseOf({1, 2}, {1, 0, 0, 4});

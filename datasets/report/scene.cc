@@ -6,6 +6,7 @@
 
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
+#include "datasets/report/format.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -136,6 +137,9 @@ class SceneMaker {
     const Array& array = result_.at("map/grid/probability");
     if (array.shape().size() != 3 || array.size() == 0) return;
     const auto values = array.As<double>();
+    for (const double p : values)
+      if (!(p >= 0.0 && p <= 1.0))
+        throw InputError("'map/grid/probability' holds " + Short(p) + ", which is no probability");
     Grid grid;
     grid.origin = {result_.Scalar<double>("map/grid/origin_x_m"),
                    result_.Scalar<double>("map/grid/origin_y_m")};

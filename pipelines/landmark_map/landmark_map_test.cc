@@ -170,6 +170,14 @@ TEST(LandmarkMap, ALogWithControlsOnlyIsRefused) {
   EXPECT_THROW(Map(log, {}), InputError);
 }
 
+TEST(LandmarkMap, NoiseThatIsNoSensibleFigureIsRefused) {
+  for (const double wrong : {-1.0, 1e200, std::nan("")}) {
+    Blob log = SquareLog{}.Make();
+    log.PutScalar<double>("noise/turn_ratio", wrong);
+    EXPECT_THROW(Map(log, {}), InputError) << wrong;
+  }
+}
+
 TEST(LandmarkMap, ABoxTooSmallForTheTrajectoryIsRefused) {
   EXPECT_THROW(Map(SquareLog{.side_m = 20.0}.Make(), {.box_m = 10.0}), InputError);
 }

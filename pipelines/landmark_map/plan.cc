@@ -45,9 +45,10 @@ void VisitFigures(S& s, const F& f) {
 
 double Nominal(const Blob& log, const std::string& name, double otherwise) {
   if (!log.Has(name)) return otherwise;
+  constexpr double kLargest = 1e3;  // m, rad, or a ratio: whoever errs more knows nothing
   const double value = log.Scalar<double>(name);
-  if (!(value >= 0.0) || std::isinf(value))
-    throw InputError("the log's " + name + " is not a sensible figure");
+  if (!(value >= 0.0 && value <= kLargest))
+    throw InputError("the log's " + name + " is not a sensible figure (0 to 1000)");
   return value;
 }
 
