@@ -209,7 +209,8 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
   const LayeredGrid map = MapOf(sum.counts(), settings.map);
   const std::vector<Landmark> landmarks = ExtractLandmarks(sum.counts(), settings.map);
   const Perception perception = PerceptionOf(map, settings.map);
-  const Schedule next = done.Next(options_, static_cast<std::int64_t>(robots.size()), sum.log_likelihood());
+  const Schedule next =
+      done.Next(options_, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
   carried.work = NextWork(sum, done, next, carried.step_counts, settings.Model(&perception));
   cairn::Step step;
   PlanRound(options_, robots, next, carried,

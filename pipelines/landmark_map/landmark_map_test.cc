@@ -147,6 +147,21 @@ TEST(LandmarkMap, ASecondRobotIsPlacedInTheFirstOnesMapAndTimesIncrease) {
   EXPECT_NEAR(y.front(), 0.0, 0.8);
 }
 
+// Once it has joined, a robot that may start anywhere must not search a larger box in every round.
+TEST(LandmarkMap, ARobotThatStartsAnywhereGetsNoDearerFromRoundToRound) {
+  Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
+  log.Put("robots", Array::Texts({"one", "two"}));
+  log.PutAll("robot/1/", SquareLog{.laps = 3, .side_m = 20.0, .seed = 2}.Make().Sub("robot/0/"));
+  std::vector<double> work;
+  const LandmarkMap pipeline({.cell_m = 1.0, .heading_deg = 10.0, .iterations = 6, .tolerance = 0.0});
+  RunInProcess(pipeline, {{"log", std::make_shared<const Blob>(log)}}, [&](const proto::Step& step) {
+    const auto& scalars = step.state().scalars();
+    if (scalars.contains("robots") && scalars.at("robots").i() == 2) work.push_back(scalars.at("work/1").d());
+  });
+  ASSERT_EQ(work.size(), 7U);  // expected of six rounds and the summary; the first is a guess
+  for (std::size_t i = 2; i < work.size(); ++i) EXPECT_LE(work[i], 1.1 * work[1]) << i;
+}
+
 TEST(LandmarkMap, TheExactModelIsForPressesOnly) {
   EXPECT_THROW(Map(SquareLog{.ranged = true}.Make(), {.model = "exact"}), InputError);
 }

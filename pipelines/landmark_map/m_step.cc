@@ -6,14 +6,16 @@
 namespace cairn::landmark_map {
 namespace {
 
-// c / (c + c*): local to the perceptual radius.
+// c / (c + c* + prior): local to the perceptual radius. Without the prior any cell with nothing near it would
+// hold a full landmark, however little is expected there.
 Layer LocalRatio(const Layer& count, const MapRules& rules) {
   const Layer near = DiscSum(count, rules.radius_m / rules.grid.cell_m);
   Layer ratio(count.box);
   for (int y = count.box.y0; y < count.box.y0 + count.box.ny; ++y) {
     for (int x = count.box.x0; x < count.box.x0 + count.box.nx; ++x) {
       const double c = count.Row(y)[x];
-      if (c > 0.0) ratio.Row(y)[x] = c / std::max(near.Row(y)[x], c);  // the disc holds the cell itself
+      const double all = std::max(near.Row(y)[x], c);  // the disc holds the cell itself
+      if (c > 0.0) ratio.Row(y)[x] = c / (all + rules.prior_count);
     }
   }
   return ratio;
@@ -25,7 +27,12 @@ Layer Share(Layer count) {
   return count;
 }
 
-// eps + (1 - eps) * map, slightly blurred; eps is per cell, or fine grids would stall.
+// The chance of a false observation; per cell, or fine grids would stall.
+double FalseRate(const MapRules& rules) {
+  return std::min(0.5, rules.false_rate_per_m2 * rules.grid.cell_m * rules.grid.cell_m);
+}
+
+// eps + (1 - eps) * map, slightly blurred.
 Layer Mixture(const Layer& map, double sigma_cells, double eps) {
   Layer mixture = Blur(map, sigma_cells);
   for (double& value : mixture.values) value = std::fma(1.0 - eps, value, eps);
@@ -68,6 +75,7 @@ Layer ExactLikelihood(const Layer& map, const MapRules& rules) {
 }  // namespace
 
 LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules) {
+  const double least = rules.exact ? 0.0 : 1e-3 * FalseRate(rules);
   LayeredGrid map;
   for (int type = 0; type <= rules.types; ++type) {
     const Layer& count = counts.layers[static_cast<std::size_t>(type)];
@@ -77,14 +85,14 @@ LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules) {
       map.layers.push_back(Share(count));
     else
       map.layers.push_back(LocalRatio(count, rules));
+    map.layers.back().Prune(least);
   }
   return map;
 }
 
 Perception PerceptionOf(const LayeredGrid& map, const MapRules& rules) {
   Perception perception;
-  const double cell_area = rules.grid.cell_m * rules.grid.cell_m;
-  const double eps = std::min(0.5, rules.false_rate_per_m2 * cell_area);
+  const double eps = FalseRate(rules);
   for (int type = 0; type <= rules.types; ++type) {
     const Layer& layer = map.layers[static_cast<std::size_t>(type)];
     if (layer.box.empty()) {  // never seen so far: says nothing

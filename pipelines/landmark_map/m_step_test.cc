@@ -36,6 +36,33 @@ TEST(MapOf, UnidentifiedLandmarksShareTheirPerceptualRadiusOnly) {
   EXPECT_EQ(map.layers[0].At(6, 5), 0.0);
 }
 
+// 4 presses of the cell, 1 within the radius, a prior of half a press: 4 / 5.5. A cell far from all others
+// with a hundredth of a press holds hardly a landmark: 0.01 / 0.51.
+TEST(MapOf, ThePriorSpeaksAgainstLandmarksThatHardlyAnythingSpeaksFor) {
+  MapRules rules = Rules(0);
+  rules.prior_count = 0.5;
+  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {15, 15, 0.01}}), rules);
+  EXPECT_DOUBLE_EQ(map.layers[0].At(5, 5), 4.0 / 5.5);
+  EXPECT_DOUBLE_EQ(map.layers[0].At(15, 15), 0.01 / 0.51);
+}
+
+// False observations have a chance of 1e-3 a cell; what is below a thousandth of it is no part of the map.
+TEST(MapOf, BoxesEndWhereTheMapSaysNothing) {
+  MapRules rules = Rules(1);
+  rules.prior_count = 0.03;
+  for (const int layer : {0, 1}) {
+    const LayeredGrid map = MapOf(Points(2, layer, {{5, 5, 4}, {7, 6, 1}, {15, 15, 1e-8}}), rules);
+    EXPECT_EQ(map.layers[layer].box, (Box{5, 5, 3, 2})) << layer;
+  }
+}
+
+TEST(MapOf, TheExactModelKeepsEveryCell) {
+  MapRules rules = Rules(0);
+  rules.exact = true;
+  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1e-9}}), rules);
+  EXPECT_EQ(map.layers[0].At(7, 5), 1e-9 / (4.0 + 1e-9));
+}
+
 TEST(MapOf, AnIdentifiedLandmarkStandsInOnePlace) {
   const LayeredGrid map = MapOf(Points(3, 1, {{5, 5, 4}, {15, 15, 4}}), Rules(2));
   EXPECT_DOUBLE_EQ(map.layers[1].At(5, 5), 0.5);

@@ -12,7 +12,7 @@ struct Options {
   double cell_m = 0.0;
   double heading_deg = 0.0;
   std::int64_t iterations = 10;
-  double tolerance = 1e-3;
+  double tolerance = 5e-3;
   double growth_start = 0.0;
   double growth_factor = 2.0;
   bool calibrate = true;
@@ -21,6 +21,7 @@ struct Options {
   double prune = 1e-3;
   double radius_m = 10.0;
   double core_m = 2.5;
+  double prior_count = 0.03;
   double no_landmark = 0.5;
   double false_rate_per_m2 = 1e-3;
   double noise_scale = 1.0;
@@ -36,8 +37,8 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
         o.heading_deg);
   visit(Option{"iterations", "", 1, 10000, "EM iterations over all data"}, o.iterations);
-  visit(Option{"tolerance", "", 0, 1,
-               "stop where an iteration changes the log-likelihood by less than this share"},
+  visit(Option{"tolerance", "nats", 0, 1,
+               "stop where an iteration changes the log-likelihood by less, an observation"},
         o.tolerance);
   visit(Option{"growth_start", "", 0, 1,
                "fraction of the data in the first iteration; 0: by the kind of sensor"},
@@ -59,6 +60,10 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"prune", "", 0, 0.5, "a probability below this share of the largest is dropped"}, o.prune);
   visit(Option{"radius_m", "m", 0.1, 1000, "perceptual radius of landmarks without identity"}, o.radius_m);
   visit(Option{"core_m", "m", 0.01, 1000, "landmarks without identity nearer than this are one"}, o.core_m);
+  visit(Option{"prior_count", "observations", 0, 1000,
+               "evidence against a landmark, in expected observations, that each cell starts with (landmarks "
+               "without identity, model robust)"},
+        o.prior_count);
   visit(Option{"no_landmark", "", 0, 100, "weight of the evidence that no other landmark is near a press"},
         o.no_landmark);
   visit(Option{"false_rate_per_m2", "1/m2", 1e-9, 1, "probability of a false observation, per area"},

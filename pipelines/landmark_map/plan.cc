@@ -24,6 +24,7 @@ void VisitFigures(S& s, const F& f) {
   f("observation_m", s.map.observation_m);
   f("radius_m", s.map.radius_m);
   f("core_m", s.map.core_m);
+  f("prior_count", s.map.prior_count);
   f("no_landmark", s.map.no_landmark);
   f("false_rate_per_m2", s.map.false_rate_per_m2);
   f("exact", s.map.exact);
@@ -183,6 +184,7 @@ Settings Resolve(const Options& options, const Blob& log) {
                                                    : std::hypot(range, bearing * sensing.mean_range_m);
   settings.map.radius_m = options.radius_m;
   settings.map.core_m = options.core_m;
+  settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
   settings.map.false_rate_per_m2 = options.false_rate_per_m2;
   settings.map.exact = options.model == "exact";
@@ -215,7 +217,8 @@ Schedule Schedule::Load(const State& state) {
           scalars.at("settled").i(),   scalars.at("log_likelihood").d(), scalars.at("summarise").b()};
 }
 
-Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now) const {
+Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
+                        double observations) const {
   Schedule next = *this;
   ++next.iteration;
   next.log_likelihood = log_likelihood_now;
@@ -225,7 +228,7 @@ Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double 
   }
   ++next.settled;
   const double change = std::abs(log_likelihood_now - log_likelihood);
-  const bool converged = settled > 0 && change < options.tolerance * std::abs(log_likelihood_now);
+  const bool converged = settled > 0 && change < options.tolerance * observations;
   if (next.settled < options.iterations && !converged) return next;
   if (robots < all_robots) {
     next.robots = all_robots;
@@ -238,11 +241,8 @@ Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double 
 
 std::int64_t Schedule::RoundsLeft(const Options& options, std::int64_t all_robots) const {
   std::int64_t rounds = 1;
-  double changing = 1.0;
-  for (Schedule s = *this; !s.summarise; s = s.Next(options, all_robots, changing)) {
-    changing = -changing;
-    ++rounds;
-  }
+  constexpr double kNeverLittle = 0.0;  // of no observations
+  for (Schedule s = *this; !s.summarise; s = s.Next(options, all_robots, 0.0, kNeverLittle)) ++rounds;
   return rounds;
 }
 

@@ -41,8 +41,10 @@ struct Schedule {
 
   void Store(State* state) const;
   static Schedule Load(const State& state);
-  // After an E-step that found `log_likelihood`.
-  Schedule Next(const Options& options, std::int64_t all_robots, double log_likelihood_now) const;
+  // After an E-step that found `log_likelihood_now` for so many observations. EM has settled where it changed
+  // by less than `tolerance` an observation: a share of the whole would depend on the unit of densities.
+  Schedule Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
+                double observations) const;
   // At most.
   std::int64_t RoundsLeft(const Options& options, std::int64_t all_robots) const;
 };

@@ -25,7 +25,7 @@ TEST(Schedule, ThePrefixGrowsToAllThenIterationsCountThenTheOtherRobotsJoinThenI
   Schedule s;
   s.prefix = 0.3;
   double likelihood = -100.0;
-  const auto next = [&] { return s = s.Next(options, 3, likelihood += 1.0); };
+  const auto next = [&] { return s = s.Next(options, 3, likelihood += 1.0, 100.0); };
   EXPECT_DOUBLE_EQ(next().prefix, 0.6);
   EXPECT_DOUBLE_EQ(next().prefix, 1.0);
   EXPECT_EQ(s.settled, 0);
@@ -42,10 +42,13 @@ TEST(Schedule, ThePrefixGrowsToAllThenIterationsCountThenTheOtherRobotsJoinThenI
 TEST(Schedule, AnIterationThatChangesLittleEndsThem) {
   const Options options{.iterations = 50, .tolerance = 1e-3};
   Schedule s;
-  s = s.Next(options, 1, -100.0);
-  s = s.Next(options, 1, -90.0);
+  constexpr double kObservations = 20.0;
+  s = s.Next(options, 1, -100.0, kObservations);
+  s = s.Next(options, 1, -90.0, kObservations);
   EXPECT_FALSE(s.summarise);
-  s = s.Next(options, 1, -89.99);
+  s = s.Next(options, 1, -89.975, kObservations);
+  EXPECT_FALSE(s.summarise);
+  s = s.Next(options, 1, -89.96, kObservations);
   EXPECT_TRUE(s.summarise);
 }
 
@@ -56,7 +59,7 @@ TEST(Schedule, RoundsLeftAreThoseThatAtMostCome) {
   const std::int64_t expected = s.RoundsLeft(options, 2);
   std::int64_t rounds = 1;
   double likelihood = -1.0;
-  for (; !s.summarise; s = s.Next(options, 2, likelihood *= 2.0)) ++rounds;
+  for (; !s.summarise; s = s.Next(options, 2, likelihood *= 2.0, 100.0)) ++rounds;
   EXPECT_EQ(rounds, expected);
 }
 

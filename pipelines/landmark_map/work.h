@@ -23,11 +23,12 @@ OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int co
 // The work of the first `count` steps.
 double WorkOf(const std::vector<double>& cells, int count);
 
-// How many steps a robot that may start anywhere takes to find itself.
-inline constexpr double kStepsLost = 20.0;
+// How many steps' worth of the whole map a robot that may start anywhere moves until it has found itself: 3
+// to 9 in simulated loops of all difficulties.
+inline constexpr double kStepsLost = 6.0;
 
-// The work of the first E-step of a robot that may start anywhere: the map's box under every heading until it
-// is found, which takes kStepsLost steps.
+// The work of the first E-step of a robot that may start anywhere: the map's box under every heading
+// kStepsLost times.
 double WorkWhereLost(int count, const EStepModel& model);
 
 // How many time slices to provide for `work` in slices of `slice_work`: one where it fits, else more than

@@ -1,6 +1,7 @@
 // How often landmark_map finds the right topology on simulated loops, and how exact its landmarks are.
-//   topology_rate DIFFICULTY FIRST LAST [--robots N] [key=value …]
-// prints a line a seed and a summary. The pipeline sees the log without its truth.
+//   topology_rate DIFFICULTY FIRST LAST [--robots N] [--rounds] [key=value …]
+// prints a line a seed (with --rounds also one a round: the time so far and what the round found) and a
+// summary. The pipeline sees the log without its truth.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -22,12 +23,20 @@ struct Tally {
   std::vector<double> rmse_m;
 };
 
-void RunSeed(const datasets::SimulateLoopOptions& world, const proto::Stage& stage, Tally* tally) {
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void RunSeed(const datasets::SimulateLoopOptions& world, const proto::Stage& stage, bool rounds,
+             Tally* tally) {
   const Blob log = datasets::SimulateLoop(world);
   const auto start = std::chrono::steady_clock::now();
-  const BlobPtr result = RunInProcess(*MakePipeline(stage, world.seed),
-                                      {{"log", std::make_shared<const Blob>(log.Without("truth/"))}});
-  tally->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const BlobPtr result = RunInProcess(
+      *MakePipeline(stage, world.seed), {{"log", std::make_shared<const Blob>(log.Without("truth/"))}},
+      [&](const proto::Step& step) {
+        if (rounds) std::printf("%7.2f s  %s\n", SecondsSince(start), step.note().c_str());
+      });
+  tally->seconds += SecondsSince(start);
   const datasets::Evaluation score = datasets::Evaluate(*result, log);
   const bool right = score.topology_correct.value_or(false);
   const double rmse_m = score.landmarks->rmse_m.value_or(-1.0);
@@ -43,24 +52,28 @@ void RunSeed(const datasets::SimulateLoopOptions& world, const proto::Stage& sta
 
 int Main(const std::vector<std::string>& args) {
   if (args.size() < 3) {
-    std::fprintf(stderr, "usage: topology_rate DIFFICULTY FIRST LAST [--robots N] [key=value ...]\n");
+    std::fprintf(stderr,
+                 "usage: topology_rate DIFFICULTY FIRST LAST [--robots N] [--rounds] [key=value ...]\n");
     return 2;
   }
   datasets::SimulateLoopOptions world;
   world.difficulty = args[0];
+  bool rounds = false;
   proto::Stage stage;
   stage.set_name("landmarks");
   stage.set_pipeline("landmark_map");
   for (std::size_t i = 3; i < args.size(); ++i) {
     if (args[i] == "--robots" && i + 1 < args.size())
       world.robots = std::atoi(args[++i].c_str());
+    else if (args[i] == "--rounds")
+      rounds = true;
     else
       SetOption(args[i], &stage);
   }
   Tally tally;
   for (int seed = std::atoi(args[1].c_str()); seed <= std::atoi(args[2].c_str()); ++seed) {
     world.seed = static_cast<std::uint64_t>(seed);
-    RunSeed(world, stage, &tally);
+    RunSeed(world, stage, rounds, &tally);
   }
   std::ranges::sort(tally.rmse_m);
   std::printf(
