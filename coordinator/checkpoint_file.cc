@@ -1,5 +1,6 @@
 #include "coordinator/checkpoint_file.h"
 
+#include <cmath>
 #include <span>
 
 #include "coordinator/job_yaml.h"
@@ -23,6 +24,8 @@ std::string WhatIsWrong(const proto::Checkpoint& checkpoint) {
     if (!IsHash(hash)) return "a blob has no hash";
   if (static_cast<int>(checkpoint.stage()) > checkpoint.job().stages_size())
     return "it has more stages than its job";
+  if (!(checkpoint.ended_served_s() >= 0 && std::isfinite(checkpoint.ended_served_s())))
+    return "it ended at no time";
   return checkpoint.has_step() ? CheckStep(checkpoint.step()) : "";
 }
 

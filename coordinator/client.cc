@@ -146,7 +146,8 @@ Result<JobList> Client::List() {
   const wire::Reply& reply = answer.value().envelope.reply();
   return JobList{{reply.jobs().begin(), reply.jobs().end()},
                  reply.workers(),
-                 {reply.refused().begin(), reply.refused().end()}};
+                 {reply.refused().begin(), reply.refused().end()},
+                 {reply.store_bytes(), reply.store_limit_bytes()}};
 }
 
 Result<std::vector<wire::WorkerInfo>> Client::Workers() {

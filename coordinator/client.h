@@ -2,6 +2,7 @@
 // do.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -21,10 +22,16 @@ struct ClientOptions {
   double timeout_s = 10;  // without an answer; a transfer gets a second more a megabyte
 };
 
+struct StoreFacts {
+  std::uint64_t bytes = 0;        // on disk
+  std::uint64_t limit_bytes = 0;  // 0: none
+};
+
 struct JobList {
   std::vector<wire::JobInfo> jobs;
   unsigned workers = 0;                          // connected
   std::map<std::string, std::uint64_t> refused;  // since the service began, by kind (schema/wire/refusal.h)
+  StoreFacts store;
 };
 
 // Every call asks once and waits for the answer. Failures: kIo: nobody answers at the endpoint; kRefused: the

@@ -64,12 +64,7 @@ void Core::On(const CancelJob& event) {
 
 void Core::On(const DeleteJob& event) {
   Job* job = Obeying(event.id, JobCommand::kDelete);
-  if (job == nullptr) return;
-  ReleaseAll(*job);
-  const std::uint64_t order = job->order;
-  orders_.erase(event.id);
-  jobs_.erase(order);
-  actions_.push_back(ForgetJob{event.id});
+  if (job != nullptr) Delete(*job);
 }
 
 void Core::On(const PrioritizeJob& event) {

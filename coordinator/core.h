@@ -35,6 +35,7 @@ struct CoreOptions {
   int max_failures = 3;         // of one task, then the job fails
   double checkpoint_interval_s = 1;
   double save_again_s = 5;  // what could not be saved of a job that has ended is tried again after this long
+  double keep_s = 0;        // a job that has ended for longer is deleted; 0: none is
   double task_time_s = 0;   // of a task whose job says nothing; 0: no limit
   std::uint64_t task_memory_mb = 0;  // the same
   std::uint32_t protocol = 1;        // Hello.protocol that is spoken here
@@ -53,6 +54,9 @@ class Core {
   std::vector<wire::WorkerInfo> Workers() const;  // in the order in which they joined
   const Fleet& fleet() const { return fleet_; }
   std::size_t held_blobs() const { return ledger_.size(); }
+  // For how long the store has been served, in all. A job's age is counted in it: no clock but the one that
+  // Handle is told, which never jumps, makes a job old, and no restart makes it young.
+  double served_s() const { return now_s_ - served_from_s_; }
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
   // Whether a worker was handed a task that reads this blob, or made it.
   bool MayRead(const std::string& peer, const Hash& hash) const;
@@ -78,6 +82,7 @@ class Core {
   void On(const RetryJob& event);
   void On(const DeleteJob& event);
   void On(const PrioritizeJob& event);
+  void On(const Served& event);
   void On(const RestoreJob& event);
   void On(const PersistDone& event);
   void On(const PersistFailed& event);
@@ -136,6 +141,8 @@ class Core {
   void SetState(Job& job, proto::JobState state, const std::string& reason);
   void FailJob(Job& job, const std::string& reason, bool input_error);
   void ReleaseAll(Job& job);
+  void Delete(Job& job);
+  void DeleteTheOld();
 
   // saving.cc
   void Save(Job& job);
@@ -151,6 +158,7 @@ class Core {
 
   CoreOptions options_;
   double now_s_ = 0;
+  double served_from_s_ = 0;  // where now_s_ would have stood when the store was first served
   JobMap jobs_;
   std::map<std::string, std::uint64_t> orders_;  // by job id
   std::uint64_t next_order_ = 1;

@@ -296,5 +296,112 @@ TEST(CoreJobs, InfoSaysWhereAJobStands) {
   EXPECT_EQ(info.note(), "iteration 1");
 }
 
+constexpr double kDay_s = 86400;
+
+CoreOptions KeepFor(double days) {
+  CoreOptions options;
+  options.keep_s = days * kDay_s;
+  return options;
+}
+
+TEST(CoreJobs, AJobThatHasEndedForLongerThanItIsKeptGoesAsIfDeleted) {
+  Bench bench(KeepFor(2));
+  bench.Submit("a");
+  bench.Do(PersistDone{"a", 1});
+  bench.Submit("b");
+  bench.Do(PersistDone{"b", 1});
+  bench.Do(CancelJob{"a"});
+  bench.Do(PersistDone{"a", 2});
+  bench.Advance(2 * kDay_s);
+  EXPECT_EQ(bench.Info("a").state(), "cancelled") << "not for longer yet";
+  bench.Advance(1);
+  ASSERT_EQ(bench.All<ForgetJob>().size(), 1u);
+  EXPECT_EQ(bench.All<ForgetJob>()[0].job, "a");
+  EXPECT_EQ(bench.All<Report>().size(), 1u) << "it is told";
+  EXPECT_EQ(bench.core.FindJob("a"), nullptr);
+  bench.Advance(100 * kDay_s);
+  EXPECT_EQ(bench.Info("b").state(), "queued") << "what has not ended does not grow old";
+}
+
+TEST(CoreJobs, AnEndThatIsNotDurableIsKept) {
+  Bench bench(KeepFor(1));
+  bench.Submit("a");
+  bench.Do(PersistDone{"a", 1});
+  bench.Do(CancelJob{"a"});
+  bench.Advance(3 * kDay_s);
+  EXPECT_TRUE(bench.All<ForgetJob>().empty());
+  bench.Do(PersistDone{"a", 2});
+  bench.Advance(1);
+  EXPECT_EQ(bench.All<ForgetJob>().size(), 1u);
+}
+
+TEST(CoreJobs, ByDefaultJobsAreKeptForEver) {
+  Bench bench;
+  bench.Submit("a");
+  bench.Do(PersistDone{"a", 1});
+  bench.Do(CancelJob{"a"});
+  bench.Do(PersistDone{"a", 2});
+  bench.Advance(1e5 * kDay_s);
+  EXPECT_EQ(bench.Info("a").state(), "cancelled");
+}
+
+TEST(CoreJobs, ARestartNeitherResetsAJobsAgeNorAddsToIt) {
+  Bench before(KeepFor(2));
+  before.Do(Served{10 * kDay_s});
+  before.Submit("a");
+  before.Do(PersistDone{"a", 1});
+  before.Advance(kDay_s);
+  before.Do(CancelJob{"a"});
+  const proto::Checkpoint end = before.All<Persist>().at(0).checkpoint;
+  EXPECT_EQ(end.ended_served_s(), 11 * kDay_s);
+  before.Do(PersistDone{"a", 2});
+  before.Advance(1.5 * kDay_s);
+  EXPECT_EQ(before.core.served_s(), 12.5 * kDay_s);
+
+  Bench after(KeepFor(2));
+  after.now_s = 1e6 * kDay_s;  // another machine's clock, ages later
+  after.Do(Served{before.core.served_s()});
+  after.Do(RestoreJob{end, {}});
+  after.Advance(0.4 * kDay_s);
+  EXPECT_EQ(after.Info("a").state(), "cancelled") << "1.9 days";
+  after.Advance(0.2 * kDay_s);
+  EXPECT_EQ(after.core.FindJob("a"), nullptr) << "2.1 days";
+}
+
+TEST(CoreJobs, WhereTheTimeServedWasLostNoJobIsOlderThanItWas) {
+  Bench bench(KeepFor(2));
+  proto::Checkpoint end;
+  end.set_job_id("a");
+  end.set_number(2);
+  end.set_order(1);
+  *end.mutable_job() = TestJob();
+  end.set_state(proto::JOB_CANCELLED);
+  end.set_ended_served_s(30 * kDay_s);
+  bench.Do(Served{0});
+  bench.Do(RestoreJob{end, {}});
+  EXPECT_EQ(bench.core.served_s(), 30 * kDay_s);
+  bench.Advance(1.9 * kDay_s);
+  EXPECT_EQ(bench.Info("a").state(), "cancelled");
+  bench.Advance(0.2 * kDay_s);
+  EXPECT_EQ(bench.core.FindJob("a"), nullptr);
+}
+
+TEST(CoreJobs, AFailedJobThatIsRetriedIsYoungAgain) {
+  Bench bench(KeepFor(2));
+  bench.Join("w");
+  bench.Submit("a");
+  bench.Do(PersistDone{"a", 1});
+  bench.Fail(bench.Next(), "bad", true);
+  bench.Do(PersistDone{"a", 2});
+  bench.Beat("w");
+  bench.Do(RetryJob{"a"});
+  bench.Do(PersistDone{"a", 3});
+  bench.Beat("w", {bench.Next()}, 1);
+  bench.Do(PauseJob{"a"});
+  bench.Do(PersistDone{"a", 4});
+  bench.Advance(3 * kDay_s);
+  EXPECT_EQ(bench.Info("a").state(), "paused") << bench.Info("a").reason();
+}
+
 }  // namespace
 }  // namespace cairn::coordinator

@@ -1,20 +1,37 @@
 #include "coordinator/disk_writer.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "coordinator/checkpoint_file.h"
 #include "coordinator/result_file.h"
+#include "coordinator/served_file.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
 
 namespace fs = std::filesystem;
 
-DiskWriter::DiskWriter(const StoreFolder& folder, BlobFiles& files, JobTable table,
+namespace {
+
+constexpr std::chrono::seconds kCountEvery{5};
+
+std::uint64_t BytesOf(const std::vector<wire::NamedBlob>& blobs) {
+  std::uint64_t bytes = 0;
+  for (const wire::NamedBlob& named : blobs) bytes += named.blob == nullptr ? 0 : named.blob->ByteCount();
+  return bytes;
+}
+
+}  // namespace
+
+DiskWriter::DiskWriter(const StoreFolder& folder, BlobFiles& files, StoreUse& use, JobTable table,
                        std::function<void()> wake)
-    : folder_(folder), files_(files), table_(std::move(table)), wake_(std::move(wake)), thread_([this] {
-        Loop();
-      }) {}
+    : folder_(folder),
+      files_(files),
+      use_(use),
+      table_(std::move(table)),
+      wake_(std::move(wake)),
+      thread_([this] { Loop(); }) {}
 
 DiskWriter::~DiskWriter() {
   {
@@ -40,18 +57,31 @@ std::vector<DiskDone> DiskWriter::TakeDone() {
   return std::exchange(done_, {});
 }
 
-void DiskWriter::Loop() {
+std::optional<DiskWriter::Item> DiskWriter::Next() {
+  const auto something = [this] { return closed_ || !queue_.empty(); };
   std::unique_lock lock(mutex_);
-  while (true) {
-    changed_.wait(lock, [this] { return closed_ || !queue_.empty(); });
-    if (queue_.empty()) return;
-    Item item = std::move(queue_.front());
-    queue_.pop_front();
+  if (!changed_.wait_until(lock, count_at_, something) || std::chrono::steady_clock::now() >= count_at_) {
     lock.unlock();
-    std::optional<DiskDone> done = Do(item);
+    use_.Count();
+    count_at_ = std::chrono::steady_clock::time_point::max();
     lock.lock();
+    changed_.wait(lock, something);
+  }
+  if (queue_.empty()) return std::nullopt;
+  Item item = std::move(queue_.front());
+  queue_.pop_front();
+  return item;
+}
+
+void DiskWriter::Loop() {
+  while (std::optional<Item> item = Next()) {
+    std::optional<DiskDone> done = Do(*item);
+    count_at_ = std::min(count_at_, std::chrono::steady_clock::now() + kCountEvery);
     if (!done) continue;
-    done_.push_back(std::move(*done));
+    {
+      const std::lock_guard lock(mutex_);
+      done_.push_back(std::move(*done));
+    }
     wake_();
   }
 }
@@ -62,10 +92,9 @@ std::optional<DiskDone> DiskWriter::Do(Item& item) {
   if (const auto* blobs = std::get_if<WriteBlobsWork>(&item.work)) done = Do(*blobs);
   if (const auto* forget = std::get_if<ForgetWork>(&item.work)) done = Do(*forget);
   if (const auto* remove = std::get_if<RemoveBlobsWork>(&item.work)) files_.Remove(remove->hashes);
-  if (const auto* row = std::get_if<WriteRowWork>(&item.work)) {
-    done = Do(*row);
-    if (done->status.ok()) done.reset();
-  }
+  if (const auto* row = std::get_if<WriteRowWork>(&item.work)) done = Do(*row);
+  if (const auto* served = std::get_if<WriteServedWork>(&item.work)) done = Do(*served);
+  if (done && done->job.empty() && done->written.empty() && done->status.ok()) done.reset();
   if (done) done->ticket = item.ticket;
   return done;
 }
@@ -75,7 +104,11 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
   DiskDone done;
   done.job = checkpoint.job_id();
   done.number = checkpoint.number();
-  done.status = files_.Write(work.blobs, done.written);
+  std::uint64_t bytes = BytesOf(work.blobs);
+  for (const ResultToWrite& result : work.results) bytes += result.blob->ByteCount();
+  // A record alone always fits, and so does what a cancelled job leaves: it makes room.
+  if (bytes > 0 && checkpoint.state() != proto::JOB_CANCELLED) done.status = use_.Reserve(bytes);
+  if (done.status.ok()) done.status = files_.Write(work.blobs, done.written);
   for (const ResultToWrite& result : work.results) {
     if (!done.status.ok()) return done;
     std::error_code ignored;  // the write below says what is wrong
@@ -98,7 +131,8 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
 
 DiskDone DiskWriter::Do(const WriteBlobsWork& work) const {
   DiskDone done;
-  done.status = files_.Write(work.blobs, done.written);
+  done.status = use_.Reserve(BytesOf(work.blobs));
+  if (done.status.ok()) done.status = files_.Write(work.blobs, done.written);
   return done;
 }
 
@@ -115,6 +149,12 @@ void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const
 DiskDone DiskWriter::Do(const WriteRowWork& work) {
   DiskDone done;
   done.status = table_.Write(work.row);
+  return done;
+}
+
+DiskDone DiskWriter::Do(const WriteServedWork& work) const {
+  DiskDone done;
+  done.status = WriteServed(folder_.ServedFile(), work.served_s);
   return done;
 }
 

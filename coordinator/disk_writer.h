@@ -2,6 +2,7 @@
 // for a disk.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -17,6 +18,7 @@
 #include "coordinator/blob_files.h"
 #include "coordinator/job_table.h"
 #include "coordinator/store_folder.h"
+#include "coordinator/store_use.h"
 #include "schema/blob.h"
 #include "schema/checkpoint.pb.h"
 #include "schema/wire/codec.h"
@@ -49,10 +51,14 @@ struct ForgetWork {
   std::string job;
   std::filesystem::path results;  // the folder of its results, or empty
 };
-using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork>;
+struct WriteServedWork {
+  double served_s = 0;
+};
+using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork,
+                              WriteServedWork>;
 
-// What came of a checkpoint or of blobs; of rows only a failure is told. (A removal that fails is made up for
-// by the next start.)
+// What came of a checkpoint or of blobs; of rows and the time served only a failure is told. (A removal that
+// fails is made up for by the next start.)
 struct DiskDone {
   std::uint64_t ticket = 0;
   std::string job;           // empty: neither a checkpoint nor a job that went
@@ -64,7 +70,8 @@ struct DiskDone {
 class DiskWriter {
  public:
   // `wake` is called on the writer's thread when something is done.
-  DiskWriter(const StoreFolder& folder, BlobFiles& files, JobTable table, std::function<void()> wake);
+  DiskWriter(const StoreFolder& folder, BlobFiles& files, StoreUse& use, JobTable table,
+             std::function<void()> wake);
   ~DiskWriter();  // after all work is done
 
   std::uint64_t Add(DiskWork work);  // returns its ticket; tickets grow
@@ -78,17 +85,22 @@ class DiskWriter {
   };
   void Loop();
   std::optional<DiskDone> Do(Item& item);
+  std::optional<Item> Next();  // waits, and counts what the store takes by and by; none: closed
   DiskDone Do(const WriteCheckpointWork& work) const;
   DiskDone Do(const WriteBlobsWork& work) const;
   DiskDone Do(const WriteRowWork& work);
+  DiskDone Do(const WriteServedWork& work) const;
   DiskDone Do(const ForgetWork& work);
   void RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const;
 
   const StoreFolder& folder_;
   BlobFiles& files_;
+  StoreUse& use_;
   JobTable table_;
   const std::function<void()> wake_;
   std::uint64_t next_ticket_ = 1;  // of the thread that adds
+  // When the writing thread counts what the store takes: soon after it has changed.
+  std::chrono::steady_clock::time_point count_at_ = std::chrono::steady_clock::time_point::max();
   std::mutex mutex_;
   std::condition_variable changed_;
   bool closed_ = false;

@@ -72,6 +72,10 @@ struct PrioritizeJob {
   std::string id;
   int priority = 0;
 };
+// For how long the store has been served, in all, by coordinators before: once, before any RestoreJob.
+struct Served {
+  double seconds = 0;
+};
 // Rebuilds a job from its last good checkpoint. The shell has all blobs that it names.
 struct RestoreJob {
   proto::Checkpoint checkpoint;
@@ -94,7 +98,7 @@ struct Tick {};
 
 using Event = std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, DrainWorker, TaskDone, TaskFailed,
                            SubmitJob, PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob,
-                           RestoreJob, PersistDone, PersistFailed, SaveNow, Tick>;
+                           Served, RestoreJob, PersistDone, PersistFailed, SaveNow, Tick>;
 
 // ---- actions ----
 // To a worker: Welcome, Refuse, Stranger, Assign, Cancel, Drain.

@@ -5,12 +5,14 @@
 #include <utility>
 
 #include "coordinator/recovery.h"
+#include "coordinator/served_file.h"
 #include "schema/wire/keys.h"
 
 namespace cairn::coordinator {
 namespace {
 
 constexpr double kTick_s = 0.1;
+constexpr double kServedEvery_s = 60;       // so much of a job's age a crash may lose
 constexpr std::size_t kLineBytes = 16'384;  // of the log
 
 }  // namespace
@@ -25,10 +27,11 @@ Hub::Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOpt
       core_(options_.core),
       files_(folder),
       blobs_(files_, options_.memory_bytes),
+      use_(folder.dir(), options_.store_limit_bytes),
       gate_(options_.allow_list),
       refusals_(log_),
       last_job_number_(table.LastRemoved().ok() ? table.LastRemoved().value() : 0),
-      writer_(folder, files_, std::move(table), [&transport] { transport.Wake(); }) {
+      writer_(folder, files_, use_, std::move(table), [&transport] { transport.Wake(); }) {
   Restore();
 }
 
@@ -37,6 +40,11 @@ double Hub::Now() {
 }
 
 void Hub::Restore() {
+  const Result<double> served_s = ReadServed(folder_.ServedFile());
+  if (!served_s.ok())
+    log_(Severity::kWarning, served_s.status().message() + "; jobs that have ended are kept for longer");
+  served_written_s_ = Now();
+  Handle(Served{served_s.ok() ? served_s.value() : 0});
   for (const RestoreJob& job : Recover(folder_, files_, log_)) {
     for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
     for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
@@ -55,6 +63,7 @@ void Hub::Step(double timeout_s) {
     ticked_s_ = now_s;
     Handle(Tick{});
     ProbeSilent(now_s);
+    if (now_s - served_written_s_ >= kServedEvery_s) WriteServed();
   }
   for (const std::string& peer : std::exchange(gone_, {})) Handle(WorkerLost{peer});
   WriteBlobsWork spill;
@@ -64,6 +73,7 @@ void Hub::Step(double timeout_s) {
 
 bool Hub::Shut(double patience_s) {
   const double end_s = Now() + patience_s;
+  WriteServed();
   Handle(SaveNow{});
   while (core_.HasUnsaved() && Now() < end_s) {
     // Answers that still come are for the next start to compute again: a round may not begin now.

@@ -26,6 +26,7 @@ struct HubOptions {
   std::filesystem::path allow_list;  // of the keys that may connect; empty: there are no keys
   wire::JobLimits limits;
   std::uint64_t memory_bytes = 4ull << 30;
+  std::uint64_t store_limit_bytes = 0;  // on disk; 0: none
   // Where the result of a job's stage is published.
   std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
   // The folder of a job's results, which goes with the job; none: they are not this hub's to remove.
@@ -74,6 +75,7 @@ class Hub {
   void Do(const Report& report);
   void Do(const Refused& refused);
   void WriteRow(const std::string& job);
+  void WriteServed();
   void ProbeSilent(double now_s);
 
   // hub_rights.cc
@@ -105,7 +107,8 @@ class Hub {
   Core core_;
   BlobFiles files_;
   BlobStore blobs_;
-  double ticked_s_ = 0;
+  StoreUse use_;
+  double ticked_s_ = 0, served_written_s_ = 0;
   std::set<std::string> gone_;  // peers that a message could not be sent to
   std::string last_refusal_;
   Gate gate_;

@@ -74,6 +74,11 @@ void Hub::WriteRow(const std::string& job) {
   writer_.Add(WriteRowWork{{*info, now, now}});
 }
 
+void Hub::WriteServed() {
+  served_written_s_ = Now();
+  writer_.Add(WriteServedWork{core_.served_s()});
+}
+
 void Hub::Do(const Refused& refused) { refusals_.Add(refused.refusal, Now()); }
 
 void Hub::Do(const Report& report) {

@@ -136,6 +136,8 @@ class HubBench {
   std::uint64_t memory_bytes = 1 << 20;
   double checkpoint_interval_s = 0;
   std::filesystem::path allow_list;
+  std::uint64_t store_limit_bytes = 0;
+  double keep_s = 0;
 
   void Start() {
     hub.reset();
@@ -145,6 +147,8 @@ class HubBench {
     options.memory_bytes = memory_bytes;
     options.core.checkpoint_interval_s = checkpoint_interval_s;
     options.allow_list = allow_list;
+    options.store_limit_bytes = store_limit_bytes;
+    options.core.keep_s = keep_s;
     options.result_path = [this](const std::string& job, const std::string& stage) {
       return temp.path() / "results" / job / (stage + ".h5");
     };

@@ -90,6 +90,11 @@ void Hub::Serve(const std::string& peer, const wire::Submit& submit,
     *reply.envelope.mutable_reply()->add_jobs() = info;
     return Reply(peer, std::move(reply));
   }
+  std::uint64_t new_bytes = 0;
+  for (const wire::NamedBlob& named : blobs)
+    if (!blobs_.Has(named.hash)) new_bytes += named.blob->ByteCount();
+  if (const std::string full = use_.WhyNoRoom(new_bytes); !full.empty())
+    return RefuseJob(peer, wire::RefusalKind::kStore, full);
   const std::vector<Hash> came = KeepBlobs(blobs);
   std::string missing;
   for (const auto& [name, binary] : job.input_blobs())
@@ -168,6 +173,8 @@ void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
     *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
   for (const auto& [kind, count] : refusals_.Counts())
     (*reply.envelope.mutable_reply()->mutable_refused())[kind] = count;
+  reply.envelope.mutable_reply()->set_store_bytes(use_.bytes());
+  reply.envelope.mutable_reply()->set_store_limit_bytes(use_.limit_bytes());
   if (query.action() == "results") AddResults(query.job(), reply);
   Reply(peer, std::move(reply));
 }

@@ -85,6 +85,7 @@ struct Job {
   double round_since_s = 0;
   double running_since_s = 0;
   double seconds_before = 0;
+  double ended_served_s = 0;  // Core::served_s when it ended
 
   bool Running() const { return state == proto::JOB_RUNNING; }
   bool Ended() const { return state != proto::JOB_RUNNING && state != proto::JOB_PAUSED; }

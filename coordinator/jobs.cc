@@ -1,9 +1,19 @@
 // Jobs come, end, and come back.
 #include <algorithm>
+#include <cstdio>
 
 #include "coordinator/core.h"
 
 namespace cairn::coordinator {
+namespace {
+
+std::string Days(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g days", seconds / 86400);
+  return text;
+}
+
+}  // namespace
 
 Job* Core::FindById(const std::string& id) {
   const auto it = orders_.find(id);
@@ -59,6 +69,7 @@ void Core::SetState(Job& job, proto::JobState state, const std::string& reason) 
   job.running_since_s = now_s_;
   job.state = state;
   job.reason = reason;
+  job.ended_served_s = job.Ended() ? served_s() : 0;
   job.input_error = job.held = false;
   actions_.push_back(JobChanged{job.id});
 }
@@ -72,6 +83,8 @@ void Core::FailJob(Job& job, const std::string& reason, bool input_error) {
   WantSave(job, true);
   Say(Report::kWarning, job, "failed: " + reason);
 }
+
+void Core::On(const Served& event) { served_from_s_ = now_s_ - event.seconds; }
 
 void Core::On(const RestoreJob& event) {
   const proto::Checkpoint& saved = event.checkpoint;
@@ -98,6 +111,8 @@ void Core::On(const RestoreJob& event) {
   if (saved.has_build()) job.build = saved.build();
   job.facts.assign(saved.facts().begin(), saved.facts().end());
   job.seconds_before = saved.seconds();
+  job.ended_served_s = saved.ended_served_s();
+  served_from_s_ = std::min(served_from_s_, now_s_ - job.ended_served_s);  // where what Served says was lost
   job.running_since_s = now_s_;
   job.saving.number = saved.number();
   // The first answer is saved at once: a run that is killed again and again within an interval gets on too.
@@ -150,6 +165,29 @@ void Core::ReleaseAll(Job& job) {
   for (BlobLedger::Hold* hold : {&job.holds.inputs, &job.holds.results, &job.holds.step, &job.holds.partials,
                                  &job.holds.saving, &job.holds.saved, &job.holds.saved_before})
     ledger_.Release(*hold);
+}
+
+void Core::Delete(Job& job) {
+  ReleaseAll(job);
+  const std::uint64_t order = job.order;
+  const std::string id = job.id;
+  orders_.erase(id);
+  jobs_.erase(order);
+  actions_.push_back(ForgetJob{id});
+}
+
+// Once its end is durable.
+void Core::DeleteTheOld() {
+  std::vector<Job*> old;
+  for (auto& [order, job] : jobs_)
+    if (job.Ended() && !job.saving.due && !job.saving.under_way &&
+        served_s() - job.ended_served_s > options_.keep_s)
+      old.push_back(&job);
+  for (Job* job : old) {
+    Say(Report::kInfo, job->id + " is deleted: it ended " + Days(served_s() - job->ended_served_s) +
+                           " ago, and jobs are kept for " + Days(options_.keep_s) + " (--keep-days)");
+    Delete(*job);
+  }
 }
 
 }  // namespace cairn::coordinator

@@ -41,6 +41,8 @@ void Core::Save(Job& job) {
   saving.with_partials |= now_s_ - job.round_since_s >= kYoung * options_.checkpoint_interval_s;
   Persist persist{MakeCheckpoint(job, now_s_, saving.with_partials), saving.unpublished};
   persist.checkpoint.set_number(++saving.number);
+  if (persist.checkpoint.state() != proto::JOB_RUNNING && persist.checkpoint.state() != proto::JOB_PAUSED)
+    persist.checkpoint.set_ended_served_s(job.Ended() ? job.ended_served_s : served_s());
   saving.publishing = persist.publish.size();
   saving.saves = persist.checkpoint.state();
   HashSet needed;

@@ -2,6 +2,7 @@
 //
 // Store:  DIR/lock                        flock'ed while a coordinator serves
 //         DIR/version                     of the store, a number
+//         DIR/served                      for how long it was served, in all (served_file.h)
 //         DIR/jobs.sqlite                 job table (WAL); rebuilt from the checkpoints where it is lost
 //         DIR/blobs/<hash>.h5             blobs that checkpoints name; blobs/pack-<hash>.h5: many small ones
 //         in one DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done
@@ -24,8 +25,10 @@ struct ServiceOptions {
   std::string keys_dir;   // for tcp: coordinator.key (`cairn keys new`) and allowed, who may do what
   wire::SocketOptions sockets;
   double checkpoint_interval_s = 1;  // at most one checkpoint of a job in this time, and one at a stage's end
-  double task_time_s = 0;            // of a task whose job says nothing; 0: no limit
-  std::uint64_t task_memory_mb = 0;  // the same
+  std::uint64_t store_limit_bytes = 0;      // that the store may take on disk; 0: no limit
+  double keep_s = 0;                        // a job goes when it has ended for longer; 0: never
+  double task_time_s = 0;                   // of a task whose job says nothing; 0: no limit
+  std::uint64_t task_memory_mb = 0;         // the same
   std::uint64_t memory_bytes = 4ull << 30;  // blobs beyond this are kept on disk only
 };
 

@@ -27,6 +27,7 @@ class StoreFolder {
   const std::filesystem::path& dir() const { return dir_; }
   std::filesystem::path JobTable() const { return dir_ / "jobs.sqlite"; }
   std::filesystem::path VersionFile() const { return dir_ / "version"; }
+  std::filesystem::path ServedFile() const { return dir_ / "served"; }  // served_file.h
   std::filesystem::path Blobs() const { return dir_ / "blobs"; }
   std::filesystem::path BlobFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".h5"); }
   std::filesystem::path PackFile(const Hash& hash) const { return Blobs() / ("pack-" + hash.Hex() + ".h5"); }

@@ -204,6 +204,7 @@ void Core::On(const Tick&) {
     Lose(worker, what, what);
   }
   for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);
+  if (options_.keep_s > 0) DeleteTheOld();
 }
 
 }  // namespace cairn::coordinator

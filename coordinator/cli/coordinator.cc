@@ -36,8 +36,9 @@ void AddCoordinator(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options = AddCommand<Options>(
       app, call, "coordinator", "Serves jobs to workers on many machines, until Ctrl-C",
-      "cairn coordinator &\n  cairn worker & cairn worker &\n  cairn submit job.yaml && cairn watch", Serve,
-      &command);
+      "cairn coordinator &\n  cairn worker & cairn worker &\n  cairn submit job.yaml && cairn watch\n  "
+      "cairn coordinator --store-gb 200 --keep-days 30 --task-memory-mb 4000",
+      Serve, &command);
   coordinator::ServiceOptions& service = options->service;
   command->add_option("--store", service.store_dir,
                       "Folder of jobs, checkpoints and results (~/.cairn/store)");
@@ -64,6 +65,17 @@ void AddCoordinator(CLI::App& app, Invocation& call) {
                    "Seconds between checkpoints of a job")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
+  command
+      ->add_option_function<double>(
+          "--store-gb",
+          [&service](const double& gb) { service.store_limit_bytes = static_cast<std::uint64_t>(gb * 1e9); },
+          "What the store may take on disk; a job that would take more is paused (no limit)")
+      ->check(CLI::Range(0.001, 1e9));
+  command
+      ->add_option_function<double>(
+          "--keep-days", [&service](const double& days) { service.keep_s = days * 86400; },
+          "Delete jobs, results too, that have ended for longer; counted while a coordinator runs (for ever)")
+      ->check(CLI::Range(0.0001, 1e6));
   command
       ->add_option("--task-time-s", service.task_time_s,
                    "Limit on a task's run time, where the job file says nothing (0: none)")

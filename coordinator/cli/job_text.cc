@@ -5,6 +5,7 @@
 
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/progress_line.h"
+#include "coordinator/store_use.h"
 
 namespace cairn::cli {
 namespace {
@@ -26,6 +27,10 @@ nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
           {"retries", job.retries()},
           {"failures", std::vector<std::string>(job.failures().begin(), job.failures().end())},
           {"input_error", job.input_error()}};
+}
+
+nlohmann::ordered_json ToJson(const coordinator::StoreFacts& store) {
+  return {{"bytes", store.bytes}, {"limit_bytes", store.limit_bytes}};
 }
 
 }  // namespace
@@ -66,7 +71,17 @@ std::string JobText(const wire::JobInfo& job) {
   return text;
 }
 
-std::string JobJson(const wire::JobInfo& job) { return Dump(ToJson(job)); }
+std::string JobJson(const wire::JobInfo& job, const coordinator::StoreFacts* store) {
+  nlohmann::ordered_json json = ToJson(job);
+  if (store != nullptr) json["store"] = ToJson(*store);
+  return Dump(json);
+}
+
+std::string StoreText(const coordinator::StoreFacts& store) {
+  const std::string of =
+      store.limit_bytes == 0 ? "" : " of " + coordinator::BytesText(store.limit_bytes) + " allowed";
+  return "store " + coordinator::BytesText(store.bytes) + of + "\n";
+}
 
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
   std::string text;
@@ -75,11 +90,12 @@ std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
   return text.empty() ? "" : text + "\n";
 }
 
-std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers,
-                     const std::map<std::string, std::uint64_t>& refused) {
-  nlohmann::ordered_json json = {
-      {"workers", workers}, {"refused", refused}, {"jobs", nlohmann::ordered_json::array()}};
-  for (const wire::JobInfo& job : jobs) json["jobs"].push_back(ToJson(job));
+std::string JobsJson(const coordinator::JobList& list) {
+  nlohmann::ordered_json json = {{"workers", list.workers},
+                                 {"refused", list.refused},
+                                 {"store", ToJson(list.store)},
+                                 {"jobs", nlohmann::ordered_json::array()}};
+  for (const wire::JobInfo& job : list.jobs) json["jobs"].push_back(ToJson(job));
   return Dump(json);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/client.h"
 #include "schema/wire.pb.h"
 
 namespace cairn::cli {
@@ -17,9 +18,12 @@ std::string JobTable(const std::vector<wire::JobInfo>& jobs);
 // All that is known of one, a line each.
 std::string JobText(const wire::JobInfo& job);
 
-std::string JobJson(const wire::JobInfo& job);
-std::string JobsJson(const std::vector<wire::JobInfo>& jobs, unsigned workers,
-                     const std::map<std::string, std::uint64_t>& refused);
+// With what the store holds, where that is known.
+std::string JobJson(const wire::JobInfo& job, const coordinator::StoreFacts* store = nullptr);
+std::string JobsJson(const coordinator::JobList& list);
+
+// "store 1.2 GB of 10.0 GB"
+std::string StoreText(const coordinator::StoreFacts& store);
 
 std::string Dump(const nlohmann::ordered_json& json);  // bytes that are no UTF-8 are replaced
 

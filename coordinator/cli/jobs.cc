@@ -57,9 +57,10 @@ int List(const Options& options, const Invocation&) {
   coordinator::JobList list = Take(client.List());
   list.jobs = Chosen(options, list.jobs);
   if (options.json) {
-    std::fputs(JobsJson(list.jobs, list.workers, list.refused).c_str(), stdout);
+    std::fputs(JobsJson(list).c_str(), stdout);
   } else {
-    std::printf("%s%u worker%s\n%s", JobTable(list.jobs).c_str(), list.workers, list.workers == 1 ? "" : "s",
+    std::printf("%s%u worker%s\n%s%s", JobTable(list.jobs).c_str(), list.workers,
+                list.workers == 1 ? "" : "s", StoreText(list.store).c_str(),
                 RefusedText(list.refused).c_str());
   }
   return kExitDone;
@@ -74,9 +75,13 @@ int Status(const Options& options, const Invocation&) {
     return kExitDone;
   }
   const wire::JobInfo info = Take(client.Info(options.job));
-  Print(info, options.json);
-  if (const std::string waits = WaitsFor(client, info); !options.json && !waits.empty())
-    std::printf("%s\n", waits.c_str());
+  if (options.json) {
+    const coordinator::JobList list = Take(client.List());
+    std::fputs(JobJson(info, &list.store).c_str(), stdout);
+    return kExitDone;
+  }
+  std::fputs(JobText(info).c_str(), stdout);
+  if (const std::string waits = WaitsFor(client, info); !waits.empty()) std::printf("%s\n", waits.c_str());
   return kExitDone;
 }
 

@@ -51,7 +51,7 @@ std::string HandshakeReason(std::uint32_t value) {
 const char* KindName(RefusalKind kind) {
   constexpr std::array kNames = {"connections", "rate",    "handshake", "key",   "malformed",
                                  "oversized",   "version", "revoked",   "right", "identity",
-                                 "task",        "blob",    "job"};
+                                 "task",        "blob",    "job",       "store"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

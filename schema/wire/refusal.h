@@ -23,6 +23,7 @@ enum class RefusalKind {
   kTask,      // an answer to, or a fetch for, a task that is not its own
   kBlob,      // an upload that nobody asked for
   kJob,       // a job that cannot be, or is over a limit
+  kStore,     // a job that the store has no room for
 };
 const char* KindName(RefusalKind kind);  // "key"
 

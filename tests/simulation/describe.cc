@@ -37,6 +37,7 @@ struct Words {
   std::string operator()(const PrioritizeJob& e) const {
     return "priority of " + e.id + ": " + std::to_string(e.priority);
   }
+  std::string operator()(const Served& e) const { return "served for " + std::to_string(e.seconds) + " s"; }
   std::string operator()(const RestoreJob& e) const { return "restore " + e.checkpoint.job_id(); }
   std::string operator()(const PersistDone& e) const {
     return e.job + " checkpoint " + std::to_string(e.number) + " durable";
