@@ -190,6 +190,18 @@ TEST_F(ReportOfALoop, AGridOfNoProbabilitiesIsRefused) {
   }
 }
 
+TEST_F(ReportOfALoop, APositionThatIsNoPlaceIsRefused) {
+  for (const double wrong : {HUGE_VAL, 1e200, std::nan("")}) {
+    const auto all = result_.at("map/landmark_x_m").As<double>();
+    std::vector<double> values(all.begin(), all.end());
+    values[0] = wrong;
+    Blob blob = result_;
+    blob.PutVector<double>("map/landmark_x_m", values);
+    const Scene scene = MakeScene(blob, nullptr, nullptr);
+    ExpectContains(InputErrorOf([&] { BoundsOf(scene, false); }), "no place");
+  }
+}
+
 TEST(Ellipse, OfADiagonalAndATurnedCovariance) {
   const double root = std::sqrt(5.991464547);
   const EllipseM upright = EllipseOf({1, 2}, {1, 0, 0, 4});

@@ -163,6 +163,9 @@ class SceneMaker {
 class Bounds {
  public:
   void Add(PointM point) {
+    if (!(std::abs(point.x_m) <= kFarthest_m && std::abs(point.y_m) <= kFarthest_m))
+      throw InputError("a position of (" + Short(point.x_m) + ", " + Short(point.y_m) +
+                       ") m is no place on a map");
     box_.x_low_m = std::min(box_.x_low_m, point.x_m);
     box_.x_high_m = std::max(box_.x_high_m, point.x_m);
     box_.y_low_m = std::min(box_.y_low_m, point.y_m);
@@ -181,6 +184,7 @@ class Bounds {
   }
 
  private:
+  static constexpr double kFarthest_m = 1e9;
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Box box_{kInfinity, -kInfinity, kInfinity, -kInfinity};
 };

@@ -65,7 +65,7 @@ std::string RobotTitle(const std::string& name);
 Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation);
 
 // Round the paths, landmarks and true landmarks; with `with_odometry` the dead reckoning too. At least 1 m
-// wide.
+// wide. Throws InputError where a position is not a number, or farther than any place on earth.
 Box BoundsOf(const Scene& scene, bool with_odometry);
 
 // Semi-axes of the region that holds 95% of a normal distribution of this covariance (row-major, m2):
