@@ -138,7 +138,7 @@ class SceneMaker {
     if (array.shape().size() != 3 || array.size() == 0) return;
     const auto values = array.As<double>();
     for (const double p : values)
-      if (!(p >= 0.0 && p <= 1.0))
+      if (p < 0.0 || p > 1.0)  // not a number: nothing is known there
         throw InputError("'map/grid/probability' holds " + Short(p) + ", which is no probability");
     Grid grid;
     grid.origin = {result_.Scalar<double>("map/grid/origin_x_m"),
