@@ -159,6 +159,18 @@ Result<std::vector<wire::WorkerInfo>> Client::Workers() {
   return std::vector<wire::WorkerInfo>(fleet.begin(), fleet.end());
 }
 
+Result<LogPart> Client::Log(const std::string& job, std::uint64_t after) {
+  wire::Message question;
+  question.envelope.mutable_query()->set_job(job);
+  question.envelope.mutable_query()->set_action("logs");
+  question.envelope.mutable_query()->set_after(after);
+  const Result<wire::Message> answer = Ask(std::move(question), options_.timeout_s);
+  const Result<wire::JobInfo> info = OnlyJob(answer, job);
+  if (!info.ok()) return info.status();
+  const auto& lines = answer.value().envelope.reply().log();
+  return LogPart{info.value(), {lines.begin(), lines.end()}};
+}
+
 Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job, "status"); }
 
 Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {

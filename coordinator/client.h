@@ -34,6 +34,12 @@ struct JobList {
   StoreFacts store;
 };
 
+// Of a job's log.
+struct LogPart {
+  wire::JobInfo job;  // where it is over, the lines are all that there are
+  std::vector<wire::LogLine> lines;
+};
+
 // Every call asks once and waits for the answer. Failures: kIo: nobody answers at the endpoint; kRefused: the
 // service said no (message: why), or does not know this key; kNotFound: no such job. After any of them the
 // next call starts on a new connection. For one thread.
@@ -52,6 +58,8 @@ class Client {
   Result<wire::JobInfo> Command(const std::string& job, const std::string& action, int priority = 0);
   // Those that are connected, in the order in which they joined.
   Result<std::vector<wire::WorkerInfo>> Workers();
+  // The lines whose numbers are above `after`.
+  Result<LogPart> Log(const std::string& job, std::uint64_t after = 0);
   // Of the stages that are done, by their names.
   Result<std::map<std::string, BlobPtr>> Results(const std::string& job);
 

@@ -21,16 +21,39 @@ void Core::Settle() {
   actions_.push_back(DropBlobs{dropped});
 }
 
+namespace {
+
+// How many workers have tasks of each job in hand.
+std::map<std::string, std::uint32_t> CountWorkers(const Fleet& fleet) {
+  std::map<std::string, std::uint32_t> counts;
+  for (const auto& [number, worker] : fleet.workers()) {
+    std::set<std::string> jobs;
+    for (const InHand& task : worker.in_hand) jobs.insert(task.key.job());
+    for (const std::string& job : jobs) ++counts[job];
+  }
+  return counts;
+}
+
+// Of what nobody works at nobody can tell when it is done.
+wire::JobInfo WithWorkers(wire::JobInfo info, std::uint32_t workers) {
+  info.set_workers(workers);
+  if (workers == 0) info.clear_eta_s();
+  return info;
+}
+
+}  // namespace
+
 std::vector<wire::JobInfo> Core::Jobs() const {
+  std::map<std::string, std::uint32_t> workers = CountWorkers(fleet_);
   std::vector<wire::JobInfo> infos;
-  for (const auto& [order, job] : jobs_) infos.push_back(MakeInfo(job, now_s_));
+  for (const auto& [order, job] : jobs_) infos.push_back(WithWorkers(MakeInfo(job, now_s_), workers[job.id]));
   return infos;
 }
 
 std::optional<wire::JobInfo> Core::Find(const std::string& id) const {
   const Job* job = FindJob(id);
   if (job == nullptr) return std::nullopt;
-  return MakeInfo(*job, now_s_);
+  return WithWorkers(MakeInfo(*job, now_s_), CountWorkers(fleet_)[id]);
 }
 
 const Job* Core::FindJob(const std::string& id) const {

@@ -57,6 +57,11 @@ std::vector<DiskDone> DiskWriter::TakeDone() {
   return std::exchange(done_, {});
 }
 
+bool DiskWriter::Finished(std::uint64_t ticket) {
+  const std::lock_guard lock(mutex_);
+  return finished_ >= ticket;
+}
+
 std::optional<DiskWriter::Item> DiskWriter::Next() {
   const auto something = [this] { return closed_ || !queue_.empty(); };
   std::unique_lock lock(mutex_);
@@ -77,25 +82,21 @@ void DiskWriter::Loop() {
   while (std::optional<Item> item = Next()) {
     std::optional<DiskDone> done = Do(*item);
     count_at_ = std::min(count_at_, std::chrono::steady_clock::now() + kCountEvery);
-    if (!done) continue;
     {
       const std::lock_guard lock(mutex_);
-      done_.push_back(std::move(*done));
+      finished_ = item->ticket;
+      if (done) done_.push_back(std::move(*done));
     }
-    wake_();
+    if (done) wake_();
   }
 }
 
+// What nobody waits for is told only where it failed.
 std::optional<DiskDone> DiskWriter::Do(Item& item) {
-  std::optional<DiskDone> done;
-  if (const auto* checkpoint = std::get_if<WriteCheckpointWork>(&item.work)) done = Do(*checkpoint);
-  if (const auto* blobs = std::get_if<WriteBlobsWork>(&item.work)) done = Do(*blobs);
-  if (const auto* forget = std::get_if<ForgetWork>(&item.work)) done = Do(*forget);
-  if (const auto* remove = std::get_if<RemoveBlobsWork>(&item.work)) files_.Remove(remove->hashes);
-  if (const auto* row = std::get_if<WriteRowWork>(&item.work)) done = Do(*row);
-  if (const auto* served = std::get_if<WriteServedWork>(&item.work)) done = Do(*served);
-  if (done && done->job.empty() && done->written.empty() && done->status.ok()) done.reset();
-  if (done) done->ticket = item.ticket;
+  DiskDone done = std::visit([this](const auto& work) { return Do(work); }, item.work);
+  done.ticket = item.ticket;
+  const bool silent = done.job.empty() && done.asker.empty() && done.written.empty();
+  if (silent && done.status.ok()) return std::nullopt;
   return done;
 }
 
@@ -163,6 +164,31 @@ DiskDone DiskWriter::Do(const ForgetWork& work) {
   done.job = work.job;
   done.status = table_.Remove(work.job);  // its number stays known when its checkpoints are gone
   if (done.status.ok()) done.status = folder_.Forget(work.job, work.results);
+  return done;
+}
+
+DiskDone DiskWriter::Do(const RemoveBlobsWork& work) {
+  files_.Remove(work.hashes);
+  return {};
+}
+
+DiskDone DiskWriter::Do(const WriteLogWork& work) {
+  DiskDone done;
+  done.status = table_.AppendLog(work.by_job);
+  return done;
+}
+
+DiskDone DiskWriter::Do(const ReadLogWork& work) const {
+  DiskDone done;
+  done.asker = work.asker;
+  const Result<std::vector<wire::LogLine>> lines = table_.ReadLog(work.job.id(), work.after);
+  done.answer.set_ok(lines.ok());
+  if (!lines.ok()) {
+    done.answer.set_message(lines.status().message());
+    return done;
+  }
+  *done.answer.add_jobs() = work.job;
+  done.answer.mutable_log()->Assign(lines.value().begin(), lines.value().end());
   return done;
 }
 

@@ -8,6 +8,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -54,17 +55,28 @@ struct ForgetWork {
 struct WriteServedWork {
   double served_s = 0;
 };
+struct WriteLogWork {
+  std::map<std::string, JobLines> by_job;
+};
+// What a client asked, after all that was asked for before.
+struct ReadLogWork {
+  std::string asker;  // the client's peer
+  wire::JobInfo job;  // as it stood when it was asked
+  std::uint64_t after = 0;
+};
 using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork,
-                              WriteServedWork>;
+                              WriteServedWork, WriteLogWork, ReadLogWork>;
 
-// What came of a checkpoint or of blobs; of rows and the time served only a failure is told. (A removal that
-// fails is made up for by the next start.)
+// What came of a checkpoint, of blobs or of a question; of rows, log lines and the time served only a failure
+// is told. (A removal that fails is made up for by the next start.)
 struct DiskDone {
   std::uint64_t ticket = 0;
   std::string job;           // empty: neither a checkpoint nor a job that went
   std::uint64_t number = 0;  // of the checkpoint; 0: the job is forgotten
   Status status;
   std::vector<Hash> written;  // blobs that lie on disk now
+  std::string asker;          // of the question that `answer` answers; empty: it was none
+  wire::Reply answer;
 };
 
 class DiskWriter {
@@ -77,6 +89,7 @@ class DiskWriter {
   std::uint64_t Add(DiskWork work);  // returns its ticket; tickets grow
   std::uint64_t next_ticket() const { return next_ticket_; }
   std::vector<DiskDone> TakeDone();
+  bool Finished(std::uint64_t ticket);  // the work with this ticket and all before it
 
  private:
   struct Item {
@@ -91,6 +104,9 @@ class DiskWriter {
   DiskDone Do(const WriteRowWork& work);
   DiskDone Do(const WriteServedWork& work) const;
   DiskDone Do(const ForgetWork& work);
+  DiskDone Do(const RemoveBlobsWork& work);
+  DiskDone Do(const WriteLogWork& work);
+  DiskDone Do(const ReadLogWork& work) const;
   void RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const;
 
   const StoreFolder& folder_;
@@ -106,7 +122,8 @@ class DiskWriter {
   bool closed_ = false;
   std::deque<Item> queue_;
   std::vector<DiskDone> done_;
-  std::thread thread_;  // last: it uses all of the above
+  std::uint64_t finished_ = 0;  // the last ticket
+  std::thread thread_;          // last: it uses all of the above
 };
 
 }  // namespace cairn::coordinator

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "coordinator/printable.h"
 #include "coordinator/recovery.h"
 #include "coordinator/served_file.h"
 #include "schema/wire/keys.h"
@@ -45,7 +46,10 @@ void Hub::Restore() {
     log_(Severity::kWarning, served_s.status().message() + "; jobs that have ended are kept for longer");
   served_written_s_ = Now();
   Handle(Served{served_s.ok() ? served_s.value() : 0});
-  for (const RestoreJob& job : Recover(folder_, files_, log_)) {
+  const JobLogSink note = [this](Severity severity, const std::string& job, const std::string& line) {
+    Note(severity, job, line);
+  };
+  for (const RestoreJob& job : Recover(folder_, files_, note)) {
     for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
     for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
     Handle(job);
@@ -64,6 +68,8 @@ void Hub::Step(double timeout_s) {
     Handle(Tick{});
     ProbeSilent(now_s);
     if (now_s - served_written_s_ >= kServedEvery_s) WriteServed();
+    // A disk that is slow, or hangs, gets no more to do; what waits is bounded.
+    if (writer_.Finished(log_ticket_)) WriteLog();
   }
   for (const std::string& peer : std::exchange(gone_, {})) Handle(WorkerLost{peer});
   WriteBlobsWork spill;
@@ -80,6 +86,7 @@ bool Hub::Shut(double patience_s) {
     TakeDiskDone();
     static_cast<void>(transport_.Poll(0.005));
   }
+  WriteLog();
   for (const auto& [number, worker] : core_.fleet().workers()) {
     wire::Message bye;
     bye.envelope.mutable_bye();
@@ -168,6 +175,12 @@ void Hub::Take(const std::string& peer, wire::Envelope& envelope, const std::vec
 void Hub::TakeDiskDone() {
   for (const DiskDone& done : writer_.TakeDone()) {
     blobs_.MarkDurable(done.written, done.ticket);
+    if (!done.asker.empty()) {
+      wire::Message answer;
+      *answer.envelope.mutable_reply() = done.answer;
+      Reply(done.asker, std::move(answer));
+      continue;
+    }
     if (done.job.empty()) {
       if (!done.status.ok()) log_(Severity::kWarning, done.status.message());
       continue;

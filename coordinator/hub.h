@@ -76,6 +76,9 @@ class Hub {
   void Do(const Refused& refused);
   void WriteRow(const std::string& job);
   void WriteServed();
+  // A line for the service's log and, where it names a job, for that job's.
+  void Note(Severity severity, const std::string& job, const std::string& text);
+  void WriteLog();
   void ProbeSilent(double now_s);
 
   // hub_rights.cc
@@ -91,6 +94,7 @@ class Hub {
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void AddResults(const std::string& job, wire::Message& reply);
+  void AnswerLog(const std::string& peer, const wire::JobQuery& query);
   std::string WhatIsWrong(const wire::JobQuery& query) const;
   std::string WhatIsWrong(const wire::WorkerQuery& query) const;
   void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);
@@ -121,6 +125,8 @@ class Hub {
   std::multimap<std::string, Waiting> waiting_;    // by job
   std::map<std::string, std::string> row_states_;  // job -> state in the job table
   std::uint64_t last_job_number_;                  // that was ever given
+  WaitingLines waiting_lines_;                     // of jobs' logs
+  std::uint64_t log_ticket_ = 0;                   // of the lines that were written last
   DiskWriter writer_;                              // last: it is joined first
 };
 

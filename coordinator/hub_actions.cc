@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "coordinator/hub.h"
+#include "coordinator/printable.h"
 #include "coordinator/result_file.h"
 
 namespace cairn::coordinator {
@@ -56,22 +57,24 @@ void Hub::Do(const DropBlobs& drop) {
 
 void Hub::Do(const ForgetJob& forget) {
   row_states_.erase(forget.job);
+  waiting_lines_.Forget(forget.job);
   writer_.Add(ForgetWork{
       forget.job, options_.results_folder ? options_.results_folder(forget.job) : std::filesystem::path()});
 }
 
 // Rounds are written to the table with their checkpoints; a change of state at once.
 void Hub::Do(const JobChanged& changed) {
-  const auto info = core_.Find(changed.job);
-  if (info && row_states_[changed.job] != info->state()) WriteRow(changed.job);
+  const Job* job = core_.FindJob(changed.job);
+  if (job != nullptr && row_states_[changed.job] != MakeInfo(*job, Now()).state()) WriteRow(changed.job);
 }
 
 void Hub::WriteRow(const std::string& job) {
-  const auto info = core_.Find(job);
-  if (!info) return;
-  row_states_[job] = info->state();
+  const Job* known = core_.FindJob(job);
+  if (known == nullptr) return;
+  const wire::JobInfo info = MakeInfo(*known, Now());
+  row_states_[job] = info.state();
   const std::string now = UtcNow();
-  writer_.Add(WriteRowWork{{*info, now, now}});
+  writer_.Add(WriteRowWork{{info, now, now}});
 }
 
 void Hub::WriteServed() {
@@ -85,7 +88,21 @@ void Hub::Do(const Report& report) {
   const Severity severity = report.level == Report::kInfo      ? Severity::kInfo
                             : report.level == Report::kWarning ? Severity::kWarning
                                                                : Severity::kError;
-  log_(severity, report.job.empty() ? report.text : report.job + ": " + report.text);
+  Note(severity, report.job, report.text);
+}
+
+void Hub::Note(Severity severity, const std::string& job, const std::string& text) {
+  log_(severity, job.empty() ? text : job + ": " + text);
+  if (job.empty()) return;
+  wire::LogLine line;
+  line.set_utc(UtcNow());
+  line.set_level(severity == Severity::kInfo ? "info" : severity == Severity::kWarning ? "warning" : "alarm");
+  line.set_text(Printable(text, kLogLineBytes));
+  waiting_lines_.Add(job, std::move(line));
+}
+
+void Hub::WriteLog() {
+  if (!waiting_lines_.empty()) log_ticket_ = writer_.Add(WriteLogWork{waiting_lines_.Take()});
 }
 
 }  // namespace cairn::coordinator

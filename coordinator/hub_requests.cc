@@ -165,6 +165,7 @@ std::string Hub::WhatIsWrong(const wire::JobQuery& query) const {
 void Hub::Serve(const std::string& peer, const wire::JobQuery& query) {
   if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
   if (const auto command = CommandOf(query.action())) return Obey(peer, query, *command);
+  if (query.action() == "logs") return AnswerLog(peer, query);
   wire::Message reply;
   reply.envelope.mutable_reply()->set_ok(true);
   if (query.job().empty())
@@ -196,6 +197,13 @@ void Hub::Serve(const std::string& peer, const wire::WorkerQuery& query) {
     if (query.worker() == 0 || query.worker() == info.number())
       *reply.envelope.mutable_reply()->add_fleet() = info;
   Reply(peer, std::move(reply));
+}
+
+// By the thread that writes: it has written what was told so far by then. So where the job is over, as it
+// stands now, nothing of how that came is missing.
+void Hub::AnswerLog(const std::string& peer, const wire::JobQuery& query) {
+  WriteLog();
+  writer_.Add(ReadLogWork{peer, *core_.Find(query.job()), query.after()});
 }
 
 // Answered when it is durable: what a service said it did, a crash does not undo.

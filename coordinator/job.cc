@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "coordinator/eta.h"
+
 namespace cairn::coordinator {
 namespace {
 
@@ -213,6 +215,9 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_stage(job.AllStagesDone() && job.stage > 0 ? job.stage - 1
                                                       : job.stage);  // the last one, when done
   info.set_stages(job.StageCount());
+  if (info.stage() < info.stages())
+    info.set_stage_name(job.spec.stages(static_cast<int>(info.stage())).name());
+  info.set_eta_s(StageLeft_s(job, now_s));
   info.set_round(job.round);
   info.set_input_error(job.input_error);
   info.set_priority(job.spec.priority());

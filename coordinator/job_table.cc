@@ -1,14 +1,14 @@
 #include "coordinator/job_table.h"
 
-#include <sqlite3.h>
-
 #include <charconv>
 #include <utility>
+
+#include "coordinator/sqlite.h"
 
 namespace cairn::coordinator {
 namespace {
 
-constexpr int kVersion = 2;  // in the file's user_version; version 1 left it 0
+constexpr int kVersion = 3;  // in the file's user_version; version 1 left it 0
 
 // WAL: readers are never in the way, and a crash loses at most the last rows, which the checkpoints have too.
 constexpr const char* kOpen = "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;";
@@ -22,7 +22,6 @@ constexpr const char* kVersion1 = R"sql(
 constexpr const char* kVersion2 = R"sql(
   CREATE TABLE last_removed (one INTEGER PRIMARY KEY CHECK (one = 1), number INTEGER NOT NULL);
   INSERT INTO last_removed VALUES (1, 0);
-  PRAGMA user_version = 2;
 )sql";
 
 constexpr const char* kWrite = R"sql(
@@ -40,38 +39,9 @@ constexpr const char* kRead = R"sql(
   FROM jobs ORDER BY id;
 )sql";
 
-struct Finalize {
-  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-};
-using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
-
-Status Failure(sqlite3* db) {
-  const int code = sqlite3_errcode(db) & 0xff;
-  const Code kind = code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ? Code::kCorrupt
-                    : code == SQLITE_FULL                                                   ? Code::kNoSpace
-                                                                                            : Code::kIo;
-  const char* file = sqlite3_db_filename(db, nullptr);
-  return {kind, std::string(file == nullptr ? "job table" : file) + ": " + sqlite3_errmsg(db)};
-}
-
-Result<Statement> Prepare(sqlite3* db, const char* sql) {
-  sqlite3_stmt* statement = nullptr;
-  if (sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) != SQLITE_OK) return Failure(db);
-  return Statement(statement);
-}
-
-// The one number that a query gives.
-Result<std::int64_t> Number(sqlite3* db, const char* sql) {
-  Result<Statement> prepared = Prepare(db, sql);
-  if (!prepared.ok()) return prepared.status();
-  if (sqlite3_step(prepared.value().get()) != SQLITE_ROW) return Failure(db);
-  return std::int64_t{sqlite3_column_int64(prepared.value().get(), 0)};
-}
-
-std::string Text(sqlite3_stmt* statement, int column) {
-  const unsigned char* text = sqlite3_column_text(statement, column);
-  return text == nullptr ? "" : reinterpret_cast<const char*>(text);
-}
+using sqlite::Bind;
+using sqlite::Statement;
+using sqlite::Text;
 
 }  // namespace
 
@@ -91,13 +61,13 @@ Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
   if (opened != SQLITE_OK) return Status(Code::kIo, path.string() + ": " + sqlite3_errstr(opened));
   if (Status status = table.MakeOrUpgrade(); !status.ok()) return status;
   // A table of that name with other columns is not ours.
-  if (Result<Statement> read = Prepare(db, kRead); !read.ok()) return read.status();
+  if (Result<Statement> read = sqlite::Prepare(db, kRead); !read.ok()) return read.status();
   return table;
 }
 
 // All or nothing.
 Status JobTable::MakeOrUpgrade() const {
-  const Result<std::int64_t> version = Number(db_.get(), "PRAGMA user_version;");
+  const Result<std::int64_t> version = sqlite::Number(db_.get(), "PRAGMA user_version;");
   if (!version.ok()) return version.status();
   if (version.value() > kVersion)
     return {Code::kVersion, std::string(sqlite3_db_filename(db_.get(), nullptr)) +
@@ -106,29 +76,24 @@ Status JobTable::MakeOrUpgrade() const {
   Status status = Execute(kOpen);
   if (!status.ok() || version.value() == kVersion) return status;
   status = Execute("BEGIN IMMEDIATE;");
-  if (status.ok()) status = Execute(kVersion1);
-  if (status.ok()) status = Execute(kVersion2);
+  if (status.ok() && version.value() < 2) status = Execute(kVersion1);
+  if (status.ok() && version.value() < 2) status = Execute(kVersion2);
+  if (status.ok()) status = Execute(log_table::kMake);  // version 3
+  if (status.ok()) status = Execute(("PRAGMA user_version = " + std::to_string(kVersion) + ";").c_str());
   if (status.ok()) return Execute("COMMIT;");
   static_cast<void>(Execute("ROLLBACK;"));
   return status;
 }
 
-Status JobTable::Execute(const char* sql) const {
-  if (sqlite3_exec(db_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) return Failure(db_.get());
-  return Status::Ok();
-}
+Status JobTable::Execute(const char* sql) const { return sqlite::Execute(db_.get(), sql); }
 
 Status JobTable::Write(const JobRow& row) {
-  Result<Statement> prepared = Prepare(db_.get(), kWrite);
+  Result<Statement> prepared = sqlite::Prepare(db_.get(), kWrite);
   if (!prepared.ok()) return prepared.status();
   sqlite3_stmt* statement = prepared.value().get();
   int column = 0;
-  const auto text = [&](const std::string& value) {
-    sqlite3_bind_text(statement, ++column, value.data(), static_cast<int>(value.size()), SQLITE_TRANSIENT);
-  };
-  const auto number = [&](std::uint64_t value) {
-    sqlite3_bind_int64(statement, ++column, static_cast<sqlite3_int64>(value));
-  };
+  const auto text = [&](const std::string& value) { Bind(statement, ++column, value); };
+  const auto number = [&](std::uint64_t value) { Bind(statement, ++column, value); };
   const wire::JobInfo& info = row.info;
   text(info.id());
   text(info.name());
@@ -138,19 +103,20 @@ Status JobTable::Write(const JobRow& row) {
   number(info.stages());
   number(info.round());
   text(info.note());
-  number(info.input_error() ? 1 : 0);
+  number(info.input_error() ? 1u : 0u);
   sqlite3_bind_double(statement, ++column, info.seconds());
   text(row.submitted_utc);
   text(row.updated_utc);
-  return sqlite3_step(statement) == SQLITE_DONE ? Status::Ok() : Failure(db_.get());
+  return sqlite3_step(statement) == SQLITE_DONE ? Status::Ok() : sqlite::Failure(db_.get());
 }
 
 Status JobTable::Remove(const std::string& job) {
-  Result<Statement> prepared = Prepare(db_.get(), "DELETE FROM jobs WHERE id = ?;");
+  Result<Statement> prepared = sqlite::Prepare(db_.get(), "DELETE FROM jobs WHERE id = ?;");
   if (!prepared.ok()) return prepared.status();
   sqlite3_stmt* statement = prepared.value().get();
-  sqlite3_bind_text(statement, 1, job.data(), static_cast<int>(job.size()), SQLITE_TRANSIENT);
-  if (sqlite3_step(statement) != SQLITE_DONE) return Failure(db_.get());
+  Bind(statement, 1, job);
+  if (sqlite3_step(statement) != SQLITE_DONE) return sqlite::Failure(db_.get());
+  if (Status removed = log_table::Remove(db_.get(), job); !removed.ok()) return removed;
   // No checkpoint will tell this number any more. With FULL a commit is synced.
   const std::string number = std::to_string(NumberOfJob(job));
   Status status = Execute(
@@ -160,13 +126,13 @@ Status JobTable::Remove(const std::string& job) {
 }
 
 Result<std::uint64_t> JobTable::LastRemoved() const {
-  const Result<std::int64_t> number = Number(db_.get(), "SELECT number FROM last_removed;");
+  const Result<std::int64_t> number = sqlite::Number(db_.get(), "SELECT number FROM last_removed;");
   if (!number.ok()) return number.status();
   return static_cast<std::uint64_t>(number.value());
 }
 
 Result<std::vector<JobRow>> JobTable::Read() const {
-  Result<Statement> prepared = Prepare(db_.get(), kRead);
+  Result<Statement> prepared = sqlite::Prepare(db_.get(), kRead);
   if (!prepared.ok()) return prepared.status();
   sqlite3_stmt* statement = prepared.value().get();
   std::vector<JobRow> rows;
@@ -187,8 +153,16 @@ Result<std::vector<JobRow>> JobTable::Read() const {
     row.updated_utc = Text(statement, 11);
     rows.push_back(std::move(row));
   }
-  if (step != SQLITE_DONE) return Failure(db_.get());
+  if (step != SQLITE_DONE) return sqlite::Failure(db_.get());
   return rows;
+}
+
+Status JobTable::AppendLog(const std::map<std::string, JobLines>& by_job) {
+  return log_table::Append(db_.get(), by_job);
+}
+
+Result<std::vector<wire::LogLine>> JobTable::ReadLog(const std::string& job, std::uint64_t after) const {
+  return log_table::Read(db_.get(), job, after);
 }
 
 }  // namespace cairn::coordinator

@@ -1,5 +1,5 @@
-// The job table: what jobs there are and where they stand, for people and their tools. The checkpoints are
-// the truth; a table that is lost or damaged is made anew from them.
+// The job table: what jobs there are, where they stand, and their logs, for people and their tools. The
+// checkpoints are the truth; a table that is lost or damaged is made anew from them, without the logs.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/job_log.h"
 #include "schema/error.h"
 #include "schema/wire.pb.h"
 
@@ -35,11 +36,14 @@ class JobTable {
 
   // Inserts or replaces a job's row, but for submitted_utc.
   Status Write(const JobRow& row);
-  // Durable when it returns, so that the job's number is never used again.
+  // Its row and its log. Durable when it returns, so that the job's number is never used again.
   Status Remove(const std::string& job);
   // The highest number that the id of a removed job began with.
   Result<std::uint64_t> LastRemoved() const;
   Result<std::vector<JobRow>> Read() const;  // by id
+  // job_log.h
+  Status AppendLog(const std::map<std::string, JobLines>& by_job);
+  Result<std::vector<wire::LogLine>> ReadLog(const std::string& job, std::uint64_t after) const;
 
  private:
   struct Close {

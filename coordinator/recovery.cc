@@ -21,11 +21,11 @@ std::vector<Hash> BlobsOf(const proto::Checkpoint& checkpoint) {
 }
 
 // Sets aside what is damaged of it; true where all can be read.
-bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, const LogSink& log) {
+bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, const JobLogSink& log) {
   for (const Hash& hash : BlobsOf(checkpoint)) {
     const Status blob = files.Check(hash);
     if (blob.ok()) continue;
-    log(Severity::kWarning, blob.message());
+    log(Severity::kWarning, checkpoint.job_id(), blob.message());
     if (blob.code() == Code::kCorrupt) files.SetAside(hash);
     return false;
   }
@@ -35,7 +35,7 @@ bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, const L
 // The newest that is good, from `numbers` (ascending), which loses it and all that were newer.
 std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles& files,
                                             const std::string& job, std::vector<std::uint64_t>& numbers,
-                                            const LogSink& log) {
+                                            const JobLogSink& log) {
   while (!numbers.empty()) {
     const fs::path path = folder.CheckpointFile(job, numbers.back());
     numbers.pop_back();
@@ -44,8 +44,9 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
       return std::move(checkpoint).value();
     const std::string why =
         checkpoint.ok() ? "its blobs are missing or damaged" : checkpoint.status().message();
-    log(Severity::kWarning, "set aside the checkpoint " + path.string() + ": " + why +
-                                (numbers.empty() ? "" : "; the one before it is used"));
+    log(Severity::kWarning, job,
+        "set aside the checkpoint " + path.string() + ": " + why +
+            (numbers.empty() ? "" : "; the one before it is used"));
     SetAside(path);
   }
   return std::nullopt;
@@ -53,16 +54,16 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
 
 // A process that died may have left files that are there but whose folder was not synced: counted on, with
 // what came before them cleared away, they would be gone at the next power cut.
-void MakeDurable(const StoreFolder& folder, const LogSink& log) {
+void MakeDurable(const StoreFolder& folder, const JobLogSink& log) {
   std::vector<fs::path> folders = {folder.Blobs(), folder.Checkpoints()};
   for (const std::string& job : folder.JobsWithCheckpoints()) folders.push_back(folder.Checkpoints() / job);
   for (const fs::path& path : folders)
-    if (const Status status = SyncFolder(path); !status.ok()) log(Severity::kError, status.message());
+    if (const Status status = SyncFolder(path); !status.ok()) log(Severity::kError, "", status.message());
 }
 
 }  // namespace
 
-std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const LogSink& log) {
+std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const JobLogSink& log) {
   MakeDurable(folder, log);
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
@@ -70,7 +71,7 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, con
     std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
     std::optional<proto::Checkpoint> newest = TakeNewest(folder, files, job, numbers, log);
     if (!newest) {
-      log(Severity::kError, "job " + job + " has no checkpoint left that can be read; it is lost");
+      log(Severity::kError, "", "job " + job + " has no checkpoint left that can be read; it is lost");
       continue;
     }
     RestoreJob restore{std::move(*newest), {}};

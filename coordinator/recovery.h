@@ -14,7 +14,7 @@ namespace cairn::coordinator {
 // The last good checkpoint of every job, in the order of submission. A damaged one, or one whose blobs are
 // missing or damaged, is named, renamed to FILE.damaged, and the one before is taken. Blobs that none of the
 // kept checkpoints names, and leftovers of interrupted writes, are removed.
-std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const LogSink& log);
+std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const JobLogSink& log);
 
 // The job table; one that cannot be read is set aside and begun anew.
 Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log);

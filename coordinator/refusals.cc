@@ -1,5 +1,7 @@
 #include "coordinator/refusals.h"
 
+#include "coordinator/printable.h"
+
 namespace cairn::coordinator {
 namespace {
 
@@ -30,13 +32,6 @@ std::map<std::string, std::uint64_t> Refusals::Counts() const {
   std::map<std::string, std::uint64_t> counts;
   for (const auto& [kind, facts] : kinds_) counts[wire::KindName(kind)] = facts.count;
   return counts;
-}
-
-std::string Printable(const std::string& text, std::size_t most_bytes) {
-  std::string safe = text.size() > most_bytes ? text.substr(0, most_bytes) + "…" : text;
-  for (char& c : safe)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return safe;
 }
 
 }  // namespace cairn::coordinator

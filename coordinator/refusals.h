@@ -31,7 +31,4 @@ class Refusals {
   std::map<wire::RefusalKind, Kind> kinds_;
 };
 
-// What others wrote, fit for a log or a terminal: no control characters, at most `most_bytes`.
-std::string Printable(const std::string& text, std::size_t most_bytes);
-
 }  // namespace cairn::coordinator

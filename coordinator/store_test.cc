@@ -165,7 +165,7 @@ TEST(Recovery, OfTheCheckpointBeforeOnlyBlobsThatAreThereAreKept) {
   before.add_blobs(TextBlob("gone").hash.Binary());
   ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 2), before).ok());
   BlobFiles files(folder.value());
-  const auto jobs = Recover(folder.value(), files, [](Severity, const std::string&) {});
+  const auto jobs = Recover(folder.value(), files, [](Severity, const std::string&, const std::string&) {});
   ASSERT_EQ(jobs.size(), 1u);
   EXPECT_EQ(jobs[0].checkpoint.number(), 3u);
   EXPECT_EQ(jobs[0].previous_blobs, (std::vector{b.hash, c.hash}));
@@ -261,7 +261,7 @@ TEST(JobTable, ANewerOneIsRefusedAndNotTouched) {
   {
     std::fstream file(temp.path() / "jobs.sqlite", std::ios::in | std::ios::out | std::ios::binary);
     file.seekp(60 + 3);  // the last byte of user_version, https://sqlite.org/fileformat.html
-    file.put(3);
+    file.put(100);
   }
   const auto before = Contents(temp.path());
   const Status status = JobTable::Open(temp.path() / "jobs.sqlite").status();

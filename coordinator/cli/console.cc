@@ -67,21 +67,9 @@ coordinator::LogSink Console::Sink() {
   return [this](Level level, const std::string& line) { Log(level, line); };
 }
 
-double Console::Elapsed(const wire::JobInfo& info) {
-  const std::string stage = info.id() + "/" + std::to_string(info.stage());
-  const Clock::time_point now = Clock::now();
-  if (stage != stage_ || PartDone(info) < part_then_) {
-    stage_ = stage;
-    since_ = now;
-    part_then_ = PartDone(info);
-  }
-  return std::chrono::duration<double>(now - since_).count();
-}
-
 void Console::Progress(const wire::JobInfo& info) {
-  const double elapsed_s = Elapsed(info);
   if (terminal_) {
-    std::fprintf(stderr, "\r%s\x1b[K", ProgressLine(info, elapsed_s, part_then_, Columns()).c_str());
+    std::fprintf(stderr, "\r%s\x1b[K", ProgressLine(info, Columns()).c_str());
     drawn_ = true;
     return;
   }
@@ -91,7 +79,7 @@ void Console::Progress(const wire::JobInfo& info) {
   if (!fresh || now - last_line_ < std::chrono::seconds(1)) return;
   last_line_ = now;
   last_note_ = info.note();
-  const std::string line = ProgressLine(info, elapsed_s, part_then_, 0);
+  const std::string line = ProgressLine(info, 0);
   if (json_)
     logger_->log(spdlog::level::info, "{}", JsonText(line));
   else

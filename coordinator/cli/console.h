@@ -34,15 +34,11 @@ class Console {
 
  private:
   using Clock = std::chrono::steady_clock;
-  double Elapsed(const wire::JobInfo& info);
 
   bool terminal_;
   bool json_ = false;
   bool drawn_ = false;
   std::shared_ptr<spdlog::logger> logger_;
-  std::string stage_;          // job and stage that `since_` belongs to
-  Clock::time_point since_{};  // when that stage was seen first
-  double part_then_ = 0;
   Clock::time_point last_line_{};
   std::string last_note_;
 };

@@ -1,10 +1,12 @@
 #include "coordinator/cli/job_text.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/progress_line.h"
+#include "coordinator/cli/text_table.h"
 #include "coordinator/store_use.h"
 
 namespace cairn::cli {
@@ -17,10 +19,13 @@ nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
           {"reason", job.reason()},
           {"stage", job.stage()},
           {"stages", job.stages()},
+          {"stage_name", job.stage_name()},
           {"round", job.round()},
           {"tasks", job.tasks()},
           {"tasks_done", job.tasks_done()},
           {"rounds_left", job.rounds_left()},
+          {"workers", job.workers()},
+          {"eta_s", job.eta_s() > 0 ? nlohmann::ordered_json(job.eta_s()) : nlohmann::ordered_json()},
           {"note", job.note()},
           {"seconds", job.seconds()},
           {"priority", job.priority()},
@@ -33,6 +38,23 @@ nlohmann::ordered_json ToJson(const coordinator::StoreFacts& store) {
   return {{"bytes", store.bytes}, {"limit_bytes", store.limit_bytes}};
 }
 
+// "1/2 landmarks"
+std::string StageText(const wire::JobInfo& job) {
+  const std::string name = job.stage_name().empty() ? "" : " " + job.stage_name();
+  return std::to_string(std::min(job.stage() + 1, job.stages())) + "/" + std::to_string(job.stages()) + name;
+}
+
+// Of the stage under way: nobody knows what the later ones will take.
+std::string LeftText(const wire::JobInfo& job) {
+  if (job.state() != "running") return "";
+  if (job.eta_s() <= 0) return "unknown";
+  const std::uint32_t later = job.stages() - std::min(job.stage() + 1, job.stages());
+  return "about " + Duration(job.eta_s()) +
+         (later == 0 ? ""
+                     : " of this stage, and " + std::to_string(later) +
+                           (later == 1 ? " stage more" : " stages more"));
+}
+
 }  // namespace
 
 std::string Dump(const nlohmann::ordered_json& json) {
@@ -40,34 +62,44 @@ std::string Dump(const nlohmann::ordered_json& json) {
 }
 
 std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
-  char line[256];
-  std::snprintf(line, sizeof line, "%-20s %-16s %-10s %6s %8s  %s\n", "job", "name", "state", "stage", "time",
-                "note");
-  std::string text = line;
-  for (const wire::JobInfo& job : jobs) {
-    const std::string stage =
-        std::to_string(std::min(job.stage() + 1, job.stages())) + "/" + std::to_string(job.stages());
-    std::snprintf(line, sizeof line, "%-20s %-16s %-10s %6s %8s  ", job.id().c_str(), job.name().c_str(),
-                  job.state().c_str(), stage.c_str(), Duration(job.seconds()).c_str());
-    text += line + (job.reason().empty() ? job.note() : job.reason()) + "\n";
-  }
-  return text;
+  std::vector<std::vector<std::string>> rows = {
+      {"job", "name", "state", "stage", "round", "tasks", "workers", "time", "left", "note"}};
+  for (const wire::JobInfo& job : jobs)
+    rows.push_back(
+        {job.id(), job.name(), job.state(), StageText(job), std::to_string(job.round()),
+         job.tasks() > 0 ? std::to_string(job.tasks_done()) + "/" + std::to_string(job.tasks()) : "",
+         std::to_string(job.workers()), Duration(job.seconds()), job.eta_s() > 0 ? Duration(job.eta_s()) : "",
+         job.reason().empty() ? job.note() : job.reason()});
+  return TextTable(rows);
 }
 
 std::string JobText(const wire::JobInfo& job) {
-  std::string text = "job      " + job.id() + "\nname     " + job.name() + "\nstate    " + job.state() + "\n";
-  if (!job.reason().empty()) text += "reason   " + job.reason() + "\n";
-  if (job.priority() != 0) text += "priority " + std::to_string(job.priority()) + "\n";
-  text += "stage    " + std::to_string(std::min(job.stage() + 1, job.stages())) + " of " +
-          std::to_string(job.stages()) + "\nround    " + std::to_string(job.round()) + "\n";
-  if (job.tasks() > 0) {
-    text += "tasks    " + std::to_string(job.tasks_done()) + " of " + std::to_string(job.tasks()) +
-            " in this round\n";
-  }
-  text += "time     " + Duration(job.seconds()) + "\n";
-  if (!job.note().empty()) text += "note     " + job.note() + "\n";
-  if (job.retries() > 0) text += "retries  " + std::to_string(job.retries()) + " in all, the last:\n";
-  for (const std::string& failure : job.failures()) text += "         " + failure + "\n";
+  std::string text;
+  const auto line = [&text](const char* what, const std::string& value) {
+    if (value.empty()) return;
+    char column[16];
+    std::snprintf(column, sizeof column, "%-9s", what);
+    text += column + value + "\n";
+  };
+  line("job", job.id());
+  line("name", job.name());
+  line("state", job.state());
+  line("reason", job.reason());
+  line("priority", job.priority() == 0 ? "" : std::to_string(job.priority()));
+  line("stage", std::to_string(std::min(job.stage() + 1, job.stages())) + " of " +
+                    std::to_string(job.stages()) + (job.stage_name().empty() ? "" : ", " + job.stage_name()));
+  line("round",
+       std::to_string(job.round()) + (job.rounds_left() == 0 || IsOver(job)
+                                          ? ""
+                                          : ", about " + std::to_string(job.rounds_left()) + " to do"));
+  if (job.tasks() > 0)
+    line("tasks", std::to_string(job.tasks_done()) + " of " + std::to_string(job.tasks()) + " in this round");
+  line("workers", IsOver(job) ? "" : std::to_string(job.workers()) + " at work on it");
+  line("time", Duration(job.seconds()));
+  line("left", LeftText(job));
+  line("note", job.note());
+  if (job.retries() > 0) line("retries", std::to_string(job.retries()) + " in all, the last:");
+  for (const std::string& failure : job.failures()) line("", failure);
   return text;
 }
 

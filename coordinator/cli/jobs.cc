@@ -102,6 +102,7 @@ int Watch(const Options& options, const Invocation& call) {
   const std::atomic<bool>& stop = StopOnSignals();
   Console console(call);
   std::string last_reason, last_wait;
+  std::uint64_t last_retries = ~0ull;  // those before are not news
   while (!stop) {
     const Result<wire::JobInfo> answer = client.Info(job);
     // A coordinator that is started again answers soon.
@@ -122,6 +123,9 @@ int Watch(const Options& options, const Invocation& call) {
     const std::string waits = WaitsFor(client, info);
     if (waits != last_wait && !waits.empty()) console.Log(Console::Level::kWarning, waits);
     last_wait = waits;
+    if (info.retries() > last_retries && info.failures_size() > 0)
+      console.Log(Console::Level::kWarning, *info.failures().rbegin() + "; it is tried again");
+    last_retries = info.retries();
     console.Progress(info);
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }

@@ -48,13 +48,13 @@ double PartDone(const wire::JobInfo& info) {
   return std::min(1.0, done / all);
 }
 
-std::string ProgressLine(const wire::JobInfo& info, double elapsed_s, double part_then, int width) {
+std::string ProgressLine(const wire::JobInfo& info, int width) {
   std::string line =
       info.name() + " " + std::to_string(info.stage() + 1) + "/" + std::to_string(info.stages());
+  if (info.stages() > 1) line += " " + info.stage_name();
   const double part = PartDone(info);
   if (part >= 0) line += " " + Bar(part);
-  const double progressed = part - std::max(0.0, part_then);
-  if (part >= 0 && progressed > 0.02) line += " " + Duration(elapsed_s * (1 - part) / progressed) + " left,";
+  if (info.eta_s() > 0) line += " " + Duration(info.eta_s()) + " left,";
   line += " " + std::to_string(info.tasks_done()) + "/" + std::to_string(info.tasks()) + " tasks";
   if (!info.note().empty()) line += ", " + info.note();
   return Cut(line, width);

@@ -118,7 +118,10 @@ class Session {
       hub_.reset();
       log_.clear();
       coordinator::BlobFiles files(*folder_);
-      Recover(*folder_, files, Sink());
+      Recover(*folder_, files,
+              [this](coordinator::Severity severity, const std::string&, const std::string& line) {
+                Sink()(severity, line);
+              });
       CAIRN_DEMAND(log_.find("set aside") == std::string::npos, log_);
     }
     return peers_.replies() > 0 || !peers_.assigned().empty() ? Outcome::kAccepted : Outcome::kRefused;
