@@ -59,11 +59,12 @@ for home in idle service; do
   until_true 10 grep -q 'listening' $home.log
 done
 export CAIRN_HOME=$work/idle
-for command in submit list status logs pause resume priority cancel delete; do runs "$command"; done
+for command in submit list status pause resume priority cancel delete; do runs "$command"; done
 export CAIRN_HOME=$work/service
 runs submit
 cairn worker 2>worker.log &
 runs watch
+runs logs
 runs results
 
 # The service as its own help shows it, from nothing.
