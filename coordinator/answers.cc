@@ -80,7 +80,7 @@ bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
   if (event.blobs.size() > 1 || (event.blobs.size() == 1 && !came))
     wrong = "its answer came with a blob that it does not name";
   if (!wrong.empty()) {
-    if (had_it && job.tasks.Withdraw(key.task(), key.attempt())) FailAttempt(job, key.task(), wrong);
+    if (had_it) Shun(job, key, worker, wrong);
     return false;
   }
   Count(job, event.done, worker);
@@ -113,7 +113,7 @@ bool Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
       if (!ledger_.Held(blob) && !came.contains(blob))
         wrong = "its plan names the blob " + blob.Hex() + " that nobody has";
   if (!wrong.empty()) {
-    if (had_it && job.tasks.Withdraw(0, key.attempt())) FailAttempt(job, 0, wrong);
+    if (had_it) Shun(job, key, worker, wrong);
     return false;
   }
   Count(job, event.done, worker);
@@ -210,6 +210,21 @@ void Core::On(const TaskFailed& event) {
   if (event.failed.input_error())
     return FailJob(*job, job->TaskName(key.task()) + ": " + event.failed.message(), true);
   FailAttempt(*job, key.task(), event.failed.message());
+}
+
+// Its transport checks what it carries: whoever sends a malformed answer is broken, or computes what is. In
+// the first case one worker alone must not use up a task's attempts; in the second others come to the same.
+void Core::Shun(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong) {
+  if (!job.tasks.Withdraw(key.task(), key.attempt())) return;
+  const std::string who = WorkerName(worker.hello);
+  std::erase_if(job.shunned, [this](std::uint64_t number) { return fleet_.Find(number) == nullptr; });
+  if (job.shunned.insert(worker.number).second)
+    Say(Report::kWarning, who + " gets no more tasks of " + job.id + " where there are others: " + wrong);
+  std::vector<wire::TaskKey> queued;
+  for (const InHand& task : worker.in_hand)
+    if (task.key.job() == job.id) queued.push_back(task.key);
+  for (const wire::TaskKey& other : queued) TakeBack(worker, other);
+  FailAttempt(job, key.task(), wrong + ", by " + who);
 }
 
 void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& why) {

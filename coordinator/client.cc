@@ -66,11 +66,12 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
   wire::Poller poller;
   poller.Add(socket_);
   answered_ = false;
-  bool sent = false;
+  bool sent = false, broken = false;
   while (true) {
     while (const std::optional<wire::LinkEvent> event = socket_.TryEvent()) {
       if (*event == wire::LinkEvent::kKeyRefused)
         return Status(Code::kRefused, "the service does not know this key");
+      broken |= *event == wire::LinkEvent::kHandshakeFailed;
       if (*event == wire::LinkEvent::kDisconnected && sent) {
         return Status(Code::kIo, "the service at " + options_.endpoint + " went away before it answered");
       }
@@ -81,8 +82,13 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
       return Judge(std::move(*received));
     }
     if (Clock::now() >= end) {
-      return Status(Code::kIo, sent ? "the service at " + options_.endpoint + " does not answer"
-                                    : "no service listens at " + options_.endpoint);
+      const std::string service = "the service at " + options_.endpoint;
+      if (!sent && broken)
+        return Status(Code::kIo, service +
+                                     " breaks off each connection before it is secured: is the server key "
+                                     "that of the coordinator?");
+      return Status(Code::kIo,
+                    sent ? service + " does not answer" : "no service listens at " + options_.endpoint);
     }
     // Unsent, the connection may be there before its event is: look again soon.
     poller.Wait(sent ? Left(end) : std::min(Left(end), std::chrono::milliseconds(20)));

@@ -58,6 +58,10 @@ class Core {
   // Handle is told, which never jumps, makes a job old, and no restart makes it young.
   double served_s() const { return now_s_ - served_from_s_; }
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
+  // Whether a worker may get tasks of the job.
+  bool MayServe(const Worker& worker, const Job& job) const {
+    return !ShunnedBy(job).contains(worker.number);
+  }
   // Whether a worker was handed a task that reads this blob, or made it.
   bool MayRead(const std::string& peer, const Hash& hash) const;
   // A checkpoint is under way, or SaveNow would begin one.
@@ -110,6 +114,8 @@ class Core {
   void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
                      const Worker& worker);
   void Count(Job& job, const wire::Done& done, const Worker& worker);
+  // The attempt at `task` has failed, by its worker's fault.
+  void Shun(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
   void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
   void BeginRound(Job& job, const proto::Step& step);
   void EndStage(Job& job, const Hash& result);
@@ -117,14 +123,16 @@ class Core {
 
   // dispatch.cc
   void Dispatch();
+  void GiveOut();  // ready tasks, to workers that have room
   void Queue(std::uint64_t order);
+  const std::set<std::uint64_t>& ShunnedBy(const Job& job) const;  // none where there is nobody else
   void Assign(Job& job, std::uint32_t task, const std::vector<Hash>& inputs, Worker& worker);
   void Withdraw(Job& job, std::uint32_t task, const Attempt& attempt);  // from whoever has it, with a Cancel
   void CallBack(Worker& worker, const wire::TaskKey& key);              // a Cancel, where it has it
   Job* TakeBack(Worker& worker, const wire::TaskKey& key);  // null where it was not under way any more
   void WithdrawOthers(Job& job, std::uint32_t task);        // all attempts that are still under way
   void WithdrawAll(Job& job);
-  bool MoveQueuedTo(Worker& idle);
+  bool MoveQueued();  // to an idle worker
   void CopyStragglers();
   Job* JobOf(const wire::TaskKey& key);  // null where the task is not part of what is under way
 

@@ -397,6 +397,59 @@ TEST(CoreWorkers, WhatADrainingWorkerRunsForTooLongIsCopiedAndWhatHangsThereGoes
   EXPECT_EQ(bench.Next().peer, "x");
 }
 
+// An answer that lacks its blob.
+void AnswerMalformed(Bench& bench, const Bench::Assigned& task) {
+  wire::Done done;
+  *done.mutable_key() = task.assign.key();
+  done.set_partial(H(77).Binary());
+  bench.Do(TaskDone{task.peer, done, {}});
+}
+
+TEST(CoreWorkers, AWorkerWhoseAnswerIsMalformedGetsNoMoreOfThatJobWhereThereAreOthers) {
+  Bench bench;
+  Begin(bench, 8, 3);
+  bench.Join("x", 2);
+  auto first = bench.Next();
+  ASSERT_EQ(first.peer, "w");
+  AnswerMalformed(bench, first);
+  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 2u) << "nor are its other answers waited for";
+  ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_NE(bench.core.FindJob("a")->failures[0].find("host-w"), std::string::npos) << "says whose it was";
+  EXPECT_TRUE(bench.core.fleet().Find("w")->in_hand.empty());
+  std::erase_if(bench.assigned, [](const auto& task) { return task.peer == "w"; });
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    const auto task = bench.Next();
+    EXPECT_EQ(task.peer, "x");
+    bench.AnswerRun(task, H(10 + i));
+    bench.Advance(0.1);
+  }
+  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+  EXPECT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
+  bench.Submit("b");
+  EXPECT_EQ(bench.Next().peer, "w") << "other jobs do not suffer for what may be this job's fault";
+}
+
+TEST(CoreWorkers, WithNobodyElseAWorkersMalformedAnswersFailTheJobInTheEnd) {
+  Bench bench;
+  Begin(bench, 1);
+  bench.Join("x");
+  AnswerMalformed(bench, bench.Next());
+  auto again = bench.Next();
+  ASSERT_EQ(again.peer, "x");
+  bench.Do(DrainWorker{"x"});
+  bench.Do(WorkerBye{"x"});
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(bench.Info().state(), "running");
+    again = bench.Next();
+    ASSERT_EQ(again.peer, "w");
+    AnswerMalformed(bench, again);
+  }
+  EXPECT_EQ(bench.Info().state(), "failed");
+  EXPECT_NE(bench.Info().reason().find("failed 3 times, last: its answer came without its blob, by worker"),
+            std::string::npos)
+      << bench.Info().reason();
+}
+
 TEST(CoreWorkers, AChainStaysOnTheWorkerThatHasThePartial) {
   Bench bench;
   bench.Submit();

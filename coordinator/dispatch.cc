@@ -7,19 +7,41 @@ namespace cairn::coordinator {
 
 void Core::Dispatch() {
   for (const std::uint64_t order : touched_) Queue(order);
+  do {
+    GiveOut();
+  } while (MoveQueued());  // what makes room behind whom it is taken from
+  if (all_touched_) CopyStragglers();
+}
+
+void Core::GiveOut() {
+  std::vector<std::uint64_t> without;  // jobs whose task only workers could get that they shun
   while (fleet_.AnyRoom()) {
     const std::optional<std::uint64_t> order = share_.Next();
     if (!order) break;
     Job& job = jobs_.at(*order);
     const std::uint32_t task = job.tasks.NextReady();
     const std::vector<Hash> inputs = TaskInputs(job, task);
-    Assign(job, task, inputs, *fleet_.Place(inputs));
+    Worker* worker = fleet_.Place(inputs, ShunnedBy(job));
+    if (worker == nullptr) {
+      share_.Withdraw(*order);
+      without.push_back(*order);
+      continue;
+    }
+    Assign(job, task, inputs, *worker);
     share_.Charge(*order, job.ExpectedSeconds(task), job.spec.priority());
     Queue(*order);
   }
-  while (Worker* idle = fleet_.Idle())
-    if (!MoveQueuedTo(*idle)) break;
-  if (all_touched_) CopyStragglers();
+  for (const std::uint64_t order : without) Queue(order);
+}
+
+// A job that has nobody else must end too, by the failures of whom it has.
+const std::set<std::uint64_t>& Core::ShunnedBy(const Job& job) const {
+  static const std::set<std::uint64_t> kNobody;
+  std::size_t able = 0;
+  for (const std::uint64_t number : job.shunned)
+    if (const auto it = fleet_.workers().find(number); it != fleet_.workers().end())
+      able += it->second.Able();
+  return able < fleet_.able() ? job.shunned : kNobody;
 }
 
 // Whether a job has a task to give may have changed.
@@ -80,15 +102,17 @@ Job* Core::JobOf(const wire::TaskKey& key) {
 
 // Deep queues keep short tasks flowing; where they are long, an idle worker takes over what waits behind
 // another.
-bool Core::MoveQueuedTo(Worker& idle) {
-  Worker* busiest = fleet_.Busiest();
+bool Core::MoveQueued() {
+  Worker* busiest = fleet_.Idle() == nullptr ? nullptr : fleet_.Busiest();
   if (busiest == nullptr) return false;
   const wire::TaskKey key = busiest->in_hand.back().key;
   const Job* running = JobOf(key);
   if (running == nullptr || !running->Running()) return false;
+  Worker* idle = fleet_.Idle(ShunnedBy(*running));
+  if (idle == nullptr) return false;
   Job* job = TakeBack(*busiest, key);
   if (job != nullptr && job->tasks.task(key.task()).status == TaskStatus::kReady)
-    Assign(*job, key.task(), TaskInputs(*job, key.task()), idle);
+    Assign(*job, key.task(), TaskInputs(*job, key.task()), *idle);
   return true;
 }
 
@@ -111,9 +135,9 @@ void Core::CopyStragglers() {
   std::stable_sort(stragglers.begin(), stragglers.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [runs_s, key] : stragglers) {
-    Worker* idle = fleet_.Idle();
-    if (idle == nullptr) return;
     Job& job = *JobOf(key);
+    Worker* idle = fleet_.Idle(ShunnedBy(job));
+    if (idle == nullptr) continue;
     Assign(job, key.task(), TaskInputs(job, key.task()), *idle);
   }
 }

@@ -19,6 +19,10 @@ bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b) {
   return a.attempt() == b.attempt() && SameTask(a, b);
 }
 
+std::string WorkerName(const wire::Hello& hello) {
+  return "worker " + std::to_string(hello.pid()) + " on " + (hello.host().empty() ? "?" : hello.host());
+}
+
 const InHand* Worker::Find(const wire::TaskKey& key) const {
   for (const InHand& task : in_hand)
     if (SameAttempt(task.key, key)) return &task;
@@ -35,12 +39,18 @@ bool Worker::Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s) {
   return false;
 }
 
+void Fleet::Unfile(const Worker& worker) {
+  open_.erase({worker.in_hand.size(), worker.number});
+  loaded_.erase({worker.in_hand.size(), worker.number});
+  if (worker.Able()) --able_;
+}
+
 // Takes the worker out of the files, changes it, and files it anew.
 template <class Change>
 void Fleet::Refile(Worker& worker, const Change& change) {
-  open_.erase({worker.in_hand.size(), worker.number});
-  loaded_.erase({worker.in_hand.size(), worker.number});
+  Unfile(worker);
   change();
+  if (worker.Able()) ++able_;
   if (worker.HasRoom()) open_.insert({worker.in_hand.size(), worker.number});
   if (worker.in_hand.size() >= 2) loaded_.insert({worker.in_hand.size(), worker.number});
 }
@@ -53,6 +63,7 @@ Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now
   worker.peer = peer;
   worker.hello = hello;
   worker.heard_s = worker.moved_s = worker.head_s = now_s;
+  ++able_;  // so that Unfile finds it filed
   Refile(worker, [] {});
   return worker;
 }
@@ -61,8 +72,7 @@ void Fleet::Remove(const std::string& peer) {
   const auto it = numbers_.find(peer);
   if (it == numbers_.end()) return;
   Worker& worker = workers_.at(it->second);
-  open_.erase({worker.in_hand.size(), worker.number});
-  loaded_.erase({worker.in_hand.size(), worker.number});
+  Unfile(worker);
   for (const Hash& blob : worker.has) {
     const auto owners = owners_.find(blob);
     owners->second.erase(worker.number);
@@ -116,14 +126,15 @@ void Fleet::Forget(const std::vector<Hash>& dropped) {
   }
 }
 
-Worker* Fleet::Place(std::span<const Hash> inputs) {
+Worker* Fleet::Place(std::span<const Hash> inputs, const std::set<std::uint64_t>& but) {
   inputs = inputs.first(std::min(inputs.size(), kInputsLookedAt));
-  const std::size_t least = open_.begin()->first;
   Worker* best = nullptr;
   std::ptrdiff_t best_missing = 0;
   std::size_t looked_at = 0;
-  for (auto it = open_.begin(); it != open_.end() && it->first == least && looked_at < kWorkersLookedAt;
-       ++it, ++looked_at) {
+  for (auto it = open_.begin(); it != open_.end() && looked_at < kWorkersLookedAt; ++it) {
+    if (but.contains(it->second)) continue;
+    if (best != nullptr && it->first > best->in_hand.size()) break;
+    ++looked_at;
     Worker& worker = workers_.at(it->second);
     const auto missing = std::count_if(inputs.begin(), inputs.end(),
                                        [&worker](const Hash& hash) { return !worker.has.contains(hash); });
@@ -132,8 +143,10 @@ Worker* Fleet::Place(std::span<const Hash> inputs) {
   return best;
 }
 
-Worker* Fleet::Idle() {
-  return open_.empty() || open_.begin()->first > 0 ? nullptr : &workers_.at(open_.begin()->second);
+Worker* Fleet::Idle(const std::set<std::uint64_t>& but) {
+  for (auto it = open_.begin(); it != open_.end() && it->first == 0; ++it)
+    if (!but.contains(it->second)) return &workers_.at(it->second);
+  return nullptr;
 }
 
 Worker* Fleet::Busiest() { return loaded_.empty() ? nullptr : &workers_.at(loaded_.rbegin()->second); }

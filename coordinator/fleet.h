@@ -19,6 +19,8 @@ namespace cairn::coordinator {
 bool SameTask(const wire::TaskKey& a, const wire::TaskKey& b);  // whatever the attempt
 bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b);
 
+std::string WorkerName(const wire::Hello& hello);  // for people
+
 struct InHand {
   wire::TaskKey key;
   double since_s = 0;  // when it was sent
@@ -37,7 +39,8 @@ struct Worker {
   std::vector<InHand> in_hand;
   HashSet has;  // blobs that it was sent or made; it may have forgotten some
 
-  bool HasRoom() const { return in_hand.size() < hello.slots() && !hung && !draining; }
+  bool Able() const { return !hung && !draining; }
+  bool HasRoom() const { return in_hand.size() < hello.slots() && Able(); }
   const InHand* Find(const wire::TaskKey& key) const;
   // Ticks of what it has in hand. True where one moved.
   bool Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s);
@@ -66,20 +69,23 @@ class Fleet {
   void Forget(const std::vector<Hash>& dropped);
 
   bool AnyRoom() const { return !open_.empty(); }
-  // A worker that has room and the least in hand; of the first few equals the one that has most of the first
-  // of `inputs`. There must be room.
-  Worker* Place(std::span<const Hash> inputs);
-  Worker* Idle();     // that may get tasks and has none; null where there is none
+  std::size_t able() const { return able_; }  // workers that may get tasks now or later
+  // A worker that has room, the least in hand, and is none of `but`; of the first few equals the one that has
+  // most of the first of `inputs`. Null where there is none.
+  Worker* Place(std::span<const Hash> inputs, const std::set<std::uint64_t>& but = {});
+  Worker* Idle(const std::set<std::uint64_t>& but = {});  // that may get tasks and has none; null as above
   Worker* Busiest();  // with the most in hand, at least two; null where there is none
 
  private:
   using ByLoad = std::set<std::pair<std::size_t, std::uint64_t>>;  // tasks in hand, number
   template <class Change>
   void Refile(Worker& worker, const Change& change);
+  void Unfile(const Worker& worker);
 
   std::uint64_t next_number_ = 1;
   std::map<std::uint64_t, Worker> workers_;
-  std::map<std::string, std::uint64_t> numbers_;    // by peer
+  std::map<std::string, std::uint64_t> numbers_;  // by peer
+  std::size_t able_ = 0;
   ByLoad open_;                                     // those that have room
   ByLoad loaded_;                                   // those with two and more in hand
   std::map<Hash, std::set<std::uint64_t>> owners_;  // workers by what they have

@@ -74,6 +74,8 @@ struct Job {
   Holds holds;
   // Of the round under way and of the last START or ADVANCE: nobody else's answer counts.
   std::set<GivenAttempt> given;
+  // Workers whose answer was malformed: they get no more of its tasks where there are others.
+  std::set<std::uint64_t> shunned;
   // A second answer to the last START or ADVANCE is checked against this.
   wire::TaskKey last_plan;
   Hash last_plan_hash;

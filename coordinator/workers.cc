@@ -7,10 +7,6 @@
 namespace cairn::coordinator {
 namespace {
 
-std::string WorkerName(const wire::Hello& hello) {
-  return "worker " + std::to_string(hello.pid()) + " on " + (hello.host().empty() ? "?" : hello.host());
-}
-
 // Without zeros that say nothing.
 std::string Number(double value) {
   char text[32];

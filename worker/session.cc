@@ -1,6 +1,7 @@
 #include "worker/session.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace cairn::worker {
@@ -33,6 +34,7 @@ void Session::Handle(const Event& event, double now_s) {
   switch (event.kind) {
     case Event::kConnected:
       connected_ = true;
+      failed_handshakes_ = 0;
       DropConversation();
       SayHello(now_s);
       return;
@@ -46,6 +48,9 @@ void Session::Handle(const Event& event, double now_s) {
       connected_ = false;
       DropConversation();
       return;
+    case Event::kHandshakeFailed:
+      NoteFailedHandshake();
+      return;
     case Event::kKeyRefused:
       End(kExitRefused, Severity::kError, "the coordinator does not know this worker's key");
       return;
@@ -53,6 +58,18 @@ void Session::Handle(const Event& event, double now_s) {
       HandleMessage(event.message, now_s);
       return;
   }
+}
+
+// Told rarer and rarer: it may go on for hours.
+void Session::NoteFailedHandshake() {
+  connected_ = false;
+  DropConversation();
+  if (!std::has_single_bit(++failed_handshakes_)) return;
+  options_.log(Severity::kWarning,
+               "the connection broke before it was secured (" + std::to_string(failed_handshakes_) +
+                   (failed_handshakes_ == 1 ? " time" : " times") +
+                   "): the coordinator is ending, starting or crowded, or --server-key is not its key; "
+                   "trying again");
 }
 
 void Session::HandleMessage(const wire::Message& message, double now_s) {

@@ -55,6 +55,7 @@ class Session {
   };
   void HandleMessage(const wire::Message& message, double now_s);
   void TakeBlob(const wire::NamedBlob& named, double now_s);
+  void NoteFailedHandshake();
   void SayHello(double now_s);
   void DropConversation();
   void End(int code, Severity severity, const std::string& line);
@@ -72,6 +73,7 @@ class Session {
   const double started_s_;
   bool connected_ = false;
   bool ever_welcome_ = false;
+  unsigned failed_handshakes_ = 0;    // since it was last connected
   std::optional<double> beat_s_;      // since Welcome
   double hello_s_ = 0;                // when Hello was last said
   double beaten_s_ = 0;               // when the last beat went out

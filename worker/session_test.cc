@@ -100,6 +100,18 @@ TEST(Conversation, AnUnknownKeyEndsIt) {
   EXPECT_EQ(rig.Join(), kExitRefused);
 }
 
+TEST(Conversation, AHandshakeThatFailsIsToldAndTheNextConnectionGoesOn) {
+  Rig rig(AddIndex);
+  for (int i = 0; i < 7; ++i) rig.Give(Event::kHandshakeFailed);
+  rig.Begin();
+  rig.Assign(RunTask(1, {{"a", rig.Keep(Number(1))}}));
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  const std::string log = rig.log();
+  EXPECT_NE(log.find("(1 time)"), std::string::npos) << log;
+  EXPECT_NE(log.find("(4 times)"), std::string::npos);
+  EXPECT_EQ(log.find("(3 times)"), std::string::npos) << "it may go on for hours";
+}
+
 TEST(Conversation, ByeEndsAPrivateWorkerOnly) {
   Rig own(AddIndex, [](WorkerOptions& o) { o.session.exit_on_bye = true; });
   own.Begin();

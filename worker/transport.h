@@ -12,9 +12,10 @@ namespace cairn::worker {
 struct Event {
   enum Kind {
     kConnected,
-    kDisconnected,  // what was under way is lost; the transport connects again by itself
-    kKeyRefused,    // the coordinator does not know our key
-    kMalformed,     // a message that could not be read; the transport connects again by itself
+    kDisconnected,     // what was under way is lost; the transport connects again by itself
+    kKeyRefused,       // the coordinator does not know our key
+    kHandshakeFailed,  // broken off before the connection was secured; the transport tries again by itself
+    kMalformed,        // a message that could not be read; the transport connects again by itself
     kMessage,
   };
   Kind kind = kMessage;

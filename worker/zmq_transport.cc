@@ -15,6 +15,8 @@ Event::Kind KindOf(wire::LinkEvent event) {
       return Event::kConnected;
     case wire::LinkEvent::kDisconnected:
       return Event::kDisconnected;
+    case wire::LinkEvent::kHandshakeFailed:
+      return Event::kHandshakeFailed;
     default:
       return Event::kKeyRefused;
   }

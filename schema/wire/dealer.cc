@@ -12,11 +12,16 @@ constexpr int kWatched = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED 
                          ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                          ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
-// A connection that is lost before its handshake is over fails without detail. Where there are no keys nobody
-// can have refused one, and the socket connects again by itself.
-LinkEvent Translate(int event, bool with_keys) {
+// What the ZAP handler of a service says of a key that it does not know (rfc.zeromq.org/spec/27).
+constexpr std::uint32_t kZapRefused = 400;
+
+// Only the service's own word is a refusal: a connection that is lost before its handshake is over, or
+// through which something else comes, fails too.
+LinkEvent Translate(int event, std::uint32_t value, bool with_keys) {
   if (event == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) return LinkEvent::kConnected;
-  return event == ZMQ_EVENT_DISCONNECTED || !with_keys ? LinkEvent::kDisconnected : LinkEvent::kKeyRefused;
+  if (event == ZMQ_EVENT_DISCONNECTED || !with_keys) return LinkEvent::kDisconnected;
+  return event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH && value == kZapRefused ? LinkEvent::kKeyRefused
+                                                                          : LinkEvent::kHandshakeFailed;
 }
 
 void OpenMonitor(zmq::context_t& context, zmq::socket_t& socket, zmq::socket_t& monitor) {
@@ -31,6 +36,8 @@ void OpenMonitor(zmq::context_t& context, zmq::socket_t& socket, zmq::socket_t& 
 }  // namespace
 
 Status DealerSocket::Impl::Open() {
+  again_at.reset();
+  connected = told = false;
   try {
     socket = zmq::socket_t(context->zmq, zmq::socket_type::dealer);
     SetCommonOptions(socket, options);
@@ -53,6 +60,22 @@ Status DealerSocket::Impl::Open() {
   return Status::Ok();
 }
 
+// By itself ZeroMQ would try again at once where a connection was lost, and never where something else
+// answered.
+void DealerSocket::Impl::TryLater() {
+  zmq_disconnect(socket.handle(), endpoint.c_str());  // fails where ZeroMQ has given up
+  pause = std::clamp(2 * pause, std::chrono::milliseconds(options.reconnect_ms),
+                     std::chrono::milliseconds(options.reconnect_max_ms));
+  again_at = std::chrono::steady_clock::now() + pause;
+}
+
+void DealerSocket::Impl::TryAgainIfDue() {
+  if (!again_at || std::chrono::steady_clock::now() < *again_at) return;
+  again_at.reset();
+  told = false;
+  if (zmq_connect(socket.handle(), endpoint.c_str()) != 0) TryLater();  // a name that nobody knows just now
+}
+
 Result<DealerSocket> DealerSocket::Connect(const Context& context, const std::string& endpoint,
                                            const std::optional<ClientSecurity>& security,
                                            const SocketOptions& options) {
@@ -71,13 +94,33 @@ DealerSocket::DealerSocket(DealerSocket&&) noexcept = default;
 DealerSocket& DealerSocket::operator=(DealerSocket&&) noexcept = default;
 DealerSocket::~DealerSocket() = default;
 
-std::optional<LinkEvent> DealerSocket::TryEvent() {
-  // Frame one: event (16 bits) and value; frame two: address. None of ours, so no limits apply.
-  const std::vector<zmq::message_t> frames = ReceiveFrames(impl_->monitor, {});
+std::optional<LinkEvent> DealerSocket::Impl::NextEvent() {
+  // Frame one: event (16 bits) and value (32); frame two: address. None of ours, so no limits apply.
+  const std::vector<zmq::message_t> frames = ReceiveFrames(monitor, {});
   if (frames.empty()) return std::nullopt;
   std::uint16_t event = 0;
+  std::uint32_t value = 0;
   std::memcpy(&event, frames[0].data(), sizeof event);
-  return Translate(event, impl_->security.has_value());
+  std::memcpy(&value, frames[0].data<std::byte>() + sizeof event, sizeof value);
+  return Translate(event, value, security.has_value());
+}
+
+std::optional<LinkEvent> DealerSocket::TryEvent() {
+  impl_->TryAgainIfDue();
+  while (const std::optional<LinkEvent> event = impl_->NextEvent()) {
+    // Of a handshake that failed ZeroMQ tells twice: why, and that the connection is gone; of an answer that
+    // is no ZMTP the latter alone.
+    const bool gone = *event == LinkEvent::kDisconnected && impl_->security;
+    if (gone && std::exchange(impl_->told, false)) continue;
+    const bool failed = *event == LinkEvent::kHandshakeFailed || (gone && !impl_->connected);
+    impl_->connected = *event == LinkEvent::kConnected;
+    impl_->told = *event == LinkEvent::kHandshakeFailed || *event == LinkEvent::kKeyRefused;
+    if (impl_->connected) impl_->pause = {};
+    if (!failed) return event;
+    impl_->TryLater();
+    return LinkEvent::kHandshakeFailed;
+  }
+  return std::nullopt;
 }
 
 std::optional<Received> DealerSocket::TryReceive() {

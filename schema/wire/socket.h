@@ -79,6 +79,9 @@ enum class LinkEvent {
   kConnected,     // shaken hands: say Hello
   kDisconnected,  // what was queued to go out is lost; reconnects by itself
   kKeyRefused,    // the service does not know this key; does not try again until Reconnect()
+  // With keys: the connection broke before it was secured. The service may be ending, starting or crowded, or
+  // have another key than the one that was given; tries again by itself, later and later.
+  kHandshakeFailed,
 };
 
 class DealerSocket {

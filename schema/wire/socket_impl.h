@@ -1,7 +1,9 @@
 // The insides of the two sockets, for socket.cc's halves and the poller.
 #pragma once
 
+#include <chrono>
 #include <deque>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -34,8 +36,17 @@ struct DealerSocket::Impl {
   std::optional<ClientSecurity> security;
   zmq::socket_t socket;
   zmq::socket_t monitor;
+  // After a handshake that failed: when the next is tried, and how long it was put off.
+  std::optional<std::chrono::steady_clock::time_point> again_at;
+  std::chrono::milliseconds pause{0};
+
+  bool connected = false;
+  bool told = false;  // how the last handshake failed
 
   Status Open();
+  std::optional<LinkEvent> NextEvent();
+  void TryLater();
+  void TryAgainIfDue();
 };
 
 void SetCommonOptions(zmq::socket_t& socket, const SocketOptions& options);

@@ -11,6 +11,7 @@
 #include <zmq.hpp>
 
 #include "schema/wire/poller.h"
+#include "schema/wire/raw_peer.h"
 #include "schema/wire/testing.h"
 
 namespace cairn::wire {
@@ -289,6 +290,71 @@ TEST_F(SecuredSocket, AnImpostorOfTheServerIsNotTalkedTo) {
   const std::optional<LinkEvent> event = AwaitEvent(dealer);
   ASSERT_TRUE(event);
   EXPECT_NE(*event, LinkEvent::kConnected);
+}
+
+// Takes connections on a port of its own, says `answer` to each, and breaks it off.
+class RudeListener {
+ public:
+  explicit RudeListener(std::string answer)
+      : answer_(std::move(answer)), listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address = RawTcp::Loopback(0);
+    socklen_t size = sizeof address;
+    const int on = 1;
+    ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    EXPECT_EQ(::bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::listen(listener_, 8), 0);
+    EXPECT_EQ(::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    endpoint_ = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+    thread_ = std::thread([this] {
+      while (true) {
+        const int fd = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+        if (fd < 0) return;
+        [[maybe_unused]] const ssize_t sent = ::send(fd, answer_.data(), answer_.size(), MSG_NOSIGNAL);
+        ::shutdown(fd, SHUT_WR);
+        char buffer[4096];
+        while (::recv(fd, buffer, sizeof buffer, 0) > 0) {
+        }
+        ::close(fd);
+      }
+    });
+  }
+  ~RudeListener() {
+    ::shutdown(listener_, SHUT_RDWR);
+    thread_.join();
+    ::close(listener_);
+  }
+  RudeListener(const RudeListener&) = delete;
+  RudeListener& operator=(const RudeListener&) = delete;
+  const std::string& endpoint() const { return endpoint_; }
+
+ private:
+  const std::string answer_;
+  const int listener_;
+  std::string endpoint_;
+  std::thread thread_;
+};
+
+// One that is lost, and something else that answers: neither is the service's word, and it may be there soon.
+TEST_F(SecuredSocket, AHandshakeThatIsBrokenOffIsNoRefusalAndIsTriedAgain) {
+  for (const std::string answer : {"", "HTTP/1.1 400 Bad Request\r\n\r\n"}) {
+    std::optional<RudeListener> rude(std::in_place, answer);
+    const std::string endpoint = rude->endpoint();
+    DealerSocket dealer =
+        DealerSocket::Connect(context_, endpoint, ClientSecurity{known_, server_.public_key}, Quick())
+            .value();
+    EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kHandshakeFailed) << answer;
+    EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kHandshakeFailed) << answer;
+    EXPECT_EQ(dealer.Send(HelloMessage("x")).code(), Code::kBusy);
+    rude.reset();
+    Context other;  // one holds at most one that has keys
+    Result<RouterSocket> bound =
+        RouterSocket::Bind(other, endpoint, ServerSecurity{server_, folder_.path() / "allowed"}, Quick());
+    ASSERT_TRUE(bound.ok()) << bound.status().message();
+    router_.emplace(std::move(bound).value());
+    std::optional<LinkEvent> event = AwaitEvent(dealer);
+    while (event == LinkEvent::kHandshakeFailed) event = AwaitEvent(dealer);
+    EXPECT_EQ(event, LinkEvent::kConnected) << answer;
+  }
 }
 
 TEST(Poller, AWakeupFromAnotherThreadEndsTheWait) {

@@ -31,7 +31,10 @@ bool IsWellFormed(const Core& core, const TaskDone& event) {
   const auto there = [&](const Hash& blob) {
     return core.Holds(blob) || std::find(event.blobs.begin(), event.blobs.end(), blob) != event.blobs.end();
   };
-  if (event.done.key().kind() == wire::TaskKey::RUN) return there(ClaimOf(event));
+  if (event.done.key().kind() == wire::TaskKey::RUN)
+    return there(ClaimOf(event)) &&
+           std::all_of(event.blobs.begin(), event.blobs.end(),
+                       [&event](const Hash& blob) { return blob == ClaimOf(event); });
   if (!event.done.has_step() || !CheckStep(event.done.step()).empty()) return false;
   const std::set<Hash> blobs = BlobsOfStep(event.done.step());
   return std::all_of(blobs.begin(), blobs.end(), there);
@@ -52,6 +55,14 @@ Hash Checks::TruthOf(const Known& known, const wire::TaskKey& key) const {
   if (key.task() != 0 || (start ? key.round() != 0 : round == truth.rounds.end())) return Hash{};
   const auto next = truth.rounds.find({key.stage(), start ? 0 : key.round() + 1});
   return next == truth.rounds.end() ? truth.ends[key.stage()] : next->second.step;
+}
+
+// An answer of a wrong form that is waited for shows that its worker is broken.
+void Checks::NoteMalformed(const Core& core, const TaskDone& event) {
+  const Worker* worker = core.fleet().Find(event.peer);
+  const wire::TaskKey& key = event.done.key();
+  if (worker != nullptr && worker->Find(key) != nullptr && !IsWellFormed(core, event))
+    broken_ = {key.job(), worker->number};
 }
 
 // An answer comes: is it a lie, and does it contradict one that is known?

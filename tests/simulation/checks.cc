@@ -77,7 +77,11 @@ void Checks::AddJob(const std::string& id, const proto::Job& job, ToyKind kind) 
 
 void Checks::Before(const Core& core, const Event& event) {
   alarm_ = Alarm::kNever;
-  if (const auto* done = std::get_if<TaskDone>(&event)) Weigh(core, *done);
+  broken_ = {};
+  if (const auto* done = std::get_if<TaskDone>(&event)) {
+    Weigh(core, *done);
+    NoteMalformed(core, *done);
+  }
   retries_before_ = Retries(core);
   ready_before_.clear();
   for (const auto& [id, known] : jobs_)
@@ -87,7 +91,7 @@ void Checks::Before(const Core& core, const Event& event) {
 
 void Checks::After(const Core& core, const Event& event, const std::vector<Action>& actions,
                    std::uint64_t process, double now_s) {
-  if (process != std::exchange(process_, process)) draining_.clear();
+  if (process != std::exchange(process_, process)) draining_.clear(), malformed_.clear();
   for (const auto& [id, known] : jobs_) {
     const proto::JobState before = known.state;
     const Job* job = core.FindJob(id);
@@ -104,6 +108,7 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
   SeeTables(core, std::holds_alternative<Tick>(event), now_s);
   if (const auto* beat = std::get_if<WorkerBeat>(&event)) SeeBeat(core, *beat, now_s);
   SeeDraining(core, event, actions);
+  SeeShunned(core, actions);
   SeeTurns(core, actions);
   CountActions(core, actions);
 }

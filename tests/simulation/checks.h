@@ -4,7 +4,7 @@
 //   answer_checks.cc  what a job takes for true, lies, and two answers that differ
 //   table_checks.cc   the core's tables: nobody's tasks, no task forgotten, no worker idle, nothing that
 //   grows
-//   worker_checks.cc  workers that are to leave
+//   worker_checks.cc  workers that are to leave, or are broken
 #pragma once
 
 #include <cstdint>
@@ -75,6 +75,7 @@ class Checks {
   void SeeOrders(const coordinator::Core& core, const coordinator::Event& event);
   // answer_checks.cc
   void Weigh(const coordinator::Core& core, const coordinator::TaskDone& event);
+  void NoteMalformed(const coordinator::Core& core, const coordinator::TaskDone& event);
   Hash TruthOf(const Known& known, const wire::TaskKey& key) const;
   void SeeAlarms(const std::vector<coordinator::Action>& actions);
   void SeeTruth(const coordinator::Job& job, Known& known);
@@ -88,6 +89,7 @@ class Checks {
 
   // worker_checks.cc
   std::uint64_t Retries(const coordinator::Core& core) const;  // attempts that failed, of all jobs
+  void SeeShunned(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
   void SeeDraining(const coordinator::Core& core, const coordinator::Event& event,
                    const std::vector<coordinator::Action>& actions);
 
@@ -98,10 +100,12 @@ class Checks {
   Alarm alarm_ = Alarm::kNever;
   std::set<std::string> ready_before_;  // jobs that run and have a task to give out
   std::uint64_t retries_before_ = 0;
+  std::pair<std::string, std::uint64_t> broken_;  // a worker that gives this job a malformed answer
   std::uint64_t events_ = 0;
   // Of the coordinator's process under way.
   std::uint64_t process_ = 0;
-  std::set<std::string> draining_;  // workers that it knows to be about to leave
+  std::set<std::string> draining_;                            // workers that it knows to be about to leave
+  std::map<std::string, std::set<std::uint64_t>> malformed_;  // workers that gave malformed answers, by job
 };
 
 // One line, for the trace.

@@ -88,6 +88,8 @@ namespace cairn::simulation {
   X(kThirdFailure, "core: a job fails by a task's third failure")          \
   X(kAttemptAgain, "core: a task is given out again")                      \
   X(kCopied, "core: a straggler is copied")                                \
+  X(kShunned, "core: shuns a worker for a malformed answer")               \
+  X(kShunnedAlone, "core: a shunned worker serves, as nobody else does")   \
   X(kStaleAnswer, "core: an answer to what is past")                       \
   X(kSecondAnswer, "core: a second answer, the same")                      \
   X(kWelcome, "core sends Welcome")                                        \

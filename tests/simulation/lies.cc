@@ -22,6 +22,7 @@ TaskDone Distort(Rng& rng, TaskDone done) {
   const Hash wrong = RandomHash(rng);
   if (done.done.key().kind() == wire::TaskKey::RUN) {
     done.done.set_partial(wrong.Binary());
+    done.blobs.clear();
   } else if (!done.done.has_step() || !done.done.step().result().empty()) {
     done.done.mutable_step()->set_result(wrong.Binary());
   } else {
@@ -34,7 +35,10 @@ TaskDone Distort(Rng& rng, TaskDone done) {
 TaskDone Misshape(Rng& rng, TaskDone done) {
   proto::Step& step = *done.done.mutable_step();
   if (done.done.key().kind() == wire::TaskKey::RUN) {
-    done.done.set_partial(rng.Below(2) == 0 ? "" : "short");
+    if (rng.Below(3) == 0)
+      done.blobs.push_back(RandomHash(rng));
+    else
+      done.done.set_partial(rng.Below(2) == 0 ? "" : "short");
     return done;
   }
   switch (rng.Below(5)) {

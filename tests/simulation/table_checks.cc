@@ -12,6 +12,7 @@ using namespace coordinator;  // NOLINT: events and actions, all over this file
 namespace {
 
 constexpr std::size_t kMostFailures = 20;  // that a job keeps the text of
+constexpr std::size_t kMostShunned = 100;  // more than there are workers at a time
 constexpr std::uint64_t kLookCloser = 16;  // every so many events
 constexpr double kLeastTurn_s = 1e-3;      // no turn is free
 
@@ -29,9 +30,7 @@ bool IsUnderWay(const Job* job, const wire::TaskKey& key) {
 // What a worker has in hand is under way, and what is under way some worker has in hand.
 void Checks::SeeTables(const Core& core, bool ticked, double now_s) {
   std::map<std::string, std::size_t> held, live;
-  bool room = false;
   for (const auto& [number, worker] : core.fleet().workers()) {
-    room |= worker.HasRoom();
     if (worker.in_hand.size() > worker.hello.slots()) Fail(worker.peer + " has more tasks than slots");
     for (const InHand& task : worker.in_hand) {
       if (!IsUnderWay(core.FindJob(task.key.job()), task.key))
@@ -55,6 +54,9 @@ void Checks::SeeTables(const Core& core, bool ticked, double now_s) {
         Fail("task " + std::to_string(i) + " of " + id + " is not where it says");
     }
     if (live[id] != held[id]) Fail("a task of " + id + " runs that no worker has");
+    const bool room = std::any_of(
+        core.fleet().workers().begin(), core.fleet().workers().end(),
+        [&](const auto& entry) { return entry.second.HasRoom() && core.MayServe(entry.second, *job); });
     if (room && job->Running() && job->tasks.HasReady())
       Fail("a worker has room and " + id + " a task that is ready");
     SeeJobTables(*job);
@@ -81,6 +83,7 @@ void Checks::SeeJobTables(const Job& job) {
   const Known& known = jobs_.at(job.id);
   if (job.failures.size() > kMostFailures) Fail(job.id + "'s failures grow");
   if (job.task_seconds.size() > job.partials.size()) Fail(job.id + "'s task times grow");
+  if (job.shunned.size() > kMostShunned) Fail(job.id + " shuns ever more workers");
   if (job.saving.unpublished.size() > known.stages) Fail(job.id + "'s results to publish grow");
   if (job.facts.size() > known.stages) Fail(job.id + "'s facts grow");
   if (known.deceived || events_ % kLookCloser != 0) return;
@@ -97,7 +100,7 @@ void Checks::SeeJobTables(const Job& job) {
 // served goes ahead by one task of its own, so that each other may get that much and one task more.
 void Checks::SeeTurns(const Core& core, const std::vector<Action>& actions) {
   std::map<std::string, double> given;
-  double all = 0;
+  std::vector<std::pair<std::string, double>> turns;  // of all jobs, with their workers
   for (const Action& action : actions) {
     const auto* send = std::get_if<Send>(&action);
     if (send == nullptr || !send->message.has_assign()) continue;
@@ -107,7 +110,7 @@ void Checks::SeeTurns(const Core& core, const std::vector<Action>& actions) {
     const double turn =
         std::max(job->ExpectedSeconds(key.task()), kLeastTurn_s) * std::exp2(-job->spec.priority());
     given[key.job()] += turn;
-    all += turn;
+    turns.emplace_back(send->peer, turn);
     Known& known = jobs_.at(key.job());
     known.largest_turn = std::max(known.largest_turn, turn);
   }
@@ -118,7 +121,9 @@ void Checks::SeeTurns(const Core& core, const std::vector<Action>& actions) {
       known.passed_over = 0;
       continue;
     }
-    known.passed_over += all;
+    for (const auto& [peer, turn] : turns)  // on workers that could have served this job
+      if (const Worker* worker = core.fleet().Find(peer); worker == nullptr || core.MayServe(*worker, *job))
+        known.passed_over += turn;
     double fair = 0;
     for (const auto& [other_id, other] : jobs_)
       if (other_id != id) fair += known.largest_turn + other.largest_turn;

@@ -1,4 +1,6 @@
-// What a worker that is to leave may still get, and that nobody is blamed for its leaving.
+// What a worker that is to leave, or that is broken, may still get; that nobody is blamed for a leaving.
+#include <algorithm>
+
 #include "tests/simulation/checks.h"
 #include "tests/simulation/world.h"
 
@@ -36,6 +38,29 @@ void Checks::SeeDraining(const Core& core, const Event& event, const std::vector
     Fail(beat->peer + " is to leave, and is not told so again");
   if ((drain != nullptr || std::holds_alternative<WorkerBye>(event)) && Retries(core) != retries_before_)
     Fail("somebody is blamed because a worker leaves");
+}
+
+// One worker alone does not use up a task's attempts by answers that anybody sees are wrong.
+void Checks::SeeShunned(const Core& core, const std::vector<Action>& actions) {
+  if (!broken_.first.empty()) {
+    malformed_[broken_.first].insert(broken_.second);
+    world_.Count(kShunned);
+  }
+  std::erase_if(malformed_, [&core](const auto& entry) { return core.FindJob(entry.first) == nullptr; });
+  for (const Action& action : actions) {
+    const auto* send = std::get_if<Send>(&action);
+    if (send == nullptr || !send->message.has_assign()) continue;
+    const std::string& id = send->message.assign().key().job();
+    const Worker* worker = core.fleet().Find(send->peer);
+    const auto broken = malformed_.find(id);
+    if (worker == nullptr || broken == malformed_.end() || !broken->second.contains(worker->number)) continue;
+    const auto& workers = core.fleet().workers();
+    if (std::any_of(workers.begin(), workers.end(), [&](const auto& other) {
+          return other.second.Able() && !broken->second.contains(other.first);
+        }))
+      Fail(send->peer + " gave malformed answers to " + id + " and gets more of its tasks");
+    world_.Count(kShunnedAlone);
+  }
 }
 
 }  // namespace cairn::simulation
