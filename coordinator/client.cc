@@ -156,9 +156,16 @@ Result<JobList> Client::List() {
                  {reply.store_bytes(), reply.store_limit_bytes()}};
 }
 
-Result<std::vector<wire::WorkerInfo>> Client::Workers() {
+Result<std::vector<wire::WorkerInfo>> Client::Workers() { return AskOfWorkers("status", 0); }
+
+Result<std::vector<wire::WorkerInfo>> Client::Drain(std::uint64_t worker) {
+  return AskOfWorkers("drain", worker);
+}
+
+Result<std::vector<wire::WorkerInfo>> Client::AskOfWorkers(const std::string& action, std::uint64_t worker) {
   wire::Message question;
-  question.envelope.mutable_workers()->set_action("status");
+  question.envelope.mutable_workers()->set_action(action);
+  question.envelope.mutable_workers()->set_worker(worker);
   const Result<wire::Message> answer = Ask(std::move(question), options_.timeout_s);
   if (!answer.ok()) return answer.status();
   const auto& fleet = answer.value().envelope.reply().fleet();

@@ -60,10 +60,13 @@ class Client {
   Result<std::vector<wire::WorkerInfo>> Workers();
   // The lines whose numbers are above `after`.
   Result<LogPart> Log(const std::string& job, std::uint64_t after = 0);
+  // Lets a worker finish what it runs, and end; 0: all. Those that were told, as they stand then.
+  Result<std::vector<wire::WorkerInfo>> Drain(std::uint64_t worker);
   // Of the stages that are done, by their names.
   Result<std::map<std::string, BlobPtr>> Results(const std::string& job);
 
  private:
+  Result<std::vector<wire::WorkerInfo>> AskOfWorkers(const std::string& action, std::uint64_t worker);
   explicit Client(ClientOptions options, wire::DealerSocket socket);
   Result<wire::JobInfo> SubmitOnce(proto::Job job, const std::map<std::string, BlobPtr>& inputs);
   Result<wire::Message> Ask(wire::Message question, double timeout_s);

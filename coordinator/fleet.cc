@@ -156,7 +156,10 @@ wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
   info.set_number(worker.number);
   info.set_host(worker.hello.host());
   info.set_pid(worker.hello.pid());
-  info.set_state(worker.hung ? "hung" : worker.in_hand.empty() ? "idle" : "busy");
+  info.set_state(worker.draining          ? "draining"
+                 : worker.hung            ? "hung"
+                 : worker.in_hand.empty() ? "idle"
+                                          : "busy");
   info.set_slots(worker.hello.slots());
   info.set_in_hand(static_cast<std::uint32_t>(worker.in_hand.size()));
   info.set_silent_s(now_s - worker.heard_s);

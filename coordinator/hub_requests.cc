@@ -191,6 +191,12 @@ std::string Hub::WhatIsWrong(const wire::WorkerQuery& query) const {
 
 void Hub::Serve(const std::string& peer, const wire::WorkerQuery& query) {
   if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
+  if (query.action() == "drain") {
+    std::vector<std::string> peers;
+    for (const auto& [number, worker] : core_.fleet().workers())
+      if (query.worker() == 0 || query.worker() == number) peers.push_back(worker.peer);
+    for (const std::string& peer_told : peers) Handle(DrainWorker{peer_told});
+  }
   wire::Message reply;
   reply.envelope.mutable_reply()->set_ok(true);
   for (const wire::WorkerInfo& info : core_.Workers())

@@ -200,6 +200,11 @@ TEST(HubRequests, WorkersSayWhatEachRunsAndForHowLong) {
   EXPECT_EQ(all.fleet(1).state(), "idle");
   EXPECT_EQ(all.fleet(1).task(), "");
   ASSERT_EQ(ask(2, "status").fleet_size(), 1);
+  const wire::Reply drained = ask(1, "drain");
+  ASSERT_EQ(drained.fleet_size(), 1);
+  EXPECT_EQ(drained.fleet(0).state(), "draining");
+  EXPECT_EQ(ask(0, "status").fleet(1).state(), "idle");
+  EXPECT_EQ(ask(0, "drain").fleet(1).state(), "draining");
   EXPECT_EQ(ask(7, "status").message(), "there is no worker 7; cairn status lists them");
   EXPECT_NE(ask(0, "explode").message().find("'explode'"), std::string::npos);
 }

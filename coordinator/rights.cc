@@ -30,6 +30,7 @@ struct WorkerAction {
 
 const std::array kWorkerActions = {
     WorkerAction{"status", Right::kView},
+    WorkerAction{"drain", Right::kSubmit},
 };
 
 // No name asks for the first, `status`.

@@ -37,6 +37,7 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddJobs(app, call);
   AddLogs(app, call);
   AddJobCommands(app, call);
+  AddDrain(app, call);
   AddKeys(app, call);
 }
 

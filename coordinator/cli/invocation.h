@@ -39,6 +39,7 @@ void AddSubmit(CLI::App& app, Invocation& call);
 void AddJobs(CLI::App& app, Invocation& call);         // list, status, watch, results
 void AddJobCommands(CLI::App& app, Invocation& call);  // pause, resume, cancel, retry, delete, priority
 void AddLogs(CLI::App& app, Invocation& call);
+void AddDrain(CLI::App& app, Invocation& call);
 void AddImport(CLI::App& app, Invocation& call);
 void AddSimulate(CLI::App& app, Invocation& call);
 void AddInspect(CLI::App& app, Invocation& call);

@@ -60,4 +60,10 @@ std::string ServiceJson(const coordinator::JobList& list, const std::vector<wire
   return Dump(json);
 }
 
+std::string WorkersJson(const std::vector<wire::WorkerInfo>& workers) {
+  Json json = Json::array();
+  for (const wire::WorkerInfo& worker : workers) json.push_back(ToJson(worker));
+  return Dump(json);
+}
+
 }  // namespace cairn::cli

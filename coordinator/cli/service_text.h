@@ -13,4 +13,6 @@ std::string ServiceText(const coordinator::JobList& list, const std::vector<wire
 
 std::string ServiceJson(const coordinator::JobList& list, const std::vector<wire::WorkerInfo>& workers);
 
+std::string WorkersJson(const std::vector<wire::WorkerInfo>& workers);
+
 }  // namespace cairn::cli

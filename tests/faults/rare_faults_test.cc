@@ -100,5 +100,26 @@ TEST_F(Faults, SignalsEndAWorkerAndACoordinatorCleanlyAndTheNextGoOn) {
   ExpectTheSameBits();
 }
 
+TEST_F(Faults, AWorkerThatDrainsFinishesWhatItRunsAndLeavesAndNothingChanges) {
+  Process& drained = AddWorker();
+  Submit();
+  AwaitRound(1);
+  const auto told = client_->Drain(0);
+  ASSERT_TRUE(told.ok()) << told.status().message();
+  ASSERT_EQ(told.value().size(), 1u);
+  EXPECT_EQ(told.value()[0].state(), "draining");
+  EXPECT_EQ(drained.Wait(), 0);
+  Process& terminated = workers_.emplace_back(
+      std::vector<std::string>{CAIRN_FAULTS_WORKER, "--connect", endpoint_, "--drain-s", "60"},
+      folder_.path() / "worker.log");
+  AwaitRound(4);
+  terminated.Signal(SIGTERM);
+  EXPECT_EQ(terminated.Wait(), 0);
+  EXPECT_NE(LogText("worker.log").find("leaves: finishes what it runs"), std::string::npos);
+  AddWorker();
+  ExpectTheSameBits();
+  EXPECT_EQ(client_->Info(job_).value().retries(), 0u) << "nobody is to blame";
+}
+
 }  // namespace
 }  // namespace cairn::faults
