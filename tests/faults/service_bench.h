@@ -58,17 +58,21 @@ class Faults : public ::testing::Test {
   }
   fs::path Store() const { return folder_.path() / "store"; }
   void StartCoordinator() {
-    coordinator_.emplace(std::vector<std::string>{CAIRN_PROGRAM, "coordinator", "--store", Store().string(),
-                                                  "--listen", endpoint_, "--checkpoint-interval", "0.2"},
-                         folder_.path() / "coordinator.log");
+    std::vector<std::string> words = {CAIRN_PROGRAM,           "coordinator", "--store",
+                                      Store().string(),        "--listen",    endpoint_,
+                                      "--checkpoint-interval", "0.2"};
+    words.insert(words.end(), coordinator_more_.begin(), coordinator_more_.end());
+    coordinator_.emplace(words, folder_.path() / "coordinator.log");
   }
   Process& AddWorker(const char* program = CAIRN_FAULTS_WORKER) {
-    return workers_.emplace_back(std::vector<std::string>{program, "--connect", endpoint_},
-                                 folder_.path() / "worker.log");
+    std::vector<std::string> words = {program, "--connect", endpoint_};
+    words.insert(words.end(), worker_more_.begin(), worker_more_.end());
+    return workers_.emplace_back(words, folder_.path() / "worker.log");
   }
   void Submit() {
     client_.emplace(
-        coordinator::Client::Connect({.endpoint = endpoint_, .security = {}, .timeout_s = 30}).value());
+        coordinator::Client::Connect({.endpoint = endpoint_, .security = security_, .timeout_s = 30})
+            .value());
     const auto submitted = client_->Submit(ToyJob(), {{"log", log_}});
     ASSERT_TRUE(submitted.ok()) << submitted.status().message();
     job_ = submitted.value().id();
@@ -112,7 +116,9 @@ class Faults : public ::testing::Test {
   unsigned Connected() { return client_->List().value().workers; }
 
   wire::PrivateFolder folder_;
-  const std::string endpoint_ = folder_.Ipc("hub");
+  std::string endpoint_ = folder_.Ipc("hub");
+  std::optional<wire::ClientSecurity> security_;
+  std::vector<std::string> coordinator_more_, worker_more_;  // arguments
   BlobPtr log_;
   Hash want_;
   std::optional<Process> coordinator_;

@@ -22,6 +22,7 @@ class Users {
   void Disturb();
   void BringToAnEnd();
   const std::vector<std::string>& jobs() const { return ids_; }  // those that were submitted
+  bool Deleted(const std::string& id) const { return wishes_.at(id).deleted; }
   // Every job is done, or has ended as it must; and all of it is saved.
   bool AllEnded() const;
   void CheckEnd() const;
