@@ -35,6 +35,7 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddWorker(app, call);
   AddSubmit(app, call);
   AddJobs(app, call);
+  AddWatch(app, call);
   AddLogs(app, call);
   AddJobCommands(app, call);
   AddDrain(app, call);

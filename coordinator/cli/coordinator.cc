@@ -36,8 +36,8 @@ void AddCoordinator(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options = AddCommand<Options>(
       app, call, "coordinator", "Serves jobs to workers on many machines, until Ctrl-C",
-      "cairn coordinator &\n  cairn worker & cairn worker &\n  cairn submit job.yaml && cairn watch\n  "
-      "cairn coordinator --store-gb 200 --keep-days 30 --task-memory-mb 4000",
+      "cairn coordinator --store-gb 200 --keep-days 30 &\n  cairn worker & cairn worker &\n  "
+      "cairn submit job.yaml && cairn watch",
       Serve, &command);
   coordinator::ServiceOptions& service = options->service;
   command->add_option("--store", service.store_dir,

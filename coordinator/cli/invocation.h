@@ -38,6 +38,7 @@ void AddWorker(CLI::App& app, Invocation& call);
 void AddSubmit(CLI::App& app, Invocation& call);
 void AddJobs(CLI::App& app, Invocation& call);         // list, status, watch, results
 void AddJobCommands(CLI::App& app, Invocation& call);  // pause, resume, cancel, retry, delete, priority
+void AddWatch(CLI::App& app, Invocation& call);
 void AddLogs(CLI::App& app, Invocation& call);
 void AddDrain(CLI::App& app, Invocation& call);
 void AddImport(CLI::App& app, Invocation& call);

@@ -112,7 +112,7 @@ std::string JobJson(const wire::JobInfo& job, const coordinator::StoreFacts* sto
 std::string StoreText(const coordinator::StoreFacts& store) {
   const std::string of =
       store.limit_bytes == 0 ? "" : " of " + coordinator::BytesText(store.limit_bytes) + " allowed";
-  return "store " + coordinator::BytesText(store.bytes) + of + "\n";
+  return "store    " + coordinator::BytesText(store.bytes) + of + "\n";
 }
 
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
@@ -129,6 +129,11 @@ std::string JobsJson(const coordinator::JobList& list) {
                                  {"jobs", nlohmann::ordered_json::array()}};
   for (const wire::JobInfo& job : list.jobs) json["jobs"].push_back(ToJson(job));
   return Dump(json);
+}
+
+std::string WaitText(const wire::JobInfo& job, unsigned workers) {
+  if ((job.state() != "queued" && job.state() != "running") || workers > 0) return "";
+  return "waiting: no worker is connected (start 'cairn worker')";
 }
 
 bool IsOver(const wire::JobInfo& job) {

@@ -22,7 +22,7 @@ std::string JobText(const wire::JobInfo& job);
 std::string JobJson(const wire::JobInfo& job, const coordinator::StoreFacts* store = nullptr);
 std::string JobsJson(const coordinator::JobList& list);
 
-// "store 1.2 GB of 10.0 GB"
+// "store    1.2 GB of 10.0 GB allowed"
 std::string StoreText(const coordinator::StoreFacts& store);
 
 std::string Dump(const nlohmann::ordered_json& json);  // bytes that are no UTF-8 are replaced
@@ -31,6 +31,8 @@ std::string Dump(const nlohmann::ordered_json& json);  // bytes that are no UTF-
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused);
 
 // Nothing more will happen to it by itself.
+// Why nothing happens to a job that waits; empty where it does not, or nobody can tell.
+std::string WaitText(const wire::JobInfo& job, unsigned workers);
 bool IsOver(const wire::JobInfo& job);
 
 // Of a job that is over: 0 done, 2 its input was bad, else 1.

@@ -85,8 +85,8 @@ TEST(JobText, SaysWhatTheStoreHoldsAndMayHold) {
   const nlohmann::json json = nlohmann::json::parse(JobsJson(list));
   EXPECT_EQ(json.at("store").at("bytes"), 1'500'000);
   EXPECT_EQ(json.at("store").at("limit_bytes"), 2'000'000'000);
-  EXPECT_EQ(StoreText(list.store), "store 1.5 MB of 2.0 GB allowed\n");
-  EXPECT_EQ(StoreText({999, 0}), "store 999 B\n");
+  EXPECT_EQ(StoreText(list.store), "store    1.5 MB of 2.0 GB allowed\n");
+  EXPECT_EQ(StoreText({999, 0}), "store    999 B\n");
 }
 
 }  // namespace

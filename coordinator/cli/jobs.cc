@@ -23,24 +23,12 @@ namespace fs = std::filesystem;
 
 struct Options {
   ClientArguments client;
-  std::string job;                // status, watch
+  std::string job;                // status
   std::vector<std::string> jobs;  // results
   std::string out;                // results
   std::string state, name;        // list, results: only those
   bool json = false;
 };
-
-void Print(const wire::JobInfo& info, bool json) {
-  std::fputs((json ? JobJson(info) : JobText(info)).c_str(), stdout);
-}
-
-// Why nothing happens to a job that waits; empty where it does not, or nobody can tell.
-std::string WaitsFor(coordinator::Client& client, const wire::JobInfo& info) {
-  if (info.state() != "queued" && info.state() != "running") return "";
-  const Result<coordinator::JobList> list = client.List();
-  if (!list.ok() || list.value().workers > 0) return "";
-  return "waiting: no worker is connected (start 'cairn worker')";
-}
 
 // Those of the state and the name (a pattern, as of files) that are asked for.
 std::vector<wire::JobInfo> Chosen(const Options& options, const std::vector<wire::JobInfo>& jobs) {
@@ -75,61 +63,15 @@ int Status(const Options& options, const Invocation&) {
     return kExitDone;
   }
   const wire::JobInfo info = Take(client.Info(options.job));
+  const coordinator::JobList list = Take(client.List());
   if (options.json) {
-    const coordinator::JobList list = Take(client.List());
     std::fputs(JobJson(info, &list.store).c_str(), stdout);
     return kExitDone;
   }
   std::fputs(JobText(info).c_str(), stdout);
-  if (const std::string waits = WaitsFor(client, info); !waits.empty()) std::printf("%s\n", waits.c_str());
+  if (const std::string waits = WaitText(info, list.workers); !waits.empty())
+    std::printf("%s\n", waits.c_str());
   return kExitDone;
-}
-
-// Where none is named: the one job that is not over, or else the last, which may have ended just now.
-std::string OnlyJob(coordinator::Client& client) {
-  const std::vector<wire::JobInfo> jobs = Take(client.List()).jobs;
-  if (jobs.empty()) throw InputError("there are no jobs");
-  std::vector<std::string> running;
-  for (const wire::JobInfo& job : jobs)
-    if (!IsOver(job)) running.push_back(job.id());
-  if (running.size() > 1) throw InputError("several jobs are running; which one? cairn list names them");
-  return running.empty() ? jobs.back().id() : running[0];
-}
-
-int Watch(const Options& options, const Invocation& call) {
-  coordinator::Client client = ConnectClient(options.client);
-  const std::string job = options.job.empty() ? OnlyJob(client) : options.job;
-  const std::atomic<bool>& stop = StopOnSignals();
-  Console console(call);
-  std::string last_reason, last_wait;
-  std::uint64_t last_retries = ~0ull;  // those before are not news
-  while (!stop) {
-    const Result<wire::JobInfo> answer = client.Info(job);
-    // A coordinator that is started again answers soon.
-    if (!answer.ok() && answer.status().code() == Code::kIo) {
-      console.Log(Console::Level::kWarning, answer.status().message());
-      continue;
-    }
-    const wire::JobInfo info = Take(answer);
-    if (IsOver(info)) {
-      console.Clear();
-      Print(info, options.json);
-      return ExitCodeOf(info);
-    }
-    if (info.reason() != last_reason && !info.reason().empty()) {
-      console.Log(Console::Level::kWarning, info.state() + ": " + info.reason());
-    }
-    last_reason = info.reason();
-    const std::string waits = WaitsFor(client, info);
-    if (waits != last_wait && !waits.empty()) console.Log(Console::Level::kWarning, waits);
-    last_wait = waits;
-    if (info.retries() > last_retries && info.failures_size() > 0)
-      console.Log(Console::Level::kWarning, *info.failures().rbegin() + "; it is tried again");
-    last_retries = info.retries();
-    console.Progress(info);
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  }
-  return kExitStopped;
 }
 
 // A file a stage.
@@ -188,11 +130,6 @@ void AddJobs(CLI::App& app, Invocation& call) {
                              "cairn status\n  cairn status 1-museum --json", Status, &command);
   command->add_option("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
   command->add_flag("--json", options->json, "As JSON");
-
-  options = AddClientCommand(app, call, "watch", "Follows a job to its end, and ends as it does",
-                             "cairn watch 1-museum", Watch, &command);
-  command->add_option("JOB", options->job, "Its id (the one that is running, or else the last)");
-  command->add_flag("--json", options->json, "How it ended, as JSON");
 
   options = AddClientCommand(app, call, "results", "Fetches the results of a job, a file a stage",
                              "cairn results 1-museum --out museum", Results, &command);

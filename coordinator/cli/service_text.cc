@@ -51,11 +51,15 @@ std::string ServiceText(const coordinator::JobList& list, const std::vector<wire
   text +=
       "workers  " + (workers.empty() ? "none (start 'cairn worker')" : CountsText(ByState(workers))) + "\n";
   text += list.refused.empty() ? "refused  nothing\n" : RefusedText(list.refused);
+  text += StoreText(list.store);
   return workers.empty() ? text : text + "\n" + WorkersTable(workers);
 }
 
 std::string ServiceJson(const coordinator::JobList& list, const std::vector<wire::WorkerInfo>& workers) {
-  Json json = {{"jobs", ByState(list.jobs)}, {"refused", list.refused}, {"workers", Json::array()}};
+  Json json = {{"jobs", ByState(list.jobs)},
+               {"refused", list.refused},
+               {"store", {{"bytes", list.store.bytes}, {"limit_bytes", list.store.limit_bytes}}},
+               {"workers", Json::array()}};
   for (const wire::WorkerInfo& worker : workers) json["workers"].push_back(ToJson(worker));
   return Dump(json);
 }

@@ -46,13 +46,15 @@ TEST(ServiceText, SaysWhatEachWorkerRunsAndForHowLong) {
 }
 
 TEST(ServiceText, OfAnEmptyServiceSaysWhatIsMissing) {
-  EXPECT_EQ(ServiceText({}, {}), "jobs     none\nworkers  none (start 'cairn worker')\nrefused  nothing\n");
+  EXPECT_EQ(ServiceText({}, {}),
+            "jobs     none\nworkers  none (start 'cairn worker')\nrefused  nothing\nstore    0 B\n");
 }
 
 TEST(ServiceText, JsonHoldsTheSame) {
   const nlohmann::json json = nlohmann::json::parse(ServiceJson(ThreeJobs(), TwoWorkers()));
   EXPECT_EQ(json.at("jobs").at("done"), 2);
   EXPECT_EQ(json.at("refused").at("key"), 2);
+  EXPECT_EQ(json.at("store").at("limit_bytes"), 0);
   ASSERT_EQ(json.at("workers").size(), 2u);
   EXPECT_EQ(json.at("workers").at(0).at("number"), 3);
   EXPECT_EQ(json.at("workers").at(0).at("task_s"), 65);

@@ -3,6 +3,7 @@
 source "$(dirname "$0")/common.sh"
 
 simulate log.h5
+mkdir logs && cp log.h5 logs/monday.h5 && cp log.h5 logs/tuesday.h5
 port=$((20000 + RANDOM % 20000))
 awk '/^```sh$/ {on = 1; next} /^```$/ {on = 0} on' "$CAIRN_SOURCE/docs/fleet.md" | sed "s/7017/$port/" >commands
 [ "$(wc -l <commands)" -ge 9 ] || die "the page has lost its commands"
@@ -12,12 +13,12 @@ while IFS= read -r command; do
       # In this shell, so that it is cleaned up with it.
       eval "${command%&} >>log 2>&1 &"
       ;;
+    export\ *) eval "$command" ;;
     *) bash -euc "$command" >stdout 2>stderr || die "failed: $command" ;;
   esac
 done <commands
-says 'landmark_map'
+for day in monday tuesday; do ls maps/*"landmark_map-$day"/landmark_map.h5 >/dev/null || die "no map of $day"; done
 keys=$HOME/.config/cairn
-export CAIRN_COORDINATOR=tcp://127.0.0.1:$port
 job=$(cairn list --json | grep -oE '"id": ?"[^"]+"' | head -n 1 | cut -d'"' -f4)
 exits 0 cairn watch "$job"
 exits 0 cairn results "$job" --out there
