@@ -13,9 +13,10 @@ std::string Time(double seconds) {
   return text;
 }
 
+template <class E = NoPathError>
 [[noreturn]] void Refuse(const Slice& slice, int step, const std::string& why) {
-  throw InputError("robot '" + slice.robot + "', step " + std::to_string(step) + " (time " +
-                   Time(slice.steps.time_s[step]) + " s): " + why);
+  throw E("robot '" + slice.robot + "', step " + std::to_string(step) + " (time " +
+          Time(slice.steps.time_s[step]) + " s): " + why);
 }
 
 MotionKernel KernelTo(const EStepModel& model, const Slice& slice, int step) {
@@ -98,10 +99,11 @@ void CheckMemory(const EStepModel& model, const Slice& slice, int step, std::int
   const double cells = static_cast<double>(held) + kBeliefCopies * static_cast<double>(largest);
   const double bytes = cells * sizeof(double);
   if (bytes <= model.memory_bytes) return;
-  Refuse(slice, step,
-         "the beliefs would need about " + std::to_string(std::llround(std::ceil(bytes / 1e6))) +
-             " MB or more, memory_mb = " + std::to_string(std::llround(model.memory_bytes / 1e6)) +
-             ": take a larger cell_m or heading_deg, or a smaller slice_mcells");
+  Refuse<InputError>(
+      slice, step,
+      "the beliefs would need about " + std::to_string(std::llround(std::ceil(bytes / 1e6))) +
+          " MB or more, memory_mb = " + std::to_string(std::llround(model.memory_bytes / 1e6)) +
+          ": take a larger cell_m or heading_deg, or a smaller slice_mcells");
 }
 
 // Scales a message to a largest value of one. What alpha keeps always has a way on, so beta never vanishes

@@ -13,6 +13,13 @@
 
 namespace cairn::landmark_map {
 
+// No path fits what a robot did and saw: from this start, under this map. What is thrown names robot, step
+// and observation.
+class NoPathError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 struct EStepModel {
   GridSpec grid;
   MotionNoise noise;

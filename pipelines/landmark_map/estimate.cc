@@ -100,7 +100,7 @@ void Estimate::Store(State* state) const {
 }
 
 Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
-                     const Carried& carried, const proto::Step& plan) {
+                     const Carried& carried, const proto::Step& plan, int starts) {
   const int used = StepsInUse(Schedule{.prefix = settings.growth_start}, robots[0].size());
   const OpenLoop first = ReckonOpenLoop(robots[0], settings.Model(nullptr), used);
   const std::set<std::int32_t> types = TypesSeen(robots);
@@ -112,14 +112,15 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   Estimate estimate;
   double steps = 0.0;
   for (const RobotSteps& robot : robots) steps += robot.size();
-  estimate.cells = carried.work[0];
-  estimate.tasks = plan.tasks_size();
+  steps += (starts - 1.0) * robots[0].size();
+  estimate.cells = starts * carried.work[0];
+  estimate.tasks = starts * plan.tasks_size();
   estimate.rounds = plan.rounds_left();
   estimate.seconds =
       ((1.0 + kLaterRounds) * estimate.cells + estimate.rounds * steps * kStepCells) / kCellsPerSecond;
   const Slices slices = CutIntoSlices(first, slice_work);
   estimate.task_mb = TaskMb(slices, counts);
-  double partials = PartialsMb(slices, layers);
+  double partials = starts * PartialsMb(slices, layers);
   if (robots.size() > 1 && Presses(robots[0])) {
     const double map = static_cast<double>(GrownByRadius(reach, settings.map).cells());
     const Slices lost = SlicesWhereLost(map, settings, slice_work);
@@ -132,7 +133,7 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   for (const std::int32_t type : types) m_step += MStepMb(reach, type < settings.map.types, settings.map);
   estimate.task_mb = std::max(estimate.task_mb, m_step);
   estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, partials) + kProgramMb;
-  estimate.store_mb = 2.0 * (partials + 2.0 * kCellMb * counts);
+  estimate.store_mb = 2.0 * (partials + starts * 2.0 * kCellMb * counts);
   return estimate;
 }
 

@@ -27,7 +27,7 @@ struct Estimate {
 
 // `robots`: the steps of each; `plan`: the first round's.
 Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
-                     const Carried& carried, const proto::Step& plan);
+                     const Carried& carried, const proto::Step& plan, int starts);
 
 // For people, one line.
 std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried);

@@ -5,15 +5,19 @@
 #include <cstdio>
 #include <map>
 
+#include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/search.h"
 #include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
 namespace {
+
+constexpr const char* kFailure = "failure";  // of a start: in partials and states
 
 std::string RobotPath(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
 
@@ -103,6 +107,21 @@ std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Sc
   return work;
 }
 
+// The first robot's EM has ended: what comes next is one map's affair.
+bool SearchIsOver(const State& state) {
+  const Schedule next = Schedule::Load(state);
+  return next.summarise || next.robots > 1;
+}
+
+// A blob that candidate k's state names: new, or one that it had before.
+BlobPtr OneBlob(const cairn::Step& step, std::size_t k, const std::string& name, const Inputs& inputs) {
+  const std::string& hash = step.plan.state().blobs().at(name);
+  for (const BlobPtr& blob : step.blobs) {
+    if (blob->ContentHash().Binary() == hash) return blob;
+  }
+  return inputs.Get("start/" + std::to_string(k) + "/" + name);
+}
+
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
   char text[160];
   std::snprintf(text, sizeof text,
@@ -120,19 +139,41 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   const std::vector<std::string> robots = log->Texts("robots");
   Schedule schedule;
   schedule.prefix = settings.growth_start;
-  cairn::Step step;
+  std::vector<cairn::Step> starts(1);
   std::vector<RobotSteps> steps;
-  const Carried carried = MakeAllSteps(*log, settings, schedule, &step, &steps);
-  PlanRound(options_, robots, schedule, carried,
-            {{"history", EmptyHistory()}, {"counts", StoredCounts(NoCounts(settings))}}, &step);
-  const Estimate estimate = EstimateJob(options_, settings, steps, carried, step.plan);
+  Carried carried = MakeAllSteps(*log, settings, schedule, &starts[0], &steps);
+  const std::vector<double> drifts = StartDrifts(settings);
+  starts.resize(drifts.size());
+  for (std::size_t k = 0; k < drifts.size(); ++k) {
+    carried.odometry[0].drift_rad_per_m = drifts[k];
+    PlanRound(options_, robots, schedule, carried,
+              {{"history", EmptyHistory()}, {"counts", StoredCounts(NoCounts(settings))}}, &starts[k]);
+  }
+  const Estimate estimate =
+      EstimateJob(options_, settings, steps, carried, starts[0].plan, static_cast<int>(starts.size()));
   RefuseMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
+  cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : FanOut(std::move(starts));
   estimate.Store(step.plan.mutable_state());
   step.plan.set_note(Sentence(estimate, settings, carried));
   return step;
 }
 
+// That no path fits one of several starts is that start's affair.
 Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  if (!task.params().contains("start")) return RunSlice(task, inputs, progress);
+  for (const char* earlier : {"before", "beta"}) {
+    if (inputs.Has(earlier) && inputs.Get(earlier)->Has(kFailure)) return *inputs.Get(earlier);
+  }
+  try {
+    return RunSlice(task, inputs, progress);
+  } catch (const NoPathError& error) {
+    Blob partial;
+    partial.Put(kFailure, Array::Text(error.what()));
+    return partial;
+  }
+}
+
+Blob LandmarkMap::RunSlice(const Task& task, const Inputs& inputs, Progress& progress) const {
   const auto& params = task.params();
   const auto [first, end] = Range(task, inputs);
   if (first == end) {  // an empty slice
@@ -187,6 +228,10 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
 }
 
 cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
+  return StartsIn(state) > 0 ? AdvanceSearch(state, partials, inputs) : AdvanceOne(state, partials, inputs);
+}
+
+cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const {
   const BlobPtr log = inputs.Get("log");
   const std::vector<std::string> robots = log->Texts("robots");
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
@@ -194,7 +239,11 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
   Carried carried = Carried::Load(state, robots.size());
 
   RoundSum sum(NoCounts(settings), robots.size());
-  for (std::size_t i = 0; i < partials.size(); ++i) sum.Add(*partials.Get(i));
+  for (std::size_t i = 0; i < partials.size(); ++i) {
+    const BlobPtr partial = partials.Get(i);
+    if (partial->Has(kFailure)) throw NoPathError(partial->Text(kFailure));
+    sum.Add(*partial);
+  }
   const Blob history = Extended(*inputs.Get("history"), done, sum.log_likelihood());
   if (done.summarise) return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
 
@@ -213,13 +262,65 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
       done.Next(options_, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
   carried.work = NextWork(sum, done, next, carried.step_counts, settings.Model(&perception));
   cairn::Step step;
-  PlanRound(options_, robots, next, carried,
-            {{"history", history},
-             {"counts", StoredCounts(sum.counts())},
-             {"perception", perception.ToBlob()},
-             {"landmarks", ToBlob(landmarks)}},
-            &step);
+  std::map<std::string, Blob> fresh{{"history", history},
+                                    {"counts", StoredCounts(sum.counts())},
+                                    {"perception", perception.ToBlob()},
+                                    {"landmarks", ToBlob(landmarks)}};
+  if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
+  PlanRound(options_, robots, next, carried, fresh, &step);
   step.plan.set_note(Note(done, sum.log_likelihood(), landmarks.size()));
+  return step;
+}
+
+cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const {
+  std::vector<cairn::Step> steps;
+  int running = 0;
+  std::string note;
+  for (int k = 0; k < StartsIn(state); ++k) {
+    OneStart start(state, k, partials, inputs);
+    cairn::Step step;
+    *step.plan.mutable_state() = start.state();
+    if (!start.waits()) {
+      try {
+        step = AdvanceOne(start.state(), start, start);
+        note = step.plan.note();
+        if (SearchIsOver(step.plan.state())) step.plan.clear_tasks();
+      } catch (const NoPathError& error) {
+        (*step.plan.mutable_state()->mutable_scalars())[kFailure].set_s(error.what());
+      }
+    }
+    running += step.plan.tasks_size() > 0 ? 1 : 0;
+    steps.push_back(std::move(step));
+  }
+  if (running == 0) return GoOnWithBest(std::move(steps), inputs);
+  cairn::Step step = FanOut(std::move(steps));
+  step.plan.set_note(std::to_string(running) + " of " + std::to_string(StartsIn(state)) + " starts; " + note);
+  return step;
+}
+
+cairn::Step LandmarkMap::GoOnWithBest(std::vector<cairn::Step> starts, const Inputs& inputs) const {
+  const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
+  const Settings settings = Settings::FromBlob(*OneBlob(starts[0], 0, "settings", inputs));
+  const std::vector<double> drifts = StartDrifts(settings);
+  std::vector<Candidate> candidates;
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const auto& scalars = starts[k].plan.state().scalars();
+    Candidate& candidate = candidates.emplace_back();
+    candidate.start_drift_rad_per_m = drifts[k];
+    if (scalars.contains(kFailure)) {
+      candidate.failure = scalars.at(kFailure).s();
+      continue;
+    }
+    candidate.drift_rad_per_m =
+        Carried::Load(starts[k].plan.state(), robots.size()).odometry[0].drift_rad_per_m;
+    candidate.log_likelihood = scalars.at("log_likelihood").d();
+    candidate.landmarks = LandmarksFromBlob(*OneBlob(starts[k], k, "landmarks", inputs));
+  }
+  const Choice choice = Choose(candidates, settings);
+  cairn::Step step = std::move(starts[static_cast<std::size_t>(choice.best)]);
+  (*step.plan.mutable_state()->mutable_blobs())["search"] = step.Share(ToBlob(candidates, choice, settings));
+  PlanTasks(options_, robots, &step.plan);
+  step.plan.set_note(Sentence(candidates, choice));
   return step;
 }
 

@@ -12,7 +12,8 @@
 namespace cairn::landmark_map {
 
 // Input: log (schema/FORMAT.md). Result: kind landmark_map. A round is an E-step: a chain of tasks `forward`
-// and a chain of tasks `backward` over the time slices of each robot; Advance is the M-step.
+// and a chain of tasks `backward` over the time slices of each robot; Advance is the M-step. With several
+// starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h).
 class LandmarkMap : public Pipeline {
  public:
   // Draws no random numbers: the seed is not used.
@@ -23,6 +24,13 @@ class LandmarkMap : public Pipeline {
   cairn::Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
 
  private:
+  // An E-step of one map, planned and done.
+  Blob RunSlice(const Task& task, const Inputs& inputs, Progress& progress) const;
+  cairn::Step AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const;
+  // Candidate starts advance together until EM of the first robot has ended in all of them.
+  cairn::Step AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const;
+  cairn::Step GoOnWithBest(std::vector<cairn::Step> starts, const Inputs& inputs) const;
+
   Options options_;
 };
 

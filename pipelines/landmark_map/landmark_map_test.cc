@@ -88,8 +88,8 @@ TEST(LandmarkMap, TheTriangularErrorOfThePaperWorksToo) {
 TEST(LandmarkMap, TimeSlicesGiveWhatOneSequentialPassGives) {
   const Blob log = SquareLog{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002}.Make();
   int whole_tasks = 0, sliced_tasks = 0;
-  const BlobPtr whole = Map(log, {.cell_m = 1.0, .slice_mcells = 1000}, nullptr, &whole_tasks);
-  const BlobPtr sliced = Map(log, {.cell_m = 1.0, .slice_mcells = 0.05}, nullptr, &sliced_tasks);
+  const BlobPtr whole = Map(log, {.cell_m = 1.0, .starts = 1, .slice_mcells = 1000}, nullptr, &whole_tasks);
+  const BlobPtr sliced = Map(log, {.cell_m = 1.0, .starts = 1, .slice_mcells = 0.05}, nullptr, &sliced_tasks);
   EXPECT_EQ(whole_tasks, 1);
   EXPECT_GT(sliced_tasks, 5);
   for (const char* name :

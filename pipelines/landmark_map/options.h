@@ -16,6 +16,7 @@ struct Options {
   double growth_start = 0.0;
   double growth_factor = 2.0;
   bool calibrate = true;
+  std::int64_t starts = 0;
   std::string model = "robust";
   std::string motion_error = "gaussian";
   double prune = 1e-3;
@@ -48,6 +49,12 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"calibrate", "", 0, 0,
                "estimate each robot's heading drift, walk and turn errors in the M-step"},
         o.calibrate);
+  visit(
+      Option{
+          "starts", "", 0, 1000,
+          "candidate starts of EM, which differ in the drift taken off the first robot's odometry; the data "
+          "choose one; 0: 5 without identities, 1 with them or with model exact"},
+      o.starts);
   visit(Option{"model",
                "",
                0,

@@ -41,6 +41,8 @@ void VisitFigures(S& s, const F& f) {
   f("prune", s.prune);
   f("box_m", s.box_m);
   f("growth_start", s.growth_start);
+  f("starts", s.starts);
+  f("places", s.places);
   f("memory_mb", s.memory_mb);
 }
 
@@ -59,6 +61,8 @@ double RoundNumber(double value) {
   const double lead = value / power;
   return power * (lead < std::sqrt(2.0) ? 1 : lead < std::sqrt(10.0) ? 2 : lead < std::sqrt(50.0) ? 5 : 10);
 }
+
+double Square(double x) { return x * x; }
 
 double Extent(const Odometry& odometry) {
   const auto [x0, x1] = std::ranges::minmax(odometry.x_m);
@@ -111,6 +115,13 @@ MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sens
           options.drift_length_m > 0 ? options.drift_length_m : 150.0 * cell_m,
           Nominal(log, "noise/forward_ratio", 0.02) * scale,
           Nominal(log, "noise/turn_ratio", wide * 0.02) * scale};
+}
+
+// With identities there is little to be taken for another, and the exact model may call a start impossible.
+int StartsOf(const Options& options, const Sensing& sensing) {
+  constexpr int kSearch = 5;
+  if (options.starts > 0) return static_cast<int>(options.starts);
+  return sensing.identified == sensing.observations || options.model == "exact" ? 1 : kSearch;
 }
 
 // What no grid can hold, before anything is allocated. `extent_m`: of the first robot's odometry and what it
@@ -195,6 +206,8 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.memory_mb = options.memory_mb;
   settings.prune = options.prune;
   settings.box_m = options.box_m;
+  settings.starts = StartsOf(options, sensing);
+  settings.places = Square(extent / grid.cell_m + 1.0);
   settings.growth_start = options.growth_start > 0 ? options.growth_start : sensing.ranged == 0 ? 1.0 : 0.05;
   RefuseHugeGrids(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
                   robots > 1 && sensing.ranged == 0);

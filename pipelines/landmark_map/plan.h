@@ -20,6 +20,8 @@ struct Settings {
   double prune = 1e-3;
   double box_m = 0.0;
   double growth_start = 1.0;
+  int starts = 1;       // candidate starts
+  double places = 1.0;  // cells in which a landmark may stand
   double memory_mb = 4096.0;
 
   EStepModel Model(const Perception* perception) const;

@@ -272,6 +272,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
   PutMap(MapOf(counts, settings.map), settings.map.grid, settings.map.types, &result);
   result.PutAll("history/", history);
+  if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;
   step.plan.set_result(step.Share(std::move(result)));
   char note[120];

@@ -126,11 +126,17 @@ void PlanRound(const Options& options, const std::vector<std::string>& robots, c
   schedule.Store(&state);
   carried.Store(&state);
   for (const auto& [name, blob] : fresh) (*state.mutable_blobs())[name] = step->Share(blob);
-  RoundPlanner planner(options, schedule, carried, &step->plan);
+  PlanTasks(options, robots, &step->plan);
+}
+
+void PlanTasks(const Options& options, const std::vector<std::string>& robots, proto::Step* plan) {
+  const Schedule schedule = Schedule::Load(plan->state());
+  const Carried carried = Carried::Load(plan->state(), robots.size());
+  RoundPlanner planner(options, schedule, carried, plan);
   for (std::int64_t r = 0; r < schedule.robots; ++r) {
     planner.AddRobot(static_cast<std::size_t>(r), robots[static_cast<std::size_t>(r)]);
   }
-  step->plan.set_rounds_left(
+  plan->set_rounds_left(
       static_cast<std::uint32_t>(schedule.RoundsLeft(options, static_cast<std::int64_t>(robots.size()))));
 }
 

@@ -38,4 +38,7 @@ OdometryFit OdometryOf(const Task& task);
 void PlanRound(const Options& options, const std::vector<std::string>& robots, const Schedule& schedule,
                const Carried& carried, const std::map<std::string, Blob>& fresh, cairn::Step* step);
 
+// The tasks alone, of a State that PlanRound made.
+void PlanTasks(const Options& options, const std::vector<std::string>& robots, proto::Step* plan);
+
 }  // namespace cairn::landmark_map

@@ -44,7 +44,7 @@ cairn simulate loop --difficulty base --robots 4 --seed 1 four.h5 >/dev/null
 cairn simulate loop --difficulty base --seed 1 one.h5 >/dev/null
 measure base-1m one.h5 cell_m=1
 measure base-four four.h5
-measure base-0.25m-2deg one.h5 cell_m=0.25 heading_deg=2
+measure base-0.25m-2deg one.h5 cell_m=0.25 heading_deg=2 starts=1
 if [ -n "${CAIRN_DATA:-}" ]; then
   cairn import mrclam "$CAIRN_DATA/mrclam6" mrclam6.h5 >/dev/null
   measure mrclam-6 mrclam6.h5

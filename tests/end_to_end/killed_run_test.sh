@@ -33,10 +33,10 @@ if find killed -name '*.tmp' | grep -q .; then die "a half-written file is left:
 
 # How much is done again: a finer job, killed whenever its workers have computed for so long (hundredths of a second of
 # processor time, not the clock, so that a busy machine does not matter). FINE_KILLS=10 FINE_SETTINGS='cell_m=0.15
-# heading_deg=2' is the long version.
+# heading_deg=2 starts=1' is the long version.
 fine_kills=${FINE_KILLS:-2}
 settings=()
-for pair in ${FINE_SETTINGS:-cell_m=0.2 heading_deg=2}; do settings+=(--set "$pair"); done
+for pair in ${FINE_SETTINGS:-cell_m=0.2 heading_deg=2 starts=1}; do settings+=(--set "$pair"); done
 cairn simulate loop --difficulty base --seed 5 fine.h5 >/dev/null
 fine=(cairn run landmark_map fine.h5 "${settings[@]}" --workers 2)
 computed() { # PID: what its workers have used

@@ -1,0 +1,81 @@
+#include "pipelines/common/fan_out.h"
+
+#include <algorithm>
+#include <set>
+
+namespace cairn {
+namespace {
+
+std::string Prefix(int start) { return "start/" + std::to_string(start) + "/"; }
+
+// The names of a map that begin with a prefix, without it.
+template <class M>
+void TakeOwn(const M& merged, const std::string& prefix, M* own) {
+  for (const auto& [name, value] : merged) {
+    if (name.starts_with(prefix)) (*own)[name.substr(prefix.size())] = value;
+  }
+}
+
+void AddTasks(const proto::Step& candidate, int start, proto::Step* merged) {
+  const auto first = static_cast<std::uint32_t>(merged->tasks_size());
+  for (const Task& own : candidate.tasks()) {
+    Task& task = *merged->add_tasks();
+    task = own;
+    task.set_index(first + own.index());
+    (*task.mutable_params())["start"].set_i(start);
+    for (proto::InputRef& input : *task.mutable_inputs()) {
+      if (input.has_task()) input.set_task(first + input.task());
+    }
+  }
+}
+
+std::int64_t TasksOf(const State& merged, int start) {
+  return merged.scalars().at("tasks_of_start/" + std::to_string(start)).i();
+}
+
+}  // namespace
+
+Step FanOut(std::vector<Step> candidates) {
+  Step merged;
+  State& state = *merged.plan.mutable_state();
+  std::set<std::string> known;  // candidates share blobs
+  std::uint32_t rounds_left = 0;
+  for (int start = 0; start < static_cast<int>(candidates.size()); ++start) {
+    Step& own = candidates[static_cast<std::size_t>(start)];
+    CAIRN_DEMAND(own.plan.result().empty(), "a candidate that has its result has nothing to wait for");
+    const std::string prefix = Prefix(start);
+    for (const auto& [name, value] : own.plan.state().scalars())
+      (*state.mutable_scalars())[prefix + name] = value;
+    for (const auto& [name, hash] : own.plan.state().blobs()) (*state.mutable_blobs())[prefix + name] = hash;
+    (*state.mutable_scalars())["tasks_of_start/" + std::to_string(start)].set_i(own.plan.tasks_size());
+    AddTasks(own.plan, start, &merged.plan);
+    for (BlobPtr& blob : own.blobs) {
+      if (known.insert(blob->ContentHash().Binary()).second) merged.blobs.push_back(std::move(blob));
+    }
+    rounds_left = std::max(rounds_left, own.plan.rounds_left());
+  }
+  (*state.mutable_scalars())["starts"].set_i(static_cast<std::int64_t>(candidates.size()));
+  merged.plan.set_rounds_left(rounds_left);
+  return merged;
+}
+
+int StartsIn(const State& state) {
+  const auto starts = state.scalars().find("starts");
+  return starts == state.scalars().end() ? 0 : static_cast<int>(starts->second.i());
+}
+
+OneStart::OneStart(const State& merged, int start, Partials& partials, const Inputs& inputs)
+    : prefix_(Prefix(start)), partials_(partials), inputs_(inputs) {
+  TakeOwn(merged.scalars(), prefix_, state_.mutable_scalars());
+  TakeOwn(merged.blobs(), prefix_, state_.mutable_blobs());
+  for (int before = 0; before < start; ++before) first_ += static_cast<std::size_t>(TasksOf(merged, before));
+  tasks_ = static_cast<std::size_t>(TasksOf(merged, start));
+}
+
+bool OneStart::Has(const std::string& name) const { return inputs_.Has(prefix_ + name) || inputs_.Has(name); }
+
+BlobPtr OneStart::Get(const std::string& name) const {
+  return inputs_.Get(inputs_.Has(prefix_ + name) ? prefix_ + name : name);
+}
+
+}  // namespace cairn

@@ -1,0 +1,124 @@
+#include "pipelines/landmark_map/search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipelines/in_process.h"
+#include "pipelines/landmark_map/landmark_map.h"
+#include "pipelines/landmark_map/testing.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+Landmark At(double x_m, double y_m, int type = 0) { return {x_m, y_m, {1, 0, 0, 1}, type, 3.0}; }
+
+Settings SomeSettings() {
+  Settings settings;
+  settings.starts = 5;
+  settings.places = std::exp(9.0);
+  settings.noise.heading_drift_rad_per_m = 0.01;
+  return settings;
+}
+
+TEST(StartDrifts, SpreadEvenlyOverTwoStandardDeviationsToEitherSide) {
+  const std::vector<double> drifts = StartDrifts(SomeSettings()), expected = {-0.02, -0.01, 0, 0.01, 0.02};
+  ASSERT_EQ(drifts.size(), expected.size());
+  for (std::size_t k = 0; k < drifts.size(); ++k) EXPECT_NEAR(drifts[k], expected[k], 1e-15);
+}
+
+TEST(StartDrifts, OneStartAndOdometryThatDoesNotDriftStartWhereOdometryIs) {
+  Settings one = SomeSettings(), steady = SomeSettings();
+  one.starts = 1;
+  steady.noise.heading_drift_rad_per_m = 0.0;
+  EXPECT_EQ(StartDrifts(one), std::vector<double>{0.0});
+  EXPECT_EQ(StartDrifts(steady), std::vector<double>{0.0});
+}
+
+TEST(ScoreOf, ALandmarkCostsTheLogarithmOfThePlacesForIt) {
+  EXPECT_NEAR(ScoreOf({0.0, 0.0, -50.0, {At(0, 0), At(9, 9)}, {}}, SomeSettings()), -50.0 - 2 * 9.0, 1e-12);
+}
+
+TEST(ScoreOf, ADriftCostsWhatItsPriorSays) {
+  EXPECT_NEAR(ScoreOf({0.0, -0.03, -50.0, {}, {}}, SomeSettings()), -50.0 - 0.5 * 3 * 3, 1e-12);
+}
+
+TEST(SameMap, HoldsWhereEachLandmarkHasOneThatIsNearestBothWays) {
+  const std::vector<Landmark> map = {At(0, 0), At(10, 0), At(10, 10)};
+  EXPECT_TRUE(SameMap(map, {At(11, 9), At(1, 1), At(9, 1)}));        // another order, slightly off
+  EXPECT_FALSE(SameMap(map, {At(0, 0), At(10, 0)}));                 // one is missing
+  EXPECT_FALSE(SameMap(map, {At(0, 0), At(10, 0), At(1, 0)}));       // one is elsewhere
+  EXPECT_FALSE(SameMap(map, {At(0, 0), At(10, 0), At(10, 10, 1)}));  // one is of another type
+}
+
+TEST(Choose, TakesTheBestScoreAndSaysHowFarAheadOfAnotherMapItIs) {
+  const std::vector<Landmark> two = {At(0, 0), At(10, 0)}, three = {At(0, 0), At(10, 0), At(20, 0)};
+  const Choice choice = Choose({{-0.02, 0, -60, two, {}},    // -78
+                                {-0.01, 0, -52, three, {}},  // -79
+                                {0.00, 0, -50, two, {}},     // -68: the best
+                                {0.01, 0, -45, three, {}},   // -72: the next different one
+                                {0.02, 0, 0, {}, "impossible"}},
+                               SomeSettings());
+  EXPECT_EQ(choice.best, 2);
+  ASSERT_TRUE(choice.lead_nats.has_value());
+  EXPECT_NEAR(*choice.lead_nats, 4.0, 1e-12);
+}
+
+TEST(Choose, OfEqualsTheFirstAndNoLeadWhereAllFoundTheSameMap) {
+  const std::vector<Landmark> two = {At(0, 0), At(10, 0)};
+  const Choice choice = Choose({{-0.01, 0, -50, two, {}}, {0.01, 0, -50, two, {}}}, SomeSettings());
+  EXPECT_EQ(choice.best, 0);
+  EXPECT_FALSE(choice.lead_nats.has_value());
+}
+
+TEST(Choose, StartsThatAreAllImpossibleSayWhy) {
+  try {
+    Choose({{-0.01, 0, 0, {}, "step 3: impossible"}, {0.01, 0, 0, {}, "step 4: impossible"}}, SomeSettings());
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(), "step 3: impossible");
+  }
+}
+
+BlobPtr Map(const Blob& log, const Options& options) {
+  return RunInProcess(LandmarkMap(options), {{"log", std::make_shared<const Blob>(log)}});
+}
+
+// Odometry that drifts by 46 degrees a lap, five times what its nominal figure says: from where odometry is
+// EM takes corners of one lap for new ones in the next.
+TEST(Search, FindsTheCornersWhereOneStartDoesNot) {
+  Blob log = SquareLog{.laps = 3, .side_m = 20.0, .drift_rad_per_m = 0.01}.Make();
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.002);
+  EXPECT_NE(Map(log, {.cell_m = 1.0, .starts = 1})->Get<double>("map/landmark_x_m").size(), 4U);
+  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 5});
+  EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
+  const auto landmarks = found->Get<std::int32_t>("search/landmarks");
+  ASSERT_EQ(landmarks.size(), 5U);
+  EXPECT_EQ(landmarks[static_cast<std::size_t>(found->Scalar<std::int32_t>("search/best"))], 4);
+  EXPECT_GT(found->Scalar<double>("search/lead_nats"), 0.0);
+}
+
+// With a drift of -0.02 rad/m, five nominal standard deviations, a square is nearly a triangle.
+TEST(Search, ADriftFarOutsideItsPriorMustPay) {
+  Blob log = SquareLog{.laps = 5, .side_m = 20.0, .drift_rad_per_m = 0.006}.Make();
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.004);
+  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 5});
+  EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
+  EXPECT_EQ(found->Get<std::int32_t>("search/landmarks")[0], 3);
+}
+
+// Turned by 46 degrees more or less at each corner, the way leaves the box; that is no reason to give up.
+TEST(Search, AStartWithoutAPathIsLeftOut) {
+  Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.02);
+  log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 0.005);
+  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 3, .drift_length_m = 0.01, .box_m = 44.0});
+  EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
+  const auto score = found->Get<double>("search/score_nats");
+  EXPECT_TRUE(std::isfinite(score[1]));
+  EXPECT_FALSE(std::isfinite(score[0]) && std::isfinite(score[2]));
+  EXPECT_EQ(found->Scalar<std::int32_t>("search/best"), 1);
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map
