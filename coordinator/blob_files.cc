@@ -1,9 +1,12 @@
 #include "coordinator/blob_files.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <utility>
 
 #include "coordinator/blob_pack.h"
+#include "coordinator/store_cleaner.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
@@ -88,8 +91,11 @@ Result<BlobPtr> BlobFiles::ReadPacked(const fs::path& path, const Hash& hash) {
 
 Status BlobFiles::Write(const std::vector<wire::NamedBlob>& blobs, std::vector<Hash>& written) {
   const auto is_large = [](const wire::NamedBlob& named) { return named.blob->ByteCount() > kSmallBytes; };
-  std::vector<wire::NamedBlob> ordered = blobs;
-  const auto small = std::stable_partition(ordered.begin(), ordered.end(), is_large);
+  std::vector<wire::NamedBlob> ordered;
+  std::ranges::copy_if(blobs, std::back_inserter(ordered), is_large);
+  const auto large = static_cast<std::ptrdiff_t>(ordered.size());
+  std::ranges::copy_if(blobs, std::back_inserter(ordered), std::not_fn(is_large));
+  const auto small = ordered.begin() + large;
   const bool pack = static_cast<std::size_t>(ordered.end() - small) >= kFewest;
   for (auto it = ordered.begin(); it != (pack ? small : ordered.end()); ++it) {
     if (Status status = WriteBlobFile(folder_.BlobFile(it->hash), "blob", *it->blob); !status.ok())
@@ -157,6 +163,21 @@ void BlobFiles::RemoveAllBut(const std::set<Hash>& named) {
   for (const Hash& hash : folder_.BlobsAlone())
     if (!named.contains(hash)) unnamed.push_back(hash);
   Remove(unnamed);
+}
+
+std::optional<std::vector<Hash>> BlobFiles::InPack(const fs::path& pack) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = packs_.find(pack); known != packs_.end())
+      return std::vector<Hash>(known->second.begin(), known->second.end());
+  }
+  return HashesInPack(pack);
+}
+
+void BlobFiles::ForgetGonePacks() {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(pack_of_, [](const auto& packed) { return !fs::exists(packed.second); });
+  std::erase_if(packs_, [](const auto& pack) { return !fs::exists(pack.first); });
 }
 
 }  // namespace cairn::coordinator

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -34,6 +35,10 @@ class BlobFiles {
   // Renames the file that holds it: with a pack, all of its blobs are gone.
   void SetAside(const Hash& hash);
   void RemoveAllBut(const std::set<Hash>& named);
+  // What a pack holds that somebody may need, without reading it where it is known; none: it cannot be read.
+  std::optional<std::vector<Hash>> InPack(const std::filesystem::path& pack) const;
+  // Packs that others have removed.
+  void ForgetGonePacks();
 
  private:
   void Index(const std::filesystem::path& pack, const std::vector<wire::NamedBlob>& blobs);

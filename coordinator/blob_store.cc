@@ -84,6 +84,12 @@ void BlobStore::MarkDurable(const std::vector<Hash>& hashes, std::uint64_t ticke
   Evict();
 }
 
+std::set<Hash> BlobStore::Known() const {
+  std::set<Hash> known;
+  for (const auto& [hash, entry] : entries_) known.insert(known.end(), hash);
+  return known;
+}
+
 bool BlobStore::Durable(const Hash& hash) const {
   const auto it = entries_.find(hash);
   return it != entries_.end() && it->second.durable;

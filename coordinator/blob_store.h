@@ -5,6 +5,7 @@
 #include <list>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "coordinator/blob_files.h"
@@ -27,6 +28,7 @@ class BlobStore {
   void Drop(const std::vector<Hash>& hashes);
   void MarkDurable(const std::vector<Hash>& hashes, std::uint64_t ticket);
   bool Durable(const Hash& hash) const;
+  std::set<Hash> Known() const;
   // Blobs to be written so that memory comes below the cap; each is named once.
   std::vector<Hash> TakeSpills();
 

@@ -11,6 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kCleaning_s = 600;  // it reads every checkpoint
 constexpr double kSlowestBytesPerS = 1e6;
 
 std::chrono::milliseconds Left(Clock::time_point end) {
@@ -182,6 +183,15 @@ Result<LogPart> Client::Log(const std::string& job, std::uint64_t after) {
   if (!info.ok()) return info.status();
   const auto& lines = answer.value().envelope.reply().log();
   return LogPart{info.value(), {lines.begin(), lines.end()}};
+}
+
+Result<wire::Reply> Client::Clean(bool damaged, bool dry_run) {
+  wire::Message question;
+  question.envelope.mutable_clean()->set_damaged(damaged);
+  question.envelope.mutable_clean()->set_dry_run(dry_run);
+  Result<wire::Message> answer = Ask(std::move(question), kCleaning_s);
+  if (!answer.ok()) return answer.status();
+  return answer.value().envelope.reply();
 }
 
 Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job, "status"); }

@@ -62,6 +62,8 @@ class Client {
   Result<LogPart> Log(const std::string& job, std::uint64_t after = 0);
   // Lets a worker finish what it runs, and end; 0: all. Those that were told, as they stand then.
   Result<std::vector<wire::WorkerInfo>> Drain(std::uint64_t worker);
+  // Reply.cleaned says what went, or would; Reply.message why that is not all.
+  Result<wire::Reply> Clean(bool damaged, bool dry_run);
   // Of the stages that are done, by their names.
   Result<std::map<std::string, BlobPtr>> Results(const std::string& job);
 

@@ -159,6 +159,19 @@ DiskDone DiskWriter::Do(const WriteServedWork& work) const {
   return done;
 }
 
+// Between two writes, so that nothing is half-written.
+DiskDone DiskWriter::Do(const CleanWork& work) const {
+  const Cleaned cleaned =
+      CleanStore(folder_, work.options, [this](const fs::path& pack) { return files_.InPack(pack); });
+  files_.ForgetGonePacks();
+  DiskDone done;
+  done.asker = work.asker;
+  done.answer.set_ok(true);
+  done.answer.set_message(cleaned.note);
+  done.answer.mutable_cleaned()->Assign(cleaned.removed.begin(), cleaned.removed.end());
+  return done;
+}
+
 DiskDone DiskWriter::Do(const ForgetWork& work) {
   DiskDone done;
   done.job = work.job;

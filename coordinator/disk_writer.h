@@ -18,6 +18,7 @@
 
 #include "coordinator/blob_files.h"
 #include "coordinator/job_table.h"
+#include "coordinator/store_cleaner.h"
 #include "coordinator/store_folder.h"
 #include "coordinator/store_use.h"
 #include "schema/blob.h"
@@ -64,8 +65,12 @@ struct ReadLogWork {
   wire::JobInfo job;  // as it stood when it was asked
   std::uint64_t after = 0;
 };
+struct CleanWork {
+  std::string asker;  // the client's peer
+  CleanOptions options;
+};
 using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork,
-                              WriteServedWork, WriteLogWork, ReadLogWork>;
+                              WriteServedWork, WriteLogWork, ReadLogWork, CleanWork>;
 
 // What came of a checkpoint, of blobs or of a question; of rows, log lines and the time served only a failure
 // is told. (A removal that fails is made up for by the next start.)
@@ -103,6 +108,7 @@ class DiskWriter {
   DiskDone Do(const WriteBlobsWork& work) const;
   DiskDone Do(const WriteRowWork& work);
   DiskDone Do(const WriteServedWork& work) const;
+  DiskDone Do(const CleanWork& work) const;
   DiskDone Do(const ForgetWork& work);
   DiskDone Do(const RemoveBlobsWork& work);
   DiskDone Do(const WriteLogWork& work);

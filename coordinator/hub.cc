@@ -163,6 +163,8 @@ void Hub::Take(const std::string& peer, wire::Envelope& envelope, const std::vec
       return Serve(peer, envelope.have());
     case wire::Envelope::kSubmit:
       return Serve(peer, envelope.submit(), blobs);
+    case wire::Envelope::kClean:
+      return Serve(peer, envelope.clean());
     case wire::Envelope::kQuery:
       return Serve(peer, envelope.query());
     case wire::Envelope::kWorkers:

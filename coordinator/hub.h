@@ -91,6 +91,7 @@ class Hub {
   void Serve(const std::string& peer, const wire::Have& have);
   void Serve(const std::string& peer, const wire::Submit& submit, const std::vector<wire::NamedBlob>& blobs);
   void Serve(const std::string& peer, const wire::JobQuery& query);
+  void Serve(const std::string& peer, const wire::Clean& clean);
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void AddResults(const std::string& job, wire::Message& reply);

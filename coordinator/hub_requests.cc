@@ -205,6 +205,13 @@ void Hub::Serve(const std::string& peer, const wire::WorkerQuery& query) {
   Reply(peer, std::move(reply));
 }
 
+// All that is on disk when the writer comes to it is known here now, or was asked to be removed.
+void Hub::Serve(const std::string& peer, const wire::Clean& clean) {
+  log_(Severity::kInfo,
+       clean.dry_run() ? "a client asks what there is to clean" : "a client has the store cleaned");
+  writer_.Add(CleanWork{peer, {clean.damaged(), clean.dry_run(), blobs_.Known()}});
+}
+
 // By the thread that writes: it has written what was told so far by then. So where the job is over, as it
 // stands now, nothing of how that came is missing.
 void Hub::AnswerLog(const std::string& peer, const wire::JobQuery& query) {

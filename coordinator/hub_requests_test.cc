@@ -169,7 +169,7 @@ TEST(HubRequests, EveryRequestHasOneRightThatItNeeds) {
     if (!RightNeeded(envelope)) without.insert(body->field(i)->name());
   }
   EXPECT_EQ(without, (std::set<std::string>{"welcome", "refuse", "assign", "cancel", "blob", "missing",
-                                            "stranger", "reply", "clean"}))
+                                            "stranger", "reply"}))
       << "what only a coordinator says";
   const auto right = [](const std::string& action) { return RightNeeded(Query("a", action).envelope); };
   EXPECT_EQ(right("status"), Right::kView);

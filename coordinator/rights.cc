@@ -68,6 +68,7 @@ std::optional<Right> RightNeeded(const wire::Envelope& envelope) {
       return Right::kWork;
     case wire::Envelope::kHave:
     case wire::Envelope::kSubmit:
+    case wire::Envelope::kClean:
       return Right::kSubmit;
     case wire::Envelope::kQuery:
       return RightOf(kJobActions, envelope.query().action());

@@ -26,6 +26,15 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   const bool made = fs::create_directories(dir, error);
   if (error) return SystemFailure(dir, "make the folder", error.value());
   if (made) fs::permissions(dir, fs::perms::owner_all, error);
+  Result<StoreFolder> folder = OpenAsItIs(dir);
+  if (!folder.ok()) return folder;
+  if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
+    if (entry.is_directory()) RemoveLeftovers(entry.path());
+  return folder;
+}
+
+Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
   const fs::path lock_file = dir / "lock";
   const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock < 0) return SystemFailure(lock_file, "open", errno);
@@ -33,9 +42,6 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
   if (Status status = folder.CheckVersion(); !status.ok()) return status;
-  if (Status status = folder.MakeFolders(); !status.ok()) return status;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
-    if (entry.is_directory()) RemoveLeftovers(entry.path());
   return folder;
 }
 

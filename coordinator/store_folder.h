@@ -20,6 +20,8 @@ class StoreFolder {
   // Makes it where it does not exist, with mode 0700, and locks it until the object goes. kBusy: another has
   // it. kVersion: it is of a newer version, or from before files had seals; then nothing in it is touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
+  // The same of a store that is there, in which nothing is touched but the lock.
+  static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
   StoreFolder(StoreFolder&& other) noexcept;
   StoreFolder& operator=(StoreFolder&&) = delete;
   ~StoreFolder();

@@ -39,6 +39,7 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddLogs(app, call);
   AddJobCommands(app, call);
   AddDrain(app, call);
+  AddClean(app, call);
   AddKeys(app, call);
 }
 

@@ -41,6 +41,7 @@ void AddJobCommands(CLI::App& app, Invocation& call);  // pause, resume, cancel,
 void AddWatch(CLI::App& app, Invocation& call);
 void AddLogs(CLI::App& app, Invocation& call);
 void AddDrain(CLI::App& app, Invocation& call);
+void AddClean(CLI::App& app, Invocation& call);
 void AddImport(CLI::App& app, Invocation& call);
 void AddSimulate(CLI::App& app, Invocation& call);
 void AddInspect(CLI::App& app, Invocation& call);

@@ -142,14 +142,19 @@ Status SyncFolder(const std::filesystem::path& folder) {
   return error == 0 ? Status::Ok() : SystemFailure(folder, "cannot sync", error);
 }
 
-void RemoveLeftovers(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> leftovers;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const pid_t owner = OwnerOf(entry.path().filename().string());
-    const bool gone = owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH;
-    std::error_code ignored;
-    if (gone) std::filesystem::remove(entry.path(), ignored);
+    if (owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH) leftovers.push_back(entry.path());
   }
+  return leftovers;
+}
+
+void RemoveLeftovers(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const std::filesystem::path& path : Leftovers(folder)) std::filesystem::remove(path, ignored);
 }
 
 }  // namespace cairn

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "schema/error.h"
 
@@ -20,8 +21,9 @@ Status WriteTextAtomically(const std::filesystem::path& path, std::string_view t
 // So that what was renamed or removed in it stays so.
 Status SyncFolder(const std::filesystem::path& folder);
 
-// Removes what processes that are no more have left behind right in `folder` while they wrote. What cannot be
-// removed stays.
+// What processes that are no more have left behind right in `folder` while they wrote.
+std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder);
+// Removes them. What cannot be removed stays.
 void RemoveLeftovers(const std::filesystem::path& folder);
 
 // The Status for a failed system call on `path`: kNotFound; kNoSpace (also quotas and file size limits);

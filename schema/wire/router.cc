@@ -2,6 +2,7 @@
 #include <numeric>
 #include <utility>
 
+#include "schema/wire/accept.h"
 #include "schema/wire/connection.h"
 #include "schema/wire/endpoint.h"
 #include "schema/wire/socket_impl.h"
@@ -56,6 +57,7 @@ Result<RouterSocket> RouterSocket::Bind(Context& context, const std::string& end
     impl->doorman = std::make_unique<Doorman>(impl->context->zmq, impl->socket,
                                               security ? std::optional(security->allow_list) : std::nullopt,
                                               options.connections);
+    SpareDescriptors(options.connections.spare_files / 2);  // the doorman, who counts, comes first
     impl->socket.bind(endpoint);
     impl->endpoint = impl->socket.get(zmq::sockopt::last_endpoint);
     impl->doorman->Start(impl->endpoint);

@@ -59,7 +59,7 @@ for home in idle service; do
   until_true 10 grep -q 'listening' $home.log
 done
 export CAIRN_HOME=$work/idle
-for command in submit list status pause resume priority cancel delete; do runs "$command"; done
+for command in submit list status pause resume priority cancel delete clean; do runs "$command"; done
 export CAIRN_HOME=$work/service
 runs submit
 cairn worker 2>worker.log &
