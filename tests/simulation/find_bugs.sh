@@ -29,12 +29,8 @@ done
 copy=$scratch/sources build=$scratch/build sim=$scratch/build/bin/cairn-sim
 mkdir -p "$copy" "$build"
 # Only what changed, so that what was built stays built.
-for folder in cmake schema coordinator tests/simulation; do
-  mkdir -p "$copy/$folder"
-  (cd "$root/$folder" && find . -type f) | while read -r file; do
-    cmp -s "$root/$folder/$file" "$copy/$folder/$file" || install -D "$root/$folder/$file" "$copy/$folder/$file"
-  done
-done
+renew() { cmp -s "$root/$1" "$copy/$1" || install -D "$root/$1" "$copy/$1"; }
+(cd "$root" && find cmake schema coordinator tests/simulation -type f) | while read -r file; do renew "$file"; done
 # The core, the simulator, and nothing else.
 cat >"$copy/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
@@ -50,7 +46,7 @@ add_subdirectory(tests/simulation)
 END
 
 broken=0
-plant() { patch --directory "$copy" --strip 1 --quiet --no-backup-if-mismatch --reject-file - "$@" >/dev/null; }
+plant() { patch --directory "$copy" --strip 1 --fuzz 0 --quiet --no-backup-if-mismatch --reject-file - "$@" >/dev/null; }
 say() { printf '%-36s %s\n' "$1" "$2"; }
 compile() { cmake --build "$build" --target cairn-sim >"$scratch/build.log" 2>&1; }
 
@@ -82,6 +78,6 @@ for patch in "${patches[@]}"; do
   else
     say "$name" "$(grep -m 1 '^seed' <<<"$found" | cut -c 1-160)"
   fi
-  plant --reverse <"$patch"
+  sed -n 's|^+++ b/||p' "$patch" | while read -r file; do renew "$file"; done
 done
 exit $broken
