@@ -13,7 +13,8 @@ namespace fs = std::filesystem;
 
 // Headers of the operating system that a folder may use unless it is pure.
 constexpr std::string_view kSystem =
-    "dirent.h fcntl.h fnmatch.h glob.h stdlib.h string.h grp.h poll.h pthread.h pwd.h sched.h signal.h "
+    "dirent.h fcntl.h fnmatch.h glob.h stdlib.h string.h grp.h malloc.h poll.h pthread.h pwd.h sched.h "
+    "signal.h "
     "spawn.h sysexits.h termios.h "
     "time.h "
     "unistd.h "
