@@ -47,6 +47,7 @@ if(CAIRN_SANITIZE)
     # GCC warns falsely in instrumented library code, as its manual says of -fsanitize.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(cairn_flags INTERFACE -fsanitize=${CAIRN_SANITIZE})
+  target_compile_definitions(cairn_flags INTERFACE CAIRN_SANITIZED)
 endif()
 
 add_library(cairn_cpu_check OBJECT ${CMAKE_SOURCE_DIR}/cmake/cpu_check.cc)

@@ -6,14 +6,9 @@
 #include <cerrno>
 #include <cstddef>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
+#if defined(CAIRN_SANITIZED) || !defined(__GLIBC__)
 #define CAIRN_COUNTS_MALLOC 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define CAIRN_COUNTS_MALLOC 0
-#endif
-#endif
-#ifndef CAIRN_COUNTS_MALLOC
+#else
 #define CAIRN_COUNTS_MALLOC 1
 #endif
 

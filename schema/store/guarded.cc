@@ -136,7 +136,7 @@ std::optional<Result<FileContents>> GetContents(Reader in) {
   return Result<FileContents>(std::move(contents));
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef CAIRN_SANITIZED
 // The allocators of GCC's sanitizers keep their locks across a fork: with other threads about, the child may
 // hang.
 bool MayFork() {
