@@ -48,6 +48,7 @@ namespace cairn::simulation {
   X(kCoordinatorKilledAtAction, "coordinator: killed between two actions") \
   X(kCoordinatorKilledWriting, "coordinator: killed while it writes")      \
   X(kPowerCut, "coordinator: power cut")                                   \
+  X(kPowerCutAtStart, "coordinator: power cut just after a start")         \
   X(kCoordinatorStalled, "coordinator: stopped for a while")               \
   X(kClockForward, "coordinator: its clock jumps forward")                 \
   X(kClockBackward, "coordinator: its clock jumps backward")               \

@@ -83,6 +83,7 @@ Faults DrawFaults(std::uint64_t seed) {
   f.core.plan_hung_s = rng.Uniform(12, 20);
   f.core.straggler_min_s = rng.Uniform(0, 1);
   f.core.checkpoint_interval_s = rng.Below(4) == 0 ? 0 : rng.Uniform(0.1, 2);
+  f.power_cut_at_start = maybe(0.5);
   return f;
 }
 

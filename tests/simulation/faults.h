@@ -29,6 +29,7 @@ struct Faults {
   double coordinator_crash_per_s = 0, coordinator_stop_per_s = 0, coordinator_clock_jump_per_s = 0;
   double crash_at_action = 0;  // fraction of the core's actions that the process does not live to carry out
   double power_cut = 0;        // fraction of its crashes in which the machine goes too
+  double power_cut_at_start = 0;  // fraction of its starts after which the machine goes within a second
   // Its disk.
   double disk_full_per_s = 0;  // for some seconds
   double sync_fails = 0;       // fraction of fsyncs

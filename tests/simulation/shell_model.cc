@@ -18,6 +18,15 @@ std::string GivenText(const std::string& peer, const wire::TaskKey& key) {
 
 }  // namespace
 
+std::set<Hash> InputsOf(const wire::Assign& assign) {
+  std::set<Hash> inputs;
+  for (const proto::InputRef& input : assign.task().inputs()) inputs.insert(FromBinary(input.blob()));
+  for (const auto& [name, hash] : assign.inputs()) inputs.insert(FromBinary(hash));
+  for (const auto& [name, hash] : assign.state().blobs()) inputs.insert(FromBinary(hash));
+  for (const std::string& partial : assign.partials()) inputs.insert(FromBinary(partial));
+  return inputs;
+}
+
 void ShellModel::Start() {
   Restart();
   TickOn();
@@ -83,8 +92,9 @@ void ShellModel::Apply(const Action& action) {
 
 void ShellModel::Do(const coordinator::Send& send) {
   if (send.message.has_assign()) {
-    CheckAssign(send.message.assign());
-    given_.insert(GivenText(send.peer, send.message.assign().key()));
+    const wire::Assign& assign = send.message.assign();
+    CheckAssign(InputsOf(assign));
+    given_[GivenText(send.peer, assign.key())] = InputsOf(assign);
   }
   world_.network.ToWorker(send.peer, send.message);
 }
@@ -93,23 +103,22 @@ bool ShellModel::WasGiven(const std::string& peer, const wire::TaskKey& key) con
   return given_.contains(GivenText(peer, key));
 }
 
-void ShellModel::CheckAssign(const wire::Assign& assign) {
-  const auto need = [&](const std::string& binary) {
-    if (!memory_.contains(FromBinary(binary)))
-      world_.checks.Fail("a task was handed out whose input is not there");
-  };
-  for (const proto::InputRef& input : assign.task().inputs()) need(input.blob());
-  for (const auto& [name, hash] : assign.inputs()) need(hash);
-  for (const auto& [name, hash] : assign.state().blobs()) need(hash);
-  for (const std::string& partial : assign.partials()) need(partial);
+void ShellModel::CheckAssign(const std::set<Hash>& inputs) {
+  for (const Hash& input : inputs)
+    if (!memory_.contains(input)) world_.checks.Fail("a task was handed out whose input is not there");
 }
 
-bool ShellModel::Serves(const wire::TaskKey& key, const std::string& peer, const std::set<Hash>& blobs) {
+bool ShellModel::Serves(const wire::Assign& assign, const std::string& peer) {
   if (core_ == nullptr) return false;
-  if (std::all_of(blobs.begin(), blobs.end(), [this](const Hash& blob) { return memory_.contains(blob); }))
+  const std::set<Hash> inputs = InputsOf(assign);
+  if (std::all_of(inputs.begin(), inputs.end(), [this](const Hash& blob) { return memory_.contains(blob); }))
     return true;
+  // A worker that was deaf for a while may still be at an attempt of the same name from before the job was
+  // retried, whose inputs a liar made.
+  const auto given = given_.find(GivenText(peer, assign.key()));
+  if (given == given_.end() || given->second != inputs) return false;
   for (const auto& [number, worker] : core_->fleet().workers())
-    if (worker.peer == peer && worker.Find(key) != nullptr)
+    if (worker.peer == peer && worker.Find(assign.key()) != nullptr)
       world_.checks.Fail("an input of a task under way was dropped");
   return false;
 }
@@ -185,6 +194,15 @@ void ShellModel::Restart() {
     Handle(restore);
     if (process != process_) return;  // it died over that
   }
+  // What a start counts on must be durable by then.
+  const Faults& faults = world_.faults;
+  if (faults.power_cut_at_start > 0 && world_.schedule.now_s() < faults.trouble_s &&
+      world_.Chance(faults.power_cut_at_start))
+    world_.schedule.After(world_.rng.Uniform(), [this, process] {
+      if (process != process_) return;
+      world_.Count(kPowerCutAtStart);
+      Crash(true, world_.rng.Uniform(0.1, 2));
+    });
 }
 
 // What the core counts is what is there.

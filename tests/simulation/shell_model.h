@@ -17,6 +17,9 @@ namespace cairn::simulation {
 
 class World;
 
+// All that the task reads.
+std::set<Hash> InputsOf(const wire::Assign& assign);
+
 class ShellModel {
  public:
   explicit ShellModel(World& world) : world_(world), store_(world) {}
@@ -28,8 +31,8 @@ class ShellModel {
   void StopUntil(double until_s) { stopped_until_s_ = until_s; }
   void JumpClock(double by_s) { clock_offset_s_ += by_s; }
   void FillDiskUntil(double until_s) { store_.FillUntil(until_s); }
-  // Whether a worker that was given `key` could fetch its inputs. A task that is still wanted must have them.
-  bool Serves(const wire::TaskKey& key, const std::string& peer, const std::set<Hash>& blobs);
+  // Whether a worker that was was given this could fetch its inputs. A task that is still wanted must have them.
+  bool Serves(const wire::Assign& assign, const std::string& peer);
   const coordinator::Core* core() const { return core_.get(); }  // null while it is down
   const StoreModel& store() const { return store_; }
   // An attempt that this process gave to `peer`.
@@ -54,7 +57,7 @@ class ShellModel {
   void Do(const coordinator::Report&) {}
   void Do(const coordinator::Refused&) {}
   void Take(const WriteDone& done);
-  void CheckAssign(const wire::Assign& assign);
+  void CheckAssign(const std::set<Hash>& inputs);
   void CheckMemory();
   double Now();
 
@@ -65,7 +68,7 @@ class ShellModel {
   double stopped_until_s_ = 0;
   double clock_offset_s_ = 0, clock_s_ = 0;  // the clock, and the last that was read of it
   std::map<Hash, Kept> memory_;
-  std::set<std::string> given_;  // attempts, with their workers
+  std::map<std::string, std::set<Hash>> given_;  // attempts, with their workers -> the inputs
 };
 
 }  // namespace cairn::simulation

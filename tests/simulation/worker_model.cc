@@ -126,16 +126,6 @@ void WorkerModel::BeginNext() {
   });
 }
 
-bool WorkerModel::HasInputs(const wire::Assign& assign) {
-  std::set<Hash> inputs;
-  const auto add = [&](const std::string& binary) { inputs.insert(Hash::FromBinary(binary).value()); };
-  for (const proto::InputRef& input : assign.task().inputs()) add(input.blob());
-  for (const auto& [name, hash] : assign.inputs()) add(hash);
-  for (const auto& [name, hash] : assign.state().blobs()) add(hash);
-  for (const std::string& partial : assign.partials()) add(partial);
-  return world_.shell().Serves(assign.key(), name_, inputs);
-}
-
 void WorkerModel::FinishFirst() {
   const wire::Assign assign = queue_.front().assign;
   queue_.pop_front();
@@ -157,7 +147,7 @@ void WorkerModel::SendAnswer(const wire::Assign& assign) {
   const ToyAnswer toy = ComputeToy(assign);
   const bool trouble = world_.Chance(world_.faults.task_crash);
   if (trouble) world_.Count(kTaskTrouble);
-  if (trouble || toy.input_error || toy.fails || !HasInputs(assign)) {
+  if (trouble || toy.input_error || toy.fails || !world_.shell().Serves(assign, name_)) {
     wire::Failed failed;
     *failed.mutable_key() = assign.key();
     failed.set_message(toy.input_error ? "bad input" : "trouble");

@@ -52,7 +52,6 @@ class WorkerModel {
   void FinishFirst();
   void SendAnswer(const wire::Assign& assign);
   void Forget();
-  bool HasInputs(const wire::Assign& assign);
 
   World& world_;
   const std::string name_;
