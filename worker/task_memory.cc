@@ -47,8 +47,6 @@ void GivenBack(void* block) {
 
 }  // namespace
 
-bool TaskMemory::Works() { return CAIRN_COUNTS_MALLOC != 0; }
-
 TaskMemory::TaskMemory(std::uint64_t job_mb, std::uint64_t worker_mb)
     : limit_mb_(job_mb == 0 || (worker_mb > 0 && worker_mb < job_mb) ? worker_mb : job_mb),
       by_job_(limit_mb_ == job_mb) {}

@@ -1,6 +1,7 @@
 // Holds the thread that computes to a limit on what a task allocates: malloc and all that rests on it (new,
 // Eigen, OpenCV) fail there beyond the limit, as they would without memory; other threads notice nothing.
 // Counted is what the thread has allocated and not freed since the task began; inputs come from elsewhere.
+// Builds with sanitizers, which have an allocator of their own, hold nothing to a limit.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +15,6 @@ class TaskMemory {
   TaskMemory(std::uint64_t job_mb, std::uint64_t worker_mb);
   // "" as long as nothing was refused, which a pipeline may have taken for anything; else why, for people.
   std::string WhyRefused() const;
-
-  // Builds with sanitizers, which have an allocator of their own, hold nothing to a limit.
-  static bool Works();
 
   // While it lives, this thread is held to the limit …
   class Hold {

@@ -21,14 +21,7 @@ void* Take(std::size_t bytes) {
   return block;
 }
 
-class TaskMemoryTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    if (!TaskMemory::Works()) GTEST_SKIP() << "a sanitizer has its own allocator";
-  }
-};
-
-TEST_F(TaskMemoryTest, HoldsWhatIsLiveToTheLimitAndNotWhatWasFreed) {
+TEST(TaskMemoryTest, HoldsWhatIsLiveToTheLimitAndNotWhatWasFreed) {
   TaskMemory memory(8, 0);
   {
     const TaskMemory::Hold hold(memory);
@@ -43,7 +36,7 @@ TEST_F(TaskMemoryTest, HoldsWhatIsLiveToTheLimitAndNotWhatWasFreed) {
   ::operator delete(Take(9 * kMb));
 }
 
-TEST_F(TaskMemoryTest, EveryWayToMemoryIsCounted) {
+TEST(TaskMemoryTest, EveryWayToMemoryIsCounted) {
   TaskMemory memory(1, 0);
   const TaskMemory::Hold hold(memory);
   void* volatile block = std::malloc(2 * kMb);
@@ -61,7 +54,7 @@ TEST_F(TaskMemoryTest, EveryWayToMemoryIsCounted) {
   EXPECT_THROW(std::vector<char> much(2 * kMb), std::bad_alloc);
 }
 
-TEST_F(TaskMemoryTest, TheLowerOfTheTwoLimitsWinsAndIsNamed) {
+TEST(TaskMemoryTest, TheLowerOfTheTwoLimitsWinsAndIsNamed) {
   const auto why = [](std::uint64_t job_mb, std::uint64_t worker_mb) {
     TaskMemory memory(job_mb, worker_mb);
     {
@@ -77,7 +70,7 @@ TEST_F(TaskMemoryTest, TheLowerOfTheTwoLimitsWinsAndIsNamed) {
   EXPECT_EQ(why(std::numeric_limits<std::uint64_t>::max(), 0), "") << "as good as none";
 }
 
-TEST_F(TaskMemoryTest, OtherThreadsAndPausesAreNotTheTasks) {
+TEST(TaskMemoryTest, OtherThreadsAndPausesAreNotTheTasks) {
   TaskMemory memory(1, 0);
   {
     const TaskMemory::Hold hold(memory);
@@ -94,7 +87,7 @@ Blob TakeMuch(const Task& task, const Inputs&, Progress&) {
   return Number(much.back());
 }
 
-TEST_F(TaskMemoryTest, ATaskOverItsLimitFailsWithTheReasonAndTheNextSucceeds) {
+TEST(TaskMemoryTest, ATaskOverItsLimitFailsWithTheReasonAndTheNextSucceeds) {
   Rig rig(TakeMuch);
   rig.Begin();
   wire::Assign much = RunTask(0);
@@ -111,7 +104,7 @@ TEST_F(TaskMemoryTest, ATaskOverItsLimitFailsWithTheReasonAndTheNextSucceeds) {
   EXPECT_TRUE(rig.Serve().envelope.has_done()) << "the worker lives on";
 }
 
-TEST_F(TaskMemoryTest, AWorkersOwnLimitHoldsWhateverTheJobSays) {
+TEST(TaskMemoryTest, AWorkersOwnLimitHoldsWhateverTheJobSays) {
   Rig rig(TakeMuch, [](WorkerOptions& options) { options.task_memory_mb = 4; });
   rig.Begin();
   rig.Assign(RunTask(0));
@@ -120,7 +113,7 @@ TEST_F(TaskMemoryTest, AWorkersOwnLimitHoldsWhateverTheJobSays) {
   EXPECT_NE(failed.envelope.failed().message().find("(--task-memory-mb)"), std::string::npos);
 }
 
-TEST_F(TaskMemoryTest, ATaskThatMadeDoWithLessHasFailedToo) {
+TEST(TaskMemoryTest, ATaskThatMadeDoWithLessHasFailedToo) {
   Rig rig([](const Task&, const Inputs&, Progress&) {
     double value = 1;
     try {

@@ -31,7 +31,7 @@ class ShellModel {
   void StopUntil(double until_s) { stopped_until_s_ = until_s; }
   void JumpClock(double by_s) { clock_offset_s_ += by_s; }
   void FillDiskUntil(double until_s) { store_.FillUntil(until_s); }
-  // Whether a worker that was was given this could fetch its inputs. A task that is still wanted must have them.
+  // Whether a worker that was given this could fetch its inputs. A task that is still wanted must have them.
   bool Serves(const wire::Assign& assign, const std::string& peer);
   const coordinator::Core* core() const { return core_.get(); }  // null while it is down
   const StoreModel& store() const { return store_; }
