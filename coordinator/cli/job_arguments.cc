@@ -30,7 +30,8 @@ ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   const PipelineSpec& pipeline = catalog.At(arguments.what);
   if (arguments.log.empty())
     throw InputError("which log? It comes after the pipeline: " + arguments.what + " LOG.h5");
-  if (!std::filesystem::is_regular_file(arguments.log))
+  std::error_code ignored;  // a name may be too long to be one
+  if (!std::filesystem::is_regular_file(arguments.log, ignored))
     throw InputError("there is no file '" + arguments.log + "'");
   ParsedJob parsed;
   parsed.job.set_name(pipeline.name);

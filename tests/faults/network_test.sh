@@ -71,7 +71,7 @@ ip -n "$hub" link set wire0 down
 printf 'the partition begins while the job is %s\n' "$(state)"
 sleep 3 # a partition has to last
 ip -n "$hub" link set wire0 up
-ip -n "$hub" addr show dev wire0 | grep -q 10.77.0.1 || ip -n "$hub" addr add 10.77.0.1/24 dev wire0
+ip -n "$hub" addr replace 10.77.0.1/24 dev wire0
 same partition
 
 job loss
