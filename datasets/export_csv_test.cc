@@ -55,7 +55,7 @@ TEST(ExportCsv, MrclamComesBackToTheBit) {
   if (DataFolder().empty()) GTEST_SKIP() << "CAIRN_DATA is not set";
   for (const bool withhold : {false, true}) {
     Blob log;
-    ImportMrclam({DataFolder() + "/mrclam6", false, withhold, {}}, &log);
+    ImportMrclam({DataFolder() + "/mrclam6", false, withhold, {}, false}, &log);
     ExpectSame(ThereAndBack(log), log);
   }
 }

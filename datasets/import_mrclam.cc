@@ -182,6 +182,11 @@ class MrclamImport {
   void Take(int subject, DatReader* reader, RobotRows* robot) {
     const DatReader& row = *reader;
     const double bearing = NormalizedAngle(row[3]);
+    if (subject <= kLastRobot && options_.robots_as_clutter) {
+      robot->observations.Add(row[0], -1, row[2], bearing);
+      if (rows_.truth_landmarks) robot->observations.truth_landmark.push_back(-1);
+      return;
+    }
     if (subject <= kLastRobot) {
       const auto seen = robots_.find(subject);
       if (seen == robots_.end())

@@ -64,6 +64,16 @@ TEST_F(ImportMrclamTest, WithheldIdentitiesStayInTheTruthOnly) {
   EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{0, 1}));
 }
 
+TEST_F(ImportMrclamTest, RobotsAsClutterAreObservationsOfNoLandmark) {
+  options_.robots_as_clutter = true;
+  const ImportReport report = Import();
+  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{0, 1, -1}));
+  EXPECT_EQ(Column<double>("robot/0/observations/range_m"), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"),
+            (std::vector<std::int32_t>{0, 1, -1}));
+  EXPECT_EQ(report.sightings, 0);
+}
+
 TEST_F(ImportMrclamTest, GivenFiguresReplaceTheNominalOnes) {
   options_.nominal.range_m = 0.5;
   options_.nominal.forward_ratio = 0.05;
@@ -148,7 +158,8 @@ TEST(ImportMrclamData, Dataset1And6HoldWhatTheirReadmesSay) {
   for (const Facts& facts : {Facts{"mrclam1", 33947, 3, {94.0, 81.6, 81.5, 78.1, 74.3}},
                              Facts{"mrclam6", 19377, 6, {48.4, 56.2, 55.1, 43.1, 49.7}}}) {
     Blob log;
-    const ImportReport report = ImportMrclam({DataFolder() + "/" + facts.name, false, false, {}}, &log);
+    const ImportReport report =
+        ImportMrclam({DataFolder() + "/" + facts.name, false, false, {}, false}, &log);
     EXPECT_EQ(report.observations + report.sightings + Sum(report.dropped), facts.measurements) << facts.name;
     EXPECT_EQ(report.dropped.at("unknown barcode"), facts.unknown) << facts.name;
     EXPECT_EQ(report.robots, 5) << facts.name;
@@ -165,7 +176,7 @@ TEST(ImportMrclamData, Dataset1And6HoldWhatTheirReadmesSay) {
 TEST(ImportMrclamData, Dataset6AgreesWithItsTruth) {
   if (DataFolder().empty()) GTEST_SKIP() << "CAIRN_DATA is not set";
   Blob log;
-  ImportMrclam({DataFolder() + "/mrclam6", false, false, {}}, &log);
+  ImportMrclam({DataFolder() + "/mrclam6", false, false, {}, false}, &log);
   const auto x = log.Get<double>("truth/landmarks/x_m"), y = log.Get<double>("truth/landmarks/y_m");
   for (int robot = 0; robot < 5; ++robot) {
     const std::string name = "robot/" + std::to_string(robot) + "/";
@@ -193,9 +204,9 @@ TEST(ImportMrclamData, Dataset9StepsBackInTime) {
   if (DataFolder().empty()) GTEST_SKIP() << "CAIRN_DATA is not set";
   const std::string folder = DataFolder() + "/mrclam9";
   Blob log;
-  ExpectContains(InputErrorOf([&] { ImportMrclam({folder, false, false, {}}, &log); }),
+  ExpectContains(InputErrorOf([&] { ImportMrclam({folder, false, false, {}, false}, &log); }),
                  "Robot1_Odometry.dat.gz:6: time runs backwards: 1288971814.520000 after 1288971814.620000");
-  const ImportReport report = ImportMrclam({folder, true, false, {}}, &log);
+  const ImportReport report = ImportMrclam({folder, true, false, {}, false}, &log);
   EXPECT_GE(report.skipped.at("time runs backwards"), 4);
   EXPECT_LE(report.skipped.at("time runs backwards"), 8);
   EXPECT_NEAR(DrivenM(log, 0), 294.9, 0.1);

@@ -123,6 +123,8 @@ void AddMrclam(CLI::App& import, Invocation& call) {
       ->required();
   command->add_flag("--withhold-identities", options->import.withhold_identities,
                     "Do not tell which landmark an observation is of; the truth still does");
+  command->add_flag("--robots-as-clutter", options->import.robots_as_clutter,
+                    "Robots that are seen become observations of nothing, instead of sightings of robots");
   AddNominal(*command, options->import.nominal);
   AddOutput(*command, *options);
 }
