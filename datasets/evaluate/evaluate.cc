@@ -223,8 +223,29 @@ class Evaluator {
   std::vector<std::vector<std::pair<PoseM, PoseM>>> pose_pairs_;  // of each robot: estimate, truth
 };
 
+// Later observations count as false ones: a result of a prefix is held against what the prefix shows.
+Blob TruthUntil(const Blob& log, double until_s) {
+  Blob cut = log;
+  for (std::size_t r = 0; r < log.Texts("robots").size(); ++r) {
+    const std::string observations = "robot/" + std::to_string(r) + "/observations/";
+    const std::string truth = "truth/" + observations + "landmark";
+    if (!log.Has(truth)) continue;
+    const auto time_s = log.Get<double>(observations + "time_s");
+    const auto old = log.Get<std::int32_t>(truth);
+    std::vector<std::int32_t> landmark(old.begin(), old.end());
+    for (std::size_t i = 0; i < std::min(landmark.size(), time_s.size()); ++i) {
+      if (time_s[i] > until_s) landmark[i] = kNoTruth;
+    }
+    cut.PutVector(truth, landmark);
+  }
+  return cut;
+}
+
 }  // namespace
 
-Evaluation Evaluate(const Blob& result, const Blob& truth_log) { return Evaluator(result, truth_log).Run(); }
+Evaluation Evaluate(const Blob& result, const Blob& truth_log) {
+  if (!result.Has("until_s")) return Evaluator(result, truth_log).Run();
+  return Evaluator(result, TruthUntil(truth_log, result.Scalar<double>("until_s"))).Run();
+}
 
 }  // namespace cairn::datasets

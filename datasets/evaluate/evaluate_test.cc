@@ -298,5 +298,22 @@ TEST(EvaluationText, SaysTheMainThings) {
   EXPECT_NE(text.find("topology.correct                yes"), std::string::npos);
 }
 
+TEST(Evaluate, APrefixIsNotAskedForWhatCameLater) {
+  const Blob log = SquareLog();
+  Blob result = PerfectLandmarkMap(log);  // as it would be after the third observation
+  result.PutScalar<double>("until_s", 2.0);
+  for (const char* axis : {"map/landmark_x_m", "map/landmark_y_m"}) {
+    std::vector<double> points = Column(result, axis);
+    points.resize(3);
+    result.PutVector(axis, points);
+  }
+  result.PutVector<std::int32_t>("map/landmark_identity", {-1, -1, -1});
+  result.PutVector<std::int32_t>("robot/0/observations/map_landmark", {0, 1, 2, -1, -1});
+  const Evaluation e = Evaluate(result, log);
+  EXPECT_TRUE(e.topology_correct.value());
+  EXPECT_EQ(e.landmarks->found, 3);
+  EXPECT_EQ(e.landmarks->missed, 0);
+}
+
 }  // namespace
 }  // namespace cairn::datasets

@@ -214,6 +214,14 @@ LayeredGrid LayeredGrid::LoadSparse(const std::string& prefix, const Blob& blob)
   return grid;
 }
 
+Layer SumOverLayers(const LayeredGrid& grid) {
+  Box box;
+  for (const Layer& layer : grid.layers) box = Union(box, layer.box);
+  Layer sum(box);
+  for (const Layer& layer : grid.layers) sum.AddShifted(layer, 0, 0, 1.0);
+  return sum;
+}
+
 Layer Blur(const Layer& layer, double sigma) {
   if (sigma <= 0.0 || layer.box.empty()) return layer;
   const Taps taps = GaussianTaps(sigma);

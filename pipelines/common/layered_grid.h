@@ -75,6 +75,9 @@ struct LayeredGrid {
   static LayeredGrid LoadSparse(const std::string& prefix, const Blob& blob);  // throws as Load does
 };
 
+// The layers added up, in their order.
+Layer SumOverLayers(const LayeredGrid& grid);
+
 // A separable blur by a Gaussian of `sigma` cells, mass kept; the box grows by the taps' reach.
 Layer Blur(const Layer& layer, double sigma);
 

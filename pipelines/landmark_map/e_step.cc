@@ -233,4 +233,12 @@ LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& 
   return beta;
 }
 
+LayeredGrid ForwardOnly(const Slice& slice, const Alphas& alphas, const LayeredGrid& before,
+                        const Visitor& visitor) {
+  for (int step = slice.end - 1; step >= slice.first; --step) {
+    visitor.step(step, alphas.tables[static_cast<std::size_t>(step - slice.first)]);
+  }
+  return slice.first == 0 ? LayeredGrid{} : UniformBeta(before);
+}
+
 }  // namespace cairn::landmark_map

@@ -85,6 +85,10 @@ struct Visitor {
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
                      const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visitor& visitor);
 
+// The same without Backward's pass: beta is 1 wherever alpha is above zero, and the belief is alpha.
+LayeredGrid ForwardOnly(const Slice& slice, const Alphas& alphas, const LayeredGrid& before,
+                        const Visitor& visitor);
+
 // beta of the last step of all: 1 wherever `support` is above zero.
 LayeredGrid UniformBeta(const LayeredGrid& support);
 

@@ -22,12 +22,9 @@ constexpr const char* kFailure = "failure";  // of a start: in partials and stat
 std::string RobotPath(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
 
 // Which landmark types (the last: unknown) a robot has observed.
-std::vector<bool> TypesSeen(const Blob& robot, int types) {
+std::vector<bool> TypesSeen(const RobotSteps& robot, int types) {
   std::vector<bool> seen(static_cast<std::size_t>(types) + 1, false);
-  for (const std::int32_t landmark : robot.Get<std::int32_t>("observations/landmark")) {
-    const int type = landmark < 0 ? types : landmark;
-    if (type < static_cast<int>(seen.size())) seen[static_cast<std::size_t>(type)] = true;
-  }
+  for (const Observation& o : robot.observations) seen[static_cast<std::size_t>(o.type)] = true;
   return seen;
 }
 
@@ -35,13 +32,14 @@ std::vector<bool> TypesSeen(const Blob& robot, int types) {
 Carried MakeAllSteps(const Blob& log, const Settings& settings, const Schedule& schedule, cairn::Step* step,
                      std::vector<RobotSteps>* all) {
   const std::vector<std::string> robots = log.Texts("robots");
-  const std::vector<bool> shared = TypesSeen(log.Sub("robot/0/"), settings.map.types);
+  std::vector<bool> shared;
   Carried carried;
   carried.blobs["settings"] = step->Share(settings.ToBlob());
   carried.odometry.assign(robots.size(), OdometryFit::Of(settings.noise));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const RobotSteps steps =
         MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, r == 0 ? nullptr : &shared);
+    if (r == 0) shared = TypesSeen(steps, settings.map.types);
     carried.step_counts.push_back(steps.size());
     const int count = StepsInUse(schedule, steps.size());
     carried.work.push_back(WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
@@ -211,6 +209,7 @@ Blob LandmarkMap::RunSlice(const Task& task, const Inputs& inputs, Progress& pro
   if (summarise) landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
   PartialBuilder builder(settings, slice, static_cast<int>(params.at("robot").i()),
                          summarise ? &landmarks : nullptr, NoCounts(settings));
+  if (options_.beliefs) builder.KeepBeliefs();
   const double tables = sizeof(double) * static_cast<double>(alphas.Cells());
   const auto add = [&](int step, const LayeredGrid& belief) {
     builder.Add(step, belief);
@@ -221,7 +220,10 @@ Blob LandmarkMap::RunSlice(const Task& task, const Inputs& inputs, Progress& pro
   if (options_.calibrate) {
     visitor.leg = [&](int step, const HalfTurn& posterior) { builder.AddLeg(step, posterior); };
   }
-  beta = Backward(model, slice, alphas, before, std::move(beta), progress, visitor);
+  if (options_.revise)
+    beta = Backward(model, slice, alphas, before, std::move(beta), progress, visitor);
+  else
+    beta = ForwardOnly(slice, alphas, before, visitor);
   Blob partial = builder.Finish(alphas);
   if (slice.first > 0) beta.StoreSparse("beta/", &partial);
   return partial;

@@ -197,5 +197,79 @@ TEST(LandmarkMap, ABoxTooSmallForTheTrajectoryIsRefused) {
   EXPECT_THROW(Map(SquareLog{.side_m = 20.0}.Make(), {.box_m = 10.0}), InputError);
 }
 
+// The rows of robot 0 up to a time.
+Blob CutAt(const Blob& log, double until_s) {
+  Blob cut = log;
+  for (const char* group : {"robot/0/odometry/", "robot/0/observations/"}) {
+    const auto time_s = log.Get<double>(group + std::string("time_s"));
+    const auto rows = std::ranges::upper_bound(time_s, until_s) - time_s.begin();
+    const Blob columns = log.Sub(group);
+    for (const auto& [name, array] : columns.fields()) cut.Put(group + name, array.Rows(0, rows));
+  }
+  return cut;
+}
+
+TEST(LandmarkMap, APrefixGivesTheMapOfALogThatEndsThere) {
+  const Blob log = SquareLog{.laps = 3, .side_m = 20.0, .drift_rad_per_m = 0.001}.Make();
+  const double until_s = log.Get<double>("robot/0/observations/time_s")[5];
+  Options options{.cell_m = 1.0, .starts = 1};
+  const BlobPtr cut = Map(CutAt(log, until_s), options);
+  options.prefix_observations = 6;
+  const BlobPtr prefix = Map(log, options);
+  EXPECT_EQ(prefix->Scalar<double>("until_s"), until_s);
+  for (const char* name : {"map/landmark_x_m", "map/grid/probability", "robot/0/poses/time_s",
+                           "robot/0/poses/mode_x_m", "history/log_likelihood"}) {
+    EXPECT_TRUE(prefix->at(name) == cut->at(name)) << name;
+  }
+  const auto landmark = prefix->Get<std::int32_t>("robot/0/observations/map_landmark");
+  ASSERT_EQ(landmark.size(), 12U);
+  EXPECT_NE(landmark[5], -1);
+  EXPECT_EQ(landmark[6], -1);
+}
+
+double LargestVariance(const Blob& result, std::size_t poses) {
+  const auto covariance = result.Get<double>("robot/0/poses/covariance");
+  double largest = 0.0;
+  for (std::size_t i = 0; i < poses; ++i)
+    largest = std::max(largest, covariance[9 * i] + covariance[9 * i + 4]);
+  return largest;
+}
+
+// Round the first lap nothing is seen twice: only what comes later tells where the robot was.
+TEST(LandmarkMap, WithoutRevisionTheFirstLapStaysAsUncertainAsOdometryIs) {
+  const Blob log = SquareLog{.laps = 3, .side_m = 20.0, .walk_rad_per_sqrt_m = 0.02}.Make();
+  Options options{.cell_m = 1.0, .starts = 1};
+  const double revised = LargestVariance(*Map(log, options), 60);
+  options.revise = false;
+  const double forward = LargestVariance(*Map(log, options), 60);
+  EXPECT_GT(forward, 2.0 * revised);
+}
+
+TEST(LandmarkMap, BeliefsAreThoseOfThePoses) {
+  const Blob log = SquareLog{.laps = 2, .side_m = 20.0}.Make();
+  const BlobPtr result = Map(log, {.cell_m = 1.0, .beliefs = true, .starts = 1, .slice_mcells = 0.1});
+  const LayeredGrid beliefs = LayeredGrid::Load("robot/0/beliefs/", *result);
+  const auto step_s = result->Get<double>("robot/0/beliefs/time_s");
+  const auto pose_s = result->Get<double>("robot/0/poses/time_s");
+  const auto x = result->Get<double>("robot/0/poses/x_m"), y = result->Get<double>("robot/0/poses/y_m");
+  ASSERT_EQ(beliefs.layers.size(), step_s.size());
+  ASSERT_GT(step_s.size(), 8U);
+  for (std::size_t s = 0; s < step_s.size(); ++s) {
+    const Layer& belief = beliefs.layers[s];
+    EXPECT_NEAR(belief.Sum(), 1.0, 1e-9);
+    double mean_x = 0.0, mean_y = 0.0;
+    for (int j = belief.box.y0; j < belief.box.y0 + belief.box.ny; ++j) {
+      for (int i = belief.box.x0; i < belief.box.x0 + belief.box.nx; ++i) {
+        mean_x += i * belief.Row(j)[i];
+        mean_y += j * belief.Row(j)[i];
+      }
+    }
+    const auto row = static_cast<std::size_t>(std::ranges::lower_bound(pose_s, step_s[s]) - pose_s.begin());
+    ASSERT_EQ(pose_s[row], step_s[s]);
+    EXPECT_NEAR(mean_x, x[row], 1e-6);
+    EXPECT_NEAR(mean_y, y[row], 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map

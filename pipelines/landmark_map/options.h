@@ -13,9 +13,12 @@ struct Options {
   double heading_deg = 0.0;
   std::int64_t iterations = 10;
   double tolerance = 5e-3;
+  std::int64_t prefix_observations = 0;
   double growth_start = 0.0;
   double growth_factor = 2.0;
   bool calibrate = true;
+  bool revise = true;
+  bool beliefs = false;
   std::int64_t starts = 0;
   std::string model = "robust";
   std::string motion_error = "gaussian";
@@ -41,6 +44,10 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"tolerance", "nats", 0, 1,
                "stop where an iteration changes the log-likelihood by less, an observation"},
         o.tolerance);
+  visit(Option{"prefix_observations", "observations", 0, 1e9,
+               "the data end with the observation of this number, of all robots in the order of time; 0: all "
+               "data"},
+        o.prefix_observations);
   visit(Option{"growth_start", "", 0, 1,
                "fraction of the data in the first iteration; 0: by the kind of sensor"},
         o.growth_start);
@@ -49,6 +56,14 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"calibrate", "", 0, 0,
                "estimate each robot's heading drift, walk and turn errors in the M-step"},
         o.calibrate);
+  visit(
+      Option{
+          "revise", "", 0, 0,
+          "false: a forward pass only, alpha in place of alpha beta: no estimate is revised by later data"},
+      o.revise);
+  visit(Option{"beliefs", "", 0, 0,
+               "the result also holds each step's belief, added up over headings: robot/N/beliefs"},
+        o.beliefs);
   visit(
       Option{
           "starts", "", 0, 1000,

@@ -53,6 +53,8 @@ PartialBuilder::PartialBuilder(const Settings& settings, const Slice& slice, int
   association_probability_.assign(seen, 0.0);
 }
 
+void PartialBuilder::KeepBeliefs() { beliefs_.layers.resize(poses_.size()); }
+
 void PartialBuilder::Add(int step, const LayeredGrid& belief) {
   const RobotSteps& steps = slice_.steps;
   for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
@@ -60,7 +62,9 @@ void PartialBuilder::Add(int step, const LayeredGrid& belief) {
   }
   legs_.AddHeading(HeadingOf(belief), step + 1 < slice_.end ? slice_.steps.path_m[step + 1] : 0.0);
   if (landmarks_ == nullptr) return;
-  poses_[static_cast<std::size_t>(step - slice_.first)] = Summarise(belief, settings_.map.grid);
+  const auto at = static_cast<std::size_t>(step - slice_.first);
+  poses_[at] = Summarise(belief, settings_.map.grid);
+  if (!beliefs_.layers.empty()) beliefs_.layers[at] = SumOverLayers(belief);
   AddAssociations(step, belief);
 }
 
@@ -124,6 +128,7 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   partial.Put("pose/covariance", Array::Of<double>({n, 3, 3}, covariance));
   partial.PutVector("association/landmark", association_);
   partial.PutVector("association/probability", association_probability_);
+  if (!beliefs_.layers.empty()) beliefs_.StoreSparse("belief/", &partial);
   return partial;
 }
 

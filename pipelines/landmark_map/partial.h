@@ -15,12 +15,15 @@ Blob ToBlob(const std::vector<Landmark>& landmarks);
 std::vector<Landmark> LandmarksFromBlob(const Blob& blob);
 
 // Fields: counts/…, legs/…, log_likelihood, work, robot, first, first_path_m (way to the slice's first step);
-// with landmarks also pose/… (a row a step) and association/… (a row an observation of the slice).
+// with landmarks also pose/… (a row a step), association/… (a row an observation of the slice) and, where
+// they are kept, belief/… (a layer a step, added up over headings).
 class PartialBuilder {
  public:
   // `landmarks`: nullptr where no summary is wanted.
   PartialBuilder(const Settings& settings, const Slice& slice, int robot,
                  const std::vector<Landmark>* landmarks, LayeredGrid no_counts);
+  // Beliefs too are part of the summary.
+  void KeepBeliefs();
   // The belief of a step; the last step comes first.
   void Add(int step, const LayeredGrid& belief);
   // The leg that leads to a step, after the step's belief.
@@ -38,6 +41,7 @@ class PartialBuilder {
   const std::vector<Landmark>* landmarks_;
   LayeredGrid counts_;
   std::vector<PoseSummary> poses_;         // [end - first]
+  LayeredGrid beliefs_;                    // [end - first], or empty where they are not kept
   std::vector<std::int32_t> association_;  // per observation of the slice
   std::vector<double> association_probability_;
   LegSums legs_;

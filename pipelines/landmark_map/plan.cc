@@ -37,6 +37,7 @@ void VisitFigures(S& s, const F& f) {
   f("frame_m", s.steps.frame_m);
   f("frame_rad", s.steps.frame_rad);
   f("step_types", s.steps.types);
+  f("until_s", s.steps.until_s);
   f("triangular", s.shape);
   f("prune", s.prune);
   f("box_m", s.box_m);
@@ -92,6 +93,21 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
     }
   }
   return sensing;
+}
+
+// The time of the log's observation of this number, from 1 on, over all robots; infinite where it has no
+// such.
+double TimeOfObservation(const Blob& log, std::size_t robots, std::int64_t number) {
+  std::vector<double> times;
+  for (std::size_t r = 0; r < robots; ++r) {
+    for (const double time : log.Get<double>("robot/" + std::to_string(r) + "/observations/time_s")) {
+      if (std::isfinite(time)) times.push_back(time);
+    }
+  }
+  if (number < 1 || number > static_cast<std::int64_t>(times.size()))
+    return std::numeric_limits<double>::infinity();
+  std::ranges::sort(times);
+  return times[static_cast<std::size_t>(number - 1)];
 }
 
 // 360 degrees divided by a whole number, near `step_deg`.
@@ -201,7 +217,8 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.exact = options.model == "exact";
 
   settings.noise = NoiseOf(options, log, sensing, grid.cell_m);
-  settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types};
+  settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
+                    TimeOfObservation(log, robots, options.prefix_observations)};
   settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
   settings.memory_mb = options.memory_mb;
   settings.prune = options.prune;

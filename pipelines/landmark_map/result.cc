@@ -61,11 +61,12 @@ Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b,
 class PathWriter {
  public:
   PathWriter(const RobotSteps& steps, const Odometry& odometry, const std::vector<Blob>& summaries,
-             double drift_rad_per_m, double spacing_m)
+             double drift_rad_per_m, double spacing_m, double until_s)
       : steps_(steps),
         odometry_(odometry),
         drift_rad_per_m_(drift_rad_per_m),
         spacing_m_(spacing_m),
+        until_s_(until_s),
         way_(steps.WaySoFar()),
         path_of_first_(PoseAt(odometry, steps.time_s.front()).path_m),
         mean_{Joined(summaries, "pose/x_m"), Joined(summaries, "pose/y_m"),
@@ -87,7 +88,7 @@ class PathWriter {
       AddControls(&control, steps_.time_s[s], s - 1);
       Add(PoseOfStep(s), s);
     }
-    AddControls(&control, std::numeric_limits<double>::infinity(), steps_.size() - 1);
+    AddControls(&control, until_s_, steps_.size() - 1);
     Put(prefix, result);
   }
 
@@ -170,7 +171,7 @@ class PathWriter {
 
   const RobotSteps& steps_;
   const Odometry& odometry_;
-  double drift_rad_per_m_, spacing_m_;
+  double drift_rad_per_m_, spacing_m_, until_s_;
   std::vector<double> way_;
   double path_of_first_;
   double last_path_m_ = 0.0;
@@ -194,6 +195,19 @@ void PutAssociations(const RobotSteps& steps, const std::vector<Blob>& summaries
   }
   result->PutVector(prefix + "map_landmark", rows);
   result->PutVector(prefix + "probability", row_probability);
+}
+
+// Nothing where the partials have none.
+void PutBeliefs(const RobotSteps& steps, const std::vector<Blob>& summaries, const std::string& prefix,
+                Blob* result) {
+  LayeredGrid beliefs;
+  for (const Blob& summary : summaries) {
+    if (!summary.Has("belief/box")) return;
+    for (Layer& layer : LayeredGrid::LoadSparse("belief/", summary).layers)
+      beliefs.layers.push_back(std::move(layer));
+  }
+  result->PutVector(prefix + "time_s", steps.time_s);
+  beliefs.Store(prefix, result);
 }
 
 void PutMap(const LayeredGrid& map, const GridSpec& grid, int types, Blob* result) {
@@ -259,15 +273,18 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
     const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
-    const Odometry track = Integrate(log.Sub(prefix), robots[r]);
+    const Odometry track = Until(Integrate(log.Sub(prefix), robots[r]), settings.steps.until_s);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
-    PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m)
+    PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
+               settings.steps.until_s)
         .Write(prefix + "poses/", &result);
     PutAssociations(steps, summaries, prefix + "observations/", &result);
+    PutBeliefs(steps, summaries, prefix + "beliefs/", &result);
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", odometry[r].drift_rad_per_m);
     result.PutScalar<double>(prefix + "heading_walk_rad_per_sqrt_m", odometry[r].heading_walk_rad_per_sqrt_m);
     result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);
   }
+  if (std::isfinite(settings.steps.until_s)) result.PutScalar<double>("until_s", settings.steps.until_s);
   PutLandmarks(landmarks, settings.map.types, &result);
   const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
   PutMap(MapOf(counts, settings.map), settings.map.grid, settings.map.types, &result);

@@ -63,9 +63,9 @@ class StepPlanner {
   void Plan(const std::vector<Sighting>& sightings, std::size_t begin, bool late, RobotSteps* steps) {
     steps_ = steps;
     if (!late) AddStep(PoseOf(odometry_, 0));
-    steps_->row_observation.assign(sightings.size(), -1);
     for (std::size_t i = begin; i < sightings.size();) i = AddFrame(sightings, i);
-    MoveTo(PoseOf(odometry_, odometry_.time_s.size() - 1));
+    const bool all = rules_.until_s >= odometry_.time_s.back();
+    MoveTo(all ? PoseOf(odometry_, odometry_.time_s.size() - 1) : PoseAt(odometry_, rules_.until_s));
     steps_->first_observation.push_back(static_cast<std::int32_t>(steps_->observations.size()));
   }
 
@@ -184,8 +184,13 @@ RobotSteps RobotSteps::WithoutDrift(double drift_rad_per_m) const {
 
 RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
                      const std::vector<bool>* shared) {
-  const Odometry odometry = Integrate(robot, name);
-  const std::vector<Sighting> sightings = ReadSightings(robot, name, odometry, rules.types);
+  const Odometry whole = Integrate(robot, name);
+  std::vector<Sighting> sightings = ReadSightings(robot, name, whole, rules.types);
+  RobotSteps steps;
+  steps.row_observation.assign(sightings.size(), -1);
+  const Odometry odometry = Until(whole, rules.until_s);
+  while (!sightings.empty() && sightings.back().at.time_s > rules.until_s) sightings.pop_back();
+  for (Sighting& seen : sightings) seen.at = PoseAt(odometry, seen.at.time_s);
   std::size_t begin = 0;
   if (shared != nullptr) {
     while (begin < sightings.size() && !(*shared)[static_cast<std::size_t>(sightings[begin].type)]) ++begin;
@@ -194,7 +199,6 @@ RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules
                        "' has seen nothing that the first robot saw too: it cannot be placed");
     }
   }
-  RobotSteps steps;
   StepPlanner(odometry, rules).Plan(sightings, begin, shared != nullptr, &steps);
   return steps;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "pipelines/common/motion.h"
@@ -44,12 +45,14 @@ struct StepRules {
   double frame_m;    // range-bearing observations within so much of way …
   double frame_rad;  // … or turn are gathered into one step
   int types;         // number of identities; observations without one get this type
+  double until_s = std::numeric_limits<double>::infinity();  // later data are left out
 };
 
 // `shared` (may be nullptr): landmark types by which
 // this robot finds itself in a map; its steps begin at the first that observes one. `robot` is the log's
 // subtree robot/N/, `name` its name for messages. Throws InputError that names robot, row and reason: no
 // controls, no observations, a NaN, times that run backwards, an observation outside the controls' times.
+// Rows later than rules.until_s are checked too, but not used.
 RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
                      const std::vector<bool>* shared);
 

@@ -159,5 +159,17 @@ TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {
   has(empty, "no controls");
 }
 
+TEST(MakeSteps, LaterDataAreLeftOut) {
+  const Blob robot = Robot({1.0, 2.0, 4.0}, {0, 1, -1}, {kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN});
+  StepRules rules = kRules;
+  rules.until_s = 2.0;
+  const RobotSteps steps = MakeSteps(robot, "a", rules, nullptr);
+  ASSERT_EQ(steps.observations.size(), 2U);
+  EXPECT_EQ(steps.row_observation, (std::vector<std::int32_t>{0, 1, -1}));
+  EXPECT_EQ(steps.time_s.back(), 2.0);
+  rules.until_s = 3.5;  // between two controls
+  EXPECT_NEAR(MakeSteps(robot, "a", rules, nullptr).odo_y_m.back(), 1.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map

@@ -61,6 +61,17 @@ Odometry Integrate(const Blob& robot, const std::string& name) {
   return odometry;
 }
 
+Odometry Until(Odometry odometry, double until_s) {
+  const auto& time = odometry.time_s;
+  const auto under_way = std::ranges::lower_bound(time, until_s) - time.begin();
+  const std::size_t kept = std::min(time.size(), static_cast<std::size_t>(under_way) + 1);
+  for (std::vector<double>* column : {&odometry.time_s, &odometry.x_m, &odometry.y_m, &odometry.heading_rad,
+                                      &odometry.path_m, &odometry.turn_rad}) {
+    column->resize(kept);
+  }
+  return odometry;
+}
+
 OdometricPose PoseOf(const Odometry& odometry, std::size_t i) {
   return {odometry.time_s[i],      odometry.x_m[i],    odometry.y_m[i],
           odometry.heading_rad[i], odometry.path_m[i], odometry.turn_rad[i]};

@@ -14,6 +14,9 @@ struct Odometry {                             // one entry a control, plus one f
   std::vector<double> path_m, turn_rad;       // way and sum of absolute turns so far
 };
 
+// Without the controls after the one that is under way, or ends, at `until_s`.
+Odometry Until(Odometry odometry, double until_s);
+
 // A pose on that path.
 struct OdometricPose {
   double time_s, x_m, y_m, heading_rad, path_m, turn_rad;
