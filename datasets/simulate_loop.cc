@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "datasets/simulate_sonar.h"
 #include "datasets/simulate_world.h"
 
 namespace cairn::datasets {
@@ -15,8 +16,11 @@ constexpr int kMaxRobots = 64;
 constexpr int kMaxTours = 10000;
 constexpr double kNominalSpread = 1.5;
 
-// Streams of the generator: the world's, the data sheet's, then one for each robot.
+// Streams of the generator: the world's, the data sheet's, then one for each robot. What options add draws
+// from substreams, so that they change nothing else.
 constexpr std::uint64_t kWorldStream = 0, kNominalStream = 1, kRobotStream = 2;
+constexpr std::uint32_t kSensingSubstream = 1, kSonarSubstream = 2;
+constexpr int kMaxDrives = 20;
 
 LoopDifficulty Make(const char* name, double path_m, double step_m, int min_presses, int max_presses,
                     double drift_deg_per_m, double walk_deg_per_sqrt_m, ErrorRange final_error) {
@@ -40,6 +44,7 @@ std::vector<LoopDifficulty> MakeDifficulties() {
   all.push_back(Make("hard", 1000, 0.33, 65, 70, 0.2, 1.0, {45, 55}));
   all.push_back(Make("extreme", 600, 0.33, 0, kAny, 0.3, 1.0, {60, 120}));
   all.back().box_m = 150;
+  all.push_back(Make("museum", 735, 0.275, 50, 50, 0.2, 0.5, {65, 75, 165 * kDeg}));
   return all;
 }
 
@@ -81,7 +86,7 @@ double NominalFigure(double exact, Rng& rng) {
 }
 
 // Angles are rounded in degrees, as people read them.
-void PutNominalNoise(const LoopDifficulty& difficulty, double press_sd_m, Rng& rng, Blob& log) {
+void PutNominalNoise(const LoopDifficulty& difficulty, const LoopSensing& sensing, Rng& rng, Blob& log) {
   const OdometryNoise& noise = difficulty.noise;
   log.PutScalar("noise/heading_drift_rad_per_m",
                 NominalFigure(noise.heading_drift_rad_per_m / kDeg, rng) * kDeg);
@@ -89,7 +94,35 @@ void PutNominalNoise(const LoopDifficulty& difficulty, double press_sd_m, Rng& r
                 NominalFigure(noise.heading_walk_rad_per_sqrt_m / kDeg, rng) * kDeg);
   log.PutScalar("noise/forward_ratio", NominalFigure(noise.forward_ratio, rng));
   log.PutScalar("noise/turn_ratio", NominalFigure(noise.turn_ratio, rng));
-  log.PutScalar("noise/press_m", NominalFigure(press_sd_m, rng));
+  if (!sensing.ranged()) log.PutScalar("noise/press_m", NominalFigure(DriveOptions{}.pass_sd_m, rng));
+}
+
+void PutConfusion(const LoopSensing& sensing, Rng& rng, Blob& log) {
+  const double wrong = sensing.confusion > 0 ? NominalFigure(sensing.confusion, rng) : 0;
+  std::vector<std::string> names;
+  std::vector<double> matrix;
+  for (int k = 0; k < sensing.types; ++k) {
+    names.push_back("type " + std::to_string(k));
+    for (int j = 0; j < sensing.types; ++j)
+      matrix.push_back(j == k ? 1 - wrong : wrong / (sensing.types - 1));
+  }
+  log.Put("types", Array::Texts(names));
+  log.Put("noise/type_confusion", Array::Of<double>({sensing.types, sensing.types}, matrix));
+}
+
+// What the sensing's options add to the data sheet.
+void PutNominalSensing(const LoopSensing& sensing, Rng& rng, Blob& log) {
+  if (sensing.ranged()) {
+    log.PutScalar("noise/range_m", NominalFigure(kSightRangeM, rng));
+    log.PutScalar("noise/bearing_rad", NominalFigure(kSightBearingRad / kDeg, rng) * kDeg);
+    log.PutScalar("sensor/max_range_m", kSightMaxRangeM);
+    log.PutScalar("sensor/field_of_view_rad", kSightViewRad);
+  }
+  if (sensing.false_rate > 0 || sensing.miss_rate > kDriveMissRate) {
+    if (sensing.false_rate > 0) log.PutScalar("noise/false_ratio", NominalFigure(sensing.false_rate, rng));
+    log.PutScalar("noise/miss_ratio", NominalFigure(sensing.miss_rate, rng));
+  }
+  if (sensing.types > 1) PutConfusion(sensing, rng, log);
 }
 
 void PutOdometry(const std::string& robot, const Drive& drive, const OdometryDraw& odometry, Blob& log) {
@@ -104,18 +137,23 @@ void PutOdometry(const std::string& robot, const Drive& drive, const OdometryDra
   log.PutVector(robot + "/odometry/forward_m", forward);
 }
 
-void PutPresses(const std::string& robot, const Drive& drive, Blob& log) {
-  std::vector<double> time;
-  std::vector<std::int32_t> truth;
-  for (const Press& press : drive.presses) {
-    time.push_back(ToMilli(drive.times_s[press.control]));
-    truth.push_back(static_cast<std::int32_t>(press.landmark));
+void PutObservations(const std::string& robot, const Drive& drive, const std::vector<Sensed>& sensed,
+                     bool typed, Blob& log) {
+  std::vector<double> time, range, bearing;
+  std::vector<std::int32_t> landmark, type, truth;
+  for (const Sensed& s : sensed) {
+    time.push_back(ToMilli(drive.times_s[s.control]));
+    landmark.push_back(s.identity);
+    type.push_back(s.type);
+    range.push_back(std::isnan(s.range_m) ? s.range_m : ToMilli(s.range_m));
+    bearing.push_back(std::isnan(s.bearing_rad) ? s.bearing_rad : ToNanoAngle(s.bearing_rad));
+    truth.push_back(s.landmark);
   }
-  const std::vector<double> nan(time.size(), std::numeric_limits<double>::quiet_NaN());
   log.PutVector(robot + "/observations/time_s", time);
-  log.PutVector(robot + "/observations/landmark", std::vector<std::int32_t>(time.size(), -1));
-  log.PutVector(robot + "/observations/range_m", nan);
-  log.PutVector(robot + "/observations/bearing_rad", nan);
+  log.PutVector(robot + "/observations/landmark", landmark);
+  log.PutVector(robot + "/observations/range_m", range);
+  log.PutVector(robot + "/observations/bearing_rad", bearing);
+  if (typed) log.PutVector(robot + "/observations/type", type);
   log.PutVector("truth/" + robot + "/observations/landmark", truth);
 }
 
@@ -140,16 +178,50 @@ void PutTruePoses(const std::string& robot, const Drive& drive, Blob& log) {
   log.PutVector(poses + "heading_rad", heading);
 }
 
-void PutLandmarks(const CorridorWorld& world, Blob& log) {
+// The landmarks' types: none where all look alike.
+std::vector<int> DrawTypes(const CorridorWorld& world, const SimulateLoopOptions& options) {
+  Rng rng(options.seed, kWorldStream, kSensingSubstream);
+  std::vector<int> types;
+  for (std::size_t i = 0; i < world.nodes.size() && options.sensing.types > 1; ++i)
+    types.push_back(static_cast<int>(rng.Below(static_cast<std::uint64_t>(options.sensing.types))));
+  return types;
+}
+
+void PutLandmarks(const CorridorWorld& world, const std::vector<int>& types, bool identities, Blob& log) {
   std::vector<double> x, y;
   for (const PointM& node : world.nodes) {
     x.push_back(ToMicro(node.x_m));
     y.push_back(ToMicro(node.y_m));
   }
-  log.Put("landmarks", Array::Texts({}));
+  log.Put("landmarks", Array::Texts(identities ? world.names : std::vector<std::string>{}));
   log.Put("truth/landmarks/name", Array::Texts(world.names));
   log.PutVector("truth/landmarks/x_m", x);
   log.PutVector("truth/landmarks/y_m", y);
+  if (!types.empty())
+    log.PutVector("truth/landmarks/type", std::vector<std::int32_t>(types.begin(), types.end()));
+}
+
+struct Driven {
+  Drive drive;
+  OdometryDraw odometry;
+};
+
+Driven DriveAndMeasure(const CorridorWorld& world, const LoopDifficulty& difficulty, Rng& rng) {
+  for (int i = 0; i < kMaxDrives; ++i) {
+    Driven driven{DrawFittingDrive(world, difficulty, rng), {}};
+    auto odometry = DrawOdometry(driven.drive, difficulty.noise, difficulty.final_error, rng);
+    if (!odometry) continue;
+    driven.odometry = std::move(*odometry);
+    return driven;
+  }
+  throw InputError("no drive ends with an odometric error of " +
+                   std::to_string(difficulty.final_error.low_m) + " to " +
+                   std::to_string(difficulty.final_error.high_m) + " m: take another seed");
+}
+
+std::vector<double> Milli(std::vector<double> times_s) {
+  for (double& time : times_s) time = ToMilli(time);
+  return times_s;
 }
 
 }  // namespace
@@ -165,21 +237,35 @@ Blob SimulateLoop(const SimulateLoopOptions& options) {
     throw InputError("robots is " + std::to_string(options.robots) + "; allowed is 1 to " +
                      std::to_string(kMaxRobots));
   }
+  Check(options.sensing);
   Rng world_rng(options.seed, kWorldStream);
   const CorridorWorld world = MakeLoopWorld(difficulty.box_m, world_rng);
+  const std::vector<int> types = DrawTypes(world, options);
+  const std::vector<Wall> walls = options.sonar ? WallsOf(world) : std::vector<Wall>{};
   Blob log;
-  PutLandmarks(world, log);
+  PutLandmarks(world, types, options.sensing.identities, log);
   Rng nominal_rng(options.seed, kNominalStream);
-  PutNominalNoise(difficulty, DriveOptions{}.pass_sd_m, nominal_rng, log);
+  PutNominalNoise(difficulty, options.sensing, nominal_rng, log);
+  Rng sheet_rng(options.seed, kNominalStream, kSensingSubstream);
+  PutNominalSensing(options.sensing, sheet_rng, log);
+  if (options.sonar) {
+    PutWalls(walls, log);
+    Rng sonar_rng(options.seed, kNominalStream, kSonarSubstream);
+    log.PutScalar("noise/sonar_m", NominalFigure(kSonarSdM, sonar_rng));
+  }
   std::vector<std::string> names;
   for (int r = 0; r < options.robots; ++r) {
-    Rng rng(options.seed, kRobotStream + static_cast<std::uint64_t>(r));
-    const Drive drive = DrawFittingDrive(world, difficulty, rng);
-    const OdometryDraw odometry = DrawOdometry(drive, difficulty.noise, difficulty.final_error, rng);
+    const std::uint64_t stream = kRobotStream + static_cast<std::uint64_t>(r);
+    Rng rng(options.seed, stream);
+    const auto [drive, odometry] = DriveAndMeasure(world, difficulty, rng);
     const std::string robot = "robot/" + std::to_string(r);
     PutOdometry(robot, drive, odometry, log);
-    PutPresses(robot, drive, log);
+    Rng sensing_rng(options.seed, stream, kSensingSubstream);
+    PutObservations(robot, drive, Sense(drive, world, types, options.sensing, sensing_rng),
+                    options.sensing.types > 1, log);
     PutTruePoses(robot, drive, log);
+    Rng sonar_rng(options.seed, stream, kSonarSubstream);
+    if (options.sonar) PutSonar(robot, drive, Milli(drive.times_s), walls, sonar_rng, log);
     names.push_back("robot " + std::to_string(r));
   }
   log.Put("robots", Array::Texts(names));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datasets/simulate_odometry.h"
+#include "datasets/simulate_sensing.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -23,19 +24,22 @@ struct LoopDifficulty {
   ErrorRange final_error;
 };
 
-// paper, base, hard, extreme.
+// paper, base, hard, extreme, museum.
 const std::vector<LoopDifficulty>& LoopDifficulties();
 
 struct SimulateLoopOptions {
   std::string difficulty = "base";
   int robots = 1;  // at least 1, at most 64; each starts anywhere and errs in its own way
   std::uint64_t seed = 1;
+  LoopSensing sensing = {};
+  bool sonar = false;  // also a ring of sonars, and the walls in the truth
 };
 
-// A `log` with its truth (schema/FORMAT.md). Robot N's rows do not depend on how many robots there are. The
-// nominal noise figures are the simulator's own, each times a factor drawn from [1/1.5, 1.5] on a log scale
-// and rounded to one digit where that stays within half the value: what a data sheet would say. Throws
-// InputError for an unknown difficulty or a number of robots out of range.
+// A `log` with its truth (schema/FORMAT.md). Robot N's rows do not depend on how many robots there are, nor
+// drives and odometry on what is sensed. The nominal noise figures are the simulator's own, each times a
+// factor drawn from [1/1.5, 1.5] on a log scale and rounded to one digit where that stays within half the
+// value: what a data sheet would say. Rates of false and missed observations are stated where either is asked
+// for. Throws InputError for an unknown difficulty, and what is out of range.
 Blob SimulateLoop(const SimulateLoopOptions& options);
 
 // Distance between where the odometry of robot `robot` of a log ends and where it truly ended, both from the

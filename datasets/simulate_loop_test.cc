@@ -54,7 +54,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(std::pair{std::string("paper"), Limits{330, 355, 0.13, 22, 28, 21, 24}},
                       std::pair{std::string("base"), Limits{1000, 1025, 0.33, 22, 28, 65, 70}},
                       std::pair{std::string("hard"), Limits{1000, 1025, 0.33, 45, 55, 65, 70}},
-                      std::pair{std::string("extreme"), Limits{600, 640, 0.33, 60, 120, 15, 40}}),
+                      std::pair{std::string("extreme"), Limits{600, 640, 0.33, 60, 120, 15, 40}},
+                      std::pair{std::string("museum"), Limits{735, 760, 0.275, 65, 75, 50, 50}}),
     [](const auto& param) { return param.param.first; });
 
 TEST_P(EachDifficulty, KeepsItsRangesOverTwentySeeds) {
@@ -233,7 +234,7 @@ TEST(Odometry, IsTheDriveWithoutNoise) {
   const Drive drive = DrawDrive(world, {}, rng);
   OdometryNoise none;
   none.forward_ratio = none.turn_ratio = 0;
-  const OdometryDraw draw = DrawOdometry(drive, none, {0, 0.1}, rng);
+  const OdometryDraw draw = DrawOdometry(drive, none, {0, 0.1}, rng).value();
   ASSERT_EQ(draw.controls.size(), drive.controls.size());
   EXPECT_EQ(draw.redraws, 0);
   for (std::size_t i = 0; i < draw.controls.size(); ++i) {
@@ -249,14 +250,14 @@ TEST(Odometry, ScalesTheDriftWhereNoFreeDrawFits) {
   OdometryNoise noise;
   noise.heading_drift_rad_per_m = 0.06 * kDeg;
   noise.heading_walk_rad_per_sqrt_m = 0.5 * kDeg;
-  const OdometryDraw draw = DrawOdometry(drive, noise, {70, 75}, rng);
+  const OdometryDraw draw = DrawOdometry(drive, noise, {70, 75}, rng).value();
   EXPECT_GE(draw.redraws, 100);
   EXPECT_NE(draw.drift_factor, 1);
   EXPECT_GE(draw.final_error_m, 70);
   EXPECT_LE(draw.final_error_m, 75);
   Drive short_drive;
   short_drive.controls.assign(10, {0, 1});
-  EXPECT_THROW(DrawOdometry(short_drive, noise, {70, 75}, rng), InputError);
+  EXPECT_FALSE(DrawOdometry(short_drive, noise, {70, 75}, rng).has_value());
 }
 
 // Over many draws the increments have the moments that the noise states.
@@ -270,7 +271,7 @@ TEST(Odometry, ErrorsHaveTheirMoments) {
   constexpr int kDraws = 500;
   for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
     Rng rng(seed);
-    const OdometryDraw draw = DrawOdometry(drive, noise, {0, 1e9}, rng);
+    const OdometryDraw draw = DrawOdometry(drive, noise, {0, 1e9}, rng).value();
     double turn = 0, way = 0;
     for (const Control& c : draw.controls) {
       turn += c.turn_rad / 400;
@@ -330,6 +331,17 @@ TEST(SimulateLoop, OneSeedGivesOneLogForEver) {
   EXPECT_EQ(SimulateLoop(Options("base", 101, 2)).ContentHash().Hex(), "1833134d36898fc2f3a74b8c0b2a04e1");
   EXPECT_NE(SimulateLoop(Options("base", 102, 2)).ContentHash(),
             SimulateLoop(Options("base", 101, 2)).ContentHash());
+}
+
+// [TBF98a] figure 7: 70 m and 180 degrees.
+TEST(SimulateLoop, TheMuseumsHeadingEndsBackwards) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const Blob log = SimulateLoop(Options("museum", seed));
+    const auto heading = log.Get<double>("truth/robot/0/poses/heading_rad");
+    const double turned = heading.front() + Sum(log.Get<double>("robot/0/odometry/turn_rad"));
+    EXPECT_GE(std::abs(WrapAngle(turned - heading.back())), 164.9 * kDeg) << seed;
+    EXPECT_NEAR(static_cast<double>(log.at("robot/0/odometry/time_s").size()), 2700, 150) << seed;
+  }
 }
 
 TEST(SimulateLoop, RefusesWhatItDoesNotKnow) {

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "schema/error.h"
-
 namespace cairn::datasets {
 namespace {
 
@@ -47,13 +45,30 @@ OdometryDraw Measure(const Drive& drive, const Errors& errors, double drift_fact
   return draw;
 }
 
-bool In(const ErrorRange& range, double error_m) { return error_m >= range.low_m && error_m <= range.high_m; }
+// By which the heading is off in the end.
+double HeadingErrorRad(const Drive& drive, const Errors& errors, double drift_factor) {
+  double error = 0;
+  for (std::size_t i = 0; i < errors.controls.size(); ++i) {
+    const Control& control = drive.controls[i];
+    error += errors.controls[i].turn_rad - control.turn_rad +
+             drift_factor * errors.drift_rad_per_m * control.forward_m;
+  }
+  return std::abs(WrapAngle(error));
+}
+
+// The draw, where it ends in the range.
+bool Fits(const Drive& drive, const Errors& errors, double drift_factor, const ErrorRange& range,
+          OdometryDraw& draw) {
+  if (range.least_heading_rad > 0 && HeadingErrorRad(drive, errors, drift_factor) < range.least_heading_rad)
+    return false;
+  draw = Measure(drive, errors, drift_factor);
+  return draw.final_error_m >= range.low_m && draw.final_error_m <= range.high_m;
+}
 
 // The smallest of a fixed list of factors, from 0 to 4, that fits; false where none does.
-bool FitDrift(const Drive& drive, const Errors& errors, ErrorRange range, OdometryDraw& draw) {
+bool FitDrift(const Drive& drive, const Errors& errors, const ErrorRange& range, OdometryDraw& draw) {
   for (int i = 0; i <= 80; ++i) {
-    draw = Measure(drive, errors, 0.05 * i);
-    if (In(range, draw.final_error_m)) return true;
+    if (Fits(drive, errors, 0.05 * i, range, draw)) return true;
   }
   return false;
 }
@@ -66,18 +81,18 @@ PoseM DeadReckon(const PoseM& start, const std::vector<Control>& controls) {
   return pose;
 }
 
-OdometryDraw DrawOdometry(const Drive& drive, const OdometryNoise& noise, ErrorRange range, Rng& rng) {
+std::optional<OdometryDraw> DrawOdometry(const Drive& drive, const OdometryNoise& noise, ErrorRange range,
+                                         Rng& rng) {
   for (int redraws = 0; redraws < kAllDraws; ++redraws) {
     const Errors errors = DrawErrors(drive, noise, rng);
-    OdometryDraw draw = Measure(drive, errors, 1);
-    const bool fits =
-        In(range, draw.final_error_m) || (redraws >= kFreeDraws && FitDrift(drive, errors, range, draw));
+    OdometryDraw draw;
+    const bool fits = Fits(drive, errors, 1, range, draw) ||
+                      (redraws >= kFreeDraws && FitDrift(drive, errors, range, draw));
     if (!fits) continue;
     draw.redraws = redraws;
     return draw;
   }
-  throw InputError("no odometric error of " + std::to_string(range.low_m) + " to " +
-                   std::to_string(range.high_m) + " m comes of this noise and drive: take another seed");
+  return std::nullopt;
 }
 
 }  // namespace cairn::datasets

@@ -1,6 +1,7 @@
 // What a robot's odometry makes of a drive.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "datasets/simulate_drive.h"
@@ -16,9 +17,11 @@ struct OdometryNoise {
   double turn_ratio = 0.02;  // sd of each turn's error, a fraction of the turn
 };
 
+// Of the pose in which the odometry ends.
 struct ErrorRange {
   double low_m = 0;
   double high_m = 0;
+  double least_heading_rad = 0;  // the heading is off by so much or more, up to pi
 };
 
 struct OdometryDraw {
@@ -32,7 +35,8 @@ struct OdometryDraw {
 PoseM DeadReckon(const PoseM& start, const std::vector<Control>& controls);
 
 // Draws the errors anew until the final error lies in `range`, a hundred times; after that it looks for a
-// factor of each draw's drift that puts it there. Throws InputError where a thousand draws do not fit.
-OdometryDraw DrawOdometry(const Drive& drive, const OdometryNoise& noise, ErrorRange range, Rng& rng);
+// factor of each draw's drift that puts it there. Nothing where a thousand draws do not fit.
+std::optional<OdometryDraw> DrawOdometry(const Drive& drive, const OdometryNoise& noise, ErrorRange range,
+                                         Rng& rng);
 
 }  // namespace cairn::datasets

@@ -2,9 +2,9 @@
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
+#include "coordinator/cli/loop_options.h"
 #include "coordinator/cli/output_path.h"
 #include "coordinator/cli/scalar.h"
-#include "datasets/simulate_loop.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -33,20 +33,14 @@ void AddSimulate(CLI::App& app, Invocation& call) {
   simulate->require_subcommand(1);
   simulate->footer("Example:\n  cairn simulate loop --difficulty base --robots 4 --seed 1 log.h5");
   CLI::App* loop = nullptr;
-  const auto options =
-      AddCommand<Options>(*simulate, call, "loop",
-                          "Robots in corridors round a large cycle; a button is pressed at each junction",
-                          "cairn simulate loop --difficulty paper --seed 7 log.h5", Simulate, &loop);
-  std::vector<std::string> difficulties;
-  for (const datasets::LoopDifficulty& difficulty : datasets::LoopDifficulties()) {
-    difficulties.push_back(difficulty.name);
-  }
-  loop->add_option("--difficulty", options->loop.difficulty, "How hard (paper, base, hard, extreme)")
-      ->check(CLI::IsMember(difficulties))
+  const auto options = AddCommand<Options>(
+      *simulate, call, "loop",
+      "Robots in corridors round a large cycle; a button is pressed at each junction",
+      "cairn simulate loop --difficulty paper --types 3 --confusion 0.1 --seed 7 log.h5", Simulate, &loop);
+  loop->add_option("--difficulty", options->loop.difficulty, "How hard (paper, base, hard, extreme, museum)")
+      ->check(CLI::IsMember(LoopDifficultyNames()))
       ->capture_default_str();
-  loop->add_option("--robots", options->loop.robots, "How many, from 1 to 64; each starts anywhere")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+  AddLoopOptions(loop, &options->loop);
   loop->add_option("--seed", options->loop.seed, "Same seed, same log")
       ->check(CheckSeed)
       ->capture_default_str();

@@ -1,15 +1,20 @@
 // How often landmark_map finds the right topology on simulated loops, and how exact its landmarks are.
-//   topology_rate DIFFICULTY FIRST LAST [--robots N] [--rounds] [key=value …]
-// prints a line a seed (with --rounds also one a round: the time so far and what the round found) and a
-// summary. The pipeline sees the log without its truth.
+//   topology_rate DIFFICULTY FIRST LAST [options of cairn simulate loop] [--rounds] [key=value …]
+//   topology_rate --csv DIR [--rounds] [key=value …]
+// prints a line a log (with --rounds also one a round: the time so far and what the round found) and a
+// summary. The second form takes every folder in DIR that holds an odometry.csv.gz (docs/datasets.md,
+// loops-csv). The pipeline sees the log without its truth.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "coordinator/cli/loop_options.h"
 #include "datasets/evaluate/evaluate.h"
+#include "datasets/import_csv.h"
 #include "datasets/simulate_loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
@@ -23,63 +28,105 @@ struct Tally {
   std::vector<double> rmse_m;
 };
 
+struct Arguments {
+  std::vector<std::string> words;  // difficulty, first and last seed
+  std::string csv;
+  bool rounds = false;
+  datasets::SimulateLoopOptions world;
+  proto::Stage stage;
+};
+
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void RunSeed(const datasets::SimulateLoopOptions& world, const proto::Stage& stage, bool rounds,
-             Tally* tally) {
-  const Blob log = datasets::SimulateLoop(world);
+void RunLog(const std::string& name, const Blob& log, const Arguments& arguments, Tally* tally) {
   const auto start = std::chrono::steady_clock::now();
-  const BlobPtr result = RunInProcess(
-      *MakePipeline(stage, world.seed), {{"log", std::make_shared<const Blob>(log.Without("truth/"))}},
-      [&](const proto::Step& step) {
-        if (rounds) std::printf("%7.2f s  %s\n", SecondsSince(start), step.note().c_str());
-      });
+  ++tally->jobs;
+  BlobPtr result;
+  try {
+    result = RunInProcess(*MakePipeline(arguments.stage, arguments.world.seed),
+                          {{"log", std::make_shared<const Blob>(log.Without("truth/"))}},
+                          [&](const proto::Step& step) {
+                            if (!arguments.rounds) return;
+                            std::printf("%7.2f s  %s\n", SecondsSince(start), step.note().c_str());
+                          });
+  } catch (const InputError& error) {
+    std::printf("%s: failed: %s\n", name.c_str(), error.what());
+    return;
+  }
   tally->seconds += SecondsSince(start);
   const datasets::Evaluation score = datasets::Evaluate(*result, log);
   const bool right = score.topology_correct.value_or(false);
   const double rmse_m = score.landmarks->rmse_m.value_or(-1.0);
-  ++tally->jobs;
   tally->right += right ? 1 : 0;
   if (right) tally->rmse_m.push_back(rmse_m);
-  std::printf("seed %llu: topology %s, %lld found, %lld missed, %lld spurious, rmse %.2f m, path %.2f m\n",
-              static_cast<unsigned long long>(world.seed), right ? "right" : "wrong",
-              static_cast<long long>(score.landmarks->found), static_cast<long long>(score.landmarks->missed),
+  std::printf("%s: topology %s, %lld found, %lld missed, %lld spurious, rmse %.2f m, path %.2f m\n",
+              name.c_str(), right ? "right" : "wrong", static_cast<long long>(score.landmarks->found),
+              static_cast<long long>(score.landmarks->missed),
               static_cast<long long>(score.landmarks->spurious), rmse_m,
               score.trajectory_rmse_m.value_or(-1.0));
+  std::fflush(stdout);
 }
 
-int Main(const std::vector<std::string>& args) {
-  if (args.size() < 3) {
-    std::fprintf(stderr,
-                 "usage: topology_rate DIFFICULTY FIRST LAST [--robots N] [--rounds] [key=value ...]\n");
-    return 2;
+void RunSeeds(Arguments arguments, Tally* tally) {
+  arguments.world.difficulty = arguments.words[0];
+  for (std::uint64_t seed = std::stoull(arguments.words[1]); seed <= std::stoull(arguments.words[2]);
+       ++seed) {
+    arguments.world.seed = seed;
+    RunLog("seed " + std::to_string(seed), datasets::SimulateLoop(arguments.world), arguments, tally);
   }
-  datasets::SimulateLoopOptions world;
-  world.difficulty = args[0];
-  bool rounds = false;
-  proto::Stage stage;
-  stage.set_name("landmarks");
-  stage.set_pipeline("landmark_map");
-  for (std::size_t i = 3; i < args.size(); ++i) {
-    if (args[i] == "--robots" && i + 1 < args.size())
-      world.robots = std::atoi(args[++i].c_str());
-    else if (args[i] == "--rounds")
-      rounds = true;
-    else
-      SetOption(args[i], &stage);
+}
+
+Blob ImportFolder(const std::filesystem::path& folder) {
+  datasets::CsvImportOptions options;
+  options.odometry = folder / "odometry.csv.gz";
+  options.observations = folder / "observations.csv";
+  options.truth_poses = folder / "truth_poses.csv.gz";
+  options.truth_landmarks = folder / "truth_landmarks.csv";
+  options.truth_associations = folder / "truth_associations.csv";
+  Blob log;
+  datasets::ImportCsv(options, &log);
+  return log;
+}
+
+void RunFolders(const Arguments& arguments, Tally* tally) {
+  std::vector<std::filesystem::path> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(arguments.csv)) {
+    if (std::filesystem::exists(entry.path() / "odometry.csv.gz")) folders.push_back(entry.path());
   }
+  std::ranges::sort(folders);
+  for (const auto& folder : folders) RunLog(folder.filename(), ImportFolder(folder), arguments, tally);
+}
+
+std::string Title(const Arguments& arguments) {
+  if (!arguments.csv.empty()) return arguments.csv;
+  return arguments.words[0] + ", seeds " + arguments.words[1] + " to " + arguments.words[2];
+}
+
+// The words with a '=' are options of the stage.
+void TakeStageOptions(Arguments* arguments) {
+  arguments->stage.set_name("landmarks");
+  arguments->stage.set_pipeline("landmark_map");
+  std::erase_if(arguments->words, [&](const std::string& word) {
+    if (word.find('=') == std::string::npos) return false;
+    SetOption(word, &arguments->stage);
+    return true;
+  });
+  if (arguments->words.size() != (arguments->csv.empty() ? 3U : 0U)) {
+    throw InputError("say DIFFICULTY FIRST LAST, or --csv DIR; see --help");
+  }
+}
+
+int Main(const Arguments& arguments) {
   Tally tally;
-  for (int seed = std::atoi(args[1].c_str()); seed <= std::atoi(args[2].c_str()); ++seed) {
-    world.seed = static_cast<std::uint64_t>(seed);
-    RunSeed(world, stage, rounds, &tally);
-  }
+  arguments.csv.empty() ? RunSeeds(arguments, &tally) : RunFolders(arguments, &tally);
+  if (tally.jobs == 0) throw InputError(Title(arguments) + ": no logs");
   std::ranges::sort(tally.rmse_m);
-  std::printf(
-      "%s, seeds %s to %s: topology right in %d of %d; median landmark rmse of those %.2f m; %.2f s a job\n",
-      args[0].c_str(), args[1].c_str(), args[2].c_str(), tally.right, tally.jobs,
-      tally.rmse_m.empty() ? -1.0 : tally.rmse_m[tally.rmse_m.size() / 2], tally.seconds / tally.jobs);
+  std::printf("%s: topology right in %d of %d; median landmark rmse of those %.2f m; %.2f s a job\n",
+              Title(arguments).c_str(), tally.right, tally.jobs,
+              tally.rmse_m.empty() ? -1.0 : tally.rmse_m[tally.rmse_m.size() / 2],
+              tally.seconds / tally.jobs);
   return 0;
 }
 
@@ -87,8 +134,16 @@ int Main(const std::vector<std::string>& args) {
 }  // namespace cairn
 
 int main(int argc, char** argv) {
+  CLI::App app("How often landmark_map finds the right topology, and how exact its landmarks are");
+  cairn::Arguments arguments;
+  app.add_option("words", arguments.words, "DIFFICULTY FIRST LAST, and key=value for the stage's options");
+  app.add_option("--csv", arguments.csv, "Logs from the folders in this one, instead of simulated ones");
+  app.add_flag("--rounds", arguments.rounds, "A line a round, too");
+  cairn::cli::AddLoopOptions(&app, &arguments.world);
+  CLI11_PARSE(app, argc, argv);
   try {
-    return cairn::Main({argv + 1, argv + argc});
+    cairn::TakeStageOptions(&arguments);
+    return cairn::Main(arguments);
   } catch (const cairn::InputError& error) {
     std::fprintf(stderr, "topology_rate: %s\n", error.what());
     return 2;

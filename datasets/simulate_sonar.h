@@ -1,0 +1,27 @@
+// A ring of sonars on a robot that drives through corridors.
+#pragma once
+
+#include <string>
+
+#include "datasets/simulate_drive.h"
+#include "datasets/simulate_walls.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+inline constexpr int kSonars = 24;
+inline constexpr double kSonarRingM = 0.25;         // radius of the ring
+inline constexpr double kSonarMaxRangeM = 6;        // beyond it there is no echo
+inline constexpr double kSonarOpeningRad = 0.2618;  // 15 degrees, full
+inline constexpr double kSonarSdM = 0.03;
+inline constexpr double kSonarDropouts = 0.02;  // share of the echoes that are lost
+
+// Puts `robot`/sonar/… (schema/FORMAT.md, range scans): a scan at the end of each control. A sonar hears the
+// nearest wall in its cone; there are no specular reflections. `times_s`: as the log has them.
+void PutSonar(const std::string& robot, const Drive& drive, const std::vector<double>& times_s,
+              const std::vector<Wall>& walls, Rng& rng, Blob& log);
+
+// truth/walls/…
+void PutWalls(const std::vector<Wall>& walls, Blob& log);
+
+}  // namespace cairn::datasets

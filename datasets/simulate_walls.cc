@@ -1,0 +1,109 @@
+#include "datasets/simulate_walls.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace cairn::datasets {
+namespace {
+
+// A rectangle as its corners, counter-clockwise.
+using Corridor = std::array<PointM, 4>;
+
+double Cross(PointM u, PointM v) { return u.x_m * v.y_m - u.y_m * v.x_m; }
+PointM Minus(PointM a, PointM b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
+PointM Between(PointM a, PointM b, double t) {
+  return {a.x_m + t * (b.x_m - a.x_m), a.y_m + t * (b.y_m - a.y_m)};
+}
+
+Corridor CorridorAlong(PointM a, PointM b) {
+  const double length = DistanceM(a, b), h = kCorridorHalfWidthM;
+  const PointM u{(b.x_m - a.x_m) / length * h, (b.y_m - a.y_m) / length * h};
+  return {PointM{a.x_m - u.x_m + u.y_m, a.y_m - u.y_m - u.x_m},
+          PointM{b.x_m + u.x_m + u.y_m, b.y_m + u.y_m - u.x_m},
+          PointM{b.x_m + u.x_m - u.y_m, b.y_m + u.y_m + u.x_m},
+          PointM{a.x_m - u.x_m - u.y_m, a.y_m - u.y_m + u.x_m}};
+}
+
+// A part of a segment, from 0 to 1 along it.
+struct Part {
+  double from = 0, to = 1;
+};
+
+// Cuts `part` of a-b to where `along(point)` is positive; `along` is linear.
+void CutTo(double at_a, double at_b, Part& part) {
+  const double slope = at_b - at_a;
+  if (slope == 0) {
+    if (at_a <= 0) part.to = part.from;
+  } else if (slope > 0) {
+    part.from = std::max(part.from, -at_a / slope);
+  } else {
+    part.to = std::min(part.to, -at_a / slope);
+  }
+}
+
+// The part of a-b inside a corridor; empty where from >= to.
+Part Inside(PointM a, PointM b, const Corridor& corridor) {
+  Part part;
+  for (std::size_t i = 0; i < corridor.size(); ++i) {
+    const PointM corner = corridor[i], side = Minus(corridor[(i + 1) % corridor.size()], corner);
+    CutTo(Cross(side, Minus(a, corner)), Cross(side, Minus(b, corner)), part);
+  }
+  return part;
+}
+
+void AddOutside(PointM a, PointM b, std::vector<Part> inside, std::vector<Wall>& walls) {
+  std::sort(inside.begin(), inside.end(), [](const Part& p, const Part& q) { return p.from < q.from; });
+  inside.push_back({1, 1});
+  double done = 0;
+  for (const Part& part : inside) {
+    if (part.from > done) walls.push_back({Between(a, b, done), Between(a, b, part.from)});
+    done = std::max(done, part.to);
+  }
+}
+
+}  // namespace
+
+std::vector<Wall> WallsOf(const CorridorWorld& world) {
+  std::vector<Corridor> corridors;
+  for (const auto& [a, b] : world.Edges()) corridors.push_back(CorridorAlong(world.nodes[a], world.nodes[b]));
+  std::vector<Wall> walls;
+  for (std::size_t i = 0; i < corridors.size(); ++i) {
+    for (std::size_t side = 0; side < 4; ++side) {
+      const PointM a = corridors[i][side], b = corridors[i][(side + 1) % 4];
+      std::vector<Part> inside;
+      for (std::size_t k = 0; k < corridors.size(); ++k) {
+        if (k == i) continue;
+        if (const Part part = Inside(a, b, corridors[k]); part.from < part.to) inside.push_back(part);
+      }
+      AddOutside(a, b, std::move(inside), walls);
+    }
+  }
+  return walls;
+}
+
+double NearestWallM(const std::vector<Wall>& walls, PointM from, double heading_rad,
+                    double half_opening_rad) {
+  const PointM right{std::cos(heading_rad - half_opening_rad), std::sin(heading_rad - half_opening_rad)};
+  const PointM left{std::cos(heading_rad + half_opening_rad), std::sin(heading_rad + half_opening_rad)};
+  // Rounding must not close a cone without opening.
+  constexpr double kSlackM = 1e-9;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Wall& wall : walls) {
+    const PointM a = Minus(wall.a, from), b = Minus(wall.b, from), ab = Minus(b, a);
+    Part seen;
+    CutTo(Cross(right, a) + kSlackM, Cross(right, b) + kSlackM, seen);
+    CutTo(Cross(a, left) + kSlackM, Cross(b, left) + kSlackM, seen);
+    const PointM middle{std::cos(heading_rad), std::sin(heading_rad)};
+    const auto ahead = [&](PointM p) { return p.x_m * middle.x_m + p.y_m * middle.y_m; };
+    CutTo(ahead(a), ahead(b), seen);
+    if (seen.from >= seen.to) continue;
+    const double foot =
+        -(a.x_m * ab.x_m + a.y_m * ab.y_m) / std::max(ab.x_m * ab.x_m + ab.y_m * ab.y_m, 1e-18);
+    nearest = std::min(nearest, DistanceM({}, Between(a, b, std::clamp(foot, seen.from, seen.to))));
+  }
+  return nearest;
+}
+
+}  // namespace cairn::datasets

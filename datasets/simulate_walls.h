@@ -1,0 +1,26 @@
+// The walls of a corridor world, and what a range sensor in it measures.
+#pragma once
+
+#include <vector>
+
+#include "datasets/planar.h"
+#include "datasets/simulate_world.h"
+
+namespace cairn::datasets {
+
+struct Wall {
+  PointM a, b;
+};
+
+// From a corridor's axis to its walls. Robots in a hurry cut corners by up to 2 m.
+inline constexpr double kCorridorHalfWidthM = 2.2;
+
+// The outline of all corridors together. A corridor is the rectangle round its axis, half a width longer at
+// each end; where corridors meet, what lies inside another is no wall.
+std::vector<Wall> WallsOf(const CorridorWorld& world);
+
+// Distance to the nearest point of any wall within `half_opening_rad` (below pi/2; 0: a ray) of
+// `heading_rad`; infinite where there is none. Nothing can hide the nearest point.
+double NearestWallM(const std::vector<Wall>& walls, PointM from, double heading_rad, double half_opening_rad);
+
+}  // namespace cairn::datasets
