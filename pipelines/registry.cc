@@ -21,7 +21,7 @@ Entry Register(const char* name, const char* summary, std::vector<std::string> i
 const std::vector<Entry>& Entries() {
   static const std::vector<Entry> entries = {
       Register<landmark_map::LandmarkMap, landmark_map::Options>(
-          "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log"}),
+          "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log", "map?"}),
   };
   return entries;
 }

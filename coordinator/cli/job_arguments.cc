@@ -26,13 +26,33 @@ void Set(const std::string& setting, const PipelineSpec& pipeline, proto::Stage&
   }
 }
 
+void RefuseNoFile(const std::string& path) {
+  std::error_code ignored;  // a name may be too long to be one
+  if (!std::filesystem::is_regular_file(path, ignored)) throw InputError("there is no file '" + path + "'");
+}
+
+// NAME=FILE.
+void AddInput(const std::string& input, const PipelineSpec& pipeline, ParsedJob& parsed) {
+  const std::size_t equals = input.find('=');
+  if (equals == std::string::npos) throw InputError("--input " + input + ": write name=FILE");
+  const std::string name = input.substr(0, equals), file = input.substr(equals + 1);
+  if (pipeline.FindInput(name) == nullptr) {
+    throw InputError("--input " + input + ": " + pipeline.name + " has no such input" +
+                     Suggest(name, pipeline.InputNames()));
+  }
+  if (parsed.inputs.contains(name))
+    throw InputError("--input " + input + ": '" + name + "' was given already");
+  RefuseNoFile(file);
+  (*parsed.job.mutable_inputs())[name] = file;
+  (*parsed.job.mutable_stages(0)->mutable_inputs())[name] = name;
+  parsed.inputs[name] = {file, "--input " + name};
+}
+
 ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   const PipelineSpec& pipeline = catalog.At(arguments.what);
   if (arguments.log.empty())
     throw InputError("which log? It comes after the pipeline: " + arguments.what + " LOG.h5");
-  std::error_code ignored;  // a name may be too long to be one
-  if (!std::filesystem::is_regular_file(arguments.log, ignored))
-    throw InputError("there is no file '" + arguments.log + "'");
+  RefuseNoFile(arguments.log);
   ParsedJob parsed;
   parsed.job.set_name(pipeline.name);
   parsed.job.set_seed(arguments.seed);
@@ -41,11 +61,11 @@ ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   proto::Stage& stage = *parsed.job.add_stages();
   stage.set_name(pipeline.name);
   stage.set_pipeline(pipeline.name);
+  (*stage.mutable_inputs())["log"] = "log";
+  for (const std::string& input : arguments.inputs) AddInput(input, pipeline, parsed);
   for (const InputSpec& input : pipeline.inputs) {
-    if (input.name == "log")
-      (*stage.mutable_inputs())["log"] = "log";
-    else if (!input.optional)
-      throw InputError(pipeline.name + " also needs '" + input.name + "': write a job file");
+    if (!input.optional && !stage.inputs().contains(input.name))
+      throw InputError(pipeline.name + " also needs '" + input.name + "': --input " + input.name + "=FILE");
   }
   for (const std::string& setting : arguments.settings) Set(setting, pipeline, stage);
   return parsed;
@@ -62,6 +82,11 @@ void AddJobArguments(CLI::App& command, JobArguments& arguments) {
   command.add_option("--set", arguments.settings, "An option of the pipeline, key=value; again for another")
       ->type_size(1)
       ->allow_extra_args(false);
+  command
+      .add_option("--input", arguments.inputs,
+                  "Another input of the pipeline, name=FILE (map=first/landmark_map.h5); again for another")
+      ->type_size(1)
+      ->allow_extra_args(false);
   command.add_option("--seed", arguments.seed, "Seed, where a pipeline is named")
       ->check(CheckSeed)
       ->capture_default_str();
@@ -72,8 +97,8 @@ ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog) {
   if (!arguments.log.empty()) {
     throw InputError("a job file names its own logs; '" + arguments.log + "' is one too many");
   }
-  if (!arguments.settings.empty() || arguments.seed != 0) {
-    throw InputError("--set and --seed are for a pipeline without a job file; write them into " +
+  if (!arguments.settings.empty() || !arguments.inputs.empty() || arguments.seed != 0) {
+    throw InputError("--set, --input and --seed are for a pipeline without a job file; write them into " +
                      arguments.what);
   }
   return ReadJobFile(arguments.what, catalog);

@@ -16,6 +16,7 @@ struct JobArguments {
   std::string log;
   std::vector<std::string> settings;  // key=value
   std::uint64_t seed = 0;
+  std::vector<std::string> inputs;  // name=FILE, beside the log
 };
 
 bool IsJobFile(const std::string& what);

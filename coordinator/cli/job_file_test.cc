@@ -226,7 +226,7 @@ TEST_F(JobFile, FlippingAnyLetterNeverCrashes) {
 TEST_F(JobFile, ArgumentsGiveTheSameOptionsAsAFile) {
   const std::string log = (folder_ / "museum.h5").string();
   const ParsedJob parsed = ResolveJob(
-      {"landmark_map", log, {"cell_m=0.25", "iterations=5", "blur=false", "mode=global"}, 7}, catalog_);
+      {"landmark_map", log, {"cell_m=0.25", "iterations=5", "blur=false", "mode=global"}, 7, {}}, catalog_);
   const ParsedJob from_file = Read(kGood);
   ASSERT_EQ(parsed.job.stages_size(), 1);
   for (const auto& [key, value] : from_file.job.stages(0).options()) {
@@ -246,10 +246,10 @@ TEST_F(JobFile, HostileTextsAreRefusedAtOnce) {
 
 TEST_F(JobFile, BadArgumentsAreRefused) {
   const std::string log = (folder_ / "museum.h5").string();
-  const auto complaint = [&](const std::string& pipeline,
-                             const std::vector<std::string>& settings) -> std::string {
+  const auto complaint = [&](const std::string& pipeline, const std::vector<std::string>& settings,
+                             const std::vector<std::string>& inputs = {}) -> std::string {
     try {
-      ResolveJob({pipeline, log, settings, 0}, catalog_);
+      ResolveJob({pipeline, log, settings, 0, inputs}, catalog_);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -261,7 +261,20 @@ TEST_F(JobFile, BadArgumentsAreRefused) {
       complaint("landmark_map", {"cel_m=1"}).starts_with("--set cel_m=1: unknown option; did you mean"));
   EXPECT_TRUE(complaint("landmark_map", {"cell_m=1", "cell_m=2"}).ends_with("was given already"));
   EXPECT_TRUE(complaint("landmark_map", {"cell_m=99"}).starts_with("--set cell_m=99: '99' is not allowed"));
-  EXPECT_THROW(ResolveJob({"landmark_map", log + "x", {}, 0}, catalog_), InputError);
+  EXPECT_THROW(ResolveJob({"landmark_map", log + "x", {}, 0, {}}, catalog_), InputError);
+  EXPECT_TRUE(complaint("forward_map", {}, {"poses"}).starts_with("--input poses: write name=FILE"));
+  EXPECT_TRUE(complaint("forward_map", {}, {"pose=" + log}).find("did you mean 'poses'?") !=
+              std::string::npos);
+  EXPECT_TRUE(complaint("forward_map", {}, {"log=" + log}).ends_with("'log' was given already"));
+  EXPECT_TRUE(complaint("forward_map", {}, {"poses=" + log + "x"}).starts_with("there is no file"));
+}
+
+TEST_F(JobFile, InputsBesideTheLogReachTheStage) {
+  const std::string log = (folder_ / "museum.h5").string();
+  const ParsedJob parsed = ResolveJob({"forward_map", log, {}, 0, {"poses=" + log}}, catalog_);
+  EXPECT_EQ(parsed.job.stages(0).inputs().at("poses"), "poses");
+  EXPECT_EQ(parsed.job.inputs().at("poses"), log);
+  EXPECT_EQ(parsed.inputs.at("poses").path, log);
 }
 
 }  // namespace

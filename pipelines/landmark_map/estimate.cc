@@ -80,6 +80,12 @@ Box GrownByRadius(const Box& box, const MapRules& rules) {
   return box.Grown(static_cast<int>(std::ceil(rules.radius_m / rules.grid.cell_m)));
 }
 
+Box BoxOf(const LayeredGrid& grid) {
+  Box box;
+  for (const Layer& layer : grid.layers) box = Union(box, layer.box);
+  return box;
+}
+
 double MStepMb(const Box& box, bool identified, const MapRules& rules) {
   constexpr double kTables = 9.0;
   if (box.empty()) return 0.0;
@@ -100,7 +106,7 @@ void Estimate::Store(State* state) const {
 }
 
 Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
-                     const Carried& carried, const proto::Step& plan, int starts) {
+                     const Carried& carried, const proto::Step& plan, int starts, const Perception* given) {
   const int used = StepsInUse(Schedule{.prefix = settings.growth_start}, robots[0].size());
   const OpenLoop first = ReckonOpenLoop(robots[0], settings.Model(nullptr), used);
   const std::set<std::int32_t> types = TypesSeen(robots);
@@ -121,11 +127,13 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   const Slices slices = CutIntoSlices(first, slice_work);
   estimate.task_mb = TaskMb(slices, counts);
   double partials = starts * PartialsMb(slices, layers);
-  if (robots.size() > 1 && Presses(robots[0])) {
-    const double map = static_cast<double>(GrownByRadius(reach, settings.map).cells());
+  const std::size_t lost_robots = robots.size() - (options.start == "anywhere" ? 0 : 1);
+  if (lost_robots > 0 && Presses(robots[0])) {
+    const double map = static_cast<double>(
+        (given != nullptr ? BoxOf(given->likelihood) : GrownByRadius(reach, settings.map)).cells());
     const Slices lost = SlicesWhereLost(map, settings, slice_work);
     estimate.task_mb = std::max(estimate.task_mb, TaskMb(lost, counts));
-    const auto others = static_cast<double>(robots.size() - 1);
+    const auto others = static_cast<double>(lost_robots);
     estimate.seconds += others * kStepsLost * lost.step / kCellsPerSecond;
     partials = std::max(partials, others * PartialsMb(lost, layers));
   }

@@ -25,9 +25,10 @@ struct Estimate {
   void Store(State* state) const;
 };
 
-// `robots`: the steps of each; `plan`: the first round's.
+// `robots`: the steps of each; `plan`: the first round's; `given`: of the map that EM starts from, if any.
 Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
-                     const Carried& carried, const proto::Step& plan, int starts);
+                     const Carried& carried, const proto::Step& plan, int starts,
+                     const Perception* given = nullptr);
 
 // For people, one line.
 std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried);

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "pipelines/common/fan_out.h"
+#include "pipelines/landmark_map/beginning.h"
 #include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/partial.h"
@@ -28,21 +29,34 @@ std::vector<bool> TypesSeen(const RobotSteps& robot, int types) {
   return seen;
 }
 
-// Every robot's steps; robots but the first begin where they see what the first has seen too.
-Carried MakeAllSteps(const Blob& log, const Settings& settings, const Schedule& schedule, cairn::Step* step,
+std::vector<bool> TypesIn(const LayeredGrid& map) {
+  std::vector<bool> types;
+  for (const Layer& layer : map.layers) types.push_back(!layer.box.empty());
+  return types;
+}
+
+// Every robot's steps; those that start anywhere begin where they see what the first robot has seen too, or
+// what the given map holds.
+Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& beginning, cairn::Step* step,
                      std::vector<RobotSteps>* all) {
   const std::vector<std::string> robots = log.Texts("robots");
+  const Settings& settings = beginning.settings;
   std::vector<bool> shared;
+  if (beginning.given) shared = TypesIn(beginning.given->map);
   Carried carried;
   carried.blobs["settings"] = step->Share(settings.ToBlob());
   carried.odometry.assign(robots.size(), OdometryFit::Of(settings.noise));
   for (std::size_t r = 0; r < robots.size(); ++r) {
+    const bool anywhere = StartsAnywhere(options, r);
     const RobotSteps steps =
-        MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, r == 0 ? nullptr : &shared);
-    if (r == 0) shared = TypesSeen(steps, settings.map.types);
+        MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, anywhere ? &shared : nullptr);
+    if (shared.empty()) shared = TypesSeen(steps, settings.map.types);
+    if (beginning.given && !anywhere) RefuseOutOfReach(beginning.given->map, steps, settings);
     carried.step_counts.push_back(steps.size());
-    const int count = StepsInUse(schedule, steps.size());
-    carried.work.push_back(WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
+    const int count = StepsInUse(beginning.schedule, steps.size());
+    carried.work.push_back(anywhere && beginning.perception
+                               ? WorkWhereLost(count, settings.Model(&*beginning.perception))
+                               : WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
     carried.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
     all->push_back(steps);
   }
@@ -61,6 +75,27 @@ Blob StoredCounts(const LayeredGrid& counts) {
   return blob;
 }
 
+// The round's own blobs of the first round.
+std::map<std::string, Blob> FirstBlobs(const Beginning& beginning) {
+  std::map<std::string, Blob> blobs{{"history", EmptyHistory()},
+                                    {"counts", StoredCounts(NoCounts(beginning.settings))}};
+  if (beginning.given) {
+    blobs["landmarks"] = ToBlob(beginning.given->landmarks);
+    blobs["perception"] = beginning.perception->ToBlob();
+  } else if (beginning.schedule.summarise) {
+    blobs["landmarks"] = ToBlob(std::vector<Landmark>{});
+  }
+  return blobs;
+}
+
+// The steps of all robots, of a State.
+std::vector<RobotSteps> StepsOf(const Inputs& inputs, std::size_t robots) {
+  std::vector<RobotSteps> steps;
+  for (std::size_t r = 0; r < robots; ++r)
+    steps.push_back(RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r))));
+  return steps;
+}
+
 // A table that another task handed over; a layer for each heading.
 LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std::string& prefix,
                        int headings) {
@@ -72,10 +107,12 @@ LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std
   return grid;
 }
 
-// alpha before the slice's first step; robots but the first start anywhere.
-LayeredGrid Before(const Task& task, const Inputs& inputs, const EStepModel& model, const Slice& slice) {
+// alpha before the slice's first step.
+LayeredGrid Before(const Task& task, const Options& options, const Inputs& inputs, const EStepModel& model,
+                   const Slice& slice) {
   if (inputs.Has("before")) return HandedOver(inputs, "before", "alpha/", model.grid.headings);
-  return task.params().at("robot").i() == 0 ? DiracStart(model.grid) : UniformStart(model, slice);
+  const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
+  return StartsAnywhere(options, robot) ? UniformStart(model, slice) : DiracStart(model.grid);
 }
 
 // The steps of a task's slice: from where the forward task before it ended to where the backward task after
@@ -133,22 +170,21 @@ std::string Note(const Schedule& done, double log_likelihood, std::size_t landma
 
 cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   const BlobPtr log = inputs.Get("log");
-  const Settings settings = Resolve(options_, *log);
+  const Beginning beginning = BeginningOf(options_, inputs);
+  const Settings& settings = beginning.settings;
   const std::vector<std::string> robots = log->Texts("robots");
-  Schedule schedule;
-  schedule.prefix = settings.growth_start;
   std::vector<cairn::Step> starts(1);
   std::vector<RobotSteps> steps;
-  Carried carried = MakeAllSteps(*log, settings, schedule, &starts[0], &steps);
+  Carried carried = MakeAllSteps(*log, options_, beginning, &starts[0], &steps);
   const std::vector<double> drifts = StartDrifts(settings);
   starts.resize(drifts.size());
   for (std::size_t k = 0; k < drifts.size(); ++k) {
     carried.odometry[0].drift_rad_per_m = drifts[k];
-    PlanRound(options_, robots, schedule, carried,
-              {{"history", EmptyHistory()}, {"counts", StoredCounts(NoCounts(settings))}}, &starts[k]);
+    PlanRound(options_, robots, beginning.schedule, carried, FirstBlobs(beginning), &starts[k]);
   }
   const Estimate estimate =
-      EstimateJob(options_, settings, steps, carried, starts[0].plan, static_cast<int>(starts.size()));
+      EstimateJob(options_, settings, steps, carried, starts[0].plan, static_cast<int>(starts.size()),
+                  beginning.perception ? &*beginning.perception : nullptr);
   RefuseMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
   cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : FanOut(std::move(starts));
   estimate.Store(step.plan.mutable_state());
@@ -188,7 +224,7 @@ Blob LandmarkMap::RunSlice(const Task& task, const Inputs& inputs, Progress& pro
   if (mapped) perception = Perception::FromBlob(*inputs.Get("perception"));
   const EStepModel model = settings.Model(mapped ? &perception : nullptr);
   const Slice slice{steps, first, end, params.at("name").s()};
-  LayeredGrid before = Before(task, inputs, model, slice);
+  LayeredGrid before = Before(task, options_, inputs, model, slice);
   if (task.kind() == "forward") {
     const Frontier frontier = ForwardFor(model, slice, std::move(before), params.at("work").d(), progress);
     Blob partial;
@@ -245,6 +281,10 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
     const BlobPtr partial = partials.Get(i);
     if (partial->Has(kFailure)) throw NoPathError(partial->Text(kFailure));
     sum.Add(*partial);
+  }
+  if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
+    RefuseUnlikely(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
+                   StepsOf(inputs, robots.size()));
   }
   const Blob history = Extended(*inputs.Get("history"), done, sum.log_likelihood());
   if (done.summarise) return MakeResult(*log, settings, inputs, sum, carried.odometry, history);

@@ -11,7 +11,8 @@
 
 namespace cairn::landmark_map {
 
-// Input: log (schema/FORMAT.md). Result: kind landmark_map. A round is an E-step: a chain of tasks `forward`
+// Inputs (schema/FORMAT.md): log, and perhaps map, a landmark_map from which EM starts. Result: kind
+// landmark_map. A round is an E-step: a chain of tasks `forward`
 // and a chain of tasks `backward` over the time slices of each robot; Advance is the M-step. With several
 // starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h).
 class LandmarkMap : public Pipeline {

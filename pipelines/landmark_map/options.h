@@ -20,6 +20,7 @@ struct Options {
   bool revise = true;
   bool beliefs = false;
   std::int64_t starts = 0;
+  std::string start = "origin";
   std::string model = "robust";
   std::string motion_error = "gaussian";
   double prune = 1e-3;
@@ -40,7 +41,12 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"cell_m", "m", 0, 100, "edge of a map cell; 0: a 90th of the first robot's extent"}, o.cell_m);
   visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
         o.heading_deg);
-  visit(Option{"iterations", "", 1, 10000, "EM iterations over all data"}, o.iterations);
+  visit(
+      Option{
+          "iterations", "", 0, 10000,
+          "EM iterations over all data; 0: none, robots are found in the input map, or, without one, where "
+          "odometry says"},
+      o.iterations);
   visit(Option{"tolerance", "nats", 0, 1,
                "stop where an iteration changes the log-likelihood by less, an observation"},
         o.tolerance);
@@ -68,8 +74,15 @@ void VisitOptions(V& visit, Options& o) {
       Option{
           "starts", "", 0, 1000,
           "candidate starts of EM, which differ in the drift taken off the first robot's odometry; the data "
-          "choose one; 0: 5 without identities, 1 with them or with model exact"},
+          "choose one; 0: 5 without identities, 1 with them, with model exact or with an input map"},
       o.starts);
+  visit(Option{"start",
+               "",
+               0,
+               0,
+               "where the first robot starts: at the origin, or anywhere in the input map",
+               {"origin", "anywhere"}},
+        o.start);
   visit(Option{"model",
                "",
                0,

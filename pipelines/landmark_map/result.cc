@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "pipelines/landmark_map/given_map.h"
 #include "pipelines/landmark_map/track.h"
 
 namespace cairn::landmark_map {
@@ -238,6 +239,13 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, int types, Blob* resul
   result->PutVector("map/landmark_identity", identity);
 }
 
+// Of the last M-step's counts; where there was none, the given map.
+LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs) {
+  const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
+  if (inputs.Has("map") && counts.cells() == 0) return ReadGivenMap(*inputs.Get("map"), log, settings).map;
+  return MapOf(counts, settings.map);
+}
+
 }  // namespace
 
 Blob EmptyHistory() {
@@ -286,8 +294,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   }
   if (std::isfinite(settings.steps.until_s)) result.PutScalar<double>("until_s", settings.steps.until_s);
   PutLandmarks(landmarks, settings.map.types, &result);
-  const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
-  PutMap(MapOf(counts, settings.map), settings.map.grid, settings.map.types, &result);
+  PutMap(FinalMap(log, settings, inputs), settings.map.grid, settings.map.types, &result);
   result.PutAll("history/", history);
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;

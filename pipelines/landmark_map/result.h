@@ -13,7 +13,8 @@ namespace cairn::landmark_map {
 Blob EmptyHistory();
 Blob Extended(const Blob& history, const Schedule& done, double log_likelihood);
 
-// The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N.
+// The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N, and where EM made no
+// iteration the stage's map.
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
                 const std::vector<OdometryFit>& odometry, const Blob& history);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipelines/in_process.h"
 #include "schema/rng.h"
 #include "worker/testing/toy_pipeline.h"
 
@@ -120,6 +121,20 @@ Case LandmarkMap(const std::string& name, Sensor sensor, int robots) {
   return c;
 }
 
+// Starts from the map that the same log gave, the robot anywhere in it.
+Case LandmarkMapFromAMap() {
+  Case c = LandmarkMap("landmark_map_from_map", Sensor::kButton, 1);
+  SetInteger(c.stage, "starts", 1);
+  proto::Stage first = c.stage;
+  first.set_name("first");
+  first.set_pipeline("landmark_map");
+  c.inputs["map"] =
+      RunInProcess(*MakePipeline(first, 0), {{"log", Share(c.inputs.at("log")->Without("truth/"))}});
+  (*c.stage.mutable_options())["start"].set_s("anywhere");
+  (*c.stage.mutable_options())["beliefs"].set_b(true);
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -129,7 +144,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
   }
   if (pipeline == "landmark_map") {
     return {LandmarkMap("landmark_map_presses", Sensor::kButton, 1),
-            LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2)};
+            LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap()};
   }
   return {{.name = pipeline, .stage = {}, .inputs = {}}};
 }

@@ -1,0 +1,26 @@
+// What there is before the first round: settings, schedule, and the map that a job may be given.
+#pragma once
+
+#include <optional>
+
+#include "pipelines/landmark_map/given_map.h"
+#include "pipelines/landmark_map/plan.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+struct Beginning {
+  Settings settings;
+  Schedule schedule;
+  std::optional<GivenMap> given;
+  std::optional<Perception> perception;  // of the given map
+};
+
+// From the stage's inputs. With a map all robots take part from the first round on, with all data. Throws
+// InputError for options that need a map where there is none, and for a map that cannot be used.
+Beginning BeginningOf(const Options& options, const Inputs& inputs);
+
+// Robots but the first start anywhere ([TBF98] section 8), that one too where it is asked for.
+bool StartsAnywhere(const Options& options, std::size_t robot);
+
+}  // namespace cairn::landmark_map
