@@ -40,6 +40,13 @@ TEST(Integrate, TurnsFirstThenGoes) {
   EXPECT_NEAR(half.path_m, 2.5, 1e-12);
 }
 
+TEST(Integrate, WhatIsSeenAsAControlEndsIsSeenBeforeTheNextOneTurns) {
+  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a");
+  EXPECT_EQ(PoseAt(odometry, 2.0).heading_rad, 0.0);
+  EXPECT_EQ(PoseAt(odometry, 2.0).turn_rad, 0.0);
+  EXPECT_NEAR(PoseAt(odometry, std::nextafter(2.0, 3.0)).heading_rad, std::numbers::pi / 2, 1e-12);
+}
+
 TEST(MakeSteps, APressStandsAtTheRobotAndLongWaysAreSplit) {
   const RobotSteps steps = MakeSteps(Robot({2.0}, {-1}, {kNaN}, {kNaN}), "a", {1.5, 1.0, 0.5, 2}, nullptr);
   ASSERT_EQ(steps.size(), 5);  // start, 1 m, 2 m (press), 3 m, end

@@ -85,6 +85,7 @@ OdometricPose PoseAt(const Odometry& odometry, double time_s) {
     end.time_s = time_s;
     return end;
   }
+  if (time[next - 1] == time_s) return PoseOf(odometry, next - 1);  // the next control has not turned yet
   return Within(odometry, next, (time_s - time[next - 1]) / (time[next] - time[next - 1]));
 }
 
