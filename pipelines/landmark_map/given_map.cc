@@ -81,14 +81,19 @@ Source SourceOf(const Blob& map, const Settings& settings) {
 }
 
 // The log's type for each of the map's layers; -1: the log has no such landmark.
-std::vector<int> TypesOf(const Blob& map, const Blob& log) {
+std::vector<int> TypesOf(const Blob& map, const Blob& log, const MapRules& rules) {
   const std::vector<std::string> names = map.Texts("landmarks"), known = log.Texts("landmarks");
   std::vector<int> types;
   for (const std::string& name : names) {
     const auto it = std::ranges::find(known, name);
     types.push_back(it == known.end() ? -1 : static_cast<int>(it - known.begin()));
   }
-  types.push_back(static_cast<int>(known.size()));  // without identity
+  const auto kinds = [](const Blob& blob) {
+    return blob.Has("types") ? blob.Texts("types") : std::vector<std::string>{};
+  };
+  if (rules.kinds.count > 1 ? kinds(map) != kinds(log) : kinds(map).size() > 1)
+    Refuse("its types of landmarks are not the log's");
+  for (int kind = 0; kind < rules.kinds.count; ++kind) types.push_back(rules.types + kind);  // no identity
   return types;
 }
 
@@ -100,8 +105,8 @@ std::vector<Landmark> ReadLandmarks(const Blob& map, const std::vector<int>& typ
       identity.size() != x.size())
     Refuse("its landmark columns differ in length");
   std::vector<Landmark> landmarks;
+  const auto named = static_cast<std::int64_t>(map.Texts("landmarks").size());
   for (std::size_t k = 0; k < x.size(); ++k) {
-    const auto named = static_cast<std::int64_t>(types.size()) - 1;
     if (identity[k] < -1 || identity[k] >= named) Refuse("a landmark has an identity that it does not name");
     const int type = types[static_cast<std::size_t>(identity[k] < 0 ? named : identity[k])];
     if (type >= 0)
@@ -117,12 +122,12 @@ GivenMap ReadGivenMap(const Blob& map, const Blob& log, const Settings& settings
     if (!map.Has(name)) Refuse(std::string("no landmark_map: '") + name + "' is missing");
   }
   const Source source = SourceOf(map, settings);
-  const std::vector<int> types = TypesOf(map, log);
+  const std::vector<int> types = TypesOf(map, log, settings.map);
   const auto cells = map.Get<double>("map/grid/probability");
   const auto layers = static_cast<std::size_t>(map.at("map/grid/probability").shape()[0]);
   if (layers > types.size()) Refuse("its grid has more layers than it names landmarks");
   GivenMap given;
-  given.map.layers.resize(static_cast<std::size_t>(settings.map.types) + 1);
+  given.map.layers.resize(static_cast<std::size_t>(settings.map.layers()));
   const auto area = static_cast<std::size_t>(source.nx * source.ny);
   for (std::size_t k = 0; k < layers; ++k) {
     if (types[k] < 0) continue;

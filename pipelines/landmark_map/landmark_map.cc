@@ -22,10 +22,12 @@ constexpr const char* kFailure = "failure";  // of a start: in partials and stat
 
 std::string RobotPath(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
 
-// Which landmark types (the last: unknown) a robot has observed.
-std::vector<bool> TypesSeen(const RobotSteps& robot, int types) {
-  std::vector<bool> seen(static_cast<std::size_t>(types) + 1, false);
+// Which layers of the map a robot's observations may be of: any kind may seem another.
+std::vector<bool> TypesSeen(const RobotSteps& robot, const MapRules& rules) {
+  std::vector<bool> seen(static_cast<std::size_t>(rules.layers()), false);
   for (const Observation& o : robot.observations) seen[static_cast<std::size_t>(o.type)] = true;
+  const auto kinds = seen.begin() + rules.types;
+  if (std::find(kinds, seen.end(), true) != seen.end()) std::fill(kinds, seen.end(), true);
   return seen;
 }
 
@@ -50,7 +52,7 @@ Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& b
     const bool anywhere = StartsAnywhere(options, r);
     const RobotSteps steps =
         MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, anywhere ? &shared : nullptr);
-    if (shared.empty()) shared = TypesSeen(steps, settings.map.types);
+    if (shared.empty()) shared = TypesSeen(steps, settings.map);
     if (beginning.given && !anywhere) RefuseOutOfReach(beginning.given->map, steps, settings);
     carried.step_counts.push_back(steps.size());
     const int count = StepsInUse(beginning.schedule, steps.size());
@@ -65,7 +67,7 @@ Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& b
 
 LayeredGrid NoCounts(const Settings& settings) {
   LayeredGrid counts;
-  counts.layers.resize(static_cast<std::size_t>(settings.map.types) + 1);
+  counts.layers.resize(static_cast<std::size_t>(settings.map.layers()));
   return counts;
 }
 

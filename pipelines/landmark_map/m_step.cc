@@ -33,22 +33,25 @@ double FalseRate(const MapRules& rules) {
 }
 
 // eps + (1 - eps) * map, slightly blurred.
-Layer Mixture(const Layer& map, double sigma_cells, double eps) {
+// Of a false observation's chance `outside` is what it seems to be.
+Layer Mixture(const Layer& map, double sigma_cells, double eps, double outside) {
   Layer mixture = Blur(map, sigma_cells);
-  for (double& value : mixture.values) value = std::fma(1.0 - eps, value, eps);
+  for (double& value : mixture.values) value = std::fma(1.0 - eps, value, outside);
   return mixture;
 }
 
 // The same with the no-landmark evidence: exp(-lambda * map mass within the radius, outside the core).
-Layer WithNoLandmark(const Layer& map, const MapRules& rules, double eps) {
+// `seeming`: the part of the map that would seem as was observed.
+Layer WithNoLandmark(const Layer& seeming, const Layer& map, const MapRules& rules) {
   const double cell = rules.grid.cell_m;
   const Layer wide = DiscSum(map, rules.radius_m / cell);
   const Layer core = DiscSum(map, rules.core_m / cell);
-  const Layer mixture = Mixture(map, rules.observation_m / cell, eps);
+  const double outside = FalseRate(rules) / rules.kinds.count;
+  const Layer mixture = Mixture(seeming, rules.observation_m / cell, FalseRate(rules), outside);
   Layer likelihood(wide.box);
   for (int y = wide.box.y0; y < wide.box.y0 + wide.box.ny; ++y) {
     for (int x = wide.box.x0; x < wide.box.x0 + wide.box.nx; ++x) {
-      const double seen = mixture.box.Contains(x, y) ? mixture.Row(y)[x] : eps;
+      const double seen = mixture.box.Contains(x, y) ? mixture.Row(y)[x] : outside;
       const double others = std::max(0.0, wide.Row(y)[x] - core.At(x, y));
       likelihood.Row(y)[x] = seen * std::exp(-rules.no_landmark * others);
     }
@@ -72,41 +75,62 @@ Layer ExactLikelihood(const Layer& map, const MapRules& rules) {
   return likelihood;
 }
 
+// Landmarks of all kinds: where any is, then of which kind it is.
+void AddKinds(const LayeredGrid& counts, const MapRules& rules, double least, LayeredGrid* map) {
+  const Layer count = CountsOfAllKinds(counts, rules.types, rules.kinds);
+  if (!(count.Sum() > 0.0)) {
+    map->layers.resize(static_cast<std::size_t>(rules.layers()));
+    return;
+  }
+  for (Layer& layer : SplitAmongKinds(LocalRatio(count, rules), counts, rules.types,
+                                      rules.core_m / rules.grid.cell_m, rules.kinds)) {
+    layer.Prune(least);
+    map->layers.push_back(std::move(layer));
+  }
+}
+
+// P(o | xi, m) for landmarks that seem of each kind; a false one may seem of any.
+void AddSeeming(const LayeredGrid& map, const MapRules& rules, Perception* perception) {
+  const Layer all = CountsOfAllKinds(map, rules.types, rules.kinds);
+  for (int as = 0; as < rules.kinds.count; ++as) {
+    std::vector<double> seems;
+    for (int is = 0; is < rules.kinds.count; ++is) seems.push_back(rules.kinds.Seems(as, is));
+    const Layer seeming = WeightedSum(map, rules.types, seems);
+    const double false_one = FalseRate(rules) / rules.kinds.count;
+    if (all.box.empty())  // never seen so far: says nothing
+      perception->likelihood.layers.emplace_back();
+    else
+      perception->likelihood.layers.push_back(rules.exact ? ExactLikelihood(seeming, rules)
+                                                          : WithNoLandmark(seeming, all, rules));
+    perception->outside.push_back(rules.exact && !all.box.empty() ? 0.0 : false_one);
+  }
+}
+
 }  // namespace
 
 LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules) {
   const double least = rules.exact ? 0.0 : 1e-3 * FalseRate(rules);
   LayeredGrid map;
-  for (int type = 0; type <= rules.types; ++type) {
+  for (int type = 0; type < rules.types; ++type) {
     const Layer& count = counts.layers[static_cast<std::size_t>(type)];
-    if (!(count.Sum() > 0.0))
-      map.layers.emplace_back();
-    else if (type < rules.types)
-      map.layers.push_back(Share(count));
-    else
-      map.layers.push_back(LocalRatio(count, rules));
+    map.layers.push_back(count.Sum() > 0.0 ? Share(count) : Layer());
     map.layers.back().Prune(least);
   }
+  AddKinds(counts, rules, least, &map);
   return map;
 }
 
 Perception PerceptionOf(const LayeredGrid& map, const MapRules& rules) {
   Perception perception;
   const double eps = FalseRate(rules);
-  for (int type = 0; type <= rules.types; ++type) {
+  for (int type = 0; type < rules.types; ++type) {
     const Layer& layer = map.layers[static_cast<std::size_t>(type)];
-    if (layer.box.empty()) {  // never seen so far: says nothing
-      perception.likelihood.layers.emplace_back();
-      perception.outside.push_back(eps);
-    } else if (type < rules.types) {
-      perception.likelihood.layers.push_back(Mixture(layer, rules.observation_m / rules.grid.cell_m, eps));
-      perception.outside.push_back(eps);
-    } else {
-      perception.likelihood.layers.push_back(rules.exact ? ExactLikelihood(layer, rules)
-                                                         : WithNoLandmark(layer, rules, eps));
-      perception.outside.push_back(rules.exact ? 0.0 : eps);
-    }
+    perception.likelihood.layers.push_back(
+        layer.box.empty() ? Layer()  // never seen so far: says nothing
+                          : Mixture(layer, rules.observation_m / rules.grid.cell_m, eps, eps));
+    perception.outside.push_back(eps);
   }
+  AddSeeming(map, rules, &perception);
   return perception;
 }
 

@@ -8,12 +8,13 @@ namespace cairn::landmark_map {
 
 Blob ToBlob(const std::vector<Landmark>& landmarks) {
   std::vector<double> x, y, covariance, count;
-  std::vector<std::int32_t> type;
+  std::vector<std::int32_t> type, kind;
   for (const Landmark& l : landmarks) {
     x.push_back(l.x_m);
     y.push_back(l.y_m);
     covariance.insert(covariance.end(), l.covariance_m2, l.covariance_m2 + 4);
     type.push_back(l.type);
+    kind.push_back(l.kind);
     count.push_back(l.count);
   }
   Blob blob;
@@ -21,6 +22,7 @@ Blob ToBlob(const std::vector<Landmark>& landmarks) {
   blob.PutVector("y_m", y);
   blob.Put("covariance_m2", Array::Of<double>({static_cast<std::int64_t>(x.size()), 2, 2}, covariance));
   blob.PutVector("type", type);
+  blob.PutVector("kind", kind);
   blob.PutVector("count", count);
   return blob;
 }
@@ -28,11 +30,11 @@ Blob ToBlob(const std::vector<Landmark>& landmarks) {
 std::vector<Landmark> LandmarksFromBlob(const Blob& blob) {
   const auto x = blob.Get<double>("x_m"), y = blob.Get<double>("y_m"), v = blob.Get<double>("covariance_m2"),
              count = blob.Get<double>("count");
-  const auto type = blob.Get<std::int32_t>("type");
+  const auto type = blob.Get<std::int32_t>("type"), kind = blob.Get<std::int32_t>("kind");
   std::vector<Landmark> landmarks;
   for (std::size_t i = 0; i < x.size(); ++i) {
     landmarks.push_back(
-        {x[i], y[i], {v[4 * i], v[4 * i + 1], v[4 * i + 2], v[4 * i + 3]}, type[i], count[i]});
+        {x[i], y[i], {v[4 * i], v[4 * i + 1], v[4 * i + 2], v[4 * i + 3]}, type[i], count[i], kind[i]});
   }
   return landmarks;
 }
@@ -68,6 +70,15 @@ void PartialBuilder::Add(int step, const LayeredGrid& belief) {
   AddAssociations(step, belief);
 }
 
+// How far from its landmark an observation may lie.
+double PartialBuilder::ReachOf(int type) const {
+  const MapRules& rules = settings_.map;
+  constexpr double kAnywhere = 1e9;  // names do not lie, unless the log says so
+  if (type >= rules.types) return std::max(1.5 * rules.core_m, 4.0 * rules.observation_m);
+  return settings_.detection.false_ratio > 0.0 ? std::max(2.0 * rules.core_m, 5.0 * rules.observation_m)
+                                               : kAnywhere;
+}
+
 void PartialBuilder::AddAssociations(int step, const LayeredGrid& belief) {
   const RobotSteps& steps = slice_.steps;
   const MapRules& rules = settings_.map;
@@ -76,10 +87,9 @@ void PartialBuilder::AddAssociations(int step, const LayeredGrid& belief) {
     LayeredGrid where;
     where.layers.resize(static_cast<std::size_t>(seen.type) + 1);
     Count(seen, rules.grid, belief, &where);
-    const bool identified = seen.type < rules.types;
-    const double reach = identified ? 1e9 : std::max(1.5 * rules.core_m, 4.0 * rules.observation_m);
-    const Association a =
-        Associate(where.layers[seen.type], seen.type, *landmarks_, rules.grid.cell_m, reach);
+    const double reach = ReachOf(seen.type);
+    const Association a = Associate(where.layers[seen.type], std::min(seen.type, rules.types), *landmarks_,
+                                    rules.grid.cell_m, reach);
     const auto at = static_cast<std::size_t>(k - steps.first_observation[slice_.first]);
     association_[at] = a.landmark;
     association_probability_[at] = a.probability;

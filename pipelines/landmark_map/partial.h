@@ -32,6 +32,7 @@ class PartialBuilder {
   const LayeredGrid& counts() const { return counts_; }
 
  private:
+  double ReachOf(int type) const;
   void AddAssociations(int step, const LayeredGrid& belief);
   double HeadingOf(const LayeredGrid& belief) const;
 

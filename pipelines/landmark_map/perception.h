@@ -12,8 +12,9 @@ struct GridSpec {
   int headings = 72;  // layers of a belief: corrections of the odometric heading
 };
 
-// For each landmark type (the last layer: identity unknown) the likelihood of observing it at a cell, up to a
-// factor; `outside[type]` is its value outside the layer's box. Made by the M-step, read by every task.
+// For each landmark type (the last layers: identity unknown, by the kind that it seems of) the likelihood of
+// observing it at a cell, up to a factor; `outside[type]` is its value outside the layer's box. Made by the
+// M-step, read by every task.
 struct Perception {
   LayeredGrid likelihood;
   std::vector<double> outside;

@@ -21,6 +21,7 @@ void VisitFigures(S& s, const F& f) {
   f("cell_m", s.map.grid.cell_m);
   f("headings", s.map.grid.headings);
   f("types", s.map.types);
+  f("kinds", s.map.kinds.count);
   f("observation_m", s.map.observation_m);
   f("radius_m", s.map.radius_m);
   f("core_m", s.map.core_m);
@@ -37,7 +38,11 @@ void VisitFigures(S& s, const F& f) {
   f("frame_m", s.steps.frame_m);
   f("frame_rad", s.steps.frame_rad);
   f("step_types", s.steps.types);
+  f("step_kinds", s.steps.kinds);
   f("until_s", s.steps.until_s);
+  f("false_ratio", s.detection.false_ratio);
+  f("miss_ratio", s.detection.miss_ratio);
+  f("tells_passes", s.detection.tells_passes);
   f("triangular", s.shape);
   f("prune", s.prune);
   f("box_m", s.box_m);
@@ -133,6 +138,44 @@ MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sens
           Nominal(log, "noise/turn_ratio", wide * 0.02) * scale};
 }
 
+// A figure of a data sheet is not exact: what it calls impossible happens once in a hundred times.
+KindRules KindsOf(const Blob& log) {
+  const char* const name = "noise/type_confusion";
+  constexpr double kSurprise = 0.01, kNoFigure = 0.1;
+  KindRules kinds;
+  if (!log.Has("types") || log.Texts("types").size() < 2) return kinds;
+  kinds.count = static_cast<int>(log.Texts("types").size());
+  const auto n = static_cast<std::size_t>(kinds.count);
+  const auto wrong = [&](double share) { return share / static_cast<double>(n); };
+  kinds.confusion.assign(n * n, wrong(kNoFigure));
+  for (std::size_t k = 0; k < n; ++k) kinds.confusion[k * n + k] += 1.0 - kNoFigure;
+  if (!log.Has(name)) return kinds;
+  const auto stated = log.Get<double>(name);
+  if (stated.size() != n * n) throw InputError(std::string("the log's ") + name + " is not types by types");
+  for (std::size_t k = 0; k < n; ++k) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < n; ++j) {
+      if (!(stated[k * n + j] >= 0.0))
+        throw InputError(std::string("the log's ") + name + " is no probability");
+      sum += stated[k * n + j];
+    }
+    if (!(std::abs(sum - 1.0) < 1e-3))
+      throw InputError(std::string("the log's ") + name + " has a row that does not sum to 1");
+    for (std::size_t j = 0; j < n; ++j)
+      kinds.confusion[k * n + j] = wrong(kSurprise) + (1.0 - kSurprise) * stated[k * n + j] / sum;
+  }
+  return kinds;
+}
+
+// What other sensors than buttons have in view nobody knows without the walls; a landmark that has a name is
+// there.
+Detection DetectionOf(const Blob& log, const Sensing& sensing) {
+  const Detection none;
+  return {std::min(0.9, Nominal(log, "noise/false_ratio", none.false_ratio)),
+          std::clamp(Nominal(log, "noise/miss_ratio", none.miss_ratio), 1e-3, 0.9),
+          sensing.ranged == 0 && sensing.identified == 0};
+}
+
 // With identities there is little to be taken for another, and the exact model may call a start impossible.
 int StartsOf(const Options& options, const Sensing& sensing) {
   constexpr int kSearch = 5;
@@ -173,6 +216,7 @@ Blob Settings::ToBlob() const {
   Blob blob;
   VisitFigures(
       *this, [&](const char* name, auto value) { blob.PutScalar<double>(name, static_cast<double>(value)); });
+  blob.PutVector("confusion", map.kinds.confusion);
   return blob;
 }
 
@@ -181,6 +225,8 @@ Settings Settings::FromBlob(const Blob& blob) {
   VisitFigures(settings, [&]<class T>(const char* name, T& field) {
     field = static_cast<T>(blob.Scalar<double>(name));
   });
+  const auto confusion = blob.Get<double>("confusion");
+  settings.map.kinds.confusion.assign(confusion.begin(), confusion.end());
   return settings;
 }
 
@@ -205,6 +251,9 @@ Settings Resolve(const Options& options, const Blob& log) {
   grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
   const double step_rad = 2.0 * std::numbers::pi / grid.headings;
   settings.map.types = static_cast<int>(log.Texts("landmarks").size());
+  settings.map.kinds = KindsOf(log);
+  if (options.model == "exact" && settings.map.kinds.count > 1)
+    throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
   const double bearing = Nominal(log, "noise/bearing_rad", 0.02) + step_rad / std::sqrt(12.0);
   const double range = Nominal(log, "noise/range_m", 0.1);
   settings.map.observation_m = sensing.ranged == 0 ? Nominal(log, "noise/press_m", 0.3)
@@ -219,6 +268,8 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.noise = NoiseOf(options, log, sensing, grid.cell_m);
   settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
                     TimeOfObservation(log, robots, options.prefix_observations)};
+  settings.steps.kinds = settings.map.kinds.count;
+  settings.detection = DetectionOf(log, sensing);
   settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
   settings.memory_mb = options.memory_mb;
   settings.prune = options.prune;

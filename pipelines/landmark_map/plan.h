@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "pipelines/landmark_map/e_step.h"
+#include "pipelines/landmark_map/false_landmarks.h"
 #include "pipelines/landmark_map/m_step.h"
 #include "pipelines/landmark_map/options.h"
 #include "pipelines/landmark_map/steps.h"
@@ -16,6 +17,7 @@ struct Settings {
   MapRules map;
   MotionNoise noise;
   StepRules steps;
+  Detection detection;
   ErrorShape shape = ErrorShape::kGaussian;
   double prune = 1e-3;
   double box_m = 0.0;

@@ -211,11 +211,14 @@ void PutBeliefs(const RobotSteps& steps, const std::vector<Blob>& summaries, con
   beliefs.Store(prefix, result);
 }
 
-void PutMap(const LayeredGrid& map, const GridSpec& grid, int types, Blob* result) {
+void PutMap(const LayeredGrid& map, const MapRules& rules, Blob* result) {
+  const GridSpec& grid = rules.grid;
+  const int types = rules.types;
   Box box;
   for (const Layer& layer : map.layers) box = Union(box, layer.box);
-  const bool unknown = types == 0 || !map.layers.back().box.empty();
-  const int kinds = types + (unknown ? 1 : 0);
+  const auto holds = [](const Layer& layer) { return !layer.box.empty(); };
+  const bool unknown = types == 0 || std::any_of(map.layers.begin() + types, map.layers.end(), holds);
+  const int kinds = unknown ? rules.layers() : types;
   std::vector<double> cells;
   cells.reserve(static_cast<std::size_t>(kinds * box.cells()));
   for (int type = 0; type < kinds; ++type) {
@@ -229,14 +232,18 @@ void PutMap(const LayeredGrid& map, const GridSpec& grid, int types, Blob* resul
   result->PutScalar<double>("map/grid/cell_m", grid.cell_m);
 }
 
-void PutLandmarks(const std::vector<Landmark>& landmarks, int types, Blob* result) {
+void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules, Blob* result) {
   const Blob blob = ToBlob(landmarks);
   for (const char* name : {"x_m", "y_m", "covariance_m2", "count"}) {
     result->Put(std::string("map/landmark_") + name, blob.at(name));
   }
   std::vector<std::int32_t> identity;
-  for (const Landmark& l : landmarks) identity.push_back(l.type < types ? l.type : -1);
+  for (const Landmark& l : landmarks) identity.push_back(l.type < rules.types ? l.type : -1);
   result->PutVector("map/landmark_identity", identity);
+  if (rules.kinds.count == 1) return;
+  std::vector<std::int32_t> kind;
+  for (const Landmark& l : landmarks) kind.push_back(l.type < rules.types ? -1 : l.kind);
+  result->PutVector("map/landmark_type", kind);
 }
 
 // Of the last M-step's counts; where there was none, the given map.
@@ -273,10 +280,11 @@ Blob Extended(const Blob& history, const Schedule& done, double log_likelihood) 
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
                 const std::vector<OdometryFit>& odometry, const Blob& history) {
   const std::vector<std::string> robots = log.Texts("robots");
-  const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
+  std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
   Blob result;
   result.Put("robots", log.at("robots"));
   result.Put("landmarks", log.at("landmarks"));
+  if (settings.map.kinds.count > 1) result.Put("types", log.at("types"));
   result.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
@@ -293,8 +301,12 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
     result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);
   }
   if (std::isfinite(settings.steps.until_s)) result.PutScalar<double>("until_s", settings.steps.until_s);
-  PutLandmarks(landmarks, settings.map.types, &result);
-  PutMap(FinalMap(log, settings, inputs), settings.map.grid, settings.map.types, &result);
+  if (settings.detection.false_ratio > 0.0 && settings.detection.tells_passes) {
+    const double reach = std::max(5.0 * settings.map.observation_m, 1.5 * settings.map.grid.cell_m);
+    KeepLandmarks(AreLandmarks(result, landmarks, settings.detection, reach), &landmarks, &result);
+  }
+  PutLandmarks(landmarks, settings.map, &result);
+  PutMap(FinalMap(log, settings, inputs), settings.map, &result);
   result.PutAll("history/", history);
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;

@@ -20,13 +20,34 @@ struct Sighting {
   throw InputError("robot '" + robot + "', observation " + std::to_string(row) + ": " + why);
 }
 
-std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, const Odometry& odometry,
-                                    int types) {
-  const auto time = robot.Get<double>("observations/time_s");
+// For each row, the layer of the landmark.
+std::vector<std::int32_t> ReadTypes(const Blob& robot, const std::string& name, const StepRules& rules) {
   const auto landmark = robot.Get<std::int32_t>("observations/landmark");
+  std::vector<std::int32_t> types(landmark.size(), rules.types);
+  if (rules.kinds > 1) {
+    const auto kind = robot.Get<std::int32_t>("observations/type");
+    if (kind.size() != landmark.size())
+      throw InputError("robot '" + name + "': observation arrays differ in length");
+    for (std::size_t i = 0; i < kind.size(); ++i) {
+      if (kind[i] < 0 || kind[i] >= rules.kinds) Refuse(name, i, "a type that the log does not list");
+      types[i] += kind[i];
+    }
+  }
+  for (std::size_t i = 0; i < landmark.size(); ++i) {
+    if (landmark[i] < -1 || landmark[i] >= rules.types)
+      Refuse(name, i, "a landmark that the log does not list");
+    if (landmark[i] >= 0) types[i] = landmark[i];
+  }
+  return types;
+}
+
+std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, const Odometry& odometry,
+                                    const StepRules& rules) {
+  const auto time = robot.Get<double>("observations/time_s");
+  const std::vector<std::int32_t> types = ReadTypes(robot, name, rules);
   const auto range = robot.Get<double>("observations/range_m");
   const auto bearing = robot.Get<double>("observations/bearing_rad");
-  if (landmark.size() != time.size() || range.size() != time.size() || bearing.size() != time.size()) {
+  if (types.size() != time.size() || range.size() != time.size() || bearing.size() != time.size()) {
     throw InputError("robot '" + name + "': observation arrays differ in length");
   }
   std::vector<Sighting> sightings;
@@ -37,12 +58,10 @@ std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, 
       Refuse(name, i, "range without bearing, or the reverse");
     if (std::isinf(range[i]) || std::isinf(bearing[i]) || range[i] < 0)
       Refuse(name, i, "not a range and bearing");
-    if (landmark[i] < -1 || landmark[i] >= types) Refuse(name, i, "a landmark that the log does not list");
     constexpr double kSlack_s = 1.0;  // sensors and odometry seldom stop in the same instant
     if (time[i] < odometry.time_s.front() - kSlack_s) Refuse(name, i, "before the first control");
     if (time[i] > odometry.time_s.back() + kSlack_s) Refuse(name, i, "after the last control");
-    sightings.push_back(
-        {PoseAt(odometry, time[i]), i, landmark[i] < 0 ? types : landmark[i], range[i], bearing[i]});
+    sightings.push_back({PoseAt(odometry, time[i]), i, types[i], range[i], bearing[i]});
   }
   return sightings;
 }
@@ -120,7 +139,7 @@ class StepPlanner {
     const double shown_s = sightings[begin + (end - begin) / 2].at.time_s;
     for (std::size_t i = begin; i < end; ++i) {
       const Sighting& seen = sightings[i];
-      const bool unknown = seen.type == rules_.types;
+      const bool unknown = seen.type >= rules_.types;
       if (unknown && !seen.press() && seen.at.time_s != shown_s) continue;
       std::int32_t k = first;
       const auto known = static_cast<std::int32_t>(steps_->observations.size());
@@ -185,7 +204,7 @@ RobotSteps RobotSteps::WithoutDrift(double drift_rad_per_m) const {
 RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
                      const std::vector<bool>* shared) {
   const Odometry whole = Integrate(robot, name);
-  std::vector<Sighting> sightings = ReadSightings(robot, name, whole, rules.types);
+  std::vector<Sighting> sightings = ReadSightings(robot, name, whole, rules);
   RobotSteps steps;
   steps.row_observation.assign(sightings.size(), -1);
   const Odometry odometry = Until(whole, rules.until_s);

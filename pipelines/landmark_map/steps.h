@@ -15,7 +15,7 @@ namespace cairn::landmark_map {
 // that a belief's layer c finds it at that vector turned by c * step. (0, 0) for a landmark at the robot
 // itself.
 struct Observation {
-  std::int32_t type = 0;  // layer of the map; the last one where the identity is unknown
+  std::int32_t type = 0;  // layer of the map; without identity: the number of identities plus its kind
   double x_m = 0.0, y_m = 0.0;
 };
 
@@ -44,8 +44,9 @@ struct StepRules {
   double max_leg_m;  // longer ways are split
   double frame_m;    // range-bearing observations within so much of way …
   double frame_rad;  // … or turn are gathered into one step
-  int types;         // number of identities; observations without one get this type
+  int types;         // number of identities; observations without one get this type, plus their kind
   double until_s = std::numeric_limits<double>::infinity();  // later data are left out
+  int kinds = 1;  // of landmarks without identity; above 1 the robot has observations/type
 };
 
 // `shared` (may be nullptr): landmark types by which

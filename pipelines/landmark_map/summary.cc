@@ -194,19 +194,39 @@ PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid) {
   return pose;
 }
 
+namespace {
+
+// The kind that the observations within `radius` cells speak for.
+int KindOf(const Landmark& landmark, const LayeredGrid& counts, double radius, const MapRules& rules) {
+  if (rules.kinds.count == 1) return 0;
+  const double cell = rules.grid.cell_m;
+  std::vector<double> seemed;
+  for (int k = 0; k < rules.kinds.count; ++k) {
+    const Layer& layer = counts.layers[static_cast<std::size_t>(rules.types + k)];
+    seemed.push_back(MomentsWithin(layer, landmark.x_m / cell, landmark.y_m / cell, radius).mass);
+  }
+  const std::vector<double> posterior = KindPosterior(seemed, rules.kinds);
+  return static_cast<int>(std::ranges::max_element(posterior) - posterior.begin());
+}
+
+}  // namespace
+
 std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules& rules) {
   constexpr double kLeastCount = 0.5;
   const double cell = rules.grid.cell_m;
   std::vector<Landmark> landmarks;
   for (int type = 0; type <= rules.types; ++type) {
     const bool identified = type < rules.types;
+    const Layer count = identified ? counts.layers[static_cast<std::size_t>(type)]
+                                   : CountsOfAllKinds(counts, type, rules.kinds);
     const double radius =
         (identified ? std::max(5.0 * rules.observation_m, 2.0 * cell) : rules.core_m) / cell;
-    PeakFinder peaks(counts.layers[static_cast<std::size_t>(type)], radius);
+    PeakFinder peaks(count, radius);
     while (peaks.Left() >= kLeastCount) {
       Landmark landmark;
       if (!peaks.Take(type, cell, &landmark)) break;
       if (landmark.count < kLeastCount) continue;  // peaks come by height, not by count
+      if (!identified) landmark.kind = KindOf(landmark, counts, radius, rules);
       landmarks.push_back(landmark);
       if (identified) break;
     }

@@ -21,8 +21,9 @@ PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid);
 struct Landmark {
   double x_m, y_m;
   double covariance_m2[4];
-  int type;      // layer of the map
+  int type;      // layer of the map; without identity: the first of those layers
   double count;  // expected number of observations of it
+  int kind = 0;  // without identity: the most likely one
 };
 
 // Identified landmarks: one a type, the mean around the mode. Others: peaks of the counts, strongest first,

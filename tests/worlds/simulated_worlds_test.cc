@@ -1,0 +1,98 @@
+// What every option of `cairn simulate loop` hides, landmark_map finds again: it gets the log without its
+// truth, and is scored against it. The seeds are ones that settings were tuned on; rates over many seeds are
+// topology_rate's (tests/bench).
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "datasets/evaluate/evaluate.h"
+#include "datasets/simulate_loop.h"
+#include "pipelines/in_process.h"
+#include "pipelines/registry.h"
+#include "tests/bench/stage_option.h"
+
+namespace cairn {
+namespace {
+
+using datasets::LoopSensing;
+
+struct Mapped {
+  Blob log;
+  BlobPtr result;
+  datasets::Evaluation score;
+};
+
+Mapped Map(const std::string& difficulty, std::uint64_t seed, const LoopSensing& sensing,
+           const std::vector<std::string>& options = {}) {
+  datasets::SimulateLoopOptions world{.difficulty = difficulty, .seed = seed};
+  world.sensing = sensing;
+  Mapped mapped;
+  mapped.log = datasets::SimulateLoop(world);
+  proto::Stage stage;
+  stage.set_name("landmarks");
+  stage.set_pipeline("landmark_map");
+  for (const std::string& option : options) SetOption(option, &stage);
+  mapped.result = RunInProcess(*MakePipeline(stage, seed),
+                               {{"log", std::make_shared<const Blob>(mapped.log.Without("truth/"))}});
+  mapped.score = datasets::Evaluate(*mapped.result, mapped.log);
+  return mapped;
+}
+
+void ExpectEveryLandmarkAndNoOther(const Mapped& mapped, double rmse_m) {
+  EXPECT_EQ(mapped.score.landmarks->missed, 0);
+  EXPECT_EQ(mapped.score.landmarks->spurious, 0);
+  EXPECT_GE(mapped.score.landmarks->found, 12);
+  EXPECT_LT(mapped.score.landmarks->rmse_m.value(), rmse_m);
+}
+
+void ExpectTheTruth(const Mapped& mapped, double rmse_m) {
+  ExpectEveryLandmarkAndNoOther(mapped, rmse_m);
+  EXPECT_TRUE(mapped.score.topology_correct.value());
+}
+
+// On a coarse grid, to be quick.
+TEST(SimulatedWorlds, TheMuseumsSeventyMetresAndHalfATurn) {
+  ExpectTheTruth(Map("museum", 5, {}, {"starts=1", "cell_m=2", "heading_deg=8"}), 1.0);
+}
+
+TEST(SimulatedWorlds, RangesAndBearingsWithIdentities) {
+  ExpectTheTruth(Map("base", 3, {.sensor = "range-bearing", .identities = true}), 0.8);
+}
+
+// Of the images within a step one counts, so most sightings are of no landmark: no topology.
+TEST(SimulatedWorlds, RangesAndBearingsWithoutIdentities) {
+  ExpectEveryLandmarkAndNoOther(Map("base", 3, {.sensor = "range-bearing"}), 1.0);
+}
+
+TEST(SimulatedWorlds, MissedPresses) { ExpectTheTruth(Map("base", 3, {.miss_rate = 0.3}), 1.0); }
+
+TEST(SimulatedWorlds, FalsePresses) {
+  const Mapped mapped = Map("base", 6, {.false_rate = 0.05});
+  int lies = 0;
+  for (const std::int32_t l : mapped.log.Get<std::int32_t>("truth/robot/0/observations/landmark"))
+    lies += l < 0 ? 1 : 0;
+  EXPECT_GE(lies, 3);
+  ExpectTheTruth(mapped, 1.0);
+}
+
+TEST(SimulatedWorlds, FalsePressesWithIdentities) {
+  ExpectEveryLandmarkAndNoOther(Map("base", 3, {.false_rate = 0.05, .identities = true}), 1.2);
+}
+
+TEST(SimulatedWorlds, TypesThatAreTakenForOneAnother) {
+  const Mapped mapped = Map("base", 3, {.types = 3, .confusion = 0.2});
+  ExpectTheTruth(mapped, 1.0);
+  // The type that most observations of a landmark were of is not always the true one; nearly all come out.
+  const auto found = mapped.result->Get<std::int32_t>("map/landmark_type");
+  const auto truth = mapped.log.Get<std::int32_t>("truth/landmarks/type");
+  int right = 0;
+  ASSERT_EQ(mapped.score.pairs.size(), found.size());
+  for (const auto& [k, l] : mapped.score.pairs)
+    right += found[static_cast<std::size_t>(k)] == truth[static_cast<std::size_t>(l)] ? 1 : 0;
+  EXPECT_GE(right, static_cast<int>(found.size()) - 3);
+  EXPECT_EQ(mapped.result->Texts("types").size(), 3U);
+}
+
+}  // namespace
+}  // namespace cairn
