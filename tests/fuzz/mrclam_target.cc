@@ -43,7 +43,7 @@ Outcome Run(std::span<const std::uint8_t> bytes) {
   const std::string_view text = AsText(bytes.subspan(1));
   folder.Put(file.name, (choice & kGzip) != 0 ? Gzip(text) : std::string(text));
   datasets::MrclamImportOptions options{
-      folder.path().string(), (choice & kSkipBad) != 0, (choice & kWithhold) != 0, {}};
+      folder.path().string(), (choice & kSkipBad) != 0, (choice & kWithhold) != 0, {}, false};
   Outcome outcome = Outcome::kAccepted;
   try {
     Blob log;
