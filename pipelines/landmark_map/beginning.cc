@@ -10,6 +10,7 @@ Beginning BeginningOf(const Options& options, const Inputs& inputs) {
   const Blob& log = *inputs.Get("log");
   Beginning beginning{Resolve(options, log), {}, {}, {}};
   beginning.schedule.prefix = beginning.settings.growth_start;
+  beginning.schedule.growth = beginning.settings.growth_factor;
   beginning.schedule.summarise = options.iterations == 0;
   if (options.iterations == 0) beginning.settings.starts = 1;  // nothing to choose from
   const std::size_t robots = log.Texts("robots").size();

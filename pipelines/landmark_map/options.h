@@ -15,7 +15,7 @@ struct Options {
   double tolerance = 5e-3;
   std::int64_t prefix_observations = 0;
   double growth_start = 0.0;
-  double growth_factor = 2.0;
+  double growth_factor = 0.0;
   bool calibrate = true;
   bool revise = true;
   bool beliefs = false;
@@ -24,8 +24,8 @@ struct Options {
   std::string model = "robust";
   std::string motion_error = "gaussian";
   double prune = 1e-3;
-  double radius_m = 10.0;
-  double core_m = 2.5;
+  double radius_m = 0.0;
+  double core_m = 0.0;
   double prior_count = 0.03;
   double no_landmark = 0.5;
   double false_rate_per_m2 = 1e-3;
@@ -57,7 +57,8 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"growth_start", "", 0, 1,
                "fraction of the data in the first iteration; 0: by the kind of sensor"},
         o.growth_start);
-  visit(Option{"growth_factor", "", 1.1, 100, "by how much that fraction grows an iteration"},
+  visit(Option{"growth_factor", "", 0, 100,
+               "by how much that fraction grows an iteration; 0: 2, for sightings without identity 1.3"},
         o.growth_factor);
   visit(Option{"calibrate", "", 0, 0,
                "estimate each robot's heading drift, walk and turn errors in the M-step"},
@@ -93,8 +94,16 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"motion_error", "", 0, 0, "shape of odometry's errors", {"gaussian", "triangular"}},
         o.motion_error);
   visit(Option{"prune", "", 0, 0.5, "a probability below this share of the largest is dropped"}, o.prune);
-  visit(Option{"radius_m", "m", 0.1, 1000, "perceptual radius of landmarks without identity"}, o.radius_m);
-  visit(Option{"core_m", "m", 0.01, 1000, "landmarks without identity nearer than this are one"}, o.core_m);
+  visit(
+      Option{"radius_m", "m", 0, 1000,
+             "perceptual radius of landmarks without identity; 0: two thirds of the way between presses, or "
+             "what one sighting cannot tell apart"},
+      o.radius_m);
+  visit(
+      Option{"core_m", "m", 0, 1000,
+             "landmarks without identity nearer than this are one; 0: a quarter of the radius, of sightings "
+             "all of it"},
+      o.core_m);
   visit(Option{"prior_count", "observations", 0, 1000,
                "evidence against a landmark, in expected observations, that each cell starts with (landmarks "
                "without identity, model robust)"},

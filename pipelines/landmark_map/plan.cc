@@ -47,6 +47,7 @@ void VisitFigures(S& s, const F& f) {
   f("prune", s.prune);
   f("box_m", s.box_m);
   f("growth_start", s.growth_start);
+  f("growth_factor", s.growth_factor);
   f("starts", s.starts);
   f("places", s.places);
   f("memory_mb", s.memory_mb);
@@ -80,6 +81,7 @@ double Extent(const Odometry& odometry) {
 struct Sensing {
   std::int64_t observations = 0, ranged = 0, identified = 0;
   double mean_range_m = 0.0, max_range_m = 0.0;
+  double between_m = 0.0;  // way from one observation to the next, the mean over all robots
 };
 
 Sensing LookAt(const Blob& log, std::size_t robots) {
@@ -89,6 +91,8 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
     for (const std::int32_t landmark : robot.Get<std::int32_t>("observations/landmark")) {
       sensing.identified += landmark >= 0 ? 1 : 0;
     }
+    const auto forward = robot.Get<double>("odometry/forward_m");
+    for (const double way : forward) sensing.between_m += std::abs(way);
     for (const double range : robot.Get<double>("observations/range_m")) {
       ++sensing.observations;
       if (std::isnan(range)) continue;
@@ -97,6 +101,7 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
       sensing.mean_range_m += (range - sensing.mean_range_m) / static_cast<double>(sensing.ranged);
     }
   }
+  sensing.between_m /= static_cast<double>(std::max<std::int64_t>(1, sensing.observations));
   return sensing;
 }
 
@@ -129,7 +134,7 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
 // with identities from far above, for a width too small loses robots for good and one too large costs time
 // only. Without identities a large width lets landmarks be taken for one another.
 MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sensing, double cell_m) {
-  const double wide = sensing.identified == sensing.observations ? 3.0 : 1.0;
+  const double wide = sensing.identified == sensing.observations || sensing.ranged > 0 ? 3.0 : 1.0;
   const double scale = options.noise_scale;
   return {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * scale,
           Nominal(log, "noise/heading_walk_rad_per_sqrt_m", wide * 0.7 * kDegree) * scale,
@@ -174,6 +179,16 @@ Detection DetectionOf(const Blob& log, const Sensing& sensing) {
   return {std::min(0.9, Nominal(log, "noise/false_ratio", none.false_ratio)),
           std::clamp(Nominal(log, "noise/miss_ratio", none.miss_ratio), 1e-3, 0.9),
           sensing.ranged == 0 && sensing.identified == 0};
+}
+
+// How far landmarks without identity reach, by the scale of the log.
+void SetReach(const Options& options, const Sensing& sensing, MapRules* map) {
+  constexpr double kNotTold = 4.0;  // standard deviations within which two sightings may be of one landmark
+  const bool ranged = sensing.ranged > 0;
+  const double radius =
+      ranged ? kNotTold * map->observation_m : RoundNumber(2.0 / 3.0 * std::max(sensing.between_m, 0.1));
+  map->radius_m = options.radius_m > 0 ? options.radius_m : radius;
+  map->core_m = options.core_m > 0 ? options.core_m : ranged ? radius : 0.25 * map->radius_m;
 }
 
 // With identities there is little to be taken for another, and the exact model may call a start impossible.
@@ -245,6 +260,9 @@ Settings Resolve(const Options& options, const Blob& log) {
   if (options.heading_deg > 0 && options.heading_deg < 0.25) {
     throw InputError("heading_deg: 0, or at least 0.25 degrees");
   }
+  if (options.growth_factor > 0 && options.growth_factor < 1.1) {
+    throw InputError("growth_factor: 0, or at least 1.1");
+  }
   Settings settings;
   GridSpec& grid = settings.map.grid;
   grid.cell_m = options.cell_m > 0 ? options.cell_m : RoundNumber(std::max(extent, 0.9) / 90.0);
@@ -255,11 +273,10 @@ Settings Resolve(const Options& options, const Blob& log) {
   if (options.model == "exact" && settings.map.kinds.count > 1)
     throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
   const double bearing = Nominal(log, "noise/bearing_rad", 0.02) + step_rad / std::sqrt(12.0);
-  const double range = Nominal(log, "noise/range_m", 0.1);
+  const double range = Nominal(log, "noise/range_m", 0.03 * sensing.mean_range_m);
   settings.map.observation_m = sensing.ranged == 0 ? Nominal(log, "noise/press_m", 0.3)
                                                    : std::hypot(range, bearing * sensing.mean_range_m);
-  settings.map.radius_m = options.radius_m;
-  settings.map.core_m = options.core_m;
+  SetReach(options, sensing, &settings.map);
   settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
   settings.map.false_rate_per_m2 = options.false_rate_per_m2;
@@ -277,6 +294,9 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.starts = StartsOf(options, sensing);
   settings.places = Square(extent / grid.cell_m + 1.0);
   settings.growth_start = options.growth_start > 0 ? options.growth_start : sensing.ranged == 0 ? 1.0 : 0.05;
+  constexpr double kFast = 2.0, kCareful = 1.3;  // a landmark that is not told must be recognised
+  const bool careful = sensing.ranged > 0 && sensing.identified < sensing.observations;
+  settings.growth_factor = options.growth_factor > 0 ? options.growth_factor : careful ? kCareful : kFast;
   RefuseHugeGrids(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
                   robots > 1 && sensing.ranged == 0);
   return settings;
@@ -290,12 +310,14 @@ void Schedule::Store(State* state) const {
   scalars["settled"].set_i(settled);
   scalars["log_likelihood"].set_d(log_likelihood);
   scalars["summarise"].set_b(summarise);
+  scalars["growth"].set_d(growth);
 }
 
 Schedule Schedule::Load(const State& state) {
   const auto& scalars = state.scalars();
   return {scalars.at("iteration").i(), scalars.at("prefix").d(),         scalars.at("robots").i(),
-          scalars.at("settled").i(),   scalars.at("log_likelihood").d(), scalars.at("summarise").b()};
+          scalars.at("settled").i(),   scalars.at("log_likelihood").d(), scalars.at("summarise").b(),
+          scalars.at("growth").d()};
 }
 
 Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
@@ -304,7 +326,7 @@ Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double 
   ++next.iteration;
   next.log_likelihood = log_likelihood_now;
   if (prefix < 1.0) {
-    next.prefix = std::min(1.0, prefix * options.growth_factor);
+    next.prefix = std::min(1.0, prefix * growth);
     return next;
   }
   ++next.settled;

@@ -22,6 +22,7 @@ struct Settings {
   double prune = 1e-3;
   double box_m = 0.0;
   double growth_start = 1.0;
+  double growth_factor = 2.0;
   int starts = 1;       // candidate starts
   double places = 1.0;  // cells in which a landmark may stand
   double memory_mb = 4096.0;
@@ -42,6 +43,7 @@ struct Schedule {
   std::int64_t settled = 0;     // iterations on all data of these robots
   double log_likelihood = 0.0;  // of the iteration before
   bool summarise = false;       // the last E-step, which also gives poses and associations
+  double growth = 2.0;          // factor on the prefix an iteration
 
   void Store(State* state) const;
   static Schedule Load(const State& state);

@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/testing.h"
 
 namespace cairn::landmark_map {
 namespace {
 
 TEST(Schedule, IsWhatItWasAfterTheState) {
-  const Schedule schedule{3, 0.4, 2, 1, -12.5, true};
+  const Schedule schedule{3, 0.4, 2, 1, -12.5, true, 1.3};
   State state;
   schedule.Store(&state);
   const Schedule again = Schedule::Load(state);
@@ -18,10 +19,35 @@ TEST(Schedule, IsWhatItWasAfterTheState) {
   EXPECT_EQ(again.settled, 1);
   EXPECT_EQ(again.log_likelihood, -12.5);
   EXPECT_TRUE(again.summarise);
+  EXPECT_EQ(again.growth, 1.3);
+}
+
+// A press at every corner: two thirds of a side, rounded to 1, 2 or 5 times a power of ten.
+TEST(Resolve, ReachOfLandmarksWithoutIdentityFollowsTheLogsScale) {
+  for (const double side_m : {20.0, 200.0}) {
+    const MapRules rules = Resolve({}, SquareLog{.laps = 2, .side_m = side_m}.Make()).map;
+    EXPECT_DOUBLE_EQ(rules.radius_m, side_m / 2.0);
+    EXPECT_DOUBLE_EQ(rules.core_m, side_m / 8.0);
+  }
+}
+
+TEST(Resolve, WhatOneSightingCannotTellApartIsOneLandmark) {
+  const Blob log = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true}.Make();
+  const MapRules rules = Resolve({}, log).map;
+  EXPECT_DOUBLE_EQ(rules.radius_m, 4.0 * rules.observation_m);
+  EXPECT_DOUBLE_EQ(rules.core_m, rules.radius_m);
+  EXPECT_LT(rules.radius_m, 5.0);
+  EXPECT_EQ(Resolve({.radius_m = 7.0, .core_m = 1.5}, log).map.radius_m, 7.0);
+}
+
+TEST(Resolve, SightingsWithoutIdentityGrowThePrefixMoreCarefully) {
+  EXPECT_LT(Resolve({}, SquareLog{.ranged = true}.Make()).growth_factor,
+            Resolve({}, SquareLog{.ranged = true, .identified = true}.Make()).growth_factor);
+  EXPECT_EQ(Resolve({.growth_factor = 3.0}, SquareLog{.ranged = true}.Make()).growth_factor, 3.0);
 }
 
 TEST(Schedule, ThePrefixGrowsToAllThenIterationsCountThenTheOtherRobotsJoinThenItEnds) {
-  const Options options{.iterations = 2, .tolerance = 0.0, .growth_factor = 2.0};
+  const Options options{.iterations = 2, .tolerance = 0.0};
   Schedule s;
   s.prefix = 0.3;
   double likelihood = -100.0;

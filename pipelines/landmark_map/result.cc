@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pipelines/landmark_map/given_map.h"
+#include "pipelines/landmark_map/image_landmarks.h"
 #include "pipelines/landmark_map/track.h"
 
 namespace cairn::landmark_map {
@@ -181,18 +182,56 @@ class PathWriter {
   std::vector<Row> rows_;
 };
 
-void PutAssociations(const RobotSteps& steps, const std::vector<Blob>& summaries, const std::string& prefix,
-                     Blob* result) {
-  std::vector<std::int32_t> landmark, rows;
+// Which landmark each observation of a robot's steps is of.
+struct Associated {
+  std::vector<std::int32_t> landmark;
+  std::vector<double> probability;
+};
+
+Associated AssociatedIn(const std::vector<Blob>& summaries) {
+  Associated all{{}, Joined(summaries, "association/probability")};
   for (const Blob& summary : summaries) {
     const auto values = summary.Get<std::int32_t>("association/landmark");
-    landmark.insert(landmark.end(), values.begin(), values.end());
+    all.landmark.insert(all.landmark.end(), values.begin(), values.end());
   }
-  const std::vector<double> probability = Joined(summaries, "association/probability");
+  return all;
+}
+
+// Landmarks without identity that were seen at a distance are found anew, from whole images.
+void FindInImages(const Settings& settings, const Inputs& inputs, const RoundSum& sum,
+                  const std::vector<OdometryFit>& odometry, std::vector<Landmark>* landmarks,
+                  std::vector<Associated>* associated) {
+  std::vector<Image> images;
+  for (std::size_t r = 0; r < odometry.size(); ++r) {
+    const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
+    const std::vector<Blob> summaries = sum.SummariesOf(r);
+    AppendImages(steps.WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
+                 Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
+                 Joined(summaries, "pose/mode_heading_rad"), &images);
+  }
+  if (images.empty()) return;
+  std::erase_if(*landmarks, [&](const Landmark& l) { return l.type == settings.map.types; });
+  const auto first = static_cast<std::int32_t>(landmarks->size());
+  const ImageLandmarks found =
+      FindImageLandmarks(images, {settings.map.observation_m, settings.map.grid.cell_m, settings.map.types});
+  landmarks->insert(landmarks->end(), found.landmarks.begin(), found.landmarks.end());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    for (std::size_t k = 0; k < images[i].seen.size(); ++k) {
+      Associated& of = (*associated)[images[i].robot];
+      const auto at = static_cast<std::size_t>(images[i].observation[k]);
+      of.landmark[at] = found.landmark[i][k] < 0 ? -1 : first + found.landmark[i][k];
+      of.probability[at] = found.probability[i][k];
+    }
+  }
+}
+
+void PutAssociations(const RobotSteps& steps, const Associated& associated, const std::string& prefix,
+                     Blob* result) {
+  std::vector<std::int32_t> rows;
   std::vector<double> row_probability;
   for (const std::int32_t k : steps.row_observation) {
-    rows.push_back(k < 0 ? -1 : landmark[static_cast<std::size_t>(k)]);
-    row_probability.push_back(k < 0 ? 0.0 : probability[static_cast<std::size_t>(k)]);
+    rows.push_back(k < 0 ? -1 : associated.landmark[static_cast<std::size_t>(k)]);
+    row_probability.push_back(k < 0 ? 0.0 : associated.probability[static_cast<std::size_t>(k)]);
   }
   result->PutVector(prefix + "map_landmark", rows);
   result->PutVector(prefix + "probability", row_probability);
@@ -247,9 +286,14 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules,
 }
 
 // Of the last M-step's counts; where there was none, the given map.
-LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs) {
-  const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
-  if (inputs.Has("map") && counts.cells() == 0) return ReadGivenMap(*inputs.Get("map"), log, settings).map;
+// A given map that no iteration has touched.
+bool IsGivenMap(const Inputs& inputs, const LayeredGrid& counts) {
+  return inputs.Has("map") && counts.cells() == 0;
+}
+
+LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs,
+                     const LayeredGrid& counts) {
+  if (IsGivenMap(inputs, counts)) return ReadGivenMap(*inputs.Get("map"), log, settings).map;
   return MapOf(counts, settings.map);
 }
 
@@ -281,6 +325,13 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
                 const std::vector<OdometryFit>& odometry, const Blob& history) {
   const std::vector<std::string> robots = log.Texts("robots");
   std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
+  std::vector<Associated> associated;
+  for (std::size_t r = 0; r < robots.size(); ++r) associated.push_back(AssociatedIn(sum.SummariesOf(r)));
+  const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
+  // Which kind a landmark is of only the counts tell.
+  if (settings.map.kinds.count == 1 && !IsGivenMap(inputs, counts)) {
+    FindInImages(settings, inputs, sum, odometry, &landmarks, &associated);
+  }
   Blob result;
   result.Put("robots", log.at("robots"));
   result.Put("landmarks", log.at("landmarks"));
@@ -294,7 +345,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
     PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
                settings.steps.until_s)
         .Write(prefix + "poses/", &result);
-    PutAssociations(steps, summaries, prefix + "observations/", &result);
+    PutAssociations(steps, associated[r], prefix + "observations/", &result);
     PutBeliefs(steps, summaries, prefix + "beliefs/", &result);
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", odometry[r].drift_rad_per_m);
     result.PutScalar<double>(prefix + "heading_walk_rad_per_sqrt_m", odometry[r].heading_walk_rad_per_sqrt_m);
@@ -306,7 +357,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
     KeepLandmarks(AreLandmarks(result, landmarks, settings.detection, reach), &landmarks, &result);
   }
   PutLandmarks(landmarks, settings.map, &result);
-  PutMap(FinalMap(log, settings, inputs), settings.map, &result);
+  PutMap(FinalMap(log, settings, inputs, counts), settings.map, &result);
   result.PutAll("history/", history);
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;
