@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kGate = 3.0;  // standard deviations
 constexpr int kPasses = 12;
-constexpr double kLeastCount = 3.0;
+constexpr double kLeastCount = 2.0;
 constexpr double kLeastRate = 0.1;  // seen in so many of the images that looked there
 constexpr double kTogether = 0.1;   // of its images show the other too: they are two
 constexpr double kNeeded = 0.02;    // of its sightings no other landmark could have

@@ -46,7 +46,7 @@ struct ImageLandmarks {
 // for (poses err, and an image's sightings err together); what is left over begins a landmark; landmarks move
 // to the mean of what they got. Of two within three sigma that are hardly ever in one image the rarer goes;
 // so does, in the end, one all of whose sightings (but for one in fifty) could be of others that their images
-// do not show; and always one that was seen fewer than three times, or in less than a tenth of the images
+// do not show; and always one that was seen only once, or in less than a tenth of the images
 // that looked at it.
 ImageLandmarks FindImageLandmarks(const std::vector<Image>& images, const ImageRules& rules);
 

@@ -81,18 +81,34 @@ double Extent(const Odometry& odometry) {
 struct Sensing {
   std::int64_t observations = 0, ranged = 0, identified = 0;
   double mean_range_m = 0.0, max_range_m = 0.0;
-  double between_m = 0.0;  // way from one observation to the next, the mean over all robots
+  double between_m = 0.0;  // way from one observation to the next, the median
 };
+
+// A missed press doubles a way: the median does not mind.
+void AppendWaysBetween(const Blob& robot, std::vector<double>* ways) {
+  const auto end = robot.Get<double>("odometry/time_s"), forward = robot.Get<double>("odometry/forward_m");
+  std::size_t control = 0;
+  double way = 0.0;
+  bool first = true;
+  for (const double time : robot.Get<double>("observations/time_s")) {
+    for (; control < end.size() && control < forward.size() && end[control] <= time; ++control) {
+      way += std::abs(forward[control]);
+    }
+    if (!first) ways->push_back(way);
+    first = false;
+    way = 0.0;
+  }
+}
 
 Sensing LookAt(const Blob& log, std::size_t robots) {
   Sensing sensing;
+  std::vector<double> between;
   for (std::size_t r = 0; r < robots; ++r) {
     const Blob robot = log.Sub("robot/" + std::to_string(r) + "/");
     for (const std::int32_t landmark : robot.Get<std::int32_t>("observations/landmark")) {
       sensing.identified += landmark >= 0 ? 1 : 0;
     }
-    const auto forward = robot.Get<double>("odometry/forward_m");
-    for (const double way : forward) sensing.between_m += std::abs(way);
+    AppendWaysBetween(robot, &between);
     for (const double range : robot.Get<double>("observations/range_m")) {
       ++sensing.observations;
       if (std::isnan(range)) continue;
@@ -101,7 +117,11 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
       sensing.mean_range_m += (range - sensing.mean_range_m) / static_cast<double>(sensing.ranged);
     }
   }
-  sensing.between_m /= static_cast<double>(std::max<std::int64_t>(1, sensing.observations));
+  if (!between.empty()) {
+    const auto middle = between.begin() + static_cast<std::ptrdiff_t>(between.size() / 2);
+    std::ranges::nth_element(between, middle);
+    sensing.between_m = *middle;
+  }
   return sensing;
 }
 

@@ -197,23 +197,35 @@ Associated AssociatedIn(const std::vector<Blob>& summaries) {
   return all;
 }
 
+// The variances of the steps' positions, an axis.
+void AddPositionVariance(const std::vector<Blob>& summaries, double* sum, double* count) {
+  const std::vector<double> covariance = Joined(summaries, "pose/covariance");
+  for (std::size_t at = 0; at + 9 <= covariance.size(); at += 9) {
+    *sum += 0.5 * (covariance[at] + covariance[at + 4]);
+    ++*count;
+  }
+}
+
 // Landmarks without identity that were seen at a distance are found anew, from whole images.
 void FindInImages(const Settings& settings, const Inputs& inputs, const RoundSum& sum,
                   const std::vector<OdometryFit>& odometry, std::vector<Landmark>* landmarks,
                   std::vector<Associated>* associated) {
   std::vector<Image> images;
+  double variance_m2 = 0.0, poses = 0.0;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
     const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
     const std::vector<Blob> summaries = sum.SummariesOf(r);
     AppendImages(steps.WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
                  Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
                  Joined(summaries, "pose/mode_heading_rad"), &images);
+    AddPositionVariance(summaries, &variance_m2, &poses);
   }
   if (images.empty()) return;
   std::erase_if(*landmarks, [&](const Landmark& l) { return l.type == settings.map.types; });
   const auto first = static_cast<std::int32_t>(landmarks->size());
+  const double sigma_m = std::hypot(settings.map.observation_m, std::sqrt(variance_m2 / poses));
   const ImageLandmarks found =
-      FindImageLandmarks(images, {settings.map.observation_m, settings.map.grid.cell_m, settings.map.types});
+      FindImageLandmarks(images, {sigma_m, settings.map.grid.cell_m, settings.map.types});
   landmarks->insert(landmarks->end(), found.landmarks.begin(), found.landmarks.end());
   for (std::size_t i = 0; i < images.size(); ++i) {
     for (std::size_t k = 0; k < images[i].seen.size(); ++k) {
