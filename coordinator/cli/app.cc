@@ -30,6 +30,7 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddInspect(app, call);
   AddEvaluate(app, call);
   AddReport(app, call);
+  AddReproduce(app, call);
   AddExport(app, call);
   AddDiff(app, call);
   AddWorker(app, call);

@@ -48,6 +48,7 @@ void AddInspect(CLI::App& app, Invocation& call);
 void AddEvaluate(CLI::App& app, Invocation& call);
 void AddExport(CLI::App& app, Invocation& call);
 void AddReport(CLI::App& app, Invocation& call);
+void AddReproduce(CLI::App& app, Invocation& call);
 void AddDiff(CLI::App& app, Invocation& call);
 void AddKeys(CLI::App& app, Invocation& call);
 

@@ -62,6 +62,14 @@ Similarity FitRigid(const std::vector<PointPair>& pairs) { return Fit(pairs, fal
 
 Similarity FitSimilarity(const std::vector<PointPair>& pairs) { return Fit(pairs, true); }
 
+Similarity Inverse(const Similarity& there) {
+  Similarity back{1 / there.scale, -there.angle_rad, 0, 0};
+  const PointM origin = back(PointM{there.x_m, there.y_m});
+  back.x_m = -origin.x_m;
+  back.y_m = -origin.y_m;
+  return back;
+}
+
 double RmseM(const std::vector<PointPair>& pairs, const Similarity& transform) {
   if (pairs.empty()) return std::numeric_limits<double>::quiet_NaN();
   double squares = 0;

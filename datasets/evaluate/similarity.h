@@ -18,6 +18,9 @@ struct Similarity {
   PoseM operator()(const PoseM& from) const;
 };
 
+// The way back.
+Similarity Inverse(const Similarity& there);
+
 struct PointPair {
   PointM from;
   PointM to;

@@ -89,5 +89,12 @@ TEST(Similarity, FewPointsFixWhatTheyCan) {
   EXPECT_TRUE(std::isnan(RmseM({}, {})));
 }
 
+TEST(Similarity, TheInverseLeadsBack) {
+  const Similarity there{2.5, 0.7, 3, -4};
+  const PointM back = Inverse(there)(there(PointM{-1, 6}));
+  EXPECT_NEAR(back.x_m, -1, 1e-12);
+  EXPECT_NEAR(back.y_m, 6, 1e-12);
+}
+
 }  // namespace
 }  // namespace cairn::datasets

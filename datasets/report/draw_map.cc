@@ -9,32 +9,15 @@
 #include "datasets/report/figures.h"
 #include "datasets/report/format.h"
 #include "datasets/report/grid_picture.h"
+#include "datasets/report/palette.h"
 #include "datasets/report/scene.h"
 
 namespace cairn::datasets {
 namespace report {
 namespace {
 
-// The report's colours on white paper.
-constexpr Rgb kPaper{255, 255, 255}, kInk{28, 39, 51}, kSoft{91, 107, 123}, kLine{205, 213, 221};
 constexpr double kVisibleErrorM = 0.01;
-constexpr Rgb kRaster{233, 238, 242}, kTruePathGrey{214, 219, 225}, kTruth{133, 147, 161}, kBad{179, 38, 30};
-constexpr Rgb kTint{143, 184, 232}, kBlack{0, 0, 0}, kUnknown{205, 205, 205};
-constexpr std::array<Rgb, kRobotColours> kRobots = {{{31, 111, 181},
-                                                     {210, 96, 26},
-                                                     {22, 134, 92},
-                                                     {160, 79, 184},
-                                                     {14, 147, 166},
-                                                     {181, 54, 94},
-                                                     {138, 116, 17},
-                                                     {85, 96, 200}}};
 constexpr double kText = 11, kMargin = 22;
-
-Rgb Mix(Rgb a, Rgb b, double share) {
-  Rgb mixed{};
-  for (std::size_t c = 0; c < 3; ++c) mixed[c] = static_cast<int>(std::lround(a[c] + share * (b[c] - a[c])));
-  return mixed;
-}
 
 struct Legend {
   enum class Kind { kPath, kTruthPath, kLandmark, kTruthLandmark, kSpurious, kStart, kError } kind;

@@ -41,13 +41,7 @@ class SceneMaker {
   }
 
  private:
-  // The inverse of the alignment, which has no scale.
-  PointM FromTruth(PointM truth) const {
-    const Similarity& a = evaluation_->alignment;
-    const double c = std::cos(a.angle_rad), s = std::sin(a.angle_rad);
-    const double x = truth.x_m - a.x_m, y = truth.y_m - a.y_m;
-    return {c * x + s * y, -s * x + c * y};
-  }
+  PointM FromTruth(PointM truth) const { return Inverse(evaluation_->alignment)(truth); }
 
   // Of the observations at the robot itself.
   std::vector<double> PressTimes(const std::string& observations) const {

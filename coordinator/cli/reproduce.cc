@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "coordinator/cli/console.h"
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/programs.h"
+#include "coordinator/cli/scalar.h"
+#include "coordinator/cli/stop_signal.h"
+#include "coordinator/embedded.h"
+#include "datasets/reproduce/landmark_figures.h"
+#include "schema/store/atomic_file.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string out = "reproduce-landmarks";
+  std::uint64_t seed = 7;
+  int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  bool force = false;
+  bool json = false;
+};
+
+// Beside the results, so that each can be made again by hand.
+void WriteInputs(const datasets::LandmarkStudy& study, const fs::path& out) {
+  fs::create_directories(out / "inputs");
+  for (const auto& [name, blob] : study.inputs) {
+    const char* kind = blob.Has("map/grid/probability") ? "landmark_map" : "log";
+    Check(WriteBlobFile((out / "inputs" / (name + ".h5")).string(), kind, blob));
+  }
+}
+
+std::map<std::string, Blob> ReadResults(const coordinator::EmbeddedResult& run) {
+  std::map<std::string, Blob> results;
+  for (const auto& [stage, file] : run.results) results[stage] = Take(ReadBlobFile(file)).blob;
+  return results;
+}
+
+int Explain(const coordinator::EmbeddedResult& run) {
+  using coordinator::EmbeddedEnd;
+  const bool stopped = run.end == EmbeddedEnd::kStopped;
+  const std::string conflict = run.end == EmbeddedEnd::kConflict ? " (--force starts anew)" : "";
+  std::fprintf(stderr, "cairn: %s%s\n",
+               stopped ? "stopped; the same command again goes on from here" : run.reason.c_str(),
+               conflict.c_str());
+  if (stopped) return kExitStopped;
+  const bool world = run.end == EmbeddedEnd::kFailed || run.end == EmbeddedEnd::kPaused;
+  return world ? kExitFailed : kExitBadInput;
+}
+
+std::string Facts(const std::vector<datasets::PaperFigure>& figures, const std::string& page, bool json) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const datasets::PaperFigure& figure : figures) {
+    list.push_back({{"file", figure.file},
+                    {"title", figure.title},
+                    {"claim", figure.claim},
+                    {"measured", figure.measured}});
+    text += figure.title + "\n    " + figure.measured + "\n";
+  }
+  if (json) return nlohmann::ordered_json{{"page", page}, {"figures", list}}.dump(2) + "\n";
+  return text + "page      " + page + "\n";
+}
+
+int Landmarks(const Options& options, const Invocation& call) {
+  const datasets::LandmarkStudy study = datasets::MakeLandmarkStudy(options.seed);
+  coordinator::EmbeddedOptions embedded;
+  embedded.dir = (fs::path(options.out) / "results").string();
+  embedded.workers = options.workers;
+  embedded.worker_program = WorkerProgram();
+  embedded.force = options.force;
+  std::map<std::string, BlobPtr> inputs;
+  for (const auto& [name, blob] : study.inputs)
+    inputs[name] = std::make_shared<const Blob>(blob.Without("truth/"));
+  Console console(call);
+  embedded.log = console.Sink();
+  const coordinator::EmbeddedResult run = coordinator::RunEmbedded(
+      embedded, study.job, inputs,
+      [&](const coordinator::EmbeddedProgress& progress) { console.Progress(progress.info); },
+      StopOnSignals());
+  console.Clear();
+  if (run.end != coordinator::EmbeddedEnd::kDone && run.end != coordinator::EmbeddedEnd::kAlreadyDone)
+    return Explain(run);
+  WriteInputs(study, options.out);
+  const std::vector<datasets::PaperFigure> figures = datasets::LandmarkFigures(study, ReadResults(run));
+  for (const datasets::PaperFigure& figure : figures)
+    Check(WriteTextAtomically((fs::path(options.out) / figure.file).string(), figure.png));
+  const std::string page = (fs::path(options.out) / "index.html").string();
+  Check(WriteTextAtomically(
+      page,
+      datasets::PaperPageHtml(
+          "A probabilistic approach to concurrent mapping and localization",
+          "The figures of Thrun, Burgard and Fox (Machine Learning 31, 1998) from simulated data: paper "
+          "difficulty, seed " +
+              std::to_string(options.seed) +
+              ". Occupancy grids, photographs and the museum's figures 4, 15 to 17 are not among them.",
+          figures)));
+  std::fputs(Facts(figures, page, options.json).c_str(), stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddReproduce(CLI::App& app, Invocation& call) {
+  CLI::App* reproduce = app.add_subcommand("reproduce", "The papers' figures, beside their claims");
+  reproduce->require_subcommand(1);
+  reproduce->footer("Example:\n  cairn reproduce landmarks --out figures");
+  CLI::App* landmarks = nullptr;
+  const auto options = AddCommand<Options>(
+      *reproduce, call, "landmarks", "Figures 1 to 3, 5 to 14 and 18 on landmark maps, from simulated data",
+      "cairn reproduce landmarks --out figures", Landmarks, &landmarks);
+  landmarks
+      ->add_option("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
+      ->capture_default_str();
+  landmarks->add_option("--seed", options->seed, "Of the simulated worlds")
+      ->check(CheckSeed)
+      ->capture_default_str();
+  landmarks->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
+      ->check(CLI::Range(1, 1024));
+  landmarks->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
+  landmarks->add_flag("--json", options->json, "Pictures, claims and measured figures as JSON");
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,71 @@
+#include "datasets/reproduce/belief_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cairn::datasets {
+namespace {
+
+PointM Centre(const report::Grid& grid, std::size_t cell) {
+  const auto columns = static_cast<std::size_t>(grid.columns);
+  return {grid.origin.x_m + (static_cast<double>(cell % columns) + 0.5) * grid.cell_m,
+          grid.origin.y_m + (static_cast<double>(cell / columns) + 0.5) * grid.cell_m};
+}
+
+template <class T>
+std::vector<T> Copy(const Blob& blob, const std::string& name) {
+  const auto values = blob.Get<T>(name);
+  return {values.begin(), values.end()};
+}
+
+}  // namespace
+
+BeliefView::BeliefView(const Blob& result, std::size_t robot) {
+  const std::string prefix = "robot/" + std::to_string(robot) + "/beliefs/";
+  time_s_ = Copy<double>(result, prefix + "time_s");
+  box_ = Copy<std::int32_t>(result, prefix + "box");
+  value_ = Copy<double>(result, prefix + "value");
+  cell_m_ = result.Scalar<double>("map/grid/cell_m");
+  std::size_t end = 0;
+  for (std::size_t s = 0; 4 * s + 3 < box_.size(); ++s) {
+    first_.push_back(end);
+    end += static_cast<std::size_t>(std::max(0, box_[4 * s + 2])) *
+           static_cast<std::size_t>(std::max(0, box_[4 * s + 3]));
+  }
+  if (time_s_.empty() || first_.size() != time_s_.size() || end != value_.size())
+    throw InputError("'" + prefix + "': columns that do not fit");
+}
+
+std::size_t BeliefView::StepAt(double time_s) const {
+  const auto after = std::ranges::upper_bound(time_s_, time_s) - time_s_.begin();
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0));
+}
+
+report::Grid BeliefView::At(std::size_t step) const {
+  const std::int32_t* box = &box_[4 * step];
+  report::Grid grid;
+  grid.cell_m = cell_m_;
+  grid.origin = {(box[0] - 0.5) * cell_m_, (box[1] - 0.5) * cell_m_};
+  grid.columns = box[2];
+  grid.rows = box[3];
+  const auto first = value_.begin() + static_cast<std::ptrdiff_t>(first_[step]);
+  grid.probability.assign(first, first + grid.columns * grid.rows);
+  return grid;
+}
+
+double ShareWithin(const report::Grid& grid, PointM centre, double radius_m) {
+  double all = 0, within = 0;
+  for (std::size_t i = 0; i < grid.probability.size(); ++i) {
+    all += grid.probability[i];
+    if (DistanceM(Centre(grid, i), centre) <= radius_m) within += grid.probability[i];
+  }
+  return all > 0 ? within / all : 0.0;
+}
+
+PointM MostLikely(const report::Grid& grid) {
+  CAIRN_DEMAND(!grid.probability.empty(), "a cell");
+  const auto best = std::ranges::max_element(grid.probability) - grid.probability.begin();
+  return Centre(grid, static_cast<std::size_t>(best));
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,37 @@
+// The beliefs in a landmark_map result (schema/FORMAT.md, robot/N/beliefs), step by step.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "datasets/report/scene.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+class BeliefView {
+ public:
+  // Throws InputError where the result holds no beliefs of this robot, or columns that do not fit.
+  BeliefView(const Blob& result, std::size_t robot);
+
+  std::size_t size() const { return time_s_.size(); }
+  // The last step not after `time_s`; the first where there is none.
+  std::size_t StepAt(double time_s) const;
+  report::Grid At(std::size_t step) const;
+
+ private:
+  std::vector<double> time_s_;
+  std::vector<std::int32_t> box_;   // [S][4]
+  std::vector<std::size_t> first_;  // of each step's values
+  std::vector<double> value_;
+  double cell_m_ = 1.0;
+};
+
+// The share of a grid's mass within `radius_m` of a point; 0 where the grid is empty.
+double ShareWithin(const report::Grid& grid, PointM centre, double radius_m);
+
+// The centre of the cell that holds most.
+PointM MostLikely(const report::Grid& grid);
+
+}  // namespace cairn::datasets

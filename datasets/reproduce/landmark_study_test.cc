@@ -1,0 +1,69 @@
+#include "datasets/reproduce/landmark_study.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "datasets/reproduce/belief_view.h"
+#include "datasets/reproduce/landmark_figures.h"
+
+namespace cairn::datasets {
+namespace {
+
+TEST(LandmarkStudy, StagesUseWhatThereIs) {
+  const LandmarkStudy study = MakeLandmarkStudy(7);
+  EXPECT_GT(study.closing, study.revisit - 1);
+  EXPECT_LT(study.closing, study.observations);
+  std::vector<std::string> known;
+  for (const auto& [name, path] : study.job.inputs()) known.push_back(name);
+  EXPECT_EQ(known.size(), study.inputs.size());
+  for (const proto::Stage& stage : study.job.stages()) {
+    for (const auto& [input, source] : stage.inputs())
+      EXPECT_NE(std::find(known.begin(), known.end(), source), known.end()) << stage.name() << " " << source;
+    EXPECT_EQ(std::find(known.begin(), known.end(), stage.name()), known.end()) << stage.name();
+    known.push_back(stage.name());
+  }
+}
+
+TEST(LandmarkStudy, AMissingResultIsNamed) {
+  try {
+    LandmarkFigures(MakeLandmarkStudy(7), {});
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("'map'"), std::string::npos) << e.what();
+  }
+}
+
+// Two steps: at 1 s a cell at (2, 1) cells, at 3 s two cells from (0, 0) on.
+Blob TwoBeliefs() {
+  Blob result;
+  result.PutVector<double>("robot/0/beliefs/time_s", {1.0, 3.0});
+  result.Put("robot/0/beliefs/box", Array::Of<std::int32_t>({2, 4}, {2, 1, 1, 1, 0, 0, 2, 1}));
+  result.PutVector<double>("robot/0/beliefs/value", {1.0, 0.25, 0.75});
+  result.PutScalar<double>("map/grid/cell_m", 0.5);
+  return result;
+}
+
+TEST(BeliefView, GivesEachStepsBeliefInMetres) {
+  const BeliefView beliefs(TwoBeliefs(), 0);
+  ASSERT_EQ(beliefs.size(), 2U);
+  EXPECT_EQ(beliefs.StepAt(0.0), 0U);
+  EXPECT_EQ(beliefs.StepAt(2.9), 0U);
+  EXPECT_EQ(beliefs.StepAt(3.0), 1U);
+  const PointM first = MostLikely(beliefs.At(0));
+  EXPECT_EQ(first.x_m, 1.0);
+  EXPECT_EQ(first.y_m, 0.5);
+  EXPECT_EQ(MostLikely(beliefs.At(1)).x_m, 0.5);
+  EXPECT_EQ(ShareWithin(beliefs.At(1), {0, 0}, 0.1), 0.25);
+  EXPECT_EQ(ShareWithin(beliefs.At(1), {0, 0}, 1.0), 1.0);
+}
+
+TEST(BeliefView, ColumnsThatDoNotFitAreRefused) {
+  Blob result = TwoBeliefs();
+  result.PutVector<double>("robot/0/beliefs/value", {1.0});
+  EXPECT_THROW(BeliefView(result, 0), InputError);
+  EXPECT_THROW(BeliefView(TwoBeliefs(), 1), InputError);
+}
+
+}  // namespace
+}  // namespace cairn::datasets
