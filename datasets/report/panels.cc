@@ -213,8 +213,9 @@ std::string DrawPanels(const std::vector<PanelPicture>& panels, const Box& box, 
                 static_cast<int>(std::ceil(rows * row_height + keys_height)), kPaper);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const auto column = static_cast<double>(i % static_cast<std::size_t>(columns));
-    const auto row = static_cast<double>(i / static_cast<std::size_t>(columns));
-    const Panel panel{column * (kLeft + width + kGap) + kLeft, row * row_height + kTitle, width, height};
+    const std::size_t row = i / static_cast<std::size_t>(columns);
+    const double top = static_cast<double>(row) * row_height + kTitle;
+    const Panel panel{column * (kLeft + width + kGap) + kLeft, top, width, height};
     PanelPainter(panels[i], box, panel, canvas).Paint();
   }
   DrawKeys(keys, file_width, rows * row_height, &canvas);

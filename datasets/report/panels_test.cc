@@ -24,8 +24,8 @@ TEST(Panels, TheDarkerTheLikelierByTheRoot) {
   ASSERT_FALSE(image.empty());
   const int y = image.rows / 2, left = image.cols / 4, right = 3 * image.cols / 4;
   const int dark = image.at<cv::Vec3b>(y, left)[2], light = image.at<cv::Vec3b>(y, right)[2];
-  EXPECT_EQ(dark, 36);                    // the full colour's red
-  EXPECT_NEAR(light, (36 + 255) / 2, 1);  // half of it: the root of a quarter
+  EXPECT_EQ(dark, 36);                      // the full colour's red
+  EXPECT_NEAR(light, 0.5 * (36 + 255), 1);  // half of it: the root of a quarter
 }
 
 TEST(Panels, PanelsStandInRowsOfColumns) {

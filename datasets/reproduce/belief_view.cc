@@ -6,12 +6,6 @@
 namespace cairn::datasets {
 namespace {
 
-PointM Centre(const report::Grid& grid, std::size_t cell) {
-  const auto columns = static_cast<std::size_t>(grid.columns);
-  return {grid.origin.x_m + (static_cast<double>(cell % columns) + 0.5) * grid.cell_m,
-          grid.origin.y_m + (static_cast<double>(cell / columns) + 0.5) * grid.cell_m};
-}
-
 template <class T>
 std::vector<T> Copy(const Blob& blob, const std::string& name) {
   const auto values = blob.Get<T>(name);
@@ -53,11 +47,32 @@ report::Grid BeliefView::At(std::size_t step) const {
   return grid;
 }
 
+PointM CentreOf(const report::Grid& grid, std::size_t cell) {
+  const auto columns = static_cast<std::size_t>(grid.columns);
+  const auto column = static_cast<double>(cell % columns);
+  const std::size_t row = cell / columns;
+  return {grid.origin.x_m + (column + 0.5) * grid.cell_m,
+          grid.origin.y_m + (static_cast<double>(row) + 0.5) * grid.cell_m};
+}
+
+double SpreadM(const report::Grid& grid) {
+  double mass = 0, x = 0, y = 0, square = 0;
+  for (std::size_t i = 0; i < grid.probability.size(); ++i) {
+    const PointM at = CentreOf(grid, i);
+    const double p = grid.probability[i];
+    mass += p;
+    x += p * at.x_m;
+    y += p * at.y_m;
+    square += p * (at.x_m * at.x_m + at.y_m * at.y_m);
+  }
+  return std::sqrt(std::max(0.0, square / mass - (x * x + y * y) / (mass * mass)));
+}
+
 double ShareWithin(const report::Grid& grid, PointM centre, double radius_m) {
   double all = 0, within = 0;
   for (std::size_t i = 0; i < grid.probability.size(); ++i) {
     all += grid.probability[i];
-    if (DistanceM(Centre(grid, i), centre) <= radius_m) within += grid.probability[i];
+    if (DistanceM(CentreOf(grid, i), centre) <= radius_m) within += grid.probability[i];
   }
   return all > 0 ? within / all : 0.0;
 }
@@ -65,7 +80,7 @@ double ShareWithin(const report::Grid& grid, PointM centre, double radius_m) {
 PointM MostLikely(const report::Grid& grid) {
   CAIRN_DEMAND(!grid.probability.empty(), "a cell");
   const auto best = std::ranges::max_element(grid.probability) - grid.probability.begin();
-  return Centre(grid, static_cast<std::size_t>(best));
+  return CentreOf(grid, static_cast<std::size_t>(best));
 }
 
 }  // namespace cairn::datasets

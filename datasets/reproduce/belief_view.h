@@ -28,6 +28,12 @@ class BeliefView {
   double cell_m_ = 1.0;
 };
 
+// The centre of a cell, counted row by row.
+PointM CentreOf(const report::Grid& grid, std::size_t cell);
+
+// Root of the mean squared distance from the mean; NaN where the grid is empty.
+double SpreadM(const report::Grid& grid);
+
 // The share of a grid's mass within `radius_m` of a point; 0 where the grid is empty.
 double ShareWithin(const report::Grid& grid, PointM centre, double radius_m);
 

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
-#include <optional>
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
-#include "datasets/report/panels.h"
 #include "datasets/reproduce/belief_view.h"
+#include "datasets/reproduce/figure_panels.h"
 #include "datasets/simulate_loop.h"
 
 namespace cairn::datasets {
@@ -19,75 +16,6 @@ namespace {
 using report::PanelPicture;
 
 constexpr double kNearM = 2.0;  // "there"
-
-__attribute__((format(printf, 1, 2))) std::string Say(const char* format, ...) {
-  char text[600];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
-
-struct RawPath {
-  std::vector<PointM> path, marks;  // where odometry has the robot, all along and at its observations
-};
-
-RawPath RawPathOf(const Blob& log, std::size_t robot, double until_s) {
-  const std::string prefix = "robot/" + std::to_string(robot) + "/";
-  const auto time = log.Get<double>(prefix + "odometry/time_s"),
-             turn = log.Get<double>(prefix + "odometry/turn_rad"),
-             forward = log.Get<double>(prefix + "odometry/forward_m"),
-             seen = log.Get<double>(prefix + "observations/time_s");
-  RawPath raw{{{0, 0}}, {}};
-  PoseM pose;
-  std::size_t mark = 0;
-  for (std::size_t i = 0; i < time.size() && time[i] <= until_s; ++i) {
-    pose = Apply(pose, {turn[i], forward[i]});
-    raw.path.push_back({pose.x_m, pose.y_m});
-    for (; mark < seen.size() && seen[mark] <= time[i]; ++mark) raw.marks.push_back({pose.x_m, pose.y_m});
-  }
-  return raw;
-}
-
-PanelPicture RawPanel(const std::string& title, const Blob& log, std::size_t robot = 0,
-                      double until_s = HUGE_VAL) {
-  RawPath raw = RawPathOf(log, robot, until_s);
-  PanelPicture panel;
-  panel.title = title;
-  panel.raw = {std::move(raw.path)};
-  panel.marks = std::move(raw.marks);
-  return panel;
-}
-
-// Map, paths and, from a score, the true landmarks.
-PanelPicture MapPanel(const std::string& title, const Blob& result, const Blob& log,
-                      const Evaluation& score) {
-  const report::Scene scene = report::MakeScene(result, &log, &score);
-  PanelPicture panel;
-  panel.title = title;
-  for (const report::Path& path : scene.paths) panel.paths.push_back(path.points);
-  for (const report::MapLandmark& landmark : scene.landmarks) panel.landmarks.push_back(landmark.at);
-  panel.truth = scene.truth_landmarks;
-  return panel;
-}
-
-std::string DrawFigure(const std::vector<PanelPicture>& panels, int columns) {
-  return report::DrawPanels(panels, report::BoundsOf(panels), columns);
-}
-
-const char* RightOrWrong(const Evaluation& score) {
-  return score.topology_correct.value_or(false) ? "right" : "wrong";
-}
-
-std::string ScoreText(const Evaluation& score) {
-  return Say(
-      "topology %s, %lld of %lld landmarks found, %lld spurious, landmark error %.2f m, path error %.2f m",
-      RightOrWrong(score), static_cast<long long>(score.landmarks->found),
-      static_cast<long long>(score.landmarks->found + score.landmarks->missed),
-      static_cast<long long>(score.landmarks->spurious), score.landmarks->rmse_m.value_or(NAN),
-      score.trajectory_rmse_m.value_or(NAN));
-}
 
 class Figures {
  public:
@@ -153,22 +81,7 @@ class Figures {
       panel.marks.clear();
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
       panel.density = belief;
-      double mass = 0, x = 0, y = 0, square = 0;
-      for (std::size_t i = 0; i < belief.probability.size(); ++i) {
-        const double px =
-            belief.origin.x_m +
-            (static_cast<double>(i % static_cast<std::size_t>(belief.columns)) + .5) * belief.cell_m;
-        const double py =
-            belief.origin.y_m +
-            (static_cast<double>(i / static_cast<std::size_t>(belief.columns)) + .5) * belief.cell_m;
-        const double p = belief.probability[i];
-        mass += p;
-        x += p * px;
-        y += p * py;
-        square += p * (px * px + py * py);
-      }
-      const double spread = std::sqrt(std::max(0.0, square / mass - (x * x + y * y) / (mass * mass)));
-      measured += Say("%s %.1f m after %.0f m", n == 0 ? ":" : ",", spread, way_m);
+      measured += Say("%s %.1f m after %.0f m", n == 0 ? ":" : ",", SpreadM(belief), way_m);
       panels.push_back(std::move(panel));
     }
     report::Box box = report::BoundsOf(panels);
@@ -190,9 +103,7 @@ class Figures {
     const report::Grid belief = beliefs.At(0);
     double on_ring = 0, all = 0;
     for (std::size_t i = 0; i < belief.probability.size(); ++i) {
-      const auto columns = static_cast<std::size_t>(belief.columns);
-      const PointM at{belief.origin.x_m + (static_cast<double>(i % columns) + .5) * belief.cell_m,
-                      belief.origin.y_m + (static_cast<double>(i / columns) + .5) * belief.cell_m};
+      const PointM at = CentreOf(belief, i);
       const double left = DistanceM(at, {-kBetweenM / 2, 0}), right = DistanceM(at, {kBetweenM / 2, 0});
       all += belief.probability[i];
       if (std::abs(left - kSeenAtM) < 1 || std::abs(right - kSeenAtM) < 1) on_ring += belief.probability[i];
