@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "datasets/array_text.h"
+#include "datasets/confidence.h"
 #include "datasets/export_parts.h"
 
 namespace cairn::datasets {
@@ -77,6 +78,7 @@ Facts FactsOf(const Blob& blob) {
   if (blob.Has("map/landmark_x_m")) {
     facts.emplace_back("map landmarks",
                        std::to_string(ColumnOrNone<double>(blob, "map/landmark_x_m").size()));
+    facts.emplace_back("confidence", ConfidenceText(blob));
   }
   const auto likelihoods = ColumnOrNone<double>(blob, "history/log_likelihood");
   if (!likelihoods.empty()) {

@@ -6,6 +6,7 @@
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/report.h"
+#include "datasets/confidence.h"
 #include "datasets/report/draw_map.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
@@ -39,6 +40,7 @@ StageSummary SummarizeStage(const ParsedJob& parsed, const proto::Stage& stage, 
   summary.picture = (dir / "map.png").string();
   summary.report = (dir / "report.html").string();
   Count(map, summary);
+  summary.confidence = datasets::ConfidenceText(map);
   const std::optional<Blob> log = LogOf(parsed, stage);
   if (log && HasTruth(*log)) summary.evaluation = datasets::Evaluate(map, *log);
   const Blob* log_or_null = log ? &*log : nullptr;
@@ -53,6 +55,7 @@ nlohmann::ordered_json ToJson(const StageSummary& stage) {
   nlohmann::ordered_json json = {{"stage", stage.stage},         {"map", stage.map},
                                  {"picture", stage.picture},     {"report", stage.report},
                                  {"landmarks", stage.landmarks}, {"iterations", stage.iterations}};
+  json["confidence"] = stage.confidence;
   json["log_likelihood"] = nullptr;
   if (stage.log_likelihood) json["log_likelihood"] = *stage.log_likelihood;
   json["evaluation"] = nullptr;
@@ -70,7 +73,7 @@ std::string ToText(const StageSummary& stage) {
                 static_cast<long long>(stage.landmarks), stage.landmarks == 1 ? "" : "s",
                 static_cast<long long>(stage.iterations), stage.iterations == 1 ? "" : "s",
                 stage.log_likelihood.value_or(0));
-  text += line;
+  text += line + ("confidence " + stage.confidence) + "\n";
   if (stage.evaluation)
     text += "\nagainst the log's ground truth:\n" + datasets::EvaluationText(*stage.evaluation);
   return text;

@@ -15,6 +15,7 @@ namespace cairn::cli {
 // Of one stage that made a landmark map.
 struct StageSummary {
   std::string stage, map, picture, report;  // the last three are paths
+  std::string confidence;                   // in words
   std::int64_t landmarks = 0;
   std::int64_t iterations = 0;
   std::optional<double> log_likelihood;

@@ -7,6 +7,7 @@
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_map/beginning.h"
+#include "pipelines/landmark_map/contradictions.h"
 #include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/partial.h"
@@ -288,8 +289,18 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
     RefuseUnlikely(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
                    StepsOf(inputs, robots.size()));
   }
-  const Blob history = Extended(*inputs.Get("history"), done, sum.log_likelihood());
-  if (done.summarise) return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
+  const Blob& before = *inputs.Get("history");
+  const auto robots_before = before.Get<std::int64_t>("robots");
+  if (!robots_before.empty() && robots_before.back() < done.robots) {
+    RefuseStrangers(sum, Perception::FromBlob(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
+                    robots);
+  }
+  const Blob history = Extended(before, done, sum.log_likelihood());
+  if (done.summarise) {
+    RefuseSpoiltMap(sum, history, settings.places, StepsOf(inputs, 1)[0].observations.size());
+    RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
+    return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
+  }
 
   if (options_.calibrate) {
     for (std::size_t r = 0; r < robots.size(); ++r) {

@@ -144,6 +144,7 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
 
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
     : counts_(std::move(no_counts)),
+      log_likelihood_of_(robots, 0.0),
       work_(robots, 0.0),
       legs_(robots),
       first_path_m_(robots, 0.0),
@@ -158,6 +159,7 @@ void RoundSum::Add(const Blob& partial) {
   }
   log_likelihood_ += partial.Scalar<double>("log_likelihood");
   const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
+  log_likelihood_of_[robot] += partial.Scalar<double>("log_likelihood");
   work_[robot] += partial.Scalar<double>("work");
   legs_[robot].Join(LegSums::Load("legs/", partial), first_path_m_[robot]);
   first_path_m_[robot] = partial.Scalar<double>("first_path_m");

@@ -56,6 +56,7 @@ class RoundSum {
 
   const LayeredGrid& counts() const { return counts_; }
   double log_likelihood() const { return log_likelihood_; }
+  double log_likelihood_of(std::size_t robot) const { return log_likelihood_of_[robot]; }
   double WorkOf(std::size_t robot) const { return work_[robot]; }
   const std::vector<LegSums>& legs() const { return legs_; }  // per robot
   // The partials of one robot that hold summaries, in the order of steps.
@@ -64,6 +65,7 @@ class RoundSum {
  private:
   LayeredGrid counts_;
   double log_likelihood_ = 0.0;
+  std::vector<double> log_likelihood_of_;
   std::vector<double> work_;
   std::vector<LegSums> legs_;
   std::vector<double> first_path_m_;  // per robot: way to the earliest step so far
