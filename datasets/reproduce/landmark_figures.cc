@@ -60,11 +60,13 @@ class Figures {
     return Inverse(map_score_.alignment)(PointM{pose->x_m, pose->y_m});
   }
 
-  PanelPicture BeliefPanel(const std::string& title, const report::Grid& belief) const {
+  // With the landmarks of the map in which a robot was looked for.
+  PanelPicture BeliefPanel(const std::string& title, const report::Grid& belief,
+                           const char* stage = "map") const {
     PanelPicture panel;
     panel.title = title;
     panel.density = belief;
-    const report::Scene scene = report::MakeScene(Result("map"), nullptr, nullptr);
+    const report::Scene scene = report::MakeScene(Result(stage), nullptr, nullptr);
     for (const report::MapLandmark& landmark : scene.landmarks) panel.landmarks.push_back(landmark.at);
     return panel;
   }
@@ -123,7 +125,7 @@ class Figures {
   }
 
   // Localization of the reversed data in a map: panels of the belief after each of its first observations.
-  std::vector<PanelPicture> BetaPanels(const char* stage, std::size_t count,
+  std::vector<PanelPicture> BetaPanels(const char* stage, const char* map, std::size_t count,
                                        std::vector<double>* there) const {
     const BeliefView beliefs(Result(stage), 0);
     const auto seen = Input("back").Get<double>("robot/0/observations/time_s");
@@ -135,7 +137,7 @@ class Figures {
       there->push_back(ShareWithin(belief, truth, kNearM));
       PanelPicture panel = BeliefPanel(Say("t = %zu of %zu: %.0f%% within %.0f m of truth", forth.size() - n,
                                            forth.size(), 100 * there->back(), kNearM),
-                                       belief);
+                                       belief, map);
       panel.robot = truth;
       panels.push_back(std::move(panel));
     }
@@ -144,7 +146,7 @@ class Figures {
 
   void BetaEarly() {
     std::vector<double> there;
-    const std::vector<PanelPicture> panels = BetaPanels("beta_early", 9, &there);
+    const std::vector<PanelPicture> panels = BetaPanels("beta_early", "iterations_2", 9, &there);
     Add("figure_03.png", "Figure 3: a sequence of beta tables",
         "Beta before the map has converged: the distributions are complex and multi-modal.",
         Say("beta with the observation of its own step, in the map of the second iteration; the mass within "
@@ -197,8 +199,9 @@ class Figures {
     const Evaluation score = PrefixScore(study_.revisit);
     Add("figure_07.png", "Figure 7: the first landmark seen again",
         "Even where a small cycle brings but little odometric error, the map gets better.",
-        Say("observation %d is the first of a landmark seen before: ", study_.revisit) + ScoreText(score) +
-            ".",
+        Say("observation %d is the first of a landmark seen before%s: ", study_.revisit,
+            study_.revisit == study_.closing ? ", for this drive goes round the large cycle first" : "") +
+            ScoreText(score) + ".",
         PrefixPicture(study_.revisit, score));
   }
 
@@ -250,14 +253,13 @@ class Figures {
 
   void BetaTables() {
     std::vector<double> there;
-    std::vector<PanelPicture> panels = BetaPanels("beta", 5, &there);
+    std::vector<PanelPicture> panels = BetaPanels("beta", "map", 5, &there);
     std::string measured = Say("mass within %.0f m of truth after 1, 2, ... observations:", kNearM);
     for (const double share : there) measured += Say(" %.0f%%", 100 * share);
     panels.insert(panels.begin(), UniformPanel(panels));
     Add("figure_14.png", "Figure 14: the last beta tables after convergence",
         "The last beta is uniform; with every step the uncertainty shrinks; after three steps the place is "
-        "known "
-        "with high certainty.",
+        "known with high certainty.",
         measured +
             ". Beta is computed as what it is: localization of the reversed data in the map, the "
             "observation of its own step included.",
