@@ -24,6 +24,7 @@ namespace {
 
 struct Tally {
   int jobs = 0, right = 0;
+  int complete = 0;  // every landmark that was observed, and no other
   double seconds = 0.0;
   std::vector<double> rmse_m;
 };
@@ -60,6 +61,7 @@ void RunLog(const std::string& name, const Blob& log, const Arguments& arguments
   const bool right = score.topology_correct.value_or(false);
   const double rmse_m = score.landmarks->rmse_m.value_or(-1.0);
   tally->right += right ? 1 : 0;
+  tally->complete += score.landmarks->missed == 0 && score.landmarks->spurious == 0 ? 1 : 0;
   if (right) tally->rmse_m.push_back(rmse_m);
   std::printf("%s: topology %s, %lld found, %lld missed, %lld spurious, rmse %.2f m, path %.2f m\n",
               name.c_str(), right ? "right" : "wrong", static_cast<long long>(score.landmarks->found),
@@ -123,10 +125,11 @@ int Main(const Arguments& arguments) {
   arguments.csv.empty() ? RunSeeds(arguments, &tally) : RunFolders(arguments, &tally);
   if (tally.jobs == 0) throw InputError(Title(arguments) + ": no logs");
   std::ranges::sort(tally.rmse_m);
-  std::printf("%s: topology right in %d of %d; median landmark rmse of those %.2f m; %.2f s a job\n",
-              Title(arguments).c_str(), tally.right, tally.jobs,
-              tally.rmse_m.empty() ? -1.0 : tally.rmse_m[tally.rmse_m.size() / 2],
-              tally.seconds / tally.jobs);
+  std::printf(
+      "%s: topology right in %d of %d, every landmark and no other in %d; median landmark rmse of the right "
+      "%.2f m; %.2f s a job\n",
+      Title(arguments).c_str(), tally.right, tally.jobs, tally.complete,
+      tally.rmse_m.empty() ? -1.0 : tally.rmse_m[tally.rmse_m.size() / 2], tally.seconds / tally.jobs);
   return 0;
 }
 
