@@ -253,5 +253,50 @@ TEST(EStep, ABoxTooSmallAndAMemoryTooSmallAreNamed) {
   }
 }
 
+// [TBF98] section 6: beta globally localizes the robot, with the data in reverse order.
+TEST(EStep, BetaIsLocalizationInTheReversedData) {
+  const RobotSteps steps = TinySteps();
+  RobotSteps reversed = steps;
+  reversed.odo_x_m = {1.9, 1.9, 1.2, 0.0};
+  reversed.odo_y_m = {2.1, 1.3, 0.3, 0.0};
+  reversed.path_m = {0, 0.8, 1.3, 1.3};
+  reversed.turn_rad = {0, 0.6, 0.8, 0.2};
+  reversed.first_observation = {0, 1, 3, 3, 3};  // beta of a step does not hold that step's own
+  reversed.observations = {steps.observations[3], steps.observations[1], steps.observations[2]};
+  const Perception perception = RandomPerception();
+  const EStepModel model = TinyModel(&perception);
+  LayeredGrid anywhere;
+  for (int c = 0; c < kHeadings; ++c) {
+    anywhere.layers.emplace_back(Box{-4, -4, 9, 9});
+    anywhere.layers.back().values.assign(81, 1.0);
+  }
+  anywhere.Scale(1.0 / anywhere.Sum());
+
+  NoProgress progress;
+  const Slice later{steps, 1, 4, "a"};
+  const Alphas alphas = Forward(model, later, anywhere, progress);
+  const LayeredGrid last = UniformBeta(alphas.tables.back());
+  const Visitor nothing{[](int, const LayeredGrid&) {}, nullptr};
+  LayeredGrid beta = Backward(model, later, alphas, anywhere, last, progress, nothing);
+  beta.Scale(1.0 / beta.Sum());
+
+  LayeredGrid start = last;
+  start.Scale(1.0 / start.Sum());
+  const LayeredGrid back = Forward(model, Slice{reversed, 0, 4, "a"}, start, progress).tables.back();
+  double shared = 0.0;  // the reversed data also reach places where the robot may not have started
+  for (std::size_t c = 0; c < beta.layers.size(); ++c) {
+    for (int y = -4; y < 5; ++y) {
+      for (int x = -4; x < 5; ++x) shared += back.layers[c].At(x, y);
+    }
+  }
+  for (std::size_t c = 0; c < beta.layers.size(); ++c) {
+    for (int y = -4; y < 5; ++y) {
+      for (int x = -4; x < 5; ++x)
+        EXPECT_NEAR(beta.layers[c].At(x, y), back.layers[c].At(x, y) / shared, 1e-12);
+    }
+  }
+  EXPECT_GT(beta.Max(), 2.0 / (81 * kHeadings));  // it is not uniform
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map

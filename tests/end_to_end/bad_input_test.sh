@@ -120,6 +120,12 @@ for place in a_file/out /proc/out "$long"; do
 done
 refuses 'a_file' cairn run landmark_map log.h5 --out a_file
 
+# A map to start from that is none, that has no place for it, and none where one is needed.
+refuses "the input 'map': no landmark_map" cairn run landmark_map log.h5 --input map=log.h5 --out no_map
+refuses 'has no such input.*did you mean .map' cairn run landmark_map log.h5 --input mpa=log.h5
+refuses 'write name=FILE' cairn run landmark_map log.h5 --input log.h5
+refuses "start=anywhere needs the input 'map'" cairn run landmark_map log.h5 --set start=anywhere --out no_map
+
 # Damaged files.
 head -c 3000 log.h5 >cut.h5
 refuses 'cut.h5' cairn run landmark_map cut.h5 --out cut
