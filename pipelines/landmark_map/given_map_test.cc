@@ -156,6 +156,21 @@ TEST(LandmarkMap, ARobotWithAnUnknownStartIsFoundInTheGivenMapWhichStaysAsItIs) 
   }
 }
 
+// Every heading of the whole map for some steps, not the little that odometry spreads in its first ones.
+TEST(LandmarkMap, ARobotThatMayBeAnywhereIsReckonedWithTheWholeMap) {
+  const Blob log = kLog.Make();
+  const BlobPtr first = MapFrom(log, {.cell_m = 0.5});
+  std::map<std::string, double> expected_mb;
+  for (const std::string start : {"origin", "anywhere"}) {
+    const LandmarkMap pipeline({.cell_m = 0.5, .start = start});
+    const Step step = pipeline.Start(MapInputs({{"log", Share(log)}, {"map", first}}));
+    expected_mb[start] = step.plan.state().scalars().at("expected/task_mb").d();
+  }
+  constexpr double kMapCells = 40.0 * 40.0, kHeadings = 72.0;
+  EXPECT_GT(expected_mb["anywhere"], kMapCells * kHeadings * sizeof(double) / 1e6);
+  EXPECT_GT(expected_mb["anywhere"], 2.0 * expected_mb["origin"]);
+}
+
 TEST(LandmarkMap, WithoutIterationsAndMapTheResultIsOdometryWithItsErrors) {
   const Blob log = kLog.Make();
   const BlobPtr result = MapFrom(log, {.cell_m = 0.5, .iterations = 0});
