@@ -24,8 +24,11 @@ class Sensor {
   std::vector<Sensed> Run() {
     sensing_.ranged() ? TakeImages() : Press();
     for (Sensed& s : sensed_) Recognise(s);
-    std::stable_sort(sensed_.begin(), sensed_.end(),
-                     [](const Sensed& a, const Sensed& b) { return a.control < b.control; });
+    for (Sensed& s : false_) {
+      Recognise(s);
+      const auto later = [](const Sensed& a, const Sensed& b) { return a.control < b.control; };
+      sensed_.insert(std::upper_bound(sensed_.begin(), sensed_.end(), s, later), s);
+    }
     return std::move(sensed_);
   }
 
@@ -46,7 +49,7 @@ class Sensor {
       if (Misses(further)) continue;
       sensed_.push_back({press.control, static_cast<std::int32_t>(press.landmark), 0, -1, kNan, kNan});
     }
-    for (std::size_t n = FalseOnes(); n > 0; --n) sensed_.push_back({FalsePlace(), -1, 0, -1, kNan, kNan});
+    for (std::size_t n = FalseOnes(); n > 0; --n) false_.push_back({FalsePlace(), -1, 0, -1, kNan, kNan});
   }
 
   // Anywhere on the way, clear of landmarks.
@@ -76,8 +79,8 @@ class Sensor {
       for (std::size_t node = 0; node < world_.nodes.size(); ++node) Look(i, node, walls);
     }
     for (std::size_t n = FalseOnes(); n > 0; --n) {
-      sensed_.push_back({images[rng_.Below(images.size())], -1, 0, -1, rng_.Uniform(0.5, kSightMaxRangeM),
-                         rng_.Uniform(-kSightViewRad / 2, kSightViewRad / 2)});
+      false_.push_back({images[rng_.Below(images.size())], -1, 0, -1, rng_.Uniform(0.5, kSightMaxRangeM),
+                        rng_.Uniform(-kSightViewRad / 2, kSightViewRad / 2)});
     }
   }
 
@@ -118,7 +121,7 @@ class Sensor {
   const LoopSensing& sensing_;
   Rng& rng_;
   std::vector<PoseM> poses_;  // at each control's end
-  std::vector<Sensed> sensed_;
+  std::vector<Sensed> sensed_, false_;
 };
 
 void Demand(bool allowed, const std::string& what, double value, const std::string& range) {
