@@ -167,10 +167,12 @@ MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sens
 KindRules KindsOf(const Blob& log) {
   const char* const name = "noise/type_confusion";
   constexpr double kSurprise = 0.01, kNoFigure = 0.1;
+  constexpr std::size_t kMost = 256;  // each is a layer of the map
   KindRules kinds;
   if (!log.Has("types") || log.Texts("types").size() < 2) return kinds;
   kinds.count = static_cast<int>(log.Texts("types").size());
   const auto n = static_cast<std::size_t>(kinds.count);
+  if (n > kMost) throw InputError("the log has more than 256 types: are they identities (landmarks)?");
   const auto wrong = [&](double share) { return share / static_cast<double>(n); };
   kinds.confusion.assign(n * n, wrong(kNoFigure));
   for (std::size_t k = 0; k < n; ++k) kinds.confusion[k * n + k] += 1.0 - kNoFigure;

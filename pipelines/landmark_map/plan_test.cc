@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/testing.h"
 
@@ -20,6 +22,41 @@ TEST(Schedule, IsWhatItWasAfterTheState) {
   EXPECT_EQ(again.log_likelihood, -12.5);
   EXPECT_TRUE(again.summarise);
   EXPECT_EQ(again.growth, 1.3);
+}
+
+Blob TypedLog(std::vector<double> confusion) {
+  Blob log = SquareLog{}.Make();
+  log.Put("types", Array::Texts({"door", "lamp"}));
+  log.PutVector("robot/0/observations/type",
+                std::vector<std::int32_t>(log.at("robot/0/observations/time_s").size(), 0));
+  if (!confusion.empty()) log.Put("noise/type_confusion", Array::Of<double>({2, 2}, confusion));
+  return log;
+}
+
+// One hundredth is spread evenly; without a figure one tenth is.
+TEST(Resolve, TypesAreTakenForOneAnotherAsTheLogSays) {
+  const KindRules stated = Resolve({}, TypedLog({1.0, 0.0, 0.3, 0.7})).map.kinds;
+  EXPECT_EQ(stated.count, 2);
+  EXPECT_DOUBLE_EQ(stated.Seems(0, 0), 0.995);
+  EXPECT_DOUBLE_EQ(stated.Seems(1, 0), 0.005);
+  EXPECT_DOUBLE_EQ(stated.Seems(0, 1), 0.302);
+  EXPECT_DOUBLE_EQ(Resolve({}, TypedLog({})).map.kinds.Seems(1, 1), 0.95);
+  const Settings settings = Resolve({}, TypedLog({0.9, 0.1, 0.3, 0.7}));
+  EXPECT_EQ(Settings::FromBlob(settings.ToBlob()).ToBlob().ContentHash(), settings.ToBlob().ContentHash());
+}
+
+TEST(Resolve, TypesThatMakeNoSenseAreRefused) {
+  for (const std::vector<double>& wrong : std::vector<std::vector<double>>{
+           {0.9, 0.2, 0.3, 0.7}, {1.5, -0.5, 0.3, 0.7}, {std::nan(""), 1, 0.3, 0.7}}) {
+    EXPECT_THROW(Resolve({}, TypedLog(wrong)), InputError);
+  }
+  Blob three = TypedLog({});
+  three.PutVector<double>("noise/type_confusion", {1, 0, 0});
+  EXPECT_THROW(Resolve({}, three), InputError);
+  Blob many = TypedLog({});
+  many.Put("types", Array::Texts(std::vector<std::string>(257, "x")));
+  EXPECT_THROW(Resolve({}, many), InputError);
+  EXPECT_THROW(Resolve({.model = "exact"}, TypedLog({})), InputError);
 }
 
 // A press at every corner: two thirds of a side, rounded to 1, 2 or 5 times a power of ten.

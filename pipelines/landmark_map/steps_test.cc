@@ -166,6 +166,25 @@ TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {
   has(empty, "no controls");
 }
 
+// Two identities, then three types: an observation with an identity is of its layer, others of their type's.
+TEST(MakeSteps, TypesHaveLayersBehindTheIdentities) {
+  Blob robot = Robot({1.0, 2.0, 4.0}, {-1, 1, -1}, {kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN});
+  StepRules rules = kRules;
+  rules.kinds = 3;
+  EXPECT_THROW(MakeSteps(robot, "a", rules, nullptr), InputError);
+  robot.PutVector<std::int32_t>("observations/type", {2, 0, 1});
+  const RobotSteps steps = MakeSteps(robot, "a", rules, nullptr);
+  ASSERT_EQ(steps.observations.size(), 3U);
+  EXPECT_EQ(steps.observations[0].type, 4);
+  EXPECT_EQ(steps.observations[1].type, 1);
+  EXPECT_EQ(steps.observations[2].type, 3);
+  for (const std::vector<std::int32_t>& wrong :
+       std::vector<std::vector<std::int32_t>>{{2, 0, 3}, {-1, 0, 0}, {0, 0}}) {
+    robot.PutVector("observations/type", wrong);
+    EXPECT_THROW(MakeSteps(robot, "a", rules, nullptr), InputError);
+  }
+}
+
 TEST(MakeSteps, LaterDataAreLeftOut) {
   const Blob robot = Robot({1.0, 2.0, 4.0}, {0, 1, -1}, {kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN});
   StepRules rules = kRules;
