@@ -7,6 +7,7 @@
 #include "coordinator/cli/plan_text.h"
 #include "datasets/import_csv.h"
 #include "datasets/import_mrclam.h"
+#include "datasets/import_recorded.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -50,14 +51,22 @@ struct MrclamOptions {
   bool force = false;
 };
 
-// The dataset's own files are .dat, plain or gzipped; a log may lie among them.
+struct RecordedOptions {
+  datasets::RecordedImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+// A dataset's own files are .dat and .txt, plain or gzipped; a log may lie among them.
 void RefuseToReplaceDataset(const std::string& out, const std::string& folder) {
   namespace fs = std::filesystem;
   if (!fs::is_directory(folder)) return;  // which the import says
   std::vector<std::string> inputs;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name.ends_with(".dat") || name.ends_with(".dat.gz")) inputs.push_back(entry.path().string());
+    for (const char* ending : {".dat", ".dat.gz", ".txt", ".txt.gz"}) {
+      if (name.ends_with(ending)) inputs.push_back(entry.path().string());
+    }
   }
   RefuseToReplaceInput(out, inputs);
 }
@@ -67,6 +76,15 @@ int ImportMrclam(const MrclamOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportMrclam(options.import, &log);
+  return Store(options.out, log, report);
+}
+
+template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
+int ImportRecorded(const RecordedOptions& options, const Invocation&) {
+  RefuseToReplaceDataset(options.out, options.import.folder);
+  RefuseToOverwrite(options.out, options.force);
+  Blob log;
+  const datasets::ImportReport report = Import(options.import, &log);
   return Store(options.out, log, report);
 }
 
@@ -129,6 +147,17 @@ void AddMrclam(CLI::App& import, Invocation& call) {
   AddOutput(*command, *options);
 }
 
+template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
+void AddRecorded(CLI::App& import, Invocation& call, const char* name, const char* what,
+                 const char* example) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<RecordedOptions>(import, call, name, what, example, ImportRecorded<Import>, &command);
+  command->add_option("FOLDER", options->import.folder, "Its files, plain or gzipped")->required();
+  AddNominal(*command, options->import.nominal);
+  AddOutput(*command, *options);
+}
+
 }  // namespace
 
 void AddImport(CLI::App& app, Invocation& call) {
@@ -138,6 +167,12 @@ void AddImport(CLI::App& app, Invocation& call) {
       "Example:\n  cairn import csv --odometry odometry.csv --observations observations.csv log.h5");
   AddCsv(*import, call);
   AddMrclam(*import, call);
+  AddRecorded<datasets::ImportLegoRobot>(*import, call, "lego-robot",
+                                         "The LEGO robot among six poles (docs/datasets.md)",
+                                         "cairn import lego-robot lego-robot lego.h5");
+  AddRecorded<datasets::ImportVictoriaPark>(*import, call, "victoria-park",
+                                            "Victoria Park, Sydney: a car among trees (docs/datasets.md)",
+                                            "cairn import victoria-park victoria-park park.h5");
 }
 
 }  // namespace cairn::cli
