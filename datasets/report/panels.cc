@@ -28,9 +28,10 @@ class PanelPainter {
     for (std::size_t r = 0; r < picture_.paths.size(); ++r)
       Line(picture_.paths[r], kRobots[r % kRobotColours], 1.5);
     for (const PointM& at : Seen(picture_.marks)) canvas_.Ring(At(at), 4.5, kInk, 1.2);
-    const double dot = picture_.density ? 2 : 3.5;  // a belief shows beside it
+    const bool small = picture_.density && picture_.paths.empty();  // a belief shows beside it
+    const double dot = small ? 2 : 3.5;
     for (const PointM& at : Seen(picture_.landmarks)) {
-      if (!picture_.density) canvas_.Dot(At(at), dot + 1, kPaper);
+      if (!small) canvas_.Dot(At(at), dot + 1, kPaper);
       canvas_.Dot(At(at), dot, kInk);
     }
     if (picture_.robot && Inside(*picture_.robot)) canvas_.Ring(At(*picture_.robot), 9, kBad, 2);
