@@ -225,8 +225,11 @@ Blob LandmarkMap::RunSlice(const Task& task, const Inputs& inputs, Progress& pro
   Perception perception;
   const bool mapped = inputs.Has("perception");
   if (mapped) perception = Perception::FromBlob(*inputs.Get("perception"));
-  const EStepModel model = settings.Model(mapped ? &perception : nullptr);
+  EStepModel model = settings.Model(mapped ? &perception : nullptr);
   const Slice slice{steps, first, end, params.at("name").s()};
+  // Where the map has no landmark a first press is false: a thousandth as likely, which it survives only so.
+  constexpr double kWhereLost = 0.1;
+  if (StartsAnywhere(options_, static_cast<std::size_t>(params.at("robot").i()))) model.prune *= kWhereLost;
   LayeredGrid before = Before(task, options_, inputs, model, slice);
   if (task.kind() == "forward") {
     const Frontier frontier = ForwardFor(model, slice, std::move(before), params.at("work").d(), progress);

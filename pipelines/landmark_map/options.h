@@ -93,7 +93,10 @@ void VisitOptions(V& visit, Options& o) {
         o.model);
   visit(Option{"motion_error", "", 0, 0, "shape of odometry's errors", {"gaussian", "triangular"}},
         o.motion_error);
-  visit(Option{"prune", "", 0, 0.5, "a probability below this share of the largest is dropped"}, o.prune);
+  visit(Option{"prune", "", 0, 0.5,
+               "a probability below this share of the largest is dropped (a tenth of it for robots that "
+               "start anywhere)"},
+        o.prune);
   visit(
       Option{"radius_m", "m", 0, 1000,
              "perceptual radius of landmarks without identity; 0: two thirds of the way between presses, or "
