@@ -15,17 +15,18 @@ Blob Searched() {
 }
 
 TEST(ConfidenceText, ALeadIsLowFairOrHigh) {
-  const std::vector<std::pair<double, std::string>> leads = {
-      {2.5, "low: 2.5"}, {5.0, "fair: 5.0"}, {57.25, "high: 57.2"}};
+  const std::vector<std::pair<double, std::string>> leads = {{2.5, "low among the maps tried: 2.5"},
+                                                             {5.0, "fair among the maps tried: 5.0"},
+                                                             {57.25, "high among the maps tried: 57.2"}};
   for (const auto& [lead, word] : leads) {
     Blob result = Searched();
     result.PutScalar<double>("search/lead_nats", lead);
-    EXPECT_EQ(ConfidenceText(result), word + " nats ahead of the next different map of 2 starts");
+    EXPECT_EQ(ConfidenceText(result), word + " nats ahead of the next different one of 2 starts");
   }
 }
 
 TEST(ConfidenceText, StartsThatAgreeAndASingleStart) {
-  EXPECT_EQ(ConfidenceText(Searched()), "high: all 2 starts found this map or none");
+  EXPECT_EQ(ConfidenceText(Searched()), "high among the maps tried: all 2 starts found this one or none");
   EXPECT_EQ(ConfidenceText(Blob()), "not stated: there was one start, no other map to compare with");
 }
 
