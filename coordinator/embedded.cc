@@ -23,8 +23,7 @@ namespace fs = std::filesystem;
 constexpr const char* kJobId = "run";
 constexpr double kStep_s = 0.05;
 constexpr double kProgressEvery_s = 0.1;
-constexpr double kSavePatience_s = 1.2;  // these two together stay below 2 s
-constexpr double kWorkerPatience_s = 0.3;
+constexpr double kWorkerPatience_s = 0.3;  // with save_patience_s below 2 s
 
 EmbeddedResult End(EmbeddedEnd end, std::string reason) {
   EmbeddedResult result;
@@ -216,7 +215,7 @@ EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
   else
     hub_->GoOn(kJobId);
   Loop(workers, on_progress, stop);
-  hub_->Shut(kSavePatience_s);
+  hub_->Shut(options_.save_patience_s);
   RemoveReplaced();
   workers.End(kWorkerPatience_s);
   if (on_progress)

@@ -7,6 +7,7 @@
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_map/beginning.h"
+#include "pipelines/landmark_map/candidates.h"
 #include "pipelines/landmark_map/contradictions.h"
 #include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
@@ -18,8 +19,6 @@
 
 namespace cairn::landmark_map {
 namespace {
-
-constexpr const char* kFailure = "failure";  // of a start: in partials and states
 
 std::string RobotPath(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
 
@@ -66,22 +65,10 @@ Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& b
   return carried;
 }
 
-LayeredGrid NoCounts(const Settings& settings) {
-  LayeredGrid counts;
-  counts.layers.resize(static_cast<std::size_t>(settings.map.layers()));
-  return counts;
-}
-
-Blob StoredCounts(const LayeredGrid& counts) {
-  Blob blob;
-  counts.Store("counts/", &blob);
-  return blob;
-}
-
 // The round's own blobs of the first round.
 std::map<std::string, Blob> FirstBlobs(const Beginning& beginning) {
   std::map<std::string, Blob> blobs{{"history", EmptyHistory()},
-                                    {"counts", StoredCounts(NoCounts(beginning.settings))}};
+                                    {"counts", StoredCounts(NoCounts(beginning.settings.map))}};
   if (beginning.given) {
     blobs["landmarks"] = ToBlob(beginning.given->landmarks);
     blobs["perception"] = beginning.perception->ToBlob();
@@ -151,15 +138,6 @@ bool SearchIsOver(const State& state) {
   return next.summarise || next.robots > 1;
 }
 
-// A blob that candidate k's state names: new, or one that it had before.
-BlobPtr OneBlob(const cairn::Step& step, std::size_t k, const std::string& name, const Inputs& inputs) {
-  const std::string& hash = step.plan.state().blobs().at(name);
-  for (const BlobPtr& blob : step.blobs) {
-    if (blob->ContentHash().Binary() == hash) return blob;
-  }
-  return inputs.Get("start/" + std::to_string(k) + "/" + name);
-}
-
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
   char text[160];
   std::snprintf(text, sizeof text,
@@ -179,11 +157,16 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   std::vector<cairn::Step> starts(1);
   std::vector<RobotSteps> steps;
   Carried carried = MakeAllSteps(*log, options_, beginning, &starts[0], &steps);
-  const std::vector<double> drifts = StartDrifts(settings);
-  starts.resize(drifts.size());
-  for (std::size_t k = 0; k < drifts.size(); ++k) {
-    carried.odometry[0].drift_rad_per_m = drifts[k];
-    PlanRound(options_, robots, beginning.schedule, carried, FirstBlobs(beginning), &starts[k]);
+  PlanRound(options_, robots, beginning.schedule, carried, FirstBlobs(beginning), &starts[0]);
+  if (settings.starts > 1) {
+    const State carried_state = starts[0].plan.state();
+    const std::vector<StartingPoint> points = StartingPoints(settings);
+    starts.resize(points.size());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      starts[k].plan.Clear();
+      *starts[k].plan.mutable_state() = carried_state;
+      BeginFrom(points[k], options_, robots, settings, steps[0], &starts[k]);
+    }
   }
   const Estimate estimate =
       EstimateJob(options_, settings, steps, carried, starts[0].plan, static_cast<int>(starts.size()),
@@ -250,7 +233,7 @@ Blob LandmarkMap::RunSlice(const Task& task, const Inputs& inputs, Progress& pro
   const bool summarise = params.at("summarise").b();
   if (summarise) landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
   PartialBuilder builder(settings, slice, static_cast<int>(params.at("robot").i()),
-                         summarise ? &landmarks : nullptr, NoCounts(settings));
+                         summarise ? &landmarks : nullptr, NoCounts(settings.map));
   if (options_.beliefs) builder.KeepBeliefs();
   const double tables = sizeof(double) * static_cast<double>(alphas.Cells());
   const auto add = [&](int step, const LayeredGrid& belief) {
@@ -282,7 +265,7 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
   const Schedule done = Schedule::Load(state);
   Carried carried = Carried::Load(state, robots.size());
 
-  RoundSum sum(NoCounts(settings), robots.size());
+  RoundSum sum(NoCounts(settings.map), robots.size());
   for (std::size_t i = 0; i < partials.size(); ++i) {
     const BlobPtr partial = partials.Get(i);
     if (partial->Has(kFailure)) throw NoPathError(partial->Text(kFailure));
@@ -341,6 +324,7 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
     if (!start.waits()) {
       try {
         step = AdvanceOne(start.state(), start, start);
+        KeepStart(start.state(), step.plan.mutable_state());
         note = step.plan.note();
         if (SearchIsOver(step.plan.state())) step.plan.clear_tasks();
       } catch (const NoPathError& error) {
@@ -350,34 +334,28 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
     running += step.plan.tasks_size() > 0 ? 1 : 0;
     steps.push_back(std::move(step));
   }
-  if (running == 0) return GoOnWithBest(std::move(steps), inputs);
+  if (running == 0) return GoOn(std::move(steps), inputs);
   cairn::Step step = FanOut(std::move(steps));
   step.plan.set_note(std::to_string(running) + " of " + std::to_string(StartsIn(state)) + " starts; " + note);
   return step;
 }
 
-cairn::Step LandmarkMap::GoOnWithBest(std::vector<cairn::Step> starts, const Inputs& inputs) const {
-  const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
-  const Settings settings = Settings::FromBlob(*OneBlob(starts[0], 0, "settings", inputs));
-  const std::vector<double> drifts = StartDrifts(settings);
-  std::vector<Candidate> candidates;
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    const auto& scalars = starts[k].plan.state().scalars();
-    Candidate& candidate = candidates.emplace_back();
-    candidate.start_drift_rad_per_m = drifts[k];
-    if (scalars.contains(kFailure)) {
-      candidate.failure = scalars.at(kFailure).s();
-      continue;
-    }
-    candidate.drift_rad_per_m =
-        Carried::Load(starts[k].plan.state(), robots.size()).odometry[0].drift_rad_per_m;
-    candidate.log_likelihood = scalars.at("log_likelihood").d();
-    candidate.landmarks = LandmarksFromBlob(*OneBlob(starts[k], k, "landmarks", inputs));
-  }
+cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inputs) const {
+  constexpr int kMostWaves = 6;
+  CandidateRounds rounds(options_, std::move(starts), inputs);
+  const Settings settings = rounds.settings();
+  const std::vector<Candidate> candidates = rounds.candidates();
   const Choice choice = Choose(candidates, settings);
-  cairn::Step step = std::move(starts[static_cast<std::size_t>(choice.best)]);
+  if (rounds.waves() < kMostWaves && !rounds.WentOnFrom(choice.best)) {
+    rounds.GoOnFrom(choice.best, ProposalsAround(candidates, choice.best, settings));
+    cairn::Step step = FanOut(std::move(rounds).Take());
+    step.plan.set_note(Sentence(candidates, choice));
+    return step;
+  }
+  std::vector<cairn::Step> ended = std::move(rounds).Take();
+  cairn::Step step = std::move(ended[static_cast<std::size_t>(choice.best)]);
   (*step.plan.mutable_state()->mutable_blobs())["search"] = step.Share(ToBlob(candidates, choice, settings));
-  PlanTasks(options_, robots, &step.plan);
+  PlanTasks(options_, inputs.Get("log")->Texts("robots"), &step.plan);
   step.plan.set_note(Sentence(candidates, choice));
   return step;
 }

@@ -30,7 +30,8 @@ class LandmarkMap : public Pipeline {
   cairn::Step AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const;
   // Candidate starts advance together until EM of the first robot has ended in all of them.
   cairn::Step AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const;
-  cairn::Step GoOnWithBest(std::vector<cairn::Step> starts, const Inputs& inputs) const;
+  // With candidates around the best one, or, where there is nothing better, with that alone.
+  cairn::Step GoOn(std::vector<cairn::Step> starts, const Inputs& inputs) const;
 
   Options options_;
 };

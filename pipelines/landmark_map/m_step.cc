@@ -108,6 +108,12 @@ void AddSeeming(const LayeredGrid& map, const MapRules& rules, Perception* perce
 
 }  // namespace
 
+LayeredGrid NoCounts(const MapRules& rules) {
+  LayeredGrid counts;
+  counts.layers.resize(static_cast<std::size_t>(rules.layers()));
+  return counts;
+}
+
 LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules) {
   const double least = rules.exact ? 0.0 : 1e-3 * FalseRate(rules);
   LayeredGrid map;

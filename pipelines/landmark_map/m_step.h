@@ -25,6 +25,9 @@ struct MapRules {
   int layers() const { return types + kinds.count; }
 };
 
+// No observation so far: a layer for each type.
+LayeredGrid NoCounts(const MapRules& rules);
+
 // P(m_xy = l) for each layer. Identified landmarks: c / sum of c, each stands in one place. Others: c / (c +
 // c* + prior_count), c* the counts within the perceptual radius except the cell's own: times something was
 // observed there, eq. 19, of any kind, and split among the kinds. Boxes end where the map says less than a

@@ -55,10 +55,11 @@ void VisitOptions(V& visit, Options& o) {
                "data"},
         o.prefix_observations);
   visit(Option{"growth_start", "", 0, 1,
-               "fraction of the data in the first iteration; 0: by the kind of sensor"},
+               "fraction of the data in the first iteration; 0: by the kind of sensor and how far odometry "
+               "can be trusted"},
         o.growth_start);
   visit(Option{"growth_factor", "", 0, 100,
-               "by how much that fraction grows an iteration; 0: 2, for sightings without identity 1.3"},
+               "by how much that fraction grows an iteration; 0: 2 with identities, 1.3 without"},
         o.growth_factor);
   visit(Option{"calibrate", "", 0, 0,
                "estimate each robot's heading drift, walk and turn errors in the M-step"},
@@ -71,12 +72,11 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"beliefs", "", 0, 0,
                "the result also holds each step's belief, added up over headings: robot/N/beliefs"},
         o.beliefs);
-  visit(
-      Option{
-          "starts", "", 0, 1000,
-          "candidate starts of EM, which differ in the drift taken off the first robot's odometry; the data "
-          "choose one; 0: 5 without identities, 1 with them, with model exact or with an input map"},
-      o.starts);
+  visit(Option{"starts", "", 0, 1000,
+               "candidate starts of EM, which differ in the drift taken off the first robot's odometry and "
+               "in how much data comes first; the data choose one; 0: 10 without identities, 1 with them or "
+               "with model exact"},
+        o.starts);
   visit(Option{"start",
                "",
                0,
@@ -118,7 +118,7 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"noise_scale", "", 0.1, 10, "factor on the log's nominal errors of odometry"}, o.noise_scale);
   visit(Option{"drift_length_m", "m", 0, 100000,
                "a constant drift is unknown over so much way, which widens the heading's random walk; 0: 150 "
-               "cells"},
+               "cells, less the nearer the candidate starts' drifts lie"},
         o.drift_length_m);
   visit(
       Option{"box_m", "m", 0, 100000, "edge of the square around the start that robots never leave; 0: none"},

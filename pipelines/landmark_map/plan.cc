@@ -150,15 +150,30 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
   return std::clamp(cell_m / std::max(sensing.mean_range_m, 0.1) / kDegree, 1.0, 5.0);
 }
 
+// With identities there is little to be taken for another, and the exact model may call a start impossible.
+int StartsOf(const Options& options, const Sensing& sensing) {
+  constexpr int kSearch = 10;
+  if (options.starts > 0) return static_cast<int>(options.starts);
+  return sensing.identified == sensing.observations || options.model == "exact" ? 1 : kSearch;
+}
+
+// Over how much way a constant drift is unknown. Of several starts one is right to within a part of the
+// drift: the distance between theirs, of which an even spread has 1/12 in square.
+double DriftLength(const Options& options, int starts, double cell_m) {
+  if (options.drift_length_m > 0) return options.drift_length_m;
+  const double length_m = 150.0 * cell_m;
+  if (starts < 2) return length_m;
+  return std::min(1.0, Square(DriftStep(starts)) / 12.0) * length_m;
+}
+
 // Odometry's errors where the log does not tell them. They are where EM starts and are estimated from there:
 // with identities from far above, for a width too small loses robots for good and one too large costs time
 // only. Without identities a large width lets landmarks be taken for one another.
-MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sensing, double cell_m) {
+MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sensing, double drift_length_m) {
   const double wide = sensing.identified == sensing.observations || sensing.ranged > 0 ? 3.0 : 1.0;
   const double scale = options.noise_scale;
   return {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * scale,
-          Nominal(log, "noise/heading_walk_rad_per_sqrt_m", wide * 0.7 * kDegree) * scale,
-          options.drift_length_m > 0 ? options.drift_length_m : 150.0 * cell_m,
+          Nominal(log, "noise/heading_walk_rad_per_sqrt_m", wide * 0.7 * kDegree) * scale, drift_length_m,
           Nominal(log, "noise/forward_ratio", 0.02) * scale,
           Nominal(log, "noise/turn_ratio", wide * 0.02) * scale};
 }
@@ -213,11 +228,16 @@ void SetReach(const Options& options, const Sensing& sensing, MapRules* map) {
   map->core_m = options.core_m > 0 ? options.core_m : ranged ? radius : 0.25 * map->radius_m;
 }
 
-// With identities there is little to be taken for another, and the exact model may call a start impossible.
-int StartsOf(const Options& options, const Sensing& sensing) {
-  constexpr int kSearch = 5;
-  if (options.starts > 0) return static_cast<int>(options.starts);
-  return sensing.identified == sensing.observations || options.model == "exact" ? 1 : kSearch;
+// The part of the way on which odometry keeps its heading to within `most_rad`.
+double TrustedShare(const Odometry& odometry, const MotionNoise& noise, double most_rad) {
+  double variance = 0.0;
+  for (std::size_t i = 1; i < odometry.path_m.size(); ++i) {
+    const Leg leg{.path_m = odometry.path_m[i] - odometry.path_m[i - 1],
+                  .turn_rad = odometry.turn_rad[i] - odometry.turn_rad[i - 1]};
+    variance += Square(ErrorOf(leg, noise).heading_rad);
+    if (variance > most_rad * most_rad) return odometry.path_m[i] / odometry.path_m.back();
+  }
+  return 1.0;
 }
 
 // What no grid can hold, before anything is allocated. `extent_m`: of the first robot's odometry and what it
@@ -239,6 +259,12 @@ void RefuseHugeGrids(const Options& options, const Settings& settings, double ex
 }
 
 }  // namespace
+
+double DriftStep(int starts) {
+  constexpr double kReach = 2.0;  // standard deviations
+  const int drifts = (starts + 1) / 2;
+  return drifts < 2 ? 2.0 * kReach : 2.0 * kReach / (drifts - 1);
+}
 
 EStepModel Settings::Model(const Perception* perception) const {
   Box limit;
@@ -270,7 +296,8 @@ Settings Settings::FromBlob(const Blob& blob) {
 Settings Resolve(const Options& options, const Blob& log) {
   const std::size_t robots = log.Texts("robots").size();
   if (robots == 0) throw InputError("the log has no robots");
-  const double extent = Extent(Integrate(log.Sub("robot/0/"), log.Texts("robots")[0]));
+  const Odometry odometry = Integrate(log.Sub("robot/0/"), log.Texts("robots")[0]);
+  const double extent = Extent(odometry);
   const Sensing sensing = LookAt(log, robots);
   if (sensing.observations == 0)
     throw InputError("the log has controls only: without observations there is no map");
@@ -304,7 +331,8 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.false_rate_per_m2 = options.false_rate_per_m2;
   settings.map.exact = options.model == "exact";
 
-  settings.noise = NoiseOf(options, log, sensing, grid.cell_m);
+  settings.starts = StartsOf(options, sensing);
+  settings.noise = NoiseOf(options, log, sensing, DriftLength(options, settings.starts, grid.cell_m));
   settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
                     TimeOfObservation(log, robots, options.prefix_observations)};
   settings.steps.kinds = settings.map.kinds.count;
@@ -313,11 +341,13 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.memory_mb = options.memory_mb;
   settings.prune = options.prune;
   settings.box_m = options.box_m;
-  settings.starts = StartsOf(options, sensing);
   settings.places = Square(extent / grid.cell_m + 1.0);
-  settings.growth_start = options.growth_start > 0 ? options.growth_start : sensing.ranged == 0 ? 1.0 : 0.05;
+  constexpr double kTrusted_rad = 24.0 * kDegree;
+  settings.growth_start = options.growth_start > 0 ? options.growth_start
+                          : sensing.ranged == 0    ? TrustedShare(odometry, settings.noise, kTrusted_rad)
+                                                   : 0.05;
   constexpr double kFast = 2.0, kCareful = 1.3;  // a landmark that is not told must be recognised
-  const bool careful = sensing.ranged > 0 && sensing.identified < sensing.observations;
+  const bool careful = sensing.identified < sensing.observations;
   settings.growth_factor = options.growth_factor > 0 ? options.growth_factor : careful ? kCareful : kFast;
   RefuseHugeGrids(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
                   robots > 1 && sensing.ranged == 0);

@@ -32,6 +32,10 @@ struct Settings {
   static Settings FromBlob(const Blob& blob);
 };
 
+// Distance between the drifts of neighbouring starts, in nominal standard deviations: half of the starts, or
+// one more, spread evenly over two to either side.
+double DriftStep(int starts);
+
 // From the options, the log's nominal figures, and defaults where both are silent. Throws InputError.
 Settings Resolve(const Options& options, const Blob& log);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/testing.h"
@@ -124,6 +125,26 @@ TEST(Schedule, RoundsLeftAreThoseThatAtMostCome) {
   double likelihood = -1.0;
   for (; !s.summarise; s = s.Next(options, 2, likelihood *= 2.0, 100.0)) ++rounds;
   EXPECT_EQ(rounds, expected);
+}
+
+// Five standard deviations of drift, of which each of ten starts leaves a standard deviation open.
+TEST(Resolve, ManyStartsLeaveLessOfTheDriftUnknown) {
+  const Blob log = SquareLog{}.Make();
+  const double one = Resolve({.cell_m = 1.0, .starts = 1}, log).noise.drift_length_m;
+  EXPECT_EQ(one, 150.0);
+  EXPECT_NEAR(Resolve({.cell_m = 1.0, .starts = 10}, log).noise.drift_length_m, one / 12.0, 1e-9);
+  EXPECT_NEAR(Resolve({.cell_m = 1.0, .starts = 18}, log).noise.drift_length_m, one / 48.0, 1e-9);
+}
+
+// 25 m of way at 5 degrees a root of a metre are 25 degrees.
+TEST(Resolve, TheFirstIterationUsesTheWayOnWhichOdometryCanBeTrusted) {
+  Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.0);
+  log.PutScalar<double>("noise/turn_ratio", 0.0);
+  log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 5.0 * std::numbers::pi / 180.0);
+  EXPECT_NEAR(Resolve({.cell_m = 1.0}, log).growth_start, 23.04 / 240.0, 1.0 / 240.0);
+  log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 0.01);
+  EXPECT_EQ(Resolve({.cell_m = 1.0}, log).growth_start, 1.0);
 }
 
 TEST(StepsInUse, AtLeastOneAndAllForTheSummary) {

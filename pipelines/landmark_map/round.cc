@@ -81,6 +81,12 @@ class RoundPlanner {
 
 }  // namespace
 
+Blob StoredCounts(const LayeredGrid& counts) {
+  Blob blob;
+  counts.Store("counts/", &blob);
+  return blob;
+}
+
 int StepsInUse(const Schedule& schedule, std::int64_t steps) {
   const double part = schedule.summarise ? 1.0 : schedule.prefix;
   return std::clamp(static_cast<int>(std::ceil(part * static_cast<double>(steps))), 1,

@@ -24,6 +24,9 @@ struct Carried {
   static Carried Load(const State& state, std::size_t robots);
 };
 
+// Expected counts as rounds keep them.
+Blob StoredCounts(const LayeredGrid& counts);
+
 // How many of a robot's steps an E-step looks at.
 int StepsInUse(const Schedule& schedule, std::int64_t steps);
 

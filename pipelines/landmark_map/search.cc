@@ -1,8 +1,10 @@
 #include "pipelines/landmark_map/search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 
 namespace cairn::landmark_map {
 namespace {
@@ -26,19 +28,25 @@ std::vector<int> Nearest(const std::vector<Landmark>& from, const std::vector<La
 
 }  // namespace
 
-std::vector<double> StartDrifts(const Settings& settings) {
-  constexpr double kReach = 2.0;  // standard deviations
-  const double widest = kReach * settings.noise.heading_drift_rad_per_m;
-  if (settings.starts < 2 || !(widest > 0.0)) return {0.0};
-  std::vector<double> drifts;
-  for (int k = 0; k < settings.starts; ++k)
-    drifts.push_back(widest * (2.0 * k / (settings.starts - 1) - 1.0));
-  return drifts;
+std::vector<StartingPoint> StartingPoints(const Settings& settings) {
+  constexpr double kShorter = 0.4;  // of the first half's prefix
+  const double sigma = settings.noise.heading_drift_rad_per_m;
+  if (settings.starts < 2) return {{0.0, settings.growth_start}};
+  std::vector<StartingPoint> points;
+  const int starts = sigma > 0.0 ? settings.starts : 2;
+  const int drifts = (starts + 1) / 2;
+  for (int k = 0; k < starts; ++k) {
+    const double steps_off = k % drifts - 0.5 * (drifts - 1);
+    points.push_back(
+        {steps_off * DriftStep(starts) * sigma, settings.growth_start * (k < drifts ? 1.0 : kShorter)});
+  }
+  return points;
 }
 
 double ScoreOf(const Candidate& candidate, const Settings& settings) {
   if (candidate.failure) return -std::numeric_limits<double>::infinity();
-  const double drift = candidate.drift_rad_per_m / settings.noise.heading_drift_rad_per_m;
+  const double sigma = settings.noise.heading_drift_rad_per_m;
+  const double drift = sigma > 0.0 ? candidate.drift_rad_per_m / sigma : 0.0;
   return candidate.log_likelihood - 0.5 * drift * drift -
          std::log(settings.places) * static_cast<double>(candidate.landmarks.size());
 }
@@ -70,12 +78,35 @@ Choice Choose(const std::vector<Candidate>& candidates, const Settings& settings
   return choice;
 }
 
+std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, int best,
+                                      const Settings& settings) {
+  constexpr std::size_t kRefits = 8;
+  const Candidate& centre = candidates[static_cast<std::size_t>(best)];
+  const double step = DriftStep(settings.starts) * settings.noise.heading_drift_rad_per_m;
+  std::vector<Proposal> proposals;
+  for (const double off : {-1.0, -0.5, 0.5, 1.0}) {
+    const StartingPoint start{centre.start.drift_rad_per_m + off * step, centre.start.prefix};
+    const bool tried = std::ranges::any_of(candidates, [&](const Candidate& c) {
+      return std::abs(c.start.drift_rad_per_m - start.drift_rad_per_m) < 0.25 * step;
+    });
+    if (!tried && step > 0.0) proposals.push_back({start, {}});
+  }
+  std::vector<std::size_t> order(centre.landmarks.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return centre.landmarks[k].count; });
+  for (std::size_t k = 0; k < std::min(kRefits, order.size()); ++k)
+    proposals.push_back({centre.start, order[k]});
+  return proposals;
+}
+
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings) {
   const std::vector<Landmark>& best = candidates[static_cast<std::size_t>(choice.best)].landmarks;
-  std::vector<double> start, drift, likelihood, score;
-  std::vector<std::int32_t> landmarks, same;
+  std::vector<double> start, prefix, drift, likelihood, score;
+  std::vector<std::int32_t> landmarks, same, refit_of;
   for (const Candidate& c : candidates) {
-    start.push_back(c.start_drift_rad_per_m);
+    refit_of.push_back(c.refit_of);
+    start.push_back(c.start.drift_rad_per_m);
+    prefix.push_back(c.start.prefix);
     drift.push_back(c.drift_rad_per_m);
     likelihood.push_back(c.failure ? std::numeric_limits<double>::quiet_NaN() : c.log_likelihood);
     score.push_back(ScoreOf(c, settings));
@@ -84,6 +115,8 @@ Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, cons
   }
   Blob blob;
   blob.PutVector("start_drift_rad_per_m", start);
+  blob.PutVector("start_prefix", prefix);
+  blob.PutVector("refit_of", refit_of);
   blob.PutVector("drift_rad_per_m", drift);
   blob.PutVector("log_likelihood", likelihood);
   blob.PutVector("landmarks", landmarks);
@@ -97,10 +130,10 @@ Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, cons
 std::string Sentence(const std::vector<Candidate>& candidates, const Choice& choice) {
   char text[160];
   if (choice.lead_nats) {
-    std::snprintf(text, sizeof text, "start %d of %zu is best, %.1f nats ahead of the next different map",
+    std::snprintf(text, sizeof text, "candidate %d of %zu is best, %.1f nats ahead of the next different map",
                   choice.best + 1, candidates.size(), *choice.lead_nats);
   } else {
-    std::snprintf(text, sizeof text, "start %d of %zu is best, all found the same map", choice.best + 1,
+    std::snprintf(text, sizeof text, "candidate %d of %zu is best, all found the same map", choice.best + 1,
                   candidates.size());
   }
   return text;

@@ -10,17 +10,25 @@
 
 namespace cairn::landmark_map {
 
-// The constant drifts that are taken off the first robot's odometry where EM starts, one a candidate: evenly
-// spread over two standard deviations of the nominal drift to either side.
-std::vector<double> StartDrifts(const Settings& settings);
+// Where EM starts from.
+struct StartingPoint {
+  double drift_rad_per_m = 0.0;  // constant, taken off the first robot's odometry
+  double prefix = 1.0;           // fraction of the data in the first iteration
+};
+
+// One a candidate. The drifts are spread evenly over two standard deviations of the nominal one to either
+// side, twice: the first half of the candidates starts with the settings' fraction of the data, the second
+// with less.
+std::vector<StartingPoint> StartingPoints(const Settings& settings);
 
 // Where EM of the first robot ended from one start.
 struct Candidate {
-  double start_drift_rad_per_m = 0.0;
+  StartingPoint start;
   double drift_rad_per_m = 0.0;  // in the end
   double log_likelihood = 0.0;
   std::vector<Landmark> landmarks;
   std::optional<std::string> failure;  // why EM could not go on
+  int refit_of = -1;                   // another candidate, of whose map a landmark was left out
 };
 
 // The log-likelihood, less the logarithm of the number of places for each landmark: another landmark raises
@@ -39,6 +47,16 @@ struct Choice {
 
 // Throws InputError, the first candidate's, where all failed. Of equals the first is best.
 Choice Choose(const std::vector<Candidate>& candidates, const Settings& settings);
+
+// What to try next, around the best candidate: starts from odometry whose drifts lie between its own and
+// those that were tried, or beyond them all, and refits of its map, each without one of the landmarks that
+// were seen least.
+struct Proposal {
+  StartingPoint start;
+  std::optional<std::size_t> without;  // index of the landmark to leave out of the best one's map
+};
+std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, int best,
+                                      const Settings& settings);
 
 // What the result says of the search; fields as in schema/FORMAT.md, search/.
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings);

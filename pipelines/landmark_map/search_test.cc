@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipelines/in_process.h"
@@ -15,32 +16,42 @@ Landmark At(double x_m, double y_m, int type = 0) { return {x_m, y_m, {1, 0, 0, 
 
 Settings SomeSettings() {
   Settings settings;
-  settings.starts = 5;
+  settings.starts = 9;
   settings.places = std::exp(9.0);
   settings.noise.heading_drift_rad_per_m = 0.01;
   return settings;
 }
 
-TEST(StartDrifts, SpreadEvenlyOverTwoStandardDeviationsToEitherSide) {
-  const std::vector<double> drifts = StartDrifts(SomeSettings()), expected = {-0.02, -0.01, 0, 0.01, 0.02};
-  ASSERT_EQ(drifts.size(), expected.size());
-  for (std::size_t k = 0; k < drifts.size(); ++k) EXPECT_NEAR(drifts[k], expected[k], 1e-15);
+TEST(StartingPoints, DriftsSpreadEvenlyOverTwoStandardDeviationsToEitherSideForEachOfTwoPrefixes) {
+  Settings settings = SomeSettings();
+  settings.growth_start = 0.5;
+  const std::vector<StartingPoint> points = StartingPoints(settings);
+  const std::vector<double> drifts = {-0.02, -0.01, 0, 0.01, 0.02, -0.02, -0.01, 0, 0.01};
+  ASSERT_EQ(points.size(), drifts.size());
+  for (std::size_t k = 0; k < drifts.size(); ++k) {
+    EXPECT_NEAR(points[k].drift_rad_per_m, drifts[k], 1e-15);
+    EXPECT_NEAR(points[k].prefix, k < 5 ? 0.5 : 0.2, 1e-15);
+  }
 }
 
-TEST(StartDrifts, OneStartAndOdometryThatDoesNotDriftStartWhereOdometryIs) {
+TEST(StartingPoints, OneStartsWhereOdometryIsAndSteadyOdometryLeavesTwo) {
   Settings one = SomeSettings(), steady = SomeSettings();
   one.starts = 1;
   steady.noise.heading_drift_rad_per_m = 0.0;
-  EXPECT_EQ(StartDrifts(one), std::vector<double>{0.0});
-  EXPECT_EQ(StartDrifts(steady), std::vector<double>{0.0});
+  ASSERT_EQ(StartingPoints(one).size(), 1U);
+  EXPECT_EQ(StartingPoints(one)[0].drift_rad_per_m, 0.0);
+  EXPECT_EQ(StartingPoints(one)[0].prefix, one.growth_start);
+  ASSERT_EQ(StartingPoints(steady).size(), 2U);
+  EXPECT_EQ(StartingPoints(steady)[1].drift_rad_per_m, 0.0);
 }
 
 TEST(ScoreOf, ALandmarkCostsTheLogarithmOfThePlacesForIt) {
-  EXPECT_NEAR(ScoreOf({0.0, 0.0, -50.0, {At(0, 0), At(9, 9)}, {}}, SomeSettings()), -50.0 - 2 * 9.0, 1e-12);
+  EXPECT_NEAR(ScoreOf({{}, 0.0, -50.0, {At(0, 0), At(9, 9)}, {}, -1}, SomeSettings()), -50.0 - 2 * 9.0,
+              1e-12);
 }
 
 TEST(ScoreOf, ADriftCostsWhatItsPriorSays) {
-  EXPECT_NEAR(ScoreOf({0.0, -0.03, -50.0, {}, {}}, SomeSettings()), -50.0 - 0.5 * 3 * 3, 1e-12);
+  EXPECT_NEAR(ScoreOf({{}, -0.03, -50.0, {}, {}, -1}, SomeSettings()), -50.0 - 0.5 * 3 * 3, 1e-12);
 }
 
 TEST(SameMap, HoldsWhereEachLandmarkHasOneThatIsNearestBothWays) {
@@ -53,11 +64,11 @@ TEST(SameMap, HoldsWhereEachLandmarkHasOneThatIsNearestBothWays) {
 
 TEST(Choose, TakesTheBestScoreAndSaysHowFarAheadOfAnotherMapItIs) {
   const std::vector<Landmark> two = {At(0, 0), At(10, 0)}, three = {At(0, 0), At(10, 0), At(20, 0)};
-  const Choice choice = Choose({{-0.02, 0, -60, two, {}},    // -78
-                                {-0.01, 0, -52, three, {}},  // -79
-                                {0.00, 0, -50, two, {}},     // -68: the best
-                                {0.01, 0, -45, three, {}},   // -72: the next different one
-                                {0.02, 0, 0, {}, "impossible"}},
+  const Choice choice = Choose({{{-0.02}, 0, -60, two, {}, -1},    // -78
+                                {{-0.01}, 0, -52, three, {}, -1},  // -79
+                                {{0.00}, 0, -50, two, {}, -1},     // -68: the best
+                                {{0.01}, 0, -45, three, {}, -1},   // -72: the next different one
+                                {{0.02}, 0, 0, {}, "impossible", -1}},
                                SomeSettings());
   EXPECT_EQ(choice.best, 2);
   ASSERT_TRUE(choice.lead_nats.has_value());
@@ -66,18 +77,40 @@ TEST(Choose, TakesTheBestScoreAndSaysHowFarAheadOfAnotherMapItIs) {
 
 TEST(Choose, OfEqualsTheFirstAndNoLeadWhereAllFoundTheSameMap) {
   const std::vector<Landmark> two = {At(0, 0), At(10, 0)};
-  const Choice choice = Choose({{-0.01, 0, -50, two, {}}, {0.01, 0, -50, two, {}}}, SomeSettings());
+  const Choice choice =
+      Choose({{{-0.01}, 0, -50, two, {}, -1}, {{0.01}, 0, -50, two, {}, -1}}, SomeSettings());
   EXPECT_EQ(choice.best, 0);
   EXPECT_FALSE(choice.lead_nats.has_value());
 }
 
 TEST(Choose, StartsThatAreAllImpossibleSayWhy) {
   try {
-    Choose({{-0.01, 0, 0, {}, "step 3: impossible"}, {0.01, 0, 0, {}, "step 4: impossible"}}, SomeSettings());
+    Choose({{{-0.01}, 0, 0, {}, "step 3: impossible", -1}, {{0.01}, 0, 0, {}, "step 4: impossible", -1}},
+           SomeSettings());
     FAIL();
   } catch (const InputError& e) {
     EXPECT_STREQ(e.what(), "step 3: impossible");
   }
+}
+
+// Neighbouring starts lie a standard deviation apart.
+TEST(ProposalsAround, AreDriftsBetweenThoseTriedAndBeyondThemAndRefitsWithoutTheLeastSeen) {
+  Landmark rare = At(10, 0);
+  rare.count = 0.9;
+  std::vector<Candidate> candidates;
+  for (const double drift : {-0.02, -0.01, 0.0, 0.01, 0.02})
+    candidates.push_back({{drift, 0.5}, 0, -60, {At(0, 0), rare, At(20, 0)}, {}, -1});
+  const std::vector<Proposal> inside = ProposalsAround(candidates, 2, SomeSettings());
+  ASSERT_EQ(inside.size(), 5U);
+  EXPECT_NEAR(inside[0].start.drift_rad_per_m, -0.005, 1e-15);
+  EXPECT_NEAR(inside[1].start.drift_rad_per_m, 0.005, 1e-15);
+  EXPECT_EQ(inside[1].start.prefix, 0.5);
+  EXPECT_FALSE(inside[1].without.has_value());
+  EXPECT_EQ(inside[2].without, 1U);
+  EXPECT_EQ(inside[3].without, 0U);
+  const std::vector<Proposal> edge = ProposalsAround(candidates, 4, SomeSettings());
+  ASSERT_EQ(edge.size(), 6U);
+  EXPECT_NEAR(edge[2].start.drift_rad_per_m, 0.03, 1e-15);
 }
 
 BlobPtr Map(const Blob& log, const Options& options) {
@@ -90,21 +123,29 @@ TEST(Search, FindsTheCornersWhereOneStartDoesNot) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0, .drift_rad_per_m = 0.01}.Make();
   log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.002);
   EXPECT_NE(Map(log, {.cell_m = 1.0, .starts = 1})->Get<double>("map/landmark_x_m").size(), 4U);
-  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 5});
+  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 10});
   EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
   const auto landmarks = found->Get<std::int32_t>("search/landmarks");
-  ASSERT_EQ(landmarks.size(), 5U);
+  ASSERT_GT(landmarks.size(), 10U) << "candidates around the best follow the ten";
   EXPECT_EQ(landmarks[static_cast<std::size_t>(found->Scalar<std::int32_t>("search/best"))], 4);
   EXPECT_GT(found->Scalar<double>("search/lead_nats"), 0.0);
 }
 
-// With a drift of -0.02 rad/m, five nominal standard deviations, a square is nearly a triangle.
+// With a drift of -0.02 rad/m, more than three nominal standard deviations, a square is nearly a triangle: it
+// has the better likelihood for its landmarks.
 TEST(Search, ADriftFarOutsideItsPriorMustPay) {
-  Blob log = SquareLog{.laps = 5, .side_m = 20.0, .drift_rad_per_m = 0.006}.Make();
-  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.004);
-  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 5});
+  Blob log = SquareLog{.laps = 3, .side_m = 20.0, .drift_rad_per_m = 0.006}.Make();
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.006);
+  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 10});
   EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
-  EXPECT_EQ(found->Get<std::int32_t>("search/landmarks")[0], 3);
+  const auto landmarks = found->Get<std::int32_t>("search/landmarks");
+  const auto score = found->Get<double>("search/score_nats"),
+             drift = found->Get<double>("search/drift_rad_per_m");
+  const auto unpaid = [&](std::size_t k) { return score[k] + 0.5 * drift[k] * drift[k] / (0.006 * 0.006); };
+  const auto best = static_cast<std::size_t>(found->Scalar<std::int32_t>("search/best"));
+  const auto triangle = static_cast<std::size_t>(std::ranges::find(landmarks, 3) - landmarks.begin());
+  ASSERT_LT(triangle, landmarks.size());
+  EXPECT_GT(unpaid(triangle), unpaid(best));
 }
 
 // Turned by 46 degrees more or less at each corner, the way leaves the box; that is no reason to give up.
@@ -112,7 +153,7 @@ TEST(Search, AStartWithoutAPathIsLeftOut) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
   log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.02);
   log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 0.005);
-  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 3, .drift_length_m = 0.01, .box_m = 44.0});
+  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 5, .drift_length_m = 0.01, .box_m = 44.0});
   EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
   const auto score = found->Get<double>("search/score_nats");
   EXPECT_TRUE(std::isfinite(score[1]));

@@ -1,0 +1,150 @@
+#include "pipelines/landmark_map/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pipelines/landmark_map/partial.h"
+#include "pipelines/landmark_map/result.h"
+#include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/work.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr const char* kStartDrift = "start_drift";
+constexpr const char* kStartPrefix = "start_prefix";
+constexpr const char* kRefitOf = "refit_of";
+constexpr const char* kWentOn = "search_went_on";
+constexpr const char* kOfSearch[] = {kStartDrift, kStartPrefix, kRefitOf, kWentOn};
+
+// The counts without those within the core of a landmark.
+void LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts) {
+  Layer& layer = counts->layers[static_cast<std::size_t>(landmark.type)];
+  const double x0 = landmark.x_m / rules.grid.cell_m, y0 = landmark.y_m / rules.grid.cell_m;
+  const double radius = rules.core_m / rules.grid.cell_m;
+  for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
+    for (int x = layer.box.x0; x < layer.box.x0 + layer.box.nx; ++x) {
+      if (std::hypot(x - x0, y - y0) <= radius) layer.Row(y)[x] = 0.0;
+    }
+  }
+}
+
+void StoreStart(const StartingPoint& start, int refit_of, State* state) {
+  auto& scalars = *state->mutable_scalars();
+  scalars[kStartDrift].set_d(start.drift_rad_per_m);
+  scalars[kStartPrefix].set_d(start.prefix);
+  scalars[kRefitOf].set_i(refit_of);
+}
+
+}  // namespace
+
+void BeginFrom(const StartingPoint& start, const Options& options, const std::vector<std::string>& robots,
+               const Settings& settings, const RobotSteps& first_robot, cairn::Step* step) {
+  State* state = step->plan.mutable_state();
+  Carried carried = Carried::Load(*state, robots.size());
+  carried.odometry[0] = OdometryFit::Of(settings.noise);
+  carried.odometry[0].drift_rad_per_m = start.drift_rad_per_m;
+  Schedule schedule;
+  schedule.prefix = start.prefix;
+  schedule.growth = settings.growth_factor;
+  const int count = StepsInUse(schedule, first_robot.size());
+  carried.work[0] = WorkOf(ReckonOpenLoop(first_robot, settings.Model(nullptr), count).cells, count);
+  state->Clear();
+  StoreStart(start, -1, state);
+  PlanRound(options, robots, schedule, carried,
+            {{"history", EmptyHistory()}, {"counts", StoredCounts(NoCounts(settings.map))}}, step);
+}
+
+void KeepStart(const State& before, State* after) {
+  for (const char* name : kOfSearch) {
+    const auto kept = before.scalars().find(name);
+    if (kept != before.scalars().end()) (*after->mutable_scalars())[name] = kept->second;
+  }
+}
+
+CandidateRounds::CandidateRounds(const Options& options, std::vector<cairn::Step> steps, const Inputs& inputs)
+    : options_(options),
+      steps_(std::move(steps)),
+      inputs_(inputs),
+      robots_(inputs.Get("log")->Texts("robots")),
+      settings_(Settings::FromBlob(*BlobOf(0, "settings"))) {
+  for (std::size_t k = 0; k < steps_.size(); ++k) {
+    const State& state = steps_[k].plan.state();
+    const auto& scalars = state.scalars();
+    Candidate& candidate = candidates_.emplace_back();
+    candidate.start = {scalars.at(kStartDrift).d(), scalars.at(kStartPrefix).d()};
+    candidate.refit_of = static_cast<int>(scalars.at(kRefitOf).i());
+    if (scalars.contains(kFailure)) {
+      candidate.failure = scalars.at(kFailure).s();
+      continue;
+    }
+    candidate.drift_rad_per_m = Carried::Load(state, robots_.size()).odometry[0].drift_rad_per_m;
+    candidate.log_likelihood = scalars.at("log_likelihood").d();
+    candidate.landmarks = LandmarksFromBlob(*BlobOf(k, "landmarks"));
+  }
+}
+
+bool CandidateRounds::WentOn(std::size_t candidate) const {
+  return steps_[candidate].plan.state().scalars().contains(kWentOn);
+}
+
+int CandidateRounds::waves() const {
+  int waves = 0;
+  for (std::size_t k = 0; k < steps_.size(); ++k) waves += WentOn(k) ? 1 : 0;
+  return waves;
+}
+
+bool CandidateRounds::WentOnFrom(int candidate) const {
+  const std::vector<Landmark>& map = candidates_[static_cast<std::size_t>(candidate)].landmarks;
+  for (std::size_t k = 0; k < steps_.size(); ++k) {
+    if (WentOn(k) && SameMap(candidates_[k].landmarks, map)) return true;
+  }
+  return false;
+}
+
+void CandidateRounds::GoOnFrom(int best, const std::vector<Proposal>& proposals) {
+  (*steps_[static_cast<std::size_t>(best)].plan.mutable_state()->mutable_scalars())[kWentOn].set_b(true);
+  const RobotSteps first_robot = RobotSteps::FromBlob(*BlobOf(0, "steps/0"));
+  std::vector<cairn::Step> added;
+  for (const Proposal& proposal : proposals) {
+    if (proposal.without) {
+      added.push_back(Refit(best, *proposal.without));
+    } else {
+      cairn::Step& step = added.emplace_back();
+      *step.plan.mutable_state() = steps_[0].plan.state();
+      BeginFrom(proposal.start, options_, robots_, settings_, first_robot, &step);
+    }
+  }
+  for (cairn::Step& step : added) steps_.push_back(std::move(step));
+}
+
+// A blob that a candidate's state names: new, or one that the round had.
+BlobPtr CandidateRounds::BlobOf(std::size_t candidate, const std::string& name) const {
+  const std::string& hash = steps_[candidate].plan.state().blobs().at(name);
+  for (const BlobPtr& blob : steps_[candidate].blobs) {
+    if (blob->ContentHash().Binary() == hash) return blob;
+  }
+  return inputs_.Get("start/" + std::to_string(candidate) + "/" + name);
+}
+
+cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
+  const auto k = static_cast<std::size_t>(parent);
+  const State& before = steps_[k].plan.state();
+  LayeredGrid counts = LayeredGrid::Load("counts/", *BlobOf(k, "counts"));
+  LeaveOut(candidates_[k].landmarks[without], settings_.map, &counts);
+  const Perception perception = PerceptionOf(MapOf(counts, settings_.map), settings_.map);
+  Schedule schedule = Schedule::Load(before);
+  schedule.robots = 1;
+  schedule.settled = 0;
+  schedule.summarise = false;
+  cairn::Step step;
+  *step.plan.mutable_state() = before;
+  step.plan.mutable_state()->mutable_scalars()->erase(kWentOn);
+  StoreStart(candidates_[k].start, parent, step.plan.mutable_state());
+  PlanRound(options_, robots_, schedule, Carried::Load(before, robots_.size()),
+            {{"counts", StoredCounts(counts)}, {"perception", perception.ToBlob()}}, &step);
+  return step;
+}
+
+}  // namespace cairn::landmark_map

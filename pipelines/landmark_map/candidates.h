@@ -1,0 +1,52 @@
+// Candidates as the rounds of a search hold them: each the State of an EM of its own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/search.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+inline constexpr const char* kFailure = "failure";  // why a candidate could not go on: in partials and states
+
+// EM from odometry alone. `step`: with the carried State of any candidate, which it keeps but for the first
+// robot's odometry.
+void BeginFrom(const StartingPoint& start, const Options& options, const std::vector<std::string>& robots,
+               const Settings& settings, const RobotSteps& first_robot, cairn::Step* step);
+
+// What a candidate's State says of where it started, kept in the State after it.
+void KeepStart(const State& before, State* after);
+
+// What became of the candidates, and those that come next. `steps`: of each, as its own Advance left it;
+// `inputs`: of the round that held them all.
+class CandidateRounds {
+ public:
+  CandidateRounds(const Options& options, std::vector<cairn::Step> steps, const Inputs& inputs);
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  const Settings& settings() const { return settings_; }
+  // How often the search went on from a best candidate; whether it did from one with the map of this one.
+  int waves() const;
+  bool WentOnFrom(int candidate) const;
+  // Adds what is proposed around `best`, planned.
+  void GoOnFrom(int best, const std::vector<Proposal>& proposals);
+
+  std::vector<cairn::Step> Take() && { return std::move(steps_); }
+
+ private:
+  bool WentOn(std::size_t candidate) const;
+  BlobPtr BlobOf(std::size_t candidate, const std::string& name) const;
+  cairn::Step Refit(int parent, std::size_t without) const;
+
+  const Options& options_;
+  std::vector<cairn::Step> steps_;
+  const Inputs& inputs_;
+  std::vector<std::string> robots_;
+  Settings settings_;
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace cairn::landmark_map
