@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace cairn::landmark_map {
 namespace {
@@ -93,7 +94,7 @@ std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, 
   }
   std::vector<std::size_t> order(centre.landmarks.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return centre.landmarks[k].count; });
+  std::ranges::sort(order, {}, [&](std::size_t k) { return std::pair(centre.landmarks[k].count, k); });
   for (std::size_t k = 0; k < std::min(kRefits, order.size()); ++k)
     proposals.push_back({centre.start, order[k]});
   return proposals;

@@ -1,5 +1,7 @@
 // Logs and results in which a few fields are not as they should be.
 #include <filesystem>
+#include <map>
+#include <utility>
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/export.h"
@@ -36,17 +38,18 @@ const std::vector<Good>& Goods() {
   return goods;
 }
 
-class OneInput : public Inputs {
+// A case's inputs, its log replaced.
+class OtherLog : public Inputs {
  public:
-  explicit OneInput(BlobPtr log) : log_(std::move(log)) {}
-  bool Has(const std::string& name) const override { return name == "log"; }
+  OtherLog(const conformance::Case& c, BlobPtr log) : inputs_(c.inputs) { inputs_["log"] = std::move(log); }
+  bool Has(const std::string& name) const override { return inputs_.contains(name); }
   BlobPtr Get(const std::string& name) const override {
-    if (name != "log") throw InputError("there is no input '" + name + "'");
-    return log_;
+    if (!Has(name)) throw InputError("there is no input '" + name + "'");
+    return inputs_.at(name);
   }
 
  private:
-  BlobPtr log_;
+  std::map<std::string, BlobPtr> inputs_;
 };
 
 // True where it did not refuse.
@@ -76,7 +79,7 @@ Outcome RunLog(std::span<const std::uint8_t> bytes) {
   bool accepted = false;
   if (what == 0)
     accepted = Accepts([&] {
-      const OneInput input(std::make_shared<const Blob>(log.Without("truth/")));
+      const OtherLog input(good.c, std::make_shared<const Blob>(log.Without("truth/")));
       conformance::Make(good.c.stage, good.c.seed)->Start(input);
     });
   if (what == 1) accepted = Accepts([&] { datasets::Evaluate(*good.result, log); });
