@@ -80,6 +80,7 @@ MotionKernel::MotionKernel(const Leg& leg, const LegError& error, double cell_m,
     : dx_(leg.dx_m / cell_m),
       dy_(leg.dy_m / cell_m),
       along_(error.along_m / cell_m),
+      headings_(headings),
       heading_step_(2.0 * std::numbers::pi / headings) {
   // Beyond an eighth of the circle a heading is as good as unknown, and taps would go round it.
   const double half_sigma = std::min(error.heading_rad / std::numbers::sqrt2 / heading_step_, headings / 8.0);
@@ -90,6 +91,13 @@ MotionKernel::MotionKernel(const Leg& leg, const LegError& error, double cell_m,
 }
 
 Stencil MotionKernel::StencilOf(int layer) const {
+  if (kept_.empty()) return MakeStencil(layer);
+  Stencil& kept = kept_[static_cast<std::size_t>(layer)];
+  if (kept.size == 0) kept = MakeStencil(layer);
+  return kept;
+}
+
+Stencil MotionKernel::MakeStencil(int layer) const {
   const double cosine = std::cos(layer * heading_step_), sine = std::sin(layer * heading_step_);
   return ShiftStencil(cosine * dx_ - sine * dy_, sine * dx_ + cosine * dy_, cosine * ux_ - sine * uy_,
                       sine * ux_ + cosine * uy_, along_);

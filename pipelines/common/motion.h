@@ -46,8 +46,8 @@ struct HalfTurn {
   double mean_rad = 0.0, variance_rad2 = 0.0;  // of the posterior
 };
 
-// The cached kernel of one leg on one grid ([TBF98] section 5, caching): taps over headings, a stencil per
-// heading.
+// The kernel of one leg on one grid: taps over headings and a stencil per heading, whatever the place
+// ([TBF98] section 5, symmetry); both half turns have the same taps.
 class MotionKernel {
  public:
   MotionKernel(const Leg& leg, const LegError& error, double cell_m, int headings, ErrorShape shape);
@@ -62,13 +62,20 @@ class MotionKernel {
   LayeredGrid Backward(const LayeredGrid& message, const LayeredGrid& support,
                        HalfTurn* half_turn = nullptr) const;
 
+  // From now on each stencil is kept when it is first made ([TBF98] section 5, caching): for a kernel that is
+  // used again, by one thread.
+  void KeepStencils() { kept_.resize(static_cast<std::size_t>(headings_)); }
+
  private:
   LayeredGrid TurnForward(const LayeredGrid& belief) const;
   HalfTurn FirstHalfTurn(const LayeredGrid& belief, const LayeredGrid& middle) const;
   Stencil StencilOf(int layer) const;
+  Stencil MakeStencil(int layer) const;
   Taps half_turn_;
   double dx_, dy_, ux_, uy_, along_;  // displacement, its direction, error along it; in cells
-  double heading_step_;               // rad
+  int headings_;
+  double heading_step_;                // rad
+  mutable std::vector<Stencil> kept_;  // [headings], those of size 0 not made yet; empty: none is kept
 };
 
 }  // namespace cairn

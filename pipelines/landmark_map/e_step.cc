@@ -24,9 +24,24 @@ MotionKernel KernelTo(const EStepModel& model, const Slice& slice, int step) {
   return {leg, ErrorOf(leg, model.noise), model.grid.cell_m, model.grid.headings, model.shape};
 }
 
-// eq. 16 from the step before; step 0 has no leg to it.
-LayeredGrid Moved(const EStepModel& model, const Slice& slice, int step, const LayeredGrid& belief) {
-  return step == 0 ? belief : KernelTo(model, slice, step).Forward(belief);
+// eq. 16 from the step before; step 0 has no leg to it. `kept` (may be nullptr): takes the kernel.
+LayeredGrid Moved(const EStepModel& model, const Slice& slice, int step, const LayeredGrid& belief,
+                  std::vector<MotionKernel>* kept) {
+  if (step == 0) return belief;
+  MotionKernel kernel = KernelTo(model, slice, step);
+  if (kept == nullptr) return kernel.Forward(belief);
+  kernel.KeepStencils();
+  LayeredGrid moved = kernel.Forward(belief);
+  kept->push_back(std::move(kernel));
+  return moved;
+}
+
+// eq. 17 over the leg to `step`, by the kernel that the forward pass kept or one like it.
+LayeredGrid MovedBack(const EStepModel& model, const Slice& slice, int step, const Alphas& alphas,
+                      const LayeredGrid& message, const LayeredGrid& support, HalfTurn* half_turn) {
+  if (alphas.kernels.empty()) return KernelTo(model, slice, step).Backward(message, support, half_turn);
+  const int first_leg = std::max(slice.first, 1);
+  return alphas.kernels[static_cast<std::size_t>(step - first_leg)].Backward(message, support, half_turn);
 }
 
 // Multiplies by P(o | xi, m) for all that was seen at a step and returns the logarithm by which the table was
@@ -88,7 +103,10 @@ double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid
            "the evidence is impossible under the model, all probability vanished; " + Seen(slice, step));
   }
   const double least = model.prune * belief->Max();
-  for (Layer& layer : belief->layers) layer.Prune(least);
+  for (Layer& layer : belief->layers) {
+    layer.Prune(least);
+    if (model.whole_tables) layer.Cover(model.limit);
+  }
   belief->Scale(1.0 / belief->Sum());
   return std::log(after / before) + log_scale;
 }
@@ -181,7 +199,8 @@ Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& b
   std::int64_t cells = 0, largest = 0;
   for (int step = slice.first; step < slice.end; ++step) {
     progress.Tick();
-    LayeredGrid belief = Moved(model, slice, step, alphas.tables.empty() ? before : alphas.tables.back());
+    LayeredGrid belief = Moved(model, slice, step, alphas.tables.empty() ? before : alphas.tables.back(),
+                               model.keep_kernels ? &alphas.kernels : nullptr);
     alphas.work += static_cast<double>(belief.cells()) + kStepCells;
     largest = std::max(largest, belief.cells());
     CheckMemory(model, slice, step, cells, largest);
@@ -203,7 +222,7 @@ Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid bef
   Frontier frontier{slice.first, std::move(before)};
   for (double done = 0.0; frontier.end < slice.end && (done == 0.0 || done < work); ++frontier.end) {
     progress.Tick();
-    LayeredGrid belief = Moved(model, slice, frontier.end, frontier.alpha);
+    LayeredGrid belief = Moved(model, slice, frontier.end, frontier.alpha, nullptr);
     done += static_cast<double>(belief.cells()) + kStepCells;
     CheckMemory(model, slice, frontier.end, 0, belief.cells());
     Settle(model, slice, frontier.end, &belief);
@@ -225,7 +244,7 @@ LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& 
     const LayeredGrid& support =
         step == slice.first ? before : alphas.tables[static_cast<std::size_t>(step - 1 - slice.first)];
     HalfTurn turn;
-    beta = KernelTo(model, slice, step).Backward(beta, support, learn ? &turn : nullptr);
+    beta = MovedBack(model, slice, step, alphas, beta, support, learn ? &turn : nullptr);
     if (learn) visitor.leg(step, turn);
     Mask(support, &beta);
     Rescale(slice, step - 1, &beta);

@@ -28,6 +28,9 @@ struct EStepModel {
   Box limit;                  // beliefs are cut to it; empty: no limit
   double memory_bytes = 4e9;  // alpha tables of one slice may take so much
   const Perception* perception = nullptr;  // nullptr: no map yet, observations are ignored (section 4.1.3)
+  bool keep_kernels = false;               // section 5, caching: from Forward to Backward
+  // Without section 5's selective memorization: every heading holds all of `limit`.
+  bool whole_tables = false;
 };
 
 // Steps first <= t < end of a robot.
@@ -44,9 +47,10 @@ inline constexpr double kBeliefCopies = 5.0;
 inline constexpr double kStepCells = 4000.0;
 
 // alpha^(t) for the slice's steps, each normalised; log_likelihood: sum of the logarithms of the normalisers;
-// work: see work.h.
+// work: see work.h; kernels: those of the slice's legs, where they are kept.
 struct Alphas {
   std::vector<LayeredGrid> tables;
+  std::vector<MotionKernel> kernels;
   double log_likelihood = 0.0;
   double work = 0.0;
 

@@ -191,6 +191,63 @@ TEST(EStep, SlicesGiveWhatOnePassGives) {
   }
 }
 
+struct Pass {
+  explicit Pass(const EStepModel& model) {
+    const RobotSteps steps = TinySteps();
+    const Slice slice{steps, 0, 4, "a"};
+    NoProgress progress;
+    const LayeredGrid start = DiracStart(model.grid);
+    const Alphas alphas = Forward(model, slice, start, progress);
+    log_likelihood = alphas.log_likelihood;
+    kernels = alphas.kernels.size();
+    Backward(model, slice, alphas, start, UniformBeta(alphas.tables.back()), progress,
+             Visitor{[&](int step, const LayeredGrid& belief) { beliefs[step] = belief; },
+                     [&](int step, const HalfTurn& turn) { turns[step] = turn.mean_rad; }});
+  }
+  std::vector<LayeredGrid> beliefs = std::vector<LayeredGrid>(4);
+  std::vector<double> turns = std::vector<double>(4);
+  double log_likelihood = 0.0;
+  std::size_t kernels = 0;
+};
+
+TEST(EStep, KernelsThatAreKeptGiveTheSameBits) {
+  const Perception perception = RandomPerception();
+  EStepModel model = TinyModel(&perception);
+  const Pass made_again(model);
+  model.keep_kernels = true;
+  const Pass kept(model);
+  EXPECT_EQ(made_again.kernels, 0U);
+  EXPECT_EQ(kept.kernels, 3U) << "one a leg";
+  EXPECT_EQ(kept.log_likelihood, made_again.log_likelihood);
+  EXPECT_EQ(kept.turns, made_again.turns);
+  for (int t = 0; t < 4; ++t) {
+    for (int c = 0; c < kHeadings; ++c)
+      EXPECT_EQ(kept.beliefs[t].layers[c].values, made_again.beliefs[t].layers[c].values);
+  }
+}
+
+TEST(EStep, WholeTablesHoldTheSameBeliefAndMore) {
+  const Perception perception = RandomPerception();
+  EStepModel model = TinyModel(&perception);
+  model.prune = 1e-3;
+  model.limit = Box{-8, -8, 17, 17};
+  const Pass boxes(model);
+  model.whole_tables = true;
+  const Pass whole(model);
+  EXPECT_NEAR(whole.log_likelihood, boxes.log_likelihood, 1e-12);
+  for (int t = 0; t < 4; ++t) {
+    EXPECT_NEAR(whole.turns[t], boxes.turns[t], 1e-12);
+    for (int c = 0; c < kHeadings; ++c) {
+      ASSERT_EQ(whole.beliefs[t].layers[c].box, model.limit);
+      for (int y = -8; y <= 8; ++y) {
+        for (int x = -8; x <= 8; ++x)
+          ASSERT_NEAR(whole.beliefs[t].layers[c].At(x, y), boxes.beliefs[t].layers[c].At(x, y), 1e-12);
+      }
+    }
+  }
+  EXPECT_LT(boxes.beliefs[0].cells(), whole.beliefs[0].cells());
+}
+
 TEST(EStep, ImpossibleEvidenceNamesRobotStepAndObservation) {
   const RobotSteps steps = TinySteps();
   Perception perception = RandomPerception();

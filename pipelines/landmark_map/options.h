@@ -24,6 +24,9 @@ struct Options {
   std::string model = "robust";
   std::string motion_error = "gaussian";
   double prune = 1e-3;
+  double max_leg_m = 0.0;
+  bool keep_kernels = false;
+  std::string tables = "boxes";
   double radius_m = 0.0;
   double core_m = 0.0;
   double prior_count = 0.03;
@@ -97,6 +100,22 @@ void VisitOptions(V& visit, Options& o) {
                "a probability below this share of the largest is dropped (a tenth of it for robots that "
                "start anywhere)"},
         o.prune);
+  visit(Option{"max_leg_m", "m", 0, 100000,
+               "longest way from one step to the next, longer ones are split; 0: a cell over the heading "
+               "step, so that neighbouring headings still overlap"},
+        o.max_leg_m);
+  visit(Option{"keep_kernels", "", 0, 0,
+               "keep a slice's motion kernels from its forward to its backward pass, instead of making them "
+               "again"},
+        o.keep_kernels);
+  visit(Option{"tables",
+               "",
+               0,
+               0,
+               "what of a belief is stored and moved: boxes (a bounding box a heading), or whole (all of "
+               "box_m under every heading; same results, for comparison)",
+               {"boxes", "whole"}},
+        o.tables);
   visit(
       Option{"radius_m", "m", 0, 1000,
              "perceptual radius of landmarks without identity; 0: two thirds of the way between presses, or "

@@ -45,6 +45,8 @@ void VisitFigures(S& s, const F& f) {
   f("tells_passes", s.detection.tells_passes);
   f("triangular", s.shape);
   f("prune", s.prune);
+  f("keep_kernels", s.keep_kernels);
+  f("whole_tables", s.whole_tables);
   f("box_m", s.box_m);
   f("growth_start", s.growth_start);
   f("growth_factor", s.growth_factor);
@@ -272,7 +274,7 @@ EStepModel Settings::Model(const Perception* perception) const {
     const int half = static_cast<int>(std::floor(box_m / 2 / map.grid.cell_m));
     limit = Box{0, 0, 1, 1}.Grown(half);
   }
-  return {map.grid, noise, shape, prune, limit, memory_mb * 1e6, perception};
+  return {map.grid, noise, shape, prune, limit, memory_mb * 1e6, perception, keep_kernels, whole_tables};
 }
 
 Blob Settings::ToBlob() const {
@@ -306,6 +308,9 @@ Settings Resolve(const Options& options, const Blob& log) {
     throw InputError("model exact is for button presses; this log has ranges and bearings: take robust");
   }
   if (options.cell_m > 0 && options.cell_m < 1e-3) throw InputError("cell_m: 0, or at least 0.001 m");
+  if (options.tables == "whole" && !(options.box_m > 0)) {
+    throw InputError("tables whole are those of the box that robots never leave: say box_m");
+  }
   if (options.heading_deg > 0 && options.heading_deg < 0.25) {
     throw InputError("heading_deg: 0, or at least 0.25 degrees");
   }
@@ -333,13 +338,20 @@ Settings Resolve(const Options& options, const Blob& log) {
 
   settings.starts = StartsOf(options, sensing);
   settings.noise = NoiseOf(options, log, sensing, DriftLength(options, settings.starts, grid.cell_m));
-  settings.steps = {grid.cell_m / step_rad, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
+  constexpr double kShortestLeg = 0.1;  // cells: below, steps are many and say nothing
+  if (options.max_leg_m > 0 && options.max_leg_m < kShortestLeg * grid.cell_m) {
+    throw InputError("max_leg_m: 0, or at least a tenth of a cell");
+  }
+  const double max_leg_m = options.max_leg_m > 0 ? options.max_leg_m : grid.cell_m / step_rad;
+  settings.steps = {max_leg_m, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
                     TimeOfObservation(log, robots, options.prefix_observations)};
   settings.steps.kinds = settings.map.kinds.count;
   settings.detection = DetectionOf(log, sensing);
   settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
   settings.memory_mb = options.memory_mb;
   settings.prune = options.prune;
+  settings.keep_kernels = options.keep_kernels;
+  settings.whole_tables = options.tables == "whole";
   settings.box_m = options.box_m;
   settings.places = Square(extent / grid.cell_m + 1.0);
   constexpr double kTrusted_rad = 24.0 * kDegree;

@@ -20,6 +20,8 @@ struct Settings {
   Detection detection;
   ErrorShape shape = ErrorShape::kGaussian;
   double prune = 1e-3;
+  bool keep_kernels = false;
+  bool whole_tables = false;
   double box_m = 0.0;
   double growth_start = 1.0;
   double growth_factor = 2.0;

@@ -84,6 +84,29 @@ TEST(Resolve, SightingsWithoutIdentityGrowThePrefixMoreCarefully) {
   EXPECT_EQ(Resolve({.growth_factor = 3.0}, SquareLog{.ranged = true}.Make()).growth_factor, 3.0);
 }
 
+TEST(Resolve, LegsAreAsLongAsTheGridBearsOrAsLongAsOneSays) {
+  const Blob log = SquareLog{.laps = 2, .side_m = 20.0}.Make();
+  const double most_m[] = {20.0, 0.5};
+  int steps[2];
+  for (int i = 0; i < 2; ++i) {
+    const Settings settings = Resolve({.cell_m = 1.0, .max_leg_m = most_m[i]}, log);
+    EXPECT_EQ(settings.steps.max_leg_m, most_m[i]);
+    const RobotSteps made = MakeSteps(log.Sub("robot/0/"), "rover", settings.steps, nullptr);
+    for (const double way : made.path_m) EXPECT_LE(way, most_m[i] + 1e-9);
+    steps[i] = made.size();
+  }
+  EXPECT_GT(steps[1], 10 * steps[0]);
+  EXPECT_DOUBLE_EQ(Resolve({.cell_m = 1.0, .heading_deg = 5.0}, log).steps.max_leg_m,
+                   180.0 / (5.0 * std::numbers::pi));
+  EXPECT_THROW(Resolve({.cell_m = 1.0, .max_leg_m = 0.05}, log), InputError);
+}
+
+TEST(Resolve, WholeTablesNeedABox) {
+  const Blob log = SquareLog{}.Make();
+  EXPECT_THROW(Resolve({.tables = "whole"}, log), InputError);
+  EXPECT_TRUE(Resolve({.tables = "whole", .box_m = 40.0}, log).whole_tables);
+}
+
 TEST(Schedule, ThePrefixGrowsToAllThenIterationsCountThenTheOtherRobotsJoinThenItEnds) {
   const Options options{.iterations = 2, .tolerance = 0.0};
   Schedule s;

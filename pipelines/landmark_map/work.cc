@@ -59,6 +59,7 @@ OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int co
   const double reach = std::sqrt(-2.0 * std::log(std::max(model.prune, kLeast)));
   const double cell = model.grid.cell_m;
   const double limit = model.limit.empty() ? HUGE_VAL : model.limit.nx;
+  const double whole = static_cast<double>(model.limit.cells()) * model.grid.headings;
   Spread spread;
   double way = 0.0;
   OpenLoop reckoned;
@@ -70,7 +71,7 @@ OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int co
     spread.TurnBy(half_turn);
     spread.Move(leg.dx_m / cell, leg.dy_m / cell, error.along_m / cell);
     spread.TurnBy(half_turn);
-    reckoned.cells.push_back(spread.Cells(reach, model.grid, way, limit));
+    reckoned.cells.push_back(model.whole_tables ? whole : spread.Cells(reach, model.grid, way, limit));
     reckoned.boxes.push_back(
         spread.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, way, limit));
   }

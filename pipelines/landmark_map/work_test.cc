@@ -40,6 +40,14 @@ TEST(ReckonOpenLoop, NoBoxIsLargerThanTheOneThatIsAllowed) {
   EXPECT_LT(cut.back(), 0.5 * all.back());
 }
 
+TEST(ReckonOpenLoop, WholeTablesHoldAllThatIsAllowedUnderEveryHeading) {
+  const World world(Options{.cell_m = 1.0, .tables = "whole", .box_m = 60.0});
+  const EStepModel model = world.settings.Model(nullptr);
+  const auto cells = ReckonOpenLoop(world.steps, model, world.steps.size()).cells;
+  EXPECT_EQ(cells.front(), 61.0 * 61.0 * model.grid.headings);
+  EXPECT_EQ(cells.back(), cells.front());
+}
+
 TEST(ForwardFor, StopsWhereItsWorkIsDoneAndGivesTheSameAlpha) {
   const World world(Options{.cell_m = 0.5});
   const EStepModel model = world.settings.Model(nullptr);
