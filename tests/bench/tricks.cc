@@ -43,10 +43,18 @@ struct Table {
 
 std::vector<Table> Tables() {
   const Row kept{"caching: kernels kept for the backward pass", {"keep_kernels=true"}};
-  const Row boxed{"beliefs cut to box_m, for the rows below", {"box_m=130"}};
-  const Row whole{"no selective memorization", {"box_m=130", "tables=whole"}};
-  const Row all_cells{"no selective computation", {"box_m=130", "prune=0"}};
-  const Row neither{"neither", {"box_m=130", "prune=0", "tables=whole"}};
+  const auto boxed = [](const std::string& box) -> Row {
+    return {"beliefs cut to box_m, for the rows below", {box}};
+  };
+  const auto whole = [](const std::string& box) -> Row {
+    return {"no selective memorization", {box, "tables=whole"}};
+  };
+  const auto all_cells = [](const std::string& box) -> Row {
+    return {"no selective computation", {box, "prune=0"}};
+  };
+  const auto neither = [](const std::string& box) -> Row {
+    return {"neither", {box, "prune=0", "tables=whole"}};
+  };
   const auto pruned = [](const char* least) -> Row {
     return {"selective computation", {std::string("prune=") + least}};
   };
@@ -64,12 +72,16 @@ std::vector<Table> Tables() {
             paper_legs,
             pruned("1e-2"),
             pruned("1e-5"),
-            boxed,
-            whole,
-            all_cells}},
+            boxed("box_m=130"),
+            whole("box_m=130"),
+            all_cells("box_m=130")}},
           {"2 m, 10°, legs to 11 m",
            {"cell_m=2", "heading_deg=10"},
-           {{"as by default", {}}, boxed, whole, all_cells, neither}},
+           {{"as by default", {}},
+            boxed("box_m=180"),
+            whole("box_m=180"),
+            all_cells("box_m=180"),
+            neither("box_m=180")}},
           {"0.5 m, 2.5°, legs to 11 m",
            {"cell_m=0.5", "heading_deg=2.5"},
            {{"as by default", {}}, kept, micro, paper_legs, pruned("1e-2"), pruned("1e-5")}}};
