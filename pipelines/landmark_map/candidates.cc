@@ -1,7 +1,6 @@
 #include "pipelines/landmark_map/candidates.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "pipelines/landmark_map/partial.h"
@@ -17,18 +16,6 @@ constexpr const char* kStartPrefix = "start_prefix";
 constexpr const char* kRefitOf = "refit_of";
 constexpr const char* kWentOn = "search_went_on";
 constexpr const char* kOfSearch[] = {kStartDrift, kStartPrefix, kRefitOf, kWentOn};
-
-// The counts without those within the core of a landmark.
-void LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts) {
-  Layer& layer = counts->layers[static_cast<std::size_t>(landmark.type)];
-  const double x0 = landmark.x_m / rules.grid.cell_m, y0 = landmark.y_m / rules.grid.cell_m;
-  const double radius = rules.core_m / rules.grid.cell_m;
-  for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
-    for (int x = layer.box.x0; x < layer.box.x0 + layer.box.nx; ++x) {
-      if (std::hypot(x - x0, y - y0) <= radius) layer.Row(y)[x] = 0.0;
-    }
-  }
-}
 
 void StoreStart(const StartingPoint& start, int refit_of, State* state) {
   auto& scalars = *state->mutable_scalars();

@@ -12,6 +12,7 @@
 #include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/partial.h"
+#include "pipelines/landmark_map/polish.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
@@ -136,6 +137,19 @@ std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Sc
 bool SearchIsOver(const State& state) {
   const Schedule next = Schedule::Load(state);
   return next.summarise || next.robots > 1;
+}
+
+// Once, for maps that EM made of presses or of landmarks that are told apart.
+bool WantsPolish(const Options& options, const Settings& settings, const Schedule& done,
+                 const std::vector<RobotSteps>& steps) {
+  if (!options.polish || !options.revise || options.iterations == 0 || done.polished || settings.map.exact)
+    return false;
+  for (const RobotSteps& robot : steps) {
+    for (const Observation& seen : robot.observations) {
+      if (seen.type >= settings.map.types && (seen.x_m != 0.0 || seen.y_m != 0.0)) return false;
+    }
+  }
+  return true;
 }
 
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
@@ -285,6 +299,14 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
   if (done.summarise) {
     RefuseSpoiltMap(sum, history, settings.places, StepsOf(inputs, 1)[0].observations.size());
     RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
+    const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
+    if (WantsPolish(options_, settings, done, steps)) {
+      const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
+      if (const auto polished = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks)) {
+        return SummaryUnder(*polished, Recentred(sum.counts(), landmarks, *polished, settings.map), history,
+                            state, inputs);
+      }
+    }
     return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
   }
 
@@ -310,6 +332,25 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   PlanRound(options_, robots, next, carried, fresh, &step);
   step.plan.set_note(Note(done, sum.log_likelihood(), landmarks.size()));
+  return step;
+}
+
+cairn::Step LandmarkMap::SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,
+                                      const Blob& history, const State& state, const Inputs& inputs) const {
+  const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
+  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+  Schedule schedule = Schedule::Load(state);
+  ++schedule.iteration;
+  schedule.polished = true;
+  cairn::Step step;
+  std::map<std::string, Blob> fresh{
+      {"history", history},
+      {"counts", StoredCounts(counts)},
+      {"perception", PerceptionOf(MapOf(counts, settings.map), settings.map).ToBlob()},
+      {"landmarks", ToBlob(landmarks)}};
+  if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
+  PlanRound(options_, robots, schedule, Carried::Load(state, robots.size()), fresh, &step);
+  step.plan.set_note("polished: " + std::to_string(landmarks.size()) + " landmarks by least squares");
   return step;
 }
 

@@ -28,6 +28,9 @@ class LandmarkMap : public Pipeline {
   // An E-step of one map, planned and done.
   Blob RunSlice(const Task& task, const Inputs& inputs, Progress& progress) const;
   cairn::Step AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const;
+  // The last E-step once more, with the polished map.
+  cairn::Step SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,
+                           const Blob& history, const State& state, const Inputs& inputs) const;
   // Candidate starts advance together until EM of the first robot has ended in all of them.
   cairn::Step AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const;
   // With candidates around the best one, or, where there is nothing better, with that alone.

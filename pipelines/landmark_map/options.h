@@ -18,6 +18,7 @@ struct Options {
   double growth_factor = 0.0;
   bool calibrate = true;
   bool revise = true;
+  bool polish = true;
   bool beliefs = false;
   std::int64_t starts = 0;
   std::string start = "origin";
@@ -72,6 +73,12 @@ void VisitOptions(V& visit, Options& o) {
           "revise", "", 0, 0,
           "false: a forward pass only, alpha in place of alpha beta: no estimate is revised by later data"},
       o.revise);
+  visit(
+      Option{
+          "polish", "", 0, 0,
+          "in the end landmarks get the positions of least squares over the associations (model robust; not "
+          "of sightings without identity)"},
+      o.polish);
   visit(Option{"beliefs", "", 0, 0,
                "the result also holds each step's belief, added up over headings: robot/N/beliefs"},
         o.beliefs);

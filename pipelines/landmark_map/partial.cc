@@ -142,6 +142,24 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   return partial;
 }
 
+std::vector<double> Joined(const std::vector<Blob>& summaries, const char* name) {
+  std::vector<double> all;
+  for (const Blob& summary : summaries) {
+    const auto values = summary.Get<double>(name);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+Associated AssociatedIn(const std::vector<Blob>& summaries) {
+  Associated all{{}, Joined(summaries, "association/probability")};
+  for (const Blob& summary : summaries) {
+    const auto values = summary.Get<std::int32_t>("association/landmark");
+    all.landmark.insert(all.landmark.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
     : counts_(std::move(no_counts)),
       log_likelihood_of_(robots, 0.0),

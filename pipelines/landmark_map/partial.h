@@ -48,6 +48,16 @@ class PartialBuilder {
   LegSums legs_;
 };
 
+// An array of summaries, one after the other.
+std::vector<double> Joined(const std::vector<Blob>& summaries, const char* name);
+
+// Which landmark each observation of a robot's steps is of.
+struct Associated {
+  std::vector<std::int32_t> landmark;
+  std::vector<double> probability;
+};
+Associated AssociatedIn(const std::vector<Blob>& summaries);
+
 // Adds up partials, which must come in task order. Counts, likelihood and legs add; summaries are kept.
 class RoundSum {
  public:

@@ -24,15 +24,6 @@ double Wrap(double angle) {
   return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
 }
 
-std::vector<double> Joined(const std::vector<Blob>& summaries, const char* name) {
-  std::vector<double> all;
-  for (const Blob& summary : summaries) {
-    const auto values = summary.Get<double>(name);
-    all.insert(all.end(), values.begin(), values.end());
-  }
-  return all;
-}
-
 // A pose and a heading correction at a step.
 struct Anchor {
   double x_m, y_m, correction_rad;
@@ -181,21 +172,6 @@ class PathWriter {
   std::vector<double> covariance_;
   std::vector<Row> rows_;
 };
-
-// Which landmark each observation of a robot's steps is of.
-struct Associated {
-  std::vector<std::int32_t> landmark;
-  std::vector<double> probability;
-};
-
-Associated AssociatedIn(const std::vector<Blob>& summaries) {
-  Associated all{{}, Joined(summaries, "association/probability")};
-  for (const Blob& summary : summaries) {
-    const auto values = summary.Get<std::int32_t>("association/landmark");
-    all.landmark.insert(all.landmark.end(), values.begin(), values.end());
-  }
-  return all;
-}
 
 // The variances of the steps' positions, an axis.
 void AddPositionVariance(const std::vector<Blob>& summaries, double* sum, double* count) {

@@ -234,6 +234,17 @@ std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules
   return landmarks;
 }
 
+void LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts) {
+  Layer& layer = counts->layers[static_cast<std::size_t>(landmark.type)];
+  const double x0 = landmark.x_m / rules.grid.cell_m, y0 = landmark.y_m / rules.grid.cell_m;
+  const double radius = rules.core_m / rules.grid.cell_m;
+  for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
+    for (int x = layer.box.x0; x < layer.box.x0 + layer.box.nx; ++x) {
+      if (std::hypot(x - x0, y - y0) <= radius) layer.Row(y)[x] = 0.0;
+    }
+  }
+}
+
 Association Associate(const Layer& where, int type, const std::vector<Landmark>& landmarks, double cell_m,
                       double reach_m) {
   std::vector<double> mass(landmarks.size() + 1, 0.0);  // the last: none of them

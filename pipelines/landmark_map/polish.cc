@@ -1,0 +1,234 @@
+#include "pipelines/landmark_map/polish.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr int kIterations = 20;
+constexpr double kCauchy = 3.0;       // standard deviations at which an observation weighs half
+constexpr double kLeastWay_m = 0.02;  // no wheel is better, nor is a turn on the spot one
+constexpr double kLeastTurn_rad = 1e-3;
+// The way errs by the nominal ratio anew every so often. What is constant in it is the map's scale, which
+// data cannot show: left free it shrinks the map.
+constexpr double kOwnError_m = 1.0;
+constexpr double kFixed = 1e-6, kFree = 1e4;  // standard deviations of the first pose, of any unknown
+
+double Square(double x) { return x * x; }
+
+// Normal equations of weighted residuals, each linear in a few of the unknowns.
+class NormalEquations {
+ public:
+  explicit NormalEquations(int unknowns) : gradient_(Eigen::VectorXd::Zero(unknowns)) {
+    for (int k = 0; k < unknowns; ++k) entries_.emplace_back(k, k, 1.0 / Square(kFree));
+  }
+
+  // `slopes`: (unknown, derivative of the residual).
+  void Add(double residual, double sd, std::initializer_list<std::pair<int, double>> slopes) {
+    const double weight = 1.0 / Square(sd);
+    for (const auto& [a, slope_a] : slopes) {
+      gradient_[a] += weight * slope_a * residual;
+      for (const auto& [b, slope_b] : slopes) entries_.emplace_back(a, b, weight * slope_a * slope_b);
+    }
+  }
+
+  // False where they have no solution.
+  bool Factorise() {
+    Eigen::SparseMatrix<double> matrix(gradient_.size(), gradient_.size());
+    matrix.setFromTriplets(entries_.begin(), entries_.end());
+    solver_.compute(matrix);
+    return solver_.info() == Eigen::Success;
+  }
+  Eigen::VectorXd Step() const { return -solver_.solve(gradient_); }
+  Eigen::VectorXd Column(int unknown) const {
+    return solver_.solve(Eigen::VectorXd::Unit(gradient_.size(), unknown));
+  }
+
+ private:
+  std::vector<Eigen::Triplet<double>> entries_;
+  Eigen::VectorXd gradient_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+// All unknowns in one vector: poses of all robots (x, y, correction), landmarks (x, y), drifts left over.
+class Problem {
+ public:
+  Problem(const std::vector<SettledPath>& paths, const Settings& settings,
+          const std::vector<Landmark>& landmarks)
+      : paths_(paths), settings_(settings) {
+    int size = 0;
+    for (const SettledPath& path : paths) {
+      first_pose_.push_back(size);
+      size += 3 * path.steps.size();
+    }
+    first_landmark_ = size;
+    first_drift_ = size + 2 * static_cast<int>(landmarks.size());
+    values_ = Eigen::VectorXd::Zero(first_drift_ + static_cast<int>(paths.size()));
+    for (std::size_t r = 0; r < paths.size(); ++r) {
+      for (int s = 0; s < paths[r].steps.size(); ++s) {
+        const auto k = static_cast<std::size_t>(s);
+        values_.segment<3>(PoseAt(r, s)) << paths[r].x_m[k], paths[r].y_m[k], paths[r].correction_rad[k];
+      }
+    }
+    for (std::size_t l = 0; l < landmarks.size(); ++l)
+      values_.segment<2>(LandmarkAt(l)) << landmarks[l].x_m, landmarks[l].y_m;
+  }
+
+  bool Solve() {
+    for (int i = 0; i < kIterations; ++i) {
+      NormalEquations equations(unknowns());
+      Linearise(&equations);
+      if (!equations.Factorise()) return false;
+      const Eigen::VectorXd step = equations.Step();
+      if (!step.allFinite()) return false;
+      values_ += step;
+      if (step.lpNorm<Eigen::Infinity>() < 1e-6) break;
+    }
+    return true;
+  }
+
+  std::vector<Landmark> Landmarks(std::vector<Landmark> landmarks) const {
+    NormalEquations equations(unknowns());
+    Linearise(&equations);
+    if (!equations.Factorise()) return landmarks;
+    for (std::size_t l = 0; l < landmarks.size(); ++l) {
+      const int at = LandmarkAt(l);
+      landmarks[l].x_m = values_[at];
+      landmarks[l].y_m = values_[at + 1];
+      for (int k = 0; k < 2; ++k) {
+        const Eigen::VectorXd column = equations.Column(at + k);
+        landmarks[l].covariance_m2[k] = column[at];
+        landmarks[l].covariance_m2[2 + k] = column[at + 1];
+      }
+    }
+    return landmarks;
+  }
+
+ private:
+  int unknowns() const { return static_cast<int>(values_.size()); }
+  int PoseAt(std::size_t robot, int step) const { return first_pose_[robot] + 3 * step; }
+  int LandmarkAt(std::size_t landmark) const { return first_landmark_ + 2 * static_cast<int>(landmark); }
+
+  void Linearise(NormalEquations* to) const {
+    NormalEquations& equations = *to;
+    for (int k = 0; k < 3; ++k) equations.Add(values_[k], kFixed, {{k, 1.0}});
+    for (std::size_t r = 0; r < paths_.size(); ++r) {
+      for (int s = 1; s < paths_[r].steps.size(); ++s) AddLeg(r, s, &equations);
+      for (int s = 0; s < paths_[r].steps.size(); ++s) AddObservations(r, s, &equations);
+      const int drift = first_drift_ + static_cast<int>(r);
+      const double sd = std::max(1e-9, settings_.noise.heading_drift_rad_per_m);
+      equations.Add(paths_[r].odometry.drift_rad_per_m + values_[drift], sd, {{drift, 1.0}});
+    }
+  }
+
+  // Half of the heading's error lies before the way, half after it (common/motion.h): given the heading at
+  // both ends, the way's direction is their mean's, to within half of the error.
+  void AddLeg(std::size_t robot, int step, NormalEquations* equations) const {
+    const SettledPath& path = paths_[robot];
+    const Leg leg = path.steps.LegTo(step);
+    MotionNoise noise = path.odometry.Widths(settings_.noise);
+    noise.heading_drift_rad_per_m = 0.0;  // an unknown of its own
+    const LegError error = ErrorOf(leg, noise);
+    const double turn_sd = std::max(kLeastTurn_rad, error.heading_rad);
+    const int a = PoseAt(robot, step - 1), b = PoseAt(robot, step);
+    const int drift = first_drift_ + static_cast<int>(robot);
+    equations->Add(values_[b + 2] - values_[a + 2] + values_[drift] * leg.path_m, turn_sd,
+                   {{a + 2, -1.0}, {b + 2, 1.0}, {drift, leg.path_m}});
+    const double middle = 0.5 * (values_[a + 2] + values_[b + 2]);
+    const double cosine = std::cos(middle), sine = std::sin(middle);
+    const double x = cosine * leg.dx_m - sine * leg.dy_m, y = sine * leg.dx_m + cosine * leg.dy_m;
+    const double length = std::hypot(x, y);
+    const double ux = length > 0 ? x / length : 1.0, uy = length > 0 ? y / length : 0.0;
+    const double dx = values_[b] - values_[a] - x, dy = values_[b + 1] - values_[a + 1] - y;
+    const double along_sd =
+        std::max(kLeastWay_m, settings_.noise.forward_ratio * std::sqrt(leg.path_m * kOwnError_m));
+    const double across_sd = std::max(kLeastWay_m, 0.5 * length * turn_sd);
+    equations->Add(ux * dx + uy * dy, along_sd, {{a, -ux}, {a + 1, -uy}, {b, ux}, {b + 1, uy}});
+    equations->Add(
+        ux * dy - uy * dx, across_sd,
+        {{a, uy}, {a + 1, -ux}, {b, -uy}, {b + 1, ux}, {a + 2, -0.5 * length}, {b + 2, -0.5 * length}});
+  }
+
+  void AddObservations(std::size_t robot, int step, NormalEquations* equations) const {
+    const SettledPath& path = paths_[robot];
+    const int pose = PoseAt(robot, step);
+    const double cosine = std::cos(values_[pose + 2]), sine = std::sin(values_[pose + 2]);
+    for (int k = path.steps.first_observation[step]; k < path.steps.first_observation[step + 1]; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      if (path.associated.landmark[at] < 0 || path.associated.probability[at] < 0.5) continue;
+      const int landmark = LandmarkAt(static_cast<std::size_t>(path.associated.landmark[at]));
+      const Observation& seen = path.steps.observations[at];
+      const double x = cosine * seen.x_m - sine * seen.y_m, y = sine * seen.x_m + cosine * seen.y_m;
+      const double dx = values_[pose] + x - values_[landmark],
+                   dy = values_[pose + 1] + y - values_[landmark + 1];
+      const double sd = settings_.map.observation_m;
+      const double weighed = sd * std::sqrt(1.0 + (dx * dx + dy * dy) / Square(kCauchy * sd));
+      equations->Add(dx, weighed, {{pose, 1.0}, {pose + 2, -y}, {landmark, -1.0}});
+      equations->Add(dy, weighed, {{pose + 1, 1.0}, {pose + 2, x}, {landmark + 1, -1.0}});
+    }
+  }
+
+  const std::vector<SettledPath>& paths_;
+  const Settings& settings_;
+  std::vector<int> first_pose_;
+  int first_landmark_ = 0, first_drift_ = 0;
+  Eigen::VectorXd values_;
+};
+
+// A Gaussian of mass `landmark.count` around it.
+void Spread(const Landmark& landmark, double cell_m, Layer* layer) {
+  constexpr double kLeastSd = 0.35, kReach = 3.0;  // cells, standard deviations
+  const double variance_m2 = 0.5 * (landmark.covariance_m2[0] + landmark.covariance_m2[3]);
+  const double sd = std::max(kLeastSd, std::sqrt(std::max(0.0, variance_m2)) / cell_m);
+  const int reach = static_cast<int>(std::ceil(kReach * sd));
+  const double x0 = landmark.x_m / cell_m, y0 = landmark.y_m / cell_m;
+  const Box box =
+      Box{static_cast<int>(std::lround(x0)), static_cast<int>(std::lround(y0)), 1, 1}.Grown(reach);
+  Layer bump(box);
+  for (int y = box.y0; y < box.y0 + box.ny; ++y) {
+    for (int x = box.x0; x < box.x0 + box.nx; ++x)
+      bump.Row(y)[x] = std::exp(-0.5 * (Square(x - x0) + Square(y - y0)) / Square(sd));
+  }
+  layer->Cover(box);
+  layer->AddShifted(bump, 0, 0, landmark.count / bump.Sum());
+}
+
+}  // namespace
+
+std::vector<SettledPath> SettledPaths(const RoundSum& sum, const std::vector<RobotSteps>& steps,
+                                      const std::vector<OdometryFit>& odometry) {
+  std::vector<SettledPath> paths;
+  for (std::size_t r = 0; r < steps.size(); ++r) {
+    const std::vector<Blob> summaries = sum.SummariesOf(r);
+    paths.push_back({steps[r].WithoutDrift(odometry[r].drift_rad_per_m), odometry[r],
+                     Joined(summaries, "pose/x_m"), Joined(summaries, "pose/y_m"),
+                     Joined(summaries, "pose/heading_rad"), AssociatedIn(summaries)});
+  }
+  return paths;
+}
+
+std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& paths, const Settings& settings,
+                                            const std::vector<Landmark>& landmarks) {
+  Problem problem(paths, settings, landmarks);
+  if (!problem.Solve()) return std::nullopt;
+  std::vector<Landmark> polished = problem.Landmarks(landmarks);
+  for (std::size_t l = 0; l < landmarks.size(); ++l) {
+    const double moved = std::hypot(polished[l].x_m - landmarks[l].x_m, polished[l].y_m - landmarks[l].y_m);
+    if (!(moved <= settings.map.core_m)) return std::nullopt;
+  }
+  return polished;
+}
+
+LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
+                      const std::vector<Landmark>& now, const MapRules& rules) {
+  for (const Landmark& landmark : before) LeaveOut(landmark, rules, &counts);
+  for (const Landmark& landmark : now)
+    Spread(landmark, rules.grid.cell_m, &counts.layers[static_cast<std::size_t>(landmark.type)]);
+  return counts;
+}
+
+}  // namespace cairn::landmark_map

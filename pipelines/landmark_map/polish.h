@@ -1,0 +1,40 @@
+// The last step of a map: least squares over the associations on which the posterior has settled. It knows no
+// cells, and bends all paths at once, for which EM takes very many iterations.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipelines/landmark_map/odometry_fit.h"
+#include "pipelines/landmark_map/partial.h"
+#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/steps.h"
+#include "pipelines/landmark_map/summary.h"
+
+namespace cairn::landmark_map {
+
+// What the last E-step says of one robot.
+struct SettledPath {
+  RobotSteps steps;      // without the drift that was found
+  OdometryFit odometry;  // drift and widths
+  std::vector<double> x_m, y_m,
+      correction_rad;  // mean poses [S]; the correction of the odometric heading
+  Associated associated;
+};
+
+std::vector<SettledPath> SettledPaths(const RoundSum& sum, const std::vector<RobotSteps>& steps,
+                                      const std::vector<OdometryFit>& odometry);
+
+// The landmarks with the positions, and their covariances, of the least squares over all poses, landmarks and
+// the robots' drifts: legs of odometry as the motion model has them, observations that are likelier of their
+// landmark than not, each with a Cauchy weight. The first robot's first pose stays at the origin. Empty where
+// that has no solution near the map (a landmark would move further than the core): the associations have not
+// settled.
+std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& paths, const Settings& settings,
+                                            const std::vector<Landmark>& landmarks);
+
+// The expected counts with each landmark's mass where it now stands.
+LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
+                      const std::vector<Landmark>& now, const MapRules& rules);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,141 @@
+#include "pipelines/landmark_map/polish.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "pipelines/landmark_map/landmark_map.h"
+#include "pipelines/landmark_map/testing.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr std::array<std::array<double, 2>, 4> kCorners{{{20, 0}, {20, 20}, {0, 20}, {0, 0}}};
+
+Settings SomeSettings() {
+  Settings settings;
+  settings.map.grid = {1.0, 72};
+  settings.map.core_m = 2.5;
+  settings.noise = {0.01, 0.01, 0.0, 0.02, 0.0};
+  return settings;
+}
+
+// Three laps of a square in legs from corner to corner, odometry without error but for a drift, and what an
+// E-step that saw cells of a metre would say of it.
+SettledPath RoundAndRound(double drift_rad_per_m) {
+  SettledPath path;
+  RobotSteps& steps = path.steps;
+  double x = 0, y = 0, heading = 0;
+  for (int s = 0; s <= 12; ++s) {
+    if (s > 0) {
+      const double middle = (s - 1) * std::numbers::pi / 2 + drift_rad_per_m * (20.0 * (s - 1) + 10.0);
+      x += 20.0 * std::cos(middle);
+      y += 20.0 * std::sin(middle);
+      heading += drift_rad_per_m * 20.0;
+    }
+    steps.time_s.push_back(s);
+    steps.odo_x_m.push_back(x);
+    steps.odo_y_m.push_back(y);
+    steps.odo_heading_rad.push_back(heading);
+    steps.path_m.push_back(s > 0 ? 20.0 : 0.0);
+    steps.turn_rad.push_back(0.0);
+    steps.first_observation.push_back(s > 0 ? s - 1 : 0);
+    const auto& corner = kCorners[static_cast<std::size_t>((s + 3) % 4)];
+    path.x_m.push_back(corner[0] + 0.4);
+    path.y_m.push_back(corner[1] - 0.3);
+    path.correction_rad.push_back(-heading);
+    if (s == 0) continue;
+    steps.observations.push_back({0, 0.0, 0.0});
+    path.associated.landmark.push_back((s + 3) % 4);
+    path.associated.probability.push_back(0.9);
+  }
+  steps.first_observation.push_back(12);
+  path.odometry = OdometryFit::Of(SomeSettings().noise);
+  return path;
+}
+
+std::vector<Landmark> Corners(double off_m) {
+  std::vector<Landmark> landmarks;
+  for (const auto& [x, y] : kCorners) landmarks.push_back({x + off_m, y - off_m, {1, 0, 0, 1}, 0, 3.0});
+  return landmarks;
+}
+
+double Farthest(const std::vector<Landmark>& landmarks) {
+  double farthest = 0;
+  for (std::size_t k = 0; k < landmarks.size(); ++k)
+    farthest =
+        std::max(farthest, std::hypot(landmarks[k].x_m - kCorners[k][0], landmarks[k].y_m - kCorners[k][1]));
+  return farthest;
+}
+
+TEST(Polish, OdometryWithoutErrorGivesLandmarksWithoutError) {
+  const auto polished = Polish({RoundAndRound(0.0)}, SomeSettings(), Corners(0.6));
+  ASSERT_TRUE(polished.has_value());
+  EXPECT_LT(Farthest(*polished), 1e-6);
+  for (const Landmark& l : *polished) {
+    EXPECT_GT(l.covariance_m2[0], 0.0);
+    EXPECT_LT(l.covariance_m2[0], 0.3 * 0.3) << "three presses tell more than one";
+    EXPECT_NEAR(l.covariance_m2[1], l.covariance_m2[2], 1e-12);
+  }
+}
+
+// Half of the drift's nominal width: 11 degrees a lap.
+TEST(Polish, FindsADriftThatIsLeft) {
+  const auto polished = Polish({RoundAndRound(0.0025)}, SomeSettings(), Corners(0.6));
+  ASSERT_TRUE(polished.has_value());
+  EXPECT_LT(Farthest(*polished), 0.1);
+}
+
+TEST(Polish, AnObservationThatBelongsElsewhereHardlyCounts) {
+  SettledPath path = RoundAndRound(0.0);
+  path.associated.landmark[6] = 0;  // 20 m off
+  const auto polished = Polish({path}, SomeSettings(), Corners(0.6));
+  ASSERT_TRUE(polished.has_value());
+  EXPECT_LT(Farthest(*polished), 0.3);
+  path.associated.landmark[6] = 2;
+  path.associated.landmark[7] = 0;
+  path.associated.probability[7] = 0.4;  // likelier of something else: not at all
+  EXPECT_LT(Farthest(*Polish({path}, SomeSettings(), Corners(0.6))), 1e-6);
+}
+
+TEST(Polish, WhereItsMapWouldBeAnotherThereIsNone) {
+  EXPECT_FALSE(Polish({RoundAndRound(0.0)}, SomeSettings(), Corners(2.0)).has_value());
+}
+
+TEST(Recentred, KeepsTheMassAndMovesIt) {
+  const MapRules rules = SomeSettings().map;
+  const Landmark before = Corners(0.0)[0];
+  Landmark now = before;
+  now.x_m += 0.7;
+  LayeredGrid counts = NoCounts(rules);
+  counts.layers[0] = Layer(Box{19, -1, 3, 3});
+  counts.layers[0].Row(0)[20] = before.count;
+  const LayeredGrid moved = Recentred(counts, {before}, {now}, rules);
+  EXPECT_NEAR(moved.Sum(), before.count, 1e-12);
+  const std::vector<Landmark> found = ExtractLandmarks(moved, rules);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].x_m, now.x_m, 0.05);
+}
+
+// Corners on a grid of 2 m, whose cells are much larger than what the presses tell.
+TEST(Polish, TheResultsLandmarksAreNearerToTheTruthThanCells) {
+  const Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
+  const auto farthest = [&](bool polish) {
+    const BlobPtr result = RunInProcess(LandmarkMap({.cell_m = 2.0, .polish = polish, .starts = 1}),
+                                        {{"log", std::make_shared<const Blob>(log)}});
+    const auto x = result->Get<double>("map/landmark_x_m"), y = result->Get<double>("map/landmark_y_m");
+    double worst = 0;
+    for (const auto& corner : kCorners) {
+      double nearest = 100;
+      for (std::size_t k = 0; k < x.size(); ++k)
+        nearest = std::min(nearest, std::hypot(x[k] - corner[0], y[k] - corner[1]));
+      worst = std::max(worst, nearest);
+    }
+    return worst;
+  };
+  EXPECT_LT(farthest(true), 0.7 * farthest(false));
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map
