@@ -297,9 +297,11 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
   }
   const Blob history = Extended(before, done, sum.log_likelihood());
   if (done.summarise) {
-    RefuseSpoiltMap(sum, history, settings.places, StepsOf(inputs, 1)[0].observations.size());
-    RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
     const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
+    if (!done.polished) {
+      RefuseSpoiltMap(sum, history, settings.places, steps[0].observations.size());
+      RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
+    }
     if (WantsPolish(options_, settings, done, steps)) {
       const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
       if (const auto polished = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks)) {
