@@ -139,10 +139,12 @@ bool SearchIsOver(const State& state) {
   return next.summarise || next.robots > 1;
 }
 
-// Once, for maps that EM made of presses or of landmarks that are told apart.
-bool WantsPolish(const Options& options, const Settings& settings, const Schedule& done,
+// Once, for maps that EM made of presses or of landmarks that are told apart. A given map has a frame of its
+// own.
+bool WantsPolish(const Options& options, const Settings& settings, const Schedule& done, const Inputs& inputs,
                  const std::vector<RobotSteps>& steps) {
-  if (!options.polish || !options.revise || options.iterations == 0 || done.polished || settings.map.exact)
+  if (inputs.Has("map") || !options.polish || !options.revise || options.iterations == 0 || done.polished ||
+      settings.map.exact)
     return false;
   for (const RobotSteps& robot : steps) {
     for (const Observation& seen : robot.observations) {
@@ -302,7 +304,7 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
       RefuseSpoiltMap(sum, history, settings.places, steps[0].observations.size());
       RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
     }
-    if (WantsPolish(options_, settings, done, steps)) {
+    if (WantsPolish(options_, settings, done, inputs, steps)) {
       const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
       if (const auto polished = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks)) {
         return SummaryUnder(*polished, Recentred(sum.counts(), landmarks, *polished, settings.map), history,

@@ -95,7 +95,9 @@ class Problem {
     NormalEquations equations(unknowns());
     Linearise(&equations);
     if (!equations.Factorise()) return landmarks;
+    const std::vector<bool> seen = Seen(landmarks.size());
     for (std::size_t l = 0; l < landmarks.size(); ++l) {
+      if (!seen[l]) continue;
       const int at = LandmarkAt(l);
       landmarks[l].x_m = values_[at];
       landmarks[l].y_m = values_[at + 1];
@@ -112,6 +114,20 @@ class Problem {
   int unknowns() const { return static_cast<int>(values_.size()); }
   int PoseAt(std::size_t robot, int step) const { return first_pose_[robot] + 3 * step; }
   int LandmarkAt(std::size_t landmark) const { return first_landmark_ + 2 * static_cast<int>(landmark); }
+
+  static bool IsOfLandmark(const Associated& of, std::size_t observation) {
+    return of.landmark[observation] >= 0 && of.probability[observation] >= 0.5;
+  }
+  std::vector<bool> Seen(std::size_t landmarks) const {
+    std::vector<bool> seen(landmarks, false);
+    for (const SettledPath& path : paths_) {
+      for (std::size_t k = 0; k < path.associated.landmark.size(); ++k) {
+        if (IsOfLandmark(path.associated, k))
+          seen[static_cast<std::size_t>(path.associated.landmark[k])] = true;
+      }
+    }
+    return seen;
+  }
 
   void Linearise(NormalEquations* to) const {
     NormalEquations& equations = *to;
@@ -159,7 +175,7 @@ class Problem {
     const double cosine = std::cos(values_[pose + 2]), sine = std::sin(values_[pose + 2]);
     for (int k = path.steps.first_observation[step]; k < path.steps.first_observation[step + 1]; ++k) {
       const auto at = static_cast<std::size_t>(k);
-      if (path.associated.landmark[at] < 0 || path.associated.probability[at] < 0.5) continue;
+      if (!IsOfLandmark(path.associated, at)) continue;
       const int landmark = LandmarkAt(static_cast<std::size_t>(path.associated.landmark[at]));
       const Observation& seen = path.steps.observations[at];
       const double x = cosine * seen.x_m - sine * seen.y_m, y = sine * seen.x_m + cosine * seen.y_m;
@@ -179,8 +195,8 @@ class Problem {
   Eigen::VectorXd values_;
 };
 
-// A Gaussian of mass `landmark.count` around it.
-void Spread(const Landmark& landmark, double cell_m, Layer* layer) {
+// A Gaussian of that mass around the landmark.
+void Spread(const Landmark& landmark, double mass, double cell_m, Layer* layer) {
   constexpr double kLeastSd = 0.35, kReach = 3.0;  // cells, standard deviations
   const double variance_m2 = 0.5 * (landmark.covariance_m2[0] + landmark.covariance_m2[3]);
   const double sd = std::max(kLeastSd, std::sqrt(std::max(0.0, variance_m2)) / cell_m);
@@ -194,7 +210,7 @@ void Spread(const Landmark& landmark, double cell_m, Layer* layer) {
       bump.Row(y)[x] = std::exp(-0.5 * (Square(x - x0) + Square(y - y0)) / Square(sd));
   }
   layer->Cover(box);
-  layer->AddShifted(bump, 0, 0, landmark.count / bump.Sum());
+  layer->AddShifted(bump, 0, 0, mass / bump.Sum());
 }
 
 }  // namespace
@@ -225,9 +241,13 @@ std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& path
 
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
                       const std::vector<Landmark>& now, const MapRules& rules) {
-  for (const Landmark& landmark : before) LeaveOut(landmark, rules, &counts);
-  for (const Landmark& landmark : now)
-    Spread(landmark, rules.grid.cell_m, &counts.layers[static_cast<std::size_t>(landmark.type)]);
+  std::vector<std::vector<double>> masses;
+  for (const Landmark& landmark : before) masses.push_back(LeaveOut(landmark, rules, &counts));
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    for (std::size_t l = 0; l < counts.layers.size(); ++l) {
+      if (masses[k][l] > 0.0) Spread(now[k], masses[k][l], rules.grid.cell_m, &counts.layers[l]);
+    }
+  }
   return counts;
 }
 

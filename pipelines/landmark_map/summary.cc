@@ -234,15 +234,24 @@ std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules
   return landmarks;
 }
 
-void LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts) {
-  Layer& layer = counts->layers[static_cast<std::size_t>(landmark.type)];
+std::vector<double> LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts) {
+  std::vector<double> taken(counts->layers.size(), 0.0);
+  const bool identified = landmark.type < rules.types;
+  const int first = identified ? landmark.type : rules.types;
+  const int end = identified ? landmark.type + 1 : rules.layers();
   const double x0 = landmark.x_m / rules.grid.cell_m, y0 = landmark.y_m / rules.grid.cell_m;
   const double radius = rules.core_m / rules.grid.cell_m;
-  for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
-    for (int x = layer.box.x0; x < layer.box.x0 + layer.box.nx; ++x) {
-      if (std::hypot(x - x0, y - y0) <= radius) layer.Row(y)[x] = 0.0;
+  for (int l = first; l < end; ++l) {
+    Layer& layer = counts->layers[static_cast<std::size_t>(l)];
+    for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
+      for (int x = layer.box.x0; x < layer.box.x0 + layer.box.nx; ++x) {
+        if (std::hypot(x - x0, y - y0) > radius) continue;
+        taken[static_cast<std::size_t>(l)] += layer.Row(y)[x];
+        layer.Row(y)[x] = 0.0;
+      }
     }
   }
+  return taken;
 }
 
 Association Associate(const Layer& where, int type, const std::vector<Landmark>& landmarks, double cell_m,

@@ -30,8 +30,9 @@ struct Landmark {
 // each taking what lies within core_m of it; one with less than half an observation is none.
 std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules& rules);
 
-// Takes a landmark out of the counts: all within core_m of it.
-void LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts);
+// Takes a landmark out of the counts, all within core_m of it, and returns how much it took of each layer. A
+// landmark without identity may have been taken for one of another kind.
+std::vector<double> LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts);
 
 // For one observation whose landmark stands where `where` says (mass one): the landmark that is most likely
 // meant, and its probability; index -1 where it is more likely none of them (further than reach_m from all).
