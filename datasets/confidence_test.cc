@@ -21,13 +21,13 @@ TEST(ConfidenceText, ALeadIsLowFairOrHigh) {
   for (const auto& [lead, word] : leads) {
     Blob result = Searched();
     result.PutScalar<double>("search/lead_nats", lead);
-    EXPECT_EQ(ConfidenceText(result), word + " nats ahead of the next different one of 2 starts");
+    EXPECT_EQ(ConfidenceText(result), word + " nats ahead of the next different one of 2 candidates");
   }
 }
 
 TEST(ConfidenceText, StartsThatAgreeAndASingleStart) {
-  EXPECT_EQ(ConfidenceText(Searched()), "high among the maps tried: all 2 starts found this one or none");
-  EXPECT_EQ(ConfidenceText(Blob()), "not stated: there was one start, no other map to compare with");
+  EXPECT_EQ(ConfidenceText(Searched()), "high among the maps tried: all 2 candidates found this one or none");
+  EXPECT_EQ(ConfidenceText(Blob()), "not stated: there was one candidate, no other map to compare with");
 }
 
 }  // namespace

@@ -386,12 +386,11 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
 }
 
 cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inputs) const {
-  constexpr int kMostWaves = 6;
   CandidateRounds rounds(options_, std::move(starts), inputs);
   const Settings settings = rounds.settings();
   const std::vector<Candidate> candidates = rounds.candidates();
   const Choice choice = Choose(candidates, settings);
-  if (rounds.waves() < kMostWaves && !rounds.WentOnFrom(choice.best)) {
+  if (rounds.waves() < options_.waves && !rounds.WentOnFrom(choice.best)) {
     rounds.GoOnFrom(choice.best, ProposalsAround(candidates, choice.best, settings));
     cairn::Step step = FanOut(std::move(rounds).Take());
     step.plan.set_note(Sentence(candidates, choice));

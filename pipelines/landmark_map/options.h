@@ -21,6 +21,7 @@ struct Options {
   bool polish = true;
   bool beliefs = false;
   std::int64_t starts = 0;
+  std::int64_t waves = 6;
   std::string start = "origin";
   std::string model = "robust";
   std::string motion_error = "gaussian";
@@ -87,6 +88,12 @@ void VisitOptions(V& visit, Options& o) {
                "in how much data comes first; the data choose one; 0: 10 without identities, 1 with them or "
                "with model exact"},
         o.starts);
+  visit(
+      Option{
+          "waves", "", 0, 1000,
+          "how often at most the search goes on around its best candidate: starts with drifts near its own, "
+          "refits without one of its landmarks"},
+      o.waves);
   visit(Option{"start",
                "",
                0,
