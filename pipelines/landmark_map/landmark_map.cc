@@ -167,7 +167,7 @@ std::string Note(const Schedule& done, double log_likelihood, std::size_t landma
 
 cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   const BlobPtr log = inputs.Get("log");
-  const Beginning beginning = BeginningOf(options_, inputs);
+  const Beginning beginning = BeginningOf(inputs.Has("map") ? options_ : ForSearch(options_, *log), inputs);
   const Settings& settings = beginning.settings;
   const std::vector<std::string> robots = log->Texts("robots");
   std::vector<cairn::Step> starts(1);
@@ -385,6 +385,31 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
   return step;
 }
 
+void LandmarkMap::Refine(const std::vector<Landmark>& landmarks, const Settings& coarse, const Inputs& inputs,
+                         cairn::Step* step) const {
+  const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
+  State& state = *step->plan.mutable_state();
+  const Carried found = Carried::Load(state, robots.size());
+  const Beginning beginning = BeginningOf(options_, inputs);
+  const GridSpec &fine = beginning.settings.map.grid, &before = coarse.map.grid;
+  std::vector<RobotSteps> all;
+  Carried carried = MakeAllSteps(*inputs.Get("log"), options_, beginning, step, &all);
+  carried.odometry = found.odometry;
+  const double cells =
+      (before.cell_m / fine.cell_m) * (before.cell_m / fine.cell_m) * fine.headings / before.headings;
+  carried.work[0] = cells * found.work[0];
+  Schedule schedule = Schedule::Load(state);
+  schedule.robots = 1;
+  schedule.settled = 0;
+  schedule.summarise = false;
+  schedule.Store(&state);
+  carried.Store(&state);
+  const LayeredGrid counts = CountsOf(landmarks, beginning.settings.map);
+  const Perception perception = PerceptionOf(MapOf(counts, beginning.settings.map), beginning.settings.map);
+  (*state.mutable_blobs())["counts"] = step->Share(StoredCounts(counts));
+  (*state.mutable_blobs())["perception"] = step->Share(perception.ToBlob());
+}
+
 cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inputs) const {
   CandidateRounds rounds(options_, std::move(starts), inputs);
   const Settings settings = rounds.settings();
@@ -398,6 +423,8 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
   }
   std::vector<cairn::Step> ended = std::move(rounds).Take();
   cairn::Step step = std::move(ended[static_cast<std::size_t>(choice.best)]);
+  if (Resolve(options_, *inputs.Get("log")).map.grid.cell_m < settings.map.grid.cell_m)
+    Refine(candidates[static_cast<std::size_t>(choice.best)].landmarks, settings, inputs, &step);
   (*step.plan.mutable_state()->mutable_blobs())["search"] = step.Share(ToBlob(candidates, choice, settings));
   PlanTasks(options_, inputs.Get("log")->Texts("robots"), &step.plan);
   step.plan.set_note(Sentence(candidates, choice));

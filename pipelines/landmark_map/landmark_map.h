@@ -33,6 +33,9 @@ class LandmarkMap : public Pipeline {
                            const Blob& history, const State& state, const Inputs& inputs) const;
   // Candidate starts advance together until EM of the first robot has ended in all of them.
   cairn::Step AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const;
+  // The State of the best candidate, on the finer grid that was asked for: EM goes on from its landmarks.
+  void Refine(const std::vector<Landmark>& landmarks, const Settings& coarse, const Inputs& inputs,
+              cairn::Step* step) const;
   // With candidates around the best one, or, where there is nothing better, with that alone.
   cairn::Step GoOn(std::vector<cairn::Step> starts, const Inputs& inputs) const;
 

@@ -366,6 +366,14 @@ Settings Resolve(const Options& options, const Blob& log) {
   return settings;
 }
 
+Options ForSearch(const Options& options, const Blob& log) {
+  const Settings asked = Resolve(options, log);
+  if (asked.starts < 2 || !(options.cell_m > 0)) return options;
+  Options coarse = options;
+  coarse.cell_m = coarse.heading_deg = 0.0;
+  return Resolve(coarse, log).map.grid.cell_m > asked.map.grid.cell_m ? coarse : options;
+}
+
 void Schedule::Store(State* state) const {
   auto& scalars = *state->mutable_scalars();
   scalars["iteration"].set_i(iteration);

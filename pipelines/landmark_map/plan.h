@@ -41,6 +41,9 @@ double DriftStep(int starts);
 // From the options, the log's nominal figures, and defaults where both are silent. Throws InputError.
 Settings Resolve(const Options& options, const Blob& log);
 
+// The same options for the search of several starts: on the default grid, where a finer one is asked for.
+Options ForSearch(const Options& options, const Blob& log);
+
 // Where EM stands. Robots but the first start anywhere ([TBF98] section 8): they join when there is a map.
 struct Schedule {
   std::int64_t iteration = 0;   // E-steps done

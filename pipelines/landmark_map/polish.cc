@@ -239,6 +239,15 @@ std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& path
   return polished;
 }
 
+LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rules) {
+  LayeredGrid counts = NoCounts(rules);
+  for (const Landmark& landmark : landmarks) {
+    const int layer = landmark.type < rules.types ? landmark.type : rules.types + landmark.kind;
+    Spread(landmark, landmark.count, rules.grid.cell_m, &counts.layers[static_cast<std::size_t>(layer)]);
+  }
+  return counts;
+}
+
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
                       const std::vector<Landmark>& now, const MapRules& rules) {
   std::vector<std::vector<double>> masses;

@@ -33,6 +33,9 @@ std::vector<SettledPath> SettledPaths(const RoundSum& sum, const std::vector<Rob
 std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& paths, const Settings& settings,
                                             const std::vector<Landmark>& landmarks);
 
+// What EM expects where it knows no more than these landmarks: on any grid.
+LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rules);
+
 // The expected counts with each landmark's mass where it now stands.
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
                       const std::vector<Landmark>& now, const MapRules& rules);

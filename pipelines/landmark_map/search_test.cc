@@ -148,6 +148,26 @@ TEST(Search, ADriftFarOutsideItsPriorMustPay) {
   EXPECT_GT(unpaid(triangle), unpaid(best));
 }
 
+TEST(Search, IsOnTheCoarseGridWhereAFineOneIsAskedFor) {
+  const Blob log = SquareLog{.laps = 3, .side_m = 60.0}.Make();
+  const Options options{.cell_m = 0.25, .heading_deg = 2.5};
+  const std::string coarse = Resolve({}, log).ToBlob().ContentHash().Binary();
+  const std::string fine = Resolve(options, log).ToBlob().ContentHash().Binary();
+  std::vector<std::string> grids;  // settings of the rounds
+  const BlobPtr found = RunInProcess(
+      LandmarkMap(options), {{"log", std::make_shared<const Blob>(log)}}, [&](const proto::Step& step) {
+        const auto& blobs = step.state().blobs();
+        if (blobs.empty()) return;  // the result
+        grids.push_back(blobs.contains("settings") ? blobs.at("settings") : blobs.at("start/0/settings"));
+      });
+  ASSERT_GT(grids.size(), 4U);
+  EXPECT_EQ(grids.front(), coarse);
+  EXPECT_EQ(grids.back(), fine);
+  EXPECT_GT(std::ranges::count(grids, fine), 2) << "EM goes on there";
+  EXPECT_EQ(found->Scalar<double>("map/grid/cell_m"), 0.25);
+  EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
+}
+
 // Turned by 46 degrees more or less at each corner, the way leaves the box; that is no reason to give up.
 TEST(Search, AStartWithoutAPathIsLeftOut) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
