@@ -160,11 +160,12 @@ int StartsOf(const Options& options, const Sensing& sensing) {
 }
 
 // Over how much way a constant drift is unknown. Of several starts one is right to within a part of the
-// drift: the distance between theirs, of which an even spread has 1/12 in square.
-double DriftLength(const Options& options, int starts, double cell_m) {
+// drift: the distance between theirs, of which an even spread has 1/12 in square. Where the log does not tell
+// how much it drifts the starts may all lie beside it.
+double DriftLength(const Options& options, const Blob& log, int starts, double cell_m) {
   if (options.drift_length_m > 0) return options.drift_length_m;
   const double length_m = 150.0 * cell_m;
-  if (starts < 2) return length_m;
+  if (starts < 2 || !log.Has("noise/heading_drift_rad_per_m")) return length_m;
   return std::min(1.0, Square(DriftStep(starts)) / 12.0) * length_m;
 }
 
@@ -337,7 +338,7 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.exact = options.model == "exact";
 
   settings.starts = StartsOf(options, sensing);
-  settings.noise = NoiseOf(options, log, sensing, DriftLength(options, settings.starts, grid.cell_m));
+  settings.noise = NoiseOf(options, log, sensing, DriftLength(options, log, settings.starts, grid.cell_m));
   constexpr double kShortestLeg = 0.1;  // cells: below, steps are many and say nothing
   if (options.max_leg_m > 0 && options.max_leg_m < kShortestLeg * grid.cell_m) {
     throw InputError("max_leg_m: 0, or at least a tenth of a cell");

@@ -152,7 +152,10 @@ TEST(Schedule, RoundsLeftAreThoseThatAtMostCome) {
 
 // Five standard deviations of drift, of which each of ten starts leaves a standard deviation open.
 TEST(Resolve, ManyStartsLeaveLessOfTheDriftUnknown) {
-  const Blob log = SquareLog{}.Make();
+  Blob log = SquareLog{}.Make();
+  EXPECT_EQ(Resolve({.cell_m = 1.0, .starts = 10}, log).noise.drift_length_m, 150.0)
+      << "nobody knows how much";
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.002);
   const double one = Resolve({.cell_m = 1.0, .starts = 1}, log).noise.drift_length_m;
   EXPECT_EQ(one, 150.0);
   EXPECT_NEAR(Resolve({.cell_m = 1.0, .starts = 10}, log).noise.drift_length_m, one / 12.0, 1e-9);
