@@ -152,11 +152,17 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
   return std::clamp(cell_m / std::max(sensing.mean_range_m, 0.1) / kDegree, 1.0, 5.0);
 }
 
+// Starts spread over the drift that the log states.
+bool TellsDrift(const Blob& log) { return log.Has("noise/heading_drift_rad_per_m"); }
+
 // With identities there is little to be taken for another, and the exact model may call a start impossible.
-int StartsOf(const Options& options, const Sensing& sensing) {
+// Sightings tie a path down at every step: where the log does not tell its drift, starts far from it only
+// cost.
+int StartsOf(const Options& options, const Blob& log, const Sensing& sensing) {
   constexpr int kSearch = 10;
   if (options.starts > 0) return static_cast<int>(options.starts);
-  return sensing.identified == sensing.observations || options.model == "exact" ? 1 : kSearch;
+  const bool identified = sensing.identified == sensing.observations;
+  return identified || options.model == "exact" || (sensing.ranged > 0 && !TellsDrift(log)) ? 1 : kSearch;
 }
 
 // Over how much way a constant drift is unknown. Of several starts one is right to within a part of the
@@ -165,7 +171,7 @@ int StartsOf(const Options& options, const Sensing& sensing) {
 double DriftLength(const Options& options, const Blob& log, int starts, double cell_m) {
   if (options.drift_length_m > 0) return options.drift_length_m;
   const double length_m = 150.0 * cell_m;
-  if (starts < 2 || !log.Has("noise/heading_drift_rad_per_m")) return length_m;
+  if (starts < 2 || !TellsDrift(log)) return length_m;
   return std::min(1.0, Square(DriftStep(starts)) / 12.0) * length_m;
 }
 
@@ -337,7 +343,7 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.false_rate_per_m2 = options.false_rate_per_m2;
   settings.map.exact = options.model == "exact";
 
-  settings.starts = StartsOf(options, sensing);
+  settings.starts = StartsOf(options, log, sensing);
   settings.noise = NoiseOf(options, log, sensing, DriftLength(options, log, settings.starts, grid.cell_m));
   constexpr double kShortestLeg = 0.1;  // cells: below, steps are many and say nothing
   if (options.max_leg_m > 0 && options.max_leg_m < kShortestLeg * grid.cell_m) {
