@@ -43,7 +43,8 @@ struct Options {
 
 template <class V>
 void VisitOptions(V& visit, Options& o) {
-  visit(Option{"cell_m", "m", 0, 100, "edge of a map cell; 0: a 90th of the first robot's extent"}, o.cell_m);
+  visit(Option{"cell_m", "m", 0, 100, "edge of a map cell; 0: a 90th of the first robot's extent, on which several starts are searched even where "
+        "this is finer"}, o.cell_m);
   visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
         o.heading_deg);
   visit(
@@ -85,8 +86,8 @@ void VisitOptions(V& visit, Options& o) {
         o.beliefs);
   visit(Option{"starts", "", 0, 1000,
                "candidate starts of EM, which differ in the drift taken off the first robot's odometry and "
-               "in how much data comes first; the data choose one; 0: 10 without identities, 1 with them or "
-               "with model exact"},
+               "in how much data comes first; the data choose one; 0: 10 without identities, 1 with them, "
+               "with model exact, and for sightings whose log states no drift"},
         o.starts);
   visit(
       Option{

@@ -18,12 +18,13 @@ measure() {
   cairn run landmark_map "$log" "${settings[@]}" --dry-run --json >plan.json
   cairn run landmark_map "$log" "${settings[@]}" --workers 1 --out "$name" >/dev/null 2>&1 &
   local run=$! worker ticks=0 resident=0 store=0 now
-  worker=$(until pgrep -P "$run" -f cairn-worker; do kill -0 "$run" || break; done)
   while kill -0 "$run" 2>/dev/null; do  # the worker is gone with the run, so look at it often
+    worker=$(pgrep -P "$run" -f cairn-worker | head -n 1 || true)  # not a child that reads a file
+    [ -n "$worker" ] || continue
     now=$(awk '/^VmHWM/ {print $2}' "/proc/$worker/status" 2>/dev/null || true)
-    [ -z "$now" ] || resident=$now
+    [ "${now:-0}" -le "$resident" ] || resident=$now
     now=$(awk '{print $14 + $15}' "/proc/$worker/stat" 2>/dev/null || true)
-    [ -z "$now" ] || ticks=$now
+    [ "${now:-0}" -le "$ticks" ] || ticks=$now
     now=$(du -sk "$name/.cairn" 2>/dev/null | cut -f 1 || true)
     [ "${now:-0}" -le "$store" ] || store=$now
   done
