@@ -378,7 +378,11 @@ Options ForSearch(const Options& options, const Blob& log) {
   if (asked.starts < 2 || !(options.cell_m > 0)) return options;
   Options coarse = options;
   coarse.cell_m = coarse.heading_deg = 0.0;
-  return Resolve(coarse, log).map.grid.cell_m > asked.map.grid.cell_m ? coarse : options;
+  // Beyond that a map does not make the fine grid small enough: the job is reckoned, and refused, as it
+  // stands.
+  constexpr double kFinest = 1.0 / 25.0;
+  const double ratio = asked.map.grid.cell_m / Resolve(coarse, log).map.grid.cell_m;
+  return ratio < 1.0 && ratio >= kFinest ? coarse : options;
 }
 
 }  // namespace cairn::landmark_map
