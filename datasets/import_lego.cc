@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <vector>
 
 #include "datasets/import_recorded.h"
@@ -57,20 +56,6 @@ class LetteredFile {
   std::string path_, text_;
   BadLines* bad_;
 };
-
-std::string Find(const std::string& folder, const std::string& name) {
-  for (const char* ending : {"", ".gz"}) {
-    const std::filesystem::path path = std::filesystem::path(folder) / (name + ending);
-    if (std::filesystem::is_regular_file(path)) return path.string();
-  }
-  return {};
-}
-
-std::string Need(const std::string& folder, const std::string& name) {
-  const std::string path = Find(folder, name);
-  if (path.empty()) throw InputError(folder + ": there is no " + name + "(.gz) in it");
-  return path;
-}
 
 // Ticks to controls; returns the time of each row. One that repeats the time before counts as a millisecond
 // later, or its scan and the one before would be taken for one.
@@ -168,10 +153,10 @@ ImportReport ImportLegoRobot(const RecordedImportOptions& options, Blob* log) {
   RobotRows& robot = rows.robots.emplace_back();
   robot.name = "lego";
   const std::vector<double> times =
-      ReadMotors(Need(options.folder, "robot4_motors.txt"), &bad, &robot.odometry);
-  ReadPoles(Need(options.folder, "cylinders.txt"), &bad, times, &robot.observations);
-  ReadReference(Find(options.folder, "robot4_reference.txt"), &bad, times, &robot.truth);
-  ReadArena(Find(options.folder, "robot_arena_landmarks.txt"), &bad, &rows);
+      ReadMotors(NeedFile(options.folder, "robot4_motors.txt"), &bad, &robot.odometry);
+  ReadPoles(NeedFile(options.folder, "cylinders.txt"), &bad, times, &robot.observations);
+  ReadReference(FindFile(options.folder, "robot4_reference.txt"), &bad, times, &robot.truth);
+  ReadArena(FindFile(options.folder, "robot_arena_landmarks.txt"), &bad, &rows);
   report.skipped = bad.counts();
   *log = MakeLog(rows, options.folder, &report);
   return report;

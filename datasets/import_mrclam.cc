@@ -71,20 +71,8 @@ class MrclamImport {
     return "Robot" + std::to_string(subject) + "_" + what + ".dat";
   }
 
-  // The file as it is or gzipped; empty where there is none.
-  std::string Find(const std::string& name) const {
-    for (const char* ending : {"", ".gz"}) {
-      const std::filesystem::path path = std::filesystem::path(options_.folder) / (name + ending);
-      if (std::filesystem::is_regular_file(path)) return path.string();
-    }
-    return {};
-  }
-
-  std::string Need(const std::string& name) const {
-    const std::string path = Find(name);
-    if (path.empty()) throw InputError(options_.folder + ": there is no " + name + "(.gz) in it");
-    return path;
-  }
+  std::string Find(const std::string& name) const { return FindFile(options_.folder, name); }
+  std::string Need(const std::string& name) const { return NeedFile(options_.folder, name); }
 
   bool HasFileOf(int subject) const {
     return std::ranges::any_of(kFilesOfARobot,

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <vector>
 
@@ -34,19 +33,8 @@ class VictoriaImport {
   }
 
  private:
-  std::string Find(const std::string& name) const {
-    for (const char* ending : {"", ".gz"}) {
-      const std::filesystem::path path = std::filesystem::path(options_.folder) / (name + ending);
-      if (std::filesystem::is_regular_file(path)) return path.string();
-    }
-    return {};
-  }
-
-  std::string Need(const std::string& name) const {
-    const std::string path = Find(name);
-    if (path.empty()) throw InputError(options_.folder + ": there is no " + name + "(.gz) in it");
-    return path;
-  }
+  std::string Find(const std::string& name) const { return FindFile(options_.folder, name); }
+  std::string Need(const std::string& name) const { return NeedFile(options_.folder, name); }
 
   std::vector<double> Column(const std::string& name) {
     std::vector<double> column;

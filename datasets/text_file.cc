@@ -21,6 +21,20 @@ struct GzClose {
 
 }  // namespace
 
+std::string FindFile(const std::string& folder, const std::string& name) {
+  for (const char* ending : {"", ".gz"}) {
+    const std::filesystem::path path = std::filesystem::path(folder) / (name + ending);
+    if (std::filesystem::is_regular_file(path)) return path.string();
+  }
+  return {};
+}
+
+std::string NeedFile(const std::string& folder, const std::string& name) {
+  const std::string path = FindFile(folder, name);
+  if (path.empty()) throw InputError(folder + ": there is no " + name + "(.gz) in it");
+  return path;
+}
+
 std::string ReadText(const std::string& path) {
   if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, not a file");
   errno = 0;

@@ -14,6 +14,12 @@ namespace cairn::datasets {
 // there, a damaged or truncated gzip stream.
 std::string ReadText(const std::string& path);
 
+// The path of FOLDER/NAME, or of FOLDER/NAME.gz; empty where neither is a file.
+std::string FindFile(const std::string& folder, const std::string& name);
+
+// The same; throws InputError that names folder and file where there is none.
+std::string NeedFile(const std::string& folder, const std::string& name);
+
 // Walks over the lines of a text: without their ends (LF or CR LF), without a byte order mark.
 class Lines {
  public:
