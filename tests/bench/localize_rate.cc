@@ -21,6 +21,7 @@
 #include "datasets/simulate_loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
+#include "tests/bench/bench_main.h"
 #include "tests/bench/stage_option.h"
 
 namespace cairn {
@@ -191,11 +192,4 @@ int Main(const std::vector<std::string>& args) {
 }  // namespace
 }  // namespace cairn
 
-int main(int argc, char** argv) {
-  try {
-    return cairn::Main({argv + 1, argv + argc});
-  } catch (const cairn::InputError& error) {
-    std::fprintf(stderr, "localize_rate: %s\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return cairn::BenchMain("localize_rate", cairn::Main, argc, argv); }

@@ -11,6 +11,7 @@
 #include "datasets/reproduce/landmark_study.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
+#include "tests/bench/bench_main.h"
 #include "tests/bench/stage_option.h"
 
 namespace cairn {
@@ -63,11 +64,4 @@ int Main(const std::vector<std::string>& args) {
 }  // namespace
 }  // namespace cairn
 
-int main(int argc, char** argv) {
-  try {
-    return cairn::Main({argv + 1, argv + argc});
-  } catch (const cairn::InputError& error) {
-    std::fprintf(stderr, "prefix_rate: %s\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return cairn::BenchMain("prefix_rate", cairn::Main, argc, argv); }

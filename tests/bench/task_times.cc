@@ -12,8 +12,8 @@
 
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
-#include "schema/numerics.h"
 #include "schema/store/blob_file.h"
+#include "tests/bench/bench_main.h"
 #include "tests/bench/stage_option.h"
 
 namespace cairn {
@@ -105,12 +105,4 @@ int Main(const std::vector<std::string>& args) {
 }  // namespace
 }  // namespace cairn
 
-int main(int argc, char** argv) {
-  try {
-    cairn::FixNumericsOfProcess();
-    return cairn::Main({argv + 1, argv + argc});
-  } catch (const cairn::InputError& error) {
-    std::fprintf(stderr, "task_times: %s\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return cairn::BenchMain("task_times", cairn::Main, argc, argv); }

@@ -21,7 +21,7 @@
 #include "pipelines/common/motion.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
-#include "schema/numerics.h"
+#include "tests/bench/bench_main.h"
 #include "tests/bench/stage_option.h"
 
 namespace cairn {
@@ -228,13 +228,12 @@ void PrintStencils() {
       std::isnan(sink) ? " (not a number)" : "");
 }
 
-int Main(std::vector<std::string> args) {
+int Main(const std::vector<std::string>& words) {
   Options everywhere;
-  std::erase_if(args, [&](const std::string& word) {
-    const bool option = word.find('=') != std::string::npos;
-    if (option) everywhere.push_back(word);
-    return option;
-  });
+  std::vector<std::string> args;
+  for (const std::string& word : words) {
+    (word.find('=') != std::string::npos ? everywhere : args).push_back(word);
+  }
   const int first = args.empty() ? 101 : std::atoi(args[0].c_str());
   const int last = args.size() < 2 ? std::max(first, 120) : std::atoi(args[1].c_str());
   if (args.size() > 2 || first < 1 || last < first) {
@@ -250,12 +249,4 @@ int Main(std::vector<std::string> args) {
 }  // namespace
 }  // namespace cairn
 
-int main(int argc, char** argv) {
-  try {
-    cairn::FixNumericsOfProcess();
-    return cairn::Main({argv + 1, argv + argc});
-  } catch (const cairn::InputError& error) {
-    std::fprintf(stderr, "tricks: %s\n", error.what());
-    return 2;
-  }
-}
+int main(int argc, char** argv) { return cairn::BenchMain("tricks", cairn::Main, argc, argv); }
