@@ -81,6 +81,27 @@ TEST(Polish, OdometryWithoutErrorGivesLandmarksWithoutError) {
       << "it is nearest to the start";
 }
 
+// A robot that stands at the origin and presses n times: the landmark's variance is the press's over n.
+TEST(Polish, TheCovarianceIsThatOfTheMean) {
+  SettledPath path;
+  path.steps.time_s = path.steps.odo_x_m = path.steps.odo_y_m = path.steps.odo_heading_rad = {0.0};
+  path.steps.path_m = path.steps.turn_rad = {0.0};
+  path.x_m = path.y_m = path.correction_rad = {0.0};
+  constexpr int kPresses = 5;
+  path.steps.first_observation = {0, kPresses};
+  path.steps.observations.assign(kPresses, {0, 0.0, 0.0});
+  path.associated.landmark.assign(kPresses, 0);
+  path.associated.probability.assign(kPresses, 1.0);
+  path.odometry = OdometryFit::Of(SomeSettings().noise);
+  const auto polished = Polish({path}, SomeSettings(), {{0.5, -0.5, {1, 0, 0, 1}, 0, kPresses}});
+  ASSERT_TRUE(polished.has_value());
+  const double sd = SomeSettings().map.observation_m;
+  const double variance = sd * sd / kPresses;
+  EXPECT_NEAR((*polished)[0].covariance_m2[0], variance, 1e-6 * variance);
+  EXPECT_NEAR((*polished)[0].covariance_m2[3], variance, 1e-6 * variance);
+  EXPECT_NEAR((*polished)[0].covariance_m2[1], 0.0, 1e-6 * variance);
+}
+
 // Half of the drift's nominal width: 11 degrees a lap.
 TEST(Polish, FindsADriftThatIsLeft) {
   const auto polished = Polish({RoundAndRound(0.0025)}, SomeSettings(), Corners(0.6));
