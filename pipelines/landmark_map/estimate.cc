@@ -87,9 +87,8 @@ Box BoxOf(const LayeredGrid& grid) {
 }
 
 double MStepMb(const Box& box, bool identified, const MapRules& rules) {
-  constexpr double kTables = 9.0;
   if (box.empty()) return 0.0;
-  return kTables * kCellMb * static_cast<double>((identified ? box : GrownByRadius(box, rules)).cells());
+  return kMStepTables * kCellMb * static_cast<double>((identified ? box : GrownByRadius(box, rules)).cells());
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
 std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried);
 
 // Of the M-step's tables: counts, a partial's, the map, its sums over the perceptual radius, the likelihood.
+inline constexpr double kMStepTables = 9.0;
 double MStepBytes(const LayeredGrid& counts, const MapRules& rules);
 
 // Throws InputError that names both figures where `what` needs more than is allowed.

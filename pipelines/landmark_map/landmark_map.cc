@@ -169,9 +169,8 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   const BlobPtr log = inputs.Get("log");
   const Options search = inputs.Has("map") ? options_ : ForSearch(options_, *log);
   if (search.cell_m != options_.cell_m) {  // the search tells nothing of what the finer grid takes
-    constexpr double kTables = 9.0;        // of the M-step, over all that odometry covers
     const Settings fine = Resolve(options_, *log);
-    RefuseMemory("the M-step", kTables * sizeof(double) * fine.places, fine.memory_mb);
+    RefuseMemory("the M-step", kMStepTables * sizeof(double) * fine.places, fine.memory_mb);
   }
   const Beginning beginning = BeginningOf(search, inputs);
   const Settings& settings = beginning.settings;
