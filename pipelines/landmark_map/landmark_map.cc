@@ -16,6 +16,7 @@
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
+#include "pipelines/landmark_map/slice_task.h"
 #include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
@@ -85,38 +86,6 @@ std::vector<RobotSteps> StepsOf(const Inputs& inputs, std::size_t robots) {
   for (std::size_t r = 0; r < robots; ++r)
     steps.push_back(RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r))));
   return steps;
-}
-
-// A table that another task handed over; a layer for each heading.
-LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std::string& prefix,
-                       int headings) {
-  LayeredGrid grid = LayeredGrid::LoadSparse(prefix, *inputs.Get(input));
-  if (grid.layers.size() != static_cast<std::size_t>(headings)) {
-    throw InputError("the input '" + input + "' has " + std::to_string(grid.layers.size()) +
-                     " layers where the grid has " + std::to_string(headings) + " headings");
-  }
-  return grid;
-}
-
-// alpha before the slice's first step.
-LayeredGrid Before(const Task& task, const Options& options, const Inputs& inputs, const EStepModel& model,
-                   const Slice& slice) {
-  if (inputs.Has("before")) return HandedOver(inputs, "before", "alpha/", model.grid.headings);
-  const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
-  return StartsAnywhere(options, robot) ? UniformStart(model, slice) : DiracStart(model.grid);
-}
-
-// The steps of a task's slice: from where the forward task before it ended to where the backward task after
-// it began; `forward` tasks may go on to the end of all.
-std::pair<int, int> Range(const Task& task, const Inputs& inputs) {
-  const int first = inputs.Has("before") ? inputs.Get("before")->Scalar<std::int32_t>("end") : 0;
-  const int end = inputs.Has("beta") ? inputs.Get("beta")->Scalar<std::int32_t>("first")
-                                     : static_cast<int>(task.params().at("count").i());
-  if (first < 0 || first > end || end > task.params().at("count").i()) {
-    throw InputError("the inputs name the steps from " + std::to_string(first) + " to " +
-                     std::to_string(end) + ", which are none");
-  }
-  return {first, end};
 }
 
 // What the next E-step of each robot should cost: what the last one did, or, of a robot that joins, what a
@@ -201,78 +170,17 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
 
 // That no path fits one of several starts is that start's affair.
 Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  if (!task.params().contains("start")) return RunSlice(task, inputs, progress);
+  if (!task.params().contains("start")) return RunSlice(options_, task, inputs, progress);
   for (const char* earlier : {"before", "beta"}) {
     if (inputs.Has(earlier) && inputs.Get(earlier)->Has(kFailure)) return *inputs.Get(earlier);
   }
   try {
-    return RunSlice(task, inputs, progress);
+    return RunSlice(options_, task, inputs, progress);
   } catch (const NoPathError& error) {
     Blob partial;
     partial.Put(kFailure, Array::Text(error.what()));
     return partial;
   }
-}
-
-Blob LandmarkMap::RunSlice(const Task& task, const Inputs& inputs, Progress& progress) const {
-  const auto& params = task.params();
-  const auto [first, end] = Range(task, inputs);
-  if (first == end) {  // an empty slice
-    Blob partial;
-    partial.PutScalar<std::int32_t>(task.kind() == "forward" ? "end" : "first", end);
-    return partial;
-  }
-  const OdometryFit odometry = OdometryOf(task);
-  Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  settings.noise = odometry.Widths(settings.noise);
-  const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps")).WithoutDrift(odometry.drift_rad_per_m);
-  Perception perception;
-  const bool mapped = inputs.Has("perception");
-  if (mapped) perception = Perception::FromBlob(*inputs.Get("perception"));
-  EStepModel model = settings.Model(mapped ? &perception : nullptr);
-  const Slice slice{steps, first, end, params.at("name").s()};
-  // Where the map has no landmark a first press is false: a thousandth as likely, which it survives only so.
-  constexpr double kWhereLost = 0.1;
-  if (StartsAnywhere(options_, static_cast<std::size_t>(params.at("robot").i()))) model.prune *= kWhereLost;
-  LayeredGrid before = Before(task, options_, inputs, model, slice);
-  if (task.kind() == "forward") {
-    const Frontier frontier = ForwardFor(model, slice, std::move(before), params.at("work").d(), progress);
-    Blob partial;
-    frontier.alpha.StoreSparse("alpha/", &partial);
-    partial.PutScalar<std::int32_t>("end", frontier.end);
-    return partial;
-  }
-  const Alphas alphas = Forward(model, slice, before, progress);
-  const bool later = inputs.Has("beta") && inputs.Get("beta")->Has("beta/box");
-  LayeredGrid beta =
-      later ? HandedOver(inputs, "beta", "beta/", model.grid.headings) : UniformBeta(alphas.tables.back());
-  for (std::size_t c = 0; c < beta.layers.size(); ++c) {
-    if (beta.layers[c].box != alphas.tables.back().layers[c].box)
-      throw InputError("the input 'beta' does not lie where alpha does, in layer " + std::to_string(c));
-  }
-  std::vector<Landmark> landmarks;
-  const bool summarise = params.at("summarise").b();
-  if (summarise) landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
-  PartialBuilder builder(settings, slice, static_cast<int>(params.at("robot").i()),
-                         summarise ? &landmarks : nullptr, NoCounts(settings.map));
-  if (options_.beliefs) builder.KeepBeliefs();
-  const double tables = sizeof(double) * static_cast<double>(alphas.Cells());
-  const auto add = [&](int step, const LayeredGrid& belief) {
-    builder.Add(step, belief);
-    RefuseMemory("alphas and counts", tables + sizeof(double) * static_cast<double>(builder.counts().cells()),
-                 settings.memory_mb);
-  };
-  Visitor visitor{add, nullptr};
-  if (options_.calibrate) {
-    visitor.leg = [&](int step, const HalfTurn& posterior) { builder.AddLeg(step, posterior); };
-  }
-  if (options_.revise)
-    beta = Backward(model, slice, alphas, before, std::move(beta), progress, visitor);
-  else
-    beta = ForwardOnly(slice, alphas, before, visitor);
-  Blob partial = builder.Finish(alphas);
-  if (slice.first > 0) beta.StoreSparse("beta/", &partial);
-  return partial;
 }
 
 cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {

@@ -25,8 +25,7 @@ class LandmarkMap : public Pipeline {
   cairn::Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
 
  private:
-  // An E-step of one map, planned and done.
-  Blob RunSlice(const Task& task, const Inputs& inputs, Progress& progress) const;
+  // The M-step of one map.
   cairn::Step AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const;
   // The last E-step once more, with the polished map.
   cairn::Step SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,
