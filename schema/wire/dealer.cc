@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "schema/wire/endpoint.h"
@@ -24,20 +23,12 @@ LinkEvent Translate(int event, std::uint32_t value, bool with_keys) {
                                                                           : LinkEvent::kHandshakeFailed;
 }
 
-void OpenMonitor(zmq::context_t& context, zmq::socket_t& socket, zmq::socket_t& monitor) {
-  const std::string address =
-      "inproc://monitor-" + std::to_string(reinterpret_cast<std::uintptr_t>(socket.handle()));
-  if (zmq_socket_monitor(socket.handle(), address.c_str(), kWatched) != 0) throw zmq::error_t();
-  monitor = zmq::socket_t(context, zmq::socket_type::pair);
-  monitor.set(zmq::sockopt::linger, 0);
-  monitor.connect(address);
-}
-
 }  // namespace
 
 Status DealerSocket::Impl::Open() {
   again_at.reset();
   connected = told = false;
+  monitor.reset();
   try {
     socket = zmq::socket_t(context->zmq, zmq::socket_type::dealer);
     SetCommonOptions(socket, options);
@@ -52,7 +43,7 @@ Status DealerSocket::Impl::Open() {
       socket.set(zmq::sockopt::curve_publickey, security->keys.public_key);
       socket.set(zmq::sockopt::curve_secretkey, security->keys.secret_key);
     }
-    OpenMonitor(context->zmq, socket, monitor);
+    monitor.emplace(context->zmq, socket, kWatched);
     socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
     return ZmqStatus(endpoint, error);
@@ -95,14 +86,9 @@ DealerSocket& DealerSocket::operator=(DealerSocket&&) noexcept = default;
 DealerSocket::~DealerSocket() = default;
 
 std::optional<LinkEvent> DealerSocket::Impl::NextEvent() {
-  // Frame one: event (16 bits) and value (32); frame two: address. None of ours, so no limits apply.
-  const std::vector<zmq::message_t> frames = ReceiveFrames(monitor, {});
-  if (frames.empty()) return std::nullopt;
-  std::uint16_t event = 0;
-  std::uint32_t value = 0;
-  std::memcpy(&event, frames[0].data(), sizeof event);
-  std::memcpy(&value, frames[0].data<std::byte>() + sizeof event, sizeof value);
-  return Translate(event, value, security.has_value());
+  const std::optional<Monitor::Event> event = monitor ? monitor->Next() : std::nullopt;
+  if (!event) return std::nullopt;
+  return Translate(event->kind, event->value, security.has_value());
 }
 
 std::optional<LinkEvent> DealerSocket::TryEvent() {

@@ -65,14 +65,7 @@ bool Bucket::Take(double now_s) {
 
 Doorman::Doorman(zmq::context_t& context, zmq::socket_t& router,
                  std::optional<std::filesystem::path> allow_list, const ConnectionLimits& limits)
-    : limits_(limits) {
-  const std::string address =
-      "inproc://door-" + std::to_string(reinterpret_cast<std::uintptr_t>(router.handle()));
-  if (zmq_socket_monitor(router.handle(), address.c_str(), kWatched) != 0) throw zmq::error_t();
-  monitor_ = zmq::socket_t(context, zmq::socket_type::pair);
-  monitor_.set(zmq::sockopt::linger, 0);
-  monitor_.set(zmq::sockopt::rcvhwm, 0);  // ZeroMQ's thread waits where an event has no room
-  monitor_.connect(address);
+    : limits_(limits), monitor_(context, router, kWatched) {
   if (!allow_list) return;
   allow_list_.emplace(*allow_list);
   zap_ = zmq::socket_t(context, zmq::socket_type::rep);
@@ -98,15 +91,7 @@ void Doorman::Loop() {
                                           {nullptr, wakeup_.descriptor(), ZMQ_POLLIN, 0}};
     if (allow_list_) items.push_back({zap_.handle(), 0, ZMQ_POLLIN, 0});
     zmq_poll(items.data(), static_cast<int>(items.size()), kLookEvery.count());
-    while (true) {
-      const std::vector<zmq::message_t> frames = ReceiveFrames(monitor_, {});
-      if (frames.size() != 2) break;
-      std::uint16_t event = 0;
-      std::uint32_t value = 0;
-      std::memcpy(&event, frames[0].data(), sizeof event);
-      std::memcpy(&value, frames[0].data<std::byte>() + sizeof event, sizeof value);
-      OnEvent(event, value, frames[1].to_string());
-    }
+    while (const std::optional<Monitor::Event> event = monitor_.Next()) OnEvent(*event);
     if (allow_list_) AnswerZap();
     if (const auto now = std::chrono::steady_clock::now(); now - looked >= kLookEvery) {
       looked = now;
@@ -142,24 +127,24 @@ void Doorman::AnswerZap() {
   }
 }
 
-void Doorman::OnEvent(std::uint16_t event, std::uint32_t value, const std::string& where) {
-  switch (event) {
+void Doorman::OnEvent(const Monitor::Event& event) {
+  switch (event.kind) {
     case ZMQ_EVENT_ACCEPTED:
-      return OnAccepted(static_cast<int>(value));
+      return OnAccepted(static_cast<int>(event.value));
     case ZMQ_EVENT_ACCEPT_FAILED:
       return Count(RefusalKind::kConnections,
-                   std::string("the system gives no more: ") + std::strerror(static_cast<int>(value)));
+                   std::string("the system gives no more: ") + std::strerror(static_cast<int>(event.value)));
     case ZMQ_EVENT_DISCONNECTED: {
       const std::lock_guard lock(mutex_);
-      open_.erase(static_cast<int>(value));
+      open_.erase(static_cast<int>(event.value));
       open_count_ = open_.size();
       return;
     }
     case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
-      return Count(RefusalKind::kHandshake, HandshakeReason(value) + " (" + where + ")");
+      return Count(RefusalKind::kHandshake, HandshakeReason(event.value) + " (" + event.where + ")");
     default:
       return Count(RefusalKind::kHandshake,
-                   "it ended before it had shaken hands, or took too long (" + where + ")");
+                   "it ended before it had shaken hands, or took too long (" + event.where + ")");
   }
 }
 

@@ -15,6 +15,7 @@
 #include "schema/wire/allow_list.h"
 #include "schema/wire/internal.h"
 #include "schema/wire/limits.h"
+#include "schema/wire/monitor.h"
 #include "schema/wire/poller.h"
 #include "schema/wire/refusal.h"
 
@@ -56,7 +57,7 @@ class Doorman {
   };
   void Loop();
   void AnswerZap();
-  void OnEvent(std::uint16_t event, std::uint32_t value, const std::string& where);
+  void OnEvent(const Monitor::Event& event);
   void OnAccepted(int fd);
   bool WithinRate(const std::string& address);
   std::size_t MostConnections() const;
@@ -67,7 +68,7 @@ class Doorman {
   std::optional<AllowList> allow_list_;
   std::string endpoint_;
   zmq::socket_t zap_;
-  zmq::socket_t monitor_;
+  Monitor monitor_;
   std::map<std::string, Bucket> buckets_;  // by address
   std::atomic<std::size_t> open_count_{0};
   std::mutex mutex_;

@@ -45,7 +45,7 @@ bool Poller::Wait(std::chrono::milliseconds timeout) {
     items.push_back({router->socket.handle(), 0, ZMQ_POLLIN, 0});
   for (DealerSocket::Impl* dealer : impl_->dealers) {
     items.push_back({dealer->socket.handle(), 0, ZMQ_POLLIN, 0});
-    items.push_back({dealer->monitor.handle(), 0, ZMQ_POLLIN, 0});
+    if (dealer->monitor) items.push_back({dealer->monitor->handle(), 0, ZMQ_POLLIN, 0});
   }
   for (const Wakeup* wakeup : impl_->wakeups) items.push_back({nullptr, wakeup->fd_, ZMQ_POLLIN, 0});
   const int ready = zmq_poll(items.data(), static_cast<int>(items.size()), timeout.count());

@@ -10,6 +10,7 @@
 
 #include "schema/wire/doorman.h"
 #include "schema/wire/internal.h"
+#include "schema/wire/monitor.h"
 #include "schema/wire/socket.h"
 
 namespace cairn::wire {
@@ -35,7 +36,7 @@ struct DealerSocket::Impl {
   std::string endpoint;
   std::optional<ClientSecurity> security;
   zmq::socket_t socket;
-  zmq::socket_t monitor;
+  std::optional<Monitor> monitor;  // goes before the socket that it watches
   // After a handshake that failed: when the next is tried, and how long it was put off.
   std::optional<std::chrono::steady_clock::time_point> again_at;
   std::chrono::milliseconds pause{0};
