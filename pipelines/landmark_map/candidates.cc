@@ -128,6 +128,7 @@ cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
   cairn::Step step;
   *step.plan.mutable_state() = before;
   step.plan.mutable_state()->mutable_scalars()->erase(kWentOn);
+  GuessNothing(step.plan.mutable_state());
   StoreStart(candidates_[k].start, parent, step.plan.mutable_state());
   PlanRound(options_, robots_, schedule, Carried::Load(before, robots_.size()),
             {{"counts", StoredCounts(counts)}, {"perception", perception.ToBlob()}}, &step);

@@ -17,6 +17,7 @@
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
 #include "pipelines/landmark_map/slice_task.h"
+#include "pipelines/landmark_map/speculation.h"
 #include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
@@ -50,6 +51,7 @@ Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& b
   Carried carried;
   carried.blobs["settings"] = step->Share(settings.ToBlob());
   carried.odometry.assign(robots.size(), OdometryFit::Of(settings.noise));
+  carried.overlap.assign(robots.size(), kOverlap);
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const bool anywhere = StartsAnywhere(options, r);
     const RobotSteps steps =
@@ -100,6 +102,23 @@ std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Sc
                        : WorkWhereLost(count, model));
   }
   return work;
+}
+
+// Which of the next round's slices are guessed, and from what; the overlap doubles where it was too short.
+void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& next, Carried* carried,
+                 std::map<std::string, Blob>* fresh, State* state) {
+  for (std::size_t r = 0; options.speculate && r < static_cast<std::size_t>(next.robots); ++r) {
+    if (TooShort(sum.guessed(r), sum.confirmed(r))) {
+      carried->overlap[r] *= 2;
+      continue;  // what this round left for guesses lies elsewhere
+    }
+    const Guesses guesses = sum.GuessesOf(r);
+    const std::vector<bool> worth =
+        WorthGuessing(guesses, StepsInUse(next, carried->step_counts[r]), carried->overlap[r], next);
+    if (std::find(worth.begin(), worth.end(), true) == worth.end()) continue;
+    (*fresh)[kGuesses + std::to_string(r)] = guesses.ToBlob();
+    GuessSlices(r, worth, state);
+  }
 }
 
 // The first robot's EM has ended: what comes next is one map's affair.
@@ -210,7 +229,7 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
     RefuseStrangers(sum, Perception::FromBlob(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
                     robots);
   }
-  const Blob history = Extended(before, done, sum.log_likelihood());
+  const Blob history = Extended(before, done, sum);
   if (done.summarise) {
     const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
     if (!done.polished) {
@@ -221,7 +240,7 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
       const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
       if (const auto polished = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks)) {
         return SummaryUnder(*polished, Recentred(sum.counts(), landmarks, *polished, settings.map), history,
-                            state, inputs);
+                            sum, state, inputs);
       }
     }
     return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
@@ -247,13 +266,15 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
                                     {"perception", perception.ToBlob()},
                                     {"landmarks", ToBlob(landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
+  PlanGuesses(options_, sum, next, &carried, &fresh, step.plan.mutable_state());
   PlanRound(options_, robots, next, carried, fresh, &step);
   step.plan.set_note(Note(done, sum.log_likelihood(), landmarks.size()));
   return step;
 }
 
 cairn::Step LandmarkMap::SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,
-                                      const Blob& history, const State& state, const Inputs& inputs) const {
+                                      const Blob& history, const RoundSum& sum, const State& state,
+                                      const Inputs& inputs) const {
   const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   Schedule schedule = Schedule::Load(state);
@@ -266,7 +287,9 @@ cairn::Step LandmarkMap::SummaryUnder(const std::vector<Landmark>& landmarks, co
       {"perception", PerceptionOf(MapOf(counts, settings.map), settings.map).ToBlob()},
       {"landmarks", ToBlob(landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
-  PlanRound(options_, robots, schedule, Carried::Load(state, robots.size()), fresh, &step);
+  Carried carried = Carried::Load(state, robots.size());
+  PlanGuesses(options_, sum, schedule, &carried, &fresh, step.plan.mutable_state());
+  PlanRound(options_, robots, schedule, carried, fresh, &step);
   step.plan.set_note("polished: " + std::to_string(landmarks.size()) + " landmarks by least squares");
   return step;
 }
@@ -317,6 +340,7 @@ void LandmarkMap::Refine(const std::vector<Landmark>& landmarks, const Settings&
   schedule.summarise = false;
   schedule.Store(&state);
   carried.Store(&state);
+  GuessNothing(&state);
   const LayeredGrid counts = CountsOf(landmarks, beginning.settings.map);
   const Perception perception = PerceptionOf(MapOf(counts, beginning.settings.map), beginning.settings.map);
   (*state.mutable_blobs())["counts"] = step->Share(StoredCounts(counts));

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/pipeline.h"
 
@@ -13,7 +14,8 @@ namespace cairn::landmark_map {
 
 // Inputs (schema/FORMAT.md): log, and perhaps map, a landmark_map from which EM starts. Result: kind
 // landmark_map. A round is an E-step: a chain of tasks `forward`
-// and a chain of tasks `backward` over the time slices of each robot; Advance is the M-step. With several
+// and a chain of tasks `backward` over the time slices of each robot, or all slices side by side
+// (speculation.h); Advance is the M-step. With several
 // starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h).
 class LandmarkMap : public Pipeline {
  public:
@@ -29,7 +31,8 @@ class LandmarkMap : public Pipeline {
   cairn::Step AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const;
   // The last E-step once more, with the polished map.
   cairn::Step SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,
-                           const Blob& history, const State& state, const Inputs& inputs) const;
+                           const Blob& history, const RoundSum& sum, const State& state,
+                           const Inputs& inputs) const;
   // Candidate starts advance together until EM of the first robot has ended in all of them.
   cairn::Step AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const;
   // The State of the best candidate, on the finer grid that was asked for: EM goes on from its landmarks.

@@ -85,22 +85,6 @@ TEST(LandmarkMap, TheTriangularErrorOfThePaperWorksToo) {
   ExpectSquare(*Map(log.Make(), {.cell_m = 0.5, .motion_error = "triangular"}), 20.0, 0.7);
 }
 
-TEST(LandmarkMap, TimeSlicesGiveWhatOneSequentialPassGives) {
-  const Blob log = SquareLog{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002}.Make();
-  int whole_tasks = 0, sliced_tasks = 0;
-  const BlobPtr whole = Map(log, {.cell_m = 1.0, .starts = 1, .slice_mcells = 1000}, nullptr, &whole_tasks);
-  const BlobPtr sliced = Map(log, {.cell_m = 1.0, .starts = 1, .slice_mcells = 0.05}, nullptr, &sliced_tasks);
-  EXPECT_EQ(whole_tasks, 1);
-  EXPECT_GT(sliced_tasks, 5);
-  for (const char* name :
-       {"robot/0/poses/x_m", "robot/0/poses/y_m", "robot/0/poses/heading_rad", "robot/0/poses/covariance",
-        "robot/0/observations/probability", "map/grid/probability", "map/landmark_x_m", "map/landmark_y_m"}) {
-    const auto a = whole->Get<double>(name), b = sliced->Get<double>(name);
-    ASSERT_EQ(a.size(), b.size()) << name;
-    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-6) << name << ' ' << i;
-  }
-}
-
 // EM's promise holds for the exact model, with nothing pruned and the motion model left alone.
 TEST(LandmarkMap, TheLikelihoodNeverFallsUnderTheExactModel) {
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {

@@ -39,6 +39,7 @@ struct Options {
   double box_m = 0.0;
   double memory_mb = 4096;
   double slice_mcells = 8.0;
+  bool speculate = true;
 };
 
 template <class V>
@@ -164,6 +165,12 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"slice_mcells", "1e6", 1e-3, 1e6,
                "millions of cells, added up over its steps, in a time slice (a task)"},
         o.slice_mcells);
+  visit(
+      Option{
+          "speculate", "", 0, 0,
+          "once the map is sharp, work on a robot's time slices side by side, from guesses of the beliefs at "
+          "their ends; false: one after the other"},
+      o.speculate);
 }
 
 }  // namespace cairn::landmark_map

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace cairn::landmark_map {
 
@@ -166,7 +167,10 @@ RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
       work_(robots, 0.0),
       legs_(robots),
       first_path_m_(robots, 0.0),
-      summaries_(robots) {}
+      summaries_(robots),
+      guessed_(robots, 0),
+      confirmed_(robots, 0),
+      ends_(robots) {}
 
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
@@ -182,6 +186,22 @@ void RoundSum::Add(const Blob& partial) {
   legs_[robot].Join(LegSums::Load("legs/", partial), first_path_m_[robot]);
   first_path_m_[robot] = partial.Scalar<double>("first_path_m");
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
+  if (partial.Has("confirmed")) {
+    ++guessed_[robot];
+    confirmed_[robot] += partial.Scalar<std::int32_t>("confirmed");
+  }
+  End& end = ends_[robot].emplace_back(End{partial.Scalar<std::int32_t>("first"), {}});
+  if (partial.Has("warm/box")) end.warm = LayeredGrid::LoadSparse("warm/", partial);
+}
+
+Guesses RoundSum::GuessesOf(std::size_t robot) const {
+  Guesses guesses;
+  LayeredGrid warm;
+  for (auto end = ends_[robot].rbegin(); end != ends_[robot].rend(); ++end) {
+    guesses.first.push_back(end->first);
+    guesses.warm.push_back(std::exchange(warm, end->warm));
+  }
+  return guesses;
 }
 
 std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {

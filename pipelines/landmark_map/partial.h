@@ -7,6 +7,7 @@
 #include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/odometry_fit.h"
 #include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/speculation.h"
 #include "pipelines/landmark_map/summary.h"
 
 namespace cairn::landmark_map {
@@ -62,13 +63,19 @@ Associated AssociatedIn(const std::vector<Blob>& summaries);
 class RoundSum {
  public:
   RoundSum(LayeredGrid no_counts, std::size_t robots);
-  void Add(const Blob& partial);  // `forward` partials and those of empty slices are passed over
+  // Partials of tasks other than `backward`, and of empty slices, are passed over.
+  void Add(const Blob& partial);
 
   const LayeredGrid& counts() const { return counts_; }
   double log_likelihood() const { return log_likelihood_; }
   double log_likelihood_of(std::size_t robot) const { return log_likelihood_of_[robot]; }
   double WorkOf(std::size_t robot) const { return work_[robot]; }
   const std::vector<LegSums>& legs() const { return legs_; }  // per robot
+  // Of a robot's slices, what the next round may guess from.
+  Guesses GuessesOf(std::size_t robot) const;
+  // Slices that were guessed, and those of them that were guessed right.
+  std::int64_t guessed(std::size_t robot) const { return guessed_[robot]; }
+  std::int64_t confirmed(std::size_t robot) const { return confirmed_[robot]; }
   // The partials of one robot that hold summaries, in the order of steps.
   std::vector<Blob> SummariesOf(std::size_t robot) const;
 
@@ -80,6 +87,13 @@ class RoundSum {
   std::vector<LegSums> legs_;
   std::vector<double> first_path_m_;  // per robot: way to the earliest step so far
   std::vector<std::vector<Blob>> summaries_;
+  std::vector<std::int64_t> guessed_, confirmed_;  // per robot
+  // Per robot, last slice first: a slice's first step, alpha where the overlap before the next slice begins.
+  struct End {
+    std::int32_t first;
+    LayeredGrid warm;
+  };
+  std::vector<std::vector<End>> ends_;
 };
 
 }  // namespace cairn::landmark_map

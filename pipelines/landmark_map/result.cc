@@ -292,10 +292,12 @@ Blob EmptyHistory() {
   history.PutVector<double>("log_likelihood", {});
   history.PutVector<double>("prefix", {});
   history.PutVector<std::int64_t>("robots", {});
+  history.PutVector<std::int64_t>("guessed", {});
+  history.PutVector<std::int64_t>("confirmed", {});
   return history;
 }
 
-Blob Extended(const Blob& history, const Schedule& done, double log_likelihood) {
+Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
   Blob extended;
   const auto append = [&]<class T>(const char* name, T value) {
     const auto old = history.Get<T>(name);
@@ -303,9 +305,16 @@ Blob Extended(const Blob& history, const Schedule& done, double log_likelihood) 
     values.push_back(value);
     extended.PutVector(name, values);
   };
-  append("log_likelihood", log_likelihood);
+  std::int64_t guessed = 0, confirmed = 0;
+  for (std::size_t r = 0; r < static_cast<std::size_t>(done.robots); ++r) {
+    guessed += sum.guessed(r);
+    confirmed += sum.confirmed(r);
+  }
+  append("log_likelihood", sum.log_likelihood());
   append("prefix", done.prefix);
   append("robots", done.robots);
+  append("guessed", guessed);
+  append("confirmed", confirmed);
   return extended;
 }
 

@@ -11,7 +11,7 @@ namespace cairn::landmark_map {
 
 // The group history/: a row an iteration.
 Blob EmptyHistory();
-Blob Extended(const Blob& history, const Schedule& done, double log_likelihood);
+Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum);
 
 // The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N, and where EM made no
 // iteration the stage's map.

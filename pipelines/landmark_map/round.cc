@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/landmark_map/speculation.h"
 #include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
@@ -18,6 +19,16 @@ void VisitOdometry(S& fit, const F& f) {
   f("turn_ratio", fit.turn_ratio);
 }
 
+// State scalar, text: a letter a slice of a robot, g where it is guessed; none where all are in order and end
+// where their work does.
+constexpr const char* kGuessed = "guessed/";
+constexpr char kIsGuessed = 'g';
+
+std::string SlicesGuessed(const State& state, std::size_t robot) {
+  const auto slices = state.scalars().find(kGuessed + std::to_string(robot));
+  return slices == state.scalars().end() ? "" : slices->second.s();
+}
+
 class RoundPlanner {
  public:
   RoundPlanner(const Options& options, const Schedule& schedule, const Carried& carried, proto::Step* plan)
@@ -25,39 +36,59 @@ class RoundPlanner {
 
   void AddRobot(std::size_t robot, const std::string& name) {
     const int count = StepsInUse(schedule_, carried_.step_counts[robot]);
-    const int slices = SlicesFor(carried_.work[robot], 1e6 * options_.slice_mcells, count);
+    const OfRobot of{robot, name, count, SlicesGuessed(plan_->state(), robot)};
+    const int slices = of.guessed.empty()
+                           ? SlicesFor(carried_.work[robot], 1e6 * options_.slice_mcells, count)
+                           : static_cast<int>(of.guessed.size());
+    std::vector<std::int64_t> guess(static_cast<std::size_t>(slices), kNone);
+    for (std::size_t s = 0; s < of.guessed.size(); ++s) {
+      if (of.guessed[s] == kIsGuessed)
+        guess[s] = AddTask("guess", of, static_cast<int>(s), kNone, kNone, kNone);
+    }
     std::vector<std::int64_t> forward{kNone};  // [s]: the task that ends where slice s begins
     for (int s = 0; s + 1 < slices; ++s) {
-      forward.push_back(AddTask("forward", robot, name, count, forward.back(), kNone));
+      forward.push_back(AddTask("forward", of, s, forward.back(), kNone, guess[static_cast<std::size_t>(s)]));
     }
     std::int64_t beta = kNone;
     for (int s = slices - 1; s >= 0; --s) {
-      beta = AddTask("backward", robot, name, count, forward[static_cast<std::size_t>(s)], beta);
+      const auto at = static_cast<std::size_t>(s);
+      beta = AddTask("backward", of, s, forward[at], beta, guess[at]);
     }
   }
 
  private:
-  std::int64_t AddTask(const char* kind, std::size_t robot, const std::string& name, int count,
-                       std::int64_t before, std::int64_t beta) {
+  struct OfRobot {
+    std::size_t robot;
+    const std::string& name;
+    int count;
+    std::string guessed;
+  };
+
+  std::int64_t AddTask(const char* kind, const OfRobot& of, int slice, std::int64_t before, std::int64_t beta,
+                       std::int64_t guess) {
     const std::int64_t index = plan_->tasks_size();
     Task& task = *plan_->add_tasks();
     task.set_index(static_cast<std::uint32_t>(index));
     task.set_kind(kind);
-    task.set_cost(static_cast<std::uint64_t>(carried_.work[robot] / kStepCells));
+    task.set_cost(static_cast<std::uint64_t>(carried_.work[of.robot] / kStepCells));
     auto& params = *task.mutable_params();
-    params["robot"].set_i(static_cast<std::int64_t>(robot));
-    params["name"].set_s(name);
-    params["count"].set_i(count);
+    params["robot"].set_i(static_cast<std::int64_t>(of.robot));
+    params["name"].set_s(of.name);
+    params["count"].set_i(of.count);
     params["work"].set_d(1e6 * options_.slice_mcells);
-    VisitOdometry(carried_.odometry[robot],
+    params["overlap"].set_i(carried_.overlap[of.robot]);
+    params["slice"].set_i(slice);
+    VisitOdometry(carried_.odometry[of.robot],
                   [&](const char* figure, double value) { params[figure].set_d(value); });
     params["summarise"].set_b(schedule_.summarise);
     AddBlob("settings", "settings", &task);
-    AddBlob("steps", "steps/" + std::to_string(robot), &task);
+    AddBlob("steps", "steps/" + std::to_string(of.robot), &task);
     if (plan_->state().blobs().contains("perception")) AddBlob("perception", "perception", &task);
     if (schedule_.summarise) AddBlob("landmarks", "landmarks", &task);
+    if (!of.guessed.empty()) AddBlob("guesses", kGuesses + std::to_string(of.robot), &task);
     if (before != kNone) AddPartial("before", before, &task);
     if (beta != kNone) AddPartial("beta", beta, &task);
+    if (guess != kNone) AddPartial("guess", guess, &task);
     return index;
   }
 
@@ -99,6 +130,7 @@ void Carried::Store(State* state) const {
     const std::string number = std::to_string(r);
     (*state->mutable_scalars())["steps/" + number].set_i(step_counts[r]);
     (*state->mutable_scalars())["work/" + number].set_d(work[r]);
+    (*state->mutable_scalars())["overlap/" + number].set_i(overlap[r]);
     VisitOdometry(odometry[r], [&](const char* name, double value) {
       (*state->mutable_scalars())[name + ("/" + number)].set_d(value);
     });
@@ -113,6 +145,7 @@ Carried Carried::Load(const State& state, std::size_t robots) {
     carried.blobs["steps/" + number] = state.blobs().at("steps/" + number);
     carried.step_counts.push_back(state.scalars().at("steps/" + number).i());
     carried.work.push_back(state.scalars().at("work/" + number).d());
+    carried.overlap.push_back(state.scalars().at("overlap/" + number).i());
     VisitOdometry(carried.odometry.emplace_back(), [&](const char* name, double& value) {
       value = state.scalars().at(name + ("/" + number)).d();
     });
@@ -133,6 +166,19 @@ void PlanRound(const Options& options, const std::vector<std::string>& robots, c
   carried.Store(&state);
   for (const auto& [name, blob] : fresh) (*state.mutable_blobs())[name] = step->Share(blob);
   PlanTasks(options, robots, &step->plan);
+}
+
+void GuessSlices(std::size_t robot, const std::vector<bool>& which, State* state) {
+  std::string letters;
+  for (const bool guessed : which) letters += guessed ? kIsGuessed : '-';
+  (*state->mutable_scalars())[kGuessed + std::to_string(robot)].set_s(letters);
+}
+
+void GuessNothing(State* state) {
+  for (std::size_t r = 0; state->scalars().contains("steps/" + std::to_string(r)); ++r) {
+    state->mutable_scalars()->erase(kGuessed + std::to_string(r));
+    state->mutable_blobs()->erase(kGuesses + std::to_string(r));
+  }
 }
 
 void PlanTasks(const Options& options, const std::vector<std::string>& robots, proto::Step* plan) {

@@ -19,6 +19,7 @@ struct Carried {
   std::vector<std::int64_t> step_counts;     // per robot
   std::vector<OdometryFit> odometry;         // per robot
   std::vector<double> work;                  // per robot, expected of its next E-step (work.h)
+  std::vector<std::int64_t> overlap;         // per robot: steps by which guesses overlap (speculation.h)
 
   void Store(State* state) const;
   static Carried Load(const State& state, std::size_t robots);
@@ -34,12 +35,20 @@ int StepsInUse(const Schedule& schedule, std::int64_t steps);
 OdometryFit OdometryOf(const Task& task);
 
 // Fills `step` with the E-step that `schedule` asks for. `fresh`: the round's own blobs (history, counts,
-// and, once there is a map, perception and landmarks). For each robot the tasks `forward` run one after the
-// other, each from where the one before ended until it has done a slice's work, so that they cut the time;
-// the tasks `backward` run from the last slice to the first, each from alpha at its start and beta at its
-// end. The last slice takes what the others left; where they left nothing, tasks are empty.
+// and, once there is a map, perception and landmarks; guesses/N of the robots of which slices are guessed).
+// For each robot the tasks `forward` run one after the other, each from where the one before ended until it
+// has done a slice's work, so that they cut the time; the tasks `backward` run from the last slice to the
+// first, each from alpha at its start and beta at its end. The last slice takes what the others left; where
+// they left nothing, tasks are empty. Where slices are guessed, the tasks `guess` run side by side before,
+// and the others take what was guessed right.
 void PlanRound(const Options& options, const std::vector<std::string>& robots, const Schedule& schedule,
                const Carried& carried, const std::map<std::string, Blob>& fresh, cairn::Step* step);
+
+// Before PlanRound: the slices of a robot of which some are guessed, from the blob guesses/N.
+void GuessSlices(std::size_t robot, const std::vector<bool>& which, State* state);
+
+// Every slice of the round waits for the one before, whatever the State was to guess.
+void GuessNothing(State* state);
 
 // The tasks alone, of a State that PlanRound made.
 void PlanTasks(const Options& options, const std::vector<std::string>& robots, proto::Step* plan);

@@ -1,6 +1,10 @@
 #include "pipelines/landmark_map/slice_task.h"
 
+#include <algorithm>
+#include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipelines/landmark_map/beginning.h"
@@ -8,6 +12,7 @@
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/speculation.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -23,13 +28,21 @@ LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std
   return grid;
 }
 
-// The steps of a task's slice: from where the forward task before it ended to where the backward task after
-// it began; `forward` tasks may go on to the end of all.
+// The steps of a task's slice. Where slices are guessed they are those of the round before; else it goes from
+// where the forward task before it ended to where the backward task after it began, and `forward` tasks may
+// go on to the end of all.
 std::pair<int, int> Range(const Task& task, const Inputs& inputs) {
-  const int first = inputs.Has("before") ? inputs.Get("before")->Scalar<std::int32_t>("end") : 0;
-  const int end = inputs.Has("beta") ? inputs.Get("beta")->Scalar<std::int32_t>("first")
-                                     : static_cast<int>(task.params().at("count").i());
-  if (first < 0 || first > end || end > task.params().at("count").i()) {
+  const auto count = static_cast<int>(task.params().at("count").i());
+  int first = 0, end = count;
+  if (inputs.Has("before")) first = inputs.Get("before")->Scalar<std::int32_t>("end");
+  if (inputs.Has("beta")) end = inputs.Get("beta")->Scalar<std::int32_t>("first");
+  if (inputs.Has("guesses")) {
+    const auto firsts = inputs.Get("guesses")->Get<std::int32_t>("first");
+    const auto slice = static_cast<std::size_t>(task.params().at("slice").i());
+    if (slice < firsts.size()) first = firsts[slice];
+    if (slice + 1 < firsts.size()) end = firsts[slice + 1];
+  }
+  if (first < 0 || first > end || end > count) {
     throw InputError("the inputs name the steps from " + std::to_string(first) + " to " +
                      std::to_string(end) + ", which are none");
   }
@@ -60,17 +73,108 @@ class SliceTask {
   SliceTask& operator=(const SliceTask&) = delete;
 
   Blob Forward(Progress& progress) const {
-    const Frontier frontier = ForwardFor(model_, slice_, Before(), Param("work").d(), progress);
-    Blob partial;
-    frontier.alpha.StoreSparse("alpha/", &partial);
-    partial.PutScalar<std::int32_t>("end", frontier.end);
-    return partial;
+    const LayeredGrid before = Before();
+    if (const auto guessed = WhatWasGuessed("forward/", before, nullptr)) return *guessed;
+    const double work = inputs_.Has("guesses") ? kToTheEnd : Param("work").d();
+    const Frontier frontier = ForwardFor(model_, slice_, before, work, progress);
+    return ForwardPartial(frontier.alpha, frontier.end);
   }
 
   Blob Backward(Progress& progress) const {
     const LayeredGrid before = Before();
+    std::optional<LayeredGrid> beta;
+    if (inputs_.Has("beta") && inputs_.Get("beta")->Has("beta/box"))
+      beta = HandedOver(inputs_, "beta", "beta/", model_.grid.headings);
+    if (const auto guessed = WhatWasGuessed("backward/", before, beta ? &*beta : nullptr)) return *guessed;
     const Alphas alphas = landmark_map::Forward(model_, slice_, before, progress);
-    LayeredGrid beta = BetaOn(alphas.tables.back());
+    if (!beta) beta = UniformBeta(alphas.tables.back());
+    RefuseElsewhere(*beta, alphas.tables.back());
+    Blob partial = BackwardPartial(alphas, before, std::move(*beta), progress);
+    if (inputs_.Has("guess")) partial.PutScalar<std::int32_t>("confirmed", 0);
+    return partial;
+  }
+
+  // Both from a guess of alpha before the slice and of beta at its end, which come with them.
+  Blob Guess(Progress& progress) const {
+    const auto overlap = static_cast<int>(Param("overlap").i());
+    const int start = std::max(0, slice_.first - overlap);
+    LayeredGrid before = start == 0 ? AtTheStart() : Warm();
+    if (start < slice_.first) {
+      const Slice lead{steps_, start, slice_.first, slice_.robot};
+      before = ForwardFor(model_, lead, std::move(before), kToTheEnd, progress).alpha;
+    }
+    const Alphas alphas = landmark_map::Forward(model_, slice_, before, progress);
+    const LayeredGrid beta = GuessedBeta(alphas, overlap, progress);
+    Blob guess;
+    before.StoreSparse("before/", &guess);
+    beta.StoreSparse("beta/", &guess);
+    guess.PutAll("forward/", ForwardPartial(alphas.tables.back(), slice_.end));
+    Blob partial = BackwardPartial(alphas, before, beta, progress);
+    partial.PutScalar<std::int32_t>("confirmed", 1);
+    guess.PutAll("backward/", partial);
+    return guess;
+  }
+
+ private:
+  const proto::Value& Param(const char* name) const { return task_.params().at(name); }
+
+  LayeredGrid AtTheStart() const {
+    return anywhere_ ? UniformStart(model_, slice_) : DiracStart(model_.grid);
+  }
+
+  // alpha before the slice's first step.
+  LayeredGrid Before() const {
+    return inputs_.Has("before") ? HandedOver(inputs_, "before", "alpha/", model_.grid.headings)
+                                 : AtTheStart();
+  }
+
+  // The same from the round before, at the step where the overlap begins.
+  LayeredGrid Warm() const {
+    const auto slice = static_cast<std::size_t>(Param("slice").i());
+    const Guesses guesses = Guesses::FromBlob(*inputs_.Get("guesses"));
+    if (slice >= guesses.warm.size() ||
+        guesses.warm[slice].layers.size() != static_cast<std::size_t>(model_.grid.headings)) {
+      throw InputError("the input 'guesses' has no table for slice " + std::to_string(slice));
+    }
+    return guesses.warm[slice];
+  }
+
+  // beta of the slice's last step, from what follows.
+  LayeredGrid GuessedBeta(const Alphas& alphas, int overlap, Progress& progress) const {
+    const LayeredGrid& alpha = alphas.tables.back();
+    const int end = std::min(slice_.end + overlap, static_cast<int>(Param("count").i()));
+    if (end == slice_.end || !options_.revise) return UniformBeta(alpha);
+    EStepModel model = model_;
+    model.memory_bytes -= sizeof(double) * static_cast<double>(alphas.Cells());
+    const Slice trail{steps_, slice_.end, end, slice_.robot};
+    const Alphas after = landmark_map::Forward(model, trail, alpha, progress);
+    const Visitor nobody{[](int, const LayeredGrid&) {}, nullptr};
+    return landmark_map::Backward(model, trail, after, alpha, UniformBeta(after.tables.back()), progress,
+                                  nobody);
+  }
+
+  // The guess's answer, where there is one and the tables at its ends are the true ones.
+  std::optional<Blob> WhatWasGuessed(const std::string& answer, const LayeredGrid& before,
+                                     const LayeredGrid* beta) const {
+    if (!inputs_.Has("guess")) return std::nullopt;
+    const BlobPtr guess = inputs_.Get("guess");
+    if (!guess->Has("before/box")) return std::nullopt;
+    const auto agrees = [&](const char* prefix, const LayeredGrid& truth) {
+      return Agree(HandedOver(inputs_, "guess", prefix, model_.grid.headings), truth);
+    };
+    if (!agrees("before/", before) || (beta != nullptr && !agrees("beta/", *beta))) return std::nullopt;
+    return guess->Sub(answer);
+  }
+
+  static Blob ForwardPartial(const LayeredGrid& alpha, int end) {
+    Blob partial;
+    alpha.StoreSparse("alpha/", &partial);
+    partial.PutScalar<std::int32_t>("end", end);
+    return partial;
+  }
+
+  Blob BackwardPartial(const Alphas& alphas, const LayeredGrid& before, LayeredGrid beta,
+                       Progress& progress) const {
     std::vector<Landmark> landmarks;
     const bool summarise = Param("summarise").b();
     if (summarise) landmarks = LandmarksFromBlob(*inputs_.Get("landmarks"));
@@ -83,27 +187,22 @@ class SliceTask {
                : ForwardOnly(slice_, alphas, before, visitor);
     Blob partial = builder.Finish(alphas);
     if (slice_.first > 0) beta.StoreSparse("beta/", &partial);
+    PutWarm(alphas, before, &partial);
     return partial;
   }
 
- private:
-  const proto::Value& Param(const char* name) const { return task_.params().at(name); }
-
-  // alpha before the slice's first step.
-  LayeredGrid Before() const {
-    if (inputs_.Has("before")) return HandedOver(inputs_, "before", "alpha/", model_.grid.headings);
-    return anywhere_ ? UniformStart(model_, slice_) : DiracStart(model_.grid);
+  // What a guess of the next slice in the next round begins from.
+  void PutWarm(const Alphas& alphas, const LayeredGrid& before, Blob* partial) const {
+    const std::int64_t overlap = Param("overlap").i(), at = slice_.end - slice_.first - overlap - 1;
+    if (overlap == 0 || at < -1 || slice_.end == Param("count").i()) return;
+    (at < 0 ? before : alphas.tables[static_cast<std::size_t>(at)]).StoreSparse("warm/", partial);
   }
 
-  // beta of the slice's last step.
-  LayeredGrid BetaOn(const LayeredGrid& alpha) const {
-    if (!inputs_.Has("beta") || !inputs_.Get("beta")->Has("beta/box")) return UniformBeta(alpha);
-    LayeredGrid beta = HandedOver(inputs_, "beta", "beta/", model_.grid.headings);
+  static void RefuseElsewhere(const LayeredGrid& beta, const LayeredGrid& alpha) {
     for (std::size_t c = 0; c < beta.layers.size(); ++c) {
       if (beta.layers[c].box != alpha.layers[c].box)
         throw InputError("the input 'beta' does not lie where alpha does, in layer " + std::to_string(c));
     }
-    return beta;
   }
 
   Visitor CountingIn(PartialBuilder* builder, double table_bytes) const {
@@ -118,6 +217,8 @@ class SliceTask {
     }
     return visitor;
   }
+
+  static constexpr double kToTheEnd = std::numeric_limits<double>::infinity();
 
   const Options& options_;
   const Task& task_;
@@ -134,15 +235,20 @@ class SliceTask {
 }  // namespace
 
 Blob RunSlice(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  const bool forward = task.kind() == "forward";
   const auto [first, end] = Range(task, inputs);
   if (first == end) {  // an empty slice
     Blob partial;
-    partial.PutScalar<std::int32_t>(forward ? "end" : "first", end);
+    partial.PutScalar<std::int32_t>(task.kind() == "forward" ? "end" : "first", end);
     return partial;
   }
   const SliceTask slice(options, task, inputs, first, end);
-  return forward ? slice.Forward(progress) : slice.Backward(progress);
+  if (task.kind() == "forward") return slice.Forward(progress);
+  if (task.kind() == "backward") return slice.Backward(progress);
+  try {
+    return slice.Guess(progress);
+  } catch (const InputError&) {  // it began from a wrong guess; what is wrong with the input the others see
+    return Blob();
+  }
 }
 
 }  // namespace cairn::landmark_map

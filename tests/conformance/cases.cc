@@ -11,7 +11,6 @@ namespace cairn::conformance {
 namespace {
 
 constexpr int kSide = 6;  // controls of 1 m along a side of the square that is driven
-constexpr int kLaps = 3;
 constexpr double kCornerX_m[] = {6, 6, 0, 0};
 constexpr double kCornerY_m[] = {0, 6, 6, 0};
 
@@ -41,12 +40,12 @@ void Observe(Sensor sensor, double x, double y, double heading, Rng& rng, Column
   }
 }
 
-// A robot that drives a square three times from its lower left corner, with odometry that drifts.
-Columns Drive(Sensor sensor, std::uint64_t robot) {
+// A robot that drives a square `laps` times from its lower left corner, with odometry that drifts.
+Columns Drive(Sensor sensor, std::uint64_t robot, int laps) {
   Rng rng(4, robot);
   Columns c;
   double x = 0, y = 0, heading = 0;
-  for (int i = 0; i < 4 * kSide * kLaps; ++i) {
+  for (int i = 0; i < 4 * kSide * laps; ++i) {
     const double turn = i > 0 && i % kSide == 0 ? M_PI / 2 : 0;
     heading += turn;
     x += std::cos(heading);
@@ -79,12 +78,12 @@ void AddRobot(const Columns& c, int robot, Blob& log) {
 }
 
 // With its truth inside, so that a pipeline that reads it can be found out.
-Blob SquareLog(Sensor sensor, int robots) {
+Blob SquareLog(Sensor sensor, int robots, int laps) {
   Blob log;
   const std::vector<std::string> corners = {"a", "b", "c", "d"};
   std::vector<std::string> names;
   for (int robot = 0; robot < robots; ++robot) {
-    AddRobot(Drive(sensor, static_cast<std::uint64_t>(robot)), robot, log);
+    AddRobot(Drive(sensor, static_cast<std::uint64_t>(robot), laps), robot, log);
     names.push_back("robot " + std::to_string(robot));
   }
   log.Put("robots", Array::Texts(names));
@@ -112,8 +111,8 @@ void SetInteger(proto::Stage& stage, const std::string& option, std::int64_t val
   (*stage.mutable_options())[option].set_i(value);
 }
 
-Case LandmarkMap(const std::string& name, Sensor sensor, int robots) {
-  Case c{.name = name, .stage = {}, .inputs = {{"log", Share(SquareLog(sensor, robots))}}};
+Case LandmarkMap(const std::string& name, Sensor sensor, int robots, int laps = 3) {
+  Case c{.name = name, .stage = {}, .inputs = {{"log", Share(SquareLog(sensor, robots, laps))}}};
   Set(c.stage, "cell_m", 0.5);
   Set(c.stage, "heading_deg", 10);
   SetInteger(c.stage, "iterations", 3);
@@ -135,6 +134,16 @@ Case LandmarkMapFromAMap() {
   return c;
 }
 
+// Slices that are long enough to be guessed, which begins after two iterations.
+Case LandmarkMapSideBySide() {
+  Case c = LandmarkMap("landmark_map_side_by_side", Sensor::kButton, 1, 50);
+  SetInteger(c.stage, "starts", 1);
+  SetInteger(c.stage, "iterations", 6);
+  Set(c.stage, "slice_mcells", 0.6);
+  Set(c.stage, "tolerance", 0);
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -144,7 +153,8 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
   }
   if (pipeline == "landmark_map") {
     return {LandmarkMap("landmark_map_presses", Sensor::kButton, 1),
-            LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap()};
+            LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap(),
+            LandmarkMapSideBySide()};
   }
   return {{.name = pipeline, .stage = {}, .inputs = {}}};
 }

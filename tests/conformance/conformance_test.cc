@@ -2,6 +2,9 @@
 // nothing here.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+
 #include "pipelines/in_process.h"
 #include "schema/numerics.h"
 #include "schema/rng.h"
@@ -41,6 +44,17 @@ TEST_P(Conformance, TheFixtureHasSeveralRoundsOfSeveralTasks) {
   for (const auto& partials : Undisturbed().partials) most = std::max(most, partials.size());
   EXPECT_GE(most, 3u);
   EXPECT_FALSE(Undisturbed().result->fields().empty());
+}
+
+// Or slices side by side would go untested.
+TEST_P(Conformance, TheFixtureThatIsToGuessGuessesRightAndWrong) {
+  if (GetParam().name != "landmark_map_side_by_side") return;
+  const auto guessed = Undisturbed().result->Get<std::int64_t>("history/guessed");
+  const auto confirmed = Undisturbed().result->Get<std::int64_t>("history/confirmed");
+  const auto all = std::reduce(guessed.begin(), guessed.end()),
+             right = std::reduce(confirmed.begin(), confirmed.end());
+  EXPECT_GT(right, 0);
+  EXPECT_GT(all, right);
 }
 
 TEST_P(Conformance, StartAndAdvanceAreDeterministic) { ExpectSame(Replay(GetParam(), GetParam().inputs)); }
