@@ -16,6 +16,7 @@ namespace {
 using report::PanelPicture;
 
 constexpr double kNearM = 2.0;  // "there"
+constexpr const char* kEmMap = "em_map";
 
 class Figures {
  public:
@@ -52,17 +53,16 @@ class Figures {
     figures_.push_back({file, title, claim, measured, std::move(png)});
   }
 
-  // The true place of a robot in the map's frame.
-  PointM TruePlace(const Blob& log, std::size_t robot, double time_s) const {
+  // The true place of a robot in the frame of a map of the first log.
+  PointM TruePlace(const Evaluation& map, const Blob& log, std::size_t robot, double time_s) const {
     const Track truth = ReadTrack(log, "truth/robot/" + std::to_string(robot) + "/poses/");
     const auto pose = PoseAt(truth, time_s);
     if (!pose) throw InputError("the log does not say where the robot truly is at an observation");
-    return Inverse(map_score_.alignment)(PointM{pose->x_m, pose->y_m});
+    return Inverse(map.alignment)(PointM{pose->x_m, pose->y_m});
   }
 
   // With the landmarks of the map in which a robot was looked for.
-  PanelPicture BeliefPanel(const std::string& title, const report::Grid& belief,
-                           const char* stage = "map") const {
+  PanelPicture BeliefPanel(const std::string& title, const report::Grid& belief, const char* stage) const {
     PanelPicture panel;
     panel.title = title;
     panel.density = belief;
@@ -128,12 +128,13 @@ class Figures {
   std::vector<PanelPicture> BetaPanels(const char* stage, const char* map, std::size_t count,
                                        std::vector<double>* there) const {
     const BeliefView beliefs(Result(stage), 0);
+    const Evaluation score = Score(map, "first");
     const auto seen = Input("back").Get<double>("robot/0/observations/time_s");
     const auto forth = Input("first").Get<double>("robot/0/observations/time_s");
     std::vector<PanelPicture> panels;
     for (std::size_t n = 0; n < std::min(count, seen.size()); ++n) {
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
-      const PointM truth = TruePlace(Input("first"), 0, forth[forth.size() - 1 - n]);
+      const PointM truth = TruePlace(score, Input("first"), 0, forth[forth.size() - 1 - n]);
       there->push_back(ShareWithin(belief, truth, kNearM));
       PanelPicture panel = BeliefPanel(Say("t = %zu of %zu: %.0f%% within %.0f m of truth", forth.size() - n,
                                            forth.size(), 100 * there->back(), kNearM),
@@ -253,7 +254,7 @@ class Figures {
 
   void BetaTables() {
     std::vector<double> there;
-    std::vector<PanelPicture> panels = BetaPanels("beta", "map", 5, &there);
+    std::vector<PanelPicture> panels = BetaPanels("beta", kEmMap, 5, &there);
     std::string measured = Say("mass within %.0f m of truth after 1, 2, ... observations:", kNearM);
     for (const double share : there) measured += Say(" %.0f%%", 100 * share);
     panels.insert(panels.begin(), UniformPanel(panels));
@@ -275,7 +276,7 @@ class Figures {
     grid.columns = static_cast<std::int64_t>(box.width_m());
     grid.rows = static_cast<std::int64_t>(box.height_m());
     grid.probability.assign(static_cast<std::size_t>(grid.columns * grid.rows), 1.0);
-    PanelPicture panel = BeliefPanel("the last beta, before any observation: uniform", grid);
+    PanelPicture panel = BeliefPanel("the last beta, before any observation: uniform", grid, kEmMap);
     panel.robot = others.front().robot;
     return panel;
   }
@@ -292,16 +293,18 @@ class Figures {
                     MapPanel("(b) both robots after one iteration", Result("joint"), Input("both"), joint)},
                    2));
     const BeliefView beliefs(Result("alpha"), 0);
+    const Evaluation em_map = Score(kEmMap, "first");
     const auto seen = log.Get<double>("robot/0/observations/time_s");
     std::vector<PanelPicture> panels;
     std::string measured = Say("mass within %.0f m of truth after 1, 2, ... observations:", kNearM);
     for (std::size_t n = 0; n < std::min<std::size_t>(6, seen.size()); ++n) {
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
-      const PointM truth = TruePlace(log, 0, seen[n]);
+      const PointM truth = TruePlace(em_map, log, 0, seen[n]);
       const double there = ShareWithin(belief, truth, kNearM);
       measured += Say(" %.0f%%", 100 * there);
       PanelPicture panel = BeliefPanel(
-          Say("(c%zu) alpha(%zu): %.0f%% within %.0f m of truth", n + 1, n + 1, 100 * there, kNearM), belief);
+          Say("(c%zu) alpha(%zu): %.0f%% within %.0f m of truth", n + 1, n + 1, 100 * there, kNearM), belief,
+          kEmMap);
       panel.robot = truth;
       panels.push_back(std::move(panel));
     }

@@ -118,6 +118,18 @@ void Print(const char* how, const Count& count, const Tally& tally) {
       count.all_right, count.all_right_by, count.all_right_place, tally.seeds);
 }
 
+// Whether one job makes the right map from all robots' logs; what it refuses is none.
+bool MapsAll(const proto::Stage& stage, const Blob& log) {
+  try {
+    const bool right = datasets::Evaluate(*Run(stage, log), log).topology_correct.value_or(false);
+    std::printf("  joint map %s\n", right ? "right" : "wrong");
+    return right;
+  } catch (const InputError& error) {
+    std::printf("  joint map refused: %s\n", error.what());
+    return false;
+  }
+}
+
 void RunSeed(const datasets::SimulateLoopOptions& world, const proto::Stage& stage, bool with_scale,
              Tally* tally) {
   const Blob log = datasets::SimulateLoop(world);
@@ -147,8 +159,7 @@ void RunSeed(const datasets::SimulateLoopOptions& world, const proto::Stage& sta
     }
     Add(robots, count);
   }
-  const bool joint = datasets::Evaluate(*Run(stage, log), log).topology_correct.value_or(false);
-  std::printf("  joint map %s\n", joint ? "right" : "wrong");
+  const bool joint = MapsAll(stage, log);
   std::fflush(stdout);
   ++tally->seeds;
   tally->robots += static_cast<int>(others.size());
