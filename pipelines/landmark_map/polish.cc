@@ -1,5 +1,6 @@
 #include "pipelines/landmark_map/polish.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
@@ -30,6 +31,7 @@ class NormalEquations {
   // `slopes`: (unknown, derivative of the residual).
   void Add(double residual, double sd, std::initializer_list<std::pair<int, double>> slopes) {
     const double weight = 1.0 / Square(sd);
+    squares_ += weight * Square(residual);
     for (const auto& [a, slope_a] : slopes) {
       gradient_[a] += weight * slope_a * residual;
       for (const auto& [b, slope_b] : slopes) entries_.emplace_back(a, b, weight * slope_a * slope_b);
@@ -43,6 +45,7 @@ class NormalEquations {
     solver_.compute(matrix);
     return solver_.info() == Eigen::Success;
   }
+  double squares() const { return squares_; }  // of the residuals, weighted
   Eigen::VectorXd Step() const { return -solver_.solve(gradient_); }
   Eigen::VectorXd Column(int unknown) const {
     return solver_.solve(Eigen::VectorXd::Unit(gradient_.size(), unknown));
@@ -51,6 +54,7 @@ class NormalEquations {
  private:
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::VectorXd gradient_;
+  double squares_ = 0.0;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
@@ -74,23 +78,23 @@ class Problem {
         values_.segment<3>(PoseAt(r, s)) << paths[r].x_m[k], paths[r].y_m[k], paths[r].correction_rad[k];
       }
     }
-    for (std::size_t l = 0; l < landmarks.size(); ++l)
+    for (std::size_t l = 0; l < landmarks.size(); ++l) {
+      types_.push_back(landmarks[l].type);
       values_.segment<2>(LandmarkAt(l)) << landmarks[l].x_m, landmarks[l].y_m;
+    }
   }
 
+  // False where there is nothing better, or where the observations would no longer be of their landmarks.
   bool Solve() {
-    for (int i = 0; i < kIterations; ++i) {
-      NormalEquations equations(unknowns());
-      Linearise(&equations);
-      if (!equations.Factorise()) return false;
-      const Eigen::VectorXd step = equations.Step();
-      if (!step.allFinite()) return false;
-      values_ += step;
-      if (step.lpNorm<Eigen::Infinity>() < 1e-6) break;
+    const double squares_before = Squares();
+    const std::vector<bool> nearest_before = NearestToTheirs();
+    if (!Descend() || !(Squares() <= squares_before)) return false;
+    const std::vector<bool> nearest = NearestToTheirs();
+    for (std::size_t k = 0; k < nearest.size(); ++k) {
+      if (nearest_before[k] && !nearest[k]) return false;
     }
     return true;
   }
-
   std::vector<Landmark> Landmarks(std::vector<Landmark> landmarks) const {
     NormalEquations equations(unknowns());
     Linearise(&equations);
@@ -114,6 +118,55 @@ class Problem {
   int unknowns() const { return static_cast<int>(values_.size()); }
   int PoseAt(std::size_t robot, int step) const { return first_pose_[robot] + 3 * step; }
   int LandmarkAt(std::size_t landmark) const { return first_landmark_ + 2 * static_cast<int>(landmark); }
+
+  bool Descend() {
+    for (int i = 0; i < kIterations; ++i) {
+      NormalEquations equations(unknowns());
+      Linearise(&equations);
+      if (!equations.Factorise()) return false;
+      const Eigen::VectorXd step = equations.Step();
+      if (!step.allFinite()) return false;
+      values_ += step;
+      if (step.lpNorm<Eigen::Infinity>() < 1e-6) break;
+    }
+    return true;
+  }
+
+  double Squares() const {
+    NormalEquations equations(unknowns());
+    Linearise(&equations);
+    return equations.squares();
+  }
+
+  // Of each observation that is of a landmark: is none of its type nearer?
+  std::vector<bool> NearestToTheirs() const {
+    std::vector<bool> nearest;
+    for (std::size_t r = 0; r < paths_.size(); ++r) {
+      const RobotSteps& steps = paths_[r].steps;
+      for (int s = 0; s < steps.size(); ++s) {
+        for (int k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k) {
+          const auto at = static_cast<std::size_t>(k);
+          if (!IsOfLandmark(paths_[r].associated, at)) continue;
+          const auto own = static_cast<std::size_t>(paths_[r].associated.landmark[at]);
+          nearest.push_back(IsNearest(own, PlaceOf(PoseAt(r, s), steps.observations[at])));
+        }
+      }
+    }
+    return nearest;
+  }
+  // Where the observation says that its landmark stands.
+  Eigen::Vector2d PlaceOf(int pose, const Observation& seen) const {
+    const Eigen::Rotation2Dd turn(values_[pose + 2]);
+    return values_.segment<2>(pose) + turn * Eigen::Vector2d(seen.x_m, seen.y_m);
+  }
+  bool IsNearest(std::size_t landmark, const Eigen::Vector2d& place) const {
+    const auto distance = [&](std::size_t l) { return (place - values_.segment<2>(LandmarkAt(l))).norm(); };
+    const double own = distance(landmark);
+    for (std::size_t l = 0; l < types_.size(); ++l) {
+      if (types_[l] == types_[landmark] && distance(l) < own) return false;
+    }
+    return true;
+  }
 
   static bool IsOfLandmark(const Associated& of, std::size_t observation) {
     return of.landmark[observation] >= 0 && of.probability[observation] >= 0.5;
@@ -172,15 +225,13 @@ class Problem {
   void AddObservations(std::size_t robot, int step, NormalEquations* equations) const {
     const SettledPath& path = paths_[robot];
     const int pose = PoseAt(robot, step);
-    const double cosine = std::cos(values_[pose + 2]), sine = std::sin(values_[pose + 2]);
     for (int k = path.steps.first_observation[step]; k < path.steps.first_observation[step + 1]; ++k) {
       const auto at = static_cast<std::size_t>(k);
       if (!IsOfLandmark(path.associated, at)) continue;
       const int landmark = LandmarkAt(static_cast<std::size_t>(path.associated.landmark[at]));
-      const Observation& seen = path.steps.observations[at];
-      const double x = cosine * seen.x_m - sine * seen.y_m, y = sine * seen.x_m + cosine * seen.y_m;
-      const double dx = values_[pose] + x - values_[landmark],
-                   dy = values_[pose + 1] + y - values_[landmark + 1];
+      const Eigen::Vector2d place = PlaceOf(pose, path.steps.observations[at]);
+      const double x = place.x() - values_[pose], y = place.y() - values_[pose + 1];
+      const double dx = place.x() - values_[landmark], dy = place.y() - values_[landmark + 1];
       const double sd = settings_.map.observation_m;
       const double weighed = sd * std::sqrt(1.0 + (dx * dx + dy * dy) / Square(kCauchy * sd));
       equations->Add(dx, weighed, {{pose, 1.0}, {pose + 2, -y}, {landmark, -1.0}});
@@ -191,15 +242,27 @@ class Problem {
   const std::vector<SettledPath>& paths_;
   const Settings& settings_;
   std::vector<int> first_pose_;
+  std::vector<int> types_;  // of the landmarks
   int first_landmark_ = 0, first_drift_ = 0;
   Eigen::VectorXd values_;
 };
 
+bool SeesAtADistance(const SettledPath& path) {
+  return std::ranges::any_of(path.steps.observations,
+                             [](const Observation& seen) { return seen.x_m != 0.0 || seen.y_m != 0.0; });
+}
+
+double FarthestMove(const std::vector<Landmark>& before, const std::vector<Landmark>& now) {
+  double farthest_m = 0.0;
+  for (std::size_t l = 0; l < now.size(); ++l)
+    farthest_m = std::max(farthest_m, std::hypot(now[l].x_m - before[l].x_m, now[l].y_m - before[l].y_m));
+  return farthest_m;
+}
+
 // A Gaussian of that mass around the landmark.
-void Spread(const Landmark& landmark, double mass, double cell_m, Layer* layer) {
-  constexpr double kLeastSd = 0.35, kReach = 3.0;  // cells, standard deviations
-  const double variance_m2 = 0.5 * (landmark.covariance_m2[0] + landmark.covariance_m2[3]);
-  const double sd = std::max(kLeastSd, std::sqrt(std::max(0.0, variance_m2)) / cell_m);
+void Spread(const Landmark& landmark, double sd_m, double mass, double cell_m, Layer* layer) {
+  constexpr double kLeastSd = 0.5, kReach = 3.0;  // cells: narrower ones lose their mean; standard deviations
+  const double sd = std::max(kLeastSd, sd_m / cell_m);
   const int reach = static_cast<int>(std::ceil(kReach * sd));
   const double x0 = landmark.x_m / cell_m, y0 = landmark.y_m / cell_m;
   const Box box =
@@ -232,10 +295,8 @@ std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& path
   Problem problem(paths, settings, landmarks);
   if (!problem.Solve()) return std::nullopt;
   std::vector<Landmark> polished = problem.Landmarks(landmarks);
-  for (std::size_t l = 0; l < landmarks.size(); ++l) {
-    const double moved = std::hypot(polished[l].x_m - landmarks[l].x_m, polished[l].y_m - landmarks[l].y_m);
-    if (!(moved <= settings.map.core_m)) return std::nullopt;
-  }
+  if (std::ranges::any_of(paths, SeesAtADistance) && FarthestMove(landmarks, polished) > settings.map.core_m)
+    return std::nullopt;
   return polished;
 }
 
@@ -243,7 +304,9 @@ LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rul
   LayeredGrid counts = NoCounts(rules);
   for (const Landmark& landmark : landmarks) {
     const int layer = landmark.type < rules.types ? landmark.type : rules.types + landmark.kind;
-    Spread(landmark, landmark.count, rules.grid.cell_m, &counts.layers[static_cast<std::size_t>(layer)]);
+    const double variance_m2 = 0.5 * (landmark.covariance_m2[0] + landmark.covariance_m2[3]);
+    Spread(landmark, std::sqrt(std::max(0.0, variance_m2)), landmark.count, rules.grid.cell_m,
+           &counts.layers[static_cast<std::size_t>(layer)]);
   }
   return counts;
 }
@@ -254,7 +317,8 @@ LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
   for (const Landmark& landmark : before) masses.push_back(LeaveOut(landmark, rules, &counts));
   for (std::size_t k = 0; k < now.size(); ++k) {
     for (std::size_t l = 0; l < counts.layers.size(); ++l) {
-      if (masses[k][l] > 0.0) Spread(now[k], masses[k][l], rules.grid.cell_m, &counts.layers[l]);
+      if (masses[k][l] > 0.0)
+        Spread(now[k], rules.observation_m, masses[k][l], rules.grid.cell_m, &counts.layers[l]);
     }
   }
   return counts;

@@ -27,16 +27,19 @@ std::vector<SettledPath> SettledPaths(const RoundSum& sum, const std::vector<Rob
 
 // The landmarks with the positions, and their covariances, of the least squares over all poses, landmarks and
 // the robots' drifts: legs of odometry as the motion model has them, observations that are likelier of their
-// landmark than not, each with a Cauchy weight. The first robot's first pose stays at the origin. Empty where
-// that has no solution near the map (a landmark would move further than the core): the associations have not
-// settled.
+// landmark than not, each with a Cauchy weight. The first robot's first pose stays at the origin. How far
+// landmarks move says nothing: a bent map may turn and stretch by many metres. Empty where that has no
+// solution, or one in which observations that lay nearest to their landmark lie nearer to another: the
+// associations have not settled. Of sightings also where a landmark would move further than the core: what
+// ranges err by in common would stretch the map.
 std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& paths, const Settings& settings,
                                             const std::vector<Landmark>& landmarks);
 
 // What EM expects where it knows no more than these landmarks: on any grid.
 LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rules);
 
-// The expected counts with each landmark's mass where it now stands.
+// The expected counts with each landmark's mass where it now stands, as wide as observations scatter: the
+// E-step finds the path in that map, to which the map's own uncertainty is nothing.
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
                       const std::vector<Landmark>& now, const MapRules& rules);
 

@@ -121,8 +121,37 @@ TEST(Polish, AnObservationThatBelongsElsewhereHardlyCounts) {
   EXPECT_LT(Farthest(*Polish({path}, SomeSettings(), Corners(0.6))), 1e-6);
 }
 
-TEST(Polish, WhereItsMapWouldBeAnotherThereIsNone) {
-  EXPECT_FALSE(Polish({RoundAndRound(0.0)}, SomeSettings(), Corners(2.0)).has_value());
+// By 8 m at most, three times the core: no observation changes its landmark.
+TEST(Polish, AMapMayTurnAsAWhole) {
+  constexpr double kTurn_rad = 0.3;
+  SettledPath path = RoundAndRound(0.0);
+  std::vector<Landmark> landmarks = Corners(0.6);
+  const auto turn = [](double* x, double* y) {
+    const double before = *x;
+    *x = std::cos(kTurn_rad) * before - std::sin(kTurn_rad) * *y;
+    *y = std::sin(kTurn_rad) * before + std::cos(kTurn_rad) * *y;
+  };
+  for (std::size_t s = 0; s < path.x_m.size(); ++s) {
+    turn(&path.x_m[s], &path.y_m[s]);
+    path.correction_rad[s] += kTurn_rad;
+  }
+  for (Landmark& l : landmarks) turn(&l.x_m, &l.y_m);
+  ASSERT_GT(Farthest(landmarks), 3.0 * SomeSettings().map.core_m);
+  const auto polished = Polish({path}, SomeSettings(), landmarks);
+  ASSERT_TRUE(polished.has_value());
+  EXPECT_LT(Farthest(*polished), 1e-6);
+}
+
+// By odometry the robot went round and round; the E-step has it turn back and forth between two corners.
+TEST(Polish, WhereObservationsWouldChangeTheirLandmarksThereIsNone) {
+  SettledPath path = RoundAndRound(0.0);
+  for (std::size_t s = 1; s < path.x_m.size(); ++s) {
+    const std::size_t corner = s % 2;
+    path.x_m[s] = kCorners[corner][0];
+    path.y_m[s] = kCorners[corner][1];
+    path.associated.landmark[s - 1] = static_cast<std::int32_t>(corner);
+  }
+  EXPECT_FALSE(Polish({path}, SomeSettings(), Corners(0.0)).has_value());
 }
 
 TEST(Recentred, KeepsTheMassAndMovesIt) {
