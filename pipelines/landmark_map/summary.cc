@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "pipelines/common/taps.h"
@@ -100,24 +101,19 @@ class PeakFinder {
   // `radius`, in cells: what lies within it of a landmark is that landmark's.
   PeakFinder(Layer counts, double radius) : counts_(std::move(counts)), radius_(radius) {
     smooth_ = Blur(counts_, Sigma());
+    left_.resize(static_cast<std::size_t>(counts_.box.ny));
+    highest_.resize(static_cast<std::size_t>(smooth_.box.ny));
+    Look(counts_.box, smooth_.box);
   }
 
-  double Left() const { return counts_.Sum(); }
+  double Left() const { return std::accumulate(left_.begin(), left_.end(), 0.0); }
 
   // The landmark around the strongest peak, its window moved to its own mean until it stays. False: none is
   // left.
   bool Take(int type, double cell_m, Landmark* landmark) {
-    double best = 0.0, cx = 0, cy = 0;
-    for (int y = smooth_.box.y0; y < smooth_.box.y0 + smooth_.box.ny; ++y) {
-      const RowOf<const double> row = std::as_const(smooth_).Row(y);
-      for (int x = smooth_.box.x0; x < smooth_.box.x0 + smooth_.box.nx; ++x) {
-        if (row[x] <= best) continue;
-        best = row[x];
-        cx = x;
-        cy = y;
-      }
-    }
-    if (best <= 0.0) return false;
+    const auto row = std::ranges::max_element(highest_, {}, &Peak::height);
+    if (row == highest_.end() || row->height <= 0.0) return false;
+    double cx = row->x, cy = smooth_.box.y0 + static_cast<double>(row - highest_.begin());
     Moments moments;
     for (int i = 0; i < 10; ++i) {
       moments = MomentsWithin(counts_, cx, cy, radius_);
@@ -149,6 +145,21 @@ class PeakFinder {
     Layer part(Intersection(counts_.box, seen.Grown(blur)));
     Copy(counts_, part.box, &part);
     Copy(Blur(part, Sigma()), seen, &smooth_);
+    Look(disc, seen);
+  }
+
+  // Looks again at the rows of two boxes: what is left in them, where they are highest.
+  void Look(const Box& counted, const Box& smoothed) {
+    for (int y = counted.y0; y < counted.y0 + counted.ny; ++y) {
+      const double* row = &std::as_const(counts_).Row(y)[counts_.box.x0];
+      left_[static_cast<std::size_t>(y - counts_.box.y0)] = std::accumulate(row, row + counts_.box.nx, 0.0);
+    }
+    for (int y = smoothed.y0; y < smoothed.y0 + smoothed.ny; ++y) {
+      const double* row = &std::as_const(smooth_).Row(y)[smooth_.box.x0];
+      const double* peak = std::max_element(row, row + smooth_.box.nx);
+      highest_[static_cast<std::size_t>(y - smooth_.box.y0)] = {
+          *peak, smooth_.box.x0 + static_cast<int>(peak - row)};
+    }
   }
 
   static void Copy(const Layer& from, const Box& box, Layer* to) {
@@ -157,8 +168,15 @@ class PeakFinder {
     }
   }
 
+  struct Peak {
+    double height;
+    int x;
+  };
+
   Layer counts_, smooth_;
   double radius_;
+  std::vector<double> left_;   // per row of counts_
+  std::vector<Peak> highest_;  // per row of smooth_
 };
 
 }  // namespace
