@@ -11,6 +11,7 @@
 #include "pipelines/landmark_map/contradictions.h"
 #include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
+#include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/polish.h"
 #include "pipelines/landmark_map/result.h"
@@ -112,7 +113,7 @@ void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& ne
       carried->overlap[r] *= 2;
       continue;  // what this round left for guesses lies elsewhere
     }
-    const Guesses guesses = sum.GuessesOf(r);
+    const Guesses& guesses = sum.GuessesOf(r);
     const std::vector<bool> worth =
         WorthGuessing(guesses, StepsInUse(next, carried->step_counts[r]), carried->overlap[r], next);
     if (std::find(worth.begin(), worth.end(), true) == worth.end()) continue;
@@ -140,6 +141,23 @@ bool WantsPolish(const Options& options, const Settings& settings, const Schedul
     }
   }
   return true;
+}
+
+Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
+  return task.kind() == "m_step" ? RunMStep(task, inputs) : RunSlice(options, task, inputs, progress);
+}
+
+// The last E-step's sum, which no map follows.
+MStep Summary(Partials& partials, const Settings& settings, std::size_t robots) {
+  MStep last{RoundSum(NoCounts(settings.map), robots), {}, {}};
+  for (std::size_t i = 0; i < partials.size(); ++i) last.sum.Add(*partials.Get(i));
+  return last;
+}
+
+// Throws NoPathError where a task of the round said so.
+MStep MadeMap(const Blob& partial, std::size_t robots) {
+  if (partial.Has(kFailure)) throw NoPathError(partial.Text(kFailure));
+  return MStep::FromBlob(partial, robots);
 }
 
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
@@ -189,12 +207,12 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
 
 // That no path fits one of several starts is that start's affair.
 Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  if (!task.params().contains("start")) return RunSlice(options_, task, inputs, progress);
-  for (const char* earlier : {"before", "beta"}) {
-    if (inputs.Has(earlier) && inputs.Get(earlier)->Has(kFailure)) return *inputs.Get(earlier);
+  if (!task.params().contains("start")) return RunTask(options_, task, inputs, progress);
+  for (const proto::InputRef& input : task.inputs()) {
+    if (input.has_task() && inputs.Get(input.name())->Has(kFailure)) return *inputs.Get(input.name());
   }
   try {
-    return RunSlice(options_, task, inputs, progress);
+    return RunTask(options_, task, inputs, progress);
   } catch (const NoPathError& error) {
     Blob partial;
     partial.Put(kFailure, Array::Text(error.what()));
@@ -213,12 +231,9 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
   const Schedule done = Schedule::Load(state);
   Carried carried = Carried::Load(state, robots.size());
 
-  RoundSum sum(NoCounts(settings.map), robots.size());
-  for (std::size_t i = 0; i < partials.size(); ++i) {
-    const BlobPtr partial = partials.Get(i);
-    if (partial->Has(kFailure)) throw NoPathError(partial->Text(kFailure));
-    sum.Add(*partial);
-  }
+  const MStep m_step = done.summarise ? Summary(partials, settings, robots.size())
+                                      : MadeMap(*partials.Get(partials.size() - 1), robots.size());
+  const RoundSum& sum = m_step.sum;
   if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
     RefuseUnlikely(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
                    StepsOf(inputs, robots.size()));
@@ -253,22 +268,18 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
     }
     FitWidths(sum.legs(), settings.noise, &carried.odometry);
   }
-  RefuseMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
-  const LayeredGrid map = MapOf(sum.counts(), settings.map);
-  const std::vector<Landmark> landmarks = ExtractLandmarks(sum.counts(), settings.map);
-  const Perception perception = PerceptionOf(map, settings.map);
   const Schedule next =
       done.Next(options_, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
-  carried.work = NextWork(sum, done, next, carried.step_counts, settings.Model(&perception));
+  carried.work = NextWork(sum, done, next, carried.step_counts, settings.Model(&m_step.perception));
   cairn::Step step;
   std::map<std::string, Blob> fresh{{"history", history},
                                     {"counts", StoredCounts(sum.counts())},
-                                    {"perception", perception.ToBlob()},
-                                    {"landmarks", ToBlob(landmarks)}};
+                                    {"perception", m_step.perception.ToBlob()},
+                                    {"landmarks", ToBlob(m_step.landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   PlanGuesses(options_, sum, next, &carried, &fresh, step.plan.mutable_state());
   PlanRound(options_, robots, next, carried, fresh, &step);
-  step.plan.set_note(Note(done, sum.log_likelihood(), landmarks.size()));
+  step.plan.set_note(Note(done, sum.log_likelihood(), m_step.landmarks.size()));
   return step;
 }
 

@@ -15,7 +15,7 @@ namespace cairn::landmark_map {
 // Inputs (schema/FORMAT.md): log, and perhaps map, a landmark_map from which EM starts. Result: kind
 // landmark_map. A round is an E-step: a chain of tasks `forward`
 // and a chain of tasks `backward` over the time slices of each robot, or all slices side by side
-// (speculation.h); Advance is the M-step. With several
+// (speculation.h), then the task `m_step`. With several
 // starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h).
 class LandmarkMap : public Pipeline {
  public:
@@ -27,7 +27,7 @@ class LandmarkMap : public Pipeline {
   cairn::Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
 
  private:
-  // The M-step of one map.
+  // After an E-step of one map.
   cairn::Step AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const;
   // The last E-step once more, with the polished map.
   cairn::Step SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,

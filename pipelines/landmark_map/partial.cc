@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
+#include <string>
 
 namespace cairn::landmark_map {
 
@@ -161,6 +161,14 @@ Associated AssociatedIn(const std::vector<Blob>& summaries) {
   return all;
 }
 
+namespace {
+
+std::string OfRobot(const char* what, std::size_t robot) {
+  return what + ("/" + std::to_string(robot)) + "/";
+}
+
+}  // namespace
+
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
     : counts_(std::move(no_counts)),
       log_likelihood_of_(robots, 0.0),
@@ -170,7 +178,7 @@ RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
       summaries_(robots),
       guessed_(robots, 0),
       confirmed_(robots, 0),
-      ends_(robots) {}
+      guesses_(robots) {}
 
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
@@ -190,18 +198,46 @@ void RoundSum::Add(const Blob& partial) {
     ++guessed_[robot];
     confirmed_[robot] += partial.Scalar<std::int32_t>("confirmed");
   }
-  End& end = ends_[robot].emplace_back(End{partial.Scalar<std::int32_t>("first"), {}});
-  if (partial.Has("warm/box")) end.warm = LayeredGrid::LoadSparse("warm/", partial);
+  Guesses& guesses =
+      guesses_[robot];  // the last slice comes first, and what it holds is for the one after it
+  if (!guesses.warm.empty() && partial.Has("warm/box"))
+    guesses.warm.front() = LayeredGrid::LoadSparse("warm/", partial);
+  guesses.first.insert(guesses.first.begin(), partial.Scalar<std::int32_t>("first"));
+  guesses.warm.insert(guesses.warm.begin(), LayeredGrid());
 }
 
-Guesses RoundSum::GuessesOf(std::size_t robot) const {
-  Guesses guesses;
-  LayeredGrid warm;
-  for (auto end = ends_[robot].rbegin(); end != ends_[robot].rend(); ++end) {
-    guesses.first.push_back(end->first);
-    guesses.warm.push_back(std::exchange(warm, end->warm));
+Blob RoundSum::ToBlob() const {
+  Blob blob;
+  counts_.Store("counts/", &blob);
+  blob.PutScalar<double>("log_likelihood", log_likelihood_);
+  blob.PutVector("log_likelihood_of", log_likelihood_of_);
+  blob.PutVector("work", work_);
+  blob.PutVector("guessed", guessed_);
+  blob.PutVector("confirmed", confirmed_);
+  for (std::size_t r = 0; r < legs_.size(); ++r) {
+    legs_[r].Store(OfRobot("legs", r), &blob);
+    blob.PutAll(OfRobot("guesses", r), guesses_[r].ToBlob());
   }
-  return guesses;
+  return blob;
+}
+
+RoundSum RoundSum::FromBlob(const Blob& blob, std::size_t robots) {
+  RoundSum sum(LayeredGrid::Load("counts/", blob), robots);
+  const auto get = [&]<class T>(const char* name, std::vector<T>* values) {
+    const auto stored = blob.Get<T>(name);
+    if (stored.size() != robots) throw InputError(std::string("'") + name + "' is not of as many robots");
+    values->assign(stored.begin(), stored.end());
+  };
+  sum.log_likelihood_ = blob.Scalar<double>("log_likelihood");
+  get("log_likelihood_of", &sum.log_likelihood_of_);
+  get("work", &sum.work_);
+  get("guessed", &sum.guessed_);
+  get("confirmed", &sum.confirmed_);
+  for (std::size_t r = 0; r < robots; ++r) {
+    sum.legs_[r] = LegSums::Load(OfRobot("legs", r), blob);
+    sum.guesses_[r] = Guesses::FromBlob(blob.Sub(OfRobot("guesses", r)));
+  }
+  return sum;
 }
 
 std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {

@@ -59,12 +59,15 @@ struct Associated {
 };
 Associated AssociatedIn(const std::vector<Blob>& summaries);
 
-// Adds up partials, which must come in task order. Counts, likelihood and legs add; summaries are kept.
+// Adds up partials, which must come in task order. Counts, likelihood and legs add; summaries are kept, but
+// not stored.
 class RoundSum {
  public:
   RoundSum(LayeredGrid no_counts, std::size_t robots);
   // Partials of tasks other than `backward`, and of empty slices, are passed over.
   void Add(const Blob& partial);
+  Blob ToBlob() const;
+  static RoundSum FromBlob(const Blob& blob, std::size_t robots);
 
   const LayeredGrid& counts() const { return counts_; }
   double log_likelihood() const { return log_likelihood_; }
@@ -72,7 +75,7 @@ class RoundSum {
   double WorkOf(std::size_t robot) const { return work_[robot]; }
   const std::vector<LegSums>& legs() const { return legs_; }  // per robot
   // Of a robot's slices, what the next round may guess from.
-  Guesses GuessesOf(std::size_t robot) const;
+  const Guesses& GuessesOf(std::size_t robot) const { return guesses_[robot]; }
   // Slices that were guessed, and those of them that were guessed right.
   std::int64_t guessed(std::size_t robot) const { return guessed_[robot]; }
   std::int64_t confirmed(std::size_t robot) const { return confirmed_[robot]; }
@@ -88,12 +91,7 @@ class RoundSum {
   std::vector<double> first_path_m_;  // per robot: way to the earliest step so far
   std::vector<std::vector<Blob>> summaries_;
   std::vector<std::int64_t> guessed_, confirmed_;  // per robot
-  // Per robot, last slice first: a slice's first step, alpha where the overlap before the next slice begins.
-  struct End {
-    std::int32_t first;
-    LayeredGrid warm;
-  };
-  std::vector<std::vector<End>> ends_;
+  std::vector<Guesses> guesses_;                   // per robot
 };
 
 }  // namespace cairn::landmark_map

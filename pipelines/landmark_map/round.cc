@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/speculation.h"
 #include "pipelines/landmark_map/work.h"
 
@@ -53,7 +54,19 @@ class RoundPlanner {
     for (int s = slices - 1; s >= 0; --s) {
       const auto at = static_cast<std::size_t>(s);
       beta = AddTask("backward", of, s, forward[at], beta, guess[at]);
+      backward_.push_back(beta);
     }
+  }
+
+  // From the partials of all robots' `backward` tasks.
+  void AddMStep(std::size_t robots) {
+    Task& task = *plan_->add_tasks();
+    task.set_index(static_cast<std::uint32_t>(plan_->tasks_size() - 1));
+    task.set_kind("m_step");
+    task.set_cost(1);
+    (*task.mutable_params())["robots"].set_i(static_cast<std::int64_t>(robots));
+    AddBlob("settings", "settings", &task);
+    for (std::size_t i = 0; i < backward_.size(); ++i) AddPartial(PartialInput(i), backward_[i], &task);
   }
 
  private:
@@ -98,7 +111,7 @@ class RoundPlanner {
     input.set_blob(plan_->state().blobs().at(key));
   }
 
-  static void AddPartial(const char* name, std::int64_t index, Task* task) {
+  static void AddPartial(const std::string& name, std::int64_t index, Task* task) {
     proto::InputRef& input = *task->add_inputs();
     input.set_name(name);
     input.set_task(static_cast<std::uint32_t>(index));
@@ -108,6 +121,7 @@ class RoundPlanner {
   const Schedule& schedule_;
   const Carried& carried_;
   proto::Step* plan_;
+  std::vector<std::int64_t> backward_;  // tasks
 };
 
 }  // namespace
@@ -188,6 +202,7 @@ void PlanTasks(const Options& options, const std::vector<std::string>& robots, p
   for (std::int64_t r = 0; r < schedule.robots; ++r) {
     planner.AddRobot(static_cast<std::size_t>(r), robots[static_cast<std::size_t>(r)]);
   }
+  if (!schedule.summarise) planner.AddMStep(robots.size());
   plan->set_rounds_left(
       static_cast<std::uint32_t>(schedule.RoundsLeft(options, static_cast<std::int64_t>(robots.size()))));
 }

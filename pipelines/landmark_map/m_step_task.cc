@@ -1,0 +1,29 @@
+#include "pipelines/landmark_map/m_step_task.h"
+
+#include <string>
+
+#include "pipelines/landmark_map/estimate.h"
+#include "pipelines/landmark_map/settings.h"
+
+namespace cairn::landmark_map {
+
+std::string PartialInput(std::size_t index) { return "partial/" + std::to_string(index); }
+
+Blob RunMStep(const Task& task, const Inputs& inputs) {
+  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+  RoundSum sum(NoCounts(settings.map), static_cast<std::size_t>(task.params().at("robots").i()));
+  for (std::size_t i = 0; inputs.Has(PartialInput(i)); ++i) sum.Add(*inputs.Get(PartialInput(i)));
+  RefuseMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
+  Blob blob;
+  blob.PutAll("sum/", sum.ToBlob());
+  blob.PutAll("perception/", PerceptionOf(MapOf(sum.counts(), settings.map), settings.map).ToBlob());
+  blob.PutAll("landmarks/", ToBlob(ExtractLandmarks(sum.counts(), settings.map)));
+  return blob;
+}
+
+MStep MStep::FromBlob(const Blob& blob, std::size_t robots) {
+  return {RoundSum::FromBlob(blob.Sub("sum/"), robots), Perception::FromBlob(blob.Sub("perception/")),
+          LandmarksFromBlob(blob.Sub("landmarks/"))};
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,27 @@
+// The M-step as a task, so that those of several candidate starts run side by side.
+#pragma once
+
+#include "pipelines/landmark_map/m_step.h"
+#include "pipelines/landmark_map/partial.h"
+#include "pipelines/landmark_map/summary.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_map {
+
+// What an E-step's partials add up to, and the map that follows.
+struct MStep {
+  RoundSum sum;
+  Perception perception;
+  std::vector<Landmark> landmarks;
+
+  static MStep FromBlob(const Blob& blob, std::size_t robots);  // throws InputError
+};
+
+// Inputs: settings, and partial/0, partial/1, … of the `backward` tasks in their order. Returns an MStep as a
+// blob. Throws InputError where its tables would need more than is allowed.
+Blob RunMStep(const Task& task, const Inputs& inputs);
+
+// The name of input `index`.
+std::string PartialInput(std::size_t index);
+
+}  // namespace cairn::landmark_map
