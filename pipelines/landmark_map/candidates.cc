@@ -15,7 +15,10 @@ constexpr const char* kStartDrift = "start_drift";
 constexpr const char* kStartPrefix = "start_prefix";
 constexpr const char* kRefitOf = "refit_of";
 constexpr const char* kWentOn = "search_went_on";
-constexpr const char* kOfSearch[] = {kStartDrift, kStartPrefix, kRefitOf, kWentOn};
+constexpr const char* kAwaits = "awaits_associations";
+constexpr const char* kAssociations = "associations";
+constexpr const char* kWave = "wave";  // of the search, in which it was proposed
+constexpr const char* kOfSearch[] = {kStartDrift, kStartPrefix, kRefitOf, kWentOn, kWave};
 
 void StoreStart(const StartingPoint& start, int refit_of, State* state) {
   auto& scalars = *state->mutable_scalars();
@@ -50,6 +53,38 @@ void KeepStart(const State& before, State* after) {
   }
 }
 
+void PlanAssociations(const Options& options, const std::vector<std::string>& robots, cairn::Step* step) {
+  State& state = *step->plan.mutable_state();
+  (*state.mutable_scalars())[kAwaits].set_b(true);
+  const State after = state;
+  Schedule schedule = Schedule::Load(state);
+  schedule.robots = 1;
+  schedule.summarise = true;
+  schedule.Store(&state);
+  step->plan.clear_tasks();
+  PlanTasks(options, robots, &step->plan);
+  state = after;
+}
+
+bool AwaitsAssociations(const State& state) { return state.scalars().contains(kAwaits); }
+
+void KeepAssociations(Partials& partials, cairn::Step* step) {
+  std::vector<Blob> summaries;
+  for (std::size_t i = 0; i < partials.size(); ++i) {
+    const BlobPtr partial = partials.Get(i);
+    if (partial->Has(kFailure)) throw NoPathError(partial->Text(kFailure));
+    if (partial->Has("association/landmark")) summaries.push_back(*partial);
+  }
+  std::ranges::sort(summaries, {}, [](const Blob& b) { return b.Scalar<std::int32_t>("first"); });
+  Blob associations;
+  associations.PutVector("landmark", AssociatedIn(summaries).landmark);
+  State& state = *step->plan.mutable_state();
+  state.mutable_scalars()->erase(kAwaits);
+  (*state.mutable_blobs())[kAssociations] = step->Share(std::move(associations));
+}
+
+void DropAssociations(State* state) { state->mutable_blobs()->erase(kAssociations); }
+
 CandidateRounds::CandidateRounds(const Options& options, std::vector<cairn::Step> steps, const Inputs& inputs)
     : options_(options),
       steps_(std::move(steps)),
@@ -69,6 +104,8 @@ CandidateRounds::CandidateRounds(const Options& options, std::vector<cairn::Step
     candidate.drift_rad_per_m = Carried::Load(state, robots_.size()).odometry[0].drift_rad_per_m;
     candidate.log_likelihood = scalars.at("log_likelihood").d();
     candidate.landmarks = LandmarksFromBlob(*BlobOf(k, "landmarks"));
+    const auto of = BlobOf(k, kAssociations)->Get<std::int32_t>("landmark");
+    candidate.associations.assign(of.begin(), of.end());
   }
 }
 
@@ -77,22 +114,30 @@ bool CandidateRounds::WentOn(std::size_t candidate) const {
 }
 
 int CandidateRounds::waves() const {
-  int waves = 0;
-  for (std::size_t k = 0; k < steps_.size(); ++k) waves += WentOn(k) ? 1 : 0;
-  return waves;
+  std::int64_t waves = 0;
+  for (const cairn::Step& step : steps_) {
+    const auto wave = step.plan.state().scalars().find(kWave);
+    if (wave != step.plan.state().scalars().end()) waves = std::max(waves, wave->second.i());
+  }
+  return static_cast<int>(waves);
 }
 
 bool CandidateRounds::WentOnFrom(int candidate) const {
-  const std::vector<Landmark>& map = candidates_[static_cast<std::size_t>(candidate)].landmarks;
   for (std::size_t k = 0; k < steps_.size(); ++k) {
-    if (WentOn(k) && SameMap(candidates_[k].landmarks, map)) return true;
+    if (WentOn(k) && SameMap(candidates_[k], candidates_[static_cast<std::size_t>(candidate)])) return true;
   }
   return false;
+}
+
+double CandidateRounds::MeanLegM() const {
+  const RobotSteps steps = RobotSteps::FromBlob(*BlobOf(0, "steps/0"));
+  return steps.WaySoFar().back() / static_cast<double>(steps.observations.size());
 }
 
 void CandidateRounds::GoOnFrom(int best, const std::vector<Proposal>& proposals) {
   (*steps_[static_cast<std::size_t>(best)].plan.mutable_state()->mutable_scalars())[kWentOn].set_b(true);
   const RobotSteps first_robot = RobotSteps::FromBlob(*BlobOf(0, "steps/0"));
+  const int wave = waves() + 1;
   std::vector<cairn::Step> added;
   for (const Proposal& proposal : proposals) {
     if (proposal.without) {
@@ -103,7 +148,10 @@ void CandidateRounds::GoOnFrom(int best, const std::vector<Proposal>& proposals)
       BeginFrom(proposal.start, options_, robots_, settings_, first_robot, &step);
     }
   }
-  for (cairn::Step& step : added) steps_.push_back(std::move(step));
+  for (cairn::Step& step : added) {
+    (*step.plan.mutable_state()->mutable_scalars())[kWave].set_i(wave);
+    steps_.push_back(std::move(step));
+  }
 }
 
 // A blob that a candidate's state names: new, or one that the round had.
@@ -129,6 +177,7 @@ cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
   *step.plan.mutable_state() = before;
   step.plan.mutable_state()->mutable_scalars()->erase(kWentOn);
   GuessNothing(step.plan.mutable_state());
+  DropAssociations(step.plan.mutable_state());
   StoreStart(candidates_[k].start, parent, step.plan.mutable_state());
   PlanRound(options_, robots_, schedule, Carried::Load(before, robots_.size()),
             {{"counts", StoredCounts(counts)}, {"perception", perception.ToBlob()}}, &step);

@@ -20,6 +20,15 @@ void BeginFrom(const StartingPoint& start, const Options& options, const std::ve
 // What a candidate's State says of where it started, kept in the State after it.
 void KeepStart(const State& before, State* after);
 
+// EM of the first robot has ended in `step`: its tasks are now one more E-step of that robot, for which
+// landmark each observation is of.
+void PlanAssociations(const Options& options, const std::vector<std::string>& robots, cairn::Step* step);
+bool AwaitsAssociations(const State& state);
+// Takes them from that E-step. Throws NoPathError where no path fits.
+void KeepAssociations(Partials& partials, cairn::Step* step);
+// The State as it was before, for what comes after the search.
+void DropAssociations(State* state);
+
 // What became of the candidates, and those that come next. `steps`: of each, as its own Advance left it;
 // `inputs`: of the round that held them all.
 class CandidateRounds {
@@ -28,10 +37,12 @@ class CandidateRounds {
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Settings& settings() const { return settings_; }
-  // How often the search went on from a best candidate; whether it did from one with the map of this one.
+  // How often the search went on; whether it did from a best candidate with the map of this one.
   int waves() const;
   bool WentOnFrom(int candidate) const;
-  // Adds what is proposed around `best`, planned.
+  // The first robot's, from one observation to the next.
+  double MeanLegM() const;
+  // Adds what is proposed, planned; refits are of `best`.
   void GoOnFrom(int best, const std::vector<Proposal>& proposals);
 
   std::vector<cairn::Step> Take() && { return std::move(steps_); }

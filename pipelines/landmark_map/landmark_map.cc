@@ -306,6 +306,7 @@ cairn::Step LandmarkMap::SummaryUnder(const std::vector<Landmark>& landmarks, co
 }
 
 cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const {
+  const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
   std::vector<cairn::Step> steps;
   int running = 0;
   std::string note;
@@ -315,10 +316,14 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
     *step.plan.mutable_state() = start.state();
     if (!start.waits()) {
       try {
-        step = AdvanceOne(start.state(), start, start);
-        KeepStart(start.state(), step.plan.mutable_state());
-        note = step.plan.note();
-        if (SearchIsOver(step.plan.state())) step.plan.clear_tasks();
+        if (AwaitsAssociations(start.state())) {
+          KeepAssociations(start, &step);
+        } else {
+          step = AdvanceOne(start.state(), start, start);
+          KeepStart(start.state(), step.plan.mutable_state());
+          note = step.plan.note();
+          if (SearchIsOver(step.plan.state())) PlanAssociations(options_, robots, &step);
+        }
       } catch (const NoPathError& error) {
         (*step.plan.mutable_state()->mutable_scalars())[kFailure].set_s(error.what());
       }
@@ -363,14 +368,20 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
   const Settings settings = rounds.settings();
   const std::vector<Candidate> candidates = rounds.candidates();
   const Choice choice = Choose(candidates, settings);
-  if (rounds.waves() < options_.waves && !rounds.WentOnFrom(choice.best)) {
-    rounds.GoOnFrom(choice.best, ProposalsAround(candidates, choice.best, settings));
+  std::vector<Proposal> proposals;
+  if (!rounds.WentOnFrom(choice.best))
+    proposals = ProposalsAround(candidates, choice.best, settings);
+  else if (choice.support < kEnoughSupport)
+    proposals = ProposalsBeyond(candidates, settings, rounds.MeanLegM());
+  if (rounds.waves() < options_.waves && !proposals.empty()) {
+    rounds.GoOnFrom(choice.best, proposals);
     cairn::Step step = FanOut(std::move(rounds).Take());
     step.plan.set_note(Sentence(candidates, choice));
     return step;
   }
   std::vector<cairn::Step> ended = std::move(rounds).Take();
   cairn::Step step = std::move(ended[static_cast<std::size_t>(choice.best)]);
+  DropAssociations(step.plan.mutable_state());
   if (Resolve(options_, *inputs.Get("log")).map.grid.cell_m < settings.map.grid.cell_m)
     Refine(candidates[static_cast<std::size_t>(choice.best)].landmarks, settings, inputs, &step);
   (*step.plan.mutable_state()->mutable_blobs())["search"] = step.Share(ToBlob(candidates, choice, settings));

@@ -94,10 +94,10 @@ void VisitOptions(V& visit, Options& o) {
                "with model exact, and for sightings whose log states no drift"},
         o.starts);
   visit(
-      Option{
-          "waves", "", 0, 1000,
-          "how often at most the search goes on around its best candidate: starts with drifts near its own, "
-          "refits without one of its landmarks"},
+      Option{"waves", "", 0, 1000,
+             "how often at most the search goes on: around its best candidate, with starts of drifts near "
+             "its own "
+             "and refits without one of its landmarks, and, where few starts agree, with drifts further out"},
       o.waves);
   visit(Option{"start",
                "",

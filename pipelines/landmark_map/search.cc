@@ -4,33 +4,38 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
 namespace cairn::landmark_map {
 namespace {
 
-// The nearest of `to` for each of `from`, -1 where there is none of its type.
-std::vector<int> Nearest(const std::vector<Landmark>& from, const std::vector<Landmark>& to) {
-  std::vector<int> nearest;
-  for (const Landmark& l : from) {
-    double best = std::numeric_limits<double>::infinity();
-    int winner = -1;
-    for (std::size_t k = 0; k < to.size(); ++k) {
-      const double distance = std::hypot(to[k].x_m - l.x_m, to[k].y_m - l.y_m);
-      if (to[k].type != l.type || distance >= best) continue;
-      best = distance;
-      winner = static_cast<int>(k);
-    }
-    nearest.push_back(winner);
+// How many observations are of the landmark of `to` that most observations of their landmark of `from` are
+// of.
+std::size_t InAgreement(const std::vector<std::int32_t>& from, const std::vector<std::int32_t>& to) {
+  std::map<std::int32_t, std::map<std::int32_t, std::size_t>> shared;
+  for (std::size_t k = 0; k < from.size(); ++k) ++shared[from[k]][to[k]];
+  std::size_t agree = 0;
+  for (const auto& [landmark, counts] : shared) {
+    std::size_t most = 0;
+    for (const auto& [other, count] : counts) most = std::max(most, count);
+    agree += most;
   }
-  return nearest;
+  return agree;
 }
+
+// Degrees of freedom of the drift's prior, Student's t: a data sheet's figure may be off by a factor, and the
+// tails say so. A Gaussian takes 50 nats off a drift of ten standard deviations, this 8.
+constexpr double kTail = 4.0;
+constexpr double kFurthest = 8.0;                         // nominal standard deviations
+constexpr double kMostTurn_rad = std::numbers::pi / 4.0;  // by a drift, from one observation to the next
+constexpr double kShorter = 0.4;                          // the second half's prefix, of the first half's
 
 }  // namespace
 
 std::vector<StartingPoint> StartingPoints(const Settings& settings) {
-  constexpr double kShorter = 0.4;  // of the first half's prefix
   const double sigma = settings.noise.heading_drift_rad_per_m;
   if (settings.starts < 2) return {{0.0, settings.growth_start}};
   std::vector<StartingPoint> points;
@@ -48,17 +53,16 @@ double ScoreOf(const Candidate& candidate, const Settings& settings) {
   if (candidate.failure) return -std::numeric_limits<double>::infinity();
   const double sigma = settings.noise.heading_drift_rad_per_m;
   const double drift = sigma > 0.0 ? candidate.drift_rad_per_m / sigma : 0.0;
-  return candidate.log_likelihood - 0.5 * drift * drift -
+  return candidate.log_likelihood - 0.5 * (kTail + 1.0) * std::log1p(drift * drift / kTail) -
          std::log(settings.places) * static_cast<double>(candidate.landmarks.size());
 }
 
-bool SameMap(const std::vector<Landmark>& a, const std::vector<Landmark>& b) {
-  if (a.size() != b.size()) return false;
-  const std::vector<int> there = Nearest(a, b), back = Nearest(b, a);
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    if (there[k] < 0 || back[static_cast<std::size_t>(there[k])] != static_cast<int>(k)) return false;
-  }
-  return true;
+bool SameMap(const Candidate& a, const Candidate& b) {
+  constexpr double kAlike = 0.99;
+  CAIRN_DEMAND(a.associations.size() == b.associations.size(), "maps of the same observations");
+  const double least = kAlike * static_cast<double>(a.associations.size());
+  return static_cast<double>(InAgreement(a.associations, b.associations)) >= least &&
+         static_cast<double>(InAgreement(b.associations, a.associations)) >= least;
 }
 
 Choice Choose(const std::vector<Candidate>& candidates, const Settings& settings) {
@@ -72,7 +76,12 @@ Choice Choose(const std::vector<Candidate>& candidates, const Settings& settings
   const Candidate& best = candidates[static_cast<std::size_t>(choice.best)];
   if (best.failure) throw InputError(*best.failure);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (candidates[k].failure || SameMap(best.landmarks, candidates[k].landmarks)) continue;
+    if (candidates[k].refit_of < 0) ++choice.starts;
+    if (candidates[k].failure) continue;
+    if (SameMap(best, candidates[k])) {
+      if (candidates[k].refit_of < 0) ++choice.support;
+      continue;
+    }
     const double lead = scores[static_cast<std::size_t>(choice.best)] - scores[k];
     if (!choice.lead_nats || lead < *choice.lead_nats) choice.lead_nats = lead;
   }
@@ -100,8 +109,26 @@ std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, 
   return proposals;
 }
 
+std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, const Settings& settings,
+                                      double leg_m) {
+  const double step = DriftStep(settings.starts) * settings.noise.heading_drift_rad_per_m;
+  std::vector<Proposal> proposals;
+  if (!(step > 0.0)) return proposals;
+  double tried = 0.0;
+  for (const Candidate& c : candidates) tried = std::max(tried, std::abs(c.start.drift_rad_per_m));
+  const double furthest = kFurthest * settings.noise.heading_drift_rad_per_m;
+  const double last = std::min(std::min(2.0 * tried, furthest) + 0.5 * step, kMostTurn_rad / leg_m);
+  for (double drift = tried + step; drift < last; drift += step) {
+    for (const double prefix : {1.0, kShorter}) {
+      for (const double side : {-1.0, 1.0})
+        proposals.push_back({{side * drift, settings.growth_start * prefix}, {}});
+    }
+  }
+  return proposals;
+}
+
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings) {
-  const std::vector<Landmark>& best = candidates[static_cast<std::size_t>(choice.best)].landmarks;
+  const Candidate& best = candidates[static_cast<std::size_t>(choice.best)];
   std::vector<double> start, prefix, drift, likelihood, score;
   std::vector<std::int32_t> landmarks, same, refit_of;
   for (const Candidate& c : candidates) {
@@ -112,7 +139,7 @@ Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, cons
     likelihood.push_back(c.failure ? std::numeric_limits<double>::quiet_NaN() : c.log_likelihood);
     score.push_back(ScoreOf(c, settings));
     landmarks.push_back(static_cast<std::int32_t>(c.landmarks.size()));
-    same.push_back(!c.failure && SameMap(best, c.landmarks) ? 1 : 0);
+    same.push_back(!c.failure && SameMap(best, c) ? 1 : 0);
   }
   Blob blob;
   blob.PutVector("start_drift_rad_per_m", start);
@@ -124,20 +151,19 @@ Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, cons
   blob.PutVector("score_nats", score);
   blob.PutVector("same_map", same);
   blob.PutScalar<std::int32_t>("best", choice.best);
+  blob.PutScalar<std::int32_t>("support", choice.support);
+  blob.PutScalar<std::int32_t>("starts", choice.starts);
   if (choice.lead_nats) blob.PutScalar<double>("lead_nats", *choice.lead_nats);
   return blob;
 }
 
 std::string Sentence(const std::vector<Candidate>& candidates, const Choice& choice) {
-  char text[160];
-  if (choice.lead_nats) {
-    std::snprintf(text, sizeof text, "candidate %d of %zu is best, %.1f nats ahead of the next different map",
-                  choice.best + 1, candidates.size(), *choice.lead_nats);
-  } else {
-    std::snprintf(text, sizeof text, "candidate %d of %zu is best, all found the same map", choice.best + 1,
-                  candidates.size());
-  }
-  return text;
+  char ahead[80] = "all found the same map";
+  if (choice.lead_nats)
+    std::snprintf(ahead, sizeof ahead, "%.1f nats ahead of the next different map", *choice.lead_nats);
+  return "candidate " + std::to_string(choice.best + 1) + " of " + std::to_string(candidates.size()) +
+         " is best, " + ahead + "; found from " + std::to_string(choice.support) + " of " +
+         std::to_string(choice.starts) + " starts";
 }
 
 }  // namespace cairn::landmark_map

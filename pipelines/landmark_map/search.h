@@ -29,6 +29,8 @@ struct Candidate {
   std::vector<Landmark> landmarks;
   std::optional<std::string> failure;  // why EM could not go on
   int refit_of = -1;                   // another candidate, of whose map a landmark was left out
+  // Which landmark each of the first robot's observations is of, under this map; -1: none.
+  std::vector<std::int32_t> associations;
 };
 
 // The log-likelihood, less the logarithm of the number of places for each landmark: another landmark raises
@@ -36,13 +38,16 @@ struct Candidate {
 // says against the drift that was found: with a drift that is large enough a square is a triangle.
 double ScoreOf(const Candidate& candidate, const Settings& settings);
 
-// Do the maps hold the same landmarks? So many each, and each one's nearest in the other map is its own.
-bool SameMap(const std::vector<Landmark>& a, const std::vector<Landmark>& b);
+// Do both maps say alike which observations are of one landmark? Where their landmarks stand does not matter:
+// maps that are bent differently are one map. Up to one observation in a hundred may differ.
+bool SameMap(const Candidate& a, const Candidate& b);
 
 struct Choice {
   int best = 0;
   // By how many nats the best one's score exceeds that of the best one with another map; none: all agree.
   std::optional<double> lead_nats;
+  int support = 0;  // starts, refits not counted, that ended in the best one's map
+  int starts = 0;   // of so many
 };
 
 // Throws InputError, the first candidate's, where all failed. Of equals the first is best.
@@ -57,6 +62,15 @@ struct Proposal {
 };
 std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, int best,
                                       const Settings& settings);
+
+// What to try where too few starts agree on the best map: starts from odometry with drifts beyond all that
+// were tried, up to twice as far to either side, to eight nominal standard deviations. Data sheets err, and a
+// drift that no start comes near cannot be found from a map that is wrong. `leg_m`, the way from one
+// observation to the next, ends it where a drift turns the robot by an eighth of a circle on one: that makes
+// other polygons of the same way.
+inline constexpr int kEnoughSupport = 3;
+std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, const Settings& settings,
+                                      double leg_m);
 
 // What the result says of the search; fields as in schema/FORMAT.md, search/.
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings);

@@ -45,48 +45,83 @@ TEST(StartingPoints, OneStartsWhereOdometryIsAndSteadyOdometryLeavesTwo) {
   EXPECT_EQ(StartingPoints(steady)[1].drift_rad_per_m, 0.0);
 }
 
+// A candidate with so many landmarks, of which its observations are.
+Candidate Found(double log_likelihood, std::size_t landmarks, std::vector<std::int32_t> associations,
+                double start_drift_rad_per_m = 0.0) {
+  Candidate candidate;
+  candidate.start.drift_rad_per_m = start_drift_rad_per_m;
+  candidate.log_likelihood = log_likelihood;
+  for (std::size_t k = 0; k < landmarks; ++k) candidate.landmarks.push_back(At(10.0 * k, 0.0));
+  candidate.associations = std::move(associations);
+  return candidate;
+}
+
+Candidate Failed(const char* why) {
+  Candidate candidate;
+  candidate.failure = why;
+  return candidate;
+}
+
+Candidate RefitOf(int parent, Candidate candidate) {
+  candidate.refit_of = parent;
+  return candidate;
+}
+
 TEST(ScoreOf, ALandmarkCostsTheLogarithmOfThePlacesForIt) {
-  EXPECT_NEAR(ScoreOf({{}, 0.0, -50.0, {At(0, 0), At(9, 9)}, {}, -1}, SomeSettings()), -50.0 - 2 * 9.0,
-              1e-12);
+  EXPECT_NEAR(ScoreOf(Found(-50.0, 2, {}), SomeSettings()), -50.0 - 2 * 9.0, 1e-12);
 }
 
+// Three standard deviations under Student's t of four degrees of freedom: (1 + 9 / 4)^-2.5.
 TEST(ScoreOf, ADriftCostsWhatItsPriorSays) {
-  EXPECT_NEAR(ScoreOf({{}, -0.03, -50.0, {}, {}, -1}, SomeSettings()), -50.0 - 0.5 * 3 * 3, 1e-12);
+  Candidate candidate = Found(-50.0, 0, {});
+  candidate.drift_rad_per_m = -0.03;
+  EXPECT_NEAR(ScoreOf(candidate, SomeSettings()), -50.0 - 2.5 * std::log(3.25), 1e-12);
 }
 
-TEST(SameMap, HoldsWhereEachLandmarkHasOneThatIsNearestBothWays) {
-  const std::vector<Landmark> map = {At(0, 0), At(10, 0), At(10, 10)};
-  EXPECT_TRUE(SameMap(map, {At(11, 9), At(1, 1), At(9, 1)}));        // another order, slightly off
-  EXPECT_FALSE(SameMap(map, {At(0, 0), At(10, 0)}));                 // one is missing
-  EXPECT_FALSE(SameMap(map, {At(0, 0), At(10, 0), At(1, 0)}));       // one is elsewhere
-  EXPECT_FALSE(SameMap(map, {At(0, 0), At(10, 0), At(10, 10, 1)}));  // one is of another type
+TEST(SameMap, HoldsWhereTheSameObservationsAreOfOneLandmark) {
+  const Candidate map = Found(0, 3, {0, 1, 2, 0, -1});
+  EXPECT_TRUE(SameMap(map, Found(0, 3, {2, 0, 1, 2, -1})));   // other numbers
+  EXPECT_FALSE(SameMap(map, Found(0, 4, {0, 1, 2, 3, -1})));  // one landmark twice
+  EXPECT_FALSE(SameMap(map, Found(0, 2, {0, 1, 1, 0, -1})));  // two landmarks in one
+  EXPECT_FALSE(SameMap(map, Found(0, 3, {0, 1, 2, 1, -1})));  // another one seen again
 }
 
-TEST(Choose, TakesTheBestScoreAndSaysHowFarAheadOfAnotherMapItIs) {
-  const std::vector<Landmark> two = {At(0, 0), At(10, 0)}, three = {At(0, 0), At(10, 0), At(20, 0)};
-  const Choice choice = Choose({{{-0.02}, 0, -60, two, {}, -1},    // -78
-                                {{-0.01}, 0, -52, three, {}, -1},  // -79
-                                {{0.00}, 0, -50, two, {}, -1},     // -68: the best
-                                {{0.01}, 0, -45, three, {}, -1},   // -72: the next different one
-                                {{0.02}, 0, 0, {}, "impossible", -1}},
+TEST(SameMap, OneObservationInAHundredMayDiffer) {
+  std::vector<std::int32_t> of(200);
+  for (std::size_t k = 0; k < of.size(); ++k) of[k] = static_cast<std::int32_t>(k % 10);
+  std::vector<std::int32_t> two = of, three = of;
+  two[0] = two[50] = 7;
+  three[0] = three[50] = three[100] = 7;
+  EXPECT_TRUE(SameMap(Found(0, 10, of), Found(0, 10, two)));
+  EXPECT_FALSE(SameMap(Found(0, 10, of), Found(0, 10, three)));
+}
+
+TEST(Choose, TakesTheBestScoreAndSaysHowFarAheadOfAnotherMapItIsAndHowManyStartsFoundIt) {
+  const std::vector<std::int32_t> two = {0, 1, 0, 1}, three = {0, 1, 2, 1};
+  const Choice choice = Choose({Found(-60, 2, two),              // -78
+                                Found(-52, 3, three),            // -79
+                                Found(-50, 2, {1, 0, 1, 0}),     // -68: the best
+                                Found(-45, 3, three),            // -72: the next different one
+                                RefitOf(2, Found(-51, 2, two)),  // counts as no start
+                                Failed("impossible")},
                                SomeSettings());
   EXPECT_EQ(choice.best, 2);
   ASSERT_TRUE(choice.lead_nats.has_value());
   EXPECT_NEAR(*choice.lead_nats, 4.0, 1e-12);
+  EXPECT_EQ(choice.support, 2);
+  EXPECT_EQ(choice.starts, 5);
 }
 
 TEST(Choose, OfEqualsTheFirstAndNoLeadWhereAllFoundTheSameMap) {
-  const std::vector<Landmark> two = {At(0, 0), At(10, 0)};
-  const Choice choice =
-      Choose({{{-0.01}, 0, -50, two, {}, -1}, {{0.01}, 0, -50, two, {}, -1}}, SomeSettings());
+  const Choice choice = Choose({Found(-50, 2, {0, 1, 1}), Found(-50, 2, {1, 0, 0})}, SomeSettings());
   EXPECT_EQ(choice.best, 0);
   EXPECT_FALSE(choice.lead_nats.has_value());
+  EXPECT_EQ(choice.support, 2);
 }
 
 TEST(Choose, StartsThatAreAllImpossibleSayWhy) {
   try {
-    Choose({{{-0.01}, 0, 0, {}, "step 3: impossible", -1}, {{0.01}, 0, 0, {}, "step 4: impossible", -1}},
-           SomeSettings());
+    Choose({Failed("step 3: impossible"), Failed("step 4: impossible")}, SomeSettings());
     FAIL();
   } catch (const InputError& e) {
     EXPECT_STREQ(e.what(), "step 3: impossible");
@@ -98,8 +133,11 @@ TEST(ProposalsAround, AreDriftsBetweenThoseTriedAndBeyondThemAndRefitsWithoutThe
   Landmark rare = At(10, 0);
   rare.count = 0.9;
   std::vector<Candidate> candidates;
-  for (const double drift : {-0.02, -0.01, 0.0, 0.01, 0.02})
-    candidates.push_back({{drift, 0.5}, 0, -60, {At(0, 0), rare, At(20, 0)}, {}, -1});
+  for (const double drift : {-0.02, -0.01, 0.0, 0.01, 0.02}) {
+    candidates.push_back(Found(-60, 3, {}, drift));
+    candidates.back().start.prefix = 0.5;
+    candidates.back().landmarks[1] = rare;
+  }
   const std::vector<Proposal> inside = ProposalsAround(candidates, 2, SomeSettings());
   ASSERT_EQ(inside.size(), 5U);
   EXPECT_NEAR(inside[0].start.drift_rad_per_m, -0.005, 1e-15);
@@ -111,6 +149,32 @@ TEST(ProposalsAround, AreDriftsBetweenThoseTriedAndBeyondThemAndRefitsWithoutThe
   const std::vector<Proposal> edge = ProposalsAround(candidates, 4, SomeSettings());
   ASSERT_EQ(edge.size(), 6U);
   EXPECT_NEAR(edge[2].start.drift_rad_per_m, 0.03, 1e-15);
+}
+
+// Of 10 starts, whose drifts lie a standard deviation apart and reach to two on either side: beyond those
+// three and four, each with both prefixes.
+TEST(ProposalsBeyond, AreDriftsUpToTwiceAsFarOnEitherSideForEachOfTwoPrefixes) {
+  Settings settings = SomeSettings();
+  settings.starts = 10;
+  settings.growth_start = 0.5;
+  std::vector<Candidate> candidates;
+  for (const double drift : {-0.02, 0.0, 0.02}) candidates.push_back(Found(-60, 3, {}, drift));
+  const std::vector<Proposal> beyond = ProposalsBeyond(candidates, settings, 5.0);
+  const std::vector<std::pair<double, double>> expected = {{-0.03, 0.5}, {0.03, 0.5},  {-0.03, 0.2},
+                                                           {0.03, 0.2},  {-0.04, 0.5}, {0.04, 0.5},
+                                                           {-0.04, 0.2}, {0.04, 0.2}};
+  ASSERT_EQ(beyond.size(), expected.size());
+  for (std::size_t k = 0; k < beyond.size(); ++k) {
+    EXPECT_NEAR(beyond[k].start.drift_rad_per_m, expected[k].first, 1e-12);
+    EXPECT_NEAR(beyond[k].start.prefix, expected[k].second, 1e-12);
+    EXPECT_FALSE(beyond[k].without.has_value());
+  }
+  candidates.push_back(Found(-60, 3, {}, 0.07));
+  EXPECT_EQ(ProposalsBeyond(candidates, settings, 5.0).size(), 4U) << "no further than 0.08";
+  candidates.pop_back();
+  EXPECT_EQ(ProposalsBeyond(candidates, settings, 21.0).size(), 4U) << "0.04 * 21 is above pi / 4";
+  settings.noise.heading_drift_rad_per_m = 0.0;
+  EXPECT_TRUE(ProposalsBeyond(candidates, settings, 5.0).empty()) << "odometry that does not drift";
 }
 
 BlobPtr Map(const Blob& log, const Options& options) {
@@ -141,7 +205,9 @@ TEST(Search, ADriftFarOutsideItsPriorMustPay) {
   const auto landmarks = found->Get<std::int32_t>("search/landmarks");
   const auto score = found->Get<double>("search/score_nats"),
              drift = found->Get<double>("search/drift_rad_per_m");
-  const auto unpaid = [&](std::size_t k) { return score[k] + 0.5 * drift[k] * drift[k] / (0.006 * 0.006); };
+  const auto unpaid = [&](std::size_t k) {
+    return score[k] + 2.5 * std::log1p(drift[k] * drift[k] / (4.0 * 0.006 * 0.006));
+  };
   const auto best = static_cast<std::size_t>(found->Scalar<std::int32_t>("search/best"));
   const auto triangle = static_cast<std::size_t>(std::ranges::find(landmarks, 3) - landmarks.begin());
   ASSERT_LT(triangle, landmarks.size());

@@ -2,17 +2,20 @@
 //   topology_rate DIFFICULTY FIRST LAST [options of cairn simulate loop] [--rounds] [key=value …]
 //   topology_rate --csv DIR [--rounds] [key=value …]
 // prints a line a log (with --rounds also one a round: the time so far and what the round found) and a
-// summary. The second form takes every folder in DIR that holds an odometry.csv.gz (docs/datasets.md,
-// loops-csv). The pipeline sees the log without its truth.
+// summary, with how often what was stated of which confidence was right. The second form takes every folder
+// in DIR that holds an odometry.csv.gz (docs/datasets.md, loops-csv). The pipeline sees the log without its
+// truth.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "coordinator/cli/loop_options.h"
+#include "datasets/confidence.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/import_csv.h"
 #include "datasets/simulate_loop.h"
@@ -27,6 +30,10 @@ struct Tally {
   int complete = 0;  // every landmark that was observed, and no other
   double seconds = 0.0;
   std::vector<double> rmse_m;
+  struct Stated {
+    int jobs = 0, right = 0;
+  };
+  std::map<datasets::Confidence, Stated> stated;
 };
 
 struct Arguments {
@@ -37,12 +44,11 @@ struct Arguments {
   proto::Stage stage;
 };
 
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+// Of the processor: others may use the machine.
+double SecondsSince(std::clock_t start) { return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
 
 void RunLog(const std::string& name, const Blob& log, const Arguments& arguments, Tally* tally) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   ++tally->jobs;
   BlobPtr result;
   try {
@@ -61,13 +67,16 @@ void RunLog(const std::string& name, const Blob& log, const Arguments& arguments
   const bool right = score.topology_correct.value_or(false);
   const double rmse_m = score.landmarks->rmse_m.value_or(-1.0);
   tally->right += right ? 1 : 0;
+  Tally::Stated& stated = tally->stated[datasets::ConfidenceOf(*result)];
+  ++stated.jobs;
+  stated.right += right ? 1 : 0;
   tally->complete += score.landmarks->missed == 0 && score.landmarks->spurious == 0 ? 1 : 0;
   if (right) tally->rmse_m.push_back(rmse_m);
-  std::printf("%s: topology %s, %lld found, %lld missed, %lld spurious, rmse %.2f m, path %.2f m\n",
+  std::printf("%s: topology %s, %lld found, %lld missed, %lld spurious, rmse %.2f m, path %.2f m; %s\n",
               name.c_str(), right ? "right" : "wrong", static_cast<long long>(score.landmarks->found),
               static_cast<long long>(score.landmarks->missed),
               static_cast<long long>(score.landmarks->spurious), rmse_m,
-              score.trajectory_rmse_m.value_or(-1.0));
+              score.trajectory_rmse_m.value_or(-1.0), datasets::ConfidenceText(*result).c_str());
   std::fflush(stdout);
 }
 
@@ -127,9 +136,12 @@ int Main(const Arguments& arguments) {
   std::ranges::sort(tally.rmse_m);
   std::printf(
       "%s: topology right in %d of %d, every landmark and no other in %d; median landmark rmse of the right "
-      "%.2f m; %.2f s a job\n",
+      "%.2f m; %.2f s of processor time a job\n",
       Title(arguments).c_str(), tally.right, tally.jobs, tally.complete,
       tally.rmse_m.empty() ? -1.0 : tally.rmse_m[tally.rmse_m.size() / 2], tally.seconds / tally.jobs);
+  for (const auto& [confidence, stated] : tally.stated)
+    std::printf("confidence %s: topology right in %d of %d\n", datasets::Word(confidence), stated.right,
+                stated.jobs);
   return 0;
 }
 

@@ -3,6 +3,7 @@
 // topology_rate's (tests/bench).
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,15 @@ void ExpectTheTruth(const Mapped& mapped, double rmse_m) {
 }
 
 TEST(SimulatedWorlds, TheMuseumsSeventyMetresAndHalfATurn) { ExpectTheTruth(Map("museum", 5, {}), 1.0); }
+
+// It drifts by 3.6 nominal standard deviations where the first starts reach to two: no two of them agree.
+TEST(SimulatedWorlds, ADriftFarBeyondTheDataSheet) {
+  const Mapped mapped = Map("museum", 9, {});
+  ExpectTheTruth(mapped, 1.0);
+  const double nominal = mapped.log.Scalar<double>("noise/heading_drift_rad_per_m");
+  EXPECT_GT(std::abs(mapped.result->Scalar<double>("robot/0/heading_drift_rad_per_m")), 3.0 * nominal);
+  EXPECT_GE(mapped.result->Scalar<std::int32_t>("search/support"), 3);
+}
 
 TEST(SimulatedWorlds, RangesAndBearingsWithIdentities) {
   ExpectTheTruth(Map("base", 3, {.sensor = "range-bearing", .identities = true}), 0.8);
