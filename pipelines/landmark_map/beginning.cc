@@ -22,6 +22,7 @@ Beginning BeginningOf(const Options& options, const Inputs& inputs) {
   }
   if (options.starts > 1) throw InputError("with the input 'map' EM starts from it alone: take starts=1");
   beginning.settings.starts = 1;
+  beginning.settings.loose_frame = false;  // the frame is the given map's
   beginning.schedule.prefix = 1.0;
   beginning.schedule.robots = static_cast<std::int64_t>(robots);
   beginning.given = ReadGivenMap(*inputs.Get("map"), log, beginning.settings);

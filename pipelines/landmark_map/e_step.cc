@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 namespace cairn::landmark_map {
 namespace {
@@ -156,6 +157,19 @@ void Mask(const LayeredGrid& alpha, LayeredGrid* message) {
   }
 }
 
+// By how many cells odometry may have led a robot astray from step 0 to `step`, at most.
+int MarginOfWay(const EStepModel& model, const RobotSteps& steps, int step) {
+  constexpr double kReach = 3.0;  // standard deviations
+  Leg way;
+  for (int s = 1; s <= step; ++s) {
+    way.path_m += steps.path_m[s];
+    way.turn_rad += steps.turn_rad[s];
+  }
+  const LegError error = ErrorOf(way, model.noise);
+  const double astray_m = std::min(2.0, kReach * error.heading_rad) * way.path_m + kReach * error.along_m;
+  return static_cast<int>(std::ceil(astray_m / model.grid.cell_m));
+}
+
 }  // namespace
 
 LayeredGrid DiracStart(const GridSpec& grid) {
@@ -170,15 +184,22 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
   CAIRN_DEMAND(model.perception != nullptr, "a robot that starts anywhere needs a map");
   const RobotSteps& steps = slice.steps;
   const std::vector<Layer>& tables = model.perception->likelihood.layers;
-  int known = 0;  // the first observation that the map can place
-  while (known < steps.first_observation[1] && tables[steps.observations[known].type].box.empty()) ++known;
-  if (known == steps.first_observation[1]) {
-    Refuse(slice, 0,
-           "the map holds nothing of what the robot saw first: it cannot be placed; " + Seen(slice, 0));
-  }
+  int step = 0, known = 0;  // the first observation that the map can place
+  while (known < steps.first_observation.back() && tables[steps.observations[known].type].box.empty())
+    ++known;
+  if (known == steps.first_observation.back())
+    Refuse(slice, 0, "the map holds nothing of what the robot saw: it cannot be placed");
+  while (steps.first_observation[step + 1] <= known) ++step;
+  const int margin = MarginOfWay(model, steps, step);
   LayeredGrid belief;
   for (int c = 0; c < model.grid.headings; ++c) {
-    Layer layer(PlacesThatSee(steps.observations[known], model.grid, *model.perception, c));
+    const double angle = c * 2.0 * std::numbers::pi / model.grid.headings;
+    const double dx = steps.odo_x_m[step] - steps.odo_x_m[0], dy = steps.odo_y_m[step] - steps.odo_y_m[0];
+    const double x = std::cos(angle) * dx - std::sin(angle) * dy,
+                 y = std::sin(angle) * dx + std::cos(angle) * dy;
+    const auto cells = [&](double way_m) { return static_cast<int>(std::lround(way_m / model.grid.cell_m)); };
+    const Box places = PlacesThatSee(steps.observations[known], model.grid, *model.perception, c);
+    Layer layer(places.Shifted(-cells(x), -cells(y)).Grown(margin));
     layer.values.assign(layer.values.size(), 1.0);
     belief.layers.push_back(std::move(layer));
   }

@@ -64,8 +64,9 @@ struct Frontier {
 };
 
 // The belief at step 0 before its observations: all mass at the origin, or ([TBF98] section 8) spread evenly
-// over all headings and all places from which the map can explain step 0's first observation. Elsewhere only
-// the chance of a false observation speaks for a place, which selective computation drops.
+// over all headings and all places from which the way leads to where the map can explain the first
+// observation of a landmark that it holds. Elsewhere only the chance of a false observation speaks for a
+// place, which selective computation drops.
 LayeredGrid DiracStart(const GridSpec& grid);
 LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 

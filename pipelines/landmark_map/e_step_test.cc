@@ -286,6 +286,33 @@ TEST(EStep, ManyUnlikelyObservationsAtOneStepStayFinite) {
            Visitor{[](int, const LayeredGrid& belief) { EXPECT_NEAR(belief.Sum(), 1.0, 1e-12); }, nullptr});
 }
 
+// One landmark, which the robot first sees at its third step, 1.5 m ahead.
+TEST(EStep, AStartAnywhereHoldsEveryPlaceThatLeadsToTheFirstSighting) {
+  RobotSteps steps = TinySteps();
+  steps.observations = {{0, 1.5, 0.0}};
+  steps.first_observation = {0, 0, 0, 1, 1};
+  Perception perception;
+  perception.likelihood.layers = {Layer(Box{20, 10, 1, 1}), Layer()};
+  perception.outside = {0.01, 0.01};
+  EStepModel model = TinyModel(&perception);
+  for (const double way_error : {0.0, 0.1}) {
+    model.noise = {0.0, 0.0, 1.0, way_error, 0.0};
+    const LayeredGrid start = UniformStart(model, {steps, 0, 4, "a"});
+    EXPECT_NEAR(start.Sum(), 1.0, 1e-12);
+    for (int c = 0; c < kHeadings; ++c) {
+      const double angle = c * 2 * std::numbers::pi / kHeadings;
+      const double dx = steps.odo_x_m[2] + 1.5, dy = steps.odo_y_m[2];
+      const double x = 20.0 - (std::cos(angle) * dx - std::sin(angle) * dy) / model.grid.cell_m;
+      const double y = 10.0 - (std::sin(angle) * dx + std::cos(angle) * dy) / model.grid.cell_m;
+      const Box& box = start.layers[static_cast<std::size_t>(c)].box;
+      EXPECT_TRUE(box.Contains(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)))) << c;
+      EXPECT_LE(box.nx, way_error > 0.0 ? 7 : 4) << c;
+    }
+  }
+  steps.observations[0].type = 1;  // which the map does not hold
+  EXPECT_THROW(UniformStart(model, {steps, 0, 4, "a"}), NoPathError);
+}
+
 TEST(EStep, ABoxTooSmallAndAMemoryTooSmallAreNamed) {
   const RobotSteps steps = TinySteps();
   EStepModel model = TinyModel(nullptr);

@@ -91,16 +91,17 @@ std::vector<RobotSteps> StepsOf(const Inputs& inputs, std::size_t robots) {
   return steps;
 }
 
-// What the next E-step of each robot should cost: what the last one did, or, of a robot that joins, what a
-// search of the whole map takes.
+// What the next E-step of each robot should cost: what the last one did, or, of a robot that joins (or whose
+// start becomes unknown as others do), what a search of the whole map takes.
 std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Schedule& next,
-                             const std::vector<std::int64_t>& steps, const EStepModel& model) {
+                             const std::vector<std::int64_t>& steps, bool loose_frame,
+                             const EStepModel& model) {
+  const std::int64_t placed = loose_frame && next.robots > done.robots ? 0 : done.robots;
   std::vector<double> work;
   for (std::size_t r = 0; r < steps.size(); ++r) {
     const int count = StepsInUse(next, steps[r]);
-    work.push_back(static_cast<std::int64_t>(r) < done.robots
-                       ? sum.WorkOf(r) * count / StepsInUse(done, steps[r])
-                       : WorkWhereLost(count, model));
+    work.push_back(static_cast<std::int64_t>(r) < placed ? sum.WorkOf(r) * count / StepsInUse(done, steps[r])
+                                                         : WorkWhereLost(count, model));
   }
   return work;
 }
@@ -270,7 +271,8 @@ cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, cons
   }
   const Schedule next =
       done.Next(options_, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
-  carried.work = NextWork(sum, done, next, carried.step_counts, settings.Model(&m_step.perception));
+  carried.work = NextWork(sum, done, next, carried.step_counts, settings.loose_frame,
+                          settings.Model(&m_step.perception));
   cairn::Step step;
   std::map<std::string, Blob> fresh{{"history", history},
                                     {"counts", StoredCounts(sum.counts())},

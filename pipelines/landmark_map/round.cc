@@ -94,6 +94,7 @@ class RoundPlanner {
     VisitOdometry(carried_.odometry[of.robot],
                   [&](const char* figure, double value) { params[figure].set_d(value); });
     params["summarise"].set_b(schedule_.summarise);
+    params["joint"].set_b(schedule_.robots > 1);
     AddBlob("settings", "settings", &task);
     AddBlob("steps", "steps/" + std::to_string(of.robot), &task);
     if (plan_->state().blobs().contains("perception")) AddBlob("perception", "perception", &task);

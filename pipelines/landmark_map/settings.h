@@ -23,8 +23,9 @@ struct Settings {
   double box_m = 0.0;
   double growth_start = 1.0;
   double growth_factor = 2.0;
-  int starts = 1;       // candidate starts
-  double places = 1.0;  // cells in which a landmark may stand
+  bool loose_frame = false;  // the first robot, too, starts anywhere once others have joined
+  int starts = 1;            // candidate starts
+  double places = 1.0;       // cells in which a landmark may stand
   double memory_mb = 4096.0;
 
   EStepModel Model(const Perception* perception) const;

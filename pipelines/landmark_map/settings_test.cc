@@ -69,6 +69,16 @@ TEST(Resolve, SightingsWithoutIdentityGrowThePrefixMoreCarefully) {
   EXPECT_EQ(Resolve({.growth_factor = 3.0}, SquareLog{.ranged = true}.Make()).growth_factor, 3.0);
 }
 
+TEST(Resolve, TheFrameIsLooseWhereSeveralRobotsSeeAtADistance) {
+  for (const bool ranged : {false, true}) {
+    Blob log = SquareLog{.ranged = ranged}.Make();
+    EXPECT_FALSE(Resolve({}, log).loose_frame);
+    log.Put("robots", Array::Texts({"one", "two"}));
+    log.PutAll("robot/1/", log.Sub("robot/0/"));
+    EXPECT_EQ(Resolve({}, log).loose_frame, ranged);
+  }
+}
+
 TEST(Resolve, LegsAreAsLongAsTheGridBearsOrAsLongAsOneSays) {
   const Blob log = SquareLog{.laps = 2, .side_m = 20.0}.Make();
   const double most_m[] = {20.0, 0.5};

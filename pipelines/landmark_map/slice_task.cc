@@ -1,6 +1,7 @@
 #include "pipelines/landmark_map/slice_task.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -55,9 +56,10 @@ class SliceTask {
       : options_(options),
         task_(task),
         inputs_(inputs),
-        anywhere_(StartsAnywhere(options, static_cast<std::size_t>(Param("robot").i()))),
         odometry_(OdometryOf(task)),
         settings_(Settings::FromBlob(*inputs.Get("settings"))),
+        loose_(settings_.loose_frame && Param("robot").i() == 0 && Param("joint").b()),
+        anywhere_(loose_ || StartsAnywhere(options, static_cast<std::size_t>(Param("robot").i()))),
         steps_(RobotSteps::FromBlob(*inputs.Get("steps")).WithoutDrift(odometry_.drift_rad_per_m)),
         slice_{steps_, first, end, Param("name").s()} {
     settings_.noise = odometry_.Widths(settings_.noise);
@@ -186,6 +188,11 @@ class SliceTask {
                ? landmark_map::Backward(model_, slice_, alphas, before, std::move(beta), progress, visitor)
                : ForwardOnly(slice_, alphas, before, visitor);
     Blob partial = builder.Finish(alphas);
+    // Where the frame lies is nobody's luck: what fits as well in it as in the origin's is as likely.
+    if (loose_ && slice_.first == 0) {
+      const double starts = static_cast<double>(before.cells());
+      partial.PutScalar<double>("log_likelihood", alphas.log_likelihood + std::log(starts));
+    }
     if (slice_.first > 0) beta.StoreSparse("beta/", &partial);
     PutWarm(alphas, before, &partial);
     return partial;
@@ -223,9 +230,10 @@ class SliceTask {
   const Options& options_;
   const Task& task_;
   const Inputs& inputs_;
-  const bool anywhere_;
   const OdometryFit odometry_;
   Settings settings_;
+  const bool loose_;  // the first robot, whose start is the frame's origin no more
+  const bool anywhere_;
   const RobotSteps steps_;
   const Slice slice_;
   Perception perception_;

@@ -45,6 +45,7 @@ TEST_F(RecordedWorlds, Mrclam6WithItsIdentitiesWithheld) {
   EXPECT_LE(score.landmarks->missed + score.landmarks->spurious, 1);
   EXPECT_GE(score.landmarks->found, 14);
   EXPECT_LE(score.landmarks->rmse_m.value(), 0.17);
+  EXPECT_LE(score.trajectory_rmse_m.value(), 0.4) << "good landmarks may hide a wrong path";
 }
 
 TEST_F(RecordedWorlds, TheLegoRobotsPolesAndPath) {
