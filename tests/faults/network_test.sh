@@ -8,9 +8,11 @@ command -v ip >/dev/null && command -v nft >/dev/null || skip "needs ip (iproute
 hub=cairn-$$-hub desk=cairn-$$-desk
 ip netns add "$hub" 2>/dev/null || skip "may not make network namespaces here"
 leave() {
-  local code=$?
-  ip netns del "$hub" || true
-  ip netns del "$desk" 2>/dev/null || true
+  local code=$? ns
+  for ns in "$hub" "$desk"; do  # what runs there is no child of this shell, but of `ip`
+    ip netns pids "$ns" 2>/dev/null | xargs -r kill -9
+    ip netns del "$ns" 2>/dev/null || true
+  done
   set +e
   (exit "$code")
   cleanup
