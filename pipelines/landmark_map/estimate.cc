@@ -11,9 +11,13 @@ namespace cairn::landmark_map {
 namespace {
 
 constexpr double kCellMb = sizeof(double) / 1e6;
-// The rate is near what tests/bench/task_times prints; half as much again is for the later rounds, which a
-// map makes small, and each of them looks at every step once more.
-constexpr double kCellsPerSecond = 40e6, kLaterRounds = 0.5;
+// As measured over searches, of cells of 1 m and 5 degrees; of finer ones, whose kernels are larger, less.
+constexpr double kCellsPerSecond = 120e6;
+// What EM does, of simulated worlds: how many times wider its beliefs are than they were in a sharp map, its
+// iterations on all data until the first robot has settled, those of all robots, in each of which those that
+// start anywhere look for themselves, and the rounds at the end.
+constexpr double kBlur = 12.0, kUsualIterations = 5.0, kJoinedIterations = 4.0, kLastRounds = 2.0;
+constexpr double kUsualWaves = 1.0, kRefits = 8.0, kNewStarts = 3.0;  // of the search; candidates a wave
 constexpr double kProgramMb = 40.0;  // a worker that has done nothing yet, and its copy of the log
 constexpr double kCacheMb = 512.0;   // what a worker keeps of blobs at most (--cache-mb)
 
@@ -86,6 +90,37 @@ Box BoxOf(const LayeredGrid& grid) {
   return box;
 }
 
+// What a step takes once there is a map, which is not yet sharp.
+double WorkOfVisit(const RobotSteps& robot, const Settings& settings) {
+  return kStepCells + kBlur * MeanCellsInAMap(robot, settings.Model(nullptr));
+}
+
+// Steps that EM of the first robot looks at from such a start on, after the first round.
+double VisitsFrom(Schedule schedule, const Options& options, int steps) {
+  double visits = 0.0;
+  while (schedule.prefix < 1.0) {
+    schedule = schedule.Next(options, 1, 0.0, 0.0);
+    visits += StepsInUse(schedule, steps);
+  }
+  return visits + std::min(kUsualIterations, static_cast<double>(options.iterations)) * steps;
+}
+
+double WavesOf(const Options& options, const std::vector<cairn::Step>& starts) {
+  return starts.size() < 2 ? 0.0 : std::min(kUsualWaves, static_cast<double>(options.waves));
+}
+
+// Cells that the candidates of the search move, or the only start.
+double WorkOfSearch(const Options& options, const RobotSteps& robot, double first_round, double step_cells,
+                    const std::vector<cairn::Step>& starts) {
+  const auto count = static_cast<double>(starts.size());
+  double visits = 0.0;
+  for (const cairn::Step& start : starts)
+    visits += VisitsFrom(Schedule::Load(start.plan.state()), options, robot.size());
+  const double all = first_round + visits * step_cells;
+  return all + WavesOf(options, starts) *
+                   (kNewStarts / count * all + kRefits * kUsualIterations * robot.size() * step_cells);
+}
+
 double MStepMb(const Box& box, bool identified, const MapRules& rules) {
   if (box.empty()) return 0.0;
   return kMStepTables * kCellMb * static_cast<double>((identified ? box : GrownByRadius(box, rules)).cells());
@@ -105,7 +140,7 @@ void Estimate::Store(State* state) const {
 }
 
 Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
-                     const Carried& carried, const proto::Step& plan, int starts, const Perception* given) {
+                     const std::vector<cairn::Step>& starts, const Perception* given) {
   const int used = StepsInUse(Schedule{.prefix = settings.growth_start}, robots[0].size());
   const OpenLoop first = ReckonOpenLoop(robots[0], settings.Model(nullptr), used);
   const std::set<std::int32_t> types = TypesSeen(robots);
@@ -115,17 +150,21 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   const double counts = layers * static_cast<double>(reach.cells());
   const double slice_work = 1e6 * options.slice_mcells;
   Estimate estimate;
-  double steps = 0.0;
-  for (const RobotSteps& robot : robots) steps += robot.size();
-  steps += (starts - 1.0) * robots[0].size();
-  estimate.cells = starts * carried.work[0];
-  estimate.tasks = starts * plan.tasks_size();
-  estimate.rounds = plan.rounds_left();
-  estimate.seconds =
-      ((1.0 + kLaterRounds) * estimate.cells + estimate.rounds * steps * kStepCells) / kCellsPerSecond;
+  for (const cairn::Step& start : starts) {
+    estimate.cells += Carried::Load(start.plan.state(), robots.size()).work[0];
+    estimate.tasks += start.plan.tasks_size();
+  }
+  estimate.rounds = starts[0].plan.rounds_left() * (1.0 + WavesOf(options, starts));
+  double work = WorkOfSearch(options, robots[0], estimate.cells, WorkOfVisit(robots[0], settings), starts);
+  const double joined = std::min(kJoinedIterations, 1.0 + static_cast<double>(options.iterations));
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const double rounds = kLastRounds + (r > 0 ? joined : 0.0);
+    work += rounds * robots[r].size() * WorkOfVisit(robots[r], settings);
+  }
   const Slices slices = CutIntoSlices(first, slice_work);
   estimate.task_mb = TaskMb(slices, counts);
-  double partials = starts * PartialsMb(slices, layers);
+  const auto candidates = static_cast<double>(starts.size());
+  double partials = candidates * PartialsMb(slices, layers);
   const std::size_t lost_robots = robots.size() - (options.start == "anywhere" ? 0 : 1);
   if (lost_robots > 0 && Presses(robots[0])) {
     const double map = static_cast<double>(
@@ -133,14 +172,15 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
     const Slices lost = SlicesWhereLost(map, settings, slice_work);
     estimate.task_mb = std::max(estimate.task_mb, TaskMb(lost, counts));
     const auto others = static_cast<double>(lost_robots);
-    estimate.seconds += others * kStepsLost * lost.step / kCellsPerSecond;
+    work += others * joined * kStepsLost * lost.step;
     partials = std::max(partials, others * PartialsMb(lost, layers));
   }
+  estimate.seconds = work / kCellsPerSecond;
   double m_step = 0.0;
   for (const std::int32_t type : types) m_step += MStepMb(reach, type < settings.map.types, settings.map);
   estimate.task_mb = std::max(estimate.task_mb, m_step);
   estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, partials) + kProgramMb;
-  estimate.store_mb = 2.0 * (partials + starts * 2.0 * kCellMb * counts);
+  estimate.store_mb = 2.0 * (partials + candidates * 2.0 * kCellMb * counts);
   return estimate;
 }
 
@@ -149,7 +189,7 @@ std::string Sentence(const Estimate& estimate, const Settings& settings, const C
   std::snprintf(
       text, sizeof text,
       "planned: cells of %g m, %d headings, %lld steps of the first robot, %.0f tasks in the first of "
-      "at most %.0f rounds, which moves about %.3g million cells: some %.2g s on one core; a worker may "
+      "some %.0f rounds, which moves about %.3g million cells: some %.2g s on one core; a worker may "
       "need %.0f MB, the store %.0f MB",
       settings.map.grid.cell_m, settings.map.grid.headings, static_cast<long long>(carried.step_counts[0]),
       estimate.tasks, estimate.rounds, estimate.cells / 1e6, estimate.seconds, estimate.memory_mb,

@@ -15,7 +15,7 @@ namespace cairn::landmark_map {
 struct Estimate {
   double cells = 0;      // that the first round moves
   double tasks = 0;      // of the first round
-  double rounds = 0;     // at most
+  double rounds = 0;     // some; a search may go on for longer
   double seconds = 0;    // of one core, the whole job
   double task_mb = 0;    // tables of the largest task: alphas, beta, counts; or of the M-step
   double memory_mb = 0;  // of a worker: that task, the blobs that it keeps, the program itself
@@ -25,10 +25,10 @@ struct Estimate {
   void Store(State* state) const;
 };
 
-// `robots`: the steps of each; `plan`: the first round's; `given`: of the map that EM starts from, if any.
+// `robots`: the steps of each; `starts`: the first round of each candidate; `given`: of the map that EM
+// starts from, if any.
 Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
-                     const Carried& carried, const proto::Step& plan, int starts,
-                     const Perception* given = nullptr);
+                     const std::vector<cairn::Step>& starts, const Perception* given = nullptr);
 
 // For people, one line.
 std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried);

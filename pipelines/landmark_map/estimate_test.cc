@@ -37,6 +37,14 @@ TEST(Estimate, AFinerGridCostsMoreOfEverything) {
   }
 }
 
+TEST(Estimate, CountsEveryStartAndWhatComesAfterThem) {
+  const auto seconds = [](Options options) { return Expected(options).at("seconds"); };
+  const double one = seconds({.starts = 1}), ten = seconds({.starts = 10, .waves = 0});
+  EXPECT_GT(ten, 5.0 * one) << "each but for the rounds at the end, some with less data at first";
+  EXPECT_LT(ten, 10.0 * one);
+  EXPECT_GT(seconds({.starts = 10}), 1.5 * ten);
+}
+
 TEST(Estimate, ATaskOverWhatIsAllowedIsRefusedAtTheStartWithBothFigures) {
   const double needed = Expected({.cell_m = 0.25}).at("task_mb");
   try {

@@ -197,8 +197,7 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
     }
   }
   const Estimate estimate =
-      EstimateJob(options_, settings, steps, carried, starts[0].plan, static_cast<int>(starts.size()),
-                  beginning.perception ? &*beginning.perception : nullptr);
+      EstimateJob(options_, settings, steps, starts, beginning.perception ? &*beginning.perception : nullptr);
   RefuseMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
   cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : FanOut(std::move(starts));
   estimate.Store(step.plan.mutable_state());

@@ -52,11 +52,22 @@ struct Spread {
   }
 };
 
+constexpr double kLeast = 1e-9;  // without pruning taps still end somewhere
+
+double Reach(const EStepModel& model) { return std::sqrt(-2.0 * std::log(std::max(model.prune, kLeast))); }
+
+void MoveAlong(const Leg& leg, const EStepModel& model, Spread* spread) {
+  const LegError error = ErrorOf(leg, model.noise);
+  const double half_turn = 0.5 * error.heading_rad * error.heading_rad, cell = model.grid.cell_m;
+  spread->TurnBy(half_turn);
+  spread->Move(leg.dx_m / cell, leg.dy_m / cell, error.along_m / cell);
+  spread->TurnBy(half_turn);
+}
+
 }  // namespace
 
 OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int count) {
-  constexpr double kLeast = 1e-9;  // without pruning taps still end somewhere
-  const double reach = std::sqrt(-2.0 * std::log(std::max(model.prune, kLeast)));
+  const double reach = Reach(model);
   const double cell = model.grid.cell_m;
   const double limit = model.limit.empty() ? HUGE_VAL : model.limit.nx;
   const double whole = static_cast<double>(model.limit.cells()) * model.grid.headings;
@@ -65,12 +76,8 @@ OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int co
   OpenLoop reckoned;
   for (int s = 0; s < count; ++s) {
     const Leg leg = steps.LegTo(s);
-    const LegError error = ErrorOf(leg, model.noise);
-    const double half_turn = 0.5 * error.heading_rad * error.heading_rad;
     way += leg.path_m / cell;
-    spread.TurnBy(half_turn);
-    spread.Move(leg.dx_m / cell, leg.dy_m / cell, error.along_m / cell);
-    spread.TurnBy(half_turn);
+    MoveAlong(leg, model, &spread);
     reckoned.cells.push_back(model.whole_tables ? whole : spread.Cells(reach, model.grid, way, limit));
     reckoned.boxes.push_back(
         spread.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, way, limit));
@@ -86,6 +93,23 @@ double WorkOf(const std::vector<double>& cells, int count) {
   double work = 0.0;
   for (int s = 0; s < count; ++s) work += cells[static_cast<std::size_t>(s)] + kStepCells;
   return work;
+}
+
+double MeanCellsInAMap(const RobotSteps& steps, const EStepModel& model) {
+  if (model.whole_tables) return static_cast<double>(model.limit.cells()) * model.grid.headings;
+  const double reach = Reach(model);
+  double cells = 0.0, way = 0.0;
+  Spread spread;
+  for (int s = 0; s < steps.size(); ++s) {
+    const Leg leg = steps.LegTo(s);
+    way += leg.path_m / model.grid.cell_m;
+    MoveAlong(leg, model, &spread);
+    cells += spread.Cells(reach, model.grid, way, HUGE_VAL);
+    if (steps.first_observation[s + 1] == steps.first_observation[s]) continue;
+    spread = {};
+    way = 0.0;
+  }
+  return cells / steps.size();
 }
 
 double WorkWhereLost(int count, const EStepModel& model) {

@@ -23,6 +23,10 @@ OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int co
 // The work of the first `count` steps.
 double WorkOf(const std::vector<double>& cells, int count);
 
+// Cells of a step's belief, the mean over the steps, in a map that says exactly where the robot is whenever
+// it observes something.
+double MeanCellsInAMap(const RobotSteps& steps, const EStepModel& model);
+
 // How many steps' worth of the whole map a robot that may start anywhere moves until it has found itself: 3
 // to 9 in simulated loops of all difficulties.
 inline constexpr double kStepsLost = 6.0;

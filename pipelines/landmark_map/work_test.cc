@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/landmark_map/testing.h"
 
@@ -46,6 +48,22 @@ TEST(ReckonOpenLoop, WholeTablesHoldAllThatIsAllowedUnderEveryHeading) {
   const auto cells = ReckonOpenLoop(world.steps, model, world.steps.size()).cells;
   EXPECT_EQ(cells.front(), 61.0 * 61.0 * model.grid.headings);
   EXPECT_EQ(cells.back(), cells.front());
+}
+
+// With odometry that does not err a belief is one heading's, as wide as the shift's blur and its margin: of
+// one leg, and of two where the robot saw nothing in between.
+TEST(MeanCellsInAMap, IsWhatLegsFromWhereTheRobotSawSomethingAddUpTo) {
+  RobotSteps steps;
+  steps.odo_x_m = {0.0, 10.0, 20.0, 30.0};
+  steps.odo_y_m = steps.odo_heading_rad = steps.turn_rad = steps.time_s = {0.0, 0.0, 0.0, 0.0};
+  steps.path_m = {0.0, 10.0, 10.0, 10.0};
+  steps.first_observation = {0, 0, 1, 1, 2};  // at the second and the last
+  World world(Options{.cell_m = 1.0});
+  world.settings.noise = {};
+  world.settings.prune = std::exp(-0.5 * 3.0 * 3.0);  // three standard deviations
+  const auto cells = [](int legs) { return std::pow(2.0 * 3.0 * std::sqrt(legs / 6.0) + 4.0, 2.0); };
+  EXPECT_NEAR(MeanCellsInAMap(steps, world.settings.Model(nullptr)),
+              (cells(0) + cells(1) + cells(1) + cells(2)) / 4.0, 1e-9);
 }
 
 TEST(ForwardFor, StopsWhereItsWorkIsDoneAndGivesTheSameAlpha) {
