@@ -12,7 +12,6 @@ namespace cairn::store {
 namespace {
 
 using store_testing::OddBlob;
-using store_testing::TempFolder;
 
 TEST(InChild, BringsBackWhatIsRead) {
   const Blob blob = OddBlob();

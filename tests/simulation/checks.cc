@@ -96,9 +96,9 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
     const proto::JobState before = known.state;
     const Job* job = core.FindJob(id);
     if (job == nullptr) continue;
-    const bool told = std::any_of(actions.begin(), actions.end(), [&id = id](const Action& action) {
+    const bool told = std::any_of(actions.begin(), actions.end(), [&job_id = id](const Action& action) {
       const auto* changed = std::get_if<JobChanged>(&action);
-      return changed != nullptr && changed->job == id;
+      return changed != nullptr && changed->job == job_id;
     });
     See(*job, event, process);
     if (job->state != before && !told) Fail(id + " changed its state, and nobody was told");
