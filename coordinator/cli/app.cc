@@ -81,12 +81,23 @@ std::vector<std::string> CommandNames(const CLI::App& app) {
   return names;
 }
 
+// Of `cairn export foo`, where export has formats; empty where that is not what is wrong.
+std::string UnknownSubcommand(const CLI::App& app, const std::string& command, int argc, char** argv) {
+  if (command.empty() || argc < 3) return "";
+  const std::vector<std::string> known = CommandNames(*app.get_subcommand(command));
+  const std::string word = argv[2];
+  if (known.empty() || word.starts_with('-') || std::ranges::find(known, word) != known.end()) return "";
+  return "cairn " + command + ": there is no '" + word + "'" + Suggest(word, known);
+}
+
 int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const std::string word = argc > 1 ? argv[1] : "";
   const std::vector<std::string> commands = CommandNames(app);
   const bool known = std::ranges::find(commands, word) != commands.end();
   if (argc > 1 && !known && !word.starts_with('-')) {
     Complain("there is no command '" + word + "'" + Suggest(word, commands));
+  } else if (const std::string what = UnknownSubcommand(app, known ? word : "", argc, argv); !what.empty()) {
+    Complain(what);
   } else if (argc == 1) {
     std::fputs(app.help().c_str(), stderr);
   } else {

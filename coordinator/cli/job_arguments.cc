@@ -1,7 +1,5 @@
 #include "coordinator/cli/job_arguments.h"
 
-#include <filesystem>
-
 #include "coordinator/cli/scalar.h"
 #include "coordinator/cli/suggest.h"
 #include "schema/error.h"
@@ -27,8 +25,7 @@ void Set(const std::string& setting, const PipelineSpec& pipeline, proto::Stage&
 }
 
 void RefuseNoFile(const std::string& path) {
-  std::error_code ignored;  // a name may be too long to be one
-  if (!std::filesystem::is_regular_file(path, ignored)) throw InputError("there is no file '" + path + "'");
+  if (const std::string why = WhyNoFile(path); !why.empty()) throw InputError(why);
 }
 
 // NAME=FILE.

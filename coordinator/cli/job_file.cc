@@ -99,10 +99,8 @@ class JobReader {
       yaml_.CheckName(entry.key, entry.key_line, "input");
       const std::string written = yaml_.Text(entry);
       const std::string file = (folder_ / written).string();
-      std::error_code ignored;  // a name may be too long to be one
-      if (!fs::is_regular_file(file, ignored)) {
-        yaml_.Refuse(entry.line, "input '" + entry.key + "': there is no file '" + file + "'");
-      }
+      if (const std::string why = WhyNoFile(file); !why.empty())
+        yaml_.Refuse(entry.line, "input '" + entry.key + "': " + why);
       (*parsed_.job.mutable_inputs())[entry.key] = written;
       parsed_.inputs[entry.key] = {file,
                                    path_ + ":" + std::to_string(entry.line) + ": input '" + entry.key + "'"};
@@ -230,6 +228,14 @@ class JobReader {
 };
 
 }  // namespace
+
+std::string WhyNoFile(const std::string& path) {
+  std::error_code ignored;  // a name may be too long to be one
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::is_regular_file(status)) return "";
+  return fs::exists(status) ? "'" + path + "' is no file" + (fs::is_directory(status) ? ", but a folder" : "")
+                            : "there is no file '" + path + "'";
+}
 
 ParsedJob ReadJobFile(const std::string& path, const Catalog& catalog) {
   return JobReader(path, catalog).Read();

@@ -25,4 +25,7 @@ struct ParsedJob {
 // Paths of inputs are relative to the job file. Throws InputError.
 ParsedJob ReadJobFile(const std::string& path, const Catalog& catalog);
 
+// Why this is no file that an input could be read from; empty: it is one.
+std::string WhyNoFile(const std::string& path);
+
 }  // namespace cairn::cli

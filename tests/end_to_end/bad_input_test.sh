@@ -73,6 +73,9 @@ refuses "no pipeline 'landmarkmap'" cairn run landmarkmap log.h5
 refuses "no file 'nowhere.h5'" cairn run landmark_map nowhere.h5
 refuses "no command 'rnu'.*did you mean 'run'" cairn rnu
 refuses 'wokers' cairn run landmark_map log.h5 --wokers 2
+refuses "'.' is no file, but a folder" cairn run landmark_map .
+refuses 'job.yaml: cannot make the folder: there is a file where' cairn run landmark_map log.h5 --out job.yaml
+refuses "cairn export: there is no 'foo'; known: tum," cairn export foo log.h5 tables
 
 # More memory than allowed: says how much it would need.
 refuses 'would need about [0-9.]+ [MG]B.*memory_mb' cairn run landmark_map log.h5 --set memory_mb=1 --out fine
