@@ -1,5 +1,6 @@
 #include "worker/program.h"
 
+#include <malloc.h>
 #include <signal.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -162,11 +163,22 @@ int Run(const Arguments& a, const PipelineFactory& factory) {
   return code;
 }
 
+// Belief tables come and go by the hundred. By default the C library gives the larger ones back to the system
+// each time, which takes them in again page by page: a twentieth of a search's time.
+void KeepMemory() {
+#ifdef __GLIBC__
+  constexpr int kBytes = 64 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, kBytes);
+  ::mallopt(M_TRIM_THRESHOLD, kBytes);
+#endif
+}
+
 }  // namespace
 
 int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipelines,
                   const PipelineFactory& factory) {
   FixNumericsOfProcess();
+  KeepMemory();
   Arguments arguments;
   CLI::App app("Computes tasks for a Cairn coordinator", "cairn-worker");
   Declare(app, arguments);
