@@ -17,20 +17,36 @@ Blob Searched(int support, double lead_nats) {
 }
 
 TEST(ConfidenceText, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
-  EXPECT_EQ(ConfidenceText(Searched(3, 57.25)),
-            "high: found from 3 of 12 starts, 57.2 nats ahead of the next different map");
+  EXPECT_EQ(
+      ConfidenceText(Searched(3, 57.25)),
+      "high (right in 99 of 100 such simulations): found from 3 of 12 starts, 57.2 nats ahead of the next "
+      "different map");
   EXPECT_EQ(ConfidenceText(Searched(7, 4.5)),
-            "fair: found from 7 of 12 starts, 4.5 nats ahead of the next different map");
-  EXPECT_EQ(ConfidenceText(Searched(7, 2.5)),
-            "low: found from 7 of 12 starts, 2.5 nats ahead of the next different map");
-  EXPECT_EQ(ConfidenceText(Searched(2, 102.0)),
-            "low: found from 2 of 12 starts, 102.0 nats ahead of the next different map");
+            "fair (right in 9 of 10 such simulations): found from 7 of 12 starts, 4.5 nats ahead of the next "
+            "different map");
+  EXPECT_EQ(
+      ConfidenceText(Searched(1, 102.0)),
+      "low (right in 3 of 10 such simulations): found from 1 of 12 starts, 102.0 nats ahead of the next "
+      "different map");
+}
+
+TEST(ConfidenceOf, NeedsBothStartsThatAgreeAndALead) {
+  EXPECT_EQ(ConfidenceOf(Searched(3, 10.0)), Confidence::kHigh);
+  EXPECT_EQ(ConfidenceOf(Searched(3, 9.9)), Confidence::kFair);
+  EXPECT_EQ(ConfidenceOf(Searched(2, 99.0)), Confidence::kFair);
+  EXPECT_EQ(ConfidenceOf(Searched(2, 3.0)), Confidence::kFair);
+  EXPECT_EQ(ConfidenceOf(Searched(9, 2.9)), Confidence::kLow);
+  EXPECT_EQ(ConfidenceOf(Searched(1, 99.0)), Confidence::kLow);
 }
 
 TEST(ConfidenceText, StartsThatAgreeAndASingleStart) {
   EXPECT_EQ(ConfidenceText(Searched(12, 1.0).Without("search/lead_nats")),
-            "high: found from 12 of 12 starts, no other map was found");
-  EXPECT_EQ(ConfidenceText(Blob()), "not stated: there was one candidate, no other map to compare with");
+            "high (right in 99 of 100 such simulations): found from 12 of 12 starts, no other map was found");
+  Blob once;
+  once.PutScalar<std::int32_t>("search/support", 1);
+  once.PutScalar<std::int32_t>("search/starts", 1);
+  EXPECT_EQ(ConfidenceText(once), "low: EM started once, no other map to compare with");
+  EXPECT_EQ(ConfidenceText(Blob()), "not stated: there was no search");
 }
 
 TEST(ConfidenceText, AFileThatHoldsSomethingElseStatesNone) {

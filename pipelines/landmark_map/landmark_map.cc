@@ -70,6 +70,14 @@ Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& b
   return carried;
 }
 
+// Are there landmarks that no observation names?
+bool WithoutIdentities(const std::vector<RobotSteps>& steps, const MapRules& rules) {
+  return std::ranges::any_of(steps, [&](const RobotSteps& robot) {
+    return std::ranges::any_of(robot.observations,
+                               [&](const Observation& o) { return o.type >= rules.types; });
+  });
+}
+
 // The round's own blobs of the first round.
 std::map<std::string, Blob> FirstBlobs(const Beginning& beginning) {
   std::map<std::string, Blob> blobs{{"history", EmptyHistory()},
@@ -195,6 +203,8 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
       *starts[k].plan.mutable_state() = carried_state;
       BeginFrom(points[k], options_, robots, settings, steps[0], &starts[k]);
     }
+  } else if (!inputs.Has("map") && options_.iterations > 0 && WithoutIdentities(steps, settings.map)) {
+    (*starts[0].plan.mutable_state()->mutable_blobs())["search"] = starts[0].Share(OneStartOnly());
   }
   const Estimate estimate =
       EstimateJob(options_, settings, steps, starts, beginning.perception ? &*beginning.perception : nullptr);

@@ -157,6 +157,13 @@ Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, cons
   return blob;
 }
 
+Blob OneStartOnly() {
+  Blob blob;
+  blob.PutScalar<std::int32_t>("support", 1);
+  blob.PutScalar<std::int32_t>("starts", 1);
+  return blob;
+}
+
 std::string Sentence(const std::vector<Candidate>& candidates, const Choice& choice) {
   char ahead[80] = "all found the same map";
   if (choice.lead_nats)

@@ -75,6 +75,9 @@ std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, 
 // What the result says of the search; fields as in schema/FORMAT.md, search/.
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings);
 
+// The same where EM started once, from odometry: nothing to compare with.
+Blob OneStartOnly();
+
 std::string Sentence(const std::vector<Candidate>& candidates, const Choice& choice);
 
 }  // namespace cairn::landmark_map

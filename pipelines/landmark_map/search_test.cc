@@ -214,6 +214,14 @@ TEST(Search, ADriftFarOutsideItsPriorMustPay) {
   EXPECT_GT(unpaid(triangle), unpaid(best));
 }
 
+TEST(Search, AResultSaysThatEmStartedOnceWhereNoSearchConfirmsWhichLandmarkIsWhich) {
+  const BlobPtr unnamed = Map(SquareLog{}.Make(), {.starts = 1});
+  EXPECT_EQ(unnamed->Scalar<std::int32_t>("search/support"), 1);
+  EXPECT_EQ(unnamed->Scalar<std::int32_t>("search/starts"), 1);
+  EXPECT_FALSE(unnamed->Has("search/score_nats"));
+  EXPECT_FALSE(Map(SquareLog{.identified = true}.Make(), {})->Has("search/support"));
+}
+
 TEST(Search, IsOnTheCoarseGridWhereAFineOneIsAskedFor) {
   const Blob log = SquareLog{.laps = 3, .side_m = 60.0}.Make();
   const Options options{.cell_m = 0.25, .heading_deg = 2.5};
