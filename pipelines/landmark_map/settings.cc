@@ -156,6 +156,16 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
 // Starts spread over the drift that the log states.
 bool TellsDrift(const Blob& log) { return log.Has("noise/heading_drift_rad_per_m"); }
 
+// A 90th of the extent. Sightings without identity are told apart by where they are: a cell should not blur
+// them further than the sensor does, but a fifth is as much as the time allows. Where the log tells its drift
+// there are many starts, which need the coarse grid.
+double DefaultCell(const Blob& log, const Sensing& sensing, double extent_m, double sighting_m) {
+  const double cell_m = RoundNumber(std::max(extent_m, 0.9) / 90.0);
+  const bool identified = sensing.identified == sensing.observations;
+  if (sensing.ranged == 0 || identified || TellsDrift(log) || !(sighting_m > 0.0)) return cell_m;
+  return std::clamp(RoundNumber(sighting_m), 0.2 * cell_m, cell_m);
+}
+
 // With identities there is little to be taken for another, and the exact model may call a start impossible.
 // Sightings tie a path down at every step: where the log does not tell its drift, starts far from it only
 // cost.
@@ -327,17 +337,19 @@ Settings Resolve(const Options& options, const Blob& log) {
   }
   Settings settings;
   GridSpec& grid = settings.map.grid;
-  grid.cell_m = options.cell_m > 0 ? options.cell_m : RoundNumber(std::max(extent, 0.9) / 90.0);
+  const double bearing_sd = Nominal(log, "noise/bearing_rad", 0.02);
+  const double range_sd = Nominal(log, "noise/range_m", 0.03 * sensing.mean_range_m);
+  const double sighting_m = std::hypot(range_sd, bearing_sd * sensing.mean_range_m);
+  grid.cell_m = options.cell_m > 0 ? options.cell_m : DefaultCell(log, sensing, extent, sighting_m);
   grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
   const double step_rad = 2.0 * std::numbers::pi / grid.headings;
   settings.map.types = static_cast<int>(log.Texts("landmarks").size());
   settings.map.kinds = KindsOf(log);
   if (options.model == "exact" && settings.map.kinds.count > 1)
     throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
-  const double bearing = Nominal(log, "noise/bearing_rad", 0.02) + step_rad / std::sqrt(12.0);
-  const double range = Nominal(log, "noise/range_m", 0.03 * sensing.mean_range_m);
+  const double bearing = bearing_sd + step_rad / std::sqrt(12.0);
   settings.map.observation_m = sensing.ranged == 0 ? Nominal(log, "noise/press_m", 0.3)
-                                                   : std::hypot(range, bearing * sensing.mean_range_m);
+                                                   : std::hypot(range_sd, bearing * sensing.mean_range_m);
   SetReach(options, sensing, &settings.map);
   settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;

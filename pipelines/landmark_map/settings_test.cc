@@ -69,6 +69,21 @@ TEST(Resolve, SightingsWithoutIdentityGrowThePrefixMoreCarefully) {
   EXPECT_EQ(Resolve({.growth_factor = 3.0}, SquareLog{.ranged = true}.Make()).growth_factor, 3.0);
 }
 
+// 50 m to a side: a 90th is 0.5 m.
+TEST(Resolve, ACellIsNoLargerThanWhatASightingWithoutIdentityErrsBy) {
+  Blob exact = SquareLog{.laps = 1, .side_m = 50.0, .ranged = true}.Make(), vague = exact;
+  for (const auto& [log, range_m] : {std::pair{&exact, 0.01}, std::pair{&vague, 3.0}}) {
+    log->PutScalar<double>("noise/range_m", range_m);
+    log->PutScalar<double>("noise/bearing_rad", 1e-4);
+  }
+  EXPECT_DOUBLE_EQ(Resolve({}, exact).map.grid.cell_m, 0.1) << "a fifth is as much as the time allows";
+  EXPECT_DOUBLE_EQ(Resolve({}, vague).map.grid.cell_m, 0.5);
+  EXPECT_DOUBLE_EQ(Resolve({.cell_m = 2.0}, exact).map.grid.cell_m, 2.0);
+  exact.PutScalar<double>("noise/heading_drift_rad_per_m", 0.001);
+  EXPECT_DOUBLE_EQ(Resolve({}, exact).map.grid.cell_m, 0.5) << "the search needs a coarse grid";
+  EXPECT_DOUBLE_EQ(Resolve({}, SquareLog{.laps = 1, .side_m = 50.0}.Make()).map.grid.cell_m, 0.5);
+}
+
 TEST(Resolve, TheFrameIsLooseWhereSeveralRobotsSeeAtADistance) {
   for (const bool ranged : {false, true}) {
     Blob log = SquareLog{.ranged = ranged}.Make();
