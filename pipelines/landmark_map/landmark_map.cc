@@ -1,74 +1,24 @@
 #include "pipelines/landmark_map/landmark_map.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_map/beginning.h"
 #include "pipelines/landmark_map/candidates.h"
-#include "pipelines/landmark_map/contradictions.h"
 #include "pipelines/landmark_map/e_step.h"
+#include "pipelines/landmark_map/em.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/m_step_task.h"
-#include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/polish.h"
-#include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
 #include "pipelines/landmark_map/slice_task.h"
-#include "pipelines/landmark_map/speculation.h"
-#include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
 namespace {
-
-std::string RobotPath(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
-
-// Which layers of the map a robot's observations may be of: any kind may seem another.
-std::vector<bool> TypesSeen(const RobotSteps& robot, const MapRules& rules) {
-  std::vector<bool> seen(static_cast<std::size_t>(rules.layers()), false);
-  for (const Observation& o : robot.observations) seen[static_cast<std::size_t>(o.type)] = true;
-  const auto kinds = seen.begin() + rules.types;
-  if (std::find(kinds, seen.end(), true) != seen.end()) std::fill(kinds, seen.end(), true);
-  return seen;
-}
-
-std::vector<bool> TypesIn(const LayeredGrid& map) {
-  std::vector<bool> types;
-  for (const Layer& layer : map.layers) types.push_back(!layer.box.empty());
-  return types;
-}
-
-// Every robot's steps; those that start anywhere begin where they see what the first robot has seen too, or
-// what the given map holds.
-Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& beginning, cairn::Step* step,
-                     std::vector<RobotSteps>* all) {
-  const std::vector<std::string> robots = log.Texts("robots");
-  const Settings& settings = beginning.settings;
-  std::vector<bool> shared;
-  if (beginning.given) shared = TypesIn(beginning.given->map);
-  Carried carried;
-  carried.blobs["settings"] = step->Share(settings.ToBlob());
-  carried.odometry.assign(robots.size(), OdometryFit::Of(settings.noise));
-  carried.overlap.assign(robots.size(), kOverlap);
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    const bool anywhere = StartsAnywhere(options, r);
-    const RobotSteps steps =
-        MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, anywhere ? &shared : nullptr);
-    if (shared.empty()) shared = TypesSeen(steps, settings.map);
-    if (beginning.given && !anywhere) RefuseOutOfReach(beginning.given->map, steps, settings);
-    carried.step_counts.push_back(steps.size());
-    const int count = StepsInUse(beginning.schedule, steps.size());
-    carried.work.push_back(anywhere && beginning.perception
-                               ? WorkWhereLost(count, settings.Model(&*beginning.perception))
-                               : WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
-    carried.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
-    all->push_back(steps);
-  }
-  return carried;
-}
 
 // Are there landmarks that no observation names?
 bool WithoutIdentities(const std::vector<RobotSteps>& steps, const MapRules& rules) {
@@ -78,104 +28,14 @@ bool WithoutIdentities(const std::vector<RobotSteps>& steps, const MapRules& rul
   });
 }
 
-// The round's own blobs of the first round.
-std::map<std::string, Blob> FirstBlobs(const Beginning& beginning) {
-  std::map<std::string, Blob> blobs{{"history", EmptyHistory()},
-                                    {"counts", StoredCounts(NoCounts(beginning.settings.map))}};
-  if (beginning.given) {
-    blobs["landmarks"] = ToBlob(beginning.given->landmarks);
-    blobs["perception"] = beginning.perception->ToBlob();
-  } else if (beginning.schedule.summarise) {
-    blobs["landmarks"] = ToBlob(std::vector<Landmark>{});
-  }
-  return blobs;
-}
-
-// The steps of all robots, of a State.
-std::vector<RobotSteps> StepsOf(const Inputs& inputs, std::size_t robots) {
-  std::vector<RobotSteps> steps;
-  for (std::size_t r = 0; r < robots; ++r)
-    steps.push_back(RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r))));
-  return steps;
-}
-
-// What the next E-step of each robot should cost: what the last one did, or, of a robot that joins (or whose
-// start becomes unknown as others do), what a search of the whole map takes.
-std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Schedule& next,
-                             const std::vector<std::int64_t>& steps, bool loose_frame,
-                             const EStepModel& model) {
-  const std::int64_t placed = loose_frame && next.robots > done.robots ? 0 : done.robots;
-  std::vector<double> work;
-  for (std::size_t r = 0; r < steps.size(); ++r) {
-    const int count = StepsInUse(next, steps[r]);
-    work.push_back(static_cast<std::int64_t>(r) < placed ? sum.WorkOf(r) * count / StepsInUse(done, steps[r])
-                                                         : WorkWhereLost(count, model));
-  }
-  return work;
-}
-
-// Which of the next round's slices are guessed, and from what; the overlap doubles where it was too short.
-void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& next, Carried* carried,
-                 std::map<std::string, Blob>* fresh, State* state) {
-  for (std::size_t r = 0; options.speculate && r < static_cast<std::size_t>(next.robots); ++r) {
-    if (TooShort(sum.guessed(r), sum.confirmed(r))) {
-      carried->overlap[r] *= 2;
-      continue;  // what this round left for guesses lies elsewhere
-    }
-    const Guesses& guesses = sum.GuessesOf(r);
-    const std::vector<bool> worth =
-        WorthGuessing(guesses, StepsInUse(next, carried->step_counts[r]), carried->overlap[r], next);
-    if (std::find(worth.begin(), worth.end(), true) == worth.end()) continue;
-    (*fresh)[kGuesses + std::to_string(r)] = guesses.ToBlob();
-    GuessSlices(r, worth, state);
-  }
-}
-
 // The first robot's EM has ended: what comes next is one map's affair.
 bool SearchIsOver(const State& state) {
   const Schedule next = Schedule::Load(state);
   return next.summarise || next.robots > 1;
 }
 
-// Once, for maps that EM made of presses or of landmarks that are told apart. A given map has a frame of its
-// own.
-bool WantsPolish(const Options& options, const Settings& settings, const Schedule& done, const Inputs& inputs,
-                 const std::vector<RobotSteps>& steps) {
-  if (inputs.Has("map") || !options.polish || !options.revise || options.iterations == 0 || done.polished ||
-      settings.map.exact)
-    return false;
-  for (const RobotSteps& robot : steps) {
-    for (const Observation& seen : robot.observations) {
-      if (seen.type >= settings.map.types && (seen.x_m != 0.0 || seen.y_m != 0.0)) return false;
-    }
-  }
-  return true;
-}
-
 Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
   return task.kind() == "m_step" ? RunMStep(task, inputs) : RunSlice(options, task, inputs, progress);
-}
-
-// The last E-step's sum, which no map follows.
-MStep Summary(Partials& partials, const Settings& settings, std::size_t robots) {
-  MStep last{RoundSum(NoCounts(settings.map), robots), {}, {}};
-  for (std::size_t i = 0; i < partials.size(); ++i) last.sum.Add(*partials.Get(i));
-  return last;
-}
-
-// Throws NoPathError where a task of the round said so.
-MStep MadeMap(const Blob& partial, std::size_t robots) {
-  if (partial.Has(kFailure)) throw NoPathError(partial.Text(kFailure));
-  return MStep::FromBlob(partial, robots);
-}
-
-std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "iteration %lld: log-likelihood %.2f, %zu landmarks, %.0f%% of the data, %lld robot%s",
-                static_cast<long long>(done.iteration + 1), log_likelihood, landmarks, 100.0 * done.prefix,
-                static_cast<long long>(done.robots), done.robots == 1 ? "" : "s");
-  return text;
 }
 
 }  // namespace
@@ -231,89 +91,8 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
 }
 
 cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  return StartsIn(state) > 0 ? AdvanceSearch(state, partials, inputs) : AdvanceOne(state, partials, inputs);
-}
-
-cairn::Step LandmarkMap::AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const {
-  const BlobPtr log = inputs.Get("log");
-  const std::vector<std::string> robots = log->Texts("robots");
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  const Schedule done = Schedule::Load(state);
-  Carried carried = Carried::Load(state, robots.size());
-
-  const MStep m_step = done.summarise ? Summary(partials, settings, robots.size())
-                                      : MadeMap(*partials.Get(partials.size() - 1), robots.size());
-  const RoundSum& sum = m_step.sum;
-  if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
-    RefuseUnlikely(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
-                   StepsOf(inputs, robots.size()));
-  }
-  const Blob& before = *inputs.Get("history");
-  const auto robots_before = before.Get<std::int64_t>("robots");
-  if (!robots_before.empty() && robots_before.back() < done.robots) {
-    RefuseStrangers(sum, Perception::FromBlob(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
-                    robots);
-  }
-  const Blob history = Extended(before, done, sum);
-  if (done.summarise) {
-    const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
-    if (!done.polished) {
-      RefuseSpoiltMap(sum, history, settings.places, steps[0].observations.size());
-      RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
-    }
-    if (WantsPolish(options_, settings, done, inputs, steps)) {
-      const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
-      if (const auto polished = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks)) {
-        return SummaryUnder(*polished, Recentred(sum.counts(), landmarks, *polished, settings.map), history,
-                            sum, state, inputs);
-      }
-    }
-    return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
-  }
-
-  if (options_.calibrate) {
-    for (std::size_t r = 0; r < robots.size(); ++r) {
-      double& drift = carried.odometry[r].drift_rad_per_m;
-      drift = DriftOf(sum.legs()[r], settings.noise, drift);
-    }
-    FitWidths(sum.legs(), settings.noise, &carried.odometry);
-  }
-  const Schedule next =
-      done.Next(options_, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
-  carried.work = NextWork(sum, done, next, carried.step_counts, settings.loose_frame,
-                          settings.Model(&m_step.perception));
-  cairn::Step step;
-  std::map<std::string, Blob> fresh{{"history", history},
-                                    {"counts", StoredCounts(sum.counts())},
-                                    {"perception", m_step.perception.ToBlob()},
-                                    {"landmarks", ToBlob(m_step.landmarks)}};
-  if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
-  PlanGuesses(options_, sum, next, &carried, &fresh, step.plan.mutable_state());
-  PlanRound(options_, robots, next, carried, fresh, &step);
-  step.plan.set_note(Note(done, sum.log_likelihood(), m_step.landmarks.size()));
-  return step;
-}
-
-cairn::Step LandmarkMap::SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,
-                                      const Blob& history, const RoundSum& sum, const State& state,
-                                      const Inputs& inputs) const {
-  const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  Schedule schedule = Schedule::Load(state);
-  ++schedule.iteration;
-  schedule.polished = true;
-  cairn::Step step;
-  std::map<std::string, Blob> fresh{
-      {"history", history},
-      {"counts", StoredCounts(counts)},
-      {"perception", PerceptionOf(MapOf(counts, settings.map), settings.map).ToBlob()},
-      {"landmarks", ToBlob(landmarks)}};
-  if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
-  Carried carried = Carried::Load(state, robots.size());
-  PlanGuesses(options_, sum, schedule, &carried, &fresh, step.plan.mutable_state());
-  PlanRound(options_, robots, schedule, carried, fresh, &step);
-  step.plan.set_note("polished: " + std::to_string(landmarks.size()) + " landmarks by least squares");
-  return step;
+  return StartsIn(state) > 0 ? AdvanceSearch(state, partials, inputs)
+                             : AdvanceEm(options_, state, partials, inputs);
 }
 
 cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const {
@@ -330,7 +109,7 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
         if (AwaitsAssociations(start.state())) {
           KeepAssociations(start, &step);
         } else {
-          step = AdvanceOne(start.state(), start, start);
+          step = AdvanceEm(options_, start.state(), start, start);
           KeepStart(start.state(), step.plan.mutable_state());
           note = step.plan.note();
           if (SearchIsOver(step.plan.state())) PlanAssociations(options_, robots, &step);

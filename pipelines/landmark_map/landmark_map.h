@@ -6,16 +6,14 @@
 #include <cstdint>
 
 #include "pipelines/landmark_map/options.h"
-#include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {
 
 // Inputs (schema/FORMAT.md): log, and perhaps map, a landmark_map from which EM starts. Result: kind
-// landmark_map. A round is an E-step: a chain of tasks `forward`
-// and a chain of tasks `backward` over the time slices of each robot, or all slices side by side
-// (speculation.h), then the task `m_step`. With several
+// landmark_map. A round is an E-step: a chain of tasks `forward` and a chain of tasks `backward` over the
+// time slices of each robot, or all slices side by side (speculation.h), then the task `m_step`. With several
 // starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h).
 class LandmarkMap : public Pipeline {
  public:
@@ -27,12 +25,6 @@ class LandmarkMap : public Pipeline {
   cairn::Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
 
  private:
-  // After an E-step of one map.
-  cairn::Step AdvanceOne(const State& state, Partials& partials, const Inputs& inputs) const;
-  // The last E-step once more, with the polished map.
-  cairn::Step SummaryUnder(const std::vector<Landmark>& landmarks, const LayeredGrid& counts,
-                           const Blob& history, const RoundSum& sum, const State& state,
-                           const Inputs& inputs) const;
   // Candidate starts advance together until EM of the first robot has ended in all of them.
   cairn::Step AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const;
   // The State of the best candidate, on the finer grid that was asked for: EM goes on from its landmarks.
