@@ -99,7 +99,7 @@ std::string Note(const Schedule& done, double log_likelihood, std::size_t landma
 
 // The last E-step once more, with the polished map.
 cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& landmarks,
-                         const LayeredGrid& counts, const Blob& history, const RoundSum& sum,
+                         const std::vector<Landmark>& before, const Blob& history, const RoundSum& sum,
                          const State& state, const Inputs& inputs) {
   const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
@@ -107,11 +107,14 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
   ++schedule.iteration;
   schedule.polished = true;
   cairn::Step step;
-  std::map<std::string, Blob> fresh{
-      {"history", history},
-      {"counts", StoredCounts(counts)},
-      {"perception", PerceptionOf(MapOf(counts, settings.map), settings.map).ToBlob()},
-      {"landmarks", ToBlob(landmarks)}};
+  // The path is found in the map, to which the map's own uncertainty is nothing; the result's map has it.
+  const MapRules& rules = settings.map;
+  const LayeredGrid wide = Recentred(sum.counts(), before, landmarks, rules),
+                    sharp = Recentred(sum.counts(), before, landmarks, rules, rules.observation_m);
+  std::map<std::string, Blob> fresh{{"history", history},
+                                    {"counts", StoredCounts(wide)},
+                                    {"perception", PerceptionOf(MapOf(sharp, rules), rules).ToBlob()},
+                                    {"landmarks", ToBlob(landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   Carried carried = Carried::Load(state, robots.size());
   PlanGuesses(options, sum, schedule, &carried, &fresh, step.plan.mutable_state());
@@ -152,8 +155,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
     if (WantsPolish(options, settings, done, inputs, steps)) {
       const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
       if (const auto polished = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks)) {
-        return SummaryUnder(options, *polished, Recentred(sum.counts(), landmarks, *polished, settings.map),
-                            history, sum, state, inputs);
+        return SummaryUnder(options, *polished, landmarks, history, sum, state, inputs);
       }
     }
     return MakeResult(*log, settings, inputs, sum, carried.odometry, history);

@@ -259,6 +259,11 @@ double FarthestMove(const std::vector<Landmark>& before, const std::vector<Landm
   return farthest_m;
 }
 
+// By its own covariance.
+double Width(const Landmark& landmark) {
+  return std::sqrt(std::max(0.0, 0.5 * (landmark.covariance_m2[0] + landmark.covariance_m2[3])));
+}
+
 // A Gaussian of that mass around the landmark.
 void Spread(const Landmark& landmark, double sd_m, double mass, double cell_m, Layer* layer) {
   constexpr double kLeastSd = 0.5, kReach = 3.0;  // cells: narrower ones lose their mean; standard deviations
@@ -304,21 +309,21 @@ LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rul
   LayeredGrid counts = NoCounts(rules);
   for (const Landmark& landmark : landmarks) {
     const int layer = landmark.type < rules.types ? landmark.type : rules.types + landmark.kind;
-    const double variance_m2 = 0.5 * (landmark.covariance_m2[0] + landmark.covariance_m2[3]);
-    Spread(landmark, std::sqrt(std::max(0.0, variance_m2)), landmark.count, rules.grid.cell_m,
+    Spread(landmark, Width(landmark), landmark.count, rules.grid.cell_m,
            &counts.layers[static_cast<std::size_t>(layer)]);
   }
   return counts;
 }
 
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
-                      const std::vector<Landmark>& now, const MapRules& rules) {
+                      const std::vector<Landmark>& now, const MapRules& rules,
+                      std::optional<double> width_m) {
   std::vector<std::vector<double>> masses;
   for (const Landmark& landmark : before) masses.push_back(LeaveOut(landmark, rules, &counts));
   for (std::size_t k = 0; k < now.size(); ++k) {
     for (std::size_t l = 0; l < counts.layers.size(); ++l) {
       if (masses[k][l] > 0.0)
-        Spread(now[k], rules.observation_m, masses[k][l], rules.grid.cell_m, &counts.layers[l]);
+        Spread(now[k], width_m.value_or(Width(now[k])), masses[k][l], rules.grid.cell_m, &counts.layers[l]);
     }
   }
   return counts;

@@ -38,9 +38,10 @@ std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& path
 // What EM expects where it knows no more than these landmarks: on any grid.
 LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rules);
 
-// The expected counts with each landmark's mass where it now stands, as wide as observations scatter: the
-// E-step finds the path in that map, to which the map's own uncertainty is nothing.
+// The expected counts with each landmark's mass where it now stands, as wide as is said, or as its
+// covariance.
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
-                      const std::vector<Landmark>& now, const MapRules& rules);
+                      const std::vector<Landmark>& now, const MapRules& rules,
+                      std::optional<double> width_m = std::nullopt);
 
 }  // namespace cairn::landmark_map

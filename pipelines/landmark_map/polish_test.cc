@@ -162,7 +162,7 @@ TEST(Recentred, KeepsTheMassAndMovesIt) {
   LayeredGrid counts = NoCounts(rules);
   counts.layers[0] = Layer(Box{19, -1, 3, 3});
   counts.layers[0].Row(0)[20] = before.count;
-  const LayeredGrid moved = Recentred(counts, {before}, {now}, rules);
+  const LayeredGrid moved = Recentred(counts, {before}, {now}, rules, 0.3);
   EXPECT_NEAR(moved.Sum(), before.count, 1e-12);
   const std::vector<Landmark> found = ExtractLandmarks(moved, rules);
   ASSERT_EQ(found.size(), 1U);
