@@ -1,5 +1,6 @@
 #include "pipelines/registry.h"
 
+#include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_map/landmark_map.h"
 
 namespace cairn {
@@ -22,6 +23,8 @@ const std::vector<Entry>& Entries() {
   static const std::vector<Entry> entries = {
       Register<landmark_map::LandmarkMap, landmark_map::Options>(
           "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log", "map?"}),
+      Register<landmark_learning::LandmarkLearning, landmark_learning::Options>(
+          "landmark_learning", "networks that extract the features which localise best (BaLL)", {"samples"}),
   };
   return entries;
 }

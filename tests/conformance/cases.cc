@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pipelines/in_process.h"
+#include "pipelines/landmark_learning/testing.h"
 #include "schema/rng.h"
 #include "worker/testing/toy_pipeline.h"
 
@@ -144,6 +145,18 @@ Case LandmarkMapSideBySide() {
   return c;
 }
 
+Case LandmarkLearning(const std::string& name, double window_m) {
+  Blob samples = landmark_learning::CorridorSamples{.samples = 700}.Make();
+  samples.PutVector<double>("truth/run/0/x_m", std::vector<double>(700, 1.0));
+  Case c{.name = name, .stage = {}, .inputs = {{"samples", Share(std::move(samples))}}};
+  Set(c.stage, "window_m", window_m);
+  SetInteger(c.stage, "networks", 5);
+  SetInteger(c.stage, "steps", 4);
+  SetInteger(c.stage, "validate_every", 2);
+  (*c.stage.mutable_options())["holdout"].set_s("run 1");
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -156,6 +169,9 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap(),
             LandmarkMapSideBySide()};
   }
+  if (pipeline == "landmark_learning")
+    return {LandmarkLearning("landmark_learning_window", 5.0),
+            LandmarkLearning("landmark_learning_global", 0.0)};
   return {{.name = pipeline, .stage = {}, .inputs = {}}};
 }
 

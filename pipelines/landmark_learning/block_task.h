@@ -1,0 +1,32 @@
+// A task of a gradient step: a block of true positions against all samples that they may be taken for.
+#pragma once
+
+#include <vector>
+
+#include "pipelines/landmark_learning/networks.h"
+#include "pipelines/landmark_learning/options.h"
+#include "pipelines/landmark_learning/training_data.h"
+
+namespace cairn::landmark_learning {
+
+// As the options ask for.
+Belief BeliefOf(const Options& options);
+ErrorKind ErrorOf(const Options& options);
+
+// A block's share of E_posterior over the training samples, and of its gradient by all weights. Computes the
+// outputs of no other samples than those in its reach.
+struct GradientShare {
+  double error = 0.0;
+  std::vector<float> gradient;  // [parameters]
+};
+GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
+                              const Parameters<float>& parameters, const Range& truths);
+
+// A block's share of E_posterior of held-out samples, which are taken for training samples.
+double ValidationOfBlock(const Options& options, const TrainingData& data,
+                         const Parameters<float>& parameters, const Range& truths);
+
+// Cuts `count` truths into blocks of even size, some tenths of a second of work each, by sizes alone.
+std::vector<Range> Blocks(int count, int samples, int networks);
+
+}  // namespace cairn::landmark_learning

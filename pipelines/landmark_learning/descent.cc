@@ -1,0 +1,54 @@
+#include "pipelines/landmark_learning/descent.h"
+
+#include <cmath>
+
+#include "schema/error.h"
+
+namespace cairn::landmark_learning {
+
+void Descent::Step(const DescentRules& rules, const std::vector<double>& gradient,
+                   std::vector<double>* weights) {
+  CAIRN_DEMAND(gradient.size() == weights->size(), "a gradient by other weights");
+  if (first.empty()) {
+    first.assign(gradient.size(), 0.0);
+    second.assign(gradient.size(), 0.0);
+  }
+  ++step;
+  constexpr double kFirst = 0.9, kSecond = 0.999, kSmall = 1e-8;
+  const double first_share = 1.0 - std::pow(kFirst, static_cast<double>(step));
+  const double second_share = 1.0 - std::pow(kSecond, static_cast<double>(step));
+  for (std::size_t i = 0; i < gradient.size(); ++i) {
+    double& w = (*weights)[i];
+    w -= rules.rate * rules.weight_decay * w;
+    if (rules.method == Method::kGradient) {
+      w -= rules.rate * gradient[i];
+    } else if (rules.method == Method::kMomentum) {
+      first[i] = rules.momentum * first[i] - rules.rate * gradient[i];
+      w += first[i];
+    } else {
+      first[i] = kFirst * first[i] + (1.0 - kFirst) * gradient[i];
+      second[i] = kSecond * second[i] + (1.0 - kSecond) * gradient[i] * gradient[i];
+      w -= rules.rate * (first[i] / first_share) / (std::sqrt(second[i] / second_share) + kSmall);
+    }
+  }
+}
+
+Blob Descent::ToBlob() const {
+  Blob blob;
+  blob.PutScalar<std::int64_t>("step", step);
+  blob.PutVector("first", first);
+  blob.PutVector("second", second);
+  return blob;
+}
+
+Descent Descent::FromBlob(const Blob& blob) {
+  Descent descent;
+  descent.step = blob.Scalar<std::int64_t>("step");
+  const auto first = blob.Get<double>("first"), second = blob.Get<double>("second");
+  if (first.size() != second.size()) throw InputError("the optimiser's moments differ in length");
+  descent.first.assign(first.begin(), first.end());
+  descent.second.assign(second.begin(), second.end());
+  return descent;
+}
+
+}  // namespace cairn::landmark_learning

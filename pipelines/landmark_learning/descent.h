@@ -1,0 +1,35 @@
+// How weights follow the gradient.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::landmark_learning {
+
+enum class Method {
+  kGradient,  // [T98] eq. 38
+  kMomentum,  // v <- momentum v - rate dE/dw; w <- w + v
+  kAdam,      // D. P. Kingma, J. Ba, Adam: a method for stochastic optimization, ICLR 2015, algorithm 1
+};
+
+struct DescentRules {
+  Method method = Method::kAdam;
+  double rate = 0.01, momentum = 0.9;
+  double weight_decay = 0.0;  // w <- w - rate * weight_decay * w, beside the step (decoupled)
+};
+
+// The optimiser's memory; all in double, so that what a step changes is not lost.
+struct Descent {
+  std::int64_t step = 0;
+  std::vector<double> first, second;  // momentum, or Adam's moments; empty before the first step
+
+  void Step(const DescentRules& rules, const std::vector<double>& gradient, std::vector<double>* weights);
+
+  Blob ToBlob() const;
+  static Descent FromBlob(const Blob& blob);
+};
+
+}  // namespace cairn::landmark_learning

@@ -1,0 +1,28 @@
+// BaLL, Bayesian landmark learning: S. Thrun, Bayesian Landmark Learning for Mobile Robot Localization,
+// Machine Learning 33, 1998 ([T98] in the comments).
+#pragma once
+
+#include <cstdint>
+
+#include "pipelines/landmark_learning/options.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_learning {
+
+// Input (schema/FORMAT.md): samples. Result: kind networks. A round is a gradient step: tasks `gradient`,
+// each a block of true positions against all samples in their reach, and every few steps tasks `validate` on
+// the held-out run; Advance adds up and takes the step.
+class LandmarkLearning : public Pipeline {
+ public:
+  LandmarkLearning(Options options, std::uint64_t seed) : options_(std::move(options)), seed_(seed) {}
+
+  Step Start(const Inputs& inputs) const override;
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override;
+  Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
+
+ private:
+  Options options_;
+  std::uint64_t seed_;
+};
+
+}  // namespace cairn::landmark_learning

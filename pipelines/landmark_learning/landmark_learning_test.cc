@@ -1,0 +1,140 @@
+#include "pipelines/landmark_learning/landmark_learning.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "pipelines/in_process.h"
+#include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/testing.h"
+
+namespace cairn::landmark_learning {
+namespace {
+
+BlobPtr Learn(const Blob& samples, const Options& options, int* rounds = nullptr) {
+  return RunInProcess(LandmarkLearning(options, 7), {{"samples", std::make_shared<const Blob>(samples)}},
+                      [&](const proto::Step&) {
+                        if (rounds != nullptr) ++*rounds;
+                      });
+}
+
+double Reduction(const Blob& result) {
+  return 1.0 - result.Get<double>("history/training_error_m").back() / result.Scalar<double>("prior_error_m");
+}
+
+TEST(LandmarkLearning, LearnsFeaturesThatLocaliseInARunThatItHasNotSeen) {
+  const BlobPtr result =
+      Learn(CorridorSamples().Make(), {.steps = 400, .holdout = "run 1", .patience = 1000});
+  EXPECT_GT(Reduction(*result), 0.4);
+  const auto held_out = result->Get<double>("history/validation_error_m");
+  EXPECT_GT(1.0 - held_out[380] / result->Scalar<double>("validation_prior_error_m"), 0.35);
+  EXPECT_TRUE(std::isnan(held_out[381]));
+  EXPECT_EQ(result->Get<double>("map/x_m").size(), 160U);
+  EXPECT_EQ(result->Get<float>("map/output").size(), 4U * 160U);
+}
+
+TEST(LandmarkLearning, EachWayToTrainLowersTheError) {
+  for (const char* method : {"gradient", "momentum", "adam"}) {
+    const bool adam = std::string(method) == "adam";
+    const BlobPtr result =
+        Learn(CorridorSamples().Make(),
+              {.networks = 2, .method = method, .rate = adam ? 0.02 : 2.0, .init_width = 0.5, .steps = 400});
+    EXPECT_GT(Reduction(*result), 0.15) << method;
+  }
+}
+
+// Nothing is known before: the two ends of the corridor must be told apart too.
+TEST(LandmarkLearning, LearnsUnderGlobalUncertainty) {
+  const BlobPtr result = Learn(CorridorSamples().Make(), {.window_m = 0.0, .init_width = 0.5, .steps = 1500});
+  EXPECT_GT(Reduction(*result), 0.35);
+  EXPECT_NEAR(result->Scalar<double>("prior_error_m"), 40.0 / 3.0, 0.5);
+}
+
+TEST(LandmarkLearning, NoiseAloneTeachesNothingAboutARunThatItHasNotSeen) {
+  CorridorSamples samples{.noise = 100.0};
+  const BlobPtr result = Learn(samples.Make(), {.steps = 200, .holdout = "run 1", .patience = 3});
+  const auto held_out = result->Get<double>("history/validation_error_m");
+  EXPECT_GT(held_out.back(), 0.95 * result->Scalar<double>("validation_prior_error_m"));
+}
+
+TEST(LandmarkLearning, StopsWhereTheHeldOutRunGetsNoBetterAndKeepsTheBest) {
+  int rounds = 0;
+  const BlobPtr result = Learn(
+      CorridorSamples{.samples = 20, .noise = 1.0}.Make(),
+      {.rate = 0.1, .init_width = 0.5, .steps = 5000, .holdout = "run 2", .validate_every = 5, .patience = 4},
+      &rounds);
+  const auto held_out = result->Get<double>("history/validation_error_m");
+  EXPECT_LT(held_out.size(), 5000U);
+  EXPECT_EQ(rounds, static_cast<int>(held_out.size()) + 1);
+  const std::size_t last = held_out.size() - 1;
+  for (std::size_t look = 0; look < 4; ++look)
+    EXPECT_GE(held_out[last - 5 * look], held_out[last - 20]) << look;  // four looks without a better one
+}
+
+// The whole of a gradient from its blocks, under a window and under none.
+TEST(GradientOfBlock, BlocksAddUpToOneGradient) {
+  const TrainingData data = TrainingData::Of(CorridorSamples().Make(), "");
+  Rng rng(3);
+  const auto parameters = RandomParameters<float>({3, 5, 4}, 1.0, rng);
+  const int count = data.training.size();
+  for (const double window_m : {1.5, 0.0}) {
+    const Options options{.window_m = window_m};
+    const GradientShare whole = GradientOfBlock(options, data.training, parameters, {0, count});
+    std::vector<double> sum(whole.gradient.size(), 0.0);
+    double error = 0.0;
+    for (int first = 0; first < count; first += 50) {
+      const GradientShare share =
+          GradientOfBlock(options, data.training, parameters, {first, std::min(count, first + 50)});
+      error += share.error;
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += share.gradient[i];
+    }
+    EXPECT_NEAR(error, whole.error, 1e-5 * whole.error);
+    double largest = 0.0;
+    for (const float slope : whole.gradient)
+      largest = std::max(largest, std::abs(static_cast<double>(slope)));
+    for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(sum[i], whole.gradient[i], 1e-4 * largest) << i;
+  }
+}
+
+std::string Complaint(const Blob& samples, const Options& options) {
+  try {
+    Learn(samples, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(LandmarkLearning, SaysWhatIsWrongWithTheSamples) {
+  const Blob good = CorridorSamples().Make();
+  const auto with = [&](const char* name, Array array) {
+    Blob bad = good;
+    bad.Put(name, std::move(array));
+    return bad;
+  };
+  const Options few{.steps = 1};
+  EXPECT_EQ(Complaint(good, few), "");
+  EXPECT_EQ(Complaint(good, {.steps = 1, .holdout = "x"}), "holdout: there is no run 'x' among the samples");
+  EXPECT_EQ(Complaint(with("run/1/x_m", Array::Vector<double>({1.0})), few),
+            "run 'run 1': its arrays are not of one length: 1 x_m, 80 y_m, 400 numbers in 5 inputs");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> x(80, 0.0);
+  x[3] = nan;
+  EXPECT_EQ(Complaint(with("run/1/x_m", Array::Vector(x)), few),
+            "run 'run 1', sample 3: 'x_m' is not a finite number");
+  std::vector<float> input(400, 0.0F);
+  input[12] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(Complaint(with("run/2/input", Array::Of<float>({80, 5}, input)), few),
+            "run 'run 2', sample 2: input 2 is not a finite number");
+  EXPECT_NE(Complaint(good, {.window_m = 1e-9, .steps = 1}).find("reaches no other place"),
+            std::string::npos);
+  EXPECT_EQ(Complaint(CorridorSamples{.runs = 1, .samples = 1}.Make(), few),
+            "run 'run 0' has 1 samples; two are the least");
+  EXPECT_EQ(Complaint(CorridorSamples{.runs = 1}.Make(), {.steps = 1, .holdout = "run 0"}),
+            "no run is left to train on");
+}
+
+}  // namespace
+}  // namespace cairn::landmark_learning

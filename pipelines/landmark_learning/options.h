@@ -1,0 +1,67 @@
+// Options of landmark_learning, each with unit, range and effect.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pipelines/common/options.h"
+
+namespace cairn::landmark_learning {
+
+struct Options {
+  std::int64_t networks = 4;
+  std::int64_t hidden = 6;
+  double window_m = 2.0;
+  std::string belief = "uniform";
+  std::string error = "distance";
+  std::string method = "adam";
+  double rate = 0.01;
+  double momentum = 0.9;
+  double weight_decay = 1e-4;
+  double init_width = 0.1;
+  std::int64_t steps = 1000;
+  std::string holdout = {};
+  std::int64_t validate_every = 20;
+  std::int64_t patience = 10;
+};
+
+template <class V>
+void VisitOptions(V& visit, Options& o) {
+  visit(Option{"networks", "", 1, 12, "networks, each a binary feature"}, o.networks);
+  visit(Option{"hidden", "", 1, 1000, "hidden units of each"}, o.hidden);
+  visit(Option{"window_m", "m", 0, 1e9,
+               "what the robot knows of its position before it senses: within so much of it (gaussian: its "
+               "standard "
+               "deviation); 0: nothing"},
+        o.window_m);
+  visit(Option{"belief", "", 0, 0, "its shape", {"uniform", "gaussian"}}, o.belief);
+  visit(Option{"error",
+               "",
+               0,
+               0,
+               "what a wrong position costs: the distance, its square, or the difference of the ways "
+               "travelled until there",
+               {"distance", "squared", "along"}},
+        o.error);
+  visit(Option{"method", "", 0, 0, "how weights follow the gradient", {"gradient", "momentum", "adam"}},
+        o.method);
+  visit(Option{"rate", "", 1e-9, 1e6, "learning rate"}, o.rate);
+  visit(
+      Option{"momentum", "", 0, 0.999999, "share of the last step that goes into the next (method momentum)"},
+      o.momentum);
+  visit(Option{"weight_decay", "", 0, 1, "share of each weight that a step at rate 1 takes off"},
+        o.weight_decay);
+  visit(Option{"init_width", "", 1e-6, 100, "weights begin evenly within so much of zero"}, o.init_width);
+  visit(Option{"steps", "", 1, 1e9, "gradient steps"}, o.steps);
+  visit(
+      Option{"holdout", "", 0, 0,
+             "the run that is not trained on but decides when to stop; empty: none, and all steps are made"},
+      o.holdout);
+  visit(Option{"validate_every", "steps", 1, 1e9, "how often the held-out run is looked at"},
+        o.validate_every);
+  visit(
+      Option{"patience", "", 1, 1e9, "looks at the held-out run without a better one before training stops"},
+      o.patience);
+}
+
+}  // namespace cairn::landmark_learning

@@ -1,0 +1,173 @@
+#include "pipelines/landmark_learning/training_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "schema/error.h"
+
+namespace cairn::landmark_learning {
+namespace {
+
+// Before they are sorted: the inputs as they were sensed.
+struct RawRun {
+  Places places;
+  std::vector<float> inputs;
+};
+
+template <class T>
+std::vector<T> Column(const Blob& samples, const std::string& run, const std::string& prefix,
+                      const char* name) {
+  const auto values = samples.Get<T>(prefix + name);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!std::isfinite(static_cast<double>(values[k])))
+      throw InputError("run '" + run + "', sample " + std::to_string(k) + ": '" + name +
+                       "' is not a finite number");
+  }
+  return {values.begin(), values.end()};
+}
+
+RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, std::size_t inputs) {
+  const std::string prefix = "run/" + std::to_string(index) + "/";
+  RawRun raw;
+  raw.places.x_m = Column<double>(samples, run, prefix, "x_m");
+  raw.places.y_m = Column<double>(samples, run, prefix, "y_m");
+  const auto rows = samples.Get<float>(prefix + "input");
+  const std::size_t count = raw.places.x_m.size();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!std::isfinite(rows[i])) {
+      throw InputError("run '" + run + "', sample " + std::to_string(i / inputs) + ": input " +
+                       std::to_string(i % inputs) + " is not a finite number");
+    }
+  }
+  if (raw.places.y_m.size() != count || rows.size() != count * inputs) {
+    throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
+                     " x_m, " + std::to_string(raw.places.y_m.size()) + " y_m, " +
+                     std::to_string(rows.size()) + " numbers in " + std::to_string(inputs) + " inputs");
+  }
+  if (count < 2)
+    throw InputError("run '" + run + "' has " + std::to_string(count) + " samples; two are the least");
+  raw.inputs.assign(rows.begin(), rows.end());
+  double along = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k > 0)
+      along +=
+          std::hypot(raw.places.x_m[k] - raw.places.x_m[k - 1], raw.places.y_m[k] - raw.places.y_m[k - 1]);
+    raw.places.along_m.push_back(along);
+  }
+  return raw;
+}
+
+void Append(const RawRun& raw, std::size_t run, SampleSet* set) {
+  const auto add = [](const auto& from, auto* to) { to->insert(to->end(), from.begin(), from.end()); };
+  add(raw.places.x_m, &set->places.x_m);
+  add(raw.places.y_m, &set->places.y_m);
+  add(raw.places.along_m, &set->places.along_m);
+  add(raw.inputs, &set->inputs);
+  set->run.insert(set->run.end(), raw.places.x_m.size(), static_cast<std::int32_t>(run));
+}
+
+double Extent(const std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto [low, high] = std::ranges::minmax_element(values);
+  return *high - *low;
+}
+
+SampleSet Sorted(const SampleSet& set, std::size_t inputs) {
+  const std::vector<double>& along =
+      Extent(set.places.x_m) >= Extent(set.places.y_m) ? set.places.x_m : set.places.y_m;
+  std::vector<std::size_t> order(along.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return along[k]; });
+  SampleSet sorted;
+  for (const std::size_t k : order) {
+    sorted.places.x_m.push_back(set.places.x_m[k]);
+    sorted.places.y_m.push_back(set.places.y_m[k]);
+    sorted.places.along_m.push_back(set.places.along_m[k]);
+    sorted.run.push_back(set.run[k]);
+    const float* row = &set.inputs[k * inputs];
+    sorted.inputs.insert(sorted.inputs.end(), row, row + inputs);
+  }
+  return sorted;
+}
+
+void Normalise(const std::vector<double>& mean, const std::vector<double>& scale, SampleSet* set) {
+  for (std::size_t i = 0; i < set->inputs.size(); ++i) {
+    const std::size_t input = i % mean.size();
+    set->inputs[i] = static_cast<float>((set->inputs[i] - mean[input]) / scale[input]);
+  }
+}
+
+void FindNorm(const SampleSet& set, std::size_t inputs, std::vector<double>* mean,
+              std::vector<double>* scale) {
+  const auto count = static_cast<double>(set.size());
+  std::vector<double> sum(inputs, 0.0), squares(inputs, 0.0);
+  for (std::size_t i = 0; i < set.inputs.size(); ++i) sum[i % inputs] += set.inputs[i];
+  for (const double s : sum) mean->push_back(s / count);
+  for (std::size_t i = 0; i < set.inputs.size(); ++i) {
+    const double d = set.inputs[i] - (*mean)[i % inputs];
+    squares[i % inputs] += d * d;
+  }
+  for (const double s : squares) scale->push_back(s > 0.0 ? std::sqrt(s / count) : 1.0);
+}
+
+void Store(const SampleSet& set, const std::string& prefix, std::size_t inputs, Blob* blob) {
+  blob->PutVector(prefix + "x_m", set.places.x_m);
+  blob->PutVector(prefix + "y_m", set.places.y_m);
+  blob->PutVector(prefix + "along_m", set.places.along_m);
+  blob->PutVector(prefix + "run", set.run);
+  blob->Put(prefix + "input", Array::Of<float>({set.size(), static_cast<std::int64_t>(inputs)}, set.inputs));
+}
+
+template <class T>
+std::vector<T> Taken(const Blob& blob, const std::string& name) {
+  const auto values = blob.Get<T>(name);
+  return {values.begin(), values.end()};
+}
+
+SampleSet Load(const std::string& prefix, const Blob& blob) {
+  return {{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
+           Taken<double>(blob, prefix + "along_m")},
+          Taken<std::int32_t>(blob, prefix + "run"),
+          Taken<float>(blob, prefix + "input")};
+}
+
+}  // namespace
+
+TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout) {
+  TrainingData data;
+  data.runs = samples.Texts("runs");
+  data.input_names = samples.Texts("input_name");
+  const std::size_t inputs = data.input_names.size();
+  if (inputs == 0) throw InputError("the samples have no inputs");
+  if (!holdout.empty() && std::ranges::find(data.runs, holdout) == data.runs.end())
+    throw InputError("holdout: there is no run '" + holdout + "' among the samples");
+  for (std::size_t r = 0; r < data.runs.size(); ++r)
+    Append(ReadRun(samples, data.runs[r], r, inputs), r,
+           !holdout.empty() && data.runs[r] == holdout ? &data.held_out : &data.training);
+  if (data.training.size() == 0) throw InputError("no run is left to train on");
+  data.training = Sorted(data.training, inputs);
+  data.held_out = Sorted(data.held_out, inputs);
+  FindNorm(data.training, inputs, &data.mean, &data.scale);
+  Normalise(data.mean, data.scale, &data.training);
+  Normalise(data.mean, data.scale, &data.held_out);
+  return data;
+}
+
+Blob TrainingData::ToBlob() const {
+  Blob blob;
+  blob.Put("runs", Array::Texts(runs));
+  blob.Put("input_name", Array::Texts(input_names));
+  blob.PutVector("mean", mean);
+  blob.PutVector("scale", scale);
+  Store(training, "training/", mean.size(), &blob);
+  Store(held_out, "held_out/", mean.size(), &blob);
+  return blob;
+}
+
+TrainingData TrainingData::FromBlob(const Blob& blob) {
+  return {blob.Texts("runs"),           blob.Texts("input_name"), Taken<double>(blob, "mean"),
+          Taken<double>(blob, "scale"), Load("training/", blob),  Load("held_out/", blob)};
+}
+
+}  // namespace cairn::landmark_learning

@@ -1,0 +1,37 @@
+// Samples as training wants them: normalised, in an order in which neighbours are neighbours in space.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_learning/pairs.h"
+#include "schema/blob.h"
+
+namespace cairn::landmark_learning {
+
+// Samples of some runs, sorted by the coordinate in which they extend farthest.
+struct SampleSet {
+  Places places;
+  std::vector<std::int32_t> run;  // index into the runs of the input
+  std::vector<float> inputs;      // [samples][inputs], (input - mean) / scale
+
+  int size() const { return places.size(); }
+};
+
+struct TrainingData {
+  std::vector<std::string> runs, input_names;
+  std::vector<double> mean,
+      scale;  // of each input, over the training samples; an input that never changes: scale 1
+  SampleSet training, held_out;
+
+  // From an input of kind `samples` (schema/FORMAT.md). Throws InputError that names run and row: arrays of
+  // different length, a run of one sample, numbers that are not finite, a `holdout` that is no run or the
+  // only one.
+  static TrainingData Of(const Blob& samples, const std::string& holdout);
+
+  Blob ToBlob() const;
+  static TrainingData FromBlob(const Blob& blob);
+};
+
+}  // namespace cairn::landmark_learning
