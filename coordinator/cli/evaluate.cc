@@ -1,9 +1,13 @@
 #include "datasets/evaluate/evaluate.h"
 
 #include <cstdio>
+#include <optional>
 
+#include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/result_file.h"
+#include "coordinator/cli/scalar.h"
+#include "datasets/evaluate/evaluate_networks.h"
 
 namespace cairn::cli {
 namespace {
@@ -12,16 +16,38 @@ struct Options {
   std::string result;
   std::string truth;
   bool json = false;
+  std::optional<int> nearest;
+  std::optional<std::uint64_t> seed;
 };
 
+std::string ScoreOfMap(const Options& options, const Blob& log) {
+  if (options.nearest || options.seed)
+    throw InputError("--nearest and --seed are for networks, whose truth is a file of samples");
+  const datasets::Evaluation score = datasets::Evaluate(ReadResult(options.result, "landmark_map").blob, log);
+  return options.json ? datasets::EvaluationJson(score) + "\n" : datasets::EvaluationText(score);
+}
+
+std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
+  datasets::NetworkEvaluationOptions how;
+  how.nearest = options.nearest.value_or(how.nearest);
+  how.seed = options.seed.value_or(how.seed);
+  const datasets::NetworkEvaluation score =
+      datasets::EvaluateNetworks(ReadResult(options.result, "networks").blob, samples, how);
+  return options.json ? datasets::NetworkEvaluationJson(score) + "\n"
+                      : datasets::NetworkEvaluationText(score);
+}
+
+// What the truth is says what is scored: the folder of a job may hold results of both kinds.
 int Evaluate(const Options& options, const Invocation&) {
-  const BlobFile result = ReadResult(options.result, "landmark_map");
-  const BlobFile truth = ReadResult(options.truth, "log");
-  const datasets::Evaluation evaluation = datasets::Evaluate(result.blob, truth.blob);
-  if (options.json)
-    std::printf("%s\n", datasets::EvaluationJson(evaluation).c_str());
+  const BlobFile truth = Take(ReadBlobFile(ResultPath(options.truth, "log")));
+  std::string text;
+  if (truth.kind == "log")
+    text = ScoreOfMap(options, truth.blob);
+  else if (truth.kind == "samples")
+    text = ScoreOfNetworks(options, truth.blob);
   else
-    std::fputs(datasets::EvaluationText(evaluation).c_str(), stdout);
+    throw InputError(options.truth + ": a " + truth.kind + ", where a log or samples are needed");
+  std::fputs(text.c_str(), stdout);
   return kExitDone;
 }
 
@@ -32,9 +58,19 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
   const auto options = AddCommand<Options>(app, call, "evaluate", "Scores a result against ground truth",
                                            "cairn evaluate result --truth log.h5 --json", Evaluate, &command);
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
-  command->add_option("--truth", options->truth, "A simulated log, or an imported one that has truth")
+  command
+      ->add_option(
+          "--truth", options->truth,
+          "For a landmark_map a simulated log, or an imported one that has truth; for networks samples "
+          "of runs that they were not trained on")
       ->required();
   command->add_flag("--json", options->json, "As JSON");
+  command->add_option("--nearest", options->nearest,
+                      "Networks: training samples, of which the features at a place are the mean (5)");
+  command
+      ->add_option("--seed", options->seed,
+                   "Networks: of the sampled features and of the intervals' bootstrap (1)")
+      ->check(CheckSeed);
 }
 
 }  // namespace cairn::cli

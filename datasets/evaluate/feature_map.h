@@ -1,0 +1,45 @@
+// What learned features say of a place: the posterior error of one sample in a map of its features.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "datasets/planar.h"
+
+namespace cairn::datasets {
+
+// P(f | xi) at the places of the training samples.
+struct FeatureMap {
+  std::vector<PointM> places;
+  std::size_t vectors = 1;          // 2^n; bit i of f is f_i
+  std::vector<double> probability;  // [places][vectors]
+};
+
+// P(f) of independent bits that are 1 with probability g_i: [2^n]. [T98] eqs 32, 33.
+std::vector<double> FeatureProbabilities(std::span<const double> g);
+
+// P(f | xi) = prod_i of the mean of g_i over the `nearest` samples that were taken closest to xi, itself
+// among them ([T98] section 5.1.6); of samples equally far away the first ones. `output`: [places][networks];
+// 1 <= nearest <= places. Costs O(places^2).
+FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const double> output,
+                        std::size_t networks, std::size_t nearest);
+
+// One sample's share of the errors ([T98] eqs 21 and 36, P(a) left out), for a belief that is uniform over
+// the places within a window of where it was taken.
+struct WindowError {
+  std::size_t places = 0;         // in the window; all else is meaningless where there are none
+  double prior_m = 0;             // mean over the places of the distance
+  double soft_m = 0;              // sum_f P(f | s) E(f), E(f) = sum_xi e P(f | xi) / sum_xi P(f | xi)
+  std::vector<double> sampled_m;  // E(f) for each of the drawn f
+};
+
+// `windows_m`: half-widths, ascending. `probability`: P(f | s) of the sample, [vectors]. Where the map holds
+// f for impossible anywhere in the window the belief stays what it was: E(f) is the prior error. O(places
+// (log places + vectors)) for all windows together.
+std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const PointM& truth,
+                                     std::span<const double> probability,
+                                     const std::vector<std::size_t>& drawn,
+                                     const std::vector<double>& windows_m);
+
+}  // namespace cairn::datasets

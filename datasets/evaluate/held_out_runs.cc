@@ -1,0 +1,85 @@
+#include "datasets/evaluate/held_out_runs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace cairn::datasets {
+namespace {
+
+void CheckInputs(const std::vector<std::string>& names, const LearnedNetworks& nets) {
+  if (names.size() != nets.inputs)
+    throw InputError("the samples have " + std::to_string(names.size()) + " inputs, the networks " +
+                     std::to_string(nets.inputs));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] != nets.input_name[i])
+      throw InputError("input " + std::to_string(i) + " is '" + names[i] + "' in the samples, '" +
+                       nets.input_name[i] + "' in the networks");
+  }
+}
+
+template <class T>
+void CheckNumbers(std::span<const T> values, const SampleRun& run, const std::string& array,
+                  const std::vector<std::string>& columns) {
+  const auto bad = std::ranges::find_if(values, [](T value) { return !std::isfinite(value); });
+  if (bad == values.end()) return;
+  const auto at = static_cast<std::size_t>(bad - values.begin());
+  throw InputError("run '" + run.name + "', row " + std::to_string(at / columns.size()) + ": " + array +
+                   " '" + columns[at % columns.size()] + "' is no number");
+}
+
+SampleRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
+                  const std::vector<std::string>& inputs) {
+  const std::string prefix = "run/" + std::to_string(number) + "/";
+  SampleRun run{.name = name,
+                .number = number,
+                .x_m = file.Get<double>(prefix + "x_m"),
+                .y_m = file.Get<double>(prefix + "y_m"),
+                .input = file.Get<float>(prefix + "input")};
+  const auto rows = static_cast<std::int64_t>(run.x_m.size());
+  if (run.y_m.size() != run.x_m.size() ||
+      file.at(prefix + "input").shape() != Shape{rows, static_cast<std::int64_t>(inputs.size())})
+    throw InputError("run '" + name + "': x_m, y_m and input do not have the same number of rows, or a row " +
+                     "not one input for each name");
+  CheckNumbers(run.x_m, run, "position", {"x_m"});
+  CheckNumbers(run.y_m, run, "position", {"y_m"});
+  CheckNumbers(run.input, run, "input", inputs);
+  return run;
+}
+
+using Place = std::pair<double, double>;
+
+bool WasTrainedOn(const SampleRun& run, const LearnedNetworks& nets) {
+  std::set<Place> places;
+  for (std::size_t k = 0; k < run.x_m.size(); ++k) places.emplace(run.x_m[k], run.y_m[k]);
+  bool any = false;
+  for (std::size_t k = 0; k < nets.samples(); ++k) {
+    if (nets.runs[static_cast<std::size_t>(nets.run[k])] != run.name) continue;
+    if (!places.contains({nets.x_m[k], nets.y_m[k]})) return false;
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
+  const std::vector<std::string> inputs = file.Texts("input_name"), names = file.Texts("runs");
+  CheckInputs(inputs, nets);
+  HeldOutRuns held_out;
+  for (std::size_t r = 0; r < names.size(); ++r) {
+    SampleRun run = ReadRun(file, r, names[r], inputs);
+    if (run.x_m.empty()) continue;
+    if (WasTrainedOn(run, nets))
+      held_out.trained_on.push_back(names[r]);
+    else
+      held_out.runs.push_back(std::move(run));
+  }
+  if (held_out.runs.empty() && held_out.trained_on.empty()) throw InputError("there are no samples");
+  if (held_out.runs.empty())
+    throw InputError("the networks were trained on every run of the samples: none is held out");
+  return held_out;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,31 @@
+// The runs of a file of kind `samples` (schema/FORMAT.md) that networks are scored on.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datasets/evaluate/learned_networks.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+struct SampleRun {
+  std::string name;
+  std::size_t number = 0;  // in the file
+  std::span<const double> x_m, y_m;
+  std::span<const float> input;  // [samples][inputs]
+};
+
+struct HeldOutRuns {
+  std::vector<SampleRun> runs;          // at least one, each with samples; they point into the file
+  std::vector<std::string> trained_on;  // left out: the networks have seen them
+};
+
+// A run counts as trained on where the networks name a run like it, and all of that run's places are places
+// of this one. Throws InputError that says so: names or number of inputs that differ from the networks', no
+// sample at all, shapes that do not fit, a value that is no number (which run, row and input), and a file
+// that holds nothing but what was trained on.
+HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets);
+
+}  // namespace cairn::datasets
