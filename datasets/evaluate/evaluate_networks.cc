@@ -142,6 +142,16 @@ WindowScore ScoreWindow(const std::vector<Truth>& truths, std::size_t window,
   return score;
 }
 
+// What `read` returns; what it refuses with the file's name before it.
+template <class Read>
+auto FromFile(const std::string& name, const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(name + ": " + error.what());
+  }
+}
+
 void CheckOptions(const NetworkEvaluationOptions& options, std::size_t samples) {
   if (options.nearest < 1 || static_cast<std::size_t>(options.nearest) > samples)
     throw InputError("nearest: " + std::to_string(options.nearest) + "; allowed: from 1 to " +
@@ -153,9 +163,9 @@ void CheckOptions(const NetworkEvaluationOptions& options, std::size_t samples) 
 
 NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
                                    const NetworkEvaluationOptions& options) {
-  const LearnedNetworks nets = ReadLearnedNetworks(networks);
+  const LearnedNetworks nets = FromFile(options.networks_name, [&] { return ReadLearnedNetworks(networks); });
   CheckOptions(options, nets.samples());
-  const HeldOutRuns held_out = ReadHeldOutRuns(samples, nets);
+  const HeldOutRuns held_out = FromFile(options.samples_name, [&] { return ReadHeldOutRuns(samples, nets); });
   NetworkEvaluation out;
   out.networks = static_cast<std::int64_t>(nets.networks);
   out.training_samples = static_cast<std::int64_t>(nets.samples());

@@ -20,7 +20,8 @@ struct NetworkEvaluationOptions {
   int nearest = 5;         // k training samples, of which P(f | xi) is made
   int samplings = 20;      // of f, for each held-out sample
   std::uint64_t seed = 1;  // of the samplings and of the bootstrap
-  std::vector<double> windows_m = {1, 2, 5, 10, 50, 89, kGlobal};  // half-widths, ascending
+  std::vector<double> windows_m = {1, 2, 5, 10, 50, 89, kGlobal};            // half-widths, ascending
+  std::string networks_name = "the networks", samples_name = "the samples";  // files, for messages
 };
 
 struct Score {

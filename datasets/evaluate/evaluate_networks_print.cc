@@ -119,10 +119,10 @@ std::string NetworkEvaluationText(const NetworkEvaluation& evaluation) {
                      std::to_string(evaluation.training_samples) + " samples\n" + HeldOutText(evaluation) +
                      "map        P(f | place) by the " + std::to_string(evaluation.options.nearest) +
                      " nearest training samples\n" + IntervalText(evaluation);
-  text += "\n                                               error reduction          sampled\n";
-  text +=
-      "window    truths  left out   prior m  posterior m  in % [95%]           posterior m  in % [95%]"
-      "              sd\n";
+  text += "\n                                       of soft f                           of sampled f\n";
+  text += Formatted("%-8s %7s %9s  %8s %12s  %-21s %10s  %-21s %5s", "window", "truths", "left out",
+                    "prior m", "posterior m", "reduction [95%]", "post. m", "reduction [95%]", "sd %") +
+          "\n";
   for (const WindowScore& score : evaluation.windows) text += Row(score);
   return text;
 }

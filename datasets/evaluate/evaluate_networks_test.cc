@@ -183,7 +183,7 @@ TEST(EvaluateNetworks, RunsThatWereTrainedOnAreLeftOut) {
   EXPECT_EQ(In(e, kGlobal).truths, 2);
   ExpectContains(NetworkEvaluationText(e), "left out, as trained on: trained");
   ExpectContains(InputErrorOf([&] { EvaluateNetworks(nets, SamplesFile({trained})); }),
-                 "trained on every run of the samples");
+                 "the networks were trained on every run");
   // Another run that happens to have the name.
   const RunByHand namesake{"trained", {0, 10.5, 20, 30, 40}, {0, 1, 2, 3, 4}};
   EXPECT_EQ(EvaluateNetworks(nets, SamplesFile({namesake})).runs.size(), 1U);
@@ -271,9 +271,10 @@ TEST(EvaluateNetworks, RefusesSamplesThatTheNetworksCannotTake) {
   const auto floats = [](const Shape& shape, const std::vector<float>& v) {
     return Array::Of<float>(shape, v);
   };
-  ExpectContains(refused("input_name", Array::Texts({"input0", "more"})), "2 inputs, the networks 1");
+  ExpectContains(refused("input_name", Array::Texts({"input0", "more"})),
+                 "the samples: 2 inputs, the networks have 1");
   ExpectContains(refused("input_name", Array::Texts({"sonar"})),
-                 "input 0 is 'sonar' in the samples, 'input0'");
+                 "the samples: input 0 is 'sonar', in the networks 'input0'");
   ExpectContains(refused("run/1/input", floats({3, 1}, {0, 1, std::nanf("")})),
                  "run 'back', row 2: input 'input0' is no number");
   ExpectContains(refused("run/1/input", floats({2, 1}, {0, 1})), "run 'back': ");
@@ -284,8 +285,8 @@ TEST(EvaluateNetworks, RefusesSamplesThatTheNetworksCannotTake) {
   const auto empty = [](const std::vector<RunByHand>& runs) {
     return InputErrorOf([&] { EvaluateNetworks(NetworksThatTellNothing(), SamplesFile(runs)); });
   };
-  ExpectContains(empty({}), "there are no samples");
-  ExpectContains(empty({{"a", {}, {}}}), "there are no samples");
+  ExpectContains(empty({}), "the samples: there are no samples");
+  ExpectContains(empty({{"a", {}, {}}}), "the samples: there are no samples");
 }
 
 TEST(EvaluateNetworks, RefusesANumberOfNearestThatThereIsNot) {

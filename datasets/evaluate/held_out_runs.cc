@@ -10,12 +10,12 @@ namespace {
 
 void CheckInputs(const std::vector<std::string>& names, const LearnedNetworks& nets) {
   if (names.size() != nets.inputs)
-    throw InputError("the samples have " + std::to_string(names.size()) + " inputs, the networks " +
+    throw InputError(std::to_string(names.size()) + " inputs, the networks have " +
                      std::to_string(nets.inputs));
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i] != nets.input_name[i])
-      throw InputError("input " + std::to_string(i) + " is '" + names[i] + "' in the samples, '" +
-                       nets.input_name[i] + "' in the networks");
+      throw InputError("input " + std::to_string(i) + " is '" + names[i] + "', in the networks '" +
+                       nets.input_name[i] + "'");
   }
 }
 
@@ -77,8 +77,7 @@ HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
       held_out.runs.push_back(std::move(run));
   }
   if (held_out.runs.empty() && held_out.trained_on.empty()) throw InputError("there are no samples");
-  if (held_out.runs.empty())
-    throw InputError("the networks were trained on every run of the samples: none is held out");
+  if (held_out.runs.empty()) throw InputError("the networks were trained on every run: none is held out");
   return held_out;
 }
 

@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "coordinator/cli/app.h"
+#include "coordinator/cli/invocation.h"
+#include "datasets/evaluate/testing_networks.h"
+#include "datasets/simulate_loop.h"
+#include "datasets/testing.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+using datasets::ExpectContains;
+
+// What `cairn evaluate …` says in a folder with networks, samples and a log.
+class EvaluateCommand : public testing::Test {
+ protected:
+  struct Said {
+    int code;
+    std::string out, complaint;
+  };
+
+  EvaluateCommand() {
+    Write("networks.h5", "networks", datasets::NetworksFile({{}}, {0, 1}, {0.9F, 0.2F}));
+    Write("samples.h5", "samples", datasets::SamplesFile({{"a", {0, 1}, {5, 6}}, {"b", {0.5}, {5}}}));
+  }
+
+  void Write(const std::string& name, const std::string& kind, const Blob& blob) const {
+    const Status status = WriteBlobFile(folder_ / name, kind, blob);
+    ASSERT_TRUE(status.ok()) << status.message();
+  }
+
+  static Said Evaluate(std::vector<std::string> words) {
+    words.insert(words.begin(), {"cairn", "evaluate"});
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    const int code = Main(static_cast<int>(arguments.size()), arguments.data());
+    return {code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
+  }
+
+  void Refuses(const std::vector<std::string>& words, const std::string& complaint) const {
+    const Said said = Evaluate(words);
+    EXPECT_EQ(said.code, kExitBadInput);
+    EXPECT_EQ(said.out, "");
+    ExpectContains(said.complaint, complaint);
+  }
+
+  datasets::TestFolder folder_;
+  std::string networks_ = folder_ / "networks.h5", samples_ = folder_ / "samples.h5";
+};
+
+TEST_F(EvaluateCommand, ScoresNetworksOnSamples) {
+  const Said said = Evaluate({networks_, "--truth", samples_, "--json", "--nearest", "1"});
+  ASSERT_EQ(said.code, kExitDone) << said.complaint;
+  const auto json = nlohmann::json::parse(said.out);
+  EXPECT_EQ(json["nearest"], 1);
+  EXPECT_EQ(json["windows"].size(), 7U);
+  EXPECT_DOUBLE_EQ(json["windows"][6]["prior_error_m"], 0.5);
+  EXPECT_EQ(json["windows"][6]["error_reduction_95"].size(), 2U);
+  const Said text = Evaluate({networks_, "--truth", samples_, "--nearest", "1"});
+  EXPECT_EQ(text.code, kExitDone);
+  ExpectContains(text.out, "global");
+  ExpectContains(text.out, "bootstrap over 2 runs");
+}
+
+TEST_F(EvaluateCommand, FindsTheNetworksInAFolder) {
+  ASSERT_TRUE(std::filesystem::create_directory(folder_ / "run"));
+  std::filesystem::rename(networks_, folder_ / "run/networks.h5");
+  EXPECT_EQ(Evaluate({folder_ / "run", "--truth", samples_, "--nearest", "2"}).code, kExitDone);
+}
+
+TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {
+  const std::string log = folder_ / "log.h5";
+  Write("log.h5", "log", datasets::SimulateLoop({.seed = 3}));
+  Refuses({networks_, "--truth", log}, "networks.h5: a networks, where a landmark_map is needed");
+  Refuses({log, "--truth", samples_}, "log.h5: a log, where a networks is needed");
+  Refuses({networks_, "--truth", networks_}, "a networks, where a log or samples are needed");
+  Refuses({log, "--truth", log, "--nearest", "3"}, "--nearest and --seed are for networks");
+  Refuses({networks_, "--truth", samples_}, "nearest: 5; allowed: from 1 to 2");
+  Refuses({networks_, "--truth", samples_, "--seed", "-1"}, "seed");
+}
+
+TEST_F(EvaluateCommand, NamesTheFileThatIsBad) {
+  Write("empty.h5", "samples", datasets::SamplesFile({}));
+  Refuses({networks_, "--truth", folder_ / "empty.h5", "--nearest", "1"}, "empty.h5: there are no samples");
+  Blob bad = datasets::NetworksFile({{}}, {0, 1}, {0.9F, 0.2F});
+  bad.PutVector("networks/output_bias", std::vector<double>{0, 0});
+  Write("bad.h5", "networks", bad);
+  Refuses({folder_ / "bad.h5", "--truth", samples_}, "bad.h5: 'networks/output_bias' has the shape [2]");
+}
+
+}  // namespace
+}  // namespace cairn::cli

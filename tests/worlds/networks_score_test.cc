@@ -1,0 +1,92 @@
+// What evaluates networks shares no code with what trains them: both must come to the same numbers.
+#include <gtest/gtest.h>
+
+#include "datasets/evaluate/feature_map.h"
+#include "datasets/evaluate/learned_networks.h"
+#include "pipelines/landmark_learning/features.h"
+#include "pipelines/landmark_learning/networks.h"
+#include "pipelines/landmark_learning/posterior_error.h"
+
+namespace cairn {
+namespace {
+
+namespace learning = landmark_learning;
+
+constexpr learning::NetworkShape kShape{.networks = 3, .inputs = 5, .hidden = 4};
+
+// The same networks as evaluation has them: [networks][hidden][inputs], where training has [inputs][units].
+datasets::LearnedNetworks AsStored(const learning::Parameters<double>& w) {
+  datasets::LearnedNetworks nets;
+  nets.networks = kShape.networks;
+  nets.hidden = kShape.hidden;
+  nets.inputs = kShape.inputs;
+  nets.input_mean.assign(nets.inputs, 0.0);
+  nets.input_scale.assign(nets.inputs, 1.0);
+  for (int unit = 0; unit < kShape.units(); ++unit) {
+    for (int i = 0; i < kShape.inputs; ++i) nets.hidden_weight.push_back(w.HiddenWeights(i)[unit]);
+    nets.hidden_bias.push_back(w.HiddenBiases()[unit]);
+    nets.output_weight.push_back(w.OutputWeights()[unit]);
+  }
+  nets.output_bias.assign(w.OutputBiases(), w.OutputBiases() + kShape.networks);
+  return nets;
+}
+
+std::vector<float> RandomInputs(int rows, Rng& rng) {
+  std::vector<float> input;
+  for (int i = 0; i < rows * kShape.inputs; ++i) input.push_back(static_cast<float>(rng.Normal()));
+  return input;
+}
+
+TEST(NetworksScore, TrainingAndEvaluationComputeTheSameOutputs) {
+  Rng rng(5);
+  const auto parameters = learning::RandomParameters<double>(kShape, 2.0, rng);
+  const std::vector<float> input = RandomInputs(40, rng);
+  const std::vector<double> wide(input.begin(), input.end());
+  const auto theirs = learning::Forward(parameters, wide.data(), 40).output;
+  const auto ours = datasets::OutputsOf(AsStored(parameters), input);
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (std::size_t i = 0; i < ours.size(); ++i) EXPECT_NEAR(ours[i], theirs[i], 1e-12);
+}
+
+TEST(NetworksScore, TrainingAndEvaluationComputeTheSameErrorsInAMap) {
+  Rng rng(6);
+  std::vector<datasets::PointM> places;
+  learning::Places samples, truths;
+  std::vector<double> output, at_truths;
+  for (int k = 0; k < 150; ++k) {
+    places.push_back({0.3 * k, rng.Uniform(0, 1)});
+    samples.x_m.push_back(places.back().x_m);
+    samples.y_m.push_back(places.back().y_m);
+    samples.along_m.push_back(0);
+    for (int i = 0; i < 3; ++i) output.push_back(rng.Uniform());
+  }
+  for (int a = 0; a < 60; ++a) {
+    truths.x_m.push_back(rng.Uniform(0, 45));
+    truths.y_m.push_back(rng.Uniform(0, 1));
+    truths.along_m.push_back(0);
+    for (int i = 0; i < 3; ++i) at_truths.push_back(rng.Uniform());
+  }
+  const datasets::FeatureMap map = datasets::MapByNearest(places, output, 3, 5);
+  const auto of_truths = learning::FeatureProbabilities(at_truths, 3);
+  const std::vector<double> weight(60, 1.0), windows_m = {2, 10, 100};
+  std::vector<double> prior(3, 0.0), posterior(3, 0.0);
+  for (std::size_t a = 0; a < 60; ++a) {
+    const auto p = datasets::FeatureProbabilities(std::span(at_truths).subspan(3 * a, 3));
+    const auto errors = datasets::ErrorsInMap(map, {truths.x_m[a], truths.y_m[a]}, p, {}, windows_m);
+    for (std::size_t w = 0; w < 3; ++w) {
+      prior[w] += errors[w].prior_m;
+      posterior[w] += errors[w].soft_m;
+    }
+  }
+  for (std::size_t w = 0; w < 3; ++w) {
+    const learning::Belief belief{.width_m = windows_m[w]};
+    const learning::Pairs pairs(truths, samples, belief, learning::ErrorKind::kDistance);
+    const double theirs = learning::ErrorInMap(pairs, of_truths, map.probability, 8, weight, {0, 60});
+    EXPECT_GT(theirs, 10);
+    EXPECT_NEAR(posterior[w], theirs, 1e-10 * theirs);
+    EXPECT_NEAR(prior[w], learning::PriorErrorOfTruths(pairs, weight, {0, 60}), 1e-10 * prior[w]);
+  }
+}
+
+}  // namespace
+}  // namespace cairn
