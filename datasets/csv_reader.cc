@@ -46,6 +46,16 @@ void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers
   }
 }
 
+void CsvReader::TakeExtraColumns() {
+  for (const std::string& column : extra_) {
+    if (column.empty()) throw InputError(path_ + ":1: the header has a column without a name");
+    if (std::ranges::count(extra_, column) > 1)
+      throw InputError(path_ + ":1: the header has " + column + " twice");
+    places_.push_back(static_cast<std::size_t>(std::ranges::find(fields_, column) - fields_.begin()));
+  }
+  columns_.insert(columns_.end(), extra_.begin(), extra_.end());
+}
+
 bool CsvReader::Next() {
   while (lines_.Next()) {
     if (Trim(lines_.text()).empty()) continue;

@@ -21,6 +21,9 @@ class CsvReader {
 
   std::size_t header() const { return header_; }                            // which set the file has
   const std::vector<std::string>& extra_columns() const { return extra_; }  // left alone
+  // Reads those too: they follow the header's columns, in the order of the file. Throws InputError for one
+  // without a name of its own.
+  void TakeExtraColumns();
 
   // Goes to the next row; lines of a wrong number of columns are bad, empty ones are passed over.
   bool Next();

@@ -60,8 +60,47 @@ std::string RobotOfMap(const Blob& blob, const std::string& prefix) {
          Count(landmark.size(), "observation") + " associated";
 }
 
+// The way between the poses, in a straight line from one to the next.
+double Way(std::span<const double> x_m, std::span<const double> y_m) {
+  double way_m = 0;
+  for (std::size_t k = 1; k < std::min(x_m.size(), y_m.size()); ++k)
+    way_m += std::hypot(x_m[k] - x_m[k - 1], y_m[k] - y_m[k - 1]);
+  return way_m;
+}
+
+// "-1 to 3 m", of a column of all runs; empty where there is none.
+std::string Extent(const Blob& blob, std::size_t runs, const std::string& column) {
+  std::optional<double> low, high;
+  for (std::size_t n = 0; n < runs; ++n) {
+    for (const double value : ColumnOrNone<double>(blob, "run/" + std::to_string(n) + "/" + column)) {
+      low = std::min(low.value_or(value), value);
+      high = std::max(high.value_or(value), value);
+    }
+  }
+  return low ? ShortNumber(*low) + " to " + ShortNumber(*high) + " m" : "";
+}
+
+void AddSamples(const Blob& blob, Facts* facts) {
+  const std::vector<std::string> runs = TextsOrNone(blob, "runs"), inputs = TextsOrNone(blob, "input_name");
+  std::size_t samples = 0;
+  for (std::size_t n = 0; n < runs.size(); ++n) {
+    const std::string prefix = "run/" + std::to_string(n) + "/";
+    const auto time = ColumnOrNone<double>(blob, prefix + "time_s");
+    const double way_m =
+        Way(ColumnOrNone<double>(blob, prefix + "x_m"), ColumnOrNone<double>(blob, prefix + "y_m"));
+    facts->emplace_back("run " + runs[n],
+                        Count(time.size(), "sample") + Duration(time) + ", " + ShortNumber(way_m) + " m");
+    samples += time.size();
+  }
+  facts->emplace_back("samples", Count(samples, "sample") + " in " + Count(runs.size(), "run") + ", " +
+                                     Count(inputs.size(), "input") + " each");
+  const std::string x = Extent(blob, runs.size(), "x_m"), y = Extent(blob, runs.size(), "y_m");
+  if (!x.empty() && !y.empty()) facts->emplace_back("extent", "x " + x + ", y " + y);
+}
+
 Facts FactsOf(const Blob& blob) {
   Facts facts;
+  if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(blob, &facts);
   const std::vector<std::string> robots = TextsOrNone(blob, "robots");
   for (std::size_t n = 0; n < robots.size(); ++n) {
     const std::string prefix = "robot/" + std::to_string(n) + "/";

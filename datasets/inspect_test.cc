@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datasets/samples.h"
 #include "datasets/simulate_loop.h"
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"
@@ -36,6 +37,17 @@ TEST(Inspect, TellsWhatAMapHolds) {
   ExpectContains(text, "iterations     3, log-likelihood -512.5 to -99.25\n");
 }
 
+TEST(Inspect, TellsWhatSamplesHold) {
+  const SampleRun monday{"monday", {1, 2, 4}, {0, 3, 3}, {0, 4, 4}, {}, {1, 2, 3, 4, 5, 6}};
+  const SampleRun tuesday{"tuesday", {5, 9}, {-1, 0}, {2, 2}, {0, 0}, {7, 8, 9, 10}};
+  const Blob blob = MakeSamples({{"red", "range 1"}, {monday, tuesday}});
+  const std::string text = InspectText(Inspected(blob, "samples"));
+  ExpectContains(text, "  run monday   3 samples over 3 s, 5 m\n");
+  ExpectContains(text, "  run tuesday  2 samples over 4 s, 1 m\n");
+  ExpectContains(text, "  samples      5 samples in 2 runs, 2 inputs each\n");
+  ExpectContains(text, "  extent       x -1 to 3 m, y 0 to 4 m\n");
+}
+
 TEST(Inspect, JsonHoldsEveryDataset) {
   const Blob log = SimulateLoop({.difficulty = "paper", .robots = 2, .seed = 1});
   const auto json = nlohmann::json::parse(InspectJson(Inspected(log, "log")));
@@ -54,6 +66,11 @@ TEST(Inspect, ForgivesAFileThatIsNotAsItsKindSays) {
   odd.PutVector<float>("map/landmark_x_m", {1});
   odd.Put("landmarks", Array::Text("x"));
   EXPECT_EQ(Inspected(odd, "log").datasets.size(), 3U);
+  Blob other;
+  other.Put("runs", Array::Texts({"a", "b"}));
+  other.PutVector<std::int32_t>("run/0/input", {1});
+  other.PutVector<double>("run/0/x_m", {1, 2});
+  ExpectContains(InspectText(Inspected(other, "samples")), "samples  0 samples in 2 runs, 0 inputs each\n");
   EXPECT_EQ(Inspected(Blob(), "").datasets.size(), 0U);
 }
 

@@ -8,6 +8,7 @@
 #include "datasets/import_csv.h"
 #include "datasets/import_mrclam.h"
 #include "datasets/import_recorded.h"
+#include "datasets/import_vectors.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -25,13 +26,14 @@ void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& co
   }
 }
 
-int Store(const std::string& out, const Blob& log, const datasets::ImportReport& report) {
-  Check(WriteBlobFile(out, "log", log));
+int Store(const std::string& out, const Blob& blob, const datasets::ImportReport& report,
+          const char* kind = "log") {
+  Check(WriteBlobFile(out, kind, blob));
   for (const std::string& warning : report.warnings)
     std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
   PrintCounts("skipped", report.skipped);
   PrintCounts("left out", report.dropped);
-  std::printf("%s: %s\n", out.c_str(), LogText(log).c_str());
+  std::printf("%s: %s\n", out.c_str(), ContentText(blob).c_str());
   return kExitDone;
 }
 
@@ -88,6 +90,20 @@ int ImportRecorded(const RecordedOptions& options, const Invocation&) {
   return Store(options.out, log, report);
 }
 
+struct VectorsOptions {
+  datasets::VectorsImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+int ImportVectors(const VectorsOptions& options, const Invocation&) {
+  RefuseToReplaceInput(options.out, options.import.runs);
+  RefuseToOverwrite(options.out, options.force);
+  Blob samples;
+  const datasets::ImportReport report = datasets::ImportVectors(options.import, &samples);
+  return Store(options.out, samples, report, "samples");
+}
+
 void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {
   const auto add = [&](const char* flag, std::optional<double>& field, const char* help) {
     command.add_option(flag, field, help)
@@ -111,7 +127,7 @@ template <class Options>
 void AddOutput(CLI::App& command, Options& options) {
   command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
   command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
-  command.add_option("OUT.h5", options.out, "The log to write")->required();
+  command.add_option("OUT.h5", options.out, "The file to write")->required();
 }
 
 void AddCsv(CLI::App& import, Invocation& call) {
@@ -147,6 +163,20 @@ void AddMrclam(CLI::App& import, Invocation& call) {
   AddOutput(*command, *options);
 }
 
+void AddVectors(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<VectorsOptions>(
+      import, call, "vectors", "Any sensor's vectors with their poses, a file a run (docs/datasets.md)",
+      "cairn import vectors monday.csv tuesday.csv.gz samples.h5", ImportVectors, &command);
+  command->validate_positionals();  // by their endings: any number of runs, then the one to write
+  command
+      ->add_option("RUN.csv", options->import.runs,
+                   "A run, plain or gzipped: time_s,x_m,y_m[,heading_rad], any other column an input")
+      ->required()
+      ->check([](const std::string& name) { return name.ends_with(".h5") ? "a run is a CSV file" : ""; });
+  AddOutput(*command, *options);
+}
+
 template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
 void AddRecorded(CLI::App& import, Invocation& call, const char* name, const char* what,
                  const char* example) {
@@ -167,6 +197,7 @@ void AddImport(CLI::App& app, Invocation& call) {
       "Example:\n  cairn import csv --odometry odometry.csv --observations observations.csv log.h5");
   AddCsv(*import, call);
   AddMrclam(*import, call);
+  AddVectors(*import, call);
   AddRecorded<datasets::ImportLegoRobot>(*import, call, "lego-robot",
                                          "The LEGO robot among six poles (docs/datasets.md)",
                                          "cairn import lego-robot lego-robot lego.h5");

@@ -47,18 +47,20 @@ void AddInput(const std::string& input, const PipelineSpec& pipeline, ParsedJob&
 
 ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   const PipelineSpec& pipeline = catalog.At(arguments.what);
-  if (arguments.log.empty())
-    throw InputError("which log? It comes after the pipeline: " + arguments.what + " LOG.h5");
-  RefuseNoFile(arguments.log);
+  const std::string& main = MainInput(pipeline);
+  if (arguments.file.empty()) {
+    throw InputError("which " + main + "? The file comes after the pipeline: " + arguments.what + " FILE.h5");
+  }
+  RefuseNoFile(arguments.file);
   ParsedJob parsed;
   parsed.job.set_name(pipeline.name);
   parsed.job.set_seed(arguments.seed);
-  (*parsed.job.mutable_inputs())["log"] = arguments.log;
-  parsed.inputs["log"] = {arguments.log, "the log"};
+  (*parsed.job.mutable_inputs())[main] = arguments.file;
+  parsed.inputs[main] = {arguments.file, "the " + main};
   proto::Stage& stage = *parsed.job.add_stages();
   stage.set_name(pipeline.name);
   stage.set_pipeline(pipeline.name);
-  (*stage.mutable_inputs())["log"] = "log";
+  (*stage.mutable_inputs())[main] = main;
   for (const std::string& input : arguments.inputs) AddInput(input, pipeline, parsed);
   for (const InputSpec& input : pipeline.inputs) {
     if (!input.optional && !stage.inputs().contains(input.name))
@@ -70,12 +72,18 @@ ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
 
 }  // namespace
 
+const std::string& MainInput(const PipelineSpec& pipeline) {
+  CAIRN_DEMAND(!pipeline.inputs.empty(), "a pipeline without inputs");
+  return pipeline.inputs.front().name;
+}
+
 bool IsJobFile(const std::string& what) { return what.ends_with(".yaml") || what.ends_with(".yml"); }
 
 void AddJobArguments(CLI::App& command, JobArguments& arguments) {
   command.add_option("JOB.yaml|PIPELINE", arguments.what, "A job file, or the name of a pipeline")
       ->required();
-  command.add_option("LOG.h5", arguments.log, "The log, where a pipeline is named");
+  command.add_option("FILE.h5", arguments.file,
+                     "What the pipeline reads (a log, samples), where a pipeline is named");
   command.add_option("--set", arguments.settings, "An option of the pipeline, key=value; again for another")
       ->type_size(1)
       ->allow_extra_args(false);
@@ -91,8 +99,8 @@ void AddJobArguments(CLI::App& command, JobArguments& arguments) {
 
 ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog) {
   if (!IsJobFile(arguments.what)) return MakeJob(arguments, catalog);
-  if (!arguments.log.empty()) {
-    throw InputError("a job file names its own logs; '" + arguments.log + "' is one too many");
+  if (!arguments.file.empty()) {
+    throw InputError("a job file names its own inputs; '" + arguments.file + "' is one too many");
   }
   if (!arguments.settings.empty() || !arguments.inputs.empty() || arguments.seed != 0) {
     throw InputError("--set, --input and --seed are for a pipeline without a job file; write them into " +

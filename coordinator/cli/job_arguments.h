@@ -1,4 +1,5 @@
-// What `cairn run` and `cairn submit` take to say what is to be done: a job file, or a pipeline and a log.
+// What `cairn run` and `cairn submit` take to say what is to be done: a job file, or a pipeline and
+// the file that it reads.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,12 +13,15 @@
 namespace cairn::cli {
 
 struct JobArguments {
-  std::string what;  // a job file (.yaml, .yml), or a pipeline
-  std::string log;
+  std::string what;                   // a job file (.yaml, .yml), or a pipeline
+  std::string file;                   // of the pipeline's main input
   std::vector<std::string> settings;  // key=value
   std::uint64_t seed = 0;
-  std::vector<std::string> inputs;  // name=FILE, beside the log
+  std::vector<std::string> inputs;  // name=FILE, beside the main one
 };
+
+// The input that a file is for whose name stands alone: the first one of the pipeline's list.
+const std::string& MainInput(const PipelineSpec& pipeline);
 
 bool IsJobFile(const std::string& what);
 

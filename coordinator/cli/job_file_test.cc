@@ -7,7 +7,9 @@
 #include <fstream>
 
 #include "coordinator/cli/job_arguments.h"
+#include "coordinator/cli/job_inputs.h"
 #include "schema/error.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -267,6 +269,47 @@ TEST_F(JobFile, BadArgumentsAreRefused) {
               std::string::npos);
   EXPECT_TRUE(complaint("forward_map", {}, {"log=" + log}).ends_with("'log' was given already"));
   EXPECT_TRUE(complaint("forward_map", {}, {"poses=" + log + "x"}).starts_with("there is no file"));
+}
+
+TEST_F(JobFile, AFileThatStandsAloneIsThePipelinesFirstInput) {
+  const Catalog catalog = Catalog::FromJson(
+      R"({"pipelines": [{"name": "landmark_learning", "inputs": ["samples", "log?"], "options": []}]})");
+  const std::string file = (folder_ / "museum.h5").string();
+  const ParsedJob parsed = ResolveJob({"landmark_learning", file, {}, 0, {}}, catalog);
+  EXPECT_EQ(parsed.job.stages(0).inputs().at("samples"), "samples");
+  EXPECT_FALSE(parsed.job.stages(0).inputs().contains("log"));
+  EXPECT_EQ(parsed.job.inputs().at("samples"), file);
+  EXPECT_EQ(parsed.inputs.at("samples").path, file);
+  EXPECT_EQ(parsed.inputs.at("samples").where, "the samples");
+  try {
+    ResolveJob({"landmark_learning", "", {}, 0, {}}, catalog);
+    FAIL() << "a job without samples was accepted";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "which samples? The file comes after the pipeline: landmark_learning FILE.h5");
+  }
+}
+
+TEST_F(JobFile, InputsOfAnotherKindAreRefused) {
+  const Catalog catalog = Catalog::FromJson(R"({"pipelines": [
+      {"name": "landmark_learning", "inputs": ["samples"], "options": []},
+      {"name": "landmark_map", "inputs": ["log"], "options": []}]})");
+  const auto complaint = [&](const std::string& pipeline, const std::string& kind) -> std::string {
+    const std::string file = (folder_ / (kind + ".h5")).string();
+    Blob blob;
+    blob.PutScalar<double>("a_m", 1);
+    EXPECT_TRUE(WriteBlobFile(file, kind, blob).ok());
+    ParsedJob parsed = ResolveJob({pipeline, file, {}, 0, {}}, catalog);
+    try {
+      ReadJobInputs(parsed);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(complaint("landmark_learning", "samples"), "accepted");
+  EXPECT_EQ(complaint("landmark_map", "log"), "accepted");
+  EXPECT_TRUE(complaint("landmark_learning", "log").ends_with("log.h5: a log, where samples are needed"));
+  EXPECT_TRUE(complaint("landmark_map", "samples").ends_with("samples.h5: samples, where a log is needed"));
 }
 
 TEST_F(JobFile, InputsBesideTheLogReachTheStage) {

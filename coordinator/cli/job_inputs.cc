@@ -1,6 +1,7 @@
 #include "coordinator/cli/job_inputs.h"
 
 #include <memory>
+#include <utility>
 
 #include "coordinator/cli/failure.h"
 #include "schema/store/blob_file.h"
@@ -9,12 +10,22 @@ namespace cairn::cli {
 
 namespace {
 
-bool IsNeededAsLog(const proto::Job& job, const std::string& input) {
+bool IsNeededAs(const std::string& role, const proto::Job& job, const std::string& input) {
   for (const proto::Stage& stage : job.stages()) {
-    const auto source = stage.inputs().find("log");
+    const auto source = stage.inputs().find(role);
     if (source != stage.inputs().end() && source->second == input) return true;
   }
   return false;
+}
+
+// Two roles have the name of the kind of file that they need; of others the pipeline knows.
+void RefuseOtherKind(const proto::Job& job, const std::string& name, const JobInput& input,
+                     const std::string& kind) {
+  for (const auto& [role, needed] : {std::pair{"log", "a log is"}, {"samples", "samples are"}}) {
+    if (kind != role && IsNeededAs(role, job, name))
+      throw InputError(input.where + ": " + input.path + ": " + (kind == "samples" ? "" : "a ") + kind +
+                       ", where " + needed + " needed");
+  }
 }
 
 }  // namespace
@@ -24,9 +35,7 @@ std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed) {
   for (const auto& [name, input] : parsed.inputs) {
     Result<BlobFile> file = ReadBlobFileWithoutTruth(input.path);
     if (!file.ok()) Throw(Status(file.status().code(), input.where + ": " + file.status().message()));
-    const std::string& kind = file.value().kind;
-    if (kind != "log" && IsNeededAsLog(parsed.job, name))
-      throw InputError(input.where + ": " + input.path + ": a " + kind + ", where a log is needed");
+    RefuseOtherKind(parsed.job, name, input, file.value().kind);
     auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
     (*parsed.job.mutable_input_blobs())[name] = blob->ContentHash().Binary();
     blobs[name] = std::move(blob);

@@ -33,6 +33,31 @@ std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
   return text;
 }
 
+std::string LogText(const Blob& blob) {
+  const std::int64_t robots = blob.at("robots").size();
+  std::int64_t controls = 0;
+  std::int64_t observations = 0;
+  for (std::int64_t i = 0; i < robots; ++i) {
+    const std::string robot = "robot/" + std::to_string(i);
+    if (blob.Has(robot + "/odometry/time_s")) controls += blob.at(robot + "/odometry/time_s").size();
+    if (blob.Has(robot + "/observations/time_s"))
+      observations += blob.at(robot + "/observations/time_s").size();
+  }
+  return std::to_string(robots) + (robots == 1 ? " robot, " : " robots, ") + std::to_string(controls) +
+         " controls, " + std::to_string(observations) + " observations";
+}
+
+std::string SamplesText(const Blob& blob) {
+  const std::int64_t runs = blob.at("runs").size(), inputs = blob.at("input_name").size();
+  std::int64_t samples = 0;
+  for (std::int64_t n = 0; n < runs; ++n) {
+    const std::string time = "run/" + std::to_string(n) + "/time_s";
+    if (blob.Has(time)) samples += blob.at(time).size();
+  }
+  return std::to_string(runs) + (runs == 1 ? " run, " : " runs, ") + std::to_string(samples) + " samples, " +
+         std::to_string(inputs) + (inputs == 1 ? " input" : " inputs");
+}
+
 }  // namespace
 
 std::string ValueText(const proto::Value& value) {
@@ -51,27 +76,18 @@ std::string ValueText(const proto::Value& value) {
   return "";
 }
 
-std::string LogText(const Blob& blob) {
-  if (!blob.Has("robots") || !blob.Has("robot/0/odometry/time_s")) return "";
-  const std::int64_t robots = blob.at("robots").size();
-  std::int64_t controls = 0;
-  std::int64_t observations = 0;
-  for (std::int64_t i = 0; i < robots; ++i) {
-    const std::string robot = "robot/" + std::to_string(i);
-    if (blob.Has(robot + "/odometry/time_s")) controls += blob.at(robot + "/odometry/time_s").size();
-    if (blob.Has(robot + "/observations/time_s"))
-      observations += blob.at(robot + "/observations/time_s").size();
-  }
-  return std::to_string(robots) + (robots == 1 ? " robot, " : " robots, ") + std::to_string(controls) +
-         " controls, " + std::to_string(observations) + " observations";
+std::string ContentText(const Blob& blob) {
+  if (blob.Has("robots") && blob.Has("robot/0/odometry/time_s")) return LogText(blob);
+  if (blob.Has("runs") && blob.Has("run/0/time_s") && blob.Has("input_name")) return SamplesText(blob);
+  return "";
 }
 
 std::string PlanText(const Plan& plan) {
   const proto::Job& job = plan.job;
   std::string text = "job " + job.name() + ", seed " + std::to_string(job.seed()) + "\n";
   for (const auto& [name, blob] : plan.inputs) {
-    const std::string log = LogText(*blob);
-    text += "input " + name + ": " + job.inputs().at(name) + " (" + (log.empty() ? "" : log + ", ") +
+    const std::string content = ContentText(*blob);
+    text += "input " + name + ": " + job.inputs().at(name) + " (" + (content.empty() ? "" : content + ", ") +
             Megabytes(blob->ByteCount()) + ")\n";
   }
   for (const proto::Stage& stage : job.stages()) text += StageText(stage, plan.catalog.At(stage.pipeline()));
@@ -83,7 +99,7 @@ std::string PlanJson(const Plan& plan) {
   nlohmann::ordered_json json = {{"job", job.name()}, {"seed", job.seed()}};
   for (const auto& [name, blob] : plan.inputs) {
     json["inputs"][name] = {
-        {"path", job.inputs().at(name)}, {"bytes", blob->ByteCount()}, {"what", LogText(*blob)}};
+        {"path", job.inputs().at(name)}, {"bytes", blob->ByteCount()}, {"what", ContentText(*blob)}};
   }
   for (const proto::Stage& stage : job.stages()) {
     nlohmann::ordered_json one = {{"name", stage.name()}, {"pipeline", stage.pipeline()}};

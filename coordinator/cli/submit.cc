@@ -1,4 +1,4 @@
-// cairn submit: a job, or one of each log of a fleet.
+// cairn submit: a job, or one of each file of a fleet.
 #include <glob.h>
 
 #include <cstdio>
@@ -19,7 +19,7 @@ namespace {
 struct Options {
   ClientArguments client;
   JobArguments arguments;
-  std::string each;  // a pattern of logs
+  std::string each;  // a pattern of files
   std::optional<int> priority;
   bool json = false;
 };
@@ -36,18 +36,26 @@ std::vector<std::string> Matches(const std::string& pattern) {
   return files;
 }
 
-// The job of one log: it reads that as its `log`, and is called after it too.
-ParsedJob JobOfLog(const Options& options, const Catalog& catalog, const std::string& log) {
-  JobArguments arguments = options.arguments;
-  if (!arguments.log.empty())
-    throw InputError("--each names the logs; '" + arguments.log + "' is one too many");
-  if (!IsJobFile(arguments.what)) arguments.log = log;
-  ParsedJob parsed = ResolveJob(arguments, catalog);
+// The input in whose place each file comes: the pipeline's main one; of a job file its only one, or `log`.
+std::string EachInput(const std::string& what, const ParsedJob& parsed, const Catalog& catalog) {
+  if (!IsJobFile(what)) return MainInput(catalog.At(what));
+  if (parsed.inputs.size() == 1) return parsed.inputs.begin()->first;
   if (!parsed.inputs.contains("log"))
-    throw InputError(arguments.what + ": --each needs an input that is called 'log'");
-  parsed.inputs.at("log") = {log, "the log"};
-  (*parsed.job.mutable_inputs())["log"] = log;
-  parsed.job.set_name(parsed.job.name() + "-" + std::filesystem::path(log).stem().string());
+    throw InputError(what + ": --each needs a job of one input, or one that is called 'log'");
+  return "log";
+}
+
+// The job of one file: it is called after it too.
+ParsedJob JobOfFile(const Options& options, const Catalog& catalog, const std::string& file) {
+  JobArguments arguments = options.arguments;
+  if (!arguments.file.empty())
+    throw InputError("--each names the files; '" + arguments.file + "' is one too many");
+  if (!IsJobFile(arguments.what)) arguments.file = file;
+  ParsedJob parsed = ResolveJob(arguments, catalog);
+  const std::string input = EachInput(arguments.what, parsed, catalog);
+  parsed.inputs.at(input) = {file, "the " + input};
+  (*parsed.job.mutable_inputs())[input] = file;
+  parsed.job.set_name(parsed.job.name() + "-" + std::filesystem::path(file).stem().string());
   return parsed;
 }
 
@@ -61,14 +69,14 @@ void SubmitOne(const Options& options, coordinator::Client& client, ParsedJob pa
     std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
 }
 
-// All logs are looked at before the first job is handed in.
+// All files are looked at before the first job is handed in.
 int Submit(const Options& options, const Invocation&) {
   const Catalog catalog = LoadCatalog();
   std::vector<ParsedJob> jobs;
   if (options.each.empty()) {
     jobs.push_back(ResolveJob(options.arguments, catalog));
   } else {
-    for (const std::string& log : Matches(options.each)) jobs.push_back(JobOfLog(options, catalog, log));
+    for (const std::string& file : Matches(options.each)) jobs.push_back(JobOfFile(options, catalog, file));
   }
   coordinator::Client client = ConnectClient(options.client);
   for (ParsedJob& job : jobs) SubmitOne(options, client, std::move(job));
@@ -86,7 +94,7 @@ void AddSubmit(CLI::App& app, Invocation& call) {
   AddClientArguments(*command, options->client);
   AddJobArguments(*command, options->arguments);
   command->add_option("--each", options->each,
-                      "A job for each log that matches this pattern, in place of the log that is named");
+                      "A job for each file that matches this pattern, in place of the one that is named");
   command
       ->add_option("--priority", options->priority,
                    "-10 to 10; each step doubles its share of the workers (the job file's, or 0)")

@@ -53,6 +53,24 @@ refuses_import 'no Robot1_Odometry.dat' cairn import mrclam mrclam log.h5
 printf '10 1 0\n12 1 0\n' >mrclam/Robot1_Odometry.dat
 refuses_import 'no Robot1_Measurement.dat' cairn import mrclam mrclam log.h5
 
+# Samples: a file a run, each with its file and line.
+vectors() { printf 'time_s,x_m,y_m,red\n'; printf '%s\n' "$@"; }
+vectors '1,0,0,5' '2,1,0,6' >monday.csv
+vectors '1,0,0,5' '2,1,0,nan' >tuesday.csv
+refuses_import 'tuesday.csv:3: not finite' cairn import vectors monday.csv tuesday.csv log.h5
+vectors '2,0,0,5' '1,1,0,6' >tuesday.csv
+refuses_import 'tuesday.csv:3: time runs backwards' cairn import vectors monday.csv tuesday.csv log.h5
+vectors '1,0,0,5' >tuesday.csv
+refuses_import 'tuesday.csv:2: a run has two samples or more' cairn import vectors monday.csv tuesday.csv log.h5
+refuses_import "OUT.h5 is required" cairn import vectors monday.csv tuesday.csv
+ln -s monday.csv monday.h5
+refuses "'monday.h5' is an input" cairn import vectors monday.csv monday.h5 --force
+rm monday.h5
+exits 0 cairn import vectors monday.csv samples.h5
+says '^samples.h5: 1 run, 2 samples, 1 input$'
+refuses 'samples.h5.* is there already' cairn import vectors monday.csv samples.h5
+refuses 'the log: samples.h5: samples, where a log is needed' cairn run landmark_map samples.h5 --out no
+
 # A log with controls only: nothing to map.
 odometry "${good_rows[@]}" >odometry.csv
 exits 0 cairn import csv --odometry odometry.csv log.h5

@@ -27,6 +27,9 @@ struct Target {
 Target CsvTarget();
 // The same of a folder of MRCLAM's.
 Target MrclamTarget();
+// A run of samples, alone or after a good one; the first byte chooses as above. Accepted samples are runs of
+// finite numbers and times in order.
+Target VectorsTarget();
 // A job file.
 Target JobFileTarget();
 // Key pairs, public keys, lists of those allowed.

@@ -1,0 +1,36 @@
+#include "datasets/samples.h"
+
+#include <array>
+#include <set>
+
+namespace cairn::datasets {
+
+std::int64_t CountRepeatedPoses(const SampleRun& run) {
+  std::set<std::array<double, 3>> seen;
+  for (std::size_t k = 0; k < run.x_m.size(); ++k) {
+    seen.insert({run.x_m[k], run.y_m[k], run.heading_rad.empty() ? 0 : run.heading_rad[k]});
+  }
+  return static_cast<std::int64_t>(run.x_m.size() - seen.size());
+}
+
+Blob MakeSamples(const Samples& samples) {
+  Blob blob;
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < samples.runs.size(); ++n) {
+    const SampleRun& run = samples.runs[n];
+    const std::string prefix = "run/" + std::to_string(n) + "/";
+    names.push_back(run.name);
+    blob.PutVector(prefix + "time_s", run.time_s);
+    blob.PutVector(prefix + "x_m", run.x_m);
+    blob.PutVector(prefix + "y_m", run.y_m);
+    if (!run.heading_rad.empty()) blob.PutVector(prefix + "heading_rad", run.heading_rad);
+    const Shape shape{static_cast<std::int64_t>(run.time_s.size()),
+                      static_cast<std::int64_t>(samples.input_name.size())};
+    blob.Put(prefix + "input", Array::Of(shape, run.input));
+  }
+  blob.Put("runs", Array::Texts(names));
+  blob.Put("input_name", Array::Texts(samples.input_name));
+  return blob;
+}
+
+}  // namespace cairn::datasets
