@@ -1,12 +1,10 @@
 #include "datasets/import_vectors.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 
 #include "datasets/csv_reader.h"
-#include "datasets/samples.h"
+#include "datasets/sample_rows.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -45,18 +43,12 @@ class VectorsImport {
                          "; runs are named after their files");
     }
     CsvReader reader(path, {kPoseAndHeading, kPose}, &bad_);
-    const std::vector<std::size_t> columns = InputColumns(path, &reader);
-    while (reader.Next()) ReadRow(columns, &reader, &run);
-    if (run.time_s.size() < 2) {
-      throw InputError(path + ":" + std::to_string(reader.line()) +
-                       ": a run has two samples or more; this one has " +
-                       (run.time_s.empty() ? "none" : "one"));
+    SampleColumns columns{0, 1, 2, {}, InputColumns(path, &reader)};
+    if (has_heading_) columns.heading = 3;
+    while (reader.Next()) {
+      if (const auto row = ReadSampleRow(columns, run, &reader)) AddSampleRow(columns, *row, &run);
     }
-    if (const std::int64_t repeated = CountRepeatedPoses(run); repeated > 0) {
-      report_.warnings.push_back(path + ": " + std::to_string(repeated) + " of " +
-                                 std::to_string(run.time_s.size()) +
-                                 " samples repeat the pose of an earlier one");
-    }
+    CheckRun(path + ":" + std::to_string(reader.line()), run, &report_);
     samples_.runs.push_back(std::move(run));
   }
 
@@ -92,39 +84,11 @@ class VectorsImport {
                      options_.runs.front() + (has ? " lacks" : " has") + "; all runs have the same columns");
   }
 
-  // Nothing is kept of a row that is bad.
-  void ReadRow(const std::vector<std::size_t>& columns, CsvReader* reader, SampleRun* run) {
-    const auto time = reader->Number(0), x = time ? reader->Number(1) : time, y = x ? reader->Number(2) : x,
-               heading = y && has_heading_ ? reader->Number(3) : y;
-    if (!heading) return;
-    if (!run->time_s.empty() && *time < run->time_s.back()) {
-      reader->Bad("time runs backwards",
-                  std::to_string(*time) + " after " + std::to_string(run->time_s.back()));
-      return;
-    }
-    row_.clear();
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const std::optional<double> value = reader->Number(columns[i]);
-      if (!value) return;
-      if (std::abs(*value) > std::numeric_limits<float>::max()) {
-        reader->Bad("too large", samples_.input_name[i] + " is " + std::string(reader->Text(columns[i])));
-        return;
-      }
-      row_.push_back(static_cast<float>(*value));
-    }
-    run->time_s.push_back(*time);
-    run->x_m.push_back(*x);
-    run->y_m.push_back(*y);
-    if (has_heading_) run->heading_rad.push_back(NormalizedAngle(*heading));
-    run->input.insert(run->input.end(), row_.begin(), row_.end());
-  }
-
   const VectorsImportOptions& options_;
   BadLines bad_;
   ImportReport report_;
   Samples samples_;
   bool has_heading_ = false;
-  std::vector<float> row_;
 };
 
 }  // namespace

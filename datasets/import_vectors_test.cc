@@ -73,7 +73,7 @@ TEST_F(ImportVectorsTest, RepeatedPosesAreTakenAndCounted) {
   const ImportReport report = Import();
   EXPECT_EQ(Column<double>("run/0/time_s").size(), 5U);
   ASSERT_EQ(report.warnings.size(), 1U);
-  ExpectContains(report.warnings[0], "a.csv: 2 of 5 samples repeat the pose of an earlier one");
+  ExpectContains(report.warnings[0], "run 'a': 2 of 5 samples repeat the pose of an earlier one");
 }
 
 TEST_F(ImportVectorsTest, MissingAndDoubledColumnsAreRefused) {
@@ -101,8 +101,8 @@ TEST_F(ImportVectorsTest, RunsOfOtherColumnsAreRefused) {
 }
 
 TEST_F(ImportVectorsTest, ARunOfOneRowOrNoneIsRefused) {
-  ExpectContains(RowFailure(""), "a.csv:1: a run has two samples or more; this one has none");
-  ExpectContains(RowFailure("1,0,0,0,1,1\n"), "a.csv:2: a run has two samples or more; this one has one");
+  ExpectContains(RowFailure(""), "a.csv:1: a run has two samples or more; 'a' has none");
+  ExpectContains(RowFailure("1,0,0,0,1,1\n"), "a.csv:2: a run has two samples or more; 'a' has one");
   EXPECT_EQ(RowFailure("1,0,0,0,1,1\n1,0,1,0,1,1\n"), "");
 }
 
@@ -116,7 +116,7 @@ TEST_F(ImportVectorsTest, BadRowsNameFileLineAndReason) {
   ExpectContains(RowFailure(good + "2,0,0,0,dark,1\n"), "a.csv:3: not a number: red is 'dark'");
   ExpectContains(RowFailure(good + "2,east,0,0,1,1\n"), "a.csv:3: not a number: x_m is 'east'");
   ExpectContains(RowFailure(good + "2,0,0,nan,1,1\n"), "a.csv:3: not finite: heading_rad is 'nan'");
-  ExpectContains(RowFailure(good + "2,0,0,0,1e39,1\n"), "a.csv:3: too large: red is 1e39");
+  ExpectContains(RowFailure(good + "2,0,0,0,1e39,1\n"), "a.csv:3: too large for 32 bits: 1e39");
   ExpectContains(RowFailure(good + "2,0,0,0,1\n"), "a.csv:3: wrong number of columns");
 }
 

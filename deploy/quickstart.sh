@@ -27,7 +27,7 @@ cairn=$root/build/release/bin/cairn
 
 "$root/deploy/install.sh"
 say "building"
-"$root/deploy/build.sh" release cairn cairn-worker
+"$root/deploy/build.sh" release cairn cairn-worker cairn-images
 
 name=mine
 if [ -z "$log" ]; then

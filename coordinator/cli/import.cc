@@ -2,10 +2,12 @@
 #include <filesystem>
 
 #include "coordinator/cli/failure.h"
+#include "coordinator/cli/image_reader.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/output_path.h"
 #include "coordinator/cli/plan_text.h"
 #include "datasets/import_csv.h"
+#include "datasets/import_images.h"
 #include "datasets/import_mrclam.h"
 #include "datasets/import_recorded.h"
 #include "datasets/import_vectors.h"
@@ -104,6 +106,20 @@ int ImportVectors(const VectorsOptions& options, const Invocation&) {
   return Store(options.out, samples, report, "samples");
 }
 
+struct ImagesOptions {
+  datasets::ImagesImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+int ImportImages(const ImagesOptions& options, const Invocation&) {
+  RefuseToReplaceInput(options.out, {options.import.poses});
+  RefuseToOverwrite(options.out, options.force);
+  Blob samples;
+  const datasets::ImportReport report = datasets::ImportImages(options.import, ReadImagesElsewhere, &samples);
+  return Store(options.out, samples, report, "samples");
+}
+
 void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {
   const auto add = [&](const char* flag, std::optional<double>& field, const char* help) {
     command.add_option(flag, field, help)
@@ -177,6 +193,19 @@ void AddVectors(CLI::App& import, Invocation& call) {
   AddOutput(*command, *options);
 }
 
+void AddImages(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<ImagesOptions>(
+      import, call, "images", "A folder of images with a table of poses (docs/datasets.md)",
+      "cairn import images snapshots poses.csv images.h5", ImportImages, &command);
+  command->add_option("FOLDER", options->import.folder, "PNG, JPEG and PPM images")->required();
+  command
+      ->add_option("POSES.csv", options->import.poses,
+                   "image,time_s,x_m,y_m[,heading_rad][,run], any other column an input; plain or gzipped")
+      ->required();
+  AddOutput(*command, *options);
+}
+
 template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
 void AddRecorded(CLI::App& import, Invocation& call, const char* name, const char* what,
                  const char* example) {
@@ -198,6 +227,7 @@ void AddImport(CLI::App& app, Invocation& call) {
   AddCsv(*import, call);
   AddMrclam(*import, call);
   AddVectors(*import, call);
+  AddImages(*import, call);
   AddRecorded<datasets::ImportLegoRobot>(*import, call, "lego-robot",
                                          "The LEGO robot among six poles (docs/datasets.md)",
                                          "cairn import lego-robot lego-robot lego.h5");

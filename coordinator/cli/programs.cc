@@ -30,6 +30,16 @@ std::string Drain(int fd) {
   }
 }
 
+std::string ProgramBesideThis(const std::string& name) {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw WorldError("cannot find out where this program lies: " + error.message());
+  const fs::path program = self.parent_path() / name;
+  if (!fs::exists(program))
+    throw WorldError(name + " is missing; it belongs beside this program: " + program.string());
+  return program.string();
+}
+
 int WaitFor(pid_t pid) {
   int status = 0;
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
@@ -39,15 +49,9 @@ int WaitFor(pid_t pid) {
 
 }  // namespace
 
-std::string WorkerProgram() {
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (error) throw WorldError("cannot find out where this program lies: " + error.message());
-  const fs::path worker = self.parent_path() / "cairn-worker";
-  if (!fs::exists(worker))
-    throw WorldError("cairn-worker is missing; it belongs beside this program: " + worker.string());
-  return worker.string();
-}
+std::string WorkerProgram() { return ProgramBesideThis("cairn-worker"); }
+
+std::string ImagesProgram() { return ProgramBesideThis("cairn-images"); }
 
 std::string OutputOf(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};

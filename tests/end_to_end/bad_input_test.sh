@@ -71,6 +71,21 @@ says '^samples.h5: 1 run, 2 samples, 1 input$'
 refuses 'samples.h5.* is there already' cairn import vectors monday.csv samples.h5
 refuses 'the log: samples.h5: samples, where a log is needed' cairn run landmark_map samples.h5 --out no
 
+# Images: the line of the table, or the image that it does not name.
+mkdir snapshots
+for image in a b; do { printf 'P6 10 10 255 ' && head -c 300 /dev/urandom; } >snapshots/$image.ppm; done
+poses() { printf 'image,time_s,x_m,y_m\n'; printf '%s\n' "$@"; }
+poses a.ppm,1,0,0 >poses.csv
+refuses_import 'snapshots/b.ppm: image without a pose' cairn import images snapshots poses.csv log.h5
+poses a.ppm,1,0,0 b.ppm,2,1,0 c.ppm,3,2,0 >poses.csv
+refuses_import 'poses.csv:4: no such image: snapshots/c.ppm' cairn import images snapshots poses.csv log.h5
+printf 'no image' >snapshots/c.ppm
+refuses_import 'poses.csv:4: bad image: snapshots/c.ppm: it cannot be decoded' \
+  cairn import images snapshots poses.csv log.h5
+exits 0 cairn import images snapshots poses.csv images.h5 --skip-bad
+says '^images.h5: 1 run, 2 samples, 140 inputs$'
+says 'skipped 1: bad image'
+
 # A log with controls only: nothing to map.
 odometry "${good_rows[@]}" >odometry.csv
 exits 0 cairn import csv --odometry odometry.csv log.h5

@@ -1,0 +1,14 @@
+// Images by the program cairn-images, so that its libraries do not slow every start of `cairn`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/import_images.h"
+
+namespace cairn::cli {
+
+// Throws WorldError where it cannot be run, or crashes on an image.
+std::vector<datasets::ImageReading> ReadImagesElsewhere(const std::vector<std::string>& paths);
+
+}  // namespace cairn::cli

@@ -1,0 +1,54 @@
+#include "datasets/sample_rows.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "schema/error.h"
+
+namespace cairn::datasets {
+
+std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const SampleRun& run,
+                                       CsvReader* reader) {
+  const auto time = reader->Number(columns.time), x = time ? reader->Number(columns.x) : time,
+             y = x ? reader->Number(columns.y) : x,
+             heading = y && columns.heading ? reader->Number(*columns.heading) : y;
+  if (!heading) return std::nullopt;
+  if (!run.time_s.empty() && *time < run.time_s.back()) {
+    reader->Bad("time runs backwards", std::to_string(*time) + " after " + std::to_string(run.time_s.back()));
+    return std::nullopt;
+  }
+  SampleRow row{*time, *x, *y, NormalizedAngle(*heading), {}};
+  for (const std::size_t column : columns.input) {
+    const std::optional<double> value = reader->Number(column);
+    if (!value) return std::nullopt;
+    if (std::abs(*value) > std::numeric_limits<float>::max()) {
+      reader->Bad("too large for 32 bits", std::string(reader->Text(column)));
+      return std::nullopt;
+    }
+    row.input.push_back(static_cast<float>(*value));
+  }
+  return row;
+}
+
+void AddSampleRow(const SampleColumns& columns, const SampleRow& row, SampleRun* run) {
+  run->time_s.push_back(row.time_s);
+  run->x_m.push_back(row.x_m);
+  run->y_m.push_back(row.y_m);
+  if (columns.heading) run->heading_rad.push_back(row.heading_rad);
+  run->input.insert(run->input.end(), row.input.begin(), row.input.end());
+}
+
+void CheckRun(const std::string& where, const SampleRun& run, ImportReport* report) {
+  const std::size_t samples = run.time_s.size();
+  if (samples < 2) {
+    throw InputError(where + ": a run has two samples or more; '" + run.name + "' has " +
+                     (samples == 0 ? "none" : "one"));
+  }
+  const std::int64_t repeated = CountRepeatedPoses(run);
+  if (repeated == 0) return;
+  report->warnings.push_back("run '" + run.name + "': " + std::to_string(repeated) + " of " +
+                             std::to_string(samples) + " samples repeat the pose of an earlier one");
+}
+
+}  // namespace cairn::datasets

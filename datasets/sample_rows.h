@@ -1,0 +1,35 @@
+// What the importers of samples have in common: a row of a table with a pose, and inputs beside it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/csv_reader.h"
+#include "datasets/log_rows.h"
+#include "datasets/samples.h"
+
+namespace cairn::datasets {
+
+// Where a reader has them.
+struct SampleColumns {
+  std::size_t time = 0, x = 0, y = 0;
+  std::optional<std::size_t> heading;
+  std::vector<std::size_t> input;
+};
+
+struct SampleRow {
+  double time_s = 0, x_m = 0, y_m = 0, heading_rad = 0;
+  std::vector<float> input;
+};
+
+// The reader's row, to stand in `run` after those that it has; nothing where it is bad: a number that is
+// none, not finite or too large for 32 bits, a time that runs backwards.
+std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const SampleRun& run, CsvReader* reader);
+
+void AddSampleRow(const SampleColumns& columns, const SampleRow& row, SampleRun* run);
+
+// Warns of samples that repeat a pose. Throws InputError "WHERE: REASON" for a run of less than two samples.
+void CheckRun(const std::string& where, const SampleRun& run, ImportReport* report);
+
+}  // namespace cairn::datasets

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# Real images: the Sussex route, by the commands of docs/datasets.md.
+source "$(dirname "$0")/common.sh"
+[ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/sussex-route" ] || skip "CAIRN_DATA names no folder that holds sussex-route"
+command -v python3 >/dev/null || skip "there is no python3"
+
+ln -s "$CAIRN_SOURCE/docs" docs
+awk '/^### Sussex route$/ {page = 1} /^## / {page = 0} page && /^```sh$/ {on = 1; next} /^```$/ {on = 0} on' \
+  docs/datasets.md >commands
+grep -q 'import images' commands || die "docs/datasets.md has lost its commands"
+while IFS= read -r command; do
+  bash -euc "$command" >>said 2>stderr || die "the page's command failed: $command"
+done <commands
+grep -q '^route.h5: 2 runs, 551 samples, 140 inputs$' said || die "other samples: $(cat said)"
+exits 0 cairn inspect route.h5
+says 'run training +455 samples over 60.59 s'
+says 'run infomax_binary +96 samples over'
