@@ -4,6 +4,7 @@
 #include "coordinator/hub.h"
 #include "coordinator/printable.h"
 #include "coordinator/result_file.h"
+#include "schema/store/result_kind.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -41,7 +42,7 @@ void Hub::Do(const Persist& persist) {
       return Handle(
           PersistFailed{checkpoint.job_id(), checkpoint.number(), "a result cannot be read back from disk"});
     work.results.push_back(
-        {options_.result_path(checkpoint.job_id(), stage.name()), stage.pipeline(), publish.stage, blob});
+        {options_.result_path(checkpoint.job_id(), stage.name()), ResultKind(*blob), publish.stage, blob});
   }
   writer_.Add(std::move(work));
   WriteRow(checkpoint.job_id());

@@ -69,7 +69,7 @@ TEST(HubRequests, ResultsComeWithTheirNamesAndProvenance) {
   ASSERT_EQ(reply.names_size(), 2);
   EXPECT_EQ(reply.names(1), "stage1");
   ASSERT_EQ(bench.last_blobs.size(), 2u);
-  EXPECT_EQ(bench.last_blobs[1].blob->Text("provenance/kind"), "toy");
+  EXPECT_EQ(bench.last_blobs[1].blob->Text("provenance/kind"), "result");
 }
 
 TEST(HubRequests, StatusListCancelAndResume) {

@@ -36,7 +36,7 @@ TEST(Hub, RunsAJobAndPublishesItsResultsWithProvenance) {
   for (const std::string stage : {"stage0", "stage1"}) {
     const auto file = ReadStoredFile(bench.temp.path() / "results/a" / (stage + ".h5"));
     ASSERT_TRUE(file.ok()) << file.status().message();
-    EXPECT_EQ(file.value().kind, "toy");
+    EXPECT_EQ(file.value().kind, "result");
     EXPECT_TRUE(file.value().blob.Text("text").starts_with(stage));
     EXPECT_EQ(file.value().blob.Text("provenance/stage"), stage);
     EXPECT_EQ(file.value().blob.at("provenance/round/seconds_s").size(), 4);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coordinator/job_yaml.h"
+#include "schema/store/result_kind.h"
 
 namespace cairn::coordinator {
 
@@ -52,7 +53,7 @@ Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std
   };
   text("provenance/job_yaml", JobAsYaml(checkpoint.job()));
   text("provenance/stage", plan.name());
-  text("provenance/kind", plan.pipeline());
+  text("provenance/kind", ResultKind(result));
   text("provenance/version", build.version());
   text("provenance/build", build.compiler() + "; " + build.flags() + "; " + build.libc());
   text("provenance/finished_utc", finished_utc);
