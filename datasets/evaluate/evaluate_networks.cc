@@ -131,8 +131,9 @@ WindowScore ScoreWindow(const std::vector<Truth>& truths, std::size_t window,
   score.interval_over = counted.by_runs ? "runs" : "blocks";
   score.clusters = static_cast<std::int64_t>(counted.clusters());
   if (count == 0) return score;
-  // Streams of runs are numbered from 0. Both scores see the same draws.
-  const Rng rng(options.seed, ~std::uint64_t{0}, static_cast<std::uint32_t>(window));
+  // Streams of runs are numbered from 0. All scores see the same draws, so that the same errors have the same
+  // interval.
+  const Rng rng(options.seed, ~std::uint64_t{0});
   const auto soft = SumsOf(counted, [](const WindowError& error) { return error.soft_m; });
   const auto sampled = SumsOf(counted, [](const WindowError& error) { return Mean(error.sampled_m); });
   for (const ErrorSums& sum : soft) score.prior_error_m += sum.prior_m / static_cast<double>(count);
@@ -172,6 +173,7 @@ NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
   out.trained_window_m = nets.window_m > 0 ? nets.window_m : kGlobal;
   out.options = options;
   out.trained_on = held_out.trained_on;
+  out.stopped_by = held_out.stopped_by;
   for (const SampleRun& run : held_out.runs)
     out.runs.push_back({run.name, static_cast<std::int64_t>(run.x_m.size())});
   const std::vector<Truth> truths = TruthsOf(nets, held_out, options);

@@ -83,6 +83,8 @@ std::string HeldOutText(const NetworkEvaluation& evaluation) {
   }
   std::string text = "held out   " + std::to_string(samples) + " samples of " + Joined(names);
   if (!evaluation.trained_on.empty()) text += "; left out, as trained on: " + Joined(evaluation.trained_on);
+  if (!evaluation.stopped_by.empty())
+    text += "\ncaution    not wholly unseen, as training stopped by it: " + Joined(evaluation.stopped_by);
   return text + "\n";
 }
 
@@ -109,6 +111,7 @@ std::string NetworkEvaluationJson(const NetworkEvaluation& evaluation, int inden
                      {"seed", evaluation.options.seed},
                      {"runs", runs},
                      {"trained_on", evaluation.trained_on},
+                     {"stopped_by", evaluation.stopped_by},
                      {"windows", windows}};
   return json.dump(indent);
 }

@@ -189,6 +189,17 @@ TEST(EvaluateNetworks, RunsThatWereTrainedOnAreLeftOut) {
   EXPECT_EQ(EvaluateNetworks(nets, SamplesFile({namesake})).runs.size(), 1U);
 }
 
+// The networks name it, but their map has no sample of it.
+TEST(EvaluateNetworks, ARunThatDecidedWhenToStopCountsWithACaution) {
+  Blob nets = NetworksThatNameEveryPlace();
+  nets.Put("runs", Array::Texts({"trained", "back"}));
+  const NetworkEvaluation e = EvaluateNetworks(nets, FivePlaces());
+  EXPECT_EQ(e.stopped_by, std::vector<std::string>{"back"});
+  EXPECT_EQ(e.runs.size(), 2U);
+  ExpectContains(NetworkEvaluationText(e), "not wholly unseen, as training stopped by it: back");
+  EXPECT_TRUE(EvaluateNetworks(NetworksThatNameEveryPlace(), FivePlaces()).stopped_by.empty());
+}
+
 TEST(EvaluateNetworks, IsTheSameEveryTimeAndSamplesBySeed) {
   const Blob nets =
       NetworksFile({{.slope = 1, .weight = 2, .bias = -1}}, {0, 1, 2, 3, 4}, {.1F, .3F, .5F, .6F, .8F});

@@ -62,6 +62,12 @@ bool WasTrainedOn(const SampleRun& run, const LearnedNetworks& nets) {
   return any;
 }
 
+bool DecidedWhenToStop(const std::string& name, const LearnedNetworks& nets) {
+  const auto named = std::ranges::find(nets.runs, name);
+  return named != nets.runs.end() &&
+         std::ranges::count(nets.run, static_cast<std::int32_t>(named - nets.runs.begin())) == 0;
+}
+
 }  // namespace
 
 HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
@@ -71,6 +77,7 @@ HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
   for (std::size_t r = 0; r < names.size(); ++r) {
     SampleRun run = ReadRun(file, r, names[r], inputs);
     if (run.x_m.empty()) continue;
+    if (DecidedWhenToStop(names[r], nets)) held_out.stopped_by.push_back(names[r]);
     if (WasTrainedOn(run, nets))
       held_out.trained_on.push_back(names[r]);
     else
