@@ -23,7 +23,7 @@ class EvaluateCommand : public testing::Test {
   };
 
   EvaluateCommand() {
-    Write("networks.h5", "landmark_learning", datasets::NetworksFile({{}}, {0, 1}, {0.9F, 0.2F}));
+    Write("networks.h5", "networks", datasets::NetworksFile({{}}, {0, 1}, {0.9F, 0.2F}));
     Write("samples.h5", "samples", datasets::SamplesFile({{"a", {0, 1}, {5, 6}}, {"b", {0.5}, {5}}}));
   }
 
@@ -76,9 +76,9 @@ TEST_F(EvaluateCommand, FindsTheNetworksInAFolder) {
 TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {
   const std::string log = folder_ / "log.h5";
   Write("log.h5", "log", datasets::SimulateLoop({.seed = 3}));
-  Refuses({networks_, "--truth", log}, "networks.h5: a landmark_learning, where a landmark_map is needed");
-  Refuses({log, "--truth", samples_}, "log.h5: a log, where a landmark_learning is needed");
-  Refuses({networks_, "--truth", networks_}, "a landmark_learning, where a log or samples are needed");
+  Refuses({networks_, "--truth", log}, "networks.h5: a networks, where a landmark_map is needed");
+  Refuses({log, "--truth", samples_}, "log.h5: a log, where a networks is needed");
+  Refuses({networks_, "--truth", networks_}, "a networks, where a log or samples are needed");
   Refuses({log, "--truth", log, "--nearest", "3"}, "--nearest and --seed are for networks");
   Refuses({networks_, "--truth", samples_}, "nearest: 5; allowed: from 1 to 2");
   Refuses({networks_, "--truth", samples_, "--seed", "-1"}, "seed");
@@ -89,7 +89,7 @@ TEST_F(EvaluateCommand, NamesTheFileThatIsBad) {
   Refuses({networks_, "--truth", folder_ / "empty.h5", "--nearest", "1"}, "empty.h5: there are no samples");
   Blob bad = datasets::NetworksFile({{}}, {0, 1}, {0.9F, 0.2F});
   bad.PutVector("networks/output_bias", std::vector<double>{0, 0});
-  Write("bad.h5", "landmark_learning", bad);
+  Write("bad.h5", "networks", bad);
   Refuses({folder_ / "bad.h5", "--truth", samples_}, "bad.h5: 'networks/output_bias' has the shape [2]");
 }
 

@@ -58,7 +58,7 @@ struct NetworkEvaluation {
   std::vector<WindowScore> windows;
 };
 
-// `networks`, `samples`: files of kind `landmark_learning` and `samples` (schema/FORMAT.md). Evaluation is
+// `networks`, `samples`: files of kind `networks` and `samples` (schema/FORMAT.md). Evaluation is
 // not training: the true positions are those of the held-out samples, the positions that the robot may
 // believe in are those of the training samples, e is the distance, and beliefs are uniform over the training
 // samples within the window. A run that the networks were trained on is left out. Intervals are taken over

@@ -1,4 +1,4 @@
-// A file of kind `landmark_learning` (schema/FORMAT.md) as evaluation needs it, and what the networks make of
+// A file of kind `networks` (schema/FORMAT.md) as evaluation needs it, and what the networks make of
 // samples: a forward pass of its own, in double, so that it also checks the code that trained them.
 #pragma once
 

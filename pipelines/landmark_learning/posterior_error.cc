@@ -248,10 +248,15 @@ double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const s
     std::size_t at = 0;
     for (int a = range.first; a < range.end; ++a) {
       const Real* g = RowOf(of_truth, a, vectors);
+      double ruled_out = 0.0;  // probability of what the map holds for impossible
       for (int f = 0; f < vectors; ++f, ++at) {
         const double z = sums.z[at];
-        if (z > 0.0) error += weight[static_cast<std::size_t>(a)] * g[f] * (sums.n[at] / z);
+        if (z > 0.0)
+          error += weight[static_cast<std::size_t>(a)] * g[f] * (sums.n[at] / z);
+        else
+          ruled_out += g[f];
       }
+      if (ruled_out > 0.0) error += ruled_out * PriorErrorOfTruths(pairs, weight, {a, a + 1});
     }
   });
   return error;

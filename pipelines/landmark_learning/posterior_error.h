@@ -27,7 +27,8 @@ ErrorShare<Real> ErrorOfTruths(const Pairs& pairs, const std::vector<Real>& prob
                                const std::vector<double>& weight, const Range& truths);
 
 // The error alone, truths and samples each of a set of their own: `of_truth`: P(f | what is sensed at a),
-// `of_sample`: P(f | xi), a map.
+// `of_sample`: P(f | xi), a map. A feature vector that the map holds for impossible everywhere leaves the
+// belief as it was.
 template <class Real>
 double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const std::vector<Real>& of_sample,
                   int vectors, const std::vector<double>& weight, const Range& truths);

@@ -178,6 +178,15 @@ TEST(PosteriorError, InTheMapOfItsOwnSamplesIsTheTrainingsError) {
   EXPECT_NEAR(error, world.All(kBeliefs[2], ErrorKind::kAlong).posterior, 1e-12);
 }
 
+// What the map rules out tells nothing; it must not count as no error.
+TEST(PosteriorError, WhatTheMapRulesOutLeavesTheBeliefAsItWas) {
+  const World world(30, 1, 17);
+  const std::vector<double> never(60, 0.0), always = FeatureProbabilities(std::vector<double>(30, 1.0), 1);
+  const Pairs pairs(world.places, world.places, kBeliefs[0], ErrorKind::kDistance);
+  EXPECT_NEAR(ErrorInMap(pairs, always, never, 2, world.weight, {0, 30}), world.Prior(kBeliefs[0], {0, 30}),
+              1e-12);
+}
+
 TEST(PosteriorError, FloatsAgreeWithDoubles) {
   const World world(500, 4, 9);
   const auto exact = world.All(kBeliefs[0], ErrorKind::kDistance);

@@ -5,7 +5,7 @@ namespace cairn {
 std::string ResultKind(const Blob& result) {
   if (result.Has("map/landmark_x_m")) return "landmark_map";
   if (result.Has("map/grid/probability")) return "grid_map";
-  if (result.Has("networks/hidden_weight")) return "landmark_learning";
+  if (result.Has("networks/hidden_weight")) return "networks";
   if (result.Has("robot/0/poses/time_s")) return "poses";
   return "result";
 }

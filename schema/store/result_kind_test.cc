@@ -11,7 +11,7 @@ TEST(ResultKind, GoesByTheArraysThatAKindMustHave) {
   blob.PutVector<double>("robot/0/poses/time_s", {0});
   EXPECT_EQ(ResultKind(blob), "poses");
   blob.PutVector<double>("networks/hidden_weight", {0});
-  EXPECT_EQ(ResultKind(blob), "landmark_learning");
+  EXPECT_EQ(ResultKind(blob), "networks");
   blob.PutVector<double>("map/grid/probability", {0});
   EXPECT_EQ(ResultKind(blob), "grid_map");
   blob.PutVector<double>("map/landmark_x_m", {});
