@@ -26,7 +26,7 @@ GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
 double ValidationOfBlock(const Options& options, const TrainingData& data,
                          const Parameters<float>& parameters, const Range& truths);
 
-// Cuts `count` truths into blocks of even size, some tenths of a second of work each, by sizes alone.
+// Cuts `count` truths into blocks of even size, some 5 ms of a core each, by sizes alone.
 std::vector<Range> Blocks(int count, int samples, int networks);
 
 }  // namespace cairn::landmark_learning
