@@ -1,0 +1,69 @@
+#include "pipelines/landmark_learning/result.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace cairn::landmark_learning {
+namespace {
+
+void PutNetworks(const Parameters<float>& p, Blob* result) {
+  const NetworkShape& s = p.shape;
+  std::vector<double> hidden_weight, hidden_bias, output_weight, output_bias;
+  for (int u = 0; u < s.units(); ++u) {
+    for (int i = 0; i < s.inputs; ++i) hidden_weight.push_back(p.HiddenWeights(i)[u]);
+    hidden_bias.push_back(p.HiddenBiases()[u]);
+    output_weight.push_back(p.OutputWeights()[u]);
+  }
+  for (int n = 0; n < s.networks; ++n) output_bias.push_back(p.OutputBiases()[n]);
+  result->Put("networks/hidden_weight", Array::Of<double>({s.networks, s.hidden, s.inputs}, hidden_weight));
+  result->Put("networks/hidden_bias", Array::Of<double>({s.networks, s.hidden}, hidden_bias));
+  result->Put("networks/output_weight", Array::Of<double>({s.networks, s.hidden}, output_weight));
+  result->PutVector("networks/output_bias", output_bias);
+}
+
+}  // namespace
+
+std::string NoteOf(const Training& t) {
+  char text[200];
+  const double reduction = 100.0 * (1.0 - t.error.back() / t.prior);
+  int length = std::snprintf(text, sizeof text, "step %zu: error %.3f m of %.3f m, reduced by %.1f%%",
+                             t.error.size(), t.error.back(), t.prior, reduction);
+  if (!std::isnan(t.validation.back())) {
+    length += std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
+                            "; held out %.1f%%", 100.0 * (1.0 - t.validation.back() / t.validation_prior));
+  }
+  if (t.norm.back() == 0.0)
+    std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
+                  "; the gradient is exactly zero");
+  return text;
+}
+
+Step ResultOf(const Options& options, const TrainingData& data, const Training& t) {
+  const Parameters<float> parameters =
+      InFloat(ShapeOf(options, data.mean.size()), t.best.empty() ? t.weights : t.best);
+  Blob result;
+  PutNetworks(parameters, &result);
+  result.PutVector("networks/input_mean", data.mean);
+  result.PutVector("networks/input_scale", data.scale);
+  result.Put("networks/input_name", Array::Texts(data.input_names));
+  const SampleSet& set = data.training;
+  result.PutVector("map/x_m", set.places.x_m);
+  result.PutVector("map/y_m", set.places.y_m);
+  result.PutVector("map/along_m", set.places.along_m);
+  result.PutVector("map/run", set.run);
+  result.Put("map/output", Array::Of<float>({set.size(), parameters.shape.networks},
+                                            Forward(parameters, set.inputs.data(), set.size()).output));
+  result.Put("runs", Array::Texts(data.runs));
+  result.PutVector("history/training_error_m", t.error);
+  result.PutVector("history/validation_error_m", t.validation);
+  result.PutVector("history/gradient_norm", t.norm);
+  result.PutScalar("prior_error_m", t.prior);
+  result.PutScalar("validation_prior_error_m", t.validation_prior);
+  result.PutScalar("window_m", options.window_m);
+  Step step;
+  step.plan.set_result(step.Share(result));
+  step.plan.set_note(NoteOf(t));
+  return step;
+}
+
+}  // namespace cairn::landmark_learning

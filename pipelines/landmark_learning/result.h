@@ -1,0 +1,17 @@
+// What training ends with: a file of kind `networks` (schema/FORMAT.md).
+#pragma once
+
+#include <string>
+
+#include "pipelines/landmark_learning/training.h"
+#include "pipelines/landmark_learning/training_data.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::landmark_learning {
+
+// What the last step did, in a line for people.
+std::string NoteOf(const Training& training);
+
+Step ResultOf(const Options& options, const TrainingData& data, const Training& training);
+
+}  // namespace cairn::landmark_learning
