@@ -60,6 +60,12 @@ std::string RobotOfMap(const Blob& blob, const std::string& prefix) {
          Count(landmark.size(), "observation") + " associated";
 }
 
+std::string Joined(const std::vector<std::string>& names) {
+  std::string joined;
+  for (const std::string& name : names) joined += (joined.empty() ? "" : ", ") + name;
+  return joined;
+}
+
 // The way between the poses, in a straight line from one to the next.
 double Way(std::span<const double> x_m, std::span<const double> y_m) {
   double way_m = 0;
@@ -94,6 +100,11 @@ void AddSamples(const Blob& blob, Facts* facts) {
   }
   facts->emplace_back("samples", Count(samples, "sample") + " in " + Count(runs.size(), "run") + ", " +
                                      Count(inputs.size(), "input") + " each");
+  const std::vector<std::string> features = TextsOrNone(blob, "feature_name");
+  if (!features.empty()) facts->emplace_back("hand-made features", Joined(features));
+  if (blob.Has("label_error_m") && !ColumnOrNone<double>(blob, "label_error_m").empty())
+    facts->emplace_back("label error",
+                        ShortNumber(ColumnOrNone<double>(blob, "label_error_m").front()) + " m");
   const std::string x = Extent(blob, runs.size(), "x_m"), y = Extent(blob, runs.size(), "y_m");
   if (!x.empty() && !y.empty()) facts->emplace_back("extent", "x " + x + ", y " + y);
 }

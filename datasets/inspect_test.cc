@@ -48,6 +48,20 @@ TEST(Inspect, TellsWhatSamplesHold) {
   ExpectContains(text, "  extent       x -1 to 3 m, y 0 to 4 m\n");
 }
 
+TEST(Inspect, TellsOfHandMadeFeatures) {
+  SampleRun run{"monday", {1, 2}, {0, 3}, {0, 4}, {}, {1, 2}};
+  run.feature = {0, 0.5F, 1, 0.25F};
+  run.true_x_m = run.true_y_m = run.true_heading_rad = {0, 1};
+  Samples samples{{"red"}, {run}};
+  samples.feature_name = {"door", "light"};
+  samples.label_error_m = 0.1;
+  const std::string text = InspectText(Inspected(MakeSamples(samples), "samples"));
+  ExpectContains(text, "  hand-made features  door, light\n");
+  ExpectContains(text, "  label error         0.1 m\n");
+  EXPECT_EQ(MakeSamples(samples).at("run/0/feature").shape(), (Shape{2, 2}));
+  EXPECT_EQ(MakeSamples(samples).Get<double>("truth/run/0/x_m").size(), 2U);
+}
+
 TEST(Inspect, JsonHoldsEveryDataset) {
   const Blob log = SimulateLoop({.difficulty = "paper", .robots = 2, .seed = 1});
   const auto json = nlohmann::json::parse(InspectJson(Inspected(log, "log")));

@@ -4,6 +4,22 @@
 #include <set>
 
 namespace cairn::datasets {
+namespace {
+
+void PutFeatures(const std::string& prefix, std::size_t features, const SampleRun& run, Blob* blob) {
+  if (features == 0) return;
+  const Shape shape{static_cast<std::int64_t>(run.time_s.size()), static_cast<std::int64_t>(features)};
+  blob->Put(prefix + "feature", Array::Of(shape, run.feature));
+}
+
+void PutTruth(const std::string& prefix, const SampleRun& run, Blob* blob) {
+  if (run.true_x_m.empty()) return;
+  blob->PutVector("truth/" + prefix + "x_m", run.true_x_m);
+  blob->PutVector("truth/" + prefix + "y_m", run.true_y_m);
+  blob->PutVector("truth/" + prefix + "heading_rad", run.true_heading_rad);
+}
+
+}  // namespace
 
 std::int64_t CountRepeatedPoses(const SampleRun& run) {
   std::set<std::array<double, 3>> seen;
@@ -27,9 +43,13 @@ Blob MakeSamples(const Samples& samples) {
     const Shape shape{static_cast<std::int64_t>(run.time_s.size()),
                       static_cast<std::int64_t>(samples.input_name.size())};
     blob.Put(prefix + "input", Array::Of(shape, run.input));
+    PutFeatures(prefix, samples.feature_name.size(), run, &blob);
+    PutTruth(prefix, run, &blob);
   }
   blob.Put("runs", Array::Texts(names));
   blob.Put("input_name", Array::Texts(samples.input_name));
+  if (!samples.feature_name.empty()) blob.Put("feature_name", Array::Texts(samples.feature_name));
+  if (samples.label_error_m) blob.PutScalar("label_error_m", *samples.label_error_m);
   return blob;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,16 @@ struct SampleRun {
   std::vector<double> time_s, x_m, y_m;
   std::vector<double> heading_rad;  // empty: not known
   std::vector<float> input;         // [samples][inputs]
+  std::vector<float> feature = {};  // [samples][hand-made features], P(f = 1 | what was sensed)
+  // Where it truly was: empty, or of each sample.
+  std::vector<double> true_x_m = {}, true_y_m = {}, true_heading_rad = {};
 };
 
 struct Samples {
   std::vector<std::string> input_name;
   std::vector<SampleRun> runs;
+  std::vector<std::string> feature_name = {};  // of the hand-made features; empty: there are none
+  std::optional<double> label_error_m = {};  // of x_m and of y_m each, standard deviation, where it is stated
 };
 
 // Samples of the run that have the pose of an earlier one of it, to the bit.
