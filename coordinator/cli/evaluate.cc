@@ -28,12 +28,12 @@ std::string ScoreOfMap(const Options& options, const Blob& log) {
 }
 
 std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
-  datasets::NetworkEvaluationOptions how;
+  datasets::ScoreOptions how;
   how.nearest = options.nearest.value_or(how.nearest);
   how.seed = options.seed.value_or(how.seed);
-  how.networks_name = ResultPath(options.result, "networks");
+  how.map_name = ResultPath(options.result, "networks");
   how.samples_name = options.truth;
-  const Blob networks = ReadResult(how.networks_name, "networks").blob;
+  const Blob networks = ReadResult(how.map_name, "networks").blob;
   const datasets::NetworkEvaluation score = datasets::EvaluateNetworks(networks, samples, how);
   return options.json ? datasets::NetworkEvaluationJson(score) + "\n"
                       : datasets::NetworkEvaluationText(score);

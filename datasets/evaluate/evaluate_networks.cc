@@ -1,34 +1,12 @@
 #include "datasets/evaluate/evaluate_networks.h"
 
-#include <algorithm>
-#include <cmath>
-#include <span>
+#include <utility>
 
-#include "datasets/evaluate/feature_map.h"
 #include "datasets/evaluate/held_out_runs.h"
 #include "datasets/evaluate/learned_networks.h"
 
 namespace cairn::datasets {
 namespace {
-
-constexpr std::size_t kBlocks = 10;
-
-// A held-out sample: the run it is of, and its errors in each window.
-struct Truth {
-  std::size_t run;
-  std::vector<WindowError> errors;
-};
-
-// f ~ P(f | s), `count` times: bit i is 1 with probability g_i.
-std::vector<std::size_t> Drawn(std::span<const double> g, int count, Rng rng) {
-  std::vector<std::size_t> drawn;
-  for (int r = 0; r < count; ++r) {
-    std::size_t f = 0;
-    for (std::size_t i = 0; i < g.size(); ++i) f |= std::size_t{rng.Uniform() < g[i]} << i;
-    drawn.push_back(f);
-  }
-  return drawn;
-}
 
 std::vector<PointM> PlacesOf(const LearnedNetworks& nets) {
   std::vector<PointM> places;
@@ -37,110 +15,13 @@ std::vector<PointM> PlacesOf(const LearnedNetworks& nets) {
 }
 
 std::vector<Truth> TruthsOf(const LearnedNetworks& nets, const HeldOutRuns& held_out,
-                            const NetworkEvaluationOptions& options) {
+                            const ScoreOptions& options) {
   const FeatureMap map =
       MapByNearest(PlacesOf(nets), nets.output, nets.networks, static_cast<std::size_t>(options.nearest));
   std::vector<Truth> truths;
-  for (const SampleRun& run : held_out.runs) {
-    const std::vector<double> outputs = OutputsOf(nets, run.input);
-    for (std::size_t a = 0; a < run.x_m.size(); ++a) {
-      const std::span<const double> g = std::span(outputs).subspan(a * nets.networks, nets.networks);
-      const Rng rng(options.seed, run.number, static_cast<std::uint32_t>(a));
-      truths.push_back({run.number, ErrorsInMap(map, {run.x_m[a], run.y_m[a]}, FeatureProbabilities(g),
-                                                Drawn(g, options.samplings, rng), options.windows_m)});
-    }
-  }
+  for (const HeldOutRun& run : held_out.runs)
+    AddTruths(map, {run.number, run.x_m, run.y_m, OutputsOf(nets, run.input)}, options, &truths);
   return truths;
-}
-
-double Mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-// A window's truths that count, each in a cluster: truths of one cluster are not independent.
-struct Counted {
-  std::vector<const WindowError*> errors;
-  std::vector<std::size_t> cluster;  // of each, from 0, ascending
-  bool by_runs = false;
-
-  std::size_t clusters() const { return cluster.empty() ? 0 : cluster.back() + 1; }
-};
-
-Counted CountedIn(const std::vector<Truth>& truths, std::size_t window) {
-  Counted counted;
-  std::size_t last_run = 0;
-  for (const Truth& truth : truths) {
-    const WindowError& error = truth.errors[window];
-    if (error.places == 0) continue;
-    const bool new_run = !counted.errors.empty() && truth.run != last_run;
-    counted.cluster.push_back(counted.errors.empty() ? 0 : counted.cluster.back() + (new_run ? 1 : 0));
-    counted.errors.push_back(&error);
-    last_run = truth.run;
-  }
-  counted.by_runs = counted.clusters() > 1;
-  if (counted.by_runs) return counted;
-  const std::size_t blocks = std::min(kBlocks, counted.errors.size());
-  for (std::size_t a = 0; a < counted.cluster.size(); ++a)
-    counted.cluster[a] = a * blocks / counted.cluster.size();
-  return counted;
-}
-
-// `posterior`: the error of a truth by its WindowError.
-template <class Posterior>
-std::vector<ErrorSums> SumsOf(const Counted& counted, const Posterior& posterior) {
-  std::vector<ErrorSums> sums(counted.clusters());
-  for (std::size_t a = 0; a < counted.errors.size(); ++a) {
-    sums[counted.cluster[a]].prior_m += counted.errors[a]->prior_m;
-    sums[counted.cluster[a]].posterior_m += posterior(*counted.errors[a]);
-  }
-  return sums;
-}
-
-Score ScoreOf(const std::vector<ErrorSums>& sums, std::size_t truths, const Rng& rng) {
-  double posterior_m = 0;
-  for (const ErrorSums& sum : sums) posterior_m += sum.posterior_m;
-  return {posterior_m / static_cast<double>(truths), ReductionOf(sums), ReductionInterval(sums, rng)};
-}
-
-// Over the samplings: each is one robot's luck with all truths.
-double SpreadOfSamplings(const Counted& counted, int samplings) {
-  std::vector<double> reductions, squares;
-  for (int r = 0; r < samplings; ++r) {
-    const auto at = static_cast<std::size_t>(r);
-    const auto reduction =
-        ReductionOf(SumsOf(counted, [at](const WindowError& error) { return error.sampled_m[at]; }));
-    if (reduction) reductions.push_back(*reduction);
-  }
-  if (reductions.size() < 2) return 0;
-  const double mean = Mean(reductions);
-  for (const double reduction : reductions) squares.push_back((reduction - mean) * (reduction - mean));
-  const auto count = static_cast<double>(reductions.size());
-  return std::sqrt(Mean(squares) * count / (count - 1));
-}
-
-WindowScore ScoreWindow(const std::vector<Truth>& truths, std::size_t window,
-                        const NetworkEvaluationOptions& options) {
-  const Counted counted = CountedIn(truths, window);
-  const std::size_t count = counted.errors.size();
-  WindowScore score;
-  score.window_m = options.windows_m[window];
-  score.truths = static_cast<std::int64_t>(count);
-  score.left_out = static_cast<std::int64_t>(truths.size() - count);
-  score.interval_over = counted.by_runs ? "runs" : "blocks";
-  score.clusters = static_cast<std::int64_t>(counted.clusters());
-  if (count == 0) return score;
-  // Streams of runs are numbered from 0. All scores see the same draws, so that the same errors have the same
-  // interval.
-  const Rng rng(options.seed, ~std::uint64_t{0});
-  const auto soft = SumsOf(counted, [](const WindowError& error) { return error.soft_m; });
-  const auto sampled = SumsOf(counted, [](const WindowError& error) { return Mean(error.sampled_m); });
-  for (const ErrorSums& sum : soft) score.prior_error_m += sum.prior_m / static_cast<double>(count);
-  score.soft = ScoreOf(soft, count, rng);
-  score.sampled = ScoreOf(sampled, count, rng);
-  score.sampled_sd = SpreadOfSamplings(counted, options.samplings);
-  return score;
 }
 
 // What `read` returns; what it refuses with the file's name before it.
@@ -153,19 +34,11 @@ auto FromFile(const std::string& name, const Read& read) {
   }
 }
 
-void CheckOptions(const NetworkEvaluationOptions& options, std::size_t samples) {
-  if (options.nearest < 1 || static_cast<std::size_t>(options.nearest) > samples)
-    throw InputError("nearest: " + std::to_string(options.nearest) + "; allowed: from 1 to " +
-                     std::to_string(samples) + ", the number of training samples");
-  CAIRN_DEMAND(options.samplings >= 1, "no samplings");
-}
-
 }  // namespace
 
-NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
-                                   const NetworkEvaluationOptions& options) {
-  const LearnedNetworks nets = FromFile(options.networks_name, [&] { return ReadLearnedNetworks(networks); });
-  CheckOptions(options, nets.samples());
+NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples, const ScoreOptions& options) {
+  const LearnedNetworks nets = FromFile(options.map_name, [&] { return ReadLearnedNetworks(networks); });
+  CheckNearest(options, nets.samples());
   const HeldOutRuns held_out = FromFile(options.samples_name, [&] { return ReadHeldOutRuns(samples, nets); });
   NetworkEvaluation out;
   out.networks = static_cast<std::int64_t>(nets.networks);
@@ -174,11 +47,9 @@ NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
   out.options = options;
   out.trained_on = held_out.trained_on;
   out.stopped_by = held_out.stopped_by;
-  for (const SampleRun& run : held_out.runs)
+  for (const HeldOutRun& run : held_out.runs)
     out.runs.push_back({run.name, static_cast<std::int64_t>(run.x_m.size())});
-  const std::vector<Truth> truths = TruthsOf(nets, held_out, options);
-  for (std::size_t w = 0; w < options.windows_m.size(); ++w)
-    out.windows.push_back(ScoreWindow(truths, w, options));
+  out.windows = ScoreWindows(TruthsOf(nets, held_out, options), options);
   return out;
 }
 

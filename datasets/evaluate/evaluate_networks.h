@@ -4,53 +4,18 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/reduction_interval.h"
+#include "datasets/evaluate/window_scores.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
 
-inline constexpr double kGlobal = std::numeric_limits<double>::infinity();
-
-struct NetworkEvaluationOptions {
-  int nearest = 5;         // k training samples, of which P(f | xi) is made
-  int samplings = 20;      // of f, for each held-out sample
-  std::uint64_t seed = 1;  // of the samplings and of the bootstrap
-  std::vector<double> windows_m = {1, 2, 5, 10, 50, 89, kGlobal};            // half-widths, ascending
-  std::string networks_name = "the networks", samples_name = "the samples";  // files, for messages
-};
-
-struct Score {
-  double posterior_error_m = 0;
-  std::optional<double> error_reduction;  // none: the prior error is zero
-  std::optional<Interval> interval_95;    // none: nothing to take it over
-};
-
-struct WindowScore {
-  double window_m = 0;        // kGlobal: globally uncertain
-  std::int64_t truths = 0;    // held-out samples that count
-  std::int64_t left_out = 0;  // those without a training sample in the window
-  double prior_error_m = 0;   // this and the scores mean nothing where no truth counts
-  Score soft;                 // the expectation over f
-  Score sampled;              // the mean over the samplings, and …
-  double sampled_sd = 0;      // … the standard deviation of the reduction over them
-  std::string interval_over;  // "runs", "blocks" (of consecutive samples); what is drawn by the bootstrap
-  std::int64_t clusters = 0;  // how many of them
-};
-
-struct RunSize {
-  std::string name;
-  std::int64_t samples = 0;
-};
-
 struct NetworkEvaluation {
   std::int64_t networks = 0, training_samples = 0;
   double trained_window_m = 0;  // kGlobal: for global uncertainty
-  NetworkEvaluationOptions options;
+  ScoreOptions options;
   std::vector<RunSize> runs;            // that are held out
   std::vector<std::string> trained_on;  // left out of the samples
   std::vector<std::string>
@@ -66,7 +31,7 @@ struct NetworkEvaluation {
 // InputError as ReadLearnedNetworks and ReadHeldOutRuns do, and where `nearest` is not from 1 to the number
 // of training samples.
 NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
-                                   const NetworkEvaluationOptions& options = {});
+                                   const ScoreOptions& options = {});
 
 // {"networks": …, "windows": [{"window_m": …, "prior_error_m": …, "posterior_error_m": …, "error_reduction":
 // …, "error_reduction_95": [low, high], …}, …]}; null: there is none, or a window that is global.

@@ -20,7 +20,7 @@ void CheckInputs(const std::vector<std::string>& names, const LearnedNetworks& n
 }
 
 template <class T>
-void CheckNumbers(std::span<const T> values, const SampleRun& run, const std::string& array,
+void CheckNumbers(std::span<const T> values, const HeldOutRun& run, const std::string& array,
                   const std::vector<std::string>& columns) {
   const auto bad = std::ranges::find_if(values, [](T value) { return !std::isfinite(value); });
   if (bad == values.end()) return;
@@ -29,14 +29,14 @@ void CheckNumbers(std::span<const T> values, const SampleRun& run, const std::st
                    " '" + columns[at % columns.size()] + "' is no number");
 }
 
-SampleRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
-                  const std::vector<std::string>& inputs) {
+HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
+                   const std::vector<std::string>& inputs) {
   const std::string prefix = "run/" + std::to_string(number) + "/";
-  SampleRun run{.name = name,
-                .number = number,
-                .x_m = file.Get<double>(prefix + "x_m"),
-                .y_m = file.Get<double>(prefix + "y_m"),
-                .input = file.Get<float>(prefix + "input")};
+  HeldOutRun run{.name = name,
+                 .number = number,
+                 .x_m = file.Get<double>(prefix + "x_m"),
+                 .y_m = file.Get<double>(prefix + "y_m"),
+                 .input = file.Get<float>(prefix + "input")};
   const auto rows = static_cast<std::int64_t>(run.x_m.size());
   if (run.y_m.size() != run.x_m.size() ||
       file.at(prefix + "input").shape() != Shape{rows, static_cast<std::int64_t>(inputs.size())})
@@ -50,7 +50,7 @@ SampleRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
 
 using Place = std::pair<double, double>;
 
-bool WasTrainedOn(const SampleRun& run, const LearnedNetworks& nets) {
+bool WasTrainedOn(const HeldOutRun& run, const LearnedNetworks& nets) {
   std::set<Place> places;
   for (std::size_t k = 0; k < run.x_m.size(); ++k) places.emplace(run.x_m[k], run.y_m[k]);
   bool any = false;
@@ -75,7 +75,7 @@ HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
   CheckInputs(inputs, nets);
   HeldOutRuns held_out;
   for (std::size_t r = 0; r < names.size(); ++r) {
-    SampleRun run = ReadRun(file, r, names[r], inputs);
+    HeldOutRun run = ReadRun(file, r, names[r], inputs);
     if (run.x_m.empty()) continue;
     if (DecidedWhenToStop(names[r], nets)) held_out.stopped_by.push_back(names[r]);
     if (WasTrainedOn(run, nets))

@@ -10,7 +10,7 @@
 
 namespace cairn::datasets {
 
-struct SampleRun {
+struct HeldOutRun {
   std::string name;
   std::size_t number = 0;  // in the file
   std::span<const double> x_m, y_m;
@@ -18,7 +18,7 @@ struct SampleRun {
 };
 
 struct HeldOutRuns {
-  std::vector<SampleRun> runs;          // at least one, each with samples; they point into the file
+  std::vector<HeldOutRun> runs;         // at least one, each with samples; they point into the file
   std::vector<std::string> trained_on;  // left out: the networks have seen them
   std::vector<std::string> stopped_by;  // of `runs`, those that decided when to stop training
 };
