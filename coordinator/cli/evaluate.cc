@@ -7,6 +7,7 @@
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/result_file.h"
 #include "coordinator/cli/scalar.h"
+#include "datasets/evaluate/evaluate_features.h"
 #include "datasets/evaluate/evaluate_networks.h"
 
 namespace cairn::cli {
@@ -15,6 +16,8 @@ namespace {
 struct Options {
   std::string result;
   std::string truth;
+  std::vector<std::string> features, holdout;
+  std::string against;
   bool json = false;
   std::optional<int> nearest;
   std::optional<std::uint64_t> seed;
@@ -27,10 +30,16 @@ std::string ScoreOfMap(const Options& options, const Blob& log) {
   return options.json ? datasets::EvaluationJson(score) + "\n" : datasets::EvaluationText(score);
 }
 
-std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
+datasets::ScoreOptions HowToScore(const Options& options) {
   datasets::ScoreOptions how;
   how.nearest = options.nearest.value_or(how.nearest);
   how.seed = options.seed.value_or(how.seed);
+  how.samples_name = options.truth;
+  return how;
+}
+
+std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
+  datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, "networks");
   how.samples_name = options.truth;
   const Blob networks = ReadResult(how.map_name, "networks").blob;
@@ -39,8 +48,39 @@ std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
                       : datasets::NetworkEvaluationText(score);
 }
 
+std::string ScoreOfFeatures(const Options& options) {
+  datasets::ScoreOptions how = HowToScore(options);
+  how.map_name = ResultPath(options.result, "samples");
+  const Blob samples = ReadResult(how.map_name, "samples").blob;
+  std::optional<Blob> truth;
+  if (!options.truth.empty()) truth = ReadResult(options.truth, "samples").blob;
+  const datasets::FeatureEvaluation score =
+      datasets::EvaluateFeatures(samples, truth ? &*truth : nullptr, options.features, options.holdout, how);
+  std::optional<datasets::Detection> detection;
+  if (!options.against.empty())
+    detection = datasets::CompareFeatures(samples, options.features.front(), options.against);
+  return options.json ? datasets::FeatureEvaluationJson(score, detection) + "\n"
+                      : datasets::FeatureEvaluationText(score, detection);
+}
+
+void CheckFeatureOptions(const Options& options) {
+  if (options.features.empty() && !(options.holdout.empty() && options.against.empty()))
+    throw InputError("--holdout and --against are for hand-made features: name one by --feature");
+  if (!options.against.empty() && options.features.size() != 1)
+    throw InputError("--against compares one feature with another");
+  if (!options.truth.empty() && !options.holdout.empty())
+    throw InputError("--truth and --holdout both say what is held out; one will do");
+  if (options.features.empty() && options.truth.empty())
+    throw InputError("--truth is needed (or --feature, for hand-made features of samples)");
+}
+
 // What the truth is says what is scored: the folder of a job may hold results of both kinds.
 int Evaluate(const Options& options, const Invocation&) {
+  CheckFeatureOptions(options);
+  if (!options.features.empty()) {
+    std::fputs(ScoreOfFeatures(options).c_str(), stdout);
+    return kExitDone;
+  }
   const BlobFile truth = Take(ReadBlobFile(ResultPath(options.truth, "log")));
   std::string text;
   if (truth.kind == "log")
@@ -60,18 +100,24 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
   const auto options = AddCommand<Options>(app, call, "evaluate", "Scores a result against ground truth",
                                            "cairn evaluate result --truth log.h5 --json", Evaluate, &command);
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
-  command
-      ->add_option(
-          "--truth", options->truth,
-          "For a landmark_map a simulated log, or an imported one that has truth; for networks samples "
-          "of runs that they were not trained on")
-      ->required();
+  command->add_option(
+      "--truth", options->truth,
+      "For a landmark_map a simulated log, or an imported one that has truth; for networks samples "
+      "of runs that they were not trained on; for hand-made features samples of other runs");
+  command->add_option("--feature", options->features,
+                      "RESULT is samples: score this hand-made feature of them (again: several together)");
+  command->add_option("--holdout", options->holdout,
+                      "With --feature: the run to score on, the map being of the others (again: several); "
+                      "without it and --truth each run in turn");
+  command->add_option("--against", options->against,
+                      "With --feature: the feature that it should find; prints precision and recall");
   command->add_flag("--json", options->json, "As JSON");
-  command->add_option("--nearest", options->nearest,
-                      "Networks: training samples, of which the features at a place are the mean (5)");
+  command->add_option(
+      "--nearest", options->nearest,
+      "Networks, features: training samples, of which the features at a place are the mean (5)");
   command
       ->add_option("--seed", options->seed,
-                   "Networks: of the sampled features and of the intervals' bootstrap (1)")
+                   "Networks, features: of the sampled features and of the intervals' bootstrap (1)")
       ->check(CheckSeed);
 }
 

@@ -84,6 +84,46 @@ TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {
   Refuses({networks_, "--truth", samples_, "--seed", "-1"}, "seed");
 }
 
+// Two runs that see the same two places, and a light at one of them.
+Blob WithLights() {
+  Blob file = datasets::SamplesFile({{"a", {0, 1}, {5, 6}}, {"b", {0, 1}, {5, 6}}});
+  file.Put("feature_name", Array::Texts({"light", "detected"}));
+  for (const char* run : {"run/0/feature", "run/1/feature"})
+    file.Put(run, Array::Of<float>({2, 2}, std::vector<float>{0, 0, 1, 1}));
+  return file;
+}
+
+TEST_F(EvaluateCommand, ScoresHandMadeFeatures) {
+  Write("lights.h5", "samples", WithLights());
+  const std::string lights = folder_ / "lights.h5";
+  const Said said = Evaluate({lights, "--feature", "light", "--json", "--nearest", "1"});
+  ASSERT_EQ(said.code, kExitDone) << said.complaint;
+  const auto json = nlohmann::json::parse(said.out);
+  EXPECT_DOUBLE_EQ(json["windows"][6]["error_reduction"], 1);
+  EXPECT_EQ(json["in_turn"], true);
+  EXPECT_FALSE(json.contains("detection"));
+  const Said held_out =
+      Evaluate({lights, "--feature", "detected", "--holdout", "b", "--nearest", "1", "--against", "light"});
+  ASSERT_EQ(held_out.code, kExitDone) << held_out.complaint;
+  ExpectContains(held_out.out, "held out   2 samples of b\n");
+  ExpectContains(held_out.out, "precision 100.0%, recall 100.0%");
+}
+
+TEST_F(EvaluateCommand, RefusesFeaturesThatAreNotThere) {
+  Write("lights.h5", "samples", WithLights());
+  const std::string lights = folder_ / "lights.h5";
+  Refuses({lights, "--feature", "door", "--nearest", "1"},
+          "lights.h5: no feature 'door'; there are 'light', 'detected'");
+  Refuses({samples_, "--feature", "door"}, "samples.h5: there are no hand-made features");
+  Refuses({networks_, "--feature", "light"}, "a networks, where a samples is needed");
+  Refuses({lights, "--feature", "light", "--truth", lights, "--nearest", "1"}, "none is held out");
+  Refuses({lights, "--feature", "light", "--truth", lights, "--holdout", "b"}, "one will do");
+  Refuses({lights, "--feature", "light", "--holdout", "z", "--nearest", "1"}, "no run 'z'");
+  Refuses({lights, "--feature", "light"}, "nearest: 5; allowed: from 1 to 2");
+  Refuses({networks_, "--truth", samples_, "--holdout", "b"}, "name one by --feature");
+  Refuses({lights}, "--truth is needed");
+}
+
 TEST_F(EvaluateCommand, NamesTheFileThatIsBad) {
   Write("empty.h5", "samples", datasets::SamplesFile({}));
   Refuses({networks_, "--truth", folder_ / "empty.h5", "--nearest", "1"}, "empty.h5: there are no samples");

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "datasets/evaluate/from_file.h"
 #include "datasets/evaluate/held_out_runs.h"
 #include "datasets/evaluate/learned_networks.h"
 
@@ -22,16 +23,6 @@ std::vector<Truth> TruthsOf(const LearnedNetworks& nets, const HeldOutRuns& held
   for (const HeldOutRun& run : held_out.runs)
     AddTruths(map, {run.number, run.x_m, run.y_m, OutputsOf(nets, run.input)}, options, &truths);
   return truths;
-}
-
-// What `read` returns; what it refuses with the file's name before it.
-template <class Read>
-auto FromFile(const std::string& name, const Read& read) {
-  try {
-    return read();
-  } catch (const InputError& error) {
-    throw InputError(name + ": " + error.what());
-  }
 }
 
 }  // namespace

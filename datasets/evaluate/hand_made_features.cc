@@ -1,0 +1,76 @@
+#include "datasets/evaluate/hand_made_features.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/evaluate/learned_networks.h"
+
+namespace cairn::datasets {
+namespace {
+
+std::string Listed(const std::vector<std::string>& names) {
+  std::string listed;
+  for (const std::string& name : names) listed += (listed.empty() ? "'" : ", '") + name + "'";
+  return listed;
+}
+
+std::vector<std::size_t> ColumnsOf(const std::vector<std::string>& features,
+                                   const std::vector<std::string>& names) {
+  if (features.empty() || features.size() > kMostNetworks)
+    throw InputError(std::to_string(features.size()) + " features; allowed: from 1 to " +
+                     std::to_string(kMostNetworks));
+  std::vector<std::size_t> columns;
+  for (const std::string& feature : features) {
+    const auto at = std::ranges::find(names, feature);
+    if (at == names.end()) throw InputError("no feature '" + feature + "'; there are " + Listed(names));
+    const auto column = static_cast<std::size_t>(at - names.begin());
+    if (std::ranges::count(columns, column) > 0) throw InputError("feature '" + feature + "' is named twice");
+    columns.push_back(column);
+  }
+  return columns;
+}
+
+[[noreturn]] void RefuseRow(const std::string& run, std::size_t row, const std::string& why) {
+  throw InputError("run '" + run + "', row " + std::to_string(row) + ": " + why);
+}
+
+FeatureRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
+                   const std::vector<std::string>& names, const std::vector<std::size_t>& columns) {
+  const std::string prefix = "run/" + std::to_string(number) + "/";
+  const auto x = file.Get<double>(prefix + "x_m"), y = file.Get<double>(prefix + "y_m");
+  const auto feature = file.Get<float>(prefix + "feature");
+  if (x.size() != y.size() ||
+      file.at(prefix + "feature").shape() !=
+          Shape{static_cast<std::int64_t>(x.size()), static_cast<std::int64_t>(names.size())})
+    throw InputError("run '" + name +
+                     "': x_m, y_m and feature do not have the same number of rows, or a row " +
+                     "not one feature for each name");
+  FeatureRun run{name, number, {x.begin(), x.end()}, {y.begin(), y.end()}, {}};
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (!std::isfinite(x[k]) || !std::isfinite(y[k])) RefuseRow(name, k, "its position is no number");
+    for (const std::size_t column : columns) {
+      const double value = feature[k * names.size() + column];
+      if (!(value >= 0 && value <= 1))
+        RefuseRow(name, k, "feature '" + names[column] + "' is no probability");
+      run.output.push_back(value);
+    }
+  }
+  return run;
+}
+
+}  // namespace
+
+std::vector<FeatureRun> ReadFeatureRuns(const Blob& file, const std::vector<std::string>& features) {
+  if (!file.Has("feature_name")) throw InputError("there are no hand-made features");
+  const std::vector<std::string> names = file.Texts("feature_name"), runs = file.Texts("runs");
+  const std::vector<std::size_t> columns = ColumnsOf(features, names);
+  std::vector<FeatureRun> read;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    FeatureRun run = ReadRun(file, r, runs[r], names, columns);
+    if (!run.x_m.empty()) read.push_back(std::move(run));
+  }
+  if (read.empty()) throw InputError("there are no samples");
+  return read;
+}
+
+}  // namespace cairn::datasets
