@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "coordinator/core.h"
+#include "coordinator/round_facts.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -159,13 +160,14 @@ void Core::Count(Job& job, const wire::Done& done, const Worker& worker) {
 
 void Core::EndRoundFacts(Job& job) {
   proto::StageFacts& facts = job.facts.back();
-  proto::RoundFacts& round = *facts.add_rounds();
+  proto::RoundFacts round;
   round.set_note(job.step ? job.step->note() : "start");
-  round.set_tasks(static_cast<std::uint32_t>(job.partials.size()));
+  round.set_tasks(job.partials.size());
   round.set_seconds(now_s_ - job.round_since_s);
   round.set_compute_seconds(facts.open_compute_seconds());
   facts.set_open_compute_seconds(0);
   Say(Report::kInfo, job, RoundText(job, round));
+  AddRoundFacts(std::move(round), &facts);
   job.round_since_s = now_s_;
   job.saving.with_partials = false;
   job.task_seconds.clear();

@@ -1,5 +1,6 @@
 #include "coordinator/result_file.h"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <numeric>
@@ -23,16 +24,18 @@ namespace {
 
 void PutRounds(Blob& blob, const proto::StageFacts& facts) {
   std::vector<std::string> notes;
-  std::vector<std::int64_t> tasks;
+  std::vector<std::int64_t> tasks, rounds;
   std::vector<double> seconds, compute_s;
   for (const proto::RoundFacts& round : facts.rounds()) {
     notes.push_back(round.note());
-    tasks.push_back(round.tasks());
+    tasks.push_back(static_cast<std::int64_t>(round.tasks()));
+    rounds.push_back(std::max<std::int64_t>(1, static_cast<std::int64_t>(round.rounds())));
     seconds.push_back(round.seconds());
     compute_s.push_back(round.compute_seconds());
   }
   blob.PutScalar<double>("provenance/seconds_s", std::accumulate(seconds.begin(), seconds.end(), 0.0));
   blob.Put("provenance/round/note", Array::Texts(notes));
+  blob.PutVector<std::int64_t>("provenance/round/rounds", rounds);
   blob.PutVector<std::int64_t>("provenance/round/tasks", tasks);
   blob.PutVector<double>("provenance/round/seconds_s", seconds);
   blob.PutVector<double>("provenance/round/compute_s", compute_s);

@@ -40,7 +40,7 @@ std::vector<double> EvenWeights(int count, int of) {
 }
 
 const float* RowsFrom(const SampleSet& set, int first, int inputs) {
-  return set.inputs.data() + static_cast<std::ptrdiff_t>(first) * inputs;
+  return set.inputs() + static_cast<std::ptrdiff_t>(first) * inputs;
 }
 
 }  // namespace

@@ -9,10 +9,8 @@ namespace cairn::landmark_learning {
 void Descent::Step(const DescentRules& rules, const std::vector<double>& gradient,
                    std::vector<double>* weights) {
   CAIRN_DEMAND(gradient.size() == weights->size(), "a gradient by other weights");
-  if (first.empty()) {
-    first.assign(gradient.size(), 0.0);
-    second.assign(gradient.size(), 0.0);
-  }
+  if (first.empty() && rules.method != Method::kGradient) first.assign(gradient.size(), 0.0F);
+  if (second.empty() && rules.method == Method::kAdam) second.assign(gradient.size(), 0.0F);
   ++step;
   constexpr double kFirst = 0.9, kSecond = 0.999, kSmall = 1e-8;
   const double first_share = 1.0 - std::pow(kFirst, static_cast<double>(step));
@@ -23,11 +21,11 @@ void Descent::Step(const DescentRules& rules, const std::vector<double>& gradien
     if (rules.method == Method::kGradient) {
       w -= rules.rate * gradient[i];
     } else if (rules.method == Method::kMomentum) {
-      first[i] = rules.momentum * first[i] - rules.rate * gradient[i];
+      first[i] = static_cast<float>(rules.momentum * first[i] - rules.rate * gradient[i]);
       w += first[i];
     } else {
-      first[i] = kFirst * first[i] + (1.0 - kFirst) * gradient[i];
-      second[i] = kSecond * second[i] + (1.0 - kSecond) * gradient[i] * gradient[i];
+      first[i] = static_cast<float>(kFirst * first[i] + (1.0 - kFirst) * gradient[i]);
+      second[i] = static_cast<float>(kSecond * second[i] + (1.0 - kSecond) * gradient[i] * gradient[i]);
       w -= rules.rate * (first[i] / first_share) / (std::sqrt(second[i] / second_share) + kSmall);
     }
   }
@@ -44,8 +42,7 @@ Blob Descent::ToBlob() const {
 Descent Descent::FromBlob(const Blob& blob) {
   Descent descent;
   descent.step = blob.Scalar<std::int64_t>("step");
-  const auto first = blob.Get<double>("first"), second = blob.Get<double>("second");
-  if (first.size() != second.size()) throw InputError("the optimiser's moments differ in length");
+  const auto first = blob.Get<float>("first"), second = blob.Get<float>("second");
   descent.first.assign(first.begin(), first.end());
   descent.second.assign(second.begin(), second.end());
   return descent;

@@ -21,10 +21,11 @@ struct DescentRules {
   double weight_decay = 0.0;  // w <- w - rate * weight_decay * w, beside the step (decoupled)
 };
 
-// The optimiser's memory; all in double, so that what a step changes is not lost.
+// The optimiser's memory. The weights are double, so that what a step changes is not lost; the memory is kept
+// as float, which is half of what travels.
 struct Descent {
   std::int64_t step = 0;
-  std::vector<double> first, second;  // momentum, or Adam's moments; empty before the first step
+  std::vector<float> first, second;  // momentum, or Adam's moments; empty before the first step
 
   void Step(const DescentRules& rules, const std::vector<double>& gradient, std::vector<double>* weights);
 

@@ -18,10 +18,10 @@ TEST(Descent, TakesTheStepsByHand) {
 
   w = {0.0};
   Descent momentum;
-  const DescentRules rules{.method = Method::kMomentum, .rate = 0.1, .momentum = 0.5};
+  const DescentRules rules{.method = Method::kMomentum, .rate = 0.125, .momentum = 0.5};  // whole in a float
   momentum.Step(rules, {1.0}, &w);
   momentum.Step(rules, {1.0}, &w);
-  EXPECT_NEAR(w[0], -0.1 - 0.15, 1e-15);
+  EXPECT_NEAR(w[0], -0.125 - 0.1875, 1e-15);
 
   w = {0.0, 0.0};
   Descent adam;  // the first step is the rate, whatever the gradient's size
@@ -59,7 +59,7 @@ TEST(Descent, ComesBackAsItWasStored) {
   back.Step({}, {0.1, 0.2}, &same);
   EXPECT_EQ(w, same);
   Blob torn = descent.ToBlob();
-  torn.PutVector("second", std::vector<double>{1.0});
+  torn.PutVector("second", std::vector<double>{1.0, 2.0});
   EXPECT_THROW(Descent::FromBlob(torn), InputError);
 }
 

@@ -45,6 +45,7 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
     training.validation_prior = PriorError(options_, data.held_out.places, data.training.places);
   Step step;
   (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(data.ToBlob());
+  training.Share({}, inputs, &step);
   Planner(options_, data).Plan(training, &step);
   step.plan.set_note(std::to_string(data.training.size()) + " samples of " +
                      std::to_string(data.mean.size()) + " inputs to train on, " +
@@ -55,13 +56,7 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
 Blob LandmarkLearning::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   progress.Tick();
   const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
-  Parameters<float> parameters(ShapeOf(options_, data.mean.size()));
-  const auto weights = inputs.Get("weights")->Get<float>("weights");
-  if (weights.size() != parameters.values.size()) {
-    throw InputError("there are " + std::to_string(weights.size()) + " weights where the networks have " +
-                     std::to_string(parameters.values.size()));
-  }
-  parameters.values.assign(weights.begin(), weights.end());
+  const Parameters<float> parameters = InFloat(ShapeOf(options_, data.mean.size()), *inputs.Get("weights"));
   const Range block{static_cast<int>(task.params().at("first").i()),
                     static_cast<int>(task.params().at("end").i())};
   Blob partial;
@@ -77,25 +72,21 @@ Blob LandmarkLearning::Run(const Task& task, const Inputs& inputs, Progress& pro
 
 Step LandmarkLearning::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
   const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
-  Training t = Training::FromBlob(*inputs.Get("training"));
+  Training t = Training::Of(inputs);
   const Planner planner(options_, data);
   const RoundSum sum = SumOf(partials, t.weights.size());
-  t.error.push_back(sum.error);
-  t.norm.push_back(Norm(sum.gradient));
-  t.validation.push_back(planner.Validates(t.descent.step) ? sum.validation : kNone);
-  if (!std::isnan(t.validation.back())) {
-    const bool better = std::none_of(t.validation.begin(), t.validation.end() - 1,
-                                     [&](double earlier) { return earlier <= t.validation.back(); });
-    if (better) t.best = t.weights;
-    t.since_best = better ? 0 : t.since_best + 1;
-  }
-  if (t.descent.step + 1 >= options_.steps || t.since_best >= options_.patience)
-    return ResultOf(options_, data, t);
-  t.descent.Step(RulesOf(options_), sum.gradient, &t.weights);
+  t.Record(sum.error, planner.Validates(t.descent.step) ? sum.validation : kNone, Norm(sum.gradient));
+  const std::string note = NoteOf(t);
   Step step;
-  (*step.plan.mutable_state()->mutable_blobs())["data"] = state.blobs().at("data");
-  planner.Plan(t, &step);
-  step.plan.set_note(NoteOf(t));
+  if (t.descent.step + 1 >= options_.steps || t.since_best >= options_.patience) {
+    step = ResultOf(options_, data, t, t.history.All(inputs));
+  } else {
+    t.descent.Step(RulesOf(options_), sum.gradient, &t.weights);
+    (*step.plan.mutable_state()->mutable_blobs())["data"] = state.blobs().at("data");
+    t.Share(state, inputs, &step);
+    planner.Plan(t, &step);
+  }
+  step.plan.set_note(note);
   return step;
 }
 

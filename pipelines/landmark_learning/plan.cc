@@ -22,16 +22,10 @@ void Add(const char* kind, const Range& block, proto::Step* plan) {
 }  // namespace
 
 void Planner::Plan(const Training& training, Step* step) const {
-  State& state = *step->plan.mutable_state();
-  const NetworkShape shape = ShapeOf(options_, data_.mean.size());
-  Blob weights;
-  weights.PutVector("weights", InFloat(shape, training.weights).values);
-  (*state.mutable_blobs())["weights"] = step->Share(weights);
-  (*state.mutable_blobs())["training"] = step->Share(training.ToBlob());
-  const int samples = data_.training.size();
-  for (const Range& block : Blocks(samples, samples, shape.networks)) Add("gradient", block, &step->plan);
+  const int samples = data_.training.size(), networks = static_cast<int>(options_.networks);
+  for (const Range& block : Blocks(samples, samples, networks)) Add("gradient", block, &step->plan);
   if (Validates(training.descent.step)) {
-    for (const Range& block : Blocks(data_.held_out.size(), samples, shape.networks))
+    for (const Range& block : Blocks(data_.held_out.size(), samples, networks))
       Add("validate", block, &step->plan);
   }
   step->plan.set_rounds_left(static_cast<std::uint32_t>(options_.steps - training.descent.step));

@@ -11,7 +11,7 @@ class Planner {
  public:
   Planner(const Options& options, const TrainingData& data) : options_(options), data_(data) {}
 
-  // The tasks of the next step.
+  // The tasks of the next step, on the weights that `step` has in its State.
   void Plan(const Training& training, Step* step) const;
   bool Validates(std::int64_t steps_done) const;
 

@@ -25,20 +25,22 @@ void PutNetworks(const Parameters<float>& p, Blob* result) {
 
 std::string NoteOf(const Training& t) {
   char text[200];
-  const double reduction = 100.0 * (1.0 - t.error.back() / t.prior);
-  int length = std::snprintf(text, sizeof text, "step %zu: error %.3f m of %.3f m, reduced by %.1f%%",
-                             t.error.size(), t.error.back(), t.prior, reduction);
-  if (!std::isnan(t.validation.back())) {
+  const double error = t.history.last_error(), validation = t.history.last_validation();
+  int length = std::snprintf(text, sizeof text, "step %lld: error %.3f m of %.3f m, reduced by %.1f%%",
+                             static_cast<long long>(t.descent.step + 1), error, t.prior,
+                             100.0 * (1.0 - error / t.prior));
+  if (!std::isnan(validation)) {
     length += std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                            "; held out %.1f%%", 100.0 * (1.0 - t.validation.back() / t.validation_prior));
+                            "; held out %.1f%%", 100.0 * (1.0 - validation / t.validation_prior));
   }
-  if (t.norm.back() == 0.0)
+  if (t.history.last_norm() == 0.0)
     std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
                   "; the gradient is exactly zero");
   return text;
 }
 
-Step ResultOf(const Options& options, const TrainingData& data, const Training& t) {
+Step ResultOf(const Options& options, const TrainingData& data, const Training& t,
+              const HistoryRows& history) {
   const Parameters<float> parameters =
       InFloat(ShapeOf(options, data.mean.size()), t.best.empty() ? t.weights : t.best);
   Blob result;
@@ -52,17 +54,16 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   result.PutVector("map/along_m", set.places.along_m);
   result.PutVector("map/run", set.run);
   result.Put("map/output", Array::Of<float>({set.size(), parameters.shape.networks},
-                                            Forward(parameters, set.inputs.data(), set.size()).output));
+                                            Forward(parameters, set.inputs(), set.size()).output));
   result.Put("runs", Array::Texts(data.runs));
-  result.PutVector("history/training_error_m", t.error);
-  result.PutVector("history/validation_error_m", t.validation);
-  result.PutVector("history/gradient_norm", t.norm);
+  result.PutVector("history/training_error_m", history.error);
+  result.PutVector("history/validation_error_m", history.validation);
+  result.PutVector("history/gradient_norm", history.norm);
   result.PutScalar("prior_error_m", t.prior);
   result.PutScalar("validation_prior_error_m", t.validation_prior);
   result.PutScalar("window_m", options.window_m);
   Step step;
   step.plan.set_result(step.Share(result));
-  step.plan.set_note(NoteOf(t));
   return step;
 }
 

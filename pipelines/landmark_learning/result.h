@@ -9,9 +9,10 @@
 
 namespace cairn::landmark_learning {
 
-// What the last step did, in a line for people.
+// What the last step did, in a line for people: right after Training::Record.
 std::string NoteOf(const Training& training);
 
-Step ResultOf(const Options& options, const TrainingData& data, const Training& training);
+Step ResultOf(const Options& options, const TrainingData& data, const Training& training,
+              const HistoryRows& history);
 
 }  // namespace cairn::landmark_learning

@@ -1,43 +1,66 @@
 #include "pipelines/landmark_learning/training.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 namespace cairn::landmark_learning {
 namespace {
 
-template <class S, class F>
-void VisitVectors(S& t, const F& f) {
-  f("weights", t.weights);
-  f("best", t.best);
-  f("error", t.error);
-  f("validation", t.validation);
-  f("norm", t.norm);
+std::vector<double> WeightsIn(const Blob& blob) {
+  const auto weights = blob.Get<double>("weights");
+  return {weights.begin(), weights.end()};
+}
+
+Blob WeightsBlob(const std::vector<double>& weights) {
+  Blob blob;
+  blob.PutVector("weights", weights);
+  return blob;
 }
 
 }  // namespace
 
-Blob Training::ToBlob() const {
+void Training::Share(const State& before, const Inputs& inputs, Step* step) {
+  auto& names = *step->plan.mutable_state()->mutable_blobs();
+  history.Share(before, inputs, step);
+  names["weights"] = step->Share(WeightsBlob(weights));
+  if (best_is_new_)
+    names["best"] = step->Share(WeightsBlob(best));
+  else if (!best.empty())
+    names["best"] = before.blobs().at("best");
   Blob blob;
-  VisitVectors(*this,
-               [&](const char* name, const std::vector<double>& values) { blob.PutVector(name, values); });
   blob.PutAll("descent/", descent.ToBlob());
+  blob.PutAll("history/", history.ToBlob());
   blob.PutScalar("prior", prior);
   blob.PutScalar("validation_prior", validation_prior);
+  blob.PutScalar("best_validation", best_validation);
   blob.PutScalar("since_best", since_best);
-  return blob;
+  names["training"] = step->Share(std::move(blob));
 }
 
-Training Training::FromBlob(const Blob& blob) {
+Training Training::Of(const Inputs& inputs) {
+  const BlobPtr blob = inputs.Get("training");
   Training t;
-  VisitVectors(t, [&](const char* name, std::vector<double>& values) {
-    const auto stored = blob.Get<double>(name);
-    values.assign(stored.begin(), stored.end());
-  });
-  t.descent = Descent::FromBlob(blob.Sub("descent/"));
-  t.prior = blob.Scalar<double>("prior");
-  t.validation_prior = blob.Scalar<double>("validation_prior");
-  t.since_best = blob.Scalar<std::int64_t>("since_best");
+  t.weights = WeightsIn(*inputs.Get("weights"));
+  if (inputs.Has("best")) t.best = WeightsIn(*inputs.Get("best"));
+  t.descent = Descent::FromBlob(blob->Sub("descent/"));
+  t.history = History::FromBlob(blob->Sub("history/"));
+  t.prior = blob->Scalar<double>("prior");
+  t.validation_prior = blob->Scalar<double>("validation_prior");
+  t.best_validation = blob->Scalar<double>("best_validation");
+  t.since_best = blob->Scalar<std::int64_t>("since_best");
   return t;
+}
+
+void Training::Record(double error, double validation, double gradient_norm) {
+  history.Add(error, validation, gradient_norm);
+  if (std::isnan(validation)) return;
+  ++since_best;
+  if (validation >= best_validation) return;
+  best_validation = validation;
+  best = weights;
+  best_is_new_ = true;
+  since_best = 0;
 }
 
 NetworkShape ShapeOf(const Options& options, std::size_t inputs) {
@@ -51,8 +74,16 @@ DescentRules RulesOf(const Options& options) {
   return {method, options.rate, options.momentum, options.weight_decay};
 }
 
-Parameters<float> InFloat(const NetworkShape& shape, const std::vector<double>& weights) {
+Parameters<float> InFloat(const NetworkShape& shape, const Blob& weights) {
+  return InFloat(shape, weights.Get<double>("weights"));
+}
+
+Parameters<float> InFloat(const NetworkShape& shape, std::span<const double> weights) {
   Parameters<float> parameters(shape);
+  if (weights.size() != parameters.values.size()) {
+    throw InputError("there are " + std::to_string(weights.size()) + " weights where the networks have " +
+                     std::to_string(parameters.values.size()));
+  }
   std::ranges::transform(weights, parameters.values.begin(), [](double w) { return static_cast<float>(w); });
   return parameters;
 }

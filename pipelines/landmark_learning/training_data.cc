@@ -58,7 +58,14 @@ RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, s
   return raw;
 }
 
-void Append(const RawRun& raw, std::size_t run, SampleSet* set) {
+// A set that is still in the making.
+struct RawSet {
+  Places places;
+  std::vector<std::int32_t> run;
+  std::vector<float> inputs;
+};
+
+void Append(const RawRun& raw, std::size_t run, RawSet* set) {
   const auto add = [](const auto& from, auto* to) { to->insert(to->end(), from.begin(), from.end()); };
   add(raw.places.x_m, &set->places.x_m);
   add(raw.places.y_m, &set->places.y_m);
@@ -73,13 +80,13 @@ double Extent(const std::vector<double>& values) {
   return *high - *low;
 }
 
-SampleSet Sorted(const SampleSet& set, std::size_t inputs) {
+RawSet Sorted(const RawSet& set, std::size_t inputs) {
   const std::vector<double>& along =
       Extent(set.places.x_m) >= Extent(set.places.y_m) ? set.places.x_m : set.places.y_m;
   std::vector<std::size_t> order(along.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return along[k]; });
-  SampleSet sorted;
+  RawSet sorted;
   for (const std::size_t k : order) {
     sorted.places.x_m.push_back(set.places.x_m[k]);
     sorted.places.y_m.push_back(set.places.y_m[k]);
@@ -91,16 +98,18 @@ SampleSet Sorted(const SampleSet& set, std::size_t inputs) {
   return sorted;
 }
 
-void Normalise(const std::vector<double>& mean, const std::vector<double>& scale, SampleSet* set) {
-  for (std::size_t i = 0; i < set->inputs.size(); ++i) {
+SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vector<double>& scale) {
+  for (std::size_t i = 0; i < set.inputs.size(); ++i) {
     const std::size_t input = i % mean.size();
-    set->inputs[i] = static_cast<float>((set->inputs[i] - mean[input]) / scale[input]);
+    set.inputs[i] = static_cast<float>((set.inputs[i] - mean[input]) / scale[input]);
   }
+  const std::int64_t samples = set.places.size();
+  return {std::move(set.places), std::move(set.run),
+          Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs)};
 }
 
-void FindNorm(const SampleSet& set, std::size_t inputs, std::vector<double>* mean,
-              std::vector<double>* scale) {
-  const auto count = static_cast<double>(set.size());
+void FindNorm(const RawSet& set, std::size_t inputs, std::vector<double>* mean, std::vector<double>* scale) {
+  const auto count = static_cast<double>(set.places.size());
   std::vector<double> sum(inputs, 0.0), squares(inputs, 0.0);
   for (std::size_t i = 0; i < set.inputs.size(); ++i) sum[i % inputs] += set.inputs[i];
   for (const double s : sum) mean->push_back(s / count);
@@ -111,12 +120,12 @@ void FindNorm(const SampleSet& set, std::size_t inputs, std::vector<double>* mea
   for (const double s : squares) scale->push_back(s > 0.0 ? std::sqrt(s / count) : 1.0);
 }
 
-void Store(const SampleSet& set, const std::string& prefix, std::size_t inputs, Blob* blob) {
+void Store(const SampleSet& set, const std::string& prefix, Blob* blob) {
   blob->PutVector(prefix + "x_m", set.places.x_m);
   blob->PutVector(prefix + "y_m", set.places.y_m);
   blob->PutVector(prefix + "along_m", set.places.along_m);
   blob->PutVector(prefix + "run", set.run);
-  blob->Put(prefix + "input", Array::Of<float>({set.size(), static_cast<std::int64_t>(inputs)}, set.inputs));
+  blob->Put(prefix + "input", set.input);
 }
 
 template <class T>
@@ -129,7 +138,7 @@ SampleSet Load(const std::string& prefix, const Blob& blob) {
   return {{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
            Taken<double>(blob, prefix + "along_m")},
           Taken<std::int32_t>(blob, prefix + "run"),
-          Taken<float>(blob, prefix + "input")};
+          blob.at(prefix + "input")};
 }
 
 }  // namespace
@@ -142,15 +151,14 @@ TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout) {
   if (inputs == 0) throw InputError("the samples have no inputs");
   if (!holdout.empty() && std::ranges::find(data.runs, holdout) == data.runs.end())
     throw InputError("holdout: there is no run '" + holdout + "' among the samples");
+  RawSet training, held_out;
   for (std::size_t r = 0; r < data.runs.size(); ++r)
     Append(ReadRun(samples, data.runs[r], r, inputs), r,
-           !holdout.empty() && data.runs[r] == holdout ? &data.held_out : &data.training);
-  if (data.training.size() == 0) throw InputError("no run is left to train on");
-  data.training = Sorted(data.training, inputs);
-  data.held_out = Sorted(data.held_out, inputs);
-  FindNorm(data.training, inputs, &data.mean, &data.scale);
-  Normalise(data.mean, data.scale, &data.training);
-  Normalise(data.mean, data.scale, &data.held_out);
+           !holdout.empty() && data.runs[r] == holdout ? &held_out : &training);
+  if (training.places.size() == 0) throw InputError("no run is left to train on");
+  FindNorm(training, inputs, &data.mean, &data.scale);
+  data.training = Normalised(Sorted(training, inputs), data.mean, data.scale);
+  data.held_out = Normalised(Sorted(held_out, inputs), data.mean, data.scale);
   return data;
 }
 
@@ -160,8 +168,8 @@ Blob TrainingData::ToBlob() const {
   blob.Put("input_name", Array::Texts(input_names));
   blob.PutVector("mean", mean);
   blob.PutVector("scale", scale);
-  Store(training, "training/", mean.size(), &blob);
-  Store(held_out, "held_out/", mean.size(), &blob);
+  Store(training, "training/", &blob);
+  Store(held_out, "held_out/", &blob);
   return blob;
 }
 

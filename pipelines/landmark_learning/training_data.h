@@ -14,8 +14,9 @@ namespace cairn::landmark_learning {
 struct SampleSet {
   Places places;
   std::vector<std::int32_t> run;  // index into the runs of the input
-  std::vector<float> inputs;      // [samples][inputs], (input - mean) / scale
+  Array input;                    // f32, [samples][inputs], (input - mean) / scale; shared, as it is large
 
+  const float* inputs() const { return input.As<float>().data(); }
   int size() const { return places.size(); }
 };
 

@@ -17,7 +17,7 @@ TEST(TrainingData, IsNormalisedByTheTrainingSamplesAlone) {
   for (std::size_t input = 0; input < 5; ++input) {
     double sum = 0.0, squares = 0.0;
     for (std::size_t k = 0; k < 160; ++k) {
-      const double x = data.training.inputs[5 * k + input];
+      const double x = data.training.inputs()[5 * k + input];
       sum += x;
       squares += x * x;
     }
@@ -38,7 +38,7 @@ TEST(TrainingData, IsSortedInSpaceWithEachSamplesOwnInputsAndWay) {
   ASSERT_NE(found, data.training.places.x_m.end());
   const auto at = static_cast<std::size_t>(found - data.training.places.x_m.begin());
   EXPECT_EQ(data.training.run[at], 2);
-  EXPECT_NEAR(data.training.inputs[5 * at] * data.scale[0] + data.mean[0], inputs[5 * 33], 1e-5);
+  EXPECT_NEAR(data.training.inputs()[5 * at] * data.scale[0] + data.mean[0], inputs[5 * 33], 1e-5);
   EXPECT_NEAR(data.training.places.along_m[at], x[33] - x[0], 0.5);  // the way, which wobbles
 }
 
