@@ -7,15 +7,22 @@
 #include <map>
 #include <set>
 
-#include "datasets/images/image_features.h"
 #include "datasets/name_index.h"
+#include "datasets/pose_track.h"
 #include "datasets/sample_rows.h"
+#include "datasets/timed_inputs.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
 namespace {
 
 namespace fs = std::filesystem;
+
+const std::vector<std::vector<std::string>> kPoses = {{"image", "time_s", "x_m", "y_m", "heading_rad", "run"},
+                                                      {"image", "time_s", "x_m", "y_m", "heading_rad"},
+                                                      {"image", "time_s", "x_m", "y_m", "run"},
+                                                      {"image", "time_s", "x_m", "y_m"}};
+const std::vector<std::vector<std::string>> kTimes = {{"image", "time_s", "run"}, {"image", "time_s"}};
 
 bool IsImage(const fs::path& path) {
   std::string ending = path.extension().string();
@@ -31,13 +38,15 @@ class ImagesImport {
   }
 
   ImportReport Run(Blob* samples) {
+    if (!options_.times.empty()) track_.emplace(options_.poses, options_.smooth_s, &bad_);
+    if (!options_.ranges.empty()) ranges_.emplace(options_.ranges, &bad_);
     BadLines bad_before(options_.skip_bad);  // what is wrong with the table is said before images are read
     const std::set<std::string> named = ReadTable(nullptr, &bad_before);
     CountWithoutPose(named);
     const Readings readings = ReadImages(named);
     ReadTable(&readings, &bad_);
-    for (const SampleRun& run : samples_.runs) CheckRun(options_.poses, run, &report_);
-    if (samples_.runs.empty()) throw InputError(options_.poses + ": there are no samples in it");
+    for (const SampleRun& run : samples_.runs) CheckRun(Table(), run, &report_);
+    if (samples_.runs.empty()) throw InputError(Table() + ": there are no samples in it");
     report_.skipped.insert(bad_.counts().begin(), bad_.counts().end());
     *samples = MakeSamples(samples_);
     return report_;
@@ -46,6 +55,7 @@ class ImagesImport {
  private:
   using Readings = std::map<std::string, ImageReading>;  // by path
 
+  const std::string& Table() const { return options_.times.empty() ? options_.poses : options_.times; }
   std::string PathOf(std::string_view image) const {
     return (fs::path(options_.folder) / image).lexically_normal().string();
   }
@@ -53,32 +63,34 @@ class ImagesImport {
   // The paths that the table names. With `readings` its lines become samples of them; without they are only
   // checked.
   std::set<std::string> ReadTable(const Readings* readings, BadLines* bad) {
-    const std::vector<std::vector<std::string>> headers = {
-        {"image", "time_s", "x_m", "y_m", "heading_rad", "run"},
-        {"image", "time_s", "x_m", "y_m", "heading_rad"},
-        {"image", "time_s", "x_m", "y_m", "run"},
-        {"image", "time_s", "x_m", "y_m"}};
-    CsvReader reader(options_.poses, headers, bad);
+    CsvReader reader(Table(), track_ ? kTimes : kPoses, bad);
+    const std::vector<std::string>& header = (track_ ? kTimes : kPoses)[reader.header()];
+    const auto column = [&](std::string_view name) -> std::optional<std::size_t> {
+      const auto found = std::ranges::find(header, name);
+      if (found == header.end()) return std::nullopt;
+      return static_cast<std::size_t>(found - header.begin());
+    };
     reader.TakeExtraColumns();
-    const std::size_t width = headers[reader.header()].size();
-    SampleColumns columns{1, 2, 3, {}, {}};
-    if (reader.header() < 2) columns.heading = 4;
-    std::optional<std::size_t> run_column;
-    if (reader.header() % 2 == 0) run_column = width - 1;
-    samples_ = {ImageFeatureNames(), {}};
-    for (const std::string& name : reader.extra_columns()) {
-      if (std::ranges::count(samples_.input_name, name) > 0)
-        throw InputError(options_.poses + ":1: column '" + name + "' is called as an image's feature");
-      columns.input.push_back(width + columns.input.size());
-      samples_.input_name.push_back(name);
-    }
+    SampleColumns columns{1, column("x_m"), column("y_m"), column("heading_rad"), {}};
+    for (std::size_t i = 0; i < reader.extra_columns().size(); ++i)
+      columns.input.push_back(header.size() + i);
+    samples_ = {reader.extra_columns(), {}};
+    if (ranges_) AddRangeNames();
     runs_ = NameIndex();
     std::set<std::string> named;
     while (reader.Next()) {
       named.insert(PathOf(reader.Text(0)));
-      ReadRow(columns, run_column, readings, &reader);
+      ReadRow(columns, column("run"), readings, &reader);
     }
     return named;
+  }
+
+  void AddRangeNames() {
+    for (const std::string& name : ranges_->names()) {
+      if (std::ranges::count(samples_.input_name, name) > 0)
+        throw InputError(options_.ranges + ":1: column '" + name + "' is one of " + Table() + " too");
+      samples_.input_name.push_back(name);
+    }
   }
 
   void ReadRow(const SampleColumns& columns, std::optional<std::size_t> run_column, const Readings* readings,
@@ -88,16 +100,48 @@ class ImagesImport {
     if (!fs::is_regular_file(path)) return reader->Bad("no such image", path);
     if (name.empty()) return reader->Bad("run without a name", "the column is empty");
     const auto index = static_cast<std::size_t>(runs_.FindOrAdd(name));
-    if (index == samples_.runs.size()) samples_.runs.push_back({name, {}, {}, {}, {}, {}});
+    if (index == samples_.runs.size()) samples_.runs.emplace_back().name = name;
     SampleRun& run = samples_.runs[index];
     std::optional<SampleRow> row = ReadSampleRow(columns, run, reader);
-    if (!row) return;
-    if (readings != nullptr) {
-      const ImageReading& reading = readings->at(path);
-      if (!reading.failure.empty()) return reader->Bad("bad image", path + ": " + reading.failure);
-      row->input.insert(row->input.begin(), reading.features.begin(), reading.features.end());
+    if (!row || !LookUp(name, &*row, reader)) return;
+    if (readings != nullptr && !AddImage(path, readings->at(path), reader, &run)) return;
+    AddSampleRow(*row, track_ ? track_->has_heading() : columns.heading.has_value(), &run);
+  }
+
+  // The pose and the ranges at the row's time.
+  bool LookUp(const std::string& run, SampleRow* row, CsvReader* reader) const {
+    const std::string when = std::to_string(row->time_s) + " s";
+    if (track_) {
+      const auto pose = track_->At(run, row->time_s, options_.most_gap_s);
+      if (!pose) return reader->Bad("no pose at its time", "the track says nothing of " + when), false;
+      row->x_m = pose->x_m;
+      row->y_m = pose->y_m;
+      row->heading_rad = pose->heading_rad;
     }
-    AddSampleRow(columns, *row, &run);
+    if (ranges_) {
+      const auto nearest = ranges_->Nearest(run, row->time_s, options_.most_gap_s);
+      if (nearest.empty()) return reader->Bad("no ranges at its time", "none is near " + when), false;
+      row->input.insert(row->input.end(), nearest.begin(), nearest.end());
+    }
+    return true;
+  }
+
+  static bool AddImage(const std::string& path, const ImageReading& image, CsvReader* reader,
+                       SampleRun* run) {
+    if (!image.failure.empty()) return reader->Bad("bad image", path + ": " + image.failure), false;
+    if (run->image.empty()) {
+      run->image_rows = image.rows;
+      run->image_columns = image.columns;
+    }
+    if (image.rows != run->image_rows || image.columns != run->image_columns) {
+      reader->Bad("image of another size", path + ": " + std::to_string(image.rows) + " by " +
+                                               std::to_string(image.columns) + ", the run's first " +
+                                               std::to_string(run->image_rows) + " by " +
+                                               std::to_string(run->image_columns));
+      return false;
+    }
+    run->image.insert(run->image.end(), image.rgb.begin(), image.rgb.end());
+    return true;
   }
 
   std::string FolderName() const { return fs::canonical(options_.folder).filename().string(); }
@@ -110,7 +154,7 @@ class ImagesImport {
     }
     if (without.empty()) return;
     if (!options_.skip_bad)
-      throw InputError(*without.begin() + ": image without a pose: " + options_.poses + " does not name it");
+      throw InputError(*without.begin() + ": image without a pose: " + Table() + " does not name it");
     report_.skipped["image without a pose"] = static_cast<std::int64_t>(without.size());
   }
 
@@ -118,16 +162,18 @@ class ImagesImport {
     std::vector<std::string> paths;
     std::ranges::copy_if(named, std::back_inserter(paths),
                          [](const auto& path) { return fs::is_regular_file(path); });
-    const std::vector<ImageReading> read = read_(paths);
+    std::vector<ImageReading> read = read_(paths);
     CAIRN_DEMAND(read.size() == paths.size(), "a reader that loses images");
     Readings readings;
-    for (std::size_t i = 0; i < paths.size(); ++i) readings[paths[i]] = read[i];
+    for (std::size_t i = 0; i < paths.size(); ++i) readings[paths[i]] = std::move(read[i]);
     return readings;
   }
 
   const ImagesImportOptions& options_;
   const ImageReader& read_;
   BadLines bad_;
+  std::optional<PoseTracks> track_;
+  std::optional<TimedInputs> ranges_;
   ImportReport report_;
   Samples samples_;
   NameIndex runs_;

@@ -1,11 +1,14 @@
-// `cairn import images`: a folder of images, and a table of where each was taken. The table is plain or
-// gzipped, with a header; columns stand in any order:
+// `cairn import images`: a folder of images, and tables of when and where each was taken, of which columns
+// stand in any order. Either `poses` names the images,
 //
 //   image,time_s,x_m,y_m[,heading_rad]   image: its path in the folder
-//   run                                  of any name, may be missing: then all are one, called after the
-//   folder any other                            an input beside the image's (a range), called by its column
+//   run                                  of any name; without it all are one, called after the folder
+//   any other                            an input beside the image (a range), called by its column
+//
+// or it is a track (pose_track.h) and `times` names them, with the same columns but for the pose.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -18,21 +21,27 @@ namespace cairn::datasets {
 struct ImagesImportOptions {
   std::string folder;
   std::string poses;
-  bool skip_bad = false;  // skip bad lines, and images without one, and count them by reason
+  std::string ranges;       // readings of other sensors by time (timed_inputs.h); empty: none
+  std::string times;        // empty: `poses` names the images
+  double smooth_s = 0;      // of a track
+  double most_gap_s = 1.0;  // between rows of a track, and from an image to its ranges
+  bool skip_bad = false;    // skip bad lines, and images without one, and count them by reason
 };
 
-// Features of an image (images/image_features.h), or why there are none.
+// An image, 8 bits of red, green, blue, or why there is none.
 struct ImageReading {
-  std::vector<float> features;
-  std::string failure;
+  int rows = 0, columns = 0;
+  std::vector<std::uint8_t> rgb = {};  // [rows][columns][3]
+  std::string failure = {};
 };
 // One for each path. Images are decoded by another program, or by a test.
 using ImageReader = std::function<std::vector<ImageReading>(const std::vector<std::string>& paths)>;
 
-// Makes `samples` (schema/FORMAT.md): the image's features, then the table's inputs. Throws InputError
-// "FILE:LINE: REASON: DETAIL". Bad lines are those of import_vectors.h, and: no such image, bad image.
-// Refused are also an image in the folder (PNG, JPEG, PPM) that the table does not name, an input without a
-// name of its own, a run of less than two samples.
+// Makes `samples` (schema/FORMAT.md) with images, whose inputs are those of the tables. Throws InputError
+// "FILE:LINE: REASON: DETAIL". Bad lines are those of import_vectors.h, and: no such image, bad image, an
+// image of another size than the run's first, one without a pose or ranges at its time. Refused are also an
+// image in the folder (PNG, JPEG, PPM) that no table names, an input without a name of its own, a run of less
+// than two samples.
 ImportReport ImportImages(const ImagesImportOptions& options, const ImageReader& read, Blob* samples);
 
 }  // namespace cairn::datasets

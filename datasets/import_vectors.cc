@@ -46,7 +46,7 @@ class VectorsImport {
     SampleColumns columns{0, 1, 2, {}, InputColumns(path, &reader)};
     if (has_heading_) columns.heading = 3;
     while (reader.Next()) {
-      if (const auto row = ReadSampleRow(columns, run, &reader)) AddSampleRow(columns, *row, &run);
+      if (const auto row = ReadSampleRow(columns, run, &reader)) AddSampleRow(*row, has_heading_, &run);
     }
     CheckRun(path + ":" + std::to_string(reader.line()), run, &report_);
     samples_.runs.push_back(std::move(run));

@@ -105,6 +105,12 @@ void AddSamples(const Blob& blob, Facts* facts) {
   if (blob.Has("label_error_m") && !ColumnOrNone<double>(blob, "label_error_m").empty())
     facts->emplace_back("label error",
                         ShortNumber(ColumnOrNone<double>(blob, "label_error_m").front()) + " m");
+  if (blob.Has("run/0/image")) {
+    const Shape& shape = blob.at("run/0/image").shape();
+    if (shape.size() == 4)
+      facts->emplace_back("images", std::to_string(shape[1]) + " by " + std::to_string(shape[2]) +
+                                        " pixels; `cairn run image_features` makes inputs of them");
+  }
   const std::string x = Extent(blob, runs.size(), "x_m"), y = Extent(blob, runs.size(), "y_m");
   if (!x.empty() && !y.empty()) facts->emplace_back("extent", "x " + x + ", y " + y);
 }

@@ -40,11 +40,14 @@ TEST(Inspect, TellsWhatAMapHolds) {
 TEST(Inspect, TellsWhatSamplesHold) {
   const SampleRun monday{"monday", {1, 2, 4}, {0, 3, 3}, {0, 4, 4}, {}, {1, 2, 3, 4, 5, 6}};
   const SampleRun tuesday{"tuesday", {5, 9}, {-1, 0}, {2, 2}, {0, 0}, {7, 8, 9, 10}};
-  const Blob blob = MakeSamples({{"red", "range 1"}, {monday, tuesday}});
+  Blob blob = MakeSamples({{"red", "range 1"}, {monday, tuesday}});
   const std::string text = InspectText(Inspected(blob, "samples"));
   ExpectContains(text, "  run monday   3 samples over 3 s, 5 m\n");
   ExpectContains(text, "  run tuesday  2 samples over 4 s, 1 m\n");
   ExpectContains(text, "  samples      5 samples in 2 runs, 2 inputs each\n");
+  EXPECT_EQ(text.find("images"), std::string::npos);
+  blob.Put("run/0/image", Array::Of({3, 2, 4, 3}, std::vector<std::uint8_t>(72)));
+  ExpectContains(InspectText(Inspected(blob, "samples")), "  images       2 by 4 pixels");
   ExpectContains(text, "  extent       x -1 to 3 m, y 0 to 4 m\n");
 }
 

@@ -10,9 +10,11 @@ namespace cairn::datasets {
 
 std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const SampleRun& run,
                                        CsvReader* reader) {
-  const auto time = reader->Number(columns.time), x = time ? reader->Number(columns.x) : time,
-             y = x ? reader->Number(columns.y) : x,
-             heading = y && columns.heading ? reader->Number(*columns.heading) : y;
+  const auto after = [&](std::optional<double> good, std::optional<std::size_t> column) {
+    return good && column ? reader->Number(*column) : good;
+  };
+  const auto time = reader->Number(columns.time), x = after(time, columns.x), y = after(x, columns.y),
+             heading = after(y, columns.heading);
   if (!heading) return std::nullopt;
   if (!run.time_s.empty() && *time < run.time_s.back()) {
     reader->Bad("time runs backwards", std::to_string(*time) + " after " + std::to_string(run.time_s.back()));
@@ -31,11 +33,11 @@ std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const Sampl
   return row;
 }
 
-void AddSampleRow(const SampleColumns& columns, const SampleRow& row, SampleRun* run) {
+void AddSampleRow(const SampleRow& row, bool with_heading, SampleRun* run) {
   run->time_s.push_back(row.time_s);
   run->x_m.push_back(row.x_m);
   run->y_m.push_back(row.y_m);
-  if (columns.heading) run->heading_rad.push_back(row.heading_rad);
+  if (with_heading) run->heading_rad.push_back(row.heading_rad);
   run->input.insert(run->input.end(), row.input.begin(), row.input.end());
 }
 

@@ -11,10 +11,10 @@
 
 namespace cairn::datasets {
 
-// Where a reader has them.
+// Where a reader has them. Without x and y the pose comes from elsewhere.
 struct SampleColumns {
-  std::size_t time = 0, x = 0, y = 0;
-  std::optional<std::size_t> heading;
+  std::size_t time = 0;
+  std::optional<std::size_t> x, y, heading;
   std::vector<std::size_t> input;
 };
 
@@ -27,7 +27,7 @@ struct SampleRow {
 // none, not finite or too large for 32 bits, a time that runs backwards.
 std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const SampleRun& run, CsvReader* reader);
 
-void AddSampleRow(const SampleColumns& columns, const SampleRow& row, SampleRun* run);
+void AddSampleRow(const SampleRow& row, bool with_heading, SampleRun* run);
 
 // Warns of samples that repeat a pose. Throws InputError "WHERE: REASON" for a run of less than two samples.
 void CheckRun(const std::string& where, const SampleRun& run, ImportReport* report);

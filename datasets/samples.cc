@@ -40,9 +40,11 @@ Blob MakeSamples(const Samples& samples) {
     blob.PutVector(prefix + "x_m", run.x_m);
     blob.PutVector(prefix + "y_m", run.y_m);
     if (!run.heading_rad.empty()) blob.PutVector(prefix + "heading_rad", run.heading_rad);
-    const Shape shape{static_cast<std::int64_t>(run.time_s.size()),
-                      static_cast<std::int64_t>(samples.input_name.size())};
-    blob.Put(prefix + "input", Array::Of(shape, run.input));
+    const auto count = static_cast<std::int64_t>(run.time_s.size());
+    blob.Put(prefix + "input",
+             Array::Of({count, static_cast<std::int64_t>(samples.input_name.size())}, run.input));
+    if (!run.image.empty())
+      blob.Put(prefix + "image", Array::Of({count, run.image_rows, run.image_columns, 3}, run.image));
     PutFeatures(prefix, samples.feature_name.size(), run, &blob);
     PutTruth(prefix, run, &blob);
   }

@@ -1,4 +1,4 @@
-// Samples while they are read: vectors of any sensor, each with the pose at which it was taken
+// Samples while they are read: vectors of any sensor, or images, each with the pose at which it was taken
 // (schema/FORMAT.md, `samples`).
 #pragma once
 
@@ -16,6 +16,8 @@ struct SampleRun {
   std::vector<double> time_s, x_m, y_m;
   std::vector<double> heading_rad;  // empty: not known
   std::vector<float> input;         // [samples][inputs]
+  int image_rows = 0, image_columns = 0;
+  std::vector<std::uint8_t> image = {};  // [samples][image_rows][image_columns][3]; empty: there are none
   std::vector<float> feature = {};  // [samples][hand-made features], P(f = 1 | what was sensed)
   // Where it truly was: empty, or of each sample.
   std::vector<double> true_x_m = {}, true_y_m = {}, true_heading_rad = {};

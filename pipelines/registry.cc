@@ -1,5 +1,6 @@
 #include "pipelines/registry.h"
 
+#include "pipelines/image_features/image_features.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_map/landmark_map.h"
 
@@ -21,6 +22,8 @@ Entry Register(const char* name, const char* summary, std::vector<std::string> i
 
 const std::vector<Entry>& Entries() {
   static const std::vector<Entry> entries = {
+      Register<image_features::ImageFeatures, image_features::Options>(
+          "image_features", "what networks see of images: brightness, colour, texture of bands", {"samples"}),
       Register<landmark_map::LandmarkMap, landmark_map::Options>(
           "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log", "map?"}),
       Register<landmark_learning::LandmarkLearning, landmark_learning::Options>(

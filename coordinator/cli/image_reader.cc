@@ -1,45 +1,52 @@
 #include "coordinator/cli/image_reader.h"
 
 #include <algorithm>
-#include <sstream>
+#include <charconv>
+#include <string_view>
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/programs.h"
-#include "datasets/images/image_features.h"
-#include "datasets/text_file.h"
 
 namespace cairn::cli {
 namespace {
 
-constexpr std::size_t kImagesACall = 256;  // far below what a command line holds
+constexpr std::size_t kImagesACall = 64;  // far below what a command line holds
 
-datasets::ImageReading ParseReading(const std::string& line) {
-  if (line.starts_with('!')) return {{}, line.substr(1)};
-  datasets::ImageReading reading;
-  std::istringstream fields(line);
-  for (std::string field; std::getline(fields, field, ',');) {
-    const char* reason = "";
-    const std::optional<double> value = datasets::ParseNumber(field, &reason);
-    if (!value) throw WorldError("cairn-images says what is no feature: " + field);
-    reading.features.push_back(static_cast<float>(*value));
-  }
-  if (reading.features.size() != static_cast<std::size_t>(datasets::kImageFeatures))
-    throw WorldError("cairn-images is of another version: " + std::to_string(reading.features.size()) +
-                     " features");
-  return reading;
+// Cuts an image off the front of what cairn-images says.
+datasets::ImageReading TakeImage(std::string_view* said) {
+  const WorldError other("cairn-images is of another version: it does not say an image for each file");
+  const std::size_t end = said->find('\n');
+  if (end == std::string_view::npos) throw other;
+  const std::string_view line = said->substr(0, end);
+  said->remove_prefix(end + 1);
+  if (line.starts_with('!')) return {.failure = std::string(line.substr(1))};
+  datasets::ImageReading image;
+  const char* last = line.data() + line.size();
+  const auto rows = std::from_chars(line.data(), last, image.rows);
+  if (rows.ec != std::errc() || rows.ptr == last || *rows.ptr != ' ') throw other;
+  const auto columns = std::from_chars(rows.ptr + 1, last, image.columns);
+  if (columns.ec != std::errc() || columns.ptr != last || image.rows < 1 || image.columns < 1) throw other;
+  const std::size_t bytes =
+      static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.columns) * 3;
+  if (said->size() < bytes) throw other;
+  image.rgb.assign(said->begin(), said->begin() + static_cast<std::ptrdiff_t>(bytes));
+  said->remove_prefix(bytes);
+  return image;
 }
 
 }  // namespace
 
-std::vector<datasets::ImageReading> ReadImagesElsewhere(const std::vector<std::string>& paths) {
+std::vector<datasets::ImageReading> ReadImagesElsewhere(const std::vector<std::string>& paths,
+                                                        int most_side) {
   std::vector<datasets::ImageReading> readings;
-  for (std::size_t begin = 0; begin < paths.size(); begin += kImagesACall) {
-    const std::size_t end = std::min(begin + kImagesACall, paths.size());
-    const std::vector<std::string> block(paths.begin() + static_cast<std::ptrdiff_t>(begin),
-                                         paths.begin() + static_cast<std::ptrdiff_t>(end));
-    std::istringstream lines(OutputOf(ImagesProgram(), block));
-    for (std::string line; std::getline(lines, line);) readings.push_back(ParseReading(line));
-    if (readings.size() != end) throw WorldError("cairn-images does not say a line for each image");
+  while (readings.size() < paths.size()) {
+    std::vector<std::string> arguments = {std::to_string(most_side)};
+    const std::size_t end = std::min(readings.size() + kImagesACall, paths.size());
+    arguments.insert(arguments.end(), paths.begin() + static_cast<std::ptrdiff_t>(readings.size()),
+                     paths.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::string text = OutputOf(ImagesProgram(), arguments);
+    std::string_view said = text;
+    while (readings.size() < end) readings.push_back(TakeImage(&said));
   }
   return readings;
 }

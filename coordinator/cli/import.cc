@@ -108,15 +108,21 @@ int ImportVectors(const VectorsOptions& options, const Invocation&) {
 
 struct ImagesOptions {
   datasets::ImagesImportOptions import;
+  std::vector<std::string> tables;  // poses, and it may be ranges
+  int most_side = 640;
   std::string out;
   bool force = false;
 };
 
 int ImportImages(const ImagesOptions& options, const Invocation&) {
-  RefuseToReplaceInput(options.out, {options.import.poses});
+  datasets::ImagesImportOptions import = options.import;
+  import.poses = options.tables.front();
+  if (options.tables.size() > 1) import.ranges = options.tables.back();
+  RefuseToReplaceInput(options.out, {import.poses, import.ranges, import.times});
   RefuseToOverwrite(options.out, options.force);
+  const auto read = [&](const auto& paths) { return ReadImagesElsewhere(paths, options.most_side); };
   Blob samples;
-  const datasets::ImportReport report = datasets::ImportImages(options.import, ReadImagesElsewhere, &samples);
+  const datasets::ImportReport report = datasets::ImportImages(import, read, &samples);
   return Store(options.out, samples, report, "samples");
 }
 
@@ -198,11 +204,32 @@ void AddImages(CLI::App& import, Invocation& call) {
   const auto options = AddCommand<ImagesOptions>(
       import, call, "images", "A folder of images with a table of poses (docs/datasets.md)",
       "cairn import images snapshots poses.csv images.h5", ImportImages, &command);
+  command->validate_positionals();  // by their endings: one table or two, then the file to write
   command->add_option("FOLDER", options->import.folder, "PNG, JPEG and PPM images")->required();
   command
-      ->add_option("POSES.csv", options->import.poses,
-                   "image,time_s,x_m,y_m[,heading_rad][,run], any other column an input; plain or gzipped")
-      ->required();
+      ->add_option("TABLE.csv", options->tables,
+                   "Poses: image,time_s,x_m,y_m[,heading_rad][,run], any other column an input; or a track, "
+                   "with --times. Then, where there are, ranges: time_s[,run], any other column an input")
+      ->required()
+      ->expected(1, 2)
+      ->check([](const std::string& name) { return name.ends_with(".h5") ? "a table is a CSV file" : ""; });
+  command->add_option("--times", options->import.times,
+                      "image,time_s[,run] for images whose poses are those of a track: "
+                      "time_s,x_m,y_m[,heading_rad][,run]");
+  command
+      ->add_option("--smooth-s", options->import.smooth_s, "Take the mean of the track over so many seconds")
+      ->check(CLI::NonNegativeNumber)
+      ->needs("--times");
+  command
+      ->add_option("--most-gap-s", options->import.most_gap_s,
+                   "How far rows of a track may lie apart, and ranges from an image")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--most-side", options->most_side,
+                   "Larger images are made smaller by a whole number, so that no side has more pixels")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
   AddOutput(*command, *options);
 }
 

@@ -1,32 +1,41 @@
 #include "datasets/images/decode_image.h"
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
-#include "schema/error.h"
-
 namespace cairn::datasets {
+namespace {
 
-RgbImage DecodeImage(const std::string& path) {
+// The mean of a square of `side` pixels, rounded.
+std::uint8_t Mean(const cv::Mat& bgr, int row, int column, int channel, int side) {
+  int sum = 0;
+  for (int r = row; r < row + side; ++r) {
+    for (int c = column; c < column + side; ++c) sum += bgr.at<cv::Vec3b>(r, c)[channel];
+  }
+  return static_cast<std::uint8_t>((2 * sum + side * side) / (2 * side * side));
+}
+
+}  // namespace
+
+ImageReading DecodeImage(const std::string& path, int most_side) {
   cv::Mat image;
   try {
     image = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
     image.release();  // too large, or damaged in a way that the codec throws
   }
-  if (image.empty()) throw InputError("it cannot be decoded");
-  if (image.rows < kImageBands || image.cols < kImageBands) {
-    throw InputError("it has " + std::to_string(image.rows) + " by " + std::to_string(image.cols) +
-                     " pixels; 10 by 10 or more are needed");
-  }
-  RgbImage rgb{image.rows, image.cols, {}};
-  rgb.rgb.reserve(image.total() * 3);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.cols; ++column) {
-      const auto& bgr = image.at<cv::Vec3b>(row, column);
-      rgb.rgb.insert(rgb.rgb.end(), {bgr[2], bgr[1], bgr[0]});
+  if (image.empty()) return {.failure = "it cannot be decoded"};
+  const int side = std::max(1, (std::max(image.rows, image.cols) + most_side - 1) / most_side);
+  ImageReading reading{.rows = image.rows / side, .columns = image.cols / side};
+  if (reading.rows == 0 || reading.columns == 0) return {.failure = "it is too long for its width"};
+  reading.rgb.reserve(static_cast<std::size_t>(reading.rows) * static_cast<std::size_t>(reading.columns) * 3);
+  for (int row = 0; row < reading.rows; ++row) {
+    for (int column = 0; column < reading.columns; ++column) {
+      for (const int channel : {2, 1, 0})
+        reading.rgb.push_back(Mean(image, row * side, column * side, channel, side));
     }
   }
-  return rgb;
+  return reading;
 }
 
 }  // namespace cairn::datasets

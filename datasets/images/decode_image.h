@@ -4,12 +4,13 @@
 
 #include <string>
 
-#include "datasets/images/image_features.h"
+#include "datasets/import_images.h"
 
 namespace cairn::datasets {
 
-// PNG, JPEG, PPM and what else OpenCV reads, as 8 bits of red, green, blue; turned as it was stored. Throws
-// InputError "it cannot be decoded", "it has … pixels; …", without the file's name.
-RgbImage DecodeImage(const std::string& path);
+// PNG, JPEG, PPM and what else OpenCV reads, turned as it was stored. Where a side is longer than `most_side`
+// pixels, each becomes the mean of a square of as few as will do; what is left over of such squares on the
+// right and below is cut off. What cannot be decoded has a failure, without the file's name.
+ImageReading DecodeImage(const std::string& path, int most_side);
 
 }  // namespace cairn::datasets

@@ -11,14 +11,7 @@ namespace {
 
 std::vector<ImageReading> ReadHere(const std::vector<std::string>& paths) {
   std::vector<ImageReading> readings;
-  for (const std::string& path : paths) {
-    ImageReading& reading = readings.emplace_back();
-    try {
-      reading.features = ImageFeatures(DecodeImage(path));
-    } catch (const InputError& error) {
-      reading.failure = error.what();
-    }
-  }
+  for (const std::string& path : paths) readings.push_back(DecodeImage(path, 1000));
   return readings;
 }
 
@@ -49,22 +42,51 @@ class ImportImagesTest : public ImportTest {
   }
 };
 
-TEST_F(ImportImagesTest, PutsFeaturesBeforeTheTablesInputs) {
+TEST_F(ImportImagesTest, PutsImagesBesideTheTablesInputs) {
   Import(
       "sonar,x_m,y_m,time_s,image,heading_rad\n5,1,2,3,a.png,0.5\n6,7,8,9,./deep/"
       "c.ppm,0\n7,1,1,10,b.jpg,0\n");
   EXPECT_EQ(log_.Texts("runs"), (std::vector<std::string>{"garden"}));
-  const std::vector<std::string> names = log_.Texts("input_name");
-  ASSERT_EQ(names.size(), 141U);
-  EXPECT_EQ(names.front(), "row 0 brightness");
-  EXPECT_EQ(names.back(), "sonar");
+  EXPECT_EQ(log_.Texts("input_name"), (std::vector<std::string>{"sonar"}));
   EXPECT_EQ(Column<double>("run/0/x_m"), (std::vector<double>{1, 7, 1}));
   EXPECT_EQ(Column<double>("run/0/heading_rad"), (std::vector<double>{0.5, 0, 0}));
-  EXPECT_EQ(log_.at("run/0/input").shape(), (Shape{3, 141}));
-  std::vector<float> second = ImageFeatures(DecodeImage(options_.folder + "/deep/c.ppm"));
-  second.push_back(6);
-  const std::vector<float> input = Column<float>("run/0/input");
-  EXPECT_EQ(std::vector<float>(input.begin() + 141, input.begin() + 282), second);
+  EXPECT_EQ(log_.at("run/0/input").shape(), (Shape{3, 1}));
+  EXPECT_EQ(Column<float>("run/0/input"), (std::vector<float>{5, 6, 7}));
+  ASSERT_EQ(log_.at("run/0/image").shape(), (Shape{3, 12, 16, 3}));
+  const std::vector<std::uint8_t> images = Column<std::uint8_t>("run/0/image");
+  EXPECT_EQ(std::vector<std::uint8_t>(images.begin() + 576, images.begin() + 1152),
+            DecodeImage(options_.folder + "/deep/c.ppm", 1000).rgb);
+}
+
+// The track is straight, 1 m/s, and turns; the ranges come twice a second.
+TEST_F(ImportImagesTest, TakesPosesOfATrackAndRangesByTime) {
+  options_.times = folder_.Put("times.csv", "time_s,image\n0.25,a.png\n1,b.jpg\n1.75,deep/c.ppm\n");
+  options_.ranges = folder_.Put("ranges.csv", "front,time_s\n10,0\n20,0.5\n30,1\n40,1.5\n50,2\n");
+  Import("time_s,x_m,y_m,heading_rad\n0,0,5,3\n1,1,5,-3\n2,2,5,-2\n");
+  EXPECT_EQ(Column<double>("run/0/x_m"), (std::vector<double>{0.25, 1, 1.75}));
+  EXPECT_EQ(Column<double>("run/0/y_m"), (std::vector<double>{5, 5, 5}));
+  EXPECT_NEAR(Column<double>("run/0/heading_rad")[0], 3.07, 0.01);
+  EXPECT_EQ(log_.Texts("input_name"), (std::vector<std::string>{"front"}));
+  EXPECT_EQ(Column<float>("run/0/input"), (std::vector<float>{10, 30, 40}));
+}
+
+TEST_F(ImportImagesTest, SaysWhatNoTrackOrRangeIsNear) {
+  const std::string track = "time_s,x_m,y_m\n0,0,5\n1,1,5\n9,2,5\n";
+  const auto times = [&](const std::string& rows) {
+    options_.times = folder_.Put("times.csv", "image,time_s\n" + rows);
+  };
+  times("a.png,0\nb.jpg,1\ndeep/c.ppm,2\n");
+  ExpectContains(Failure(track), "times.csv:4: no pose at its time: the track says nothing of 2.0");
+  times("a.png,0\nb.jpg,1\ndeep/c.ppm,10\n");
+  ExpectContains(Failure(track), "times.csv:4: no pose at its time");
+  times("a.png,0\nb.jpg,1\ndeep/c.ppm,1\n");
+  EXPECT_EQ(Failure(track), "");
+  options_.ranges = folder_.Put("ranges.csv", "time_s,front\n3,1\n");
+  ExpectContains(Failure(track), "times.csv:2: no ranges at its time");
+  folder_.Put("ranges.csv", "time_s\n3\n");
+  ExpectContains(Failure(track), "ranges.csv:1: the header has no inputs");
+  folder_.Put("ranges.csv", "time_s,front\n0,west\n");
+  ExpectContains(Failure(track), "ranges.csv:2: not a number");
 }
 
 TEST_F(ImportImagesTest, RunsAreByTheirColumn) {
@@ -74,7 +96,9 @@ TEST_F(ImportImagesTest, RunsAreByTheirColumn) {
   EXPECT_EQ(log_.Texts("runs"), (std::vector<std::string>{"out", "home"}));
   EXPECT_EQ(Column<double>("run/0/time_s"), (std::vector<double>{5, 6}));
   EXPECT_EQ(Column<double>("run/1/time_s"), (std::vector<double>{1, 2}));
-  EXPECT_EQ(log_.Texts("input_name").size(), 140U);
+  EXPECT_TRUE(log_.Texts("input_name").empty());
+  EXPECT_EQ(log_.at("run/0/input").shape(), (Shape{2, 0}));
+  EXPECT_EQ(log_.at("run/1/image").shape(), (Shape{2, 12, 16, 3}));
 }
 
 TEST_F(ImportImagesTest, BadTablesNameFileLineAndReason) {
@@ -85,7 +109,6 @@ TEST_F(ImportImagesTest, BadTablesNameFileLineAndReason) {
   ExpectContains(Failure(header_ + all + "a.png,5,east,0\n"), "poses.csv:5: not a number");
   ExpectContains(Failure("image,time_s,x_m,y_m,run\na.png,1,0,0,\n"), "poses.csv:2: run without a name");
   ExpectContains(Failure("image,time_s,x_m\n"), "poses.csv:1: the header lacks columns");
-  ExpectContains(Failure("image,time_s,x_m,y_m,row 0 red\n"), "'row 0 red' is called as an image's feature");
   ExpectContains(Failure(header_ + "a.png,1,0,0\nb.jpg,2,0,0\n"), "deep/c.ppm: image without a pose: ");
   ExpectContains(Failure("image,time_s,x_m,y_m,run\n"
                          "a.png,1,0,0,r\nb.jpg,2,0,0,r\ndeep/c.ppm,2,0,0,s\n"),
@@ -96,17 +119,20 @@ TEST_F(ImportImagesTest, BadTablesNameFileLineAndReason) {
 
 TEST_F(ImportImagesTest, BadImagesNameTheLine) {
   folder_.Put("garden/text.png", "no image");
-  PutImage("small.png", 9, 30);
+  PutImage("small.png", 12, 15);
   const std::string all = "a.png,1,0,0\nb.jpg,2,1,0\ndeep/c.ppm,3,2,0\n";
   ExpectContains(Failure(header_ + all + "text.png,4,3,0\nsmall.png,5,4,0\n"),
                  "poses.csv:5: bad image: " + options_.folder + "/text.png: it cannot be decoded");
   ExpectContains(Failure(header_ + all + "small.png,4,3,0\ntext.png,5,4,0\n"),
-                 "small.png: it has 9 by 30 pixels; 10 by 10 or more are needed");
+                 "poses.csv:5: image of another size: " + options_.folder +
+                     "/small.png: 12 by 15, the run's first 12 by 16");
   options_.skip_bad = true;
   const ImportReport report =
       Import(header_ + "a.png,1,0,0\nb.jpg,2,1,0\nsmall.png,4,3,0\ntext.png,5,4,0\nx.png,6,0,0\n");
-  EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{
-                                {"bad image", 2}, {"image without a pose", 1}, {"no such image", 1}}));
+  EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{{"bad image", 1},
+                                                                 {"image of another size", 1},
+                                                                 {"image without a pose", 1},
+                                                                 {"no such image", 1}}));
   EXPECT_EQ(Column<double>("run/0/time_s"), (std::vector<double>{1, 2}));
 }
 
@@ -114,12 +140,27 @@ TEST(DecodeImage, KeepsColoursInOrder) {
   const TestFolder folder;
   const cv::Mat image(10, 11, CV_8UC3, cv::Scalar(30, 20, 10));  // blue, green, red
   ASSERT_TRUE(cv::imwrite(folder / "a.png", image));
-  const RgbImage rgb = DecodeImage(folder / "a.png");
+  const ImageReading rgb = DecodeImage(folder / "a.png", 11);
   EXPECT_EQ(rgb.rows, 10);
   EXPECT_EQ(rgb.columns, 11);
   ASSERT_EQ(rgb.rgb.size(), 330U);
   EXPECT_EQ((std::vector<std::uint8_t>{rgb.rgb[327], rgb.rgb[328], rgb.rgb[329]}),
             (std::vector<std::uint8_t>{10, 20, 30}));
+}
+
+// 7 by 11 pixels in squares of 3: 2 by 3, of which each is the mean of nine.
+TEST(DecodeImage, MakesLargeImagesSmaller) {
+  const TestFolder folder;
+  cv::Mat image(7, 11, CV_8UC3, cv::Scalar(0, 0, 0));
+  image.at<cv::Vec3b>(4, 8) = {0, 9, 200};
+  ASSERT_TRUE(cv::imwrite(folder / "a.png", image));
+  const ImageReading rgb = DecodeImage(folder / "a.png", 4);
+  EXPECT_EQ(rgb.rows, 2);
+  EXPECT_EQ(rgb.columns, 3);
+  std::vector<std::uint8_t> expected(18);
+  expected[15] = 22;  // 200 / 9
+  expected[16] = 1;
+  EXPECT_EQ(rgb.rgb, expected);
 }
 
 }  // namespace

@@ -148,7 +148,8 @@ TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout) {
   data.runs = samples.Texts("runs");
   data.input_names = samples.Texts("input_name");
   const std::size_t inputs = data.input_names.size();
-  if (inputs == 0) throw InputError("the samples have no inputs");
+  if (inputs == 0)
+    throw InputError("the samples have no inputs; of images `cairn run image_features` makes some");
   if (!holdout.empty() && std::ranges::find(data.runs, holdout) == data.runs.end())
     throw InputError("holdout: there is no run '" + holdout + "' among the samples");
   RawSet training, held_out;

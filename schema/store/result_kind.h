@@ -8,7 +8,7 @@
 
 namespace cairn {
 
-// landmark_map, grid_map, networks, poses, by the arrays that the kind must have; "result" where it
+// landmark_map, grid_map, networks, poses, samples, by the arrays that the kind must have; "result" where it
 // is none of them.
 std::string ResultKind(const Blob& result);
 

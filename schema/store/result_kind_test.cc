@@ -8,6 +8,8 @@ namespace {
 TEST(ResultKind, GoesByTheArraysThatAKindMustHave) {
   Blob blob;
   EXPECT_EQ(ResultKind(blob), "result");
+  blob.PutVector<float>("run/0/input", {0});
+  EXPECT_EQ(ResultKind(blob), "samples");
   blob.PutVector<double>("robot/0/poses/time_s", {0});
   EXPECT_EQ(ResultKind(blob), "poses");
   blob.PutVector<double>("networks/hidden_weight", {0});

@@ -157,6 +157,29 @@ Case LandmarkLearning(const std::string& name, double window_m) {
   return c;
 }
 
+// Images of noise, of two runs; the first is more than a task.
+Case ImageFeatures() {
+  Blob samples;
+  samples.Put("runs", Array::Texts({"out", "home"}));
+  samples.Put("input_name", Array::Texts({}));
+  Rng rng(5);
+  for (const std::int64_t run : {0, 1}) {
+    const std::int64_t count = run == 0 ? 60 : 5;
+    std::vector<std::uint8_t> image;
+    for (std::int64_t i = 0; i < count * 240 * 200 * 3; ++i)
+      image.push_back(static_cast<std::uint8_t>(rng.Uniform(0, 256)));
+    const std::string prefix = "run/" + std::to_string(run) + "/";
+    samples.Put(prefix + "image", Array::Of({count, 240, 200, 3}, image));
+    samples.Put(prefix + "input", Array::Of({count, 0}, std::vector<float>()));
+    samples.PutVector(prefix + "time_s", std::vector<double>(static_cast<std::size_t>(count), 0.0));
+  }
+  samples.PutVector<double>("truth/run/1/x_m", {1, 2, 3, 4, 5});
+  return {.name = "image_features",
+          .stage = {},
+          .inputs = {{"samples", Share(std::move(samples))}},
+          .rounds = 1};  // the method has no more
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -169,6 +192,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap(),
             LandmarkMapSideBySide()};
   }
+  if (pipeline == "image_features") return {ImageFeatures()};
   if (pipeline == "landmark_learning")
     return {LandmarkLearning("landmark_learning_window", 5.0),
             LandmarkLearning("landmark_learning_global", 0.0)};

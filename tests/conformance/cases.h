@@ -20,6 +20,7 @@ struct Case {
   proto::Stage stage;  // with options that cut the fixture into several rounds of several tasks
   std::uint64_t seed = 7;
   InputMap inputs;
+  std::size_t rounds = 2;  // as many as the fixture has, or more
 };
 
 // For GoogleTest, which would print the bytes.

@@ -83,7 +83,7 @@ printf 'no image' >snapshots/c.ppm
 refuses_import 'poses.csv:4: bad image: snapshots/c.ppm: it cannot be decoded' \
   cairn import images snapshots poses.csv log.h5
 exits 0 cairn import images snapshots poses.csv images.h5 --skip-bad
-says '^images.h5: 1 run, 2 samples, 140 inputs$'
+says '^images.h5: 1 run, 2 samples, 0 inputs$'
 says 'skipped 1: bad image'
 
 # A log with controls only: nothing to map.

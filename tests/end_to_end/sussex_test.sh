@@ -9,9 +9,11 @@ awk '/^### Sussex route$/ {page = 1} /^## / {page = 0} page && /^```sh$/ {on = 1
   docs/datasets.md >commands
 grep -q 'import images' commands || die "docs/datasets.md has lost its commands"
 while IFS= read -r command; do
-  bash -euc "$command" >>said 2>stderr || die "the page's command failed: $command"
+  bash -euc "$command" >>said 2>>errors || die "the page's command failed: $command"
 done <commands
-grep -q '^route.h5: 2 runs, 551 samples, 140 inputs$' said || die "other samples: $(cat said)"
-exits 0 cairn inspect route.h5
+grep -q '^images.h5: 2 runs, 551 samples, 0 inputs$' said || die "other images: $(cat said)"
+grep -q 'skipped 40: no pose at its time' errors || die "other images skipped: $(cat errors)"
+exits 0 cairn inspect route/image_features.h5
+says '551 samples in 2 runs, 140 inputs each'
 says 'run training +455 samples over 60.59 s'
 says 'run infomax_binary +96 samples over'

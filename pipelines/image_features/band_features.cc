@@ -1,4 +1,4 @@
-#include "datasets/images/image_features.h"
+#include "pipelines/image_features/band_features.h"
 
 #include <algorithm>
 #include <array>
@@ -6,10 +6,9 @@
 
 #include "schema/error.h"
 
-namespace cairn::datasets {
+namespace cairn::image_features {
 namespace {
 
-constexpr int kTextureRows = 60, kTextureColumns = 64;  // [T98] 5.1.3
 constexpr int kChannels = 3;
 
 // Pixels [row, end_row) x [column, end_column).
@@ -17,23 +16,30 @@ struct Box {
   int row, end_row, column, end_column;
 };
 
-// Band `i` of ten: the rows' bands first, then the columns'. Where ten do not divide the image they differ by
-// one.
-Box Band(int i, int rows, int columns) {
-  const auto edge = [](int band, int length) { return band * length / kImageBands; };
-  if (i < kImageBands) return {edge(i, rows), edge(i + 1, rows), 0, columns};
-  return {0, rows, edge(i - kImageBands, columns), edge(i - kImageBands + 1, columns)};
+// Band `i` of `bands`: the rows' bands first, then the columns'. Where they do not divide the image they
+// differ by one.
+Box Band(int i, int bands, int rows, int columns) {
+  const auto edge = [&](int band, int length) { return band * length / bands; };
+  if (i < bands) return {edge(i, rows), edge(i + 1, rows), 0, columns};
+  return {0, rows, edge(i - bands, columns), edge(i - bands + 1, columns)};
 }
 
-std::uint8_t Value(const RgbImage& image, int row, int column, int channel) {
+std::uint8_t Value(const Image& image, int row, int column, int channel) {
   return image.rgb[(static_cast<std::size_t>(row) * static_cast<std::size_t>(image.columns) +
                     static_cast<std::size_t>(column)) *
                        kChannels +
                    static_cast<std::size_t>(channel)];
 }
 
-RgbImage Subsampled(const RgbImage& image) {
-  RgbImage small{std::min(image.rows, kTextureRows), std::min(image.columns, kTextureColumns), {}};
+// An image that owns its values.
+struct SmallImage {
+  int rows, columns;
+  std::vector<std::uint8_t> rgb;
+  Image view() const { return {rows, columns, rgb}; }
+};
+
+SmallImage Subsampled(const Image& image, int most_rows, int most_columns) {
+  SmallImage small{std::min(image.rows, most_rows), std::min(image.columns, most_columns), {}};
   for (int row = 0; row < small.rows; ++row) {
     for (int column = 0; column < small.columns; ++column) {
       // The pixel in the middle of those that it stands for.
@@ -46,7 +52,7 @@ RgbImage Subsampled(const RgbImage& image) {
 }
 
 // Sums of whole numbers are exact: the order of adding does not matter.
-double Mean(const RgbImage& image, const Box& box, int channel) {
+double Mean(const Image& image, const Box& box, int channel) {
   std::int64_t sum = 0;
   for (int row = box.row; row < box.end_row; ++row) {
     for (int column = box.column; column < box.end_column; ++column)
@@ -55,7 +61,7 @@ double Mean(const RgbImage& image, const Box& box, int channel) {
   return static_cast<double>(sum) / ((box.end_row - box.row) * (box.end_column - box.column));
 }
 
-double Texture(const RgbImage& image, const Box& box, int channel) {
+double Texture(const Image& image, const Box& box, int channel) {
   std::int64_t sum = 0, pairs = 0;
   const auto add = [&](int row, int column, int other_row, int other_column) {
     if (other_row == box.end_row || other_column == box.end_column) return;
@@ -68,24 +74,29 @@ double Texture(const RgbImage& image, const Box& box, int channel) {
       add(row, column, row + 1, column);
     }
   }
-  return static_cast<double>(sum) / static_cast<double>(pairs);
+  return pairs == 0 ? 0 : static_cast<double>(sum) / static_cast<double>(pairs);
 }
 
 }  // namespace
 
-std::vector<std::string> ImageFeatureNames() {
+std::vector<std::string> BandFeatureNames(const Options& options) {
   std::vector<std::string> names;
-  for (int i = 0; i < 2 * kImageBands; ++i) {
-    const std::string band = (i < kImageBands ? "row " : "column ") + std::to_string(i % kImageBands) + " ";
-    for (const char* what :
-         {"brightness", "red", "green", "blue", "red texture", "green texture", "blue texture"})
-      names.push_back(band + what);
+  for (const char* side : {"row ", "column "}) {
+    for (std::int64_t band = 0; band < options.bands; ++band) {
+      for (const char* what :
+           {"brightness", "red", "green", "blue", "red texture", "green texture", "blue texture"})
+        names.push_back(side + std::to_string(band) + " " + what);
+    }
   }
   return names;
 }
 
-std::vector<float> ImageFeatures(const RgbImage& image) {
-  CAIRN_DEMAND(image.rows >= kImageBands && image.columns >= kImageBands, "an image of too few pixels");
+std::vector<float> BandFeatures(const Options& options, const Image& image) {
+  const SmallImage subsampled =
+      Subsampled(image, static_cast<int>(options.texture_rows), static_cast<int>(options.texture_columns));
+  const Image small = subsampled.view();
+  const auto bands = static_cast<int>(options.bands);
+  CAIRN_DEMAND(std::min(small.rows, small.columns) >= bands, "an image of too few pixels");
   std::int64_t sum = 0, squares = 0;
   for (const std::uint8_t value : image.rgb) {
     sum += value;
@@ -97,10 +108,10 @@ std::vector<float> ImageFeatures(const RgbImage& image) {
   // Values are whole numbers: one that differs at all makes more variance than rounding does.
   const bool flat = std::ranges::all_of(image.rgb, [&](std::uint8_t v) { return v == image.rgb.front(); });
   const double scale = flat ? 0 : 1 / std::sqrt(variance);
-  const RgbImage small = Subsampled(image);
   std::vector<float> features;
-  for (int i = 0; i < 2 * kImageBands; ++i) {
-    const Box box = Band(i, image.rows, image.columns), small_box = Band(i, small.rows, small.columns);
+  for (int i = 0; i < 2 * bands; ++i) {
+    const Box box = Band(i, bands, image.rows, image.columns),
+              small_box = Band(i, bands, small.rows, small.columns);
     std::array<double, kChannels> color{};
     for (int c = 0; c < kChannels; ++c)
       color[static_cast<std::size_t>(c)] = scale * (Mean(image, box, c) - mean);
@@ -112,4 +123,4 @@ std::vector<float> ImageFeatures(const RgbImage& image) {
   return features;
 }
 
-}  // namespace cairn::datasets
+}  // namespace cairn::image_features

@@ -1,0 +1,146 @@
+#include "pipelines/image_features/image_features.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "pipelines/image_features/band_features.h"
+
+namespace cairn::image_features {
+namespace {
+
+constexpr std::int64_t kBytesOfATask = 1 << 23;  // of images: some 10 ms of a core
+
+// `run/N/image`: [samples][rows][columns][3].
+struct ImageShape {
+  std::int64_t samples, rows, columns;
+  std::int64_t bytes() const { return rows * columns * 3; }
+};
+
+std::string RunPrefix(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
+
+ImageShape ShapeOf(const Options& options, const Blob& samples, const std::string& run, std::size_t index) {
+  const std::string name = RunPrefix(index) + "image";
+  if (!samples.Has(name)) throw InputError("run '" + run + "' has no images");
+  const Shape& shape = samples.at(name).shape();
+  samples.Get<std::uint8_t>(name);  // or it is of another type
+  if (shape.size() != 4 || shape[3] != 3)
+    throw InputError("'" + name + "' has another shape than samples, rows, columns, 3");
+  if (shape[0] != samples.at(RunPrefix(index) + "time_s").size())
+    throw InputError("run '" + run + "' has " + std::to_string(shape[0]) + " images for " +
+                     std::to_string(samples.at(RunPrefix(index) + "time_s").size()) + " samples");
+  const std::int64_t least = std::min(
+      {shape[1], shape[2], std::int64_t{options.texture_rows}, std::int64_t{options.texture_columns}});
+  if (least < options.bands) {
+    throw InputError("run '" + run + "': images of " + std::to_string(shape[1]) + " by " +
+                     std::to_string(shape[2]) + " pixels cannot be cut into " +
+                     std::to_string(options.bands) + " bands, nor can a smaller one for texture");
+  }
+  return {shape[0], shape[1], shape[2]};
+}
+
+// The tasks of a run, in the order of its images.
+void AddTasks(const std::string& blob, const ImageShape& shape, proto::Step* plan) {
+  const std::int64_t block = std::max<std::int64_t>(1, kBytesOfATask / shape.bytes());
+  for (std::int64_t first = 0; first < shape.samples; first += block) {
+    Task& task = *plan->add_tasks();
+    task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
+    task.set_kind("features");
+    proto::InputRef& input = *task.add_inputs();
+    input.set_name("images");
+    input.set_blob(blob);
+    input.set_first_row(first);
+    input.set_row_count(std::min(block, shape.samples - first));
+    task.set_cost(static_cast<std::uint64_t>(input.row_count() * shape.bytes()));
+  }
+}
+
+// All of the samples that does not change, without what only a simulator or a tracker knows.
+Blob Unchanged(const Blob& samples) {
+  Blob result;
+  for (const auto& [name, array] : samples.fields()) {
+    const bool changes = name.starts_with("run/") && (name.ends_with("/image") || name.ends_with("/input"));
+    if (!changes && name != "input_name" && !name.starts_with("truth/")) result.Put(name, array);
+  }
+  return result;
+}
+
+// Appends `count` samples' features, each with the inputs that it had.
+void Append(const Blob& partial, std::size_t features, std::span<const float> had, std::size_t per_sample,
+            std::vector<float>* input) {
+  const auto rows = partial.Get<float>("feature");
+  const std::size_t before = input->size() / (features + per_sample);
+  for (std::size_t k = 0; k < rows.size() / features; ++k) {
+    const auto row = rows.subspan(k * features, features);
+    const auto own = had.subspan((before + k) * per_sample, per_sample);
+    input->insert(input->end(), row.begin(), row.end());
+    input->insert(input->end(), own.begin(), own.end());
+  }
+}
+
+}  // namespace
+
+Step ImageFeatures::Start(const Inputs& inputs) const {
+  const BlobPtr samples = inputs.Get("samples");
+  const std::vector<std::string> runs = samples->Texts("runs");
+  Step step;
+  std::int64_t images = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const ImageShape shape = ShapeOf(options_, *samples, runs[r], r);
+    Blob blob;
+    blob.Put("image", samples->at(RunPrefix(r) + "image"));
+    const std::string hash = step.Share(std::move(blob));
+    (*step.plan.mutable_state()->mutable_blobs())["images " + std::to_string(r)] = hash;
+    AddTasks(hash, shape, &step.plan);
+    images += shape.samples;
+  }
+  if (images == 0) throw InputError("there are no images");
+  step.plan.set_note(std::to_string(images) + " images of " + std::to_string(runs.size()) + " runs");
+  return step;
+}
+
+Blob ImageFeatures::Run(const Task&, const Inputs& inputs, Progress& progress) const {
+  const BlobPtr images = inputs.Get("images");
+  const Shape& shape = images->at("image").shape();
+  const auto rgb = images->Get<std::uint8_t>("image");
+  const auto bytes = static_cast<std::size_t>(shape[1] * shape[2] * shape[3]);
+  std::vector<float> rows;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(shape[0]); ++k) {
+    progress.Tick();
+    const auto features = BandFeatures(
+        options_, {static_cast<int>(shape[1]), static_cast<int>(shape[2]), rgb.subspan(k * bytes, bytes)});
+    rows.insert(rows.end(), features.begin(), features.end());
+  }
+  Blob partial;
+  partial.Put("feature",
+              Array::Of<float>({shape[0], static_cast<std::int64_t>(rows.size()) / shape[0]}, rows));
+  return partial;
+}
+
+Step ImageFeatures::Advance(const State&, Partials& partials, const Inputs& inputs) const {
+  const BlobPtr samples = inputs.Get("samples");
+  std::vector<std::string> names = BandFeatureNames(options_);
+  const std::size_t features = names.size();
+  const std::vector<std::string> had_names = samples->Texts("input_name");
+  names.insert(names.end(), had_names.begin(), had_names.end());
+  Blob result = Unchanged(*samples);
+  result.Put("input_name", Array::Texts(names));
+  std::size_t task = 0;
+  for (std::size_t r = 0; r < samples->Texts("runs").size(); ++r) {
+    const std::string name = RunPrefix(r) + "input";
+    const auto count = static_cast<std::size_t>(samples->at(RunPrefix(r) + "time_s").size());
+    const auto had = had_names.empty() ? std::span<const float>() : samples->Get<float>(name);
+    if (had.size() != count * had_names.size())
+      throw InputError("'" + name + "' has another size than samples times inputs");
+    std::vector<float> input;
+    while (input.size() < count * names.size())
+      Append(*partials.Get(task++), features, had, had_names.size(), &input);
+    result.Put(name, Array::Of<float>(
+                         {static_cast<std::int64_t>(count), static_cast<std::int64_t>(names.size())}, input));
+  }
+  Step step;
+  step.plan.set_result(step.Share(std::move(result)));
+  step.plan.set_note(std::to_string(names.size()) + " inputs a sample");
+  return step;
+}
+
+}  // namespace cairn::image_features

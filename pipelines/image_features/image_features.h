@@ -1,0 +1,26 @@
+// What networks see of images: S. Thrun, Bayesian Landmark Learning for Mobile Robot Localization, Machine
+// Learning 33, 1998, section 5.1.3.
+#pragma once
+
+#include <cstdint>
+
+#include "pipelines/image_features/options.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::image_features {
+
+// Input (schema/FORMAT.md): samples with images. Result: the same samples without them, and with their
+// features before the inputs that they had. One round: a task is a block of images of a run.
+class ImageFeatures : public Pipeline {
+ public:
+  ImageFeatures(Options options, std::uint64_t /*seed*/) : options_(options) {}
+
+  Step Start(const Inputs& inputs) const override;
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override;
+  Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
+
+ private:
+  Options options_;
+};
+
+}  // namespace cairn::image_features
