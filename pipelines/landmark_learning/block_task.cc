@@ -10,23 +10,6 @@
 namespace cairn::landmark_learning {
 namespace {
 
-constexpr int kReachStep = 64;  // samples by which the reach of a block is looked for
-
-// The first to the last sample in reach of any truth of a block.
-Range ReachOf(const Pairs& pairs, const Range& truths) {
-  Range reach{truths.first, truths.first};
-  bool any = false;
-  const int count = pairs.samples().size();
-  for (int first = 0; first < count; first += kReachStep) {
-    const Range samples{first, std::min(count, first + kReachStep)};
-    if (!pairs.Reaches(truths, samples)) continue;
-    if (!any) reach.first = first;
-    reach.end = samples.end;
-    any = true;
-  }
-  return any ? reach : Range{0, 0};
-}
-
 Places Part(const Places& places, const Range& range) {
   const auto part = [&](const std::vector<double>& values) {
     return std::vector<double>(values.begin() + range.first, values.begin() + range.end);
@@ -60,7 +43,7 @@ GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
   const NetworkShape& shape = parameters.shape;
   const Belief belief = BeliefOf(options);
   const Pairs all(training.places, training.places, belief, ErrorOf(options));
-  Range reach = ReachOf(all, truths);
+  Range reach = all.ReachOf(truths);
   reach = {std::min(reach.first, truths.first), std::max(reach.end, truths.end)};
   const Places places = Part(training.places, reach);
   const float* rows = RowsFrom(training, reach.first, shape.inputs);
@@ -80,7 +63,7 @@ double ValidationOfBlock(const Options& options, const TrainingData& data,
   const NetworkShape& shape = parameters.shape;
   const Belief belief = BeliefOf(options);
   const Range reach =
-      ReachOf(Pairs(data.held_out.places, data.training.places, belief, ErrorOf(options)), truths);
+      Pairs(data.held_out.places, data.training.places, belief, ErrorOf(options)).ReachOf(truths);
   const Places sensed = Part(data.held_out.places, truths), map = Part(data.training.places, reach);
   const auto of_truth =
       Forward(parameters, RowsFrom(data.held_out, truths.first, shape.inputs), truths.size());

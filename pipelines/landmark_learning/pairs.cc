@@ -3,73 +3,160 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/landmark_learning/lane_math.h"
+
 namespace cairn::landmark_learning {
 namespace {
 
-// Relative to a point near by, so that float keeps what double has.
-template <class Real>
-std::vector<Real> From(const std::vector<double>& values, const Range& range, double origin) {
-  std::vector<Real> relative(static_cast<std::size_t>(range.size()));
-  for (int k = range.first; k < range.end; ++k)
-    relative[static_cast<std::size_t>(k - range.first)] =
-        static_cast<Real>(values[static_cast<std::size_t>(k)] - origin);
-  return relative;
-}
+// What rounding may make of a distance that is compared with the reach.
+constexpr double kRounding = 1e-6;
 
+// Relative to a point near by, so that float keeps what double has; the last one again up to whole tiles.
 template <class Real>
-void FillBelief(const Belief& belief, int n, const Real* distance, Real* row) {
-  const auto reach = static_cast<Real>(belief.ReachM());
-  if (belief.shape == BeliefShape::kUniform) {
-    for (int k = 0; k < n; ++k) row[k] = distance[k] <= reach ? Real(1) : Real(0);
-    return;
+void From(const std::vector<double>& values, const Range& range, double origin, std::vector<Real>* relative) {
+  const int whole = (range.size() + kTileSamples - 1) / kTileSamples * kTileSamples;
+  relative->resize(static_cast<std::size_t>(whole));
+  for (int k = 0; k < whole; ++k) {
+    const auto at = static_cast<std::size_t>(std::min(range.first + k, range.end - 1));
+    (*relative)[static_cast<std::size_t>(k)] = static_cast<Real>(values[at] - origin);
   }
-  const auto scale = static_cast<Real>(-0.5 / (belief.width_m * belief.width_m));
-  for (int k = 0; k < n; ++k)
-    row[k] = distance[k] <= reach ? std::exp(scale * distance[k] * distance[k]) : Real(0);
 }
 
-double Gap(const std::vector<double>& of_a, const Range& a, const std::vector<double>& of_b, const Range& b) {
-  const auto [a_low, a_high] = std::minmax_element(of_a.begin() + a.first, of_a.begin() + a.end);
-  const auto [b_low, b_high] = std::minmax_element(of_b.begin() + b.first, of_b.begin() + b.end);
-  return std::max({0.0, *b_low - *a_high, *a_low - *b_high});
-}
+// e and Bel_prior of a register of pairs.
+template <class L>
+class PairLanes {
+ public:
+  using Real = typename L::Number;
+  using Register = typename L::Register;
+
+  PairLanes(const Belief& belief, ErrorKind error)
+      : gaussian_(belief.shape == BeliefShape::kGaussian),
+        error_(error),
+        reach_(L::Broadcast(static_cast<Real>(belief.ReachM()))),
+        scale_(L::Broadcast(static_cast<Real>(-0.5 / (belief.width_m * belief.width_m)))) {}
+
+  Register Distance(Register dx, Register dy) const { return L::Sqrt(L::Fma(dx, dx, L::Mul(dy, dy))); }
+  Register Error(Register distance) const {
+    return error_ == ErrorKind::kDistance ? distance : L::Mul(distance, distance);
+  }
+  Register Believed(Register distance) const {
+    const auto within =
+        gaussian_ ? ExpOfNegative<L>(L::Mul(scale_, L::Mul(distance, distance))) : L::Broadcast(Real(1));
+    return L::IfAtMost(distance, reach_, within);
+  }
+
+ private:
+  bool gaussian_;
+  ErrorKind error_;
+  Register reach_, scale_;
+};
 
 }  // namespace
 
+Box BoxAround(const Places& places, const Range& range) {
+  const auto [low_x, high_x] =
+      std::minmax_element(places.x_m.begin() + range.first, places.x_m.begin() + range.end);
+  const auto [low_y, high_y] =
+      std::minmax_element(places.y_m.begin() + range.first, places.y_m.begin() + range.end);
+  return {*low_x, *high_x, *low_y, *high_y};
+}
+
+Pairs::Pairs(const Places& truths, const Places& samples, const Belief& belief, ErrorKind error)
+    : true_(truths), samples_(samples), belief_(belief), error_(error) {
+  if (std::isinf(belief.ReachM())) return;
+  for (int first = 0; first < samples.size(); first += kTileSamples)
+    tiles_.push_back(BoxAround(samples, {first, std::min(samples.size(), first + kTileSamples)}));
+  until_ = tiles_;
+  for (std::size_t t = 1; t < tiles_.size(); ++t) {
+    until_[t].high_x_m = std::max(until_[t].high_x_m, until_[t - 1].high_x_m);
+    until_[t].high_y_m = std::max(until_[t].high_y_m, until_[t - 1].high_y_m);
+    const std::size_t from_last = tiles_.size() - 1 - t;
+    until_[from_last].low_x_m = std::min(until_[from_last].low_x_m, until_[from_last + 1].low_x_m);
+    until_[from_last].low_y_m = std::min(until_[from_last].low_y_m, until_[from_last + 1].low_y_m);
+  }
+}
+
+// Outside of them every tile lies beyond the reach; two searches where samples are in the order of a
+// coordinate.
+Range Pairs::TilesAround(const Box& truths) const {
+  const double reach = belief_.ReachM() * (1.0 + kRounding);
+  const auto first = std::ranges::partition_point(until_, [&](const Box& t) {
+    return t.high_x_m < truths.low_x_m - reach || t.high_y_m < truths.low_y_m - reach;
+  });
+  const auto end = std::ranges::partition_point(until_, [&](const Box& t) {
+    return t.low_x_m <= truths.high_x_m + reach && t.low_y_m <= truths.high_y_m + reach;
+  });
+  return {static_cast<int>(first - until_.begin()), static_cast<int>(std::max(first, end) - until_.begin())};
+}
+
+void Pairs::Reach(const Range& truths, std::vector<Stretch>* stretches) const {
+  stretches->clear();
+  const int count = samples_.size();
+  if (std::isinf(belief_.ReachM())) {
+    stretches->push_back({{0, count}, true});
+    return;
+  }
+  const Box box = BoxAround(true_, truths);
+  const double reach = belief_.ReachM();
+  const double within = std::pow(reach * (1.0 - kRounding), 2),
+               beyond = std::pow(reach * (1.0 + kRounding), 2);
+  const Range around = TilesAround(box);
+  for (int t = around.first; t < around.end; ++t) {
+    const Box& tile = tiles_[static_cast<std::size_t>(t)];
+    const double near_x = std::max({0.0, tile.low_x_m - box.high_x_m, box.low_x_m - tile.high_x_m});
+    const double near_y = std::max({0.0, tile.low_y_m - box.high_y_m, box.low_y_m - tile.high_y_m});
+    if (near_x * near_x + near_y * near_y > beyond) continue;
+    const double far_x = std::max(tile.high_x_m - box.low_x_m, box.high_x_m - tile.low_x_m);
+    const double far_y = std::max(tile.high_y_m - box.low_y_m, box.high_y_m - tile.low_y_m);
+    const bool all = belief_.shape == BeliefShape::kUniform && far_x * far_x + far_y * far_y <= within;
+    const int first = t * kTileSamples, end = std::min(count, first + kTileSamples);
+    if (!stretches->empty() && stretches->back().samples.end == first && stretches->back().all == all)
+      stretches->back().samples.end = end;
+    else
+      stretches->push_back({{first, end}, all});
+  }
+}
+
+Range Pairs::ReachOf(const Range& truths) const {
+  std::vector<Stretch> stretches;
+  Reach(truths, &stretches);
+  if (stretches.empty()) return {0, 0};
+  return {stretches.front().samples.first, stretches.back().samples.end};
+}
+
 template <class Real>
-void Pairs::Fill(const Range& truths, const Range& samples, Real* belief, Real* weighted) const {
-  const int n = samples.size();
-  const auto first = static_cast<std::size_t>(truths.first);
-  const double x0 = true_.x_m[first], y0 = true_.y_m[first], along0 = true_.along_m[first];
-  const auto x = From<Real>(samples_.x_m, samples, x0), y = From<Real>(samples_.y_m, samples, y0);
-  const auto along = From<Real>(samples_.along_m, samples, along0);
-  std::vector<Real> distance(static_cast<std::size_t>(n));
-  for (int a = truths.first; a < truths.end; ++a, belief += n, weighted += n) {
+void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Columns<Real>* columns,
+                 Real* belief, Real* weighted) const {
+  using L = Lanes<Real>;
+  const PairLanes<L> lanes(belief_, error_);
+  const auto origin = static_cast<std::size_t>(truths.first);
+  const double x0 = true_.x_m[origin], y0 = true_.y_m[origin], along0 = true_.along_m[origin];
+  From(samples_.x_m, stretch.samples, x0, &columns->x);
+  From(samples_.y_m, stretch.samples, y0, &columns->y);
+  if (error_ == ErrorKind::kAlong) From(samples_.along_m, stretch.samples, along0, &columns->along);
+  const Real *x = columns->x.data(), *y = columns->y.data(), *along = columns->along.data();
+  const int whole = static_cast<int>(columns->x.size());
+  for (int a = truths.first; a < truths.end; ++a, belief += stride, weighted += stride) {
     const auto at = static_cast<std::size_t>(a);
-    const auto xa = static_cast<Real>(true_.x_m[at] - x0), ya = static_cast<Real>(true_.y_m[at] - y0);
-    for (int k = 0; k < n; ++k) {
-      const Real dx = x[k] - xa, dy = y[k] - ya;
-      distance[k] = std::sqrt(std::fma(dx, dx, dy * dy));
-    }
-    FillBelief(belief_, n, distance.data(), belief);
-    if (error_ == ErrorKind::kDistance) {
-      for (int k = 0; k < n; ++k) weighted[k] = belief[k] * distance[k];
-    } else if (error_ == ErrorKind::kSquaredDistance) {
-      for (int k = 0; k < n; ++k) weighted[k] = belief[k] * (distance[k] * distance[k]);
-    } else {
-      const auto here = static_cast<Real>(true_.along_m[at] - along0);
-      for (int k = 0; k < n; ++k) weighted[k] = belief[k] * std::abs(along[k] - here);
+    const auto xa = L::Broadcast(static_cast<Real>(true_.x_m[at] - x0));
+    const auto ya = L::Broadcast(static_cast<Real>(true_.y_m[at] - y0));
+    const auto here = L::Broadcast(static_cast<Real>(true_.along_m[at] - along0));
+    for (int k = 0; k < whole; k += L::kCount) {
+      const auto distance = lanes.Distance(L::Sub(L::Load(x + k), xa), L::Sub(L::Load(y + k), ya));
+      const auto error =
+          error_ == ErrorKind::kAlong ? L::Abs(L::Sub(L::Load(along + k), here)) : lanes.Error(distance);
+      if (stretch.all) {
+        L::Store(weighted + k, error);
+        continue;
+      }
+      const auto believed = lanes.Believed(distance);
+      L::Store(belief + k, believed);
+      L::Store(weighted + k, L::Mul(believed, error));
     }
   }
 }
 
-bool Pairs::Reaches(const Range& truths, const Range& samples) const {
-  const double dx = Gap(true_.x_m, truths, samples_.x_m, samples);
-  const double dy = Gap(true_.y_m, truths, samples_.y_m, samples);
-  return std::hypot(dx, dy) <= belief_.ReachM() * (1.0 + 1e-6);
-}
-
-template void Pairs::Fill(const Range&, const Range&, float*, float*) const;
-template void Pairs::Fill(const Range&, const Range&, double*, double*) const;
+template void Pairs::Fill(const Range&, const Stretch&, int, Columns<float>*, float*, float*) const;
+template void Pairs::Fill(const Range&, const Stretch&, int, Columns<double>*, double*, double*) const;
 
 }  // namespace cairn::landmark_learning

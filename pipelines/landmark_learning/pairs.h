@@ -38,25 +38,53 @@ struct Range {
   int size() const { return end - first; }
 };
 
+inline constexpr int kTileSamples = 8;
+
+// The least box around some places.
+struct Box {
+  double low_x_m, high_x_m, low_y_m, high_y_m;
+};
+Box BoxAround(const Places& places, const Range& range);
+
+// Samples that a strip of truths reaches: whole tiles, but for the end of the set.
+struct Stretch {
+  Range samples;
+  bool all;  // Bel_prior is one for each of the pairs, and no table of it is needed
+};
+
+// What Fill works in, used again from call to call.
+template <class Real>
+struct Columns {
+  std::vector<Real> x, y, along;
+};
+
 // Every pair of a true position and a sample for which it may be taken. In training both are of one set.
 class Pairs {
  public:
-  Pairs(const Places& truths, const Places& samples, const Belief& belief, ErrorKind error)
-      : true_(truths), samples_(samples), belief_(belief), error_(error) {}
+  // `truths` and `samples` must outlive this.
+  Pairs(const Places& truths, const Places& samples, const Belief& belief, ErrorKind error);
 
   const Places& samples() const { return samples_; }
+  const Belief& belief() const { return belief_; }
 
-  // Bel_prior and e times it, each [truths][samples].
+  // All samples in reach of any of `truths`, in order; and the first of them to the last.
+  void Reach(const Range& truths, std::vector<Stretch>* stretches) const;
+  Range ReachOf(const Range& truths) const;
+
+  // Bel_prior and e times it, each [truths][stride]; columns from samples.first on, filled up to whole tiles.
+  // `belief` is left as it is where the stretch is `all`.
   template <class Real>
-  void Fill(const Range& truths, const Range& samples, Real* belief, Real* weighted) const;
-
-  // Whether any pair of the two sets is within reach: false only where none is.
-  bool Reaches(const Range& truths, const Range& samples) const;
+  void Fill(const Range& truths, const Stretch& stretch, int stride, Columns<Real>* columns, Real* belief,
+            Real* weighted) const;
 
  private:
+  Range TilesAround(const Box& truths) const;
+
   const Places &true_, &samples_;
   Belief belief_;
   ErrorKind error_;
+  std::vector<Box> tiles_;  // of samples
+  std::vector<Box> until_;  // high: of this tile and those before; low: of this one and those after
 };
 
 }  // namespace cairn::landmark_learning

@@ -1,0 +1,134 @@
+// How fast BaLL's sum is: E_posterior and its gradient by P(f | s), for samples along a corridor of 89 m.
+// Prints milliseconds of one thread (the least of some turns), Gflop/s charged at 8 pairs 2^n, and the share
+// of the thread's own peak, which a loop of nothing but fma in registers shows in the same run.
+//   ball_rate                          # the table
+//   ball_rate SAMPLES NETWORKS WINDOW_M [LENGTH_M]     # one row; window 0: globally uncertain
+// ball_torch.py runs it beside PyTorch and prints the ratios.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_learning/features.h"
+#include "pipelines/landmark_learning/lanes.h"
+#include "pipelines/landmark_learning/posterior_error.h"
+#include "schema/rng.h"
+#include "tests/bench/bench_main.h"
+
+namespace cairn {
+namespace {
+
+using namespace landmark_learning;  // NOLINT: all that is measured
+
+// Seconds of the quickest of some turns: at least three, and 0.3 s of them.
+double Quickest(const std::function<void()>& work) {
+  using Clock = std::chrono::steady_clock;
+  double least = std::numeric_limits<double>::infinity(), all = 0.0;
+  for (int turn = 0; turn < 3 || all < 0.3; ++turn) {
+    const auto begin = Clock::now();
+    work();
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    least = std::min(least, seconds);
+    all += seconds;
+  }
+  return least;
+}
+
+// Gflop/s of fma in registers alone: twelve sums that wait for nothing but themselves.
+double PeakGflops() {
+  using L = Lanes<float>;
+  constexpr int kSums = 12, kTimes = 200000;
+  float out[kSums * L::kCount];
+  const double seconds = Quickest([&] {
+    L::Register sum[kSums];
+    auto factor = L::Broadcast(0.999F), term = L::Broadcast(0.001F);
+    for (int i = 0; i < kSums; ++i) sum[i] = L::Broadcast(static_cast<float>(i));
+    for (int t = 0; t < kTimes; ++t) {
+      asm volatile("" : "+x"(factor), "+x"(term));
+#pragma GCC unroll 12
+      for (int i = 0; i < kSums; ++i) sum[i] = L::Fma(sum[i], factor, term);
+    }
+    for (int i = 0; i < kSums; ++i) L::Store(out + i * L::kCount, sum[i]);
+  });
+  volatile float kept = out[0];
+  static_cast<void>(kept);
+  return 2e-9 * kTimes * kSums * L::kCount / seconds;
+}
+
+struct Row {
+  int samples, networks;
+  double window_m;
+  double length_m = 89.0;
+  BeliefShape shape = BeliefShape::kUniform;
+};
+
+// Pairs whose belief is not zero.
+double PairsOf(const Row& row, const Places& places) {
+  if (row.window_m == 0.0) return static_cast<double>(row.samples) * row.samples;
+  const Belief belief{row.shape, row.window_m};
+  double pairs = 0.0;
+  for (std::size_t a = 0, first = 0, end = 0; a < places.x_m.size(); ++a) {
+    while (places.x_m[a] - places.x_m[first] > belief.ReachM()) ++first;
+    while (end < places.x_m.size() && places.x_m[end] - places.x_m[a] <= belief.ReachM()) ++end;
+    pairs += static_cast<double>(end - first);
+  }
+  return pairs;
+}
+
+void Measure(const Row& row, double peak) {
+  Rng rng(7);
+  Places places;
+  std::vector<float> g;
+  for (int k = 0; k < row.samples; ++k) {
+    places.x_m.push_back(row.length_m * (k + rng.Uniform()) / row.samples);
+    places.y_m.push_back(0.2 * rng.Normal());
+    places.along_m.push_back(places.x_m.back());
+    for (int i = 0; i < row.networks; ++i) g.push_back(static_cast<float>(rng.Uniform()));
+  }
+  const std::vector<double> weight(static_cast<std::size_t>(row.samples), 1.0 / row.samples);
+  const double width_m = row.window_m > 0.0 ? row.window_m : std::numeric_limits<double>::infinity();
+  const auto probability = FeatureProbabilities(g, row.networks);
+  double error = 0.0;
+  const double seconds = Quickest([&] {
+    const Pairs pairs(places, places, {row.shape, width_m}, ErrorKind::kDistance);
+    error = ErrorOfTruths(pairs, probability, 1 << row.networks, weight, {0, row.samples}).posterior;
+  });
+  const double gflops = 8e-9 * PairsOf(row, places) * (1 << row.networks) / seconds;
+  std::printf("%7d  %2d  %-8s %7g m  %9.3f ms  %6.1f Gflop/s  %4.0f%%  E %.4f m\n", row.samples, row.networks,
+              row.shape == BeliefShape::kGaussian ? "gaussian"
+              : row.window_m > 0.0                ? "window"
+                                                  : "global",
+              row.window_m, 1e3 * seconds, gflops, 100.0 * gflops / peak, error);
+  std::fflush(stdout);
+}
+
+int Main(const std::vector<std::string>& args) {
+  if (!args.empty() && args.size() < 3) {
+    std::fprintf(stderr, "usage: ball_rate [SAMPLES NETWORKS WINDOW_M [LENGTH_M]]\n");
+    return 2;
+  }
+  const double peak = PeakGflops();
+  std::printf("peak of one thread, fma in registers: %.1f Gflop/s\n", peak);
+  std::printf("samples  n  belief    window         time    charged, of the peak\n");
+  if (!args.empty()) {
+    Measure({std::atoi(args[0].c_str()), std::atoi(args[1].c_str()), std::atof(args[2].c_str()),
+             args.size() > 3 ? std::atof(args[3].c_str()) : 89.0},
+            peak);
+    return 0;
+  }
+  for (const int networks : {1, 2, 4, 8}) {
+    for (const double window_m : {0.0, 2.0}) Measure({2424, networks, window_m}, peak);
+  }
+  Measure({2424, 4, 200.0, 89.0, BeliefShape::kGaussian}, peak);
+  Measure({2424, 8, 200.0, 89.0, BeliefShape::kGaussian}, peak);
+  return 0;
+}
+
+}  // namespace
+}  // namespace cairn
+
+int main(int argc, char** argv) { return cairn::BenchMain("ball_rate", cairn::Main, argc, argv); }
