@@ -3,6 +3,7 @@
 #include "pipelines/image_features/image_features.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_map/landmark_map.h"
+#include "pipelines/localization/localization.h"
 
 namespace cairn {
 namespace {
@@ -28,6 +29,8 @@ const std::vector<Entry>& Entries() {
           "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log", "map?"}),
       Register<landmark_learning::LandmarkLearning, landmark_learning::Options>(
           "landmark_learning", "networks that extract the features which localise best (BaLL)", {"samples"}),
+      Register<localization::Localization, localization::Options>(
+          "localization", "where robots are, by learned or hand-made features", {"samples", "networks?"}),
   };
   return entries;
 }

@@ -1,6 +1,7 @@
 #include "datasets/evaluate/evaluate.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 
 #include "coordinator/cli/failure.h"
@@ -8,6 +9,7 @@
 #include "coordinator/cli/result_file.h"
 #include "coordinator/cli/scalar.h"
 #include "datasets/evaluate/evaluate_features.h"
+#include "datasets/evaluate/evaluate_localization.h"
 #include "datasets/evaluate/evaluate_networks.h"
 
 namespace cairn::cli {
@@ -74,7 +76,32 @@ void CheckFeatureOptions(const Options& options) {
     throw InputError("--truth is needed (or --feature, for hand-made features of samples)");
 }
 
-// What the truth is says what is scored: the folder of a job may hold results of both kinds.
+std::string ScoreOfLocalization(const Options& options, const Blob& samples) {
+  if (options.nearest || options.seed) throw InputError("--nearest and --seed are for networks");
+  const datasets::LocalizationScore score =
+      datasets::EvaluateLocalization(ReadResult(options.result, "localization").blob, samples);
+  return options.json ? datasets::LocalizationScoreJson(score) + "\n"
+                      : datasets::LocalizationScoreText(score);
+}
+
+// A folder counts as one where it holds that and no networks.
+bool IsLocalization(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "localization";
+  bool is = false;
+  for (const std::string& file : FilesOf(result)) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    if (kind == "networks") return false;
+    is |= kind == "localization";
+  }
+  return is;
+}
+
+std::string ScoreOnSamples(const Options& options, const Blob& samples) {
+  return IsLocalization(options.result) ? ScoreOfLocalization(options, samples)
+                                        : ScoreOfNetworks(options, samples);
+}
+
+// What the truth is says what is scored: the folder of a job may hold results of several kinds.
 int Evaluate(const Options& options, const Invocation&) {
   CheckFeatureOptions(options);
   if (!options.features.empty()) {
@@ -86,7 +113,7 @@ int Evaluate(const Options& options, const Invocation&) {
   if (truth.kind == "log")
     text = ScoreOfMap(options, truth.blob);
   else if (truth.kind == "samples")
-    text = ScoreOfNetworks(options, truth.blob);
+    text = ScoreOnSamples(options, truth.blob);
   else
     throw InputError(options.truth + ": a " + truth.kind + ", where a log or samples are needed");
   std::fputs(text.c_str(), stdout);
@@ -103,7 +130,8 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
   command->add_option(
       "--truth", options->truth,
       "For a landmark_map a simulated log, or an imported one that has truth; for networks samples "
-      "of runs that they were not trained on; for hand-made features samples of other runs");
+      "of runs that they were not trained on; for a localization the samples that it is of; for hand-made "
+      "features samples of other runs");
   command->add_option("--feature", options->features,
                       "RESULT is samples: score this hand-made feature of them (again: several together)");
   command->add_option("--holdout", options->holdout,

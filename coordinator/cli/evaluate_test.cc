@@ -4,6 +4,7 @@
 
 #include "coordinator/cli/app.h"
 #include "coordinator/cli/invocation.h"
+#include "datasets/evaluate/testing_localization.h"
 #include "datasets/evaluate/testing_networks.h"
 #include "datasets/simulate_loop.h"
 #include "datasets/testing.h"
@@ -71,6 +72,19 @@ TEST_F(EvaluateCommand, FindsTheNetworksInAFolder) {
   ASSERT_TRUE(std::filesystem::create_directory(folder_ / "run"));
   std::filesystem::rename(networks_, folder_ / "run/networks.h5");
   EXPECT_EQ(Evaluate({folder_ / "run", "--truth", samples_, "--nearest", "2"}).code, kExitDone);
+}
+
+TEST_F(EvaluateCommand, ScoresALocalizationOnItsSamples) {
+  ASSERT_TRUE(std::filesystem::create_directory(folder_ / "run"));
+  Write("run/localization.h5", "localization", datasets::LocalizationFile());
+  Write("localized.h5", "samples", datasets::LocalizedSamples());
+  for (const std::string& result : {folder_ / "run", folder_ / "run/localization.h5"}) {
+    const Said said = Evaluate({result, "--truth", folder_ / "localized.h5", "--json"});
+    ASSERT_EQ(said.code, kExitDone) << said.complaint;
+    EXPECT_EQ(nlohmann::json::parse(said.out)["rows"].size(), 3U);
+  }
+  Refuses({folder_ / "run", "--truth", samples_}, "made from other samples");
+  Refuses({folder_ / "run", "--truth", folder_ / "localized.h5", "--seed", "2"}, "are for networks");
 }
 
 TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {

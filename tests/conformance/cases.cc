@@ -5,6 +5,7 @@
 
 #include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/testing.h"
+#include "pipelines/localization/testing.h"
 #include "schema/rng.h"
 #include "worker/testing/toy_pipeline.h"
 
@@ -180,6 +181,18 @@ Case ImageFeatures() {
           .rounds = 1};  // the method has no more
 }
 
+Case Localization(const std::string& name, const char* sensing, const char* belief) {
+  Blob samples = localization::CorridorWithFeatures().Make();
+  samples.PutVector<double>("truth/run/0/x_m", {1.0});
+  Case c{.name = name, .stage = {}, .inputs = {{"samples", Share(std::move(samples))}}};
+  SetInteger(c.stage, "traverses", 9);
+  Set(c.stage, "way_m", 5.0);
+  (*c.stage.mutable_options())["runs"].set_s("run 1");
+  (*c.stage.mutable_options())["sensing"].set_s(sensing);
+  (*c.stage.mutable_options())["belief"].set_s(belief);
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -196,6 +209,9 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "landmark_learning")
     return {LandmarkLearning("landmark_learning_window", 5.0),
             LandmarkLearning("landmark_learning_global", 0.0)};
+  if (pipeline == "localization")
+    return {Localization("localization_samples", "sampled", "samples"),
+            Localization("localization_grid", "soft", "grid")};
   return {{.name = pipeline, .stage = {}, .inputs = {}}};
 }
 

@@ -1,0 +1,27 @@
+// Markov localisation with learned or hand-made features: [T98] (S. Thrun, Bayesian Landmark Learning for
+// Mobile Robot Localization, Machine Learning 33, 1998), sections 2, 5.1.6 and 5.2.4.
+#pragma once
+
+#include <cstdint>
+
+#include "pipelines/localization/options.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::localization {
+
+// Inputs (schema/FORMAT.md): samples, and networks where features are learned. Result: kind localization. Two
+// rounds: tasks `map`, each P(f | xi) of a block of places; tasks `localize`, each some traverses.
+class Localization : public Pipeline {
+ public:
+  Localization(Options options, std::uint64_t seed) : options_(std::move(options)), seed_(seed) {}
+
+  Step Start(const Inputs& inputs) const override;
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override;
+  Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
+
+ private:
+  Options options_;
+  std::uint64_t seed_;
+};
+
+}  // namespace cairn::localization

@@ -1,0 +1,150 @@
+#include "pipelines/localization/localization.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "pipelines/in_process.h"
+#include "pipelines/landmark_learning/landmark_learning.h"
+#include "pipelines/landmark_learning/testing.h"
+#include "pipelines/localization/testing.h"
+
+namespace cairn::localization {
+namespace {
+
+std::map<std::string, BlobPtr> InputsOf(const Blob& samples, const BlobPtr& networks = nullptr) {
+  std::map<std::string, BlobPtr> inputs = {{"samples", std::make_shared<const Blob>(samples)}};
+  if (networks != nullptr) inputs["networks"] = networks;
+  return inputs;
+}
+
+BlobPtr Locate(const Blob& samples, const Options& options, const BlobPtr& networks = nullptr) {
+  return RunInProcess(Localization(options, 11), InputsOf(samples, networks));
+}
+
+// Mean distance between truth and the mean of the belief, over the traverses' steps with `low_m` <= way <
+// `high_m`.
+double MeanError(const Blob& samples, const Blob& result, double low_m, double high_m) {
+  const auto way = result.Get<double>("step/way_m"), x = result.Get<double>("step/mean_x_m");
+  const auto run = result.Get<std::int32_t>("step/run"), sample = result.Get<std::int32_t>("step/sample");
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t k = 0; k < way.size(); ++k) {
+    if (way[k] < low_m || way[k] >= high_m) continue;
+    const auto truth = samples.Get<double>("run/" + std::to_string(run[k]) + "/x_m");
+    sum += std::abs(x[k] - truth[static_cast<std::size_t>(sample[k])]);
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(Localization, FindsARobotThatKnowsNothingByHandMadeFeatures) {
+  const Blob samples = CorridorWithFeatures().Make();
+  for (const char* belief : {"samples", "grid"}) {
+    for (const char* sensing : {"soft", "sampled"}) {
+      const BlobPtr result =
+          Locate(samples, {.runs = "run 1", .belief = belief, .sensing = sensing, .way_m = 25.0});
+      EXPECT_GT(MeanError(samples, *result, 0.0, 0.1), 8.0) << belief << sensing;
+      EXPECT_LT(MeanError(samples, *result, 15.0, 30.0), 1.0) << belief << sensing;
+    }
+  }
+}
+
+TEST(Localization, KeepsTrackOfARobotThatIsKnownToBeNear) {
+  const Blob samples = CorridorWithFeatures().Make();
+  const BlobPtr result = Locate(samples, {.runs = "run 0,run 2", .window_m = 1.0, .traverses = 20});
+  EXPECT_LT(MeanError(samples, *result, 0.0, 50.0), 0.5);
+}
+
+TEST(Localization, FindsARobotByLearnedFeaturesInARunThatWasHeldOut) {
+  const Blob samples = landmark_learning::CorridorSamples{.runs = 4, .samples = 200}.Make();
+  const landmark_learning::Options learning{.networks = 3, .window_m = 5.0, .steps = 300, .holdout = "run 3"};
+  const BlobPtr networks = RunInProcess(landmark_learning::LandmarkLearning(learning, 3), InputsOf(samples));
+  const BlobPtr result = Locate(samples, {.way_m = 15.0}, networks);
+  EXPECT_EQ(result->Texts("feature_name").size(), 3U);
+  for (const std::int32_t run : result->Get<std::int32_t>("step/run")) EXPECT_EQ(run, 3);
+  EXPECT_GT(MeanError(samples, *result, 0.0, 0.1), 5.0);
+  EXPECT_LT(MeanError(samples, *result, 10.0, 20.0), 1.0);
+}
+
+TEST(Localization, BeliefsAddUpAndSayWhereTheyEnd) {
+  const BlobPtr result = Locate(CorridorWithFeatures().Make(), {.runs = "run 1", .traverses = 5});
+  const auto entries = result->Get<std::int64_t>("step/entries");
+  const auto place = result->Get<std::int32_t>("belief/place");
+  const auto probability = result->Get<float>("belief/probability");
+  const auto x = result->Get<double>("place/x_m"), mean = result->Get<double>("step/mean_x_m");
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    double sum = 0.0, mean_x = 0.0;
+    for (std::int64_t i = 0; i < entries[k]; ++i, ++at) {
+      sum += probability[at];
+      mean_x += probability[at] * x[static_cast<std::size_t>(place[at])];
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-4);
+    EXPECT_NEAR(mean_x, mean[k], 0.05);  // what is too small is not kept
+  }
+  EXPECT_EQ(at, probability.size());
+  EXPECT_GT(entries.size(), 200U);
+}
+
+std::string Complaint(const Blob& samples, const Options& options, const BlobPtr& networks = nullptr) {
+  try {
+    Locate(samples, options, networks);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Localization, SaysWhatIsWrongWithItsInputs) {
+  const Blob good = CorridorWithFeatures().Make();
+  const auto with = [&](const char* name, Array array) {
+    Blob bad = good;
+    bad.Put(name, std::move(array));
+    return bad;
+  };
+  const auto rows = static_cast<std::int64_t>(good.at("run/1/x_m").size());
+  std::vector<float> feature(static_cast<std::size_t>(rows) * 3, 0.5F);
+  EXPECT_EQ(Complaint(good, {.runs = "run 1", .traverses = 1}), "");
+  EXPECT_EQ(Complaint(good, {}), "runs: without networks, which runs to localise in must be said");
+  EXPECT_EQ(Complaint(good, {.runs = "run 7"}), "runs: there is no run 'run 7' among the samples");
+  EXPECT_EQ(Complaint(good, {.runs = "run 0, run 1, run 2"}), "runs: no run is left to make the map of");
+  EXPECT_EQ(Complaint(good, {.runs = "run 1", .features = "door"}),
+            "features: there is no 'door' among half, quarter, stripe");
+  EXPECT_NE(Complaint(good, {.runs = "run 1", .belief = "grid", .cell_m = 1e-4})
+                .find("at most 1000000 are allowed"),
+            std::string::npos);
+  feature[7] = 1.5F;
+  EXPECT_EQ(Complaint(with("run/1/feature", Array::Of<float>({rows, 3}, feature)), {.runs = "run 1"}),
+            "run 'run 1', sample 2: a feature that is no probability");
+  feature[7] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(Complaint(with("run/1/feature", Array::Of<float>({rows, 3}, feature)), {.runs = "run 1"}),
+            "run 'run 1', sample 2: feature 1 is not a finite number");
+  EXPECT_NE(Complaint(good, {.runs = "run 1", .nearest = 100000}).find("the map has only"),
+            std::string::npos);
+  std::vector<float> certain(static_cast<std::size_t>(rows) * 3, 1.0F);
+  std::vector<float> never(static_cast<std::size_t>(good.at("run/0/x_m").size()) * 3, 0.0F);
+  Blob other = with("run/1/feature", Array::Of<float>({rows, 3}, certain));
+  other.Put("run/0/feature", Array::Of<float>({good.at("run/0/x_m").size(), 3}, never));
+  EXPECT_EQ(Complaint(other, {.runs = "run 1,run 2", .prior_count = 0.0, .traverses = 0}),
+            "run 'run 1', sample 3: what it senses is impossible wherever it may be (prior_count = 0)");
+}
+
+TEST(Localization, SaysWhatIsWrongWithTheNetworks) {
+  const Blob samples = landmark_learning::CorridorSamples().Make();
+  const BlobPtr networks = RunInProcess(
+      landmark_learning::LandmarkLearning({.steps = 1, .holdout = "run 1"}, 3), InputsOf(samples));
+  EXPECT_EQ(Complaint(samples, {.traverses = 1}, networks), "");
+  EXPECT_EQ(Complaint(samples, {.runs = "run 0"}, networks), "runs: the networks were trained on 'run 0'");
+  Blob other = samples;
+  other.Put("input_name", Array::Texts({"a", "b", "c", "d", "e"}));
+  EXPECT_EQ(Complaint(other, {}, networks), "the samples' inputs are not the networks'");
+  Blob cut = *networks;
+  cut.PutVector<double>("networks/output_bias", {0.0});
+  EXPECT_EQ(Complaint(samples, {}, std::make_shared<const Blob>(cut)),
+            "'networks/output_bias' does not have the other arrays' shape");
+}
+
+}  // namespace
+}  // namespace cairn::localization

@@ -1,0 +1,81 @@
+// Options of localization, each with unit, range and effect.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pipelines/common/options.h"
+
+namespace cairn::localization {
+
+struct Options {
+  std::string runs = {};
+  std::string features = {};
+  std::string belief = "samples";
+  double cell_m = 0.25;
+  std::int64_t nearest = 5;
+  double prior_count = 0.5;
+  std::string sensing = "soft";
+  double trust = 1.0;
+  double window_m = 0.0;
+  std::int64_t traverses = 35;
+  double way_m = 30.0;
+  double every_m = 0.5;
+  double odometry_ratio = 0.05;
+  double motion_m = 0.1;
+  double motion_ratio = 0.1;
+  double lost = 1e-4;
+};
+
+template <class V>
+void VisitOptions(V& visit, Options& o) {
+  visit(Option{"runs", "", 0, 0,
+               "the runs of the samples to localise in, by commas; empty: those that the networks were not "
+               "trained on"},
+        o.runs);
+  visit(Option{"features", "", 0, 0,
+               "without networks: the hand-made features to use, by commas; empty: all of the samples'"},
+        o.features);
+  visit(Option{"belief",
+               "",
+               0,
+               0,
+               "over the training locations, or the cells of a grid around them",
+               {"samples", "grid"}},
+        o.belief);
+  visit(Option{"cell_m", "m", 0.01, 100, "edge of a cell (belief grid)"}, o.cell_m);
+  visit(Option{"nearest", "", 1, 1e6, "training samples, of which the features at a place are the mean"},
+        o.nearest);
+  visit(Option{"prior_count", "", 0, 1e6,
+               "samples of either outcome that are added to them; 0: what they all rule out is impossible"},
+        o.prior_count);
+  visit(Option{"sensing",
+               "",
+               0,
+               0,
+               "features enter as their probabilities, or drawn by them (seeded), as the paper has it",
+               {"soft", "sampled"}},
+        o.sensing);
+  visit(Option{"trust", "", 0.001, 1,
+               "power of each sensation's likelihood; below 1 where successive ones "
+               "err together"},
+        o.trust);
+  visit(Option{"window_m", "m", 0, 1e9,
+               "what the robot knows of its position at the start: within so much of it (position tracking); "
+               "0: nothing (global localisation)"},
+        o.window_m);
+  visit(Option{"traverses", "", 0, 1e6,
+               "runs of the experiment, each from a random place of a run on; 0: each run once, from its "
+               "beginning"},
+        o.traverses);
+  visit(Option{"way_m", "m", 0, 1e9, "way of each; 0: to the run's end"}, o.way_m);
+  visit(Option{"every_m", "m", 0.001, 1e6, "way from a sensation to the next"}, o.every_m);
+  visit(Option{"odometry_ratio", "", 0, 10,
+               "sd of the error that is put on each displacement, an axis, a share of its length"},
+        o.odometry_ratio);
+  visit(Option{"motion_m", "m", 0, 1e6, "sd of a displacement in the motion model, an axis"}, o.motion_m);
+  visit(Option{"motion_ratio", "", 0, 10, "and a share of its length, added in squares"}, o.motion_ratio);
+  visit(Option{"lost", "", 0, 1, "share of the belief that goes anywhere at each displacement"}, o.lost);
+}
+
+}  // namespace cairn::localization

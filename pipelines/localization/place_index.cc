@@ -1,0 +1,101 @@
+#include "pipelines/localization/place_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "schema/error.h"
+
+namespace cairn::localization {
+namespace {
+
+double Coordinate(const Place& place, bool y) { return y ? place.y_m : place.x_m; }
+
+}  // namespace
+
+double DistanceM(const Place& a, const Place& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+
+PlaceIndex::PlaceIndex(std::vector<Place> places)
+    : places_(std::move(places)), order_(places_.size()), by_y_(places_.size(), 0) {
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  Split(0, places_.size());
+}
+
+// Along the axis in which the range extends farther.
+void PlaceIndex::Split(std::size_t first, std::size_t end) {
+  if (end - first < 2) return;
+  const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first),
+             stop = order_.begin() + static_cast<std::ptrdiff_t>(end);
+  const auto extent = [&](bool y) {
+    const auto [low, high] = std::minmax_element(begin, stop, [&](std::size_t a, std::size_t b) {
+      return Coordinate(places_[a], y) < Coordinate(places_[b], y);
+    });
+    return Coordinate(places_[*high], y) - Coordinate(places_[*low], y);
+  };
+  const bool y = extent(true) > extent(false);
+  const std::size_t middle = first + (end - first) / 2;
+  std::nth_element(begin, order_.begin() + static_cast<std::ptrdiff_t>(middle), stop,
+                   [&](std::size_t a, std::size_t b) {
+                     return std::pair(Coordinate(places_[a], y), a) < std::pair(Coordinate(places_[b], y), b);
+                   });
+  by_y_[middle] = y ? 1 : 0;
+  Split(first, middle);
+  Split(middle + 1, end);
+}
+
+template <class Visit, class Reach>
+void PlaceIndex::Descend(std::size_t first, std::size_t end, const Place& from, const Visit& visit,
+                         const Reach& reach) const {
+  if (first == end) return;
+  const std::size_t middle = first + (end - first) / 2;
+  visit(order_[middle]);
+  const bool y = by_y_[middle] != 0;
+  const double beyond_m = Coordinate(from, y) - Coordinate(places_[order_[middle]], y);
+  const bool low_side = beyond_m < 0.0;
+  if (low_side)
+    Descend(first, middle, from, visit, reach);
+  else
+    Descend(middle + 1, end, from, visit, reach);
+  if (std::abs(beyond_m) > reach()) return;
+  if (low_side)
+    Descend(middle + 1, end, from, visit, reach);
+  else
+    Descend(first, middle, from, visit, reach);
+}
+
+std::vector<std::size_t> PlaceIndex::Nearest(const Place& from, std::size_t count) const {
+  CAIRN_DEMAND(count >= 1 && count <= size(), "no such number of nearest places");
+  std::vector<Near> heap;  // the farthest on top
+  const auto visit = [&](std::size_t place) {
+    const Near near{DistanceM(places_[place], from), place};
+    if (heap.size() == count) {
+      if (heap.front() < near) return;
+      std::ranges::pop_heap(heap);
+      heap.pop_back();
+    }
+    heap.push_back(near);
+    std::ranges::push_heap(heap);
+  };
+  Descend(0, size(), from, visit, [&] {
+    return heap.size() < count ? std::numeric_limits<double>::infinity() : heap.front().distance_m;
+  });
+  std::ranges::sort_heap(heap);
+  std::vector<std::size_t> nearest;
+  for (const Near& near : heap) nearest.push_back(near.place);
+  return nearest;
+}
+
+std::vector<std::size_t> PlaceIndex::Within(const Place& from, double radius_m) const {
+  std::vector<std::size_t> within;
+  Descend(
+      0, size(), from,
+      [&](std::size_t place) {
+        if (DistanceM(places_[place], from) <= radius_m) within.push_back(place);
+      },
+      [&] { return radius_m; });
+  std::ranges::sort(within);
+  return within;
+}
+
+}  // namespace cairn::localization

@@ -1,0 +1,41 @@
+#include "pipelines/localization/sensing.h"
+
+#include <cmath>
+
+#include "schema/error.h"
+
+namespace cairn::localization {
+
+std::vector<double> FeaturesAt(const PlaceIndex& index, const std::vector<double>& output,
+                               std::size_t features, std::size_t nearest, double prior_count,
+                               const Place& at) {
+  std::vector<double> sum(features, prior_count);
+  for (const std::size_t sample : index.Nearest(at, nearest)) {
+    for (std::size_t i = 0; i < features; ++i) sum[i] += output[sample * features + i];
+  }
+  for (double& s : sum) s /= static_cast<double>(nearest) + 2.0 * prior_count;
+  return sum;
+}
+
+std::vector<double> Drawn(const std::vector<double>& output, Rng& rng) {
+  std::vector<double> feature;
+  for (const double g : output) feature.push_back(rng.Uniform() < g ? 1.0 : 0.0);
+  return feature;
+}
+
+std::vector<double> Likelihood(const std::vector<double>& map, const std::vector<double>& feature,
+                               double trust) {
+  CAIRN_DEMAND(!feature.empty() && map.size() % feature.size() == 0, "a row of the map for each place");
+  std::vector<double> likelihood;
+  for (std::size_t row = 0; row < map.size(); row += feature.size()) {
+    double product = 1.0;
+    for (std::size_t i = 0; i < feature.size(); ++i) {
+      const double one = map[row + i];
+      product *= feature[i] * one + (1.0 - feature[i]) * (1.0 - one);
+    }
+    likelihood.push_back(trust == 1.0 ? product : std::pow(product, trust));
+  }
+  return likelihood;
+}
+
+}  // namespace cairn::localization

@@ -1,0 +1,27 @@
+// P(f | xi), the map of features ([T98] section 5.1.6), and what a sensation says of the places in it.
+#pragma once
+
+#include <vector>
+
+#include "pipelines/localization/place_index.h"
+#include "schema/rng.h"
+
+namespace cairn::localization {
+
+// P(f_i = 1 | xi) at `at`: the mean output of the `nearest` training samples, [features], and `prior_count`
+// samples more of either outcome, so that a handful of samples never rules anything out.
+// `output`: [samples][features] in [0, 1].
+std::vector<double> FeaturesAt(const PlaceIndex& index, const std::vector<double>& output,
+                               std::size_t features, std::size_t nearest, double prior_count,
+                               const Place& at);
+
+// f of a sensation whose bits are 1 with probability `output`, drawn (eqs 32, 33): zeros and ones.
+std::vector<double> Drawn(const std::vector<double>& output, Rng& rng);
+
+// P(f | xi) of each place: prod_i of P(f_i | xi). `feature`: zeros and ones, or probabilities of ones, over
+// which the expectation is taken: sum_f P(f | s) P(f | xi). `map`: [places][features]. Raised to the power of
+// `trust`: sensations that follow each other are not independent, as table 1 holds them to be.
+std::vector<double> Likelihood(const std::vector<double>& map, const std::vector<double>& feature,
+                               double trust);
+
+}  // namespace cairn::localization

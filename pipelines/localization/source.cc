@@ -1,0 +1,243 @@
+#include "pipelines/localization/source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "pipelines/localization/learned.h"
+#include "schema/error.h"
+
+namespace cairn::localization {
+namespace {
+
+std::string PrefixOf(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
+
+std::string JoinNames(const std::vector<std::string>& names) {
+  std::string joined;
+  for (const std::string& name : names) joined += (joined.empty() ? "" : ", ") + name;
+  return joined;
+}
+
+// Rows of `columns` numbers, all of them finite.
+std::span<const float> RowsOf(const Blob& samples, std::size_t run, const std::string& name,
+                              const std::string& array, std::size_t rows, std::size_t columns) {
+  const auto values = samples.Get<float>(PrefixOf(run) + array);
+  if (values.size() != rows * columns) {
+    throw InputError("run '" + name + "': '" + array + "' has " + std::to_string(values.size()) +
+                     " numbers, where " + std::to_string(rows) + " samples of " + std::to_string(columns) +
+                     " are needed");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      throw InputError("run '" + name + "', sample " + std::to_string(i / columns) + ": " + array + " " +
+                       std::to_string(i % columns) + " is not a finite number");
+    }
+  }
+  return values;
+}
+
+std::vector<Place> PlacesOf(const Blob& samples, std::size_t run, const std::string& name) {
+  const auto x = samples.Get<double>(PrefixOf(run) + "x_m"), y = samples.Get<double>(PrefixOf(run) + "y_m");
+  if (x.size() != y.size() || x.empty())
+    throw InputError("run '" + name + "': x_m and y_m are empty or not of one length");
+  std::vector<Place> places;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (!std::isfinite(x[k]) || !std::isfinite(y[k])) {
+      throw InputError("run '" + name + "', sample " + std::to_string(k) + ": the place is not finite");
+    }
+    places.push_back({x[k], y[k]});
+  }
+  return places;
+}
+
+// What features are made of: outputs of networks, or some columns of the hand-made ones.
+class Extractor {
+ public:
+  Extractor(const Options& options, const Blob& samples, const Learned* learned)
+      : samples_(samples), run_names_(samples.Texts("runs")), learned_(learned) {
+    if (learned != nullptr)
+      UseNetworks(options);
+    else
+      UseColumns(ByCommas(options.features));
+  }
+
+  const std::vector<std::string>& names() const { return names_; }
+
+  std::vector<float> OutputOf(std::size_t run, std::size_t rows) const {
+    const std::string& name = run_names_[run];
+    if (learned_ != nullptr)
+      return learned_->OutputsOf(RowsOf(samples_, run, name, "input", rows, learned_->input_names().size()));
+    const auto all = RowsOf(samples_, run, name, "feature", rows, all_columns_);
+    std::vector<float> picked;
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (const std::size_t column : columns_) picked.push_back(all[row * all_columns_ + column]);
+    }
+    const auto bad = std::ranges::find_if(picked, [](float g) { return g < 0.0F || g > 1.0F; });
+    if (bad != picked.end()) {
+      throw InputError("run '" + name + "', sample " +
+                       std::to_string(static_cast<std::size_t>(bad - picked.begin()) / columns_.size()) +
+                       ": a feature that is no probability");
+    }
+    return picked;
+  }
+
+ private:
+  void UseNetworks(const Options& options) {
+    if (!options.features.empty())
+      throw InputError("features: they are the networks' outputs where there are networks");
+    if (samples_.Texts("input_name") != learned_->input_names())
+      throw InputError("the samples' inputs are not the networks'");
+    for (std::size_t i = 0; i < learned_->networks(); ++i) names_.push_back("network " + std::to_string(i));
+  }
+
+  void UseColumns(const std::vector<std::string>& wanted) {
+    if (!samples_.Has("feature_name"))
+      throw InputError("without networks the samples need hand-made features, and they have none");
+    const std::vector<std::string> all = samples_.Texts("feature_name");
+    all_columns_ = all.size();
+    names_ = wanted.empty() ? all : wanted;
+    if (names_.empty()) throw InputError("the samples have no features");
+    for (const std::string& name : names_) {
+      const auto at = std::ranges::find(all, name);
+      if (at == all.end()) throw InputError("features: there is no '" + name + "' among " + JoinNames(all));
+      columns_.push_back(static_cast<std::size_t>(at - all.begin()));
+    }
+  }
+
+  const Blob& samples_;
+  const std::vector<std::string> run_names_;
+  const Learned* learned_;
+  std::vector<std::string> names_;
+  std::vector<std::size_t> columns_;
+  std::size_t all_columns_ = 0;
+};
+
+// Indices of the runs to localise in, ascending.
+std::vector<std::size_t> RunsToLocaliseIn(const Options& options, const std::vector<std::string>& all,
+                                          const Learned* learned) {
+  const std::vector<std::string> wanted = ByCommas(options.runs);
+  for (const std::string& name : wanted) {
+    if (std::ranges::find(all, name) == all.end())
+      throw InputError("runs: there is no run '" + name + "' among the samples");
+    if (learned != nullptr && std::ranges::count(learned->trained_on(), name) > 0)
+      throw InputError("runs: the networks were trained on '" + name + "'");
+  }
+  if (learned == nullptr && wanted.empty())
+    throw InputError("runs: without networks, which runs to localise in must be said");
+  std::vector<std::size_t> runs;
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    const bool asked = wanted.empty() ? std::ranges::count(learned->trained_on(), all[r]) == 0
+                                      : std::ranges::count(wanted, all[r]) > 0;
+    if (asked) runs.push_back(r);
+  }
+  if (runs.empty()) throw InputError("the networks were trained on every run: none is left to localise in");
+  return runs;
+}
+
+template <class T>
+std::vector<T> Taken(const Blob& blob, const std::string& name) {
+  const auto values = blob.Get<T>(name);
+  return {values.begin(), values.end()};
+}
+
+void PutPlaces(const std::vector<Place>& places, const std::string& prefix, Blob* blob) {
+  std::vector<double> x, y;
+  for (const Place& place : places) {
+    x.push_back(place.x_m);
+    y.push_back(place.y_m);
+  }
+  blob->PutVector(prefix + "x_m", x);
+  blob->PutVector(prefix + "y_m", y);
+}
+
+std::vector<Place> TakenPlaces(const Blob& blob, const std::string& prefix) {
+  const auto x = blob.Get<double>(prefix + "x_m"), y = blob.Get<double>(prefix + "y_m");
+  std::vector<Place> places;
+  for (std::size_t k = 0; k < x.size(); ++k) places.push_back({x[k], y[k]});
+  return places;
+}
+
+}  // namespace
+
+std::vector<std::string> ByCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t first = 0; first < text.size();) {
+    const std::size_t end = std::min(text.find(',', first), text.size());
+    std::string part = text.substr(first, end - first);
+    part.erase(0, std::min(part.find_first_not_of(' '), part.size()));
+    part.erase(part.find_last_not_of(' ') + 1);
+    if (!part.empty()) parts.push_back(part);
+    first = end + 1;
+  }
+  return parts;
+}
+
+Source Source::Of(const Options& options, const Inputs& inputs) {
+  const BlobPtr samples = inputs.Get("samples");
+  std::optional<Learned> learned;
+  if (inputs.Has("networks")) learned.emplace(*inputs.Get("networks"));
+  const Learned* networks = learned ? &*learned : nullptr;
+  Source source;
+  source.run_names = samples->Texts("runs");
+  source.samples_hash = samples->Without("truth/").ContentHash().Hex();
+  const Extractor extractor(options, *samples, networks);
+  source.feature_names = extractor.names();
+  const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, source.run_names, networks);
+  if (networks != nullptr) {
+    source.map_places = networks->places();
+    source.map_output = networks->outputs();
+  }
+  for (std::size_t r = 0; r < source.run_names.size(); ++r) {
+    const bool localised = std::ranges::count(wanted, r) > 0;
+    if (!localised && networks != nullptr) continue;
+    Run run{static_cast<std::int32_t>(r), PlacesOf(*samples, r, source.run_names[r]), {}};
+    run.output = extractor.OutputOf(r, run.places.size());
+    if (localised) {
+      source.runs.push_back(std::move(run));
+      continue;
+    }
+    source.map_places.insert(source.map_places.end(), run.places.begin(), run.places.end());
+    source.map_output.insert(source.map_output.end(), run.output.begin(), run.output.end());
+  }
+  if (source.map_places.empty()) throw InputError("runs: no run is left to make the map of");
+  if (static_cast<std::size_t>(options.nearest) > source.map_places.size()) {
+    throw InputError("nearest = " + std::to_string(options.nearest) + ", but the map has only " +
+                     std::to_string(source.map_places.size()) + " samples");
+  }
+  return source;
+}
+
+Blob Source::ToBlob() const {
+  Blob blob;
+  blob.Put("run_names", Array::Texts(run_names));
+  blob.Put("feature_names", Array::Texts(feature_names));
+  blob.Put("samples_hash", Array::Text(samples_hash));
+  PutPlaces(map_places, "map/", &blob);
+  blob.PutVector("map/output", map_output);
+  std::vector<std::int32_t> index;
+  for (const Run& run : runs) {
+    const std::string prefix = PrefixOf(index.size());
+    index.push_back(run.index);
+    PutPlaces(run.places, prefix, &blob);
+    blob.PutVector(prefix + "output", run.output);
+  }
+  blob.PutVector("run_index", index);
+  return blob;
+}
+
+Source Source::FromBlob(const Blob& blob) {
+  Source source{.run_names = blob.Texts("run_names"),
+                .feature_names = blob.Texts("feature_names"),
+                .map_places = TakenPlaces(blob, "map/"),
+                .map_output = Taken<double>(blob, "map/output"),
+                .runs = {},
+                .samples_hash = blob.Text("samples_hash")};
+  for (const std::int32_t index : blob.Get<std::int32_t>("run_index")) {
+    const std::string prefix = PrefixOf(source.runs.size());
+    source.runs.push_back({index, TakenPlaces(blob, prefix), Taken<float>(blob, prefix + "output")});
+  }
+  return source;
+}
+
+}  // namespace cairn::localization

@@ -1,0 +1,46 @@
+// What localisation starts from: places whose features are known, and the runs to find the robot in.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipelines/localization/options.h"
+#include "pipelines/localization/place_index.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::localization {
+
+// A run of the samples (schema/FORMAT.md).
+struct Run {
+  std::int32_t index = 0;  // among the samples' runs
+  std::vector<Place>
+      places;  // displacements, the window at the start and scores come from these, nothing else
+  std::vector<float> output;  // [samples][features]: P(f_i = 1 | s)
+};
+
+struct Source {
+  std::vector<std::string> run_names;  // of all runs of the samples
+  std::vector<std::string> feature_names;
+  std::vector<Place> map_places;   // training samples
+  std::vector<double> map_output;  // [training samples][features]
+  std::vector<Run> runs;
+  std::string samples_hash;  // of the samples without truth
+
+  std::size_t features() const { return feature_names.size(); }
+
+  // Inputs `samples` and, where there are, `networks`: then the map is that of the networks' training samples
+  // and features are the networks' outputs. Else features are the samples' hand-made ones, and the map is
+  // that of all runs that are not localised in. Throws InputError that names run and row: runs that are not
+  // there or that the networks were trained on, no run to localise in or none for the map, features that are
+  // not there, arrays that do not fit each other, numbers that are not finite or no probabilities, inputs
+  // that are not the networks'.
+  static Source Of(const Options& options, const Inputs& inputs);
+
+  Blob ToBlob() const;
+  static Source FromBlob(const Blob& blob);
+};
+
+// Parts of a text between commas, blanks around them cut off; none of an empty one.
+std::vector<std::string> ByCommas(const std::string& text);
+
+}  // namespace cairn::localization

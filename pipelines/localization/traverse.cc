@@ -1,0 +1,103 @@
+#include "pipelines/localization/traverse.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipelines/localization/sensing.h"
+#include "schema/error.h"
+
+namespace cairn::localization {
+namespace {
+
+// Way travelled until each sample of a run.
+std::vector<double> WayTo(const std::vector<Place>& places) {
+  std::vector<double> way(places.size(), 0.0);
+  for (std::size_t k = 1; k < places.size(); ++k) way[k] = way[k - 1] + DistanceM(places[k], places[k - 1]);
+  return way;
+}
+
+std::size_t StartOf(const Options& options, const std::vector<double>& way, Rng& rng) {
+  if (options.traverses == 0 || options.way_m == 0.0 || way.back() <= options.way_m) return 0;
+  const double at_m = rng.Uniform(0.0, way.back() - options.way_m);
+  return static_cast<std::size_t>(std::ranges::lower_bound(way, at_m) - way.begin());
+}
+
+// What odometry makes of a displacement.
+Place Measured(const Place& from, const Place& to, double ratio, Rng& rng) {
+  const double sd_m = ratio * DistanceM(from, to);
+  return {to.x_m - from.x_m + sd_m * rng.Normal(), to.y_m - from.y_m + sd_m * rng.Normal()};
+}
+
+Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& belief) {
+  Localized::Step step{EstimateOf(space.places(), belief), {}, {}};
+  const double least = kKeptShare * *std::ranges::max_element(belief);
+  double sum = 0.0;
+  for (const double b : belief) sum += b >= least ? b : 0.0;
+  for (std::size_t place = 0; place < belief.size(); ++place) {
+    if (belief[place] < least) continue;
+    step.place.push_back(static_cast<std::int32_t>(place));
+    step.probability.push_back(static_cast<float>(belief[place] / sum));
+  }
+  return step;
+}
+
+[[noreturn]] void Impossible(const Source& source, const Traverse& traverse, const Stop& stop,
+                             const char* what) {
+  const auto run = static_cast<std::size_t>(source.runs[traverse.run].index);
+  throw InputError("run '" + source.run_names[run] + "', sample " + std::to_string(stop.sample) + ": " +
+                   what);
+}
+
+}  // namespace
+
+std::size_t TraverseCount(const Options& options, const Source& source) {
+  return options.traverses > 0 ? static_cast<std::size_t>(options.traverses) : source.runs.size();
+}
+
+Traverse MakeTraverse(const Options& options, const Source& source, std::size_t number, std::uint64_t seed) {
+  Traverse traverse{.run = number % source.runs.size(), .start = 0, .stops = {}};
+  const Run& run = source.runs[traverse.run];
+  const std::vector<double> way = WayTo(run.places);
+  Rng rng(seed, number);
+  traverse.start = StartOf(options, way, rng);
+  const double end_m = options.way_m > 0.0 ? options.way_m : way.back();
+  std::size_t last = traverse.start;
+  for (std::size_t k = traverse.start + 1; k < way.size(); ++k) {
+    const double way_m = way[k] - way[traverse.start];
+    if (way_m > end_m) break;
+    if (way_m < static_cast<double>(traverse.stops.size() + 1) * options.every_m) continue;
+    traverse.stops.push_back(
+        {k, way_m, Measured(run.places[last], run.places[k], options.odometry_ratio, rng)});
+    last = k;
+  }
+  if (traverse.stops.empty()) {
+    throw InputError("run '" + source.run_names[static_cast<std::size_t>(run.index)] +
+                     "' has no stop: every_m is more than its way or than way_m");
+  }
+  return traverse;
+}
+
+Localized Localize(const Options& options, const Source& source, const BeliefSpace& space,
+                   const std::vector<double>& map, double least_sd_m, const Traverse& traverse, Rng rng,
+                   Progress& progress) {
+  const Run& run = source.runs[traverse.run];
+  const std::size_t features = source.features();
+  const Motion motion{options.motion_m, options.motion_ratio, least_sd_m};
+  std::vector<double> belief =
+      options.window_m > 0.0 ? space.Near(run.places[traverse.start], options.window_m) : space.Anywhere();
+  Localized localized{{StepOf(space, belief)}};
+  for (const Stop& stop : traverse.stops) {
+    progress.Tick();
+    if (!space.Move(stop.displacement, motion, options.lost, &belief))
+      Impossible(source, traverse, stop, "it has left all places of the map (lost = 0)");
+    const auto row = run.output.begin() + static_cast<std::ptrdiff_t>(stop.sample * features);
+    std::vector<double> feature(row, row + static_cast<std::ptrdiff_t>(features));
+    if (options.sensing == "sampled") feature = Drawn(feature, rng);
+    if (!Sense(Likelihood(map, feature, options.trust), &belief))
+      Impossible(source, traverse, stop, "what it senses is impossible wherever it may be (prior_count = 0)");
+    localized.steps.push_back(StepOf(space, belief));
+  }
+  return localized;
+}
+
+}  // namespace cairn::localization

@@ -1,0 +1,77 @@
+#include "pipelines/localization/traverse.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "schema/error.h"
+
+namespace cairn::localization {
+namespace {
+
+// Two runs of 100 samples, 0.2 m apart.
+Source TwoRuns() {
+  Source source;
+  source.run_names = {"a", "b"};
+  source.feature_names = {"f"};
+  for (const std::int32_t index : {0, 1}) {
+    Run run{.index = index, .places = {}, .output = std::vector<float>(100, 0.5F)};
+    for (int k = 0; k < 100; ++k) run.places.push_back({0.2 * k, 0.0});
+    source.runs.push_back(run);
+  }
+  return source;
+}
+
+TEST(Traverse, StopsAtTheFirstSampleAfterEachStretch) {
+  const Options options{.traverses = 0, .way_m = 3.0, .every_m = 0.5, .odometry_ratio = 0.0};
+  const Traverse traverse = MakeTraverse(options, TwoRuns(), 1, 9);
+  EXPECT_EQ(traverse.run, 1U);
+  EXPECT_EQ(traverse.start, 0U);
+  std::vector<std::size_t> samples;
+  double way_m = 0.0;
+  for (const Stop& stop : traverse.stops) {
+    samples.push_back(stop.sample);
+    way_m += stop.displacement.x_m;
+    EXPECT_NEAR(stop.way_m, way_m, 1e-12);
+    EXPECT_NEAR(stop.way_m, 0.2 * static_cast<double>(stop.sample), 1e-12);
+  }
+  EXPECT_EQ(samples, (std::vector<std::size_t>{3, 5, 8, 10, 13, 15}));
+}
+
+TEST(Traverse, SetsOutFromPlacesThatLeaveTheWayAndReplaysFromItsSeed) {
+  const Options options{.traverses = 40, .way_m = 12.0};
+  const Source source = TwoRuns();
+  bool differ = false;
+  for (std::size_t number = 0; number < 40; ++number) {
+    const Traverse traverse = MakeTraverse(options, source, number, 5);
+    EXPECT_EQ(traverse.run, number % 2);
+    EXPECT_LE(0.2 * static_cast<double>(traverse.start), 19.8 - 12.0 + 0.2);
+    EXPECT_GE(traverse.stops.back().way_m, 11.4);
+    EXPECT_EQ(MakeTraverse(options, source, number, 5).start, traverse.start);
+    EXPECT_EQ(MakeTraverse(options, source, number, 5).stops[3].displacement, traverse.stops[3].displacement);
+    differ |= MakeTraverse(options, source, number, 6).start != traverse.start;
+  }
+  EXPECT_TRUE(differ);
+}
+
+TEST(Traverse, PutsTheErrorThatIsAskedForOnDisplacements) {
+  const Options options{.traverses = 500, .way_m = 10.0, .odometry_ratio = 0.1};
+  const Source source = TwoRuns();
+  double squares = 0.0;
+  int count = 0;
+  for (std::size_t number = 0; number < 500; ++number) {
+    for (const Stop& stop : MakeTraverse(options, source, number, 1).stops) {
+      squares += std::pow(stop.displacement.y_m / 0.5, 2);
+      ++count;
+    }
+  }
+  // Stops are 0.4 and 0.6 m apart in turn.
+  EXPECT_NEAR(std::sqrt(squares / count), 0.1 * std::sqrt((0.16 + 0.36) / 2) / 0.5, 0.003);
+}
+
+TEST(Traverse, NeedsAStop) {
+  EXPECT_THROW(MakeTraverse({.traverses = 0, .way_m = 0.0, .every_m = 30.0}, TwoRuns(), 0, 1), InputError);
+}
+
+}  // namespace
+}  // namespace cairn::localization
