@@ -3,6 +3,7 @@
 // of the thread's own peak, which a loop of nothing but fma in registers shows in the same run.
 //   ball_rate                          # the table
 //   ball_rate SAMPLES NETWORKS WINDOW_M [LENGTH_M]     # one row; window 0: globally uncertain
+//   ball_rate step                     # a training step of the paper's networks, part by part
 // ball_torch.py runs it beside PyTorch and prints the ratios.
 #include <algorithm>
 #include <chrono>
@@ -15,6 +16,7 @@
 
 #include "pipelines/landmark_learning/features.h"
 #include "pipelines/landmark_learning/lanes.h"
+#include "pipelines/landmark_learning/networks.h"
 #include "pipelines/landmark_learning/posterior_error.h"
 #include "schema/rng.h"
 #include "tests/bench/bench_main.h"
@@ -79,25 +81,34 @@ double PairsOf(const Row& row, const Places& places) {
   return pairs;
 }
 
-void Measure(const Row& row, double peak) {
-  Rng rng(7);
+// Samples along a corridor whose features are drawn at random.
+struct World {
   Places places;
   std::vector<float> g;
-  for (int k = 0; k < row.samples; ++k) {
-    places.x_m.push_back(row.length_m * (k + rng.Uniform()) / row.samples);
-    places.y_m.push_back(0.2 * rng.Normal());
-    places.along_m.push_back(places.x_m.back());
-    for (int i = 0; i < row.networks; ++i) g.push_back(static_cast<float>(rng.Uniform()));
+  std::vector<double> weight;
+
+  explicit World(const Row& row) : weight(static_cast<std::size_t>(row.samples), 1.0 / row.samples) {
+    Rng rng(7);
+    for (int k = 0; k < row.samples; ++k) {
+      places.x_m.push_back(row.length_m * (k + rng.Uniform()) / row.samples);
+      places.y_m.push_back(0.2 * rng.Normal());
+      places.along_m.push_back(places.x_m.back());
+      for (int i = 0; i < row.networks; ++i) g.push_back(static_cast<float>(rng.Uniform()));
+    }
   }
-  const std::vector<double> weight(static_cast<std::size_t>(row.samples), 1.0 / row.samples);
-  const double width_m = row.window_m > 0.0 ? row.window_m : std::numeric_limits<double>::infinity();
-  const auto probability = FeatureProbabilities(g, row.networks);
-  double error = 0.0;
-  const double seconds = Quickest([&] {
+  ErrorShare<float> Share(const Row& row, const std::vector<float>& probability) const {
+    const double width_m = row.window_m > 0.0 ? row.window_m : std::numeric_limits<double>::infinity();
     const Pairs pairs(places, places, {row.shape, width_m}, ErrorKind::kDistance);
-    error = ErrorOfTruths(pairs, probability, 1 << row.networks, weight, {0, row.samples}).posterior;
-  });
-  const double gflops = 8e-9 * PairsOf(row, places) * (1 << row.networks) / seconds;
+    return ErrorOfTruths(pairs, probability, 1 << row.networks, weight, {0, row.samples});
+  }
+};
+
+void Measure(const Row& row, double peak) {
+  const World world(row);
+  const auto probability = FeatureProbabilities(world.g, row.networks);
+  double error = 0.0;
+  const double seconds = Quickest([&] { error = world.Share(row, probability).posterior; });
+  const double gflops = 8e-9 * PairsOf(row, world.places) * (1 << row.networks) / seconds;
   std::printf("%7d  %2d  %-8s %7g m  %9.3f ms  %6.1f Gflop/s  %4.0f%%  E %.4f m\n", row.samples, row.networks,
               row.shape == BeliefShape::kGaussian ? "gaussian"
               : row.window_m > 0.0                ? "window"
@@ -106,9 +117,39 @@ void Measure(const Row& row, double peak) {
   std::fflush(stdout);
 }
 
+// 164 inputs, 6 hidden units, n = 4, +-2 m ([T98] section 5.1).
+void MeasureStep() {
+  const Row row{2424, 4, 2.0};
+  const World world(row);
+  const NetworkShape shape{row.networks, 164, 6};
+  Rng rng(3);
+  const auto parameters = RandomParameters<float>(shape, 0.1, rng);
+  std::vector<float> inputs;
+  for (int i = 0; i < row.samples * shape.inputs; ++i) inputs.push_back(static_cast<float>(rng.Normal()));
+  Activations<float> activations;
+  std::vector<float> probability, d_output;
+  ErrorShare<float> share;
+  double all = 0.0;
+  const auto part = [&](const char* name, const std::function<void()>& work) {
+    const double ms = 1e3 * Quickest(work);
+    std::printf("%-22s %.3f ms\n", name, ms);
+    all += ms;
+  };
+  part("networks", [&] { activations = Forward(parameters, inputs.data(), row.samples); });
+  part("P(f | s)", [&] { probability = FeatureProbabilities(activations.output, row.networks); });
+  part("E and dE/dP(f | s)", [&] { share = world.Share(row, probability); });
+  part("dE/dg", [&] { d_output = OutputGradient(activations.output, row.networks, share.d_probability); });
+  part("dE/dw", [&] { Backward(parameters, inputs.data(), row.samples, activations, d_output); });
+  std::printf("%-22s %.3f ms\n", "together", all);
+}
+
 int Main(const std::vector<std::string>& args) {
+  if (args.size() == 1 && args[0] == "step") {
+    MeasureStep();
+    return 0;
+  }
   if (!args.empty() && args.size() < 3) {
-    std::fprintf(stderr, "usage: ball_rate [SAMPLES NETWORKS WINDOW_M [LENGTH_M]]\n");
+    std::fprintf(stderr, "usage: ball_rate [step | SAMPLES NETWORKS WINDOW_M [LENGTH_M]]\n");
     return 2;
   }
   const double peak = PeakGflops();
