@@ -1,10 +1,14 @@
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/loop_options.h"
 #include "coordinator/cli/output_path.h"
 #include "coordinator/cli/scalar.h"
+#include "coordinator/cli/suggest.h"
+#include "datasets/simulate_corridor.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -24,6 +28,68 @@ int Simulate(const Options& options, const Invocation&) {
               options.loop.robots, options.loop.robots == 1 ? "" : "s",
               log.Texts("truth/landmarks/name").size(), datasets::FinalOdometricErrorM(log, 0));
   return kExitDone;
+}
+
+struct CorridorOptions {
+  datasets::SimulateCorridorOptions corridor;
+  std::string out, pictures;
+  bool force = false;
+};
+
+void WritePictures(const std::string& folder, const std::vector<datasets::CorridorPicture>& pictures) {
+  for (const datasets::CorridorPicture& picture : pictures) {
+    const std::string path = folder + "/" + picture.name + ".png";
+    std::ofstream file(path, std::ios::binary);
+    file << picture.png;
+    file.close();
+    if (!file) throw InputError("cannot write '" + path + "'");
+  }
+}
+
+int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
+  RefuseToOverwrite(options.out, options.force);
+  if (!options.pictures.empty() && !std::filesystem::is_directory(options.pictures))
+    throw InputError("there is no folder '" + options.pictures + "' to write pictures to");
+  std::vector<datasets::CorridorPicture> pictures;
+  const Blob samples =
+      datasets::SimulateCorridor(options.corridor, options.pictures.empty() ? nullptr : &pictures);
+  WritePictures(options.pictures, pictures);
+  Check(WriteBlobFile(options.out, "samples", samples));
+  std::printf("%s: %d run%s of %d snapshots, %zu inputs, features: %s\n", options.out.c_str(),
+              options.corridor.runs, options.corridor.runs == 1 ? "" : "s", options.corridor.snapshots,
+              samples.Texts("input_name").size(), Join(samples.Texts("feature_name")).c_str());
+  return kExitDone;
+}
+
+void AddCorridor(CLI::App* simulate, Invocation& call) {
+  CLI::App* app = nullptr;
+  const auto options = AddCommand<CorridorOptions>(
+      *simulate, call, "corridor",
+      "Samples of a camera and 24 sonars in an office corridor, with doors and ceiling lights as features",
+      "cairn simulate corridor --set d1 --seed 1 corridor.h5", SimulateCorridor, &app);
+  datasets::SimulateCorridorOptions& corridor = options->corridor;
+  app->add_option("--set", corridor.set, "Where the camera points: d1 outer wall, d2 inner wall, d3 ceiling")
+      ->check(CLI::IsMember(datasets::CorridorSets()))
+      ->capture_default_str();
+  app->add_option("--runs", corridor.runs, "Drives through the corridor")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app->add_option("--snapshots", corridor.snapshots, "Of a run, at even times")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  app->add_option("--length-m", corridor.length_m, "Of the corridor")
+      ->check(CLI::Range(30.0, 1000.0))
+      ->capture_default_str();
+  app->add_option("--label-error-m", corridor.label_error_m,
+                  "Error of the position labels, along and across: standard deviation")
+      ->check(CLI::Range(0.0, 5.0))
+      ->capture_default_str();
+  app->add_option("--seed", corridor.seed, "Same seed, same corridor and runs")
+      ->check(CheckSeed)
+      ->capture_default_str();
+  app->add_option("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");
+  app->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
+  app->add_option("OUT.h5", options->out, "The samples to write")->required();
 }
 
 }  // namespace
@@ -46,6 +112,7 @@ void AddSimulate(CLI::App& app, Invocation& call) {
       ->capture_default_str();
   loop->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
   loop->add_option("OUT.h5", options->out, "The log to write")->required();
+  AddCorridor(simulate, call);
 }
 
 }  // namespace cairn::cli

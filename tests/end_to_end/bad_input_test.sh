@@ -137,6 +137,14 @@ refuses 'a landmark_map, where a log is needed' cairn run landmark_map done/land
 [ ! -e no ] || die "a run that was refused made its folder"
 refuses 'seed.*from 0 to 18446744073709551615' cairn simulate loop --seed -1 no.h5
 refuses 'seed.*from 0 to 18446744073709551615' cairn simulate loop --seed 18446744073709551616 no.h5
+refuses 'set.*d4' cairn simulate corridor --set d4 no.h5
+refuses 'snapshots.*0' cairn simulate corridor --snapshots 0 no.h5
+refuses 'runs.*0' cairn simulate corridor --runs 0 no.h5
+refuses 'length-m.*5' cairn simulate corridor --length-m 5 no.h5
+refuses 'label-error-m.*-1' cairn simulate corridor --label-error-m -1 no.h5
+refuses "no folder 'nowhere'" cairn simulate corridor --pictures nowhere no.h5
+refuses 'there already' cairn simulate corridor log.h5
+[ ! -e no.h5 ] || die "a simulation that was refused left a file"
 exits 0 cairn simulate loop --difficulty base --seed 7 another.h5
 refuses 'made from another log' cairn evaluate done --truth another.h5
 exits 0 cairn evaluate done --truth log.h5

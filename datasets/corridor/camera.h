@@ -1,0 +1,22 @@
+// A colour camera on the robot.
+#pragma once
+
+#include "datasets/corridor/shade.h"
+#include "datasets/images/image_features.h"
+
+namespace cairn::datasets::corridor {
+
+// Where it points: [T98]'s data sets D-1, D-2, D-3.
+enum class Look : std::uint8_t { kOuter, kInner, kCeiling };
+
+inline constexpr int kImageRows = 60, kImageColumns = 64;
+inline constexpr double kCameraHeightM = 1.1;
+
+struct View {
+  RgbImage image;
+  double door_share = 0, lamp_share = 0;  // of the image: what it truly shows
+};
+
+View TakeImage(const Scene& scene, const Shade& shade, const Snapshot& snapshot, Look look, Rng& rng);
+
+}  // namespace cairn::datasets::corridor

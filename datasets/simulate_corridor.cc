@@ -1,0 +1,139 @@
+#include "datasets/simulate_corridor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/array_text.h"
+#include "datasets/corridor/camera.h"
+#include "datasets/corridor/contact_sheet.h"
+#include "datasets/corridor/detectors.h"
+#include "datasets/corridor/sonar.h"
+#include "datasets/samples.h"
+#include "datasets/simulate_sonar.h"
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+using corridor::Look, corridor::Snapshot;
+
+// Streams of the generator: the world's, then one for each set's each run. What people look at in a run draws
+// from substreams, so that one does not change the other.
+constexpr std::uint64_t kWorldStream = 0;
+constexpr std::uint32_t kRunSubstream = 0, kCameraSubstream = 1, kSonarSubstream = 2, kLabelSubstream = 3;
+constexpr int kMostRuns = 64;
+
+// A door, a light, is in view where it fills so much of the image.
+constexpr double kDoorInView = 0.10, kLightInView = 0.05;
+// Labels come from tracking: their error changes slowly, by e^-1 within so much of the way.
+constexpr double kLabelAlongM = 3;
+constexpr double kLabelHeadingRad = std::numbers::pi / 180;
+
+void CheckRange(const char* name, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw InputError(std::string(name) + " is " + ShortNumber(value) + "; allowed is " + ShortNumber(low) +
+                   " to " + ShortNumber(high));
+}
+
+Look LookOf(const std::string& set) {
+  const auto& sets = CorridorSets();
+  const auto at = std::ranges::find(sets, set);
+  if (at == sets.end()) throw InputError("no set '" + set + "'; there are d1, d2, d3");
+  return static_cast<Look>(at - sets.begin());
+}
+
+class SlowError {
+ public:
+  SlowError(double sd, Rng& rng) : sd_(sd), value_(sd * rng.Normal()) {}
+  double After(double way_m, Rng& rng) {
+    const double keep = std::exp(-way_m / kLabelAlongM);
+    return value_ = keep * value_ + sd_ * std::sqrt(1 - keep * keep) * rng.Normal();
+  }
+
+ private:
+  double sd_, value_;
+};
+
+void AddPoses(const std::vector<Snapshot>& snapshots, double label_error_m, Rng rng, SampleRun* run) {
+  SlowError x(label_error_m, rng), y(label_error_m, rng),
+      heading(label_error_m > 0 ? kLabelHeadingRad : 0, rng);
+  double last_m = 0;
+  for (const Snapshot& snapshot : snapshots) {
+    const double way_m = snapshot.pose.x_m - last_m;
+    last_m = snapshot.pose.x_m;
+    run->time_s.push_back(snapshot.time_s);
+    run->true_x_m.push_back(snapshot.pose.x_m);
+    run->true_y_m.push_back(snapshot.pose.y_m);
+    run->true_heading_rad.push_back(snapshot.pose.heading_rad);
+    run->x_m.push_back(snapshot.pose.x_m + x.After(way_m, rng));
+    run->y_m.push_back(snapshot.pose.y_m + y.After(way_m, rng));
+    run->heading_rad.push_back(WrapAngle(snapshot.pose.heading_rad + heading.After(way_m, rng)));
+  }
+}
+
+// The bit that is true, and what the detector makes of image and sonars.
+void AddFeatures(const corridor::View& view, const std::vector<float>& ranges, Look look, SampleRun* run) {
+  const bool light = look == Look::kCeiling;
+  const double side_range_m = ranges[look == Look::kOuter ? kSonars / 4 : 3 * kSonars / 4];
+  const bool in_view = light ? view.lamp_share >= kLightInView : view.door_share >= kDoorInView;
+  const bool detected =
+      light ? corridor::DetectLight(view.image) : corridor::DetectDoor(view.image, side_range_m);
+  run->feature.push_back(in_view ? 1 : 0);
+  run->feature.push_back(detected ? 1 : 0);
+}
+
+SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOptions& options, Look look,
+                      int number, std::vector<CorridorPicture>* pictures) {
+  const std::uint64_t stream =
+      1 + static_cast<std::uint64_t>(look) * kMostRuns + static_cast<std::uint64_t>(number);
+  Rng run_rng(options.seed, stream, kRunSubstream), camera_rng(options.seed, stream, kCameraSubstream),
+      sonar_rng(options.seed, stream, kSonarSubstream);
+  const corridor::Run drive = corridor::DrawRun(world, options.snapshots, run_rng);
+  const corridor::Scene scene(world, drive);
+  const corridor::Shade shade(scene);
+  SampleRun run;
+  run.name = options.set + " run " + std::to_string(number + 1);
+  std::vector<RgbImage> shown;
+  for (const Snapshot& snapshot : drive.snapshots) {
+    const corridor::View view = TakeImage(scene, shade, snapshot, look, camera_rng);
+    const std::vector<float> features = ImageFeatures(view.image),
+                             ranges = SonarRanges(scene, snapshot, sonar_rng);
+    run.input.insert(run.input.end(), features.begin(), features.end());
+    run.input.insert(run.input.end(), ranges.begin(), ranges.end());
+    AddFeatures(view, ranges, look, &run);
+    if (pictures != nullptr && snapshot.pose.x_m >= static_cast<double>(shown.size()))
+      shown.push_back(view.image);
+  }
+  AddPoses(drive.snapshots, options.label_error_m, Rng(options.seed, stream, kLabelSubstream), &run);
+  if (pictures != nullptr) pictures->push_back({run.name, corridor::ContactSheetPng(shown, 10)});
+  return run;
+}
+
+}  // namespace
+
+const std::vector<std::string>& CorridorSets() {
+  static const std::vector<std::string> sets{"d1", "d2", "d3"};
+  return sets;
+}
+
+Blob SimulateCorridor(const SimulateCorridorOptions& options, std::vector<CorridorPicture>* pictures) {
+  const Look look = LookOf(options.set);
+  CheckRange("runs", options.runs, 1, kMostRuns);
+  CheckRange("snapshots", options.snapshots, 2, 100000);
+  CheckRange("length_m", options.length_m, 30.0, 1000.0);
+  CheckRange("label_error_m", options.label_error_m, 0.0, 5.0);
+  Rng world_rng(options.seed, kWorldStream);
+  const corridor::World world = corridor::DrawWorld(options.length_m, world_rng);
+  Samples samples;
+  samples.input_name = ImageFeatureNames();
+  for (int beam = 0; beam < kSonars; ++beam) samples.input_name.push_back("sonar " + std::to_string(beam));
+  const std::string what = look == Look::kCeiling ? "light" : "door";
+  samples.feature_name = {what, what + " detected"};
+  samples.label_error_m = options.label_error_m;
+  for (int number = 0; number < options.runs; ++number)
+    samples.runs.push_back(SimulateRun(world, options, look, number, pictures));
+  return MakeSamples(samples);
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,39 @@
+// Samples of a robot with a camera and 24 sonars that drives through an office corridor, as in S. Thrun,
+// Bayesian landmark learning for mobile robot localization, Machine Learning 33, 1998 ([T98]), section 5.1.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// "d1": the camera points at the outer wall; "d2": at the inner wall; "d3": at the ceiling.
+const std::vector<std::string>& CorridorSets();
+
+struct SimulateCorridorOptions {
+  std::string set = "d1";
+  int runs = 4;                // 1 to 64
+  int snapshots = 808;         // of a run, at even times; 2 to 100,000
+  double length_m = 89;        // 30 to 1,000
+  double label_error_m = 0.1;  // of x_m, and of y_m: standard deviation, 0 to 5
+  std::uint64_t seed = 1;
+};
+
+// A PNG of images along a run.
+struct CorridorPicture {
+  std::string name, png;
+};
+
+// Kind `samples` (schema/FORMAT.md): 140 image features and 24 sonars; two hand-made features, what is truly
+// in view
+// ("door" or "light") and what a detector says ("door detected" …); true poses. The corridor depends on seed
+// and length alone, so that the sets of a seed are of one corridor; a run on those, on the set and its
+// number. `pictures`, where it is not null, gets one for each run: an image a metre. Throws InputError for
+// what is out of range.
+Blob SimulateCorridor(const SimulateCorridorOptions& options,
+                      std::vector<CorridorPicture>* pictures = nullptr);
+
+}  // namespace cairn::datasets
