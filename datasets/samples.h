@@ -18,7 +18,7 @@ struct SampleRun {
   std::vector<float> input;         // [samples][inputs]
   int image_rows = 0, image_columns = 0;
   std::vector<std::uint8_t> image = {};  // [samples][image_rows][image_columns][3]; empty: there are none
-  std::vector<float> feature = {};  // [samples][hand-made features], P(f = 1 | what was sensed)
+  std::vector<float> feature = {};       // [samples][hand-made features], P(f = 1 | what was sensed)
   // Where it truly was: empty, or of each sample.
   std::vector<double> true_x_m = {}, true_y_m = {}, true_heading_rad = {};
 };

@@ -72,6 +72,18 @@ void AddPoses(const std::vector<Snapshot>& snapshots, double label_error_m, Rng 
   }
 }
 
+// The image itself, or what becomes of it.
+void AddImage(const corridor::RgbImage& image, bool as_it_is, SampleRun* run) {
+  if (as_it_is) {
+    run->image_rows = image.rows;
+    run->image_columns = image.columns;
+    run->image.insert(run->image.end(), image.rgb.begin(), image.rgb.end());
+    return;
+  }
+  const std::vector<float> features = corridor::BandFeatures(image);
+  run->input.insert(run->input.end(), features.begin(), features.end());
+}
+
 // The bit that is true, and what the detector makes of image and sonars.
 void AddFeatures(const corridor::View& view, const std::vector<float>& ranges, Look look, SampleRun* run) {
   const bool light = look == Look::kCeiling;
@@ -94,12 +106,11 @@ SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOption
   const corridor::Shade shade(scene);
   SampleRun run;
   run.name = options.set + " run " + std::to_string(number + 1);
-  std::vector<RgbImage> shown;
+  std::vector<corridor::RgbImage> shown;
   for (const Snapshot& snapshot : drive.snapshots) {
     const corridor::View view = TakeImage(scene, shade, snapshot, look, camera_rng);
-    const std::vector<float> features = ImageFeatures(view.image),
-                             ranges = SonarRanges(scene, snapshot, sonar_rng);
-    run.input.insert(run.input.end(), features.begin(), features.end());
+    const std::vector<float> ranges = SonarRanges(scene, snapshot, sonar_rng);
+    AddImage(view.image, options.images, &run);
     run.input.insert(run.input.end(), ranges.begin(), ranges.end());
     AddFeatures(view, ranges, look, &run);
     if (pictures != nullptr && snapshot.pose.x_m >= static_cast<double>(shown.size()))
@@ -126,7 +137,7 @@ Blob SimulateCorridor(const SimulateCorridorOptions& options, std::vector<Corrid
   Rng world_rng(options.seed, kWorldStream);
   const corridor::World world = corridor::DrawWorld(options.length_m, world_rng);
   Samples samples;
-  samples.input_name = ImageFeatureNames();
+  if (!options.images) samples.input_name = corridor::BandFeatureNames();
   for (int beam = 0; beam < kSonars; ++beam) samples.input_name.push_back("sonar " + std::to_string(beam));
   const std::string what = look == Look::kCeiling ? "light" : "door";
   samples.feature_name = {what, what + " detected"};

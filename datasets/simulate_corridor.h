@@ -20,6 +20,7 @@ struct SimulateCorridorOptions {
   double length_m = 89;        // 30 to 1,000
   double label_error_m = 0.1;  // of x_m, and of y_m: standard deviation, 0 to 5
   std::uint64_t seed = 1;
+  bool images = false;  // the images instead of their features
 };
 
 // A PNG of images along a run.
@@ -27,8 +28,8 @@ struct CorridorPicture {
   std::string name, png;
 };
 
-// Kind `samples` (schema/FORMAT.md): 140 image features and 24 sonars; two hand-made features, what is truly
-// in view
+// Kind `samples` (schema/FORMAT.md): 140 image features ([T98] section 5.1.3) and 24 sonars; two hand-made
+// features, what is truly in view
 // ("door" or "light") and what a detector says ("door detected" …); true poses. The corridor depends on seed
 // and length alone, so that the sets of a seed are of one corridor; a run on those, on the set and its
 // number. `pictures`, where it is not null, gets one for each run: an image a metre. Throws InputError for

@@ -87,6 +87,8 @@ void AddCorridor(CLI::App* simulate, Invocation& call) {
   app->add_option("--seed", corridor.seed, "Same seed, same corridor and runs")
       ->check(CheckSeed)
       ->capture_default_str();
+  app->add_flag("--images", corridor.images,
+                "The images themselves instead of 140 inputs (for image_features)");
   app->add_option("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");
   app->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
   app->add_option("OUT.h5", options->out, "The samples to write")->required();

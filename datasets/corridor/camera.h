@@ -1,8 +1,8 @@
 // A colour camera on the robot.
 #pragma once
 
+#include "datasets/corridor/band_features.h"
 #include "datasets/corridor/shade.h"
-#include "datasets/images/image_features.h"
 
 namespace cairn::datasets::corridor {
 

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "datasets/images/image_features.h"
+#include "datasets/corridor/band_features.h"
 
 namespace cairn::datasets::corridor {
 

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# The simulated corridor: samples, their features made by the simulator and by the pipeline, doors scored.
+source "$(dirname "$0")/common.sh"
+
+small="--runs 2 --snapshots 80 --length-m 40 --seed 5"
+mkdir pictures
+exits 0 cairn simulate corridor --set d1 $small --pictures pictures d1.h5
+says '^d1.h5: 2 runs of 80 snapshots, 164 inputs, features: door, door detected$'
+[ "$(find pictures -name 'd1 run ?.png' -size +1k | wc -l)" -eq 2 ] || die "no picture for each run"
+exits 0 cairn inspect d1.h5
+says 'hand-made features +door, door detected$'
+says 'label error +0.1 m$'
+
+# Images, which the pipeline makes the same inputs of. A job does not read the truth: nothing else differs.
+exits 0 cairn simulate corridor --set d1 $small --images images.h5
+exits 0 cairn run image_features images.h5 --out made
+exits 1 cairn diff made/image_features.h5 d1.h5
+[ "$(grep -c 'truth/run/./.*: only in B$' stdout)" -eq 6 ] || die "other truth: $(cat stdout)"
+! grep -E '^  run/|name' stdout || die "the pipeline makes other inputs: $(cat stdout)"
+
+exits 0 cairn evaluate d1.h5 --feature door --json
+[ "$(grep -c '"error_reduction":' stdout)" -eq 14 ] || die "not seven windows, soft and sampled: $(cat stdout)"
+exits 0 cairn evaluate d1.h5 --feature "door detected" --against door --holdout "d1 run 2"
+says 'precision [0-9.]+%, recall [0-9.]+%'
+refuses "no feature 'lift'" cairn evaluate d1.h5 --feature lift
