@@ -17,13 +17,70 @@ Places Part(const Places& places, const Range& range) {
   return {part(places.x_m), part(places.y_m), part(places.along_m)};
 }
 
-// P(a): every truth is as likely as another.
-std::vector<double> EvenWeights(int count, int of) {
-  return std::vector<double>(static_cast<std::size_t>(count), 1.0 / of);
+std::vector<double> Scaled(const std::vector<double>& weights, const Range& range, double scale) {
+  std::vector<double> scaled(weights.begin() + range.first, weights.begin() + range.end);
+  for (double& weight : scaled) weight *= scale;
+  return scaled;
 }
 
 const float* RowsFrom(const SampleSet& set, int first, int inputs) {
   return set.inputs() + static_cast<std::ptrdiff_t>(first) * inputs;
+}
+
+// Truths, and the samples that they reach.
+struct Group {
+  Range reach;
+  std::vector<Range> truths;
+};
+
+// What the outputs in reach are, and how E depends on them.
+struct Slopes {
+  double error = 0.0;
+  Activations<float> activations;
+  std::vector<float> d_output;
+};
+
+Slopes SlopesOf(const Options& options, const SampleSet& training, const Parameters<float>& parameters,
+                const Group& group, double scale) {
+  const int networks = parameters.shape.networks;
+  const Range& reach = group.reach;
+  const Places places = Part(training.places, reach);
+  const Pairs pairs(places, places, BeliefOf(options), ErrorOf(options));
+  const std::vector<double> weight = Scaled(training.weight, reach, scale);
+  Slopes slopes;
+  slopes.activations =
+      Forward(parameters, RowsFrom(training, reach.first, parameters.shape.inputs), reach.size());
+  const auto probability = FeatureProbabilities(slopes.activations.output, networks);
+  std::vector<float> d_probability;
+  for (const Range& truths : group.truths) {
+    auto share = ErrorOfTruths(pairs, probability, static_cast<int>(FeatureVectors(networks)), weight,
+                               {truths.first - reach.first, truths.end - reach.first});
+    slopes.error += share.posterior;
+    if (d_probability.empty()) {
+      d_probability = std::move(share.d_probability);
+      continue;
+    }
+    for (std::size_t i = 0; i < d_probability.size(); ++i) d_probability[i] += share.d_probability[i];
+  }
+  slopes.d_output = OutputGradient(slopes.activations.output, networks, d_probability);
+  return slopes;
+}
+
+Range ReachOf(const Pairs& pairs, const Range& truths) {
+  const Range reach = pairs.ReachOf(truths);
+  return {std::min(reach.first, truths.first), std::max(reach.end, truths.end)};
+}
+
+// Stretches whose reaches overlap go together: the outputs of what they share are computed once.
+std::vector<Group> GroupsOf(const Pairs& pairs, const std::vector<Range>& stretches) {
+  std::vector<Group> groups;
+  for (const Range& stretch : stretches) {
+    const Range reach = ReachOf(pairs, stretch);
+    if (groups.empty() || reach.first >= groups.back().reach.end) groups.push_back({reach, {}});
+    groups.back().reach.end = std::max(groups.back().reach.end, reach.end);
+    groups.back().truths.push_back(stretch);
+  }
+  return groups;
 }
 
 }  // namespace
@@ -38,42 +95,51 @@ ErrorKind ErrorOf(const Options& options) {
   return options.error == "along" ? ErrorKind::kAlong : ErrorKind::kDistance;
 }
 
-GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
-                              const Parameters<float>& parameters, const Range& truths) {
-  const NetworkShape& shape = parameters.shape;
-  const Belief belief = BeliefOf(options);
-  const Pairs all(training.places, training.places, belief, ErrorOf(options));
-  Range reach = all.ReachOf(truths);
-  reach = {std::min(reach.first, truths.first), std::max(reach.end, truths.end)};
-  const Places places = Part(training.places, reach);
-  const float* rows = RowsFrom(training, reach.first, shape.inputs);
-  const auto activations = Forward(parameters, rows, reach.size());
-  const int vectors = static_cast<int>(FeatureVectors(shape.networks));
-  const auto share = ErrorOfTruths(Pairs(places, places, belief, ErrorOf(options)),
-                                   FeatureProbabilities(activations.output, shape.networks), vectors,
-                                   EvenWeights(reach.size(), training.size()),
-                                   {truths.first - reach.first, truths.end - reach.first});
-  const auto gradient = Backward(parameters, rows, reach.size(), activations,
-                                 OutputGradient(activations.output, shape.networks, share.d_probability));
-  return {share.posterior, gradient.values};
+GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
+                                  const Parameters<float>& parameters, const std::vector<Range>& truths,
+                                  double scale) {
+  GradientShare sum;
+  const Pairs pairs(training.places, training.places, BeliefOf(options), ErrorOf(options));
+  for (const Group& group : GroupsOf(pairs, truths)) {
+    const Slopes slopes = SlopesOf(options, training, parameters, group, scale);
+    auto gradient = Backward(parameters, RowsFrom(training, group.reach.first, parameters.shape.inputs),
+                             group.reach.size(), slopes.activations, slopes.d_output);
+    sum.error += slopes.error;
+    if (sum.gradient.empty()) {
+      sum.gradient = std::move(gradient.values);
+      continue;
+    }
+    for (std::size_t i = 0; i < sum.gradient.size(); ++i) sum.gradient[i] += gradient.values[i];
+  }
+  return sum;
 }
 
-double ValidationOfBlock(const Options& options, const TrainingData& data,
+GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
+                              const Parameters<float>& parameters, const Range& truths) {
+  return GradientOfStretches(options, training, parameters, {truths}, 1.0);
+}
+
+SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
                          const Parameters<float>& parameters, const Range& truths) {
+  const Pairs pairs(training.places, training.places, BeliefOf(options), ErrorOf(options));
+  const Range reach = ReachOf(pairs, truths);
+  Slopes slopes = SlopesOf(options, training, parameters, {reach, {truths}}, 1.0);
+  return {slopes.error, reach, std::move(slopes.d_output)};
+}
+
+double ErrorOfBlock(const Options& options, const SampleSet& sensed, const SampleSet& map,
+                    const Parameters<float>& parameters, const Range& truths) {
   const NetworkShape& shape = parameters.shape;
   const Belief belief = BeliefOf(options);
-  const Range reach =
-      Pairs(data.held_out.places, data.training.places, belief, ErrorOf(options)).ReachOf(truths);
-  const Places sensed = Part(data.held_out.places, truths), map = Part(data.training.places, reach);
-  const auto of_truth =
-      Forward(parameters, RowsFrom(data.held_out, truths.first, shape.inputs), truths.size());
-  const auto of_sample =
-      Forward(parameters, RowsFrom(data.training, reach.first, shape.inputs), reach.size());
-  return ErrorInMap(Pairs(sensed, map, belief, ErrorOf(options)),
+  const Range reach = Pairs(sensed.places, map.places, belief, ErrorOf(options)).ReachOf(truths);
+  const Places there = Part(sensed.places, truths), taken_for = Part(map.places, reach);
+  const auto of_truth = Forward(parameters, RowsFrom(sensed, truths.first, shape.inputs), truths.size());
+  const auto of_sample = Forward(parameters, RowsFrom(map, reach.first, shape.inputs), reach.size());
+  return ErrorInMap(Pairs(there, taken_for, belief, ErrorOf(options)),
                     FeatureProbabilities(of_truth.output, shape.networks),
                     FeatureProbabilities(of_sample.output, shape.networks),
-                    static_cast<int>(FeatureVectors(shape.networks)),
-                    EvenWeights(truths.size(), data.held_out.size()), {0, truths.size()});
+                    static_cast<int>(FeatureVectors(shape.networks)), Scaled(sensed.weight, truths, 1.0),
+                    {0, truths.size()});
 }
 
 std::vector<Range> Blocks(int count, int samples, int networks) {

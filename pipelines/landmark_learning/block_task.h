@@ -1,4 +1,4 @@
-// A task of a gradient step: a block of true positions against all samples that they may be taken for.
+// A task's arithmetic: a block of true positions against all samples that they may be taken for.
 #pragma once
 
 #include <vector>
@@ -21,10 +21,24 @@ struct GradientShare {
 };
 GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
                               const Parameters<float>& parameters, const Range& truths);
+// The same of several, in order, whose P(a) are `scale` times as large.
+GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
+                                  const Parameters<float>& parameters, const std::vector<Range>& truths,
+                                  double scale);
 
-// A block's share of E_posterior of held-out samples, which are taken for training samples.
-double ValidationOfBlock(const Options& options, const TrainingData& data,
+// The same by the outputs.
+struct SlopeShare {
+  double error = 0.0;
+  Range reach{0, 0};            // samples
+  std::vector<float> d_output;  // dE/dg, [reach][networks]
+};
+SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
                          const Parameters<float>& parameters, const Range& truths);
+
+// A block's share of the E_posterior of `sensed`, which are taken for samples of `map`: held-out ones for
+// training samples, or these for each other.
+double ErrorOfBlock(const Options& options, const SampleSet& sensed, const SampleSet& map,
+                    const Parameters<float>& parameters, const Range& truths);
 
 // Cuts `count` truths into blocks of even size, some 5 ms of a core each, by sizes alone.
 std::vector<Range> Blocks(int count, int samples, int networks);

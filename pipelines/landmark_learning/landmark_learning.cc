@@ -1,28 +1,27 @@
 #include "pipelines/landmark_learning/landmark_learning.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <string>
+#include <utility>
 
+#include "pipelines/landmark_learning/advance.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/posterior_error.h"
-#include "pipelines/landmark_learning/result.h"
-#include "pipelines/landmark_learning/round_sum.h"
+#include "pipelines/landmark_learning/tasks.h"
 
 namespace cairn::landmark_learning {
 namespace {
 
-// Mean over the truths of what they expect before they sense.
-double PriorError(const Options& options, const Places& truths, const Places& samples) {
-  const auto count = static_cast<std::size_t>(truths.size());
-  return PriorErrorOfTruths(Pairs(truths, samples, BeliefOf(options), ErrorOf(options)),
-                            std::vector<double>(count, 1.0 / static_cast<double>(count)), {0, truths.size()});
+// What truths expect before they sense, on average.
+double PriorError(const Options& options, const SampleSet& truths, const SampleSet& samples) {
+  return PriorErrorOfTruths(Pairs(truths.places, samples.places, BeliefOf(options), ErrorOf(options)),
+                            truths.weight, {0, truths.size()});
 }
 
 // The gradient is zero wherever no sample is in reach of another.
 void RefuseLonely(const Options& options, const TrainingData& data) {
-  if (PriorError(options, data.training.places, data.training.places) > 0.0) return;
+  if (PriorError(options, data.training, data.training) > 0.0) return;
   char text[160];
   std::snprintf(
       text, sizeof text,
@@ -31,22 +30,37 @@ void RefuseLonely(const Options& options, const TrainingData& data) {
   throw InputError(text);
 }
 
+// Some ways to train go on what every step says of all truths and networks.
+void RefuseMixtures(const Options& options) {
+  const bool steps = options.method != "conjugate" && options.method != "pseudo";
+  if (steps) return;
+  for (const auto& [name, set] :
+       {std::pair("batch", options.batch > 0), std::pair("sequential", options.sequential)}) {
+    if (set)
+      throw InputError(std::string(name) + " does not go with method=" + options.method +
+                       "; allowed: gradient, momentum, adam");
+  }
+}
+
 }  // namespace
 
 Step LandmarkLearning::Start(const Inputs& inputs) const {
+  RefuseMixtures(options_);
   const TrainingData data = TrainingData::Of(*inputs.Get("samples"), options_.holdout);
   RefuseLonely(options_, data);
   Rng rng(seed_);
   Training training;
+  training.phase = FirstPhase(options_);
+  training.learning = FirstLearning(options_);
   training.weights =
       RandomParameters<double>(ShapeOf(options_, data.mean.size()), options_.init_width, rng).values;
-  training.prior = PriorError(options_, data.training.places, data.training.places);
+  training.prior = PriorError(options_, data.training, data.training);
   if (data.held_out.size() > 0)
-    training.validation_prior = PriorError(options_, data.held_out.places, data.training.places);
+    training.validation_prior = PriorError(options_, data.held_out, data.training);
   Step step;
   (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(data.ToBlob());
   training.Share({}, inputs, &step);
-  Planner(options_, data).Plan(training, &step);
+  Planner(options_, seed_, data).Plan(training, &step);
   step.plan.set_note(std::to_string(data.training.size()) + " samples of " +
                      std::to_string(data.mean.size()) + " inputs to train on, " +
                      std::to_string(data.held_out.size()) + " held out");
@@ -54,40 +68,11 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
 }
 
 Blob LandmarkLearning::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  progress.Tick();
-  const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
-  const Parameters<float> parameters = InFloat(ShapeOf(options_, data.mean.size()), *inputs.Get("weights"));
-  const Range block{static_cast<int>(task.params().at("first").i()),
-                    static_cast<int>(task.params().at("end").i())};
-  Blob partial;
-  if (task.kind() == "validate") {
-    partial.PutScalar("validation", ValidationOfBlock(options_, data, parameters, block));
-    return partial;
-  }
-  const GradientShare share = GradientOfBlock(options_, data.training, parameters, block);
-  partial.PutScalar("error", share.error);
-  partial.PutVector("gradient", share.gradient);
-  return partial;
+  return RunTask(options_, seed_, task, inputs, progress);
 }
 
 Step LandmarkLearning::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
-  Training t = Training::Of(inputs);
-  const Planner planner(options_, data);
-  const RoundSum sum = SumOf(partials, t.weights.size());
-  t.Record(sum.error, planner.Validates(t.descent.step) ? sum.validation : kNone, Norm(sum.gradient));
-  const std::string note = NoteOf(t);
-  Step step;
-  if (t.descent.step + 1 >= options_.steps || t.since_best >= options_.patience) {
-    step = ResultOf(options_, data, t, t.history.All(inputs));
-  } else {
-    t.descent.Step(RulesOf(options_), sum.gradient, &t.weights);
-    (*step.plan.mutable_state()->mutable_blobs())["data"] = state.blobs().at("data");
-    t.Share(state, inputs, &step);
-    planner.Plan(t, &step);
-  }
-  step.plan.set_note(note);
-  return step;
+  return AdvanceRound(options_, seed_, state, partials, inputs);
 }
 
 }  // namespace cairn::landmark_learning

@@ -11,7 +11,8 @@ namespace cairn::landmark_learning {
 
 // Input (schema/FORMAT.md): samples. Result: kind networks. A round is a gradient step: tasks `gradient`,
 // each a block of true positions against all samples in their reach, and every few steps tasks `validate` on
-// the held-out run; Advance adds up and takes the step.
+// the held-out run; Advance adds up and takes the step. Some methods have a second round a step (Phase in
+// training.h).
 class LandmarkLearning : public Pipeline {
  public:
   LandmarkLearning(Options options, std::uint64_t seed) : options_(std::move(options)), seed_(seed) {}

@@ -36,12 +36,42 @@ TEST(LandmarkLearning, LearnsFeaturesThatLocaliseInARunThatItHasNotSeen) {
 }
 
 TEST(LandmarkLearning, EachWayToTrainLowersTheError) {
-  for (const char* method : {"gradient", "momentum", "adam"}) {
-    const bool adam = std::string(method) == "adam";
+  for (const char* method : {"gradient", "momentum", "adam", "conjugate", "pseudo"}) {
+    const std::string name = method;
+    const double rate = name == "adam" ? 0.02 : name == "gradient" || name == "momentum" ? 2.0 : 0.0;
+    const std::int64_t steps = name == "pseudo" ? 40 : name == "conjugate" ? 100 : 400;
     const BlobPtr result =
         Learn(CorridorSamples().Make(),
-              {.networks = 2, .method = method, .rate = adam ? 0.02 : 2.0, .init_width = 0.5, .steps = 400});
+              {.networks = 2, .method = method, .rate = rate, .init_width = 0.5, .steps = steps});
     EXPECT_GT(Reduction(*result), 0.15) << method;
+    EXPECT_EQ(result->Get<double>("history/training_error_m").size(), static_cast<std::size_t>(steps))
+        << method;
+  }
+}
+
+TEST(LandmarkLearning, LearnsFromMiniBatches) {
+  const BlobPtr result =
+      Learn(CorridorSamples().Make(), {.rate = 0.02, .init_width = 0.5, .steps = 600, .batch = 64});
+  const auto errors = result->Get<double>("history/training_error_m");
+  double last = 0.0;  // a batch's error is that of the truths it drew
+  for (std::size_t s = errors.size() - 100; s < errors.size(); ++s) last += errors[s] / 100;
+  EXPECT_GT(1.0 - last / result->Scalar<double>("prior_error_m"), 0.3);
+}
+
+TEST(LandmarkLearning, TrainsNetworksOneAfterAnotherAndEachHelps) {
+  const BlobPtr result =
+      Learn(CorridorSamples().Make(),
+            {.networks = 3, .rate = 0.02, .init_width = 0.5, .steps = 600, .sequential = true});
+  const auto errors = result->Get<double>("history/training_error_m");
+  EXPECT_LT(errors[399], 0.95 * errors[199]);
+  EXPECT_LT(errors[599], errors[399]);
+  EXPECT_LT(errors[199], errors[0]);
+}
+
+TEST(LandmarkLearning, RefusesMixturesThatMeanNothing) {
+  for (const char* method : {"conjugate", "pseudo"}) {
+    EXPECT_THROW(Learn(CorridorSamples().Make(), {.method = method, .batch = 64}), InputError);
+    EXPECT_THROW(Learn(CorridorSamples().Make(), {.method = method, .sequential = true}), InputError);
   }
 }
 

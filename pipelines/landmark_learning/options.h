@@ -15,11 +15,15 @@ struct Options {
   std::string belief = "uniform";
   std::string error = "distance";
   std::string method = "adam";
-  double rate = 0.01;
+  double rate = 0.0;
   double momentum = 0.9;
   double weight_decay = 1e-4;
   double init_width = 0.1;
   std::int64_t steps = 1000;
+  std::int64_t batch = 0;
+  bool sequential = false;
+  std::int64_t pattern_steps = 100;
+  double pattern_step = 1.0;
   std::string holdout = {};
   std::int64_t validate_every = 20;
   std::int64_t patience = 10;
@@ -43,14 +47,38 @@ void VisitOptions(V& visit, Options& o) {
                "travelled until there",
                {"distance", "squared", "along"}},
         o.error);
-  visit(Option{"method", "", 0, 0, "how weights follow the gradient", {"gradient", "momentum", "adam"}},
+  visit(Option{"method",
+               "",
+               0,
+               0,
+               "how weights follow the gradient",
+               {"gradient", "momentum", "adam", "conjugate", "pseudo"}},
         o.method);
-  visit(Option{"rate", "", 1e-9, 1e6, "learning rate"}, o.rate);
+  visit(Option{"rate", "", 0, 1e6,
+               "learning rate (pseudo: of the fit; conjugate: root mean square of the first step); 0: the "
+               "method's own"},
+        o.rate);
   visit(
       Option{"momentum", "", 0, 0.999999, "share of the last step that goes into the next (method momentum)"},
       o.momentum);
   visit(Option{"weight_decay", "", 0, 1, "share of each weight that a step at rate 1 takes off"},
         o.weight_decay);
+  visit(
+      Option{
+          "batch", "truths", 0, 1e9,
+          "true positions that a step draws, in stretches of 64; 0: all (methods gradient, momentum, adam)"},
+      o.batch);
+  visit(
+      Option{
+          "sequential", "", 0, 0,
+          "networks are trained one after another, each with an even share of the steps (methods gradient, "
+          "momentum, adam)"},
+      o.sequential);
+  visit(Option{"pattern_steps", "", 1, 1e6, "steps of backpropagation between two gradients (method pseudo)"},
+        o.pattern_steps);
+  visit(Option{"pattern_step", "", 1e-9, 1e9,
+               "how far a target lies down the slope of the error summed over the truths (method pseudo)"},
+        o.pattern_step);
   visit(Option{"init_width", "", 1e-6, 100, "weights begin evenly within so much of zero"}, o.init_width);
   visit(Option{"steps", "", 1, 1e9, "gradient steps"}, o.steps);
   visit(
@@ -62,6 +90,14 @@ void VisitOptions(V& visit, Options& o) {
   visit(
       Option{"patience", "", 1, 1e9, "looks at the held-out run without a better one before training stops"},
       o.patience);
+}
+
+// The learning rate, where the options leave it to the method.
+inline double RateOf(const Options& o) {
+  if (o.rate > 0.0) return o.rate;
+  if (o.method == "gradient") return 8.0;
+  if (o.method == "momentum") return 4.0;
+  return o.method == "pseudo" ? 4.0 : 0.01;
 }
 
 }  // namespace cairn::landmark_learning

@@ -1,4 +1,4 @@
-// The tasks of a round: a gradient step, and every few steps a look at the held-out run.
+// The tasks of a round, whatever its phase, and every few steps a look at the held-out run beside them.
 #pragma once
 
 #include "pipelines/landmark_learning/training.h"
@@ -9,14 +9,22 @@ namespace cairn::landmark_learning {
 
 class Planner {
  public:
-  Planner(const Options& options, const TrainingData& data) : options_(options), data_(data) {}
+  Planner(const Options& options, std::uint64_t seed, const TrainingData& data)
+      : options_(options), seed_(seed), data_(data) {}
 
-  // The tasks of the next step, on the weights that `step` has in its State.
+  // The tasks of the next round, on what `step` has in its State.
   void Plan(const Training& training, Step* step) const;
+  // Whether the step after so many looks at the held-out run.
   bool Validates(std::int64_t steps_done) const;
 
  private:
+  void PlanGradient(const Training& training, proto::Step* plan) const;
+  void PlanSearch(proto::Step* plan) const;
+  void PlanFit(proto::Step* plan) const;
+  std::vector<Range> TrainingBlocks(int networks) const;
+
   const Options& options_;
+  std::uint64_t seed_;
   const TrainingData& data_;
 };
 

@@ -26,9 +26,9 @@ void PutNetworks(const Parameters<float>& p, Blob* result) {
 std::string NoteOf(const Training& t) {
   char text[200];
   const double error = t.history.last_error(), validation = t.history.last_validation();
-  int length = std::snprintf(text, sizeof text, "step %lld: error %.3f m of %.3f m, reduced by %.1f%%",
-                             static_cast<long long>(t.descent.step + 1), error, t.prior,
-                             100.0 * (1.0 - error / t.prior));
+  int length =
+      std::snprintf(text, sizeof text, "step %lld: error %.3f m of %.3f m, reduced by %.1f%%",
+                    static_cast<long long>(t.steps + 1), error, t.prior, 100.0 * (1.0 - error / t.prior));
   if (!std::isnan(validation)) {
     length += std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
                             "; held out %.1f%%", 100.0 * (1.0 - validation / t.validation_prior));

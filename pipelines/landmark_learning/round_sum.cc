@@ -4,9 +4,9 @@
 
 namespace cairn::landmark_learning {
 
-RoundSum SumOf(Partials& partials, std::size_t parameters) {
+RoundSum SumOf(Partials& partials, std::size_t size) {
   RoundSum sum;
-  sum.gradient.assign(parameters, 0.0);
+  sum.slopes.assign(size, 0.0);
   for (std::size_t i = 0; i < partials.size(); ++i) {
     const BlobPtr partial = partials.Get(i);
     if (partial->Has("validation")) {
@@ -14,11 +14,24 @@ RoundSum SumOf(Partials& partials, std::size_t parameters) {
       continue;
     }
     sum.error += partial->Scalar<double>("error");
-    const auto gradient = partial->Get<float>("gradient");
-    if (gradient.size() != parameters) throw InputError("a partial's gradient is by other weights");
-    for (std::size_t p = 0; p < parameters; ++p) sum.gradient[p] += gradient[p];
+    const auto slopes = partial->Get<float>("slopes");
+    const auto first =
+        partial->Has("first") ? static_cast<std::size_t>(partial->Scalar<std::int64_t>("first")) : 0;
+    if (first > size || slopes.size() > size - first)
+      throw InputError("a partial's slopes are by other weights or samples");
+    for (std::size_t p = 0; p < slopes.size(); ++p) sum.slopes[first + p] += slopes[p];
   }
   return sum;
+}
+
+std::vector<double> SearchedErrors(Partials& partials, std::size_t lengths) {
+  std::vector<double> errors(lengths, 0.0);
+  for (std::size_t i = 0; i < partials.size(); ++i) {
+    const BlobPtr partial = partials.Get(i);
+    errors.at(static_cast<std::size_t>(partial->Scalar<std::int64_t>("length"))) +=
+        partial->Scalar<double>("error");
+  }
+  return errors;
 }
 
 double Norm(const std::vector<double>& gradient) {

@@ -9,11 +9,15 @@ namespace cairn::landmark_learning {
 
 struct RoundSum {
   double error = 0.0, validation = 0.0;
-  std::vector<double> gradient;
+  std::vector<double> slopes;  // of the error: by the weights that learn, or by the outputs
 };
 
-// Throws InputError where a gradient is not by so many parameters.
-RoundSum SumOf(Partials& partials, std::size_t parameters);
+// Shares of `gradient` lie whole in `slopes`, those by outputs from their row `first` on. Throws InputError
+// where one does not fit into `size` numbers.
+RoundSum SumOf(Partials& partials, std::size_t size);
+
+// The errors of a line search, one for each length: each partial is a share of one of them.
+std::vector<double> SearchedErrors(Partials& partials, std::size_t lengths);
 
 double Norm(const std::vector<double>& gradient);
 

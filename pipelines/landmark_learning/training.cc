@@ -29,7 +29,13 @@ void Training::Share(const State& before, const Inputs& inputs, Step* step) {
   else if (!best.empty())
     names["best"] = before.blobs().at("best");
   Blob blob;
+  blob.PutScalar("phase", static_cast<std::int32_t>(phase));
+  blob.PutScalar("steps", steps);
+  blob.PutScalar("network_steps", network_steps);
+  blob.PutScalar("first", learning.first);
+  blob.PutScalar("end", learning.end);
   blob.PutAll("descent/", descent.ToBlob());
+  blob.PutAll("conjugate/", conjugate.ToBlob());
   blob.PutAll("history/", history.ToBlob());
   blob.PutScalar("prior", prior);
   blob.PutScalar("validation_prior", validation_prior);
@@ -43,7 +49,12 @@ Training Training::Of(const Inputs& inputs) {
   Training t;
   t.weights = WeightsIn(*inputs.Get("weights"));
   if (inputs.Has("best")) t.best = WeightsIn(*inputs.Get("best"));
+  t.phase = static_cast<Phase>(blob->Scalar<std::int32_t>("phase"));
+  t.steps = blob->Scalar<std::int64_t>("steps");
+  t.network_steps = blob->Scalar<std::int64_t>("network_steps");
+  t.learning = {blob->Scalar<std::int32_t>("first"), blob->Scalar<std::int32_t>("end")};
   t.descent = Descent::FromBlob(blob->Sub("descent/"));
+  t.conjugate = Conjugate::FromBlob(blob->Sub("conjugate/"));
   t.history = History::FromBlob(blob->Sub("history/"));
   t.prior = blob->Scalar<double>("prior");
   t.validation_prior = blob->Scalar<double>("validation_prior");
@@ -63,15 +74,33 @@ void Training::Record(double error, double validation, double gradient_norm) {
   since_best = 0;
 }
 
+void Training::NextNetwork() {
+  if (!best.empty()) weights = best;
+  best.clear();
+  best_is_new_ = false;
+  best_validation = std::numeric_limits<double>::infinity();
+  since_best = network_steps = 0;
+  descent = {};
+  learning = {learning.end, learning.end + 1};
+}
+
 NetworkShape ShapeOf(const Options& options, std::size_t inputs) {
   return {static_cast<int>(options.networks), static_cast<int>(inputs), static_cast<int>(options.hidden)};
 }
 
 DescentRules RulesOf(const Options& options) {
-  const Method method = options.method == "gradient"   ? Method::kGradient
-                        : options.method == "momentum" ? Method::kMomentum
-                                                       : Method::kAdam;
-  return {method, options.rate, options.momentum, options.weight_decay};
+  const Method method = options.method == "gradient" ? Method::kGradient
+                        : options.method == "adam"   ? Method::kAdam
+                                                     : Method::kMomentum;
+  return {method, RateOf(options), options.momentum, options.weight_decay};
+}
+
+Learning FirstLearning(const Options& options) {
+  return {0, options.sequential ? 1 : static_cast<int>(options.networks)};
+}
+
+Phase FirstPhase(const Options& options) {
+  return options.method == "pseudo" ? Phase::kSlopes : Phase::kGradient;
 }
 
 Parameters<float> InFloat(const NetworkShape& shape, const Blob& weights) {

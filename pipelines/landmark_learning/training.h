@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "pipelines/landmark_learning/conjugate.h"
 #include "pipelines/landmark_learning/descent.h"
 #include "pipelines/landmark_learning/history.h"
 #include "pipelines/landmark_learning/networks.h"
@@ -13,9 +14,27 @@
 
 namespace cairn::landmark_learning {
 
+// What a round does.
+enum class Phase : std::int32_t {
+  kGradient,  // dE/dw
+  kSearch,    // E at several places along a line (method conjugate)
+  kSlopes,    // dE/dg (method pseudo)
+  kFit,       // each network to its targets (method pseudo)
+};
+
+// Networks end and above are not in use yet; of those below, the ones from `first` on learn.
+struct Learning {
+  int first, end;
+};
+
 struct Training {
+  Phase phase = Phase::kGradient;
+  std::int64_t steps = 0;          // made
+  std::int64_t network_steps = 0;  // of them, since the last network came into use
+  Learning learning{0, 1};
   std::vector<double> weights, best;  // that the step starts from; that did best on the held-out run
-  Descent descent;
+  Descent descent;                    // of those that learn
+  Conjugate conjugate;                // the same
   History history;
   double prior = 0.0, validation_prior = kNone;
   double best_validation = std::numeric_limits<double>::infinity();
@@ -25,6 +44,9 @@ struct Training {
   // history. What has not changed since `before` is named again, not made again.
   void Share(const State& before, const Inputs& inputs, Step* step);
   static Training Of(const Inputs& inputs);
+
+  // `sequential`: the next network joins, the one before it as it was best.
+  void NextNetwork();
 
   // What a step found: the error before it, the same of the held-out run (NaN: not looked at).
   void Record(double error, double validation, double gradient_norm);
@@ -36,6 +58,8 @@ struct Training {
 // As the options ask for.
 NetworkShape ShapeOf(const Options& options, std::size_t inputs);
 DescentRules RulesOf(const Options& options);
+Learning FirstLearning(const Options& options);
+Phase FirstPhase(const Options& options);  // of a step
 
 // Those of a blob `weights`, for the networks to compute with. Throws InputError where they are of another
 // shape.

@@ -104,7 +104,8 @@ SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vec
     set.inputs[i] = static_cast<float>((set.inputs[i] - mean[input]) / scale[input]);
   }
   const std::int64_t samples = set.places.size();
-  return {std::move(set.places), std::move(set.run),
+  std::vector<double> weight(static_cast<std::size_t>(samples), 1.0 / static_cast<double>(samples));
+  return {std::move(set.places), std::move(set.run), std::move(weight),
           Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs)};
 }
 
@@ -125,6 +126,7 @@ void Store(const SampleSet& set, const std::string& prefix, Blob* blob) {
   blob->PutVector(prefix + "y_m", set.places.y_m);
   blob->PutVector(prefix + "along_m", set.places.along_m);
   blob->PutVector(prefix + "run", set.run);
+  blob->PutVector(prefix + "weight", set.weight);
   blob->Put(prefix + "input", set.input);
 }
 
@@ -138,6 +140,7 @@ SampleSet Load(const std::string& prefix, const Blob& blob) {
   return {{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
            Taken<double>(blob, prefix + "along_m")},
           Taken<std::int32_t>(blob, prefix + "run"),
+          Taken<double>(blob, prefix + "weight"),
           blob.at(prefix + "input")};
 }
 

@@ -14,6 +14,7 @@ namespace cairn::landmark_learning {
 struct SampleSet {
   Places places;
   std::vector<std::int32_t> run;  // index into the runs of the input
+  std::vector<double> weight;     // P(xi*), which add up to 1
   Array input;                    // f32, [samples][inputs], (input - mean) / scale; shared, as it is large
 
   const float* inputs() const { return input.As<float>().data(); }

@@ -193,6 +193,19 @@ Case Localization(const std::string& name, const char* sensing, const char* beli
   return c;
 }
 
+Case Training(const std::string& method, std::int64_t batch, bool sequential) {
+  Case c = LandmarkLearning("landmark_learning_" + (sequential  ? "sequential"
+                                                    : batch > 0 ? "batch"
+                                                                : method),
+                            5.0);
+  (*c.stage.mutable_options())["method"].set_s(method);
+  (*c.stage.mutable_options())["sequential"].set_b(sequential);
+  SetInteger(c.stage, "batch", batch);
+  SetInteger(c.stage, "pattern_steps", 3);
+  if (sequential) SetInteger(c.stage, "steps", 10);
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -208,7 +221,11 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "image_features") return {ImageFeatures()};
   if (pipeline == "landmark_learning")
     return {LandmarkLearning("landmark_learning_window", 5.0),
-            LandmarkLearning("landmark_learning_global", 0.0)};
+            LandmarkLearning("landmark_learning_global", 0.0),
+            Training("conjugate", 0, false),
+            Training("pseudo", 0, false),
+            Training("momentum", 1300, false),
+            Training("adam", 0, true)};
   if (pipeline == "localization")
     return {Localization("localization_samples", "sampled", "samples"),
             Localization("localization_grid", "soft", "grid")};

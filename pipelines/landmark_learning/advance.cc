@@ -1,0 +1,170 @@
+#include "pipelines/landmark_learning/advance.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipelines/landmark_learning/plan.h"
+#include "pipelines/landmark_learning/result.h"
+#include "pipelines/landmark_learning/round_sum.h"
+#include "pipelines/landmark_learning/some_networks.h"
+
+namespace cairn::landmark_learning {
+namespace {
+
+class Round {
+ public:
+  Round(const Options& options, std::uint64_t seed, const State& state, const Inputs& inputs)
+      : options_(options),
+        state_(state),
+        inputs_(inputs),
+        data_(TrainingData::FromBlob(*inputs.Get("data"))),
+        planner_(options_, seed, data_),
+        t_(Training::Of(inputs)) {}
+
+  Step End(Partials& partials) {
+    switch (t_.phase) {
+      case Phase::kSearch:
+        return EndSearch(partials);
+      case Phase::kFit:
+        return EndFit(partials);
+      case Phase::kSlopes:
+      case Phase::kGradient:
+        break;
+    }
+    return EndGradient(partials);
+  }
+
+ private:
+  NetworkShape Shape() const { return ShapeOf(options_, data_.mean.size()); }
+
+  Step EndGradient(Partials& partials) {
+    const bool by_outputs = t_.phase == Phase::kSlopes;
+    NetworkShape learning = Shape();
+    learning.networks = t_.learning.end - t_.learning.first;
+    const std::size_t size = by_outputs ? static_cast<std::size_t>(data_.training.size()) *
+                                              static_cast<std::size_t>(learning.networks)
+                                        : learning.parameters();
+    RoundSum sum = SumOf(partials, size);
+    t_.Record(sum.error, planner_.Validates(t_.steps) ? sum.validation : kNone, Norm(sum.slopes));
+    const std::string note = NoteOf(t_);
+    if (IsOver()) return Result(note);
+    Step step;
+    if (by_outputs) {
+      t_.phase = Phase::kFit;
+      Blob slopes;
+      slopes.PutVector("slopes", sum.slopes);
+      (*step.plan.mutable_state()->mutable_blobs())["slopes"] = step.Share(std::move(slopes));
+    } else if (options_.method == "conjugate") {
+      t_.phase = Phase::kSearch;
+      AddPenalty(&sum.slopes);
+      t_.conjugate.Turn(sum.error + PenaltyOf(t_.weights), sum.slopes, RateOf(options_));
+    } else {
+      Descend(sum.slopes);
+    }
+    return Next(std::move(step), note);
+  }
+
+  // Whether training ends before the step; else, where networks come one after another, the next one may
+  // join.
+  bool IsOver() {
+    if (t_.steps + 1 >= options_.steps) return true;
+    const bool patient = t_.since_best < options_.patience;
+    if (!options_.sequential || t_.learning.end == options_.networks) return !patient;
+    if (patient && t_.network_steps + 1 < options_.steps / options_.networks) return false;
+    joins_ = true;
+    return false;
+  }
+
+  // A step of the networks that learn; where the next one joins there is none.
+  void Descend(const std::vector<double>& gradient) {
+    ++t_.steps;
+    ++t_.network_steps;
+    if (joins_) return t_.NextNetwork();
+    Parameters<double> all(Shape());
+    all.values = std::move(t_.weights);
+    Parameters<double> learning = SomeNetworks(all, t_.learning.first, t_.learning.end);
+    t_.descent.Step(RulesOf(options_), gradient, &learning.values);
+    PutNetworks(learning, t_.learning.first, &all);
+    t_.weights = std::move(all.values);
+  }
+
+  // Conjugate gradients go down one function: E and half of weight_decay times the squares of the weights.
+  void AddPenalty(std::vector<double>* gradient) const {
+    for (std::size_t i = 0; i < gradient->size(); ++i)
+      (*gradient)[i] += options_.weight_decay * t_.weights[i];
+  }
+  double PenaltyOf(const std::vector<double>& weights) const {
+    double squares = 0.0;
+    for (const double w : weights) squares += w * w;
+    return 0.5 * options_.weight_decay * squares;
+  }
+
+  Step EndSearch(Partials& partials) {
+    std::vector<double> errors = SearchedErrors(partials, Conjugate::kTried.size());
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      errors[i] += PenaltyOf(
+          AlongLine(t_.weights, t_.conjugate.direction, t_.conjugate.length * Conjugate::kTried[i]));
+    }
+    const double taken = t_.conjugate.Choose(errors);
+    char note[80];
+    std::snprintf(note, sizeof note, "step %lld: goes %.3g of its line", static_cast<long long>(t_.steps + 1),
+                  taken);
+    if (t_.conjugate.Stuck()) return Result("no step along the slope lowers the error: training ends");
+    t_.weights = AlongLine(std::move(t_.weights), t_.conjugate.direction, taken);
+    ++t_.steps;
+    t_.phase = FirstPhase(options_);
+    return Next({}, note);
+  }
+
+  Step EndFit(Partials& partials) {
+    Parameters<double> all(Shape());
+    for (std::size_t i = 0; i < partials.size(); ++i) {
+      NetworkShape one = all.shape;
+      one.networks = 1;
+      Parameters<double> fitted(one);
+      const BlobPtr partial = partials.Get(i);
+      const auto weights = partial->Get<double>("weights");
+      if (weights.size() != fitted.values.size())
+        throw InputError("a partial's weights are of another shape");
+      fitted.values.assign(weights.begin(), weights.end());
+      PutNetworks(fitted, static_cast<int>(i), &all);
+    }
+    t_.weights = std::move(all.values);
+    ++t_.steps;
+    t_.phase = FirstPhase(options_);
+    return Next(
+        {}, "step " + std::to_string(t_.steps) + ": " + std::to_string(partials.size()) + " networks fitted");
+  }
+
+  Step Next(Step step, const std::string& note) {
+    (*step.plan.mutable_state()->mutable_blobs())["data"] = state_.blobs().at("data");
+    t_.Share(state_, inputs_, &step);
+    planner_.Plan(t_, &step);
+    step.plan.set_note(note);
+    return step;
+  }
+
+  Step Result(const std::string& note) {
+    Step step = ResultOf(options_, data_, t_, t_.history.All(inputs_));
+    step.plan.set_note(note);
+    return step;
+  }
+
+  const Options& options_;
+  const State& state_;
+  const Inputs& inputs_;
+  TrainingData data_;
+  Planner planner_;
+  Training t_;
+  bool joins_ = false;
+};
+
+}  // namespace
+
+Step AdvanceRound(const Options& options, std::uint64_t seed, const State& state, Partials& partials,
+                  const Inputs& inputs) {
+  return Round(options, seed, state, inputs).End(partials);
+}
+
+}  // namespace cairn::landmark_learning

@@ -1,0 +1,113 @@
+#include "pipelines/landmark_learning/tasks.h"
+
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_learning/batch.h"
+#include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/patterns.h"
+#include "pipelines/landmark_learning/some_networks.h"
+#include "pipelines/landmark_learning/training.h"
+
+namespace cairn::landmark_learning {
+namespace {
+
+std::int64_t Param(const Task& task, const char* name) { return task.params().at(name).i(); }
+
+Range BlockOf(const Task& task) {
+  return {static_cast<int>(Param(task, "first")), static_cast<int>(Param(task, "end"))};
+}
+
+// Those in use.
+Parameters<float> NetworksOf(const Parameters<float>& all, const Task& task) {
+  return SomeNetworks(all, 0, static_cast<int>(Param(task, "in_use")));
+}
+
+Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData& data,
+                  const Parameters<float>& all, const Task& task) {
+  Parameters<float> parameters = NetworksOf(all, task);
+  std::vector<Range> truths{BlockOf(task)};
+  double scale = 1.0;
+  if (task.params().contains("step")) {
+    const auto drawn = DrawnStretches(data.training.size(), options.batch, seed, Param(task, "step"));
+    scale = static_cast<double>(data.training.size()) / TruthsIn(drawn);
+    truths.assign(drawn.begin() + BlockOf(task).first, drawn.begin() + BlockOf(task).end);
+  }
+  GradientShare share = GradientOfStretches(options, data.training, parameters, truths, scale);
+  Blob partial;
+  partial.PutScalar("error", share.error);
+  parameters.values = std::move(share.gradient);
+  const int first = static_cast<int>(Param(task, "learns"));
+  partial.PutVector("slopes", SomeNetworks(parameters, first, parameters.shape.networks).values);
+  return partial;
+}
+
+Blob SlopesTask(const Options& options, const TrainingData& data, const Parameters<float>& all,
+                const Task& task) {
+  const SlopeShare share = SlopesOfBlock(options, data.training, all, BlockOf(task));
+  Blob partial;
+  partial.PutScalar("error", share.error);
+  partial.PutScalar<std::int64_t>("first", std::int64_t{share.reach.first} * all.shape.networks);
+  partial.PutVector("slopes", share.d_output);
+  return partial;
+}
+
+// At a place along the line.
+Blob SearchTask(const Options& options, const TrainingData& data, const NetworkShape& shape,
+                const Inputs& inputs, const Task& task) {
+  const Conjugate line = Conjugate::FromBlob(inputs.Get("training")->Sub("conjugate/"));
+  const auto from = inputs.Get("weights")->Get<double>("weights");
+  const auto length = static_cast<std::size_t>(Param(task, "length"));
+  const auto weights =
+      AlongLine({from.begin(), from.end()}, line.direction, line.length * Conjugate::kTried.at(length));
+  Blob partial;
+  partial.PutScalar<std::int64_t>("length", static_cast<std::int64_t>(length));
+  partial.PutScalar(
+      "error", ErrorOfBlock(options, data.training, data.training, InFloat(shape, weights), BlockOf(task)));
+  return partial;
+}
+
+Blob FitTask(const Options& options, const TrainingData& data, const Parameters<float>& rounded,
+             const Inputs& inputs, const Task& task, Progress& progress) {
+  const int network = static_cast<int>(Param(task, "network"));
+  const BlobPtr blob = inputs.Get("weights");
+  const auto weights = blob->Get<double>("weights");
+  Parameters<double> all(rounded.shape);
+  all.values.assign(weights.begin(), weights.end());
+  Parameters<double> own = SomeNetworks(all, network, network + 1);
+  const BlobPtr slopes = inputs.Get("slopes");
+  const auto slope = slopes->Get<double>("slopes");
+  const auto now =
+      Forward(SomeNetworks(rounded, network, network + 1), data.training.inputs(), data.training.size());
+  std::vector<float> target;
+  for (std::size_t k = 0; k < now.output.size(); ++k) {
+    const std::size_t at =
+        k * static_cast<std::size_t>(all.shape.networks) + static_cast<std::size_t>(network);
+    target.push_back(PatternTarget(now.output[k], options.pattern_step, slope[at] * data.training.size()));
+  }
+  Blob partial;
+  partial.PutVector("weights", FitPatterns(own.shape, std::move(own.values), data.training.inputs(), target,
+                                           RulesOf(options), options.pattern_steps, progress));
+  return partial;
+}
+
+}  // namespace
+
+Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const Inputs& inputs,
+             Progress& progress) {
+  progress.Tick();
+  const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
+  const NetworkShape shape = ShapeOf(options, data.mean.size());
+  if (task.kind() == "search") return SearchTask(options, data, shape, inputs, task);
+  const Parameters<float> all = InFloat(shape, *inputs.Get("weights"));
+  if (task.kind() == "gradient") return GradientTask(options, seed, data, all, task);
+  if (task.kind() == "slopes") return SlopesTask(options, data, all, task);
+  if (task.kind() == "fit") return FitTask(options, data, all, inputs, task, progress);
+  CAIRN_DEMAND(task.kind() == "validate", "a kind of task that is planned");
+  Blob partial;
+  partial.PutScalar("validation", ErrorOfBlock(options, data.held_out, data.training, NetworksOf(all, task),
+                                               BlockOf(task)));
+  return partial;
+}
+
+}  // namespace cairn::landmark_learning
