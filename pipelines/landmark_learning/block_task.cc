@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "pipelines/landmark_learning/fast_error.h"
 #include "pipelines/landmark_learning/features.h"
 #include "pipelines/landmark_learning/posterior_error.h"
+#include "pipelines/landmark_learning/sum_path.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -40,12 +41,14 @@ struct Slopes {
   std::vector<float> d_output;
 };
 
-Slopes SlopesOf(const Options& options, const SampleSet& training, const Parameters<float>& parameters,
-                const Group& group, double scale) {
-  const int networks = parameters.shape.networks;
+Slopes SlopesOf(const Options& options, const SumPlan& plan, const SampleSet& training,
+                const Parameters<float>& parameters, const Group& group, double scale) {
+  const int networks = parameters.shape.networks, vectors = static_cast<int>(FeatureVectors(networks));
   const Range& reach = group.reach;
-  const Places places = Part(training.places, reach);
-  const Pairs pairs(places, places, BeliefOf(options), ErrorOf(options));
+  const Places places = Part(plan.places, reach);
+  const Belief belief = BeliefOf(options);
+  const ErrorKind error = ErrorOf(options);
+  const Pairs pairs(places, places, belief, error);
   const std::vector<double> weight = Scaled(training.weight, reach, scale);
   Slopes slopes;
   slopes.activations =
@@ -53,8 +56,10 @@ Slopes SlopesOf(const Options& options, const SampleSet& training, const Paramet
   const auto probability = FeatureProbabilities(slopes.activations.output, networks);
   std::vector<float> d_probability;
   for (const Range& truths : group.truths) {
-    auto share = ErrorOfTruths(pairs, probability, static_cast<int>(FeatureVectors(networks)), weight,
-                               {truths.first - reach.first, truths.end - reach.first});
+    const Range own{truths.first - reach.first, truths.end - reach.first};
+    auto share = plan.path == SumPath::kLine
+                     ? ErrorOnLine(places, belief, error, probability, vectors, weight, own)
+                     : ErrorOfTruths(pairs, probability, vectors, weight, own);
     slopes.error += share.posterior;
     if (d_probability.empty()) {
       d_probability = std::move(share.d_probability);
@@ -64,6 +69,10 @@ Slopes SlopesOf(const Options& options, const SampleSet& training, const Paramet
   }
   slopes.d_output = OutputGradient(slopes.activations.output, networks, d_probability);
   return slopes;
+}
+
+Pairs PairsOf(const Options& options, const SumPlan& plan) {
+  return {plan.places, plan.places, BeliefOf(options), ErrorOf(options)};
 }
 
 Range ReachOf(const Pairs& pairs, const Range& truths) {
@@ -85,23 +94,13 @@ std::vector<Group> GroupsOf(const Pairs& pairs, const std::vector<Range>& stretc
 
 }  // namespace
 
-Belief BeliefOf(const Options& options) {
-  return {options.belief == "gaussian" ? BeliefShape::kGaussian : BeliefShape::kUniform,
-          options.window_m > 0.0 ? options.window_m : std::numeric_limits<double>::infinity()};
-}
-
-ErrorKind ErrorOf(const Options& options) {
-  if (options.error == "squared") return ErrorKind::kSquaredDistance;
-  return options.error == "along" ? ErrorKind::kAlong : ErrorKind::kDistance;
-}
-
 GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
                                   const Parameters<float>& parameters, const std::vector<Range>& truths,
                                   double scale) {
   GradientShare sum;
-  const Pairs pairs(training.places, training.places, BeliefOf(options), ErrorOf(options));
-  for (const Group& group : GroupsOf(pairs, truths)) {
-    const Slopes slopes = SlopesOf(options, training, parameters, group, scale);
+  const SumPlan plan = PlanSum(options, training.places);
+  for (const Group& group : GroupsOf(PairsOf(options, plan), truths)) {
+    const Slopes slopes = SlopesOf(options, plan, training, parameters, group, scale);
     auto gradient = Backward(parameters, RowsFrom(training, group.reach.first, parameters.shape.inputs),
                              group.reach.size(), slopes.activations, slopes.d_output);
     sum.error += slopes.error;
@@ -121,9 +120,9 @@ GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
 
 SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
                          const Parameters<float>& parameters, const Range& truths) {
-  const Pairs pairs(training.places, training.places, BeliefOf(options), ErrorOf(options));
-  const Range reach = ReachOf(pairs, truths);
-  Slopes slopes = SlopesOf(options, training, parameters, {reach, {truths}}, 1.0);
+  const SumPlan plan = PlanSum(options, training.places);
+  const Range reach = ReachOf(PairsOf(options, plan), truths);
+  Slopes slopes = SlopesOf(options, plan, training, parameters, {reach, {truths}}, 1.0);
   return {slopes.error, reach, std::move(slopes.d_output)};
 }
 
@@ -142,11 +141,11 @@ double ErrorOfBlock(const Options& options, const SampleSet& sensed, const Sampl
                     {0, truths.size()});
 }
 
-std::vector<Range> Blocks(int count, int samples, int networks) {
-  constexpr double kFlops = 4e8;  // of a task, at 8 K^2 2^n in all
-  const double flops = 8.0 * count * samples * static_cast<double>(FeatureVectors(networks));
-  const int blocks =
-      std::clamp(static_cast<int>(std::ceil(flops / kFlops)), 1, std::max(1, std::min(count, 4096)));
+std::vector<Range> Blocks(int count, double flops) {
+  constexpr double kMost = 4e8, kLeast = 4e7;  // of a task; less only where there is no more
+  constexpr double kFew = 4.0;                 // tasks into which a step is cut though one could hold it
+  const double pieces = std::max(std::ceil(flops / kMost), std::min(kFew, std::ceil(flops / kLeast)));
+  const int blocks = std::clamp(static_cast<int>(std::min(pieces, 4096.0)), 1, std::max(1, count));
   std::vector<Range> ranges;
   for (int b = 0; b < blocks; ++b) {
     const auto at = [&](std::int64_t i) { return static_cast<int>(i * count / blocks); };

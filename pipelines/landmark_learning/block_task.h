@@ -9,10 +9,6 @@
 
 namespace cairn::landmark_learning {
 
-// As the options ask for.
-Belief BeliefOf(const Options& options);
-ErrorKind ErrorOf(const Options& options);
-
 // A block's share of E_posterior over the training samples, and of its gradient by all weights. Computes the
 // outputs of no other samples than those in its reach.
 struct GradientShare {
@@ -40,7 +36,8 @@ SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
 double ErrorOfBlock(const Options& options, const SampleSet& sensed, const SampleSet& map,
                     const Parameters<float>& parameters, const Range& truths);
 
-// Cuts `count` truths into blocks of even size, some 5 ms of a core each, by sizes alone.
-std::vector<Range> Blocks(int count, int samples, int networks);
+// Cuts `count` truths, which cost `flops` in all (counted, never measured), into blocks of even size, some
+// milliseconds of a core each.
+std::vector<Range> Blocks(int count, double flops);
 
 }  // namespace cairn::landmark_learning

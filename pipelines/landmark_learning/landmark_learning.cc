@@ -8,6 +8,7 @@
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/posterior_error.h"
+#include "pipelines/landmark_learning/sum_path.h"
 #include "pipelines/landmark_learning/tasks.h"
 
 namespace cairn::landmark_learning {
@@ -63,7 +64,8 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   Planner(options_, seed_, data).Plan(training, &step);
   step.plan.set_note(std::to_string(data.training.size()) + " samples of " +
                      std::to_string(data.mean.size()) + " inputs to train on, " +
-                     std::to_string(data.held_out.size()) + " held out");
+                     std::to_string(data.held_out.size()) + " held out; " +
+                     PlanSum(options_, data.training.places).text);
   return step;
 }
 

@@ -14,6 +14,7 @@ struct Options {
   double window_m = 2.0;
   std::string belief = "uniform";
   std::string error = "distance";
+  std::string sum = "auto";
   std::string method = "adam";
   double rate = 0.0;
   double momentum = 0.9;
@@ -47,6 +48,16 @@ void VisitOptions(V& visit, Options& o) {
                "travelled until there",
                {"distance", "squared", "along"}},
         o.error);
+  visit(
+      Option{
+          "sum",
+          "",
+          0,
+          0,
+          "how pairs are summed: all in reach, by sums along a line (forced, on places that are near one), "
+          "or whichever exact or error-bounded way the number and places of samples make cheapest",
+          {"auto", "pairs", "line"}},
+      o.sum);
   visit(Option{"method",
                "",
                0,

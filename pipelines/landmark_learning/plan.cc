@@ -4,6 +4,7 @@
 
 #include "pipelines/landmark_learning/batch.h"
 #include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/features.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -29,6 +30,8 @@ void SetBlock(const Range& block, Task* task) {
   Set("end", block.end, task);
 }
 
+double VectorsOf(int networks) { return static_cast<double>(FeatureVectors(networks)); }
+
 void SetLearning(const Learning& learning, Task* task) {
   Set("learns", learning.first, task);
   Set("in_use", learning.end, task);
@@ -36,8 +39,25 @@ void SetLearning(const Learning& learning, Task* task) {
 
 }  // namespace
 
+// Blocks of all truths; one where a sweep over all samples is what a block would cost too.
 std::vector<Range> Planner::TrainingBlocks(int networks) const {
-  return Blocks(data_.training.size(), data_.training.size(), networks);
+  const int count = data_.training.size();
+  const SumPlan sum = PlanSum(options_, data_.training.places);
+  if (sum.path == SumPath::kLine && options_.window_m == 0.0) return {{0, count}};
+  return Blocks(count, StepFlops(sum, networks));
+}
+
+// Of a step on all truths by so many networks.
+double Planner::StepFlops(const SumPlan& sum, int networks) const {
+  const NetworkShape shape{networks, static_cast<int>(data_.mean.size()), static_cast<int>(options_.hidden)};
+  return sum.flops_per_vector * VectorsOf(networks) +
+         4.0 * data_.training.size() * static_cast<double>(shape.parameters());
+}
+
+// Blocks of the stretches of a mini-batch.
+std::vector<Range> Planner::BatchBlocks(int stretches, int networks) const {
+  const double share = static_cast<double>(stretches) * kStretch / data_.training.size();
+  return Blocks(stretches, share * StepFlops(PlanSum(options_, data_.training.places), networks));
 }
 
 // Blocks of truths; of a mini-batch, of the stretches that are drawn.
@@ -46,8 +66,7 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
   const auto stretches = DrawnStretches(data_.training.size(), options_.batch, seed_, t.steps);
   const bool all = stretches.size() == 1;
   const auto blocks =
-      all ? TrainingBlocks(t.learning.end)
-          : Blocks(static_cast<int>(stretches.size()), kStretch * data_.training.size(), t.learning.end);
+      all ? TrainingBlocks(t.learning.end) : BatchBlocks(static_cast<int>(stretches.size()), t.learning.end);
   for (const Range& block : blocks) {
     Task& task = Add(kind, all ? block.size() : block.size() * kStretch, {"data", "weights"}, plan);
     SetBlock(block, &task);
@@ -83,7 +102,9 @@ void Planner::Plan(const Training& training, Step* step) const {
   } else {
     PlanGradient(training, &plan);
     if (Validates(training.steps)) {
-      for (const Range& block : Blocks(data_.held_out.size(), data_.training.size(), training.learning.end)) {
+      const double pairs = static_cast<double>(data_.held_out.size()) * data_.training.size();
+      for (const Range& block :
+           Blocks(data_.held_out.size(), 8.0 * pairs * VectorsOf(training.learning.end))) {
         Task& task = Add("validate", block.size(), {"data", "weights"}, &plan);
         SetBlock(block, &task);
         SetLearning(training.learning, &task);

@@ -1,6 +1,7 @@
 // The tasks of a round, whatever its phase, and every few steps a look at the held-out run beside them.
 #pragma once
 
+#include "pipelines/landmark_learning/sum_path.h"
 #include "pipelines/landmark_learning/training.h"
 #include "pipelines/landmark_learning/training_data.h"
 #include "pipelines/pipeline.h"
@@ -22,6 +23,8 @@ class Planner {
   void PlanSearch(proto::Step* plan) const;
   void PlanFit(proto::Step* plan) const;
   std::vector<Range> TrainingBlocks(int networks) const;
+  std::vector<Range> BatchBlocks(int stretches, int networks) const;
+  double StepFlops(const SumPlan& sum, int networks) const;
 
   const Options& options_;
   std::uint64_t seed_;

@@ -3,10 +3,12 @@
 // of the thread's own peak, which a loop of nothing but fma in registers shows in the same run.
 //   ball_rate                          # the table
 //   ball_rate SAMPLES NETWORKS WINDOW_M [LENGTH_M]     # one row; window 0: globally uncertain
-//   ball_rate step                     # a training step of the paper's networks, part by part
+//   ball_rate paths                    # the ways below pairs squared, beside our own pairs, K = 20,000, n =
+//   4 ball_rate step                     # a training step of the paper's networks, part by part
 // ball_torch.py runs it beside PyTorch and prints the ratios.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -14,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/landmark_learning/fast_error.h"
 #include "pipelines/landmark_learning/features.h"
 #include "pipelines/landmark_learning/lanes.h"
 #include "pipelines/landmark_learning/networks.h"
@@ -143,13 +146,57 @@ void MeasureStep() {
   std::printf("%-22s %.3f ms\n", "together", all);
 }
 
+// One row of `paths`: seconds of both ways, and how far apart they come out.
+void Compare(const char* name, const World& world, double window_m, ErrorKind error,
+             const std::function<ErrorShare<float>(const std::vector<float>&)>& fast_way) {
+  const int samples = world.places.size();
+  const double width_m = window_m > 0.0 ? window_m : std::numeric_limits<double>::infinity();
+  const Belief belief{BeliefShape::kUniform, width_m};
+  const auto probability = FeatureProbabilities(world.g, 4);
+  ErrorShare<float> fast, slow;
+  const double slow_s = Quickest([&] {
+    const Pairs pairs(world.places, world.places, belief, error);
+    slow = ErrorOfTruths(pairs, probability, 16, world.weight, {0, samples});
+  });
+  const double fast_s = Quickest([&] { fast = fast_way(probability); });
+  const std::vector<double> exact_probability(probability.begin(), probability.end());
+  const Pairs pairs(world.places, world.places, belief, error);
+  const double exact = ErrorOfTruths(pairs, exact_probability, 16, world.weight, {0, samples}).posterior;
+  std::printf(
+      "%-40s pairs %9.2f ms  this %8.3f ms  %6.0f times faster  E off by %.1e, by pairs in float %.1e\n",
+      name, 1e3 * slow_s, 1e3 * fast_s, slow_s / fast_s, std::abs(fast.posterior / exact - 1.0),
+      std::abs(slow.posterior / exact - 1.0));
+  std::fflush(stdout);
+}
+
+void MeasurePaths() {
+  World line({20000, 4, 0.0});
+  line.places.y_m.assign(line.places.y_m.size(), 0.0);
+  const auto on_line = [&](double window_m, ErrorKind error) {
+    const Belief belief{BeliefShape::kUniform,
+                        window_m > 0.0 ? window_m : std::numeric_limits<double>::infinity()};
+    return [&line, belief, error](const std::vector<float>& probability) {
+      return ErrorOnLine(line.places, belief, error, probability, 16, line.weight, {0, line.places.size()});
+    };
+  };
+  Compare("line, global, distance", line, 0.0, ErrorKind::kDistance, on_line(0.0, ErrorKind::kDistance));
+  Compare("line, global, way travelled", line, 0.0, ErrorKind::kAlong, on_line(0.0, ErrorKind::kAlong));
+  Compare("line, global, squared", line, 0.0, ErrorKind::kSquaredDistance,
+          on_line(0.0, ErrorKind::kSquaredDistance));
+  Compare("line, +-2 m, distance", line, 2.0, ErrorKind::kDistance, on_line(2.0, ErrorKind::kDistance));
+}
+
 int Main(const std::vector<std::string>& args) {
+  if (args.size() == 1 && args[0] == "paths") {
+    MeasurePaths();
+    return 0;
+  }
   if (args.size() == 1 && args[0] == "step") {
     MeasureStep();
     return 0;
   }
   if (!args.empty() && args.size() < 3) {
-    std::fprintf(stderr, "usage: ball_rate [step | SAMPLES NETWORKS WINDOW_M [LENGTH_M]]\n");
+    std::fprintf(stderr, "usage: ball_rate [paths | step | SAMPLES NETWORKS WINDOW_M [LENGTH_M]]\n");
     return 2;
   }
   const double peak = PeakGflops();
