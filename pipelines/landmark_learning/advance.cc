@@ -23,29 +23,43 @@ class Round {
         t_(Training::Of(inputs)) {}
 
   Step End(Partials& partials) {
-    switch (t_.phase) {
-      case Phase::kSearch:
-        return EndSearch(partials);
-      case Phase::kFit:
-        return EndFit(partials);
-      case Phase::kSlopes:
-      case Phase::kGradient:
-        break;
-    }
-    return EndGradient(partials);
+    if (t_.phase == Phase::kSearch) return EndSearch(partials);
+    if (t_.phase == Phase::kFit) return EndFit(partials);
+    return planner_.FindsSlopes(t_.phase) ? EndGradient(partials) : EndPhase(partials);
   }
 
  private:
   NetworkShape Shape() const { return ShapeOf(options_, data_.mean.size()); }
 
+  // What the next phase reads: the outputs, or E and its slopes by them.
+  Step EndPhase(Partials& partials) {
+    const bool outputs = t_.phase == Phase::kOutputs;
+    const RoundSum sum = SumOf(partials, static_cast<std::size_t>(data_.training.size()) *
+                                             static_cast<std::size_t>(t_.learning.end));
+    Step step;
+    Blob blob;
+    if (outputs) {
+      blob.PutVector("output", std::vector<float>(sum.slopes.begin(), sum.slopes.end()));
+    } else {
+      blob.PutScalar("error", sum.error);
+      blob.PutVector("slopes", sum.slopes);
+    }
+    (*step.plan.mutable_state()->mutable_blobs())[outputs ? "outputs" : "slopes"] =
+        step.Share(std::move(blob));
+    t_.phase = outputs ? Phase::kPairs : Phase::kWeights;
+    return Next(std::move(step),
+                "step " + std::to_string(t_.steps + 1) + (outputs ? ": outputs" : ": pairs"));
+  }
+
   Step EndGradient(Partials& partials) {
-    const bool by_outputs = t_.phase == Phase::kSlopes;
+    const bool by_outputs = t_.phase == Phase::kSlopes || t_.phase == Phase::kPairs;
     NetworkShape learning = Shape();
     learning.networks = t_.learning.end - t_.learning.first;
     const std::size_t size = by_outputs ? static_cast<std::size_t>(data_.training.size()) *
                                               static_cast<std::size_t>(learning.networks)
                                         : learning.parameters();
     RoundSum sum = SumOf(partials, size);
+    if (t_.phase == Phase::kWeights) sum.error = inputs_.Get("slopes")->Scalar<double>("error");
     t_.Record(sum.error, planner_.Validates(t_.steps) ? sum.validation : kNone, Norm(sum.slopes));
     const std::string note = NoteOf(t_);
     if (IsOver()) return Result(note);
@@ -80,7 +94,9 @@ class Round {
   void Descend(const std::vector<double>& gradient) {
     ++t_.steps;
     ++t_.network_steps;
-    if (joins_) return t_.NextNetwork();
+    if (joins_) t_.NextNetwork();
+    t_.phase = planner_.FirstPhase(t_.learning.end);
+    if (joins_) return;
     Parameters<double> all(Shape());
     all.values = std::move(t_.weights);
     Parameters<double> learning = SomeNetworks(all, t_.learning.first, t_.learning.end);
@@ -113,7 +129,7 @@ class Round {
     if (t_.conjugate.Stuck()) return Result("no step along the slope lowers the error: training ends");
     t_.weights = AlongLine(std::move(t_.weights), t_.conjugate.direction, taken);
     ++t_.steps;
-    t_.phase = FirstPhase(options_);
+    t_.phase = planner_.FirstPhase(t_.learning.end);
     return Next({}, note);
   }
 
@@ -132,7 +148,7 @@ class Round {
     }
     t_.weights = std::move(all.values);
     ++t_.steps;
-    t_.phase = FirstPhase(options_);
+    t_.phase = planner_.FirstPhase(t_.learning.end);
     return Next(
         {}, "step " + std::to_string(t_.steps) + ": " + std::to_string(partials.size()) + " networks fitted");
   }

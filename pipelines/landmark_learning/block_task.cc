@@ -34,26 +34,24 @@ struct Group {
   std::vector<Range> truths;
 };
 
-// What the outputs in reach are, and how E depends on them.
-struct Slopes {
+// How E depends on the outputs in reach.
+struct OutputSlopes {
   double error = 0.0;
-  Activations<float> activations;
   std::vector<float> d_output;
 };
 
-Slopes SlopesOf(const Options& options, const SumPlan& plan, const SampleSet& training,
-                const Parameters<float>& parameters, const Group& group, double scale) {
-  const int networks = parameters.shape.networks, vectors = static_cast<int>(FeatureVectors(networks));
+// `outputs`: [reach][networks].
+OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleSet& training,
+                      const std::vector<float>& outputs, int networks, const Group& group, double scale) {
   const Range& reach = group.reach;
   const Places places = Part(plan.places, reach);
   const Belief belief = BeliefOf(options);
   const ErrorKind error = ErrorOf(options);
   const Pairs pairs(places, places, belief, error);
   const std::vector<double> weight = Scaled(training.weight, reach, scale);
-  Slopes slopes;
-  slopes.activations =
-      Forward(parameters, RowsFrom(training, reach.first, parameters.shape.inputs), reach.size());
-  const auto probability = FeatureProbabilities(slopes.activations.output, networks);
+  const auto probability = FeatureProbabilities(outputs, networks);
+  const int vectors = static_cast<int>(FeatureVectors(networks));
+  OutputSlopes slopes;
   std::vector<float> d_probability;
   for (const Range& truths : group.truths) {
     const Range own{truths.first - reach.first, truths.end - reach.first};
@@ -67,8 +65,13 @@ Slopes SlopesOf(const Options& options, const SumPlan& plan, const SampleSet& tr
     }
     for (std::size_t i = 0; i < d_probability.size(); ++i) d_probability[i] += share.d_probability[i];
   }
-  slopes.d_output = OutputGradient(slopes.activations.output, networks, d_probability);
+  slopes.d_output = OutputGradient(outputs, networks, d_probability);
   return slopes;
+}
+
+Activations<float> ActivationsIn(const Range& reach, const SampleSet& training,
+                                 const Parameters<float>& parameters) {
+  return Forward(parameters, RowsFrom(training, reach.first, parameters.shape.inputs), reach.size());
 }
 
 Pairs PairsOf(const Options& options, const SumPlan& plan) {
@@ -100,9 +103,11 @@ GradientShare GradientOfStretches(const Options& options, const SampleSet& train
   GradientShare sum;
   const SumPlan plan = PlanSum(options, training.places);
   for (const Group& group : GroupsOf(PairsOf(options, plan), truths)) {
-    const Slopes slopes = SlopesOf(options, plan, training, parameters, group, scale);
+    const auto activations = ActivationsIn(group.reach, training, parameters);
+    const auto slopes =
+        SlopesBy(options, plan, training, activations.output, parameters.shape.networks, group, scale);
     auto gradient = Backward(parameters, RowsFrom(training, group.reach.first, parameters.shape.inputs),
-                             group.reach.size(), slopes.activations, slopes.d_output);
+                             group.reach.size(), activations, slopes.d_output);
     sum.error += slopes.error;
     if (sum.gradient.empty()) {
       sum.gradient = std::move(gradient.values);
@@ -122,7 +127,21 @@ SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
                          const Parameters<float>& parameters, const Range& truths) {
   const SumPlan plan = PlanSum(options, training.places);
   const Range reach = ReachOf(PairsOf(options, plan), truths);
-  Slopes slopes = SlopesOf(options, plan, training, parameters, {reach, {truths}}, 1.0);
+  auto slopes = SlopesBy(options, plan, training, ActivationsIn(reach, training, parameters).output,
+                         parameters.shape.networks, {reach, {truths}}, 1.0);
+  return {slopes.error, reach, std::move(slopes.d_output)};
+}
+
+SlopeShare SlopesOfOutputs(const Options& options, const SampleSet& training, std::span<const float> outputs,
+                           int networks, const Range& truths) {
+  const auto row = static_cast<std::size_t>(networks);
+  if (outputs.size() != static_cast<std::size_t>(training.size()) * row)
+    throw InputError("the outputs are of other samples or networks");
+  const SumPlan plan = PlanSum(options, training.places);
+  const Range reach = ReachOf(PairsOf(options, plan), truths);
+  const auto own = outputs.subspan(static_cast<std::size_t>(reach.first) * row,
+                                   static_cast<std::size_t>(reach.size()) * row);
+  auto slopes = SlopesBy(options, plan, training, {own.begin(), own.end()}, networks, {reach, {truths}}, 1.0);
   return {slopes.error, reach, std::move(slopes.d_output)};
 }
 

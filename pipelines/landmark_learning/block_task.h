@@ -1,6 +1,7 @@
 // A task's arithmetic: a block of true positions against all samples that they may be taken for.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pipelines/landmark_learning/networks.h"
@@ -30,6 +31,10 @@ struct SlopeShare {
 };
 SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
                          const Parameters<float>& parameters, const Range& truths);
+
+// From the outputs of all samples: [samples][networks].
+SlopeShare SlopesOfOutputs(const Options& options, const SampleSet& training, std::span<const float> outputs,
+                           int networks, const Range& truths);
 
 // A block's share of the E_posterior of `sensed`, which are taken for samples of `map`: held-out ones for
 // training samples, or these for each other.

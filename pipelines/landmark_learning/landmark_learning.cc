@@ -51,8 +51,9 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   RefuseLonely(options_, data);
   Rng rng(seed_);
   Training training;
-  training.phase = FirstPhase(options_);
+  const Planner planner(options_, seed_, data);
   training.learning = FirstLearning(options_);
+  training.phase = planner.FirstPhase(training.learning.end);
   training.weights =
       RandomParameters<double>(ShapeOf(options_, data.mean.size()), options_.init_width, rng).values;
   training.prior = PriorError(options_, data.training, data.training);
@@ -61,7 +62,7 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   Step step;
   (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(data.ToBlob());
   training.Share({}, inputs, &step);
-  Planner(options_, seed_, data).Plan(training, &step);
+  planner.Plan(training, &step);
   step.plan.set_note(std::to_string(data.training.size()) + " samples of " +
                      std::to_string(data.mean.size()) + " inputs to train on, " +
                      std::to_string(data.held_out.size()) + " held out; " +

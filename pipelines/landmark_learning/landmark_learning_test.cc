@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/round_sum.h"
 #include "pipelines/landmark_learning/testing.h"
+#include "pipelines/landmark_learning/training.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -101,6 +104,32 @@ TEST(LandmarkLearning, StopsWhereTheHeldOutRunGetsNoBetterAndKeepsTheBest) {
   const std::size_t last = held_out.size() - 1;
   for (std::size_t look = 0; look < 4; ++look)
     EXPECT_GE(held_out[last - 5 * look], held_out[last - 20]) << look;  // four looks without a better one
+}
+
+// So many features that blocks of truths would compute all outputs over and over: three rounds a step, or two
+// before patterns are fitted, and the same E and gradient as in one piece.
+TEST(LandmarkLearning, AStepInPhasesIsTheStep) {
+  const Blob samples = CorridorSamples{.samples = 160}.Make();
+  const TrainingData data = TrainingData::Of(samples, "");
+  Options options{.networks = 10, .window_m = 0.0, .steps = 3};
+  Rng rng(7);
+  const auto parameters =
+      RandomParameters<double>(ShapeOf(options, data.mean.size()), options.init_width, rng);
+  const GradientShare whole = GradientOfBlock(
+      options, data.training, InFloat(parameters.shape, parameters.values), {0, data.training.size()});
+  const double norm = Norm({whole.gradient.begin(), whole.gradient.end()});
+  for (const auto& [method, rounds] : {std::pair("adam", 3 * 3 + 1), std::pair("pseudo", 2 * 3 + 2 + 1)}) {
+    int made = 0;
+    options.method = method;
+    const BlobPtr result = Learn(samples, options, &made);
+    EXPECT_EQ(made, rounds) << method;
+    const auto error = result->Get<double>("history/training_error_m");
+    EXPECT_NEAR(error[0], whole.error, 1e-5 * whole.error) << method;
+    EXPECT_NE(error[0], error[1]) << method;
+    if (options.method == "adam") {
+      EXPECT_NEAR(result->Get<double>("history/gradient_norm")[0], norm, 1e-4 * norm);
+    }
+  }
 }
 
 // The whole of a gradient from its blocks, under a window and under none.

@@ -75,6 +75,43 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
   }
 }
 
+// Whether blocks of their own would compute most outputs again and again.
+bool Planner::InPhases(int networks) const {
+  if (options_.batch > 0) return false;
+  constexpr std::size_t kFew = 4;  // blocks that do so for less than three rounds cost
+  const auto blocks = TrainingBlocks(networks);
+  if (blocks.size() <= kFew) return false;
+  const SumPlan sum = PlanSum(options_, data_.training.places);
+  const Pairs pairs(sum.places, sum.places, BeliefOf(options_), ErrorOf(options_));
+  std::int64_t outputs = 0;
+  for (const Range& block : blocks) outputs += pairs.ReachOf(block).size();
+  return outputs > 2 * static_cast<std::int64_t>(data_.training.size());
+}
+
+Phase Planner::FirstPhase(int networks) const {
+  if (InPhases(networks)) return Phase::kOutputs;
+  return options_.method == "pseudo" ? Phase::kSlopes : Phase::kGradient;
+}
+
+// Rounds of a step in phases: outputs and weights by samples, pairs by truths.
+void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
+  const int count = data_.training.size();
+  const NetworkShape shape{t.learning.end, static_cast<int>(data_.mean.size()),
+                           static_cast<int>(options_.hidden)};
+  const double forward = 2.0 * count * static_cast<double>(shape.parameters());
+  const auto add = [&](const char* kind, const std::vector<Range>& blocks,
+                       std::initializer_list<const char*> blobs) {
+    for (const Range& block : blocks) {
+      Task& task = Add(kind, block.size(), blobs, plan);
+      SetBlock(block, &task);
+      SetLearning(t.learning, &task);
+    }
+  };
+  if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "weights"});
+  if (t.phase == Phase::kPairs) add("pairs", TrainingBlocks(t.learning.end), {"data", "outputs"});
+  if (t.phase == Phase::kWeights) add("weights", Blocks(count, 2.0 * forward), {"data", "weights", "slopes"});
+}
+
 void Planner::PlanSearch(proto::Step* plan) const {
   for (std::size_t length = 0; length < Conjugate::kTried.size(); ++length) {
     for (const Range& block : TrainingBlocks(static_cast<int>(options_.networks))) {
@@ -100,8 +137,13 @@ void Planner::Plan(const Training& training, Step* step) const {
   } else if (training.phase == Phase::kFit) {
     PlanFit(&plan);
   } else {
-    PlanGradient(training, &plan);
-    if (Validates(training.steps)) {
+    const bool phases = training.phase == Phase::kOutputs || training.phase == Phase::kPairs ||
+                        training.phase == Phase::kWeights;
+    if (phases)
+      PlanPhase(training, &plan);
+    else
+      PlanGradient(training, &plan);
+    if (FindsSlopes(training.phase) && Validates(training.steps)) {
       const double pairs = static_cast<double>(data_.held_out.size()) * data_.training.size();
       for (const Range& block :
            Blocks(data_.held_out.size(), 8.0 * pairs * VectorsOf(training.learning.end))) {
@@ -111,9 +153,16 @@ void Planner::Plan(const Training& training, Step* step) const {
       }
     }
   }
-  const std::int64_t rounds = options_.method == "pseudo" || options_.method == "conjugate" ? 2 : 1;
+  const bool two = options_.method == "pseudo" || options_.method == "conjugate";
+  const std::int64_t rounds =
+      (two ? 2 : 1) + (InPhases(training.learning.end) ? options_.method == "pseudo" ? 1 : 2 : 0);
   plan.set_rounds_left(static_cast<std::uint32_t>(
       std::min<std::int64_t>(rounds * (options_.steps - training.steps), 1'000'000'000)));
+}
+
+bool Planner::FindsSlopes(Phase phase) const {
+  if (phase == Phase::kPairs) return options_.method == "pseudo";
+  return phase == Phase::kGradient || phase == Phase::kSlopes || phase == Phase::kWeights;
 }
 
 bool Planner::Validates(std::int64_t steps_done) const {

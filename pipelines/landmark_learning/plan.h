@@ -15,13 +15,19 @@ class Planner {
 
   // The tasks of the next round, on what `step` has in its State.
   void Plan(const Training& training, Step* step) const;
+  // Of a step of so many networks.
+  Phase FirstPhase(int networks) const;
+  // Whether a round of this phase ends with E and its slopes.
+  bool FindsSlopes(Phase phase) const;
   // Whether the step after so many looks at the held-out run.
   bool Validates(std::int64_t steps_done) const;
 
  private:
   void PlanGradient(const Training& training, proto::Step* plan) const;
+  void PlanPhase(const Training& training, proto::Step* plan) const;
   void PlanSearch(proto::Step* plan) const;
   void PlanFit(proto::Step* plan) const;
+  bool InPhases(int networks) const;
   std::vector<Range> TrainingBlocks(int networks) const;
   std::vector<Range> BatchBlocks(int stretches, int networks) const;
   double StepFlops(const SumPlan& sum, int networks) const;

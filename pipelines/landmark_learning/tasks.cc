@@ -18,6 +18,10 @@ Range BlockOf(const Task& task) {
   return {static_cast<int>(Param(task, "first")), static_cast<int>(Param(task, "end"))};
 }
 
+const float* RowsFrom(const SampleSet& set, int first) {
+  return set.inputs() + static_cast<std::ptrdiff_t>(first) * set.input.shape()[1];
+}
+
 // Those in use.
 Parameters<float> NetworksOf(const Parameters<float>& all, const Task& task) {
   return SomeNetworks(all, 0, static_cast<int>(Param(task, "in_use")));
@@ -49,6 +53,48 @@ Blob SlopesTask(const Options& options, const TrainingData& data, const Paramete
   partial.PutScalar("error", share.error);
   partial.PutScalar<std::int64_t>("first", std::int64_t{share.reach.first} * all.shape.networks);
   partial.PutVector("slopes", share.d_output);
+  return partial;
+}
+
+// Where in a table [samples][networks] a block's rows begin.
+std::int64_t FirstOf(const Range& block, int networks) { return std::int64_t{block.first} * networks; }
+
+// The three phases of a step. What is no error is a table, named `slopes` as all that adds up is.
+Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const Task& task) {
+  const Range block = BlockOf(task);
+  const Parameters<float> networks = NetworksOf(all, task);
+  Blob partial;
+  partial.PutScalar("error", 0.0);
+  partial.PutScalar<std::int64_t>("first", FirstOf(block, networks.shape.networks));
+  partial.PutVector("slopes", Forward(networks, RowsFrom(data.training, block.first), block.size()).output);
+  return partial;
+}
+
+Blob PairsTask(const Options& options, const TrainingData& data, const Blob& outputs, const Task& task) {
+  const int networks = static_cast<int>(Param(task, "in_use"));
+  const SlopeShare share =
+      SlopesOfOutputs(options, data.training, outputs.Get<float>("output"), networks, BlockOf(task));
+  Blob partial;
+  partial.PutScalar("error", share.error);
+  partial.PutScalar<std::int64_t>("first", FirstOf(share.reach, networks));
+  partial.PutVector("slopes", share.d_output);
+  return partial;
+}
+
+Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const Blob& slopes,
+                 const Task& task) {
+  const Range block = BlockOf(task);
+  const Parameters<float> networks = NetworksOf(all, task);
+  const int in_use = networks.shape.networks;
+  const auto d_output = slopes.Get<double>("slopes").subspan(
+      static_cast<std::size_t>(FirstOf(block, in_use)),
+      static_cast<std::size_t>(block.size()) * static_cast<std::size_t>(in_use));
+  const float* rows = RowsFrom(data.training, block.first);
+  const auto gradient = Backward(networks, rows, block.size(), Forward(networks, rows, block.size()),
+                                 {d_output.begin(), d_output.end()});
+  Blob partial;
+  partial.PutScalar("error", 0.0);
+  partial.PutVector("slopes", SomeNetworks(gradient, static_cast<int>(Param(task, "learns")), in_use).values);
   return partial;
 }
 
@@ -98,10 +144,13 @@ Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const
   progress.Tick();
   const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
   const NetworkShape shape = ShapeOf(options, data.mean.size());
+  if (task.kind() == "pairs") return PairsTask(options, data, *inputs.Get("outputs"), task);
   if (task.kind() == "search") return SearchTask(options, data, shape, inputs, task);
   const Parameters<float> all = InFloat(shape, *inputs.Get("weights"));
   if (task.kind() == "gradient") return GradientTask(options, seed, data, all, task);
   if (task.kind() == "slopes") return SlopesTask(options, data, all, task);
+  if (task.kind() == "outputs") return OutputsTask(data, all, task);
+  if (task.kind() == "weights") return WeightsTask(data, all, *inputs.Get("slopes"), task);
   if (task.kind() == "fit") return FitTask(options, data, all, inputs, task, progress);
   CAIRN_DEMAND(task.kind() == "validate", "a kind of task that is planned");
   Blob partial;

@@ -99,10 +99,6 @@ Learning FirstLearning(const Options& options) {
   return {0, options.sequential ? 1 : static_cast<int>(options.networks)};
 }
 
-Phase FirstPhase(const Options& options) {
-  return options.method == "pseudo" ? Phase::kSlopes : Phase::kGradient;
-}
-
 Parameters<float> InFloat(const NetworkShape& shape, const Blob& weights) {
   return InFloat(shape, weights.Get<double>("weights"));
 }

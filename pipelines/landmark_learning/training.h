@@ -20,6 +20,10 @@ enum class Phase : std::int32_t {
   kSearch,    // E at several places along a line (method conjugate)
   kSlopes,    // dE/dg (method pseudo)
   kFit,       // each network to its targets (method pseudo)
+  // The first or the third as rounds of their own, where each block of truths reaches most samples:
+  kOutputs,  // g of all samples
+  kPairs,    // dE/dg
+  kWeights,  // dE/dw
 };
 
 // Networks end and above are not in use yet; of those below, the ones from `first` on learn.
@@ -59,7 +63,6 @@ struct Training {
 NetworkShape ShapeOf(const Options& options, std::size_t inputs);
 DescentRules RulesOf(const Options& options);
 Learning FirstLearning(const Options& options);
-Phase FirstPhase(const Options& options);  // of a step
 
 // Those of a blob `weights`, for the networks to compute with. Throws InputError where they are of another
 // shape.

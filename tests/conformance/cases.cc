@@ -158,6 +158,14 @@ Case LandmarkLearning(const std::string& name, double window_m) {
   return c;
 }
 
+// So many features that a step is cut into rounds of outputs, pairs and weights.
+Case LandmarkLearningInPhases() {
+  Case c = LandmarkLearning("landmark_learning_phases", 0.0);
+  SetInteger(c.stage, "networks", 8);
+  SetInteger(c.stage, "steps", 2);
+  return c;
+}
+
 // Images of noise, of two runs; the first is more than a task.
 Case ImageFeatures() {
   Blob samples;
@@ -222,6 +230,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "landmark_learning")
     return {LandmarkLearning("landmark_learning_window", 5.0),
             LandmarkLearning("landmark_learning_global", 0.0),
+            LandmarkLearningInPhases(),
             Training("conjugate", 0, false),
             Training("pseudo", 0, false),
             Training("momentum", 1300, false),
