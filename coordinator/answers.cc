@@ -180,6 +180,7 @@ void Core::BeginRound(Job& job, const proto::Step& step) {
   ledger_.Replace(job.holds.step, BlobsOfStep(step));
   ledger_.Release(job.holds.partials);
   job.tasks = step.tasks_size() > 0 ? Round::OfTasks(step) : Round::OfPlan(wire::TaskKey::ADVANCE);
+  ++job.saving.rounds;
   WantSave(job, false);
 }
 

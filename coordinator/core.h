@@ -34,6 +34,7 @@ struct CoreOptions {
   double straggler_min_s = 2;   // … and at least this long
   int max_failures = 3;         // of one task, then the job fails
   double checkpoint_interval_s = 1;
+  std::uint64_t checkpoint_rounds = 0;  // a checkpoint every so many rounds instead; 0: by the interval
   double save_again_s = 5;  // what could not be saved of a job that has ended is tried again after this long
   double keep_s = 0;        // a job that has ended for longer is deleted; 0: none is
   double task_time_s = 0;   // of a task whose job says nothing; 0: no limit

@@ -49,6 +49,23 @@ TEST(CoreSaving, SavesAtMostOnceInAnIntervalAndThenTheLatest) {
   EXPECT_TRUE(bench.All<Persist>().empty()) << "one at a time, and nothing new came";
 }
 
+TEST(CoreSaving, SavesEverySoManyRoundsWhereThatIsAskedForHoweverLongTheyTake) {
+  CoreOptions options;
+  options.checkpoint_rounds = 3;
+  Bench bench(options);
+  Begin(bench, 1);
+  for (std::uint64_t n = 0; n < 9; ++n) {
+    bench.Advance(n % 2 == 0 ? 5 : 0.001);
+    EXPECT_TRUE(bench.All<Persist>().empty()) << n;
+    PlayRound(bench, n);
+    const auto saved = bench.All<Persist>();
+    ASSERT_EQ(saved.size(), n % 3 == 1 ? 1U : 0U) << n;  // the round that Begin began is the first
+    if (saved.empty()) continue;
+    EXPECT_EQ(saved[0].checkpoint.round(), n + 1);
+    bench.Do(PersistDone{"a", saved[0].checkpoint.number()});
+  }
+}
+
 TEST(CoreSaving, RoundsGoOnWhileACheckpointIsUnderWay) {
   Bench bench;
   Begin(bench, 1);

@@ -160,6 +160,7 @@ Status Run::Open() {
   if (!table.ok()) return table.status();
   HubOptions hub;
   hub.core.checkpoint_interval_s = options_.checkpoint_interval_s;
+  hub.core.checkpoint_rounds = options_.checkpoint_rounds;
   hub.memory_bytes = options_.memory_bytes;
   hub.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
   hub_ = std::make_unique<Hub>(folder_, *transport_, std::move(table).value(), std::move(hub),

@@ -23,8 +23,9 @@ struct EmbeddedOptions {
   std::string worker_program;  // path of cairn-worker
   bool force = false;          // forget an earlier run in dir; its results go when this one has its first
   bool plan_only = false;  // stop when the first stage is planned (kStopped): info.note says what it found
-  double checkpoint_interval_s = 0.5;  // its workers compute for more than a second in one
-  double save_patience_s = 1.2;        // that a stopped run waits for its last save: Ctrl-C ends within 2 s
+  double checkpoint_interval_s = 0.5;   // its workers compute for more than a second in one
+  std::uint64_t checkpoint_rounds = 0;  // one every so many rounds instead; 0: by the interval
+  double save_patience_s = 1.2;         // that a stopped run waits for its last save: Ctrl-C ends within 2 s
   std::uint64_t memory_bytes = 4ull << 30;
   std::uint64_t task_memory_mb = 0;  // that a task may take, whatever the job says; 0: the job's limit alone
   LogSink log;                       // may be empty

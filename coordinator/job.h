@@ -23,6 +23,7 @@ struct Saving {
   bool due = false;                            // something came since the last one
   bool at_once = false;                        // do not wait for the interval
   double last_s = 0;                           // when the last one was begun
+  std::uint64_t rounds = 0;                    // that began since then
   double not_before_s = 0;                     // the last one failed: the next is not tried earlier
   bool with_partials = false;                  // the round under way is saved with the partials that it has
   std::vector<Publish> unpublished;            // results that no durable checkpoint covers yet

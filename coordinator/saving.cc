@@ -30,7 +30,10 @@ void Core::SaveIfDue(Job& job) {
   const Saving& saving = job.saving;
   if (!saving.due || saving.under_way || job.SavingWaits()) return;
   if (now_s_ < saving.not_before_s && !saving.at_once) return;
-  if (saving.at_once || now_s_ - saving.last_s >= options_.checkpoint_interval_s) Save(job);
+  const bool long_ago = options_.checkpoint_rounds > 0
+                            ? saving.rounds >= options_.checkpoint_rounds
+                            : now_s_ - saving.last_s >= options_.checkpoint_interval_s;
+  if (saving.at_once || long_ago) Save(job);
 }
 
 void Core::Save(Job& job) {
@@ -38,6 +41,7 @@ void Core::Save(Job& job) {
   saving.due = saving.at_once = false;
   saving.under_way = true;
   saving.last_s = now_s_;
+  saving.rounds = 0;
   saving.with_partials |= now_s_ - job.round_since_s >= kYoung * options_.checkpoint_interval_s;
   Persist persist{MakeCheckpoint(job, now_s_, saving.with_partials), saving.unpublished};
   persist.checkpoint.set_number(++saving.number);

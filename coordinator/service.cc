@@ -53,6 +53,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
 
   HubOptions hub_options;
   hub_options.core.checkpoint_interval_s = options.checkpoint_interval_s;
+  hub_options.core.checkpoint_rounds = options.checkpoint_rounds;
   hub_options.core.keep_s = options.keep_s;
   hub_options.store_limit_bytes = options.store_limit_bytes;
   hub_options.core.task_time_s = options.task_time_s;

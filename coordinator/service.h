@@ -24,6 +24,7 @@ struct ServiceOptions {
   std::string listen;     // ipc://PATH (its folder must be 0700), or tcp://HOST:PORT with keys only
   std::string keys_dir;   // for tcp: coordinator.key (`cairn keys new`) and allowed, who may do what
   wire::SocketOptions sockets;
+  std::uint64_t checkpoint_rounds = 0;  // one every so many rounds instead; 0: by the interval
   double checkpoint_interval_s = 1;  // at most one checkpoint of a job in this time, and one at a stage's end
   std::uint64_t store_limit_bytes = 0;      // that the store may take on disk; 0: no limit
   double keep_s = 0;                        // a job goes when it has ended for longer; 0: never

@@ -28,7 +28,8 @@ const std::vector<Entry>& Entries() {
       Register<landmark_map::LandmarkMap, landmark_map::Options>(
           "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log", "map?"}),
       Register<landmark_learning::LandmarkLearning, landmark_learning::Options>(
-          "landmark_learning", "networks that extract the features which localise best (BaLL)", {"samples"}),
+          "landmark_learning", "networks that extract the features which localise best (BaLL)",
+          {"samples", "weights?"}),
       Register<localization::Localization, localization::Options>(
           "localization", "where robots are, by learned or hand-made features", {"samples", "networks?"}),
   };

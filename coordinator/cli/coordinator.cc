@@ -66,6 +66,10 @@ void AddCoordinator(CLI::App& app, Invocation& call) {
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   command
+      ->add_option("--checkpoint-rounds", service.checkpoint_rounds,
+                   "A checkpoint of a job every so many of its rounds, instead of by seconds (0: by seconds)")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}));
+  command
       ->add_option_function<double>(
           "--store-gb",
           [&service](const double& gb) { service.store_limit_bytes = static_cast<std::uint64_t>(gb * 1e9); },

@@ -23,6 +23,8 @@ struct Options {
   std::string out;
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   std::uint64_t task_memory_mb = 0;
+  double checkpoint_interval_s = coordinator::EmbeddedOptions().checkpoint_interval_s;
+  std::uint64_t checkpoint_rounds = 0;
   bool force = false;
   bool dry_run = false;
   bool json = false;
@@ -87,6 +89,8 @@ int Run(const Options& options, const Invocation& call) {
   embedded.workers = options.workers;
   embedded.worker_program = WorkerProgram();
   embedded.task_memory_mb = options.task_memory_mb;
+  embedded.checkpoint_interval_s = options.checkpoint_interval_s;
+  embedded.checkpoint_rounds = options.checkpoint_rounds;
   embedded.force = options.force;
   Console console(call);
   embedded.log = console.Sink();
@@ -126,6 +130,15 @@ void AddRun(CLI::App& app, Invocation& call) {
           "--task-memory-mb", options->task_memory_mb,
           "Memory that a task may take beside its inputs; the job's own limit counts where it is lower")
       ->check(CLI::Range(std::uint64_t{1}, coordinator::kMostTaskMemory_mb));
+  command
+      ->add_option("--checkpoint-interval", options->checkpoint_interval_s,
+                   "Seconds between checkpoints, from which a run that is killed goes on")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command
+      ->add_option("--checkpoint-rounds", options->checkpoint_rounds,
+                   "A checkpoint every so many rounds, instead of by seconds (0: by seconds)")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}));
   command->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
   command->add_flag("--dry-run", options->dry_run,
                     "Check everything, plan the first stage, print the plan with estimates, run nothing");

@@ -1,5 +1,8 @@
 #include "pipelines/landmark_learning/advance.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,7 +64,9 @@ class Round {
     RoundSum sum = SumOf(partials, size);
     if (t_.phase == Phase::kWeights) sum.error = inputs_.Get("slopes")->Scalar<double>("error");
     t_.Record(sum.error, planner_.Validates(t_.steps) ? sum.validation : kNone, Norm(sum.slopes));
-    const std::string note = NoteOf(t_);
+    std::string note = NoteOf(t_);
+    if (const std::string warning = t_.Warn(Saturated(sum.slopes, learning, by_outputs)); !warning.empty())
+      note += "; " + warning;
     if (IsOver()) return Result(note);
     Step step;
     if (by_outputs) {
@@ -77,6 +82,27 @@ class Round {
       Descend(sum.slopes);
     }
     return Next(std::move(step), note);
+  }
+
+  // Networks that no step of any size would move.
+  std::vector<std::int32_t> Saturated(const std::vector<double>& slopes, const NetworkShape& learning,
+                                      bool by_outputs) const {
+    std::vector<std::int32_t> saturated;
+    Parameters<double> gradient(learning);
+    if (!by_outputs) gradient.values = slopes;
+    for (int n = 0; n < learning.networks; ++n) {
+      double largest = 0.0;
+      if (by_outputs) {
+        for (std::size_t i = static_cast<std::size_t>(n); i < slopes.size();
+             i += static_cast<std::size_t>(learning.networks))
+          largest = std::max(largest, std::abs(slopes[i]));
+      } else {
+        for (const double slope : SomeNetworks(gradient, n, n + 1).values)
+          largest = std::max(largest, std::abs(slope));
+      }
+      if (largest == 0.0) saturated.push_back(t_.learning.first + n);
+    }
+    return saturated;
   }
 
   // Whether training ends before the step; else, where networks come one after another, the next one may
@@ -162,7 +188,8 @@ class Round {
   }
 
   Step Result(const std::string& note) {
-    Step step = ResultOf(options_, data_, t_, t_.history.All(inputs_));
+    const BlobPtr parent = inputs_.Has("weights") ? inputs_.Get("weights") : nullptr;
+    Step step = ResultOf(options_, data_, t_, t_.history.All(inputs_), parent.get());
     step.plan.set_note(note);
     return step;
   }

@@ -1,10 +1,12 @@
 #include "pipelines/landmark_learning/landmark_learning.h"
 
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "pipelines/landmark_learning/advance.h"
+#include "pipelines/landmark_learning/ancestry.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/posterior_error.h"
@@ -47,7 +49,12 @@ void RefuseMixtures(const Options& options) {
 
 Step LandmarkLearning::Start(const Inputs& inputs) const {
   RefuseMixtures(options_);
-  const TrainingData data = TrainingData::Of(*inputs.Get("samples"), options_.holdout);
+  const BlobPtr samples = inputs.Get("samples");
+  const std::vector<std::string> input_names = samples->Texts("input_name");
+  const NetworkShape shape = ShapeOf(options_, input_names.size());
+  std::optional<Parent> parent;
+  if (inputs.Has("weights")) parent = ReadParent(*inputs.Get("weights"), shape, input_names);
+  const TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr);
   RefuseLonely(options_, data);
   Rng rng(seed_);
   Training training;
@@ -55,7 +62,7 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   training.learning = FirstLearning(options_);
   training.phase = planner.FirstPhase(training.learning.end);
   training.weights =
-      RandomParameters<double>(ShapeOf(options_, data.mean.size()), options_.init_width, rng).values;
+      parent ? std::move(parent->weights) : RandomParameters<double>(shape, options_.init_width, rng).values;
   training.prior = PriorError(options_, data.training, data.training);
   if (data.held_out.size() > 0)
     training.validation_prior = PriorError(options_, data.held_out, data.training);

@@ -68,7 +68,7 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
   const auto blocks =
       all ? TrainingBlocks(t.learning.end) : BatchBlocks(static_cast<int>(stretches.size()), t.learning.end);
   for (const Range& block : blocks) {
-    Task& task = Add(kind, all ? block.size() : block.size() * kStretch, {"data", "weights"}, plan);
+    Task& task = Add(kind, all ? block.size() : block.size() * kStretch, {"data", "parameters"}, plan);
     SetBlock(block, &task);
     SetLearning(t.learning, &task);
     if (!all) Set("step", t.steps, &task);
@@ -117,7 +117,7 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
 void Planner::PlanSearch(proto::Step* plan) const {
   for (std::size_t length = 0; length < Conjugate::kTried.size(); ++length) {
     for (const Range& block : TrainingBlocks(static_cast<int>(options_.networks))) {
-      Task& task = Add("search", block.size(), {"data", "weights", "training"}, plan);
+      Task& task = Add("search", block.size(), {"data", "parameters", "training"}, plan);
       SetBlock(block, &task);
       Set("length", static_cast<std::int64_t>(length), &task);
     }
@@ -127,7 +127,7 @@ void Planner::PlanSearch(proto::Step* plan) const {
 void Planner::PlanFit(proto::Step* plan) const {
   for (std::int64_t network = 0; network < options_.networks; ++network) {
     Task& task =
-        Add("fit", options_.pattern_steps * data_.training.size(), {"data", "weights", "slopes"}, plan);
+        Add("fit", options_.pattern_steps * data_.training.size(), {"data", "parameters", "slopes"}, plan);
     Set("network", network, &task);
   }
 }
@@ -149,7 +149,7 @@ void Planner::Plan(const Training& training, Step* step) const {
       const double pairs = static_cast<double>(data_.held_out.size()) * data_.training.size();
       for (const Range& block :
            Blocks(data_.held_out.size(), 8.0 * pairs * VectorsOf(training.learning.end))) {
-        Task& task = Add("validate", block.size(), {"data", "weights"}, &plan);
+        Task& task = Add("validate", block.size(), {"data", "parameters"}, &plan);
         SetBlock(block, &task);
         SetLearning(training.learning, &task);
       }

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pipelines/landmark_learning/ancestry.h"
+#include "pipelines/landmark_learning/options_text.h"
+
 namespace cairn::landmark_learning {
 namespace {
 
@@ -26,21 +29,18 @@ void PutNetworks(const Parameters<float>& p, Blob* result) {
 std::string NoteOf(const Training& t) {
   char text[200];
   const double error = t.history.last_error(), validation = t.history.last_validation();
-  int length =
+  const int length =
       std::snprintf(text, sizeof text, "step %lld: error %.3f m of %.3f m, reduced by %.1f%%",
                     static_cast<long long>(t.steps + 1), error, t.prior, 100.0 * (1.0 - error / t.prior));
   if (!std::isnan(validation)) {
-    length += std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                            "; held out %.1f%%", 100.0 * (1.0 - validation / t.validation_prior));
+    std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length), "; held out %.1f%%",
+                  100.0 * (1.0 - validation / t.validation_prior));
   }
-  if (t.history.last_norm() == 0.0)
-    std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length),
-                  "; the gradient is exactly zero");
   return text;
 }
 
-Step ResultOf(const Options& options, const TrainingData& data, const Training& t,
-              const HistoryRows& history) {
+Step ResultOf(const Options& options, const TrainingData& data, const Training& t, const HistoryRows& history,
+              const Blob* parent) {
   const Parameters<float> parameters =
       InFloat(ShapeOf(options, data.mean.size()), t.best.empty() ? t.weights : t.best);
   Blob result;
@@ -62,6 +62,9 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   result.PutScalar("prior_error_m", t.prior);
   result.PutScalar("validation_prior_error_m", t.validation_prior);
   result.PutScalar("window_m", options.window_m);
+  result.Put("options", Array::Texts(OptionTexts(options)));
+  if (!t.warnings.empty()) result.Put("warnings", Array::Texts(t.warnings));
+  if (parent != nullptr) PutAncestry(*parent, &result);
   Step step;
   step.plan.set_result(step.Share(result));
   return step;

@@ -12,7 +12,8 @@ namespace cairn::landmark_learning {
 // What the last step did, in a line for people: right after Training::Record.
 std::string NoteOf(const Training& training);
 
+// `parent`: the result that this run went on from, or null.
 Step ResultOf(const Options& options, const TrainingData& data, const Training& training,
-              const HistoryRows& history);
+              const HistoryRows& history, const Blob* parent);
 
 }  // namespace cairn::landmark_learning

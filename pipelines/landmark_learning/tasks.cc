@@ -102,7 +102,7 @@ Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const B
 Blob SearchTask(const Options& options, const TrainingData& data, const NetworkShape& shape,
                 const Inputs& inputs, const Task& task) {
   const Conjugate line = Conjugate::FromBlob(inputs.Get("training")->Sub("conjugate/"));
-  const auto from = inputs.Get("weights")->Get<double>("weights");
+  const auto from = inputs.Get("parameters")->Get<double>("weights");
   const auto length = static_cast<std::size_t>(Param(task, "length"));
   const auto weights =
       AlongLine({from.begin(), from.end()}, line.direction, line.length * Conjugate::kTried.at(length));
@@ -116,7 +116,7 @@ Blob SearchTask(const Options& options, const TrainingData& data, const NetworkS
 Blob FitTask(const Options& options, const TrainingData& data, const Parameters<float>& rounded,
              const Inputs& inputs, const Task& task, Progress& progress) {
   const int network = static_cast<int>(Param(task, "network"));
-  const BlobPtr blob = inputs.Get("weights");
+  const BlobPtr blob = inputs.Get("parameters");
   const auto weights = blob->Get<double>("weights");
   Parameters<double> all(rounded.shape);
   all.values.assign(weights.begin(), weights.end());
@@ -146,7 +146,7 @@ Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const
   const NetworkShape shape = ShapeOf(options, data.mean.size());
   if (task.kind() == "pairs") return PairsTask(options, data, *inputs.Get("outputs"), task);
   if (task.kind() == "search") return SearchTask(options, data, shape, inputs, task);
-  const Parameters<float> all = InFloat(shape, *inputs.Get("weights"));
+  const Parameters<float> all = InFloat(shape, *inputs.Get("parameters"));
   if (task.kind() == "gradient") return GradientTask(options, seed, data, all, task);
   if (task.kind() == "slopes") return SlopesTask(options, data, all, task);
   if (task.kind() == "outputs") return OutputsTask(data, all, task);

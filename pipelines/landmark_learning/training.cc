@@ -23,7 +23,7 @@ Blob WeightsBlob(const std::vector<double>& weights) {
 void Training::Share(const State& before, const Inputs& inputs, Step* step) {
   auto& names = *step->plan.mutable_state()->mutable_blobs();
   history.Share(before, inputs, step);
-  names["weights"] = step->Share(WeightsBlob(weights));
+  names["parameters"] = step->Share(WeightsBlob(weights));
   if (best_is_new_)
     names["best"] = step->Share(WeightsBlob(best));
   else if (!best.empty())
@@ -41,13 +41,17 @@ void Training::Share(const State& before, const Inputs& inputs, Step* step) {
   blob.PutScalar("validation_prior", validation_prior);
   blob.PutScalar("best_validation", best_validation);
   blob.PutScalar("since_best", since_best);
+  blob.PutScalar("last_error", last_error);
+  blob.PutScalar("rising", rising);
+  blob.Put("warnings", Array::Texts(warnings));
+  blob.PutVector("saturated", saturated);
   names["training"] = step->Share(std::move(blob));
 }
 
 Training Training::Of(const Inputs& inputs) {
   const BlobPtr blob = inputs.Get("training");
   Training t;
-  t.weights = WeightsIn(*inputs.Get("weights"));
+  t.weights = WeightsIn(*inputs.Get("parameters"));
   if (inputs.Has("best")) t.best = WeightsIn(*inputs.Get("best"));
   t.phase = static_cast<Phase>(blob->Scalar<std::int32_t>("phase"));
   t.steps = blob->Scalar<std::int64_t>("steps");
@@ -60,11 +64,18 @@ Training Training::Of(const Inputs& inputs) {
   t.validation_prior = blob->Scalar<double>("validation_prior");
   t.best_validation = blob->Scalar<double>("best_validation");
   t.since_best = blob->Scalar<std::int64_t>("since_best");
+  t.last_error = blob->Scalar<double>("last_error");
+  t.rising = blob->Scalar<std::int64_t>("rising");
+  t.warnings = blob->Texts("warnings");
+  const auto saturated = blob->Get<std::int32_t>("saturated");
+  t.saturated.assign(saturated.begin(), saturated.end());
   return t;
 }
 
 void Training::Record(double error, double validation, double gradient_norm) {
   history.Add(error, validation, gradient_norm);
+  rising = error > last_error ? rising + 1 : 0;
+  last_error = error;
   if (std::isnan(validation)) return;
   ++since_best;
   if (validation >= best_validation) return;
@@ -74,12 +85,28 @@ void Training::Record(double error, double validation, double gradient_norm) {
   since_best = 0;
 }
 
+std::string Training::Warn(const std::vector<std::int32_t>& now_saturated) {
+  std::string text;
+  for (const std::int32_t network : now_saturated) {
+    if (std::ranges::find(saturated, network) == saturated.end())
+      text += (text.empty() ? "network " : "; network ") + std::to_string(network) +
+              " is saturated: its gradient is exactly zero";
+  }
+  saturated = now_saturated;
+  if (rising == kRisingSteps)
+    text += std::string(text.empty() ? "" : "; ") + "the error has risen for ten steps running";
+  if (!text.empty() && warnings.size() < kMostWarnings)
+    warnings.push_back("step " + std::to_string(steps + 1) + ": " + text);
+  return text;
+}
+
 void Training::NextNetwork() {
   if (!best.empty()) weights = best;
   best.clear();
   best_is_new_ = false;
   best_validation = std::numeric_limits<double>::infinity();
-  since_best = network_steps = 0;
+  since_best = network_steps = rising = 0;
+  last_error = kNone;
   descent = {};
   learning = {learning.end, learning.end + 1};
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pipelines/landmark_learning/conjugate.h"
@@ -31,6 +32,9 @@ struct Learning {
   int first, end;
 };
 
+inline constexpr std::size_t kMostWarnings = 50;
+inline constexpr std::int64_t kRisingSteps = 10;
+
 struct Training {
   Phase phase = Phase::kGradient;
   std::int64_t steps = 0;          // made
@@ -43,8 +47,12 @@ struct Training {
   double prior = 0.0, validation_prior = kNone;
   double best_validation = std::numeric_limits<double>::infinity();
   std::int64_t since_best = 0;  // looks at the held-out run
+  double last_error = kNone;
+  std::int64_t rising = 0;              // steps in a row that raised the error
+  std::vector<std::string> warnings;    // for people, in the order of the steps; no more than kMostWarnings
+  std::vector<std::int32_t> saturated;  // networks whose gradient was exactly zero at the last step
 
-  // Into the State, as the blobs `weights`, `best` (once there are any) and `training`, and those of the
+  // Into the State, as the blobs `parameters`, `best` (once there are any) and `training`, and those of the
   // history. What has not changed since `before` is named again, not made again.
   void Share(const State& before, const Inputs& inputs, Step* step);
   static Training Of(const Inputs& inputs);
@@ -54,6 +62,9 @@ struct Training {
 
   // What a step found: the error before it, the same of the held-out run (NaN: not looked at).
   void Record(double error, double validation, double gradient_norm);
+  // What is wrong with the step that was recorded last, and was not before it: a network whose gradient is
+  // exactly zero, an error that has risen for ten steps running. Empty: nothing.
+  std::string Warn(const std::vector<std::int32_t>& now_saturated);
 
  private:
   bool best_is_new_ = false;
@@ -64,7 +75,7 @@ NetworkShape ShapeOf(const Options& options, std::size_t inputs);
 DescentRules RulesOf(const Options& options);
 Learning FirstLearning(const Options& options);
 
-// Those of a blob `weights`, for the networks to compute with. Throws InputError where they are of another
+// Those of a blob `parameters`, for the networks to compute with. Throws InputError where they are of another
 // shape.
 Parameters<float> InFloat(const NetworkShape& shape, const Blob& weights);
 Parameters<float> InFloat(const NetworkShape& shape, std::span<const double> weights);

@@ -27,6 +27,16 @@ std::vector<T> Column(const Blob& samples, const std::string& run, const std::st
   return {values.begin(), values.end()};
 }
 
+// The same snapshot twice would be told apart from itself. (A robot that stands still has times of its own.)
+void RefuseDuplicates(const Places& places, const std::vector<double>& time_s, const std::string& run) {
+  for (std::size_t k = 1; k < time_s.size() && k < places.x_m.size(); ++k) {
+    if (time_s[k] == time_s[k - 1] && places.x_m[k] == places.x_m[k - 1] &&
+        places.y_m[k] == places.y_m[k - 1])
+      throw InputError("run '" + run + "', samples " + std::to_string(k - 1) + " and " + std::to_string(k) +
+                       ": the same time and place, a duplicate");
+  }
+}
+
 RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, std::size_t inputs) {
   const std::string prefix = "run/" + std::to_string(index) + "/";
   RawRun raw;
@@ -47,6 +57,7 @@ RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, s
   }
   if (count < 2)
     throw InputError("run '" + run + "' has " + std::to_string(count) + " samples; two are the least");
+  RefuseDuplicates(raw.places, Column<double>(samples, run, prefix, "time_s"), run);
   raw.inputs.assign(rows.begin(), rows.end());
   double along = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -146,7 +157,7 @@ SampleSet Load(const std::string& prefix, const Blob& blob) {
 
 }  // namespace
 
-TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout) {
+TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, const InputNorm* given) {
   TrainingData data;
   data.runs = samples.Texts("runs");
   data.input_names = samples.Texts("input_name");
@@ -160,7 +171,12 @@ TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout) {
     Append(ReadRun(samples, data.runs[r], r, inputs), r,
            !holdout.empty() && data.runs[r] == holdout ? &held_out : &training);
   if (training.places.size() == 0) throw InputError("no run is left to train on");
-  FindNorm(training, inputs, &data.mean, &data.scale);
+  if (given != nullptr) {
+    data.mean = given->mean;
+    data.scale = given->scale;
+  } else {
+    FindNorm(training, inputs, &data.mean, &data.scale);
+  }
   data.training = Normalised(Sorted(training, inputs), data.mean, data.scale);
   data.held_out = Normalised(Sorted(held_out, inputs), data.mean, data.scale);
   return data;

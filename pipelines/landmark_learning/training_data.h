@@ -21,6 +21,11 @@ struct SampleSet {
   int size() const { return places.size(); }
 };
 
+// Of each input.
+struct InputNorm {
+  std::vector<double> mean, scale;
+};
+
 struct TrainingData {
   std::vector<std::string> runs, input_names;
   std::vector<double> mean,
@@ -28,9 +33,10 @@ struct TrainingData {
   SampleSet training, held_out;
 
   // From an input of kind `samples` (schema/FORMAT.md). Throws InputError that names run and row: arrays of
-  // different length, a run of one sample, numbers that are not finite, a `holdout` that is no run or the
-  // only one.
-  static TrainingData Of(const Blob& samples, const std::string& holdout);
+  // different length, a run of one sample, two samples of one time and place in a run, numbers that are not
+  // finite, a `holdout` that is no run or the only one.
+  // `given`: a mean and a scale to normalise by, or null: those of the training samples.
+  static TrainingData Of(const Blob& samples, const std::string& holdout, const InputNorm* given = nullptr);
 
   Blob ToBlob() const;
   static TrainingData FromBlob(const Blob& blob);

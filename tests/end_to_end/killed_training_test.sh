@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# kill -9 at 20 moments drawn from a seed, of the whole run or of one of its workers; each time the same command again: in
+# the end the same bits. KILLS and SEED: others.
+source "$(dirname "$0")/common.sh"
+kills=${KILLS:-20}
+RANDOM=${SEED:-1}
+
+cairn simulate corridor --seed 3 --runs 3 --snapshots 500 corridor.h5 >/dev/null
+job=(cairn run landmark_learning corridor.h5 --set "holdout=d1 run 3" --set steps=6000 --set patience=100000
+  --workers 2 --checkpoint-rounds 40)
+exits 0 "${job[@]}" --out undisturbed
+
+# A worker that is killed is started again by its run, which goes on; a run that is killed is begun again.
+whole=0 workers=0 run=0
+alive() { [ "$run" -ne 0 ] && kill -0 "$run" 2>/dev/null; }
+begin() {
+  "${job[@]}" --out killed >background.out 2>background.err &
+  run=$!
+}
+for ((i = 0; i < kills; ++i)); do
+  alive || begin
+  sleep "0.$(printf '%03d' $((100 + RANDOM % 400)))"
+  alive || die "the run was over after $i of $kills kills: $(cat background.err)"
+  if ((RANDOM % 4 == 0)); then
+    worker=$(pgrep -P "$run" -f cairn-worker | head -n 1 || true)
+    [ -n "$worker" ] && kill -9 "$worker" 2>/dev/null && workers=$((workers + 1))
+  else
+    kill -9 "$run"
+    wait "$run" 2>/dev/null || true
+    whole=$((whole + 1)) run=0
+  fi
+done
+if alive; then
+  wait "$run" || die "the run ended badly: $(cat background.err)"
+fi
+exits 0 "${job[@]}" --out killed
+says 'resumed|finished already'
+printf 'killed: the run %d times, a worker %d times\n' "$whole" "$workers"
+[ $((whole + workers)) -ge $((kills * 3 / 4)) ] || die "too few kills hit anything"
+same_bits undisturbed killed
