@@ -69,11 +69,6 @@ OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleS
   return slopes;
 }
 
-Activations<float> ActivationsIn(const Range& reach, const SampleSet& training,
-                                 const Parameters<float>& parameters) {
-  return Forward(parameters, RowsFrom(training, reach.first, parameters.shape.inputs), reach.size());
-}
-
 Pairs PairsOf(const Options& options, const SumPlan& plan) {
   return {plan.places, plan.places, BeliefOf(options), ErrorOf(options)};
 }
@@ -99,15 +94,15 @@ std::vector<Group> GroupsOf(const Pairs& pairs, const std::vector<Range>& stretc
 
 GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
                                   const Parameters<float>& parameters, const std::vector<Range>& truths,
-                                  double scale) {
+                                  double scale, const InputNoise& noise) {
   GradientShare sum;
   const SumPlan plan = PlanSum(options, training.places);
   for (const Group& group : GroupsOf(PairsOf(options, plan), truths)) {
-    const auto activations = ActivationsIn(group.reach, training, parameters);
+    const InputRows rows(training.inputs(), group.reach, parameters.shape.inputs, noise);
+    const auto activations = Forward(parameters, rows.data(), group.reach.size());
     const auto slopes =
         SlopesBy(options, plan, training, activations.output, parameters.shape.networks, group, scale);
-    auto gradient = Backward(parameters, RowsFrom(training, group.reach.first, parameters.shape.inputs),
-                             group.reach.size(), activations, slopes.d_output);
+    auto gradient = Backward(parameters, rows.data(), group.reach.size(), activations, slopes.d_output);
     sum.error += slopes.error;
     if (sum.gradient.empty()) {
       sum.gradient = std::move(gradient.values);
@@ -127,8 +122,10 @@ SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
                          const Parameters<float>& parameters, const Range& truths) {
   const SumPlan plan = PlanSum(options, training.places);
   const Range reach = ReachOf(PairsOf(options, plan), truths);
-  auto slopes = SlopesBy(options, plan, training, ActivationsIn(reach, training, parameters).output,
-                         parameters.shape.networks, {reach, {truths}}, 1.0);
+  const auto activations =
+      Forward(parameters, RowsFrom(training, reach.first, parameters.shape.inputs), reach.size());
+  auto slopes = SlopesBy(options, plan, training, activations.output, parameters.shape.networks,
+                         {reach, {truths}}, 1.0);
   return {slopes.error, reach, std::move(slopes.d_output)};
 }
 

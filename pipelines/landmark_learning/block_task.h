@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "pipelines/landmark_learning/input_noise.h"
 #include "pipelines/landmark_learning/networks.h"
 #include "pipelines/landmark_learning/options.h"
 #include "pipelines/landmark_learning/training_data.h"
@@ -18,10 +19,10 @@ struct GradientShare {
 };
 GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
                               const Parameters<float>& parameters, const Range& truths);
-// The same of several, in order, whose P(a) are `scale` times as large.
+// The same of several, in order, whose P(a) are `scale` times as large, with noise on the inputs.
 GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
                                   const Parameters<float>& parameters, const std::vector<Range>& truths,
-                                  double scale);
+                                  double scale, const InputNoise& noise = {});
 
 // The same by the outputs.
 struct SlopeShare {

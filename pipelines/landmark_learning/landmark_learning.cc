@@ -38,7 +38,8 @@ void RefuseMixtures(const Options& options) {
   const bool steps = options.method != "conjugate" && options.method != "pseudo";
   if (steps) return;
   for (const auto& [name, set] :
-       {std::pair("batch", options.batch > 0), std::pair("sequential", options.sequential)}) {
+       {std::pair("batch", options.batch > 0), std::pair("input_noise", options.input_noise > 0.0),
+        std::pair("sequential", options.sequential)}) {
     if (set)
       throw InputError(std::string(name) + " does not go with method=" + options.method +
                        "; allowed: gradient, momentum, adam");

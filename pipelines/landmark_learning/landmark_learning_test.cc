@@ -52,6 +52,35 @@ TEST(LandmarkLearning, EachWayToTrainLowersTheError) {
   }
 }
 
+// Of 160 samples one stretch, not all.
+TEST(LandmarkLearning, ABatchOfOneStretchIsOneStretch) {
+  const MapInputs inputs({{"samples", std::make_shared<const Blob>(CorridorSamples().Make())}});
+  const Step step = LandmarkLearning({.batch = 10}, 7).Start(inputs);
+  ASSERT_EQ(step.plan.tasks_size(), 1);
+  EXPECT_EQ(step.plan.tasks(0).cost(), 64U);
+}
+
+TEST(LandmarkLearning, BlocksSeeTheSameNoise) {
+  const TrainingData data = TrainingData::Of(CorridorSamples().Make(), "");
+  const Options options{.window_m = 5.0};
+  Rng rng(3);
+  const auto networks = RandomParameters<float>({4, static_cast<int>(data.mean.size()), 6}, 2.0, rng);
+  const InputNoise noise{1.0, 5, 17};
+  const int count = data.training.size();
+  const auto whole = GradientOfStretches(options, data.training, networks, {{0, count}}, 1.0, noise);
+  const auto clean = GradientOfStretches(options, data.training, networks, {{0, count}}, 1.0);
+  EXPECT_GT(std::abs(whole.error - clean.error), 1e-3);
+  double error = 0.0;
+  std::vector<double> gradient(whole.gradient.size(), 0.0);
+  for (const Range& block : {Range{0, 70}, Range{70, 71}, Range{71, count}}) {
+    const auto part = GradientOfStretches(options, data.training, networks, {block}, 1.0, noise);
+    error += part.error;
+    for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] += part.gradient[i];
+  }
+  EXPECT_NEAR(error, whole.error, 1e-5);
+  for (std::size_t i = 0; i < gradient.size(); ++i) EXPECT_NEAR(gradient[i], whole.gradient[i], 1e-5) << i;
+}
+
 TEST(LandmarkLearning, LearnsFromMiniBatches) {
   const BlobPtr result =
       Learn(CorridorSamples().Make(), {.rate = 0.02, .init_width = 0.5, .steps = 600, .batch = 64});

@@ -20,6 +20,7 @@ struct Options {
   double momentum = 0.9;
   double weight_decay = 1e-4;
   double init_width = 0.1;
+  double input_noise = 0.0;
   std::int64_t steps = 1000;
   std::int64_t batch = 0;
   bool sequential = false;
@@ -91,6 +92,10 @@ void VisitOptions(V& visit, Options& o) {
                "how far a target lies down the slope of the error summed over the truths (method pseudo)"},
         o.pattern_step);
   visit(Option{"init_width", "", 1e-6, 100, "weights begin evenly within so much of zero"}, o.init_width);
+  visit(Option{"input_noise", "", 0, 100,
+               "noise on the inputs at each step, in standard deviations of each, against learning by heart "
+               "(methods gradient, momentum, adam)"},
+        o.input_noise);
   visit(Option{"steps", "", 1, 1e9, "gradient steps"}, o.steps);
   visit(
       Option{"holdout", "", 0, 0,

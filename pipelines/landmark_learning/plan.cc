@@ -64,14 +64,14 @@ std::vector<Range> Planner::BatchBlocks(int stretches, int networks) const {
 void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
   const char* kind = t.phase == Phase::kSlopes ? "slopes" : "gradient";
   const auto stretches = DrawnStretches(data_.training.size(), options_.batch, seed_, t.steps);
-  const bool all = stretches.size() == 1;
+  const bool all = TruthsIn(stretches) == data_.training.size();
   const auto blocks =
       all ? TrainingBlocks(t.learning.end) : BatchBlocks(static_cast<int>(stretches.size()), t.learning.end);
   for (const Range& block : blocks) {
     Task& task = Add(kind, all ? block.size() : block.size() * kStretch, {"data", "parameters"}, plan);
     SetBlock(block, &task);
     SetLearning(t.learning, &task);
-    if (!all) Set("step", t.steps, &task);
+    Set("step", t.steps, &task);
   }
 }
 
@@ -105,6 +105,7 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
       Task& task = Add(kind, block.size(), blobs, plan);
       SetBlock(block, &task);
       SetLearning(t.learning, &task);
+      Set("step", t.steps, &task);
     }
   };
   if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "weights"});

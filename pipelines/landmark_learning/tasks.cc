@@ -18,26 +18,29 @@ Range BlockOf(const Task& task) {
   return {static_cast<int>(Param(task, "first")), static_cast<int>(Param(task, "end"))};
 }
 
-const float* RowsFrom(const SampleSet& set, int first) {
-  return set.inputs() + static_cast<std::ptrdiff_t>(first) * set.input.shape()[1];
-}
-
 // Those in use.
 Parameters<float> NetworksOf(const Parameters<float>& all, const Task& task) {
   return SomeNetworks(all, 0, static_cast<int>(Param(task, "in_use")));
 }
 
+InputNoise NoiseOf(const Options& options, std::uint64_t seed, const Task& task) {
+  return {options.input_noise, seed, Param(task, "step")};
+}
+
 Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData& data,
                   const Parameters<float>& all, const Task& task) {
   Parameters<float> parameters = NetworksOf(all, task);
-  std::vector<Range> truths{BlockOf(task)};
+  const std::int64_t step = Param(task, "step");
+  const Range block = BlockOf(task);
+  std::vector<Range> truths{block};
   double scale = 1.0;
-  if (task.params().contains("step")) {
-    const auto drawn = DrawnStretches(data.training.size(), options.batch, seed, Param(task, "step"));
+  const auto drawn = DrawnStretches(data.training.size(), options.batch, seed, step);
+  if (TruthsIn(drawn) < data.training.size()) {  // the block is one of stretches
     scale = static_cast<double>(data.training.size()) / TruthsIn(drawn);
-    truths.assign(drawn.begin() + BlockOf(task).first, drawn.begin() + BlockOf(task).end);
+    truths.assign(drawn.begin() + block.first, drawn.begin() + block.end);
   }
-  GradientShare share = GradientOfStretches(options, data.training, parameters, truths, scale);
+  GradientShare share =
+      GradientOfStretches(options, data.training, parameters, truths, scale, NoiseOf(options, seed, task));
   Blob partial;
   partial.PutScalar("error", share.error);
   parameters.values = std::move(share.gradient);
@@ -60,13 +63,15 @@ Blob SlopesTask(const Options& options, const TrainingData& data, const Paramete
 std::int64_t FirstOf(const Range& block, int networks) { return std::int64_t{block.first} * networks; }
 
 // The three phases of a step. What is no error is a table, named `slopes` as all that adds up is.
-Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const Task& task) {
+Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const InputNoise& noise,
+                 const Task& task) {
   const Range block = BlockOf(task);
   const Parameters<float> networks = NetworksOf(all, task);
   Blob partial;
   partial.PutScalar("error", 0.0);
   partial.PutScalar<std::int64_t>("first", FirstOf(block, networks.shape.networks));
-  partial.PutVector("slopes", Forward(networks, RowsFrom(data.training, block.first), block.size()).output);
+  const InputRows rows(data.training.inputs(), block, networks.shape.inputs, noise);
+  partial.PutVector("slopes", Forward(networks, rows.data(), block.size()).output);
   return partial;
 }
 
@@ -82,16 +87,17 @@ Blob PairsTask(const Options& options, const TrainingData& data, const Blob& out
 }
 
 Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const Blob& slopes,
-                 const Task& task) {
+                 const InputNoise& noise, const Task& task) {
   const Range block = BlockOf(task);
   const Parameters<float> networks = NetworksOf(all, task);
   const int in_use = networks.shape.networks;
   const auto d_output = slopes.Get<double>("slopes").subspan(
       static_cast<std::size_t>(FirstOf(block, in_use)),
       static_cast<std::size_t>(block.size()) * static_cast<std::size_t>(in_use));
-  const float* rows = RowsFrom(data.training, block.first);
-  const auto gradient = Backward(networks, rows, block.size(), Forward(networks, rows, block.size()),
-                                 {d_output.begin(), d_output.end()});
+  const InputRows rows(data.training.inputs(), block, networks.shape.inputs, noise);
+  const auto gradient =
+      Backward(networks, rows.data(), block.size(), Forward(networks, rows.data(), block.size()),
+               {d_output.begin(), d_output.end()});
   Blob partial;
   partial.PutScalar("error", 0.0);
   partial.PutVector("slopes", SomeNetworks(gradient, static_cast<int>(Param(task, "learns")), in_use).values);
@@ -149,8 +155,9 @@ Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const
   const Parameters<float> all = InFloat(shape, *inputs.Get("parameters"));
   if (task.kind() == "gradient") return GradientTask(options, seed, data, all, task);
   if (task.kind() == "slopes") return SlopesTask(options, data, all, task);
-  if (task.kind() == "outputs") return OutputsTask(data, all, task);
-  if (task.kind() == "weights") return WeightsTask(data, all, *inputs.Get("slopes"), task);
+  if (task.kind() == "outputs") return OutputsTask(data, all, NoiseOf(options, seed, task), task);
+  if (task.kind() == "weights")
+    return WeightsTask(data, all, *inputs.Get("slopes"), NoiseOf(options, seed, task), task);
   if (task.kind() == "fit") return FitTask(options, data, all, inputs, task, progress);
   CAIRN_DEMAND(task.kind() == "validate", "a kind of task that is planned");
   Blob partial;

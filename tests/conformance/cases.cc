@@ -161,6 +161,7 @@ Case LandmarkLearning(const std::string& name, double window_m) {
 // So many features that a step is cut into rounds of outputs, pairs and weights.
 Case LandmarkLearningInPhases() {
   Case c = LandmarkLearning("landmark_learning_phases", 0.0);
+  Set(c.stage, "input_noise", 0.5);
   SetInteger(c.stage, "networks", 8);
   SetInteger(c.stage, "steps", 2);
   return c;
@@ -209,6 +210,7 @@ Case Training(const std::string& method, std::int64_t batch, bool sequential) {
   (*c.stage.mutable_options())["method"].set_s(method);
   (*c.stage.mutable_options())["sequential"].set_b(sequential);
   SetInteger(c.stage, "batch", batch);
+  if (batch > 0) Set(c.stage, "input_noise", 0.5);
   SetInteger(c.stage, "pattern_steps", 3);
   if (sequential) SetInteger(c.stage, "steps", 10);
   return c;
