@@ -1,5 +1,6 @@
 #include "coordinator/cli/report.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -26,7 +27,26 @@ std::string DefaultOut(const std::string& result_file) {
   return (std::filesystem::path(result_file).parent_path() / "report.html").string();
 }
 
+bool HasNetworks(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "networks";
+  return std::ranges::any_of(
+      FilesOf(result), [](const std::string& file) { return Take(ListBlobFile(file)).kind == "networks"; });
+}
+
+int ReportNetworks(const Options& options) {
+  if (!options.log.empty()) throw InputError("--log: networks are not made from a log");
+  const std::string file = ResultPath(options.result, "networks");
+  const Blob result = ReadResult(file, "networks").blob;
+  const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
+  RefuseToOverwrite(out, options.force);
+  Check(WriteTextAtomically(
+      out, datasets::NetworksReportHtml(result, std::filesystem::path(file).stem().string())));
+  std::printf("%s\n", out.c_str());
+  return kExitDone;
+}
+
 int Report(const Options& options, const Invocation&) {
+  if (HasNetworks(options.result)) return ReportNetworks(options);
   const std::string file = ResultPath(options.result, "landmark_map");
   const Blob result = ReadResult(file, "landmark_map").blob;
   const std::string out = options.out.empty() ? DefaultOut(file) : options.out;

@@ -116,12 +116,18 @@ std::string LikelihoodFigure(const std::vector<Iteration>& iterations) {
 }
 
 std::string RoundsFigure(const std::vector<RoundTime>& rounds) {
-  double longest = 0;
-  for (const RoundTime& round : rounds) longest = std::max(longest, round.seconds);
+  const auto seconds_each = [](const RoundTime& round) {
+    return round.seconds / static_cast<double>(std::max<std::int64_t>(1, round.rounds));
+  };
+  double longest = 0, count = 0;
+  for (const RoundTime& round : rounds) {
+    longest = std::max(longest, seconds_each(round));
+    count += static_cast<double>(round.rounds);
+  }
   if (longest <= 0) return {};
   const Panel p{86, 10, kWidth - 96, 180};
   Svg svg(kWidth, p.top + p.height + 40, "Wall time of each round");
-  const double pitch = p.width / static_cast<double>(rounds.size());
+  const double pitch = p.width / count;
   const double gap = pitch > 4 ? std::min(4.0, 0.2 * pitch) : 0;
   svg.Rect(p.left, p.top, p.width, p.height, "panel");
   const double step = TickStep(0, longest, 4);
@@ -130,15 +136,17 @@ std::string RoundsFigure(const std::vector<RoundTime>& rounds) {
     svg.Line(p.left, y(tick), p.left + p.width, y(tick), "grid");
     svg.Text(p.left - 7, y(tick) + 4, TickLabel(tick, step), "tick end");
   }
-  for (std::size_t i = 0; i < rounds.size(); ++i) {
-    const RoundTime& round = rounds[i];
-    svg.Rect(p.left + pitch * static_cast<double>(i) + gap / 2, y(round.seconds), pitch - gap,
-             p.top + p.height - y(round.seconds), "bar",
-             "round " + std::to_string(i) + (round.note.empty() ? "" : ": " + round.note) + "; " +
-                 Duration(round.seconds) + ", " + Count(round.tasks, "task") + ", " +
-                 Duration(round.compute_seconds) + " of computing");
+  std::int64_t at = 0;
+  for (const RoundTime& round : rounds) {
+    const double top = y(seconds_each(round));
+    svg.Rect(p.left + pitch * static_cast<double>(at) + gap / 2, top,
+             pitch * static_cast<double>(round.rounds) - gap, p.top + p.height - top, "bar",
+             "round " + std::to_string(at) +
+                 (round.rounds > 1 ? " to " + std::to_string(at + round.rounds - 1) : std::string()) +
+                 (round.note.empty() ? "" : ": " + round.note) + "; " + Duration(round.seconds) + ", " +
+                 Count(round.tasks, "task") + ", " + Duration(round.compute_seconds) + " of computing");
+    at += round.rounds;
   }
-  const auto count = static_cast<double>(rounds.size());
   for (const double tick : Ticks(0, count - 1, static_cast<int>(std::clamp(count - 1, 1.0, 16.0)))) {
     svg.Text(p.left + pitch * (tick + 0.5), p.top + p.height + 15, Short(tick), "tick middle");
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "datasets/report/format.h"
+#include "datasets/report/parts.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -29,17 +30,6 @@ LogFacts FactsOf(const Blob& log, std::size_t r) {
   facts.controls = static_cast<std::int64_t>(time.size());
   facts.observations = log.at(robot + "observations/time_s").size();
   return facts;
-}
-
-std::string Tile(const std::string& value, const std::string& what, const char* mood = "") {
-  return "<div class=\"tile " + std::string(mood) + "\"><b>" + Escape(value) + "</b><span>" + Escape(what) +
-         "</span></div>\n";
-}
-
-std::string Row(const std::vector<std::string>& cells, const char* tag = "td") {
-  std::string row = "<tr>";
-  for (const std::string& cell : cells) row += "<" + std::string(tag) + ">" + Escape(cell) + "</" + tag + ">";
-  return row + "</tr>\n";
 }
 
 std::string LegendItem(const std::string& drawing, const std::string& what) {
@@ -72,28 +62,28 @@ std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {
     const LandmarkScore& score = *evaluation->landmarks;
     const bool all = score.missed == 0 && score.spurious == 0;
     tiles +=
-        Tile(std::to_string(score.found) + " of " + std::to_string(score.found + score.missed),
-             "landmarks found" +
-                 (score.spurious > 0 ? ", " + std::to_string(score.spurious) + " spurious" : std::string()),
-             all ? "good" : "");
-    tiles += Tile(Metres(score.rmse_m), "landmark error, RMSE");
+        TileHtml(std::to_string(score.found) + " of " + std::to_string(score.found + score.missed),
+                 "landmarks found" + (score.spurious > 0 ? ", " + std::to_string(score.spurious) + " spurious"
+                                                         : std::string()),
+                 all ? "good" : "");
+    tiles += TileHtml(Metres(score.rmse_m), "landmark error, RMSE");
   } else {
-    tiles += Tile(std::to_string(result.at("map/landmark_x_m").size()), "landmarks in the map");
+    tiles += TileHtml(std::to_string(result.at("map/landmark_x_m").size()), "landmarks in the map");
   }
   if (evaluation != nullptr && evaluation->trajectory_rmse_m) {
-    tiles += Tile(Metres(evaluation->trajectory_rmse_m), evaluation->robots.size() > 1
-                                                             ? "trajectory error, RMSE, worst robot"
-                                                             : "trajectory error, RMSE");
+    tiles += TileHtml(Metres(evaluation->trajectory_rmse_m), evaluation->robots.size() > 1
+                                                                 ? "trajectory error, RMSE, worst robot"
+                                                                 : "trajectory error, RMSE");
   }
   if (evaluation != nullptr && evaluation->topology_correct) {
     const bool correct = *evaluation->topology_correct;
-    tiles += Tile(correct ? "right" : "wrong", "topology", correct ? "good" : "bad");
+    tiles += TileHtml(correct ? "right" : "wrong", "topology", correct ? "good" : "bad");
   }
   if (result.Has("history/log_likelihood")) {
-    tiles += Tile(std::to_string(result.at("history/log_likelihood").size()), "iterations");
+    tiles += TileHtml(std::to_string(result.at("history/log_likelihood").size()), "iterations");
   }
   if (result.Has("provenance/seconds_s")) {
-    tiles += Tile(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
+    tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
   }
   return "<div class=\"tiles\">\n" + tiles + "</div>\n";
 }
@@ -131,7 +121,7 @@ std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluatio
   std::vector<std::string> head = {"robot", "poses"};
   if (log != nullptr) head.insert(head.end(), {"way", "time", "controls", "observations"});
   if (evaluation != nullptr) head.insert(head.end(), {"position RMSE", "heading RMSE"});
-  std::string rows = Row(head, "th");
+  std::string rows = RowHtml(head, "th");
   for (std::size_t r = 0; r < names.size(); ++r) {
     const auto poses = static_cast<double>(result.at(RobotPrefix(r) + "poses/time_s").size());
     std::vector<std::string> cells = {RobotTitle(names[r]), Grouped(poses)};
@@ -147,7 +137,7 @@ std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluatio
       cells.push_back(Metres(score.rmse_m));
       cells.push_back(heading ? Grouped(*heading * 57.29577951308232, 1) + "°" : "–");
     }
-    rows += Row(cells);
+    rows += RowHtml(cells);
   }
   return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
 }
@@ -156,13 +146,13 @@ std::string LandmarksTableHtml(const Scene& scene) {
   const bool scored = !scene.truth_landmarks.empty();
   std::vector<std::string> head = {"landmark", "x", "y", "95% within", "observations"};
   if (scored) head.emplace_back("error");
-  std::string rows = Row(head, "th");
+  std::string rows = RowHtml(head, "th");
   for (const MapLandmark& landmark : scene.landmarks) {
     std::vector<std::string> cells = {landmark.name, Grouped(landmark.at.x_m, 2) + " m",
                                       Grouped(landmark.at.y_m, 2) + " m", Metres(landmark.ellipse.major_m),
                                       Grouped(landmark.count, 1)};
     if (scored) cells.push_back(landmark.spurious ? "spurious" : Metres(landmark.error_m));
-    rows += Row(cells);
+    rows += RowHtml(cells);
   }
   return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
 }
@@ -187,11 +177,18 @@ std::vector<RoundTime> RoundTimes(const Blob& result) {
   const auto compute = result.Get<double>("provenance/round/compute_s");
   const auto tasks = result.Get<std::int64_t>("provenance/round/tasks");
   const std::vector<std::string> notes = result.Texts("provenance/round/note");
+  std::vector<std::int64_t> counts;  // older files: each row is a round
+  if (result.Has("provenance/round/rounds")) {
+    const auto stored = result.Get<std::int64_t>("provenance/round/rounds");
+    counts.assign(stored.begin(), stored.end());
+    if (counts.size() != seconds.size())
+      throw InputError("the columns of 'provenance/round/' differ in length");
+  }
   if (compute.size() != seconds.size() || tasks.size() != seconds.size() || notes.size() != seconds.size()) {
     throw InputError("the columns of 'provenance/round/' differ in length");
   }
   for (std::size_t i = 0; i < seconds.size(); ++i)
-    rounds.push_back({notes[i], seconds[i], compute[i], tasks[i]});
+    rounds.push_back({notes[i], seconds[i], compute[i], tasks[i], counts.empty() ? 1 : counts[i]});
   return rounds;
 }
 

@@ -34,8 +34,9 @@ struct RoundTime {
   double seconds = 0;          // wall time
   double compute_seconds = 0;  // of all its tasks, added up
   std::int64_t tasks = 0;
+  std::int64_t rounds = 1;  // one after the other, that this is of
 };
-// A bar for each round; empty without rounds.
+// A bar for each, as high as a round took, as wide as there are rounds; empty without any.
 std::string RoundsFigure(const std::vector<RoundTime>& rounds);
 
 }  // namespace cairn::datasets::report

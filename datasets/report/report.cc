@@ -5,21 +5,13 @@
 #include "datasets/report/facts.h"
 #include "datasets/report/figures.h"
 #include "datasets/report/format.h"
+#include "datasets/report/networks_page.h"
+#include "datasets/report/parts.h"
 #include "datasets/report/scene.h"
-#include "datasets/report/style.h"
 
 namespace cairn::datasets {
 namespace report {
 namespace {
-
-std::string Section(const std::string& title, const std::string& body) {
-  return body.empty() ? "" : "<section>\n<h2>" + title + "</h2>\n" + body + "</section>\n";
-}
-
-std::string Figure(const std::string& drawing, const std::string& caption) {
-  return drawing.empty() ? ""
-                         : "<figure>\n" + drawing + "<figcaption>" + caption + "</figcaption>\n</figure>\n";
-}
 
 std::string MapCaption(const Evaluation* evaluation) {
   std::string caption = "Paths are the most likely poses. ";
@@ -42,32 +34,10 @@ std::string BeforeAfterCaption(const Scene& scene) {
 }
 
 std::string LikelihoodSection(const std::vector<Iteration>& iterations) {
-  return Figure(
+  return FigureHtml(
       LikelihoodFigure(iterations),
       "Of the data under the map with which the iteration began. A line joins iterations over the same "
       "data; hollow points are of a part of the data, or had no map to begin with.");
-}
-
-std::string TimeSection(const std::vector<RoundTime>& rounds) {
-  double seconds = 0, compute = 0;
-  std::int64_t tasks = 0;
-  for (const RoundTime& round : rounds) {
-    seconds += round.seconds;
-    compute += round.compute_seconds;
-    tasks += round.tasks;
-  }
-  return Figure(RoundsFigure(rounds), Count(static_cast<std::int64_t>(rounds.size()), "round") + " with " +
-                                          Count(tasks, "task") + ": " + Duration(seconds) +
-                                          " of wall time, " + Duration(compute) + " of computing.");
-}
-
-std::string Footer(const Blob& result) {
-  std::string text = "Made by Cairn";
-  if (result.Has("provenance/version")) text += " " + Escape(result.Text("provenance/version"));
-  if (result.Has("provenance/workers")) {
-    text += " with " + Count(result.Scalar<std::int64_t>("provenance/workers"), "worker");
-  }
-  return "<footer>" + text + ". Lengths in metres, headings counter-clockwise.</footer>\n";
 }
 
 void Check(const Blob& result, const Blob* log, const Evaluation* evaluation) {
@@ -85,25 +55,20 @@ std::string Page(const Blob& result, const Blob* log, const Evaluation* evaluati
                  const ReportOptions& options) {
   Check(result, log, evaluation);
   const Scene scene = MakeScene(result, log, evaluation);
-  std::string html =
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-      Escape(options.title) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n";
-  html +=
-      "<h1>" + Escape(options.title) + "</h1>\n<p class=\"lead\">" + Escape(LeadHtml(result, log)) + "</p>\n";
+  std::string html = "<p class=\"lead\">" + Escape(LeadHtml(result, log)) + "</p>\n";
   html += TilesHtml(result, evaluation);
-  html += Section("Map", LegendHtml(scene) + Figure(MapFigure(scene), MapCaption(evaluation)));
-  html += Section("Before and after", Figure(BeforeAfterFigure(scene), BeforeAfterCaption(scene)));
-  html += Section("Landmark probability",
-                  Figure(GridFigure(scene),
-                         "P(landmark) of each cell, the largest over the landmark types; a "
-                         "colour's strength goes with the root, so that doubt shows."));
-  html += Section("Convergence", LikelihoodSection(Iterations(result)));
-  html += Section("Time", TimeSection(RoundTimes(result)));
-  html += Section("Robots", RobotsTableHtml(result, log, evaluation));
-  html += Section("Landmarks", scene.landmarks.empty() ? "" : LandmarksTableHtml(scene));
-  html += Section("Job", ProvenanceHtml(result));
-  return html + Footer(result) + "</main>\n</body>\n</html>\n";
+  html += SectionHtml("Map", LegendHtml(scene) + FigureHtml(MapFigure(scene), MapCaption(evaluation)));
+  html += SectionHtml("Before and after", FigureHtml(BeforeAfterFigure(scene), BeforeAfterCaption(scene)));
+  html += SectionHtml("Landmark probability",
+                      FigureHtml(GridFigure(scene),
+                                 "P(landmark) of each cell, the largest over the landmark types; a "
+                                 "colour's strength goes with the root, so that doubt shows."));
+  html += SectionHtml("Convergence", LikelihoodSection(Iterations(result)));
+  html += SectionHtml("Time", TimeHtml(RoundTimes(result)));
+  html += SectionHtml("Robots", RobotsTableHtml(result, log, evaluation));
+  html += SectionHtml("Landmarks", scene.landmarks.empty() ? "" : LandmarksTableHtml(scene));
+  html += SectionHtml("Job", ProvenanceHtml(result));
+  return PageHtml(options.title, html, result);
 }
 
 }  // namespace
@@ -112,6 +77,10 @@ std::string Page(const Blob& result, const Blob* log, const Evaluation* evaluati
 std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
                        const ReportOptions& options) {
   return report::Page(result, log, evaluation, options);
+}
+
+std::string NetworksReportHtml(const Blob& result, const std::string& title) {
+  return report::PageHtml(title, report::NetworksHtml(result), result);
 }
 
 }  // namespace cairn::datasets

@@ -19,4 +19,8 @@ struct ReportOptions {
 std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
                        const ReportOptions& options = {});
 
+// The same of learned networks: how training went, what the networks see. Throws InputError where `result` is
+// not of kind `networks`, or its arrays do not fit each other.
+std::string NetworksReportHtml(const Blob& result, const std::string& title);
+
 }  // namespace cairn::datasets

@@ -30,6 +30,13 @@ says 'ancestry/hash +text +\[2\]'
 says 'ancestry/options +text +\[2\]'
 says 'ancestry/steps +int64 +\[2\] +40 to 40'
 
+exits 0 cairn report third
+says '^third/report.html$'
+for title in Training 'What the networks see' Time 'Before this run'; do
+  grep -q "<h2>$title</h2>" third/report.html || die "the report has no section '$title'"
+done
+refuses 'networks are not made from a log' cairn report third --log samples.h5 --out page.html
+
 # Weights of another shape, or none at all.
 refuses "2 networks of 6 hidden units over 3 inputs, where .* 3 networks of 6" \
   cairn run landmark_learning samples.h5 --set networks=3 --input weights=first/landmark_learning.h5 --out no

@@ -1,0 +1,35 @@
+// Curves over a common axis, as inline SVG.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/report/axes.h"
+#include "datasets/report/svg.h"
+
+namespace cairn::datasets::report {
+
+struct ChartPoint {
+  double x = 0, y = 0;
+};
+
+struct Curve {
+  std::string name;                // for the legend in the picture
+  std::vector<ChartPoint> points;  // x, y; what is not finite is left out
+  int colour = 0;                  // style classes r0 to r7
+};
+
+struct LineChart {
+  std::string title, x_label, y_label;
+  std::vector<Curve> curves;
+  bool log_y = false;  // values that are not above 0 are left out
+};
+
+// The middles of `most` stretches of even length, where there are more points than that.
+std::vector<ChartPoint> Thinned(const std::vector<ChartPoint>& points, std::size_t most);
+
+// Into the panel, which wants 30 pixels below, 76 on the left and 20 above. False where there is no point to
+// draw: the picture is as it was.
+bool Draw(const LineChart& chart, const Panel& panel, Svg* svg);
+
+}  // namespace cairn::datasets::report
