@@ -31,7 +31,8 @@ const std::vector<Entry>& Entries() {
           "landmark_learning", "networks that extract the features which localise best (BaLL)",
           {"samples", "weights?"}),
       Register<localization::Localization, localization::Options>(
-          "localization", "where robots are, by learned or hand-made features", {"samples", "networks?"}),
+          "localization", "where robots are, by learned or hand-made features",
+          {"samples", "networks?", "networks_2?", "networks_3?"}),
   };
   return entries;
 }

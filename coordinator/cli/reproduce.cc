@@ -1,3 +1,5 @@
+#include "coordinator/cli/reproduce.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -37,33 +39,18 @@ void WriteInputs(const datasets::LandmarkStudy& study, const fs::path& out) {
   }
 }
 
-std::map<std::string, Blob> ReadResults(const coordinator::EmbeddedResult& run) {
-  std::map<std::string, Blob> results;
-  for (const auto& [stage, file] : run.results) results[stage] = Take(ReadBlobFile(file)).blob;
-  return results;
-}
-
-int Explain(const coordinator::EmbeddedResult& run) {
-  using coordinator::EmbeddedEnd;
-  const bool stopped = run.end == EmbeddedEnd::kStopped;
-  const std::string conflict = run.end == EmbeddedEnd::kConflict ? " (--force starts anew)" : "";
-  std::fprintf(stderr, "cairn: %s%s\n",
-               stopped ? "stopped; the same command again goes on from here" : run.reason.c_str(),
-               conflict.c_str());
-  if (stopped) return kExitStopped;
-  const bool world = run.end == EmbeddedEnd::kFailed || run.end == EmbeddedEnd::kPaused;
-  return world ? kExitFailed : kExitBadInput;
-}
-
 std::string Facts(const std::vector<datasets::PaperFigure>& figures, const std::string& page, bool json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::string text;
   for (const datasets::PaperFigure& figure : figures) {
-    list.push_back({{"file", figure.file},
-                    {"title", figure.title},
-                    {"claim", figure.claim},
-                    {"measured", figure.measured}});
-    text += figure.title + "\n    " + figure.measured + "\n";
+    nlohmann::ordered_json entry = {{"file", figure.file},
+                                    {"title", figure.title},
+                                    {"claim", figure.claim},
+                                    {"measured", figure.measured}};
+    if (!figure.table.head.empty())
+      entry["table"] = {{"head", figure.table.head}, {"rows", figure.table.rows}};
+    list.push_back(std::move(entry));
+    text += figure.title + "\n    " + figure.measured + "\n" + PaperTableText(figure.table);
   }
   if (json) return nlohmann::ordered_json{{"page", page}, {"figures", list}}.dump(2) + "\n";
   return text + "page      " + page + "\n";
@@ -86,27 +73,50 @@ int Landmarks(const Options& options, const Invocation& call) {
       [&](const coordinator::EmbeddedProgress& progress) { console.Progress(progress.info); },
       StopOnSignals());
   console.Clear();
-  if (run.end != coordinator::EmbeddedEnd::kDone && run.end != coordinator::EmbeddedEnd::kAlreadyDone)
-    return Explain(run);
+  if (!IsDone(run)) return ExplainUndone(run);
   WriteInputs(study, options.out);
-  const std::vector<datasets::PaperFigure> figures = datasets::LandmarkFigures(study, ReadResults(run));
-  for (const datasets::PaperFigure& figure : figures)
-    Check(WriteTextAtomically((fs::path(options.out) / figure.file).string(), figure.png));
-  const std::string page = (fs::path(options.out) / "index.html").string();
-  Check(WriteTextAtomically(
-      page,
-      datasets::PaperPageHtml(
-          "A probabilistic approach to concurrent mapping and localization",
-          "The figures of Thrun, Burgard and Fox (Machine Learning 31, 1998) from simulated data: paper "
-          "difficulty, seed " +
-              std::to_string(options.seed) +
-              ". Occupancy grids, photographs and the museum's figures 4, 15 to 17 are not among them.",
-          figures)));
-  std::fputs(Facts(figures, page, options.json).c_str(), stdout);
+  PublishPage(options.out, "A probabilistic approach to concurrent mapping and localization",
+              "The figures of Thrun, Burgard and Fox (Machine Learning 31, 1998) from simulated data: paper "
+              "difficulty, seed " +
+                  std::to_string(options.seed) +
+                  ". Occupancy grids, photographs and the museum's figures 4, 15 to 17 are not among them.",
+              datasets::LandmarkFigures(study, ReadResults(run)), options.json);
   return kExitDone;
 }
 
 }  // namespace
+
+std::map<std::string, Blob> ReadResults(const coordinator::EmbeddedResult& run) {
+  std::map<std::string, Blob> results;
+  for (const auto& [stage, file] : run.results) results[stage] = Take(ReadBlobFile(file)).blob;
+  return results;
+}
+
+bool IsDone(const coordinator::EmbeddedResult& run) {
+  return run.end == coordinator::EmbeddedEnd::kDone || run.end == coordinator::EmbeddedEnd::kAlreadyDone;
+}
+
+int ExplainUndone(const coordinator::EmbeddedResult& run) {
+  using coordinator::EmbeddedEnd;
+  const bool stopped = run.end == EmbeddedEnd::kStopped;
+  const std::string conflict = run.end == EmbeddedEnd::kConflict ? " (--force starts anew)" : "";
+  std::fprintf(stderr, "cairn: %s%s\n",
+               stopped ? "stopped; the same command again goes on from here" : run.reason.c_str(),
+               conflict.c_str());
+  if (stopped) return kExitStopped;
+  const bool world = run.end == EmbeddedEnd::kFailed || run.end == EmbeddedEnd::kPaused;
+  return world ? kExitFailed : kExitBadInput;
+}
+
+void PublishPage(const std::string& out, const std::string& title, const std::string& lead,
+                 const std::vector<datasets::PaperFigure>& figures, bool json) {
+  for (const datasets::PaperFigure& figure : figures) {
+    if (!figure.file.empty()) Check(WriteTextAtomically((fs::path(out) / figure.file).string(), figure.png));
+  }
+  const std::string page = (fs::path(out) / "index.html").string();
+  Check(WriteTextAtomically(page, datasets::PaperPageHtml(title, lead, figures)));
+  std::fputs(Facts(figures, page, json).c_str(), stdout);
+}
 
 void AddReproduce(CLI::App& app, Invocation& call) {
   CLI::App* reproduce = app.add_subcommand("reproduce", "The papers' figures, beside their claims");
@@ -126,6 +136,7 @@ void AddReproduce(CLI::App& app, Invocation& call) {
       ->check(CLI::Range(1, 1024));
   landmarks->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
   landmarks->add_flag("--json", options->json, "Pictures, claims and measured figures as JSON");
+  AddReproduceBall(*reproduce, call);
 }
 
 }  // namespace cairn::cli

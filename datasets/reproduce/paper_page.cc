@@ -1,8 +1,53 @@
+#include <algorithm>
+
 #include "datasets/report/format.h"
 #include "datasets/report/style.h"
-#include "datasets/reproduce/landmark_figures.h"
+#include "datasets/reproduce/paper_figure.h"
 
 namespace cairn::datasets {
+namespace {
+
+std::string Html(const PaperTable& table) {
+  if (table.head.empty()) return {};
+  const auto row = [](const std::vector<std::string>& cells, const char* tag) {
+    std::string html = "<tr>";
+    for (const std::string& cell : cells)
+      html += std::string("<") + tag + ">" + report::Escape(cell) + "</" + tag + ">";
+    return html + "</tr>\n";
+  };
+  std::string html = "<div class=\"scroll\"><table>\n" + row(table.head, "th");
+  for (const auto& cells : table.rows) html += row(cells, "td");
+  return html + "</table></div>\n";
+}
+
+std::string Picture(const PaperFigure& figure) {
+  if (figure.file.empty()) return {};
+  return "<figure><img src=\"" + report::Escape(figure.file) + "\" alt=\"" + report::Escape(figure.title) +
+         "\"></figure>\n";
+}
+
+}  // namespace
+
+std::string PaperTableText(const PaperTable& table) {
+  std::vector<std::size_t> width(table.head.size(), 0);
+  const auto measure = [&](const std::vector<std::string>& cells) {
+    for (std::size_t c = 0; c < cells.size(); ++c) width[c] = std::max(width[c], cells[c].size());
+  };
+  measure(table.head);
+  for (const auto& cells : table.rows) measure(cells);
+  std::string text;
+  const auto add = [&](const std::vector<std::string>& cells) {
+    text += "    ";
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      const std::string pad(width[c] - cells[c].size(), ' ');
+      text += c == 0 ? cells[c] + pad : "  " + pad + cells[c];
+    }
+    text += "\n";
+  };
+  if (!table.head.empty()) add(table.head);
+  for (const auto& cells : table.rows) add(cells);
+  return text;
+}
 
 std::string PaperPageHtml(const std::string& title, const std::string& lead,
                           const std::vector<PaperFigure>& figures) {
@@ -16,10 +61,9 @@ std::string PaperPageHtml(const std::string& title, const std::string& lead,
       "dt { color:var(--soft); } dd { margin:0; }\n</style>\n</head>\n<body>\n<main>\n<h1>" +
       Escape(title) + "</h1>\n<p class=\"lead\">" + Escape(lead) + "</p>\n";
   for (const PaperFigure& figure : figures) {
-    html += "<section>\n<h2>" + Escape(figure.title) + "</h2>\n<figure><img src=\"" + Escape(figure.file) +
-            "\" alt=\"" + Escape(figure.title) + "\"></figure>\n<dl><dt>paper</dt><dd>" +
-            Escape(figure.claim) + "</dd><dt>here</dt><dd>" + Escape(figure.measured) +
-            "</dd></dl>\n</section>\n";
+    html += "<section>\n<h2>" + Escape(figure.title) + "</h2>\n" + Picture(figure) +
+            "<dl><dt>paper</dt><dd>" + Escape(figure.claim) + "</dd><dt>here</dt><dd>" +
+            Escape(figure.measured) + "</dd></dl>\n" + Html(figure.table) + "</section>\n";
   }
   return html + "</main>\n</body>\n</html>\n";
 }

@@ -9,8 +9,8 @@
 namespace cairn::localization {
 namespace {
 
-constexpr double kReach = 4.0;        // standard deviations, beyond which a Gaussian counts as nothing
-constexpr double kForgotten = 1e-12;  // share of the largest belief, below which a place is not moved on from
+constexpr double kReach = 4.0;       // standard deviations, beyond which a Gaussian counts as nothing
+constexpr double kForgotten = 1e-6;  // share of the largest belief, below which a place is not moved on from
 
 // False, and nothing done, where there is nothing to normalise.
 bool Normalise(std::vector<double>* belief) {
@@ -55,8 +55,9 @@ bool BeliefSpace::Move(const Place& displacement, const Motion& motion, double l
   for (std::size_t from = 0; from < places_.size(); ++from) {
     if ((*belief)[from] <= least) continue;
     const Place to{places_[from].x_m + displacement.x_m, places_[from].y_m + displacement.y_m};
-    for (const std::size_t place : index_.Within(to, kReach * sd_m))
-      moved[place] += (*belief)[from] * Gaussian(DistanceM(places_[place], to), sd_m);
+    index_.VisitWithin(to, kReach * sd_m, [&](std::size_t place, double distance_m) {
+      moved[place] += (*belief)[from] * Gaussian(distance_m, sd_m);
+    });
   }
   for (std::size_t place = 0; place < moved.size(); ++place) moved[place] *= room_[place];
   *belief = std::move(moved);

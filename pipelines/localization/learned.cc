@@ -86,13 +86,25 @@ Learned::Learned(const Blob& file)
   outputs_.assign(outputs.begin(), outputs.end());
 }
 
-std::vector<float> Learned::OutputsOf(std::span<const float> rows) const {
-  const std::size_t inputs = mean_.size();
-  std::vector<float> normal(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    normal[i] = static_cast<float>((rows[i] - mean_[i % inputs]) / scale_[i % inputs]);
-  return landmark_learning::Forward(parameters_, normal.data(), static_cast<int>(rows.size() / inputs))
-      .output;
+std::vector<std::size_t> Learned::ColumnsIn(const std::vector<std::string>& sample_inputs) const {
+  std::vector<std::size_t> columns;
+  for (const std::string& name : input_names_) {
+    const auto at = std::ranges::find(sample_inputs, name);
+    if (at == sample_inputs.end())
+      throw InputError("the networks' input '" + name + "' is not among the samples'");
+    columns.push_back(static_cast<std::size_t>(at - sample_inputs.begin()));
+  }
+  return columns;
+}
+
+std::vector<float> Learned::OutputsOf(std::span<const float> rows, std::size_t width,
+                                      const std::vector<std::size_t>& columns) const {
+  std::vector<float> normal;
+  for (std::size_t row = 0; row < rows.size(); row += width) {
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      normal.push_back(static_cast<float>((rows[row + columns[i]] - mean_[i]) / scale_[i]));
+  }
+  return landmark_learning::Forward(parameters_, normal.data(), static_cast<int>(rows.size() / width)).output;
 }
 
 }  // namespace cairn::localization

@@ -24,8 +24,13 @@ class Learned {
   const std::vector<Place>& places() const { return places_; }
   const std::vector<double>& outputs() const { return outputs_; }
 
-  // g of rows of inputs as they were sensed: [rows][networks].
-  std::vector<float> OutputsOf(std::span<const float> rows) const;
+  // Where its inputs stand among those of samples. Throws InputError that names one that is not there.
+  std::vector<std::size_t> ColumnsIn(const std::vector<std::string>& sample_inputs) const;
+
+  // g of rows as they were sensed, each `width` numbers of which the networks' inputs are `columns`:
+  // [rows][networks].
+  std::vector<float> OutputsOf(std::span<const float> rows, std::size_t width,
+                               const std::vector<std::size_t>& columns) const;
 
  private:
   landmark_learning::Parameters<float> parameters_;

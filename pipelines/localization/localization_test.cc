@@ -68,6 +68,28 @@ TEST(Localization, FindsARobotByLearnedFeaturesInARunThatWasHeldOut) {
   EXPECT_LT(MeanError(samples, *result, 10.0, 20.0), 1.0);
 }
 
+// Three sensors that see something at some places each; together, or looked at wisely, they find the robot.
+TEST(Localization, SeveralNetworksAreSensedTogetherInTurnOrWhereItPays) {
+  const Blob samples = landmark_learning::CorridorSamples{.runs = 4, .samples = 200}.Make();
+  auto inputs = InputsOf(samples);
+  for (const char* name : {"networks", "networks_2", "networks_3"}) {
+    const landmark_learning::Options learning{
+        .networks = 2, .window_m = 5.0, .steps = 300, .holdout = "run 3"};
+    inputs[name] =
+        RunInProcess(landmark_learning::LandmarkLearning(learning, inputs.size()), InputsOf(samples));
+  }
+  std::map<std::string, double> error;
+  for (const char* look : {"all", "turn", "active"}) {
+    const Options options{.belief = "grid", .cell_m = 0.5, .look = look, .way_m = 15.0};
+    const BlobPtr result = RunInProcess(Localization(options, 11), inputs);
+    EXPECT_EQ(result->Texts("feature_name").size(), 6U);
+    error[look] = MeanError(samples, *result, 10.0, 20.0);
+  }
+  EXPECT_LT(error["all"], 2.0);
+  EXPECT_LT(error["all"], error["active"]);
+  EXPECT_LT(error["active"], error["turn"]);
+}
+
 TEST(Localization, BeliefsAddUpAndSayWhereTheyEnd) {
   const BlobPtr result = Locate(CorridorWithFeatures().Make(), {.runs = "run 1", .traverses = 5});
   const auto entries = result->Get<std::int64_t>("step/entries");
@@ -139,7 +161,12 @@ TEST(Localization, SaysWhatIsWrongWithTheNetworks) {
   EXPECT_EQ(Complaint(samples, {.runs = "run 0"}, networks), "runs: the networks were trained on 'run 0'");
   Blob other = samples;
   other.Put("input_name", Array::Texts({"a", "b", "c", "d", "e"}));
-  EXPECT_EQ(Complaint(other, {}, networks), "the samples' inputs are not the networks'");
+  EXPECT_EQ(Complaint(other, {}, networks), "the networks' input 'door' is not among the samples'");
+  auto inputs = InputsOf(samples, networks);
+  Blob elsewhere = *networks;
+  elsewhere.PutVector<double>("map/y_m", std::vector<double>(elsewhere.Get<double>("map/y_m").size(), 3.0));
+  inputs["networks_2"] = std::make_shared<const Blob>(elsewhere);
+  EXPECT_THROW(RunInProcess(Localization({}, 1), inputs), InputError);
   Blob cut = *networks;
   cut.PutVector<double>("networks/output_bias", {0.0});
   EXPECT_EQ(Complaint(samples, {}, std::make_shared<const Blob>(cut)),

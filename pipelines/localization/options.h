@@ -16,7 +16,8 @@ struct Options {
   std::int64_t nearest = 5;
   double prior_count = 0.5;
   std::string sensing = "soft";
-  double trust = 1.0;
+  double trust = 0.5;
+  std::string look = "all";
   double window_m = 0.0;
   std::int64_t traverses = 35;
   double way_m = 30.0;
@@ -60,6 +61,14 @@ void VisitOptions(V& visit, Options& o) {
                "power of each sensation's likelihood; below 1 where successive ones "
                "err together"},
         o.trust);
+  visit(Option{"look",
+               "",
+               0,
+               0,
+               "with several networks: all are sensed at each stop, or one, in turn, or the one that leaves "
+               "the least error to be expected (active sensing)",
+               {"all", "turn", "active"}},
+        o.look);
   visit(Option{"window_m", "m", 0, 1e9,
                "what the robot knows of its position at the start: within so much of it (position tracking); "
                "0: nothing (global localisation)"},

@@ -1,7 +1,6 @@
 #include "pipelines/localization/place_index.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -13,8 +12,6 @@ namespace {
 double Coordinate(const Place& place, bool y) { return y ? place.y_m : place.x_m; }
 
 }  // namespace
-
-double DistanceM(const Place& a, const Place& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 PlaceIndex::PlaceIndex(std::vector<Place> places)
     : places_(std::move(places)), order_(places_.size()), by_y_(places_.size(), 0) {
@@ -44,26 +41,6 @@ void PlaceIndex::Split(std::size_t first, std::size_t end) {
   Split(middle + 1, end);
 }
 
-template <class Visit, class Reach>
-void PlaceIndex::Descend(std::size_t first, std::size_t end, const Place& from, const Visit& visit,
-                         const Reach& reach) const {
-  if (first == end) return;
-  const std::size_t middle = first + (end - first) / 2;
-  visit(order_[middle]);
-  const bool y = by_y_[middle] != 0;
-  const double beyond_m = Coordinate(from, y) - Coordinate(places_[order_[middle]], y);
-  const bool low_side = beyond_m < 0.0;
-  if (low_side)
-    Descend(first, middle, from, visit, reach);
-  else
-    Descend(middle + 1, end, from, visit, reach);
-  if (std::abs(beyond_m) > reach()) return;
-  if (low_side)
-    Descend(middle + 1, end, from, visit, reach);
-  else
-    Descend(first, middle, from, visit, reach);
-}
-
 std::vector<std::size_t> PlaceIndex::Nearest(const Place& from, std::size_t count) const {
   CAIRN_DEMAND(count >= 1 && count <= size(), "no such number of nearest places");
   std::vector<Near> heap;  // the farthest on top
@@ -88,12 +65,7 @@ std::vector<std::size_t> PlaceIndex::Nearest(const Place& from, std::size_t coun
 
 std::vector<std::size_t> PlaceIndex::Within(const Place& from, double radius_m) const {
   std::vector<std::size_t> within;
-  Descend(
-      0, size(), from,
-      [&](std::size_t place) {
-        if (DistanceM(places_[place], from) <= radius_m) within.push_back(place);
-      },
-      [&] { return radius_m; });
+  VisitWithin(from, radius_m, [&](std::size_t place, double) { within.push_back(place); });
   std::ranges::sort(within);
   return within;
 }

@@ -1,6 +1,7 @@
 // Which places are near another: a k-d tree over places in the plane.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -11,7 +12,10 @@ struct Place {
   friend bool operator==(const Place&, const Place&) = default;
 };
 
-double DistanceM(const Place& a, const Place& b);
+inline double DistanceM(const Place& a, const Place& b) {
+  const double dx = a.x_m - b.x_m, dy = a.y_m - b.y_m;
+  return std::sqrt(dx * dx + dy * dy);
+}
 
 class PlaceIndex {
  public:
@@ -24,7 +28,12 @@ class PlaceIndex {
   // 1 <= count <= size(). O(log n + count) where places are spread evenly.
   std::vector<std::size_t> Nearest(const Place& from, std::size_t count) const;
 
-  // All places at most `radius_m` away, ascending.
+  // `visit(place, distance_m)` for all places at most `radius_m` away, in an order that the places alone
+  // decide.
+  template <class Visit>
+  void VisitWithin(const Place& from, double radius_m, const Visit& visit) const;
+
+  // The same places, ascending.
   std::vector<std::size_t> Within(const Place& from, double radius_m) const;
 
  private:
@@ -45,5 +54,36 @@ class PlaceIndex {
   std::vector<std::size_t> order_;   // the tree: the middle of a range splits it
   std::vector<unsigned char> by_y_;  // of each such middle: whether y splits, not x
 };
+
+template <class Visit, class Reach>
+void PlaceIndex::Descend(std::size_t first, std::size_t end, const Place& from, const Visit& visit,
+                         const Reach& reach) const {
+  if (first == end) return;
+  const std::size_t middle = first + (end - first) / 2;
+  const Place& place = places_[order_[middle]];
+  visit(order_[middle]);
+  const double beyond_m = by_y_[middle] != 0 ? from.y_m - place.y_m : from.x_m - place.x_m;
+  const bool low_side = beyond_m < 0.0;
+  if (low_side)
+    Descend(first, middle, from, visit, reach);
+  else
+    Descend(middle + 1, end, from, visit, reach);
+  if (std::abs(beyond_m) > reach()) return;
+  if (low_side)
+    Descend(middle + 1, end, from, visit, reach);
+  else
+    Descend(first, middle, from, visit, reach);
+}
+
+template <class Visit>
+void PlaceIndex::VisitWithin(const Place& from, double radius_m, const Visit& visit) const {
+  Descend(
+      0, size(), from,
+      [&](std::size_t place) {
+        const double distance_m = DistanceM(places_[place], from);
+        if (distance_m <= radius_m) visit(place, distance_m);
+      },
+      [&] { return radius_m; });
+}
 
 }  // namespace cairn::localization

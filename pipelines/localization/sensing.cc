@@ -24,12 +24,12 @@ std::vector<double> Drawn(const std::vector<double>& output, Rng& rng) {
 }
 
 std::vector<double> Likelihood(const std::vector<double>& map, const std::vector<double>& feature,
-                               double trust) {
+                               const FeatureGroup& group, double trust) {
   CAIRN_DEMAND(!feature.empty() && map.size() % feature.size() == 0, "a row of the map for each place");
   std::vector<double> likelihood;
   for (std::size_t row = 0; row < map.size(); row += feature.size()) {
     double product = 1.0;
-    for (std::size_t i = 0; i < feature.size(); ++i) {
+    for (std::size_t i = group.first; i < group.end; ++i) {
       const double one = map[row + i];
       product *= feature[i] * one + (1.0 - feature[i]) * (1.0 - one);
     }

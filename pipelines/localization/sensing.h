@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pipelines/localization/look.h"
 #include "pipelines/localization/place_index.h"
 #include "schema/rng.h"
 
@@ -18,10 +19,11 @@ std::vector<double> FeaturesAt(const PlaceIndex& index, const std::vector<double
 // f of a sensation whose bits are 1 with probability `output`, drawn (eqs 32, 33): zeros and ones.
 std::vector<double> Drawn(const std::vector<double>& output, Rng& rng);
 
-// P(f | xi) of each place: prod_i of P(f_i | xi). `feature`: zeros and ones, or probabilities of ones, over
-// which the expectation is taken: sum_f P(f | s) P(f | xi). `map`: [places][features]. Raised to the power of
-// `trust`: sensations that follow each other are not independent, as table 1 holds them to be.
+// P(f | xi) of each place: prod_i of P(f_i | xi) over the bits of `group`. `feature`: zeros and ones, or
+// probabilities of ones, over which the expectation is taken: sum_f P(f | s) P(f | xi); of all bits. `map`:
+// [places][features]. Raised to the power of `trust`: sensations that follow each other are not independent,
+// as table 1 holds them to be.
 std::vector<double> Likelihood(const std::vector<double>& map, const std::vector<double>& feature,
-                               double trust);
+                               const FeatureGroup& group, double trust);
 
 }  // namespace cairn::localization

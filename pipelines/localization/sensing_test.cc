@@ -30,7 +30,7 @@ TEST(Likelihood, IsTheExpectationOverTheFeatureVector) {
     for (std::size_t i = 0; i < kFeatures; ++i) product *= (f >> i & 1) != 0 ? ones[i] : 1.0 - ones[i];
     return product;
   };
-  const std::vector<double> likelihood = Likelihood(map, output, 1.0);
+  const std::vector<double> likelihood = Likelihood(map, output, {0, kFeatures}, 1.0);
   ASSERT_EQ(likelihood.size(), kPlaces);
   for (std::size_t place = 0; place < kPlaces; ++place) {
     double expected = 0.0;
@@ -39,8 +39,10 @@ TEST(Likelihood, IsTheExpectationOverTheFeatureVector) {
     EXPECT_NEAR(likelihood[place], expected, 1e-14);
   }
   const std::vector<double> drawn = {1, 0, 0, 1};
-  EXPECT_NEAR(Likelihood(map, drawn, 1.0)[2], probability(&map[2 * kFeatures], 9), 1e-15);
-  EXPECT_NEAR(Likelihood(map, drawn, 0.5)[2], std::sqrt(probability(&map[2 * kFeatures], 9)), 1e-15);
+  EXPECT_NEAR(Likelihood(map, drawn, {0, kFeatures}, 1.0)[2], probability(&map[2 * kFeatures], 9), 1e-15);
+  EXPECT_NEAR(Likelihood(map, drawn, {0, kFeatures}, 0.5)[2], std::sqrt(probability(&map[2 * kFeatures], 9)),
+              1e-15);
+  EXPECT_NEAR(Likelihood(map, drawn, {1, 3}, 1.0)[2], (1 - map[9]) * (1 - map[10]), 1e-15);
 }
 
 TEST(Drawn, ComesUpAsOftenAsItsProbability) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 
 #include "pipelines/localization/learned.h"
@@ -51,23 +50,73 @@ std::vector<Place> PlacesOf(const Blob& samples, std::size_t run, const std::str
   return places;
 }
 
-// What features are made of: outputs of networks, or some columns of the hand-made ones.
-class Extractor {
+// Features by networks: those of several stand beside each other.
+class NetworkExtractor {
  public:
-  Extractor(const Options& options, const Blob& samples, const Learned* learned)
+  NetworkExtractor(const Blob& samples, const std::vector<Learned>& learned)
       : samples_(samples), run_names_(samples.Texts("runs")), learned_(learned) {
-    if (learned != nullptr)
-      UseNetworks(options);
-    else
-      UseColumns(ByCommas(options.features));
+    const std::vector<std::string> inputs = samples.Texts("input_name");
+    width_ = inputs.size();
+    for (const Learned& networks : learned) columns_.push_back(networks.ColumnsIn(inputs));
+  }
+
+  std::vector<float> OutputOf(std::size_t run, std::size_t rows) const {
+    const auto inputs = RowsOf(samples_, run, run_names_[run], "input", rows, width_);
+    std::vector<std::vector<float>> parts;
+    for (std::size_t n = 0; n < learned_.size(); ++n)
+      parts.push_back(learned_[n].OutputsOf(inputs, width_, columns_[n]));
+    return BesideEachOther(parts, rows);
+  }
+
+  std::vector<double> MapOutput() const {
+    std::vector<std::vector<double>> parts;
+    for (const Learned& networks : learned_) parts.push_back(networks.outputs());
+    return BesideEachOther(parts, learned_.front().places().size());
+  }
+
+ private:
+  template <class T>
+  static std::vector<T> BesideEachOther(const std::vector<std::vector<T>>& parts, std::size_t rows) {
+    std::vector<T> all;
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (const std::vector<T>& part : parts) {
+        const std::size_t columns = part.size() / rows;
+        const auto first = part.begin() + static_cast<std::ptrdiff_t>(row * columns);
+        all.insert(all.end(), first, first + static_cast<std::ptrdiff_t>(columns));
+      }
+    }
+    return all;
+  }
+
+  const Blob& samples_;
+  const std::vector<std::string> run_names_;
+  const std::vector<Learned>& learned_;
+  std::size_t width_ = 0;
+  std::vector<std::vector<std::size_t>> columns_;
+};
+
+// Some columns of the hand-made features.
+class HandMadeExtractor {
+ public:
+  HandMadeExtractor(const Blob& samples, const std::vector<std::string>& wanted)
+      : samples_(samples), run_names_(samples.Texts("runs")) {
+    if (!samples_.Has("feature_name"))
+      throw InputError("without networks the samples need hand-made features, and they have none");
+    const std::vector<std::string> all = samples_.Texts("feature_name");
+    all_columns_ = all.size();
+    names_ = wanted.empty() ? all : wanted;
+    if (names_.empty()) throw InputError("the samples have no features");
+    for (const std::string& name : names_) {
+      const auto at = std::ranges::find(all, name);
+      if (at == all.end()) throw InputError("features: there is no '" + name + "' among " + JoinNames(all));
+      columns_.push_back(static_cast<std::size_t>(at - all.begin()));
+    }
   }
 
   const std::vector<std::string>& names() const { return names_; }
 
   std::vector<float> OutputOf(std::size_t run, std::size_t rows) const {
     const std::string& name = run_names_[run];
-    if (learned_ != nullptr)
-      return learned_->OutputsOf(RowsOf(samples_, run, name, "input", rows, learned_->input_names().size()));
     const auto all = RowsOf(samples_, run, name, "feature", rows, all_columns_);
     std::vector<float> picked;
     for (std::size_t row = 0; row < rows; ++row) {
@@ -83,31 +132,8 @@ class Extractor {
   }
 
  private:
-  void UseNetworks(const Options& options) {
-    if (!options.features.empty())
-      throw InputError("features: they are the networks' outputs where there are networks");
-    if (samples_.Texts("input_name") != learned_->input_names())
-      throw InputError("the samples' inputs are not the networks'");
-    for (std::size_t i = 0; i < learned_->networks(); ++i) names_.push_back("network " + std::to_string(i));
-  }
-
-  void UseColumns(const std::vector<std::string>& wanted) {
-    if (!samples_.Has("feature_name"))
-      throw InputError("without networks the samples need hand-made features, and they have none");
-    const std::vector<std::string> all = samples_.Texts("feature_name");
-    all_columns_ = all.size();
-    names_ = wanted.empty() ? all : wanted;
-    if (names_.empty()) throw InputError("the samples have no features");
-    for (const std::string& name : names_) {
-      const auto at = std::ranges::find(all, name);
-      if (at == all.end()) throw InputError("features: there is no '" + name + "' among " + JoinNames(all));
-      columns_.push_back(static_cast<std::size_t>(at - all.begin()));
-    }
-  }
-
   const Blob& samples_;
   const std::vector<std::string> run_names_;
-  const Learned* learned_;
   std::vector<std::string> names_;
   std::vector<std::size_t> columns_;
   std::size_t all_columns_ = 0;
@@ -115,24 +141,37 @@ class Extractor {
 
 // Indices of the runs to localise in, ascending.
 std::vector<std::size_t> RunsToLocaliseIn(const Options& options, const std::vector<std::string>& all,
-                                          const Learned* learned) {
+                                          const std::vector<std::string>& trained_on) {
   const std::vector<std::string> wanted = ByCommas(options.runs);
   for (const std::string& name : wanted) {
     if (std::ranges::find(all, name) == all.end())
       throw InputError("runs: there is no run '" + name + "' among the samples");
-    if (learned != nullptr && std::ranges::count(learned->trained_on(), name) > 0)
+    if (std::ranges::count(trained_on, name) > 0)
       throw InputError("runs: the networks were trained on '" + name + "'");
   }
-  if (learned == nullptr && wanted.empty())
+  if (trained_on.empty() && wanted.empty())
     throw InputError("runs: without networks, which runs to localise in must be said");
   std::vector<std::size_t> runs;
   for (std::size_t r = 0; r < all.size(); ++r) {
-    const bool asked = wanted.empty() ? std::ranges::count(learned->trained_on(), all[r]) == 0
-                                      : std::ranges::count(wanted, all[r]) > 0;
+    const bool asked =
+        wanted.empty() ? std::ranges::count(trained_on, all[r]) == 0 : std::ranges::count(wanted, all[r]) > 0;
     if (asked) runs.push_back(r);
   }
   if (runs.empty()) throw InputError("the networks were trained on every run: none is left to localise in");
   return runs;
+}
+
+std::vector<Learned> ReadNetworks(const Options& options, const Inputs& inputs) {
+  std::vector<Learned> learned;
+  for (const char* name : {"networks", "networks_2", "networks_3"}) {
+    if (!inputs.Has(name)) continue;
+    learned.emplace_back(*inputs.Get(name));
+    if (learned.back().places() != learned.front().places())
+      throw InputError(std::string(name) + ": trained on other samples than the first networks");
+  }
+  if (!learned.empty() && !options.features.empty())
+    throw InputError("features: they are the networks' outputs where there are networks");
+  return learned;
 }
 
 template <class T>
@@ -173,33 +212,51 @@ std::vector<std::string> ByCommas(const std::string& text) {
   return parts;
 }
 
+void Source::UseNetworks(const Options& options, const Blob& samples, const std::vector<Learned>& learned) {
+  const NetworkExtractor extractor(samples, learned);
+  for (std::size_t n = 0; n < learned.size(); ++n) {
+    const std::size_t first = feature_names.size();
+    const std::string of = learned.size() > 1 ? " of " + std::to_string(n + 1) : "";
+    for (std::size_t i = 0; i < learned[n].networks(); ++i)
+      feature_names.push_back("network " + std::to_string(i) + of);
+    groups.push_back({first, feature_names.size()});
+  }
+  map_places = learned.front().places();
+  map_output = extractor.MapOutput();
+  for (const std::size_t r : RunsToLocaliseIn(options, run_names, learned.front().trained_on())) {
+    Run run{static_cast<std::int32_t>(r), PlacesOf(samples, r, run_names[r]), {}};
+    run.output = extractor.OutputOf(r, run.places.size());
+    runs.push_back(std::move(run));
+  }
+}
+
+void Source::UseHandMade(const Options& options, const Blob& samples) {
+  const HandMadeExtractor extractor(samples, ByCommas(options.features));
+  feature_names = extractor.names();
+  groups = {{0, feature_names.size()}};
+  const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, run_names, {});
+  for (std::size_t r = 0; r < run_names.size(); ++r) {
+    Run run{static_cast<std::int32_t>(r), PlacesOf(samples, r, run_names[r]), {}};
+    run.output = extractor.OutputOf(r, run.places.size());
+    if (std::ranges::count(wanted, r) > 0) {
+      runs.push_back(std::move(run));
+      continue;
+    }
+    map_places.insert(map_places.end(), run.places.begin(), run.places.end());
+    map_output.insert(map_output.end(), run.output.begin(), run.output.end());
+  }
+}
+
 Source Source::Of(const Options& options, const Inputs& inputs) {
   const BlobPtr samples = inputs.Get("samples");
-  std::optional<Learned> learned;
-  if (inputs.Has("networks")) learned.emplace(*inputs.Get("networks"));
-  const Learned* networks = learned ? &*learned : nullptr;
   Source source;
   source.run_names = samples->Texts("runs");
   source.samples_hash = samples->Without("truth/").ContentHash().Hex();
-  const Extractor extractor(options, *samples, networks);
-  source.feature_names = extractor.names();
-  const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, source.run_names, networks);
-  if (networks != nullptr) {
-    source.map_places = networks->places();
-    source.map_output = networks->outputs();
-  }
-  for (std::size_t r = 0; r < source.run_names.size(); ++r) {
-    const bool localised = std::ranges::count(wanted, r) > 0;
-    if (!localised && networks != nullptr) continue;
-    Run run{static_cast<std::int32_t>(r), PlacesOf(*samples, r, source.run_names[r]), {}};
-    run.output = extractor.OutputOf(r, run.places.size());
-    if (localised) {
-      source.runs.push_back(std::move(run));
-      continue;
-    }
-    source.map_places.insert(source.map_places.end(), run.places.begin(), run.places.end());
-    source.map_output.insert(source.map_output.end(), run.output.begin(), run.output.end());
-  }
+  const std::vector<Learned> learned = ReadNetworks(options, inputs);
+  if (learned.empty())
+    source.UseHandMade(options, *samples);
+  else
+    source.UseNetworks(options, *samples, learned);
   if (source.map_places.empty()) throw InputError("runs: no run is left to make the map of");
   if (static_cast<std::size_t>(options.nearest) > source.map_places.size()) {
     throw InputError("nearest = " + std::to_string(options.nearest) + ", but the map has only " +
@@ -213,6 +270,9 @@ Blob Source::ToBlob() const {
   blob.Put("run_names", Array::Texts(run_names));
   blob.Put("feature_names", Array::Texts(feature_names));
   blob.Put("samples_hash", Array::Text(samples_hash));
+  std::vector<std::int64_t> group_end;
+  for (const FeatureGroup& group : groups) group_end.push_back(static_cast<std::int64_t>(group.end));
+  blob.PutVector("group_end", group_end);
   PutPlaces(map_places, "map/", &blob);
   blob.PutVector("map/output", map_output);
   std::vector<std::int32_t> index;
@@ -229,10 +289,15 @@ Blob Source::ToBlob() const {
 Source Source::FromBlob(const Blob& blob) {
   Source source{.run_names = blob.Texts("run_names"),
                 .feature_names = blob.Texts("feature_names"),
+                .groups = {},
                 .map_places = TakenPlaces(blob, "map/"),
                 .map_output = Taken<double>(blob, "map/output"),
                 .runs = {},
                 .samples_hash = blob.Text("samples_hash")};
+  for (const std::int64_t end : blob.Get<std::int64_t>("group_end")) {
+    const std::size_t first = source.groups.empty() ? 0 : source.groups.back().end;
+    source.groups.push_back({first, static_cast<std::size_t>(end)});
+  }
   for (const std::int32_t index : blob.Get<std::int32_t>("run_index")) {
     const std::string prefix = PrefixOf(source.runs.size());
     source.runs.push_back({index, TakenPlaces(blob, prefix), Taken<float>(blob, prefix + "output")});

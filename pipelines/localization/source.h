@@ -4,11 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/localization/look.h"
 #include "pipelines/localization/options.h"
 #include "pipelines/localization/place_index.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::localization {
+
+class Learned;
 
 // A run of the samples (schema/FORMAT.md).
 struct Run {
@@ -21,23 +24,29 @@ struct Run {
 struct Source {
   std::vector<std::string> run_names;  // of all runs of the samples
   std::vector<std::string> feature_names;
-  std::vector<Place> map_places;   // training samples
-  std::vector<double> map_output;  // [training samples][features]
+  std::vector<FeatureGroup> groups;  // of each networks input; one where features are hand-made
+  std::vector<Place> map_places;     // training samples
+  std::vector<double> map_output;    // [training samples][features]
   std::vector<Run> runs;
   std::string samples_hash;  // of the samples without truth
 
   std::size_t features() const { return feature_names.size(); }
 
-  // Inputs `samples` and, where there are, `networks`: then the map is that of the networks' training samples
-  // and features are the networks' outputs. Else features are the samples' hand-made ones, and the map is
-  // that of all runs that are not localised in. Throws InputError that names run and row: runs that are not
-  // there or that the networks were trained on, no run to localise in or none for the map, features that are
-  // not there, arrays that do not fit each other, numbers that are not finite or no probabilities, inputs
-  // that are not the networks'.
+  // Inputs `samples` and, where there are, `networks`, `networks_2` and `networks_3`: then the map is that of
+  // the networks' training samples, which must be the same for all, and features are the networks' outputs; a
+  // network's inputs are found among the samples' by their names. Else features are the samples' hand-made
+  // ones, and the map is that of all runs that are not localised in. Throws InputError that names run and
+  // row: runs that are not there or that the networks were trained on, no run to localise in or none for the
+  // map, features that are not there, arrays that do not fit each other, numbers that are not finite or no
+  // probabilities, inputs that are not the networks'.
   static Source Of(const Options& options, const Inputs& inputs);
 
   Blob ToBlob() const;
   static Source FromBlob(const Blob& blob);
+
+ private:
+  void UseNetworks(const Options& options, const Blob& samples, const std::vector<Learned>& learned);
+  void UseHandMade(const Options& options, const Blob& samples);
 };
 
 // Parts of a text between commas, blanks around them cut off; none of an empty one.

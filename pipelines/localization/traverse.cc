@@ -41,6 +41,15 @@ Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& beli
   return step;
 }
 
+// What is sensed at stop number `stop`.
+FeatureGroup LookedAt(const Options& options, const Source& source, const BeliefSpace& space,
+                      const std::vector<double>& map, const std::vector<double>& belief, std::size_t stop) {
+  const std::vector<FeatureGroup>& groups = source.groups;
+  if (groups.size() == 1 || options.look == "all") return {0, source.features()};
+  if (options.look == "turn") return groups[stop % groups.size()];
+  return groups[BestLook(space.places(), belief, map, source.features(), groups)];
+}
+
 [[noreturn]] void Impossible(const Source& source, const Traverse& traverse, const Stop& stop,
                              const char* what) {
   const auto run = static_cast<std::size_t>(source.runs[traverse.run].index);
@@ -93,7 +102,8 @@ Localized Localize(const Options& options, const Source& source, const BeliefSpa
     const auto row = run.output.begin() + static_cast<std::ptrdiff_t>(stop.sample * features);
     std::vector<double> feature(row, row + static_cast<std::ptrdiff_t>(features));
     if (options.sensing == "sampled") feature = Drawn(feature, rng);
-    if (!Sense(Likelihood(map, feature, options.trust), &belief))
+    const FeatureGroup group = LookedAt(options, source, space, map, belief, localized.steps.size() - 1);
+    if (!Sense(Likelihood(map, feature, group, options.trust), &belief))
       Impossible(source, traverse, stop, "what it senses is impossible wherever it may be (prior_count = 0)");
     localized.steps.push_back(StepOf(space, belief));
   }

@@ -14,6 +14,7 @@ Source TwoRuns() {
   Source source;
   source.run_names = {"a", "b"};
   source.feature_names = {"f"};
+  source.groups = {{0, 1}};
   for (const std::int32_t index : {0, 1}) {
     Run run{.index = index, .places = {}, .output = std::vector<float>(100, 0.5F)};
     for (int k = 0; k < 100; ++k) run.places.push_back({0.2 * k, 0.0});

@@ -1,0 +1,56 @@
+// What `cairn reproduce ball` runs: the corridors, trainings and localisations behind the tables and figures
+// of S. Thrun, Bayesian Landmark Learning for Mobile Robot Localization, Machine Learning 33, 1998 ([T98]),
+// on simulated data. A job is one simulated set: three of its runs are trained on, the fourth is tested on.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+#include "schema/job.pb.h"
+
+namespace cairn::datasets {
+
+// How networks are trained: options of landmark_learning beyond `networks` and `window_m`.
+using BallRecipe = std::map<std::string, proto::Value>;
+
+// Adam, rate and weight decay as chosen on seeds below 100.
+BallRecipe DefaultBallRecipe(std::int64_t steps = 500);
+
+struct BallJob {
+  std::string name;  // "d1_101"
+  std::string set;
+  std::uint64_t seed = 0;
+  std::string held_out;  // the run that nothing was trained on: another one from seed to seed
+  Blob samples;          // of all runs, with truth
+  Blob training;         // without that run, without truth
+  proto::Job job;        // its inputs `training` and `samples`
+};
+
+inline const std::vector<double>&
+BallWindows() {  // half-widths, m; the last is global: the corridor's length
+  static const std::vector<double> windows = {1, 2, 5, 10, 50, 89};
+  return windows;
+}
+inline constexpr int kMostBallNetworks = 4;
+inline constexpr double kBallWindowM = 2;  // for which several networks are trained
+
+// "n4_w2", the stage that trains so many networks for a window.
+std::string BallStage(int networks, double window_m);
+
+// The hand-made feature of a set ("door", "light") and what a detector says of it ("door detected").
+std::string PerfectFeature(const std::string& set);
+std::string DetectedFeature(const std::string& set);
+
+// Trainings of one network for each window, of up to four for +-2 m, and of four for +-5 and +-10 m. Then 35
+// robots that know nothing at the start: "locate" by the four for +-2 m, as in the paper, "locate_two" by the
+// four for +-5 m and the four for +-10 m together, "locate_detected" and "locate_perfect" by doors or lights.
+// Of the same seed all sets are of one corridor.
+BallJob MakeBallJob(const std::string& set, std::uint64_t seed, const BallRecipe& recipe);
+
+// The samples of other runs than `run`, truth left out.
+Blob WithoutRun(const Blob& samples, const std::string& run);
+
+}  // namespace cairn::datasets

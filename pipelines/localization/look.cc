@@ -1,0 +1,71 @@
+#include "pipelines/localization/look.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace cairn::localization {
+namespace {
+
+constexpr double kCounted = 1e-3;
+
+// P(f | xi) of one place: prod_i of P(f_i | xi).
+double Probability(const double* ones, std::size_t bits, std::size_t f) {
+  double product = 1.0;
+  for (std::size_t i = 0; i < bits; ++i) product *= (f >> i & 1) != 0 ? ones[i] : 1.0 - ones[i];
+  return product;
+}
+
+// sum over pairs of weight a * weight b * distance
+double PairSum(const std::vector<Place>& places, const std::vector<double>& weight) {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    double row = 0.0;
+    for (std::size_t b = 0; b < a; ++b) row += weight[b] * DistanceM(places[a], places[b]);
+    sum += 2.0 * weight[a] * row;
+  }
+  return sum;
+}
+
+}  // namespace
+
+double ExpectedError(const std::vector<Place>& places, const std::vector<double>& belief,
+                     const std::vector<double>& map, std::size_t features, const FeatureGroup& group) {
+  const double least = kCounted * *std::ranges::max_element(belief);
+  std::vector<Place> counted;
+  std::vector<std::size_t> at;
+  double all = 0.0;
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    if (belief[k] < least) continue;
+    counted.push_back(places[k]);
+    at.push_back(k);
+    all += belief[k];
+  }
+  double error = 0.0;
+  std::vector<double> weight(at.size());
+  for (std::size_t f = 0; f < std::size_t{1} << group.size(); ++f) {
+    double mass = 0.0;  // P(f)
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      weight[k] = belief[at[k]] / all * Probability(&map[at[k] * features + group.first], group.size(), f);
+      mass += weight[k];
+    }
+    if (mass > 0.0) error += PairSum(counted, weight) / mass;  // [T98] eq. 22
+  }
+  return error;
+}
+
+std::size_t BestLook(const std::vector<Place>& places, const std::vector<double>& belief,
+                     const std::vector<double>& map, std::size_t features,
+                     const std::vector<FeatureGroup>& groups) {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const double error = ExpectedError(places, belief, map, features, groups[g]);
+    if (error < least) {
+      least = error;
+      best = g;
+    }
+  }
+  return best;
+}
+
+}  // namespace cairn::localization

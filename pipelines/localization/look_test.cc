@@ -1,0 +1,66 @@
+#include "pipelines/localization/look.h"
+
+#include <gtest/gtest.h>
+
+#include "schema/rng.h"
+
+namespace cairn::localization {
+namespace {
+
+// Four places, 1 m apart, the belief even; a feature that halves them, one that alternates, one that says
+// nothing.
+const std::vector<Place> kPlaces = {{0, 0}, {1, 0}, {2, 0}, {3, 0}};
+const std::vector<double> kEven = {0.25, 0.25, 0.25, 0.25};
+const std::vector<double> kMap = {0, 0, 0.5, 0, 1, 0.5, 1, 0, 0.5, 1, 1, 0.5};
+
+TEST(ExpectedError, IsWhatALookLeavesByHand) {
+  // Nothing learned: the mean distance of two places drawn evenly, 20 / 16.
+  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {2, 3}), 1.25, 1e-12);
+  // Halves: two places 1 m apart.
+  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {0, 1}), 0.5, 1e-12);
+  // Every other place: two places 2 m apart.
+  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {1, 2}), 1.0, 1e-12);
+  // Both name each place.
+  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {0, 2}), 0.0, 1e-12);
+}
+
+// Against the sum of eq. 22 as it stands: truth, feature vector, place.
+TEST(ExpectedError, EqualsTheLiteralSum) {
+  Rng rng(8);
+  std::vector<Place> places;
+  std::vector<double> belief, map;
+  double sum = 0.0;
+  for (int k = 0; k < 7; ++k) {
+    places.push_back({rng.Uniform(0, 9), rng.Uniform(0, 2)});
+    belief.push_back(rng.Uniform(0.1, 1));
+    sum += belief.back();
+    for (int i = 0; i < 3; ++i) map.push_back(rng.Uniform());
+  }
+  for (double& b : belief) b /= sum;
+  const auto probability = [&](std::size_t k, std::size_t f) {
+    double product = 1.0;
+    for (std::size_t i = 0; i < 3; ++i) product *= (f >> i & 1) != 0 ? map[3 * k + i] : 1.0 - map[3 * k + i];
+    return product;
+  };
+  double expected = 0.0;
+  for (std::size_t truth = 0; truth < 7; ++truth) {
+    for (std::size_t f = 0; f < 8; ++f) {
+      double z = 0.0, error = 0.0;
+      for (std::size_t k = 0; k < 7; ++k) {
+        z += belief[k] * probability(k, f);
+        error += belief[k] * probability(k, f) * DistanceM(places[truth], places[k]);
+      }
+      expected += belief[truth] * probability(truth, f) * error / z;
+    }
+  }
+  EXPECT_NEAR(ExpectedError(places, belief, map, 3, {0, 3}), expected, 1e-12);
+}
+
+TEST(BestLook, DependsOnWhatIsBelieved) {
+  const std::vector<FeatureGroup> groups = {{2, 3}, {0, 1}, {1, 2}};
+  EXPECT_EQ(BestLook(kPlaces, kEven, kMap, 3, groups), 1U);
+  EXPECT_EQ(BestLook(kPlaces, {0.5, 0.5, 0.0, 0.0}, kMap, 3, groups), 2U);  // halves say nothing any more
+}
+
+}  // namespace
+}  // namespace cairn::localization

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Table and figures on learned landmarks from one command: all pictures are there, the samples and results beside them
+# give the same numbers by hand, a second call computes nothing anew.
+source "$(dirname "$0")/common.sh"
+
+exits 0 cairn reproduce ball --seeds 1 --seed 7 --steps 30 --out ball --json
+grep -q '</html>' ball/index.html || die "the page is cut off"
+pictures=$(grep -oE 'src="[^"]*"' ball/index.html | cut -d'"' -f2)
+[ "$(wc -w <<<"$pictures")" -eq 6 ] || die "the page does not show six figures"
+for picture in $pictures; do
+  head -c 8 "ball/$picture" | grep -q PNG || die "$picture is no PNG"
+done
+for row in 'doors, lights: detected' 'doors, lights: perfect' 'BaLL, n = 1' 'BaLL, n = 4'; do
+  grep -q "\"$row\"" stdout || die "table 3 lacks '$row'"
+done
+
+# The held-out run is scored, and nothing else.
+exits 0 cairn evaluate ball/results/d2_7/n4_w2.h5 --truth ball/inputs/d2_7.h5
+grep -q 'held out   808 samples of d2 run 4; left out' stdout || die "another run than the one held out was scored"
+exits 0 cairn evaluate ball/results/d2_7/locate.h5 --truth ball/inputs/d2_7.h5
+grep -q 'traverses  35 of d2 run 4; nothing known' stdout || die "35 robots in the held-out run are missing"
+
+before=$(stat -c '%i %Y' ball/results/d1_7/n1_w1.h5)
+exits 0 cairn reproduce ball --seeds 1 --seed 7 --steps 30 --out ball
+[ "$before" = "$(stat -c '%i %Y' ball/results/d1_7/n1_w1.h5)" ] || die "a finished result was computed again"
+refuses 'force' cairn reproduce ball --seeds 1 --seed 7 --steps 31 --out ball
+refuses 'seeds' cairn reproduce ball --seeds 0 --out ball
