@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "datasets/array_text.h"
 #include "datasets/corridor/camera.h"
+#include "datasets/corridor/change.h"
 #include "datasets/corridor/contact_sheet.h"
 #include "datasets/corridor/detectors.h"
 #include "datasets/corridor/sonar.h"
@@ -22,10 +24,11 @@ using corridor::Look, corridor::Snapshot;
 // from substreams, so that one does not change the other.
 constexpr std::uint64_t kWorldStream = 0;
 constexpr std::uint32_t kRunSubstream = 0, kCameraSubstream = 1, kSonarSubstream = 2, kLabelSubstream = 3;
-constexpr int kMostRuns = 64;
+constexpr std::uint32_t kChangeSubstream = 1;  // of the world's
+constexpr int kMostRuns = 64, kSets = 3;
 
 // A door, a light, is in view where it fills so much of the image.
-constexpr double kDoorInView = 0.10, kLightInView = 0.05;
+constexpr double kDoorInView = 0.04, kLightInView = 0.003;
 // Labels come from tracking: their error changes slowly, by e^-1 within so much of the way.
 constexpr double kLabelAlongM = 3;
 constexpr double kLabelHeadingRad = std::numbers::pi / 180;
@@ -58,9 +61,9 @@ class SlowError {
 void AddPoses(const std::vector<Snapshot>& snapshots, double label_error_m, Rng rng, SampleRun* run) {
   SlowError x(label_error_m, rng), y(label_error_m, rng),
       heading(label_error_m > 0 ? kLabelHeadingRad : 0, rng);
-  double last_m = 0;
+  double last_m = snapshots.front().pose.x_m;
   for (const Snapshot& snapshot : snapshots) {
-    const double way_m = snapshot.pose.x_m - last_m;
+    const double way_m = std::abs(snapshot.pose.x_m - last_m);
     last_m = snapshot.pose.x_m;
     run->time_s.push_back(snapshot.time_s);
     run->true_x_m.push_back(snapshot.pose.x_m);
@@ -87,25 +90,28 @@ void AddImage(const corridor::RgbImage& image, bool as_it_is, SampleRun* run) {
 // The bit that is true, and what the detector makes of image and sonars.
 void AddFeatures(const corridor::View& view, const std::vector<float>& ranges, Look look, SampleRun* run) {
   const bool light = look == Look::kCeiling;
-  const double side_range_m = ranges[look == Look::kOuter ? kSonars / 4 : 3 * kSonars / 4];
-  const bool in_view = light ? view.lamp_share >= kLightInView : view.door_share >= kDoorInView;
+  const std::size_t side = look == Look::kOuter ? kSonars / 4 : 3 * kSonars / 4;
+  const auto side_ranges_m = std::span(ranges).subspan(side - 1, 3);
+  const bool in_view = light ? view.light_share >= kLightInView : view.door_share >= kDoorInView;
   const bool detected =
-      light ? corridor::DetectLight(view.image) : corridor::DetectDoor(view.image, side_range_m);
+      light ? corridor::DetectLight(view.image) : corridor::DetectDoor(view.image, side_ranges_m);
   run->feature.push_back(in_view ? 1 : 0);
   run->feature.push_back(detected ? 1 : 0);
 }
 
 SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOptions& options, Look look,
                       int number, std::vector<CorridorPicture>* pictures) {
-  const std::uint64_t stream =
-      1 + static_cast<std::uint64_t>(look) * kMostRuns + static_cast<std::uint64_t>(number);
+  const bool back = options.both_ways && number % 2 == 1;
+  const std::uint64_t set = static_cast<std::uint64_t>(look) + (options.changed > 0 ? kSets : 0);
+  const std::uint64_t stream = 1 + set * kMostRuns + static_cast<std::uint64_t>(number);
   Rng run_rng(options.seed, stream, kRunSubstream), camera_rng(options.seed, stream, kCameraSubstream),
       sonar_rng(options.seed, stream, kSonarSubstream);
-  const corridor::Run drive = corridor::DrawRun(world, options.snapshots, run_rng);
+  const corridor::Run drive = corridor::DrawRun(world, options.snapshots, back, run_rng);
   const corridor::Scene scene(world, drive);
   const corridor::Shade shade(scene);
   SampleRun run;
-  run.name = options.set + " run " + std::to_string(number + 1);
+  run.name = options.set + (options.changed > 0 ? " changed" : "") + " run " + std::to_string(number + 1) +
+             (back ? " back" : "");
   std::vector<corridor::RgbImage> shown;
   for (const Snapshot& snapshot : drive.snapshots) {
     const corridor::View view = TakeImage(scene, shade, snapshot, look, camera_rng);
@@ -113,7 +119,7 @@ SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOption
     AddImage(view.image, options.images, &run);
     run.input.insert(run.input.end(), ranges.begin(), ranges.end());
     AddFeatures(view, ranges, look, &run);
-    if (pictures != nullptr && snapshot.pose.x_m >= static_cast<double>(shown.size()))
+    if (pictures != nullptr && snapshot.time_s * corridor::kSpeedMps >= static_cast<double>(shown.size()))
       shown.push_back(view.image);
   }
   AddPoses(drive.snapshots, options.label_error_m, Rng(options.seed, stream, kLabelSubstream), &run);
@@ -134,8 +140,11 @@ Blob SimulateCorridor(const SimulateCorridorOptions& options, std::vector<Corrid
   CheckRange("snapshots", options.snapshots, 2, 100000);
   CheckRange("length_m", options.length_m, 30.0, 1000.0);
   CheckRange("label_error_m", options.label_error_m, 0.0, 5.0);
+  CheckRange("changed", options.changed, 0.0, 1.0);
   Rng world_rng(options.seed, kWorldStream);
-  const corridor::World world = corridor::DrawWorld(options.length_m, world_rng);
+  corridor::World world = corridor::DrawWorld(options.length_m, world_rng);
+  Rng change_rng(options.seed, kWorldStream, kChangeSubstream);
+  if (options.changed > 0) corridor::ChangeWorld(options.changed, &world, change_rng);
   Samples samples;
   if (!options.images) samples.input_name = corridor::BandFeatureNames();
   for (int beam = 0; beam < kSonars; ++beam) samples.input_name.push_back("sonar " + std::to_string(beam));

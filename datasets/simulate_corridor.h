@@ -20,7 +20,9 @@ struct SimulateCorridorOptions {
   double length_m = 89;        // 30 to 1,000
   double label_error_m = 0.1;  // of x_m, and of y_m: standard deviation, 0 to 5
   std::uint64_t seed = 1;
-  bool images = false;  // the images instead of their features
+  bool images = false;     // the images instead of their features
+  bool both_ways = false;  // every other run comes back from the far end, the camera on the robot's same side
+  double changed = 0;      // share of what hangs, stands or is painted that was changed since: 0 to 1
 };
 
 // A PNG of images along a run.
@@ -29,11 +31,10 @@ struct CorridorPicture {
 };
 
 // Kind `samples` (schema/FORMAT.md): 140 image features ([T98] section 5.1.3) and 24 sonars; two hand-made
-// features, what is truly in view
-// ("door" or "light") and what a detector says ("door detected" …); true poses. The corridor depends on seed
-// and length alone, so that the sets of a seed are of one corridor; a run on those, on the set and its
-// number. `pictures`, where it is not null, gets one for each run: an image a metre. Throws InputError for
-// what is out of range.
+// features, what is truly in view ("door" or "light") and what a detector says ("door detected" …); true
+// poses. The corridor depends on seed and length alone, so that the sets of a seed are of one corridor; a run
+// on those, on the set, its number and whether anything has changed. `pictures`, where it is not null, gets
+// one for each run: an image a metre. Throws InputError for what is out of range.
 Blob SimulateCorridor(const SimulateCorridorOptions& options,
                       std::vector<CorridorPicture>* pictures = nullptr);
 

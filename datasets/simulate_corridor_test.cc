@@ -84,6 +84,39 @@ TEST(SimulateCorridor, LabelsErrAsStated) {
   EXPECT_TRUE(std::ranges::equal(exact.Get<double>("run/0/x_m"), exact.Get<double>("truth/run/0/x_m")));
 }
 
+TEST(SimulateCorridor, ComesBackOnTheOtherSide) {
+  SimulateCorridorOptions both = Small("d1");
+  both.both_ways = true;
+  const Blob there = SimulateCorridor(Small("d1")), back = SimulateCorridor(both);
+  EXPECT_EQ(back.Sub("run/0/").ContentHash(), there.Sub("run/0/").ContentHash());
+  EXPECT_EQ(back.Texts("runs")[1], "d1 run 2 back");
+  const auto x = there.Get<double>("truth/run/1/x_m"), x_back = back.Get<double>("truth/run/1/x_m");
+  const auto y = there.Get<double>("truth/run/1/y_m"), y_back = back.Get<double>("truth/run/1/y_m");
+  const auto heading = there.Get<double>("truth/run/1/heading_rad"),
+             heading_back = back.Get<double>("truth/run/1/heading_rad");
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    EXPECT_EQ(x_back[k], 40 - x[k]);
+    EXPECT_EQ(y_back[k], -y[k]);
+    EXPECT_NEAR(std::cos(heading_back[k]), -std::cos(heading[k]), 1e-12);
+  }
+  EXPECT_NE(back.Sub("run/1/").ContentHash(), there.Sub("run/1/").ContentHash());
+}
+
+TEST(SimulateCorridor, ChangesWhatItIsTold) {
+  SimulateCorridorOptions changed = Small("d1");
+  changed.changed = 0.5;
+  const Blob before = SimulateCorridor(Small("d1")), after = SimulateCorridor(changed);
+  EXPECT_EQ(after.Texts("runs")[0], "d1 changed run 1");
+  EXPECT_NE(after.Sub("run/0/").ContentHash(), before.Sub("run/0/").ContentHash());
+  changed.changed = 0;
+  EXPECT_EQ(SimulateCorridor(changed).ContentHash(), before.ContentHash());
+  // Doors are where they were: they come into view at the same places, but for headings and people.
+  const auto door = before.Get<float>("run/0/feature"), door_after = after.Get<float>("run/1/feature");
+  int alike = 0;
+  for (std::size_t k = 0; k < door.size(); k += 2) alike += door[k] == door_after[k] ? 1 : 0;
+  EXPECT_GE(alike, 48);  // of 60
+}
+
 TEST(SimulateCorridor, ShowsEachRun) {
   std::vector<CorridorPicture> pictures;
   SimulateCorridor(Small("d2"), &pictures);
@@ -103,6 +136,7 @@ TEST(SimulateCorridor, RefusesWhatIsOutOfRange) {
   ExpectContains(failure([](auto& o) { o.snapshots = 1; }), "snapshots is 1; allowed is 2 to 100000");
   ExpectContains(failure([](auto& o) { o.length_m = 10; }), "length_m is 10");
   ExpectContains(failure([](auto& o) { o.label_error_m = -1; }), "label_error_m is -1");
+  ExpectContains(failure([](auto& o) { o.changed = 1.5; }), "changed is 1.5; allowed is 0 to 1");
   ExpectContains(failure([](auto& o) { o.length_m = std::nan(""); }), "length_m is nan");
 }
 

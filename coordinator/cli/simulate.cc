@@ -87,6 +87,12 @@ void AddCorridor(CLI::App* simulate, Invocation& call) {
   app->add_option("--seed", corridor.seed, "Same seed, same corridor and runs")
       ->check(CheckSeed)
       ->capture_default_str();
+  app->add_flag("--both-ways", corridor.both_ways,
+                "Every other run comes back; the camera then points at the other wall");
+  app->add_option("--changed", corridor.changed,
+                  "Share of posters, boards, doors' paint and bins that others have replaced since")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   app->add_flag("--images", corridor.images,
                 "The images themselves instead of 140 inputs (for image_features)");
   app->add_option("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");

@@ -14,7 +14,7 @@ inline constexpr double kCameraHeightM = 1.1;
 
 struct View {
   RgbImage image;
-  double door_share = 0, lamp_share = 0;  // of the image: what it truly shows
+  double door_share = 0, light_share = 0;  // of the image: what it truly shows
 };
 
 View TakeImage(const Scene& scene, const Shade& shade, const Snapshot& snapshot, Look look, Rng& rng);

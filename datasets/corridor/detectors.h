@@ -8,8 +8,8 @@
 
 namespace cairn::datasets::corridor {
 
-// The camera points at a wall. `side_range_m`: of the sonar that points the same way.
-bool DetectDoor(const RgbImage& image, double side_range_m);
+// The camera points at a wall. `side_ranges_m`: of the sonars that point the same way.
+bool DetectDoor(const RgbImage& image, std::span<const float> side_ranges_m);
 
 // The camera points at the ceiling.
 bool DetectLight(const RgbImage& image);

@@ -8,6 +8,7 @@ namespace cairn::datasets::corridor {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
+constexpr double kLampFails = 0.06;       // share of the lamps that are off
 constexpr double kMeetingSpacingM = 6;    // of people who walk, along the robot's way
 constexpr double kStandingSpacingM = 25;  // of those who stand and talk
 constexpr double kWanderM = 0.10,
@@ -100,15 +101,28 @@ void Drive(double length_m, int snapshots, const std::vector<Swerve>& swerves, R
   }
 }
 
+// What was drawn for a drive from the near end, seen from the far one.
+void TurnRound(double length_m, Run* run) {
+  for (Snapshot& snapshot : run->snapshots) {
+    const PoseM pose = snapshot.pose;
+    snapshot.pose = {length_m - pose.x_m, -pose.y_m, WrapAngle(pose.heading_rad + std::numbers::pi)};
+  }
+  for (Person& person : run->people) {
+    person.x_m = length_m - person.x_m;
+    person.y_m = -person.y_m;
+    person.speed_mps = -person.speed_mps;
+  }
+}
+
 }  // namespace
 
-Run DrawRun(const World& world, int snapshots, Rng& rng) {
+Run DrawRun(const World& world, int snapshots, bool back, Rng& rng) {
   Run run;
   for (const Side side : {kOuter, kInner}) {
     for (const Opening& opening : world.walls[side].openings)
       run.open[side].push_back(rng.Uniform() < opening.open_ratio);
   }
-  for (std::size_t i = 0; i < world.lamps.size(); ++i) run.lamp_on.push_back(rng.Uniform() > 0.03);
+  for (std::size_t i = 0; i < world.lamps.size(); ++i) run.lamp_on.push_back(rng.Uniform() > kLampFails);
   run.bins = world.bins;
   for (Bin& bin : run.bins) bin.x_m += 0.12 * rng.Normal();
   run.brightness = rng.Uniform(0.85, 1.15);
@@ -118,6 +132,7 @@ Run DrawRun(const World& world, int snapshots, Rng& rng) {
   std::vector<Swerve> swerves;
   DrawPeople(world.length_m, &run, &swerves, rng);
   Drive(world.length_m, snapshots, swerves, &run, rng);
+  if (back) TurnRound(world.length_m, &run);
   return run;
 }
 

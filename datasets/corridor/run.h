@@ -34,7 +34,8 @@ struct Run {
   std::vector<Snapshot> snapshots;
 };
 
-// Snapshots are taken at even times, over the whole length. `snapshots`: at least 2.
-Run DrawRun(const World& world, int snapshots, Rng& rng);
+// Snapshots are taken at even times, over the whole length. `snapshots`: at least 2. `back`: it comes from
+// the far end.
+Run DrawRun(const World& world, int snapshots, bool back, Rng& rng);
 
 }  // namespace cairn::datasets::corridor

@@ -45,8 +45,11 @@ double ReachPillar(const Vec3& from, const Vec3& direction, const Pillar& pillar
   const double c = dx * dx + dy * dy - pillar.radius_m * pillar.radius_m;
   const double root = b * b - a * c;
   if (a < kNear || root < 0 || c < 0) return kFar;
-  const double distance = (-b - std::sqrt(root)) / a;
-  return distance > kNear && from.z + distance * direction.z < pillar.height_m ? distance : kFar;
+  const double near = (-b - std::sqrt(root)) / a, far = (-b + std::sqrt(root)) / a;
+  if (near > kNear && from.z + near * direction.z < pillar.height_m) return near;
+  // Over its edge and down onto its top.
+  const double top = Reach(from.z, direction.z, pillar.height_m);
+  return direction.z < 0 && top > near && top < far ? top : kFar;
 }
 
 }  // namespace

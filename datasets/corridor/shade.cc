@@ -61,7 +61,7 @@ Shade::Shade(const Scene& scene) : scene_(&scene) {
       const double d = x - (panel.x0_m + panel.x1_m) / 2;
       if (panel.kind == PanelKind::kWindow) day += std::exp(-std::abs(d) / 2.5);
     }
-    light_.push_back(run.brightness * (0.38 + 0.52 * lamps + 0.6 * run.daylight * day));
+    light_.push_back(run.brightness * (0.5 + 0.7 * lamps + 0.7 * run.daylight * day));
   }
 }
 
@@ -132,13 +132,15 @@ Rgb Shade::Within(const Hit& hit) const {
 int Shade::LampAt(const Vec3& at) const {
   if (std::abs(at.y) > kLampWidthM / 2) return -1;
   const std::vector<Lamp>& lamps = scene_->world().lamps;
-  for (std::size_t i = 0; i < lamps.size(); ++i) {
-    if (std::abs(at.x - lamps[i].x_m) <= kLampLengthM / 2) return static_cast<int>(i);
-  }
-  return -1;
+  const auto lamp = std::ranges::lower_bound(lamps, at.x - kLampLengthM / 2, {}, &Lamp::x_m);
+  return lamp != lamps.end() && lamp->x_m <= at.x + kLampLengthM / 2 ? static_cast<int>(lamp - lamps.begin())
+                                                                     : -1;
 }
 
-bool Shade::IsLamp(const Vec3& at) const { return LampAt(at) >= 0; }
+bool Shade::IsLight(const Vec3& at) const {
+  const int lamp = LampAt(at);
+  return lamp >= 0 && scene_->run().lamp_on[static_cast<std::size_t>(lamp)];
+}
 
 Rgb Shade::Ceiling(const Vec3& at) const {
   const World& world = scene_->world();
@@ -150,10 +152,11 @@ Rgb Shade::Ceiling(const Vec3& at) const {
   const auto to_joint = [](double u) { return std::abs(u / kTileM - std::round(u / kTileM)) * kTileM; };
   Rgb colour = to_joint(at.x) < 0.012 || to_joint(at.y + kTileM / 2) < 0.012 ? Rgb{0.5, 0.5, 0.48}
                                                                              : Rgb{0.80, 0.79, 0.75};
-  for (const Tile& tile : world.tiles) {
-    if (std::abs(at.x - tile.x_m) > kTileM / 2 || std::abs(at.y - tile.y_m) > kTileM / 2) continue;
-    const bool slot = tile.grille && std::fmod(at.x + 100, 0.1) < 0.05;
-    colour = slot ? Rgb{0.15, 0.15, 0.15} : tile.colour;
+  auto tile = std::ranges::lower_bound(world.tiles, at.x - kTileM / 2, {}, &Tile::x_m);
+  for (; tile != world.tiles.end() && tile->x_m <= at.x + kTileM / 2; ++tile) {
+    if (std::abs(at.y - tile->y_m) > kTileM / 2) continue;
+    const bool slot = tile->grille && std::fmod(at.x + 100, 0.1) < 0.05;
+    colour = slot ? Rgb{0.15, 0.15, 0.15} : tile->colour;
   }
   // The light that walls throw back.
   for (const Side side : {kOuter, kInner}) {

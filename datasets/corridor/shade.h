@@ -13,8 +13,8 @@ class Shade {
 
   // As the camera gets it, before noise; may be above 1.
   Rgb operator()(const Hit& hit) const;
-  // Whether a point of the ceiling is of a lamp's panel, lit or not.
-  bool IsLamp(const Vec3& at) const;
+  // Whether a point of the ceiling is of a lamp that is on.
+  bool IsLight(const Vec3& at) const;
 
  private:
   double LightAt(double x_m) const;

@@ -7,8 +7,9 @@ namespace cairn::datasets::corridor {
 namespace {
 
 // Spacings and shares that were tuned until doors and lights localise as [T98] reports (docs/corridor.md).
-constexpr double kOuterDoorM = 0.95, kInnerDoorM = 1.9;
-constexpr double kOuterSpacingM = 4.6, kInnerSpacingM = 17;
+constexpr double kOuterDoorM = 0.95, kInnerDoorM = 1.7;
+constexpr double kBareShare = 0.10, kOfficeSpacingM = 3.2;
+constexpr double kInnerSpacingM = 44, kInnerPairM = 7.5;
 constexpr double kLampSpacingM = 5;
 
 constexpr Rgb kDoorPaint{0.30, 0.36, 0.47}, kDoorWood{0.36, 0.22, 0.13};
@@ -40,16 +41,23 @@ void AddDoor(double middle_m, double width_m, Wall* wall, Rng& rng) {
   if (IsFree(*wall, door.x0_m, door.x1_m, 0.3)) wall->openings.push_back(door);
 }
 
-// A double door is two.
+// Offices, door by door, but for a stretch at one end that has none.
 void AddOuterDoors(double length_m, Wall* wall, Rng& rng) {
-  for (double x = rng.Uniform(4.5, 7); x < length_m - 4.5; x += kOuterSpacingM * rng.Uniform(0.6, 1.4))
+  const double bare_m = kBareShare * length_m;
+  const bool bare_first = rng.Uniform() < 0.5;
+  const double from = bare_first ? bare_m : 4.5, to = length_m - (bare_first ? 4.5 : bare_m);
+  for (double x = from + rng.Uniform(0, 2); x < to; x += kOfficeSpacingM * rng.Uniform(0.6, 1.4))
     AddDoor(x, kOuterDoorM, wall, rng);
 }
 
+// Of large rooms, of which most have two.
 void AddInnerDoors(double length_m, Wall* wall, Rng& rng) {
-  const int doors = std::max(1, static_cast<int>(std::lround(length_m / kInnerSpacingM)));
-  for (int i = 0; i < doors; ++i)
-    AddDoor(length_m * (i + 0.5 + rng.Uniform(-0.2, 0.2)) / doors, kInnerDoorM, wall, rng);
+  const int rooms = std::max(1, static_cast<int>(std::lround(length_m / kInnerSpacingM)));
+  for (int i = 0; i < rooms; ++i) {
+    const double middle = length_m * (i + 0.5 + rng.Uniform(-0.15, 0.15)) / rooms;
+    AddDoor(middle - kInnerPairM / 2, kInnerDoorM, wall, rng);
+    if (rng.Uniform() < 0.9) AddDoor(middle + kInnerPairM / 2, kInnerDoorM, wall, rng);
+  }
 }
 
 void AddInnerOpenings(double length_m, Wall* wall, Rng& rng) {
@@ -132,6 +140,7 @@ void HangLamps(World* world, Rng& rng) {
     Lamp& lamp = world->lamps[1 + rng.Below(world->lamps.size() - 2)];
     lamp.x_m += (rng.Uniform() < 0.5 ? -1 : 1) * rng.Uniform(0.9, 1.5);
   }
+  std::ranges::sort(world->lamps, {}, &Lamp::x_m);
 }
 
 void LayTiles(World* world, Rng& rng) {
@@ -143,6 +152,7 @@ void LayTiles(World* world, Rng& rng) {
     const Rgb stained = Vary({0.70, 0.66, 0.56}, 0.12, rng);
     world->tiles.push_back({x, y, grille ? Rgb{0.52, 0.53, 0.54} : stained, grille});
   }
+  std::ranges::sort(world->tiles, {}, &Tile::x_m);
 }
 
 void PlaceBins(World* world, Rng& rng) {

@@ -78,7 +78,7 @@ struct Bin {
 struct World {
   double length_m = 0;
   std::array<Wall, 2> walls;  // by Side
-  std::vector<Lamp> lamps;
+  std::vector<Lamp> lamps;    // by x_m, as are the tiles
   std::vector<Tile> tiles;
   std::vector<Bin> bins;
   std::uint32_t texture = 0;

@@ -142,6 +142,7 @@ refuses 'snapshots.*0' cairn simulate corridor --snapshots 0 no.h5
 refuses 'runs.*0' cairn simulate corridor --runs 0 no.h5
 refuses 'length-m.*5' cairn simulate corridor --length-m 5 no.h5
 refuses 'label-error-m.*-1' cairn simulate corridor --label-error-m -1 no.h5
+refuses 'changed.*2' cairn simulate corridor --changed 2 no.h5
 refuses "no folder 'nowhere'" cairn simulate corridor --pictures nowhere no.h5
 refuses 'there already' cairn simulate corridor log.h5
 [ ! -e no.h5 ] || die "a simulation that was refused left a file"
