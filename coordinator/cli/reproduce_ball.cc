@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -13,7 +13,9 @@
 #include "coordinator/cli/reproduce.h"
 #include "coordinator/cli/scalar.h"
 #include "coordinator/cli/stop_signal.h"
+#include "datasets/reproduce/ball_active.h"
 #include "datasets/reproduce/ball_figures.h"
+#include "datasets/reproduce/ball_variants.h"
 #include "datasets/simulate_corridor.h"
 #include "schema/store/blob_file.h"
 
@@ -24,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string out = "reproduce-ball";
+  std::string study = "paper";
   std::uint64_t seed = 101;
   int seeds = 3;
   int steps = 500;
@@ -32,51 +35,42 @@ struct Options {
   bool json = false;
 };
 
-// One simulated set: its job, and what it found. A failure is told by `run`.
-struct Outcome {
-  coordinator::EmbeddedResult run;
-  std::optional<datasets::BallScores> scores;
+using Results = std::map<std::string, Blob>;
+
+// A study's jobs: how number k is made, and what becomes of its results. Both run on several threads at once.
+struct Study {
+  std::size_t jobs = 0;
+  std::function<datasets::BallJob(std::size_t k)> make;
+  std::function<void(std::size_t k, const datasets::BallJob&, const Results&)> score;
 };
 
-// Sets and seeds are jobs of their own, as many side by side as there are workers: a training's rounds follow
-// one another, and one corridor's have nothing to wait for in another's.
-class Study {
+// Jobs run side by side, as many as there are workers: a training's rounds follow one another, and one
+// corridor's have nothing to wait for in another's.
+class StudyRun {
  public:
-  Study(const Options& options, const Invocation& call)
-      : options_(options), console_(call), stop_(StopOnSignals()) {
-    for (int k = 0; k < options.seeds; ++k) {
-      for (const std::string& set : datasets::CorridorSets())
-        items_.push_back({set, options.seed + static_cast<std::uint64_t>(k)});
-    }
-    outcomes_.resize(items_.size());
-  }
+  StudyRun(const Options& options, const Invocation& call, const Study& study)
+      : options_(options), study_(study), console_(call), stop_(StopOnSignals()) {}
 
-  // False once one failed; what, is in outcomes().
-  void Run() {
-    const std::size_t side_by_side = std::min(items_.size(), static_cast<std::size_t>(options_.workers));
+  // What the first job that is not done says of it; nothing where all are done and scored.
+  std::optional<coordinator::EmbeddedResult> Run() {
+    const std::size_t side_by_side = std::min(study_.jobs, static_cast<std::size_t>(options_.workers));
     workers_each_ = options_.workers / static_cast<int>(side_by_side);
     std::vector<std::thread> threads;
     for (std::size_t t = 0; t < side_by_side; ++t) threads.emplace_back([this] { Work(); });
     for (std::thread& thread : threads) thread.join();
     console_.Clear();
     if (failure_) std::rethrow_exception(failure_);
+    if (stop_ && !undone_) undone_.emplace().end = coordinator::EmbeddedEnd::kStopped;
+    return undone_;
   }
 
-  const std::vector<Outcome>& outcomes() const { return outcomes_; }
-
  private:
-  struct Item {
-    std::string set;
-    std::uint64_t seed;
-  };
-
   void Work() {
     while (!stop_ && !failed_) {
       const std::size_t next = next_++;
-      if (next >= items_.size()) return;
+      if (next >= study_.jobs) return;
       try {
-        outcomes_[next] = RunItem(items_[next]);
-        if (!outcomes_[next].scores) failed_ = true;
+        RunJob(next);
       } catch (...) {
         const std::lock_guard lock(mutex_);
         failure_ = std::current_exception();
@@ -85,9 +79,8 @@ class Study {
     }
   }
 
-  Outcome RunItem(const Item& item) {
-    const datasets::BallJob ball =
-        datasets::MakeBallJob(item.set, item.seed, datasets::DefaultBallRecipe(options_.steps));
+  void RunJob(std::size_t k) {
+    const datasets::BallJob ball = study_.make(k);
     coordinator::EmbeddedOptions embedded;
     embedded.dir = (fs::path(options_.out) / "results" / ball.name).string();
     embedded.workers = workers_each_;
@@ -97,63 +90,126 @@ class Study {
       const std::lock_guard lock(mutex_);
       console_.Log(severity, line);
     };
-    const std::map<std::string, BlobPtr> inputs = {
-        {"samples", std::make_shared<const Blob>(ball.samples.Without("truth/"))},
-        {"training", std::make_shared<const Blob>(ball.training)}};
-    Outcome outcome;
-    outcome.run = coordinator::RunEmbedded(
+    std::map<std::string, BlobPtr> inputs;
+    for (const auto& [name, path] : ball.job.inputs())
+      inputs[name] = std::make_shared<const Blob>(ball.inputs.at(name).Without("truth/"));
+    const coordinator::EmbeddedResult run = coordinator::RunEmbedded(
         embedded, ball.job, inputs,
         [this](const coordinator::EmbeddedProgress& progress) {
           const std::lock_guard lock(mutex_);
           console_.Progress(progress.info);
         },
         stop_);
-    if (!IsDone(outcome.run)) return outcome;
-    WriteInputs(ball);
-    outcome.scores = ScoreBallJob(ball, ReadResults(outcome.run));
-    return outcome;
+    if (IsDone(run)) {
+      WriteInputs(ball);
+      study_.score(k, ball, ReadResults(run));
+      return;
+    }
+    const std::lock_guard lock(mutex_);
+    failed_ = true;
+    if (!undone_) undone_ = run;
   }
 
   // Beside the results, so that each can be made again by hand.
   void WriteInputs(const datasets::BallJob& ball) const {
     const fs::path folder = fs::path(options_.out) / "inputs";
     fs::create_directories(folder);
-    Check(WriteBlobFile((folder / (ball.name + ".h5")).string(), "samples", ball.samples));
-    Check(WriteBlobFile((folder / (ball.name + "_training.h5")).string(), "samples", ball.training));
+    for (const auto& [name, blob] : ball.inputs) {
+      const std::string file = ball.name + "_" + name + ".h5";
+      Check(WriteBlobFile((folder / file).string(), "samples", blob));
+    }
   }
 
   const Options& options_;
+  const Study& study_;
   Console console_;
   const std::atomic<bool>& stop_;
-  std::vector<Item> items_;
-  std::vector<Outcome> outcomes_;  // of each item
   int workers_each_ = 1;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> failed_{false};
-  std::mutex mutex_;  // of the console and the failure
+  std::mutex mutex_;  // of all below, and of the console
+  std::optional<coordinator::EmbeddedResult> undone_;
   std::exception_ptr failure_;
 };
 
-int Ball(const Options& options, const Invocation& call) {
-  Study study(options, call);
-  study.Run();
-  std::vector<datasets::BallScores> scores;
-  for (const Outcome& outcome : study.outcomes()) {
-    if (!outcome.scores) continue;
-    scores.push_back(*outcome.scores);
-  }
-  for (const Outcome& outcome : study.outcomes()) {
-    if (!outcome.scores && (!outcome.run.reason.empty() || StopOnSignals()))
-      return ExplainUndone(outcome.run);
-  }
+// Number k of the jobs for each set of each seed.
+struct SetAndSeed {
+  SetAndSeed(const Options& options, std::size_t k)
+      : set(datasets::CorridorSets()[k % 3]), seed(options.seed + k / 3) {}
+  std::string set;
+  std::uint64_t seed;
+};
+
+// Runs a study, then makes and shows its figures of the scores.
+template <class Scores, class Make, class Score, class Figures>
+int RunStudy(const Options& options, const Invocation& call, std::size_t jobs, const Make& make,
+             const Score& score, const Figures& figures) {
+  std::vector<Scores> scores(jobs);
+  Study study{jobs, make, [&](std::size_t k, const datasets::BallJob& ball, const Results& results) {
+                scores[k] = score(ball, results);
+              }};
+  if (const auto undone = StudyRun(options, call, study).Run()) return ExplainUndone(*undone);
+  const std::uint64_t last = options.seed + static_cast<std::uint64_t>(options.seeds) - 1;
   PublishPage(options.out, "Bayesian landmark learning for mobile robot localization",
-              "The tables and figures of Thrun (Machine Learning 33, 1998) from simulated corridors: seeds " +
-                  std::to_string(options.seed) + " to " +
-                  std::to_string(options.seed + static_cast<std::uint64_t>(options.seeds) - 1) +
+              "From simulated corridors, after Thrun (Machine Learning 33, 1998): seeds " +
+                  std::to_string(options.seed) + " to " + std::to_string(last) +
                   ", each another corridor; trained on three runs, tested on the fourth. Intervals are 95% "
                   "over seeds.",
-              datasets::BallFigures(scores), options.json);
+              figures(scores), options.json);
   return kExitDone;
+}
+
+int Paper(const Options& options, const Invocation& call) {
+  return RunStudy<datasets::BallScores>(
+      options, call, 3 * static_cast<std::size_t>(options.seeds),
+      [&](std::size_t k) {
+        const SetAndSeed at(options, k);
+        return datasets::MakeBallJob(at.set, at.seed, datasets::DefaultBallRecipe(options.steps));
+      },
+      datasets::ScoreBallJob, datasets::BallFigures);
+}
+
+int Variants(const Options& options, const Invocation& call) {
+  const bool sensors = options.study == "sensors";
+  const auto variants = sensors ? datasets::SensorVariants() : datasets::WayVariants(options.steps);
+  const datasets::PaperFigure figure{
+      .file = {},
+      .title = sensors ? "Section 7: sensor selection, n = 4, +-2 m"
+                       : "Section 5.1.4: ways to train and hidden units, n = 4, +-2 m",
+      .claim = sensors
+                   ? "The Bayesian localisation error of different sensors says which work best."
+                   : "The unmodified algorithm gave statistically indistinguishable results; so did other "
+                     "network structures, as long as there were at least four hidden units.",
+      .measured =
+          "four networks each, trained and tested at +-2 m; 'less': than the first row in the same corridor.",
+      .png = {}};
+  return RunStudy<datasets::VariantScores>(
+      options, call, 3 * static_cast<std::size_t>(options.seeds),
+      [&](std::size_t k) {
+        const SetAndSeed at(options, k);
+        return datasets::MakeVariantJob(options.study, at.set, at.seed,
+                                        datasets::DefaultBallRecipe(options.steps), variants);
+      },
+      [&](const datasets::BallJob& ball, const Results& results) {
+        return ScoreVariantJob(ball, variants, results);
+      },
+      [&](const std::vector<datasets::VariantScores>& scores) {
+        return std::vector{VariantFigure(figure, variants, scores, !sensors)};
+      });
+}
+
+int Active(const Options& options, const Invocation& call) {
+  return RunStudy<datasets::ActiveScores>(
+      options, call, static_cast<std::size_t>(options.seeds),
+      [&](std::size_t k) {
+        return datasets::MakeActiveJob(options.seed + k, datasets::DefaultBallRecipe(options.steps));
+      },
+      datasets::ScoreActiveJob, datasets::ActiveFigures);
+}
+
+int Ball(const Options& options, const Invocation& call) {
+  if (options.study == "paper") return Paper(options, call);
+  return options.study == "active" ? Active(options, call) : Variants(options, call);
 }
 
 }  // namespace
@@ -163,6 +219,12 @@ void AddReproduceBall(CLI::App& reproduce, Invocation& call) {
   const auto options = AddCommand<Options>(
       reproduce, call, "ball", "Table 3 and figures 3 to 8 on learned landmarks, from simulated corridors",
       "cairn reproduce ball --seeds 5 --out ball", Ball, &ball);
+  ball->add_option(
+          "--study", options->study,
+          "paper: its table and figures; sensors: error reduction without each group of sensors; active: "
+          "a camera that is pointed where it pays; ways: ways to train and hidden units")
+      ->check(CLI::IsMember({"paper", "sensors", "active", "ways"}))
+      ->capture_default_str();
   ball->add_option("--out", options->out,
                    "Folder of page, pictures, samples (inputs/) and results (results/)")
       ->capture_default_str();

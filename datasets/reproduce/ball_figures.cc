@@ -232,7 +232,7 @@ class Figures {
         .measured = {},
         .png = {}};
     figure.table.head = {"mean error [m] after"};
-    const std::vector<std::size_t> shown = {0, 4, 8, 19, 30, 40, 60};
+    const std::vector<std::size_t> shown = {0, 4, 8, 19, 30, 40, 56};
     for (const std::size_t k : shown)
       figure.table.head.push_back(Say("%.1f m", 0.5 * static_cast<double>(k)));
     figure.table.head.emplace_back("below 1 m after");

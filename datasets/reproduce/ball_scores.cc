@@ -30,15 +30,15 @@ std::vector<double> ReductionsOf(const std::vector<WindowScore>& windows) {
 }
 
 std::size_t HeldOutRun(const BallJob& ball) {
-  const std::vector<std::string> runs = ball.samples.Texts("runs");
+  const std::vector<std::string> runs = ball.samples().Texts("runs");
   return static_cast<std::size_t>(std::ranges::find(runs, ball.held_out) - runs.begin());
 }
 
 OutputCurve OutputsAlong(const BallJob& ball, const Blob& networks) {
   const LearnedNetworks nets = ReadLearnedNetworks(networks);
   const std::string prefix = "run/" + std::to_string(HeldOutRun(ball)) + "/";
-  const auto x = ball.samples.Get<double>(prefix + "x_m");
-  return {{x.begin(), x.end()}, OutputsOf(nets, ball.samples.Get<float>(prefix + "input")), nets.networks};
+  const auto x = ball.samples().Get<double>(prefix + "x_m");
+  return {{x.begin(), x.end()}, OutputsOf(nets, ball.samples().Get<float>(prefix + "input")), nets.networks};
 }
 
 double Correlation(const OutputCurve& curve, std::size_t i, std::size_t j) {
@@ -69,8 +69,8 @@ double MeanCorrelation(const OutputCurve& curve) {
 // The first steps of the first traverse.
 std::vector<BeliefRow> BeliefOf(const BallJob& ball, const Blob& located, double length_m) {
   const std::string prefix = "truth/run/" + std::to_string(HeldOutRun(ball)) + "/";
-  const auto true_x = ball.samples.Get<double>(prefix + "x_m"),
-             true_y = ball.samples.Get<double>(prefix + "y_m");
+  const auto true_x = ball.samples().Get<double>(prefix + "x_m"),
+             true_y = ball.samples().Get<double>(prefix + "y_m");
   const auto x = located.Get<double>("place/x_m"), y = located.Get<double>("place/y_m");
   const auto way = located.Get<double>("step/way_m");
   const auto sample = located.Get<std::int32_t>("step/sample"),
@@ -100,21 +100,22 @@ BallScores ScoreBallJob(const BallJob& ball, const std::map<std::string, Blob>& 
   BallScores scores;
   scores.set = ball.set;
   scores.seed = ball.seed;
-  const auto x = ball.samples.Get<double>("run/" + std::to_string(HeldOutRun(ball)) + "/x_m");
+  const auto x = ball.samples().Get<double>("run/" + std::to_string(HeldOutRun(ball)) + "/x_m");
   scores.truths = static_cast<std::int64_t>(x.size());
   scores.length_m = *std::ranges::max_element(x);
   for (const std::string& feature : {PerfectFeature(ball.set), DetectedFeature(ball.set)}) {
     scores.reduction[feature] =
-        ReductionsOf(EvaluateFeatures(ball.samples, nullptr, {feature}, {ball.held_out}, how).windows);
+        ReductionsOf(EvaluateFeatures(ball.samples(), nullptr, {feature}, {ball.held_out}, how).windows);
   }
   for (const proto::Stage& stage : ball.job.stages()) {
     const auto found = results.find(stage.name());
     if (found == results.end()) throw InputError("the study's stage '" + stage.name() + "' has no result");
     if (stage.pipeline() == "localization") {
-      scores.localization[stage.name()] = EvaluateLocalization(found->second, ball.samples);
+      scores.localization[stage.name()] = EvaluateLocalization(found->second, ball.samples());
       continue;
     }
-    scores.reduction[stage.name()] = ReductionsOf(EvaluateNetworks(found->second, ball.samples, how).windows);
+    scores.reduction[stage.name()] =
+        ReductionsOf(EvaluateNetworks(found->second, ball.samples(), how).windows);
     scores.outputs[stage.name()] = OutputsAlong(ball, found->second);
   }
   scores.correlation = MeanCorrelation(scores.outputs.at(BallStage(kMostBallNetworks, kBallWindowM)));

@@ -11,69 +11,54 @@ namespace {
 // Of eight features, and of a single one; chosen, as the recipe is, on seeds below 100.
 constexpr double kTrustInTwo = 0.3, kTrustInOne = 1.0;
 
-proto::Value Integer(std::int64_t i) {
-  proto::Value value;
-  value.set_i(i);
-  return value;
+proto::Stage& AddLocalization(const std::string& name, proto::Job* job) {
+  proto::Stage& stage = *job->add_stages();
+  stage.set_name(name);
+  stage.set_pipeline("localization");
+  (*stage.mutable_inputs())["samples"] = "samples";
+  return stage;
 }
 
-proto::Value Real(double d) {
-  proto::Value value;
-  value.set_d(d);
-  return value;
+void AddTrainings(const BallRecipe& recipe, proto::Job* job) {
+  const auto add = [&](int networks, double window_m) {
+    AddTraining(BallStage(networks, window_m), "training", recipe,
+                {{"networks", IntegerValue(networks)}, {"window_m", RealValue(window_m)}}, job);
+  };
+  for (const double window_m : BallWindows()) add(1, window_m);
+  for (int networks = 2; networks <= kMostBallNetworks; ++networks) add(networks, kBallWindowM);
+  for (const double window_m : {5.0, 10.0}) add(kMostBallNetworks, window_m);
 }
 
-class JobMaker {
- public:
-  JobMaker(const BallRecipe& recipe, proto::Job* job) : recipe_(recipe), job_(*job) {}
-
-  void AddTraining(int networks, double window_m) {
-    proto::Stage& stage = Add(BallStage(networks, window_m), "landmark_learning");
-    (*stage.mutable_inputs())["samples"] = "training";
-    for (const auto& [name, value] : recipe_) (*stage.mutable_options())[name] = value;
-    (*stage.mutable_options())["networks"] = Integer(networks);
-    (*stage.mutable_options())["window_m"] = Real(window_m);
-  }
-  proto::Stage& AddLocalization(const std::string& name) {
-    proto::Stage& stage = Add(name, "localization");
-    (*stage.mutable_inputs())["samples"] = "samples";
-    return stage;
-  }
-
- private:
-  proto::Stage& Add(const std::string& name, const char* pipeline) {
-    proto::Stage& stage = *job_.add_stages();
-    stage.set_name(name);
-    stage.set_pipeline(pipeline);
-    return stage;
-  }
-
-  const BallRecipe& recipe_;
-  proto::Job& job_;
-};
-
-void AddStages(const BallRecipe& recipe, BallJob* ball) {
-  JobMaker make(recipe, &ball->job);
-  for (const double window_m : BallWindows()) make.AddTraining(1, window_m);
-  for (int networks = 2; networks <= kMostBallNetworks; ++networks) make.AddTraining(networks, kBallWindowM);
-  for (const double window_m : {5.0, 10.0}) make.AddTraining(kMostBallNetworks, window_m);
-  (*make.AddLocalization("locate").mutable_inputs())["networks"] = BallStage(kMostBallNetworks, kBallWindowM);
-  proto::Stage& two = make.AddLocalization("locate_two");
+void AddLocalizations(const BallJob& ball, proto::Job* job) {
+  (*AddLocalization("locate", job).mutable_inputs())["networks"] = BallStage(kMostBallNetworks, kBallWindowM);
+  proto::Stage& two = AddLocalization("locate_two", job);
   (*two.mutable_inputs())["networks"] = BallStage(kMostBallNetworks, 5);
   (*two.mutable_inputs())["networks_2"] = BallStage(kMostBallNetworks, 10);
-  (*two.mutable_options())["trust"] = Real(kTrustInTwo);
+  (*two.mutable_options())["trust"] = RealValue(kTrustInTwo);
   for (const bool perfect : {false, true}) {
-    auto& options = *make.AddLocalization(perfect ? "locate_perfect" : "locate_detected").mutable_options();
-    options["runs"].set_s(ball->held_out);
-    options["trust"] = Real(kTrustInOne);
-    options["features"].set_s(perfect ? PerfectFeature(ball->set) : DetectedFeature(ball->set));
+    auto& options = *AddLocalization(perfect ? "locate_perfect" : "locate_detected", job).mutable_options();
+    options["runs"].set_s(ball.held_out);
+    options["trust"] = RealValue(kTrustInOne);
+    options["features"].set_s(perfect ? PerfectFeature(ball.set) : DetectedFeature(ball.set));
   }
 }
 
 }  // namespace
 
+proto::Value IntegerValue(std::int64_t i) {
+  proto::Value value;
+  value.set_i(i);
+  return value;
+}
+
+proto::Value RealValue(double d) {
+  proto::Value value;
+  value.set_d(d);
+  return value;
+}
+
 BallRecipe DefaultBallRecipe(std::int64_t steps) {
-  return {{"steps", Integer(steps)}, {"rate", Real(0.02)}, {"weight_decay", Real(0.01)}};
+  return {{"steps", IntegerValue(steps)}, {"rate", RealValue(0.02)}, {"weight_decay", RealValue(0.01)}};
 }
 
 std::string BallStage(int networks, double window_m) {
@@ -100,22 +85,40 @@ Blob WithoutRun(const Blob& samples, const std::string& run) {
   return rest;
 }
 
-BallJob MakeBallJob(const std::string& set, std::uint64_t seed, const BallRecipe& recipe) {
-  BallJob ball{.name = set + "_" + std::to_string(seed),
-               .set = set,
-               .seed = seed,
-               .held_out = {},
-               .samples = SimulateCorridor({.set = set, .seed = seed}),
-               .training = {},
-               .job = {}};
-  const std::vector<std::string> runs = ball.samples.Texts("runs");
-  ball.held_out = runs[seed % runs.size()];
-  ball.training = WithoutRun(ball.samples, ball.held_out);
-  ball.job.set_name("reproduce-ball-" + ball.name);
+void AddInput(const std::string& name, Blob blob, BallJob* ball) {
+  (*ball->job.mutable_inputs())[name] = "inputs/" + ball->name + "_" + name + ".h5";
+  ball->inputs[name] = std::move(blob);
+}
+
+void AddTraining(const std::string& stage, const std::string& training, const BallRecipe& recipe,
+                 const BallRecipe& options, proto::Job* job) {
+  proto::Stage& added = *job->add_stages();
+  added.set_name(stage);
+  added.set_pipeline("landmark_learning");
+  (*added.mutable_inputs())["samples"] = training;
+  for (const auto& [name, value] : recipe) (*added.mutable_options())[name] = value;
+  for (const auto& [name, value] : options) (*added.mutable_options())[name] = value;
+}
+
+BallJob BareBallJob(const std::string& study, const std::string& set, std::uint64_t seed) {
+  BallJob ball;
+  ball.name = set + "_" + std::to_string(seed);
+  ball.set = set;
+  ball.seed = seed;
+  ball.job.set_name("reproduce-" + study + "-" + ball.name);
   ball.job.set_seed(seed);
-  AddStages(recipe, &ball);
-  (*ball.job.mutable_inputs())["samples"] = "inputs/" + ball.name + ".h5";
-  (*ball.job.mutable_inputs())["training"] = "inputs/" + ball.name + "_training.h5";
+  Blob samples = SimulateCorridor({.set = set, .seed = seed});
+  const std::vector<std::string> runs = samples.Texts("runs");
+  ball.held_out = runs[seed % runs.size()];
+  AddInput("training", WithoutRun(samples, ball.held_out), &ball);
+  AddInput("samples", std::move(samples), &ball);
+  return ball;
+}
+
+BallJob MakeBallJob(const std::string& set, std::uint64_t seed, const BallRecipe& recipe) {
+  BallJob ball = BareBallJob("ball", set, seed);
+  AddTrainings(recipe, &ball.job);
+  AddLocalizations(ball, &ball.job);
   return ball;
 }
 

@@ -16,6 +16,9 @@ namespace cairn::datasets {
 // How networks are trained: options of landmark_learning beyond `networks` and `window_m`.
 using BallRecipe = std::map<std::string, proto::Value>;
 
+proto::Value IntegerValue(std::int64_t i);
+proto::Value RealValue(double d);
+
 // Adam, rate and weight decay as chosen on seeds below 100.
 BallRecipe DefaultBallRecipe(std::int64_t steps = 500);
 
@@ -23,10 +26,11 @@ struct BallJob {
   std::string name;  // "d1_101"
   std::string set;
   std::uint64_t seed = 0;
-  std::string held_out;  // the run that nothing was trained on: another one from seed to seed
-  Blob samples;          // of all runs, with truth
-  Blob training;         // without that run, without truth
-  proto::Job job;        // its inputs `training` and `samples`
+  std::string held_out;                // the run that nothing was trained on: another one from seed to seed
+  std::map<std::string, Blob> inputs;  // `samples`: of all runs, with truth; others without truth
+  proto::Job job;                      // its inputs by these names
+
+  const Blob& samples() const { return inputs.at("samples"); }
 };
 
 inline const std::vector<double>&
@@ -43,6 +47,16 @@ std::string BallStage(int networks, double window_m);
 // The hand-made feature of a set ("door", "light") and what a detector says of it ("door detected").
 std::string PerfectFeature(const std::string& set);
 std::string DetectedFeature(const std::string& set);
+
+// The set's samples, and one run of them held out: of other runs than that, `training`. No stages yet.
+BallJob BareBallJob(const std::string& study, const std::string& set, std::uint64_t seed);
+
+// A stage that trains: options of the recipe, then those given here.
+void AddTraining(const std::string& stage, const std::string& training, const BallRecipe& recipe,
+                 const BallRecipe& options, proto::Job* job);
+
+// Adds a blob as an input.
+void AddInput(const std::string& name, Blob blob, BallJob* ball);
 
 // Trainings of one network for each window, of up to four for +-2 m, and of four for +-5 and +-10 m. Then 35
 // robots that know nothing at the start: "locate" by the four for +-2 m, as in the paper, "locate_two" by the

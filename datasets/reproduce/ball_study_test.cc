@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "datasets/reproduce/ball_active.h"
+#include "datasets/reproduce/ball_variants.h"
 #include "datasets/reproduce/over_seeds.h"
 #include "datasets/reproduce/paper_figure.h"
 
@@ -29,6 +31,63 @@ TEST(BallStudy, TrainsOnTheOtherRunsAndOnNoTruth) {
   EXPECT_FALSE(rest.Has("run/2/x_m"));
   EXPECT_TRUE(rest.Sub("truth/").fields().empty());
   EXPECT_EQ(rest.Texts("input_name").size(), 1U);
+}
+
+// One run with two inputs, `first` the value of the first of them; true places as given.
+Blob OneRun(const std::vector<double>& true_x_m, float first) {
+  Blob samples;
+  std::vector<float> input;
+  for (std::size_t k = 0; k < true_x_m.size(); ++k) {
+    input.push_back(first + static_cast<float>(k));
+    input.push_back(-1);
+  }
+  samples.PutVector("truth/run/0/x_m", true_x_m);
+  samples.PutVector("run/0/x_m", std::vector<double>(true_x_m.size(), 0.0));
+  samples.Put("run/0/input", Array::Of<float>({static_cast<std::int64_t>(true_x_m.size()), 2}, input));
+  samples.Put("runs", Array::Texts({"a"}));
+  samples.Put("input_name", Array::Texts({"row 0 red", "sonar 0"}));
+  return samples;
+}
+
+TEST(BallStudy, LeavesOutASensor) {
+  const Blob rest =
+      WithInputs(OneRun({0, 1, 2}, 5), [](const std::string& input) { return input.starts_with("row"); });
+  EXPECT_EQ(rest.Texts("input_name"), (std::vector<std::string>{"row 0 red"}));
+  EXPECT_EQ(rest.at("run/0/input").shape(), (Shape{3, 1}));
+  EXPECT_EQ(rest.Get<float>("run/0/input")[2], 7.0F);
+  for (const BallVariant& variant : SensorVariants()) {
+    if (!variant.keeps) continue;
+    EXPECT_EQ(variant.keeps("sonar 0"), variant.stage != "no_sonar") << variant.stage;
+    EXPECT_EQ(variant.keeps("row 0 red texture"),
+              variant.stage != "no_rows" && variant.stage != "no_texture" && variant.stage != "no_camera");
+    EXPECT_EQ(variant.keeps("column 3 red"),
+              variant.stage != "no_columns" && variant.stage != "no_colour" && variant.stage != "no_camera");
+  }
+}
+
+TEST(BallStudy, JoinsWhatIsSensedNearestInEachDirection) {
+  const Blob joined =
+      ThreeDirections({OneRun({0, 1, 2}, 0), OneRun({1.9, 0.2, 1.2}, 10), OneRun({-3, 9}, 20)});
+  EXPECT_EQ(joined.Texts("input_name")[2], "d2 row 0 red");
+  EXPECT_EQ(joined.at("run/0/input").shape(), (Shape{3, 6}));
+  const auto input = joined.Get<float>("run/0/input");
+  const std::vector<float> second = {1, 12, 20}, third = {2, 10, 20};  // of d1, d2, d3
+  for (std::size_t set = 0; set < 3; ++set) {
+    EXPECT_EQ(input[6 + 2 * set], second[set]) << set;
+    EXPECT_EQ(input[12 + 2 * set], third[set]) << set;
+  }
+}
+
+TEST(VariantFigure, ShowsWhatAVariantLosesInTheSameCorridor) {
+  const std::vector<BallVariant> variants = {{"a", "A", {}, {}}, {"b", "B", {}, {}}};
+  const std::vector<VariantScores> scores = {{"d1", {{"a", 0.5}, {"b", 0.4}}, {{"a", 1}, {"b", 2}}},
+                                             {"d1", {{"a", 0.3}, {"b", 0.2}}, {{"a", 1}, {"b", 4}}}};
+  const PaperFigure figure = VariantFigure({}, variants, scores, true);
+  EXPECT_EQ(figure.table.head,
+            (std::vector<std::string>{"error reduction, percent", "D-1", "less", "computing s"}));
+  EXPECT_EQ(figure.table.rows[1][2], "10.0 +- 0.0");
+  EXPECT_EQ(figure.table.rows[1][3], "3.0");
+  EXPECT_EQ(figure.table.rows[0][2], "");
 }
 
 TEST(OverSeeds, AreAMeanAndStudentsInterval) {
