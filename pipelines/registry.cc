@@ -29,7 +29,7 @@ const std::vector<Entry>& Entries() {
           "landmark_map", "landmark maps and trajectories by EM over alpha-beta", {"log", "map?"}),
       Register<landmark_learning::LandmarkLearning, landmark_learning::Options>(
           "landmark_learning", "networks that extract the features which localise best (BaLL)",
-          {"samples", "weights?"}),
+          {"samples", "weights?", "map?", "errors?"}),
       Register<localization::Localization, localization::Options>(
           "localization", "where robots are, by learned or hand-made features",
           {"samples", "networks?", "networks_2?", "networks_3?"}),

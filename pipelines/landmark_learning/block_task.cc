@@ -15,7 +15,9 @@ Places Part(const Places& places, const Range& range) {
   const auto part = [&](const std::vector<double>& values) {
     return std::vector<double>(values.begin() + range.first, values.begin() + range.end);
   };
-  return {part(places.x_m), part(places.y_m), part(places.along_m)};
+  Places some{part(places.x_m), part(places.y_m), part(places.along_m), {}, places.table};
+  if (!places.row.empty()) some.row.assign(places.row.begin() + range.first, places.row.begin() + range.end);
+  return some;
 }
 
 std::vector<double> Scaled(const std::vector<double>& weights, const Range& range, double scale) {
@@ -46,7 +48,7 @@ OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleS
   const Range& reach = group.reach;
   const Places places = Part(plan.places, reach);
   const Belief belief = BeliefOf(options);
-  const ErrorKind error = ErrorOf(options);
+  const ErrorRule error = ErrorOf(options);
   const Pairs pairs(places, places, belief, error);
   const std::vector<double> weight = Scaled(training.weight, reach, scale);
   const auto probability = FeatureProbabilities(outputs, networks);
@@ -56,7 +58,7 @@ OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleS
   for (const Range& truths : group.truths) {
     const Range own{truths.first - reach.first, truths.end - reach.first};
     auto share = plan.path == SumPath::kLine
-                     ? ErrorOnLine(places, belief, error, probability, vectors, weight, own)
+                     ? ErrorOnLine(places, belief, error.kind, probability, vectors, weight, own)
                      : ErrorOfTruths(pairs, probability, vectors, weight, own);
     slopes.error += share.posterior;
     if (d_probability.empty()) {

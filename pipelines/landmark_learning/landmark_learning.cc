@@ -8,10 +8,12 @@
 #include "pipelines/landmark_learning/advance.h"
 #include "pipelines/landmark_learning/ancestry.h"
 #include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/error_table.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/posterior_error.h"
 #include "pipelines/landmark_learning/sum_path.h"
 #include "pipelines/landmark_learning/tasks.h"
+#include "pipelines/landmark_learning/truth_weights.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -31,6 +33,21 @@ void RefuseLonely(const Options& options, const TrainingData& data) {
       "window_m = %g m reaches no other place from any of the %d samples: there is nothing to tell apart",
       options.window_m, data.training.size());
   throw InputError(text);
+}
+
+// Errors that are no function of two places alone.
+void AttachErrors(const Options& options, const Inputs& inputs, TrainingData* data) {
+  const bool table = options.error == "table", travel = options.error == "travel";
+  for (const auto& [name, needed] : {std::pair("errors", table), std::pair("map", travel)}) {
+    if (needed && !inputs.Has(name))
+      throw InputError("error=" + options.error + " needs the input '" + name + "': --input " + name +
+                       "=FILE.h5");
+    if (!needed && inputs.Has(name))
+      throw InputError(std::string("the input '") + name + "' is for error=" +
+                       (std::string(name) == "map" ? "travel" : "table") + ", not error=" + options.error);
+  }
+  if (table) AttachTable(*inputs.Get("errors"), data);
+  if (travel) AttachTravel(*inputs.Get("map"), data);
 }
 
 // Some ways to train go on what every step says of all truths and networks.
@@ -55,7 +72,9 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   const NetworkShape shape = ShapeOf(options_, input_names.size());
   std::optional<Parent> parent;
   if (inputs.Has("weights")) parent = ReadParent(*inputs.Get("weights"), shape, input_names);
-  const TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr);
+  TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr);
+  WeighTruths(options_, &data);
+  AttachErrors(options_, inputs, &data);
   RefuseLonely(options_, data);
   Rng rng(seed_);
   Training training;

@@ -14,6 +14,8 @@ struct Options {
   double window_m = 2.0;
   std::string belief = "uniform";
   std::string error = "distance";
+  double smooth_m = 0.5;
+  std::string truths = "samples";
   std::string sum = "auto";
   std::string method = "adam";
   double rate = 0.0;
@@ -45,10 +47,22 @@ void VisitOptions(V& visit, Options& o) {
                "",
                0,
                0,
-               "what a wrong position costs: the distance, its square, or the difference of the ways "
-               "travelled until there",
-               {"distance", "squared", "along"}},
+               "what a wrong position costs: the distance, its square, the difference of the ways travelled "
+               "until there, the way through a map (input map), what a table says (input errors), or, of the "
+               "whole belief, -log of its mass around the truth (Kullback-Leibler)",
+               {"distance", "squared", "along", "travel", "table", "kl"}},
         o.error);
+  visit(Option{"smooth_m", "m", 1e-6, 1e9,
+               "standard deviation of the bell around the truth that weighs the mass (error kl)"},
+        o.smooth_m);
+  visit(Option{"truths",
+               "",
+               0,
+               0,
+               "how true positions are weighed: each sample alike, each half metre of space alike, or by the "
+               "samples' array weight",
+               {"samples", "space", "file"}},
+        o.truths);
   visit(
       Option{
           "sum",

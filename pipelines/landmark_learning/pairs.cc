@@ -29,14 +29,17 @@ class PairLanes {
   using Real = typename L::Number;
   using Register = typename L::Register;
 
-  PairLanes(const Belief& belief, ErrorKind error)
+  PairLanes(const Belief& belief, const ErrorRule& error)
       : gaussian_(belief.shape == BeliefShape::kGaussian),
-        error_(error),
+        error_(error.kind),
+        bell_(L::Broadcast(static_cast<Real>(-0.5 / (error.smooth_m * error.smooth_m)))),
         reach_(L::Broadcast(static_cast<Real>(belief.ReachM()))),
         scale_(L::Broadcast(static_cast<Real>(-0.5 / (belief.width_m * belief.width_m)))) {}
 
   Register Distance(Register dx, Register dy) const { return L::Sqrt(L::Fma(dx, dx, L::Mul(dy, dy))); }
   Register Error(Register distance) const {
+    if (error_ == ErrorKind::kPosteriorMass)
+      return ExpOfNegative<L>(L::Mul(bell_, L::Mul(distance, distance)));
     return error_ == ErrorKind::kDistance ? distance : L::Mul(distance, distance);
   }
   Register Believed(Register distance) const {
@@ -48,7 +51,7 @@ class PairLanes {
  private:
   bool gaussian_;
   ErrorKind error_;
-  Register reach_, scale_;
+  Register bell_, reach_, scale_;
 };
 
 }  // namespace
@@ -61,7 +64,9 @@ Box BoxAround(const Places& places, const Range& range) {
   return {*low_x, *high_x, *low_y, *high_y};
 }
 
-Pairs::Pairs(const Places& truths, const Places& samples, const Belief& belief, ErrorKind error)
+double MassCost::Of(double u) { return -std::log((1.0 - kLeast) * u + kLeast); }
+
+Pairs::Pairs(const Places& truths, const Places& samples, const Belief& belief, const ErrorRule& error)
     : true_(truths), samples_(samples), belief_(belief), error_(error) {
   if (std::isinf(belief.ReachM())) return;
   for (int first = 0; first < samples.size(); first += kTileSamples)
@@ -124,6 +129,16 @@ Range Pairs::ReachOf(const Range& truths) const {
   return {stretches.front().samples.first, stretches.back().samples.end};
 }
 
+// The table's errors of a row and those of some samples, up to whole tiles.
+template <class Real>
+void Pairs::LookUp(std::int32_t row, const Range& samples, std::vector<Real>* errors) const {
+  const float* table = samples_.table.As<float>().data() + row * samples_.table.shape()[1];
+  for (int k = 0; k < static_cast<int>(errors->size()); ++k) {
+    const auto at = static_cast<std::size_t>(std::min(samples.first + k, samples.end - 1));
+    (*errors)[static_cast<std::size_t>(k)] = static_cast<Real>(table[samples_.row[at]]);
+  }
+}
+
 template <class Real>
 void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Columns<Real>* columns,
                  Real* belief, Real* weighted) const {
@@ -134,17 +149,20 @@ void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Column
   From(samples_.x_m, stretch.samples, x0, &columns->x);
   From(samples_.y_m, stretch.samples, y0, &columns->y);
   if (error_ == ErrorKind::kAlong) From(samples_.along_m, stretch.samples, along0, &columns->along);
-  const Real *x = columns->x.data(), *y = columns->y.data(), *along = columns->along.data();
   const int whole = static_cast<int>(columns->x.size());
+  if (error_ == ErrorKind::kTable) columns->along.resize(columns->x.size());
+  const Real *x = columns->x.data(), *y = columns->y.data(), *along = columns->along.data();
   for (int a = truths.first; a < truths.end; ++a, belief += stride, weighted += stride) {
     const auto at = static_cast<std::size_t>(a);
     const auto xa = L::Broadcast(static_cast<Real>(true_.x_m[at] - x0));
     const auto ya = L::Broadcast(static_cast<Real>(true_.y_m[at] - y0));
     const auto here = L::Broadcast(static_cast<Real>(true_.along_m[at] - along0));
+    if (error_ == ErrorKind::kTable) LookUp(true_.row[at], stretch.samples, &columns->along);
     for (int k = 0; k < whole; k += L::kCount) {
       const auto distance = lanes.Distance(L::Sub(L::Load(x + k), xa), L::Sub(L::Load(y + k), ya));
-      const auto error =
-          error_ == ErrorKind::kAlong ? L::Abs(L::Sub(L::Load(along + k), here)) : lanes.Error(distance);
+      const auto error = error_ == ErrorKind::kAlong   ? L::Abs(L::Sub(L::Load(along + k), here))
+                         : error_ == ErrorKind::kTable ? L::Load(along + k)
+                                                       : lanes.Error(distance);
       if (stretch.all) {
         L::Store(weighted + k, error);
         continue;

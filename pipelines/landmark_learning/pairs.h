@@ -2,7 +2,10 @@
 // robot that is at one believes in the other.
 #pragma once
 
+#include <cstdint>
 #include <vector>
+
+#include "schema/array.h"
 
 namespace cairn::landmark_learning {
 
@@ -10,7 +13,9 @@ namespace cairn::landmark_learning {
 // neighbours in space, as those of a run are: tiles of pairs out of reach are skipped.
 struct Places {
   std::vector<double> x_m, y_m;
-  std::vector<double> along_m;  // way travelled until there
+  std::vector<double> along_m;         // way travelled until there
+  std::vector<std::int32_t> row = {};  // of the table of errors; empty where there is none
+  Array table = {};                    // f32, [rows][rows]: e from the place of one row to that of another
 
   int size() const { return static_cast<int>(x_m.size()); }
 };
@@ -29,8 +34,26 @@ struct Belief {
   double ReachM() const { return shape == BeliefShape::kGaussian ? 3.0 * width_m : width_m; }
 };
 
-// e(xi*, xi), in metres, but for the square.
-enum class ErrorKind { kDistance, kSquaredDistance, kAlong };
+// What a belief in xi costs where xi* is true: e(xi*, xi), in metres, but for the square and a table of
+// another unit. Or, for kPosteriorMass, what E_posterior is made of is -log of the belief's mass around the
+// true position, in nats.
+enum class ErrorKind { kDistance, kSquaredDistance, kAlong, kTable, kPosteriorMass };
+
+struct ErrorRule {
+  ErrorKind kind = ErrorKind::kDistance;
+  double smooth_m =
+      1.0;  // kPosteriorMass: standard deviation of the bell that weighs the mass, one at its middle
+
+  ErrorRule(ErrorKind k, double smooth = 1.0) : kind(k), smooth_m(smooth) {}  // NOLINT: a kind is a rule
+  friend bool operator==(const ErrorRule& rule, ErrorKind kind) { return rule.kind == kind; }
+};
+
+// -log of a mass u in [0, 1], and its derivative; beliefs that rule the truth out cost much, not infinitely.
+struct MassCost {
+  static constexpr double kLeast = 1e-6;
+  static double Of(double u);
+  static double Slope(double u) { return -(1.0 - kLeast) / ((1.0 - kLeast) * u + kLeast); }
+};
 
 // Samples first <= k < end.
 struct Range {
@@ -62,27 +85,30 @@ struct Columns {
 class Pairs {
  public:
   // `truths` and `samples` must outlive this.
-  Pairs(const Places& truths, const Places& samples, const Belief& belief, ErrorKind error);
+  Pairs(const Places& truths, const Places& samples, const Belief& belief, const ErrorRule& error);
 
   const Places& samples() const { return samples_; }
   const Belief& belief() const { return belief_; }
+  const ErrorRule& error() const { return error_; }
 
   // All samples in reach of any of `truths`, in order; and the first of them to the last.
   void Reach(const Range& truths, std::vector<Stretch>* stretches) const;
   Range ReachOf(const Range& truths) const;
 
-  // Bel_prior and e times it, each [truths][stride]; columns from samples.first on, filled up to whole tiles.
-  // `belief` is left as it is where the stretch is `all`.
+  // Bel_prior and e times it (kPosteriorMass: the bell times it), each [truths][stride]; columns from
+  // samples.first on, filled up to whole tiles. `belief` is left as it is where the stretch is `all`.
   template <class Real>
   void Fill(const Range& truths, const Stretch& stretch, int stride, Columns<Real>* columns, Real* belief,
             Real* weighted) const;
 
  private:
   Range TilesAround(const Box& truths) const;
+  template <class Real>
+  void LookUp(std::int32_t row, const Range& samples, std::vector<Real>* errors) const;
 
   const Places &true_, &samples_;
   Belief belief_;
-  ErrorKind error_;
+  ErrorRule error_;
   std::vector<Box> tiles_;  // of samples
   std::vector<Box> until_;  // high: of this tile and those before; low: of this one and those after
 };

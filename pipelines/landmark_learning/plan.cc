@@ -108,11 +108,12 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
       Set("step", t.steps, &task);
     }
   };
-  if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "weights"});
+  if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "parameters"});
   // Each has P(f | s) and slopes of all samples to make: fewer of them, and larger ones.
   const double pairs = PlanSum(options_, data_.training.places).flops_per_vector * VectorsOf(t.learning.end);
   if (t.phase == Phase::kPairs) add("pairs", Blocks(count, pairs / 4.0), {"data", "outputs"});
-  if (t.phase == Phase::kWeights) add("weights", Blocks(count, 2.0 * forward), {"data", "weights", "slopes"});
+  if (t.phase == Phase::kWeights)
+    add("weights", Blocks(count, 2.0 * forward), {"data", "parameters", "slopes"});
 }
 
 void Planner::PlanSearch(proto::Step* plan) const {

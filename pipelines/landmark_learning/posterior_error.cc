@@ -21,8 +21,9 @@ struct StripSums {
 template <class Real>
 class Slopes {
  public:
-  Slopes(const FeatureRows<Real>& g, const std::vector<double>& weight)
+  Slopes(const FeatureRows<Real>& g, const std::vector<double>& weight, ErrorKind kind)
       : g_(g),
+        kind_(kind),
         weight_(weight),
         error_(static_cast<std::size_t>(g.width()), Real(0)),
         whole_(error_.size(), 0.0) {}
@@ -30,8 +31,13 @@ class Slopes {
   void Turn(const Range& truths, StripSums<Real>* sums, SlopeRows<Real>* d) {
     const int width = g_.width();
     std::ranges::fill(error_, Real(0));
-    for (int a = truths.first; a < truths.end; ++a)
-      TurnRow(a, RowOf(sums->n, a - truths.first, width), RowOf(sums->z, a - truths.first, width), d->Row(a));
+    for (int a = truths.first; a < truths.end; ++a) {
+      Real *n = RowOf(sums->n, a - truths.first, width), *z = RowOf(sums->z, a - truths.first, width);
+      if (kind_ == ErrorKind::kPosteriorMass)
+        TurnRowOfMass(a, n, z, d->Row(a));
+      else
+        TurnRow(a, n, z, d->Row(a));
+    }
     std::fill(sums->n.begin() + truths.size() * width, sums->n.end(), Real(0));
     std::fill(sums->z.begin() + truths.size() * width, sums->z.end(), Real(0));
     for (std::size_t f = 0; f < whole_.size(); ++f) whole_[f] += error_[f];
@@ -60,11 +66,32 @@ class Slopes {
     }
   }
 
+  // E is the sum of P G cost(N / Z).
+  void TurnRowOfMass(int a, Real* n, Real* z, Real* slope) {
+    const double p = weight_[static_cast<std::size_t>(a)];
+    const Real* g = g_.Row(a);
+    for (int f = 0; f < g_.width(); ++f) {
+      const double here = z[f], mass = here > 0.0 ? n[f] / here : 0.0;
+      const double cost = here > 0.0 ? p * MassCost::Of(mass) : 0.0;
+      const double r = here > 0.0 ? p * g[f] * MassCost::Slope(mass) / here : 0.0;
+      error_[static_cast<std::size_t>(f)] += static_cast<Real>(g[f] * cost);
+      slope[f] += static_cast<Real>(cost);
+      n[f] = static_cast<Real>(r);
+      z[f] = static_cast<Real>(-r * mass);
+    }
+  }
+
   const FeatureRows<Real>& g_;
+  ErrorKind kind_;
   const std::vector<double>& weight_;
   std::vector<Real> error_;  // of a strip, by feature
   std::vector<double> whole_;
 };
+
+// Of N / Z, which is the error that is expected, or the mass whose cost is.
+double CostOf(const Pairs& pairs, double ratio) {
+  return pairs.error() == ErrorKind::kPosteriorMass ? MassCost::Of(ratio) : ratio;
+}
 
 // Calls f(strip) for the strips of a block.
 template <class F>
@@ -80,7 +107,7 @@ ErrorShare<Real> ErrorOfTruths(const Pairs& pairs, const std::vector<Real>& prob
                                const std::vector<double>& weight, const Range& truths) {
   const FeatureRows<Real> g(probability, vectors);
   SlopeRows<Real> d(pairs.samples().size(), vectors);
-  Slopes<Real> slopes(g, weight);
+  Slopes<Real> slopes(g, weight, pairs.error().kind);
   StripSums<Real> sums(g.width());
   Strip<Real> strip(pairs);
   InStrips(truths, [&](const Range& range) {
@@ -108,7 +135,7 @@ double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const s
       double ruled_out = 0.0;  // probability of what the map holds for impossible
       for (int f = 0; f < vectors; ++f) {
         if (z[f] > 0)
-          error += weight[static_cast<std::size_t>(a)] * g[f] * (n[f] / z[f]);
+          error += weight[static_cast<std::size_t>(a)] * g[f] * CostOf(pairs, n[f] / z[f]);
         else
           ruled_out += g[f];
       }
@@ -136,7 +163,7 @@ double PriorErrorOfTruths(const Pairs& pairs, const std::vector<double>& weight,
         wrong += weighted[k];
       }
     }
-    if (all > 0.0) sum += weight[static_cast<std::size_t>(a)] * wrong / all;
+    if (all > 0.0) sum += weight[static_cast<std::size_t>(a)] * CostOf(pairs, wrong / all);
   }
   return sum;
 }

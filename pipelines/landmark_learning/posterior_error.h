@@ -3,8 +3,9 @@
 //
 //   E = sum_a P(a) sum_f G[a,f] N[a,f] / Z[a,f],   N = (e B) G,   Z = B G:
 //
-// the sum over all triples of (42), but at K^2 2^n. No matrix of K x K is ever held: e and B are made tile by
-// tile.
+// the sum over all triples of (42), but at K^2 2^n. Of kPosteriorMass e is a bell around the truth, so that N
+// / Z is the posterior's mass there, and the term is G cost(N / Z). No matrix of K x K is ever held: e and B
+// are made tile by tile.
 #pragma once
 
 #include <vector>

@@ -30,13 +30,13 @@ struct World {
     }
   }
   std::vector<double> G() const { return FeatureProbabilities(g, networks); }
-  ErrorShare<double> Share(const Belief& belief, ErrorKind error, const Range& truths) const {
+  ErrorShare<double> Share(const Belief& belief, const ErrorRule& error, const Range& truths) const {
     return ErrorOfTruths(Pairs(places, places, belief, error), G(), 1 << networks, weight, truths);
   }
   double Prior(const Belief& belief, const Range& truths) const {
     return PriorErrorOfTruths(Pairs(places, places, belief, ErrorKind::kDistance), weight, truths);
   }
-  ErrorShare<double> All(const Belief& belief, ErrorKind error) const {
+  ErrorShare<double> All(const Belief& belief, const ErrorRule& error) const {
     return Share(belief, error, {0, places.size()});
   }
 };
@@ -100,29 +100,68 @@ TEST(PosteriorError, EqualsTheLiteralSumOverTriples) {
   }
 }
 
+// -log of the mass that a bell around the truth weighs, literally.
+double LiteralMassCost(const World& w, const Belief& belief, double smooth_m) {
+  const auto samples = static_cast<std::size_t>(w.places.size());
+  double error = 0.0;
+  for (std::size_t a = 0; a < samples; ++a) {
+    for (std::size_t f = 0; f < FeatureVectors(w.networks); ++f) {
+      double mass = 0.0, z = 0.0;
+      for (std::size_t k = 0; k < samples; ++k) {
+        const double d = ErrorBetween(w.places, ErrorKind::kDistance, a, k);
+        const double believed = P(w, f, k) * BeliefIn(w.places, belief, a, k);
+        mass += std::exp(-0.5 * d * d / (smooth_m * smooth_m)) * believed;
+        z += believed;
+      }
+      error -= w.weight[a] * P(w, f, a) * std::log((1.0 - 1e-6) * mass / z + 1e-6);
+    }
+  }
+  return error;
+}
+
+TEST(PosteriorError, OfMassIsTheLiteralLogarithmOfWhatTheBellHolds) {
+  for (const Belief& belief : kBeliefs) {
+    for (const double smooth_m : {0.3, 2.0}) {
+      const World world(40, 3, 4);
+      const double literal = LiteralMassCost(world, belief, smooth_m);
+      EXPECT_GT(literal, 0.0);
+      const ErrorRule rule(ErrorKind::kPosteriorMass, smooth_m);
+      EXPECT_NEAR(world.All(belief, rule).posterior, literal, 1e-9 * literal);
+      const Pairs pairs(world.places, world.places, belief, rule);
+      EXPECT_NEAR(ErrorInMap(pairs, world.G(), world.G(), 8, world.weight, {0, 40}), literal, 1e-9 * literal);
+      EXPECT_GT(PriorErrorOfTruths(pairs, world.weight, {0, 40}), literal);
+    }
+  }
+}
+
 // The bound: 1e-6 of max(|gradient|, a thousandth of the largest).
+void ExpectTheGradient(const Belief& belief, const ErrorRule& rule) {
+  World world(150, 4, 5);
+  const auto share = world.All(belief, rule);
+  const auto gradient = OutputGradient(world.g, 4, share.d_probability);
+  double largest = 0.0;
+  for (const double slope : gradient) largest = std::max(largest, std::abs(slope));
+  ASSERT_GT(largest, 0.0);
+  for (std::size_t i = 0; i < world.g.size(); i += 37) {
+    const double at = world.g[i];
+    const auto error_at = [&](double step) {
+      world.g[i] = at + step;
+      const double error = world.All(belief, rule).posterior;
+      world.g[i] = at;
+      return error;
+    };
+    constexpr double kStep = 3e-4;  // of fourth order, or what is cut off of the series would be seen
+    const double slope =
+        (8.0 * (error_at(kStep) - error_at(-kStep)) - (error_at(2 * kStep) - error_at(-2 * kStep))) /
+        (12.0 * kStep);
+    EXPECT_NEAR(gradient[i], slope, 1e-6 * std::max(std::abs(gradient[i]), 1e-3 * largest)) << i;
+  }
+}
+
 TEST(PosteriorError, TheGradientIsThatOfFiniteDifferences) {
   for (const Belief& belief : kBeliefs) {
-    World world(150, 4, 5);
-    const auto share = world.All(belief, ErrorKind::kDistance);
-    const auto gradient = OutputGradient(world.g, 4, share.d_probability);
-    double largest = 0.0;
-    for (const double slope : gradient) largest = std::max(largest, std::abs(slope));
-    ASSERT_GT(largest, 0.0);
-    for (std::size_t i = 0; i < world.g.size(); i += 37) {
-      const double at = world.g[i];
-      const auto error_at = [&](double step) {
-        world.g[i] = at + step;
-        const double error = world.All(belief, ErrorKind::kDistance).posterior;
-        world.g[i] = at;
-        return error;
-      };
-      constexpr double kStep = 3e-4;  // of fourth order, or what is cut off of the series would be seen
-      const double slope =
-          (8.0 * (error_at(kStep) - error_at(-kStep)) - (error_at(2 * kStep) - error_at(-2 * kStep))) /
-          (12.0 * kStep);
-      EXPECT_NEAR(gradient[i], slope, 1e-6 * std::max(std::abs(gradient[i]), 1e-3 * largest)) << i;
-    }
+    ExpectTheGradient(belief, ErrorKind::kDistance);
+    ExpectTheGradient(belief, {ErrorKind::kPosteriorMass, 0.7});
   }
 }
 

@@ -62,15 +62,17 @@ struct LineCase {
   OnLine line;
 };
 
-LineCase LookAtLine(const Belief& belief, ErrorKind error, const Places& places) {
+LineCase LookAtLine(const Belief& belief, const ErrorRule& error, const Places& places) {
   constexpr double kRounding = 1e-12;  // what is off a line by so much of its length is off by rounding
   LineCase found;
-  if (belief.shape != BeliefShape::kUniform) return found;
+  if (belief.shape != BeliefShape::kUniform || error == ErrorKind::kTable ||
+      error == ErrorKind::kPosteriorMass)
+    return found;
   const bool global = std::isinf(belief.ReachM());
-  if (global && error != ErrorKind::kDistance) {
+  if (global && !(error == ErrorKind::kDistance)) {
     found.possible = found.exact = true;  // the way travelled is a line, a square the sum of two
     found.line.places = places;
-  } else if (error != ErrorKind::kAlong) {
+  } else if (!(error == ErrorKind::kAlong)) {
     found.line = Projected(places);
     found.possible = true;
     found.exact = found.line.off_m <= kRounding * found.line.length_m;
@@ -94,14 +96,16 @@ Belief BeliefOf(const Options& options) {
           options.window_m > 0.0 ? options.window_m : std::numeric_limits<double>::infinity()};
 }
 
-ErrorKind ErrorOf(const Options& options) {
+ErrorRule ErrorOf(const Options& options) {
+  if (options.error == "table" || options.error == "travel") return ErrorKind::kTable;
+  if (options.error == "kl") return {ErrorKind::kPosteriorMass, options.smooth_m};
   if (options.error == "squared") return ErrorKind::kSquaredDistance;
   return options.error == "along" ? ErrorKind::kAlong : ErrorKind::kDistance;
 }
 
 SumPlan PlanSum(const Options& options, const Places& places) {
   const Belief belief = BeliefOf(options);
-  const ErrorKind error = ErrorOf(options);
+  const ErrorRule error = ErrorOf(options);
   SumPlan plan;
   plan.flops_per_vector = 8.0 * PairsInReach(Pairs(places, places, belief, error), places.size());
   plan.text = "sum over all pairs in reach";
@@ -110,7 +114,8 @@ SumPlan PlanSum(const Options& options, const Places& places) {
   const double line_flops = (std::isinf(belief.ReachM()) ? 450.0 : 1200.0) * places.size();
   if (options.sum == "line" && !found.possible)
     throw InputError(
-        "sum = line: it takes a uniform belief, and errors along the way only where nothing is known before");
+        "sum = line: it takes a uniform belief and distances, and errors along the way only where nothing is "
+        "known before");
   if (options.sum == "line" || (found.exact && options.batch == 0 && line_flops < plan.flops_per_vector)) {
     const LineSums sums(error == ErrorKind::kAlong ? places.along_m : found.line.places.x_m, belief.ReachM(),
                         false);

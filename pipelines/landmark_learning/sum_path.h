@@ -22,7 +22,7 @@ struct SumPlan {
 
 // As the options ask for.
 Belief BeliefOf(const Options& options);
-ErrorKind ErrorOf(const Options& options);
+ErrorRule ErrorOf(const Options& options);
 
 // Throws InputError where the options force a path that these samples, belief and error do not allow.
 SumPlan PlanSum(const Options& options, const Places& places);

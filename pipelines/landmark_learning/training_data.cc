@@ -12,6 +12,7 @@ namespace {
 // Before they are sorted: the inputs as they were sensed.
 struct RawRun {
   Places places;
+  std::vector<double> weight;  // empty: the file has none
   std::vector<float> inputs;
 };
 
@@ -57,6 +58,15 @@ RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, s
   }
   if (count < 2)
     throw InputError("run '" + run + "' has " + std::to_string(count) + " samples; two are the least");
+  if (samples.Has(prefix + "weight")) {
+    raw.weight = Column<double>(samples, run, prefix, "weight");
+    const auto bad = std::ranges::find_if(raw.weight, [](double w) { return w < 0.0; });
+    if (raw.weight.size() != count || bad != raw.weight.end())
+      throw InputError(
+          "run '" + run + "': 'weight' must be a number from 0 up for each of its " + std::to_string(count) +
+          " samples" +
+          (bad == raw.weight.end() ? "" : "; sample " + std::to_string(bad - raw.weight.begin())));
+  }
   RefuseDuplicates(raw.places, Column<double>(samples, run, prefix, "time_s"), run);
   raw.inputs.assign(rows.begin(), rows.end());
   double along = 0.0;
@@ -74,6 +84,7 @@ struct RawSet {
   Places places;
   std::vector<std::int32_t> run;
   std::vector<float> inputs;
+  std::vector<double> weight;  // of fewer samples where a run has none
 };
 
 void Append(const RawRun& raw, std::size_t run, RawSet* set) {
@@ -82,6 +93,7 @@ void Append(const RawRun& raw, std::size_t run, RawSet* set) {
   add(raw.places.y_m, &set->places.y_m);
   add(raw.places.along_m, &set->places.along_m);
   add(raw.inputs, &set->inputs);
+  add(raw.weight, &set->weight);
   set->run.insert(set->run.end(), raw.places.x_m.size(), static_cast<std::int32_t>(run));
 }
 
@@ -103,6 +115,7 @@ RawSet Sorted(const RawSet& set, std::size_t inputs) {
     sorted.places.y_m.push_back(set.places.y_m[k]);
     sorted.places.along_m.push_back(set.places.along_m[k]);
     sorted.run.push_back(set.run[k]);
+    if (set.weight.size() == order.size()) sorted.weight.push_back(set.weight[k]);
     const float* row = &set.inputs[k * inputs];
     sorted.inputs.insert(sorted.inputs.end(), row, row + inputs);
   }
@@ -117,7 +130,8 @@ SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vec
   const std::int64_t samples = set.places.size();
   std::vector<double> weight(static_cast<std::size_t>(samples), 1.0 / static_cast<double>(samples));
   return {std::move(set.places), std::move(set.run), std::move(weight),
-          Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs)};
+          Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs),
+          std::move(set.weight)};
 }
 
 void FindNorm(const RawSet& set, std::size_t inputs, std::vector<double>* mean, std::vector<double>* scale) {
@@ -138,6 +152,8 @@ void Store(const SampleSet& set, const std::string& prefix, Blob* blob) {
   blob->PutVector(prefix + "along_m", set.places.along_m);
   blob->PutVector(prefix + "run", set.run);
   blob->PutVector(prefix + "weight", set.weight);
+  blob->PutVector(prefix + "row", set.places.row);
+  blob->Put(prefix + "table", set.places.table);
   blob->Put(prefix + "input", set.input);
 }
 
@@ -149,7 +165,8 @@ std::vector<T> Taken(const Blob& blob, const std::string& name) {
 
 SampleSet Load(const std::string& prefix, const Blob& blob) {
   return {{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
-           Taken<double>(blob, prefix + "along_m")},
+           Taken<double>(blob, prefix + "along_m"), Taken<std::int32_t>(blob, prefix + "row"),
+           blob.at(prefix + "table")},
           Taken<std::int32_t>(blob, prefix + "run"),
           Taken<double>(blob, prefix + "weight"),
           blob.at(prefix + "input")};

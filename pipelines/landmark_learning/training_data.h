@@ -17,6 +17,9 @@ struct SampleSet {
   std::vector<double> weight;     // P(xi*), which add up to 1
   Array input;                    // f32, [samples][inputs], (input - mean) / scale; shared, as it is large
 
+  std::vector<double> weight_in_file =
+      {};  // run/N/weight of the input; empty where a run has none; not stored
+
   const float* inputs() const { return input.As<float>().data(); }
   int size() const { return places.size(); }
 };

@@ -1,0 +1,36 @@
+// Where a robot can go in an occupancy map, and how far it is.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::landmark_learning {
+
+class FreeCells {
+ public:
+  // From a `grid_map` (schema/FORMAT.md). Throws InputError where it is none.
+  static FreeCells Of(const Blob& map);
+
+  // The cell that holds a place; none where it is occupied or outside.
+  std::optional<std::size_t> At(double x_m, double y_m) const;
+
+  // The length of the shortest way to every cell, in metres (E. W. Dijkstra, A note on two problems in
+  // connexion with graphs, 1959); infinite where there is none. A step goes to one of 16 cells around, if
+  // what lies between is free.
+  std::vector<double> WaysFrom(std::size_t cell) const;
+
+ private:
+  bool IsFree(std::int64_t x, std::int64_t y) const {
+    return x >= 0 && y >= 0 && x < columns_ && y < rows_ && free_[static_cast<std::size_t>(y * columns_ + x)];
+  }
+  bool CanStep(std::int64_t x, std::int64_t y, int dx, int dy) const;
+
+  std::int64_t columns_ = 0, rows_ = 0;
+  double origin_x_m_ = 0.0, origin_y_m_ = 0.0, cell_m_ = 1.0;
+  std::vector<bool> free_;
+};
+
+}  // namespace cairn::landmark_learning
