@@ -64,7 +64,7 @@ class Round {
     RoundSum sum = SumOf(partials, size);
     if (t_.phase == Phase::kWeights) sum.error = inputs_.Get("slopes")->Scalar<double>("error");
     t_.Record(sum.error, planner_.Validates(t_.steps) ? sum.validation : kNone, Norm(sum.slopes));
-    std::string note = NoteOf(t_);
+    std::string note = NoteOf(options_, t_);
     if (const std::string warning = t_.Warn(Saturated(sum.slopes, learning, by_outputs)); !warning.empty())
       note += "; " + warning;
     if (IsOver()) return Result(note);

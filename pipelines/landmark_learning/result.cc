@@ -24,14 +24,21 @@ void PutNetworks(const Parameters<float>& p, Blob* result) {
   result->PutVector("networks/output_bias", output_bias);
 }
 
+// Of the error, with the space before it.
+const char* UnitOf(const Options& options) {
+  if (options.error == "squared") return " m²";
+  if (options.error == "kl") return " nat";
+  return options.error == "table" ? "" : " m";
+}
+
 }  // namespace
 
-std::string NoteOf(const Training& t) {
+std::string NoteOf(const Options& options, const Training& t) {
   char text[200];
   const double error = t.history.last_error(), validation = t.history.last_validation();
-  const int length =
-      std::snprintf(text, sizeof text, "step %lld: error %.3f m of %.3f m, reduced by %.1f%%",
-                    static_cast<long long>(t.steps + 1), error, t.prior, 100.0 * (1.0 - error / t.prior));
+  const int length = std::snprintf(text, sizeof text, "step %lld: error %.3f%s of %.3f%s, reduced by %.1f%%",
+                                   static_cast<long long>(t.steps + 1), error, UnitOf(options), t.prior,
+                                   UnitOf(options), 100.0 * (1.0 - error / t.prior));
   if (!std::isnan(validation)) {
     std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length), "; held out %.1f%%",
                   100.0 * (1.0 - validation / t.validation_prior));

@@ -10,7 +10,7 @@
 namespace cairn::landmark_learning {
 
 // What the last step did, in a line for people: right after Training::Record.
-std::string NoteOf(const Training& training);
+std::string NoteOf(const Options& options, const Training& training);
 
 // `parent`: the result that this run went on from, or null.
 Step ResultOf(const Options& options, const TrainingData& data, const Training& training,

@@ -216,6 +216,23 @@ Case Training(const std::string& method, std::int64_t batch, bool sequential) {
   return c;
 }
 
+// By the way through a map, or by the mass of the belief.
+Case TrainingOn(const std::string& error) {
+  Case c = LandmarkLearning("landmark_learning_" + error, 5.0);
+  (*c.stage.mutable_options())["error"].set_s(error);
+  (*c.stage.mutable_options())["truths"].set_s("space");
+  if (error != "travel") return c;
+  constexpr std::int64_t kColumns = 90, kRows = 8;
+  Blob map;
+  map.Put("map/grid/probability",
+          Array::Of<double>({kRows, kColumns}, std::vector<double>(kColumns * kRows, 0.1)));
+  map.PutScalar("map/grid/origin_x_m", -1.0);
+  map.PutScalar("map/grid/origin_y_m", -2.0);
+  map.PutScalar("map/grid/cell_m", 0.5);
+  c.inputs["map"] = Share(std::move(map));
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -236,7 +253,9 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             Training("conjugate", 0, false),
             Training("pseudo", 0, false),
             Training("momentum", 1300, false),
-            Training("adam", 0, true)};
+            Training("adam", 0, true),
+            TrainingOn("travel"),
+            TrainingOn("kl")};
   if (pipeline == "localization")
     return {Localization("localization_samples", "sampled", "samples"),
             Localization("localization_grid", "soft", "grid")};
