@@ -42,14 +42,21 @@ struct OutputSlopes {
   std::vector<float> d_output;
 };
 
+ErrorShare<float> ShareBy(SumPath path, const Pairs& pairs, const std::vector<float>& probability,
+                          int vectors, const std::vector<double>& weight, const Range& truths) {
+  const Places& places = pairs.samples();
+  if (path == SumPath::kTree) return ErrorInPlane(places, probability, vectors, weight, truths);
+  if (path == SumPath::kLine)
+    return ErrorOnLine(places, pairs.belief(), pairs.error().kind, probability, vectors, weight, truths);
+  return ErrorOfTruths(pairs, probability, vectors, weight, truths);
+}
+
 // `outputs`: [reach][networks].
 OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleSet& training,
                       const std::vector<float>& outputs, int networks, const Group& group, double scale) {
   const Range& reach = group.reach;
   const Places places = Part(plan.places, reach);
-  const Belief belief = BeliefOf(options);
-  const ErrorRule error = ErrorOf(options);
-  const Pairs pairs(places, places, belief, error);
+  const Pairs pairs(places, places, BeliefOf(options), ErrorOf(options));
   const std::vector<double> weight = Scaled(training.weight, reach, scale);
   const auto probability = FeatureProbabilities(outputs, networks);
   const int vectors = static_cast<int>(FeatureVectors(networks));
@@ -57,9 +64,7 @@ OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleS
   std::vector<float> d_probability;
   for (const Range& truths : group.truths) {
     const Range own{truths.first - reach.first, truths.end - reach.first};
-    auto share = plan.path == SumPath::kLine
-                     ? ErrorOnLine(places, belief, error.kind, probability, vectors, weight, own)
-                     : ErrorOfTruths(pairs, probability, vectors, weight, own);
+    auto share = ShareBy(plan.path, pairs, probability, vectors, weight, own);
     slopes.error += share.posterior;
     if (d_probability.empty()) {
       d_probability = std::move(share.d_probability);

@@ -7,6 +7,7 @@
 
 #include "pipelines/landmark_learning/feature_rows.h"
 #include "pipelines/landmark_learning/line_sums.h"
+#include "pipelines/landmark_learning/tree_sums.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -127,9 +128,28 @@ ErrorShare<Real> ErrorOnLine(const Places& places, const Belief& belief, ErrorKi
   return share;
 }
 
+template <class Real>
+ErrorShare<Real> ErrorInPlane(const Places& places, const std::vector<Real>& probability, int vectors,
+                              const std::vector<double>& weight, const Range& truths) {
+  TreeSums<Real> tree(places);
+  const int width = WidthOf<Real>(vectors);
+  Products<Real> products(places.size(), width, true);
+  CopyColumns(places.size(), vectors, probability.data(), vectors, products.g.data(), width);
+  ErrorShare<Real> share{0.0, std::vector<Real>(probability.size())};
+  share.posterior = products.Error(
+      [&](const Real* h, Real* weighted, Real*) { tree.Add(h, width, weighted); }, weight, truths);
+  CopyColumns(places.size(), vectors, products.d.data(), width, share.d_probability.data(), vectors);
+  return share;
+}
+
 template ErrorShare<float> ErrorOnLine(const Places&, const Belief&, ErrorKind, const std::vector<float>&,
                                        int, const std::vector<double>&, const Range&);
 template ErrorShare<double> ErrorOnLine(const Places&, const Belief&, ErrorKind, const std::vector<double>&,
                                         int, const std::vector<double>&, const Range&);
+
+template ErrorShare<float> ErrorInPlane(const Places&, const std::vector<float>&, int,
+                                        const std::vector<double>&, const Range&);
+template ErrorShare<double> ErrorInPlane(const Places&, const std::vector<double>&, int,
+                                         const std::vector<double>&, const Range&);
 
 }  // namespace cairn::landmark_learning

@@ -16,4 +16,10 @@ ErrorShare<Real> ErrorOnLine(const Places& places, const Belief& belief, ErrorKi
                              const std::vector<Real>& probability, int vectors,
                              const std::vector<double>& weight, const Range& truths);
 
+// Samples anywhere in the plane, the belief global, the error the distance: by TreeSums. Each distance, hence
+// each N and E, is off by at most kFarBound of itself; the gradient is exactly that of this E.
+template <class Real>
+ErrorShare<Real> ErrorInPlane(const Places& places, const std::vector<Real>& probability, int vectors,
+                              const std::vector<double>& weight, const Range& truths);
+
 }  // namespace cairn::landmark_learning

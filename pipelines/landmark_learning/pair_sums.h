@@ -6,6 +6,7 @@
 
 #include "pipelines/landmark_learning/feature_rows.h"
 #include "pipelines/landmark_learning/pairs.h"
+#include "pipelines/landmark_learning/register_blocks.h"
 
 namespace cairn::landmark_learning {
 
@@ -33,6 +34,9 @@ class Strip {
     Stretch stretch;
     int column;  // of the tables
   };
+  // Of a table, the columns of samples first <= k < end.
+  SmallMatrix<Real> Part(const std::vector<Real>& table, const At& at, int first, int end) const;
+
   const Pairs& pairs_;
   std::vector<Stretch> reached_;
   std::vector<At> stretches_;

@@ -42,22 +42,21 @@ void SetLearning(const Learning& learning, Task* task) {
 // Blocks of all truths; one where a sweep over all samples is what a block would cost too.
 std::vector<Range> Planner::TrainingBlocks(int networks) const {
   const int count = data_.training.size();
-  const SumPlan sum = PlanSum(options_, data_.training.places);
-  if (sum.path == SumPath::kLine && options_.window_m == 0.0) return {{0, count}};
-  return Blocks(count, StepFlops(sum, networks));
+  if (IsOneSweep(options_, sum_)) return {{0, count}};
+  return Blocks(count, StepFlops(networks));
 }
 
 // Of a step on all truths by so many networks.
-double Planner::StepFlops(const SumPlan& sum, int networks) const {
+double Planner::StepFlops(int networks) const {
   const NetworkShape shape{networks, static_cast<int>(data_.mean.size()), static_cast<int>(options_.hidden)};
-  return sum.flops_per_vector * VectorsOf(networks) +
+  return sum_.flops_per_vector * VectorsOf(networks) +
          4.0 * data_.training.size() * static_cast<double>(shape.parameters());
 }
 
 // Blocks of the stretches of a mini-batch.
 std::vector<Range> Planner::BatchBlocks(int stretches, int networks) const {
   const double share = static_cast<double>(stretches) * kStretch / data_.training.size();
-  return Blocks(stretches, share * StepFlops(PlanSum(options_, data_.training.places), networks));
+  return Blocks(stretches, share * StepFlops(networks));
 }
 
 // Blocks of truths; of a mini-batch, of the stretches that are drawn.
@@ -81,8 +80,7 @@ bool Planner::InPhases(int networks) const {
   constexpr std::size_t kFew = 4;  // blocks that do so for less than three rounds cost
   const auto blocks = TrainingBlocks(networks);
   if (blocks.size() <= kFew) return false;
-  const SumPlan sum = PlanSum(options_, data_.training.places);
-  const Pairs pairs(sum.places, sum.places, BeliefOf(options_), ErrorOf(options_));
+  const Pairs pairs(sum_.places, sum_.places, BeliefOf(options_), ErrorOf(options_));
   std::int64_t outputs = 0;
   for (const Range& block : blocks) outputs += pairs.ReachOf(block).size();
   return outputs > 2 * static_cast<std::int64_t>(data_.training.size());
@@ -110,7 +108,7 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
   };
   if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "parameters"});
   // Each has P(f | s) and slopes of all samples to make: fewer of them, and larger ones.
-  const double pairs = PlanSum(options_, data_.training.places).flops_per_vector * VectorsOf(t.learning.end);
+  const double pairs = sum_.flops_per_vector * VectorsOf(t.learning.end);
   if (t.phase == Phase::kPairs) add("pairs", Blocks(count, pairs / 4.0), {"data", "outputs"});
   if (t.phase == Phase::kWeights)
     add("weights", Blocks(count, 2.0 * forward), {"data", "parameters", "slopes"});

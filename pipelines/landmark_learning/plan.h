@@ -11,7 +11,7 @@ namespace cairn::landmark_learning {
 class Planner {
  public:
   Planner(const Options& options, std::uint64_t seed, const TrainingData& data)
-      : options_(options), seed_(seed), data_(data) {}
+      : options_(options), seed_(seed), data_(data), sum_(PlanSum(options, data.training.places)) {}
 
   // The tasks of the next round, on what `step` has in its State.
   void Plan(const Training& training, Step* step) const;
@@ -30,11 +30,12 @@ class Planner {
   bool InPhases(int networks) const;
   std::vector<Range> TrainingBlocks(int networks) const;
   std::vector<Range> BatchBlocks(int stretches, int networks) const;
-  double StepFlops(const SumPlan& sum, int networks) const;
+  double StepFlops(int networks) const;
 
   const Options& options_;
   std::uint64_t seed_;
   const TrainingData& data_;
+  SumPlan sum_;
 };
 
 }  // namespace cairn::landmark_learning

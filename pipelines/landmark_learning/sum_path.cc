@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "pipelines/landmark_learning/far_field.h"
 #include "pipelines/landmark_learning/line_sums.h"
 #include "schema/error.h"
 
@@ -109,21 +110,40 @@ SumPlan PlanSum(const Options& options, const Places& places) {
   SumPlan plan;
   plan.flops_per_vector = 8.0 * PairsInReach(Pairs(places, places, belief, error), places.size());
   plan.text = "sum over all pairs in reach";
-  const LineCase found = options.sum == "pairs" ? LineCase() : LookAtLine(belief, error, places);
-  // Of a sample and feature; in the time of which a core does so many of the pairs'.
+  const LineCase found =
+      options.sum == "pairs" || options.sum == "tree" ? LineCase() : LookAtLine(belief, error, places);
+  // Of a sample and feature; in the time of which a core does so many of the pairs'. The tree's are three
+  // times what they measure at, as pairs can be cut into tasks and are exact.
   const double line_flops = (std::isinf(belief.ReachM()) ? 450.0 : 1200.0) * places.size();
+  const double tree_flops = 40'000.0 * places.size();
+  const bool tree =
+      belief.shape == BeliefShape::kUniform && std::isinf(belief.ReachM()) && error == ErrorKind::kDistance;
   if (options.sum == "line" && !found.possible)
     throw InputError(
         "sum = line: it takes a uniform belief and distances, and errors along the way only where nothing is "
         "known before");
-  if (options.sum == "line" || (found.exact && options.batch == 0 && line_flops < plan.flops_per_vector)) {
+  if (options.sum == "tree" && !tree)
+    throw InputError("sum = tree: it takes distances, and window_m = 0: nothing known before");
+  const bool free = options.sum == "auto" && options.batch == 0;
+  if (options.sum == "line" || (free && found.exact && line_flops < plan.flops_per_vector)) {
     const LineSums sums(error == ErrorKind::kAlong ? places.along_m : found.line.places.x_m, belief.ReachM(),
                         false);
-    plan = {SumPath::kLine, found.line.places, line_flops, LineText(found, sums.Bound())};
-  } else {
-    plan.places = places;
+    return {SumPath::kLine, found.line.places, line_flops, LineText(found, sums.Bound())};
+  }
+  plan.places = places;
+  if (options.sum == "tree" || (free && tree && tree_flops < plan.flops_per_vector)) {
+    plan.path = SumPath::kTree;
+    plan.flops_per_vector = tree_flops;
+    char text[120];
+    std::snprintf(text, sizeof text, "sum by a tree, each distance and E off by at most %.0e of itself",
+                  kFarBound);
+    plan.text = text;
   }
   return plan;
+}
+
+bool IsOneSweep(const Options& options, const SumPlan& plan) {
+  return plan.path == SumPath::kTree || (plan.path == SumPath::kLine && options.window_m == 0.0);
 }
 
 }  // namespace cairn::landmark_learning

@@ -11,6 +11,7 @@ namespace cairn::landmark_learning {
 enum class SumPath {
   kPairs,  // every pair in reach
   kLine,   // LineSums
+  kTree,   // TreeSums
 };
 
 struct SumPlan {
@@ -23,6 +24,9 @@ struct SumPlan {
 // As the options ask for.
 Belief BeliefOf(const Options& options);
 ErrorRule ErrorOf(const Options& options);
+
+// Whether each block of truths would cost a sweep over all samples: then one does it.
+bool IsOneSweep(const Options& options, const SumPlan& plan);
 
 // Throws InputError where the options force a path that these samples, belief and error do not allow.
 SumPlan PlanSum(const Options& options, const Places& places);

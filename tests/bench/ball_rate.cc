@@ -13,7 +13,9 @@
 #include <cstdlib>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipelines/landmark_learning/fast_error.h"
@@ -163,7 +165,7 @@ void Compare(const char* name, const World& world, double window_m, ErrorKind er
   const Pairs pairs(world.places, world.places, belief, error);
   const double exact = ErrorOfTruths(pairs, exact_probability, 16, world.weight, {0, samples}).posterior;
   std::printf(
-      "%-40s pairs %9.2f ms  this %8.3f ms  %6.0f times faster  E off by %.1e, by pairs in float %.1e\n",
+      "%-42s pairs %9.2f ms  this %8.3f ms  %6.0f times faster  E off by %.1e, by pairs in float %.1e\n",
       name, 1e3 * slow_s, 1e3 * fast_s, slow_s / fast_s, std::abs(fast.posterior / exact - 1.0),
       std::abs(slow.posterior / exact - 1.0));
   std::fflush(stdout);
@@ -183,6 +185,22 @@ void MeasurePaths() {
   Compare("line, global, way travelled", line, 0.0, ErrorKind::kAlong, on_line(0.0, ErrorKind::kAlong));
   Compare("line, global, squared", line, 0.0, ErrorKind::kSquaredDistance,
           on_line(0.0, ErrorKind::kSquaredDistance));
+  World scattered({20000, 4, 0.0}), path = scattered;
+  Rng rng(5);
+  for (std::size_t k = 0; k < scattered.places.x_m.size(); ++k) {
+    scattered.places.x_m[k] = rng.Uniform(0.0, 100.0);
+    scattered.places.y_m[k] = rng.Uniform(0.0, 100.0);
+    // One round of a figure of eight, some 2.2 km, a snapshot each 0.11 m or so.
+    const double turn = 2.0 * std::numbers::pi * static_cast<double>(k) / 20000.0;
+    path.places.x_m[k] = 400.0 * std::sin(turn) + 0.3 * rng.Normal();
+    path.places.y_m[k] = 200.0 * std::sin(2.0 * turn) + 0.3 * rng.Normal();
+  }
+  for (const auto& [name, world] : {std::pair("plane, global, scattered over 100 x 100 m", &scattered),
+                                    std::pair("plane, global, along a route of 2 km", &path)}) {
+    Compare(name, *world, 0.0, ErrorKind::kDistance, [world = world](const std::vector<float>& probability) {
+      return ErrorInPlane(world->places, probability, 16, world->weight, {0, world->places.size()});
+    });
+  }
   Compare("line, +-2 m, distance", line, 2.0, ErrorKind::kDistance, on_line(2.0, ErrorKind::kDistance));
 }
 
