@@ -65,8 +65,9 @@ View TakeImage(const Scene& scene, const Shade& shade, const Snapshot& snapshot,
     for (int column = 0; column < kImageColumns; ++column) {
       Rgb sum;
       for (int ray = 0; ray < kRays * kRays; ++ray) {
-        const double right = (column * kRays + ray % kRays + 0.5 - 0.5 * kImageColumns * kRays) * step;
-        const double up = -(row * kRays + ray / kRays + 0.5 - 0.5 * kImageRows * kRays) * step;
+        const int across = column * kRays + ray % kRays, down = row * kRays + ray / kRays;
+        const double right = (across + 0.5 - 0.5 * kImageColumns * kRays) * step;
+        const double up = -(down + 0.5 - 0.5 * kImageRows * kRays) * step;
         const Hit hit = scene.Cast(from, RayOf(frame, right, up), pillars);
         const Rgb colour = shade(hit);
         sum = {sum.r + colour.r, sum.g + colour.g, sum.b + colour.b};

@@ -37,6 +37,7 @@ void PrintSet(const std::string& set, const std::vector<SetFigures>& figures) {
     }
     std::printf("\n");
   }
+  std::fflush(stdout);
 }
 
 int Main(const std::vector<std::string>& args) {
