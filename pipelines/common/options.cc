@@ -108,3 +108,20 @@ void Describer::operator()(const Option& option, std::string& field) {
 }
 
 }  // namespace cairn::options_internal
+
+namespace cairn {
+
+std::vector<std::string> ByCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t first = 0; first < text.size();) {
+    const std::size_t end = std::min(text.find(',', first), text.size());
+    std::string part = text.substr(first, end - first);
+    part.erase(0, std::min(part.find_first_not_of(' '), part.size()));
+    part.erase(part.find_last_not_of(' ') + 1);
+    if (!part.empty()) parts.push_back(part);
+    first = end + 1;
+  }
+  return parts;
+}
+
+}  // namespace cairn

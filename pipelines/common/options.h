@@ -86,4 +86,7 @@ std::vector<OptionInfo> DescribeOptions() {
   return describer.infos;
 }
 
+// The parts of a text between commas, without the blanks around them; empty ones are passed over.
+std::vector<std::string> ByCommas(const std::string& text);
+
 }  // namespace cairn

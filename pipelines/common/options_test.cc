@@ -78,5 +78,12 @@ TEST(Options, DescriptionsCarryTypeUnitRangeAndDefault) {
   EXPECT_EQ(infos[3].choices, (std::vector<std::string>{"robust", "exact"}));
 }
 
+TEST(ByCommas, CutsATextAndPassesOverWhatIsEmpty) {
+  EXPECT_TRUE(ByCommas("").empty());
+  EXPECT_TRUE(ByCommas(" , ,").empty());
+  EXPECT_EQ(ByCommas("out"), (std::vector<std::string>{"out"}));
+  EXPECT_EQ(ByCommas(" run 1,, run 2 "), (std::vector<std::string>{"run 1", "run 2"}));
+}
+
 }  // namespace
 }  // namespace cairn

@@ -72,7 +72,8 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   const NetworkShape shape = ShapeOf(options_, input_names.size());
   std::optional<Parent> parent;
   if (inputs.Has("weights")) parent = ReadParent(*inputs.Get("weights"), shape, input_names);
-  TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr);
+  TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr,
+                                       ByCommas(options_.unseen));
   WeighTruths(options_, &data);
   AttachErrors(options_, inputs, &data);
   RefuseLonely(options_, data);

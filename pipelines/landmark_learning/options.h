@@ -29,6 +29,7 @@ struct Options {
   std::int64_t pattern_steps = 100;
   double pattern_step = 1.0;
   std::string holdout = {};
+  std::string unseen = {};
   std::int64_t validate_every = 20;
   std::int64_t patience = 10;
 };
@@ -115,6 +116,9 @@ void VisitOptions(V& visit, Options& o) {
       Option{"holdout", "", 0, 0,
              "the run that is not trained on but decides when to stop; empty: none, and all steps are made"},
       o.holdout);
+  visit(Option{"unseen", "", 0, 0,
+               "runs, by commas, that training does not look at, to score with later; empty: none"},
+        o.unseen);
   visit(Option{"validate_every", "steps", 1, 1e9, "how often the held-out run is looked at"},
         o.validate_every);
   visit(

@@ -172,21 +172,37 @@ SampleSet Load(const std::string& prefix, const Blob& blob) {
           blob.at(prefix + "input")};
 }
 
+void RefuseStrangers(const std::vector<std::string>& runs, const std::string& holdout,
+                     const std::vector<std::string>& unseen) {
+  const auto refuse = [&](const char* option, const std::string& run) {
+    if (std::ranges::count(runs, run) == 0)
+      throw InputError(option + (": there is no run '" + run) + "' among the samples");
+  };
+  if (!holdout.empty()) refuse("holdout", holdout);
+  for (const std::string& run : unseen) {
+    refuse("unseen", run);
+    if (run == holdout) throw InputError("unseen: '" + run + "' is held out: it decides when to stop");
+  }
+}
+
 }  // namespace
 
-TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, const InputNorm* given) {
+TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, const InputNorm* given,
+                              const std::vector<std::string>& unseen) {
   TrainingData data;
-  data.runs = samples.Texts("runs");
+  const std::vector<std::string> all = samples.Texts("runs");
+  RefuseStrangers(all, holdout, unseen);
   data.input_names = samples.Texts("input_name");
   const std::size_t inputs = data.input_names.size();
   if (inputs == 0)
     throw InputError("the samples have no inputs; of images `cairn run image_features` makes some");
-  if (!holdout.empty() && std::ranges::find(data.runs, holdout) == data.runs.end())
-    throw InputError("holdout: there is no run '" + holdout + "' among the samples");
   RawSet training, held_out;
-  for (std::size_t r = 0; r < data.runs.size(); ++r)
-    Append(ReadRun(samples, data.runs[r], r, inputs), r,
-           !holdout.empty() && data.runs[r] == holdout ? &held_out : &training);
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    if (std::ranges::count(unseen, all[r]) > 0) continue;
+    Append(ReadRun(samples, all[r], r, inputs), data.runs.size(),
+           !holdout.empty() && all[r] == holdout ? &held_out : &training);
+    data.runs.push_back(all[r]);
+  }
   if (training.places.size() == 0) throw InputError("no run is left to train on");
   if (given != nullptr) {
     data.mean = given->mean;

@@ -37,9 +37,11 @@ struct TrainingData {
 
   // From an input of kind `samples` (schema/FORMAT.md). Throws InputError that names run and row: arrays of
   // different length, a run of one sample, two samples of one time and place in a run, numbers that are not
-  // finite, a `holdout` that is no run or the only one.
-  // `given`: a mean and a scale to normalise by, or null: those of the training samples.
-  static TrainingData Of(const Blob& samples, const std::string& holdout, const InputNorm* given = nullptr);
+  // finite, a `holdout` that is no run or the only one, an unseen run that is none or the one held out.
+  // `given`: a mean and a scale to normalise by, or null: those of the training samples. `unseen`: runs that
+  // are as if they were not there.
+  static TrainingData Of(const Blob& samples, const std::string& holdout, const InputNorm* given = nullptr,
+                         const std::vector<std::string>& unseen = {});
 
   Blob ToBlob() const;
   static TrainingData FromBlob(const Blob& blob);

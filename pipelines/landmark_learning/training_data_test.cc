@@ -47,5 +47,18 @@ TEST(TrainingData, ComesBackAsItWasStored) {
   EXPECT_EQ(TrainingData::FromBlob(data.ToBlob()).ToBlob().ContentHash(), data.ToBlob().ContentHash());
 }
 
+TEST(TrainingData, OfUnseenRunsNothingIsLeft) {
+  const Blob samples = CorridorSamples{.runs = 3}.Make();
+  const TrainingData without = TrainingData::Of(samples, "run 2", nullptr, {"run 0"});
+  EXPECT_EQ(without.runs, (std::vector<std::string>{"run 1", "run 2"}));
+  EXPECT_EQ(without.training.size(), 80);
+  EXPECT_EQ(without.training.run.front(), 0);
+  EXPECT_EQ(without.held_out.run.front(), 1);
+  EXPECT_NE(without.mean, TrainingData::Of(samples, "run 2").mean);
+  EXPECT_THROW(TrainingData::Of(samples, "", nullptr, {"run 7"}), InputError);
+  EXPECT_THROW(TrainingData::Of(samples, "run 1", nullptr, {"run 1"}), InputError);
+  EXPECT_THROW(TrainingData::Of(samples, "run 1", nullptr, {"run 0", "run 2"}), InputError);
+}
+
 }  // namespace
 }  // namespace cairn::landmark_learning

@@ -49,7 +49,4 @@ struct Source {
   void UseHandMade(const Options& options, const Blob& samples);
 };
 
-// Parts of a text between commas, blanks around them cut off; none of an empty one.
-std::vector<std::string> ByCommas(const std::string& text);
-
 }  // namespace cairn::localization
