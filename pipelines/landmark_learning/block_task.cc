@@ -55,7 +55,7 @@ ErrorShare<float> ShareBy(SumPath path, const Pairs& pairs, const std::vector<fl
 OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleSet& training,
                       const std::vector<float>& outputs, int networks, const Group& group, double scale) {
   const Range& reach = group.reach;
-  const Places places = Part(plan.places, reach);
+  const Places places = Part(plan.PlacesOf(training.places), reach);
   const Pairs pairs(places, places, BeliefOf(options), ErrorOf(options));
   const std::vector<double> weight = Scaled(training.weight, reach, scale);
   const auto probability = FeatureProbabilities(outputs, networks);
@@ -76,8 +76,9 @@ OutputSlopes SlopesBy(const Options& options, const SumPlan& plan, const SampleS
   return slopes;
 }
 
-Pairs PairsOf(const Options& options, const SumPlan& plan) {
-  return {plan.places, plan.places, BeliefOf(options), ErrorOf(options)};
+Pairs PairsOf(const Options& options, const SumPlan& plan, const SampleSet& training) {
+  const Places& places = plan.PlacesOf(training.places);
+  return {places, places, BeliefOf(options), ErrorOf(options)};
 }
 
 Range ReachOf(const Pairs& pairs, const Range& truths) {
@@ -104,7 +105,7 @@ GradientShare GradientOfStretches(const Options& options, const SampleSet& train
                                   double scale, const InputNoise& noise) {
   GradientShare sum;
   const SumPlan plan = PlanSum(options, training.places);
-  for (const Group& group : GroupsOf(PairsOf(options, plan), truths)) {
+  for (const Group& group : GroupsOf(PairsOf(options, plan, training), truths)) {
     const InputRows rows(training.inputs(), group.reach, parameters.shape.inputs, noise);
     const auto activations = Forward(parameters, rows.data(), group.reach.size());
     const auto slopes =
@@ -128,7 +129,7 @@ GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
 SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
                          const Parameters<float>& parameters, const Range& truths) {
   const SumPlan plan = PlanSum(options, training.places);
-  const Range reach = ReachOf(PairsOf(options, plan), truths);
+  const Range reach = ReachOf(PairsOf(options, plan, training), truths);
   const auto activations =
       Forward(parameters, RowsFrom(training, reach.first, parameters.shape.inputs), reach.size());
   auto slopes = SlopesBy(options, plan, training, activations.output, parameters.shape.networks,
@@ -142,7 +143,7 @@ SlopeShare SlopesOfOutputs(const Options& options, const SampleSet& training, st
   if (outputs.size() != static_cast<std::size_t>(training.size()) * row)
     throw InputError("the outputs are of other samples or networks");
   const SumPlan plan = PlanSum(options, training.places);
-  const Range reach = ReachOf(PairsOf(options, plan), truths);
+  const Range reach = ReachOf(PairsOf(options, plan, training), truths);
   const auto own = outputs.subspan(static_cast<std::size_t>(reach.first) * row,
                                    static_cast<std::size_t>(reach.size()) * row);
   auto slopes = SlopesBy(options, plan, training, {own.begin(), own.end()}, networks, {reach, {truths}}, 1.0);

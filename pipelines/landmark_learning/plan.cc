@@ -37,6 +37,9 @@ void SetLearning(const Learning& learning, Task* task) {
   Set("in_use", learning.end, task);
 }
 
+// The path that is planned, so that no task plans it again.
+void SetSum(const SumPlan& sum, Task* task) { (*task->mutable_params())["sum"].set_s(sum.Name()); }
+
 }  // namespace
 
 // Blocks of all truths; one where a sweep over all samples is what a block would cost too.
@@ -49,7 +52,7 @@ std::vector<Range> Planner::TrainingBlocks(int networks) const {
 // Of a step on all truths by so many networks.
 double Planner::StepFlops(int networks) const {
   const NetworkShape shape{networks, static_cast<int>(data_.mean.size()), static_cast<int>(options_.hidden)};
-  return sum_.flops_per_vector * VectorsOf(networks) +
+  return flops_per_vector_ * VectorsOf(networks) +
          4.0 * data_.training.size() * static_cast<double>(shape.parameters());
 }
 
@@ -70,6 +73,7 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
     Task& task = Add(kind, all ? block.size() : block.size() * kStretch, {"data", "parameters"}, plan);
     SetBlock(block, &task);
     SetLearning(t.learning, &task);
+    SetSum(sum_, &task);
     Set("step", t.steps, &task);
   }
 }
@@ -80,7 +84,8 @@ bool Planner::InPhases(int networks) const {
   constexpr std::size_t kFew = 4;  // blocks that do so for less than three rounds cost
   const auto blocks = TrainingBlocks(networks);
   if (blocks.size() <= kFew) return false;
-  const Pairs pairs(sum_.places, sum_.places, BeliefOf(options_), ErrorOf(options_));
+  const Places& places = sum_.PlacesOf(data_.training.places);
+  const Pairs pairs(places, places, BeliefOf(options_), ErrorOf(options_));
   std::int64_t outputs = 0;
   for (const Range& block : blocks) outputs += pairs.ReachOf(block).size();
   return outputs > 2 * static_cast<std::int64_t>(data_.training.size());
@@ -103,12 +108,13 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
       Task& task = Add(kind, block.size(), blobs, plan);
       SetBlock(block, &task);
       SetLearning(t.learning, &task);
+      SetSum(sum_, &task);
       Set("step", t.steps, &task);
     }
   };
   if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "parameters"});
   // Each has P(f | s) and slopes of all samples to make: fewer of them, and larger ones.
-  const double pairs = sum_.flops_per_vector * VectorsOf(t.learning.end);
+  const double pairs = flops_per_vector_ * VectorsOf(t.learning.end);
   if (t.phase == Phase::kPairs) add("pairs", Blocks(count, pairs / 4.0), {"data", "outputs"});
   if (t.phase == Phase::kWeights)
     add("weights", Blocks(count, 2.0 * forward), {"data", "parameters", "slopes"});

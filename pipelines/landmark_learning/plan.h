@@ -11,7 +11,11 @@ namespace cairn::landmark_learning {
 class Planner {
  public:
   Planner(const Options& options, std::uint64_t seed, const TrainingData& data)
-      : options_(options), seed_(seed), data_(data), sum_(PlanSum(options, data.training.places)) {}
+      : options_(options),
+        seed_(seed),
+        data_(data),
+        sum_(PlanSum(options, data.training.places)),
+        flops_per_vector_(FlopsPerVector(options, sum_.path, data.training.places)) {}
 
   // The tasks of the next round, on what `step` has in its State.
   void Plan(const Training& training, Step* step) const;
@@ -36,6 +40,7 @@ class Planner {
   std::uint64_t seed_;
   const TrainingData& data_;
   SumPlan sum_;
+  double flops_per_vector_;
 };
 
 }  // namespace cairn::landmark_learning

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "pipelines/landmark_learning/far_field.h"
 #include "pipelines/landmark_learning/line_sums.h"
@@ -44,16 +45,20 @@ OnLine Projected(const Places& places) {
   return line;
 }
 
+// Of many strips of truths, some tell.
 double PairsInReach(const Pairs& pairs, int truths) {
-  double sum = 0.0;
+  constexpr int kStrips = 2048;
+  const int step = std::max(1, truths / kTileSamples / kStrips) * kTileSamples;
+  double sum = 0.0, looked_at = 0.0;
   std::vector<Stretch> stretches;
-  for (int first = 0; first < truths; first += kTileSamples) {
+  for (int first = 0; first < truths; first += step) {
     const Range strip{first, std::min(truths, first + kTileSamples)};
     pairs.Reach(strip, &stretches);
+    looked_at += strip.size();
     for (const Stretch& stretch : stretches)
       sum += static_cast<double>(strip.size()) * stretch.samples.size();
   }
-  return sum;
+  return sum * truths / looked_at;
 }
 
 // What LineSums could do here: at all, and exactly.
@@ -72,7 +77,6 @@ LineCase LookAtLine(const Belief& belief, const ErrorRule& error, const Places& 
   const bool global = std::isinf(belief.ReachM());
   if (global && !(error == ErrorKind::kDistance)) {
     found.possible = found.exact = true;  // the way travelled is a line, a square the sum of two
-    found.line.places = places;
   } else if (!(error == ErrorKind::kAlong)) {
     found.line = Projected(places);
     found.possible = true;
@@ -104,42 +108,63 @@ ErrorRule ErrorOf(const Options& options) {
   return options.error == "along" ? ErrorKind::kAlong : ErrorKind::kDistance;
 }
 
+double FlopsPerVector(const Options& options, SumPath path, const Places& places) {
+  const Belief belief = BeliefOf(options);
+  if (path == SumPath::kPairs)
+    return 8.0 * PairsInReach(Pairs(places, places, belief, ErrorOf(options)), places.size());
+  // Of a sample; in the time of which a core does so many of the pairs'. The tree's are three times what they
+  // measure at, as pairs can be cut into tasks and are exact.
+  if (path == SumPath::kTree) return 40'000.0 * places.size();
+  return (std::isinf(belief.ReachM()) ? 450.0 : 1200.0) * places.size();
+}
+
+namespace {
+
+SumPlan Line(const Belief& belief, const ErrorRule& error, const Places& places, LineCase found) {
+  const std::vector<double>& t = error == ErrorKind::kAlong     ? places.along_m
+                                 : found.line.places.size() > 0 ? found.line.places.x_m
+                                                                : places.x_m;
+  const double bound = LineSums(t, belief.ReachM(), false).Bound();
+  return {SumPath::kLine, std::move(found.line.places), LineText(found, bound)};
+}
+
+SumPlan Tree() {
+  char text[120];
+  std::snprintf(text, sizeof text, "sum by a tree, each distance and E off by at most %.0e of itself",
+                kFarBound);
+  return {SumPath::kTree, {}, text};
+}
+
+}  // namespace
+
+const char* SumPlan::Name() const {
+  return path == SumPath::kLine ? "line" : path == SumPath::kTree ? "tree" : "pairs";
+}
+
 SumPlan PlanSum(const Options& options, const Places& places) {
+  const SumPlan pairs{SumPath::kPairs, {}, "sum over all pairs in reach"};
+  if (options.sum == "pairs" || (options.sum == "auto" && options.batch > 0)) return pairs;
   const Belief belief = BeliefOf(options);
   const ErrorRule error = ErrorOf(options);
-  SumPlan plan;
-  plan.flops_per_vector = 8.0 * PairsInReach(Pairs(places, places, belief, error), places.size());
-  plan.text = "sum over all pairs in reach";
-  const LineCase found =
-      options.sum == "pairs" || options.sum == "tree" ? LineCase() : LookAtLine(belief, error, places);
-  // Of a sample and feature; in the time of which a core does so many of the pairs'. The tree's are three
-  // times what they measure at, as pairs can be cut into tasks and are exact.
-  const double line_flops = (std::isinf(belief.ReachM()) ? 450.0 : 1200.0) * places.size();
-  const double tree_flops = 40'000.0 * places.size();
   const bool tree =
       belief.shape == BeliefShape::kUniform && std::isinf(belief.ReachM()) && error == ErrorKind::kDistance;
-  if (options.sum == "line" && !found.possible)
-    throw InputError(
-        "sum = line: it takes a uniform belief and distances, and errors along the way only where nothing is "
-        "known before");
-  if (options.sum == "tree" && !tree)
-    throw InputError("sum = tree: it takes distances, and window_m = 0: nothing known before");
-  const bool free = options.sum == "auto" && options.batch == 0;
-  if (options.sum == "line" || (free && found.exact && line_flops < plan.flops_per_vector)) {
-    const LineSums sums(error == ErrorKind::kAlong ? places.along_m : found.line.places.x_m, belief.ReachM(),
-                        false);
-    return {SumPath::kLine, found.line.places, line_flops, LineText(found, sums.Bound())};
+  if (options.sum == "tree") {
+    if (!tree) throw InputError("sum = tree: it takes distances, and window_m = 0: nothing known before");
+    return Tree();
   }
-  plan.places = places;
-  if (options.sum == "tree" || (free && tree && tree_flops < plan.flops_per_vector)) {
-    plan.path = SumPath::kTree;
-    plan.flops_per_vector = tree_flops;
-    char text[120];
-    std::snprintf(text, sizeof text, "sum by a tree, each distance and E off by at most %.0e of itself",
-                  kFarBound);
-    plan.text = text;
+  LineCase found = LookAtLine(belief, error, places);
+  if (options.sum == "line") {
+    if (!found.possible)
+      throw InputError(
+          "sum = line: it takes a uniform belief and distances, and errors along the way only where nothing "
+          "is "
+          "known before");
+    return Line(belief, error, places, std::move(found));
   }
-  return plan;
+  const double flops = FlopsPerVector(options, SumPath::kPairs, places);
+  if (found.exact && FlopsPerVector(options, SumPath::kLine, places) < flops)
+    return Line(belief, error, places, std::move(found));
+  return tree && FlopsPerVector(options, SumPath::kTree, places) < flops ? Tree() : pairs;
 }
 
 bool IsOneSweep(const Options& options, const SumPlan& plan) {

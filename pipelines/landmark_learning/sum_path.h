@@ -16,9 +16,11 @@ enum class SumPath {
 
 struct SumPlan {
   SumPath path = SumPath::kPairs;
-  Places places;  // as that path takes them: for kLine x_m is the way along the line, y_m zero
-  double flops_per_vector = 0.0;  // of E and its gradient by P(f | s), each of the 2^n
-  std::string text;               // the path and what it may be off by, for people
+  Places projected = {};  // onto the line, where that changes places: x_m is the way along it, y_m zero
+  std::string text;       // the path and what it may be off by, for people
+
+  const Places& PlacesOf(const Places& samples) const { return projected.size() > 0 ? projected : samples; }
+  const char* Name() const;  // as option `sum`
 };
 
 // As the options ask for.
@@ -28,7 +30,11 @@ ErrorRule ErrorOf(const Options& options);
 // Whether each block of truths would cost a sweep over all samples: then one does it.
 bool IsOneSweep(const Options& options, const SumPlan& plan);
 
-// Throws InputError where the options force a path that these samples, belief and error do not allow.
+// What the options force costs nothing to plan. Throws InputError where they force a path that these samples,
+// belief and error do not allow.
 SumPlan PlanSum(const Options& options, const Places& places);
+
+// Of E and its gradient by P(f | s), for each of the 2^n: counted as the pairs' are, 8 a pair in reach.
+double FlopsPerVector(const Options& options, SumPath path, const Places& places);
 
 }  // namespace cairn::landmark_learning

@@ -50,7 +50,9 @@ TEST(PlanSum, SaysWhatItMayBeOffBy) {
 
 // On the line that a job forces, each place is where it was along it.
 TEST(PlanSum, ProjectsPlacesOntoTheLine) {
-  const Places places = PlanSum({.sum = "line"}, Corridor(300, 0.2)).places;
+  const Places corridor = Corridor(300, 0.2);
+  const SumPlan plan = PlanSum({.sum = "line"}, corridor);
+  const Places& places = plan.PlacesOf(corridor);
   for (std::size_t k = 0; k < 300; ++k) {
     EXPECT_NEAR(places.x_m[k], 89.0 * static_cast<double>(k) / 300.0, 0.01);
     EXPECT_EQ(places.y_m[k], 0.0);

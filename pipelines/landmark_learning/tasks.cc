@@ -145,9 +145,11 @@ Blob FitTask(const Options& options, const TrainingData& data, const Parameters<
 
 }  // namespace
 
-Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const Inputs& inputs,
+Blob RunTask(const Options& asked, std::uint64_t seed, const Task& task, const Inputs& inputs,
              Progress& progress) {
   progress.Tick();
+  Options options = asked;
+  if (task.params().contains("sum")) options.sum = task.params().at("sum").s();
   const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
   const NetworkShape shape = ShapeOf(options, data.mean.size());
   if (task.kind() == "pairs") return PairsTask(options, data, *inputs.Get("outputs"), task);
