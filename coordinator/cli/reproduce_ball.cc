@@ -14,10 +14,12 @@
 #include "coordinator/cli/scalar.h"
 #include "coordinator/cli/stop_signal.h"
 #include "datasets/reproduce/ball_active.h"
+#include "datasets/reproduce/ball_adapt.h"
 #include "datasets/reproduce/ball_figures.h"
 #include "datasets/reproduce/ball_variants.h"
 #include "datasets/simulate_corridor.h"
 #include "schema/store/blob_file.h"
+#include "schema/store/result_kind.h"
 
 namespace cairn::cli {
 namespace {
@@ -37,10 +39,12 @@ struct Options {
 
 using Results = std::map<std::string, Blob>;
 
-// A study's jobs: how number k is made, and what becomes of its results. Both run on several threads at once.
+// A study's jobs: how number k is made, and what becomes of its results. All run on several threads at once.
 struct Study {
   std::size_t jobs = 0;
   std::function<datasets::BallJob(std::size_t k)> make;
+  // A second job, of the first's results; may be empty.
+  std::function<datasets::BallJob(const datasets::BallJob& first, const Results&)> then;
   std::function<void(std::size_t k, const datasets::BallJob&, const Results&)> score;
 };
 
@@ -81,6 +85,17 @@ class StudyRun {
 
   void RunJob(std::size_t k) {
     const datasets::BallJob ball = study_.make(k);
+    std::optional<Results> results = ResultsOf(ball);
+    if (results && study_.then) {
+      const std::optional<Results> more = ResultsOf(study_.then(ball, *results));
+      if (!more) return;
+      results->insert(more->begin(), more->end());
+    }
+    if (results) study_.score(k, ball, *results);
+  }
+
+  // None where the job is not done: undone_ then says why.
+  std::optional<Results> ResultsOf(const datasets::BallJob& ball) {
     coordinator::EmbeddedOptions embedded;
     embedded.dir = (fs::path(options_.out) / "results" / ball.name).string();
     embedded.workers = workers_each_;
@@ -102,12 +117,12 @@ class StudyRun {
         stop_);
     if (IsDone(run)) {
       WriteInputs(ball);
-      study_.score(k, ball, ReadResults(run));
-      return;
+      return ReadResults(run);
     }
     const std::lock_guard lock(mutex_);
     failed_ = true;
     if (!undone_) undone_ = run;
+    return std::nullopt;
   }
 
   // Beside the results, so that each can be made again by hand.
@@ -116,7 +131,7 @@ class StudyRun {
     fs::create_directories(folder);
     for (const auto& [name, blob] : ball.inputs) {
       const std::string file = ball.name + "_" + name + ".h5";
-      Check(WriteBlobFile((folder / file).string(), "samples", blob));
+      Check(WriteBlobFile((folder / file).string(), ResultKind(blob), blob));
     }
   }
 
@@ -143,9 +158,10 @@ struct SetAndSeed {
 // Runs a study, then makes and shows its figures of the scores.
 template <class Scores, class Make, class Score, class Figures>
 int RunStudy(const Options& options, const Invocation& call, std::size_t jobs, const Make& make,
-             const Score& score, const Figures& figures) {
+             const Score& score, const Figures& figures,
+             const std::function<datasets::BallJob(const datasets::BallJob&, const Results&)>& then = {}) {
   std::vector<Scores> scores(jobs);
-  Study study{jobs, make, [&](std::size_t k, const datasets::BallJob& ball, const Results& results) {
+  Study study{jobs, make, then, [&](std::size_t k, const datasets::BallJob& ball, const Results& results) {
                 scores[k] = score(ball, results);
               }};
   if (const auto undone = StudyRun(options, call, study).Run()) return ExplainUndone(*undone);
@@ -207,8 +223,20 @@ int Active(const Options& options, const Invocation& call) {
       datasets::ScoreActiveJob, datasets::ActiveFigures);
 }
 
+int Adapt(const Options& options, const Invocation& call) {
+  const datasets::BallRecipe recipe = datasets::DefaultBallRecipe(options.steps);
+  return RunStudy<datasets::AdaptScores>(
+      options, call, static_cast<std::size_t>(options.seeds),
+      [&](std::size_t k) { return datasets::MakeAdaptJob(options.seed + k, recipe); },
+      datasets::ScoreAdaptJob, datasets::AdaptFigures,
+      [&](const datasets::BallJob& first, const Results& results) {
+        return ContinueAdaptJob(first, recipe, results);
+      });
+}
+
 int Ball(const Options& options, const Invocation& call) {
   if (options.study == "paper") return Paper(options, call);
+  if (options.study == "adapt") return Adapt(options, call);
   return options.study == "active" ? Active(options, call) : Variants(options, call);
 }
 
@@ -222,8 +250,10 @@ void AddReproduceBall(CLI::App& reproduce, Invocation& call) {
   ball->add_option(
           "--study", options->study,
           "paper: its table and figures; sensors: error reduction without each group of sensors; active: "
-          "a camera that is pointed where it pays; ways: ways to train and hidden units")
-      ->check(CLI::IsMember({"paper", "sensors", "active", "ways"}))
+          "a camera that is pointed where it pays; adapt: going on after the corridor has changed; ways: "
+          "ways to "
+          "train and hidden units")
+      ->check(CLI::IsMember({"paper", "sensors", "active", "adapt", "ways"}))
       ->capture_default_str();
   ball->add_option("--out", options->out,
                    "Folder of page, pictures, samples (inputs/) and results (results/)")

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
+#include "datasets/evaluate/testing_localization.h"
 #include "datasets/reproduce/ball_active.h"
+#include "datasets/reproduce/ball_adapt.h"
 #include "datasets/reproduce/ball_variants.h"
 #include "datasets/reproduce/over_seeds.h"
 #include "datasets/reproduce/paper_figure.h"
@@ -76,6 +78,20 @@ TEST(BallStudy, JoinsWhatIsSensedNearestInEachDirection) {
     EXPECT_EQ(input[6 + 2 * set], second[set]) << set;
     EXPECT_EQ(input[12 + 2 * set], third[set]) << set;
   }
+}
+
+// What is sensed at a stop is labelled by the belief's mean; where a robot set out it sensed nothing.
+TEST(BallStudy, LabelsWhatARobotSensedByItsOwnEstimates) {
+  Blob samples = LocalizedSamples();
+  samples.PutVector<double>("truth/run/0/x_m", {0, 1, 2, 3});
+  samples.PutVector<double>("truth/run/0/y_m", {0, 0, 0, 0});
+  samples.Put("run/0/input", Array::Of<float>({4, 1}, std::vector<float>{5, 6, 7, 8}));
+  const Blob labelled = SelfLabelled(samples, LocalizationFile());
+  const auto x = labelled.Get<double>("run/0/x_m"), true_x = labelled.Get<double>("truth/run/0/x_m");
+  EXPECT_EQ(std::vector(x.begin(), x.end()), (std::vector<double>{1.5, 2, 2}));
+  EXPECT_EQ(std::vector(true_x.begin(), true_x.end()), (std::vector<double>{1, 2, 2}));
+  EXPECT_EQ(labelled.Get<float>("run/0/input")[1], 7.0F);
+  EXPECT_EQ(labelled.Get<double>("run/0/time_s")[0], 1.0);
 }
 
 TEST(VariantFigure, ShowsWhatAVariantLosesInTheSameCorridor) {
