@@ -52,6 +52,8 @@ void AttachErrors(const Options& options, const Inputs& inputs, TrainingData* da
 
 // Some ways to train go on what every step says of all truths and networks.
 void RefuseMixtures(const Options& options) {
+  if (options.cell_m > 0.0 && (options.batch > 0 || options.method == "conjugate"))
+    throw InputError("cell_m does not go with batch, nor with method=conjugate");
   const bool steps = options.method != "conjugate" && options.method != "pseudo";
   if (steps) return;
   for (const auto& [name, set] :

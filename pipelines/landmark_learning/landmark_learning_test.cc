@@ -100,7 +100,21 @@ TEST(LandmarkLearning, TrainsNetworksOneAfterAnotherAndEachHelps) {
   EXPECT_LT(errors[199], errors[0]);
 }
 
+TEST(LandmarkLearning, LearnsOnCells) {
+  for (const char* method : {"adam", "pseudo"}) {
+    const BlobPtr result =
+        Learn(CorridorSamples().Make(), {.cell_m = 0.25,
+                                         .method = method,
+                                         .rate = std::string(method) == "adam" ? 0.02 : 0.0,
+                                         .init_width = 0.5,
+                                         .steps = std::string(method) == "adam" ? 300 : 20});
+    EXPECT_GT(Reduction(*result), 0.4) << method;
+  }
+}
+
 TEST(LandmarkLearning, RefusesMixturesThatMeanNothing) {
+  EXPECT_THROW(Learn(CorridorSamples().Make(), {.cell_m = 1.0, .batch = 64}), InputError);
+  EXPECT_THROW(Learn(CorridorSamples().Make(), {.cell_m = 1.0, .method = "conjugate"}), InputError);
   for (const char* method : {"conjugate", "pseudo"}) {
     EXPECT_THROW(Learn(CorridorSamples().Make(), {.method = method, .batch = 64}), InputError);
     EXPECT_THROW(Learn(CorridorSamples().Make(), {.method = method, .sequential = true}), InputError);

@@ -16,6 +16,7 @@ struct Options {
   std::string error = "distance";
   double smooth_m = 0.5;
   std::string truths = "samples";
+  double cell_m = 0.0;
   std::string sum = "auto";
   std::string method = "adam";
   double rate = 0.0;
@@ -56,6 +57,12 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"smooth_m", "m", 1e-6, 1e9,
                "standard deviation of the bell around the truth that weighs the mass (error kl)"},
         o.smooth_m);
+  visit(Option{"cell_m", "m", 0, 1e6,
+               "beliefs and P(f | place) are of square cells so large, for training alone: the sum's cost no "
+               "longer grows "
+               "with the number of samples in one (always over pairs; not with batch, nor method conjugate); "
+               "0: of the samples"},
+        o.cell_m);
   visit(Option{"truths",
                "",
                0,

@@ -4,6 +4,7 @@
 
 #include "pipelines/landmark_learning/batch.h"
 #include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/compact.h"
 #include "pipelines/landmark_learning/features.h"
 
 namespace cairn::landmark_learning {
@@ -80,6 +81,7 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
 
 // Whether blocks of their own would compute most outputs again and again.
 bool Planner::InPhases(int networks) const {
+  if (options_.cell_m > 0.0) return true;  // cells are made of the outputs of all samples
   if (options_.batch > 0) return false;
   constexpr std::size_t kFew = 4;  // blocks that do so for less than three rounds cost
   const auto blocks = TrainingBlocks(networks);
@@ -114,8 +116,16 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
   };
   if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "parameters"});
   // Each has P(f | s) and slopes of all samples to make: fewer of them, and larger ones.
-  const double pairs = flops_per_vector_ * VectorsOf(t.learning.end);
-  if (t.phase == Phase::kPairs) add("pairs", Blocks(count, pairs / 4.0), {"data", "outputs"});
+  if (t.phase == Phase::kPairs) {
+    int truths = count;
+    double flops_per_vector = flops_per_vector_;
+    if (options_.cell_m > 0.0) {
+      const Cells cells = CellsOf(data_.training, options_.cell_m);
+      truths = cells.size();
+      flops_per_vector = FlopsPerVector(options_, SumPath::kPairs, cells.places);
+    }
+    add("pairs", Blocks(truths, flops_per_vector * VectorsOf(t.learning.end) / 4.0), {"data", "outputs"});
+  }
   if (t.phase == Phase::kWeights)
     add("weights", Blocks(count, 2.0 * forward), {"data", "parameters", "slopes"});
 }

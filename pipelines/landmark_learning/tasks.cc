@@ -5,6 +5,7 @@
 
 #include "pipelines/landmark_learning/batch.h"
 #include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/compact.h"
 #include "pipelines/landmark_learning/patterns.h"
 #include "pipelines/landmark_learning/some_networks.h"
 #include "pipelines/landmark_learning/training.h"
@@ -77,8 +78,15 @@ Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const I
 
 Blob PairsTask(const Options& options, const TrainingData& data, const Blob& outputs, const Task& task) {
   const int networks = static_cast<int>(Param(task, "in_use"));
-  const SlopeShare share =
-      SlopesOfOutputs(options, data.training, outputs.Get<float>("output"), networks, BlockOf(task));
+  const auto g = outputs.Get<float>("output");
+  SlopeShare share;
+  if (options.cell_m > 0.0) {
+    auto of_cells =
+        SlopesOfCells<float>(options, CellsOf(data.training, options.cell_m), g, networks, BlockOf(task));
+    share = {of_cells.error, {0, data.training.size()}, std::move(of_cells.d_output)};
+  } else {
+    share = SlopesOfOutputs(options, data.training, g, networks, BlockOf(task));
+  }
   Blob partial;
   partial.PutScalar("error", share.error);
   partial.PutScalar<std::int64_t>("first", FirstOf(share.reach, networks));

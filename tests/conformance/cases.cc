@@ -216,11 +216,12 @@ Case Training(const std::string& method, std::int64_t batch, bool sequential) {
   return c;
 }
 
-// By the way through a map, or by the mass of the belief.
+// By the way through a map; or by the mass of the belief, on cells.
 Case TrainingOn(const std::string& error) {
   Case c = LandmarkLearning("landmark_learning_" + error, 5.0);
   (*c.stage.mutable_options())["error"].set_s(error);
   (*c.stage.mutable_options())["truths"].set_s("space");
+  if (error == "kl") Set(c.stage, "cell_m", 0.05);
   if (error != "travel") return c;
   constexpr std::int64_t kColumns = 90, kRows = 8;
   Blob map;
