@@ -3,7 +3,8 @@
 # trained on, and on a run that nothing saw, and the seconds it took on two workers.
 #   tests/bench/training_ways.sh [SET [SEED]]     d1, d2 or d3; a seed. CAIRN_BIN: the folder of the programs
 set -euo pipefail
-PATH=${CAIRN_BIN:-$(dirname "$0")/../../build/release/bin}:$PATH
+bin=${CAIRN_BIN:-$(dirname "$0")/../../build/release/bin}
+PATH=$(realpath "$bin"):$PATH
 set=${1:-d1} seed=${2:-21}
 work=$(mktemp -d "${TMPDIR:-/tmp}/ways XXXXXX")
 trap 'rm -rf "$work"' EXIT
