@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Error reduction on the Sussex route (docs/datasets.md): networks learn from the run `training` and are scored on the
+# other, which decides nothing. Prints the median over seeds, with the least and the most, for windows of +-2 m and none.
+#   CAIRN_DATA=... tests/bench/sussex.sh [SEEDS [OPTION=VALUE...]]     10 seeds: half an hour of a core
+# The ceilings beside them are estimates of what ideal codes of n bits give at positions that look alike.
+set -euo pipefail
+[ -d "${CAIRN_DATA:-}/sussex-route" ] || { echo "CAIRN_DATA names no folder that holds sussex-route" >&2; exit 2; }
+here=$(cd "$(dirname "$0")/../.." && pwd)
+PATH=$here/build/release/bin:$PATH
+seeds=${1:-10}
+shift || true
+options=(--set input_noise=1 --set hidden=30 --set rate=0.03 --set steps=1500)
+for option in "$@"; do options+=(--set "$option"); done
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+python3 "$here/docs/sussex_tables.py" "$CAIRN_DATA/sussex-route" track.csv times.csv
+cairn import images "$CAIRN_DATA/sussex-route" track.csv images.h5 --times times.csv --smooth-s 1 --skip-bad >log 2>&1
+cairn run image_features images.h5 --out route >log 2>&1
+
+reduction() {  # of window $1 (-1: none), in percent
+  python3 -c '
+import json, sys
+window = float(sys.argv[1])
+for w in json.load(sys.stdin)["windows"]:
+    if w["window_m"] == (None if window < 0 else window): print("%.1f" % (100 * w["error_reduction"]))' "$1"
+}
+row() {  # networks, window_m of training, window to score, name, ceiling
+  for seed in $(seq "$seeds"); do
+    cairn run landmark_learning route/image_features.h5 --out learned --force --seed "$seed" --set unseen=infomax_binary \
+      --set networks="$1" --set window_m="$2" "${options[@]}" >log 2>&1 || { cat log >&2; exit 1; }
+    cairn evaluate learned --truth route/image_features.h5 --json | reduction "$3"
+  done | sort -n | awk -v n="$1" -v name="$4" -v ceiling="$5" '
+    {v[NR] = $1} END {m = NR % 2 ? v[(NR + 1) / 2] : (v[NR / 2] + v[NR / 2 + 1]) / 2
+    printf "| %s | %d | %.1f%% | %.1f to %.1f%% | about %d%% |\n", name, n, m, v[1], v[NR], ceiling}'
+}
+echo "| window | networks | median of $seeds seeds | least to most | ceiling |"
+echo "| --- | --- | --- | --- | --- |"
+row 1 2 2 "+-2 m" 30
+row 2 2 2 "+-2 m" 53
+row 4 2 2 "+-2 m" 59
+row 1 0 -1 "none" 49
+row 2 0 -1 "none" 71
+row 4 0 -1 "none" 83
