@@ -45,7 +45,7 @@ struct ErrorRule {
       1.0;  // kPosteriorMass: standard deviation of the bell that weighs the mass, one at its middle
 
   ErrorRule(ErrorKind k, double smooth = 1.0) : kind(k), smooth_m(smooth) {}  // NOLINT: a kind is a rule
-  friend bool operator==(const ErrorRule& rule, ErrorKind kind) { return rule.kind == kind; }
+  friend bool operator==(const ErrorRule& rule, ErrorKind other) { return rule.kind == other; }
 };
 
 // -log of a mass u in [0, 1], and its derivative; beliefs that rule the truth out cost much, not infinitely.
