@@ -124,7 +124,7 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
       truths = cells.size();
       flops_per_vector = FlopsPerVector(options_, SumPath::kPairs, cells.places);
     }
-    add("pairs", Blocks(truths, flops_per_vector * VectorsOf(t.learning.end) / 4.0), {"data", "outputs"});
+    add("pairs", Blocks(truths, flops_per_vector * VectorsOf(t.learning.end) / 8.0), {"data", "outputs"});
   }
   if (t.phase == Phase::kWeights)
     add("weights", Blocks(count, 2.0 * forward), {"data", "parameters", "slopes"});

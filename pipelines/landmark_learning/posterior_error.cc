@@ -1,6 +1,7 @@
 #include "pipelines/landmark_learning/posterior_error.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "pipelines/landmark_learning/pair_sums.h"
@@ -146,25 +147,32 @@ double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const s
 }
 
 double PriorErrorOfTruths(const Pairs& pairs, const std::vector<double>& weight, const Range& truths) {
+  constexpr int kPiece = 512;
   std::vector<Stretch> stretches;
   Columns<double> columns;
-  std::vector<double> believed, weighted;
+  std::vector<double> believed, weighted(static_cast<std::size_t>(kStripTruths) * kPiece);
   double sum = 0.0;
-  for (int a = truths.first; a < truths.end; ++a) {
-    double all = 0.0, wrong = 0.0;
-    pairs.Reach({a, a + 1}, &stretches);
+  InStrips(truths, [&](const Range& strip) {
+    std::array<double, kStripTruths> all{}, wrong{};
+    pairs.Reach(strip, &stretches);
     for (const Stretch& stretch : stretches) {
-      const auto cells = static_cast<std::size_t>(stretch.samples.size()) + kTileSamples;
-      believed.assign(cells, 1.0);
-      weighted.resize(cells);
-      pairs.Fill({a, a + 1}, stretch, 0, &columns, believed.data(), weighted.data());
-      for (std::size_t k = 0; k < static_cast<std::size_t>(stretch.samples.size()); ++k) {
-        all += believed[k];
-        wrong += weighted[k];
+      for (int first = stretch.samples.first; first < stretch.samples.end; first += kPiece) {
+        const Stretch piece{{first, std::min(stretch.samples.end, first + kPiece)}, stretch.all};
+        believed.assign(weighted.size(), 1.0);
+        pairs.Fill(strip, piece, kPiece, &columns, believed.data(), weighted.data());
+        for (int k = 0; k < piece.samples.size(); ++k) {
+          for (std::size_t a = 0; a < kStripTruths; ++a) {
+            all[a] += believed[a * kPiece + static_cast<std::size_t>(k)];
+            wrong[a] += weighted[a * kPiece + static_cast<std::size_t>(k)];
+          }
+        }
       }
     }
-    if (all > 0.0) sum += weight[static_cast<std::size_t>(a)] * CostOf(pairs, wrong / all);
-  }
+    for (int a = strip.first; a < strip.end; ++a) {
+      const auto own = static_cast<std::size_t>(a - strip.first);
+      if (all[own] > 0.0) sum += weight[static_cast<std::size_t>(a)] * CostOf(pairs, wrong[own] / all[own]);
+    }
+  });
   return sum;
 }
 
