@@ -10,7 +10,7 @@
 
 namespace cairn::landmark_learning {
 
-inline constexpr int kStripTruths = 12;
+inline constexpr int kStripTruths = 24;
 
 // Its tables are used again for the next strip: fresh ones would cost more than what is computed with them.
 template <class Real>

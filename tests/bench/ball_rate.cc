@@ -197,9 +197,10 @@ void MeasurePaths() {
   }
   for (const auto& [name, world] : {std::pair("plane, global, scattered over 100 x 100 m", &scattered),
                                     std::pair("plane, global, along a route of 2 km", &path)}) {
-    Compare(name, *world, 0.0, ErrorKind::kDistance, [world = world](const std::vector<float>& probability) {
-      return ErrorInPlane(world->places, probability, 16, world->weight, {0, world->places.size()});
-    });
+    Compare(name, *world, 0.0, ErrorKind::kDistance,
+            [places = &world->places, weights = &world->weight](const std::vector<float>& probability) {
+              return ErrorInPlane(*places, probability, 16, *weights, {0, places->size()});
+            });
   }
   Compare("line, +-2 m, distance", line, 2.0, ErrorKind::kDistance, on_line(2.0, ErrorKind::kDistance));
 }

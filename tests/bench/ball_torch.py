@@ -4,16 +4,19 @@
   ball_torch.py build/release/tests/bench/ball_rate
 
 PyTorch multiplies matrices by whatever libblas.so.3 is: it wants OpenBLAS (libopenblas0-pthread); with Debian's
-reference BLAS it is several times slower, and the ratios mean nothing.
+reference BLAS it is several times slower, and the ratios mean nothing. OpenBLAS has threads of its own, which
+torch.set_num_threads leaves alone: it is told by OPENBLAS_NUM_THREADS, or a busy second core doubles its time.
 
 The matrices of e*B and B are given to PyTorch ready made; what is timed is E and its gradient by G. ball_rate makes
 them anew each time. Each row runs ball_rate, PyTorch, ball_rate, and takes the lesser of the two.
 """
+import os
 import re
 import subprocess
 import sys
 import time
 
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before it is loaded
 try:
     import torch
 except ModuleNotFoundError:
