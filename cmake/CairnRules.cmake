@@ -7,7 +7,7 @@ set(CAIRN_LINKS_schema_store "schema|PkgConfig::CAIRN_HDF5")
 set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_ZMQ")
 set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?|Eigen3::.*|cairn::opencv_(core|imgproc)")
 set(CAIRN_LINKS_datasets
-  "schema|schema/store|datasets(/.*)?|Eigen3::.*|cairn::opencv_.*|ZLIB::.*|nlohmann_json::.*")
+  "schema|schema/store|datasets(/.*)?|pipelines/image_features|Eigen3::.*|cairn::opencv_.*|ZLIB::.*|nlohmann_json::.*")
 set(CAIRN_LINKS_worker
   "schema(/.*)?|pipelines|worker(/.*)?|CLI11::.*|spdlog::.*|nlohmann_json::.*|Threads::Threads")
 set(CAIRN_LINKS_coordinator

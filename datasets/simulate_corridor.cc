@@ -13,6 +13,7 @@
 #include "datasets/corridor/sonar.h"
 #include "datasets/samples.h"
 #include "datasets/simulate_sonar.h"
+#include "pipelines/image_features/band_features.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -83,7 +84,8 @@ void AddImage(const corridor::RgbImage& image, bool as_it_is, SampleRun* run) {
     run->image.insert(run->image.end(), image.rgb.begin(), image.rgb.end());
     return;
   }
-  const std::vector<float> features = corridor::BandFeatures(image);
+  const std::vector<float> features =
+      image_features::BandFeatures({}, {image.rows, image.columns, image.rgb});
   run->input.insert(run->input.end(), features.begin(), features.end());
 }
 
@@ -146,7 +148,7 @@ Blob SimulateCorridor(const SimulateCorridorOptions& options, std::vector<Corrid
   Rng change_rng(options.seed, kWorldStream, kChangeSubstream);
   if (options.changed > 0) corridor::ChangeWorld(options.changed, &world, change_rng);
   Samples samples;
-  if (!options.images) samples.input_name = corridor::BandFeatureNames();
+  if (!options.images) samples.input_name = image_features::BandFeatureNames({});
   for (int beam = 0; beam < kSonars; ++beam) samples.input_name.push_back("sonar " + std::to_string(beam));
   const std::string what = look == Look::kCeiling ? "light" : "door";
   samples.feature_name = {what, what + " detected"};

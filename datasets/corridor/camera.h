@@ -1,10 +1,18 @@
 // A colour camera on the robot.
 #pragma once
 
-#include "datasets/corridor/band_features.h"
+#include <cstdint>
+#include <vector>
+
 #include "datasets/corridor/shade.h"
 
 namespace cairn::datasets::corridor {
+
+// 8 bits of red, green, blue.
+struct RgbImage {
+  int rows = 0, columns = 0;
+  std::vector<std::uint8_t> rgb;  // [rows][columns][3]
+};
 
 // Where it points: [T98]'s data sets D-1, D-2, D-3.
 enum class Look : std::uint8_t { kOuter, kInner, kCeiling };

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/corridor/band_features.h"
+#include "datasets/corridor/camera.h"
 
 namespace cairn::datasets::corridor {
 

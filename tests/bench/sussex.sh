@@ -9,8 +9,11 @@ here=$(cd "$(dirname "$0")/../.." && pwd)
 PATH=$here/build/release/bin:$PATH
 seeds=${1:-10}
 shift || true
-options=(--set input_noise=1 --set hidden=30 --set rate=0.03 --set steps=1500)
-for option in "$@"; do options+=(--set "$option"); done
+options=()
+for option in input_noise=1 hidden=30 rate=0.03 steps=1500 "$@"; do
+  for other in "$@"; do [ "${other%%=*}" = "${option%%=*}" ] && [ "$other" != "$option" ] && continue 2; done
+  options+=(--set "$option")
+done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
@@ -30,9 +33,13 @@ row() {  # networks, window_m of training, window to score, name, ceiling
     cairn run landmark_learning route/image_features.h5 --out learned --force --seed "$seed" --set unseen=infomax_binary \
       --set networks="$1" --set window_m="$2" "${options[@]}" >log 2>&1 || { cat log >&2; exit 1; }
     cairn evaluate learned --truth route/image_features.h5 --json | reduction "$3"
-  done | sort -n | awk -v n="$1" -v name="$4" -v ceiling="$5" '
-    {v[NR] = $1} END {m = NR % 2 ? v[(NR + 1) / 2] : (v[NR / 2] + v[NR / 2 + 1]) / 2
-    printf "| %s | %d | %.1f%% | %.1f to %.1f%% | about %d%% |\n", name, n, m, v[1], v[NR], ceiling}'
+  done | sort -n | awk -v seeds="$seeds" -v n="$1" -v name="$4" -v ceiling="$5" '
+    {v[NR] = $1}
+    END {
+      if (NR != seeds) exit 1
+      m = NR % 2 ? v[(NR + 1) / 2] : (v[NR / 2] + v[NR / 2 + 1]) / 2
+      printf "| %s | %d | %.1f%% | %.1f to %.1f%% | about %d%% |\n", name, n, m, v[1], v[NR], ceiling
+    }'
 }
 echo "| window | networks | median of $seeds seeds | least to most | ceiling |"
 echo "| --- | --- | --- | --- | --- |"

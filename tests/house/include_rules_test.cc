@@ -74,6 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"pipelines/x/a_test.cc", "<fstream>", true},
                     Case{"pipelines/x/a_test.cc", "\"worker/worker.h\"", false},
                     Case{"datasets/a.cc", "\"pipelines/pipeline.h\"", false},
+                    Case{"datasets/a.cc", "\"pipelines/image_features/band_features.h\"", true},
                     Case{"worker/a.cc", "\"pipelines/registry.h\"", true},
                     Case{"worker/a.cc", "\"pipelines/landmark_map/e_step.h\"", false},
                     Case{"coordinator/a.cc", "\"worker/worker.h\"", false},
