@@ -255,7 +255,7 @@ void TreeSums<Real>::MeetNear() {
       for (const Range& range : ranges) {
         const int stride = (range.size() + kTileSamples - 1) / kTileSamples * kTileSamples;
         distance.resize(std::max(distance.size(), Size(kStripPlaces, stride)));
-        pairs.Fill(strip, {range, true}, stride, &columns, static_cast<Real*>(nullptr), distance.data());
+        pairs.Fill(strip, {range, true}, stride, &columns, distance.data(), distance.data());
         AddProduct<Real>({strip.size(), range.size(), stride, distance.data()}, width_,
                          RowOf(h_, range.first, width_), RowOf(sum_, first, width_));
       }
