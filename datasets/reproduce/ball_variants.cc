@@ -62,18 +62,18 @@ std::vector<BallVariant> SensorVariants() {
 
 std::vector<BallVariant> WayVariants(std::int64_t steps) {
   const proto::Value own = RealValue(0);  // the method's own rate
-  const auto way = [&](const char* method, const char* title, std::int64_t times) {
-    return BallVariant{
-        method,
-        title,
-        {},
-        {{"method", TextValue(method)}, {"rate", own}, {"steps", IntegerValue(times * steps)}}};
+  const auto way = [&](const char* method, const char* title, std::int64_t its_steps) {
+    return BallVariant{method,
+                       title,
+                       {},
+                       {{"method", TextValue(method)}, {"rate", own}, {"steps", IntegerValue(its_steps)}}};
   };
   std::vector<BallVariant> variants = {{"adam", "Adam", {}, {}}};
-  variants.push_back(way("gradient", "plain descent (table 2), 10 times the steps", 10));
-  variants.push_back(way("momentum", "momentum, 4 times the steps", 4));
-  variants.push_back(way("conjugate", "conjugate gradients", 1));
-  variants.push_back(way("pseudo", "pseudo-patterns (eq. 45)", 1));
+  variants.push_back(way("gradient", "plain descent (table 2), 10 times the steps", 10 * steps));
+  variants.push_back(way("momentum", "momentum, 4 times the steps", 4 * steps));
+  variants.push_back(way("conjugate", "conjugate gradients", steps));
+  variants.push_back(way("pseudo", "pseudo-patterns (eq. 45), a tenth of the gradients",
+                         std::max<std::int64_t>(1, steps / 10)));
   variants.push_back({"sequential", "Adam, one network after another", {}, {{"sequential", YesValue()}}});
   for (const std::int64_t hidden : {2, 4, 12, 24}) {
     variants.push_back({"hidden_" + std::to_string(hidden),
