@@ -5,13 +5,7 @@ source "$(dirname "$0")/common.sh"
   skip "CAIRN_DATA names no folder that holds bigwheel-sonar-camera"
 command -v python3 >/dev/null || skip "there is no python3"
 
-ln -s "$CAIRN_SOURCE/docs" docs
-awk '/^### Big Wheel Bot$/ {page = 1} /^## / {page = 0} page && /^```sh$/ {on = 1; next} /^```$/ {on = 0} on' \
-  docs/datasets.md >commands
-grep -q 'import images' commands || die "docs/datasets.md has lost its commands"
-while IFS= read -r command; do
-  bash -euc "$command" >>said 2>>errors || die "the page's command failed: $command $(cat errors)"
-done <commands
+runs_section 'Big Wheel Bot'
 grep -q '^garden-images.h5: 2 runs, 424 samples, 4 inputs$' said || die "other images: $(cat said)"
 exits 0 cairn inspect garden/image_features.h5
 says '424 samples in 2 runs, 144 inputs each'

@@ -72,3 +72,16 @@ until_true() {
 
 # A job of a few seconds, the same in every test.
 simulate() { cairn simulate loop --difficulty paper --seed "${2:-7}" "$1" >/dev/null; }
+
+# runs_section TITLE: the commands of that section of docs/datasets.md, one by one; what they say goes into `said`, their
+# complaints into `errors`.
+runs_section() {
+  local command
+  ln -sfn "$CAIRN_SOURCE/docs" docs
+  awk -v title="### $1" '$0 == title {page = 1} /^## / {page = 0} page && /^```sh$/ {on = 1; next} /^```$/ {on = 0} on' \
+    docs/datasets.md >commands
+  grep -q 'cairn' commands || die "docs/datasets.md has lost the commands of '$1'"
+  while IFS= read -r command; do
+    bash -euc "$command" </dev/null >>said 2>>errors || die "the page's command failed: $command $(cat errors)"
+  done <commands
+}

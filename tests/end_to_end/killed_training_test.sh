@@ -11,16 +11,24 @@ job=(cairn run landmark_learning corridor.h5 --set "holdout=d1 run 3" --set step
 exits 0 "${job[@]}" --out undisturbed
 
 # A worker that is killed is started again by its run, which goes on; a run that is killed is begun again.
-whole=0 workers=0 run=0
+whole=0 workers=0 run=0 ended=0
 alive() { [ "$run" -ne 0 ] && kill -0 "$run" 2>/dev/null; }
 begin() {
   "${job[@]}" --out killed >background.out 2>background.err &
   run=$!
 }
-for ((i = 0; i < kills; ++i)); do
+while [ $((whole + workers)) -lt "$kills" ]; do
   alive || begin
   sleep "0.$(printf '%03d' $((100 + RANDOM % 400)))"
-  alive || die "the run was over after $i of $kills kills: $(cat background.err)"
+  if ! alive; then  # a fast machine: its end counts as well, and the next kills are of another run
+    wait "$run" || die "the run ended badly: $(cat background.err)"
+    same_bits undisturbed killed
+    rm -r killed
+    run=0
+    ended=$((ended + 1))
+    [ "$ended" -le "$kills" ] || die "the run is over before anything can be killed"
+    continue
+  fi
   if ((RANDOM % 4 == 0)); then
     worker=$(pgrep -P "$run" -f cairn-worker | head -n 1 || true)
     [ -n "$worker" ] && kill -9 "$worker" 2>/dev/null && workers=$((workers + 1))
@@ -35,6 +43,5 @@ if alive; then
 fi
 exits 0 "${job[@]}" --out killed
 says 'resumed|finished already'
-printf 'killed: the run %d times, a worker %d times\n' "$whole" "$workers"
-[ $((whole + workers)) -ge $((kills * 3 / 4)) ] || die "too few kills hit anything"
+printf 'killed: the run %d times, a worker %d times; it came to its end %d times between\n' "$whole" "$workers" "$ended"
 same_bits undisturbed killed

@@ -4,13 +4,7 @@ source "$(dirname "$0")/common.sh"
 [ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/sussex-route" ] || skip "CAIRN_DATA names no folder that holds sussex-route"
 command -v python3 >/dev/null || skip "there is no python3"
 
-ln -s "$CAIRN_SOURCE/docs" docs
-awk '/^### Sussex route$/ {page = 1} /^## / {page = 0} page && /^```sh$/ {on = 1; next} /^```$/ {on = 0} on' \
-  docs/datasets.md >commands
-grep -q 'import images' commands || die "docs/datasets.md has lost its commands"
-while IFS= read -r command; do
-  bash -euc "$command" >>said 2>>errors || die "the page's command failed: $command"
-done <commands
+runs_section 'Sussex route'
 grep -q '^images.h5: 2 runs, 551 samples, 0 inputs$' said || die "other images: $(cat said)"
 grep -q 'skipped 40: no pose at its time' errors || die "other images skipped: $(cat errors)"
 exits 0 cairn inspect route/image_features.h5
