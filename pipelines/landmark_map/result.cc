@@ -7,9 +7,9 @@
 #include <numbers>
 #include <string>
 
+#include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/given_map.h"
 #include "pipelines/landmark_map/image_landmarks.h"
-#include "pipelines/landmark_map/track.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/track.h"
+#include "pipelines/common/odometry.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipelines/landmark_map/track.h"
+#include "pipelines/common/odometry.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/testing.h"
-#include "pipelines/landmark_map/track.h"
 
 namespace cairn::landmark_map {
 namespace {

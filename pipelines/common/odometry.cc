@@ -1,10 +1,10 @@
-#include "pipelines/landmark_map/track.h"
+#include "pipelines/common/odometry.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
-namespace cairn::landmark_map {
+namespace cairn {
 namespace {
 
 [[noreturn]] void Refuse(const std::string& robot, std::size_t row, const std::string& why) {
@@ -96,4 +96,4 @@ OdometricPose PoseAtPath(const Odometry& odometry, double path_m) {
   return Within(odometry, next, (path_m - path[next - 1]) / (path[next] - path[next - 1]));
 }
 
-}  // namespace cairn::landmark_map
+}  // namespace cairn

@@ -6,7 +6,7 @@
 
 #include "schema/blob.h"
 
-namespace cairn::landmark_map {
+namespace cairn {
 
 struct Odometry {                             // one entry a control, plus one for the start
   std::vector<double> time_s;                 // [C + 1]
@@ -36,4 +36,4 @@ OdometricPose PoseAtPath(const Odometry& odometry, double path_m);
 // The pose at the end of control `i` - 1 (0: the start).
 OdometricPose PoseOf(const Odometry& odometry, std::size_t i);
 
-}  // namespace cairn::landmark_map
+}  // namespace cairn

@@ -1,0 +1,60 @@
+// Where a grid map lies and how fine it is.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "schema/blob.h"
+
+namespace cairn {
+
+// Cell (i, j), column i and row j, covers [origin + i cell, origin + (i + 1) cell) in x, likewise in y.
+struct GridBox {
+  double origin_x_m = 0, origin_y_m = 0, cell_m = 1;
+  std::int64_t columns = 0, rows = 0;
+
+  std::int64_t cells() const { return columns * rows; }
+  // May lie outside.
+  std::int64_t ColumnOf(double x_m) const {
+    return static_cast<std::int64_t>(std::floor((x_m - origin_x_m) / cell_m));
+  }
+  std::int64_t RowOf(double y_m) const {
+    return static_cast<std::int64_t>(std::floor((y_m - origin_y_m) / cell_m));
+  }
+  bool Holds(std::int64_t column, std::int64_t row) const {
+    return column >= 0 && column < columns && row >= 0 && row < rows;
+  }
+  double CentreX(std::int64_t column) const {
+    return origin_x_m + (static_cast<double>(column) + 0.5) * cell_m;
+  }
+  double CentreY(std::int64_t row) const { return origin_y_m + (static_cast<double>(row) + 0.5) * cell_m; }
+};
+
+// Grows to hold points; `ToGrid` gives the box of whole cells, whose corners are multiples of the cell, so
+// that maps of one log at one resolution lie on each other.
+class Extent {
+ public:
+  void Add(double x_m, double y_m);
+  void Grow(double margin_m);
+  bool empty() const { return x1_ < x0_; }
+  bool Holds(double x_m, double y_m) const { return x_m >= x0_ && x_m <= x1_ && y_m >= y0_ && y_m <= y1_; }
+  double x0_m() const { return x0_; }
+  double y0_m() const { return y0_; }
+  double x1_m() const { return x1_; }
+  double y1_m() const { return y1_; }
+  // Throws InputError where it would have more than `most_cells`, and says how many and what to change.
+  GridBox ToGrid(double cell_m, double most_cells) const;
+
+ private:
+  double x0_ = 1, y0_ = 1, x1_ = -1, y1_ = -1;
+};
+
+// "x0,y0,x1,y1" in metres. Throws InputError that names `option`.
+Extent ParseExtent(const std::string& option, const std::string& text);
+
+// origin_x_m, origin_y_m, cell_m, and the shape as columns, rows (i64).
+void PutGridBox(const std::string& prefix, const GridBox& box, Blob* blob);
+GridBox GridBoxOf(const std::string& prefix, const Blob& blob);
+
+}  // namespace cairn

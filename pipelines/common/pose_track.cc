@@ -1,0 +1,83 @@
+#include "pipelines/common/pose_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "schema/error.h"
+
+namespace cairn {
+namespace {
+
+std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
+
+std::size_t IndexOf(const std::vector<std::string>& robots, const std::string& name) {
+  const auto found = std::ranges::find(robots, name);
+  if (found == robots.end()) throw InputError("there are no poses of robot '" + name + "'");
+  return static_cast<std::size_t>(found - robots.begin());
+}
+
+Pose Part(const Pose& from, double part, const Pose& by) {
+  return {from.x_m + part * by.x_m, from.y_m + part * by.y_m, from.heading_rad + part * by.heading_rad};
+}
+
+}  // namespace
+
+PoseTrack PoseTrack::Of(const Blob& log, const Blob* poses, std::size_t index, double gap_s) {
+  const std::string name = log.Texts("robots").at(index), robot = Prefix(index);
+  PoseTrack track;
+  track.gap_s_ = gap_s;
+  if (log.Has(robot + "odometry/time_s") && log.at(robot + "odometry/time_s").size() > 0)
+    track.odometry_ = Integrate(log.Sub(robot), name);
+  if (poses != nullptr) {
+    track.Read(*poses, Prefix(IndexOf(poses->Texts("robots"), name)) + "poses/", name);
+  } else if (log.Has(robot + "poses/time_s")) {
+    track.Read(log, robot + "poses/", name);
+  } else if (!track.odometry_) {
+    throw InputError("robot '" + name + "' has neither poses nor odometry: where it was is not known");
+  }
+  return track;
+}
+
+void PoseTrack::Read(const Blob& blob, const std::string& prefix, const std::string& robot) {
+  const auto time = blob.Get<double>(prefix + "time_s");
+  const auto x = blob.Get<double>(prefix + "x_m"), y = blob.Get<double>(prefix + "y_m");
+  const auto heading = blob.Get<double>(prefix + "heading_rad");
+  if (time.empty() || x.size() != time.size() || y.size() != time.size() || heading.size() != time.size())
+    throw InputError("robot '" + robot + "': " + prefix + " is empty or its arrays differ in length");
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    const std::string at = "robot '" + robot + "', pose " + std::to_string(i) + ": ";
+    if (!std::isfinite(time[i]) || !std::isfinite(x[i]) || !std::isfinite(y[i]) || !std::isfinite(heading[i]))
+      throw InputError(at + "not a number");
+    if (i > 0 && time[i] < time[i - 1]) throw InputError(at + "time runs backwards");
+    time_s_.push_back(time[i]);
+    pose_.push_back({x[i], y[i], heading[i]});
+  }
+}
+
+std::optional<Pose> PoseTrack::Odometric(double time_s) const {
+  if (!odometry_) return std::nullopt;
+  const OdometricPose pose = PoseAt(*odometry_, time_s);
+  return Pose{pose.x_m, pose.y_m, pose.heading_rad};
+}
+
+std::optional<Pose> PoseTrack::At(double time_s) const {
+  if (time_s_.empty()) return Odometric(time_s);
+  const auto next = static_cast<std::size_t>(std::ranges::lower_bound(time_s_, time_s) - time_s_.begin());
+  if (next < time_s_.size() && time_s_[next] == time_s) return pose_[next];
+  if (next == 0 || next == time_s_.size()) return std::nullopt;
+  const double interval_s = time_s_[next] - time_s_[next - 1];
+  if (gap_s_ > 0 && interval_s > gap_s_) return std::nullopt;
+  const double part = (time_s - time_s_[next - 1]) / interval_s;
+  const Pose &before = pose_[next - 1], &after = pose_[next];
+  Pose moved = before, arrived = before;
+  if (odometry_) {
+    const Pose start = *Odometric(time_s_[next - 1]);
+    moved = Compose(before, Between(start, *Odometric(time_s)));
+    arrived = Compose(before, Between(start, *Odometric(time_s_[next])));
+  }
+  return Part(
+      moved, part,
+      {after.x_m - arrived.x_m, after.y_m - arrived.y_m, Wrapped(after.heading_rad - arrived.heading_rad)});
+}
+
+}  // namespace cairn

@@ -1,0 +1,39 @@
+// Where a robot was at any time: from a table of poses, or by dead reckoning.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipelines/common/odometry.h"
+#include "pipelines/common/pose.h"
+#include "schema/blob.h"
+
+namespace cairn {
+
+class PoseTrack {
+ public:
+  // Of robot `index` of the log: from `poses` (may be null; kind `poses` or `landmark_map`, whose robot of
+  // the same name it is), else from the log's robot/N/poses/, else from its odometry alone. Poses that are
+  // more than `gap_s` apart (0: any) say nothing of the time between them. Throws InputError that names the
+  // robot: it is not in `poses`, there is nothing of the three, times run backwards, a pose is not of
+  // numbers.
+  static PoseTrack Of(const Blob& log, const Blob* poses, std::size_t index, double gap_s);
+
+  // Between two poses as odometry says, with what it is off by at the second spread evenly over the time;
+  // where there is none, straight on. None before the first, after the last and in gaps.
+  std::optional<Pose> At(double time_s) const;
+
+ private:
+  PoseTrack() = default;
+  void Read(const Blob& blob, const std::string& prefix, const std::string& robot);
+  std::optional<Pose> Odometric(double time_s) const;
+
+  double gap_s_ = 0;
+  std::vector<double> time_s_;
+  std::vector<Pose> pose_;
+  std::optional<Odometry> odometry_;
+};
+
+}  // namespace cairn

@@ -1,0 +1,241 @@
+#include "pipelines/common/range_scans.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <span>
+
+#include "pipelines/common/pose_track.h"
+#include "schema/error.h"
+
+namespace cairn {
+namespace {
+
+constexpr double kMarginM = 0.5;
+
+std::string Numbered(const std::string& name, std::size_t scan, double time_s) {
+  return name + ", scan " + std::to_string(scan) + " (" + std::to_string(time_s) + " s)";
+}
+
+[[noreturn]] void Refuse(const std::string& name, std::size_t scan, double time_s, const std::string& why) {
+  throw InputError(Numbered(name, scan, time_s) + ": " + why);
+}
+
+std::vector<std::string> Chosen(const GridOptions& options) {
+  const std::vector<std::string> names = ByCommas(options.sensors);
+  for (const std::string& name : names) {
+    if (name != "sonar" && name != "laser")
+      throw InputError("option 'sensors': there are sonar and laser, no '" + name + "'");
+  }
+  return names.empty() ? std::vector<std::string>{"sonar", "laser"} : names;
+}
+
+void ReadBeams(const Blob& group, RangeScans* sensor) {
+  const auto x = group.Get<double>("beam_x_m"), y = group.Get<double>("beam_y_m");
+  const auto heading = group.Get<double>("beam_heading_rad");
+  if (x.size() != y.size() || x.size() != heading.size())
+    throw InputError(sensor->name + ": beam_x_m, beam_y_m and beam_heading_rad differ in length");
+  for (std::size_t b = 0; b < x.size(); ++b) {
+    if (!std::isfinite(x[b]) || !std::isfinite(y[b]) || !std::isfinite(heading[b]))
+      throw InputError(sensor->name + ": beam " + std::to_string(b) + " is not of numbers");
+    sensor->beams.push_back({x[b], y[b], heading[b]});
+  }
+  sensor->opening_rad = group.Scalar<double>("opening_rad");
+  sensor->max_range_m = group.Scalar<double>("max_range_m");
+  if (!(sensor->opening_rad >= 0 && sensor->opening_rad < std::numbers::pi))
+    throw InputError(sensor->name + ": an opening is from 0 to below pi");
+  if (!(sensor->max_range_m > 0) || !std::isfinite(sensor->max_range_m))
+    throw InputError(sensor->name + ": max_range_m is not a length");
+}
+
+void CheckRanges(const RangeScans& sensor) {
+  const auto range = sensor.range_m.As<double>();
+  const std::size_t beams = sensor.beams.size();
+  if (range.size() != sensor.scans() * beams) {
+    throw InputError(sensor.name + ": range_m has " + std::to_string(range.size()) + " numbers, where " +
+                     std::to_string(sensor.scans()) + " scans of " + std::to_string(beams) +
+                     " beams are needed");
+  }
+  for (std::size_t r = 0; r < range.size(); ++r) {
+    if (std::isnan(range[r]) || (range[r] >= 0 && range[r] <= sensor.max_range_m)) continue;
+    Refuse(sensor.name, r / beams, sensor.time_s[r / beams],
+           "beam " + std::to_string(r % beams) + " measures " + std::to_string(range[r]) +
+               " m, which is negative or beyond max_range_m");
+  }
+}
+
+// Scan `s` of `count`: whether it lies in the last part of its tenth of the log.
+std::uint8_t IsHeldOut(std::size_t s, std::size_t count, double share) {
+  constexpr std::size_t kPeriods = 10;
+  const auto into = static_cast<double>(kPeriods * s % count), of = static_cast<double>(count);
+  return share > 0 && into >= (1 - share - 1e-9) * of ? 1 : 0;
+}
+
+// Rows of `from` that `keep` names.
+Array RowsOf(const Array& from, const std::vector<std::size_t>& keep, std::size_t columns) {
+  const auto values = from.As<double>();
+  std::vector<double> kept;
+  kept.reserve(keep.size() * columns);
+  for (const std::size_t s : keep) {
+    const auto row = values.subspan(s * columns, columns);
+    kept.insert(kept.end(), row.begin(), row.end());
+  }
+  return Array::Of<double>({static_cast<std::int64_t>(keep.size()), static_cast<std::int64_t>(columns)},
+                           kept);
+}
+
+// Fills in the poses; scans without any are dropped or refused. Returns how many were dropped.
+std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
+  std::vector<std::size_t> keep;
+  std::vector<double> times;
+  for (std::size_t s = 0; s < sensor->scans(); ++s) {
+    const double time_s = sensor->time_s[s];
+    if (!std::isfinite(time_s)) Refuse(sensor->name, s, time_s, "its time is not a number");
+    if (s > 0 && time_s < sensor->time_s[s - 1]) Refuse(sensor->name, s, time_s, "time runs backwards");
+    const auto pose = track.At(time_s);
+    if (!pose && !skip) {
+      Refuse(sensor->name, s, time_s,
+             "there is no pose for this time (skip_unposed=true leaves such scans out)");
+    }
+    if (!pose) continue;
+    keep.push_back(s);
+    times.push_back(time_s);
+    sensor->pose.push_back(*pose);
+  }
+  const std::size_t dropped = sensor->scans() - keep.size();
+  if (dropped > 0) sensor->range_m = RowsOf(sensor->range_m, keep, sensor->beams.size());
+  sensor->time_s = std::move(times);
+  return dropped;
+}
+
+RangeScans ReadSensor(const Blob& group, const std::string& name) {
+  RangeScans sensor;
+  sensor.name = name;
+  ReadBeams(group, &sensor);
+  const auto time = group.Get<double>("time_s");
+  sensor.time_s.assign(time.begin(), time.end());
+  group.Get<double>("range_m");  // or it is missing or of another type
+  sensor.range_m = group.at("range_m");
+  CheckRanges(sensor);
+  return sensor;
+}
+
+void ForEachPoint(const RangeScans& sensor, const std::function<void(double, double)>& add) {
+  const auto range = sensor.range_m.As<double>();
+  for (std::size_t s = 0; s < sensor.scans(); ++s) {
+    if (sensor.held_out[s]) continue;
+    for (std::size_t b = 0; b < sensor.beams.size(); ++b) {
+      const double range_m = range[s * sensor.beams.size() + b];
+      if (std::isnan(range_m)) continue;
+      const Pose end = Compose(sensor.BeamPose(s, b), {range_m, 0, 0});
+      add(end.x_m, end.y_m);
+    }
+  }
+}
+
+}  // namespace
+
+PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options) {
+  const std::vector<std::string> chosen = Chosen(options), robots = log.Texts("robots");
+  PosedScans scans;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const std::string robot = "robot/" + std::to_string(r) + "/";
+    for (const char* kind : {"sonar", "laser"}) {
+      const std::string name = robot + kind + "/";
+      if (std::ranges::find(chosen, kind) == chosen.end() || !log.Has(name + "range_m")) continue;
+      RangeScans sensor = ReadSensor(log.Sub(name), name);
+      scans.unposed +=
+          PlaceScans(PoseTrack::Of(log, poses, r, options.pose_gap_s), options.skip_unposed, &sensor);
+      for (std::size_t s = 0; s < sensor.scans(); ++s)
+        sensor.held_out.push_back(IsHeldOut(s, sensor.scans(), options.heldout));
+      if (sensor.scans() > 0) scans.sensors.push_back(std::move(sensor));
+    }
+  }
+  if (scans.sensors.empty()) {
+    throw InputError(scans.unposed > 0
+                         ? "none of the log's range scans has a pose"
+                         : "the log has no range scans" +
+                               (options.sensors.empty() ? "" : " of '" + options.sensors + "'") +
+                               ": an occupancy map is made of sonar or laser");
+  }
+  return scans;
+}
+
+GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell) {
+  const double most_cells = static_cast<double>(options.memory_mb) * 1048576 / bytes_per_cell;
+  Extent extent;
+  if (!options.box_m.empty()) extent = ParseExtent("box_m", options.box_m);
+  for (const RangeScans& sensor : scans.sensors) {
+    for (std::size_t s = 0; s < sensor.scans(); ++s) {
+      const Pose& pose = sensor.pose[s];
+      if (options.box_m.empty()) {
+        extent.Add(pose.x_m, pose.y_m);
+      } else if (!extent.Holds(pose.x_m, pose.y_m)) {
+        Refuse(sensor.name, s, sensor.time_s[s],
+               "the robot is at (" + std::to_string(pose.x_m) + ", " + std::to_string(pose.y_m) +
+                   ") m, outside of box_m: the box is too small for the trajectory");
+      }
+    }
+    if (options.box_m.empty()) ForEachPoint(sensor, [&](double x, double y) { extent.Add(x, y); });
+  }
+  if (options.box_m.empty()) extent.Grow(kMarginM);
+  return extent.ToGrid(options.cell_m, most_cells);
+}
+
+void PutScanPoses(const PosedScans& scans, Blob* result) {
+  for (const RangeScans& sensor : scans.sensors) {
+    std::vector<double> x, y, heading;
+    for (const Pose& pose : sensor.pose) {
+      x.push_back(pose.x_m);
+      y.push_back(pose.y_m);
+      heading.push_back(Wrapped(pose.heading_rad));
+    }
+    result->PutVector(sensor.name + "time_s", sensor.time_s);
+    result->PutVector(sensor.name + "x_m", x);
+    result->PutVector(sensor.name + "y_m", y);
+    result->PutVector(sensor.name + "heading_rad", heading);
+    result->PutVector(sensor.name + "held_out", sensor.held_out);
+  }
+}
+
+Blob SensorBlob(const RangeScans& sensor) {
+  std::vector<double> beams;
+  for (const Pose& beam : sensor.beams) beams.insert(beams.end(), {beam.x_m, beam.y_m, beam.heading_rad});
+  Blob blob;
+  blob.Put("name", Array::Text(sensor.name));
+  blob.Put("beam", Array::Of<double>({static_cast<std::int64_t>(sensor.beams.size()), 3}, beams));
+  blob.PutScalar("opening_rad", sensor.opening_rad);
+  blob.PutScalar("max_range_m", sensor.max_range_m);
+  return blob;
+}
+
+Blob ScansBlob(const RangeScans& sensor) {
+  std::vector<double> pose;
+  for (const Pose& p : sensor.pose) pose.insert(pose.end(), {p.x_m, p.y_m, p.heading_rad});
+  Blob blob;
+  blob.PutVector("time_s", sensor.time_s);
+  blob.Put("pose", Array::Of<double>({static_cast<std::int64_t>(sensor.scans()), 3}, pose));
+  blob.PutVector("held_out", sensor.held_out);
+  blob.Put("range_m", sensor.range_m);
+  return blob;
+}
+
+RangeScans ScansOf(const Blob& sensor, const Blob& scans) {
+  RangeScans result;
+  result.name = sensor.Text("name");
+  const auto beam = sensor.Get<double>("beam"), pose = scans.Get<double>("pose");
+  for (std::size_t b = 0; b < beam.size(); b += 3)
+    result.beams.push_back({beam[b], beam[b + 1], beam[b + 2]});
+  for (std::size_t s = 0; s < pose.size(); s += 3) result.pose.push_back({pose[s], pose[s + 1], pose[s + 2]});
+  result.opening_rad = sensor.Scalar<double>("opening_rad");
+  result.max_range_m = sensor.Scalar<double>("max_range_m");
+  const auto time = scans.Get<double>("time_s");
+  const auto held_out = scans.Get<std::uint8_t>("held_out");
+  result.time_s.assign(time.begin(), time.end());
+  result.held_out.assign(held_out.begin(), held_out.end());
+  result.range_m = scans.at("range_m");
+  return result;
+}
+
+}  // namespace cairn

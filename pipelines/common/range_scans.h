@@ -1,0 +1,87 @@
+// The range scans of a log, each with the pose of its robot: what occupancy maps are made of.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipelines/common/grid_box.h"
+#include "pipelines/common/options.h"
+#include "pipelines/common/pose.h"
+#include "schema/blob.h"
+
+namespace cairn {
+
+// One sensor of one robot, all its scans (schema/FORMAT.md, range scans).
+struct RangeScans {
+  std::string name;                    // "robot/0/sonar/", as in the log
+  std::vector<Pose> beams;             // [B] where each beam begins and points, on the robot
+  double opening_rad = 0;              // of a beam's cone; 0: a ray
+  double max_range_m = 0;              // its reach
+  std::vector<double> time_s;          // [S]
+  std::vector<Pose> pose;              // [S] of the robot
+  std::vector<std::uint8_t> held_out;  // [S] 1: kept for evaluation, not for the map
+  Array range_m;                       // [S,B] f64; NaN: nothing within reach, or no answer
+
+  std::size_t scans() const { return time_s.size(); }
+  Pose BeamPose(std::size_t scan, std::size_t beam) const { return Compose(pose[scan], beams[beam]); }
+};
+
+// What the pipelines of grid maps have in common: which scans, at which poses, on which grid.
+struct GridOptions {
+  double cell_m = 0.05;
+  std::string box_m;    // empty: all that the scans tell of
+  std::string sensors;  // empty: all
+  double heldout = 0;
+  double pose_gap_s = 0;
+  bool skip_unposed = false;
+  std::int64_t memory_mb = 2048;
+};
+
+template <class V>
+void VisitGridOptions(V& visit, GridOptions& o) {
+  visit(Option{"cell_m", "m", 0.001, 100, "edge of a cell"}, o.cell_m);
+  visit(
+      Option{
+          "box_m", "m", 0, 0,
+          "lower left and upper right corner of the map, 'x0,y0,x1,y1'; empty: as far as obstacles were met"},
+      o.box_m);
+  visit(Option{"sensors", "", 0, 0, "of which sensors, by commas: sonar, laser; empty: all"}, o.sensors);
+  visit(Option{"heldout", "", 0, 0.9,
+               "share of the scans left out of the map, the last part of each tenth of the log, so that "
+               "`cairn evaluate` can score it with them"},
+        o.heldout);
+  visit(Option{"pose_gap_s", "s", 0, 1e9,
+               "poses further apart say nothing of the time between them; 0: any two do"},
+        o.pose_gap_s);
+  visit(
+      Option{"skip_unposed", "", 0, 0, "leave out scans of times without poses; otherwise they are an error"},
+      o.skip_unposed);
+  visit(Option{"memory_mb", "MiB", 1, 1e6, "a task may take; a map that needs more is refused"}, o.memory_mb);
+}
+
+// The sensors of all robots in the order of robots, then sonar before laser, as `options` choose. Poses come
+// from `poses` (its robot/N/poses/, by the robot's name), else from the log's own, else from dead reckoning;
+// `poses` may be null. Between two of them a robot moves as its odometry says, with the difference spread
+// evenly over time, or straight where there is none. Throws InputError that names sensor and scan: no scans,
+// a range that is negative or beyond reach, times that run backwards, a time without pose, arrays of wrong
+// sizes.
+struct PosedScans {
+  std::vector<RangeScans> sensors;
+  std::size_t unposed = 0;  // scans left out
+};
+PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options);
+
+// The grid of `options`, or one that holds all poses and all that was met, with a margin of 0.5 m, at most
+// `bytes_per_cell` of memory_mb. Throws InputError where box_m does not hold all poses.
+GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell);
+
+// What a result says of the scans: NAME/time_s, x_m, y_m, heading_rad (of the robot at each), held_out.
+void PutScanPoses(const PosedScans& scans, Blob* result);
+
+// For tasks: a sensor without its scans, and its scans as arrays of S rows, so that a task may take some.
+Blob SensorBlob(const RangeScans& sensor);
+Blob ScansBlob(const RangeScans& sensor);
+RangeScans ScansOf(const Blob& sensor, const Blob& scans);
+
+}  // namespace cairn

@@ -1,0 +1,142 @@
+#include "pipelines/common/range_scans.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "schema/error.h"
+
+namespace cairn {
+namespace {
+
+const double kNone = std::nan("");
+
+// Two beams, ahead and to the left, that begin 0.2 m ahead of the robot's centre; it drives along x.
+Blob Log() {
+  Blob log;
+  log.Put("robots", Array::Texts({"ann"}));
+  log.PutVector<double>("robot/0/poses/time_s", {0, 10});
+  log.PutVector<double>("robot/0/poses/x_m", {0, 10});
+  log.PutVector<double>("robot/0/poses/y_m", {0, 0});
+  log.PutVector<double>("robot/0/poses/heading_rad", {0, 0});
+  const std::string sonar = "robot/0/sonar/";
+  log.PutVector<double>(sonar + "time_s", {0, 5, 10});
+  log.Put(sonar + "range_m", Array::Of<double>({3, 2}, std::vector<double>{1, 2, kNone, 3, 4, kNone}));
+  log.PutVector<double>(sonar + "beam_x_m", {0.2, 0.2});
+  log.PutVector<double>(sonar + "beam_y_m", {0, 0});
+  log.PutVector<double>(sonar + "beam_heading_rad", {0, M_PI / 2});
+  log.PutScalar<double>(sonar + "opening_rad", 0.26);
+  log.PutScalar<double>(sonar + "max_range_m", 6);
+  return log;
+}
+
+std::string Refusal(const Blob& log, const GridOptions& options = {}) {
+  try {
+    GridOf(ReadRangeScans(log, nullptr, options), options, 8);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(RangeScans, AreReadWithTheirPosesAndBeams) {
+  const PosedScans scans = ReadRangeScans(Log(), nullptr, {});
+  ASSERT_EQ(scans.sensors.size(), 1U);
+  const RangeScans& sonar = scans.sensors[0];
+  ASSERT_EQ(sonar.scans(), 3U);
+  const Pose beam = sonar.BeamPose(1, 1);
+  EXPECT_DOUBLE_EQ(beam.x_m, 5.2);
+  EXPECT_DOUBLE_EQ(beam.heading_rad, M_PI / 2);
+}
+
+TEST(RangeScans, TheGridHoldsPosesAndAllThatWasMet) {
+  GridOptions options;
+  options.cell_m = 0.5;
+  const GridBox box = GridOf(ReadRangeScans(Log(), nullptr, options), options, 8);
+  EXPECT_DOUBLE_EQ(box.origin_x_m, -0.5);
+  EXPECT_DOUBLE_EQ(box.origin_y_m, -0.5);
+  EXPECT_EQ(box.ColumnOf(14.2 + 0.49), box.columns - 1);
+  EXPECT_EQ(box.RowOf(3 + 0.5), box.rows - 1);
+}
+
+TEST(RangeScans, TheLastPartOfEachTenthIsHeldOut) {
+  Blob log = Log();
+  std::vector<double> time, range;
+  for (int s = 0; s < 200; ++s) {
+    time.push_back(0.05 * s);
+    range.insert(range.end(), {1, 1});
+  }
+  log.PutVector("robot/0/sonar/time_s", time);
+  log.Put("robot/0/sonar/range_m", Array::Of<double>({200, 2}, range));
+  GridOptions options;
+  options.heldout = 0.1;
+  const PosedScans scans = ReadRangeScans(log, nullptr, options);
+  std::vector<int> out;
+  for (int s = 0; s < 200; ++s)
+    if (scans.sensors[0].held_out[s]) out.push_back(s);
+  EXPECT_EQ(out, (std::vector<int>{18,  19,  38,  39,  58,  59,  78,  79,  98,  99,
+                                   118, 119, 138, 139, 158, 159, 178, 179, 198, 199}));
+}
+
+TEST(RangeScans, TasksTakeRowsOfThem) {
+  const RangeScans whole = ReadRangeScans(Log(), nullptr, {}).sensors[0];
+  const Blob sensor = SensorBlob(whole), scans = ScansBlob(whole);
+  Blob rows;
+  for (const auto& [name, array] : scans.fields()) rows.Put(name, array.Rows(1, 2));
+  const RangeScans part = ScansOf(sensor, rows);
+  ASSERT_EQ(part.scans(), 2U);
+  EXPECT_EQ(part.name, "robot/0/sonar/");
+  EXPECT_EQ(part.pose[1].x_m, 10);
+  EXPECT_EQ(part.range_m.As<double>()[1], 3);
+  EXPECT_EQ(part.opening_rad, 0.26);
+}
+
+TEST(RangeScans, ScansOutsideTheTimeOfPosesAreRefusedOrLeftOut) {
+  Blob log = Log();
+  log.PutVector<double>("robot/0/sonar/time_s", {0, 5, 10.5});
+  EXPECT_NE(Refusal(log).find("scan 2 (10.500000 s): there is no pose for this time"), std::string::npos);
+  GridOptions options;
+  options.skip_unposed = true;
+  const PosedScans scans = ReadRangeScans(log, nullptr, options);
+  EXPECT_EQ(scans.unposed, 1U);
+  EXPECT_EQ(scans.sensors[0].range_m.shape(), (Shape{2, 2}));
+}
+
+TEST(RangeScans, WhatIsWrongIsNamedWithSensorAndScan) {
+  const auto with = [](const std::string& name, Array array) {
+    Blob log = Log();
+    log.Put("robot/0/sonar/" + name, std::move(array));
+    return Refusal(log);
+  };
+  const auto ranges = [&](double bad) {
+    return with("range_m", Array::Of<double>({3, 2}, std::vector<double>{1, 2, 3, bad, 4, 5}));
+  };
+  EXPECT_EQ(Refusal(Log()), "accepted");
+  EXPECT_NE(ranges(-0.1).find("scan 1 (5.000000 s): beam 1 measures -0.1"), std::string::npos);
+  EXPECT_NE(ranges(6.1).find("beyond max_range_m"), std::string::npos);
+  EXPECT_NE(ranges(1 / 0.0).find("beyond max_range_m"), std::string::npos);
+  EXPECT_NE(
+      with("range_m", Array::Of<double>({2, 2}, std::vector<double>{1, 2, 3, 4})).find("where 3 scans of 2"),
+      std::string::npos);
+  EXPECT_NE(with("time_s", Array::Vector<double>({0, 7, 5})).find("scan 2 (5.000000 s): time runs backwards"),
+            std::string::npos);
+  EXPECT_NE(with("opening_rad", Array::Scalar<double>(4)).find("below pi"), std::string::npos);
+  EXPECT_NE(with("beam_x_m", Array::Vector<double>({0})).find("differ in length"), std::string::npos);
+  Blob none = Log().Without("robot/0/sonar/");
+  EXPECT_NE(Refusal(none).find("the log has no range scans"), std::string::npos);
+  GridOptions options;
+  options.sensors = "radar";
+  EXPECT_NE(Refusal(Log(), options).find("no 'radar'"), std::string::npos);
+  options.sensors = "laser";
+  EXPECT_NE(Refusal(Log(), options).find("no range scans of 'laser'"), std::string::npos);
+  options = {};
+  options.box_m = "-1,-1,5,5";
+  EXPECT_NE(Refusal(Log(), options).find("too small for the trajectory"), std::string::npos);
+  options = {};
+  options.cell_m = 0.001;
+  options.memory_mb = 10;
+  EXPECT_NE(Refusal(Log(), options).find("memory_mb allows"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cairn
