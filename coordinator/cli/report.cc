@@ -27,36 +27,43 @@ std::string DefaultOut(const std::string& result_file) {
   return (std::filesystem::path(result_file).parent_path() / "report.html").string();
 }
 
-bool HasNetworks(const std::string& result) {
-  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "networks";
-  return std::ranges::any_of(
-      FilesOf(result), [](const std::string& file) { return Take(ListBlobFile(file)).kind == "networks"; });
+// What there is to report on: the kind of the file, or of a folder's files the first of these.
+std::string KindOf(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind;
+  std::vector<std::string> kinds;
+  for (const std::string& file : FilesOf(result)) kinds.push_back(Take(ListBlobFile(file)).kind);
+  for (const char* kind : {"networks", "localization"}) {
+    if (std::ranges::find(kinds, kind) != kinds.end()) return kind;
+  }
+  return "landmark_map";
 }
 
-int ReportNetworks(const Options& options) {
-  if (!options.log.empty()) throw InputError("--log: networks are not made from a log");
-  const std::string file = ResultPath(options.result, "networks");
-  const Blob result = ReadResult(file, "networks").blob;
-  const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
-  RefuseToOverwrite(out, options.force);
-  Check(WriteTextAtomically(
-      out, datasets::NetworksReportHtml(result, std::filesystem::path(file).stem().string())));
-  std::printf("%s\n", out.c_str());
-  return kExitDone;
-}
-
-int Report(const Options& options, const Invocation&) {
-  if (HasNetworks(options.result)) return ReportNetworks(options);
-  const std::string file = ResultPath(options.result, "landmark_map");
-  const Blob result = ReadResult(file, "landmark_map").blob;
-  const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
-  RefuseToOverwrite(out, options.force);
+std::string PageOfMap(const std::string& title, const Blob& result, const Options& options) {
   std::optional<Blob> log;
   if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
   std::optional<datasets::Evaluation> evaluation;
   if (log && HasTruth(*log)) evaluation = datasets::Evaluate(result, *log);
-  WriteReport(out, std::filesystem::path(file).stem().string(), result, log ? &*log : nullptr,
-              evaluation ? &*evaluation : nullptr);
+  return datasets::ReportHtml(result, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, {title});
+}
+
+std::string PageOf(const std::string& kind, const std::string& file, const Options& options) {
+  const std::string title = std::filesystem::path(file).stem().string();
+  const Blob result = ReadResult(file, kind).blob;
+  if (kind == "networks") return datasets::NetworksReportHtml(result, title);
+  if (kind == "landmark_map") return PageOfMap(title, result, options);
+  std::optional<Blob> samples;
+  if (!options.log.empty()) samples = ReadResult(options.log, "samples").blob;
+  return datasets::LocalizationReportHtml(result, samples ? &*samples : nullptr, title);
+}
+
+int Report(const Options& options, const Invocation&) {
+  const std::string found = KindOf(options.result),
+                    kind = found == "networks" || found == "localization" ? found : "landmark_map";
+  if (kind == "networks" && !options.log.empty()) throw InputError("--log: networks are not made from a log");
+  const std::string file = ResultPath(options.result, kind);
+  const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
+  RefuseToOverwrite(out, options.force);
+  Check(WriteTextAtomically(out, PageOf(kind, file, options)));
   std::printf("%s\n", out.c_str());
   return kExitDone;
 }
@@ -78,7 +85,9 @@ void AddReport(CLI::App& app, Invocation& call) {
       AddCommand<Options>(app, call, "report", "One self-contained HTML page about a result",
                           "cairn report result --log log.h5 --out page.html", Report, &command);
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
-  command->add_option("--log", options->log, "The log that it was made from: adds raw odometry, and truth");
+  command->add_option("--log", options->log,
+                      "The log that it was made from: adds raw odometry, and truth; of a "
+                      "localization the samples: adds errors");
   command->add_option("--out", options->out, "The page to write (report.html beside the result)");
   command->add_flag("--force", options->force, "Replace the page where it is there already");
 }

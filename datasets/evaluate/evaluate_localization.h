@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datasets/evaluate/reduction_interval.h"
+#include "datasets/planar.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -28,6 +29,14 @@ struct LocalizationRow {
   double within_1m = 0;  // share of traverses whose mean is that near
 };
 
+// Of one step of one traverse.
+struct LocalizationError {
+  std::size_t sensations = 0;
+  double way_m = 0;
+  PointM truth;
+  double believed_m = 0, mean_m = 0, mode_m = 0;  // as above
+};
+
 struct LocalizationScore {
   std::int64_t traverses = 0, places = 0;
   double window_m = 0;                      // of the belief at the start; 0: it knew nothing
@@ -37,6 +46,7 @@ struct LocalizationScore {
   // Way from which on the mean of `believed` stays under 1 m, over the rows of all traverses; none where it
   // does not.
   std::optional<double> under_1m_after_m;
+  std::vector<LocalizationError> steps;  // as in the result, one after the other
 };
 
 // `result`: of kind `localization`; `samples`: what it was made from. True places are `truth/run/N/x_m` and

@@ -31,13 +31,20 @@ std::string TickText(double value, double step, bool log_y) {
 }
 
 // Points as they are drawn: y as its logarithm where the axis is one.
-std::vector<ChartPoint> Drawable(const Curve& curve, bool log_y) {
+std::vector<ChartPoint> Drawable(const std::vector<ChartPoint>& all, bool log_y) {
   std::vector<ChartPoint> points;
-  for (const ChartPoint& p : curve.points) {
+  for (const ChartPoint& p : all) {
     const double y = log_y ? std::log10(p.y) : p.y;
     if (std::isfinite(p.x) && std::isfinite(y)) points.push_back({p.x, y});
   }
   return Thinned(points, kMostPoints);
+}
+
+// Of the area between a curve's bounds.
+std::vector<ChartPoint> Outline(const Curve& curve, bool log_y) {
+  std::vector<ChartPoint> outline = Drawable(curve.low, log_y), upper = Drawable(curve.high, log_y);
+  outline.insert(outline.end(), upper.rbegin(), upper.rend());
+  return outline;
 }
 
 class Frame {
@@ -73,6 +80,12 @@ class Frame {
   Panel p_;
 };
 
+std::vector<PointM> ToPixels(const Frame& frame, const std::vector<ChartPoint>& points) {
+  std::vector<PointM> pixels;
+  for (const ChartPoint& p : points) pixels.push_back({frame.X(p.x), frame.Y(p.y)});
+  return pixels;
+}
+
 std::string Colour(const Curve& curve) { return "r" + std::to_string(curve.colour % 8); }
 
 // Right of the title, from the right.
@@ -81,7 +94,7 @@ void DrawLegend(const LineChart& chart, const Panel& panel, Svg* svg) {
   for (auto curve = chart.curves.rbegin(); curve != chart.curves.rend(); ++curve) {
     if (curve->name.empty()) continue;
     svg->Text(x, panel.top - 6, curve->name, "axis end");
-    x -= 7.0 * static_cast<double>(curve->name.size()) + 6;
+    x -= 6.3 * static_cast<double>(curve->name.size()) + 6;
     svg->Line(x - 18, panel.top - 10, x, panel.top - 10, "path " + Colour(*curve));
     x -= 30;
   }
@@ -107,24 +120,28 @@ std::vector<ChartPoint> Thinned(const std::vector<ChartPoint>& points, std::size
 
 bool Draw(const LineChart& chart, const Panel& panel, Svg* svg) {
   Span x, y;
-  std::vector<std::vector<ChartPoint>> curves;
+  std::vector<std::vector<ChartPoint>> curves, areas;
   for (const Curve& curve : chart.curves) {
-    curves.push_back(Drawable(curve, chart.log_y));
-    for (const ChartPoint& p : curves.back()) {
-      x.Take(p.x);
-      y.Take(p.y);
+    curves.push_back(Drawable(curve.points, chart.log_y));
+    areas.push_back(Outline(curve, chart.log_y));
+    for (const auto* points : {&curves.back(), &areas.back()}) {
+      for (const ChartPoint& p : *points) {
+        x.Take(p.x);
+        y.Take(p.y);
+      }
     }
   }
   if (!x.Some()) return false;
   const Frame frame(x, y, panel);
   frame.DrawAxes(chart, svg);
+  for (std::size_t c = 0; c < curves.size(); ++c)
+    svg->Polygon(ToPixels(frame, areas[c]), "area " + Colour(chart.curves[c]));
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    std::vector<PointM> pixels;
-    for (const ChartPoint& p : curves[c]) pixels.push_back({frame.X(p.x), frame.Y(p.y)});
+    const std::vector<PointM> pixels = ToPixels(frame, curves[c]);
     if (pixels.size() == 1)
       svg->Circle(pixels[0].x_m, pixels[0].y_m, 3, "start " + Colour(chart.curves[c]));
     else
-      svg->Polyline(pixels, "path " + Colour(chart.curves[c]));
+      svg->Polyline(pixels, (chart.curves[c].faint ? "path faint " : "path ") + Colour(chart.curves[c]));
   }
   DrawLegend(chart, panel, svg);
   return true;

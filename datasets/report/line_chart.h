@@ -17,6 +17,9 @@ struct Curve {
   std::string name;                // for the legend in the picture
   std::vector<ChartPoint> points;  // x, y; what is not finite is left out
   int colour = 0;                  // style classes r0 to r7
+  bool faint = false;              // one of many
+  // An interval round the curve, as an area: its lower and its upper end, by rising x; both empty for none.
+  std::vector<ChartPoint> low = {}, high = {};
 };
 
 struct LineChart {

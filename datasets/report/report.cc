@@ -5,6 +5,7 @@
 #include "datasets/report/facts.h"
 #include "datasets/report/figures.h"
 #include "datasets/report/format.h"
+#include "datasets/report/localization_page.h"
 #include "datasets/report/networks_page.h"
 #include "datasets/report/parts.h"
 #include "datasets/report/scene.h"
@@ -81,6 +82,10 @@ std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* ev
 
 std::string NetworksReportHtml(const Blob& result, const std::string& title) {
   return report::PageHtml(title, report::NetworksHtml(result), result);
+}
+
+std::string LocalizationReportHtml(const Blob& result, const Blob* samples, const std::string& title) {
+  return report::PageHtml(title, report::LocalizationHtml(result, samples), result);
 }
 
 }  // namespace cairn::datasets

@@ -23,4 +23,9 @@ std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* ev
 // not of kind `networks`, or its arrays do not fit each other.
 std::string NetworksReportHtml(const Blob& result, const std::string& title);
 
+// The same of localised robots: error by way travelled, what some of them believe. Without `samples`, which
+// may be null, there are no errors. Throws InputError where `result` is not of kind `localization`, was not
+// made from these samples, or its arrays do not fit each other.
+std::string LocalizationReportHtml(const Blob& result, const Blob* samples, const std::string& title);
+
 }  // namespace cairn::datasets

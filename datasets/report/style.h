@@ -40,6 +40,7 @@ svg text { fill:var(--ink); font-size:12px; } .tick { fill:var(--soft) !importan
 .panel { fill:var(--panel); } .grid { stroke:var(--grid); stroke-width:1; } .plate { fill:var(--plate); }
 .frame { fill:none; stroke:var(--line); stroke-width:1; } .scale { stroke:var(--ink); stroke-width:1.6; }
 .path { fill:none; stroke:var(--robot); stroke-width:1.5; stroke-linejoin:round; stroke-opacity:.85; }
+.path.faint { stroke-width:1; stroke-opacity:.3; } .area { fill:var(--robot); fill-opacity:.16; }
 .truth-path { fill:none; stroke:var(--truth); stroke-width:3.4; stroke-opacity:.35; stroke-linejoin:round; }
 .landmark { fill:var(--ink); stroke:var(--paper); stroke-width:1; } .spurious { fill:var(--bad); }
 .truth-landmark { fill:none; stroke:var(--truth); stroke-width:1.8; } .miss { stroke:var(--bad); stroke-width:1.6; }

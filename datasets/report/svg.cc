@@ -50,6 +50,14 @@ void Svg::Polyline(const std::vector<PointM>& points, std::string_view style_cla
   out_ += "/>\n";
 }
 
+void Svg::Polygon(const std::vector<PointM>& corners, std::string_view style_class) {
+  if (corners.size() < 3) return;
+  out_ += "<polygon" + Class(style_class) + " points=\"";
+  for (const PointM& corner : corners) out_ += Short(corner.x_m, 1) + "," + Short(corner.y_m, 1) + " ";
+  out_.back() = '"';
+  out_ += "/>\n";
+}
+
 void Svg::Circle(double x, double y, double radius, std::string_view style_class, std::string_view tip) {
   out_ += "<circle" + Class(style_class) + Attribute("cx", x) + Attribute("cy", y) + Attribute("r", radius) +
           Close("circle", tip);

@@ -23,3 +23,16 @@ exits 0 cairn evaluate d1.h5 --feature door --json
 exits 0 cairn evaluate d1.h5 --feature "door detected" --against door --holdout "d1 run 2"
 says 'precision [0-9.]+%, recall [0-9.]+%'
 refuses "no feature 'lift'" cairn evaluate d1.h5 --feature lift
+
+# Where is it? By doors, found in the one run by a map of the other.
+exits 0 cairn run localization d1.h5 --set runs="d1 run 2" --set features=door --set way_m=15 --set traverses=6 --out where
+exits 0 cairn evaluate where --truth d1.h5
+says '^traverses  6 of d1 run 2; nothing known at the start$'
+exits 0 cairn report where
+says '^where/report.html$'
+grep -q 'SAMPLES.h5' where/report.html || die "the report does not say how to see errors"
+exits 0 cairn report where --log d1.h5 --force
+for title in 'Error by way travelled' 'How sure' 'What a robot believes'; do
+  grep -q "<h2>$title</h2>" where/report.html || die "the report has no section '$title'"
+done
+refuses 'made from other samples' cairn report where --log images.h5 --out page.html

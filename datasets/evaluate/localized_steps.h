@@ -1,0 +1,32 @@
+// A result of kind `localization` (schema/FORMAT.md), step by step.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "datasets/planar.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+struct LocalizedStep {
+  std::int32_t traverse = 0, run = 0, sample = 0;
+  std::size_t sensations = 0;  // so far on this traverse
+  double way_m = 0, spread_m = 0;
+  PointM mean, mode;
+  std::size_t first = 0, end = 0;  // of its belief's entries
+};
+
+// Lives as long as the result.
+struct LocalizedSteps {
+  // Throws InputError: no localization, arrays that do not fit each other, no steps.
+  explicit LocalizedSteps(const Blob& result);
+
+  std::vector<LocalizedStep> steps;
+  std::vector<PointM> places;
+  std::span<const std::int32_t> place;  // of each entry, an index into `places`
+  std::span<const float> probability;   // of each entry
+};
+
+}  // namespace cairn::datasets

@@ -1,0 +1,79 @@
+#include "datasets/report/localization_page.h"
+
+#include <gtest/gtest.h>
+
+#include "datasets/evaluate/testing_localization.h"
+#include "datasets/report/localized_figures.h"
+#include "datasets/report/report.h"
+#include "datasets/testing.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+std::size_t Occurrences(const std::string& text, const std::string& what) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+TEST(LocalizationPage, ShowsErrorsAndBeliefsWhereTheSamplesAreGiven) {
+  const Blob samples = LocalizedSamples();
+  const std::string html = LocalizationReportHtml(LocalizationFile(), &samples, "a <b>");
+  ExpectContains(html, "<title>a &lt;b&gt;</title>");
+  ExpectContains(html,
+                 "2 robots in there. Sensed: door. Believed in: 4 places. At the start nothing is known.");
+  ExpectContains(html, "<b>1.25 m ± ");  // the mean of 1.5 and 1.0
+  ExpectContains(html, "<b>1.0 m</b><span>travelled until the mean is below 1 m");
+  ExpectContains(html, "The robot in the middle, by its error on the way.");
+  for (const char* section : {"Error by way travelled", "How sure", "What a robot believes"})
+    ExpectContains(html, std::string("<h2>") + section + "</h2>");
+  EXPECT_EQ(Occurrences(html, "class=\"area r0\""), 1U);
+  EXPECT_EQ(html.find("nan"), std::string::npos);
+  EXPECT_EQ(html, LocalizationReportHtml(LocalizationFile(), &samples, "a <b>"));
+}
+
+TEST(LocalizationPage, SaysHowToSeeErrorsWhereItHasNoSamples) {
+  const std::string html = LocalizationHtml(LocalizationFile(), nullptr);
+  ExpectContains(html, "--log SAMPLES.h5");
+  ExpectContains(html, "<b>1.10 m</b><span>as far off as it believes to be, at the start");
+  ExpectContains(html, "by how sure it is");
+  EXPECT_EQ(html.find("truth-path"), std::string::npos);
+  EXPECT_EQ(html.find("<h2>Error"), std::string::npos);
+}
+
+TEST(LocalizationPage, RefusesWhatIsNoLocalizationAndOtherSamples) {
+  Blob other = LocalizedSamples();
+  other.PutVector<double>("run/0/x_m", {0, 1, 2, 4});
+  ExpectContains(InputErrorOf([&] { LocalizationHtml(LocalizationFile(), &other); }),
+                 "made from other samples");
+  ExpectContains(InputErrorOf([&] { LocalizationHtml(other, nullptr); }), "not a localization");
+  Blob cut = LocalizationFile();
+  cut.PutVector<std::int64_t>("step/entries", {4, 2, 1, 4, 2});
+  ExpectContains(InputErrorOf([&] { LocalizationHtml(cut, nullptr); }), "do not fit");
+}
+
+TEST(LocalizedFigures, AnExampleIsTheOneInTheMiddleAndTheWorst) {
+  const Blob result = LocalizationFile(), samples = LocalizedSamples();
+  const LocalizedSteps localized(result);
+  const LocalizationScore score = EvaluateLocalization(result, samples);
+  // Over the way: (1.5 + 0.5 + 0) / 3 of the first, (1 + 0) / 2 of the second.
+  EXPECT_EQ(ExamplesOf(localized, &score).middle, 1U);
+  EXPECT_EQ(ExamplesOf(localized, &score).worst, 0U);
+}
+
+// On a line way against position; in the plane a map for each of the steps shown.
+TEST(LocalizedFigures, PlacesOnALineAreDrawnByWayOthersAsMaps) {
+  Blob result = LocalizationFile();
+  const Blob samples = LocalizedSamples();
+  const LocalizationScore score = EvaluateLocalization(result, samples);
+  const std::string line = BeliefFigure(LocalizedSteps(result), &score, 0);
+  EXPECT_EQ(Occurrences(line, "<image"), 1U);
+  EXPECT_EQ(Occurrences(line, "class=\"truth-path\""), 1U);
+  result.PutVector<double>("place/y_m", {0, 2, 0, 1});
+  const std::string maps = BeliefFigure(LocalizedSteps(result), &score, 0);
+  EXPECT_EQ(Occurrences(maps, "<image"), 3U);
+  ExpectContains(maps, "1 sensed, 1 m: error 0.5 m");
+}
+
+}  // namespace
+}  // namespace cairn::datasets::report

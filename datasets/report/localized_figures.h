@@ -1,0 +1,30 @@
+// Pictures of localised robots: how wrong and how sure they are by way travelled, and what one of them
+// believes on its way.
+#pragma once
+
+#include <string>
+
+#include "datasets/evaluate/evaluate_localization.h"
+#include "datasets/evaluate/localized_steps.h"
+
+namespace cairn::datasets::report {
+
+// Means over the traverses with their 95% intervals, and below it each traverse.
+std::string ErrorFigure(const LocalizationScore& score);
+
+// How far off robots believe to be; with a score, how far off they are.
+std::string SureFigure(const LocalizedSteps& localized, const LocalizationScore* score);
+
+// Of traverse number `traverse`, in the order of the result: belief, mean and, with a score, truth. Where the
+// places lie along a line, way travelled against position along it; else maps at some steps.
+std::string BeliefFigure(const LocalizedSteps& localized, const LocalizationScore* score,
+                         std::size_t traverse);
+
+// The traverse that is in the middle by its error averaged over its way (without a score, by how far off it
+// believes to be), and the worst.
+struct Examples {
+  std::size_t middle = 0, worst = 0;
+};
+Examples ExamplesOf(const LocalizedSteps& localized, const LocalizationScore* score);
+
+}  // namespace cairn::datasets::report
