@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "datasets/simulate_rows.h"
 #include "datasets/simulate_sonar.h"
 #include "datasets/simulate_world.h"
 
@@ -71,11 +72,6 @@ Drive DrawFittingDrive(const CorridorWorld& world, const LoopDifficulty& difficu
 }
 
 double Round(double value, double unit) { return std::round(value / unit) * unit; }
-double ToMilli(double value) { return std::round(value * 1e3) / 1e3; }
-double ToMicro(double value) { return std::round(value * 1e6) / 1e6; }
-// A nanoradian; never beyond pi, which does not end there.
-double ToNanoAngle(double angle_rad) { return std::min(std::round(angle_rad * 1e9) / 1e9, 3.141592653); }
-
 // To one digit where that stays within half of `exact`, else to two.
 double NominalFigure(double exact, Rng& rng) {
   const double log_spread = std::log(kNominalSpread);
@@ -125,18 +121,6 @@ void PutNominalSensing(const LoopSensing& sensing, Rng& rng, Blob& log) {
   if (sensing.types > 1) PutConfusion(sensing, rng, log);
 }
 
-void PutOdometry(const std::string& robot, const Drive& drive, const OdometryDraw& odometry, Blob& log) {
-  std::vector<double> time, turn, forward;
-  for (std::size_t i = 0; i < odometry.controls.size(); ++i) {
-    time.push_back(ToMilli(drive.times_s[i]));
-    turn.push_back(odometry.controls[i].turn_rad);
-    forward.push_back(odometry.controls[i].forward_m);
-  }
-  log.PutVector(robot + "/odometry/time_s", time);
-  log.PutVector(robot + "/odometry/turn_rad", turn);
-  log.PutVector(robot + "/odometry/forward_m", forward);
-}
-
 void PutObservations(const std::string& robot, const Drive& drive, const std::vector<Sensed>& sensed,
                      bool typed, Blob& log) {
   std::vector<double> time, range, bearing;
@@ -155,27 +139,6 @@ void PutObservations(const std::string& robot, const Drive& drive, const std::ve
   log.PutVector(robot + "/observations/bearing_rad", bearing);
   if (typed) log.PutVector(robot + "/observations/type", type);
   log.PutVector("truth/" + robot + "/observations/landmark", truth);
-}
-
-void PutTruePoses(const std::string& robot, const Drive& drive, Blob& log) {
-  std::vector<double> time, x, y, heading;
-  const auto add = [&](double time_s, const PoseM& pose) {
-    time.push_back(ToMilli(time_s));
-    x.push_back(ToMicro(pose.x_m));
-    y.push_back(ToMicro(pose.y_m));
-    heading.push_back(ToNanoAngle(pose.heading_rad));
-  };
-  PoseM pose = drive.start;
-  add(0, pose);
-  for (std::size_t i = 0; i < drive.controls.size(); ++i) {
-    pose = Apply(pose, drive.controls[i]);
-    add(drive.times_s[i], pose);
-  }
-  const std::string poses = "truth/" + robot + "/poses/";
-  log.PutVector(poses + "time_s", time);
-  log.PutVector(poses + "x_m", x);
-  log.PutVector(poses + "y_m", y);
-  log.PutVector(poses + "heading_rad", heading);
 }
 
 // The landmarks' types: none where all look alike.
@@ -219,11 +182,6 @@ Driven DriveAndMeasure(const CorridorWorld& world, const LoopDifficulty& difficu
                    std::to_string(difficulty.final_error.high_m) + " m: take another seed");
 }
 
-std::vector<double> Milli(std::vector<double> times_s) {
-  for (double& time : times_s) time = ToMilli(time);
-  return times_s;
-}
-
 }  // namespace
 
 const std::vector<LoopDifficulty>& LoopDifficulties() {
@@ -263,7 +221,7 @@ Blob SimulateLoop(const SimulateLoopOptions& options) {
     Rng sensing_rng(options.seed, stream, kSensingSubstream);
     PutObservations(robot, drive, Sense(drive, world, types, options.sensing, sensing_rng),
                     options.sensing.types > 1, log);
-    PutTruePoses(robot, drive, log);
+    PutPoses("truth/" + robot + "/poses/", drive, log);
     Rng sonar_rng(options.seed, stream, kSonarSubstream);
     if (options.sonar) PutSonar(robot, drive, Milli(drive.times_s), walls, sonar_rng, log);
     names.push_back("robot " + std::to_string(r));

@@ -16,10 +16,21 @@ inline constexpr double kSonarOpeningRad = 0.2618;  // 15 degrees, full
 inline constexpr double kSonarSdM = 0.03;
 inline constexpr double kSonarDropouts = 0.02;  // share of the echoes that are lost
 
-// Puts `robot`/sonar/… (schema/FORMAT.md, range scans): a scan at the end of each control. A sonar hears the
-// nearest wall in its cone; there are no specular reflections. `times_s`: as the log has them.
+// Of a beam on the robot; it begins on the ring.
+double SonarHeading(int beam);
+
+// Puts `robot`/sonar/… (schema/FORMAT.md, range scans): `ranges_m` scan by scan, kSonars each, NaN where no
+// echo came.
+void PutScans(const std::string& robot, const std::vector<double>& times_s,
+              const std::vector<double>& ranges_m, Blob& log);
+
+// Puts `robot`/sonar/…: a scan at the end of each control. A sonar hears the nearest wall in its cone; there
+// are no specular reflections. `times_s`: as the log has them.
 void PutSonar(const std::string& robot, const Drive& drive, const std::vector<double>& times_s,
               const std::vector<Wall>& walls, Rng& rng, Blob& log);
+
+// `prefix`x_m, y_m: both ends of each.
+void PutSegments(const std::string& prefix, const std::vector<Wall>& segments, Blob& log);
 
 // truth/walls/…
 void PutWalls(const std::vector<Wall>& walls, Blob& log);

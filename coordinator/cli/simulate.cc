@@ -7,6 +7,7 @@
 #include "coordinator/cli/loop_options.h"
 #include "coordinator/cli/output_path.h"
 #include "coordinator/cli/scalar.h"
+#include "coordinator/cli/simulate_halls.h"
 #include "coordinator/cli/suggest.h"
 #include "datasets/simulate_corridor.h"
 #include "schema/store/blob_file.h"
@@ -121,6 +122,7 @@ void AddSimulate(CLI::App& app, Invocation& call) {
   loop->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
   loop->add_option("OUT.h5", options->out, "The log to write")->required();
   AddCorridor(simulate, call);
+  AddSimulateHalls(*simulate, call);
 }
 
 }  // namespace cairn::cli

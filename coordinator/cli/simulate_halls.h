@@ -1,0 +1,10 @@
+// `cairn simulate hallway`, `narrow-doors`, `smooth-wall`: sonar logs for occupancy maps.
+#pragma once
+
+#include "coordinator/cli/invocation.h"
+
+namespace cairn::cli {
+
+void AddSimulateHalls(CLI::App& simulate, Invocation& call);
+
+}  // namespace cairn::cli
