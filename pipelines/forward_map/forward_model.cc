@@ -1,0 +1,66 @@
+#include "pipelines/forward_map/forward_model.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace cairn::forward_map {
+namespace {
+
+// x log y, 0 where x is.
+double XLogY(double x, double y) { return x > 0 ? x * std::log(y) : 0.0; }
+
+template <class Term>
+double SumOver(const Causes& causes, const Causes& other, const Term& term) {
+  double sum = term(causes.random, other.random) + term(causes.none, other.none);
+  for (std::size_t k = 0; k < causes.obstacle.size(); ++k) sum += term(causes.obstacle[k], other.obstacle[k]);
+  return sum;
+}
+
+}  // namespace
+
+double Normal(double x_m, double sigma_m) {
+  const double t = x_m / sigma_m;
+  if (std::abs(t) > kReach) return 0;
+  return std::exp(-0.5 * t * t) * (std::numbers::inv_sqrtpi / (std::numbers::sqrt2 * sigma_m));
+}
+
+Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model) {
+  Causes joint;
+  // [T01] (9) with (5).
+  joint.random = model.p_rand / model.z_max_m;
+  // (9): reached = (1 - p_rand) (1 - p_hit)^(k-1).
+  double reached = 1 - model.p_rand;
+  for (const double distance_m : obstacles_m) {
+    // (4)
+    joint.obstacle.push_back(reached * model.p_hit * Normal(z_m - distance_m, model.sigma_m));
+    reached *= 1 - model.p_hit;
+  }
+  // (6); (9) prints the exponent k where it means K_i.
+  joint.none = reached * Normal(z_m - model.z_max_m, model.no_echo_m);
+  return joint;
+}
+
+double Density(double z_m, std::span<const double> obstacles_m, const SensorModel& model) {
+  const Causes joint = Joint(z_m, obstacles_m, model);
+  return SumOver(joint, joint, [](double p, double) { return p; });
+}
+
+Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const SensorModel& model) {
+  Causes causes = Joint(z_m, obstacles_m, model);
+  const double eta = 1 / SumOver(causes, causes, [](double p, double) { return p; });
+  causes.random *= eta;
+  causes.none *= eta;
+  for (double& k : causes.obstacle) k *= eta;
+  return causes;
+}
+
+double ExpectedLogLikelihood(double z_m, std::span<const double> obstacles_m, const SensorModel& model,
+                             const Causes& causes) {
+  return SumOver(causes, Joint(z_m, obstacles_m, model), XLogY);
+}
+
+double Entropy(const Causes& causes) {
+  return SumOver(causes, causes, [](double p, double q) { return -XLogY(p, q); });
+}
+
+}  // namespace cairn::forward_map

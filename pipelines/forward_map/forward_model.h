@@ -1,0 +1,50 @@
+// How a range reading comes about in a given map: [T01] (S. Thrun, Learning Occupancy Grids with Forward
+// Models, IROS 2001), section 3. Written as the equations stand, for short lists: the search has its own,
+// incremental code (reading_state.h), which the tests and every round hold against this.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace cairn::forward_map {
+
+// Both Gaussians of the model end here, in standard deviations: it cuts off 2e-9 of their mass.
+inline constexpr double kReach = 6.0;
+
+struct SensorModel {
+  double p_hit = 0.7;       // P(an occupied cell in the beam is detected), in (0, 1)
+  double p_rand = 0.05;     // P(a reading is of nothing), in (0, 1)
+  double sigma_m = 0.05;    // standard deviation of (4)
+  double no_echo_m = 0.05;  // of (6): what the sensor gives where it meets nothing
+  double z_max_m = 10.0;    // and where (6) is centred
+
+  friend bool operator==(const SensorModel&, const SensorModel&) = default;
+};
+
+// exp(-(x / sigma)^2 / 2) / (sigma sqrt(2 pi)) up to kReach standard deviations, then 0; 1/m.
+double Normal(double x_m, double sigma_m);
+
+// P(C_i | z_i, m), which is E[c_i] of (13); adds up to 1.
+struct Causes {
+  double random = 0;             // c_{i,*}
+  std::vector<double> obstacle;  // c_{i,k}, k = 1 .. K_i
+  double none = 0;               // c_{i,K_i+1}
+};
+
+// In all that follows z_m is a reading and obstacles_m are the distances of the K obstacles in its beam, in
+// increasing order. A reading without echo is one of z_max_m.
+
+// p(z_i, C_i | m) for each C_i: (8) with (4) to (9); 1/m.
+Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model);
+// p(z_i | m) = sum over C_i of p(z_i, C_i | m); 1/m.
+double Density(double z_m, std::span<const double> obstacles_m, const SensorModel& model);
+// The E-step (13).
+Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const SensorModel& model);
+// A reading's term of (11): E[log p(z_i, C_i | m)] over `causes`.
+double ExpectedLogLikelihood(double z_m, std::span<const double> obstacles_m, const SensorModel& model,
+                             const Causes& causes);
+// H(C_i) in nats. log p(z_i | m) = ExpectedLogLikelihood + Entropy, where `causes` are (13).
+double Entropy(const Causes& causes);
+
+}  // namespace cairn::forward_map

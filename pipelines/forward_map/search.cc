@@ -1,0 +1,150 @@
+#include "pipelines/forward_map/search.h"
+
+#include <algorithm>
+#include <queue>
+
+namespace cairn::forward_map {
+namespace {
+
+constexpr double kLeastGain = 1e-9;       // nats; below it is rounding
+constexpr std::size_t kCellsOfTick = 64;  // looked at between two ticks
+
+struct Proposal {
+  double gain;
+  std::int32_t cell;
+  // The largest gain first; of equal ones the first cell.
+  bool operator<(const Proposal& other) const {
+    return gain != other.gain ? gain < other.gain : cell > other.cell;
+  }
+};
+
+}  // namespace
+
+Patch Patch::Empty(std::int32_t columns, std::int32_t rows) {
+  Patch patch{columns, rows, {}};
+  patch.rimmed.resize(static_cast<std::size_t>(columns + 2) * static_cast<std::size_t>(rows + 2));
+  return patch;
+}
+
+std::vector<std::uint8_t> Patch::Inside() const {
+  std::vector<std::uint8_t> inside;
+  for (std::int32_t cell = 0; cell < cells(); ++cell) inside.push_back(rimmed[Rimmed(cell)]);
+  return inside;
+}
+
+double MapSearch::PriorGainOf(std::int32_t cell) const {
+  const std::size_t at = patch_.Rimmed(cell), row = static_cast<std::size_t>(patch_.columns + 2);
+  const std::uint8_t now = patch_.rimmed[at];
+  int unlike = 0;
+  for (const std::size_t other : {at - row, at - 1, at + 1, at + row}) unlike += patch_.rimmed[other] != now;
+  const double smoother = prior_.smoothness * (2 * unlike - 4);
+  return smoother + (now != 0 ? -prior_.logit : prior_.logit);
+}
+
+void MapSearch::Flip(std::int32_t cell) {
+  gains_->Flip(cell);
+  patch_.rimmed[patch_.Rimmed(cell)] ^= 1;
+}
+
+std::vector<std::int32_t> MapSearch::Candidates() const {
+  const bool prior_may_occupy = prior_.logit > 0 || prior_.smoothness > 0;
+  std::vector<std::int32_t> cells;
+  if (!prior_may_occupy) cells = gains_->near_ends();
+  for (std::int32_t cell = 0; cell < patch_.cells(); ++cell)
+    if (prior_may_occupy || gains_->occupied()[static_cast<std::size_t>(cell)] != 0) cells.push_back(cell);
+  std::ranges::sort(cells);
+  cells.erase(std::ranges::unique(cells).begin(), cells.end());
+  return cells;
+}
+
+std::vector<std::int32_t> MapSearch::Neighbours(std::int32_t cell) const {
+  std::vector<std::int32_t> cells;
+  const std::int32_t column = cell % patch_.columns, row = cell / patch_.columns;
+  for (std::int32_t j = std::max(0, row - 1); j <= std::min(patch_.rows - 1, row + 1); ++j) {
+    for (std::int32_t i = std::max(0, column - 1); i <= std::min(patch_.columns - 1, column + 1); ++i)
+      if (i != column || j != row) cells.push_back(j * patch_.columns + i);
+  }
+  return cells;
+}
+
+double MapSearch::Climb(const Tick& tick) {
+  double sum = 0;
+  for (bool gained = true; gained;) {
+    gained = false;
+    std::vector<Proposal> proposals;
+    std::size_t looked_at = 0;
+    for (const std::int32_t cell : Candidates()) {
+      if (++looked_at % kCellsOfTick == 0) tick();
+      const double gain = GainOf(cell);
+      if (gain > kLeastGain) proposals.push_back({gain, cell});
+    }
+    // What a proposal gains now may differ from what it did when it was made: it is looked at again when its
+    // turn comes, and goes back into the queue where another one is better.
+    std::priority_queue<Proposal> queue({}, std::move(proposals));
+    while (!queue.empty()) {
+      if (++looked_at % kCellsOfTick == 0) tick();
+      const Proposal now{GainOf(queue.top().cell), queue.top().cell};
+      queue.pop();
+      if (now.gain <= kLeastGain) continue;
+      if (!queue.empty() && now < queue.top()) {
+        queue.push(now);
+        continue;
+      }
+      Flip(now.cell);
+      sum += now.gain;
+      gained = true;
+    }
+  }
+  return sum;
+}
+
+// Flips `cell`, which gains `gain`, with the one of `others` that gains most after it, or neither; returns
+// what is gained.
+double MapSearch::FlipWithBestOf(std::int32_t cell, double gain, const std::vector<std::int32_t>& others) {
+  if (others.empty()) return 0;
+  Flip(cell);
+  Proposal best{GainOf(others.front()), others.front()};
+  for (const std::int32_t other : others) best = std::max(best, {GainOf(other), other});
+  if (gain + best.gain > kLeastGain) {
+    Flip(best.cell);
+    return gain + best.gain;
+  }
+  Flip(cell);
+  return 0;
+}
+
+double MapSearch::Swaps(const Tick& tick) {
+  double sum = 0;
+  for (std::int32_t cell = 0; cell < patch_.cells(); ++cell) {
+    if (occupied(cell) == 0) continue;
+    tick();
+    std::vector<std::int32_t> others = Neighbours(cell);
+    std::erase_if(others, [&](std::int32_t other) { return occupied(other) != 0; });
+    sum += FlipWithBestOf(cell, GainOf(cell), others);
+  }
+  return sum;
+}
+
+double MapSearch::Pairs(double depth_nats, const Tick& tick) {
+  double sum = 0;
+  for (const std::int32_t cell : Candidates()) {
+    const double gain = GainOf(cell);
+    if (gain < -depth_nats) continue;
+    tick();
+    sum += FlipWithBestOf(cell, gain, gains_->Sharing(cell));
+  }
+  return sum;
+}
+
+double MapSearch::Run(const Moves& moves, const Tick& tick) {
+  double sum = Climb(tick);
+  while (true) {
+    double more = 0;
+    if (moves.swaps) more += Swaps(tick);
+    if (moves.pairs) more += Pairs(moves.depth_nats, tick);
+    if (more <= 0) return sum;
+    sum += more + Climb(tick);
+  }
+}
+
+}  // namespace cairn::forward_map
