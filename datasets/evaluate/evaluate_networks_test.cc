@@ -75,6 +75,27 @@ TEST(OutputsOf, TakesWeightsInTheOrderOfTheFormat) {
               1e-15);
 }
 
+// One network of two units, then three: hidden_2_weight is [networks][hidden_2][hidden].
+TEST(OutputsOf, PassTwoHiddenLayers) {
+  Blob file = NetworksFile({{}}, {0}, {0.5F});
+  file.Put("networks/hidden_weight", Array::Of<double>({1, 2, 1}, std::vector<double>{0.5, -1}));
+  file.Put("networks/hidden_bias", Array::Of<double>({1, 2}, std::vector<double>{0.1, 0.2}));
+  file.Put("networks/hidden_2_weight", Array::Of<double>({1, 3, 2}, std::vector<double>{1, 2, 3, 4, 5, 6}));
+  file.Put("networks/hidden_2_bias", Array::Of<double>({1, 3}, std::vector<double>{-1, -2, -3}));
+  const auto refused = [&] { return InputErrorOf([&] { ReadLearnedNetworks(file); }); };
+  ExpectContains(refused(), "'networks/output_weight' has the shape [1,1], where [1,3] fits");
+  file.Put("networks/output_weight", Array::Of<double>({1, 3}, std::vector<double>{0.7, -0.8, 0.9}));
+  file.PutVector("networks/output_bias", std::vector<double>{0.3});
+  const std::vector<double> g = OutputsOf(ReadLearnedNetworks(file), std::vector<float>{2});
+  const auto s = [](double x) { return 1 / (1 + std::exp(-x)); };
+  const double a = s(1.1), b = s(-1.8);
+  ASSERT_EQ(g.size(), 1U);
+  EXPECT_NEAR(g[0], s(0.3 + 0.7 * s(a + 2 * b - 1) - 0.8 * s(3 * a + 4 * b - 2) + 0.9 * s(5 * a + 6 * b - 3)),
+              1e-15);
+  file.Put("networks/hidden_2_weight", Array::Of<double>({3, 2}, std::vector<double>{1, 2, 3, 4, 5, 6}));
+  ExpectContains(refused(), "[networks,hidden_2,hidden]");
+}
+
 TEST(EvaluateNetworks, NetworksThatTellNothingReduceNothing) {
   const NetworkEvaluation e = EvaluateNetworks(NetworksThatTellNothing(), FivePlaces());
   ASSERT_EQ(e.windows.size(), 7U);

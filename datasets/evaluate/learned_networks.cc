@@ -43,13 +43,24 @@ void ReadShape(const Blob& file, LearnedNetworks* nets) {
   if (nets->networks > kMostNetworks)
     throw InputError("'networks/hidden_weight': " + std::to_string(nets->networks) + " networks; allowed: " +
                      std::to_string(kMostNetworks) + " at most, as there are 2^n feature vectors");
+  if (!file.Has("networks/hidden_2_weight")) return;
+  const Shape& second = file.at("networks/hidden_2_weight").shape();
+  if (second.size() != 3 || std::ranges::count(second, 0) > 0)
+    throw InputError("'networks/hidden_2_weight' has the shape " + ShapeText(second) +
+                     ", where [networks,hidden_2,hidden], each at least 1, is needed");
+  nets->hidden_2 = static_cast<std::size_t>(second[1]);
 }
 
 void ReadWeights(const Blob& file, LearnedNetworks* nets) {
   const std::size_t n = nets->networks, h = nets->hidden, i = nets->inputs;
   nets->hidden_weight = Numbers<double>(file, "networks/hidden_weight", {n, h, i});
   nets->hidden_bias = Numbers<double>(file, "networks/hidden_bias", {n, h});
-  nets->output_weight = Numbers<double>(file, "networks/output_weight", {n, h});
+  if (nets->hidden_2 > 0) {
+    nets->hidden_2_weight = Numbers<double>(file, "networks/hidden_2_weight", {n, nets->hidden_2, h});
+    nets->hidden_2_bias = Numbers<double>(file, "networks/hidden_2_bias", {n, nets->hidden_2});
+  }
+  nets->output_weight =
+      Numbers<double>(file, "networks/output_weight", {n, nets->hidden_2 > 0 ? nets->hidden_2 : h});
   nets->output_bias = Numbers<double>(file, "networks/output_bias", {n});
   nets->input_mean = Numbers<double>(file, "networks/input_mean", {i});
   nets->input_scale = Numbers<double>(file, "networks/input_scale", {i});
@@ -84,6 +95,18 @@ void ReadMap(const Blob& file, LearnedNetworks* nets) {
 
 double Sigmoid(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
+// A layer's units first <= u < first + count, which all see `in`.
+std::vector<double> Layer(std::span<const double> in, std::span<const double> weights,
+                          std::span<const double> biases, std::size_t first, std::size_t count) {
+  std::vector<double> out;
+  for (std::size_t unit = first; unit < first + count; ++unit) {
+    double sum = biases[unit];
+    for (std::size_t i = 0; i < in.size(); ++i) sum += weights[unit * in.size() + i] * in[i];
+    out.push_back(Sigmoid(sum));
+  }
+  return out;
+}
+
 }  // namespace
 
 LearnedNetworks ReadLearnedNetworks(const Blob& file) {
@@ -103,14 +126,11 @@ std::vector<double> OutputsOf(const LearnedNetworks& nets, std::span<const float
     for (std::size_t i = 0; i < nets.inputs; ++i)
       x[i] = (input[row + i] - nets.input_mean[i]) / nets.input_scale[i];
     for (std::size_t n = 0; n < nets.networks; ++n) {
-      double sum = nets.output_bias[n];
-      for (std::size_t unit = n * nets.hidden; unit < (n + 1) * nets.hidden; ++unit) {
-        double excitation = nets.hidden_bias[unit];
-        for (std::size_t i = 0; i < nets.inputs; ++i)
-          excitation += nets.hidden_weight[unit * nets.inputs + i] * x[i];
-        sum += nets.output_weight[unit] * Sigmoid(excitation);
-      }
-      outputs.push_back(Sigmoid(sum));
+      std::vector<double> hidden =
+          Layer(x, nets.hidden_weight, nets.hidden_bias, n * nets.hidden, nets.hidden);
+      if (nets.hidden_2 > 0)
+        hidden = Layer(hidden, nets.hidden_2_weight, nets.hidden_2_bias, n * nets.hidden_2, nets.hidden_2);
+      outputs.push_back(Layer(hidden, nets.output_weight, nets.output_bias, n, 1).front());
     }
   }
   return outputs;

@@ -13,10 +13,13 @@ namespace cairn::datasets {
 
 struct LearnedNetworks {
   std::size_t networks = 0, hidden = 0, inputs = 0;
-  std::vector<double> hidden_weight;  // [networks][hidden][inputs]
-  std::vector<double> hidden_bias;    // [networks][hidden]
-  std::vector<double> output_weight;  // [networks][hidden]
-  std::vector<double> output_bias;    // [networks]
+  std::size_t hidden_2 = 0;             // of the second hidden layer; 0: there is none
+  std::vector<double> hidden_weight;    // [networks][hidden][inputs]
+  std::vector<double> hidden_bias;      // [networks][hidden]
+  std::vector<double> hidden_2_weight;  // [networks][hidden_2][hidden]
+  std::vector<double> hidden_2_bias;    // [networks][hidden_2]
+  std::vector<double> output_weight;    // [networks][units of the last hidden layer]
+  std::vector<double> output_bias;      // [networks]
   std::vector<double> input_mean, input_scale;
   std::vector<std::string> input_name;
 

@@ -103,11 +103,22 @@ std::string OutputsFigure(const Blob& result) {
   return Stacked(charts, "Output of each network along a run");
 }
 
+// Of each network, layer by layer.
+std::string HiddenUnits(const Blob& result) {
+  std::string units;
+  for (const char* name : {"networks/hidden_bias", "networks/hidden_2_bias"}) {
+    if (result.Has(name))
+      units += (units.empty() ? "" : " + ") + std::to_string(result.at(name).shape().back());
+  }
+  return units;
+}
+
 std::string Tiles(const Blob& result, const TrainingHistory& h) {
   const double window_m = result.Scalar<double>("window_m");
   const double held_out = h.BestHeldOut();
   std::string tiles =
       TileHtml(std::to_string(result.at("networks/output_bias").size()), "networks") +
+      TileHtml(HiddenUnits(result), "hidden units of each") +
       TileHtml(window_m > 0 ? "±" + Short(window_m) + " m" : "global", "uncertainty trained for") +
       TileHtml(Percent(h.Reduction()), "error reduction, runs trained on");
   if (std::isfinite(held_out))

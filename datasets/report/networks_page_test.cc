@@ -13,6 +13,7 @@ namespace {
 // Two networks, four samples of two runs, three steps; the second step looked at the held-out run.
 Blob Learned() {
   Blob result;
+  result.Put("networks/hidden_bias", Array::Of<double>({2, 3}, std::vector<double>(6, 0.0)));
   result.PutVector<double>("networks/output_bias", {0, 0});
   result.PutVector<double>("networks/input_mean", {0, 0, 0});
   result.PutVector<double>("map/x_m", {0, 1, 0, 1});
@@ -33,6 +34,7 @@ TEST(NetworksPage, ShowsHowTrainingWentAndWhatTheNetworksSee) {
   ExpectContains(html, "<title>a &lt;b&gt;</title>");
   ExpectContains(html, "<b>50%</b><span>error reduction, runs trained on");
   ExpectContains(html, "<b>25%</b><span>the best on the held-out run");
+  ExpectContains(html, "<b>3</b><span>hidden units of each");
   ExpectContains(html, "4 samples of 3 inputs");
   for (const char* part : {"Error reduction", "Posterior error", "Gradient", "Network 0", "Network 1"})
     ExpectContains(html, std::string(">") + part + "<");
@@ -40,6 +42,12 @@ TEST(NetworksPage, ShowsHowTrainingWentAndWhatTheNetworksSee) {
   EXPECT_EQ(html.find("<h2>Before this run"), std::string::npos);
   EXPECT_EQ(html.find("nan"), std::string::npos);
   EXPECT_EQ(html, NetworksReportHtml(Learned(), "a <b>"));
+}
+
+TEST(NetworksPage, CountsTheUnitsOfBothHiddenLayers) {
+  Blob result = Learned();
+  result.Put("networks/hidden_2_bias", Array::Of<double>({2, 5}, std::vector<double>(10, 0.0)));
+  ExpectContains(NetworksHtml(result), "<b>3 + 5</b><span>hidden units of each");
 }
 
 TEST(NetworksPage, NamesWarningsAndTheRunsBefore) {

@@ -86,6 +86,13 @@ std::vector<BallVariant> WayVariants(std::int64_t steps) {
                         {},
                         {{"hidden", IntegerValue(hidden)}}});
   }
+  for (const std::int64_t each : {4, 6, 12}) {
+    const std::string units = std::to_string(each);
+    variants.push_back({"layers_" + units,
+                        "Adam, two hidden layers of " + units + " units",
+                        {},
+                        {{"hidden", IntegerValue(each)}, {"hidden_2", IntegerValue(each)}}});
+  }
   return variants;
 }
 

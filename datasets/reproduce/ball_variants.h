@@ -22,7 +22,7 @@ struct BallVariant {
 // "all", then each group of inputs left out: rows, columns, brightness, colour, texture, camera, sonar.
 std::vector<BallVariant> SensorVariants();
 
-// Ways to train, each with its own rate, and hidden units. `steps`: of the recipe.
+// Ways to train, each with its own rate, and hidden units, in one layer or two. `steps`: of the recipe.
 std::vector<BallVariant> WayVariants(std::int64_t steps);
 
 BallJob MakeVariantJob(const std::string& study, const std::string& set, std::uint64_t seed,

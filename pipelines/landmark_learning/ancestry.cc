@@ -1,47 +1,58 @@
 #include "pipelines/landmark_learning/ancestry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
+
+#include "pipelines/landmark_learning/network_arrays.h"
 
 namespace cairn::landmark_learning {
 namespace {
 
-std::vector<double> Numbers(const Blob& blob, const std::string& name, std::size_t count) {
-  const auto values = blob.Get<double>(name);
-  if (values.size() != count) {
-    throw InputError("the input 'weights': '" + name + "' has " + std::to_string(values.size()) +
-                     " numbers, not " + std::to_string(count));
+std::string Text(const NetworkShape& s) {
+  return std::to_string(s.networks) + " networks of " + std::to_string(s.hidden) +
+         (s.hidden_2 > 0 ? " and " + std::to_string(s.hidden_2) : "") + " hidden units over " +
+         std::to_string(s.inputs) + " inputs";
+}
+
+void RefuseOtherNames(const std::vector<std::string>& names, const std::vector<std::string>& input_names) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i >= input_names.size() || names[i] != input_names[i])
+      throw InputError("its input " + std::to_string(i) + " is '" + names[i] + "', not the samples' '" +
+                       (i < input_names.size() ? input_names[i] : "") + "'");
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(values[i]))
-      throw InputError("the input 'weights': '" + name + "', entry " + std::to_string(i) +
-                       " is not a finite number");
+}
+
+std::vector<double> NormIn(const Blob& networks, const std::string& name, int inputs) {
+  const auto values = networks.Get<double>(name);
+  if (values.size() != static_cast<std::size_t>(inputs)) {
+    throw InputError("'" + name + "' has " + std::to_string(values.size()) + " numbers, not " +
+                     std::to_string(inputs));
+  }
+  const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
+  if (bad != values.end()) {
+    throw InputError("'" + name + "', entry " + std::to_string(bad - values.begin()) +
+                     " is not a finite number");
   }
   return {values.begin(), values.end()};
 }
 
-std::string Text(std::int64_t networks, std::int64_t hidden, std::int64_t inputs) {
-  return std::to_string(networks) + " networks of " + std::to_string(hidden) + " hidden units over " +
-         std::to_string(inputs) + " inputs";
-}
-
-void RefuseOtherShape(const Blob& networks, const NetworkShape& wanted,
-                      const std::vector<std::string>& input_names) {
+Parent Read(const Blob& networks, const NetworkShape& wanted, const std::vector<std::string>& input_names) {
   if (!networks.Has("networks/hidden_weight"))
-    throw InputError("the input 'weights': no networks in it; a result of landmark_learning is needed");
-  const Shape& shape = networks.at("networks/hidden_weight").shape();
-  if (shape.size() != 3) throw InputError("the input 'weights': 'networks/hidden_weight' has not three axes");
-  if (shape[0] != wanted.networks || shape[1] != wanted.hidden || shape[2] != wanted.inputs) {
-    throw InputError("the input 'weights': " + Text(shape[0], shape[1], shape[2]) +
-                     ", where the options and the samples ask for " +
-                     Text(wanted.networks, wanted.hidden, wanted.inputs));
+    throw InputError("no networks in it; a result of landmark_learning is needed");
+  Parameters<double> p = NetworksIn(networks);
+  if (p.shape != wanted)
+    throw InputError(Text(p.shape) + ", where the options and the samples ask for " + Text(wanted));
+  RefuseOtherNames(networks.Texts("networks/input_name"), input_names);
+  Parent parent{std::move(p.values),
+                {NormIn(networks, "networks/input_mean", wanted.inputs),
+                 NormIn(networks, "networks/input_scale", wanted.inputs)}};
+  for (std::size_t i = 0; i < parent.norm.scale.size(); ++i) {
+    if (parent.norm.scale[i] <= 0.0)
+      throw InputError("'networks/input_scale', entry " + std::to_string(i) + " is not above 0");
   }
-  const auto names = networks.Texts("networks/input_name");
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (i >= input_names.size() || names[i] != input_names[i])
-      throw InputError("the input 'weights': its input " + std::to_string(i) + " is '" + names[i] +
-                       "', not the samples' '" + (i < input_names.size() ? input_names[i] : "") + "'");
-  }
+  return parent;
 }
 
 std::string Joined(const std::vector<std::string>& texts) {
@@ -59,31 +70,11 @@ std::vector<double> Doubles(const Blob& blob, const char* name) {
 
 Parent ReadParent(const Blob& networks, const NetworkShape& wanted,
                   const std::vector<std::string>& input_names) {
-  RefuseOtherShape(networks, wanted, input_names);
-  const auto units = static_cast<std::size_t>(wanted.units()),
-             inputs = static_cast<std::size_t>(wanted.inputs);
-  const auto hidden = Numbers(networks, "networks/hidden_weight", units * inputs);
-  const auto hidden_bias = Numbers(networks, "networks/hidden_bias", units);
-  const auto output = Numbers(networks, "networks/output_weight", units);
-  const auto output_bias =
-      Numbers(networks, "networks/output_bias", static_cast<std::size_t>(wanted.networks));
-  Parameters<double> p(wanted);
-  for (std::size_t u = 0; u < units; ++u) {
-    for (int i = 0; i < wanted.inputs; ++i)
-      p.HiddenWeights(i)[u] = hidden[u * inputs + static_cast<std::size_t>(i)];
-    p.HiddenBiases()[u] = hidden_bias[u];
-    p.OutputWeights()[u] = output[u];
+  try {
+    return Read(networks, wanted, input_names);
+  } catch (const InputError& error) {
+    throw InputError(std::string("the input 'weights': ") + error.what());
   }
-  for (std::size_t n = 0; n < output_bias.size(); ++n) p.OutputBiases()[n] = output_bias[n];
-  Parent parent{
-      std::move(p.values),
-      {Numbers(networks, "networks/input_mean", inputs), Numbers(networks, "networks/input_scale", inputs)}};
-  for (std::size_t i = 0; i < inputs; ++i) {
-    if (parent.norm.scale[i] <= 0.0)
-      throw InputError("the input 'weights': 'networks/input_scale', entry " + std::to_string(i) +
-                       " is not above 0");
-  }
-  return parent;
 }
 
 void PutAncestry(const Blob& parent, Blob* result) {

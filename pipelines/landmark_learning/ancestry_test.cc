@@ -44,6 +44,18 @@ TEST_F(Ancestry, AFinishedRunGoesOnWhereItEnded) {
   EXPECT_LT(after.back(), before.back());
 }
 
+TEST_F(Ancestry, TwoHiddenLayersGoOnToo) {
+  Options deep = kFew;
+  deep.hidden_2 = 3;
+  const BlobPtr parent = Learn(samples_, deep, nullptr), child = Learn(samples_, deep, parent);
+  EXPECT_EQ(parent->at("networks/hidden_2_weight").shape(), (Shape{2, 3, 6}));
+  const auto before = parent->Get<double>("history/training_error_m"),
+             after = child->Get<double>("history/training_error_m");
+  EXPECT_NEAR(after.front(), before.back(), 1e-6 * before.back());
+  EXPECT_FALSE(child->at("networks/hidden_2_weight") == parent->at("networks/hidden_2_weight"));
+  EXPECT_NE(Complaint(kFew, *parent).find("2 networks of 6 and 3 hidden units"), std::string::npos);
+}
+
 // Other runs, another window: the map is the new runs', the normalisation is still the first run's.
 TEST_F(Ancestry, OtherDataAndAnotherWindowAreTakenAsTheyAre) {
   Options wide = kFew;
@@ -87,8 +99,10 @@ TEST_F(Ancestry, WeightsOfAnotherShapeAreRefused) {
             "3 networks of 6 hidden units over 5 inputs");
   other = kFew;
   other.hidden = 4;
-  EXPECT_NE(Complaint(other, *parent_).find("3 networks"), 0U);
-  EXPECT_NE(Complaint(other, *parent_), "");
+  EXPECT_NE(Complaint(other, *parent_).find("ask for 2 networks of 4 hidden units"), std::string::npos);
+  other = kFew;
+  other.hidden_2 = 4;
+  EXPECT_NE(Complaint(other, *parent_).find("ask for 2 networks of 6 and 4 hidden units"), std::string::npos);
   Blob renamed = samples_;
   renamed.Put("input_name", Array::Texts({"door", "lamp", "bin", "noise", "constant"}));
   EXPECT_EQ(Complaint(kFew, *parent_, renamed),
@@ -96,7 +110,8 @@ TEST_F(Ancestry, WeightsOfAnotherShapeAreRefused) {
   EXPECT_NE(Complaint(kFew, samples_).find("no networks in it"), std::string::npos);
   Blob torn = *parent_;
   torn.PutVector<double>("networks/output_bias", {1.0});
-  EXPECT_EQ(Complaint(kFew, torn), "the input 'weights': 'networks/output_bias' has 1 numbers, not 2");
+  EXPECT_EQ(Complaint(kFew, torn),
+            "the input 'weights': 'networks/output_bias' does not have the other arrays' shape");
   torn.PutVector<double>("networks/output_bias", {1.0, std::numeric_limits<double>::quiet_NaN()});
   EXPECT_EQ(Complaint(kFew, torn),
             "the input 'weights': 'networks/output_bias', entry 1 is not a finite number");

@@ -52,6 +52,25 @@ TEST(LandmarkLearning, EachWayToTrainLowersTheError) {
   }
 }
 
+TEST(LandmarkLearning, EachWayToTrainLowersTheErrorOfTwoHiddenLayers) {
+  const std::pair<const char*, Options> ways[] = {
+      {"gradient", {.method = "gradient", .rate = 16.0, .steps = 600}},
+      {"momentum", {.method = "momentum", .rate = 8.0, .steps = 600}},
+      {"adam", {.method = "adam", .rate = 0.02, .steps = 300}},
+      {"conjugate", {.method = "conjugate", .steps = 150}},
+      {"pseudo", {.method = "pseudo", .steps = 40}},
+      {"sequential", {.rate = 0.02, .steps = 300, .sequential = true}},
+      {"batch", {.rate = 0.02, .steps = 300, .batch = 64}},
+      {"cells", {.cell_m = 0.25, .rate = 0.02, .steps = 300}},
+      {"noise", {.rate = 0.02, .input_noise = 0.2, .steps = 300}}};
+  for (auto [name, options] : ways) {
+    options.networks = 2;
+    options.hidden_2 = 5;
+    options.init_width = 1.0;
+    EXPECT_GT(Reduction(*Learn(CorridorSamples().Make(), options)), 0.15) << name;
+  }
+}
+
 // Of 160 samples one stretch, not all.
 TEST(LandmarkLearning, ABatchOfOneStretchIsOneStretch) {
   const MapInputs inputs({{"samples", std::make_shared<const Blob>(CorridorSamples().Make())}});

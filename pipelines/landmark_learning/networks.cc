@@ -6,6 +6,7 @@
 
 #include "pipelines/landmark_learning/feature_rows.h"
 #include "pipelines/landmark_learning/lane_math.h"
+#include "pipelines/landmark_learning/second_layer.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -83,14 +84,14 @@ void SlopeBlock(const Real* inputs, int count, int rows, const Real* d_unit, int
   }
 }
 
-// From dE/dg of rows to the slopes by what goes into each hidden unit, and by the output units' weights and
-// biases.
+// From dE/dg of rows to the slopes by what goes into each unit of the last hidden layer, and by the output
+// units' weights and biases. `width`: last_units in whole registers.
 template <class Real>
 class OutputLayer {
  public:
   OutputLayer(const Parameters<Real>& parameters, int width)
       : shape_(parameters.shape),
-        weights_(Widened(parameters.OutputWeights(), 1, shape_.units())),
+        weights_(Widened(parameters.OutputWeights(), 1, shape_.last_units())),
         hidden_(static_cast<std::size_t>(width)),
         d_sum_(static_cast<std::size_t>(width)),
         slopes_(static_cast<std::size_t>(width)) {}
@@ -98,11 +99,11 @@ class OutputLayer {
   // One row: fills d_unit[0 … width).
   void Back(const Real* hidden, const Real* output, const Real* d_output, Real* biases, Real* d_unit) {
     using L = Lanes<Real>;
-    std::copy_n(hidden, shape_.units(), hidden_.begin());
+    std::copy_n(hidden, shape_.last_units(), hidden_.begin());
     for (int n = 0; n < shape_.networks; ++n) {
       const Real d_sum = d_output[n] * output[n] * (Real(1) - output[n]);
       biases[n] += d_sum;
-      std::fill_n(d_sum_.begin() + n * shape_.hidden, shape_.hidden, d_sum);
+      std::fill_n(d_sum_.begin() + n * shape_.last(), shape_.last(), d_sum);
     }
     const auto one = L::Broadcast(Real(1));
     for (std::size_t u = 0; u < hidden_.size(); u += L::kCount) {
@@ -149,13 +150,14 @@ Activations<Real> Forward(const Parameters<Real>& parameters, const Real* inputs
       std::copy_n(RowOf(sums, r, width), units, RowOf(out.hidden, row + r, units));
     }
   });
-  const Real* hidden = out.hidden.data();
+  if (shape.hidden_2 > 0) out.second = SecondLayer(parameters, out.hidden, rows);
+  const Real* last = out.last().data();
   Real* output = out.output.data();
-  for (int row = 0; row < rows; ++row, hidden += units) {
+  for (int row = 0; row < rows; ++row, last += shape.last_units()) {
     for (int n = 0; n < shape.networks; ++n) {
       Real sum = parameters.OutputBiases()[n];
-      for (int h = n * shape.hidden; h < (n + 1) * shape.hidden; ++h)
-        sum = std::fma(parameters.OutputWeights()[h], hidden[h], sum);
+      for (int u = n * shape.last(); u < (n + 1) * shape.last(); ++u)
+        sum = std::fma(parameters.OutputWeights()[u], last[u], sum);
       *output++ = sum;
     }
   }
@@ -168,8 +170,10 @@ Parameters<Real> Backward(const Parameters<Real>& parameters, const Real* inputs
                           const Activations<Real>& activations, const std::vector<Real>& d_output) {
   const NetworkShape& shape = parameters.shape;
   const int units = shape.units(), width = WidthOf<Real>(units);
+  const int last_units = shape.last_units();
   Parameters<Real> gradient(shape);
-  OutputLayer<Real> output_layer(parameters, width);
+  OutputLayer<Real> output_layer(parameters, WidthOf<Real>(last_units));
+  std::vector<Real> d_last(static_cast<std::size_t>(WidthOf<Real>(last_units)));
   std::vector<Real> d_unit(kPieceRows * static_cast<std::size_t>(width)),
       biases(static_cast<std::size_t>(width));
   std::vector<Real> slopes(static_cast<std::size_t>(shape.inputs) * static_cast<std::size_t>(width));
@@ -177,8 +181,11 @@ Parameters<Real> Backward(const Parameters<Real>& parameters, const Real* inputs
     const int count = std::min(kPieceRows, rows - first);
     for (int row = first; row < first + count; ++row) {
       Real* d = RowOf(d_unit, row - first, width);
-      output_layer.Back(RowOf(activations.hidden, row, units), RowOf(activations.output, row, shape.networks),
-                        RowOf(d_output, row, shape.networks), gradient.OutputBiases(), d);
+      output_layer.Back(RowOf(activations.last(), row, last_units),
+                        RowOf(activations.output, row, shape.networks), RowOf(d_output, row, shape.networks),
+                        gradient.OutputBiases(), shape.hidden_2 > 0 ? d_last.data() : d);
+      if (shape.hidden_2 > 0)
+        BackThroughSecond(parameters, RowOf(activations.hidden, row, units), d_last.data(), &gradient, d);
       AddRow(width, d, biases.data());
     }
     const Real* piece = inputs + static_cast<std::ptrdiff_t>(first) * shape.inputs;
@@ -193,7 +200,7 @@ Parameters<Real> Backward(const Parameters<Real>& parameters, const Real* inputs
   for (int i = 0; i < shape.inputs; ++i)
     std::copy_n(RowOf(slopes, i, width), units, gradient.HiddenWeights(i));
   std::copy_n(biases.begin(), units, gradient.HiddenBiases());
-  std::copy_n(output_layer.slopes().begin(), units, gradient.OutputWeights());
+  std::copy_n(output_layer.slopes().begin(), last_units, gradient.OutputWeights());
   return gradient;
 }
 

@@ -11,6 +11,7 @@ namespace cairn::landmark_learning {
 struct Options {
   std::int64_t networks = 4;
   std::int64_t hidden = 6;
+  std::int64_t hidden_2 = 0;
   double window_m = 2.0;
   std::string belief = "uniform";
   std::string error = "distance";
@@ -39,6 +40,8 @@ template <class V>
 void VisitOptions(V& visit, Options& o) {
   visit(Option{"networks", "", 1, 12, "networks, each a binary feature"}, o.networks);
   visit(Option{"hidden", "", 1, 1000, "hidden units of each"}, o.hidden);
+  visit(Option{"hidden_2", "", 0, 1000, "units of a second hidden layer of each; 0: there is none"},
+        o.hidden_2);
   visit(Option{"window_m", "m", 0, 1e9,
                "what the robot knows of its position before it senses: within so much of it (gaussian: its "
                "standard "

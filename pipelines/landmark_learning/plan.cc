@@ -50,11 +50,16 @@ std::vector<Range> Planner::TrainingBlocks(int networks) const {
   return Blocks(count, StepFlops(networks));
 }
 
+std::size_t Planner::Weights(int networks) const {
+  NetworkShape shape = ShapeOf(options_, data_.mean.size());
+  shape.networks = networks;
+  return shape.parameters();
+}
+
 // Of a step on all truths by so many networks.
 double Planner::StepFlops(int networks) const {
-  const NetworkShape shape{networks, static_cast<int>(data_.mean.size()), static_cast<int>(options_.hidden)};
   return flops_per_vector_ * VectorsOf(networks) +
-         4.0 * data_.training.size() * static_cast<double>(shape.parameters());
+         4.0 * data_.training.size() * static_cast<double>(Weights(networks));
 }
 
 // Blocks of the stretches of a mini-batch.
@@ -101,9 +106,7 @@ Phase Planner::FirstPhase(int networks) const {
 // Rounds of a step in phases: outputs and weights by samples, pairs by truths.
 void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
   const int count = data_.training.size();
-  const NetworkShape shape{t.learning.end, static_cast<int>(data_.mean.size()),
-                           static_cast<int>(options_.hidden)};
-  const double forward = 2.0 * count * static_cast<double>(shape.parameters());
+  const double forward = 2.0 * count * static_cast<double>(Weights(t.learning.end));
   const auto add = [&](const char* kind, const std::vector<Range>& blocks,
                        std::initializer_list<const char*> blobs) {
     for (const Range& block : blocks) {

@@ -35,6 +35,7 @@ class Planner {
   std::vector<Range> TrainingBlocks(int networks) const;
   std::vector<Range> BatchBlocks(int stretches, int networks) const;
   double StepFlops(int networks) const;
+  std::size_t Weights(int networks) const;
 
   const Options& options_;
   std::uint64_t seed_;

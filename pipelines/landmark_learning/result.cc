@@ -4,25 +4,11 @@
 #include <cstdio>
 
 #include "pipelines/landmark_learning/ancestry.h"
+#include "pipelines/landmark_learning/network_arrays.h"
 #include "pipelines/landmark_learning/options_text.h"
 
 namespace cairn::landmark_learning {
 namespace {
-
-void PutNetworks(const Parameters<float>& p, Blob* result) {
-  const NetworkShape& s = p.shape;
-  std::vector<double> hidden_weight, hidden_bias, output_weight, output_bias;
-  for (int u = 0; u < s.units(); ++u) {
-    for (int i = 0; i < s.inputs; ++i) hidden_weight.push_back(p.HiddenWeights(i)[u]);
-    hidden_bias.push_back(p.HiddenBiases()[u]);
-    output_weight.push_back(p.OutputWeights()[u]);
-  }
-  for (int n = 0; n < s.networks; ++n) output_bias.push_back(p.OutputBiases()[n]);
-  result->Put("networks/hidden_weight", Array::Of<double>({s.networks, s.hidden, s.inputs}, hidden_weight));
-  result->Put("networks/hidden_bias", Array::Of<double>({s.networks, s.hidden}, hidden_bias));
-  result->Put("networks/output_weight", Array::Of<double>({s.networks, s.hidden}, output_weight));
-  result->PutVector("networks/output_bias", output_bias);
-}
 
 // Of the error, with the space before it.
 const char* UnitOf(const Options& options) {
@@ -51,7 +37,7 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   const Parameters<float> parameters =
       InFloat(ShapeOf(options, data.mean.size()), t.best.empty() ? t.weights : t.best);
   Blob result;
-  PutNetworks(parameters, &result);
+  PutNetworkArrays(parameters, &result);
   result.PutVector("networks/input_mean", data.mean);
   result.PutVector("networks/input_scale", data.scale);
   result.Put("networks/input_name", Array::Texts(data.input_names));

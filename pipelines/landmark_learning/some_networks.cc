@@ -10,11 +10,14 @@ namespace {
 // Calls f(numbers of `all`, numbers of `some`, count) for each stretch that both hold.
 template <class All, class Some, class F>
 void InStretches(All& all, int first, Some& some, const F& f) {
-  const int from = first * all.shape.hidden, units = some.shape.units();
+  const NetworkShape &each = all.shape, &shape = some.shape;
+  const int from = first * each.hidden, units = shape.units();
   for (int i = 0; i < all.shape.inputs; ++i) f(all.HiddenWeights(i) + from, some.HiddenWeights(i), units);
   f(all.HiddenBiases() + from, some.HiddenBiases(), units);
-  f(all.OutputWeights() + from, some.OutputWeights(), units);
-  f(all.OutputBiases() + first, some.OutputBiases(), some.shape.networks);
+  f(all.SecondWeights() + from * each.hidden_2, some.SecondWeights(), units * each.hidden_2);
+  f(all.SecondBiases() + first * each.hidden_2, some.SecondBiases(), shape.networks * each.hidden_2);
+  f(all.OutputWeights() + first * each.last(), some.OutputWeights(), shape.last_units());
+  f(all.OutputBiases() + first, some.OutputBiases(), shape.networks);
 }
 
 }  // namespace

@@ -112,7 +112,8 @@ void Training::NextNetwork() {
 }
 
 NetworkShape ShapeOf(const Options& options, std::size_t inputs) {
-  return {static_cast<int>(options.networks), static_cast<int>(inputs), static_cast<int>(options.hidden)};
+  return {static_cast<int>(options.networks), static_cast<int>(inputs), static_cast<int>(options.hidden),
+          static_cast<int>(options.hidden_2)};
 }
 
 DescentRules RulesOf(const Options& options) {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/landmark_learning/network_arrays.h"
+#include "pipelines/landmark_learning/training.h"
+
 namespace cairn::localization {
 namespace {
 
@@ -20,32 +23,9 @@ std::span<const T> Checked(const Blob& file, const std::string& name, const Shap
   return values;
 }
 
-NetworkShape ShapeOf(const Blob& file) {
-  const Shape& shape = file.at("networks/hidden_weight").shape();
-  if (shape.size() != 3 || std::ranges::any_of(shape, [](std::int64_t n) { return n < 1 || n > 1'000'000; }))
-    throw InputError("'networks/hidden_weight' is not [networks, hidden, inputs]");
-  return {static_cast<int>(shape[0]), static_cast<int>(shape[2]), static_cast<int>(shape[1])};
-}
-
 Parameters<float> ParametersOf(const Blob& file) {
-  Parameters<float> p(ShapeOf(file));
-  const NetworkShape& s = p.shape;
-  const auto hidden_weight =
-      Checked<double>(file, "networks/hidden_weight", {s.networks, s.hidden, s.inputs});
-  const auto hidden_bias = Checked<double>(file, "networks/hidden_bias", {s.networks, s.hidden});
-  const auto output_weight = Checked<double>(file, "networks/output_weight", {s.networks, s.hidden});
-  const auto output_bias = Checked<double>(file, "networks/output_bias", {s.networks});
-  for (int u = 0; u < s.units(); ++u) {
-    const auto unit = static_cast<std::size_t>(u);
-    for (int i = 0; i < s.inputs; ++i) {
-      const std::size_t at = unit * static_cast<std::size_t>(s.inputs) + static_cast<std::size_t>(i);
-      p.HiddenWeights(i)[u] = static_cast<float>(hidden_weight[at]);
-    }
-    p.HiddenBiases()[u] = static_cast<float>(hidden_bias[unit]);
-    p.OutputWeights()[u] = static_cast<float>(output_weight[unit]);
-  }
-  std::ranges::transform(output_bias, p.OutputBiases(), [](double b) { return static_cast<float>(b); });
-  return p;
+  const Parameters<double> read = landmark_learning::NetworksIn(file);
+  return landmark_learning::InFloat(read.shape, read.values);
 }
 
 std::vector<std::string> RunsInMap(const Blob& file) {

@@ -216,6 +216,12 @@ Case Training(const std::string& method, std::int64_t batch, bool sequential) {
   return c;
 }
 
+Case TwoHiddenLayers() {
+  Case c = LandmarkLearning("landmark_learning_deep", 5.0);
+  SetInteger(c.stage, "hidden_2", 7);
+  return c;
+}
+
 // By the way through a map; or by the mass of the belief, on cells.
 Case TrainingOn(const std::string& error) {
   Case c = LandmarkLearning("landmark_learning_" + error, 5.0);
@@ -251,6 +257,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
     return {LandmarkLearning("landmark_learning_window", 5.0),
             LandmarkLearning("landmark_learning_global", 0.0),
             LandmarkLearningInPhases(),
+            TwoHiddenLayers(),
             Training("conjugate", 0, false),
             Training("pseudo", 0, false),
             Training("momentum", 1300, false),

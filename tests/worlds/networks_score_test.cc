@@ -12,40 +12,51 @@ namespace {
 
 namespace learning = landmark_learning;
 
-constexpr learning::NetworkShape kShape{.networks = 3, .inputs = 5, .hidden = 4};
-
-// The same networks as evaluation has them: [networks][hidden][inputs], where training has [inputs][units].
+// The same networks as evaluation has them: [networks][units][what they see], where training has the inputs
+// first.
 datasets::LearnedNetworks AsStored(const learning::Parameters<double>& w) {
+  const learning::NetworkShape& s = w.shape;
   datasets::LearnedNetworks nets;
-  nets.networks = kShape.networks;
-  nets.hidden = kShape.hidden;
-  nets.inputs = kShape.inputs;
+  nets.networks = static_cast<std::size_t>(s.networks);
+  nets.hidden = static_cast<std::size_t>(s.hidden);
+  nets.hidden_2 = static_cast<std::size_t>(s.hidden_2);
+  nets.inputs = static_cast<std::size_t>(s.inputs);
   nets.input_mean.assign(nets.inputs, 0.0);
   nets.input_scale.assign(nets.inputs, 1.0);
-  for (int unit = 0; unit < kShape.units(); ++unit) {
-    for (int i = 0; i < kShape.inputs; ++i) nets.hidden_weight.push_back(w.HiddenWeights(i)[unit]);
-    nets.hidden_bias.push_back(w.HiddenBiases()[unit]);
-    nets.output_weight.push_back(w.OutputWeights()[unit]);
+  for (int unit = 0; unit < s.units(); ++unit) {
+    for (int i = 0; i < s.inputs; ++i) nets.hidden_weight.push_back(w.HiddenWeights(i)[unit]);
   }
-  nets.output_bias.assign(w.OutputBiases(), w.OutputBiases() + kShape.networks);
+  for (int n = 0; n < s.networks; ++n) {
+    for (int u = 0; u < s.hidden_2; ++u) {
+      for (int h = 0; h < s.hidden; ++h)
+        nets.hidden_2_weight.push_back(w.SecondWeights()[(n * s.hidden + h) * s.hidden_2 + u]);
+    }
+  }
+  nets.hidden_bias.assign(w.HiddenBiases(), w.HiddenBiases() + s.units());
+  nets.hidden_2_bias.assign(w.SecondBiases(), w.SecondBiases() + s.networks * s.hidden_2);
+  nets.output_weight.assign(w.OutputWeights(), w.OutputWeights() + s.last_units());
+  nets.output_bias.assign(w.OutputBiases(), w.OutputBiases() + s.networks);
   return nets;
 }
 
-std::vector<float> RandomInputs(int rows, Rng& rng) {
+std::vector<float> RandomInputs(int rows, int inputs, Rng& rng) {
   std::vector<float> input;
-  for (int i = 0; i < rows * kShape.inputs; ++i) input.push_back(static_cast<float>(rng.Normal()));
+  for (int i = 0; i < rows * inputs; ++i) input.push_back(static_cast<float>(rng.Normal()));
   return input;
 }
 
 TEST(NetworksScore, TrainingAndEvaluationComputeTheSameOutputs) {
   Rng rng(5);
-  const auto parameters = learning::RandomParameters<double>(kShape, 2.0, rng);
-  const std::vector<float> input = RandomInputs(40, rng);
-  const std::vector<double> wide(input.begin(), input.end());
-  const auto theirs = learning::Forward(parameters, wide.data(), 40).output;
-  const auto ours = datasets::OutputsOf(AsStored(parameters), input);
-  ASSERT_EQ(ours.size(), theirs.size());
-  for (std::size_t i = 0; i < ours.size(); ++i) EXPECT_NEAR(ours[i], theirs[i], 1e-12);
+  for (const int hidden_2 : {0, 7}) {
+    const learning::NetworkShape shape{.networks = 3, .inputs = 5, .hidden = 4, .hidden_2 = hidden_2};
+    const auto parameters = learning::RandomParameters<double>(shape, 2.0, rng);
+    const std::vector<float> input = RandomInputs(40, shape.inputs, rng);
+    const std::vector<double> wide(input.begin(), input.end());
+    const auto theirs = learning::Forward(parameters, wide.data(), 40).output;
+    const auto ours = datasets::OutputsOf(AsStored(parameters), input);
+    ASSERT_EQ(ours.size(), theirs.size());
+    for (std::size_t i = 0; i < ours.size(); ++i) EXPECT_NEAR(ours[i], theirs[i], 1e-12) << hidden_2;
+  }
 }
 
 TEST(NetworksScore, TrainingAndEvaluationComputeTheSameErrorsInAMap) {
