@@ -6,6 +6,7 @@
 #include "pipelines/landmark_learning/fast_error.h"
 #include "pipelines/landmark_learning/features.h"
 #include "pipelines/landmark_learning/posterior_error.h"
+#include "pipelines/landmark_learning/some_networks.h"
 #include "pipelines/landmark_learning/sum_path.h"
 
 namespace cairn::landmark_learning {
@@ -102,7 +103,7 @@ std::vector<Group> GroupsOf(const Pairs& pairs, const std::vector<Range>& stretc
 
 GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
                                   const Parameters<float>& parameters, const std::vector<Range>& truths,
-                                  double scale, const InputNoise& noise) {
+                                  double scale, const InputNoise& noise, int learns) {
   GradientShare sum;
   const SumPlan plan = PlanSum(options, training.places);
   for (const Group& group : GroupsOf(PairsOf(options, plan, training), truths)) {
@@ -110,7 +111,8 @@ GradientShare GradientOfStretches(const Options& options, const SampleSet& train
     const auto activations = Forward(parameters, rows.data(), group.reach.size());
     const auto slopes =
         SlopesBy(options, plan, training, activations.output, parameters.shape.networks, group, scale);
-    auto gradient = Backward(parameters, rows.data(), group.reach.size(), activations, slopes.d_output);
+    auto gradient =
+        BackwardFrom(learns, parameters, rows.data(), group.reach.size(), activations, slopes.d_output);
     sum.error += slopes.error;
     if (sum.gradient.empty()) {
       sum.gradient = std::move(gradient.values);

@@ -19,10 +19,11 @@ struct GradientShare {
 };
 GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
                               const Parameters<float>& parameters, const Range& truths);
-// The same of several, in order, whose P(a) are `scale` times as large, with noise on the inputs.
+// The same of several, in order, whose P(a) are `scale` times as large, with noise on the inputs, by the
+// weights of the networks from `learns` on.
 GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
                                   const Parameters<float>& parameters, const std::vector<Range>& truths,
-                                  double scale, const InputNoise& noise = {});
+                                  double scale, const InputNoise& noise = {}, int learns = 0);
 
 // The same by the outputs.
 struct SlopeShare {

@@ -20,6 +20,15 @@ void InStretches(All& all, int first, Some& some, const F& f) {
   f(all.OutputBiases() + first, some.OutputBiases(), shape.networks);
 }
 
+// Columns from `first` on of a table [rows][width].
+template <class Real>
+std::vector<Real> ColumnsFrom(int first, const std::vector<Real>& table, int width) {
+  std::vector<Real> some;
+  for (auto row = table.begin(); row != table.end(); row += width)
+    some.insert(some.end(), row + first, row + width);
+  return some;
+}
+
 }  // namespace
 
 template <class Real>
@@ -37,9 +46,25 @@ void PutNetworks(const Parameters<Real>& some, int first, Parameters<Real>* all)
   InStretches(*all, first, some, [](Real* to, const Real* from, int n) { std::copy_n(from, n, to); });
 }
 
+template <class Real>
+Parameters<Real> BackwardFrom(int first, const Parameters<Real>& parameters, const Real* inputs, int rows,
+                              const Activations<Real>& activations, const std::vector<Real>& d_output) {
+  if (first == 0) return Backward(parameters, inputs, rows, activations, d_output);
+  const NetworkShape& s = parameters.shape;
+  Activations<Real> own{ColumnsFrom(first * s.hidden, activations.hidden, s.units()),
+                        ColumnsFrom(first * s.hidden_2, activations.second, s.networks * s.hidden_2),
+                        ColumnsFrom(first, activations.output, s.networks)};
+  return Backward(SomeNetworks(parameters, first, s.networks), inputs, rows, own,
+                  ColumnsFrom(first, d_output, s.networks));
+}
+
 template Parameters<float> SomeNetworks(const Parameters<float>&, int, int);
 template Parameters<double> SomeNetworks(const Parameters<double>&, int, int);
 template void PutNetworks(const Parameters<float>&, int, Parameters<float>*);
 template void PutNetworks(const Parameters<double>&, int, Parameters<double>*);
+template Parameters<float> BackwardFrom(int, const Parameters<float>&, const float*, int,
+                                        const Activations<float>&, const std::vector<float>&);
+template Parameters<double> BackwardFrom(int, const Parameters<double>&, const double*, int,
+                                         const Activations<double>&, const std::vector<double>&);
 
 }  // namespace cairn::landmark_learning

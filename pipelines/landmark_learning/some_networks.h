@@ -15,4 +15,10 @@ Parameters<Real> SomeNetworks(const Parameters<Real>& all, int first, int end);
 template <class Real>
 void PutNetworks(const Parameters<Real>& some, int first, Parameters<Real>* all);
 
+// Backward for the networks from `first` on alone, whose gradient it returns: the same bits at their share of
+// the cost. All else is of all networks.
+template <class Real>
+Parameters<Real> BackwardFrom(int first, const Parameters<Real>& parameters, const Real* inputs, int rows,
+                              const Activations<Real>& activations, const std::vector<Real>& d_output);
+
 }  // namespace cairn::landmark_learning

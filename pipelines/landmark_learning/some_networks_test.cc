@@ -28,5 +28,22 @@ TEST(SomeNetworks, ComeBackToTheirPlacesAndLeaveTheOthers) {
   EXPECT_EQ(built.values, all.values);
 }
 
+TEST(SomeNetworks, AloneHaveTheSlopesThatTheyHaveAmongAll) {
+  Rng rng(6);
+  for (const int hidden_2 : {0, 3}) {
+    const auto all = RandomParameters<float>({4, 3, 5, hidden_2}, 1.0, rng);
+    std::vector<float> inputs, d_output;
+    for (int i = 0; i < 100 * 3; ++i) inputs.push_back(static_cast<float>(rng.Normal()));
+    for (int i = 0; i < 100 * 4; ++i) d_output.push_back(static_cast<float>(rng.Normal()));
+    const auto activations = Forward(all, inputs.data(), 100);
+    const auto whole = Backward(all, inputs.data(), 100, activations, d_output);
+    for (const int first : {0, 1, 3}) {
+      const auto own = BackwardFrom(first, all, inputs.data(), 100, activations, d_output);
+      EXPECT_EQ(own.shape.networks, 4 - first);
+      EXPECT_EQ(own.values, SomeNetworks(whole, first, 4).values) << first;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cairn::landmark_learning

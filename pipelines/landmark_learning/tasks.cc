@@ -30,7 +30,6 @@ InputNoise NoiseOf(const Options& options, std::uint64_t seed, const Task& task)
 
 Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData& data,
                   const Parameters<float>& all, const Task& task) {
-  Parameters<float> parameters = NetworksOf(all, task);
   const std::int64_t step = Param(task, "step");
   const Range block = BlockOf(task);
   std::vector<Range> truths{block};
@@ -40,13 +39,12 @@ Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData
     scale = static_cast<double>(data.training.size()) / TruthsIn(drawn);
     truths.assign(drawn.begin() + block.first, drawn.begin() + block.end);
   }
-  GradientShare share =
-      GradientOfStretches(options, data.training, parameters, truths, scale, NoiseOf(options, seed, task));
+  const GradientShare share =
+      GradientOfStretches(options, data.training, NetworksOf(all, task), truths, scale,
+                          NoiseOf(options, seed, task), static_cast<int>(Param(task, "learns")));
   Blob partial;
   partial.PutScalar("error", share.error);
-  parameters.values = std::move(share.gradient);
-  const int first = static_cast<int>(Param(task, "learns"));
-  partial.PutVector("slopes", SomeNetworks(parameters, first, parameters.shape.networks).values);
+  partial.PutVector("slopes", share.gradient);
   return partial;
 }
 
@@ -104,11 +102,11 @@ Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const B
       static_cast<std::size_t>(block.size()) * static_cast<std::size_t>(in_use));
   const InputRows rows(data.training.inputs(), block, networks.shape.inputs, noise);
   const auto gradient =
-      Backward(networks, rows.data(), block.size(), Forward(networks, rows.data(), block.size()),
-               {d_output.begin(), d_output.end()});
+      BackwardFrom(static_cast<int>(Param(task, "learns")), networks, rows.data(), block.size(),
+                   Forward(networks, rows.data(), block.size()), {d_output.begin(), d_output.end()});
   Blob partial;
   partial.PutScalar("error", 0.0);
-  partial.PutVector("slopes", SomeNetworks(gradient, static_cast<int>(Param(task, "learns")), in_use).values);
+  partial.PutVector("slopes", gradient.values);
   return partial;
 }
 
