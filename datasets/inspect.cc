@@ -46,6 +46,15 @@ std::string RobotOfLog(const Blob& blob, const std::string& prefix) {
   if (presses > 0) text += " (" + std::to_string(presses) + " at the robot)";
   const auto sightings = ColumnOrNone<double>(blob, prefix + "sightings/time_s");
   if (!sightings.empty()) text += ", " + Count(sightings.size(), "sighting") + " of other robots";
+  for (const auto& [name, array] : blob.fields()) {
+    constexpr std::string_view kBeams = "/beam_x_m";
+    if (!name.starts_with(prefix) || !name.ends_with(kBeams)) continue;
+    const std::string sensor = name.substr(0, name.size() - kBeams.size());
+    text += ", " + Count(ColumnOrNone<double>(blob, sensor + "/time_s").size(), "scan") + " of " +
+            std::to_string(array.size()) + " beams (" + sensor.substr(prefix.size()) + ")";
+  }
+  const auto poses = ColumnOrNone<double>(blob, prefix + "poses/time_s");
+  if (!poses.empty()) text += ", " + Count(poses.size(), "pose");
   const auto truth = ColumnOrNone<double>(blob, "truth/" + prefix + "poses/time_s");
   if (!truth.empty()) text += ", " + Count(truth.size(), "true pose");
   return text;

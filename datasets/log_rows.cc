@@ -46,9 +46,23 @@ void PutPoses(const std::string& prefix, const Poses& poses, Blob* log) {
   log->PutVector(prefix + "heading_rad", poses.heading_rad);
 }
 
+void PutRanges(const std::string& prefix, const RangeRows& ranges, Blob* log) {
+  log->PutVector(prefix + "time_s", ranges.time_s);
+  const auto scans = static_cast<std::int64_t>(ranges.time_s.size());
+  const auto beams = static_cast<std::int64_t>(ranges.beam_x_m.size());
+  log->Put(prefix + "range_m", Array::Of<double>({scans, beams}, ranges.range_m));
+  log->PutVector(prefix + "beam_x_m", ranges.beam_x_m);
+  log->PutVector(prefix + "beam_y_m", ranges.beam_y_m);
+  log->PutVector(prefix + "beam_heading_rad", ranges.beam_heading_rad);
+  log->PutScalar(prefix + "opening_rad", ranges.opening_rad);
+  log->PutScalar(prefix + "max_range_m", ranges.max_range_m);
+}
+
 void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {
   const std::string prefix = "robot/" + std::to_string(index) + "/";
   PutOdometry(prefix, robot.odometry, log);
+  if (!robot.poses.time_s.empty()) PutPoses(prefix + "poses/", robot.poses, log);
+  for (const RangeRows& ranges : robot.ranges) PutRanges(prefix + ranges.sensor + "/", ranges, log);
   PutObservations(prefix + "observations/", "landmark", robot.observations, log);
   if (!robot.sightings.time_s.empty()) PutObservations(prefix + "sightings/", "robot", robot.sightings, log);
   if (!robot.observations.truth_landmark.empty()) {
@@ -64,6 +78,7 @@ void Count(const RobotRows& robot, ImportReport* report) {
   report->presses +=
       std::ranges::count_if(robot.observations.range_m, [](double range) { return std::isnan(range); });
   report->sightings += size(robot.sightings.time_s);
+  for (const RangeRows& ranges : robot.ranges) report->scans += size(ranges.time_s);
 }
 
 }  // namespace
@@ -134,7 +149,7 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
     Count(rows.robots[n], report);
   }
   if (report->controls == 0) throw InputError(source + ": the log is empty: it has no controls");
-  if (report->observations == 0)
+  if (report->observations == 0 && report->scans == 0)
     report->warnings.emplace_back("the log has controls only: nothing can be mapped from it");
   report->robots = static_cast<std::int64_t>(names.size());
   report->landmarks = static_cast<std::int64_t>(rows.landmarks.size());

@@ -33,6 +33,8 @@ struct ImportReport {
   std::int64_t presses = 0;
   std::int64_t sightings = 0;
   std::int64_t landmarks = 0;                   // with identities
+  std::int64_t scans = 0;                       // of range sensors
+  std::map<std::string, std::int64_t> read;     // what was taken in, by kind; importers of one kind say none
   std::map<std::string, std::int64_t> skipped;  // bad lines, by reason; only with skip_bad
   std::map<std::string, std::int64_t> dropped;  // good lines that no log has a place for, by reason
   std::vector<std::string> warnings;
@@ -52,9 +54,18 @@ struct Observations {
 struct Poses {
   std::vector<double> time_s, x_m, y_m, heading_rad;
 };
+// A range sensor on its robot, and its scans.
+struct RangeRows {
+  std::string sensor;  // "laser", "laser2", "sonar"
+  std::vector<double> beam_x_m, beam_y_m, beam_heading_rad;
+  double opening_rad = 0, max_range_m = 0;
+  std::vector<double> time_s, range_m;  // range_m: a row of all beams for each scan
+};
 struct RobotRows {
   std::string name;
   Odometry odometry;
+  Poses poses;  // as the log's maker mended them; empty: there are none
+  std::vector<RangeRows> ranges;
   Observations observations;
   Observations sightings;  // of other robots
   Poses truth;

@@ -1,17 +1,13 @@
-#include <cstdio>
 #include <filesystem>
 
-#include "coordinator/cli/failure.h"
 #include "coordinator/cli/image_reader.h"
-#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/import_parts.h"
 #include "coordinator/cli/output_path.h"
-#include "coordinator/cli/plan_text.h"
 #include "datasets/import_csv.h"
 #include "datasets/import_images.h"
 #include "datasets/import_mrclam.h"
 #include "datasets/import_recorded.h"
 #include "datasets/import_vectors.h"
-#include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -22,23 +18,6 @@ struct CsvOptions {
   bool force = false;
 };
 
-void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& counts) {
-  for (const auto& [reason, count] : counts) {
-    std::fprintf(stderr, "cairn: %s %lld: %s\n", verb, static_cast<long long>(count), reason.c_str());
-  }
-}
-
-int Store(const std::string& out, const Blob& blob, const datasets::ImportReport& report,
-          const char* kind = "log") {
-  Check(WriteBlobFile(out, kind, blob));
-  for (const std::string& warning : report.warnings)
-    std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
-  PrintCounts("skipped", report.skipped);
-  PrintCounts("left out", report.dropped);
-  std::printf("%s: %s\n", out.c_str(), ContentText(blob).c_str());
-  return kExitDone;
-}
-
 int ImportCsv(const CsvOptions& options, const Invocation&) {
   const datasets::CsvImportOptions& files = options.import;
   RefuseToReplaceInput(options.out, {files.odometry, files.observations, files.truth_poses,
@@ -46,7 +25,7 @@ int ImportCsv(const CsvOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportCsv(options.import, &log);
-  return Store(options.out, log, report);
+  return StoreImport(options.out, log, report);
 }
 
 struct MrclamOptions {
@@ -80,7 +59,7 @@ int ImportMrclam(const MrclamOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportMrclam(options.import, &log);
-  return Store(options.out, log, report);
+  return StoreImport(options.out, log, report);
 }
 
 template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
@@ -89,7 +68,7 @@ int ImportRecorded(const RecordedOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = Import(options.import, &log);
-  return Store(options.out, log, report);
+  return StoreImport(options.out, log, report);
 }
 
 struct VectorsOptions {
@@ -103,7 +82,7 @@ int ImportVectors(const VectorsOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob samples;
   const datasets::ImportReport report = datasets::ImportVectors(options.import, &samples);
-  return Store(options.out, samples, report, "samples");
+  return StoreImport(options.out, samples, report, "samples");
 }
 
 struct ImagesOptions {
@@ -123,33 +102,12 @@ int ImportImages(const ImagesOptions& options, const Invocation&) {
   const auto read = [&](const auto& paths) { return ReadImagesElsewhere(paths, options.most_side); };
   Blob samples;
   const datasets::ImportReport report = datasets::ImportImages(import, read, &samples);
-  return Store(options.out, samples, report, "samples");
+  return StoreImport(options.out, samples, report, "samples");
 }
 
 void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {
-  const auto add = [&](const char* flag, std::optional<double>& field, const char* help) {
-    command.add_option(flag, field, help)
-        ->check(CLI::NonNegativeNumber)
-        ->group("Nominal figures (else estimated)");
-  };
-  add("--heading-drift-rad-per-m", nominal.heading_drift_rad_per_m, "sd of a constant drift of the heading");
-  add("--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m,
-      "sd of the heading's random walk");
-  add("--forward-ratio", nominal.forward_ratio, "sd of the way's error, a fraction of the way");
-  add("--turn-ratio", nominal.turn_ratio, "sd of a turn's error, a fraction of the turn");
-  add("--press-m", nominal.press_m, "sd of the distance between robot and landmark at a press, an axis");
-  add("--range-m", nominal.range_m, "sd of a range");
-  add("--bearing-rad", nominal.bearing_rad, "sd of a bearing");
-  add("--max-range-m", nominal.max_range_m, "largest range of the sensor; larger ones are bad lines");
-  add("--field-of-view-rad", nominal.field_of_view_rad,
-      "full angle that the sensor sees, centred ahead; bearings outside it are bad lines");
-}
-
-template <class Options>
-void AddOutput(CLI::App& command, Options& options) {
-  command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
-  command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
-  command.add_option("OUT.h5", options.out, "The file to write")->required();
+  AddOdometryFigures(command, nominal);
+  AddSensorFigures(command, nominal);
 }
 
 void AddCsv(CLI::App& import, Invocation& call) {
@@ -261,6 +219,7 @@ void AddImport(CLI::App& app, Invocation& call) {
   AddRecorded<datasets::ImportVictoriaPark>(*import, call, "victoria-park",
                                             "Victoria Park, Sydney: a car among trees (docs/datasets.md)",
                                             "cairn import victoria-park victoria-park park.h5");
+  AddRangeImports(*import, call);
 }
 
 }  // namespace cairn::cli

@@ -33,18 +33,38 @@ std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
   return text;
 }
 
-std::string LogText(const Blob& blob) {
-  const std::int64_t robots = blob.at("robots").size();
-  std::int64_t controls = 0;
-  std::int64_t observations = 0;
-  for (std::int64_t i = 0; i < robots; ++i) {
-    const std::string robot = "robot/" + std::to_string(i);
-    if (blob.Has(robot + "/odometry/time_s")) controls += blob.at(robot + "/odometry/time_s").size();
-    if (blob.Has(robot + "/observations/time_s"))
-      observations += blob.at(robot + "/observations/time_s").size();
+std::int64_t RowsOf(const Blob& blob, const std::string& name) {
+  return blob.Has(name) ? blob.at(name).size() : 0;
+}
+
+// Scans of all its range sensors: the groups that have beams.
+std::int64_t ScansOf(const Blob& blob, const std::string& robot) {
+  constexpr std::string_view kBeams = "/beam_x_m";
+  std::int64_t scans = 0;
+  for (const auto& [name, array] : blob.fields()) {
+    if (name.starts_with(robot) && name.ends_with(kBeams))
+      scans += RowsOf(blob, name.substr(0, name.size() - kBeams.size()) + "/time_s");
   }
-  return std::to_string(robots) + (robots == 1 ? " robot, " : " robots, ") + std::to_string(controls) +
-         " controls, " + std::to_string(observations) + " observations";
+  return scans;
+}
+
+// Of a log, or of a table of poses.
+std::string LogText(const Blob& blob, bool log) {
+  const std::int64_t robots = blob.at("robots").size();
+  std::int64_t controls = 0, observations = 0, scans = 0, poses = 0;
+  for (std::int64_t i = 0; i < robots; ++i) {
+    const std::string robot = "robot/" + std::to_string(i) + "/";
+    controls += RowsOf(blob, robot + "odometry/time_s");
+    observations += RowsOf(blob, robot + "observations/time_s");
+    scans += ScansOf(blob, robot);
+    poses += RowsOf(blob, robot + "poses/time_s");
+  }
+  std::string text = std::to_string(robots) + (robots == 1 ? " robot, " : " robots, ");
+  if (!log) return text + std::to_string(poses) + " poses";
+  text += std::to_string(controls) + " controls, " + std::to_string(observations) + " observations";
+  if (scans > 0) text += ", " + std::to_string(scans) + " range scans";
+  if (poses > 0) text += ", " + std::to_string(poses) + " poses";
+  return text;
 }
 
 std::string SamplesText(const Blob& blob) {
@@ -77,7 +97,8 @@ std::string ValueText(const proto::Value& value) {
 }
 
 std::string ContentText(const Blob& blob) {
-  if (blob.Has("robots") && blob.Has("robot/0/odometry/time_s")) return LogText(blob);
+  if (blob.Has("robots") && blob.Has("robot/0/odometry/time_s")) return LogText(blob, true);
+  if (blob.Has("robots") && blob.Has("robot/0/poses/time_s")) return LogText(blob, false);
   if (blob.Has("runs") && blob.Has("run/0/time_s") && blob.Has("input_name")) return SamplesText(blob);
   return "";
 }

@@ -25,8 +25,8 @@ std::string PlanText(const Plan& plan);
 // "options"}], "expected": {NAME: number}, "note"}
 std::string PlanJson(const Plan& plan);
 
-// One line about a log, "2 robots, 2000 controls, 130 observations", or about samples, "2 runs, 551 samples,
-// 140 inputs". Empty for another kind of file.
+// One line about a log, "2 robots, 2000 controls, 130 observations", a table of poses, or samples, "2 runs,
+// 551 samples, 140 inputs". Empty for another kind of file.
 std::string ContentText(const Blob& blob);
 
 // A value as it would be written in a job file.

@@ -53,6 +53,24 @@ refuses_import 'no Robot1_Odometry.dat' cairn import mrclam mrclam log.h5
 printf '10 1 0\n12 1 0\n' >mrclam/Robot1_Odometry.dat
 refuses_import 'no Robot1_Measurement.dat' cairn import mrclam mrclam log.h5
 
+# A CARMEN log: file and line; skipped and counted on request.
+carmen() { printf 'ODOM 0 0 0 0 0 0 1 h 1\n'; printf '%s\n' "$@"; }
+good_scan='FLASER 2 1 1 0 0 0 0 0 0 1.5 h 1.5'
+carmen "$good_scan" 'BOGUS 1' >carmen.log
+refuses_import 'carmen.log:3: unknown message' cairn import carmen carmen.log log.h5
+carmen 'FLASER 3 1 1 0 0 0 0 0 0 1.5 h 1.5' >carmen.log
+refuses_import 'carmen.log:2: line cut short, or fewer values' cairn import carmen carmen.log log.h5
+carmen 'FLASER 2 1 nan 0 0 0 0 0 0 1.5 h 1.5' "$good_scan" >carmen.log
+refuses_import 'carmen.log:2: not finite' cairn import carmen carmen.log log.h5
+refuses_import 'what is meant is SENSOR=X,Y,DEGREES' cairn import carmen carmen.log log.h5 --mount laser=1,2
+refuses_import 'corrected excludes --raw' cairn import carmen carmen.log log.h5 --corrected --raw
+exits 0 cairn import carmen carmen.log log.h5 --skip-bad
+says '^cairn: skipped 1: not finite$'
+says '^log.h5: 1 robot, 2 controls, 0 observations, 1 range scans$'
+rm log.h5
+gzip -c carmen.log | head -c 40 >cut.log.gz
+refuses_import 'cut.log.gz: the gzip stream is damaged or cut short' cairn import carmen cut.log.gz log.h5
+
 # Samples: a file a run, each with its file and line.
 vectors() { printf 'time_s,x_m,y_m,red\n'; printf '%s\n' "$@"; }
 vectors '1,0,0,5' '2,1,0,6' >monday.csv

@@ -78,7 +78,7 @@ simulate() { cairn simulate loop --difficulty paper --seed "${2:-7}" "$1" >/dev/
 runs_section() {
   local command
   ln -sfn "$CAIRN_SOURCE/docs" docs
-  awk -v title="### $1" '$0 == title {page = 1} /^## / {page = 0} page && /^```sh$/ {on = 1; next} /^```$/ {on = 0} on' \
+  awk -v title="### $1" '/^###? / {page = $0 == title} page && /^```sh$/ {on = 1; next} /^```$/ {on = 0} on' \
     docs/datasets.md >commands
   grep -q 'cairn' commands || die "docs/datasets.md has lost the commands of '$1'"
   while IFS= read -r command; do

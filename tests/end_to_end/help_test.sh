@@ -19,6 +19,7 @@ printf '1 5\n6 63\n' >inputs/MRCLAM_Dataset6/Barcodes.dat
 printf '10 1 0\n12 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Odometry.dat
 printf '11 63 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Measurement.dat
 printf 'time_s,x_m,y_m,red\n1,0,0,5\n2,1,0,6\n' | tee inputs/monday.csv | gzip >inputs/tuesday.csv.gz
+printf 'ODOM 0 0 0 0 0 0 1 h 1\nFLASER 2 1 2 1 0 0 1 0 0 2 h 2\n' | gzip >inputs/intel.log.gz
 mkdir inputs/snapshots
 for image in a b; do { printf 'P6 10 10 255 ' && head -c 300 /dev/urandom; } >inputs/snapshots/$image.ppm; done
 printf 'image,time_s,x_m,y_m\na.ppm,1,0,0\nb.ppm,2,1,0\n' >inputs/poses.csv
@@ -52,7 +53,7 @@ runs() {
 ran=0
 
 runs
-for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
+for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import carmen' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
   'export tum' 'export g2o' 'export ros' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"

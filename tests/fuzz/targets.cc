@@ -5,7 +5,7 @@ namespace cairn::fuzz {
 std::vector<Target> AllTargets() {
   return {CsvTarget(),      MrclamTarget(),   JobFileTarget(),    KeysTarget(),       MessageTarget(),
           WorkerTarget(),   BlobFileTarget(), StoredFileTarget(), CheckpointTarget(), CoordinatorTarget(),
-          JobTableTarget(), LogTarget(),      ResultTarget(),     VectorsTarget()};
+          JobTableTarget(), LogTarget(),      ResultTarget(),     VectorsTarget(),    CarmenTarget()};
 }
 
 }  // namespace cairn::fuzz

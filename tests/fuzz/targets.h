@@ -27,6 +27,10 @@ struct Target {
 Target CsvTarget();
 // The same of a folder of MRCLAM's.
 Target MrclamTarget();
+// A CARMEN log; the first byte chooses as above, whether lines are numbered, and what its poses are taken
+// for. An accepted log has finite numbers, times in order, ranges within reach and a table of poses at times
+// of their own.
+Target CarmenTarget();
 // A run of samples, alone or after a good one; the first byte chooses as above. Accepted samples are runs of
 // finite numbers and times in order.
 Target VectorsTarget();

@@ -1,0 +1,61 @@
+#include "coordinator/cli/import_parts.h"
+
+#include <cstdio>
+#include <map>
+#include <optional>
+
+#include "coordinator/cli/failure.h"
+#include "coordinator/cli/plan_text.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& counts) {
+  for (const auto& [reason, count] : counts) {
+    std::fprintf(stderr, "cairn: %s %lld: %s\n", verb, static_cast<long long>(count), reason.c_str());
+  }
+}
+
+void AddFigure(CLI::App& command, const char* flag, std::optional<double>& field, const char* help) {
+  command.add_option(flag, field, help)
+      ->check(CLI::NonNegativeNumber)
+      ->group("Nominal figures (else estimated)");
+}
+
+}  // namespace
+
+int StoreImport(const std::string& out, const Blob& blob, const datasets::ImportReport& report,
+                const char* kind) {
+  Check(WriteBlobFile(out, kind, blob));
+  for (const std::string& warning : report.warnings)
+    std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
+  PrintCounts("read", report.read);
+  PrintCounts("skipped", report.skipped);
+  PrintCounts("left out", report.dropped);
+  std::printf("%s: %s\n", out.c_str(), ContentText(blob).c_str());
+  return kExitDone;
+}
+
+void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal) {
+  AddFigure(command, "--heading-drift-rad-per-m", nominal.heading_drift_rad_per_m,
+            "sd of a constant drift of the heading");
+  AddFigure(command, "--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m,
+            "sd of the heading's random walk");
+  AddFigure(command, "--forward-ratio", nominal.forward_ratio,
+            "sd of the way's error, a fraction of the way");
+  AddFigure(command, "--turn-ratio", nominal.turn_ratio, "sd of a turn's error, a fraction of the turn");
+}
+
+void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal) {
+  AddFigure(command, "--press-m", nominal.press_m,
+            "sd of the distance between robot and landmark at a press, an axis");
+  AddFigure(command, "--range-m", nominal.range_m, "sd of a range");
+  AddFigure(command, "--bearing-rad", nominal.bearing_rad, "sd of a bearing");
+  AddFigure(command, "--max-range-m", nominal.max_range_m,
+            "largest range of the sensor; larger ones are bad lines");
+  AddFigure(command, "--field-of-view-rad", nominal.field_of_view_rad,
+            "full angle that the sensor sees, centred ahead; bearings outside it are bad lines");
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,31 @@
+// What the import commands have in common.
+#pragma once
+
+#include <string>
+
+#include "coordinator/cli/invocation.h"
+#include "datasets/log_rows.h"
+#include "schema/blob.h"
+
+namespace cairn::cli {
+
+// Writes the file; says what was read, skipped and left out, and what the file holds. Returns the exit code.
+int StoreImport(const std::string& out, const Blob& blob, const datasets::ImportReport& report,
+                const char* kind = "log");
+
+// Options for the nominal figures of the odometry, and of a sensor that sees landmarks.
+void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal);
+void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal);
+
+// --skip-bad, --force, OUT.h5.
+template <class Options>
+void AddOutput(CLI::App& command, Options& options) {
+  command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
+  command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
+  command.add_option("OUT.h5", options.out, "The file to write")->required();
+}
+
+// `cairn import carmen` and the other recorded range logs.
+void AddRangeImports(CLI::App& import, Invocation& call);
+
+}  // namespace cairn::cli

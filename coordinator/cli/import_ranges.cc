@@ -1,0 +1,85 @@
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "coordinator/cli/import_parts.h"
+#include "coordinator/cli/output_path.h"
+#include "coordinator/cli/scalar.h"
+#include "datasets/import_carmen.h"
+#include "schema/error.h"
+
+namespace cairn::cli {
+namespace {
+
+struct CarmenOptions {
+  datasets::CarmenImportOptions import;
+  std::vector<std::string> mounts;
+  bool corrected = false, raw = false, force = false;
+  std::string out;
+};
+
+// SENSOR=X,Y,DEGREES
+std::pair<std::string, datasets::PoseM> ParseMount(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  std::vector<double> numbers;
+  for (std::size_t at = equals; at != std::string::npos && at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at + 1), text.size());
+    const auto number = ToReal(text.substr(at + 1, end - at - 1));
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
+    at = end;
+  }
+  const std::string sensor = text.substr(0, std::min(equals, text.size()));
+  const bool known = sensor == "laser" || (sensor.size() == 6 && sensor.starts_with("laser") &&
+                                           sensor.back() >= '2' && sensor.back() <= '5');
+  if (numbers.size() != 3 || !known)
+    throw InputError("--mount " + text + ": what is meant is SENSOR=X,Y,DEGREES, such as laser2=-0.2,0,180");
+  return {sensor, {numbers[0], numbers[1], numbers[2] * std::numbers::pi / 180}};
+}
+
+int ImportCarmen(const CarmenOptions& options, const Invocation&) {
+  using Poses = datasets::CarmenImportOptions::Poses;
+  RefuseToReplaceInput(options.out, {options.import.path});
+  RefuseToOverwrite(options.out, options.force);
+  datasets::CarmenImportOptions import = options.import;
+  if (options.corrected) import.poses = Poses::kCorrected;
+  if (options.raw) import.poses = Poses::kRaw;
+  for (const std::string& mount : options.mounts) import.mounts.insert(ParseMount(mount));
+  Blob log;
+  const datasets::ImportReport report = datasets::ImportCarmen(import, &log);
+  return StoreImport(options.out, log, report);
+}
+
+void AddCarmen(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<CarmenOptions>(
+      import, call, "carmen", "Logs of CARMEN: lasers, sonars, odometry (docs/datasets.md)",
+      "cairn import carmen intel.log.gz intel.h5", ImportCarmen, &command);
+  datasets::CarmenImportOptions& log = options->import;
+  command->add_option("LOG", log.path, "The log, plain or gzipped")->required();
+  CLI::Option* corrected = command->add_flag("--corrected", options->corrected,
+                                             "Its poses were mended by a program (else detected)");
+  command->add_flag("--raw", options->raw, "Its poses are odometry")->excludes(corrected);
+  command->add_flag("--numbered", log.numbered, "Time is a line's number, not its time stamp");
+  command->add_flag("--named-markers", log.named_markers,
+                    "Markers of the same text are at the same landmark; else nothing tells landmarks apart");
+  command->add_option("--laser-first-deg", log.first_deg,
+                      "Where the first beam points; for messages that do not say it (-90)");
+  command->add_option("--laser-step-deg", log.step_deg, "Angle from beam to beam; likewise")
+      ->check(CLI::Range(1e-3, 180.0));
+  command->add_option("--laser-max-range-m", log.max_range_m, "Reach: from there on nothing was met")
+      ->check(CLI::Range(1e-3, 1e3));
+  command->add_option("--sonar-max-range-m", log.sonar_max_range_m, "The same of the sonars")
+      ->check(CLI::Range(1e-3, 1e3));
+  command->add_option(
+      "--mount", options->mounts,
+      "Where a laser sits, SENSOR=X,Y,DEGREES on the robot, for laser, laser2 (rear), … (again: "
+      "of several)");
+  AddOdometryFigures(*command, log.nominal);
+  AddOutput(*command, *options);
+}
+
+}  // namespace
+
+void AddRangeImports(CLI::App& import, Invocation& call) { AddCarmen(import, call); }
+
+}  // namespace cairn::cli

@@ -1,0 +1,135 @@
+#include "datasets/carmen_line.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace cairn::datasets {
+namespace {
+
+constexpr std::size_t kMostBeams = 100000;
+constexpr double kMostRange_m = 1000;  // no sensor of a robot writes more, not even for 'nothing'
+
+double Within(const Fields& line, std::size_t field, double most, const char* what) {
+  const double number = line.Number(field);
+  if (std::abs(number) <= most) return number;
+  throw LineError{what, "field " + std::to_string(field + 1) + " is '" + std::string(line.Text(field)) + "'"};
+}
+
+PoseM PoseAt(const Fields& line, std::size_t first) {
+  constexpr double kMost_m = 1e7, kMost_rad = 1e6;
+  return {Within(line, first, kMost_m, "no place on Earth"),
+          Within(line, first + 1, kMost_m, "no place on Earth"),
+          Within(line, first + 2, kMost_rad, "no heading")};
+}
+
+// Behind the contents, which end before field `end`, stand time, host and time.
+void NeedEnd(const Fields& line, std::size_t end, const std::string& declared) {
+  line.Need(end + 3, declared);
+}
+
+// Fills in the scan's geometry; returns the field of the number of readings.
+std::size_t ParseConfiguration(const Fields& line, CarmenScan* scan) {
+  constexpr std::size_t kStart = 2, kStep = 4, kMaximum = 5, kReadings = 8;
+  scan->start_rad = line.Number(kStart);
+  scan->step_rad = line.Number(kStep);
+  scan->max_range_m = line.Number(kMaximum);
+  if (!(*scan->step_rad > 0 && *scan->step_rad < std::numbers::pi))
+    throw LineError{"no angular resolution", "field 5 is '" + std::string(line.Text(kStep)) + "'"};
+  if (*scan->max_range_m <= 0) scan->max_range_m.reset();
+  return kReadings;
+}
+
+}  // namespace
+
+double StampAt(const Fields& line, std::size_t field) {
+  constexpr double kMost_s = 4.2e9;  // Unix time of 2103; above it a double has no microseconds
+  return Within(line, field, kMost_s, "no time stamp in seconds");
+}
+
+std::optional<CarmenLaser> LaserOf(std::string_view message) {
+  if (message == "FLASER") return CarmenLaser{CarmenForm::kOld, 0};
+  if (message == "RLASER") return CarmenLaser{CarmenForm::kOld, 1};
+  if (message.empty() || message.back() < '1' || message.back() > '5') return std::nullopt;
+  const auto laser = static_cast<std::size_t>(message.back() - '1');
+  message.remove_suffix(1);
+  if (message == "LASER" && laser >= 2) return CarmenLaser{CarmenForm::kOldBare, laser};
+  if (message == "RAWLASER") return CarmenLaser{CarmenForm::kRaw, laser};
+  if (message == "ROBOTLASER") return CarmenLaser{CarmenForm::kRobot, laser};
+  return std::nullopt;
+}
+
+bool IsUnusedMessage(std::string_view message) {
+  static constexpr std::array kUnused = {"SYNC",
+                                         "COMMENT",
+                                         "NEFF",
+                                         "GLOBALPOS",
+                                         "NMEAGGA",
+                                         "NMEARMC",
+                                         "GPSNMEA",
+                                         "BUMPER",
+                                         "ARM",
+                                         "SCANMARK",
+                                         "POSITIONLASER",
+                                         "IMU",
+                                         "VECTORMOVE",
+                                         "ROBOTVELOCITY",
+                                         "BASEVELOCITY",
+                                         "FOLLOWTRAJECTORY",
+                                         "REMISSIONFLASER",
+                                         "REMISSIONRLASER",
+                                         "REMISSIONLASER3",
+                                         "REMISSIONLASER4"};
+  return std::ranges::find(kUnused, message) != kUnused.end();
+}
+
+CarmenScan ParseScan(const Fields& line, CarmenForm form) {
+  CarmenScan scan;
+  const bool configured = form == CarmenForm::kRaw || form == CarmenForm::kRobot;
+  const std::size_t at = configured ? ParseConfiguration(line, &scan) : 1;
+  const std::size_t beams = line.Count(at, kMostBeams);
+  std::string declared = std::to_string(beams) + " readings";
+  if (beams == 0) throw LineError{"no count", "the scan has no readings"};
+  std::size_t end = at + 1 + beams;
+  if (configured) {
+    if (end >= line.size()) line.Need(end + 1, declared);
+    const std::size_t remissions = line.Count(end, kMostBeams);
+    declared += " and " + std::to_string(remissions) + " remissions";
+    end += 1 + remissions;
+  }
+  const std::size_t poses = end;
+  const bool posed = form == CarmenForm::kOld || form == CarmenForm::kRobot;
+  if (posed) end += 6;
+  if (form == CarmenForm::kRobot) end += 5;
+  NeedEnd(line, end, declared);
+  scan.range_m = line.Ranges(at + 1, beams, kMostRange_m);
+  if (posed) {
+    scan.laser = PoseAt(line, poses);
+    scan.robot = PoseAt(line, poses + 3);
+  }
+  scan.stamp_s = StampAt(line, end);
+  return scan;
+}
+
+CarmenSonar ParseSonar(const Fields& line) {
+  CarmenSonar scan;
+  scan.cone_rad = line.Number(1);
+  if (!(scan.cone_rad >= 0 && scan.cone_rad < std::numbers::pi))
+    throw LineError{"no cone of a sonar", "field 2 is '" + std::string(line.Text(1)) + "', in radians"};
+  const std::size_t sonars = line.Count(2, kMostBeams);
+  if (sonars == 0) throw LineError{"no count", "the scan has no sonars"};
+  NeedEnd(line, 3 + 4 * sonars, std::to_string(sonars) + " sonars");
+  scan.range_m = line.Ranges(3, sonars, kMostRange_m);
+  for (std::size_t s = 0; s < sonars; ++s) scan.offsets.push_back(PoseAt(line, 3 + sonars + 3 * s));
+  scan.stamp_s = StampAt(line, 3 + 4 * sonars);
+  return scan;
+}
+
+CarmenPose ParsePose(const Fields& line) {
+  NeedEnd(line, 7, "six values");
+  return {StampAt(line, 7), PoseAt(line, 1)};
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,36 @@
+// A line as fields between blanks.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cairn::datasets {
+
+// Why a line cannot be used, as BadLines::Add takes it.
+struct LineError {
+  std::string reason, detail;
+};
+
+class Fields {
+ public:
+  explicit Fields(std::string_view line);
+  std::size_t size() const { return fields_.size(); }
+  bool empty() const { return fields_.empty(); }
+  // These throw LineError: where there is no such field, "line cut short"; for numbers as ParseNumber says.
+  std::string_view Text(std::size_t field) const;
+  double Number(std::size_t field) const;
+  // A whole number of 0 to `most`; else "no count".
+  std::size_t Count(std::size_t field, std::size_t most) const;
+  // `count` ranges from `first` on, each from 0 to `most_m`; else "negative range", "beyond any sensor's
+  // reach".
+  std::vector<double> Ranges(std::size_t first, std::size_t count, double most_m) const;
+  // That there are `needed` fields, since the line declares so many of something: `declared`.
+  void Need(std::size_t needed, const std::string& declared) const;
+
+ private:
+  std::vector<std::string_view> fields_;
+};
+
+}  // namespace cairn::datasets

@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# Recorded range logs, as docs/datasets.md reads them in; and a CARMEN log made on the spot.
+source "$(dirname "$0")/common.sh"
+
+# A robot that drives 3 m through a corridor, old messages, poses corrected afterwards.
+awk 'BEGIN {
+  print "# CARMEN Logfile"; print "PARAM robot_front_laser_max 20 0 host 0"; print "NEFF 20"
+  for (i = 0; i <= 30; i++) {
+    x = 0.1 * i; t = 100 + 0.5 * i
+    printf "ODOM %g 0 0 0.2 0 0 %g host %g\n", x - 0.01, t - 0.2, t - 0.2
+    printf "FLASER 181"
+    for (b = 0; b <= 180; b++) { s = sin((b - 90) * atan2(0, -1) / 180); if (s < 0) s = -s; r = s > 0.05 ? 1 / s : 25; printf " %.2f", r }
+    printf " %g 0 0 %g 0 0 %g host %g\n", x, x, t, t
+  }
+}' >corridor.log
+exits 0 cairn import carmen corridor.log corridor.h5
+says '^cairn: warning: its poses are taken for corrected ones'
+says '^cairn: read 31: FLASER$'
+says '^cairn: left out 1: NEFF'
+says '^corridor.h5: 1 robot, [0-9]+ controls, 0 observations, 31 range scans, 62 poses$'
+refuses "'corridor.h5' is there already" cairn import carmen corridor.log corridor.h5
+exits 0 cairn inspect corridor.h5
+says '31 scans of 181 beams \(laser\), 62 poses'
+exits 0 cairn import carmen corridor.log raw.h5 --raw
+says '^raw.h5: 1 robot, [0-9]+ controls, 0 observations, 31 range scans$'
+exits 0 cairn export tum corridor.h5 tum
+[ "$(grep -c '^[0-9]' tum/robot.tum)" -eq 62 ] || die "not every pose went out"
+
+[ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/carmen-intel" ] || skip "CAIRN_DATA names no folder that holds carmen-intel"
+runs_section 'CARMEN'
+for line in 'intel.h5: .* 910 range scans, 11148 poses' 'intel-raw.h5: .* 910 range scans' \
+  'fr079.h5: .* 4791 range scans, 4934 poses' 'fhw.h5: .* 488 range scans, 13447 poses' \
+  'belgioioso.h5: .* 395 range scans, 4837 poses'; do
+  grep -Eq "^$line\$" said || die "not read as '$line': $(cat said)"
+done
