@@ -9,6 +9,7 @@
 #include "coordinator/cli/result_file.h"
 #include "coordinator/cli/scalar.h"
 #include "datasets/evaluate/evaluate_features.h"
+#include "datasets/evaluate/evaluate_grid.h"
 #include "datasets/evaluate/evaluate_localization.h"
 #include "datasets/evaluate/evaluate_networks.h"
 
@@ -101,6 +102,26 @@ std::string ScoreOnSamples(const Options& options, const Blob& samples) {
                                         : ScoreOfNetworks(options, samples);
 }
 
+// A folder counts as one where it holds a grid map and no landmark map.
+bool IsGridMap(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "grid_map";
+  bool is = false;
+  for (const std::string& file : FilesOf(result)) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    if (kind == "landmark_map") return false;
+    is |= kind == "grid_map";
+  }
+  return is;
+}
+
+std::string ScoreOfGrid(const Options& options, const BlobFile& truth) {
+  if (options.nearest || options.seed) throw InputError("--nearest and --seed are for networks");
+  const Blob map = ReadResult(options.result, "grid_map").blob;
+  const datasets::GridEvaluation score =
+      truth.kind == "log" ? datasets::EvaluateGrid(map, truth.blob) : datasets::CompareGrids(map, truth.blob);
+  return options.json ? datasets::GridEvaluationJson(score) + "\n" : datasets::GridEvaluationText(score);
+}
+
 // What the truth is says what is scored: the folder of a job may hold results of several kinds.
 int Evaluate(const Options& options, const Invocation&) {
   CheckFeatureOptions(options);
@@ -110,12 +131,14 @@ int Evaluate(const Options& options, const Invocation&) {
   }
   const BlobFile truth = Take(ReadBlobFile(ResultPath(options.truth, "log")));
   std::string text;
-  if (truth.kind == "log")
+  if (truth.kind == "grid_map" || (truth.kind == "log" && IsGridMap(options.result)))
+    text = ScoreOfGrid(options, truth);
+  else if (truth.kind == "log")
     text = ScoreOfMap(options, truth.blob);
   else if (truth.kind == "samples")
     text = ScoreOnSamples(options, truth.blob);
   else
-    throw InputError(options.truth + ": a " + truth.kind + ", where a log or samples are needed");
+    throw InputError(options.truth + ": a " + truth.kind + ", where a log, samples or a grid_map are needed");
   std::fputs(text.c_str(), stdout);
   return kExitDone;
 }
@@ -129,7 +152,9 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
   command->add_option(
       "--truth", options->truth,
-      "For a landmark_map a simulated log, or an imported one that has truth; for networks samples "
+      "For a landmark_map a simulated log, or an imported one that has truth; for a grid_map the log that it "
+      "is "
+      "made of, or another grid_map; for networks samples "
       "of runs that they were not trained on; for a localization the samples that it is of; for hand-made "
       "features samples of other runs");
   command->add_option("--feature", options->features,

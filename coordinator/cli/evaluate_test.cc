@@ -4,8 +4,10 @@
 
 #include "coordinator/cli/app.h"
 #include "coordinator/cli/invocation.h"
+#include "datasets/evaluate/testing_grid.h"
 #include "datasets/evaluate/testing_localization.h"
 #include "datasets/evaluate/testing_networks.h"
+#include "datasets/simulate_hall.h"
 #include "datasets/simulate_loop.h"
 #include "datasets/testing.h"
 #include "schema/store/blob_file.h"
@@ -87,12 +89,24 @@ TEST_F(EvaluateCommand, ScoresALocalizationOnItsSamples) {
   Refuses({folder_ / "run", "--truth", folder_ / "localized.h5", "--seed", "2"}, "are for networks");
 }
 
+TEST_F(EvaluateCommand, ScoresAGridMapOnItsLogAndAgainstAnother) {
+  ASSERT_TRUE(std::filesystem::create_directory(folder_ / "run"));
+  Write("run/grid.h5", "grid_map", datasets::DrawnMap({"...", ".#.", "..."}));
+  Write("reference.h5", "grid_map", datasets::DrawnMap({"...", "...", "..#"}));
+  Write("log.h5", "log", datasets::SimulateHallway({.door_readings = 1, .closed = false, .seed = 1}));
+  const Said said = Evaluate({folder_ / "run", "--truth", folder_ / "reference.h5", "--json"});
+  ASSERT_EQ(said.code, kExitDone) << said.complaint;
+  EXPECT_EQ(nlohmann::json::parse(said.out)["cells"]["due"], 1);
+  Refuses({folder_ / "run", "--truth", folder_ / "log.h5"}, "at which poses");
+  Refuses({folder_ / "run", "--truth", folder_ / "reference.h5", "--nearest", "3"}, "are for networks");
+}
+
 TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {
   const std::string log = folder_ / "log.h5";
   Write("log.h5", "log", datasets::SimulateLoop({.seed = 3}));
   Refuses({networks_, "--truth", log}, "networks.h5: a networks, where a landmark_map is needed");
   Refuses({log, "--truth", samples_}, "log.h5: a log, where a networks is needed");
-  Refuses({networks_, "--truth", networks_}, "a networks, where a log or samples are needed");
+  Refuses({networks_, "--truth", networks_}, "a networks, where a log, samples or a grid_map are needed");
   Refuses({log, "--truth", log, "--nearest", "3"}, "--nearest and --seed are for networks");
   Refuses({networks_, "--truth", samples_}, "nearest: 5; allowed: from 1 to 2");
   Refuses({networks_, "--truth", samples_, "--seed", "-1"}, "seed");

@@ -1,0 +1,89 @@
+#include "datasets/evaluate/evaluate_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/evaluate/map_doors.h"
+#include "datasets/evaluate/track.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kSamePosesM = 1e-4;  // poses this near to the true ones are in the truth's frame
+
+// The map's poses beside the true ones of the same times.
+std::vector<PointPair> PosePairs(const std::vector<ScoredSensor>& scans, const Blob& log) {
+  std::vector<PointPair> pairs;
+  for (const ScoredSensor& sensor : scans) {
+    const std::size_t end = sensor.name.find('/', std::string("robot/").size());
+    const Track truth = ReadTrack(log, "truth/" + sensor.name.substr(0, end) + "/poses/");
+    for (std::size_t i = 0; i < sensor.poses.size(); ++i) {
+      const auto at = PoseAt(truth, sensor.time_s[i]);
+      if (at) pairs.push_back({{at->x_m, at->y_m}, {sensor.poses[i].x_m, sensor.poses[i].y_m}});
+    }
+  }
+  return pairs;
+}
+
+struct DoorTruth {
+  Wall opening;
+  bool open = false;
+};
+
+std::vector<DoorTruth> ReadDoors(const Blob& log, const Similarity& to_map) {
+  if (!log.Has("truth/doors/x_m")) return {};
+  const std::vector<Wall> openings = ReadSegments(log, "truth/doors/", to_map);
+  const auto open = log.Get<std::uint8_t>("truth/doors/open");
+  if (open.size() != openings.size()) throw InputError("'truth/doors/': columns of different length");
+  std::vector<DoorTruth> doors;
+  for (std::size_t d = 0; d < openings.size(); ++d) {
+    if (!(DistanceM(openings[d].a, openings[d].b) > 0))
+      throw InputError("'truth/doors/', row " + std::to_string(d) + ": an opening of no width");
+    doors.push_back({openings[d], open[d] != 0});
+  }
+  return doors;
+}
+
+LayerScore ScoreLayer(const Occupancy& map, const std::optional<MapTruth>& truth,
+                      const std::vector<DoorTruth>& doors, const std::vector<ScoredSensor>& scans) {
+  LayerScore score;
+  if (truth) score.cells = ScoreCells(map, *truth);
+  for (const DoorTruth& door : doors) {
+    const double passage_m = PassageM(map, door.opening);
+    score.doors.push_back({door.open, passage_m, passage_m > kPassageM - 1e-9});
+  }
+  score.held_out = ScoreHeldOut(map, scans);
+  return score;
+}
+
+GridEvaluation Score(const Blob& map, const std::optional<MapTruth>& truth,
+                     const std::vector<DoorTruth>& doors, const std::vector<ScoredSensor>& scans) {
+  GridEvaluation evaluation;
+  const Occupancy probability = ReadOccupancy(map);
+  evaluation.cell_m = probability.box.cell_m;
+  evaluation.map = ScoreLayer(probability, truth, doors, scans);
+  if (HasMostLikely(map)) evaluation.most_likely = ScoreLayer(ReadMostLikely(map), truth, doors, scans);
+  if (map.Has("provenance/seconds_s")) evaluation.seconds = map.Scalar<double>("provenance/seconds_s");
+  return evaluation;
+}
+
+}  // namespace
+
+GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
+  const std::vector<ScoredSensor> scans = ReadScoredScans(map, truth_log);
+  const std::vector<PointPair> pairs = PosePairs(scans, truth_log);
+  Similarity to_map;
+  if (!pairs.empty() && RmseM(pairs, to_map) > kSamePosesM) to_map = FitRigid(pairs);
+  std::optional<MapTruth> truth;
+  if (truth_log.Has("truth/walls/x_m"))
+    truth = TruthOfWalls(ReadOccupancy(map).box, ReadSegments(truth_log, "truth/walls/", to_map), scans);
+  GridEvaluation evaluation = Score(map, truth, ReadDoors(truth_log, to_map), scans);
+  if (!pairs.empty()) evaluation.pose_rmse_m = RmseM(pairs, to_map);
+  return evaluation;
+}
+
+GridEvaluation CompareGrids(const Blob& map, const Blob& reference) {
+  return Score(map, TruthOfMap(ReadOccupancy(map).box, ReadOccupancy(reference)), {}, {});
+}
+
+}  // namespace cairn::datasets
