@@ -4,6 +4,7 @@
 #include "coordinator/cli/import_parts.h"
 #include "coordinator/cli/output_path.h"
 #include "datasets/import_csv.h"
+#include "datasets/import_errors.h"
 #include "datasets/import_images.h"
 #include "datasets/import_mrclam.h"
 #include "datasets/import_recorded.h"
@@ -85,6 +86,20 @@ int ImportVectors(const VectorsOptions& options, const Invocation&) {
   return StoreImport(options.out, samples, report, "samples");
 }
 
+struct ErrorsOptions {
+  datasets::ErrorsImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+int ImportErrors(const ErrorsOptions& options, const Invocation&) {
+  RefuseToReplaceInput(options.out, {options.import.file});
+  RefuseToOverwrite(options.out, options.force);
+  Blob errors;
+  const datasets::ImportReport report = datasets::ImportErrors(options.import, &errors);
+  return Store(options.out, errors, report, "errors");
+}
+
 struct ImagesOptions {
   datasets::ImagesImportOptions import;
   std::vector<std::string> tables;  // poses, and it may be ranges
@@ -157,6 +172,20 @@ void AddVectors(CLI::App& import, Invocation& call) {
   AddOutput(*command, *options);
 }
 
+void AddErrors(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<ErrorsOptions>(
+      import, call, "errors", "What it costs to take one place for another (docs/datasets.md)",
+      "cairn import errors costs.csv errors.h5", ImportErrors, &command);
+  command
+      ->add_option("TABLE.csv", options->import.file,
+                   "A row for each true place: x_m,y_m, then a column for each believed one, in the order of "
+                   "the rows")
+      ->required();
+  command->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
+  command->add_option("OUT.h5", options->out, "The file to write")->required();
+}
+
 void AddImages(CLI::App& import, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options = AddCommand<ImagesOptions>(
@@ -213,6 +242,7 @@ void AddImport(CLI::App& app, Invocation& call) {
   AddMrclam(*import, call);
   AddVectors(*import, call);
   AddImages(*import, call);
+  AddErrors(*import, call);
   AddRecorded<datasets::ImportLegoRobot>(*import, call, "lego-robot",
                                          "The LEGO robot among six poles (docs/datasets.md)",
                                          "cairn import lego-robot lego-robot lego.h5");

@@ -123,6 +123,10 @@ std::string Tiles(const Blob& result, const TrainingHistory& h) {
       TileHtml(Percent(h.Reduction()), "error reduction, runs trained on");
   if (std::isfinite(held_out))
     tiles += TileHtml(Percent(held_out), "the best on the held-out run, which chose it");
+  if (result.Has("starts/chosen"))
+    tiles += TileHtml(std::to_string(result.Scalar<std::int64_t>("starts/chosen")) + " of " +
+                          std::to_string(result.at("starts/error_m").size()),
+                      "start (from 0 on) that went on");
   tiles += TileHtml(Grouped(static_cast<double>(h.steps())), "steps");
   if (result.Has("provenance/seconds_s"))
     tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");

@@ -50,6 +50,13 @@ TEST(NetworksPage, CountsTheUnitsOfBothHiddenLayers) {
   ExpectContains(NetworksHtml(result), "<b>3 + 5</b><span>hidden units of each");
 }
 
+TEST(NetworksPage, SaysWhichStartWentOn) {
+  Blob result = Learned();
+  result.PutVector<double>("starts/error_m", {0.9, 0.8, 0.95});
+  result.PutScalar<std::int64_t>("starts/chosen", 1);
+  ExpectContains(NetworksHtml(result), "<b>1 of 3</b><span>start");
+}
+
 TEST(NetworksPage, NamesWarningsAndTheRunsBefore) {
   Blob result = Learned();
   result.Put("warnings", Array::Texts({"step 3: network 1 is saturated"}));

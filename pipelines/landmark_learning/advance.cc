@@ -11,14 +11,16 @@
 #include "pipelines/landmark_learning/result.h"
 #include "pipelines/landmark_learning/round_sum.h"
 #include "pipelines/landmark_learning/some_networks.h"
+#include "pipelines/landmark_learning/starts.h"
 
 namespace cairn::landmark_learning {
 namespace {
 
 class Round {
  public:
-  Round(const Options& options, std::uint64_t seed, const State& state, const Inputs& inputs)
-      : options_(options),
+  Round(const Options& options, std::uint64_t seed, const State& state, const Inputs& inputs, bool on_trial)
+      : on_trial_(on_trial),
+        options_(options),
         state_(state),
         inputs_(inputs),
         data_(TrainingData::FromBlob(*inputs.Get("data"))),
@@ -108,6 +110,7 @@ class Round {
   // Whether training ends before the step; else, where networks come one after another, the next one may
   // join.
   bool IsOver() {
+    if (on_trial_) return false;
     if (t_.steps + 1 >= options_.steps) return true;
     const bool patient = t_.since_best < options_.patience;
     if (!options_.sequential || t_.learning.end == options_.networks) return !patient;
@@ -180,7 +183,13 @@ class Round {
   }
 
   Step Next(Step step, const std::string& note) {
-    (*step.plan.mutable_state()->mutable_blobs())["data"] = state_.blobs().at("data");
+    for (const char* name : {"data", "starts"}) {
+      if (state_.blobs().contains(name))
+        (*step.plan.mutable_state()->mutable_blobs())[name] = state_.blobs().at(name);
+    }
+    if (on_trial_ && t_.steps == StartStepsOf(options_) && t_.phase == planner_.FirstPhase(t_.learning.end))
+      (*step.plan.mutable_state()->mutable_scalars())[kTrialScore].set_d(
+          ScoreOf(t_.history.All(inputs_).error, t_.best_validation));
     t_.Share(state_, inputs_, &step);
     planner_.Plan(t_, &step);
     step.plan.set_note(note);
@@ -189,11 +198,13 @@ class Round {
 
   Step Result(const std::string& note) {
     const BlobPtr parent = inputs_.Has("weights") ? inputs_.Get("weights") : nullptr;
-    Step step = ResultOf(options_, data_, t_, t_.history.All(inputs_), parent.get());
+    const BlobPtr starts = inputs_.Has("starts") ? inputs_.Get("starts") : nullptr;
+    Step step = ResultOf(options_, data_, t_, t_.history.All(inputs_), parent.get(), starts.get());
     step.plan.set_note(note);
     return step;
   }
 
+  const bool on_trial_;
   const Options& options_;
   const State& state_;
   const Inputs& inputs_;
@@ -206,8 +217,8 @@ class Round {
 }  // namespace
 
 Step AdvanceRound(const Options& options, std::uint64_t seed, const State& state, Partials& partials,
-                  const Inputs& inputs) {
-  return Round(options, seed, state, inputs).End(partials);
+                  const Inputs& inputs, bool on_trial) {
+  return Round(options, seed, state, inputs, on_trial).End(partials);
 }
 
 }  // namespace cairn::landmark_learning

@@ -7,8 +7,10 @@
 
 namespace cairn::landmark_learning {
 
-// The next round, or the result.
+// The next round, or the result. `on_trial`: this is one of several starts, and does not end; once it has
+// made as many steps as they are compared after, its State has what it reached as the scalar kTrialScore.
+inline constexpr const char* kTrialScore = "trial_score";
 Step AdvanceRound(const Options& options, std::uint64_t seed, const State& state, Partials& partials,
-                  const Inputs& inputs);
+                  const Inputs& inputs, bool on_trial = false);
 
 }  // namespace cairn::landmark_learning

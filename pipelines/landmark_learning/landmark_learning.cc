@@ -4,13 +4,16 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_learning/advance.h"
 #include "pipelines/landmark_learning/ancestry.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/error_table.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/posterior_error.h"
+#include "pipelines/landmark_learning/starts.h"
 #include "pipelines/landmark_learning/sum_path.h"
 #include "pipelines/landmark_learning/tasks.h"
 #include "pipelines/landmark_learning/truth_weights.h"
@@ -50,10 +53,26 @@ void AttachErrors(const Options& options, const Inputs& inputs, TrainingData* da
   if (travel) AttachTravel(*inputs.Get("map"), data);
 }
 
+// What training does not look at; empty: nothing.
+std::string OverlookedImages(const Blob& samples, std::size_t inputs) {
+  for (std::size_t run = 0; run < samples.Texts("runs").size(); ++run) {
+    if (samples.Has("run/" + std::to_string(run) + "/image"))
+      return "the samples' images are not looked at, only their " + std::to_string(inputs) +
+             " other inputs: `cairn run image_features` makes inputs of images";
+  }
+  return "";
+}
+
 // Some ways to train go on what every step says of all truths and networks.
 void RefuseMixtures(const Options& options) {
   if (options.cell_m > 0.0 && (options.batch > 0 || options.method == "conjugate"))
     throw InputError("cell_m does not go with batch, nor with method=conjugate");
+  if (options.starts > 1 && (options.method == "conjugate" || options.sequential))
+    throw InputError("starts does not go with sequential, nor with method=conjugate");
+  if (options.starts > 1 && StartStepsOf(options) >= options.steps)
+    throw InputError("start_steps = " + std::to_string(StartStepsOf(options)) +
+                     ": starts are compared before the last of all steps, of which there are " +
+                     std::to_string(options.steps));
   const bool steps = options.method != "conjugate" && options.method != "pseudo";
   if (steps) return;
   for (const auto& [name, set] :
@@ -73,30 +92,38 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   const std::vector<std::string> input_names = samples->Texts("input_name");
   const NetworkShape shape = ShapeOf(options_, input_names.size());
   std::optional<Parent> parent;
+  if (inputs.Has("weights") && options_.starts > 1)
+    throw InputError("starts begin with random weights: they do not go with the input 'weights'");
   if (inputs.Has("weights")) parent = ReadParent(*inputs.Get("weights"), shape, input_names);
   TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr,
                                        ByCommas(options_.unseen));
   WeighTruths(options_, &data);
   AttachErrors(options_, inputs, &data);
   RefuseLonely(options_, data);
-  Rng rng(seed_);
   Training training;
   const Planner planner(options_, seed_, data);
   training.learning = FirstLearning(options_);
   training.phase = planner.FirstPhase(training.learning.end);
-  training.weights =
-      parent ? std::move(parent->weights) : RandomParameters<double>(shape, options_.init_width, rng).values;
   training.prior = PriorError(options_, data.training, data.training);
   if (data.held_out.size() > 0)
     training.validation_prior = PriorError(options_, data.held_out, data.training);
-  Step step;
-  (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(data.ToBlob());
-  training.Share({}, inputs, &step);
-  planner.Plan(training, &step);
-  step.plan.set_note(std::to_string(data.training.size()) + " samples of " +
-                     std::to_string(data.mean.size()) + " inputs to train on, " +
-                     std::to_string(data.held_out.size()) + " held out; " +
-                     PlanSum(options_, data.training.places).text);
+  const std::string overlooked = OverlookedImages(*samples, input_names.size());
+  if (!overlooked.empty()) training.warnings.push_back(overlooked);
+  Rng rng(seed_);
+  std::vector<Step> starts;
+  for (std::int64_t start = 0; start < options_.starts; ++start) {
+    Step& step = starts.emplace_back();
+    training.weights =
+        parent ? parent->weights : RandomParameters<double>(shape, options_.init_width, rng).values;
+    (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(data.ToBlob());
+    training.Share({}, inputs, &step);
+    planner.Plan(training, &step);
+  }
+  Step step = starts.size() > 1 ? FanOut(std::move(starts)) : std::move(starts.front());
+  step.plan.set_note(
+      std::to_string(data.training.size()) + " samples of " + std::to_string(data.mean.size()) +
+      " inputs to train on, " + std::to_string(data.held_out.size()) + " held out; " +
+      PlanSum(options_, data.training.places).text + (overlooked.empty() ? "" : "; " + overlooked));
   return step;
 }
 
@@ -105,6 +132,7 @@ Blob LandmarkLearning::Run(const Task& task, const Inputs& inputs, Progress& pro
 }
 
 Step LandmarkLearning::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
+  if (StartsIn(state) > 0) return AdvanceStarts(options_, seed_, state, partials, inputs);
   return AdvanceRound(options_, seed_, state, partials, inputs);
 }
 

@@ -131,6 +131,18 @@ TEST(LandmarkLearning, LearnsOnCells) {
   }
 }
 
+TEST(LandmarkLearning, SaysThatImagesAreNotLookedAt) {
+  Blob samples = CorridorSamples().Make();
+  EXPECT_FALSE(Learn(samples, {.steps = 2})->Has("warnings"));
+  samples.Put("run/1/image", Array::Of({80, 2, 2, 3}, std::vector<std::uint8_t>(80 * 12)));
+  const auto warnings = Learn(samples, {.steps = 2})->Texts("warnings");
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(
+      warnings[0],
+      "the samples' images are not looked at, only their 5 other inputs: `cairn run image_features` makes "
+      "inputs of images");
+}
+
 TEST(LandmarkLearning, RefusesMixturesThatMeanNothing) {
   EXPECT_THROW(Learn(CorridorSamples().Make(), {.cell_m = 1.0, .batch = 64}), InputError);
   EXPECT_THROW(Learn(CorridorSamples().Make(), {.cell_m = 1.0, .method = "conjugate"}), InputError);

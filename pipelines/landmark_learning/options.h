@@ -1,6 +1,7 @@
 // Options of landmark_learning, each with unit, range and effect.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -26,6 +27,8 @@ struct Options {
   double init_width = 0.1;
   double input_noise = 0.0;
   std::int64_t steps = 1000;
+  std::int64_t starts = 1;
+  std::int64_t start_steps = 0;
   std::int64_t batch = 0;
   bool sequential = false;
   std::int64_t pattern_steps = 100;
@@ -123,6 +126,14 @@ void VisitOptions(V& visit, Options& o) {
         o.input_noise);
   visit(Option{"steps", "", 1, 1e9, "gradient steps"}, o.steps);
   visit(
+      Option{"starts", "", 1, 64,
+             "sets of random weights that training begins with, side by side; the one with the least error, "
+             "of the held-out run where there is one, goes on (not with sequential, input weights, nor "
+             "method conjugate)"},
+      o.starts);
+  visit(Option{"start_steps", "steps", 0, 1e9, "after which starts are compared; 0: a fifth of all steps"},
+        o.start_steps);
+  visit(
       Option{"holdout", "", 0, 0,
              "the run that is not trained on but decides when to stop; empty: none, and all steps are made"},
       o.holdout);
@@ -142,6 +153,11 @@ inline double RateOf(const Options& o) {
   if (o.method == "gradient") return 8.0;
   if (o.method == "momentum") return 4.0;
   return o.method == "pseudo" ? 4.0 : 0.01;
+}
+
+// After how many steps starts are compared, where the options leave it open.
+inline std::int64_t StartStepsOf(const Options& o) {
+  return o.start_steps > 0 ? o.start_steps : std::max<std::int64_t>(1, o.steps / 5);
 }
 
 }  // namespace cairn::landmark_learning

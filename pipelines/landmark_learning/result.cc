@@ -33,7 +33,7 @@ std::string NoteOf(const Options& options, const Training& t) {
 }
 
 Step ResultOf(const Options& options, const TrainingData& data, const Training& t, const HistoryRows& history,
-              const Blob* parent) {
+              const Blob* parent, const Blob* starts) {
   const Parameters<float> parameters =
       InFloat(ShapeOf(options, data.mean.size()), t.best.empty() ? t.weights : t.best);
   Blob result;
@@ -57,6 +57,7 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   result.PutScalar("window_m", options.window_m);
   result.Put("options", Array::Texts(OptionTexts(options)));
   if (!t.warnings.empty()) result.Put("warnings", Array::Texts(t.warnings));
+  if (starts != nullptr) result.PutAll("", *starts);
   if (parent != nullptr) PutAncestry(*parent, &result);
   Step step;
   step.plan.set_result(step.Share(result));

@@ -222,6 +222,15 @@ Case TwoHiddenLayers() {
   return c;
 }
 
+// The rounds of a trial, then those of the one that is chosen.
+Case SeveralStarts() {
+  Case c = LandmarkLearning("landmark_learning_starts", 5.0);
+  SetInteger(c.stage, "starts", 3);
+  SetInteger(c.stage, "start_steps", 2);
+  Set(c.stage, "input_noise", 0.5);
+  return c;
+}
+
 // By the way through a map; or by the mass of the belief, on cells.
 Case TrainingOn(const std::string& error) {
   Case c = LandmarkLearning("landmark_learning_" + error, 5.0);
@@ -258,6 +267,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             LandmarkLearning("landmark_learning_global", 0.0),
             LandmarkLearningInPhases(),
             TwoHiddenLayers(),
+            SeveralStarts(),
             Training("conjugate", 0, false),
             Training("pseudo", 0, false),
             Training("momentum", 1300, false),

@@ -89,6 +89,14 @@ says '^samples.h5: 1 run, 2 samples, 1 input$'
 refuses 'samples.h5.* is there already' cairn import vectors monday.csv samples.h5
 refuses 'the log: samples.h5: samples, where a log is needed' cairn run landmark_map samples.h5 --out no
 
+# A table of errors.
+printf 'x_m,y_m,a,b\n0,0,0,1\n1,0,-1,0\n' >costs.csv
+refuses_import 'costs.csv:3: below 0: -1' cairn import errors costs.csv log.h5
+printf 'x_m,y_m,a,b\n0,0,0,1\n1,0,1,0\n' >costs.csv
+exits 0 cairn import errors costs.csv errors.h5
+says '^errors.h5: what it costs to take one of 2 places for another$'
+refuses 'errors.h5.* is there already' cairn import errors costs.csv errors.h5
+
 # Images: the line of the table, or the image that it does not name.
 mkdir snapshots
 for image in a b; do { printf 'P6 10 10 255 ' && head -c 300 /dev/urandom; } >snapshots/$image.ppm; done

@@ -23,6 +23,7 @@ printf 'ODOM 0 0 0 0 0 0 1 h 1\nFLASER 2 1 2 1 0 0 1 0 0 2 h 2\n' | gzip >inputs
 mkdir inputs/snapshots
 for image in a b; do { printf 'P6 10 10 255 ' && head -c 300 /dev/urandom; } >inputs/snapshots/$image.ppm; done
 printf 'image,time_s,x_m,y_m\na.ppm,1,0,0\nb.ppm,2,1,0\n' >inputs/poses.csv
+printf 'x_m,y_m,lobby,lift\n0,0,0,2\n3,0,2,0\n' >inputs/costs.csv
 printf '%s\n' 'name: museum' 'inputs: {log: log.h5}' 'stages:' '  - {name: landmarks, pipeline: landmark_map, log: log}' \
   >inputs/job.yaml
 cairn run landmark_map inputs/log.h5 --out inputs/result >/dev/null 2>&1
@@ -53,7 +54,7 @@ runs() {
 ran=0
 
 runs
-for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import carmen' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
+for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
   'export tum' 'export g2o' 'export ros' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"

@@ -49,6 +49,18 @@ grep -q '<b>6 + 4</b>' deeper/report.html || die "the report does not say how la
 refuses "2 networks of 6 and 4 hidden units over 3 inputs, where .* 2 networks of 6 hidden" \
   train samples.h5 --input weights=deep/landmark_learning.h5 --out no
 
+# Several starts side by side; and by a table of errors.
+exits 0 train samples.h5 --set steps=20 --set starts=3 --set start_steps=5 --set init_width=2 --out tried
+exits 0 cairn inspect tried/landmark_learning.h5
+says 'starts/error_m +float64 +\[3\]'
+exits 0 cairn report tried
+grep -q 'of 3</b><span>start' tried/report.html || die "the report does not say which start went on"
+refuses "starts begin with random weights" \
+  train samples.h5 --set starts=3 --input weights=first/landmark_learning.h5 --out no
+printf 'x_m,y_m,left,middle,right\n0,0,0,1,4\n20,0,1,0,1\n40,0,4,1,0\n' >costs.csv
+exits 0 cairn import errors costs.csv costs.h5
+exits 0 train samples.h5 --set steps=5 --set window_m=0 --set error=table --input errors=costs.h5 --out by_table
+
 # Weights of another shape, or none at all.
 refuses "2 networks of 6 hidden units over 3 inputs, where .* 3 networks of 6" \
   cairn run landmark_learning samples.h5 --set networks=3 --input weights=first/landmark_learning.h5 --out no
