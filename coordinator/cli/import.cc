@@ -97,7 +97,7 @@ int ImportErrors(const ErrorsOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob errors;
   const datasets::ImportReport report = datasets::ImportErrors(options.import, &errors);
-  return Store(options.out, errors, report, "errors");
+  return StoreImport(options.out, errors, report, "errors");
 }
 
 struct ImagesOptions {
