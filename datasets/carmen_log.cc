@@ -129,17 +129,8 @@ std::optional<double> CarmenLog::PositiveParam(const std::string& name) const {
 }
 
 CarmenLog ReadCarmenLog(const std::string& path, BadLines* bad, ImportReport* report) {
-  const std::string text = ReadText(path);
   Reader reader(report);
-  for (Lines lines(text); lines.Next();) {
-    const Fields fields(lines.text());
-    if (fields.empty() || fields.Text(0).starts_with('#')) continue;
-    try {
-      reader.ReadLine(fields, lines.number());
-    } catch (const LineError& error) {
-      bad->Add(path, lines.number(), error.reason, error.detail);
-    }
-  }
+  ForEachLine(path, bad, [&](const Fields& line, std::size_t number) { reader.ReadLine(line, number); });
   return reader.Take();
 }
 

@@ -2,8 +2,6 @@
 
 #include <optional>
 
-#include "datasets/text_file.h"
-
 namespace cairn::datasets {
 namespace {
 
@@ -59,6 +57,20 @@ void Fields::Need(std::size_t needed, const std::string& declared) const {
       size() < needed ? "line cut short, or fewer values than it declares"
                       : "more values than the line declares",
       declared + " take " + std::to_string(needed) + " fields, there are " + std::to_string(size())};
+}
+
+void ForEachLine(const std::string& path, BadLines* bad,
+                 const std::function<void(const Fields&, std::size_t)>& read) {
+  const std::string text = ReadText(path);
+  for (Lines lines(text); lines.Next();) {
+    const Fields fields(lines.text());
+    if (fields.empty() || fields.Text(0).starts_with('#')) continue;
+    try {
+      read(fields, lines.number());
+    } catch (const LineError& error) {
+      bad->Add(path, lines.number(), error.reason, error.detail);
+    }
+  }
 }
 
 }  // namespace cairn::datasets

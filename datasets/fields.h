@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "datasets/text_file.h"
 
 namespace cairn::datasets {
 
@@ -32,5 +35,10 @@ class Fields {
  private:
   std::vector<std::string_view> fields_;
 };
+
+// Hands each line of the file (plain or gzipped) that is neither empty nor a comment ('#') to `read`, with
+// its number; one of which it throws LineError is bad.
+void ForEachLine(const std::string& path, BadLines* bad,
+                 const std::function<void(const Fields&, std::size_t)>& read);
 
 }  // namespace cairn::datasets

@@ -49,12 +49,7 @@ class CarmenImport {
     ranges.numbered = options_.numbered;
     ranges.marks_are_names = options_.named_markers;
     PlaceScans(&ranges);
-    LogRows rows;
-    rows.nominal = options_.nominal;
-    MakeRangeRows(std::move(ranges), &bad_, &report_, &rows);
-    report_.skipped = bad_.counts();
-    *log = MakeLog(rows, options_.path, &report_);
-    return report_;
+    return MakeRangeLog(std::move(ranges), options_.nominal, &bad_, std::move(report_), log);
   }
 
  private:

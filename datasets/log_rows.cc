@@ -39,13 +39,6 @@ void PutObservations(const std::string& prefix, const char* which, const Observa
   log->PutVector(prefix + "bearing_rad", observations.bearing_rad);
 }
 
-void PutPoses(const std::string& prefix, const Poses& poses, Blob* log) {
-  log->PutVector(prefix + "time_s", poses.time_s);
-  log->PutVector(prefix + "x_m", poses.x_m);
-  log->PutVector(prefix + "y_m", poses.y_m);
-  log->PutVector(prefix + "heading_rad", poses.heading_rad);
-}
-
 void PutRanges(const std::string& prefix, const RangeRows& ranges, Blob* log) {
   log->PutVector(prefix + "time_s", ranges.time_s);
   const auto scans = static_cast<std::int64_t>(ranges.time_s.size());
@@ -82,6 +75,13 @@ void Count(const RobotRows& robot, ImportReport* report) {
 }
 
 }  // namespace
+
+void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob) {
+  blob->PutVector(prefix + "time_s", poses.time_s);
+  blob->PutVector(prefix + "x_m", poses.x_m);
+  blob->PutVector(prefix + "y_m", poses.y_m);
+  blob->PutVector(prefix + "heading_rad", poses.heading_rad);
+}
 
 void Odometry::Add(double time, double turn, double forward) {
   time_s.push_back(time);

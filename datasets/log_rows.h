@@ -107,6 +107,9 @@ struct Misreading {
 // Nothing where it can. `bearing_rad` lies in (-pi, pi].
 std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal);
 
+// Puts `prefix`time_s, x_m, y_m, heading_rad.
+void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob);
+
 // The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, and its
 // warning where nothing was observed. Throws InputError for a log without controls.
 Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
+#include <utility>
 
 #include "datasets/name_index.h"
 #include "datasets/pose_controls.h"
@@ -25,15 +27,15 @@ bool HasPose(const RangeEvent& event) { return event.odometry || event.corrected
 bool IsPosedScan(const RangeEvent& event) { return event.sensor && HasPose(event); }
 bool IsPoseAlone(const RangeEvent& event) { return !event.sensor && !event.mark; }
 
-// More than half of the scans have a stamp of their own (without scans: of the poses).
+// More than half of a sensor's scans have a stamp of their own (without scans: of the poses).
 bool StampsTellApart(const Events& events) {
   const bool scans = std::ranges::any_of(events, [](const RangeEvent& e) { return e.sensor.has_value(); });
-  std::set<double> stamps;
+  std::set<std::pair<std::size_t, double>> stamps;
   std::size_t count = 0;
   for (const RangeEvent& event : events) {
     if (scans && !event.sensor) continue;
     ++count;
-    stamps.insert(event.stamp_s);
+    stamps.emplace(event.sensor.value_or(0), event.stamp_s);
   }
   return 2 * stamps.size() > count;
 }
@@ -132,46 +134,76 @@ void AddScan(const RangeEvent& event, ImportReport* report, RangeRows* sensor) {
   }
 }
 
-}  // namespace
-
-void MakeRangeRows(RangeLog log, BadLines* bad, ImportReport* report, LogRows* rows) {
-  if (log.numbered || !StampsTellApart(log.events)) {
-    if (!log.numbered)
+// Puts the events in order, at times that tell them apart.
+void Order(RangeLog* log, BadLines* bad, ImportReport* report) {
+  if (log->numbered || !StampsTellApart(log->events)) {
+    if (!log->numbered)
       report->warnings.emplace_back("the time stamps do not tell the scans apart: time is the line's number");
-    Number(&log.events);
+    Number(&log->events);
   } else {
-    DropLate(log.path, bad, report, &log.events);
-    std::ranges::stable_sort(log.events, {}, &RangeEvent::stamp_s);
+    DropLate(log->path, bad, report, &log->events);
+    std::ranges::stable_sort(log->events, {}, &RangeEvent::stamp_s);
   }
-  TellTimesApart(report, &log.events);
-  const std::vector<TimedPose> corrected = TrackOf(log.events, &RangeEvent::corrected);
-  std::vector<TimedPose> odometry = TrackOf(log.events, &RangeEvent::odometry);
-  if (odometry.empty()) odometry = corrected;
-  if (odometry.empty()) throw InputError(log.path + ": there is neither odometry nor a pose in it");
-  RobotRows& robot = rows->robots.emplace_back();
-  robot.name = log.robot;
-  robot.odometry = ControlsOf(odometry);
-  robot.poses = PosesOf(corrected);
-  robot.truth = PosesOf(TrackOf(log.events, &RangeEvent::truth));
+  TellTimesApart(report, &log->events);
+}
+
+// Scans and marks, those aside of the odometry's time left out.
+void AddSensed(RangeLog* log, double first_s, double last_s, ImportReport* report, LogRows* rows) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  RobotRows& robot = rows->robots.front();
   NameIndex names;
-  for (const RangeEvent& event : log.events) {
+  for (const RangeEvent& event : log->events) {
     if (IsPoseAlone(event)) continue;
-    const bool outside = event.stamp_s < odometry.front().time_s || event.stamp_s > odometry.back().time_s;
-    if (outside) {
+    if (event.stamp_s < first_s || event.stamp_s > last_s) {
       ++report
             ->dropped[event.sensor ? "scan outside the odometry's time" : "mark outside the odometry's time"];
       continue;
     }
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    if (event.sensor) AddScan(event, report, &log.sensors[*event.sensor]);
-    if (event.mark)
-      robot.observations.Add(event.stamp_s, log.marks_are_names ? names.FindOrAdd(*event.mark) : -1, kNan,
-                             kNan);
+    if (event.sensor) AddScan(event, report, &log->sensors[*event.sensor]);
+    const std::int32_t landmark = event.mark && log->marks_are_names ? names.FindOrAdd(*event.mark) : -1;
+    if (event.mark) robot.observations.Add(event.stamp_s, landmark, kNan, kNan);
   }
   rows->landmarks = names.names();
-  for (RangeRows& sensor : log.sensors) {
+  for (RangeRows& sensor : log->sensors) {
     if (!sensor.time_s.empty()) robot.ranges.push_back(std::move(sensor));
   }
+}
+
+}  // namespace
+
+RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg, double ahead_m,
+                   double max_range_m) {
+  RangeRows rows;
+  rows.sensor = sensor;
+  rows.max_range_m = max_range_m;
+  constexpr double kRight_deg = -90;
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    const double at_deg = kRight_deg + static_cast<double>(beam) * step_deg;
+    rows.beam_x_m.push_back(ahead_m);
+    rows.beam_y_m.push_back(0);
+    rows.beam_heading_rad.push_back(at_deg * std::numbers::pi / 180);
+  }
+  return rows;
+}
+
+ImportReport MakeRangeLog(RangeLog ranges, const NominalFigures& nominal, BadLines* bad, ImportReport report,
+                          Blob* log) {
+  Order(&ranges, bad, &report);
+  const std::vector<TimedPose> corrected = TrackOf(ranges.events, &RangeEvent::corrected);
+  std::vector<TimedPose> odometry = TrackOf(ranges.events, &RangeEvent::odometry);
+  if (odometry.empty()) odometry = corrected;
+  if (odometry.empty()) throw InputError(ranges.path + ": there is neither odometry nor a pose in it");
+  LogRows rows;
+  rows.nominal = nominal;
+  RobotRows& robot = rows.robots.emplace_back();
+  robot.name = ranges.robot;
+  robot.odometry = ControlsOf(odometry);
+  robot.poses = PosesOf(corrected);
+  robot.truth = PosesOf(TrackOf(ranges.events, &RangeEvent::truth));
+  AddSensed(&ranges, odometry.front().time_s, odometry.back().time_s, &report, &rows);
+  report.skipped = bad->counts();
+  *log = MakeLog(rows, ranges.path, &report);
+  return report;
 }
 
 }  // namespace cairn::datasets

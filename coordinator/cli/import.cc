@@ -1,5 +1,3 @@
-#include <filesystem>
-
 #include "coordinator/cli/image_reader.h"
 #include "coordinator/cli/import_parts.h"
 #include "coordinator/cli/output_path.h"
@@ -40,20 +38,6 @@ struct RecordedOptions {
   std::string out;
   bool force = false;
 };
-
-// A dataset's own files are .dat and .txt, plain or gzipped; a log may lie among them.
-void RefuseToReplaceDataset(const std::string& out, const std::string& folder) {
-  namespace fs = std::filesystem;
-  if (!fs::is_directory(folder)) return;  // which the import says
-  std::vector<std::string> inputs;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    for (const char* ending : {".dat", ".dat.gz", ".txt", ".txt.gz"}) {
-      if (name.ends_with(ending)) inputs.push_back(entry.path().string());
-    }
-  }
-  RefuseToReplaceInput(out, inputs);
-}
 
 int ImportMrclam(const MrclamOptions& options, const Invocation&) {
   RefuseToReplaceDataset(options.out, options.import.folder);

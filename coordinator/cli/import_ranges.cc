@@ -1,3 +1,5 @@
+#include "datasets/import_ranges.h"
+
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -6,6 +8,7 @@
 #include "coordinator/cli/output_path.h"
 #include "coordinator/cli/scalar.h"
 #include "datasets/import_carmen.h"
+#include "datasets/import_tum.h"
 #include "schema/error.h"
 
 namespace cairn::cli {
@@ -78,8 +81,77 @@ void AddCarmen(CLI::App& import, Invocation& call) {
   AddOutput(*command, *options);
 }
 
+struct RangeOptions {
+  datasets::RangeImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
+int ImportRanges(const RangeOptions& options, const Invocation&) {
+  RefuseToReplaceInput(options.out, {options.import.path});
+  RefuseToReplaceDataset(options.out, options.import.path);
+  RefuseToOverwrite(options.out, options.force);
+  Blob log;
+  const datasets::ImportReport report = Import(options.import, &log);
+  return StoreImport(options.out, log, report);
+}
+
+template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
+void AddRanges(CLI::App& import, Invocation& call, const char* name, const char* what, const char* source,
+               const char* example) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<RangeOptions>(import, call, name, what, example, ImportRanges<Import>, &command);
+  command->add_option(source, options->import.path, "What to read, plain or gzipped")->required();
+  AddOdometryFigures(*command, options->import.nominal);
+  AddOutput(*command, *options);
+}
+
+struct TumOptions {
+  datasets::TumImportOptions import;
+  std::string out;
+  bool force = false;
+};
+
+int ImportTum(const TumOptions& options, const Invocation&) {
+  RefuseToReplaceInput(options.out, options.import.files);
+  RefuseToOverwrite(options.out, options.force);
+  Blob poses;
+  const datasets::ImportReport report = datasets::ImportTum(options.import, &poses);
+  return StoreImport(options.out, poses, report, "poses");
+}
+
+void AddTum(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<TumOptions>(import, call, "tum", "Trajectories, a file a robot, as a table of poses",
+                             "cairn import tum trajectories/robot.tum poses.h5", ImportTum, &command);
+  command->validate_positionals();  // by their endings: any number of trajectories, then the file to write
+  command
+      ->add_option(
+          "FILE", options->import.files,
+          "Lines of 'time x y z qx qy qz qw' (as evo reads them) or 'time x y heading'; plain or gzipped")
+      ->required()
+      ->check([](const std::string& name) { return name.ends_with(".h5") ? "a trajectory is a text" : ""; });
+  command->add_option(
+      "--robot", options->import.robots,
+      "The robot's name, as the log has it (again: of each file; else named after the files)");
+  AddOutput(*command, *options);
+}
+
 }  // namespace
 
-void AddRangeImports(CLI::App& import, Invocation& call) { AddCarmen(import, call); }
+void AddRangeImports(CLI::App& import, Invocation& call) {
+  AddCarmen(import, call);
+  AddRanges<datasets::ImportPioneer>(import, call, "pioneer",
+                                     "A Pioneer robot's sonars and laser (docs/datasets.md)", "FOLDER",
+                                     "cairn import pioneer run1 run1.h5");
+  AddRanges<datasets::ImportDpSlam>(import, call, "dpslam", "Laser logs of DP-SLAM (docs/datasets.md)", "LOG",
+                                    "cairn import dpslam loop5.log.gz loop5.h5");
+  AddRanges<datasets::ImportWean>(import, call, "wean", "Laser logs of Wean Hall (docs/datasets.md)", "LOG",
+                                  "cairn import wean robotdata1.log.gz wean1.h5");
+  AddTum(import, call);
+}
 
 }  // namespace cairn::cli

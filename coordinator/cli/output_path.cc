@@ -15,6 +15,19 @@ void RefuseToReplaceInput(const std::string& path, const std::vector<std::string
   }
 }
 
+void RefuseToReplaceDataset(const std::string& path, const std::string& folder) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(folder)) return;  // which the import says
+  std::vector<std::string> inputs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    for (const char* ending : {".dat", ".dat.gz", ".txt", ".txt.gz"}) {
+      if (name.ends_with(ending)) inputs.push_back(entry.path().string());
+    }
+  }
+  RefuseToReplaceInput(path, inputs);
+}
+
 void RefuseToOverwrite(const std::string& path, bool force) {
   namespace fs = std::filesystem;
   if (path.empty()) throw InputError("the name of the file to write is empty");

@@ -10,6 +10,10 @@ namespace cairn::cli {
 // read.
 void RefuseToReplaceInput(const std::string& path, const std::vector<std::string>& inputs);
 
+// The same for a folder of third-party data: its own files are .dat and .txt, plain or gzipped; a log may lie
+// among them.
+void RefuseToReplaceDataset(const std::string& path, const std::string& folder);
+
 // Throws InputError where `path` is there already and `force` is not given, or its folder is not there: said
 // before the work is done.
 void RefuseToOverwrite(const std::string& path, bool force);

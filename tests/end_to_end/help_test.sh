@@ -20,6 +20,14 @@ printf '10 1 0\n12 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Odometry.dat
 printf '11 63 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Measurement.dat
 printf 'time_s,x_m,y_m,red\n1,0,0,5\n2,1,0,6\n' | tee inputs/monday.csv | gzip >inputs/tuesday.csv.gz
 printf 'ODOM 0 0 0 0 0 0 1 h 1\nFLASER 2 1 2 1 0 0 1 0 0 2 h 2\n' | gzip >inputs/intel.log.gz
+mkdir inputs/run1
+printf '1000 0 0 0\n' >inputs/run1/od.txt
+printf '1000 1 2 3 4 5 6 7 8\n' >inputs/run1/sonar.txt
+{ printf '1000' && printf ' %d' {1..361} && echo; } >inputs/run1/laser.txt
+printf 'Odometry 0 0 0\nLaser 2 1 1\n' | gzip >inputs/loop5.log.gz
+printf 'O 0 0 0 1\n' | gzip >inputs/robotdata1.log.gz
+mkdir inputs/trajectories
+printf '1 0 0 0 0 0 0 1\n' >inputs/trajectories/robot.tum
 mkdir inputs/snapshots
 for image in a b; do { printf 'P6 10 10 255 ' && head -c 300 /dev/urandom; } >inputs/snapshots/$image.ppm; done
 printf 'image,time_s,x_m,y_m\na.ppm,1,0,0\nb.ppm,2,1,0\n' >inputs/poses.csv
@@ -54,7 +62,7 @@ runs() {
 ran=0
 
 runs
-for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
+for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
   'export tum' 'export g2o' 'export ros' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"

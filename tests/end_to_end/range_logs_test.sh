@@ -25,6 +25,13 @@ exits 0 cairn import carmen corridor.log raw.h5 --raw
 says '^raw.h5: 1 robot, [0-9]+ controls, 0 observations, 31 range scans$'
 exits 0 cairn export tum corridor.h5 tum
 [ "$(grep -c '^[0-9]' tum/robot.tum)" -eq 62 ] || die "not every pose went out"
+exits 0 cairn import tum tum/robot.tum poses.h5
+says '^poses.h5: 1 robot, 62 poses$'
+printf '1 0 0 0\n0.5 0 0 0\n' >back.tum
+refuses 'back.tum:2: time does not run forward' cairn import tum back.tum back.h5
+exits 0 cairn import tum back.tum back.h5 --skip-bad --robot Rosa
+says '^cairn: skipped 1: time does not run forward$'
+refuses "OUT.h5 is required" cairn import tum tum/robot.tum tum/robot.tum
 
 [ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/carmen-intel" ] || skip "CAIRN_DATA names no folder that holds carmen-intel"
 runs_section 'CARMEN'
@@ -33,3 +40,10 @@ for line in 'intel.h5: .* 910 range scans, 11148 poses' 'intel-raw.h5: .* 910 ra
   'belgioioso.h5: .* 395 range scans, 4837 poses'; do
   grep -Eq "^$line\$" said || die "not read as '$line': $(cat said)"
 done
+runs_section 'Other range logs'
+for line in 'pioneer1.h5: .* 826 range scans' 'loop5.h5: .* 551 range scans' 'wean1.h5: .* 713 range scans'; do
+  grep -Eq "^$line\$" said || die "not read as '$line': $(cat said)"
+done
+rm -r poses.h5
+runs_section 'Trajectories'
+grep -q '^poses.h5: 1 robot, 11148 poses$' said || die "other poses: $(cat said)"

@@ -1,0 +1,50 @@
+#include <utility>
+#include <vector>
+
+#include "datasets/fields.h"
+#include "datasets/import_ranges.h"
+#include "datasets/range_log.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kMetres = 0.01, kReach_m = 81.8, kAhead_m = 0.25, kMostRange_m = 1000;
+constexpr std::size_t kBeams = 180, kRanges = 7;  // where those of an L line begin
+
+PoseM PoseAt(const Fields& line) {
+  return {line.Number(1) * kMetres, line.Number(2) * kMetres, line.Number(3)};
+}
+
+RangeEvent EventOf(const Fields& line, std::size_t number) {
+  RangeEvent event;
+  event.line = number;
+  if (line.Text(0) == "O") {
+    line.Need(5, "pose and time");
+  } else if (line.Text(0) == "L") {
+    line.Need(kRanges + kBeams + 1, "two poses, " + std::to_string(kBeams) + " readings and the time");
+    event.sensor = 0;
+    event.range_m = line.Ranges(kRanges, kBeams, kMostRange_m / kMetres);
+    for (double& range : event.range_m) range *= kMetres;
+  } else {
+    throw LineError{"unknown message", "'" + std::string(line.Text(0).substr(0, 40)) + "'"};
+  }
+  event.odometry = PoseAt(line);
+  event.stamp_s = line.Number(line.size() - 1);
+  return event;
+}
+
+}  // namespace
+
+ImportReport ImportWean(const RangeImportOptions& options, Blob* log) {
+  CheckNominal(options.nominal);
+  BadLines bad(options.skip_bad);
+  RangeLog ranges;
+  ranges.path = options.path;
+  ranges.sensors = {LaserFan("laser", kBeams, 1, kAhead_m, kReach_m)};
+  ForEachLine(options.path, &bad, [&](const Fields& line, std::size_t number) {
+    ranges.events.push_back(EventOf(line, number));
+  });
+  return MakeRangeLog(std::move(ranges), options.nominal, &bad, {}, log);
+}
+
+}  // namespace cairn::datasets
