@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <numeric>
+#include <optional>
 
 #include "pipelines/landmark_learning/feature_rows.h"
 #include "pipelines/landmark_learning/line_sums.h"
@@ -110,10 +112,12 @@ ErrorShare<Real> ErrorOnLine(const Places& places, const Belief& belief, ErrorKi
                              const std::vector<double>& weight, const Range& truths) {
   const bool squared = error == ErrorKind::kSquaredDistance, global = std::isinf(belief.ReachM());
   const LineSums first(error == ErrorKind::kAlong ? places.along_m : places.x_m, belief.ReachM(), squared);
-  const LineSums second(places.y_m, belief.ReachM(), squared);  // the other share of a squared distance
+  std::optional<LineSums> second;  // the other share of a squared distance, unless it is zero
+  const bool level = std::ranges::adjacent_find(places.y_m, std::not_equal_to<>()) == places.y_m.end();
+  if (squared && global && !level) second.emplace(places.y_m, belief.ReachM(), squared);
   const auto multiply = [&](const double* h, double* weighted, double* believed) {
     first.Add(h, weighted, believed);
-    if (squared && global && weighted != nullptr) second.Add(h, weighted, nullptr);
+    if (second && weighted != nullptr) second->Add(h, weighted, nullptr);
   };
   ErrorShare<Real> share{0.0, std::vector<Real>(probability.size())};
   Products<double> products(places.size(), kLineFeatures, global);

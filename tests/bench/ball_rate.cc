@@ -202,6 +202,12 @@ void MeasurePaths() {
               return ErrorInPlane(*places, probability, 16, *weights, {0, places->size()});
             });
   }
+  Compare("plane, global, squared", scattered, 0.0, ErrorKind::kSquaredDistance,
+          [&scattered](const std::vector<float>& probability) {
+            return ErrorOnLine(
+                scattered.places, {BeliefShape::kUniform, std::numeric_limits<double>::infinity()},
+                ErrorKind::kSquaredDistance, probability, 16, scattered.weight, {0, scattered.places.size()});
+          });
   Compare("line, +-2 m, distance", line, 2.0, ErrorKind::kDistance, on_line(2.0, ErrorKind::kDistance));
 }
 
