@@ -23,12 +23,14 @@ struct Options {
   std::string against;
   bool json = false;
   std::optional<int> nearest;
+  std::optional<double> heading_window_deg;
   std::optional<std::uint64_t> seed;
 };
 
 std::string ScoreOfMap(const Options& options, const Blob& log) {
-  if (options.nearest || options.seed)
-    throw InputError("--nearest and --seed are for networks, whose truth is a file of samples");
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError(
+        "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
   const datasets::Evaluation score = datasets::Evaluate(ReadResult(options.result, "landmark_map").blob, log);
   return options.json ? datasets::EvaluationJson(score) + "\n" : datasets::EvaluationText(score);
 }
@@ -36,6 +38,7 @@ std::string ScoreOfMap(const Options& options, const Blob& log) {
 datasets::ScoreOptions HowToScore(const Options& options) {
   datasets::ScoreOptions how;
   how.nearest = options.nearest.value_or(how.nearest);
+  how.heading_window_deg = options.heading_window_deg;
   how.seed = options.seed.value_or(how.seed);
   how.samples_name = options.truth;
   return how;
@@ -78,7 +81,8 @@ void CheckFeatureOptions(const Options& options) {
 }
 
 std::string ScoreOfLocalization(const Options& options, const Blob& samples) {
-  if (options.nearest || options.seed) throw InputError("--nearest and --seed are for networks");
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
   const datasets::LocalizationScore score =
       datasets::EvaluateLocalization(ReadResult(options.result, "localization").blob, samples);
   return options.json ? datasets::LocalizationScoreJson(score) + "\n"
@@ -115,7 +119,8 @@ bool IsGridMap(const std::string& result) {
 }
 
 std::string ScoreOfGrid(const Options& options, const BlobFile& truth) {
-  if (options.nearest || options.seed) throw InputError("--nearest and --seed are for networks");
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
   const Blob map = ReadResult(options.result, "grid_map").blob;
   const datasets::GridEvaluation score =
       truth.kind == "log" ? datasets::EvaluateGrid(map, truth.blob) : datasets::CompareGrids(map, truth.blob);
@@ -168,6 +173,12 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
   command->add_option(
       "--nearest", options->nearest,
       "Networks, features: training samples, of which the features at a place are the mean (5)");
+  command
+      ->add_option(
+          "--heading-window-deg", options->heading_window_deg,
+          "Networks, features: what the robot knows of its heading, in samples that do not all face one "
+          "way; 180: nothing (what the networks were trained for; features: 180)")
+      ->check(CLI::Range(0.0, 180.0));
   command
       ->add_option("--seed", options->seed,
                    "Networks, features: of the sampled features and of the intervals' bootstrap (1)")

@@ -107,7 +107,8 @@ TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {
   Refuses({networks_, "--truth", log}, "networks.h5: a networks, where a landmark_map is needed");
   Refuses({log, "--truth", samples_}, "log.h5: a log, where a networks is needed");
   Refuses({networks_, "--truth", networks_}, "a networks, where a log, samples or a grid_map are needed");
-  Refuses({log, "--truth", log, "--nearest", "3"}, "--nearest and --seed are for networks");
+  Refuses({log, "--truth", log, "--nearest", "3"},
+          "--nearest, --seed and --heading-window-deg are for networks");
   Refuses({networks_, "--truth", samples_}, "nearest: 5; allowed: from 1 to 2");
   Refuses({networks_, "--truth", samples_, "--seed", "-1"}, "seed");
 }

@@ -56,18 +56,28 @@ Fold FoldOfTwoFiles(const std::vector<FeatureRun>& runs, const std::vector<Featu
   return fold;
 }
 
-void AddTruthsOf(const Fold& fold, std::size_t features, const ScoreOptions& options,
+// Returns whether headings count.
+bool AddTruthsOf(const Fold& fold, std::size_t features, const ScoreOptions& options,
                  std::vector<Truth>* truths) {
   std::vector<PointM> places;
   std::vector<double> output;
+  ScoredHeadings headings{{}, {}, 0, options.heading_window_deg.value_or(180)};
   for (const FeatureRun* run : fold.map) {
     for (std::size_t k = 0; k < run->x_m.size(); ++k) places.push_back({run->x_m[k], run->y_m[k]});
     output.insert(output.end(), run->output.begin(), run->output.end());
+    headings.map_rad.insert(headings.map_rad.end(), run->heading_rad.begin(), run->heading_rad.end());
+  }
+  for (const FeatureRun* run : fold.held_out) {
+    headings.held_out_rad.emplace_back(run->heading_rad);
+    headings.held_out += run->x_m.size();
   }
   CheckNearest(options, places.size());
-  const FeatureMap map = MapByNearest(places, output, features, static_cast<std::size_t>(options.nearest));
+  const bool count = HeadingsCount(headings, places.size());
+  const FeatureMap map = MapByNearest(places, output, features, static_cast<std::size_t>(options.nearest),
+                                      count ? headings.map_rad : std::vector<double>());
   for (const FeatureRun* run : fold.held_out)
-    AddTruths(map, {run->number, run->x_m, run->y_m, run->output}, options, truths);
+    AddTruths(map, {run->number, run->x_m, run->y_m, run->output, run->heading_rad}, options, truths);
+  return count;
 }
 
 std::optional<double> Share(std::int64_t part, std::int64_t rest) {
@@ -101,7 +111,7 @@ FeatureEvaluation EvaluateFeatures(const Blob& samples, const Blob* truth,
   }
   std::vector<Truth> scored;
   for (const Fold& fold : folds) {
-    AddTruthsOf(fold, features.size(), options, &scored);
+    out.headings |= AddTruthsOf(fold, features.size(), options, &scored);
     for (const FeatureRun* run : fold.held_out)
       out.runs.push_back({run->name, static_cast<std::int64_t>(run->x_m.size())});
     for (const FeatureRun* run : fold.map) {

@@ -15,6 +15,7 @@ namespace cairn::datasets {
 struct FeatureEvaluation {
   std::vector<std::string> features;
   ScoreOptions options;
+  bool headings = false;              // count (HeadingsCount)
   bool in_turn = false;               // each of `runs` was held out in its turn, the map was of the others
   std::vector<RunSize> runs;          // that are held out
   std::vector<std::string> map_runs;  // of whose samples the map is made, where not in turn

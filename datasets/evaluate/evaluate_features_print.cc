@@ -46,13 +46,16 @@ std::string FeatureEvaluationJson(const FeatureEvaluation& evaluation,
                                   const std::optional<Detection>& detection, int indent) {
   Json runs = Json::array();
   for (const RunSize& run : evaluation.runs) runs.push_back({{"name", run.name}, {"samples", run.samples}});
-  Json json = {{"features", evaluation.features},
-               {"nearest", evaluation.options.nearest},
-               {"samplings", evaluation.options.samplings},
-               {"seed", evaluation.options.seed},
-               {"in_turn", evaluation.in_turn},
-               {"runs", runs},
-               {"map_runs", evaluation.map_runs}};
+  Json json = {
+      {"features", evaluation.features},
+      {"heading_window_deg",
+       evaluation.headings ? Json(evaluation.options.heading_window_deg.value_or(180)) : Json(nullptr)},
+      {"nearest", evaluation.options.nearest},
+      {"samplings", evaluation.options.samplings},
+      {"seed", evaluation.options.seed},
+      {"in_turn", evaluation.in_turn},
+      {"runs", runs},
+      {"map_runs", evaluation.map_runs}};
   if (detection) json["detection"] = DetectionJson(*detection);
   json["windows"] = WindowScoresJson(evaluation.windows);
   return json.dump(indent);
@@ -63,8 +66,9 @@ std::string FeatureEvaluationText(const FeatureEvaluation& evaluation,
   return "features   " + Joined(evaluation.features) + ", made by hand\n" + RunsText(evaluation) +
          "map        P(f | place) by the " + std::to_string(evaluation.options.nearest) +
          " nearest samples of " +
-         (evaluation.in_turn ? std::string("the other runs") : Joined(evaluation.map_runs)) + "\n" +
-         (detection ? DetectionText(*detection) : "") + WindowScoresText(evaluation.windows);
+         (evaluation.in_turn ? std::string("the other runs") : Joined(evaluation.map_runs)) +
+         (evaluation.headings ? HeadingText(evaluation.options.heading_window_deg.value_or(180)) : "") +
+         "\n" + (detection ? DetectionText(*detection) : "") + WindowScoresText(evaluation.windows);
 }
 
 }  // namespace cairn::datasets

@@ -15,13 +15,24 @@ std::vector<PointM> PlacesOf(const LearnedNetworks& nets) {
   return places;
 }
 
+bool LookAtHeadings(const LearnedNetworks& nets, const HeldOutRuns& held_out, double window_deg) {
+  ScoredHeadings headings{nets.heading_rad, {}, 0, window_deg};
+  for (const HeldOutRun& run : held_out.runs) {
+    headings.held_out_rad.push_back(run.heading_rad);
+    headings.held_out += run.x_m.size();
+  }
+  return HeadingsCount(headings, nets.samples());
+}
+
 std::vector<Truth> TruthsOf(const LearnedNetworks& nets, const HeldOutRuns& held_out,
-                            const ScoreOptions& options) {
+                            const NetworkEvaluation& how) {
   const FeatureMap map =
-      MapByNearest(PlacesOf(nets), nets.output, nets.networks, static_cast<std::size_t>(options.nearest));
+      MapByNearest(PlacesOf(nets), nets.output, nets.networks, static_cast<std::size_t>(how.options.nearest),
+                   how.headings ? nets.heading_rad : std::vector<double>());
   std::vector<Truth> truths;
   for (const HeldOutRun& run : held_out.runs)
-    AddTruths(map, {run.number, run.x_m, run.y_m, OutputsOf(nets, run.input)}, options, &truths);
+    AddTruths(map, {run.number, run.x_m, run.y_m, OutputsOf(nets, run.input), run.heading_rad}, how.options,
+              &truths);
   return truths;
 }
 
@@ -40,7 +51,9 @@ NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples, co
   out.stopped_by = held_out.stopped_by;
   for (const HeldOutRun& run : held_out.runs)
     out.runs.push_back({run.name, static_cast<std::int64_t>(run.x_m.size())});
-  out.windows = ScoreWindows(TruthsOf(nets, held_out, options), options);
+  out.options.heading_window_deg = options.heading_window_deg.value_or(nets.heading_window_deg);
+  out.headings = LookAtHeadings(nets, held_out, *out.options.heading_window_deg);
+  out.windows = ScoreWindows(TruthsOf(nets, held_out, out), options);
   return out;
 }
 

@@ -28,6 +28,8 @@ std::string NetworkEvaluationJson(const NetworkEvaluation& evaluation, int inden
   const Json json = {{"networks", evaluation.networks},
                      {"training_samples", evaluation.training_samples},
                      {"trained_window_m", WindowJson(evaluation.trained_window_m)},
+                     {"heading_window_deg",
+                      evaluation.headings ? Json(*evaluation.options.heading_window_deg) : Json(nullptr)},
                      {"nearest", evaluation.options.nearest},
                      {"samplings", evaluation.options.samplings},
                      {"seed", evaluation.options.seed},
@@ -43,7 +45,9 @@ std::string NetworkEvaluationText(const NetworkEvaluation& evaluation) {
                      WindowText(evaluation.trained_window_m) + " on " +
                      std::to_string(evaluation.training_samples) + " samples\n" + HeldOutText(evaluation) +
                      "map        P(f | place) by the " + std::to_string(evaluation.options.nearest) +
-                     " nearest training samples\n" + WindowScoresText(evaluation.windows);
+                     " nearest training samples" +
+                     (evaluation.headings ? HeadingText(*evaluation.options.heading_window_deg) : "") + "\n" +
+                     WindowScoresText(evaluation.windows);
   return text;
 }
 

@@ -252,6 +252,33 @@ TEST(EvaluateNetworks, JsonHasEveryField) {
     EXPECT_TRUE(global["sampled"][name].is_number()) << name;
 }
 
+// Five places, every other one seen on the way back; the run that is held out faces forward.
+TEST(EvaluateNetworks, LooksAtHeadingsWhereSamplesDoNotAllFaceOneWay) {
+  Blob nets = NetworksThatTellNothing(), samples = FivePlaces();
+  const auto rows = samples.Get<double>("run/1/x_m").size();
+  samples.PutVector("run/0/heading_rad", std::vector<double>(samples.Get<double>("run/0/x_m").size(), 0.0));
+  samples.PutVector("run/1/heading_rad", std::vector<double>(rows, 0.0));
+  EXPECT_FALSE(EvaluateNetworks(nets, samples, {.nearest = 1}).headings);  // the map has none
+  nets.PutVector<double>("map/heading_rad", {0.0, 0.2, -0.2, 0.1, 0.0});
+  EXPECT_FALSE(EvaluateNetworks(nets, samples, {.nearest = 1}).headings);  // all face one way
+  nets.PutVector<double>("map/heading_rad", {0.0, 3.1, 0.0, 3.1, 0.0});
+  const NetworkEvaluation does_not_know = EvaluateNetworks(nets, samples, {.nearest = 1});
+  EXPECT_TRUE(does_not_know.headings);
+  nets.PutScalar("heading_window_deg", 90.0);
+  const NetworkEvaluation knows = EvaluateNetworks(nets, samples, {.nearest = 1});
+  EXPECT_NE(knows.windows.back().prior_error_m, does_not_know.windows.back().prior_error_m);
+  EXPECT_EQ(EvaluateNetworks(nets, samples, {.nearest = 1, .heading_window_deg = 180.0})
+                .windows.back()
+                .prior_error_m,
+            does_not_know.windows.back().prior_error_m);
+  ExpectContains(NetworkEvaluationText(knows),
+                 "that face alike; the robot knows its heading to within 90 degrees");
+  ExpectContains(NetworkEvaluationText(does_not_know), "the robot does not know its heading");
+  ExpectContains(NetworkEvaluationJson(knows), "\"heading_window_deg\": 90");
+  ExpectContains(InputErrorOf([&] { EvaluateNetworks(nets, FivePlaces(), {.nearest = 1}); }),
+                 "--heading-window-deg 180 leaves them out");
+}
+
 // What is wrong with the networks' file, and what is said of it.
 TEST(EvaluateNetworks, RefusesNetworksThatDoNotFitTogether) {
   const double nan = std::nan("");

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "schema/error.h"
+#include "schema/headings.h"
 
 namespace cairn::datasets {
 namespace {
@@ -60,17 +61,22 @@ std::vector<double> FeatureProbabilities(std::span<const double> g) {
 }
 
 FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const double> output,
-                        std::size_t networks, std::size_t nearest) {
+                        std::size_t networks, std::size_t nearest, const std::vector<double>& heading_rad) {
   CAIRN_DEMAND(nearest >= 1 && nearest <= places.size(), "no such number of nearest samples");
-  FeatureMap map{.places = places, .vectors = std::size_t{1} << networks, .probability = {}};
-  for (const PointM& place : places) {
-    std::vector<Near> near = Distances(places, place);
-    std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(nearest));
+  CAIRN_DEMAND(heading_rad.empty() || heading_rad.size() == places.size(), "a heading for each place");
+  FeatureMap map{
+      .places = places, .vectors = std::size_t{1} << networks, .probability = {}, .heading_rad = heading_rad};
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    std::vector<Near> near = Distances(places, places[k]);
+    if (!heading_rad.empty())
+      std::erase_if(near, [&](const Near& n) { return !FaceAlike(heading_rad[n.second], heading_rad[k]); });
+    const std::size_t count = std::min(nearest, near.size());
+    std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(count));
     std::vector<double> mean(networks, 0.0);
-    for (std::size_t j = 0; j < nearest; ++j) {
+    for (std::size_t j = 0; j < count; ++j) {
       for (std::size_t i = 0; i < networks; ++i) mean[i] += output[near[j].second * networks + i];
     }
-    for (double& g : mean) g /= static_cast<double>(nearest);
+    for (double& g : mean) g /= static_cast<double>(count);
     const std::vector<double> probability = FeatureProbabilities(mean);
     map.probability.insert(map.probability.end(), probability.begin(), probability.end());
   }
@@ -80,8 +86,12 @@ FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const doubl
 std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const PointM& truth,
                                      std::span<const double> probability,
                                      const std::vector<std::size_t>& drawn,
-                                     const std::vector<double>& windows_m) {
+                                     const std::vector<double>& windows_m, const KnownHeading& known) {
   std::vector<Near> near = Distances(map.places, truth);
+  if (!map.heading_rad.empty())
+    std::erase_if(near, [&](const Near& n) {
+      return TurnBetween(map.heading_rad[n.second], known.heading_rad) > known.window_rad;
+    });
   std::ranges::sort(near);
   Held held(map.vectors);
   std::vector<WindowError> errors;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace cairn::datasets {
 // P(f | xi) at the places of the training samples.
 struct FeatureMap {
   std::vector<PointM> places;
-  std::size_t vectors = 1;          // 2^n; bit i of f is f_i
-  std::vector<double> probability;  // [places][vectors]
+  std::size_t vectors = 1;               // 2^n; bit i of f is f_i
+  std::vector<double> probability;       // [places][vectors]
+  std::vector<double> heading_rad = {};  // of the places; empty where headings do not count
 };
 
 // P(f) of independent bits that are 1 with probability g_i: [2^n]. [T98] eqs 32, 33.
@@ -21,9 +23,16 @@ std::vector<double> FeatureProbabilities(std::span<const double> g);
 
 // P(f | xi) = prod_i of the mean of g_i over the `nearest` samples that were taken closest to xi, itself
 // among them ([T98] section 5.1.6); of samples equally far away the first ones. `output`: [places][networks];
-// 1 <= nearest <= places. Costs O(places^2).
+// 1 <= nearest <= places. `heading_rad`: empty, or of each place; only samples that face like xi then count,
+// all of them where they are fewer than `nearest`. Costs O(places^2).
 FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const double> output,
-                        std::size_t networks, std::size_t nearest);
+                        std::size_t networks, std::size_t nearest,
+                        const std::vector<double>& heading_rad = {});
+
+// What a robot knows of its heading: places whose headings are farther away are not believed in.
+struct KnownHeading {
+  double heading_rad = 0, window_rad = std::numbers::pi;
+};
 
 // One sample's share of the errors ([T98] eqs 21 and 36, P(a) left out), for a belief that is uniform over
 // the places within a window of where it was taken.
@@ -36,10 +45,10 @@ struct WindowError {
 
 // `windows_m`: half-widths, ascending. `probability`: P(f | s) of the sample, [vectors]. Where the map holds
 // f for impossible anywhere in the window the belief stays what it was: E(f) is the prior error. O(places
-// (log places + vectors)) for all windows together.
+// (log places + vectors)) for all windows together. `known` counts where the map has headings.
 std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const PointM& truth,
                                      std::span<const double> probability,
                                      const std::vector<std::size_t>& drawn,
-                                     const std::vector<double>& windows_m);
+                                     const std::vector<double>& windows_m, const KnownHeading& known = {});
 
 }  // namespace cairn::datasets

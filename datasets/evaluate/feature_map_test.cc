@@ -45,6 +45,35 @@ TEST(MapByNearest, PrefersTheFirstOfSamplesThatAreEquallyNear) {
   EXPECT_DOUBLE_EQ(map.probability[3], 0.5);
 }
 
+// There and back, and one sideways: nearest are those of the ones that face alike, all of them where they are
+// too few.
+TEST(MapByNearest, TakesSamplesThatFaceAlikeWhereHeadingsCount) {
+  const std::vector<PointM> places = {{0, 0}, {0.1, 0}, {1, 0}, {1.1, 0}, {2, 0}};
+  const std::vector<double> g = {0.0, 1.0, 0.2, 0.6, 0.4}, heading_rad = {0.0, 3.1, 0.2, -3.1, 1.4};
+  const FeatureMap map = MapByNearest(places, g, 1, 2, heading_rad);
+  const std::vector<double> mean = {0.1, 0.8, 0.1, 0.8, 0.3};
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_NEAR(map.probability[2 * k + 1], mean[k], 1e-15) << k;
+  const FeatureMap more = MapByNearest(places, g, 1, 4, heading_rad);
+  EXPECT_NEAR(more.probability[2 * 1 + 1], 0.8, 1e-15);
+  EXPECT_NEAR(more.probability[2 * 2 + 1], 0.2, 1e-15);
+}
+
+// Of the places at 0, 1, 4 m below the one at 1 m faces back: who knows it faces forward does not believe in
+// it.
+TEST(ErrorsInMap, PlacesThatFaceAnotherWayAreOutOfTheHeadingsWindow) {
+  const FeatureMap map{.places = {{0, 0}, {1, 0}, {4, 0}},
+                       .vectors = 2,
+                       .probability = {0.2, 0.8, 0.7, 0.3, 0.5, 0.5},
+                       .heading_rad = {0.1, 3.1, -0.1}};
+  const std::vector<double> p = {0.4, 0.6};
+  const WindowError knows = ErrorsInMap(map, {0, 0}, p, {}, {100}, {0.0, 1.5})[0];
+  EXPECT_EQ(knows.places, 2U);
+  EXPECT_DOUBLE_EQ(knows.prior_m, 2);
+  EXPECT_DOUBLE_EQ(knows.soft_m, 0.4 * 4 * 0.5 / 0.7 + 0.6 * 4 * 0.5 / 1.3);
+  const WindowError does_not = ErrorsInMap(map, {0, 0}, p, {}, {100}, {0.0})[0];
+  EXPECT_EQ(does_not.places, 3U);
+}
+
 // Places at 0, 1, 4 m with g = 0.8, 0.3, 0.5; the truth at 0 m, where g(s) = 0.6; global. By hand:
 // E(1) = (0 + 1 * 0.3 + 4 * 0.5) / 1.6, E(0) = (0 + 1 * 0.7 + 4 * 0.5) / 1.4.
 TEST(ErrorsInMap, TheSumByHand) {

@@ -45,9 +45,17 @@ FeatureRun ReadRun(const Blob& file, std::size_t number, const std::string& name
     throw InputError("run '" + name +
                      "': x_m, y_m and feature do not have the same number of rows, or a row " +
                      "not one feature for each name");
-  FeatureRun run{name, number, {x.begin(), x.end()}, {y.begin(), y.end()}, {}};
+  FeatureRun run{name, number, {x.begin(), x.end()}, {y.begin(), y.end()}, {}, {}};
+  if (file.Has(prefix + "heading_rad")) {
+    const auto heading = file.Get<double>(prefix + "heading_rad");
+    if (heading.size() != x.size())
+      throw InputError("run '" + name + "': x_m and heading_rad do not have the same number of rows");
+    run.heading_rad.assign(heading.begin(), heading.end());
+  }
   for (std::size_t k = 0; k < x.size(); ++k) {
     if (!std::isfinite(x[k]) || !std::isfinite(y[k])) RefuseRow(name, k, "its position is no number");
+    if (!run.heading_rad.empty() && !std::isfinite(run.heading_rad[k]))
+      RefuseRow(name, k, "its heading is no number");
     for (const std::size_t column : columns) {
       const double value = feature[k * names.size() + column];
       if (!(value >= 0 && value <= 1))

@@ -14,7 +14,8 @@ struct FeatureRun {
   std::string name;
   std::size_t number = 0;  // in the file
   std::vector<double> x_m, y_m;
-  std::vector<double> output;  // [samples][features]: P(f_i = 1 | s)
+  std::vector<double> output;       // [samples][features]: P(f_i = 1 | s)
+  std::vector<double> heading_rad;  // empty where it is not known
 };
 
 // Of the runs that have samples, in order; `features` by their names, in the order that is asked for. Throws

@@ -42,6 +42,12 @@ HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name
       file.at(prefix + "input").shape() != Shape{rows, static_cast<std::int64_t>(inputs.size())})
     throw InputError("run '" + name + "': x_m, y_m and input do not have the same number of rows, or a row " +
                      "not one input for each name");
+  if (file.Has(prefix + "heading_rad")) {
+    run.heading_rad = file.Get<double>(prefix + "heading_rad");
+    if (run.heading_rad.size() != run.x_m.size())
+      throw InputError("run '" + name + "': x_m and heading_rad do not have the same number of rows");
+    CheckNumbers(run.heading_rad, run, "position", {"heading_rad"});
+  }
   CheckNumbers(run.x_m, run, "position", {"x_m"});
   CheckNumbers(run.y_m, run, "position", {"y_m"});
   CheckNumbers(run.input, run, "input", inputs);

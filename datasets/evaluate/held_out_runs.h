@@ -14,7 +14,8 @@ struct HeldOutRun {
   std::string name;
   std::size_t number = 0;  // in the file
   std::span<const double> x_m, y_m;
-  std::span<const float> input;  // [samples][inputs]
+  std::span<const float> input;              // [samples][inputs]
+  std::span<const double> heading_rad = {};  // empty where it is not known
 };
 
 struct HeldOutRuns {

@@ -82,6 +82,7 @@ void ReadMap(const Blob& file, LearnedNetworks* nets) {
   if (bad != nets->output.end())
     throw InputError("'map/output': entry " + std::to_string(bad - nets->output.begin()) +
                      " is no probability");
+  if (file.Has("map/heading_rad")) nets->heading_rad = Numbers<double>(file, "map/heading_rad", {samples});
   nets->runs = file.Texts("runs");
   RequireShape(file, "map/run", {samples});
   const auto run = file.Get<std::int32_t>("map/run");
@@ -115,6 +116,8 @@ LearnedNetworks ReadLearnedNetworks(const Blob& file) {
   ReadWeights(file, &nets);
   ReadMap(file, &nets);
   if (file.Has("window_m")) nets.window_m = file.Scalar<double>("window_m");
+  if (file.Has("heading_window_deg")) nets.heading_window_deg = file.Scalar<double>("heading_window_deg");
+  if (!(nets.heading_window_deg >= 0)) throw InputError("'heading_window_deg' is not 0 or above");
   if (!(nets.window_m >= 0)) throw InputError("'window_m' is not 0 or above");
   return nets;
 }

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "schema/error.h"
+#include "schema/headings.h"
 
 namespace cairn::datasets {
 namespace {
@@ -119,14 +121,29 @@ void CheckNearest(const ScoreOptions& options, std::size_t training_samples) {
   CAIRN_DEMAND(options.samplings >= 1, "no samplings");
 }
 
+bool HeadingsCount(const ScoredHeadings& headings, std::size_t map_samples) {
+  std::vector<double> all = headings.map_rad;
+  for (const auto& run : headings.held_out_rad) all.insert(all.end(), run.begin(), run.end());
+  const bool known = headings.map_rad.size() == map_samples && all.size() == map_samples + headings.held_out;
+  const bool window = headings.window_deg < 180;
+  if (window && !known)
+    throw InputError(
+        "beliefs that look at headings (heading_window_deg = " + std::to_string(headings.window_deg) +
+        ") take samples and a map that have them; --heading-window-deg 180 leaves them out");
+  return window || (known && !AllFaceOneWay(all));
+}
+
 void AddTruths(const FeatureMap& map, const SensedRun& run, const ScoreOptions& options,
                std::vector<Truth>* truths) {
   const std::size_t features = run.output.size() / run.x_m.size();
   for (std::size_t a = 0; a < run.x_m.size(); ++a) {
     const std::span<const double> g = run.output.subspan(a * features, features);
     const Rng rng(options.seed, run.number, static_cast<std::uint32_t>(a));
+    KnownHeading known;
+    if (!map.heading_rad.empty())
+      known = {run.heading_rad[a], options.heading_window_deg.value_or(180) * std::numbers::pi / 180};
     truths->push_back({run.number, ErrorsInMap(map, {run.x_m[a], run.y_m[a]}, FeatureProbabilities(g),
-                                               Drawn(g, options.samplings, rng), options.windows_m)});
+                                               Drawn(g, options.samplings, rng), options.windows_m, known)});
   }
 }
 

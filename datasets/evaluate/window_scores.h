@@ -21,7 +21,10 @@ struct ScoreOptions {
   int nearest = 5;         // k training samples, of which P(f | xi) is made
   int samplings = 20;      // of f, for each held-out sample
   std::uint64_t seed = 1;  // of the samplings and of the bootstrap
-  std::vector<double> windows_m = {1, 2, 5, 10, 50, 89, kGlobal};       // half-widths, ascending
+  std::vector<double> windows_m = {1, 2, 5, 10, 50, 89, kGlobal};  // half-widths, ascending
+  // What the robot knows of its heading: places whose samples face farther away are not believed in; none:
+  // what the networks were trained for, and nothing (180) of features made by hand.
+  std::optional<double> heading_window_deg = {};
   std::string map_name = "the networks", samples_name = "the samples";  // files, for messages
 };
 
@@ -58,12 +61,27 @@ struct Truth {
 struct SensedRun {
   std::size_t number = 0;  // tells it from the other runs, and seeds its samplings
   std::span<const double> x_m, y_m;
-  std::span<const double> output;  // [samples][features]: P(f_i = 1 | s)
+  std::span<const double> output;            // [samples][features]: P(f_i = 1 | s)
+  std::span<const double> heading_rad = {};  // [samples], where the map has headings
 };
+
+// The headings of a map's samples, those of the runs that are held out, and what robots know of theirs.
+struct ScoredHeadings {
+  std::vector<double> map_rad;
+  std::vector<std::span<const double>> held_out_rad;
+  std::size_t held_out = 0;  // samples
+  double window_deg = 180;
+};
+
+// Whether headings count: P(f | place) is then of samples that face alike, and beliefs hold those in the
+// heading's window. They do where all samples have one and they do not all face one way, or where there is a
+// window. Throws InputError where there is a window and a sample without a heading.
+bool HeadingsCount(const ScoredHeadings& headings, std::size_t map_samples);
 
 // Throws InputError where `options.nearest` is not from 1 to the number of training samples.
 void CheckNearest(const ScoreOptions& options, std::size_t training_samples);
 
+// `options.heading_window_deg` has been decided where the map has headings.
 void AddTruths(const FeatureMap& map, const SensedRun& run, const ScoreOptions& options,
                std::vector<Truth>* truths);
 

@@ -86,6 +86,12 @@ std::string WindowText(double window_m) {
   return std::isinf(window_m) ? "global" : Formatted("+-%g m", window_m);
 }
 
+std::string HeadingText(double heading_window_deg) {
+  return " that face alike; the robot " +
+         (heading_window_deg < 180 ? Formatted("knows its heading to within %g degrees", heading_window_deg)
+                                   : std::string("does not know its heading"));
+}
+
 std::string WindowScoresText(const std::vector<WindowScore>& scores) {
   std::string text = IntervalText(scores);
   text += "\n                                       of soft f                           of sampled f\n";

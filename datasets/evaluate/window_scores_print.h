@@ -12,7 +12,9 @@ namespace cairn::datasets {
 nlohmann::ordered_json WindowJson(double window_m);  // null: global
 nlohmann::ordered_json WindowScoresJson(const std::vector<WindowScore>& scores);
 
-std::string WindowText(double window_m);  // "+-2 m", "global"
+std::string WindowText(double window_m);
+// Behind the words on the map, where headings count.
+std::string HeadingText(double heading_window_deg);  // "+-2 m", "global"
 // What intervals are taken over; an empty line; a row for each window.
 std::string WindowScoresText(const std::vector<WindowScore>& scores);
 std::string Joined(const std::vector<std::string>& names);

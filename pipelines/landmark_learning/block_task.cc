@@ -18,6 +18,10 @@ Places Part(const Places& places, const Range& range) {
   };
   Places some{part(places.x_m), part(places.y_m), part(places.along_m), {}, places.table};
   if (!places.row.empty()) some.row.assign(places.row.begin() + range.first, places.row.begin() + range.end);
+  if (!places.cos_heading.empty()) {
+    some.cos_heading = part(places.cos_heading);
+    some.sin_heading = part(places.sin_heading);
+  }
   return some;
 }
 

@@ -27,6 +27,15 @@ double PriorError(const Options& options, const SampleSet& truths, const SampleS
                             truths.weight, {0, truths.size()});
 }
 
+void RefuseUnknownHeadings(const Options& options, const TrainingData& data) {
+  if (!BeliefOf(options).LooksAtHeadings()) return;
+  for (const SampleSet* set : {&data.training, &data.held_out}) {
+    if (set->heading_rad.size() != set->places.x_m.size())
+      throw InputError(
+          "heading_window_deg: it takes samples whose headings are known, 'heading_rad' of each run");
+  }
+}
+
 // The gradient is zero wherever no sample is in reach of another.
 void RefuseLonely(const Options& options, const TrainingData& data) {
   if (PriorError(options, data.training, data.training) > 0.0) return;
@@ -65,6 +74,8 @@ std::string OverlookedImages(const Blob& samples, std::size_t inputs) {
 
 // Some ways to train go on what every step says of all truths and networks.
 void RefuseMixtures(const Options& options) {
+  if (options.cell_m > 0.0 && options.heading_window_deg < 180.0)
+    throw InputError("cell_m does not go with heading_window_deg: a cell's samples face whichever way");
   if (options.cell_m > 0.0 && (options.batch > 0 || options.method == "conjugate"))
     throw InputError("cell_m does not go with batch, nor with method=conjugate");
   if (options.starts > 1 && (options.method == "conjugate" || options.sequential))
@@ -97,6 +108,7 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   if (inputs.Has("weights")) parent = ReadParent(*inputs.Get("weights"), shape, input_names);
   TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr,
                                        ByCommas(options_.unseen));
+  RefuseUnknownHeadings(options_, data);
   WeighTruths(options_, &data);
   AttachErrors(options_, inputs, &data);
   RefuseLonely(options_, data);

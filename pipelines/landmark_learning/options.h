@@ -15,6 +15,7 @@ struct Options {
   std::int64_t hidden_2 = 0;
   double window_m = 2.0;
   std::string belief = "uniform";
+  double heading_window_deg = 180.0;
   std::string error = "distance";
   double smooth_m = 0.5;
   std::string truths = "samples";
@@ -51,6 +52,11 @@ void VisitOptions(V& visit, Options& o) {
                "deviation); 0: nothing"},
         o.window_m);
   visit(Option{"belief", "", 0, 0, "its shape", {"uniform", "gaussian"}}, o.belief);
+  visit(
+      Option{"heading_window_deg", "deg", 0, 180,
+             "and of its heading: beliefs hold samples that were taken facing within so much of the robot's "
+             "heading; 180: whichever way"},
+      o.heading_window_deg);
   visit(Option{"error",
                "",
                0,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pipelines/landmark_learning/lane_math.h"
+#include "schema/error.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -68,6 +69,9 @@ double MassCost::Of(double u) { return -std::log((1.0 - kLeast) * u + kLeast); }
 
 Pairs::Pairs(const Places& truths, const Places& samples, const Belief& belief, const ErrorRule& error)
     : true_(truths), samples_(samples), belief_(belief), error_(error) {
+  CAIRN_DEMAND(!belief.LooksAtHeadings() || (truths.cos_heading.size() == truths.x_m.size() &&
+                                             samples.cos_heading.size() == samples.x_m.size()),
+               "headings, where beliefs look at them");
   if (std::isinf(belief.ReachM())) return;
   for (int first = 0; first < samples.size(); first += kTileSamples)
     tiles_.push_back(BoxAround(samples, {first, std::min(samples.size(), first + kTileSamples)}));
@@ -98,7 +102,7 @@ void Pairs::Reach(const Range& truths, std::vector<Stretch>* stretches) const {
   stretches->clear();
   const int count = samples_.size();
   if (std::isinf(belief_.ReachM())) {
-    stretches->push_back({{0, count}, true});
+    stretches->push_back({{0, count}, !belief_.LooksAtHeadings()});
     return;
   }
   const Box box = BoxAround(true_, truths);
@@ -113,7 +117,8 @@ void Pairs::Reach(const Range& truths, std::vector<Stretch>* stretches) const {
     if (near_x * near_x + near_y * near_y > beyond) continue;
     const double far_x = std::max(tile.high_x_m - box.low_x_m, box.high_x_m - tile.low_x_m);
     const double far_y = std::max(tile.high_y_m - box.low_y_m, box.high_y_m - tile.low_y_m);
-    const bool all = belief_.shape == BeliefShape::kUniform && far_x * far_x + far_y * far_y <= within;
+    const bool all = belief_.shape == BeliefShape::kUniform && !belief_.LooksAtHeadings() &&
+                     far_x * far_x + far_y * far_y <= within;
     const int first = t * kTileSamples, end = std::min(count, first + kTileSamples);
     if (!stretches->empty() && stretches->back().samples.end == first && stretches->back().all == all)
       stretches->back().samples.end = end;
@@ -140,6 +145,21 @@ void Pairs::LookUp(std::int32_t row, const Range& samples, std::vector<Real>* er
 }
 
 template <class Real>
+void Pairs::KeepThoseThatFaceAs(std::size_t truth, const Columns<Real>& columns, Real* belief,
+                                Real* weighted) const {
+  using L = Lanes<Real>;
+  const auto cos_a = L::Broadcast(static_cast<Real>(-true_.cos_heading[truth]));
+  const auto sin_a = L::Broadcast(static_cast<Real>(-true_.sin_heading[truth]));
+  const auto most = L::Broadcast(static_cast<Real>(kRounding - std::cos(belief_.heading_rad)));
+  for (int k = 0; k < static_cast<int>(columns.x.size()); k += L::kCount) {
+    const auto turned = L::Fma(cos_a, L::Load(columns.cos_heading.data() + k),
+                               L::Mul(sin_a, L::Load(columns.sin_heading.data() + k)));
+    L::Store(belief + k, L::IfAtMost(turned, most, L::Load(belief + k)));
+    L::Store(weighted + k, L::IfAtMost(turned, most, L::Load(weighted + k)));
+  }
+}
+
+template <class Real>
 void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Columns<Real>* columns,
                  Real* belief, Real* weighted) const {
   using L = Lanes<Real>;
@@ -149,6 +169,11 @@ void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Column
   From(samples_.x_m, stretch.samples, x0, &columns->x);
   From(samples_.y_m, stretch.samples, y0, &columns->y);
   if (error_ == ErrorKind::kAlong) From(samples_.along_m, stretch.samples, along0, &columns->along);
+  const bool headings = belief_.LooksAtHeadings();
+  if (headings) {
+    From(samples_.cos_heading, stretch.samples, 0.0, &columns->cos_heading);
+    From(samples_.sin_heading, stretch.samples, 0.0, &columns->sin_heading);
+  }
   const int whole = static_cast<int>(columns->x.size());
   if (error_ == ErrorKind::kTable) columns->along.resize(columns->x.size());
   const Real *x = columns->x.data(), *y = columns->y.data(), *along = columns->along.data();
@@ -171,6 +196,7 @@ void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Column
       L::Store(belief + k, believed);
       L::Store(weighted + k, L::Mul(believed, error));
     }
+    if (headings) KeepThoseThatFaceAs(at, *columns, belief, weighted);
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "schema/array.h"
@@ -16,6 +17,7 @@ struct Places {
   std::vector<double> along_m;         // way travelled until there
   std::vector<std::int32_t> row = {};  // of the table of errors; empty where there is none
   Array table = {};                    // f32, [rows][rows]: e from the place of one row to that of another
+  std::vector<double> cos_heading = {}, sin_heading = {};  // empty where it is not known
 
   int size() const { return static_cast<int>(x_m.size()); }
 };
@@ -30,7 +32,11 @@ enum class BeliefShape {
 struct Belief {
   BeliefShape shape = BeliefShape::kUniform;
   double width_m = 2.0;  // infinite: globally uncertain
+  // Samples that face farther away from where the robot truly faces are not believed in; pi: whatever they
+  // do.
+  double heading_rad = std::numbers::pi;
 
+  bool LooksAtHeadings() const { return heading_rad < std::numbers::pi; }
   double ReachM() const { return shape == BeliefShape::kGaussian ? 3.0 * width_m : width_m; }
 };
 
@@ -78,13 +84,13 @@ struct Stretch {
 // What Fill works in, used again from call to call.
 template <class Real>
 struct Columns {
-  std::vector<Real> x, y, along;
+  std::vector<Real> x, y, along, cos_heading, sin_heading;
 };
 
 // Every pair of a true position and a sample for which it may be taken. In training both are of one set.
 class Pairs {
  public:
-  // `truths` and `samples` must outlive this.
+  // `truths` and `samples` must outlive this; they have headings where the belief looks at them.
   Pairs(const Places& truths, const Places& samples, const Belief& belief, const ErrorRule& error);
 
   const Places& samples() const { return samples_; }
@@ -103,6 +109,10 @@ class Pairs {
 
  private:
   Range TilesAround(const Box& truths) const;
+  // Bel_prior of a row of the table is zero where the samples face another way than the truth.
+  template <class Real>
+  void KeepThoseThatFaceAs(std::size_t truth, const Columns<Real>& columns, Real* belief,
+                           Real* weighted) const;
   template <class Real>
   void LookUp(std::int32_t row, const Range& samples, std::vector<Real>* errors) const;
 

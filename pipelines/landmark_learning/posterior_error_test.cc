@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "pipelines/landmark_learning/features.h"
 #include "schema/rng.h"
@@ -28,6 +29,12 @@ struct World {
       for (int i = 0; i < n; ++i) g.push_back(rng.Uniform());
       weight.push_back(rng.Uniform(0.5, 1.5) / samples);
     }
+    Rng headings(seed, 1);
+    for (int k = 0; k < samples; ++k) {  // there and back, more or less
+      const double heading = (headings.Uniform() < 0.5 ? 0.0 : 3.0) + headings.Uniform(-0.6, 0.6);
+      places.cos_heading.push_back(std::cos(heading));
+      places.sin_heading.push_back(std::sin(heading));
+    }
   }
   std::vector<double> G() const { return FeatureProbabilities(g, networks); }
   ErrorShare<double> Share(const Belief& belief, const ErrorRule& error, const Range& truths) const {
@@ -50,6 +57,10 @@ double ErrorBetween(const Places& p, ErrorKind kind, std::size_t a, std::size_t 
 double BeliefIn(const Places& p, const Belief& belief, std::size_t a, std::size_t k) {
   const double distance = std::hypot(p.x_m[a] - p.x_m[k], p.y_m[a] - p.y_m[k]);
   if (distance > belief.ReachM()) return 0.0;
+  const double turned = std::remainder(
+      std::atan2(p.sin_heading[a], p.cos_heading[a]) - std::atan2(p.sin_heading[k], p.cos_heading[k]),
+      2 * std::numbers::pi);
+  if (std::abs(turned) > belief.heading_rad) return 0.0;
   return belief.shape == BeliefShape::kUniform
              ? 1.0
              : std::exp(-0.5 * distance * distance / belief.width_m / belief.width_m);
@@ -84,8 +95,12 @@ double LiteralError(const World& w, const Belief& belief, ErrorKind kind) {
   return error;
 }
 
-const Belief kBeliefs[] = {
-    {BeliefShape::kUniform, 2.0}, {BeliefShape::kUniform, kEverywhere}, {BeliefShape::kGaussian, 1.5}};
+const Belief kBeliefs[] = {{BeliefShape::kUniform, 2.0},
+                           {BeliefShape::kUniform, kEverywhere},
+                           {BeliefShape::kGaussian, 1.5},
+                           {BeliefShape::kUniform, 2.0, 0.5},
+                           {BeliefShape::kUniform, kEverywhere, 1.5},
+                           {BeliefShape::kGaussian, 1.5, 1.5}};
 constexpr ErrorKind kErrors[] = {ErrorKind::kDistance, ErrorKind::kSquaredDistance, ErrorKind::kAlong};
 
 TEST(PosteriorError, EqualsTheLiteralSumOverTriples) {

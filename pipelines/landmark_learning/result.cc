@@ -45,6 +45,7 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   result.PutVector("map/x_m", set.places.x_m);
   result.PutVector("map/y_m", set.places.y_m);
   result.PutVector("map/along_m", set.places.along_m);
+  if (!set.heading_rad.empty()) result.PutVector("map/heading_rad", set.heading_rad);
   result.PutVector("map/run", set.run);
   result.Put("map/output", Array::Of<float>({set.size(), parameters.shape.networks},
                                             Forward(parameters, set.inputs(), set.size()).output));
@@ -55,6 +56,7 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   result.PutScalar("prior_error_m", t.prior);
   result.PutScalar("validation_prior_error_m", t.validation_prior);
   result.PutScalar("window_m", options.window_m);
+  result.PutScalar("heading_window_deg", options.heading_window_deg);
   result.Put("options", Array::Texts(OptionTexts(options)));
   if (!t.warnings.empty()) result.Put("warnings", Array::Texts(t.warnings));
   if (starts != nullptr) result.PutAll("", *starts);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "pipelines/landmark_learning/far_field.h"
@@ -71,7 +72,7 @@ struct LineCase {
 LineCase LookAtLine(const Belief& belief, const ErrorRule& error, const Places& places) {
   constexpr double kRounding = 1e-12;  // what is off a line by so much of its length is off by rounding
   LineCase found;
-  if (belief.shape != BeliefShape::kUniform || error == ErrorKind::kTable ||
+  if (belief.shape != BeliefShape::kUniform || belief.LooksAtHeadings() || error == ErrorKind::kTable ||
       error == ErrorKind::kPosteriorMass)
     return found;
   const bool global = std::isinf(belief.ReachM());
@@ -97,8 +98,10 @@ std::string LineText(const LineCase& found, double bound) {
 }  // namespace
 
 Belief BeliefOf(const Options& options) {
+  constexpr double kDeg = std::numbers::pi / 180.0;
   return {options.belief == "gaussian" ? BeliefShape::kGaussian : BeliefShape::kUniform,
-          options.window_m > 0.0 ? options.window_m : std::numeric_limits<double>::infinity()};
+          options.window_m > 0.0 ? options.window_m : std::numeric_limits<double>::infinity(),
+          options.heading_window_deg < 180.0 ? options.heading_window_deg * kDeg : std::numbers::pi};
 }
 
 ErrorRule ErrorOf(const Options& options) {
@@ -146,8 +149,8 @@ SumPlan PlanSum(const Options& options, const Places& places) {
   if (options.sum == "pairs" || (options.sum == "auto" && options.batch > 0)) return pairs;
   const Belief belief = BeliefOf(options);
   const ErrorRule error = ErrorOf(options);
-  const bool tree =
-      belief.shape == BeliefShape::kUniform && std::isinf(belief.ReachM()) && error == ErrorKind::kDistance;
+  const bool tree = belief.shape == BeliefShape::kUniform && !belief.LooksAtHeadings() &&
+                    std::isinf(belief.ReachM()) && error == ErrorKind::kDistance;
   if (options.sum == "tree") {
     if (!tree) throw InputError("sum = tree: it takes distances, and window_m = 0: nothing known before");
     return Tree();
@@ -156,9 +159,8 @@ SumPlan PlanSum(const Options& options, const Places& places) {
   if (options.sum == "line") {
     if (!found.possible)
       throw InputError(
-          "sum = line: it takes a uniform belief and distances, and errors along the way only where nothing "
-          "is "
-          "known before");
+          "sum = line: it takes a uniform belief in samples that face whichever way, and distances, and "
+          "errors along the way only where nothing is known before");
     return Line(belief, error, places, std::move(found));
   }
   const double flops = FlopsPerVector(options, SumPath::kPairs, places);

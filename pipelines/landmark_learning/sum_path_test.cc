@@ -68,14 +68,23 @@ std::string Complaint(const Options& options) {
   return "";
 }
 
+TEST(PlanSum, BeliefsThatLookAtHeadingsAreSummedOverPairs) {
+  for (const double off_m : {0.0, 0.2}) {
+    Places places = Corridor(6000, off_m);
+    places.cos_heading.assign(6000, 1.0);
+    places.sin_heading.assign(6000, 0.0);
+    EXPECT_EQ(PlanSum({.window_m = 0.0, .heading_window_deg = 90.0}, places).path, SumPath::kPairs);
+  }
+}
+
 TEST(PlanSum, RefusesToBeForcedWhereItCannot) {
   EXPECT_EQ(Complaint({.window_m = 0.0, .sum = "tree"}), "");
   EXPECT_EQ(Complaint({.window_m = 2.0, .sum = "tree"}),
             "sum = tree: it takes distances, and window_m = 0: nothing known before");
   EXPECT_EQ(
       Complaint({.belief = "gaussian", .sum = "line"}),
-      "sum = line: it takes a uniform belief and distances, and errors along the way only where nothing is "
-      "known before");
+      "sum = line: it takes a uniform belief in samples that face whichever way, and distances, and errors "
+      "along the way only where nothing is known before");
 }
 
 }  // namespace

@@ -12,7 +12,8 @@ namespace {
 // Before they are sorted: the inputs as they were sensed.
 struct RawRun {
   Places places;
-  std::vector<double> weight;  // empty: the file has none
+  std::vector<double> weight;   // empty: the file has none
+  std::vector<double> heading;  // the same
   std::vector<float> inputs;
 };
 
@@ -67,6 +68,12 @@ RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, s
           " samples" +
           (bad == raw.weight.end() ? "" : "; sample " + std::to_string(bad - raw.weight.begin())));
   }
+  if (samples.Has(prefix + "heading_rad")) {
+    raw.heading = Column<double>(samples, run, prefix, "heading_rad");
+    if (raw.heading.size() != count)
+      throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
+                       " x_m, " + std::to_string(raw.heading.size()) + " heading_rad");
+  }
   RefuseDuplicates(raw.places, Column<double>(samples, run, prefix, "time_s"), run);
   raw.inputs.assign(rows.begin(), rows.end());
   double along = 0.0;
@@ -84,7 +91,7 @@ struct RawSet {
   Places places;
   std::vector<std::int32_t> run;
   std::vector<float> inputs;
-  std::vector<double> weight;  // of fewer samples where a run has none
+  std::vector<double> weight, heading;  // of fewer samples where a run has none
 };
 
 void Append(const RawRun& raw, std::size_t run, RawSet* set) {
@@ -94,6 +101,7 @@ void Append(const RawRun& raw, std::size_t run, RawSet* set) {
   add(raw.places.along_m, &set->places.along_m);
   add(raw.inputs, &set->inputs);
   add(raw.weight, &set->weight);
+  add(raw.heading, &set->heading);
   set->run.insert(set->run.end(), raw.places.x_m.size(), static_cast<std::int32_t>(run));
 }
 
@@ -116,10 +124,19 @@ RawSet Sorted(const RawSet& set, std::size_t inputs) {
     sorted.places.along_m.push_back(set.places.along_m[k]);
     sorted.run.push_back(set.run[k]);
     if (set.weight.size() == order.size()) sorted.weight.push_back(set.weight[k]);
+    if (set.heading.size() == order.size()) sorted.heading.push_back(set.heading[k]);
     const float* row = &set.inputs[k * inputs];
     sorted.inputs.insert(sorted.inputs.end(), row, row + inputs);
   }
   return sorted;
+}
+
+// Into the places, where beliefs look for them.
+void PutDirections(SampleSet* set) {
+  for (const double heading : set->heading_rad) {
+    set->places.cos_heading.push_back(std::cos(heading));
+    set->places.sin_heading.push_back(std::sin(heading));
+  }
 }
 
 SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vector<double>& scale) {
@@ -129,9 +146,12 @@ SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vec
   }
   const std::int64_t samples = set.places.size();
   std::vector<double> weight(static_cast<std::size_t>(samples), 1.0 / static_cast<double>(samples));
-  return {std::move(set.places), std::move(set.run), std::move(weight),
-          Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs),
-          std::move(set.weight)};
+  SampleSet normalised{
+      std::move(set.places), std::move(set.run),
+      std::move(weight),     Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs),
+      std::move(set.weight), std::move(set.heading)};
+  PutDirections(&normalised);
+  return normalised;
 }
 
 void FindNorm(const RawSet& set, std::size_t inputs, std::vector<double>* mean, std::vector<double>* scale) {
@@ -155,6 +175,7 @@ void Store(const SampleSet& set, const std::string& prefix, Blob* blob) {
   blob->PutVector(prefix + "row", set.places.row);
   blob->Put(prefix + "table", set.places.table);
   blob->Put(prefix + "input", set.input);
+  blob->PutVector(prefix + "heading_rad", set.heading_rad);
 }
 
 template <class T>
@@ -164,12 +185,16 @@ std::vector<T> Taken(const Blob& blob, const std::string& name) {
 }
 
 SampleSet Load(const std::string& prefix, const Blob& blob) {
-  return {{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
-           Taken<double>(blob, prefix + "along_m"), Taken<std::int32_t>(blob, prefix + "row"),
-           blob.at(prefix + "table")},
-          Taken<std::int32_t>(blob, prefix + "run"),
-          Taken<double>(blob, prefix + "weight"),
-          blob.at(prefix + "input")};
+  SampleSet set{{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
+                 Taken<double>(blob, prefix + "along_m"), Taken<std::int32_t>(blob, prefix + "row"),
+                 blob.at(prefix + "table")},
+                Taken<std::int32_t>(blob, prefix + "run"),
+                Taken<double>(blob, prefix + "weight"),
+                blob.at(prefix + "input"),
+                {},
+                Taken<double>(blob, prefix + "heading_rad")};
+  PutDirections(&set);
+  return set;
 }
 
 void RefuseStrangers(const std::vector<std::string>& runs, const std::string& holdout,

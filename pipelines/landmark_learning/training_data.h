@@ -18,7 +18,8 @@ struct SampleSet {
   Array input;                    // f32, [samples][inputs], (input - mean) / scale; shared, as it is large
 
   std::vector<double> weight_in_file =
-      {};  // run/N/weight of the input; empty where a run has none; not stored
+      {};                                // run/N/weight of the input; empty where a run has none; not stored
+  std::vector<double> heading_rad = {};  // empty where a run has none; its cosine and sine are in `places`
 
   const float* inputs() const { return input.As<float>().data(); }
   int size() const { return places.size(); }

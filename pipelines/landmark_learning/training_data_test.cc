@@ -45,6 +45,11 @@ TEST(TrainingData, IsSortedInSpaceWithEachSamplesOwnInputsAndWay) {
 TEST(TrainingData, ComesBackAsItWasStored) {
   const TrainingData data = TrainingData::Of(CorridorSamples().Make(), "run 0");
   EXPECT_EQ(TrainingData::FromBlob(data.ToBlob()).ToBlob().ContentHash(), data.ToBlob().ContentHash());
+  const TrainingData facing = TrainingData::Of(CorridorSamples{.both_ways = true}.Make(), "run 0");
+  const TrainingData back = TrainingData::FromBlob(facing.ToBlob());
+  EXPECT_EQ(back.training.heading_rad, facing.training.heading_rad);
+  EXPECT_EQ(back.held_out.places.cos_heading, facing.held_out.places.cos_heading);
+  EXPECT_EQ(back.training.places.sin_heading.size(), 160U);
 }
 
 TEST(TrainingData, OfUnseenRunsNothingIsLeft) {

@@ -146,8 +146,8 @@ Case LandmarkMapSideBySide() {
   return c;
 }
 
-Case LandmarkLearning(const std::string& name, double window_m) {
-  Blob samples = landmark_learning::CorridorSamples{.samples = 700}.Make();
+Case LandmarkLearning(const std::string& name, double window_m, bool both_ways = false) {
+  Blob samples = landmark_learning::CorridorSamples{.samples = 700, .both_ways = both_ways}.Make();
   samples.PutVector<double>("truth/run/0/x_m", std::vector<double>(700, 1.0));
   Case c{.name = name, .stage = {}, .inputs = {{"samples", Share(std::move(samples))}}};
   Set(c.stage, "window_m", window_m);
@@ -155,6 +155,13 @@ Case LandmarkLearning(const std::string& name, double window_m) {
   SetInteger(c.stage, "steps", 4);
   SetInteger(c.stage, "validate_every", 2);
   (*c.stage.mutable_options())["holdout"].set_s("run 1");
+  return c;
+}
+
+// There and back, by a robot that knows which way it faces.
+Case LandmarkLearningBothWays() {
+  Case c = LandmarkLearning("landmark_learning_both_ways", 5.0, true);
+  Set(c.stage, "heading_window_deg", 90.0);
   return c;
 }
 
@@ -266,6 +273,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
     return {LandmarkLearning("landmark_learning_window", 5.0),
             LandmarkLearning("landmark_learning_global", 0.0),
             LandmarkLearningInPhases(),
+            LandmarkLearningBothWays(),
             TwoHiddenLayers(),
             SeveralStarts(),
             Training("conjugate", 0, false),
