@@ -1,5 +1,6 @@
 #include "pipelines/registry.h"
 
+#include "pipelines/evidence_map/evidence_map.h"
 #include "pipelines/image_features/image_features.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_map/landmark_map.h"
@@ -23,6 +24,9 @@ Entry Register(const char* name, const char* summary, std::vector<std::string> i
 
 const std::vector<Entry>& Entries() {
   static const std::vector<Entry> entries = {
+      Register<evidence_map::EvidenceMap, evidence_map::Options>(
+          "evidence_map", "occupancy of each cell by itself: log-odds and inverse sensor models",
+          {"log", "poses?"}),
       Register<image_features::ImageFeatures, image_features::Options>(
           "image_features", "what networks see of images: brightness, colour, texture of bands", {"samples"}),
       Register<landmark_map::LandmarkMap, landmark_map::Options>(

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <span>
 
@@ -121,15 +120,22 @@ RangeScans ReadSensor(const Blob& group, const std::string& name) {
   return sensor;
 }
 
-void ForEachPoint(const RangeScans& sensor, const std::function<void(double, double)>& add) {
+// All that the sensor's beams met.
+void AddEnds(const RangeScans& sensor, Extent* extent) {
+  std::vector<Pose> unit;  // each beam's direction, on the robot
+  for (const Pose& beam : sensor.beams)
+    unit.push_back({std::cos(beam.heading_rad), std::sin(beam.heading_rad), 0});
   const auto range = sensor.range_m.As<double>();
   for (std::size_t s = 0; s < sensor.scans(); ++s) {
     if (sensor.held_out[s]) continue;
-    for (std::size_t b = 0; b < sensor.beams.size(); ++b) {
-      const double range_m = range[s * sensor.beams.size() + b];
+    const Pose& pose = sensor.pose[s];
+    const double c = std::cos(pose.heading_rad), si = std::sin(pose.heading_rad);
+    for (std::size_t b = 0; b < unit.size(); ++b) {
+      const double range_m = range[s * unit.size() + b];
       if (std::isnan(range_m)) continue;
-      const Pose end = Compose(sensor.BeamPose(s, b), {range_m, 0, 0});
-      add(end.x_m, end.y_m);
+      const double x = sensor.beams[b].x_m + range_m * unit[b].x_m;
+      const double y = sensor.beams[b].y_m + range_m * unit[b].y_m;
+      extent->Add(pose.x_m + c * x - si * y, pose.y_m + si * x + c * y);
     }
   }
 }
@@ -177,13 +183,15 @@ GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes
                    ") m, outside of box_m: the box is too small for the trajectory");
       }
     }
-    if (options.box_m.empty()) ForEachPoint(sensor, [&](double x, double y) { extent.Add(x, y); });
+    if (options.box_m.empty()) AddEnds(sensor, &extent);
   }
   if (options.box_m.empty()) extent.Grow(kMarginM);
   return extent.ToGrid(options.cell_m, most_cells);
 }
 
-void PutScanPoses(const PosedScans& scans, Blob* result) {
+void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result) {
+  result->Put("robots", log.at("robots"));
+  result->Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
   for (const RangeScans& sensor : scans.sensors) {
     std::vector<double> x, y, heading;
     for (const Pose& pose : sensor.pose) {

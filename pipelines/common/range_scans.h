@@ -76,8 +76,9 @@ PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions&
 // `bytes_per_cell` of memory_mb. Throws InputError where box_m does not hold all poses.
 GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell);
 
-// What a result says of the scans: NAME/time_s, x_m, y_m, heading_rad (of the robot at each), held_out.
-void PutScanPoses(const PosedScans& scans, Blob* result);
+// What a grid_map says of its making: robots and log_hash, and NAME/time_s, x_m, y_m, heading_rad (of the
+// robot at each scan), held_out.
+void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result);
 
 // For tasks: a sensor without its scans, and its scans as arrays of S rows, so that a task may take some.
 Blob SensorBlob(const RangeScans& sensor);

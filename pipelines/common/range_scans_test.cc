@@ -91,6 +91,18 @@ TEST(RangeScans, TasksTakeRowsOfThem) {
   EXPECT_EQ(part.opening_rad, 0.26);
 }
 
+TEST(RangeScans, AResultSaysWhereTheRobotWasAtEachScan) {
+  GridOptions options;
+  options.heldout = 0.9;
+  Blob result, log = Log();
+  PutScanPoses(ReadRangeScans(log, nullptr, options), log, &result);
+  EXPECT_EQ(result.Get<double>("robot/0/sonar/x_m")[1], 5);
+  EXPECT_EQ(result.Get<std::uint8_t>("robot/0/sonar/held_out")[0], 0);
+  EXPECT_EQ(result.Get<std::uint8_t>("robot/0/sonar/held_out")[1], 1);
+  log.PutVector<double>("truth/walls/x_m", {1});
+  EXPECT_EQ(result.Text("log_hash"), log.Without("truth/").ContentHash().Hex());
+}
+
 TEST(RangeScans, ScansOutsideTheTimeOfPosesAreRefusedOrLeftOut) {
   Blob log = Log();
   log.PutVector<double>("robot/0/sonar/time_s", {0, 5, 10.5});

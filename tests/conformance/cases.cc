@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipelines/evidence_map/testing_room.h"
 #include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/testing.h"
 #include "pipelines/localization/testing.h"
@@ -256,6 +257,17 @@ Case TrainingOn(const std::string& error) {
   return c;
 }
 
+// A room by laser, in several slices, and by sonar.
+Case EvidenceMap() {
+  Blob log = evidence_map::Room{.kind = "laser", .scans = 600}.Log();
+  log.PutAll("robot/0/sonar/", evidence_map::Room{.kind = "sonar"}.Log().Sub("robot/0/sonar/"));
+  log.PutVector<double>("truth/walls/x_m", {1.0});
+  Case c{.name = "evidence_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}, .rounds = 1};
+  Set(c.stage, "cell_m", 0.01);
+  Set(c.stage, "heldout", 0.1);
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -268,6 +280,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap(),
             LandmarkMapSideBySide()};
   }
+  if (pipeline == "evidence_map") return {EvidenceMap()};
   if (pipeline == "image_features") return {ImageFeatures()};
   if (pipeline == "landmark_learning")
     return {LandmarkLearning("landmark_learning_window", 5.0),

@@ -1,0 +1,151 @@
+#include "pipelines/evidence_map/evidence_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pipelines/evidence_map/cone_counts.h"
+#include "pipelines/evidence_map/log_odds.h"
+#include "pipelines/evidence_map/ray_counts.h"
+
+namespace cairn::evidence_map {
+namespace {
+
+constexpr double kCellsOfATask = 1 << 23;  // at least: some 10 ms of a core
+constexpr double kMostTasks = 32;          // of a sensor, about: each brings home a map
+constexpr double kBytesPerCell = 64;       // where maps of both kinds of sensors and the result are at hand
+
+// About how many cells a scan tells of.
+double WorkOf(const RangeScans& scans, std::size_t scan, double cell_m) {
+  const std::size_t beams = scans.beams.size();
+  const auto range = scans.range_m.As<double>().subspan(scan * beams, beams);
+  double cells = 0;
+  for (const double measured : range) {
+    const double length = (std::isnan(measured) ? scans.max_range_m : measured) / cell_m;
+    cells += 1 + length * (1 + scans.opening_rad / 2 * length);
+  }
+  return cells;
+}
+
+void AddTask(const std::string& sensor, const std::string& scans, std::size_t first, std::size_t count,
+             double work, proto::Step* plan) {
+  Task& task = *plan->add_tasks();
+  task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
+  task.set_kind("counts");
+  task.set_cost(static_cast<std::uint64_t>(work));
+  proto::InputRef& beams = *task.add_inputs();
+  beams.set_name("sensor");
+  beams.set_blob(sensor);
+  proto::InputRef& rows = *task.add_inputs();
+  rows.set_name("scans");
+  rows.set_blob(scans);
+  rows.set_first_row(static_cast<std::int64_t>(first));
+  rows.set_row_count(static_cast<std::int64_t>(count));
+}
+
+// Time slices of about equal work.
+void AddTasks(const RangeScans& scans, double cell_m, Step* step) {
+  std::vector<double> work;
+  double all = 0;
+  for (std::size_t s = 0; s < scans.scans(); ++s) all += work.emplace_back(WorkOf(scans, s, cell_m));
+  const double of_a_task = std::max(kCellsOfATask, all / kMostTasks);
+  const std::string sensor = step->Share(SensorBlob(scans)), rows = step->Share(ScansBlob(scans));
+  double sum = 0;
+  std::size_t first = 0;
+  for (std::size_t s = 0; s < scans.scans(); ++s) {
+    sum += work[s];
+    if (sum < of_a_task && s + 1 < scans.scans()) continue;
+    AddTask(sensor, rows, first, s + 1 - first, sum, &step->plan);
+    first = s + 1;
+    sum = 0;
+  }
+}
+
+const Blob* PosesOf(const Inputs& inputs, BlobPtr* keep) {
+  if (inputs.Has("poses")) *keep = inputs.Get("poses");
+  return keep->get();
+}
+
+Blob ResultOf(const GridBox& grid, const std::vector<double>& log_odds) {
+  std::vector<double> probability;
+  std::vector<float> stored;
+  for (const double l : log_odds) {
+    probability.push_back(std::isnan(l) ? l : Probability(l));
+    stored.push_back(static_cast<float>(l));
+  }
+  const Shape shape{grid.rows, grid.columns};
+  Blob result;
+  result.Put("map/grid/probability", Array::Of<double>(shape, probability));
+  result.Put("map/grid/log_odds", Array::Of<float>(shape, stored));
+  result.PutScalar("map/grid/origin_x_m", grid.origin_x_m);
+  result.PutScalar("map/grid/origin_y_m", grid.origin_y_m);
+  result.PutScalar("map/grid/cell_m", grid.cell_m);
+  return result;
+}
+
+std::string NoteOf(const PosedScans& scans, const GridBox& grid) {
+  std::size_t count = 0;
+  for (const RangeScans& sensor : scans.sensors) count += sensor.scans();
+  std::string note = std::to_string(count) + " scans, " + std::to_string(grid.columns) + " by " +
+                     std::to_string(grid.rows) + " cells";
+  if (scans.unposed > 0) note += "; " + std::to_string(scans.unposed) + " scans without a pose left out";
+  return note;
+}
+
+}  // namespace
+
+Step EvidenceMap::Start(const Inputs& inputs) const {
+  BlobPtr keep;
+  const BlobPtr log = inputs.Get("log");
+  const PosedScans scans = ReadRangeScans(*log, PosesOf(inputs, &keep), options_.grid);
+  const GridBox grid = GridOf(scans, options_.grid, kBytesPerCell);
+  Step step;
+  Blob box, poses;
+  PutGridBox("", grid, &box);
+  PutScanPoses(scans, *log, &poses);
+  auto& blobs = *step.plan.mutable_state()->mutable_blobs();
+  blobs["grid"] = step.Share(std::move(box));
+  blobs["scan poses"] = step.Share(std::move(poses));
+  for (const RangeScans& sensor : scans.sensors) AddTasks(sensor, grid.cell_m, &step);
+  for (Task& task : *step.plan.mutable_tasks()) {
+    proto::InputRef& input = *task.add_inputs();
+    input.set_name("grid");
+    input.set_blob(blobs["grid"]);
+  }
+  step.plan.set_note(NoteOf(scans, grid));
+  return step;
+}
+
+Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) const {
+  const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"));
+  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  const bool cone = scans.opening_rad > 0;
+  const Counts counts =
+      cone ? CountCones(scans, grid, {options_.wall_m, options_.graded}, options_.use_no_return, progress)
+           : CountRays(scans, grid, options_.use_no_return, progress);
+  Blob partial = ToBlob(counts);
+  partial.PutScalar<std::uint8_t>("cone", cone ? 1 : 0);
+  return partial;
+}
+
+Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs) const {
+  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  const auto cells = static_cast<std::size_t>(grid.cells());
+  std::array<Totals, 2> totals;  // of rays, of cones
+  for (std::size_t k = 0; k < partials.size(); ++k) {
+    const BlobPtr partial = partials.Get(k);
+    Totals& sum = totals[partial->Scalar<std::uint8_t>("cone")];
+    if (sum.free.empty()) sum = {std::vector<std::int64_t>(cells), std::vector<std::int64_t>(cells)};
+    AddTo(grid, CountsOf(*partial), &sum);
+  }
+  std::vector<Evidence> evidence;
+  if (!totals[0].free.empty()) evidence.push_back({&totals[0], options_.laser, 1});
+  if (!totals[1].free.empty()) evidence.push_back({&totals[1], options_.sonar, kWhole});
+  Blob result = ResultOf(grid, LogOddsOf(evidence, cells, options_.prior, options_.clamp_nats));
+  result.PutAll("", *inputs.Get("scan poses"));
+  Step step;
+  step.plan.set_result(step.Share(std::move(result)));
+  return step;
+}
+
+}  // namespace cairn::evidence_map

@@ -1,0 +1,27 @@
+// Occupancy by log-odds and inverse sensor models, a cell by itself: S. Thrun, Learning Occupancy Grids with
+// Forward Models, IROS 2001 ([T01]), section 2, eq. 1; after H. P. Moravec and A. Elfes. The baseline of
+// forward_map.
+#pragma once
+
+#include <cstdint>
+
+#include "pipelines/evidence_map/options.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::evidence_map {
+
+// Inputs (schema/FORMAT.md): a log with range scans; it may be `poses`. Result: a grid_map with log-odds. One
+// round: a task is a time slice of one sensor's scans.
+class EvidenceMap : public Pipeline {
+ public:
+  EvidenceMap(Options options, std::uint64_t /*seed*/) : options_(std::move(options)) {}
+
+  Step Start(const Inputs& inputs) const override;
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override;
+  Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
+
+ private:
+  Options options_;
+};
+
+}  // namespace cairn::evidence_map

@@ -1,0 +1,102 @@
+#include "pipelines/evidence_map/evidence_map.h"
+
+#include <gtest/gtest.h>
+
+#include "pipelines/evidence_map/log_odds.h"
+#include "pipelines/evidence_map/ray_counts.h"
+#include "pipelines/evidence_map/testing.h"
+#include "pipelines/evidence_map/testing_room.h"
+#include "pipelines/in_process.h"
+
+namespace cairn::evidence_map {
+namespace {
+
+struct Outcome {
+  BlobPtr result;
+  int tasks = 0;
+};
+
+Outcome Map(const Room& room, const Options& options, const Blob* poses = nullptr) {
+  std::map<std::string, BlobPtr> inputs{{"log", std::make_shared<const Blob>(room.Log())}};
+  if (poses != nullptr) inputs["poses"] = std::make_shared<const Blob>(*poses);
+  Outcome outcome;
+  outcome.result = RunInProcess(EvidenceMap(options, 7), inputs,
+                                [&](const proto::Step& step) { outcome.tasks += step.tasks_size(); });
+  return outcome;
+}
+
+// The probability of the cell that holds (x, y).
+double At(const Blob& result, double x, double y) {
+  const double cell_m = result.Scalar<double>("map/grid/cell_m");
+  const auto i = static_cast<std::int64_t>((x - result.Scalar<double>("map/grid/origin_x_m")) / cell_m);
+  const auto j = static_cast<std::int64_t>((y - result.Scalar<double>("map/grid/origin_y_m")) / cell_m);
+  const std::int64_t columns = result.at("map/grid/probability").shape()[1];
+  return result.Get<double>("map/grid/probability")[static_cast<std::size_t>(j * columns + i)];
+}
+
+TEST(EvidenceMap, OfARoomShowsItsWallsAndTheFloorAndNothingBehindThem) {
+  for (const char* kind : {"laser", "sonar"}) {
+    Options options;
+    options.grid.cell_m = 0.1;
+    const Outcome outcome = Map({.kind = kind}, options);
+    EXPECT_LT(At(*outcome.result, 2.05, 1.55), 0.1) << kind;
+    EXPECT_GT(At(*outcome.result, 4.05, 1.55), 0.9) << kind;
+    EXPECT_GT(At(*outcome.result, 2.05, 3.05), 0.9) << kind;
+    EXPECT_TRUE(std::isnan(At(*outcome.result, 4.45, 3.45))) << kind;
+  }
+}
+
+TEST(EvidenceMap, ItsLogOddsAreThoseOfItsProbability) {
+  const Outcome outcome = Map({}, {});
+  const auto p = outcome.result->Get<double>("map/grid/probability");
+  const auto l = outcome.result->Get<float>("map/grid/log_odds");
+  std::size_t told = 0;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    ASSERT_EQ(std::isnan(p[k]), std::isnan(l[k]));
+    if (std::isnan(p[k])) continue;
+    ++told;
+    EXPECT_NEAR(std::log(p[k] / (1 - p[k])), l[k], 1e-5 * std::max(1.0F, std::exp(std::abs(l[k]) - 10)));
+  }
+  EXPECT_GT(told, 4000U);
+}
+
+TEST(EvidenceMap, OfManySlicesIsThatOfAllScansAtOnce) {
+  Options options;
+  options.grid.cell_m = 0.01;  // so that there are several
+  const Room room{.scans = 1300};
+  const Outcome sliced = Map(room, options);
+  EXPECT_GT(sliced.tasks, 3);
+  const PosedScans scans = ReadRangeScans(room.Log(), nullptr, options.grid);
+  const GridBox grid = GridOf(scans, options.grid, 1);
+  const auto cells = static_cast<std::size_t>(grid.cells());
+  Untroubled progress;
+  Totals totals{std::vector<std::int64_t>(cells), std::vector<std::int64_t>(cells)};
+  AddTo(grid, CountRays(scans.sensors[0], grid, true, progress), &totals);
+  const auto at_once = LogOddsOf({{&totals, options.laser, 1}}, cells, options.prior, options.clamp_nats);
+  const auto log_odds = sliced.result->Get<float>("map/grid/log_odds");
+  ASSERT_EQ(log_odds.size(), cells);
+  for (std::size_t k = 0; k < cells; ++k) {
+    ASSERT_TRUE(log_odds[k] == static_cast<float>(at_once[k]) || std::isnan(at_once[k])) << k;
+    ASSERT_EQ(std::isnan(log_odds[k]), std::isnan(at_once[k])) << k;
+  }
+}
+
+TEST(EvidenceMap, PosesGivenMoveTheMap) {
+  Blob poses;
+  poses.Put("robots", Array::Texts({"ann"}));
+  poses.PutVector<double>("robot/0/poses/time_s", {0, 1000});
+  poses.PutVector<double>("robot/0/poses/x_m", {11, 11});
+  poses.PutVector<double>("robot/0/poses/y_m", {21.5, 21.5});
+  poses.PutVector<double>("robot/0/poses/heading_rad", {0, 0});
+  const Outcome outcome = Map({.drives = false}, {}, &poses);
+  EXPECT_GT(At(*outcome.result, 14.02, 21.5), 0.9);
+}
+
+TEST(EvidenceMap, RefusesALogWithoutRangeScans) {
+  Blob log;
+  log.Put("robots", Array::Texts({"ann"}));
+  EXPECT_THROW(RunInProcess(EvidenceMap({}, 7), {{"log", std::make_shared<const Blob>(log)}}), InputError);
+}
+
+}  // namespace
+}  // namespace cairn::evidence_map
