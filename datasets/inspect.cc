@@ -124,6 +124,21 @@ void AddSamples(const Blob& blob, Facts* facts) {
   if (!x.empty() && !y.empty()) facts->emplace_back("extent", "x " + x + ", y " + y);
 }
 
+// "289 by 134 cells of 0.05 m from (-2.7, -1.6) m; 5120 occupied, 20480 free", above and below a half.
+std::string GridOf(const Blob& blob) {
+  const auto scalar = [&](const char* name) {
+    const auto value = ColumnOrNone<double>(blob, std::string("map/grid/") + name);
+    return value.empty() ? "?" : ShortNumber(value.front());
+  };
+  const Shape& shape = blob.at("map/grid/probability").shape();
+  const auto probability = ColumnOrNone<double>(blob, "map/grid/probability");
+  return std::to_string(shape[1]) + " by " + std::to_string(shape[0]) + " cells of " + scalar("cell_m") +
+         " m from (" + scalar("origin_x_m") + ", " + scalar("origin_y_m") + ") m; " +
+         std::to_string(std::ranges::count_if(probability, [](double p) { return p > 0.5; })) +
+         " occupied, " +
+         std::to_string(std::ranges::count_if(probability, [](double p) { return p < 0.5; })) + " free";
+}
+
 Facts FactsOf(const Blob& blob) {
   Facts facts;
   if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(blob, &facts);
@@ -145,11 +160,13 @@ Facts FactsOf(const Blob& blob) {
                        std::to_string(ColumnOrNone<double>(blob, "map/landmark_x_m").size()));
     facts.emplace_back("confidence", ConfidenceText(blob));
   }
+  if (blob.Has("map/grid/probability") && blob.at("map/grid/probability").shape().size() == 2)
+    facts.emplace_back("grid", GridOf(blob));
   const auto likelihoods = ColumnOrNone<double>(blob, "history/log_likelihood");
   if (!likelihoods.empty()) {
-    facts.emplace_back("iterations", std::to_string(likelihoods.size()) + ", log-likelihood " +
-                                         ShortNumber(likelihoods.front()) + " to " +
-                                         ShortNumber(likelihoods.back()));
+    facts.emplace_back(blob.Has("map/landmark_x_m") ? "iterations" : "rounds",
+                       std::to_string(likelihoods.size()) + ", log-likelihood " +
+                           ShortNumber(likelihoods.front()) + " to " + ShortNumber(likelihoods.back()));
   }
   return facts;
 }

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "datasets/evaluate/testing_grid.h"
 #include "datasets/samples.h"
 #include "datasets/simulate_loop.h"
 #include "datasets/testing.h"
@@ -14,6 +15,14 @@ Inspection Inspected(const Blob& blob, const std::string& kind) {
   const TestFolder folder;
   EXPECT_TRUE(WriteBlobFile(folder / "a.h5", kind, blob).ok());
   return Inspect(folder / "a.h5").value();
+}
+
+TEST(Inspect, TellsOfGridMaps) {
+  Blob map = DrawnMap({"#.. ", ".. #"}, 0.5, -1, 2);
+  map.PutVector<double>("history/log_likelihood", {-9, -4});
+  const std::string text = InspectText(Inspected(map, "grid_map"));
+  ExpectContains(text, "  grid    4 by 2 cells of 0.5 m from (-1, 2) m; 2 occupied, 4 free\n");
+  ExpectContains(text, "  rounds  2, log-likelihood -9 to -4\n");
 }
 
 TEST(Inspect, TellsWhatALogHolds) {

@@ -32,7 +32,7 @@ std::string KindOf(const std::string& result) {
   if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind;
   std::vector<std::string> kinds;
   for (const std::string& file : FilesOf(result)) kinds.push_back(Take(ListBlobFile(file)).kind);
-  for (const char* kind : {"networks", "localization"}) {
+  for (const char* kind : {"networks", "localization", "landmark_map", "grid_map"}) {
     if (std::ranges::find(kinds, kind) != kinds.end()) return kind;
   }
   return "landmark_map";
@@ -46,19 +46,29 @@ std::string PageOfMap(const std::string& title, const Blob& result, const Option
   return datasets::ReportHtml(result, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, {title});
 }
 
+std::string PageOfGrid(const std::string& title, const Blob& map, const Options& options) {
+  std::optional<Blob> log;
+  if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
+  std::optional<datasets::GridEvaluation> evaluation;
+  if (log) evaluation = datasets::EvaluateGrid(map, *log);
+  return datasets::GridMapReportHtml(map, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, title);
+}
+
 std::string PageOf(const std::string& kind, const std::string& file, const Options& options) {
   const std::string title = std::filesystem::path(file).stem().string();
   const Blob result = ReadResult(file, kind).blob;
   if (kind == "networks") return datasets::NetworksReportHtml(result, title);
   if (kind == "landmark_map") return PageOfMap(title, result, options);
+  if (kind == "grid_map") return PageOfGrid(title, result, options);
   std::optional<Blob> samples;
   if (!options.log.empty()) samples = ReadResult(options.log, "samples").blob;
   return datasets::LocalizationReportHtml(result, samples ? &*samples : nullptr, title);
 }
 
 int Report(const Options& options, const Invocation&) {
-  const std::string found = KindOf(options.result),
-                    kind = found == "networks" || found == "localization" ? found : "landmark_map";
+  const std::string found = KindOf(options.result);
+  const bool known = found == "networks" || found == "localization" || found == "grid_map";
+  const std::string kind = known ? found : "landmark_map";
   if (kind == "networks" && !options.log.empty()) throw InputError("--log: networks are not made from a log");
   const std::string file = ResultPath(options.result, kind);
   const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
@@ -87,7 +97,7 @@ void AddReport(CLI::App& app, Invocation& call) {
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
   command->add_option("--log", options->log,
                       "The log that it was made from: adds raw odometry, and truth; of a "
-                      "localization the samples: adds errors");
+                      "localization the samples: adds errors; of a grid_map adds scores");
   command->add_option("--out", options->out, "The page to write (report.html beside the result)");
   command->add_flag("--force", options->force, "Replace the page where it is there already");
 }

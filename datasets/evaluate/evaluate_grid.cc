@@ -25,6 +25,15 @@ std::vector<PointPair> PosePairs(const std::vector<ScoredSensor>& scans, const B
   return pairs;
 }
 
+// Results say what they were made from.
+void CheckLog(const Blob& map, const Blob& log) {
+  if (!map.Has("log_hash")) return;
+  const std::string made_from = map.Text("log_hash"), given = log.Without("truth/").ContentHash().Hex();
+  if (made_from != given)
+    throw InputError("the map was made from another log: its content, truth aside, is " + made_from +
+                     ", that of the log given here is " + given);
+}
+
 struct DoorTruth {
   Wall opening;
   bool open = false;
@@ -70,6 +79,7 @@ GridEvaluation Score(const Blob& map, const std::optional<MapTruth>& truth,
 }  // namespace
 
 GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
+  CheckLog(map, truth_log);
   const std::vector<ScoredSensor> scans = ReadScoredScans(map, truth_log);
   const std::vector<PointPair> pairs = PosePairs(scans, truth_log);
   Similarity to_map;
@@ -78,6 +88,7 @@ GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
   if (truth_log.Has("truth/walls/x_m"))
     truth = TruthOfWalls(ReadOccupancy(map).box, ReadSegments(truth_log, "truth/walls/", to_map), scans);
   GridEvaluation evaluation = Score(map, truth, ReadDoors(truth_log, to_map), scans);
+  evaluation.to_map = to_map;
   if (!pairs.empty()) evaluation.pose_rmse_m = RmseM(pairs, to_map);
   return evaluation;
 }

@@ -29,7 +29,7 @@ struct GridEvaluation {
   LayerScore map;                         // map/grid/probability
   std::optional<LayerScore> most_likely;  // map/grid/occupied, where the map has it
   double cell_m = 0;
-  // By which the truth was moved into the map's frame: none where the poses are the true ones.
+  Similarity to_map;  // from the truth's frame; the identity where the poses are the true ones
   std::optional<double> pose_rmse_m;  // of the map's scans, after that; none: no true poses
   std::optional<double> seconds;
 };

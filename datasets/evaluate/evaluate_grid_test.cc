@@ -132,6 +132,11 @@ TEST(EvaluateGrid, RefusesAMapOfAnotherLog) {
                  "was the map made from this log?");
   ExpectContains(refused(map, log.Without("robot/0/sonar/")), "no 'robot/0/sonar/'");
   ExpectContains(refused(map.Without("robot/"), log), "at which poses");
+  Blob named = map;
+  named.Put("log_hash", Array::Text("0123"));
+  ExpectContains(refused(named, log), "made from another log");
+  named.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
+  EXPECT_EQ(refused(named, log), "");
   Blob bad = log;
   bad.Put("truth/walls/x_m", Array::Vector<double>({1, 2, 3}));
   ExpectContains(refused(map, bad), "two ends");

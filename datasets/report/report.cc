@@ -5,6 +5,7 @@
 #include "datasets/report/facts.h"
 #include "datasets/report/figures.h"
 #include "datasets/report/format.h"
+#include "datasets/report/grid_page.h"
 #include "datasets/report/localization_page.h"
 #include "datasets/report/networks_page.h"
 #include "datasets/report/parts.h"
@@ -86,6 +87,11 @@ std::string NetworksReportHtml(const Blob& result, const std::string& title) {
 
 std::string LocalizationReportHtml(const Blob& result, const Blob* samples, const std::string& title) {
   return report::PageHtml(title, report::LocalizationHtml(result, samples), result);
+}
+
+std::string GridMapReportHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
+                              const std::string& title) {
+  return report::PageHtml(title, report::GridMapHtml(map, log, evaluation), map);
 }
 
 }  // namespace cairn::datasets

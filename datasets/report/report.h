@@ -4,6 +4,7 @@
 #include <string>
 
 #include "datasets/evaluate/evaluate.h"
+#include "datasets/evaluate/evaluate_grid.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -27,5 +28,11 @@ std::string NetworksReportHtml(const Blob& result, const std::string& title);
 // may be null, there are no errors. Throws InputError where `result` is not of kind `localization`, was not
 // made from these samples, or its arrays do not fit each other.
 std::string LocalizationReportHtml(const Blob& result, const Blob* samples, const std::string& title);
+
+// The same of a grid map: its layers with the way of the scans, the log-likelihood, parameters. With
+// `evaluation` its scores, and with `log` too (either may be null) the true walls. Throws InputError where
+// `map` is not of kind `grid_map`, or its arrays do not fit each other.
+std::string GridMapReportHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
+                              const std::string& title);
 
 }  // namespace cairn::datasets

@@ -48,7 +48,7 @@ svg text { fill:var(--ink); font-size:12px; } .tick { fill:var(--soft) !importan
 .name { font-size:11.5px !important; font-weight:600; paint-order:stroke; stroke:var(--panel); stroke-width:3px; }
 .start { fill:var(--robot,var(--soft)); stroke:var(--paper); stroke-width:1.5; } .mark { fill:var(--robot); stroke:var(--paper); stroke-width:.7; }
 .curve { fill:none; stroke:var(--accent); stroke-width:2; } .point { fill:var(--accent); stroke:var(--accent); stroke-width:1.6; }
-.point.part { fill:var(--paper); } .bar { fill:var(--accent); fill-opacity:.8; }
+.point.part { fill:var(--paper); } .bar { fill:var(--accent); fill-opacity:.8; } .wall { stroke:#d2601a; stroke-width:1; stroke-opacity:.8; }
 .r0{--robot:var(--r0)} .r1{--robot:var(--r1)} .r2{--robot:var(--r2)} .r3{--robot:var(--r3)}
 .r4{--robot:var(--r4)} .r5{--robot:var(--r5)} .r6{--robot:var(--r6)} .r7{--robot:var(--r7)}
 @media print { :root { color-scheme: light;

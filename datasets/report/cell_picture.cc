@@ -1,0 +1,78 @@
+#include "datasets/report/cell_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/png.h"
+#include "datasets/report/palette.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+constexpr std::int64_t kMostPixels = 3000;
+constexpr Rgb kForFree{31, 111, 181}, kForOccupied{179, 38, 30};
+
+Rgb OfProbability(double p) { return std::isnan(p) ? kUnknown : Mix(kPaper, kBlack, p); }
+
+Rgb OfDifference(double nats) {
+  if (!(std::abs(nats) >= kSaysNothingNats)) return kUnknown;
+  // By the root: a nat shows beside ten.
+  const double share = std::sqrt(std::min(std::abs(nats) / kFullColourNats, 1.0));
+  return Mix(kPaper, nats > 0 ? kForOccupied : kForFree, share);
+}
+
+void Append(Rgb colour, std::vector<std::uint8_t>* rgb) {
+  for (const int channel : colour) rgb->push_back(static_cast<std::uint8_t>(channel));
+}
+
+CellPicture OfProbabilities(const Occupancy& map) {
+  CellPicture picture{map.box, {}};
+  for (const double p : map.probability) Append(OfProbability(p), &picture.rgb);
+  return picture;
+}
+
+std::optional<CellPicture> OfDifferences(const Blob& map) {
+  constexpr char kName[] = "map/grid/log_odds_difference";
+  if (!map.Has(kName)) return std::nullopt;
+  CellPicture picture{ReadOccupancy(map).box, {}};  // which checks the shape
+  for (const double nats : map.Get<double>(kName)) Append(OfDifference(nats), &picture.rgb);
+  return picture;
+}
+
+int Light(Rgb colour) { return colour[0] + colour[1] + colour[2]; }
+
+Rgb DarkestOf(const CellPicture& picture, std::int64_t first_column, std::int64_t first_row,
+              std::int64_t block) {
+  Rgb darkest = kPaper;
+  for (std::int64_t row = first_row; row < std::min(picture.box.rows, first_row + block); ++row) {
+    for (std::int64_t column = first_column; column < std::min(picture.box.columns, first_column + block);
+         ++column) {
+      const Rgb colour = picture.At(column, row);
+      if (Light(colour) < Light(darkest)) darkest = colour;
+    }
+  }
+  return darkest;
+}
+
+}  // namespace
+
+std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer) {
+  if (layer == MapLayer::kProbability) return OfProbabilities(ReadOccupancy(grid_map));
+  if (layer == MapLayer::kDifference) return OfDifferences(grid_map);
+  if (!HasMostLikely(grid_map)) return std::nullopt;
+  return OfProbabilities(ReadMostLikely(grid_map));
+}
+
+std::string CellsPng(const CellPicture& picture) {
+  const CellBox& box = picture.box;
+  const std::int64_t block = (std::max(box.columns, box.rows) + kMostPixels - 1) / kMostPixels;
+  const std::int64_t width = (box.columns + block - 1) / block, height = (box.rows + block - 1) / block;
+  std::vector<std::uint8_t> pixels;
+  for (std::int64_t row = height - 1; row >= 0; --row) {
+    for (std::int64_t column = 0; column < width; ++column)
+      Append(DarkestOf(picture, column * block, row * block, block), &pixels);
+  }
+  return EncodePng(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), pixels);
+}
+
+}  // namespace cairn::datasets::report

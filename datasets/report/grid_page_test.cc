@@ -1,0 +1,100 @@
+#include "datasets/report/grid_page.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "datasets/evaluate/testing_grid.h"
+#include "datasets/report/cell_picture.h"
+#include "datasets/report/report.h"
+#include "datasets/simulate_hall.h"
+#include "datasets/testing.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+cv::Mat Decoded(const std::string& png) {
+  return cv::imdecode(std::vector<std::uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
+}
+
+Blob WithAllLayers() {
+  Blob map = DrawnMap({"#. ", ".. "}, 0.5);
+  map.Put("map/grid/log_odds_difference",
+          Array::Of<double>({2, 3}, std::vector<double>{-20, -1, 0, 20, -2, 0}));
+  map.Put("map/grid/occupied", Array::Of<std::uint8_t>({2, 3}, std::vector<std::uint8_t>{0, 0, 0, 1, 0, 0}));
+  map.PutVector<double>("history/log_likelihood", {-9, -5, -4});
+  map.PutVector<double>("robot/0/sonar/x_m", {0.1, 0.4, 0.9});
+  map.PutVector<double>("robot/0/sonar/y_m", {0.1, 0.2, 0.3});
+  map.PutVector<std::uint8_t>("robot/0/sonar/held_out", {0, 0, 1});
+  map.PutScalar("model/p_hit", 0.625);
+  return map;
+}
+
+TEST(CellPicture, IsBlackWhereOccupiedWhiteWhereFreeGreyWhereUnknown) {
+  const cv::Mat image = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kMostLikely)));
+  ASSERT_EQ(image.size(), cv::Size(3, 2));
+  EXPECT_EQ(image.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));  // the upper row first
+  EXPECT_EQ(image.at<cv::Vec3b>(1, 0), cv::Vec3b(255, 255, 255));
+  EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(205, 205, 205));
+  const cv::Mat probability = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kProbability)));
+  EXPECT_NEAR(probability.at<cv::Vec3b>(0, 0)[0], 0.1 * 255, 1);
+  EXPECT_NEAR(probability.at<cv::Vec3b>(1, 0)[0], 0.9 * 255, 1);
+}
+
+TEST(CellPicture, ShowsForWhatTheDataSpeak) {
+  const cv::Mat image = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kDifference)));
+  const cv::Vec3b occupied = image.at<cv::Vec3b>(0, 0), free = image.at<cv::Vec3b>(1, 0),
+                  doubtful = image.at<cv::Vec3b>(1, 1);  // blue, green, red
+  EXPECT_GT(occupied[2], occupied[0] + 100);
+  EXPECT_GT(free[0], free[2] + 100);
+  EXPECT_GT(doubtful[2], free[2]);
+  EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(205, 205, 205));
+}
+
+TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
+  std::vector<std::string> rows(1, std::string(7000, '.'));
+  rows[0][5001] = '#';
+  const cv::Mat image = Decoded(CellsPng(*PictureOf(DrawnMap(rows), MapLayer::kProbability)));
+  EXPECT_LE(image.cols, 3000);
+  int dark = 0;
+  for (int x = 0; x < image.cols; ++x) dark += image.at<cv::Vec3b>(0, x)[0] < 128 ? 1 : 0;
+  EXPECT_EQ(dark, 1);
+}
+
+TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
+  const std::string page = GridMapReportHtml(WithAllLayers(), nullptr, nullptr, "corridor");
+  for (const char* part :
+       {"<title>corridor", "1.5 by 1 m in cells of 0.5 m, of 2 scans; 1 scan left out", "Most likely map",
+        "What the data say of each cell", "Convergence", "model/p_hit", "0.625", "class=\"path r0\""})
+    ExpectContains(page, part);
+  std::size_t pictures = 0;
+  for (std::size_t at = page.find("<image"); at != std::string::npos; at = page.find("<image", at + 1))
+    ++pictures;
+  EXPECT_EQ(pictures, 3U);
+}
+
+TEST(GridPage, OfAPlainMapLeavesOutWhatItLacks) {
+  const std::string page = GridMapReportHtml(DrawnMap({"#.", ".."}), nullptr, nullptr, "plain");
+  for (const char* absent : {"Most likely map", "What the data say", "Convergence", "Parameters"})
+    EXPECT_EQ(page.find(absent), std::string::npos) << absent;
+}
+
+TEST(GridPage, ShowsScoresAndTheTrueWalls) {
+  const Blob log = SimulateHallway({.door_readings = 1, .closed = false, .seed = 1});
+  Blob map = WithAllLayers();
+  GridEvaluation evaluation;
+  evaluation.map.cells = CellScore{7, 100, 3, 50, 0};
+  evaluation.map.doors = {{true, 0.5, true}};
+  const std::string page = GridMapReportHtml(map, &log, &evaluation, "scored");
+  for (const char* part : {"false obstacles", "3 of 50", "1 of 1", "class=\"wall\"", "true walls"})
+    ExpectContains(page, part);
+}
+
+TEST(GridPage, RefusesArraysThatDoNotFit) {
+  Blob map = WithAllLayers();
+  map.Put("map/grid/log_odds_difference", Array::Vector<double>({1, 2}));
+  ExpectContains(InputErrorOf([&] { GridMapReportHtml(map, nullptr, nullptr, "bad"); }), "another shape");
+}
+
+}  // namespace
+}  // namespace cairn::datasets::report
