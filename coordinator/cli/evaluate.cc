@@ -1,5 +1,6 @@
 #include "datasets/evaluate/evaluate.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "datasets/evaluate/evaluate_grid.h"
 #include "datasets/evaluate/evaluate_localization.h"
 #include "datasets/evaluate/evaluate_networks.h"
+#include "datasets/evaluate/relations.h"
 
 namespace cairn::cli {
 namespace {
@@ -21,6 +23,8 @@ struct Options {
   std::string truth;
   std::vector<std::string> features, holdout;
   std::string against;
+  std::string relations, robot;
+  double offset_s = 0;
   bool json = false;
   std::optional<int> nearest;
   std::optional<double> heading_window_deg;
@@ -77,7 +81,8 @@ void CheckFeatureOptions(const Options& options) {
   if (!options.truth.empty() && !options.holdout.empty())
     throw InputError("--truth and --holdout both say what is held out; one will do");
   if (options.features.empty() && options.truth.empty())
-    throw InputError("--truth is needed (or --feature, for hand-made features of samples)");
+    throw InputError(
+        "--truth is needed (or --feature, for hand-made features of samples; or --relations, for poses)");
 }
 
 std::string ScoreOfLocalization(const Options& options, const Blob& samples) {
@@ -127,8 +132,31 @@ std::string ScoreOfGrid(const Options& options, const BlobFile& truth) {
   return options.json ? datasets::GridEvaluationJson(score) + "\n" : datasets::GridEvaluationText(score);
 }
 
+// A file of any kind that has poses, or those of a folder: of its landmark_map, else of its grid_map.
+Blob PosesOf(const std::string& path) {
+  if (std::filesystem::is_regular_file(path)) return Take(ReadBlobFile(path)).blob;
+  const std::vector<std::string> files = FilesOf(path);
+  const bool landmarks = std::ranges::any_of(
+      files, [](const std::string& file) { return Take(ListBlobFile(file)).kind == "landmark_map"; });
+  return ReadResult(path, landmarks ? "landmark_map" : "grid_map").blob;
+}
+
+std::string ScoreOfRelations(const Options& options) {
+  if (!options.truth.empty() || !options.features.empty())
+    throw InputError(
+        "--relations are what is held against the poses: neither --truth nor --feature goes with it");
+  const datasets::Track track = datasets::TrajectoryOf(PosesOf(options.result), options.robot);
+  const datasets::RelationScore score =
+      datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s);
+  return options.json ? datasets::RelationScoreJson(score) + "\n" : datasets::RelationScoreText(score);
+}
+
 // What the truth is says what is scored: the folder of a job may hold results of several kinds.
 int Evaluate(const Options& options, const Invocation&) {
+  if (!options.relations.empty()) {
+    std::fputs(ScoreOfRelations(options).c_str(), stdout);
+    return kExitDone;
+  }
   CheckFeatureOptions(options);
   if (!options.features.empty()) {
     std::fputs(ScoreOfFeatures(options).c_str(), stdout);
@@ -169,6 +197,16 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
                       "without it and --truth each run in turn");
   command->add_option("--against", options->against,
                       "With --feature: the feature that it should find; prints precision and recall");
+  CLI::Option* relations = command->add_option(
+      "--relations", options->relations,
+      "RESULT has poses, or is a log: score them by a relations file of the SLAM benchmark");
+  command
+      ->add_option("--offset-s", options->offset_s,
+                   "With --relations: what their clock says when that of the poses says 0")
+      ->needs(relations);
+  command
+      ->add_option("--robot", options->robot, "With --relations: whose poses, where there are several robots")
+      ->needs(relations);
   command->add_flag("--json", options->json, "As JSON");
   command->add_option(
       "--nearest", options->nearest,

@@ -25,14 +25,14 @@ Track ReadTrack(const Blob& blob, const std::string& prefix, const std::string& 
   return track;
 }
 
-std::optional<PoseM> PoseAt(const Track& track, double time_s) {
+std::optional<PoseM> PoseAt(const Track& track, double time_s, double max_gap_s) {
   const auto after = std::lower_bound(track.time_s.begin(), track.time_s.end(), time_s);
   if (after == track.time_s.end()) return std::nullopt;
   const auto i = static_cast<std::size_t>(after - track.time_s.begin());
   if (*after == time_s) return track.poses[i];
   if (i == 0) return std::nullopt;
   const double gap_s = track.time_s[i] - track.time_s[i - 1];
-  if (gap_s > kMaxGapS) return std::nullopt;
+  if (gap_s > max_gap_s) return std::nullopt;
   const double share = (time_s - track.time_s[i - 1]) / gap_s;
   const PoseM &a = track.poses[i - 1], &b = track.poses[i];
   const double turn = WrapAngle(b.heading_rad - a.heading_rad);

@@ -22,7 +22,7 @@ struct Track {
 Track ReadTrack(const Blob& blob, const std::string& prefix, const std::string& field = "");
 
 // The pose at `time_s`: position interpolated linearly, heading along the shorter arc. Nothing before the
-// track's start, after its end, and inside a gap of more than kMaxGapS.
-std::optional<PoseM> PoseAt(const Track& track, double time_s);
+// track's start, after its end, and inside a gap of more than `max_gap_s`.
+std::optional<PoseM> PoseAt(const Track& track, double time_s, double max_gap_s = kMaxGapS);
 
 }  // namespace cairn::datasets

@@ -32,6 +32,18 @@ refuses 'back.tum:2: time does not run forward' cairn import tum back.tum back.h
 exits 0 cairn import tum back.tum back.h5 --skip-bad --robot Rosa
 says '^cairn: skipped 1: time does not run forward$'
 refuses "OUT.h5 is required" cairn import tum tum/robot.tum tum/robot.tum
+# 1 m and back, as somebody measured it, by a clock that is 1000 s ahead.
+printf '1101 1106 1 0 0 0 0 0\n1106 1101 -1 0 0 0 0 0.1\n5 6 0 0 0 0 0 0\n' | gzip >corridor.relations.gz
+exits 0 cairn evaluate corridor.h5 --relations corridor.relations.gz --offset-s 1000 --json
+below "$(number translation_m stdout)" 1e-9
+[ "$(number scored stdout)" -eq 2 ] && [ "$(number outside stdout)" -eq 1 ] || die "other relations: $(cat stdout)"
+exits 0 cairn evaluate poses.h5 --relations corridor.relations.gz --offset-s 1000
+says '^relations.rotation_deg +2.86 degrees on average'
+refuses 'no relation lies within the time of the poses' cairn evaluate raw.h5 --relations corridor.relations.gz
+refuses 'neither --truth nor --feature' cairn evaluate raw.h5 --relations corridor.relations.gz --truth raw.h5
+refuses 'offset-s requires --relations' cairn evaluate raw.h5 --offset-s 3
+printf '1 2 3\n' >bad.relations
+refuses 'bad.relations:1: wrong number of values' cairn evaluate raw.h5 --relations bad.relations
 
 [ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/carmen-intel" ] || skip "CAIRN_DATA names no folder that holds carmen-intel"
 runs_section 'CARMEN'
@@ -47,3 +59,7 @@ done
 rm -r poses.h5
 runs_section 'Trajectories'
 grep -q '^poses.h5: 1 robot, 11148 poses$' said || die "other poses: $(cat said)"
+# Corrected poses that stand beside the raw log, given by a file.
+exits 0 cairn import tum "$CAIRN_DATA/carmen-intel/intel-corrected-poses.txt.gz" beside.h5 --robot robot
+exits 0 cairn evaluate beside.h5 --relations "$CAIRN_DATA/carmen-intel/intel.relations.gz" --json
+below "$(number translation_m stdout)" 0.13

@@ -1,0 +1,145 @@
+#include "datasets/evaluate/relations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "datasets/array_text.h"
+#include "datasets/fields.h"
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// `pose` as seen from `from`.
+PoseM Seen(const PoseM& from, const PoseM& pose) {
+  const double c = std::cos(from.heading_rad), s = std::sin(from.heading_rad);
+  const double dx = pose.x_m - from.x_m, dy = pose.y_m - from.y_m;
+  return {c * dx + s * dy, c * dy - s * dx, WrapAngle(pose.heading_rad - from.heading_rad)};
+}
+
+Track DeadReckoned(const Blob& blob, const std::string& prefix) {
+  const auto time = blob.Get<double>(prefix + "time_s"), turn = blob.Get<double>(prefix + "turn_rad"),
+             forward = blob.Get<double>(prefix + "forward_m");
+  if (turn.size() != time.size() || forward.size() != time.size())
+    throw InputError("'" + prefix + "': columns of different length");
+  Track track;
+  PoseM pose;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    pose = Apply(pose, {turn[i], forward[i]});
+    const std::string row = "'" + prefix + "', row " + std::to_string(i) + ": ";
+    if (!std::isfinite(time[i] + turn[i] + forward[i])) throw InputError(row + "a value is not finite");
+    if (i > 0 && time[i] < time[i - 1]) throw InputError(row + "time runs backwards");
+    if (i == 0 || time[i] > time[i - 1]) {
+      track.time_s.push_back(time[i]);
+      track.poses.emplace_back();
+    }
+    track.poses.back() = pose;
+  }
+  return track;
+}
+
+std::size_t RobotOf(const Blob& blob, const std::string& robot) {
+  const std::vector<std::string> robots = blob.Texts("robots");
+  if (robot.empty() && robots.size() == 1) return 0;
+  std::string names;
+  for (const std::string& name : robots) names += (names.empty() ? "" : ", ") + name;
+  const auto found = std::ranges::find(robots, robot);
+  if (found == robots.end())
+    throw InputError((robot.empty() ? "which robot? " : "there is no robot '" + robot + "'; there are: ") +
+                     names);
+  return static_cast<std::size_t>(found - robots.begin());
+}
+
+}  // namespace
+
+std::vector<Relation> ReadRelations(const std::string& path) {
+  constexpr std::size_t kValues = 8;
+  BadLines bad(false);
+  std::vector<Relation> relations;
+  ForEachLine(path, &bad, [&](const Fields& line, std::size_t) {
+    if (line.size() != kValues)
+      throw LineError{"wrong number of values",
+                      std::to_string(line.size()) + " where 'time time x y z roll pitch yaw' are needed"};
+    for (std::size_t f = 0; f < kValues; ++f) static_cast<void>(line.Number(f));
+    relations.push_back(
+        {line.Number(0), line.Number(1), {line.Number(2), line.Number(3), WrapAngle(line.Number(7))}});
+  });
+  if (relations.empty()) throw InputError(path + ": there are no relations in it");
+  return relations;
+}
+
+RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& relations, double offset_s) {
+  constexpr double kAnyGap = std::numeric_limits<double>::infinity();
+  RelationScore score;
+  double squares_m2 = 0, squares_deg2 = 0;
+  for (const Relation& relation : relations) {
+    const auto from = PoseAt(track, relation.from_s - offset_s, kAnyGap),
+               to = PoseAt(track, relation.to_s - offset_s, kAnyGap);
+    if (!from || !to) {
+      ++score.outside;
+      continue;
+    }
+    const PoseM error = Seen(relation.motion, Seen(*from, *to));
+    const double translation_m = std::hypot(error.x_m, error.y_m);
+    const double rotation_deg = std::abs(error.heading_rad) / kDegree;
+    ++score.scored;
+    score.translation_m += translation_m;
+    score.rotation_deg += rotation_deg;
+    squares_m2 += translation_m * translation_m;
+    squares_deg2 += rotation_deg * rotation_deg;
+  }
+  if (score.scored == 0) {
+    const std::string span = track.time_s.empty() ? "there are none"
+                                                  : "they go from " + ShortNumber(track.time_s.front()) +
+                                                        " to " + ShortNumber(track.time_s.back()) + " s";
+    throw InputError("no relation lies within the time of the poses: " + span +
+                     ", the first relation is of " + ShortNumber(relations.front().from_s) +
+                     " s; --offset-s says what the relations' clock is ahead");
+  }
+  const auto count = static_cast<double>(score.scored);
+  score.translation_m /= count;
+  score.rotation_deg /= count;
+  score.translation_rms_m = std::sqrt(squares_m2 / count);
+  score.rotation_rms_deg = std::sqrt(squares_deg2 / count);
+  return score;
+}
+
+Track TrajectoryOf(const Blob& blob, const std::string& robot) {
+  const std::string prefix = "robot/" + std::to_string(RobotOf(blob, robot)) + "/";
+  if (blob.Has(prefix + "poses/mode_x_m")) return ReadTrack(blob, prefix + "poses/", "mode_");
+  for (const char* group : {"poses/", "laser/", "sonar/"}) {
+    if (blob.Has(prefix + group + "x_m")) return ReadTrack(blob, prefix + group);
+  }
+  if (blob.Has(prefix + "odometry/time_s")) return DeadReckoned(blob, prefix + "odometry/");
+  throw InputError("there are neither poses nor odometry of the robot in it");
+}
+
+std::string RelationScoreJson(const RelationScore& score) {
+  const nlohmann::ordered_json json = {{"relations",
+                                        {{"translation_m", score.translation_m},
+                                         {"rotation_deg", score.rotation_deg},
+                                         {"translation_rms_m", score.translation_rms_m},
+                                         {"rotation_rms_deg", score.rotation_rms_deg},
+                                         {"scored", score.scored},
+                                         {"outside", score.outside}}}};
+  return json.dump(2);
+}
+
+std::string RelationScoreText(const RelationScore& score) {
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "relations.translation_m         %.3f m on average, %.3f m rms\n"
+                "relations.rotation_deg          %.2f degrees on average, %.2f degrees rms\n"
+                "relations.scored                %lld of %lld\n",
+                score.translation_m, score.translation_rms_m, score.rotation_deg, score.rotation_rms_deg,
+                static_cast<long long>(score.scored), static_cast<long long>(score.scored + score.outside));
+  return text;
+}
+
+}  // namespace cairn::datasets
