@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "datasets/evaluate/localized_steps.h"
+#include "schema/headings.h"
 
 namespace cairn::datasets {
 namespace {
@@ -24,6 +25,7 @@ class Evaluator {
     score.runs = Visited();
     score.places = static_cast<std::int64_t>(localized_.places.size());
     score.against_truth = HasTruth();
+    if (!localized_.heading_rad.empty()) score.heading = result_.Text("heading");
     std::size_t most = 0;
     for (const LocalizationError& step : steps_) {
       score.traverses += step.sensations == 0 ? 1 : 0;
@@ -77,11 +79,27 @@ class Evaluator {
     return error;
   }
 
+  // What is believed of facing alike, within 90 degrees.
+  double BelievedFacing(const LocalizedStep& step) const {
+    if (localized_.heading_rad.empty()) return 0;
+    const std::string name = (HasTruth() ? "truth/run/" : "run/") + std::to_string(step.run) + "/heading_rad";
+    const auto headings = samples_.Get<double>(name);
+    const auto at = static_cast<std::size_t>(step.sample);
+    if (at >= headings.size())
+      throw InputError("'step/sample' names a sample that '" + name + "' does not have");
+    double facing = 0;
+    for (std::size_t i = step.first; i < step.end; ++i) {
+      const auto place = static_cast<std::size_t>(localized_.place[i]);
+      if (FaceAlike(localized_.heading_rad[place], headings[at])) facing += localized_.probability[i];
+    }
+    return facing;
+  }
+
   void ReadErrors() {
     for (const LocalizedStep& step : localized_.steps) {
       const PointM truth = TrueAt(step.run, step.sample);
       steps_.push_back({step.sensations, step.way_m, truth, BelievedError(step, truth),
-                        DistanceM(step.mean, truth), DistanceM(step.mode, truth)});
+                        DistanceM(step.mean, truth), DistanceM(step.mode, truth), BelievedFacing(step)});
     }
   }
 
@@ -113,6 +131,7 @@ class Evaluator {
     row.way_m = MeanOf(there, [](const LocalizationError& step) { return step.way_m; }).mean_m;
     for (const LocalizationError& step : there)
       row.within_1m += (step.mean_m < kFoundM ? 1.0 : 0.0) / static_cast<double>(there.size());
+    row.facing = MeanOf(there, [](const LocalizationError& step) { return step.facing; }).mean_m;
     return row;
   }
 

@@ -27,6 +27,8 @@ struct LocalizationRow {
   MeanError mean;        // of the belief's mean from the true place
   MeanError mode;        // of its most likely place
   double within_1m = 0;  // share of traverses whose mean is that near
+  double facing =
+      0;  // mean over the traverses of what is believed of facing as it does; where headings count
 };
 
 // Of one step of one traverse.
@@ -34,7 +36,7 @@ struct LocalizationError {
   std::size_t sensations = 0;
   double way_m = 0;
   PointM truth;
-  double believed_m = 0, mean_m = 0, mode_m = 0;  // as above
+  double believed_m = 0, mean_m = 0, mode_m = 0, facing = 0;  // as above
 };
 
 struct LocalizationScore {
@@ -42,6 +44,7 @@ struct LocalizationScore {
   double window_m = 0;                      // of the belief at the start; 0: it knew nothing
   std::vector<std::string> features, runs;  // that were localised in
   bool against_truth = false;               // the samples' truth/; else their labels
+  std::string heading = {};  // known or unknown to the robot; empty where headings do not count
   std::vector<LocalizationRow> rows;
   // Way from which on the mean of `believed` stays under 1 m, over the rows of all traverses; none where it
   // does not.

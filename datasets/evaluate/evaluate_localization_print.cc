@@ -52,7 +52,8 @@ std::string LocalizationScoreJson(const LocalizationScore& score, int indent) {
                     {"error", ErrorJson(row.believed)},
                     {"error_of_mean", ErrorJson(row.mean)},
                     {"error_of_mode", ErrorJson(row.mode)},
-                    {"within_1m", row.within_1m}});
+                    {"within_1m", row.within_1m},
+                    {"facing", score.heading.empty() ? Json(nullptr) : Json(row.facing)}});
   }
   const auto under = score.under_1m_after_m;
   const Json json = {{"traverses", score.traverses},
@@ -60,6 +61,7 @@ std::string LocalizationScoreJson(const LocalizationScore& score, int indent) {
                      {"features", score.features},
                      {"places", score.places},
                      {"window_m", score.window_m > 0 ? Json(score.window_m) : Json(nullptr)},
+                     {"heading", score.heading.empty() ? Json(nullptr) : Json(score.heading)},
                      {"against", score.against_truth ? "truth" : "labels"},
                      {"under_1m_after_m", under ? Json(*under) : Json(nullptr)},
                      {"rows", rows}};
@@ -70,12 +72,14 @@ std::string LocalizationScoreText(const LocalizationScore& score) {
   std::string text = "traverses  " + std::to_string(score.traverses) + " of " + Joined(score.runs) + "; " +
                      (score.window_m > 0 ? "at the start known to within " + Way(score.window_m)
                                          : std::string("nothing known at the start")) +
-                     "\nfeatures   " + Joined(score.features) + ", over " + std::to_string(score.places) +
+                     (score.heading.empty() ? "" : "; its heading " + score.heading) + "\nfeatures   " +
+                     Joined(score.features) + ", over " + std::to_string(score.places) +
                      " places\nscored     against the samples' " +
                      (score.against_truth ? "truth" : "labels, which have errors of their own") +
                      "; 95% intervals over traverses\nunder 1 m  ";
   text += score.under_1m_after_m ? "after " + Way(*score.under_1m_after_m) + "\n" : "not by the end\n";
-  text += "\nsensed   way m  traverses   error m           of the mean m     of the mode m     within 1 m\n";
+  text += "\nsensed   way m  traverses   error m           of the mean m     of the mode m     within 1 m" +
+          std::string(score.heading.empty() ? "\n" : "   facing right\n");
   for (std::size_t k = 0; k < score.rows.size(); ++k) {
     if (!IsShown(score, k)) continue;
     const LocalizationRow& row = score.rows[k];
@@ -84,6 +88,10 @@ std::string LocalizationScoreText(const LocalizationScore& score) {
                   static_cast<long long>(row.sensations), row.way_m, static_cast<long long>(row.traverses),
                   ErrorText(row.believed).c_str(), ErrorText(row.mean).c_str(), ErrorText(row.mode).c_str(),
                   100 * row.within_1m);
+    text += line;
+    if (score.heading.empty()) continue;
+    std::snprintf(line, sizeof line, "   %11.0f%%\n", 100 * row.facing);
+    text.back() = ' ';
     text += line;
   }
   return text;

@@ -45,6 +45,23 @@ TEST(EvaluateLocalization, HoldsAgainstTruthWhereThereIsAny) {
   EXPECT_FALSE(score.under_1m_after_m);
 }
 
+TEST(EvaluateLocalization, SaysHowMuchIsBelievedOfFacingAsItDoes) {
+  Blob samples = LocalizedSamples(), result = LocalizationFile();
+  samples.PutVector<double>("run/0/heading_rad", {0, 0, 0, 3});
+  result.Put("samples_hash", Array::Text(samples.ContentHash().Hex()));
+  EXPECT_EQ(EvaluateLocalization(result, samples).heading, "");
+  result.PutVector<double>("place/heading_rad", {0, 3.1, -0.1, 3.1});
+  result.Put("heading", Array::Text("unknown"));
+  const LocalizationScore score = EvaluateLocalization(result, samples);
+  EXPECT_NEAR(score.rows[0].facing, 0.5, 1e-6);
+  EXPECT_NEAR(score.rows[1].facing, (0.5 + 1) / 2, 1e-6);
+  ExpectContains(LocalizationScoreText(score), "nothing known at the start; its heading unknown");
+  EXPECT_NEAR(nlohmann::json::parse(LocalizationScoreJson(score))["rows"][1]["facing"].get<double>(), 0.75,
+              1e-6);
+  result.PutVector<double>("place/heading_rad", {0, 3.1});
+  ExpectContains(InputErrorOf([&] { EvaluateLocalization(result, samples); }), "place/heading_rad");
+}
+
 TEST(EvaluateLocalization, PrintsForPeopleAndPrograms) {
   const LocalizationScore score = EvaluateLocalization(LocalizationFile(), LocalizedSamples());
   const auto json = nlohmann::json::parse(LocalizationScoreJson(score));

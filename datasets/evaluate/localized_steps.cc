@@ -21,6 +21,11 @@ LocalizedSteps::LocalizedSteps(const Blob& result) {
     if (!result.Has(name)) throw InputError(std::string("not a localization: '") + name + "' is missing");
   }
   places = Points(result, "place/x_m", "place/y_m");
+  if (result.Has("place/heading_rad")) {
+    heading_rad = result.Get<double>("place/heading_rad");
+    if (heading_rad.size() != places.size())
+      throw InputError("'place/heading_rad' and 'place/x_m' are not of one length");
+  }
   place = result.Get<std::int32_t>("belief/place");
   probability = result.Get<float>("belief/probability");
   const std::vector<PointM> means = Points(result, "step/mean_x_m", "step/mean_y_m"),

@@ -25,6 +25,7 @@ struct LocalizedSteps {
 
   std::vector<LocalizedStep> steps;
   std::vector<PointM> places;
+  std::span<const double> heading_rad;  // of each place; empty where headings do not count
   std::span<const std::int32_t> place;  // of each entry, an index into `places`
   std::span<const float> probability;   // of each entry
 };

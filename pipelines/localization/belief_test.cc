@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "schema/error.h"
@@ -20,7 +21,7 @@ std::vector<Place> Line(std::size_t count, double step_m) {
 }
 
 BeliefSpace EvenLine(std::size_t count, double step_m) {
-  return {Line(count, step_m), std::vector<double>(count, 1.0)};
+  return {{Line(count, step_m), {}}, std::vector<double>(count, 1.0)};
 }
 
 TEST(Sense, IsBayesRule) {
@@ -52,7 +53,7 @@ TEST(TableOne, EqualsTheSumOverAllPaths) {
     places.push_back({rng.Uniform(0, 2), rng.Uniform(0, 1)});
     room.push_back(rng.Uniform(0.5, 2));
   }
-  const BeliefSpace space(places, room);
+  const BeliefSpace space({places, {}}, room);
   const Motion motion{.sd_m = 0.8, .sd_ratio = 0.3};
   const Place moves[] = {{0.4, 0.1}, {0.6, -0.2}, {-0.3, 0.3}};
   std::vector<std::vector<double>> likelihood(3, std::vector<double>(6));
@@ -84,6 +85,71 @@ TEST(TableOne, EqualsTheSumOverAllPaths) {
   EXPECT_NEAR(Sum(belief), 1.0, 1e-12);
 }
 
+// The same of a robot that finds out its heading too: a path is of poses, each step from the heading where it
+// is.
+TEST(TableOne, EqualsTheSumOverAllPathsOfPosesToo) {
+  Rng rng(3);
+  Poses poses;
+  for (int k = 0; k < 6; ++k) {
+    poses.places.push_back({rng.Uniform(0, 2), rng.Uniform(0, 1)});
+    poses.heading_rad.push_back(rng.Uniform(-3, 3));
+  }
+  const BeliefSpace space(poses, std::vector<double>(6, 1.0));
+  const Motion motion{.sd_m = 0.9, .sd_ratio = 0.0, .heading_sd_rad = 0.8};
+  const OwnMotion moves[] = {{{0.4, 0.1}, 0.3}, {{0.6, -0.2}, -2.0}};
+  std::vector<double> belief = space.Anywhere();
+  for (const OwnMotion& own : moves) ASSERT_TRUE(space.Drive(own, motion, 0.0, &belief));
+  std::vector<double> expected(6, 0.0);
+  for (std::size_t path = 0; path < 6 * 6 * 6; ++path) {
+    const std::size_t at[] = {path % 6, path / 6 % 6, path / 36};
+    double probability = 1.0;
+    for (std::size_t t = 0; t < 2; ++t) {
+      const double heading = poses.heading_rad[at[t]], c = std::cos(heading), s = std::sin(heading);
+      const Place& own = moves[t].moved;
+      const Place moved{c * own.x_m - s * own.y_m, s * own.x_m + c * own.y_m};
+      const double off =
+          std::remainder(poses.heading_rad[at[t + 1]] - heading - moves[t].turn_rad, 2 * std::numbers::pi);
+      probability *= Transition(poses.places[at[t]], poses.places[at[t + 1]], moved, 0.9, 1.0) *
+                     std::exp(-0.5 * std::pow(off / 0.8, 2));
+    }
+    expected[at[2]] += probability;
+  }
+  const double all = Sum(expected);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(belief[k], expected[k] / all, 1e-3) << k;
+}
+
+// Who drives half a metre forward is half a metre farther where it faces forward, and nearer where it faces
+// back.
+TEST(Drive, GoesWhereEachPlaceFaces) {
+  Poses poses;
+  for (int k = 0; k < 100; ++k) {
+    poses.places.push_back({0.1 * (k / 2), 0.0});
+    poses.heading_rad.push_back(k % 2 == 0 ? 0.0 : std::numbers::pi);
+  }
+  const BeliefSpace space(poses, std::vector<double>(100, 1.0));
+  std::vector<double> belief(100, 0.0);
+  belief[40] = belief[41] = 0.5;  // at 2 m
+  ASSERT_TRUE(
+      space.Drive({{0.5, 0.0}, 0.0}, {.sd_m = 0.01, .sd_ratio = 0.0, .heading_sd_rad = 0.2}, 0.0, &belief));
+  EXPECT_NEAR(belief[50], 0.5, 1e-6);
+  EXPECT_NEAR(belief[31], 0.5, 1e-6);
+  ASSERT_TRUE(space.KeepFacing(0.3, &belief));
+  EXPECT_NEAR(belief[50], 1.0, 1e-6);
+  const std::vector<double> before = belief;
+  EXPECT_FALSE(space.KeepFacing(3.0, &belief));
+  EXPECT_EQ(belief, before);
+}
+
+TEST(Room, IsThatAmongPlacesThatFaceAlike) {
+  Poses poses{Line(20, 0.1), std::vector<double>(20, 0.0)};
+  const PlaceIndex index(poses.places);
+  const double one_way = RoomOf(index, poses, 10, 0.2);
+  EXPECT_NEAR(SpacingM(index, poses), 0.1, 1e-12);
+  for (std::size_t k = 1; k < 20; k += 2) poses.heading_rad[k] = 3.0;
+  EXPECT_NEAR(RoomOf(index, poses, 10, 0.2), 2.0 * one_way, 0.02 * one_way);
+  EXPECT_NEAR(SpacingM(index, poses), 0.2, 1e-12);
+}
+
 TEST(Move, ShiftsAndWidensByTheMotionModel) {
   const BeliefSpace space = EvenLine(400, 0.1);
   std::vector<double> belief(400, 0.0);
@@ -102,8 +168,8 @@ TEST(Move, DoesNotPreferWherePlacesLieDensely) {
   for (int k = 0; k < 50; ++k) places.push_back({10.0 + 0.2 * k, 0.0});  // 10 m, 5 a metre
   const PlaceIndex index(places);
   std::vector<double> room;
-  for (const Place& place : places) room.push_back(RoomOf(index, places, place, 0.3));
-  const BeliefSpace space(places, room);
+  for (std::size_t k = 0; k < places.size(); ++k) room.push_back(RoomOf(index, {places, {}}, k, 0.3));
+  const BeliefSpace space({places, {}}, room);
   const auto share = [](const std::vector<double>& belief) {
     return std::reduce(belief.begin(), belief.begin() + 200);
   };

@@ -64,6 +64,9 @@ Learned::Learned(const Blob& file)
   const auto outputs = Checked<float>(file, "map/output", {samples, s.networks});
   for (std::size_t k = 0; k < x.size(); ++k) places_.push_back({x[k], y[k]});
   outputs_.assign(outputs.begin(), outputs.end());
+  if (!file.Has("map/heading_rad")) return;
+  const auto headings = Checked<double>(file, "map/heading_rad", {samples});
+  headings_rad_.assign(headings.begin(), headings.end());
 }
 
 std::vector<std::size_t> Learned::ColumnsIn(const std::vector<std::string>& sample_inputs) const {

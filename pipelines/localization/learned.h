@@ -23,6 +23,8 @@ class Learned {
   // Where the training samples were taken, and what the networks make of them: [training samples][networks].
   const std::vector<Place>& places() const { return places_; }
   const std::vector<double>& outputs() const { return outputs_; }
+  // And facing where; empty where that is not known.
+  const std::vector<double>& headings_rad() const { return headings_rad_; }
 
   // Where its inputs stand among those of samples. Throws InputError that names one that is not there.
   std::vector<std::size_t> ColumnsIn(const std::vector<std::string>& sample_inputs) const;
@@ -37,7 +39,7 @@ class Learned {
   std::vector<double> mean_, scale_;
   std::vector<std::string> input_names_, trained_on_;
   std::vector<Place> places_;
-  std::vector<double> outputs_;
+  std::vector<double> outputs_, headings_rad_;
 };
 
 }  // namespace cairn::localization

@@ -56,24 +56,25 @@ std::string Counted(std::size_t count, const char* what) { return std::to_string
 
 Step Localization::Start(const Inputs& inputs) const {
   const Source source = Source::Of(options_, inputs);
-  const std::vector<Place> places = BeliefPlaces(options_, source.map_places);
+  const Poses poses = BeliefPlaces(options_, source);
   Step step = Plan({}, 2);
   (*step.plan.mutable_state()->mutable_blobs())["source"] = step.Share(source.ToBlob());
-  AddTasks("map", places.size(), kPlacesOfTask, {"source"}, &step.plan);
-  step.plan.set_note(Counted(source.features(), "features, ") + Counted(places.size(), "places, ") +
-                     Counted(source.runs.size(), "runs to localise in"));
+  AddTasks("map", poses.places.size(), kPlacesOfTask, {"source"}, &step.plan);
+  step.plan.set_note(Counted(source.features(), "features, ") + Counted(poses.places.size(), "places, ") +
+                     Counted(source.runs.size(), "runs to localise in") +
+                     (source.headings() ? ", heading " + options_.heading : ""));
   return step;
 }
 
 Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   progress.Tick();
   const Source source = Source::FromBlob(*inputs.Get("source"));
-  const std::vector<Place> places = BeliefPlaces(options_, source.map_places);
+  const Poses poses = BeliefPlaces(options_, source);
   const Range range = RangeOf(task);
-  if (task.kind() == "map") return MapOfBlock(options_, source, places, range.first, range.end).ToBlob();
+  if (task.kind() == "map") return MapOfBlock(options_, source, poses, range.first, range.end).ToBlob();
   const FeatureMap map = FeatureMap::FromBlob(*inputs.Get("map"));
-  const BeliefSpace space(places, map.room);
-  const double least_sd_m = 0.5 * SpacingM(PlaceIndex(places), places);
+  const BeliefSpace space(poses, map.room);
+  const double least_sd_m = 0.5 * SpacingM(PlaceIndex(poses.places), poses);
   ResultRows rows;
   for (std::size_t number = range.first; number < range.end; ++number) {
     const Traverse traverse = MakeTraverse(options_, source, number, seed_);
@@ -86,7 +87,7 @@ Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progres
 
 Step Localization::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
   const Source source = Source::FromBlob(*inputs.Get("source"));
-  const std::vector<Place> places = BeliefPlaces(options_, source.map_places);
+  const Poses poses = BeliefPlaces(options_, source);
   if (!state.blobs().contains("map")) {
     FeatureMap map;
     for (std::size_t i = 0; i < partials.size(); ++i) map.Append(FeatureMap::FromBlob(*partials.Get(i)));
@@ -99,7 +100,7 @@ Step Localization::Advance(const State& state, Partials& partials, const Inputs&
   ResultRows rows;
   for (std::size_t i = 0; i < partials.size(); ++i) rows.Append(*partials.Get(i));
   Step step;
-  step.plan.set_result(step.Share(ResultOf(options_, source, places, rows)));
+  step.plan.set_result(step.Share(ResultOf(options_, source, poses, rows)));
   step.plan.set_note(rows.Note());
   return step;
 }

@@ -51,6 +51,65 @@ TEST(Localization, FindsARobotThatKnowsNothingByHandMadeFeatures) {
   }
 }
 
+// Driven both ways: of a robot that comes back, in a map of both ways. Seen from the other side every feature
+// is turned round, so that who mixes them up finds nothing.
+TEST(Localization, FindsARobotThatComesBackWhetherItKnowsItsHeadingOrNot) {
+  const Blob samples = CorridorWithFeatures{.runs = 6, .both_ways = true}.Make();
+  std::map<std::string, double> error;
+  for (const char* belief : {"samples", "grid"}) {
+    for (const char* heading : {"known", "unknown", "ignored"}) {
+      const BlobPtr result =
+          Locate(samples, {.runs = "run 4, run 5", .heading = heading, .belief = belief, .way_m = 25.0});
+      error[heading] = MeanError(samples, *result, 20.0, 30.0);
+      EXPECT_EQ(result->Has("place/heading_rad"), std::string(heading) != "ignored");
+    }
+    EXPECT_LT(error["known"], 1.0) << belief;
+    EXPECT_LT(error["unknown"], 1.5) << belief;
+    EXPECT_GT(error["ignored"], 4.0) << belief;
+  }
+}
+
+// It starts by believing in both ways alike, and ends by facing as it does.
+TEST(Localization, FindsOutWhichWayItFaces) {
+  const Blob samples = CorridorWithFeatures{.runs = 6, .both_ways = true}.Make();
+  const BlobPtr result =
+      Locate(samples, {.runs = "run 4, run 5", .heading = "unknown", .traverses = 20, .way_m = 25.0});
+  const auto heading = result->Get<double>("place/heading_rad");
+  const auto run = result->Get<std::int32_t>("step/run"), place = result->Get<std::int32_t>("belief/place");
+  const auto way = result->Get<double>("step/way_m");
+  const auto entries = result->Get<std::int64_t>("step/entries");
+  const auto probability = result->Get<float>("belief/probability");
+  double at_start = 0.0, at_end = 0.0, starts = 0.0, ends = 0.0;
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < way.size(); ++k) {
+    double right = 0.0;
+    for (std::int64_t i = 0; i < entries[k]; ++i, ++at) {
+      const bool back = std::abs(heading[static_cast<std::size_t>(place[at])]) > 1.5;
+      if (back == (run[k] == 5)) right += probability[at];
+    }
+    if (way[k] == 0.0) at_start += right, ++starts;
+    if (way[k] > 24.0) at_end += right, ++ends;
+  }
+  EXPECT_NEAR(at_start / starts, 0.5, 0.02);
+  EXPECT_GT(at_end / ends, 0.97);
+}
+
+TEST(Localization, HeadingsThatAllFaceOneWayChangeNothing) {
+  const Blob samples = CorridorWithFeatures().Make();
+  Blob facing = samples;
+  for (const char* run : {"run/0/", "run/1/", "run/2/"}) {
+    const std::size_t count = samples.Get<double>(std::string(run) + "x_m").size();
+    std::vector<double> heading;
+    for (std::size_t k = 0; k < count; ++k) heading.push_back(2.5 + 0.8 * std::sin(static_cast<double>(k)));
+    facing.PutVector(std::string(run) + "heading_rad", heading);
+  }
+  for (const char* belief : {"samples", "grid"}) {
+    const Options options{.runs = "run 1", .belief = belief, .traverses = 5};
+    const BlobPtr without = Locate(samples, options), with = Locate(facing, options);
+    EXPECT_EQ(with->Without("samples_hash").ContentHash(), without->Without("samples_hash").ContentHash());
+  }
+}
+
 TEST(Localization, KeepsTrackOfARobotThatIsKnownToBeNear) {
   const Blob samples = CorridorWithFeatures().Make();
   const BlobPtr result = Locate(samples, {.runs = "run 0,run 2", .window_m = 1.0, .traverses = 20});
@@ -144,6 +203,11 @@ TEST(Localization, SaysWhatIsWrongWithItsInputs) {
   EXPECT_EQ(Complaint(with("run/1/feature", Array::Of<float>({rows, 3}, feature)), {.runs = "run 1"}),
             "run 'run 1', sample 2: feature 1 is not a finite number");
   EXPECT_NE(Complaint(good, {.runs = "run 1", .nearest = 100000}).find("the map has only"),
+            std::string::npos);
+  EXPECT_EQ(Complaint(good, {.runs = "run 1", .heading = "unknown"}),
+            "heading=unknown: run 'run 1' has no headings ('heading_rad') to turn by");
+  const Blob both = CorridorWithFeatures{.runs = 2, .both_ways = true}.Make();
+  EXPECT_NE(Complaint(both, {.runs = "run 1"}).find("no place that it may be at was seen facing as it does"),
             std::string::npos);
   std::vector<float> certain(static_cast<std::size_t>(rows) * 3, 1.0F);
   std::vector<float> never(static_cast<std::size_t>(good.at("run/0/x_m").size()) * 3, 0.0F);

@@ -11,6 +11,7 @@ namespace cairn::localization {
 struct Options {
   std::string runs = {};
   std::string features = {};
+  std::string heading = "known";
   std::string belief = "samples";
   double cell_m = 0.25;
   std::int64_t nearest = 5;
@@ -25,6 +26,7 @@ struct Options {
   double odometry_ratio = 0.05;
   double motion_m = 0.1;
   double motion_ratio = 0.1;
+  double motion_heading_deg = 15.0;
   double lost = 1e-4;
 };
 
@@ -37,6 +39,17 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"features", "", 0, 0,
                "without networks: the hand-made features to use, by commas; empty: all of the samples'"},
         o.features);
+  visit(
+      Option{
+          "heading",
+          "",
+          0,
+          0,
+          "what the robot knows of its heading: it compares only with what was seen facing its way; or it "
+          "finds that out too, moving by its own forward and left; or headings are not looked at (as where "
+          "all samples face one way, or theirs are not known)",
+          {"known", "unknown", "ignored"}},
+      o.heading);
   visit(Option{"belief",
                "",
                0,
@@ -84,6 +97,12 @@ void VisitOptions(V& visit, Options& o) {
         o.odometry_ratio);
   visit(Option{"motion_m", "m", 0, 1e6, "sd of a displacement in the motion model, an axis"}, o.motion_m);
   visit(Option{"motion_ratio", "", 0, 10, "and a share of its length, added in squares"}, o.motion_ratio);
+  visit(
+      Option{
+          "motion_heading_deg", "deg", 0.1, 360,
+          "and of the turn from the heading of a place to that of the next, at which samples were taken as "
+          "it came (heading unknown)"},
+      o.motion_heading_deg);
   visit(Option{"lost", "", 0, 1, "share of the belief that goes anywhere at each displacement"}, o.lost);
 }
 

@@ -1,7 +1,6 @@
 #include "pipelines/localization/place_index.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "schema/error.h"
@@ -43,24 +42,7 @@ void PlaceIndex::Split(std::size_t first, std::size_t end) {
 
 std::vector<std::size_t> PlaceIndex::Nearest(const Place& from, std::size_t count) const {
   CAIRN_DEMAND(count >= 1 && count <= size(), "no such number of nearest places");
-  std::vector<Near> heap;  // the farthest on top
-  const auto visit = [&](std::size_t place) {
-    const Near near{DistanceM(places_[place], from), place};
-    if (heap.size() == count) {
-      if (heap.front() < near) return;
-      std::ranges::pop_heap(heap);
-      heap.pop_back();
-    }
-    heap.push_back(near);
-    std::ranges::push_heap(heap);
-  };
-  Descend(0, size(), from, visit, [&] {
-    return heap.size() < count ? std::numeric_limits<double>::infinity() : heap.front().distance_m;
-  });
-  std::ranges::sort_heap(heap);
-  std::vector<std::size_t> nearest;
-  for (const Near& near : heap) nearest.push_back(near.place);
-  return nearest;
+  return NearestOf(from, count, [](std::size_t) { return true; });
 }
 
 std::vector<std::size_t> PlaceIndex::Within(const Place& from, double radius_m) const {

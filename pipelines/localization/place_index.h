@@ -1,8 +1,10 @@
 // Which places are near another: a k-d tree over places in the plane.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace cairn::localization {
@@ -27,6 +29,10 @@ class PlaceIndex {
   // The `count` places nearest to `from`, nearest first; of places equally far away those first given.
   // 1 <= count <= size(). O(log n + count) where places are spread evenly.
   std::vector<std::size_t> Nearest(const Place& from, std::size_t count) const;
+
+  // The same of those places for which `keep(place)` is true; all of these where they are fewer.
+  template <class Keep>
+  std::vector<std::size_t> NearestOf(const Place& from, std::size_t count, const Keep& keep) const;
 
   // `visit(place, distance_m)` for all places at most `radius_m` away, in an order that the places alone
   // decide.
@@ -73,6 +79,29 @@ void PlaceIndex::Descend(std::size_t first, std::size_t end, const Place& from, 
     Descend(middle + 1, end, from, visit, reach);
   else
     Descend(first, middle, from, visit, reach);
+}
+
+template <class Keep>
+std::vector<std::size_t> PlaceIndex::NearestOf(const Place& from, std::size_t count, const Keep& keep) const {
+  std::vector<Near> heap;  // the farthest on top
+  const auto visit = [&](std::size_t place) {
+    const Near near{DistanceM(places_[place], from), place};
+    if (heap.size() == count && heap.front() < near) return;
+    if (!keep(place)) return;
+    if (heap.size() == count) {
+      std::ranges::pop_heap(heap);
+      heap.pop_back();
+    }
+    heap.push_back(near);
+    std::ranges::push_heap(heap);
+  };
+  Descend(0, size(), from, visit, [&] {
+    return heap.size() < count ? std::numeric_limits<double>::infinity() : heap.front().distance_m;
+  });
+  std::ranges::sort_heap(heap);
+  std::vector<std::size_t> nearest;
+  for (const Near& near : heap) nearest.push_back(near.place);
+  return nearest;
 }
 
 template <class Visit>

@@ -69,16 +69,19 @@ std::string ResultRows::Note() const {
   return text;
 }
 
-Blob ResultOf(const Options& options, const Source& source, const std::vector<Place>& places,
-              const ResultRows& rows) {
+Blob ResultOf(const Options& options, const Source& source, const Poses& poses, const ResultRows& rows) {
   Blob result = rows.ToBlob();
   std::vector<double> x, y;
-  for (const Place& place : places) {
+  for (const Place& place : poses.places) {
     x.push_back(place.x_m);
     y.push_back(place.y_m);
   }
   result.PutVector("place/x_m", x);
   result.PutVector("place/y_m", y);
+  if (source.headings()) {
+    result.PutVector("place/heading_rad", poses.heading_rad);
+    result.Put("heading", Array::Text(options.heading));
+  }
   result.Put("runs", Array::Texts(source.run_names));
   result.Put("feature_name", Array::Texts(source.feature_names));
   result.Put("samples_hash", Array::Text(source.samples_hash));

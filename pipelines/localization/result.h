@@ -32,7 +32,6 @@ class ResultRows {
   std::vector<float> probability_;
 };
 
-Blob ResultOf(const Options& options, const Source& source, const std::vector<Place>& places,
-              const ResultRows& rows);
+Blob ResultOf(const Options& options, const Source& source, const Poses& poses, const ResultRows& rows);
 
 }  // namespace cairn::localization

@@ -6,14 +6,13 @@
 
 namespace cairn::localization {
 
-std::vector<double> FeaturesAt(const PlaceIndex& index, const std::vector<double>& output,
-                               std::size_t features, std::size_t nearest, double prior_count,
-                               const Place& at) {
+std::vector<double> MeanFeatures(const std::vector<std::size_t>& samples, const std::vector<double>& output,
+                                 std::size_t features, double prior_count) {
   std::vector<double> sum(features, prior_count);
-  for (const std::size_t sample : index.Nearest(at, nearest)) {
+  for (const std::size_t sample : samples) {
     for (std::size_t i = 0; i < features; ++i) sum[i] += output[sample * features + i];
   }
-  for (double& s : sum) s /= static_cast<double>(nearest) + 2.0 * prior_count;
+  for (double& s : sum) s /= static_cast<double>(samples.size()) + 2.0 * prior_count;
   return sum;
 }
 

@@ -4,17 +4,15 @@
 #include <vector>
 
 #include "pipelines/localization/look.h"
-#include "pipelines/localization/place_index.h"
 #include "schema/rng.h"
 
 namespace cairn::localization {
 
-// P(f_i = 1 | xi) at `at`: the mean output of the `nearest` training samples, [features], and `prior_count`
-// samples more of either outcome, so that a handful of samples never rules anything out.
+// P(f_i = 1 | xi): the mean output of `samples`, the training samples nearest to xi, [features], and
+// `prior_count` samples more of either outcome, so that a handful of samples never rules anything out.
 // `output`: [samples][features] in [0, 1].
-std::vector<double> FeaturesAt(const PlaceIndex& index, const std::vector<double>& output,
-                               std::size_t features, std::size_t nearest, double prior_count,
-                               const Place& at);
+std::vector<double> MeanFeatures(const std::vector<std::size_t>& samples, const std::vector<double>& output,
+                                 std::size_t features, double prior_count);
 
 // f of a sensation whose bits are 1 with probability `output`, drawn (eqs 32, 33): zeros and ones.
 std::vector<double> Drawn(const std::vector<double>& output, Rng& rng);

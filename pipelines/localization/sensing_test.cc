@@ -4,16 +4,18 @@
 
 #include <cmath>
 
+#include "pipelines/localization/place_index.h"
+
 namespace cairn::localization {
 namespace {
 
-TEST(FeaturesAt, AreTheMeanOfTheNearestSamplesAndThePriorCount) {
+TEST(MeanFeatures, AreTheMeanOfTheNearestSamplesAndThePriorCount) {
   const PlaceIndex index({{0, 0}, {1, 0}, {2, 0}, {9, 0}});
   const std::vector<double> output = {0.2, 1.0, 0.4, 1.0, 0.6, 1.0, 0.0, 0.0};  // two features
-  const std::vector<double> plain = FeaturesAt(index, output, 2, 3, 0.0, {1.1, 0});
+  const std::vector<double> plain = MeanFeatures(index.Nearest({1.1, 0}, 3), output, 2, 0.0);
   EXPECT_NEAR(plain[0], 0.4, 1e-15);
   EXPECT_NEAR(plain[1], 1.0, 1e-15);
-  const std::vector<double> smooth = FeaturesAt(index, output, 2, 3, 0.5, {1.1, 0});
+  const std::vector<double> smooth = MeanFeatures(index.Nearest({1.1, 0}, 3), output, 2, 0.5);
   EXPECT_NEAR(smooth[0], (1.2 + 0.5) / 4, 1e-15);
   EXPECT_NEAR(smooth[1], (3.0 + 0.5) / 4, 1e-15);
 }

@@ -6,6 +6,7 @@
 
 #include "pipelines/localization/learned.h"
 #include "schema/error.h"
+#include "schema/headings.h"
 
 namespace cairn::localization {
 namespace {
@@ -48,6 +49,28 @@ std::vector<Place> PlacesOf(const Blob& samples, std::size_t run, const std::str
     places.push_back({x[k], y[k]});
   }
   return places;
+}
+
+// Empty where they are not known.
+std::vector<double> HeadingsOf(const Blob& samples, std::size_t run, const std::string& name,
+                               std::size_t rows) {
+  const std::string array = PrefixOf(run) + "heading_rad";
+  if (!samples.Has(array)) return {};
+  const auto headings = samples.Get<double>(array);
+  if (headings.size() != rows)
+    throw InputError("run '" + name + "': x_m and heading_rad are not of one length");
+  for (std::size_t k = 0; k < rows; ++k) {
+    if (!std::isfinite(headings[k]))
+      throw InputError("run '" + name + "', sample " + std::to_string(k) + ": the heading is not finite");
+  }
+  return {headings.begin(), headings.end()};
+}
+
+// With nothing sensed yet.
+Run ReadRun(const Blob& samples, std::size_t run, const std::string& name) {
+  Run read{static_cast<std::int32_t>(run), PlacesOf(samples, run, name), {}, {}};
+  read.heading_rad = HeadingsOf(samples, run, name, read.places.size());
+  return read;
 }
 
 // Features by networks: those of several stand beside each other.
@@ -209,9 +232,10 @@ void Source::UseNetworks(const Options& options, const Blob& samples, const std:
     groups.push_back({first, feature_names.size()});
   }
   map_places = learned.front().places();
+  map_heading_rad = learned.front().headings_rad();
   map_output = extractor.MapOutput();
   for (const std::size_t r : RunsToLocaliseIn(options, run_names, learned.front().trained_on())) {
-    Run run{static_cast<std::int32_t>(r), PlacesOf(samples, r, run_names[r]), {}};
+    Run run = ReadRun(samples, r, run_names[r]);
     run.output = extractor.OutputOf(r, run.places.size());
     runs.push_back(std::move(run));
   }
@@ -223,15 +247,36 @@ void Source::UseHandMade(const Options& options, const Blob& samples) {
   groups = {{0, feature_names.size()}};
   const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, run_names, {});
   for (std::size_t r = 0; r < run_names.size(); ++r) {
-    Run run{static_cast<std::int32_t>(r), PlacesOf(samples, r, run_names[r]), {}};
+    Run run = ReadRun(samples, r, run_names[r]);
     run.output = extractor.OutputOf(r, run.places.size());
     if (std::ranges::count(wanted, r) > 0) {
       runs.push_back(std::move(run));
       continue;
     }
     map_places.insert(map_places.end(), run.places.begin(), run.places.end());
+    map_heading_rad.insert(map_heading_rad.end(), run.heading_rad.begin(), run.heading_rad.end());
     map_output.insert(map_output.end(), run.output.begin(), run.output.end());
   }
+}
+
+void Source::DecideOnHeadings(const Options& options) {
+  std::vector<double> all = map_heading_rad;
+  std::size_t samples = map_places.size();
+  for (const Run& run : runs) {
+    all.insert(all.end(), run.heading_rad.begin(), run.heading_rad.end());
+    samples += run.places.size();
+    if (options.heading == "unknown" && run.heading_rad.size() != run.places.size())
+      throw InputError("heading=unknown: run '" + run_names[static_cast<std::size_t>(run.index)] +
+                       "' has no headings ('heading_rad') to turn by");
+  }
+  const bool known = map_heading_rad.size() == map_places.size() && all.size() == samples;
+  if (options.heading == "unknown" && !known)
+    throw InputError(
+        "heading=unknown: the map's samples have no headings; networks of an older version are to be "
+        "trained again");
+  const bool count =
+      known && (options.heading == "unknown" || (options.heading == "known" && !AllFaceOneWay(all)));
+  if (!count) map_heading_rad.clear();
 }
 
 Source Source::Of(const Options& options, const Inputs& inputs) {
@@ -249,6 +294,7 @@ Source Source::Of(const Options& options, const Inputs& inputs) {
     throw InputError("nearest = " + std::to_string(options.nearest) + ", but the map has only " +
                      std::to_string(source.map_places.size()) + " samples");
   }
+  source.DecideOnHeadings(options);
   return source;
 }
 
@@ -261,12 +307,14 @@ Blob Source::ToBlob() const {
   for (const FeatureGroup& group : groups) group_end.push_back(static_cast<std::int64_t>(group.end));
   blob.PutVector("group_end", group_end);
   PutPlaces(map_places, "map/", &blob);
+  blob.PutVector("map/heading_rad", map_heading_rad);
   blob.PutVector("map/output", map_output);
   std::vector<std::int32_t> index;
   for (const Run& run : runs) {
     const std::string prefix = PrefixOf(index.size());
     index.push_back(run.index);
     PutPlaces(run.places, prefix, &blob);
+    blob.PutVector(prefix + "heading_rad", run.heading_rad);
     blob.PutVector(prefix + "output", run.output);
   }
   blob.PutVector("run_index", index);
@@ -278,6 +326,7 @@ Source Source::FromBlob(const Blob& blob) {
                 .feature_names = blob.Texts("feature_names"),
                 .groups = {},
                 .map_places = TakenPlaces(blob, "map/"),
+                .map_heading_rad = Taken<double>(blob, "map/heading_rad"),
                 .map_output = Taken<double>(blob, "map/output"),
                 .runs = {},
                 .samples_hash = blob.Text("samples_hash")};
@@ -287,7 +336,8 @@ Source Source::FromBlob(const Blob& blob) {
   }
   for (const std::int32_t index : blob.Get<std::int32_t>("run_index")) {
     const std::string prefix = PrefixOf(source.runs.size());
-    source.runs.push_back({index, TakenPlaces(blob, prefix), Taken<float>(blob, prefix + "output")});
+    source.runs.push_back({index, TakenPlaces(blob, prefix), Taken<double>(blob, prefix + "heading_rad"),
+                           Taken<float>(blob, prefix + "output")});
   }
   return source;
 }

@@ -18,19 +18,24 @@ struct Run {
   std::int32_t index = 0;  // among the samples' runs
   std::vector<Place>
       places;  // displacements, the window at the start and scores come from these, nothing else
-  std::vector<float> output;  // [samples][features]: P(f_i = 1 | s)
+  std::vector<double> heading_rad;  // [samples]; empty where it is not known
+  std::vector<float> output;        // [samples][features]: P(f_i = 1 | s)
 };
 
 struct Source {
   std::vector<std::string> run_names;  // of all runs of the samples
   std::vector<std::string> feature_names;
-  std::vector<FeatureGroup> groups;  // of each networks input; one where features are hand-made
-  std::vector<Place> map_places;     // training samples
-  std::vector<double> map_output;    // [training samples][features]
+  std::vector<FeatureGroup> groups;     // of each networks input; one where features are hand-made
+  std::vector<Place> map_places;        // training samples
+  std::vector<double> map_heading_rad;  // of these; empty where headings do not count
+  std::vector<double> map_output;       // [training samples][features]
   std::vector<Run> runs;
   std::string samples_hash;  // of the samples without truth
 
   std::size_t features() const { return feature_names.size(); }
+  // Whether a place counts with its heading: where the robot finds that out too (heading unknown), or knows
+  // it and samples do not all face one way.
+  bool headings() const { return !map_heading_rad.empty(); }
 
   // Inputs `samples` and, where there are, `networks`, `networks_2` and `networks_3`: then the map is that of
   // the networks' training samples, which must be the same for all, and features are the networks' outputs; a
@@ -38,7 +43,7 @@ struct Source {
   // ones, and the map is that of all runs that are not localised in. Throws InputError that names run and
   // row: runs that are not there or that the networks were trained on, no run to localise in or none for the
   // map, features that are not there, arrays that do not fit each other, numbers that are not finite or no
-  // probabilities, inputs that are not the networks'.
+  // probabilities, inputs that are not the networks', headings that are not there but needed.
   static Source Of(const Options& options, const Inputs& inputs);
 
   Blob ToBlob() const;
@@ -47,6 +52,7 @@ struct Source {
  private:
   void UseNetworks(const Options& options, const Blob& samples, const std::vector<Learned>& learned);
   void UseHandMade(const Options& options, const Blob& samples);
+  void DecideOnHeadings(const Options& options);
 };
 
 }  // namespace cairn::localization

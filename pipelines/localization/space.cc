@@ -1,12 +1,15 @@
 #include "pipelines/localization/space.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <numbers>
 
 #include "pipelines/localization/sensing.h"
 #include "schema/error.h"
+#include "schema/headings.h"
 
 namespace cairn::localization {
 namespace {
@@ -26,8 +29,8 @@ Box BoxOf(const std::vector<Place>& places) {
   return box;
 }
 
-std::vector<Place> GridCells(double cell_m, const std::vector<Place>& training) {
-  const Box box = BoxOf(training);
+// Adds the cells of the box that have a sample of `training` near.
+void AddCells(double cell_m, const Box& box, const std::vector<Place>& training, std::vector<Place>* cells) {
   const double columns = std::floor((box.high.x_m - box.low.x_m) / cell_m) + 1,
                rows = std::floor((box.high.y_m - box.low.y_m) / cell_m) + 1;
   if (columns * rows > kMostCells) {
@@ -37,21 +40,63 @@ std::vector<Place> GridCells(double cell_m, const std::vector<Place>& training) 
     throw InputError(text);
   }
   const PlaceIndex index(training);
-  std::vector<Place> cells;
   for (int row = 0; row < static_cast<int>(rows); ++row) {
     for (int column = 0; column < static_cast<int>(columns); ++column) {
       const Place centre{box.low.x_m + (column + 0.5) * cell_m, box.low.y_m + (row + 0.5) * cell_m};
       const double nearest_m = DistanceM(training[index.Nearest(centre, 1)[0]], centre);
-      if (nearest_m <= cell_m / std::numbers::sqrt2) cells.push_back(centre);
+      if (nearest_m <= cell_m / std::numbers::sqrt2) cells->push_back(centre);
     }
   }
-  return cells;
+}
+
+// Samples that face into one quarter of the compass.
+struct Layer {
+  std::vector<Place> places;
+  std::vector<double> heading_rad;
+};
+
+std::array<Layer, 4> LayersOf(const Source& source) {
+  std::array<Layer, 4> layers;
+  for (std::size_t k = 0; k < source.map_places.size(); ++k) {
+    const double quarters = std::round(source.map_heading_rad[k] / (0.5 * std::numbers::pi));
+    Layer& layer = layers[static_cast<std::size_t>(static_cast<std::int64_t>(quarters) & 3)];
+    layer.places.push_back(source.map_places[k]);
+    layer.heading_rad.push_back(source.map_heading_rad[k]);
+  }
+  return layers;
+}
+
+double MeanHeading(const Layer& layer, const std::vector<std::size_t>& samples) {
+  double x = 0.0, y = 0.0;
+  for (const std::size_t k : samples) {
+    x += std::cos(layer.heading_rad[k]);
+    y += std::sin(layer.heading_rad[k]);
+  }
+  return std::atan2(y, x);
+}
+
+Poses LayeredCells(double cell_m, const Source& source) {
+  Poses poses;
+  const Box box = BoxOf(source.map_places);
+  for (const Layer& layer : LayersOf(source)) {
+    if (layer.places.empty()) continue;
+    AddCells(cell_m, box, layer.places, &poses.places);
+    const PlaceIndex index(layer.places);
+    for (std::size_t k = poses.heading_rad.size(); k < poses.places.size(); ++k)
+      poses.heading_rad.push_back(
+          MeanHeading(layer, index.Within(poses.places[k], cell_m / std::numbers::sqrt2)));
+  }
+  return poses;
 }
 
 }  // namespace
 
-std::vector<Place> BeliefPlaces(const Options& options, const std::vector<Place>& training) {
-  return options.belief == "grid" ? GridCells(options.cell_m, training) : training;
+Poses BeliefPlaces(const Options& options, const Source& source) {
+  if (options.belief != "grid") return {source.map_places, source.map_heading_rad};
+  if (source.headings()) return LayeredCells(options.cell_m, source);
+  Poses poses;
+  AddCells(options.cell_m, BoxOf(source.map_places), source.map_places, &poses.places);
+  return poses;
 }
 
 Blob FeatureMap::ToBlob() const {
@@ -71,18 +116,21 @@ void FeatureMap::Append(const FeatureMap& block) {
   room.insert(room.end(), block.room.begin(), block.room.end());
 }
 
-FeatureMap MapOfBlock(const Options& options, const Source& source, const std::vector<Place>& places,
-                      std::size_t first, std::size_t end) {
-  const PlaceIndex training(source.map_places), among(places);
+FeatureMap MapOfBlock(const Options& options, const Source& source, const Poses& poses, std::size_t first,
+                      std::size_t end) {
+  const PlaceIndex training(source.map_places), among(poses.places);
   const double bandwidth_m =
-      std::max({options.motion_m, options.motion_ratio * options.every_m, SpacingM(among, places), 1e-3});
+      std::max({options.motion_m, options.motion_ratio * options.every_m, SpacingM(among, poses), 1e-3});
   FeatureMap map;
   for (std::size_t k = first; k < end; ++k) {
+    const auto alike = [&](std::size_t sample) {
+      return !source.headings() || FaceAlike(source.map_heading_rad[sample], poses.heading_rad[k]);
+    };
     const std::vector<double> features =
-        FeaturesAt(training, source.map_output, source.features(), static_cast<std::size_t>(options.nearest),
-                   options.prior_count, places[k]);
+        MeanFeatures(training.NearestOf(poses.places[k], static_cast<std::size_t>(options.nearest), alike),
+                     source.map_output, source.features(), options.prior_count);
     map.probability.insert(map.probability.end(), features.begin(), features.end());
-    map.room.push_back(RoomOf(among, places, places[k], bandwidth_m));
+    map.room.push_back(RoomOf(among, poses, k, bandwidth_m));
   }
   return map;
 }

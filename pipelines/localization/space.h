@@ -11,8 +11,10 @@
 namespace cairn::localization {
 
 // The training locations, or the centres of the cells that have one within half a cell's diagonal (belief
-// grid), row by row. Throws InputError where they would be too many.
-std::vector<Place> BeliefPlaces(const Options& options, const std::vector<Place>& training);
+// grid), row by row. Where headings count each has its own; a cell stands in up to four layers, for the
+// quarters of the compass (around 0, 90, 180 and 270 degrees) in which training samples of it face, with
+// their mean direction. Throws InputError where they would be too many.
+Poses BeliefPlaces(const Options& options, const Source& source);
 
 // What a task `map` finds for a block of places, and together for all.
 struct FeatureMap {
@@ -24,8 +26,9 @@ struct FeatureMap {
   void Append(const FeatureMap& block);
 };
 
-// `places`: all of them; the block is first <= k < end.
-FeatureMap MapOfBlock(const Options& options, const Source& source, const std::vector<Place>& places,
-                      std::size_t first, std::size_t end);
+// `poses`: all of them; the block is first <= k < end. Where headings count, P(f | xi) is of the nearest
+// training samples that face alike.
+FeatureMap MapOfBlock(const Options& options, const Source& source, const Poses& poses, std::size_t first,
+                      std::size_t end);
 
 }  // namespace cairn::localization

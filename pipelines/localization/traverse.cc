@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pipelines/localization/sensing.h"
 #include "schema/error.h"
 
 namespace cairn::localization {
 namespace {
+
+constexpr std::uint32_t kTurnSubstream = 2;  // 0: starts and displacements; 1: what is sensed
 
 // Way travelled until each sample of a run.
 std::vector<double> WayTo(const std::vector<Place>& places) {
@@ -26,6 +29,14 @@ std::size_t StartOf(const Options& options, const std::vector<double>& way, Rng&
 Place Measured(const Place& from, const Place& to, double ratio, Rng& rng) {
   const double sd_m = ratio * DistanceM(from, to);
   return {to.x_m - from.x_m + sd_m * rng.Normal(), to.y_m - from.y_m + sd_m * rng.Normal()};
+}
+
+// The same, as a robot that faced `from_rad` and now faces `to_rad` has it: with an error of its turn.
+OwnMotion AsItFaced(const Place& displacement, double from_rad, double to_rad, double ratio, Rng& rng) {
+  const double c = std::cos(from_rad), s = std::sin(from_rad);
+  const double turn_rad = std::remainder(to_rad - from_rad, 2.0 * std::numbers::pi);
+  return {{c * displacement.x_m + s * displacement.y_m, c * displacement.y_m - s * displacement.x_m},
+          turn_rad + ratio * std::abs(turn_rad) * rng.Normal()};
 }
 
 Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& belief) {
@@ -67,7 +78,7 @@ Traverse MakeTraverse(const Options& options, const Source& source, std::size_t 
   Traverse traverse{.run = number % source.runs.size(), .start = 0, .stops = {}};
   const Run& run = source.runs[traverse.run];
   const std::vector<double> way = WayTo(run.places);
-  Rng rng(seed, number);
+  Rng rng(seed, number), turn_rng(seed, number, kTurnSubstream);
   traverse.start = StartOf(options, way, rng);
   const double end_m = options.way_m > 0.0 ? options.way_m : way.back();
   std::size_t last = traverse.start;
@@ -75,8 +86,12 @@ Traverse MakeTraverse(const Options& options, const Source& source, std::size_t 
     const double way_m = way[k] - way[traverse.start];
     if (way_m > end_m) break;
     if (way_m < static_cast<double>(traverse.stops.size() + 1) * options.every_m) continue;
-    traverse.stops.push_back(
-        {k, way_m, Measured(run.places[last], run.places[k], options.odometry_ratio, rng)});
+    Stop stop{k, way_m, Measured(run.places[last], run.places[k], options.odometry_ratio, rng), {}};
+    if (!run.heading_rad.empty()) {
+      stop.own = AsItFaced(stop.displacement, run.heading_rad[last], run.heading_rad[k],
+                           options.odometry_ratio, turn_rng);
+    }
+    traverse.stops.push_back(stop);
     last = k;
   }
   if (traverse.stops.empty()) {
@@ -91,14 +106,23 @@ Localized Localize(const Options& options, const Source& source, const BeliefSpa
                    Progress& progress) {
   const Run& run = source.runs[traverse.run];
   const std::size_t features = source.features();
-  const Motion motion{options.motion_m, options.motion_ratio, least_sd_m};
+  const Motion motion{options.motion_m, options.motion_ratio, least_sd_m,
+                      options.motion_heading_deg * std::numbers::pi / 180.0};
+  const bool drives = options.heading == "unknown", knows = !drives && source.headings();
   std::vector<double> belief =
       options.window_m > 0.0 ? space.Near(run.places[traverse.start], options.window_m) : space.Anywhere();
+  const auto face = [&](const Stop& stop) {
+    if (knows && !space.KeepFacing(run.heading_rad[stop.sample], &belief))
+      Impossible(source, traverse, stop, "no place that it may be at was seen facing as it does");
+  };
+  face({traverse.start, 0.0, {}, {}});
   Localized localized{{StepOf(space, belief)}};
   for (const Stop& stop : traverse.stops) {
     progress.Tick();
-    if (!space.Move(stop.displacement, motion, options.lost, &belief))
+    if (!(drives ? space.Drive(stop.own, motion, options.lost, &belief)
+                 : space.Move(stop.displacement, motion, options.lost, &belief)))
       Impossible(source, traverse, stop, "it has left all places of the map (lost = 0)");
+    face(stop);
     const auto row = run.output.begin() + static_cast<std::ptrdiff_t>(stop.sample * features);
     std::vector<double> feature(row, row + static_cast<std::ptrdiff_t>(features));
     if (options.sensing == "sampled") feature = Drawn(feature, rng);

@@ -18,6 +18,7 @@ struct Stop {
   std::size_t sample = 0;
   double way_m = 0.0;  // travelled since the start
   Place displacement;  // with odometry's error
+  OwnMotion own;       // the same as it faced at the stop before; where the run has headings
 };
 
 struct Traverse {
@@ -30,7 +31,8 @@ struct Traverse {
 // start is a place of the run from which `way_m` are left, each as likely as another by the way until there
 // (from the beginning, where there is none). A stop is the first sample at which `every_m` more have been
 // travelled. Displacements are those between the labels of the samples with an error of `odometry_ratio` of
-// their length. Throws InputError where a run is so short that it has no stop.
+// their length, turns those between their headings with an error of that share of them. Throws InputError
+// where a run is so short that it has no stop.
 Traverse MakeTraverse(const Options& options, const Source& source, std::size_t number, std::uint64_t seed);
 
 // How many there are: `traverses`, or as many as there are runs.
@@ -48,7 +50,7 @@ struct Localized {
 inline constexpr double kKeptShare = 1e-4;
 
 // Table 1. `map`: P(f_i = 1 | xi), [places][features]. Throws InputError that names run and sample where no
-// place is left that the evidence allows.
+// place is left that the evidence allows, or that the robot knows to face its way.
 Localized Localize(const Options& options, const Source& source, const BeliefSpace& space,
                    const std::vector<double>& map, double least_sd_m, const Traverse& traverse, Rng rng,
                    Progress& progress);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "schema/error.h"
 
@@ -16,7 +17,7 @@ Source TwoRuns() {
   source.feature_names = {"f"};
   source.groups = {{0, 1}};
   for (const std::int32_t index : {0, 1}) {
-    Run run{.index = index, .places = {}, .output = std::vector<float>(100, 0.5F)};
+    Run run{.index = index, .places = {}, .heading_rad = {}, .output = std::vector<float>(100, 0.5F)};
     for (int k = 0; k < 100; ++k) run.places.push_back({0.2 * k, 0.0});
     source.runs.push_back(run);
   }
@@ -68,6 +69,28 @@ TEST(Traverse, PutsTheErrorThatIsAskedForOnDisplacements) {
   }
   // Stops are 0.4 and 0.6 m apart in turn.
   EXPECT_NEAR(std::sqrt(squares / count), 0.1 * std::sqrt((0.16 + 0.36) / 2) / 0.5, 0.003);
+}
+
+// On a quarter of a circle of radius 5 m, driven anticlockwise: at each stop it got forward and to its left.
+TEST(Traverse, TurnsDisplacementsIntoForwardAndLeftWhereHeadingsAreKnown) {
+  Source source = TwoRuns();
+  auto& run = source.runs[0];
+  for (int k = 0; k < 100; ++k) {
+    const double turned = 0.015 * k;
+    run.places[static_cast<std::size_t>(k)] = {5.0 * std::cos(turned), 5.0 * std::sin(turned)};
+    run.heading_rad.push_back(std::remainder(turned + 0.5 * std::numbers::pi, 2 * std::numbers::pi));
+  }
+  const Options options{.traverses = 0, .way_m = 5.0, .every_m = 1.0, .odometry_ratio = 0.0};
+  const Traverse traverse = MakeTraverse(options, source, 0, 9);
+  ASSERT_GE(traverse.stops.size(), 4U);
+  std::size_t last = 0;
+  for (const Stop& stop : traverse.stops) {
+    const double turned = 0.015 * static_cast<double>(stop.sample - last);
+    EXPECT_NEAR(stop.own.turn_rad, turned, 1e-12);
+    EXPECT_NEAR(stop.own.moved.x_m, 5.0 * std::sin(turned), 1e-12);
+    EXPECT_NEAR(stop.own.moved.y_m, 5.0 * (1.0 - std::cos(turned)), 1e-12);
+    last = stop.sample;
+  }
 }
 
 TEST(Traverse, NeedsAStop) {

@@ -210,6 +210,16 @@ Case Localization(const std::string& name, const char* sensing, const char* beli
   return c;
 }
 
+// There and back, by a robot that does not know which way it faces.
+Case LocalizationBothWays() {
+  Case c = Localization("localization_both_ways", "soft", "grid");
+  Blob samples = localization::CorridorWithFeatures{.runs = 4, .both_ways = true}.Make();
+  samples.PutVector<double>("truth/run/0/heading_rad", {1.0});
+  c.inputs["samples"] = Share(std::move(samples));
+  (*c.stage.mutable_options())["heading"].set_s("unknown");
+  return c;
+}
+
 Case Training(const std::string& method, std::int64_t batch, bool sequential) {
   Case c = LandmarkLearning("landmark_learning_" + (sequential  ? "sequential"
                                                     : batch > 0 ? "batch"
@@ -297,7 +307,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             TrainingOn("kl")};
   if (pipeline == "localization")
     return {Localization("localization_samples", "sampled", "samples"),
-            Localization("localization_grid", "soft", "grid")};
+            Localization("localization_grid", "soft", "grid"), LocalizationBothWays()};
   return {{.name = pipeline, .stage = {}, .inputs = {}}};
 }
 
