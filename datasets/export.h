@@ -25,13 +25,24 @@ Written ExportTum(const Blob& blob, const std::string& folder, bool replace = tr
 // none).
 Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace = true);
 
-// map.pgm and map.yaml, as map_server of ROS reads them: occupied 0, free 254, unknown 205, by map_saver's
-// thresholds 0.65 and 0.196. Of a landmark map, occupied is
-// also the cell of each extracted landmark, which alone seldom has that much of its probability.
-Written ExportRos(const Blob& result, const std::string& folder, bool replace = true);
+// map.pgm and map.yaml, as map_server of ROS reads them. Trinary: occupied 0, free 254, unknown 205, by
+// map_saver's thresholds 0.65 and 0.196. Scale: grey 255 (1 - p), and map.png beside, which map.yaml names:
+// there what is unknown is transparent, as map_server has no other word for it in this mode. Raw: 100 p,
+// unknown 255. Of a landmark map, occupied is also the cell of each extracted landmark, which alone seldom
+// has that much of its probability.
+enum class RosMode { kTrinary, kScale, kRaw };
+Written ExportRos(const Blob& result, const std::string& folder, bool replace = true,
+                  RosMode mode = RosMode::kTrinary);
+
+// map.bt, a binary octree of OctoMap (A. Hornung, K. M. Wurm, M. Bennewitz, C. Stachniss, W. Burgard,
+// OctoMap, Autonomous Robots 34, 2013): the grid as one layer of voxels from z = 0 on, occupied where p >
+// 1/2, free where p < 1/2, else unknown. Its voxels lie on multiples of the cell; a map whose origin does not
+// is moved by up to half a cell.
+Written ExportOctomap(const Blob& result, const std::string& folder, bool replace = true);
 
 // map.png: paths, landmarks with their 95% regions, the grid beneath, axes, a bar for scale
-// (report/draw_map.h).
+// (report/draw_map.h). Of a grid map a pixel for each cell (report/cell_picture.h), and beside it
+// most_likely.png and difference.png where it has these layers.
 Written ExportPng(const Blob& result, const std::string& folder, bool replace = true);
 
 // Of a log: odometry.csv, observations.csv, truth_poses.csv, truth_landmarks.csv, truth_associations.csv

@@ -91,6 +91,11 @@ std::optional<Grid> ReadGrid(const Blob& blob) {
   return grid;
 }
 
+bool IsGridMap(const Blob& blob) {
+  return blob.Has("map/grid/probability") && blob.at("map/grid/probability").shape().size() == 2 &&
+         !blob.Has("map/landmark_x_m");
+}
+
 std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob) {
   std::vector<MapLandmark> landmarks;
   if (!blob.Has("map/landmark_x_m")) return landmarks;

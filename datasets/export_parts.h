@@ -49,6 +49,8 @@ struct Grid {
   std::vector<double> probability;
 };
 std::optional<Grid> ReadGrid(const Blob& blob);
+// Whether it is a grid_map, and no landmark_map, which has a layer for each landmark.
+bool IsGridMap(const Blob& blob);
 
 struct MapLandmark {
   PointM at;

@@ -2,7 +2,7 @@
 # Installs the Debian packages that Cairn is built from; nothing where they are all there.
 #
 #   deploy/install.sh          what the build and the release tests need
-#   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py
+#   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py, OctoMap
 #   deploy/install.sh --arm64  also what ./deploy/arm64.sh needs: a cross compiler, qemu-user
 #   deploy/install.sh --list   installs nothing, prints the packages of the first line
 #
@@ -21,6 +21,7 @@ build_packages=(
 arm64_packages=(g++-aarch64-linux-gnu qemu-user)
 dev_packages=(
   clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py
+  liboctomap-dev python3-yaml python3-pil # read back what is exported
   iproute2 nftables # tests/faults: networks that fail
 )
 

@@ -14,19 +14,38 @@ struct Options {
   std::string format;  // set by the subcommand
   std::string from;
   std::string folder;
-  std::string log;  // g2o only
+  std::string log;               // g2o only
+  std::string mode = "trinary";  // ros only
   bool force = false;
 };
 
-// A file of any kind, or the landmark map of a folder.
-Blob ReadSource(const std::string& path) {
-  if (std::filesystem::is_regular_file(path)) return Take(ReadBlobFile(path)).blob;
-  return ReadResult(path, "landmark_map").blob;
+// A file of any kind, or the folder's result: grids are asked of its grid_map where it has one, all else of
+// its landmark_map.
+Blob ReadSource(const Options& options) {
+  if (std::filesystem::is_regular_file(options.from)) return Take(ReadBlobFile(options.from)).blob;
+  bool grids = false, landmarks = false;
+  for (const std::string& file : FilesOf(options.from)) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    grids |= kind == "grid_map";
+    landmarks |= kind == "landmark_map";
+  }
+  const bool wants_grid = options.format == "ros" || options.format == "octomap";
+  const bool takes_grid = wants_grid || options.format == "png";
+  const bool grid = grids && takes_grid && (wants_grid || !landmarks);
+  return ReadResult(options.from, grid ? "grid_map" : "landmark_map").blob;
+}
+
+datasets::RosMode ModeOf(const std::string& mode) {
+  if (mode == "scale") return datasets::RosMode::kScale;
+  return mode == "raw" ? datasets::RosMode::kRaw : datasets::RosMode::kTrinary;
 }
 
 datasets::Written Write(const Options& options, const Blob& blob) {
   if (options.format == "tum") return datasets::ExportTum(blob, options.folder, options.force);
-  if (options.format == "ros") return datasets::ExportRos(blob, options.folder, options.force);
+  if (options.format == "ros") {
+    return datasets::ExportRos(blob, options.folder, options.force, ModeOf(options.mode));
+  }
+  if (options.format == "octomap") return datasets::ExportOctomap(blob, options.folder, options.force);
   if (options.format == "png") return datasets::ExportPng(blob, options.folder, options.force);
   if (options.format == "csv") return datasets::ExportCsv(blob, options.folder, options.force);
   if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder, options.force);
@@ -35,8 +54,7 @@ datasets::Written Write(const Options& options, const Blob& blob) {
 }
 
 int Export(const Options& options, const Invocation&) {
-  for (const std::string& file : Take(Write(options, ReadSource(options.from))))
-    std::printf("%s\n", file.c_str());
+  for (const std::string& file : Take(Write(options, ReadSource(options)))) std::printf("%s\n", file.c_str());
   return kExitDone;
 }
 
@@ -48,6 +66,13 @@ void AddFormat(CLI::App& parent, Invocation& call, const char* format, const cha
   command->add_option("RESULT", options->from, "A result file, or the folder given as --out")->required();
   command->add_option("FOLDER", options->folder, "Where to write; made where it is missing")->required();
   command->add_flag("--force", options->force, "Replace files that are there already");
+  if (options->format == "ros") {
+    command
+        ->add_option("--mode", options->mode,
+                     "trinary: occupied, free or unknown; scale: shades of grey; raw: 0 to 100, unknown 255")
+        ->check(CLI::IsMember({"trinary", "scale", "raw"}))
+        ->capture_default_str();
+  }
   if (options->format == "g2o") {
     command->add_option("--log", options->log,
                         "The log that the result was made from: adds its observations");
@@ -63,7 +88,8 @@ void AddExport(CLI::App& app, Invocation& call) {
   AddFormat(*parent, call, "tum", "Trajectories, a file a robot, as TUM's tools and evo read them");
   AddFormat(*parent, call, "g2o", "Poses, landmarks and their edges as a graph");
   AddFormat(*parent, call, "ros", "The map as map_server of ROS reads it: PGM and YAML");
-  AddFormat(*parent, call, "png", "The map as a picture");
+  AddFormat(*parent, call, "octomap", "The grid as a layer of an octree, as OctoMap reads it: .bt");
+  AddFormat(*parent, call, "png", "The map as a picture; of a grid map a pixel a cell");
   AddFormat(*parent, call, "csv",
             "Tables: of a log those that `import csv` reads, of a result poses and landmarks");
 }

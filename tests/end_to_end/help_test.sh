@@ -63,7 +63,7 @@ ran=0
 
 runs
 for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
-  'export tum' 'export g2o' 'export ros' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
+  'export tum' 'export g2o' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"
 done

@@ -106,7 +106,10 @@ Outcome RunResult(std::span<const std::uint8_t> bytes) {
     accepted = Accepts([&] {
       Ignore(datasets::ExportCsv(result, Folder()));
       Ignore(datasets::ExportTum(result, Folder()));
-      Ignore(datasets::ExportRos(result, Folder()));
+      for (const auto mode :
+           {datasets::RosMode::kTrinary, datasets::RosMode::kScale, datasets::RosMode::kRaw})
+        Ignore(datasets::ExportRos(result, Folder(), true, mode));
+      Ignore(datasets::ExportOctomap(result, Folder()));
       Ignore(datasets::ExportG2o(result, good.log.get(), Folder()));
     });
   return accepted ? Outcome::kAccepted : Outcome::kRefused;

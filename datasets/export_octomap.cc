@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "datasets/export.h"
+#include "datasets/export_parts.h"
+
+namespace cairn::datasets {
+namespace {
+
+// Of each child two bits, that of the lower value first.
+enum Child : unsigned { kNothing = 0, kFree = 1, kOccupied = 2, kInner = 3 };
+
+constexpr int kLevels = 16;                              // of OctoMap's trees
+constexpr std::int64_t kMiddle = std::int64_t{1} << 15;  // the key of the voxel above the origin
+
+// The grid as one layer of voxels, and the tree of it: a node's children lie by x, then y, then z.
+class Tree {
+ public:
+  explicit Tree(const Grid& grid) : grid_(grid) {
+    first_x_ = kMiddle + std::llround(grid.origin_x_m / grid.cell_m);
+    first_y_ = kMiddle + std::llround(grid.origin_y_m / grid.cell_m);
+    if (first_x_ < 0 || first_y_ < 0 || first_x_ + grid.columns > 2 * kMiddle ||
+        first_y_ + grid.rows > 2 * kMiddle)
+      throw InputError("a tree of OctoMap reaches 32,768 cells from the origin; the map lies beyond");
+    if (AddInner(kLevels, 0, 0, 0)) ++nodes_;
+  }
+  std::size_t nodes() const { return nodes_; }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  // The cube of 2^level voxels from (x, y, z) on. False, and nothing added, where all of it is unknown.
+  bool AddInner(int level, std::int64_t x, std::int64_t y, std::int64_t z) {
+    const std::int64_t edge = std::int64_t{1} << level, half = edge / 2;
+    const bool apart = x >= first_x_ + grid_.columns || x + edge <= first_x_ || y >= first_y_ + grid_.rows ||
+                       y + edge <= first_y_ || z > kMiddle || z + edge <= kMiddle;
+    if (apart) return false;
+    const std::size_t at = bytes_.size(), nodes = nodes_;
+    bytes_.append(2, '\0');
+    unsigned children = 0;
+    for (unsigned child = 0; child < 8; ++child) {
+      const std::int64_t cx = x + (child & 1U ? half : 0), cy = y + (child & 2U ? half : 0),
+                         cz = z + (child & 4U ? half : 0);
+      unsigned kind = kNothing;
+      if (level == 1)
+        kind = Voxel(cx, cy, cz);
+      else if (AddInner(level - 1, cx, cy, cz))
+        kind = kInner;
+      children |= kind << (2 * child);
+      nodes_ += kind == kNothing ? 0 : 1;
+    }
+    if (children == 0) {
+      bytes_.resize(at);
+      nodes_ = nodes;
+      return false;
+    }
+    bytes_[at] = static_cast<char>(children & 0xFFU);
+    bytes_[at + 1] = static_cast<char>(children >> 8U);
+    return true;
+  }
+
+  unsigned Voxel(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    const std::int64_t column = x - first_x_, row = y - first_y_;
+    if (z != kMiddle || column < 0 || column >= grid_.columns || row < 0 || row >= grid_.rows)
+      return kNothing;
+    const double p = grid_.probability[static_cast<std::size_t>(row * grid_.columns + column)];
+    if (p > 0.5) return kOccupied;
+    return p < 0.5 ? kFree : kNothing;
+  }
+
+  const Grid& grid_;
+  std::int64_t first_x_ = 0, first_y_ = 0;  // keys of cell [0,0]
+  std::size_t nodes_ = 0;
+  std::string bytes_;
+};
+
+}  // namespace
+
+Written ExportOctomap(const Blob& result, const std::string& folder, bool replace) {
+  const std::optional<Grid> grid = ReadGrid(result);
+  if (!grid) throw InputError("there is no grid map in it (map/grid/probability)");
+  if (!(grid->cell_m > 0) || !std::isfinite(grid->origin_x_m) || !std::isfinite(grid->origin_y_m))
+    throw InputError("the grid has no place: its origin or cell_m is no length");
+  const Tree tree(*grid);
+  FolderWriter writer(folder, replace);
+  writer.Write("map.bt", "# Octomap OcTree binary file\nid OcTree\nsize " + std::to_string(tree.nodes()) +
+                             "\nres " + NumberText(grid->cell_m) + "\ndata\n" + tree.bytes());
+  return writer.Finish();
+}
+
+}  // namespace cairn::datasets
