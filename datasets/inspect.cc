@@ -174,7 +174,7 @@ Facts FactsOf(const Blob& blob) {
 std::string Sample(const Array& array) {
   constexpr std::int64_t kShown = 4;
   if (array.size() == 1) return ElementText(array, 0);
-  if (array.type() != DType::kText) return {};
+  if (array.type() != DType::kText && array.size() > kShown) return {};
   std::string sample;
   for (std::int64_t i = 0; i < std::min(array.size(), kShown); ++i)
     sample += (i == 0 ? "" : ", ") + ElementText(array, i);
@@ -193,6 +193,7 @@ DatasetSummary Summarize(const DatasetInfo& info, const Array& array) {
     summary.low = summary.low ? std::min(*summary.low, value) : value;
     summary.high = summary.high ? std::max(*summary.high, value) : value;
   }
+  if (array.size() > 1 && summary.not_finite > 0) summary.sample.clear();  // how many are not tells more
   return summary;
 }
 
