@@ -1,6 +1,7 @@
 #include "pipelines/registry.h"
 
 #include "pipelines/evidence_map/evidence_map.h"
+#include "pipelines/forward_map/forward_map.h"
 #include "pipelines/image_features/image_features.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_map/landmark_map.h"
@@ -26,6 +27,9 @@ const std::vector<Entry>& Entries() {
   static const std::vector<Entry> entries = {
       Register<evidence_map::EvidenceMap, evidence_map::Options>(
           "evidence_map", "occupancy of each cell by itself: log-odds and inverse sensor models",
+          {"log", "poses?"}),
+      Register<forward_map::ForwardMap, forward_map::Options>(
+          "forward_map", "occupancy maps by EM over forward sensor models, with uncertainty",
           {"log", "poses?"}),
       Register<image_features::ImageFeatures, image_features::Options>(
           "image_features", "what networks see of images: brightness, colour, texture of bands", {"samples"}),

@@ -57,9 +57,45 @@ void WalkRay(const GridBox& box, const Pose& from, double length_m, Visit&& visi
   }
 }
 
-// The cells that a beam of the full opening `opening_rad` (0: a ray) meets within `length_m`, by distance,
-// equal distances by cell: those whose centre lies in the cone, and those on its axis, which near its tip is
-// narrower than a cell.
+// The cells that a beam of the full opening `opening_rad` (above 0) meets within `length_m`, each once, in no
+// order of distance: those whose centre lies in the cone, and those on its axis, which near its tip is
+// narrower than a cell. visit(cell, distance_m) of the centre. Costs the cells visited, and a few a row.
+template <class Visit>
+void WalkCone(const GridBox& box, const Pose& from, double opening_rad, double length_m, Visit&& visit) {
+  const double ux = std::cos(from.heading_rad), uy = std::sin(from.heading_rad);
+  const double slope = std::tan(opening_rad / 2), square = length_m * length_m;
+  const auto inside = [&](double dx, double dy) {
+    const double along = dx * ux + dy * uy, across = std::abs(dx * uy - dy * ux);
+    return along > 0 && across <= along * slope && dx * dx + dy * dy <= square;
+  };
+  const auto j0 = std::max<std::int64_t>(0, box.RowOf(from.y_m - length_m));
+  const auto j1 = std::min(box.rows - 1, box.RowOf(from.y_m + length_m));
+  for (std::int64_t j = j0; j <= j1; ++j) {
+    const double dy = box.CentreY(j) - from.y_m;
+    // Where the row lies between the cone's edges: |dx uy - dy ux| <= slope (dx ux + dy uy).
+    double low = -length_m, high = length_m;
+    const auto bound = [&](double factor, double most) {  // factor dx <= most
+      if (factor > 0) high = std::min(high, most / factor);
+      if (factor < 0) low = std::max(low, most / factor);
+    };
+    bound(uy - slope * ux, dy * (ux + slope * uy));
+    bound(-uy - slope * ux, dy * (slope * uy - ux));
+    if (!(low <= high + box.cell_m)) continue;
+    const auto i0 = std::max<std::int64_t>(0, box.ColumnOf(from.x_m + low) - 1);
+    const auto i1 = std::min(box.columns - 1, box.ColumnOf(from.x_m + high) + 1);
+    for (std::int64_t i = i0; i <= i1; ++i) {
+      const double dx = box.CentreX(i) - from.x_m;
+      if (inside(dx, dy)) visit(j * box.columns + i, std::sqrt(dx * dx + dy * dy));
+    }
+  }
+  WalkRay(box, from, length_m, [&](std::int64_t cell, double, double) {
+    const double dx = box.CentreX(cell % box.columns) - from.x_m;
+    const double dy = box.CentreY(cell / box.columns) - from.y_m;
+    if (!inside(dx, dy)) visit(cell, std::sqrt(dx * dx + dy * dy));
+  });
+}
+
+// The cells of WalkCone, or on a ray (opening 0) those of WalkRay, by distance, equal distances by cell.
 void BeamCells(const GridBox& box, const Pose& from, double opening_rad, double length_m,
                std::vector<BeamCell>* cells);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "schema/error.h"
 
@@ -26,11 +27,6 @@ void Group(std::span<const Key> key_of, std::span<const Value> values, std::size
 
 }  // namespace
 
-double ReachOf(double z_m, const SensorModel& model) {
-  const bool may_be_none = std::abs(z_m - model.z_max_m) <= kReach * model.no_echo_m;
-  return may_be_none ? std::max(z_m + kReach * model.sigma_m, model.z_max_m) : z_m + kReach * model.sigma_m;
-}
-
 FlipGains::FlipGains(std::int32_t cells, std::vector<SensorModel> models)
     : models_(std::move(models)), occupied_(static_cast<std::size_t>(cells)) {
   window_cell_.first.push_back(0);
@@ -44,17 +40,22 @@ void FlipGains::Add(double z_m, std::size_t model_index, std::span<const Crossin
                   .none = (1 - model.p_rand) * Normal(z_m - model.z_max_m, model.no_echo_m),
                   .sum = 0,
                   .model = static_cast<std::uint32_t>(model_index)};
+  window_of_beam_.clear();
+  for (const Crossing& crossing : beam) {
+    if (crossing.distance_m > reach_m) continue;
+    if (crossing.distance_m >= first_m)
+      window_of_beam_.push_back(crossing);
+    else if (crossing.cell == kElsewhere)
+      ++reading.before;
+    else
+      before_cell_.push_back(crossing.cell);
+  }
+  std::ranges::sort(window_of_beam_, [](const Crossing& a, const Crossing& b) {
+    return std::tie(a.distance_m, a.cell) < std::tie(b.distance_m, b.cell);
+  });
   std::vector<Obstacle> fixed;
-  for (std::size_t k = 0; k < beam.size() && beam[k].distance_m <= reach_m; ++k) {
-    const auto [cell, distance_m] = beam[k];
-    const auto order = static_cast<std::uint32_t>(k);
-    if (distance_m < first_m) {
-      if (cell == kElsewhere)
-        ++reading.before;
-      else
-        before_cell_.push_back(cell);
-      continue;
-    }
+  for (std::uint32_t order = 0; order < window_of_beam_.size(); ++order) {
+    const auto [cell, distance_m] = window_of_beam_[order];
     const double weight = (1 - model.p_rand) * model.p_hit * Normal(z_m - distance_m, model.sigma_m);
     if (cell == kElsewhere) {
       fixed.push_back({order, weight});
@@ -103,7 +104,9 @@ void FlipGains::Refresh(std::uint32_t index) {
   Reading& reading = readings_[index];
   const double q = 1 - models_[reading.model].p_hit;
   double sum = 0, passed = 1;
-  for (const Obstacle& obstacle : obstacles_[index]) {
+  for (Obstacle& obstacle : obstacles_[index]) {
+    obstacle.sum_before = sum;
+    obstacle.passed = passed;
     sum += passed * obstacle.weight;
     passed *= q;
   }
@@ -122,19 +125,13 @@ void FlipGains::Refresh(std::uint32_t index) {
 double FlipGains::SumWith(const Reading& reading, std::span<const Obstacle> obstacles,
                           const Entry& entry) const {
   const double q = 1 - models_[reading.model].p_hit;
-  double sum = 0, passed = 1;
   std::size_t k = 0;
-  for (; k < obstacles.size() && obstacles[k].order < entry.order; ++k) {
-    sum += passed * obstacles[k].weight;
-    passed *= q;
-  }
-  sum += passed * entry.weight;
-  passed *= q;
-  for (; k < obstacles.size(); ++k) {
-    sum += passed * obstacles[k].weight;
-    passed *= q;
-  }
-  return sum + passed * reading.none;
+  while (k < obstacles.size() && obstacles[k].order < entry.order) ++k;
+  if (k == 0) return entry.weight + q * reading.sum;
+  const Obstacle& nearer = obstacles[k - 1];
+  const double before = nearer.sum_before + nearer.passed * nearer.weight, passed = nearer.passed * q;
+  // What follows loses a factor q. The difference is exact enough: the sum is at least q times S.
+  return before + passed * entry.weight + q * (reading.sum - before);
 }
 
 double FlipGains::SumWithout(const Reading& reading, std::span<const Obstacle> obstacles,
@@ -198,6 +195,32 @@ void FlipGains::Flip(std::int32_t cell) {
 bool FlipGains::Seen(std::int32_t cell) const {
   const auto c = static_cast<std::size_t>(cell);
   return !before_.Of(c).empty() || !window_.Of(c).empty();
+}
+
+std::vector<FlipGains::Look> FlipGains::LooksAt(std::int32_t cell) const {
+  const auto c = static_cast<std::size_t>(cell);
+  std::vector<Look> looks;
+  for (const std::uint32_t r : before_.Of(c)) {
+    const Reading& reading = readings_[r];
+    const double passed = power_[reading.model][static_cast<std::size_t>(reading.before)] * reading.sum;
+    looks.push_back({r, 0, passed / (reading.floor + passed)});
+  }
+  for (const Entry& entry : window_.Of(c)) {
+    const Reading& reading = readings_[entry.reading];
+    const double q = 1 - models_[reading.model].p_hit;
+    double reached = power_[reading.model][static_cast<std::size_t>(reading.before)],
+           later = reached * reading.sum;
+    const double all = reading.floor + later;
+    for (const Obstacle& obstacle : obstacles_[entry.reading]) {
+      if (obstacle.order > entry.order) break;
+      later -= reached * obstacle.weight;
+      if (obstacle.order == entry.order)
+        looks.push_back({entry.reading, reached * obstacle.weight / all, std::max(0.0, later) / all});
+      reached *= q;
+    }
+  }
+  std::ranges::sort(looks, {}, &Look::reading);
+  return looks;
 }
 
 std::vector<std::int32_t> FlipGains::Sharing(std::int32_t cell) const {

@@ -17,22 +17,19 @@
 
 namespace cairn::forward_map {
 
-// A cell that a beam meets; those of a beam are in order of distance.
+// A cell that a beam meets.
 struct Crossing {
   std::int32_t cell;  // kElsewhere: an obstacle that stays
   double distance_m;
 };
 inline constexpr std::int32_t kElsewhere = -1;
 
-// How far along a beam cells can matter to a reading of `z_m`.
-double ReachOf(double z_m, const SensorModel& model);
-
 class FlipGains {
  public:
   // Of `cells` cells; readings name one of `models`.
   FlipGains(std::int32_t cells, std::vector<SensorModel> models);
 
-  // First all readings …
+  // First all readings, each with the cells of its beam in any order …
   void Add(double z_m, std::size_t model, std::span<const Crossing> beam);
   // … then once the map, [cells], 1: occupied.
   void Start(std::span<const std::uint8_t> occupied);
@@ -46,14 +43,23 @@ class FlipGains {
   const std::vector<std::int32_t>& near_ends() const { return near_ends_; }
   // Whether any reading's beam meets the cell.
   bool Seen(std::int32_t cell) const;
+  // What the readings that meet an occupied cell, in the order in which they were added, say of it.
+  struct Look {
+    std::uint32_t reading;
+    double caught;  // P(the reading is of the cell): E[c_ik] of (13)
+    double missed;  // P(it was passed undetected)
+  };
+  std::vector<Look> LooksAt(std::int32_t cell) const;
+  double MissProbability(std::uint32_t reading) const { return 1 - models_[readings_[reading].model].p_hit; }
   // The cells that share a window with `cell`, ascending, without it.
   std::vector<std::int32_t> Sharing(std::int32_t cell) const;
   std::size_t byte_count() const;
 
  private:
   struct Obstacle {
-    std::uint32_t order;  // in the beam
+    std::uint32_t order;  // in the window, by distance
     double weight;
+    double sum_before = 0, passed = 1;  // sum of S over the obstacles before it; q^(k-1)
   };
   struct Reading {
     double floor, none, sum;  // S
@@ -85,6 +91,7 @@ class FlipGains {
   std::vector<std::vector<double>> power_;  // [model][n] (1 - p_hit)^n
   std::size_t longest_ = 0;                 // beam
   std::vector<Reading> readings_;
+  std::vector<Crossing> window_of_beam_;          // work space of Add
   std::vector<std::vector<Obstacle>> obstacles_;  // [reading] in its window, in order
   std::vector<double> more_, less_;  // [reading] gain of an obstacle more, less, before its window
   // As the readings came: cells before the windows, and in them.

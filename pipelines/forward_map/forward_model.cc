@@ -1,5 +1,6 @@
 #include "pipelines/forward_map/forward_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -22,6 +23,11 @@ double Normal(double x_m, double sigma_m) {
   const double t = x_m / sigma_m;
   if (std::abs(t) > kReach) return 0;
   return std::exp(-0.5 * t * t) * (std::numbers::inv_sqrtpi / (std::numbers::sqrt2 * sigma_m));
+}
+
+double ReachOf(double z_m, const SensorModel& model) {
+  const bool may_be_none = std::abs(z_m - model.z_max_m) <= kReach * model.no_echo_m;
+  return may_be_none ? std::max(z_m + kReach * model.sigma_m, model.z_max_m) : z_m + kReach * model.sigma_m;
 }
 
 Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model) {

@@ -25,6 +25,9 @@ struct SensorModel {
 // exp(-(x / sigma)^2 / 2) / (sigma sqrt(2 pi)) up to kReach standard deviations, then 0; 1/m.
 double Normal(double x_m, double sigma_m);
 
+// How far along a beam obstacles can matter to a reading of `z_m`.
+double ReachOf(double z_m, const SensorModel& model);
+
 // P(C_i | z_i, m), which is E[c_i] of (13); adds up to 1.
 struct Causes {
   double random = 0;             // c_{i,*}

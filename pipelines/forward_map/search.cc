@@ -1,12 +1,17 @@
 #include "pipelines/forward_map/search.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <queue>
 
 namespace cairn::forward_map {
 namespace {
 
-constexpr double kLeastGain = 1e-9;       // nats; below it is rounding
+constexpr double kLeastGain = 1e-9;  // nats; below it is rounding
+// Pairs are of cells within kPairReach columns and rows, and none whose first flip loses more than kDepth
+// nats: others were found to gain next to nothing, and there are many.
+constexpr std::int32_t kPairReach = 3;
+constexpr double kDepth = 2;
 constexpr std::size_t kCellsOfTick = 64;  // looked at between two ticks
 
 struct Proposal {
@@ -125,13 +130,20 @@ double MapSearch::Swaps(const Tick& tick) {
   return sum;
 }
 
-double MapSearch::Pairs(double depth_nats, const Tick& tick) {
+bool MapSearch::IsNear(std::int32_t a, std::int32_t b) const {
+  return std::abs(a % patch_.columns - b % patch_.columns) <= kPairReach &&
+         std::abs(a / patch_.columns - b / patch_.columns) <= kPairReach;
+}
+
+double MapSearch::Pairs(const Tick& tick) {
   double sum = 0;
   for (const std::int32_t cell : Candidates()) {
     const double gain = GainOf(cell);
-    if (gain < -depth_nats) continue;
+    if (gain < -kDepth) continue;
     tick();
-    sum += FlipWithBestOf(cell, gain, gains_->Sharing(cell));
+    std::vector<std::int32_t> others = gains_->Sharing(cell);
+    std::erase_if(others, [&](std::int32_t other) { return !IsNear(cell, other); });
+    sum += FlipWithBestOf(cell, gain, others);
   }
   return sum;
 }
@@ -141,7 +153,7 @@ double MapSearch::Run(const Moves& moves, const Tick& tick) {
   while (true) {
     double more = 0;
     if (moves.swaps) more += Swaps(tick);
-    if (moves.pairs) more += Pairs(moves.depth_nats, tick);
+    if (moves.pairs) more += Pairs(tick);
     if (more <= 0) return sum;
     sum += more + Climb(tick);
   }

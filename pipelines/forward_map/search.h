@@ -18,9 +18,8 @@ struct MapPrior {
 };
 
 struct Moves {
-  bool swaps = true;       // an obstacle to a neighbouring cell
-  bool pairs = true;       // two flips at once, of cells that share a reading
-  double depth_nats = 10;  // no pair whose first flip loses more
+  bool swaps = true;  // an obstacle to a neighbouring cell
+  bool pairs = true;  // two flips at once, of cells that share a reading's window
 };
 
 // A rectangle of cells, row by row, within a rim of one cell that does not change.
@@ -43,6 +42,7 @@ class MapSearch {
       : gains_(gains), patch_(std::move(patch)), prior_(prior) {}
 
   double GainOf(std::int32_t cell) const { return gains_->GainOf(cell) + PriorGainOf(cell); }
+  std::uint8_t occupied(std::int32_t cell) const { return patch_.rimmed[patch_.Rimmed(cell)]; }
   void Flip(std::int32_t cell);
 
   // Each returns what it gained, at least 0. `tick` is called every few milliseconds.
@@ -50,15 +50,15 @@ class MapSearch {
   // Flips the cell that gains most, again and again, until none gains.
   double Climb(const Tick& tick);
   double Swaps(const Tick& tick);
-  double Pairs(double depth_nats, const Tick& tick);
+  double Pairs(const Tick& tick);
   // All of them until nothing gains.
   double Run(const Moves& moves, const Tick& tick);
 
  private:
-  std::uint8_t occupied(std::int32_t cell) const { return patch_.rimmed[patch_.Rimmed(cell)]; }
   double PriorGainOf(std::int32_t cell) const;
   std::vector<std::int32_t> Candidates() const;
   std::vector<std::int32_t> Neighbours(std::int32_t cell) const;
+  bool IsNear(std::int32_t a, std::int32_t b) const;
   double FlipWithBestOf(std::int32_t cell, double gain, const std::vector<std::int32_t>& others);
 
   FlipGains* gains_;

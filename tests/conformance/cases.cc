@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pipelines/evidence_map/testing_room.h"
+#include "pipelines/forward_map/testing_room.h"
 #include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/testing.h"
 #include "pipelines/localization/testing.h"
@@ -278,6 +279,19 @@ Case EvidenceMap() {
   return c;
 }
 
+// A room by laser and by sonar, in one tile and in many.
+Case ForwardMap(const std::string& name, double tile_mcrossings) {
+  Blob log = forward_map::Room{}.Log();
+  log.PutAll("robot/0/sonar/", forward_map::Room{.opening_rad = 0.26, .seed = 2}.Log().Sub("robot/0/sonar/"));
+  log.PutVector<double>("truth/walls/x_m", {1.0});
+  Case c{.name = name, .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
+  Set(c.stage, "cell_m", 0.1);
+  Set(c.stage, "heldout", 0.2);
+  Set(c.stage, "tile_mcrossings", tile_mcrossings);
+  SetInteger(c.stage, "rounds", 5);
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -291,6 +305,8 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             LandmarkMapSideBySide()};
   }
   if (pipeline == "evidence_map") return {EvidenceMap()};
+  if (pipeline == "forward_map")
+    return {ForwardMap("forward_map_one_tile", 4.0), ForwardMap("forward_map_tiles", 0.02)};
   if (pipeline == "image_features") return {ImageFeatures()};
   if (pipeline == "landmark_learning")
     return {LandmarkLearning("landmark_learning_window", 5.0),

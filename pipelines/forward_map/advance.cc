@@ -1,0 +1,235 @@
+#include "pipelines/forward_map/advance.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "pipelines/forward_map/history.h"
+#include "pipelines/forward_map/plan.h"
+#include "pipelines/forward_map/tile_task.h"
+#include "schema/error.h"
+
+namespace cairn::forward_map {
+namespace {
+
+constexpr std::int64_t kFirstSteps = 3, kMostSteps = 10;  // of the parameters
+// Nats a reading: parameters whose step gains less have settled, those that gain less together change no map,
+// and a search that gains less is as good as one that finds nothing.
+constexpr double kSettledStep = 1e-3, kSettledPhase = 5e-3, kSettledSearch = 1e-5;
+constexpr double kRounding = 1e-9;  // of the target, between the search and the weighing
+
+// Below this the cells' own size is all that ranges tell of.
+double LeastSigma(const GridBox& box) { return box.cell_m / 4; }
+
+class Turn {
+ public:
+  Turn(const Options& options, const State& state, Partials& partials, const Inputs& inputs)
+      : options_(options),
+        partials_(partials),
+        inputs_(inputs),
+        schedule_(Schedule::Load(state)),
+        map_(MapState::Of(*inputs.Get(kMapBlob))) {
+    *step_.plan.mutable_state() = state;
+  }
+
+  Step Take() && {
+    switch (schedule_.phase) {
+      case Phase::kBegin:
+        Begin();
+        break;
+      case Phase::kSearch:
+        WeighProposals();
+        break;
+      case Phase::kWeigh:
+        AcceptOrHalve();
+        break;
+      case Phase::kParameters:
+        KeepParametersOrNot();
+        break;
+      case Phase::kCertainty:
+        CAIRN_DEMAND(false, "the result follows");
+    }
+    schedule_.Store(step_.plan.mutable_state());
+    PlanTasks(&step_.plan);
+    step_.plan.set_note(Note());
+    step_.plan.set_rounds_left(RoundsLeft());
+    return std::move(step_);
+  }
+
+ private:
+  void Begin() {
+    const std::vector<Evidence> evidence = Weighed();
+    Keep(evidence, TargetOf(evidence, map_));
+    NextSearch();
+  }
+
+  void WeighProposals() {
+    std::vector<Proposal> proposals;
+    for (std::size_t i = 0; i < partials_.size(); ++i) {
+      std::vector<Proposal> of_tile = ProposalsOf(*partials_.Get(i));
+      if (!of_tile.front().cells.empty()) proposals.push_back(std::move(of_tile.front()));
+    }
+    if (proposals.empty()) return NothingFound();
+    Share(kProposalsBlob, ToBlob(proposals));
+    schedule_.phase = Phase::kWeigh;
+    schedule_.taken = static_cast<std::int64_t>(proposals.size());
+  }
+
+  // Proposals of tiles side by side may explain the same readings; together they must gain.
+  void AcceptOrHalve() {
+    const std::vector<Evidence> evidence = Weighed();
+    const std::vector<Proposal> proposals = ProposalsOf(*inputs_.Get(kProposalsBlob));
+    MapState candidate = map_;
+    Apply(proposals, static_cast<std::size_t>(schedule_.taken), &candidate.occupied);
+    const double target = TargetOf(evidence, candidate), gain = target - schedule_.target_nats;
+    if (schedule_.taken == 1 && schedule_.searches > 1) {
+      CAIRN_DEMAND(std::abs(gain - proposals[0].gain) <= kRounding * (1 + std::abs(target)),
+                   "what a tile's search gains is what weighing finds");
+    }
+    if (gain <= 0) {
+      schedule_.taken /= 2;
+      if (schedule_.taken == 0) NothingFound();
+      return;
+    }
+    map_ = std::move(candidate);
+    Share(kMapBlob, map_.ToBlob());
+    Keep(evidence, target);
+    // The only tile has searched until nothing gained.
+    const bool ended = !SeveralTiles() || gain < kSettledSearch * SumOf(evidence).readings;
+    if (schedule_.searches > 1 && ended) return NothingFound();
+    schedule_.taken = 0;
+    schedule_.quiet = 0;
+    if (options_.estimate && schedule_.searches == 1) return ImproveParameters();
+    NextSearch();
+  }
+
+  // Or next to nothing.
+  void NothingFound() {
+    schedule_.taken = 0;
+    ++schedule_.quiet;
+    if (SeveralTiles() && schedule_.quiet < kSplits) return NextSearch();
+    if (options_.estimate && !schedule_.settled && schedule_.searches < options_.rounds)
+      return ImproveParameters();
+    schedule_.phase = Phase::kCertainty;
+  }
+
+  void NextSearch() {
+    if (schedule_.searches >= options_.rounds) {
+      schedule_.phase = Phase::kCertainty;
+      return;
+    }
+    schedule_.phase = Phase::kSearch;
+    schedule_.split = schedule_.searches % kSplits;
+    ++schedule_.searches;
+    schedule_.steps = 0;
+  }
+
+  void ImproveParameters() {
+    const std::vector<Evidence> evidence = EvidenceOf(*BlobOf(kEvidenceBlob));
+    if (schedule_.steps == 0) schedule_.begun_nats = schedule_.target_nats;
+    Share(kBeforeBlob, map_.ToBlob());
+    for (std::size_t k = 0; k < map_.models.size(); ++k)
+      map_.models[k] = Improved(map_.models[k], evidence[k], LeastSigma(map_.box));
+    Share(kMapBlob, map_.ToBlob());
+    schedule_.phase = Phase::kParameters;
+    ++schedule_.steps;
+  }
+
+  // EM cannot lose, but for its bounds and for where the Gaussians end; then the step is taken back.
+  void KeepParametersOrNot() {
+    const std::vector<Evidence> evidence = Weighed();
+    const double target = TargetOf(evidence, map_), gain = target - schedule_.target_nats;
+    const double readings = SumOf(evidence).readings;
+    if (gain <= 0) {
+      map_ = MapState::Of(*inputs_.Get(kBeforeBlob));
+      Share(kMapBlob, map_.ToBlob());
+    } else {
+      Keep(evidence, target);
+    }
+    const std::int64_t most = schedule_.searches == 1 ? kFirstSteps : kMostSteps;
+    if (gain > kSettledStep * readings && schedule_.steps < most) return ImproveParameters();
+    const bool changed = schedule_.target_nats - schedule_.begun_nats > kSettledPhase * readings;
+    schedule_.settled = schedule_.searches > 1 && !changed;
+    schedule_.quiet = 0;
+    NextSearch();
+  }
+
+  bool SeveralTiles() const { return step_.plan.state().scalars().at(TilesKey(0)).i() > 1; }
+
+  std::vector<Evidence> Weighed() {
+    std::vector<Evidence> evidence(map_.models.size());
+    for (std::size_t i = 0; i < partials_.size(); ++i) {
+      const BlobPtr partial = partials_.Get(i);
+      evidence[static_cast<std::size_t>(partial->Scalar<std::int64_t>("sensor"))].Add(Evidence::Of(*partial));
+    }
+    return evidence;
+  }
+
+  double TargetOf(const std::vector<Evidence>& evidence, const MapState& map) const {
+    return SumOf(evidence).log_likelihood + map.LogPrior(PriorOf(options_));
+  }
+
+  // The evidence of the map that the search now holds.
+  void Keep(const std::vector<Evidence>& evidence, double target) {
+    schedule_.target_nats = target;
+    Share(kEvidenceBlob, EvidenceBlob(evidence));
+    const BlobPtr history = inputs_.Has(kHistoryBlob) ? inputs_.Get(kHistoryBlob) : nullptr;
+    Share(kHistoryBlob, WithRow(history.get(), SumOf(evidence), target, map_));
+  }
+
+  void Share(const char* name, Blob blob) {
+    (*step_.plan.mutable_state()->mutable_blobs())[name] = step_.Share(std::move(blob));
+  }
+
+  // As this turn shared it, else as it was.
+  BlobPtr BlobOf(const char* name) const {
+    const std::string& hash = step_.plan.state().blobs().at(name);
+    for (const BlobPtr& blob : step_.blobs)
+      if (blob->ContentHash().Binary() == hash) return blob;
+    return inputs_.Get(name);
+  }
+
+  std::string Note() const {
+    char text[200];
+    const char* what = "";
+    switch (schedule_.phase) {
+      case Phase::kBegin:
+        break;
+      case Phase::kSearch:
+        what = "searching";
+        break;
+      case Phase::kWeigh:
+        what = "weighing";
+        break;
+      case Phase::kParameters:
+        what = "the sensors' parameters";
+        break;
+      case Phase::kCertainty:
+        what = "how sure the map is";
+        break;
+    }
+    std::snprintf(text, sizeof text, "search %lld, log-likelihood %.1f, %.0f obstacles; %s",
+                  static_cast<long long>(schedule_.searches), schedule_.target_nats, map_.CountOccupied(),
+                  what);
+    return text;
+  }
+
+  std::uint32_t RoundsLeft() const {
+    if (schedule_.phase == Phase::kCertainty) return 1;
+    return static_cast<std::uint32_t>(2 * (options_.rounds - schedule_.searches) + 2);
+  }
+
+  const Options& options_;
+  Partials& partials_;
+  const Inputs& inputs_;
+  Schedule schedule_;
+  MapState map_;
+  Step step_;
+};
+
+}  // namespace
+
+Step AdvanceSearch(const Options& options, const State& state, Partials& partials, const Inputs& inputs) {
+  return Turn(options, state, partials, inputs).Take();
+}
+
+}  // namespace cairn::forward_map

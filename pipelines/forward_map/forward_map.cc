@@ -1,0 +1,168 @@
+#include "pipelines/forward_map/forward_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "pipelines/forward_map/advance.h"
+#include "pipelines/forward_map/history.h"
+#include "pipelines/forward_map/plan.h"
+#include "pipelines/forward_map/result.h"
+#include "pipelines/forward_map/tile_task.h"
+#include "pipelines/forward_map/tiles.h"
+#include "pipelines/forward_map/weigh.h"
+
+namespace cairn::forward_map {
+namespace {
+
+// The map as it is held, sent and written: occupied, difference, probability, dynamic, and copies.
+constexpr double kBytesOfCell = 64;
+constexpr double kBytesOfCrossing = 32;  // in a task of the search
+constexpr double kCrossingsOfSlice = 1e6;
+constexpr double kShares[kSplits] = {0.5, 0.35};
+constexpr double kUsualSigma_m = 0.05;
+
+SensorModel ModelOf(const Options& options, const RangeScans& sensor, const Blob& log) {
+  SensorModel model{.p_hit = options.p_hit, .p_rand = options.p_rand};
+  const bool stated = sensor.opening_rad > 0 && log.Has("noise/sonar_m");
+  const double usual_m = stated ? log.Scalar<double>("noise/sonar_m") : kUsualSigma_m;
+  model.sigma_m = options.sigma_m > 0 ? options.sigma_m : std::max(usual_m, options.grid.cell_m / 2);
+  model.no_echo_m = model.sigma_m;
+  model.z_max_m = options.max_range_m > 0 ? options.max_range_m : sensor.max_range_m;
+  return model;
+}
+
+PosedScans ReadScans(const Options& options, const Inputs& inputs) {
+  const BlobPtr poses = inputs.Has("poses") ? inputs.Get("poses") : nullptr;
+  return ReadRangeScans(*inputs.Get("log"), poses.get(), options.grid);
+}
+
+void CheckMemory(const Options& options) {
+  const double mb = options.tile_mcrossings * kBytesOfCrossing * 1e6 / 1048576;
+  if (mb <= static_cast<double>(options.grid.memory_mb)) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "a task of tile_mcrossings = %g million takes %.0f MiB, and memory_mb allows %lld",
+                options.tile_mcrossings, std::floor(mb), static_cast<long long>(options.grid.memory_mb));
+  throw InputError(text);
+}
+
+void Share(const std::string& name, Blob blob, Step* step) {
+  (*step->plan.mutable_state()->mutable_blobs())[name] = step->Share(std::move(blob));
+}
+
+void ShareSensors(const std::vector<RangeScans>& sensors, const Load& load, Step* step) {
+  auto& scalars = *step->plan.mutable_state()->mutable_scalars();
+  double readings = 0;
+  for (const RangeScans& sensor : sensors)
+    readings += static_cast<double>(sensor.scans() * sensor.beams.size());
+  scalars[kSensors].set_i(static_cast<std::int64_t>(sensors.size()));
+  for (std::size_t k = 0; k < sensors.size(); ++k) {
+    const auto number = static_cast<std::int64_t>(k);
+    Share(SensorBlobName(number), SensorBlob(sensors[k]), step);
+    Share(ScansBlobName(number), ScansBlob(sensors[k]), step);
+    const double of_scan = load.Sum() / readings * static_cast<double>(sensors[k].beams.size());
+    scalars[ScansKey(number)].set_i(static_cast<std::int64_t>(sensors[k].scans()));
+    scalars[SliceKey(number)].set_i(static_cast<std::int64_t>(std::max(1.0, kCrossingsOfSlice / of_scan)));
+  }
+}
+
+std::vector<RangeScans> SensorsOf(const Task& task, const Inputs& inputs) {
+  std::vector<RangeScans> sensors;
+  for (std::int64_t k = 0; k < task.params().at(kSensors).i(); ++k)
+    sensors.push_back(ScansOf(*inputs.Get(SensorBlobName(k)), *inputs.Get(ScansBlobName(k))));
+  return sensors;
+}
+
+Blob RunTile(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
+  const MapState map = MapState::Of(*inputs.Get(kMapBlob));
+  const std::vector<Tile> tiles = TilesOf(*inputs.Get("tiles"));
+  const Tile& tile = tiles[static_cast<std::size_t>(task.params().at("tile").i())];
+  const std::vector<RangeScans> sensors = SensorsOf(task, inputs);
+  if (task.kind() == "certainty") return CertaintyOfTile(options, map, tile, sensors, progress).ToBlob();
+  const bool first = task.params().at("searches").i() == 1;
+  const Elsewhere elsewhere = first ? Elsewhere::kExplained : Elsewhere::kAsInTheMap;
+  return ToBlob({SearchTile(options, map, tile, sensors, elsewhere, progress)});
+}
+
+Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
+  MapState map = MapState::Of(*inputs.Get(kMapBlob));
+  const std::int64_t sensor = task.params().at("sensor").i();
+  const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"));
+  const SensorModel& model = map.models[static_cast<std::size_t>(sensor)];
+  if (task.kind() == "explain") {
+    Blob blob;
+    blob.Put("cause",
+             Array::Of<std::int32_t>(
+                 {static_cast<std::int64_t>(scans.scans()), static_cast<std::int64_t>(scans.beams.size())},
+                 ExplainAll(scans, map.box, map.occupied, model, options.no_echo, progress)));
+    return blob;
+  }
+  const auto taken = static_cast<std::size_t>(task.params().at("taken").i());
+  if (taken > 0) Apply(ProposalsOf(*inputs.Get(kProposalsBlob)), taken, &map.occupied);
+  Blob blob =
+      Weigh(scans, 0, scans.scans(), map.box, map.occupied, model, options.no_echo, progress).ToBlob();
+  blob.PutScalar("sensor", sensor);
+  return blob;
+}
+
+std::string StartNote(const PosedScans& scans, const GridBox& box, std::size_t tiles) {
+  std::size_t readings = 0;
+  for (const RangeScans& sensor : scans.sensors) readings += sensor.scans() * sensor.beams.size();
+  char text[200];
+  std::snprintf(
+      text, sizeof text, "%zu readings, %lld x %lld cells, %zu tiles%s", readings,
+      static_cast<long long>(box.columns), static_cast<long long>(box.rows), tiles,
+      scans.unposed > 0 ? (", " + std::to_string(scans.unposed) + " scans without pose").c_str() : "");
+  return text;
+}
+
+}  // namespace
+
+Step ForwardMap::Start(const Inputs& inputs) const {
+  CheckMemory(options_);
+  const PosedScans scans = ReadScans(options_, inputs);
+  MapState map{GridOf(scans, options_.grid, kBytesOfCell), {}, {}};
+  map.occupied.resize(static_cast<std::size_t>(map.box.cells()));
+  double beyond_m = 0;
+  for (const RangeScans& sensor : scans.sensors) {
+    map.models.push_back(ModelOf(options_, sensor, *inputs.Get("log")));
+    beyond_m = std::max(beyond_m, kReach * map.models.back().sigma_m);
+  }
+  const Load load = EstimateLoad(scans.sensors, map.box, beyond_m);
+  Step step;
+  ShareSensors(scans.sensors, load, &step);
+  std::size_t tiles = 0;
+  for (std::int64_t split = 0; split < kSplits; ++split) {
+    const std::vector<Tile> cut = CutTiles(load, options_.tile_mcrossings * 1e6, kShares[split]);
+    Share(TilesBlob(split), ToBlob(cut), &step);
+    (*step.plan.mutable_state()->mutable_scalars())[TilesKey(split)].set_i(
+        static_cast<std::int64_t>(cut.size()));
+    tiles = std::max(tiles, cut.size());
+  }
+  Share(kMapBlob, map.ToBlob(), &step);
+  Schedule().Store(step.plan.mutable_state());
+  PlanTasks(&step.plan);
+  step.plan.set_note(StartNote(scans, map.box, tiles));
+  step.plan.set_rounds_left(static_cast<std::uint32_t>(2 * options_.rounds));
+  return step;
+}
+
+Blob ForwardMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  const bool of_tile = task.kind() == "search" || task.kind() == "certainty";
+  return of_tile ? RunTile(options_, task, inputs, progress) : RunScans(options_, task, inputs, progress);
+}
+
+Step ForwardMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
+  if (Schedule::Load(state).phase != Phase::kCertainty)
+    return AdvanceSearch(options_, state, partials, inputs);
+  Step step;
+  *step.plan.mutable_state() = state;
+  step.plan.set_result(step.Share(
+      ResultOf(options_, ReadScans(options_, inputs), *inputs.Get("log"), MapState::Of(*inputs.Get(kMapBlob)),
+               TilesOf(*inputs.Get(TilesBlob(0))), *inputs.Get(kHistoryBlob), partials)));
+  step.plan.set_note("done");
+  return step;
+}
+
+}  // namespace cairn::forward_map

@@ -1,0 +1,20 @@
+// How the search went: a row for each map or set of parameters that it took over.
+#pragma once
+
+#include "pipelines/forward_map/map_state.h"
+#include "pipelines/forward_map/weigh.h"
+#include "schema/blob.h"
+
+namespace cairn::forward_map {
+
+// Sums of the sensors' evidence.
+Evidence SumOf(const std::vector<Evidence>& evidence);
+
+Blob EvidenceBlob(const std::vector<Evidence>& evidence);
+std::vector<Evidence> EvidenceOf(const Blob& blob);
+
+// `history` (may be null) and one more row: history/log_likelihood, target, expected_log_likelihood,
+// occupied.
+Blob WithRow(const Blob* history, const Evidence& evidence, double target_nats, const MapState& map);
+
+}  // namespace cairn::forward_map

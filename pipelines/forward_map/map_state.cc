@@ -1,0 +1,78 @@
+#include "pipelines/forward_map/map_state.h"
+
+namespace cairn::forward_map {
+
+Blob MapState::ToBlob() const {
+  Blob blob;
+  PutGridBox("", box, &blob);
+  blob.Put("occupied", Array::Of<std::uint8_t>({box.rows, box.columns}, occupied));
+  std::vector<double> values;
+  for (const SensorModel& m : models)
+    values.insert(values.end(), {m.p_hit, m.p_rand, m.sigma_m, m.no_echo_m, m.z_max_m});
+  blob.Put("model", Array::Of<double>({static_cast<std::int64_t>(models.size()), 5}, values));
+  return blob;
+}
+
+MapState MapState::Of(const Blob& blob) {
+  const auto occupied = blob.Get<std::uint8_t>("occupied");
+  const auto values = blob.Get<double>("model");
+  MapState state{GridBoxOf("", blob), {occupied.begin(), occupied.end()}, {}};
+  for (std::size_t i = 0; i + 4 < values.size(); i += 5)
+    state.models.push_back({values[i], values[i + 1], values[i + 2], values[i + 3], values[i + 4]});
+  return state;
+}
+
+double MapState::CountOccupied() const {
+  std::int64_t count = 0;
+  for (const std::uint8_t cell : occupied) count += cell;
+  return static_cast<double>(count);
+}
+
+double MapState::LogPrior(const MapPrior& prior) const {
+  std::int64_t unlike = 0;
+  for (std::int64_t row = 0; row < box.rows; ++row) {
+    for (std::int64_t column = 0; column < box.columns; ++column) {
+      const auto at = static_cast<std::size_t>(row * box.columns + column);
+      if (column > 0) unlike += occupied[at] != occupied[at - 1] ? 1 : 0;
+      if (row > 0) unlike += occupied[at] != occupied[at - static_cast<std::size_t>(box.columns)] ? 1 : 0;
+      // The map lies in free space.
+      const int rims = (column == 0) + (column + 1 == box.columns) + (row == 0) + (row + 1 == box.rows);
+      unlike += occupied[at] * rims;
+    }
+  }
+  return prior.logit * CountOccupied() - prior.smoothness * static_cast<double>(unlike);
+}
+
+Blob ToBlob(const std::vector<Proposal>& proposals) {
+  std::vector<std::int64_t> cells, end;
+  std::vector<double> gain;
+  for (const Proposal& proposal : proposals) {
+    cells.insert(cells.end(), proposal.cells.begin(), proposal.cells.end());
+    end.push_back(static_cast<std::int64_t>(cells.size()));
+    gain.push_back(proposal.gain);
+  }
+  Blob blob;
+  blob.PutVector("cell", cells);
+  blob.PutVector("end", end);
+  blob.PutVector("gain_nats", gain);
+  return blob;
+}
+
+std::vector<Proposal> ProposalsOf(const Blob& blob) {
+  const auto cells = blob.Get<std::int64_t>("cell"), end = blob.Get<std::int64_t>("end");
+  const auto gain = blob.Get<double>("gain_nats");
+  std::vector<Proposal> proposals;
+  std::int64_t first = 0;
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    proposals.push_back({{cells.begin() + first, cells.begin() + end[i]}, gain[i]});
+    first = end[i];
+  }
+  return proposals;
+}
+
+void Apply(const std::vector<Proposal>& proposals, std::size_t count, std::vector<std::uint8_t>* occupied) {
+  for (std::size_t i = 0; i < count; ++i)
+    for (const std::int64_t cell : proposals[i].cells) (*occupied)[static_cast<std::size_t>(cell)] ^= 1;
+}
+
+}  // namespace cairn::forward_map

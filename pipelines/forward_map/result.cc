@@ -1,0 +1,95 @@
+#include "pipelines/forward_map/result.h"
+
+#include <cmath>
+#include <limits>
+
+#include "pipelines/forward_map/beams.h"
+#include "pipelines/forward_map/weigh.h"
+
+namespace cairn::forward_map {
+namespace {
+
+struct Cells {
+  std::vector<std::uint8_t> occupied;
+  std::vector<double> difference;
+  std::vector<std::uint8_t> dynamic;
+};
+
+void TakeTile(const Blob& certainty, const Tile& tile, const GridBox& box, Cells* cells) {
+  const auto difference = certainty.Get<double>("difference_nats");
+  const auto came_and_went = certainty.Get<std::uint8_t>("came_and_went");
+  for (std::size_t own = 0; own < difference.size(); ++own) {
+    const auto at = static_cast<std::int64_t>(own);
+    const auto cell = static_cast<std::size_t>((tile.row + at / tile.columns) * box.columns + tile.column +
+                                               at % tile.columns);
+    cells->difference[cell] = difference[own];
+    // What was an obstacle while sigma was larger, and no reading tells of any more.
+    if (std::isnan(difference[own])) cells->occupied[cell] = 0;
+    if (came_and_went[own] != 0) cells->dynamic[cell] = kCameAndWent;
+  }
+}
+
+// Marks where rays ended that are of nothing in the map, in cells that are known to be free.
+void MarkPassers(const RangeScans& scans, std::span<const std::int32_t> cause, const Options& options,
+                 const SensorModel& model, const GridBox& box, Cells* cells) {
+  if (scans.opening_rad > 0) return;  // somewhere on an arc
+  ForEachReading(scans, 0, scans.scans(), model, false, [&](const BeamOfScan& reading) {
+    if (cause[reading.scan * scans.beams.size() + reading.beam] != kRandomCause) return;
+    const Pose end = Compose(reading.from, {reading.z_m, 0, 0});
+    const std::int64_t column = box.ColumnOf(end.x_m), row = box.RowOf(end.y_m);
+    if (!box.Holds(column, row)) return;
+    const auto cell = static_cast<std::size_t>(row * box.columns + column);
+    if (cells->difference[cell] < -options.dynamic_nats) cells->dynamic[cell] = kPassed;
+  });
+}
+
+void PutModel(const std::string& name, const SensorModel& model, Blob* result) {
+  result->PutScalar(name + "p_hit", model.p_hit);
+  result->PutScalar(name + "p_rand", model.p_rand);
+  result->PutScalar(name + "sigma_m", model.sigma_m);
+  result->PutScalar(name + "no_echo_sigma_m", model.no_echo_m);
+  result->PutScalar(name + "z_max_m", model.z_max_m);
+}
+
+void PutMap(const Options& options, const MapState& map, const Cells& cells, Blob* result) {
+  const GridBox& box = map.box;
+  std::vector<double> probability;
+  for (const double difference : cells.difference) {
+    probability.push_back(std::isnan(difference) ? difference : ProbabilityOf(difference, options.prior));
+  }
+  const Shape shape = {box.rows, box.columns};
+  result->Put("map/grid/probability", Array::Of<double>(shape, probability));
+  result->Put("map/grid/log_odds_difference", Array::Of<double>(shape, cells.difference));
+  result->Put("map/grid/occupied", Array::Of<std::uint8_t>(shape, cells.occupied));
+  result->Put("map/grid/dynamic", Array::Of<std::uint8_t>(shape, cells.dynamic));
+  result->PutScalar("map/grid/origin_x_m", box.origin_x_m);
+  result->PutScalar("map/grid/origin_y_m", box.origin_y_m);
+  result->PutScalar("map/grid/cell_m", box.cell_m);
+}
+
+}  // namespace
+
+double ProbabilityOf(double difference_nats, double prior) {
+  return 1 / (1 + std::exp(-difference_nats) * (1 - prior) / prior);
+}
+
+Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, const MapState& map,
+              const std::vector<Tile>& tiles, const Blob& history, Partials& partials) {
+  Cells cells{.occupied = map.occupied, .difference = {}, .dynamic = {}};
+  cells.difference.assign(map.occupied.size(), std::numeric_limits<double>::quiet_NaN());
+  cells.dynamic.assign(map.occupied.size(), kStays);
+  for (std::size_t i = 0; i < tiles.size(); ++i) TakeTile(*partials.Get(i), tiles[i], map.box, &cells);
+  Blob result = history;
+  PutScanPoses(scans, log, &result);
+  for (std::size_t k = 0; k < scans.sensors.size(); ++k) {
+    const RangeScans& sensor = scans.sensors[k];
+    const BlobPtr explained = partials.Get(tiles.size() + k);
+    result.Put(sensor.name + "cause", explained->at("cause"));
+    PutModel(sensor.name, map.models[k], &result);
+    MarkPassers(sensor, explained->Get<std::int32_t>("cause"), options, map.models[k], map.box, &cells);
+  }
+  PutMap(options, map, cells, &result);
+  return result;
+}
+
+}  // namespace cairn::forward_map
