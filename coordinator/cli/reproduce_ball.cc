@@ -180,7 +180,7 @@ int Paper(const Options& options, const Invocation& call) {
       options, call, 3 * static_cast<std::size_t>(options.seeds),
       [&](std::size_t k) {
         const SetAndSeed at(options, k);
-        return datasets::MakeBallJob(at.set, at.seed, datasets::DefaultBallRecipe(options.steps));
+        return datasets::MakeBallJob(at.set, at.seed, datasets::PaperBallRecipe(options.steps));
       },
       datasets::ScoreBallJob, datasets::BallFigures);
 }

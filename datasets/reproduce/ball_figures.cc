@@ -18,7 +18,7 @@ using report::PlotSeries;
 
 constexpr double kFoundM = 1;
 const report::Rgb kLearned = report::kRobots[0], kDetected = report::kRobots[1],
-                  kPerfect = report::kRobots[2], kTwo = report::kRobots[3];
+                  kPerfect = report::kRobots[2], kThree = report::kRobots[3];
 
 std::string Title(const std::string& set) { return "D-" + set.substr(1); }
 
@@ -271,7 +271,7 @@ class Figures {
         figure.table.rows.push_back(std::move(cells));
       };
       add("BaLL, n = 4 for +-2 m", "locate", kLearned, false);
-      add("BaLL, n = 4 for +-5 m and n = 4 for +-10 m", "locate_two", kTwo, false);
+      add("BaLL, n = 4 for each of +-5, 10, 89 m", "locate_three", kThree, false);
       add("doors, lights: detected", "locate_detected", kDetected, true);
       add("doors, lights: perfect", "locate_perfect", kPerfect, true);
       plots.push_back(std::move(plot));

@@ -8,8 +8,9 @@
 namespace cairn::datasets {
 namespace {
 
-// Of eight features, and of a single one; chosen, as the recipe is, on seeds below 100.
-constexpr double kTrustInTwo = 0.3, kTrustInOne = 1.0;
+// Of three sets of networks, and of a single feature; chosen, as the recipe is, on seeds below 100.
+constexpr double kTrustInThree = 0.3, kTrustInOne = 1.0;
+constexpr double kWindowsOfThree[] = {5, 10, 89};
 
 proto::Stage& AddLocalization(const std::string& name, proto::Job* job) {
   proto::Stage& stage = *job->add_stages();
@@ -26,15 +27,18 @@ void AddTrainings(const BallRecipe& recipe, proto::Job* job) {
   };
   for (const double window_m : BallWindows()) add(1, window_m);
   for (int networks = 2; networks <= kMostBallNetworks; ++networks) add(networks, kBallWindowM);
-  for (const double window_m : {5.0, 10.0}) add(kMostBallNetworks, window_m);
+  for (const double window_m : kWindowsOfThree) add(kMostBallNetworks, window_m);
 }
 
 void AddLocalizations(const BallJob& ball, proto::Job* job) {
   (*AddLocalization("locate", job).mutable_inputs())["networks"] = BallStage(kMostBallNetworks, kBallWindowM);
-  proto::Stage& two = AddLocalization("locate_two", job);
-  (*two.mutable_inputs())["networks"] = BallStage(kMostBallNetworks, 5);
-  (*two.mutable_inputs())["networks_2"] = BallStage(kMostBallNetworks, 10);
-  (*two.mutable_options())["trust"] = RealValue(kTrustInTwo);
+  proto::Stage& three = AddLocalization("locate_three", job);
+  int set = 0;
+  for (const double window_m : kWindowsOfThree) {
+    const std::string input = ++set == 1 ? "networks" : "networks_" + std::to_string(set);
+    (*three.mutable_inputs())[input] = BallStage(kMostBallNetworks, window_m);
+  }
+  (*three.mutable_options())["trust"] = RealValue(kTrustInThree);
   for (const bool perfect : {false, true}) {
     auto& options = *AddLocalization(perfect ? "locate_perfect" : "locate_detected", job).mutable_options();
     options["runs"].set_s(ball.held_out);
@@ -59,6 +63,13 @@ proto::Value RealValue(double d) {
 
 BallRecipe DefaultBallRecipe(std::int64_t steps) {
   return {{"steps", IntegerValue(steps)}, {"rate", RealValue(0.02)}, {"weight_decay", RealValue(0.01)}};
+}
+
+BallRecipe PaperBallRecipe(std::int64_t steps) {
+  BallRecipe recipe = DefaultBallRecipe(steps);
+  recipe["input_noise"] = RealValue(0.5);
+  recipe["init_width"] = RealValue(0.5);
+  return recipe;
 }
 
 std::string BallStage(int networks, double window_m) {

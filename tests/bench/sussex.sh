@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Error reduction on the Sussex route (docs/datasets.md): networks learn from the run `training` and are scored on the
 # other, which decides nothing. Prints the median over seeds, with the least and the most, for windows of +-2 m and none.
-#   CAIRN_DATA=... tests/bench/sussex.sh [SEEDS [OPTION=VALUE...]]     10 seeds: half an hour of a core
+#   CAIRN_DATA=... tests/bench/sussex.sh [SEEDS [OPTION=VALUE...]]     10 seeds: half an hour of a core or more
+#   ROWS='2 2' CAIRN_DATA=... tests/bench/sussex.sh                    two networks for +-2 m alone
 # The ceilings beside them are estimates of what ideal codes of n bits give at positions that look alike.
 set -euo pipefail
 [ -d "${CAIRN_DATA:-}/sussex-route" ] || { echo "CAIRN_DATA names no folder that holds sussex-route" >&2; exit 2; }
@@ -10,7 +11,7 @@ PATH=$here/build/release/bin:$PATH
 seeds=${1:-10}
 shift || true
 options=()
-for option in input_noise=1 hidden=30 rate=0.03 steps=1500 "$@"; do
+for option in input_noise=1 hidden=30 rate=0.03 steps=1500 starts=8 "$@"; do
   for other in "$@"; do [ "${other%%=*}" = "${option%%=*}" ] && [ "$other" != "$option" ] && continue 2; done
   options+=(--set "$option")
 done
@@ -29,6 +30,7 @@ for w in json.load(sys.stdin)["windows"]:
     if w["window_m"] == (None if window < 0 else window): print("%.1f" % (100 * w["error_reduction"]))' "$1"
 }
 row() {  # networks, window_m of training, window to score, name, ceiling
+  [[ "$1 $2" =~ ^(${ROWS:-.*})$ ]] || return 0
   for seed in $(seq "$seeds"); do
     cairn run landmark_learning route/image_features.h5 --out learned --force --seed "$seed" --set unseen=infomax_binary \
       --set networks="$1" --set window_m="$2" "${options[@]}" >log 2>&1 || { cat log >&2; exit 1; }
