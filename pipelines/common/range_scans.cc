@@ -21,13 +21,16 @@ std::string Numbered(const std::string& name, std::size_t scan, double time_s) {
   throw InputError(Numbered(name, scan, time_s) + ": " + why);
 }
 
+// The groups that range scans may stand in, in their order (schema/FORMAT.md).
+const std::vector<std::string> kGroups{"sonar", "laser", "laser2", "laser3", "laser4", "laser5"};
+
 std::vector<std::string> Chosen(const GridOptions& options) {
   const std::vector<std::string> names = ByCommas(options.sensors);
   for (const std::string& name : names) {
-    if (name != "sonar" && name != "laser")
-      throw InputError("option 'sensors': there are sonar and laser, no '" + name + "'");
+    if (std::ranges::find(kGroups, name) == kGroups.end())
+      throw InputError("option 'sensors': there are sonar, laser and laser2 to laser5, no '" + name + "'");
   }
-  return names.empty() ? std::vector<std::string>{"sonar", "laser"} : names;
+  return names.empty() ? kGroups : names;
 }
 
 void ReadBeams(const Blob& group, RangeScans* sensor) {
@@ -147,7 +150,7 @@ PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions&
   PosedScans scans;
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string robot = "robot/" + std::to_string(r) + "/";
-    for (const char* kind : {"sonar", "laser"}) {
+    for (const std::string& kind : kGroups) {
       const std::string name = robot + kind + "/";
       if (std::ranges::find(chosen, kind) == chosen.end() || !log.Has(name + "range_m")) continue;
       RangeScans sensor = ReadSensor(log.Sub(name), name);

@@ -46,7 +46,9 @@ void VisitGridOptions(V& visit, GridOptions& o) {
           "box_m", "m", 0, 0,
           "lower left and upper right corner of the map, 'x0,y0,x1,y1'; empty: as far as obstacles were met"},
       o.box_m);
-  visit(Option{"sensors", "", 0, 0, "of which sensors, by commas: sonar, laser; empty: all"}, o.sensors);
+  visit(
+      Option{"sensors", "", 0, 0, "of which sensors, by commas: sonar, laser, laser2 to laser5; empty: all"},
+      o.sensors);
   visit(Option{"heldout", "", 0, 0.9,
                "share of the scans left out of the map, the last part of each tenth of the log, so that "
                "`cairn evaluate` can score it with them"},
@@ -60,7 +62,7 @@ void VisitGridOptions(V& visit, GridOptions& o) {
   visit(Option{"memory_mb", "MiB", 1, 1e6, "a task may take; a map that needs more is refused"}, o.memory_mb);
 }
 
-// The sensors of all robots in the order of robots, then sonar before laser, as `options` choose. Poses come
+// The sensors of all robots in the order of robots, then sonar before lasers, as `options` choose. Poses come
 // from `poses` (its robot/N/poses/, by the robot's name), else from the log's own, else from dead reckoning;
 // `poses` may be null. Between two of them a robot moves as its odometry says, with the difference spread
 // evenly over time, or straight where there is none. Throws InputError that names sensor and scan: no scans,

@@ -49,6 +49,18 @@ TEST(RangeScans, AreReadWithTheirPosesAndBeams) {
   EXPECT_DOUBLE_EQ(beam.heading_rad, M_PI / 2);
 }
 
+TEST(RangeScans, ARobotMayHaveSeveralLasers) {
+  Blob log = Log();
+  log.PutAll("robot/0/laser2/", Log().Sub("robot/0/sonar/"));
+  log.PutScalar<double>("robot/0/laser2/opening_rad", 0);
+  const PosedScans scans = ReadRangeScans(log, nullptr, {});
+  ASSERT_EQ(scans.sensors.size(), 2U);
+  EXPECT_EQ(scans.sensors[1].name, "robot/0/laser2/");
+  GridOptions options;
+  options.sensors = "laser2";
+  EXPECT_EQ(ReadRangeScans(log, nullptr, options).sensors.size(), 1U);
+}
+
 TEST(RangeScans, TheGridHoldsPosesAndAllThatWasMet) {
   GridOptions options;
   options.cell_m = 0.5;

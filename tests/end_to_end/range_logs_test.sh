@@ -63,3 +63,13 @@ grep -q '^poses.h5: 1 robot, 11148 poses$' said || die "other poses: $(cat said)
 exits 0 cairn import tum "$CAIRN_DATA/carmen-intel/intel-corrected-poses.txt.gz" beside.h5 --robot robot
 exits 0 cairn evaluate beside.h5 --relations "$CAIRN_DATA/carmen-intel/intel.relations.gz" --json
 below "$(number translation_m stdout)" 0.13
+
+# A map of the raw log at poses from elsewhere stands where they say, and not where odometry does.
+for map in 'raw' 'placed --input poses=beside.h5'; do
+  read -ra words <<<"$map"
+  exits 0 cairn run evidence_map intel-raw.h5 --out "${words[@]}" --set cell_m=0.2
+  exits 0 cairn evaluate "${words[0]}" --relations "$CAIRN_DATA/carmen-intel/intel.relations.gz" --json
+  number translation_m stdout >"${words[0]}.error"
+done
+below "$(cat placed.error)" 0.13
+below 7 "$(cat raw.error)"
