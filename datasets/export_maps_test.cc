@@ -7,9 +7,6 @@
 #include "datasets/export.h"
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"
-#ifdef CAIRN_WITH_OCTOMAP
-#include <octomap/octomap.h>
-#endif
 
 namespace cairn::datasets {
 namespace {
@@ -196,24 +193,6 @@ TEST(ExportOctomap, WhatLiesBeyondATreeOrNowhereIsRefused) {
   map = SmallGrid();
   map.Put("map/grid/probability", Array::Of<double>({1, 2}, {kNan, 0.5}));
   EXPECT_TRUE(FileText(ExportOctomap(map, folder / "").value().at(0)).ends_with("size 0\nres 0.1\ndata\n"));
-}
-
-// OctoMap's own reader finds the same.
-TEST(ExportOctomap, OctomapReadsItBack) {
-#ifdef CAIRN_WITH_OCTOMAP
-  const TestFolder folder;
-  octomap::OcTree tree(ExportOctomap(SmallGrid(), folder / "").value().at(0));
-  EXPECT_EQ(tree.getResolution(), 0.1);
-  EXPECT_EQ(tree.getNumLeafNodes(), 9U);
-  for (const Leaf& cell : KnownCells(SmallGrid())) {
-    const octomap::OcTreeNode* node = tree.search(cell.x_m, cell.y_m, cell.z_m);
-    ASSERT_NE(node, nullptr) << cell.x_m << " " << cell.y_m;
-    EXPECT_EQ(tree.isNodeOccupied(node), cell.occupied) << cell.x_m << " " << cell.y_m;
-  }
-  EXPECT_EQ(tree.search(0.15, 0.35, 0.05), nullptr) << "unknown";
-#else
-  GTEST_SKIP() << "built without liboctomap-dev (deploy/install.sh --dev installs it)";
-#endif
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Grid maps as other programs read them: ROS maps in all three modes by PyYAML and Pillow, after map_server's rules; PNG;
-# OctoMap's file by its header (datasets_test reads it by OctoMap itself).
+# OctoMap's file by its header (readers_test reads it by OctoMap itself).
 source "$(dirname "$0")/common.sh"
 python=
 for candidate in python3 /usr/bin/python3; do
