@@ -45,6 +45,11 @@ Blob MakeSamples(const Samples& samples) {
              Array::Of({count, static_cast<std::int64_t>(samples.input_name.size())}, run.input));
     if (!run.image.empty())
       blob.Put(prefix + "image", Array::Of({count, run.image_rows, run.image_columns, 3}, run.image));
+    if (!run.turn_rad.empty()) {
+      blob.PutVector(prefix + "odometry/turn_rad", run.turn_rad);
+      blob.PutVector(prefix + "odometry/forward_m", run.forward_m);
+      blob.PutVector(prefix + "odometry/left_m", run.left_m);
+    }
     PutFeatures(prefix, samples.feature_name.size(), run, &blob);
     PutTruth(prefix, run, &blob);
   }

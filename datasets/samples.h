@@ -19,6 +19,8 @@ struct SampleRun {
   int image_rows = 0, image_columns = 0;
   std::vector<std::uint8_t> image = {};  // [samples][image_rows][image_columns][3]; empty: there are none
   std::vector<float> feature = {};       // [samples][hand-made features], P(f = 1 | what was sensed)
+  // How odometry has it since the sample before: empty, or of each sample, of the first one zeros.
+  std::vector<double> turn_rad = {}, forward_m = {}, left_m = {};
   // Where it truly was: empty, or of each sample.
   std::vector<double> true_x_m = {}, true_y_m = {}, true_heading_rad = {};
 };

@@ -24,7 +24,8 @@ using corridor::Look, corridor::Snapshot;
 // Streams of the generator: the world's, then one for each set's each run. What people look at in a run draws
 // from substreams, so that one does not change the other.
 constexpr std::uint64_t kWorldStream = 0;
-constexpr std::uint32_t kRunSubstream = 0, kCameraSubstream = 1, kSonarSubstream = 2, kLabelSubstream = 3;
+constexpr std::uint32_t kRunSubstream = 0, kCameraSubstream = 1, kSonarSubstream = 2, kLabelSubstream = 3,
+                        kOdometrySubstream = 4;
 constexpr std::uint32_t kChangeSubstream = 1;  // of the world's
 constexpr int kMostRuns = 64, kSets = 3;
 
@@ -73,6 +74,25 @@ void AddPoses(const std::vector<Snapshot>& snapshots, double label_error_m, Rng 
     run->x_m.push_back(snapshot.pose.x_m + x.After(way_m, rng));
     run->y_m.push_back(snapshot.pose.y_m + y.After(way_m, rng));
     run->heading_rad.push_back(WrapAngle(snapshot.pose.heading_rad + heading.After(way_m, rng)));
+  }
+}
+
+// Errors of odometry: of each way and turn, as a share of it; of the wheels, all run long; and of the
+// heading.
+constexpr double kOdometryShare = 0.02, kWheelShare = 0.02, kDriftRadPerM = 0.003, kWalkRadPerSqrtM = 0.005;
+
+void AddOdometry(const std::vector<Snapshot>& snapshots, Rng rng, SampleRun* run) {
+  const double wheels = 1 + kWheelShare * rng.Normal(), drift = kDriftRadPerM * rng.Normal();
+  for (std::size_t k = 0; k < snapshots.size(); ++k) {
+    const PoseM from = snapshots[k > 0 ? k - 1 : 0].pose, to = snapshots[k].pose;
+    const double turn = WrapAngle(to.heading_rad - from.heading_rad),
+                 way_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
+    const double c = std::cos(to.heading_rad), s = std::sin(to.heading_rad);
+    const auto measured = [&](double moved_m) { return moved_m * (wheels + kOdometryShare * rng.Normal()); };
+    run->turn_rad.push_back(turn * (1 + kOdometryShare * rng.Normal()) + drift * way_m +
+                            kWalkRadPerSqrtM * std::sqrt(way_m) * rng.Normal());
+    run->forward_m.push_back(measured(c * (to.x_m - from.x_m) + s * (to.y_m - from.y_m)));
+    run->left_m.push_back(measured(c * (to.y_m - from.y_m) - s * (to.x_m - from.x_m)));
   }
 }
 
@@ -125,6 +145,7 @@ SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOption
       shown.push_back(view.image);
   }
   AddPoses(drive.snapshots, options.label_error_m, Rng(options.seed, stream, kLabelSubstream), &run);
+  if (options.odometry) AddOdometry(drive.snapshots, Rng(options.seed, stream, kOdometrySubstream), &run);
   if (pictures != nullptr) pictures->push_back({run.name, corridor::ContactSheetPng(shown, 10)});
   return run;
 }

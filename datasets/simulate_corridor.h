@@ -21,6 +21,7 @@ struct SimulateCorridorOptions {
   double label_error_m = 0.1;  // of x_m, and of y_m: standard deviation, 0 to 5
   std::uint64_t seed = 1;
   bool images = false;     // the images instead of their features
+  bool odometry = false;   // what odometry makes of the way from each snapshot to the next
   bool both_ways = false;  // every other run comes back from the far end, the camera on the robot's same side
   double changed = 0;      // share of what hangs, stands or is painted that was changed since: 0 to 1
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/planar.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets {
@@ -100,6 +101,39 @@ TEST(SimulateCorridor, ComesBackOnTheOtherSide) {
     EXPECT_NEAR(std::cos(heading_back[k]), -std::cos(heading[k]), 1e-12);
   }
   EXPECT_NE(back.Sub("run/1/").ContentHash(), there.Sub("run/1/").ContentHash());
+}
+
+// First the turn, then the way: from pose to pose it leads where the robot truly was, and slowly goes astray.
+TEST(SimulateCorridor, GivesOdometryThatErrsALittle) {
+  SimulateCorridorOptions options = Small("d1");
+  const Blob without = SimulateCorridor(options);
+  options.odometry = options.both_ways = true;
+  const Blob samples = SimulateCorridor(options);
+  EXPECT_EQ(samples.Without("run/0/odometry/").Sub("run/0/").ContentHash(),
+            without.Sub("run/0/").ContentHash());
+  for (const std::string prefix : {"run/0/", "run/1/"}) {
+    const auto x = samples.Get<double>("truth/" + prefix + "x_m"),
+               y = samples.Get<double>("truth/" + prefix + "y_m"),
+               heading = samples.Get<double>("truth/" + prefix + "heading_rad");
+    const auto turn = samples.Get<double>(prefix + "odometry/turn_rad"),
+               forward = samples.Get<double>(prefix + "odometry/forward_m"),
+               left = samples.Get<double>(prefix + "odometry/left_m");
+    ASSERT_EQ(turn.size(), x.size());
+    EXPECT_EQ(turn[0], 0.0);
+    EXPECT_EQ(forward[0], 0.0);
+    PoseM pose{x[0], y[0], heading[0]};
+    for (std::size_t k = 1; k < x.size(); ++k) {
+      const double faces = heading[k - 1] + turn[k];
+      EXPECT_NEAR(x[k - 1] + forward[k] * std::cos(faces) - left[k] * std::sin(faces), x[k], 0.1);
+      EXPECT_NEAR(y[k - 1] + forward[k] * std::sin(faces) + left[k] * std::cos(faces), y[k], 0.1);
+      pose.heading_rad += turn[k];
+      pose.x_m += forward[k] * std::cos(pose.heading_rad) - left[k] * std::sin(pose.heading_rad);
+      pose.y_m += forward[k] * std::sin(pose.heading_rad) + left[k] * std::cos(pose.heading_rad);
+    }
+    const double off_m = std::hypot(pose.x_m - x.back(), pose.y_m - y.back());
+    EXPECT_GT(off_m, 0.05) << prefix;
+    EXPECT_LT(off_m, 6.0) << prefix;
+  }
 }
 
 TEST(SimulateCorridor, ChangesWhatItIsTold) {

@@ -88,6 +88,8 @@ void AddCorridor(CLI::App* simulate, Invocation& call) {
   app->add_option("--seed", corridor.seed, "Same seed, same corridor and runs")
       ->check(CheckSeed)
       ->capture_default_str();
+  app->add_flag("--odometry", corridor.odometry,
+                "The file also holds what odometry makes of the way from each snapshot to the next");
   app->add_flag("--both-ways", corridor.both_ways,
                 "Every other run comes back; the camera then points at the other wall");
   app->add_option("--changed", corridor.changed,

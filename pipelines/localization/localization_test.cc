@@ -110,6 +110,18 @@ TEST(Localization, HeadingsThatAllFaceOneWayChangeNothing) {
   }
 }
 
+// Odometry that says nothing moved leaves a robot where it was known to be; the labels do not.
+TEST(Localization, MovesByTheSamplesOdometryWhereThereIsSome) {
+  Blob samples = CorridorWithFeatures{.both_ways = true}.Make();
+  const std::size_t count = samples.Get<double>("run/2/x_m").size();
+  samples.PutVector("run/2/odometry/turn_rad", std::vector<double>(count, 0.0));
+  samples.PutVector("run/2/odometry/forward_m", std::vector<double>(count, 0.0));
+  Options options{.runs = "run 2", .trust = 0.001, .window_m = 1.0, .traverses = 3, .way_m = 10.0};
+  EXPECT_GT(MeanError(samples, *Locate(samples, options), 9.0, 10.0), 5.0);
+  options.odometry = "labels";
+  EXPECT_LT(MeanError(samples, *Locate(samples, options), 9.0, 10.0), 2.0);
+}
+
 TEST(Localization, KeepsTrackOfARobotThatIsKnownToBeNear) {
   const Blob samples = CorridorWithFeatures().Make();
   const BlobPtr result = Locate(samples, {.runs = "run 0,run 2", .window_m = 1.0, .traverses = 20});
@@ -209,6 +221,20 @@ TEST(Localization, SaysWhatIsWrongWithItsInputs) {
   const Blob both = CorridorWithFeatures{.runs = 2, .both_ways = true}.Make();
   EXPECT_NE(Complaint(both, {.runs = "run 1"}).find("no place that it may be at was seen facing as it does"),
             std::string::npos);
+  Blob moved = both;
+  moved.PutVector<double>("run/1/odometry/turn_rad", {0.0});
+  moved.PutVector<double>("run/1/odometry/forward_m", {0.0});
+  EXPECT_EQ(Complaint(moved, {.runs = "run 1"}),
+            "run 'run 1': its odometry does not have a row for each sample");
+  const std::size_t moves = both.Get<double>("run/1/x_m").size();
+  moved.PutVector("run/1/odometry/turn_rad", std::vector<double>(moves, 0.0));
+  moved.PutVector("run/1/odometry/forward_m", std::vector<double>(moves, std::nan("")));
+  EXPECT_EQ(Complaint(moved, {.runs = "run 1"}), "run 'run 1', sample 1: its odometry is not finite");
+  moved.PutVector("run/1/odometry/forward_m", std::vector<double>(moves, 0.1));
+  EXPECT_EQ(
+      Complaint(moved.Without("run/1/heading_rad"), {.runs = "run 1"}),
+      "run 'run 1': its odometry says nothing without headings ('heading_rad'); odometry=labels does not "
+      "look at it");
   std::vector<float> certain(static_cast<std::size_t>(rows) * 3, 1.0F);
   std::vector<float> never(static_cast<std::size_t>(good.at("run/0/x_m").size()) * 3, 0.0F);
   Blob other = with("run/1/feature", Array::Of<float>({rows, 3}, certain));

@@ -23,6 +23,7 @@ struct Options {
   std::int64_t traverses = 35;
   double way_m = 30.0;
   double every_m = 0.5;
+  std::string odometry = "recorded";
   double odometry_ratio = 0.05;
   double motion_m = 0.1;
   double motion_ratio = 0.1;
@@ -92,8 +93,18 @@ void VisitOptions(V& visit, Options& o) {
         o.traverses);
   visit(Option{"way_m", "m", 0, 1e9, "way of each; 0: to the run's end"}, o.way_m);
   visit(Option{"every_m", "m", 0.001, 1e6, "way from a sensation to the next"}, o.every_m);
+  visit(
+      Option{
+          "odometry",
+          "",
+          0,
+          0,
+          "where displacements come from: the samples' odometry (from their labels, where they have none), "
+          "or the labels",
+          {"recorded", "labels"}},
+      o.odometry);
   visit(Option{"odometry_ratio", "", 0, 10,
-               "sd of the error that is put on each displacement, an axis, a share of its length"},
+               "sd of the error that is put on each displacement by labels, an axis, a share of its length"},
         o.odometry_ratio);
   visit(Option{"motion_m", "m", 0, 1e6, "sd of a displacement in the motion model, an axis"}, o.motion_m);
   visit(Option{"motion_ratio", "", 0, 10, "and a share of its length, added in squares"}, o.motion_ratio);

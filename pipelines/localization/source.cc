@@ -66,10 +66,36 @@ std::vector<double> HeadingsOf(const Blob& samples, std::size_t run, const std::
   return {headings.begin(), headings.end()};
 }
 
+// Of each sample since the one before; empty where there is none, or labels are asked for.
+std::vector<OwnMotion> OdometryOf(const Options& options, const Blob& samples, std::size_t run,
+                                  const std::string& name, std::size_t rows) {
+  const std::string prefix = PrefixOf(run) + "odometry/";
+  if (options.odometry == "labels" || !samples.Has(prefix + "forward_m")) return {};
+  const auto turn = samples.Get<double>(prefix + "turn_rad"),
+             forward = samples.Get<double>(prefix + "forward_m");
+  const bool sideways = samples.Has(prefix + "left_m");
+  const auto left = sideways ? samples.Get<double>(prefix + "left_m") : std::span<const double>();
+  if (turn.size() != rows || forward.size() != rows || (sideways && left.size() != rows))
+    throw InputError("run '" + name + "': its odometry does not have a row for each sample");
+  std::vector<OwnMotion> odometry;
+  for (std::size_t k = 0; k < rows; ++k) {
+    const OwnMotion own{{forward[k], sideways ? left[k] : 0.0}, turn[k]};
+    if (k > 0 && !std::isfinite(own.moved.x_m + own.moved.y_m + own.turn_rad))
+      throw InputError("run '" + name + "', sample " + std::to_string(k) + ": its odometry is not finite");
+    odometry.push_back(own);
+  }
+  return odometry;
+}
+
 // With nothing sensed yet.
-Run ReadRun(const Blob& samples, std::size_t run, const std::string& name) {
-  Run read{static_cast<std::int32_t>(run), PlacesOf(samples, run, name), {}, {}};
+Run ReadRun(const Options& options, const Blob& samples, std::size_t run, const std::string& name) {
+  Run read{static_cast<std::int32_t>(run), PlacesOf(samples, run, name), {}, {}, {}};
   read.heading_rad = HeadingsOf(samples, run, name, read.places.size());
+  read.odometry = OdometryOf(options, samples, run, name, read.places.size());
+  if (!read.odometry.empty() && read.heading_rad.empty())
+    throw InputError("run '" + name +
+                     "': its odometry says nothing without headings ('heading_rad'); "
+                     "odometry=labels does not look at it");
   return read;
 }
 
@@ -235,7 +261,7 @@ void Source::UseNetworks(const Options& options, const Blob& samples, const std:
   map_heading_rad = learned.front().headings_rad();
   map_output = extractor.MapOutput();
   for (const std::size_t r : RunsToLocaliseIn(options, run_names, learned.front().trained_on())) {
-    Run run = ReadRun(samples, r, run_names[r]);
+    Run run = ReadRun(options, samples, r, run_names[r]);
     run.output = extractor.OutputOf(r, run.places.size());
     runs.push_back(std::move(run));
   }
@@ -247,7 +273,7 @@ void Source::UseHandMade(const Options& options, const Blob& samples) {
   groups = {{0, feature_names.size()}};
   const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, run_names, {});
   for (std::size_t r = 0; r < run_names.size(); ++r) {
-    Run run = ReadRun(samples, r, run_names[r]);
+    Run run = ReadRun(options, samples, r, run_names[r]);
     run.output = extractor.OutputOf(r, run.places.size());
     if (std::ranges::count(wanted, r) > 0) {
       runs.push_back(std::move(run));
@@ -315,6 +341,10 @@ Blob Source::ToBlob() const {
     index.push_back(run.index);
     PutPlaces(run.places, prefix, &blob);
     blob.PutVector(prefix + "heading_rad", run.heading_rad);
+    std::vector<double> odometry;
+    for (const OwnMotion& own : run.odometry)
+      odometry.insert(odometry.end(), {own.moved.x_m, own.moved.y_m, own.turn_rad});
+    blob.PutVector(prefix + "odometry", odometry);
     blob.PutVector(prefix + "output", run.output);
   }
   blob.PutVector("run_index", index);
@@ -336,8 +366,14 @@ Source Source::FromBlob(const Blob& blob) {
   }
   for (const std::int32_t index : blob.Get<std::int32_t>("run_index")) {
     const std::string prefix = PrefixOf(source.runs.size());
-    source.runs.push_back({index, TakenPlaces(blob, prefix), Taken<double>(blob, prefix + "heading_rad"),
-                           Taken<float>(blob, prefix + "output")});
+    source.runs.push_back({index,
+                           TakenPlaces(blob, prefix),
+                           Taken<double>(blob, prefix + "heading_rad"),
+                           Taken<float>(blob, prefix + "output"),
+                           {}});
+    const auto odometry = blob.Get<double>(prefix + "odometry");
+    for (std::size_t i = 0; i < odometry.size(); i += 3)
+      source.runs.back().odometry.push_back({{odometry[i], odometry[i + 1]}, odometry[i + 2]});
   }
   return source;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/localization/belief.h"
 #include "pipelines/localization/look.h"
 #include "pipelines/localization/options.h"
 #include "pipelines/localization/place_index.h"
@@ -20,6 +21,8 @@ struct Run {
       places;  // displacements, the window at the start and scores come from these, nothing else
   std::vector<double> heading_rad;  // [samples]; empty where it is not known
   std::vector<float> output;        // [samples][features]: P(f_i = 1 | s)
+  std::vector<OwnMotion>
+      odometry;  // since the sample before, facing as at this one; empty where there is none
 };
 
 struct Source {

@@ -31,12 +31,26 @@ Place Measured(const Place& from, const Place& to, double ratio, Rng& rng) {
   return {to.x_m - from.x_m + sd_m * rng.Normal(), to.y_m - from.y_m + sd_m * rng.Normal()};
 }
 
+Place Turned(const Place& p, double by_rad) {
+  const double c = std::cos(by_rad), s = std::sin(by_rad);
+  return {c * p.x_m - s * p.y_m, s * p.x_m + c * p.y_m};
+}
+
 // The same, as a robot that faced `from_rad` and now faces `to_rad` has it: with an error of its turn.
 OwnMotion AsItFaced(const Place& displacement, double from_rad, double to_rad, double ratio, Rng& rng) {
-  const double c = std::cos(from_rad), s = std::sin(from_rad);
   const double turn_rad = std::remainder(to_rad - from_rad, 2.0 * std::numbers::pi);
-  return {{c * displacement.x_m + s * displacement.y_m, c * displacement.y_m - s * displacement.x_m},
-          turn_rad + ratio * std::abs(turn_rad) * rng.Normal()};
+  return {Turned(displacement, -from_rad), turn_rad + ratio * std::abs(turn_rad) * rng.Normal()};
+}
+
+// All that odometry says from one sample to another, as the robot faced at the first.
+OwnMotion Together(const std::vector<OwnMotion>& odometry, std::size_t from, std::size_t to) {
+  OwnMotion all;
+  for (std::size_t k = from + 1; k <= to; ++k) {
+    all.turn_rad += odometry[k].turn_rad;
+    const Place moved = Turned(odometry[k].moved, all.turn_rad);
+    all.moved = {all.moved.x_m + moved.x_m, all.moved.y_m + moved.y_m};
+  }
+  return all;
 }
 
 Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& belief) {
@@ -86,8 +100,14 @@ Traverse MakeTraverse(const Options& options, const Source& source, std::size_t 
     const double way_m = way[k] - way[traverse.start];
     if (way_m > end_m) break;
     if (way_m < static_cast<double>(traverse.stops.size() + 1) * options.every_m) continue;
-    Stop stop{k, way_m, Measured(run.places[last], run.places[k], options.odometry_ratio, rng), {}};
-    if (!run.heading_rad.empty()) {
+    Stop stop{k, way_m, {}, {}};
+    if (!run.odometry.empty()) {
+      stop.own = Together(run.odometry, last, k);
+      stop.displacement = Turned(stop.own.moved, run.heading_rad[last]);
+    } else {
+      stop.displacement = Measured(run.places[last], run.places[k], options.odometry_ratio, rng);
+    }
+    if (run.odometry.empty() && !run.heading_rad.empty()) {
       stop.own = AsItFaced(stop.displacement, run.heading_rad[last], run.heading_rad[k],
                            options.odometry_ratio, turn_rng);
     }

@@ -31,8 +31,9 @@ struct Traverse {
 // start is a place of the run from which `way_m` are left, each as likely as another by the way until there
 // (from the beginning, where there is none). A stop is the first sample at which `every_m` more have been
 // travelled. Displacements are those between the labels of the samples with an error of `odometry_ratio` of
-// their length, turns those between their headings with an error of that share of them. Throws InputError
-// where a run is so short that it has no stop.
+// their length, turns those between their headings with an error of that share of them; or both are by the
+// run's odometry, from the heading that its label has at the stop before. Throws InputError where a run is so
+// short that it has no stop.
 Traverse MakeTraverse(const Options& options, const Source& source, std::size_t number, std::uint64_t seed);
 
 // How many there are: `traverses`, or as many as there are runs.

@@ -17,7 +17,11 @@ Source TwoRuns() {
   source.feature_names = {"f"};
   source.groups = {{0, 1}};
   for (const std::int32_t index : {0, 1}) {
-    Run run{.index = index, .places = {}, .heading_rad = {}, .output = std::vector<float>(100, 0.5F)};
+    Run run{.index = index,
+            .places = {},
+            .heading_rad = {},
+            .output = std::vector<float>(100, 0.5F),
+            .odometry = {}};
     for (int k = 0; k < 100; ++k) run.places.push_back({0.2 * k, 0.0});
     source.runs.push_back(run);
   }
@@ -89,6 +93,31 @@ TEST(Traverse, TurnsDisplacementsIntoForwardAndLeftWhereHeadingsAreKnown) {
     EXPECT_NEAR(stop.own.turn_rad, turned, 1e-12);
     EXPECT_NEAR(stop.own.moved.x_m, 5.0 * std::sin(turned), 1e-12);
     EXPECT_NEAR(stop.own.moved.y_m, 5.0 * (1.0 - std::cos(turned)), 1e-12);
+    last = stop.sample;
+  }
+}
+
+// Odometry on the same circle that says so: 0.015 rad and 7.5 cm a sample, whatever the labels are.
+TEST(Traverse, AddsUpRecordedOdometryFromTheHeadingAtTheStopBefore) {
+  Source source = TwoRuns();
+  auto& run = source.runs[0];
+  run.heading_rad.assign(100, 1.0);
+  run.odometry.assign(100, {{0.075, 0.0}, 0.015});
+  run.odometry[0] = {{99.0, 99.0}, 99.0};  // of the first there is no way
+  const Options options{.traverses = 0, .way_m = 8.0, .every_m = 2.0, .odometry_ratio = 0.5};
+  const Traverse traverse = MakeTraverse(options, source, 0, 9);
+  ASSERT_EQ(traverse.stops.size(), 4U);
+  std::size_t last = 0;
+  for (const Stop& stop : traverse.stops) {
+    Place forward;
+    for (std::size_t k = 1; k <= stop.sample - last; ++k) {
+      forward.x_m += 0.075 * std::cos(0.015 * static_cast<double>(k));
+      forward.y_m += 0.075 * std::sin(0.015 * static_cast<double>(k));
+    }
+    EXPECT_NEAR(stop.own.turn_rad, 0.015 * static_cast<double>(stop.sample - last), 1e-12);
+    EXPECT_NEAR(stop.own.moved.x_m, forward.x_m, 1e-12);
+    EXPECT_NEAR(stop.own.moved.y_m, forward.y_m, 1e-12);
+    EXPECT_NEAR(stop.displacement.x_m, std::cos(1.0) * forward.x_m - std::sin(1.0) * forward.y_m, 1e-12);
     last = stop.sample;
   }
 }
