@@ -12,19 +12,6 @@ namespace {
 constexpr std::size_t kMostBeams = 100000;
 constexpr double kMostRange_m = 1000;  // no sensor of a robot writes more, not even for 'nothing'
 
-double Within(const Fields& line, std::size_t field, double most, const char* what) {
-  const double number = line.Number(field);
-  if (std::abs(number) <= most) return number;
-  throw LineError{what, "field " + std::to_string(field + 1) + " is '" + std::string(line.Text(field)) + "'"};
-}
-
-PoseM PoseAt(const Fields& line, std::size_t first) {
-  constexpr double kMost_m = 1e7, kMost_rad = 1e6;
-  return {Within(line, first, kMost_m, "no place on Earth"),
-          Within(line, first + 1, kMost_m, "no place on Earth"),
-          Within(line, first + 2, kMost_rad, "no heading")};
-}
-
 // Behind the contents, which end before field `end`, stand time, host and time.
 void NeedEnd(const Fields& line, std::size_t end, const std::string& declared) {
   line.Need(end + 3, declared);
@@ -43,11 +30,6 @@ std::size_t ParseConfiguration(const Fields& line, CarmenScan* scan) {
 }
 
 }  // namespace
-
-double StampAt(const Fields& line, std::size_t field) {
-  constexpr double kMost_s = 4.2e9;  // Unix time of 2103; above it a double has no microseconds
-  return Within(line, field, kMost_s, "no time stamp in seconds");
-}
 
 std::optional<CarmenLaser> LaserOf(std::string_view message) {
   if (message == "FLASER") return CarmenLaser{CarmenForm::kOld, 0};
@@ -106,10 +88,10 @@ CarmenScan ParseScan(const Fields& line, CarmenForm form) {
   NeedEnd(line, end, declared);
   scan.range_m = line.Ranges(at + 1, beams, kMostRange_m);
   if (posed) {
-    scan.laser = PoseAt(line, poses);
-    scan.robot = PoseAt(line, poses + 3);
+    scan.laser = line.Pose(poses);
+    scan.robot = line.Pose(poses + 3);
   }
-  scan.stamp_s = StampAt(line, end);
+  scan.stamp_s = line.Stamp(end);
   return scan;
 }
 
@@ -122,14 +104,14 @@ CarmenSonar ParseSonar(const Fields& line) {
   if (sonars == 0) throw LineError{"no count", "the scan has no sonars"};
   NeedEnd(line, 3 + 4 * sonars, std::to_string(sonars) + " sonars");
   scan.range_m = line.Ranges(3, sonars, kMostRange_m);
-  for (std::size_t s = 0; s < sonars; ++s) scan.offsets.push_back(PoseAt(line, 3 + sonars + 3 * s));
-  scan.stamp_s = StampAt(line, 3 + 4 * sonars);
+  for (std::size_t s = 0; s < sonars; ++s) scan.offsets.push_back(line.Pose(3 + sonars + 3 * s));
+  scan.stamp_s = line.Stamp(3 + 4 * sonars);
   return scan;
 }
 
 CarmenPose ParsePose(const Fields& line) {
   NeedEnd(line, 7, "six values");
-  return {StampAt(line, 7), PoseAt(line, 1)};
+  return {line.Stamp(7), line.Pose(1)};
 }
 
 }  // namespace cairn::datasets

@@ -49,6 +49,5 @@ struct CarmenPose {
 CarmenScan ParseScan(const Fields& line, CarmenForm form);
 CarmenSonar ParseSonar(const Fields& line);  // SONAR cone n r… (x y theta)…
 CarmenPose ParsePose(const Fields& line);  // ODOM x y theta tv rv acceleration; TRUEPOS x y theta, odometry's
-double StampAt(const Fields& line, std::size_t field);
 
 }  // namespace cairn::datasets

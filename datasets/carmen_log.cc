@@ -104,7 +104,7 @@ class Reader {
   static void ReadMarker(const Fields& line, RangeEvent* event) {
     constexpr std::size_t kBehind = 3;
     if (line.size() < 1 + kBehind) throw LineError{"line cut short", "no time of the marker"};
-    event->stamp_s = StampAt(line, line.size() - kBehind);
+    event->stamp_s = line.Stamp(line.size() - kBehind);
     std::string text;
     for (std::size_t f = 1; f + kBehind < line.size(); ++f)
       text += (text.empty() ? "" : " ") + std::string(line.Text(f));

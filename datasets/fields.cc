@@ -1,5 +1,6 @@
 #include "datasets/fields.h"
 
+#include <cmath>
 #include <optional>
 
 namespace cairn::datasets {
@@ -28,6 +29,24 @@ double Fields::Number(std::size_t field) const {
   const std::optional<double> number = ParseNumber(Text(field), &reason);
   if (!number) throw LineError{reason, Place(field) + " is '" + std::string(Text(field)) + "'"};
   return *number;
+}
+
+double Fields::Within(std::size_t field, double per, double most, const char* otherwise) const {
+  const double number = Number(field) / per;
+  if (std::abs(number) <= most) return number;
+  throw LineError{otherwise, Place(field) + " is '" + std::string(Text(field)) + "'"};
+}
+
+PoseM Fields::Pose(std::size_t first, double per_m) const {
+  constexpr double kMost_m = 1e7, kMost_rad = 1e6;
+  return {Within(first, per_m, kMost_m, "no place on Earth"),
+          Within(first + 1, per_m, kMost_m, "no place on Earth"),
+          Within(first + 2, 1, kMost_rad, "no heading")};
+}
+
+double Fields::Stamp(std::size_t field, double per_s) const {
+  constexpr double kMost_s = 4.2e9;
+  return Within(field, per_s, kMost_s, "no time stamp");
 }
 
 std::size_t Fields::Count(std::size_t field, std::size_t most) const {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/planar.h"
 #include "datasets/text_file.h"
 
 namespace cairn::datasets {
@@ -24,6 +25,12 @@ class Fields {
   // These throw LineError: where there is no such field, "line cut short"; for numbers as ParseNumber says.
   std::string_view Text(std::size_t field) const;
   double Number(std::size_t field) const;
+  // A pose x, y, heading, `per_m` units of length a metre; beyond 10,000 km or a million radians "no place on
+  // Earth", "no heading".
+  PoseM Pose(std::size_t first, double per_m = 1) const;
+  // A time, `per_s` units a second; beyond 4.2e9 s (Unix time of 2103), where a double has no microseconds,
+  // "no time stamp".
+  double Stamp(std::size_t field, double per_s = 1) const;
   // A whole number of 0 to `most`; else "no count".
   std::size_t Count(std::size_t field, std::size_t most) const;
   // `count` ranges from `first` on, each from 0 to `most_m`; else "negative range", "beyond any sensor's
@@ -33,6 +40,8 @@ class Fields {
   void Need(std::size_t needed, const std::string& declared) const;
 
  private:
+  double Within(std::size_t field, double per, double most, const char* otherwise) const;
+
   std::vector<std::string_view> fields_;
 };
 

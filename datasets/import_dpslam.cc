@@ -18,7 +18,7 @@ class DpSlamLines {
   void Read(const Fields& line, std::size_t number) {
     if (line.Text(0) == "Odometry") {
       line.Need(4, "the pose of the odometry");
-      pose_ = PoseM{line.Number(1), line.Number(2), line.Number(3)};
+      pose_ = line.Pose(1);
       return;
     }
     if (line.Text(0) != "Laser")

@@ -12,7 +12,8 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kMillimetres = 1e3, kMilliseconds = 1e3, kDegree = std::numbers::pi / 180;
+constexpr double kMillimetres = 1e3, kMilliseconds = 1e3, kDegree = std::numbers::pi / 180,
+                 kTenthOfDegree = kDegree / 10;
 constexpr double kMostRange_m = 1000;
 constexpr std::array<double, 8> kSonar_deg{-90, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90};
 constexpr double kSonarAside_m = 0.19, kSonarCone_deg = 20, kSonarReach_m = 5.1;
@@ -42,7 +43,7 @@ class Table {
       rows.emplace_back();
       try {
         fields.Need(1 + count, "a time and " + std::to_string(count) + " values");
-        rows.back() = Row{lines.number(), fields.Number(0) / kMilliseconds, parse(fields)};
+        rows.back() = Row{lines.number(), fields.Stamp(0, kMilliseconds), parse(fields)};
       } catch (const LineError& error) {
         bad_->Add(path_, lines.number(), error.reason, error.detail);
       }
@@ -81,8 +82,10 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
   ImportReport report;
   Table poses(options.path, "od.txt", &bad), sonars(options.path, "sonar.txt", &bad),
       lasers(options.path, "laser.txt", &bad);
-  const auto pose_rows =
-      poses.Rows(3, [](const Fields& f) { return std::vector{f.Number(1), f.Number(2), f.Number(3)}; });
+  const auto pose_rows = poses.Rows(3, [](const Fields& f) {
+    const PoseM pose = f.Pose(1, kMillimetres);
+    return std::vector{pose.x_m, pose.y_m, pose.heading_rad * kTenthOfDegree};
+  });
   const auto ranges = [](const Fields& f) {
     return Metres(f.Ranges(1, f.size() - 1, kMostRange_m * kMillimetres));
   };
@@ -103,8 +106,7 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
       bad.Add(poses.path(), pose->line, "another time than in sonar.txt and laser.txt", "");
       continue;
     }
-    const PoseM at{pose->values[0] / kMillimetres, pose->values[1] / kMillimetres,
-                   WrapAngle(pose->values[2] * 0.1 * kDegree)};
+    const PoseM at{pose->values[0], pose->values[1], WrapAngle(pose->values[2])};
     for (std::size_t sensor = 0; sensor < 2; ++sensor) {
       RangeEvent event{pose->line, pose->time_s, at, {}, {}, sensor, {}, {}};
       event.range_m = sensor == 0 ? sonar->values : laser->values;

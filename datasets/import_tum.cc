@@ -41,14 +41,15 @@ double HeadingOf(const Fields& line, Tilt* tilt) {
 void AddPose(const Fields& line, Poses* poses, Tilt* tilt) {
   if (line.size() != kTum && line.size() != kPlanar)
     throw LineError{"wrong number of values", std::to_string(line.size()) + " where 8 (or 4) are needed"};
-  const double time = line.Number(0), x = line.Number(1), y = line.Number(2);
-  const double heading = line.size() == kTum ? HeadingOf(line, tilt) : line.Number(3);
+  const double time = line.Stamp(0);
+  const PoseM at = line.Pose(1);
+  const double heading = line.size() == kTum ? HeadingOf(line, tilt) : at.heading_rad;
   if (!poses->time_s.empty() && time <= poses->time_s.back())
     throw LineError{"time does not run forward",
                     std::to_string(time) + " after " + std::to_string(poses->time_s.back())};
   poses->time_s.push_back(time);
-  poses->x_m.push_back(x);
-  poses->y_m.push_back(y);
+  poses->x_m.push_back(at.x_m);
+  poses->y_m.push_back(at.y_m);
   poses->heading_rad.push_back(NormalizedAngle(heading));
 }
 

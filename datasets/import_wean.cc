@@ -8,12 +8,8 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kMetres = 0.01, kReach_m = 81.8, kAhead_m = 0.25, kMostRange_m = 1000;
+constexpr double kCentimetres = 100, kReach_m = 81.8, kAhead_m = 0.25, kMostRange_m = 1000;
 constexpr std::size_t kBeams = 180, kRanges = 7;  // where those of an L line begin
-
-PoseM PoseAt(const Fields& line) {
-  return {line.Number(1) * kMetres, line.Number(2) * kMetres, line.Number(3)};
-}
 
 RangeEvent EventOf(const Fields& line, std::size_t number) {
   RangeEvent event;
@@ -23,13 +19,13 @@ RangeEvent EventOf(const Fields& line, std::size_t number) {
   } else if (line.Text(0) == "L") {
     line.Need(kRanges + kBeams + 1, "two poses, " + std::to_string(kBeams) + " readings and the time");
     event.sensor = 0;
-    event.range_m = line.Ranges(kRanges, kBeams, kMostRange_m / kMetres);
-    for (double& range : event.range_m) range *= kMetres;
+    event.range_m = line.Ranges(kRanges, kBeams, kMostRange_m * kCentimetres);
+    for (double& range : event.range_m) range /= kCentimetres;
   } else {
     throw LineError{"unknown message", "'" + std::string(line.Text(0).substr(0, 40)) + "'"};
   }
-  event.odometry = PoseAt(line);
-  event.stamp_s = line.Number(line.size() - 1);
+  event.odometry = line.Pose(1, kCentimetres);
+  event.stamp_s = line.Stamp(line.size() - 1);
   return event;
 }
 

@@ -66,9 +66,9 @@ std::vector<Relation> ReadRelations(const std::string& path) {
     if (line.size() != kValues)
       throw LineError{"wrong number of values",
                       std::to_string(line.size()) + " where 'time time x y z roll pitch yaw' are needed"};
-    for (std::size_t f = 0; f < kValues; ++f) static_cast<void>(line.Number(f));
-    relations.push_back(
-        {line.Number(0), line.Number(1), {line.Number(2), line.Number(3), WrapAngle(line.Number(7))}});
+    const PoseM motion = line.Pose(2);  // whose third number is z
+    for (const std::size_t tilt : {5, 6}) static_cast<void>(line.Number(tilt));
+    relations.push_back({line.Stamp(0), line.Stamp(1), {motion.x_m, motion.y_m, WrapAngle(line.Number(7))}});
   });
   if (relations.empty()) throw InputError(path + ": there are no relations in it");
   return relations;

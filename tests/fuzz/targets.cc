@@ -3,9 +3,10 @@
 namespace cairn::fuzz {
 
 std::vector<Target> AllTargets() {
-  return {CsvTarget(),      MrclamTarget(),   JobFileTarget(),    KeysTarget(),       MessageTarget(),
-          WorkerTarget(),   BlobFileTarget(), StoredFileTarget(), CheckpointTarget(), CoordinatorTarget(),
-          JobTableTarget(), LogTarget(),      ResultTarget(),     VectorsTarget(),    CarmenTarget()};
+  return {CsvTarget(),        MrclamTarget(),      JobFileTarget(),  KeysTarget(),
+          MessageTarget(),    WorkerTarget(),      BlobFileTarget(), StoredFileTarget(),
+          CheckpointTarget(), CoordinatorTarget(), JobTableTarget(), LogTarget(),
+          ResultTarget(),     VectorsTarget(),     CarmenTarget(),   RangesTarget()};
 }
 
 }  // namespace cairn::fuzz

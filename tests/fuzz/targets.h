@@ -31,6 +31,8 @@ Target MrclamTarget();
 // for. An accepted log has finite numbers, times in order, ranges within reach and a table of poses at times
 // of their own.
 Target CarmenTarget();
+// The other range logs, trajectories and relations; the first byte also chooses the reader.
+Target RangesTarget();
 // A run of samples, alone or after a good one; the first byte chooses as above. Accepted samples are runs of
 // finite numbers and times in order.
 Target VectorsTarget();
