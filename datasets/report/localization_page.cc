@@ -37,7 +37,8 @@ std::string Lead(const Blob& result, const LocalizedSteps& localized) {
              Count(std::ranges::count(localized.steps, std::size_t{0}, &LocalizedStep::sensations), "robot") +
              " in " + Joined(visited) + ". Sensed: " + Joined(features) + ". Believed in: " +
              Count(static_cast<std::int64_t>(localized.places.size()), "place") + ". At the start " +
-             (window_m > 0 ? "known to within " + Short(window_m) + " m." : "nothing is known.")) +
+             (window_m > 0 ? "known to within " + Short(window_m) + " m." : "nothing is known.") +
+             (result.Has("heading") ? " Which way it faces is " + result.Text("heading") + " to it." : "")) +
          "</p>\n";
 }
 
@@ -81,16 +82,24 @@ std::string Tiles(const Blob& result, const LocalizedSteps& localized, const Loc
 
 // The start, the end, and some ten rows between them.
 std::string ErrorTable(const LocalizationScore& score) {
-  std::string rows = RowHtml({"sensed", "way", "robots", "error over the belief", "of its mean",
-                              "of its most likely place", "within 1 m"},
-                             "th");
+  std::vector<std::string> head = {
+      "sensed",    "way", "robots", "error over the belief", "of its mean", "of its most likely place",
+      "within 1 m"};
+  if (!score.heading.empty()) head.emplace_back("facing right");
+  std::string rows = RowHtml(head, "th");
   const std::size_t pitch = std::max<std::size_t>(1, score.rows.size() / 10);
   for (std::size_t k = 0; k < score.rows.size(); ++k) {
     if (k % pitch != 0 && k + 1 != score.rows.size()) continue;
     const LocalizationRow& row = score.rows[k];
-    rows += RowHtml({std::to_string(row.sensations), Metres(row.way_m, 1), std::to_string(row.traverses),
-                     ErrorOf(row.believed), ErrorOf(row.mean), ErrorOf(row.mode),
-                     Grouped(100 * row.within_1m) + "%"});
+    std::vector<std::string> cells = {std::to_string(row.sensations),
+                                      Metres(row.way_m, 1),
+                                      std::to_string(row.traverses),
+                                      ErrorOf(row.believed),
+                                      ErrorOf(row.mean),
+                                      ErrorOf(row.mode),
+                                      Grouped(100 * row.within_1m) + "%"};
+    if (!score.heading.empty()) cells.push_back(Grouped(100 * row.facing) + "%");
+    rows += RowHtml(cells);
   }
   return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
 }

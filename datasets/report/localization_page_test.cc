@@ -32,6 +32,18 @@ TEST(LocalizationPage, ShowsErrorsAndBeliefsWhereTheSamplesAreGiven) {
   EXPECT_EQ(html, LocalizationReportHtml(LocalizationFile(), &samples, "a <b>"));
 }
 
+TEST(LocalizationPage, SaysWhichWayRobotsBelieveToFace) {
+  Blob samples = LocalizedSamples(), result = LocalizationFile();
+  samples.PutVector<double>("run/0/heading_rad", {0, 0, 0, 3});
+  result.Put("samples_hash", Array::Text(samples.ContentHash().Hex()));
+  result.PutVector<double>("place/heading_rad", {0, 3.1, -0.1, 3.1});
+  result.Put("heading", Array::Text("unknown"));
+  const std::string html = LocalizationHtml(result, &samples);
+  ExpectContains(html, "Which way it faces is unknown to it.");
+  ExpectContains(html, "<th>facing right</th>");
+  ExpectContains(html, ">Believed of facing as it does<");
+}
+
 TEST(LocalizationPage, SaysHowToSeeErrorsWhereItHasNoSamples) {
   const std::string html = LocalizationHtml(LocalizationFile(), nullptr);
   ExpectContains(html, "--log SAMPLES.h5");

@@ -256,7 +256,13 @@ std::string SureFigure(const LocalizedSteps& localized, const LocalizationScore*
     chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it is", 1,
                                           [&](std::size_t k) { return score->steps[k].mean_m; }));
   }
-  return Stacked({chart}, "How sure the robots are, and how far off");
+  if (score == nullptr || score->heading != "unknown")
+    return Stacked({chart}, "How sure the robots are, and how far off");
+  LineChart facing{"Believed of facing as it does", "way travelled [m]", "mean over the robots [%]", {}};
+  Curve curve{.name = "", .points = {}, .colour = 0};
+  for (const LocalizationRow& row : score->rows) curve.points.push_back({row.way_m, 100 * row.facing});
+  facing.curves.push_back(curve);
+  return Stacked({chart, facing}, "How sure the robots are, how far off, and which way they believe to face");
 }
 
 std::string BeliefFigure(const LocalizedSteps& localized, const LocalizationScore* score,

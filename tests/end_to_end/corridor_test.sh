@@ -36,3 +36,17 @@ for title in 'Error by way travelled' 'How sure' 'What a robot believes'; do
   grep -q "<h2>$title</h2>" where/report.html || die "the report has no section '$title'"
 done
 refuses 'made from other samples' cairn report where --log images.h5 --out page.html
+
+# Driven both ways, moved by odometry: which way it faces is found out too.
+exits 0 cairn simulate corridor --set d1 --runs 4 --snapshots 80 --length-m 40 --seed 5 --both-ways --odometry both.h5
+exits 0 cairn inspect both.h5
+says 'd1 run 2 back'
+exits 0 cairn run localization both.h5 --set runs="d1 run 3,d1 run 4 back" --set features=door --set heading=unknown \
+  --set way_m=15 --set traverses=6 --out both
+exits 0 cairn evaluate both --truth both.h5
+says 'nothing known at the start; its heading unknown$'
+says 'facing right$'
+exits 0 cairn evaluate both.h5 --feature door --heading-window-deg 90
+says 'that face alike; the robot knows its heading to within 90 degrees$'
+refuses 'heading-window-deg' cairn evaluate both.h5 --feature door --heading-window-deg 400
+refuses 'heading' cairn run localization both.h5 --set runs="d1 run 3" --set features=door --set heading=perhaps --out no
