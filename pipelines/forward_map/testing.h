@@ -76,7 +76,8 @@ struct TinyWorld {
     const double heading = std::atan2(rng.Uniform(0, rows) - y, rng.Uniform(0, columns) - x);
     std::vector<Crossing> beam;
     for (std::int32_t cell = 0; cell < columns * rows; ++cell) {
-      const double dx = cell % columns + 0.5 - x, dy = cell / columns + 0.5 - y;
+      const std::int32_t row = cell / columns;
+      const double dx = cell % columns + 0.5 - x, dy = row + 0.5 - y;
       const double along = dx * std::cos(heading) + dy * std::sin(heading);
       const double across = std::abs(dy * std::cos(heading) - dx * std::sin(heading));
       const double half = std::max(0.5, along * std::tan(opening_rad_of_beam / 2));

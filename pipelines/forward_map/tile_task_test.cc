@@ -23,25 +23,65 @@ double Weighed(const MapState& map, const std::vector<RangeScans>& sensors) {
 }
 
 // The search's bookkeeping against the model written out, over the same scans; of the whole map and of tiles
-// whose surroundings hold obstacles.
+// whose surroundings hold obstacles, while the parameters change.
 TEST(SearchTile, GainsWhatWeighingFinds) {
+  NoProgress progress;
   for (const double opening_rad : {0.0, 0.3}) {
-    const Room room{.opening_rad = opening_rad};
-    NoProgress progress;
-    MapState map = room.EmptyMap(0.1);
-    const std::vector<RangeScans> sensors = room.Sensors();
-    const auto columns = static_cast<std::int32_t>(map.box.columns),
-               rows = static_cast<std::int32_t>(map.box.rows);
-    for (const Tile& tile : {Tile{0, 0, columns, rows}, Tile{5, 3, columns / 2, rows / 2},
-                             Tile{columns / 2, 0, columns - columns / 2, rows}}) {
-      const double before = Weighed(map, sensors);
-      const Proposal proposal = SearchTile({}, map, tile, sensors, Elsewhere::kAsInTheMap, progress);
-      Apply({proposal}, 1, &map.occupied);
-      EXPECT_NEAR(Weighed(map, sensors) - before, proposal.gain, 1e-9 * std::abs(before));
-      map.models[0].sigma_m *= 0.8;
-      map.models[0].p_hit *= 0.8;
+    for (const double anneal : {1.0, 4.0}) {
+      const Room room{.opening_rad = opening_rad};
+      Options options;
+      options.anneal = anneal;
+      options.smoothness = 0.1;
+      options.prior = 0.3;
+      MapState map = room.EmptyMap(0.1);
+      const std::vector<RangeScans> sensors = room.Sensors();
+      const auto columns = static_cast<std::int32_t>(map.box.columns);
+      const auto rows = static_cast<std::int32_t>(map.box.rows);
+      for (const Tile& tile : {Tile{0, 0, columns, rows}, Tile{5, 3, columns / 2, rows / 2},
+                               Tile{columns / 2, 0, columns - columns / 2, rows}}) {
+        const double before = Weighed(map, sensors) + map.LogPrior(PriorOf(options));
+        const Proposal proposal = SearchTile(options, map, tile, sensors, Elsewhere::kAsInTheMap, progress);
+        EXPECT_GT(proposal.gain, 0);
+        Apply({proposal}, 1, &map.occupied);
+        EXPECT_NEAR(Weighed(map, sensors) + map.LogPrior(PriorOf(options)) - before, proposal.gain,
+                    1e-9 * std::abs(before));
+        map.models[0].sigma_m *= 0.8;
+        map.models[0].p_hit *= 0.8;
+      }
     }
   }
+}
+
+TEST(SearchTile, ByWayOfALargerSigmaEndsNoLower) {
+  NoProgress progress;
+  const Room room{.opening_rad = 0.3};
+  const MapState map = room.EmptyMap(0.1);
+  const Tile all{0, 0, static_cast<std::int32_t>(map.box.columns), static_cast<std::int32_t>(map.box.rows)};
+  Options options;
+  const double direct = SearchTile(options, map, all, room.Sensors(), Elsewhere::kAsInTheMap, progress).gain;
+  options.anneal = 4;
+  EXPECT_GE(SearchTile(options, map, all, room.Sensors(), Elsewhere::kAsInTheMap, progress).gain, direct);
+}
+
+// From an empty map beams that end in another tile must not look as if nothing stopped them: what one of them
+// passes on the way is then no obstacle for the sake of a single stray reading.
+TEST(GainsOfTile, ReadingsThatEndInOtherTilesAreExplainedThereAtFirst) {
+  NoProgress progress;
+  const Room room{};
+  const MapState map = room.EmptyMap(0.1);
+  const Tile middle{static_cast<std::int32_t>(map.box.columns / 2) - 5,
+                    static_cast<std::int32_t>(map.box.rows / 2) - 14, 10, 10};
+  const auto sensors = room.Sensors();
+  const TileGains alone =
+      GainsOfTile(map, map.models, middle, sensors, true, Elsewhere::kAsInTheMap, progress);
+  const TileGains together =
+      GainsOfTile(map, map.models, middle, sensors, true, Elsewhere::kExplained, progress);
+  double sum_alone = 0, sum_together = 0;
+  for (std::int32_t cell = 0; cell < 100; ++cell) {
+    sum_alone += alone.gains.GainOf(cell);
+    sum_together += together.gains.GainOf(cell);
+  }
+  EXPECT_LT(sum_together, sum_alone - 100);
 }
 
 }  // namespace

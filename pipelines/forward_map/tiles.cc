@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pipelines/common/beam_cells.h"
 
@@ -69,13 +70,16 @@ Load EstimateLoad(const std::vector<RangeScans>& sensors, const GridBox& box, do
     const double readings = static_cast<double>(scans.scans() * beams);
     const auto every = static_cast<std::size_t>(std::ceil(std::max(1.0, readings / kBeamsLookedAt)));
     const auto range = scans.range_m.As<double>();
-    // A ray crosses 16 cells or so of a block, a cone that covers its centre all of them.
-    const double cells_of_block = scans.opening_rad > 0 ? Load::kBlock * Load::kBlock : Load::kBlock;
     for (std::size_t r = 0; r < scans.scans() * beams; r += every) {
       const double range_m = std::isnan(range[r]) ? scans.max_range_m : range[r];
       BeamCells(coarse, scans.BeamPose(r / beams, r % beams), scans.opening_rad, range_m + beyond_m, &cells);
-      for (const BeamCell& cell : cells)
-        load.crossings[static_cast<std::size_t>(cell.cell)] += static_cast<double>(every) * cells_of_block;
+      // Of a beam's length and area, evenly over the blocks that it meets.
+      const double length = (range_m + beyond_m) / box.cell_m;
+      const double crossed = 4 / std::numbers::pi * length + scans.opening_rad / 2 * length * length;
+      for (const BeamCell& cell : cells) {
+        load.crossings[static_cast<std::size_t>(cell.cell)] +=
+            static_cast<double>(every) * crossed / static_cast<double>(cells.size());
+      }
     }
   }
   return load;
