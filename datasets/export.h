@@ -42,7 +42,7 @@ Written ExportOctomap(const Blob& result, const std::string& folder, bool replac
 
 // map.png: paths, landmarks with their 95% regions, the grid beneath, axes, a bar for scale
 // (report/draw_map.h). Of a grid map a pixel for each cell (report/cell_picture.h), and beside it
-// most_likely.png and difference.png where it has these layers.
+// most_likely.png, difference.png and dynamic.png where it has these layers.
 Written ExportPng(const Blob& result, const std::string& folder, bool replace = true);
 
 // Of a log: odometry.csv, observations.csv, truth_poses.csv, truth_landmarks.csv, truth_associations.csv

@@ -39,6 +39,26 @@ std::optional<CellPicture> OfDifferences(const Blob& map) {
   return picture;
 }
 
+// schema/FORMAT.md, grid_map, map/grid/dynamic.
+std::optional<CellPicture> OfDynamic(const Blob& map) {
+  constexpr char kName[] = "map/grid/dynamic";
+  constexpr std::uint8_t kSomebodyPassed = 1, kCameAndWent = 2;
+  if (!map.Has(kName)) return std::nullopt;
+  const Occupancy occupancy = ReadOccupancy(map);
+  const auto dynamic = map.Get<std::uint8_t>(kName);
+  if (dynamic.size() != occupancy.probability.size())
+    throw InputError(std::string("'") + kName + "' has another shape than the map");
+  CellPicture picture{occupancy.box, {}};
+  for (std::size_t cell = 0; cell < dynamic.size(); ++cell) {
+    const Rgb still = Mix(kPaper, OfProbability(occupancy.probability[cell]), 0.5);
+    Append(dynamic[cell] == kCameAndWent      ? kForOccupied
+           : dynamic[cell] == kSomebodyPassed ? kForFree
+                                              : still,
+           &picture.rgb);
+  }
+  return picture;
+}
+
 int Light(Rgb colour) { return colour[0] + colour[1] + colour[2]; }
 
 Rgb DarkestOf(const CellPicture& picture, std::int64_t first_column, std::int64_t first_row,
@@ -59,6 +79,7 @@ Rgb DarkestOf(const CellPicture& picture, std::int64_t first_column, std::int64_
 std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer) {
   if (layer == MapLayer::kProbability) return OfProbabilities(ReadOccupancy(grid_map));
   if (layer == MapLayer::kDifference) return OfDifferences(grid_map);
+  if (layer == MapLayer::kDynamic) return OfDynamic(grid_map);
   if (!HasMostLikely(grid_map)) return std::nullopt;
   return OfProbabilities(ReadMostLikely(grid_map));
 }

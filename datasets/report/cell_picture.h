@@ -16,6 +16,7 @@ enum class MapLayer {
   kProbability,  // white: free, black: occupied, grey: nothing is known
   kMostLikely,   // the same of the most likely map
   kDifference,   // blue: the data speak for free, red: for occupied, grey: for neither
+  kDynamic,      // over the first, paler: blue where somebody passed, red where an obstacle came and went
 };
 
 struct CellPicture {

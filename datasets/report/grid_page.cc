@@ -193,6 +193,11 @@ std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* 
           "log p(data | cell occupied) - log p(data | cell free), all other cells as in the most likely "
           "map. Red: occupied, blue: free, in full colour from " +
               Short(kFullColourNats) + " nats on; grey: the data do not tell."));
+  html += SectionHtml(
+      "What moved",
+      FigureHtml(LayerFigure(map, MapLayer::kDynamic, "Cells in which something moved", {}, {}),
+                 "Red: an obstacle of the map through which beams passed before or after; blue: free, but "
+                 "rays ended there that nothing in the map explains."));
   html += SectionHtml("Convergence", FigureHtml(HistoryFigure(map), "Of the data, after each round."));
   html += SectionHtml("Parameters", Parameters(map));
   html += SectionHtml("Time", TimeHtml(RoundTimes(map)));

@@ -51,6 +51,19 @@ TEST(CellPicture, ShowsForWhatTheDataSpeak) {
   EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(205, 205, 205));
 }
 
+TEST(CellPicture, ShowsWhatMoved) {
+  Blob map = WithAllLayers();
+  EXPECT_FALSE(PictureOf(map, MapLayer::kDynamic).has_value());
+  map.Put("map/grid/dynamic", Array::Of<std::uint8_t>({2, 3}, std::vector<std::uint8_t>{1, 0, 0, 2, 0, 0}));
+  const cv::Mat image = Decoded(CellsPng(*PictureOf(map, MapLayer::kDynamic)));
+  const cv::Vec3b went = image.at<cv::Vec3b>(0, 0), passed = image.at<cv::Vec3b>(1, 0);
+  EXPECT_GT(went[2], went[0] + 100);
+  EXPECT_GT(passed[0], passed[2] + 100);
+  EXPECT_GT(image.at<cv::Vec3b>(1, 1)[0], 200);
+  map.PutVector<std::uint8_t>("map/grid/dynamic", {1});
+  EXPECT_THROW(PictureOf(map, MapLayer::kDynamic), InputError);
+}
+
 TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
   std::vector<std::string> rows(1, std::string(7000, '.'));
   rows[0][5001] = '#';
