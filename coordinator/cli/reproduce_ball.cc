@@ -191,7 +191,7 @@ int Variants(const Options& options, const Invocation& call) {
   const datasets::PaperFigure figure{
       .file = {},
       .title = sensors ? "Section 7: sensor selection, n = 4, +-2 m"
-                       : "Section 5.1.4: ways to train and hidden units, n = 4, +-2 m",
+                       : "Section 5.1.4: ways to train, hidden units and layers, n = 4, +-2 m",
       .claim = sensors
                    ? "The Bayesian localisation error of different sensors says which work best."
                    : "The unmodified algorithm gave statistically indistinguishable results; so did other "
@@ -252,7 +252,7 @@ void AddReproduceBall(CLI::App& reproduce, Invocation& call) {
           "paper: its table and figures; sensors: error reduction without each group of sensors; active: "
           "a camera that is pointed where it pays; adapt: going on after the corridor has changed; ways: "
           "ways to "
-          "train and hidden units")
+          "train, hidden units and layers")
       ->check(CLI::IsMember({"paper", "sensors", "active", "adapt", "ways"}))
       ->capture_default_str();
   ball->add_option("--out", options->out,

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Error reduction on the Sussex route (docs/datasets.md): networks learn from the run `training` and are scored on the
 # other, which decides nothing. Prints the median over seeds, with the least and the most, for windows of +-2 m and none.
-#   CAIRN_DATA=... tests/bench/sussex.sh [SEEDS [OPTION=VALUE...]]     10 seeds: half an hour of a core or more
+#   CAIRN_DATA=... tests/bench/sussex.sh [SEEDS [OPTION=VALUE...]]     10 seeds: half an hour of a core
 #   ROWS='2 2' CAIRN_DATA=... tests/bench/sussex.sh                    two networks for +-2 m alone
 # The ceilings beside them are estimates of what ideal codes of n bits give at positions that look alike.
 set -euo pipefail
@@ -11,7 +11,7 @@ PATH=$here/build/release/bin:$PATH
 seeds=${1:-10}
 shift || true
 options=()
-for option in input_noise=1 hidden=30 rate=0.03 steps=1500 starts=8 "$@"; do
+for option in input_noise=1 hidden=30 rate=0.03 steps=1500 "$@"; do
   for other in "$@"; do [ "${other%%=*}" = "${option%%=*}" ] && [ "$other" != "$option" ] && continue 2; done
   options+=(--set "$option")
 done
