@@ -11,10 +11,8 @@
 namespace cairn::cli {
 namespace {
 
-struct CsvOptions {
+struct CsvOptions : ImportOutput {
   datasets::CsvImportOptions import;
-  std::string out;
-  bool force = false;
 };
 
 int ImportCsv(const CsvOptions& options, const Invocation&) {
@@ -24,19 +22,15 @@ int ImportCsv(const CsvOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportCsv(options.import, &log);
-  return StoreImport(options.out, log, report);
+  return StoreImport(options, log, report);
 }
 
-struct MrclamOptions {
+struct MrclamOptions : ImportOutput {
   datasets::MrclamImportOptions import;
-  std::string out;
-  bool force = false;
 };
 
-struct RecordedOptions {
+struct RecordedOptions : ImportOutput {
   datasets::RecordedImportOptions import;
-  std::string out;
-  bool force = false;
 };
 
 int ImportMrclam(const MrclamOptions& options, const Invocation&) {
@@ -44,7 +38,7 @@ int ImportMrclam(const MrclamOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportMrclam(options.import, &log);
-  return StoreImport(options.out, log, report);
+  return StoreImport(options, log, report);
 }
 
 template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
@@ -53,13 +47,11 @@ int ImportRecorded(const RecordedOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = Import(options.import, &log);
-  return StoreImport(options.out, log, report);
+  return StoreImport(options, log, report);
 }
 
-struct VectorsOptions {
+struct VectorsOptions : ImportOutput {
   datasets::VectorsImportOptions import;
-  std::string out;
-  bool force = false;
 };
 
 int ImportVectors(const VectorsOptions& options, const Invocation&) {
@@ -67,13 +59,11 @@ int ImportVectors(const VectorsOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob samples;
   const datasets::ImportReport report = datasets::ImportVectors(options.import, &samples);
-  return StoreImport(options.out, samples, report, "samples");
+  return StoreImport(options, samples, report, "samples");
 }
 
-struct ErrorsOptions {
+struct ErrorsOptions : ImportOutput {
   datasets::ErrorsImportOptions import;
-  std::string out;
-  bool force = false;
 };
 
 int ImportErrors(const ErrorsOptions& options, const Invocation&) {
@@ -81,15 +71,13 @@ int ImportErrors(const ErrorsOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob errors;
   const datasets::ImportReport report = datasets::ImportErrors(options.import, &errors);
-  return StoreImport(options.out, errors, report, "errors");
+  return StoreImport(options, errors, report, "errors");
 }
 
-struct ImagesOptions {
+struct ImagesOptions : ImportOutput {
   datasets::ImagesImportOptions import;
   std::vector<std::string> tables;  // poses, and it may be ranges
   int most_side = 640;
-  std::string out;
-  bool force = false;
 };
 
 int ImportImages(const ImagesOptions& options, const Invocation&) {
@@ -101,7 +89,7 @@ int ImportImages(const ImagesOptions& options, const Invocation&) {
   const auto read = [&](const auto& paths) { return ReadImagesElsewhere(paths, options.most_side); };
   Blob samples;
   const datasets::ImportReport report = datasets::ImportImages(import, read, &samples);
-  return StoreImport(options.out, samples, report, "samples");
+  return StoreImport(options, samples, report, "samples");
 }
 
 void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {

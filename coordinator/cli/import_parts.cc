@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "coordinator/cli/failure.h"
@@ -25,15 +26,23 @@ void AddFigure(CLI::App& command, const char* flag, std::optional<double>& field
 
 }  // namespace
 
-int StoreImport(const std::string& out, const Blob& blob, const datasets::ImportReport& report,
+int StoreImport(const ImportOutput& output, const Blob& blob, const datasets::ImportReport& report,
                 const char* kind) {
-  Check(WriteBlobFile(out, kind, blob));
+  Check(WriteBlobFile(output.out, kind, blob));
+  if (output.json) {
+    const nlohmann::ordered_json json = {{"file", output.out},           {"kind", kind},
+                                         {"content", ContentText(blob)}, {"read", report.read},
+                                         {"skipped", report.skipped},    {"left_out", report.dropped},
+                                         {"warnings", report.warnings}};
+    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return kExitDone;
+  }
   for (const std::string& warning : report.warnings)
     std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
   PrintCounts("read", report.read);
   PrintCounts("skipped", report.skipped);
   PrintCounts("left out", report.dropped);
-  std::printf("%s: %s\n", out.c_str(), ContentText(blob).c_str());
+  std::printf("%s: %s\n", output.out.c_str(), ContentText(blob).c_str());
   return kExitDone;
 }
 

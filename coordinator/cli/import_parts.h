@@ -9,19 +9,26 @@
 
 namespace cairn::cli {
 
-// Writes the file; says what was read, skipped and left out, and what the file holds. Returns the exit code.
-int StoreImport(const std::string& out, const Blob& blob, const datasets::ImportReport& report,
+struct ImportOutput {
+  std::string out;
+  bool force = false, json = false;
+};
+
+// Writes the file; says what was read, skipped and left out, and what the file holds, for people or as JSON.
+// Returns the exit code.
+int StoreImport(const ImportOutput& output, const Blob& blob, const datasets::ImportReport& report,
                 const char* kind = "log");
 
 // Options for the nominal figures of the odometry, and of a sensor that sees landmarks.
 void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal);
 void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal);
 
-// --skip-bad, --force, OUT.h5.
+// --skip-bad, --force, --json, OUT.h5.
 template <class Options>
 void AddOutput(CLI::App& command, Options& options) {
   command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
   command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
+  command.add_flag("--json", options.json, "Say what was read, skipped and left out as JSON");
   command.add_option("OUT.h5", options.out, "The file to write")->required();
 }
 

@@ -14,11 +14,10 @@
 namespace cairn::cli {
 namespace {
 
-struct CarmenOptions {
+struct CarmenOptions : ImportOutput {
   datasets::CarmenImportOptions import;
   std::vector<std::string> mounts;
-  bool corrected = false, raw = false, force = false;
-  std::string out;
+  bool corrected = false, raw = false;
 };
 
 // SENSOR=X,Y,DEGREES
@@ -49,7 +48,7 @@ int ImportCarmen(const CarmenOptions& options, const Invocation&) {
   for (const std::string& mount : options.mounts) import.mounts.insert(ParseMount(mount));
   Blob log;
   const datasets::ImportReport report = datasets::ImportCarmen(import, &log);
-  return StoreImport(options.out, log, report);
+  return StoreImport(options, log, report);
 }
 
 void AddCarmen(CLI::App& import, Invocation& call) {
@@ -81,10 +80,8 @@ void AddCarmen(CLI::App& import, Invocation& call) {
   AddOutput(*command, *options);
 }
 
-struct RangeOptions {
+struct RangeOptions : ImportOutput {
   datasets::RangeImportOptions import;
-  std::string out;
-  bool force = false;
 };
 
 template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
@@ -94,7 +91,7 @@ int ImportRanges(const RangeOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = Import(options.import, &log);
-  return StoreImport(options.out, log, report);
+  return StoreImport(options, log, report);
 }
 
 template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
@@ -108,10 +105,8 @@ void AddRanges(CLI::App& import, Invocation& call, const char* name, const char*
   AddOutput(*command, *options);
 }
 
-struct TumOptions {
+struct TumOptions : ImportOutput {
   datasets::TumImportOptions import;
-  std::string out;
-  bool force = false;
 };
 
 int ImportTum(const TumOptions& options, const Invocation&) {
@@ -119,7 +114,7 @@ int ImportTum(const TumOptions& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   Blob poses;
   const datasets::ImportReport report = datasets::ImportTum(options.import, &poses);
-  return StoreImport(options.out, poses, report, "poses");
+  return StoreImport(options, poses, report, "poses");
 }
 
 void AddTum(CLI::App& import, Invocation& call) {

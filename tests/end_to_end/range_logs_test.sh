@@ -23,6 +23,9 @@ exits 0 cairn inspect corridor.h5
 says '31 scans of 181 beams \(laser\), 62 poses'
 exits 0 cairn import carmen corridor.log raw.h5 --raw
 says '^raw.h5: 1 robot, [0-9]+ controls, 0 observations, 31 range scans$'
+exits 0 cairn import carmen corridor.log again.h5 --json
+[ "$(number FLASER stdout)" -eq 31 ] || die "not told as JSON: $(cat stdout)"
+same_bits corridor.h5 again.h5
 exits 0 cairn export tum corridor.h5 tum
 [ "$(grep -c '^[0-9]' tum/robot.tum)" -eq 62 ] || die "not every pose went out"
 exits 0 cairn import tum tum/robot.tum poses.h5
