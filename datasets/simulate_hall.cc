@@ -202,9 +202,9 @@ Blob SimulateNarrowDoors(std::uint64_t seed) {
 
 Blob SimulateSmoothWall(std::uint64_t seed) {
   Rng rng(seed, kPlanStream);
-  HallPlan plan{-2, 50, rng.Uniform(1.1, 1.3), rng.Uniform(1.4, 1.6), true, {}};
+  HallPlan plan{-2, 50, rng.Uniform(0.9, 1.0), rng.Uniform(1.9, 2.1), true, {}};
   for (double x = 4 + rng.Uniform(0, 2); x < 46; x += rng.Uniform(5, 8))
-    plan.doors.push_back({x, rng.Uniform(0.7, 0.9), rng.Uniform(1.8, 3), 2, true});
+    plan.doors.push_back({x, rng.Uniform(0.65, 0.8), rng.Uniform(1.8, 3), 2, true});
   Visit visit = DrawVisit(plan, 0, 320, 0.15, seed);
   const double behind_m = rng.Uniform(1.2, 1.5), phase = rng.Uniform(0, 2 * std::numbers::pi);
   visit.walker = [behind_m, phase](double time_s, const PoseM& robot) -> std::optional<PointM> {

@@ -156,7 +156,9 @@ TEST(SimulateSmoothWall, ThrowsOnMostSoundThatDoesNotFaceIt) {
     if (axis_m > 3) continue;
     const double foot_m = reading.from.y_m - walls[0].a.y_m;
     const bool faces = std::acos(foot_m / axis_m) < kSonarOpeningRad / 2;
-    const bool right = std::abs(reading.range_m - (faces ? foot_m : axis_m)) < kNoise;
+    const double nearest_m =
+        NearestWallM({walls[0]}, reading.from, reading.heading_rad, kSonarOpeningRad / 2);
+    const bool right = std::abs(reading.range_m - (faces ? foot_m : nearest_m)) < kNoise;
     ++(faces ? facing : oblique);
     if (faces && !right && !std::isnan(reading.range_m)) ++wrong_facing;
     if (!faces && right) ++right_oblique;
@@ -164,7 +166,7 @@ TEST(SimulateSmoothWall, ThrowsOnMostSoundThatDoesNotFaceIt) {
   EXPECT_GT(facing, 250);
   EXPECT_GT(oblique, 4 * facing);
   EXPECT_EQ(wrong_facing, 0);
-  EXPECT_LT(right_oblique, 0.02 * oblique);
+  EXPECT_NEAR(right_oblique, kMirrorAnswers * oblique, 0.05 * oblique);
 }
 
 TEST(SimulateSmoothWall, SomebodyWalksBehindTheRobotAllTheWay) {

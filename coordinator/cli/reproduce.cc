@@ -137,6 +137,7 @@ void AddReproduce(CLI::App& app, Invocation& call) {
   landmarks->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
   landmarks->add_flag("--json", options->json, "Pictures, claims and measured figures as JSON");
   AddReproduceBall(*reproduce, call);
+  AddReproduceOccupancy(*reproduce, call);
 }
 
 }  // namespace cairn::cli

@@ -71,10 +71,14 @@ void ListenToMirrors(const Hall& hall, const Sonar& sonar, const Luck& luck, Nea
       nearest->Take(DistanceM(sonar.at, mirrored.foot), Cause::kWall);
       continue;
     }
-    if (NearestWallM({wall}, sonar.at, sonar.heading_rad, 0) == kInfinity || luck.mirror < kMirrorLost)
+    if (NearestWallM({wall}, sonar.at, sonar.heading_rad, 0) == kInfinity) continue;
+    if (luck.mirror < kMirrorAnswers) {
+      nearest->Take(InConeM({wall}, sonar), Cause::kWall);
       continue;
+    }
+    if (luck.mirror < kMirrorAnswers + kMirrorLost) continue;
     const double seen_m = InConeM(hall.rough, mirrored.sonar);
-    const bool first = luck.mirror < kMirrorLost + kMirrorEcho;
+    const bool first = luck.mirror < kMirrorAnswers + kMirrorLost + kMirrorEcho;
     const double late_m = seen_m + luck.late * std::max(kSonarMaxRangeM - seen_m, 0.0);
     nearest->Take(first ? seen_m : late_m, Cause::kMirror);
   }

@@ -26,13 +26,14 @@ struct Luck {
 };
 Luck DrawLuck(Rng& rng);
 
-// What becomes of sound that a mirror threw on: it is lost, or the echo of what the mirror shows returns, or
-// one of many later ones does, from anywhere up to the sonar's reach.
-inline constexpr double kMirrorLost = 0.4, kMirrorEcho = 0.2;
+// What becomes of sound that does not face a mirror: some of it is answered all the same. What is thrown on
+// is lost, or the echo of what the mirror shows returns, or one of many later ones does, from anywhere up to
+// the sonar's reach.
+inline constexpr double kMirrorAnswers = 0.35, kMirrorLost = 0.25, kMirrorEcho = 0.15;  // the rest is late
 inline constexpr double kPersonRadiusM = 0.25;
 
 // A beam of simulate_sonar.h's ring. A smooth wall answers where its foot of the perpendicular lies in the
-// cone; else sound that hits it along the beam's axis goes on as from a mirror.
+// cone; else most of the sound that hits it along the beam's axis goes on as from a mirror.
 Sounding Listen(const Hall& hall, const PoseM& robot, int beam, const std::optional<PointM>& person,
                 const Luck& luck);
 

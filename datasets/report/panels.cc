@@ -22,6 +22,7 @@ class PanelPainter {
       : picture_(picture), frame_(box, panel), canvas_(canvas) {}
 
   void Paint() {
+    if (picture_.cells) PaintCells(*picture_.cells);
     if (picture_.density) PaintDensity(*picture_.density);
     for (const auto& path : picture_.raw) Line(path, kRaw, 1.2);
     for (const PointM& at : Seen(picture_.truth)) canvas_.Ring(At(at), 6.5, kTruth, 1.5);
@@ -57,21 +58,34 @@ class PanelPainter {
     canvas_.Polyline(pixels, colour, width);
   }
 
+  // What of the panel the cell [x, x + edge) x [y, y + edge) covers.
+  void FillCell(double x_m, double y_m, double edge_m, Rgb colour) {
+    const Panel& panel = frame_.panel();
+    PointM low = At({x_m, y_m + edge_m}), high = At({x_m + edge_m, y_m});
+    low = {std::max(low.x_m, panel.left), std::max(low.y_m, panel.top)};
+    high = {std::min(high.x_m, panel.left + panel.width), std::min(high.y_m, panel.top + panel.height)};
+    if (low.x_m < high.x_m && low.y_m < high.y_m) canvas_.Fill(low, high, colour);
+  }
+
+  void PaintCells(const CellPicture& picture) {
+    const CellBox& box = picture.box;
+    for (std::int64_t row = 0; row < box.rows; ++row) {
+      for (std::int64_t column = 0; column < box.columns; ++column)
+        FillCell(box.origin_x_m + static_cast<double>(column) * box.cell_m,
+                 box.origin_y_m + static_cast<double>(row) * box.cell_m, box.cell_m, picture.At(column, row));
+    }
+  }
+
   // The root of the share of the most likely cell: a hundredth of it still shows.
   void PaintDensity(const Grid& grid) {
     const double highest = *std::ranges::max_element(grid.probability);
-    const Panel& panel = frame_.panel();
     for (std::int64_t row = 0; row < grid.rows; ++row) {
       for (std::int64_t column = 0; column < grid.columns; ++column) {
         const double p = grid.probability[static_cast<std::size_t>(row * grid.columns + column)];
         if (!(p > 0)) continue;
-        const double x = grid.origin.x_m + static_cast<double>(column) * grid.cell_m;
-        const double y = grid.origin.y_m + static_cast<double>(row) * grid.cell_m;
-        PointM low = At({x, y + grid.cell_m}), high = At({x + grid.cell_m, y});
-        low = {std::max(low.x_m, panel.left), std::max(low.y_m, panel.top)};
-        high = {std::min(high.x_m, panel.left + panel.width), std::min(high.y_m, panel.top + panel.height)};
-        if (low.x_m >= high.x_m || low.y_m >= high.y_m) continue;
-        canvas_.Fill(low, high, Mix(kPaper, kDensity, std::sqrt(p / highest)));
+        FillCell(grid.origin.x_m + static_cast<double>(column) * grid.cell_m,
+                 grid.origin.y_m + static_cast<double>(row) * grid.cell_m, grid.cell_m,
+                 Mix(kPaper, kDensity, std::sqrt(p / highest)));
       }
     }
   }
@@ -120,6 +134,16 @@ std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
                         c.Fill({at.x_m - 13 + i, at.y_m - 6}, {at.x_m - 12 + i, at.y_m + 6},
                                Mix(kPaper, kDensity, (i + 1) / 26.0));
                     }});
+  }
+  if (any([](const auto& p) { return p.cells.has_value(); })) {
+    for (const auto& [text, colour] :
+         {std::pair{"occupied", kBlack}, {"free", kPaper}, {"unknown", kUnknown}}) {
+      const Rgb filled = colour;
+      keys.push_back({text, [filled](Canvas& c, PointM at) {
+                        c.Fill({at.x_m - 13, at.y_m - 6}, {at.x_m + 13, at.y_m + 6}, filled);
+                        c.Frame({at.x_m - 13, at.y_m - 6}, {at.x_m + 13, at.y_m + 6}, kLine, 1);
+                      }});
+    }
   }
   if (any([](const auto& p) { return !p.raw.empty(); })) keys.push_back({"raw odometry", line(kRaw)});
   if (any([](const auto& p) { return !p.marks.empty(); }))

@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "datasets/planar.h"
+#include "datasets/report/cell_picture.h"
 #include "datasets/report/scene.h"
 
 namespace cairn::datasets::report {
 
 struct PanelPicture {
   std::string title;
+  std::optional<CellPicture> cells;        // below all else
   std::optional<Grid> density;             // the darker, the more
   std::string density_name = "belief";     // what it is of, for the legend
   std::vector<std::vector<PointM>> raw;    // raw odometry

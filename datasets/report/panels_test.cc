@@ -50,5 +50,14 @@ TEST(Panels, TheBoundsHoldWhatIsDrawnAndDensitiesWhereThereIsNothingElse) {
   EXPECT_GT(Around(box, BoundsOf({Belief()})).y_high_m, 5);
 }
 
+TEST(Panels, CellsHaveTheirColours) {
+  PanelPicture picture;
+  picture.cells = CellPicture{{0, 0, 5, 2, 1}, {0, 0, 0, 255, 255, 255}};
+  const cv::Mat image = Decoded(DrawPanels({picture}, {0, 10, 0, 5}, 1));
+  const int y = image.rows / 2;
+  EXPECT_EQ(image.at<cv::Vec3b>(y, image.cols / 4), cv::Vec3b(0, 0, 0));
+  EXPECT_EQ(image.at<cv::Vec3b>(y, image.cols * 9 / 16), cv::Vec3b(255, 255, 255));
+}
+
 }  // namespace
 }  // namespace cairn::datasets::report

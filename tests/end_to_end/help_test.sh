@@ -45,7 +45,8 @@ cp -r inputs/result inputs/five-workers
 example() { cairn "$@" --help | awk 'on && /^  / {sub(/^  /, ""); print} /^Example:/ {on = 1}'; }
 
 # runs COMMAND…: its example, as printed, each line in a folder that holds what it reads and not what it writes. That of
-# 'reproduce ball' takes a quarter of an hour: one corridor and two steps are enough to see that it is taken.
+# 'reproduce ball' takes a quarter of an hour: one corridor and two steps are enough to see that it is taken; of 'reproduce
+# occupancy' one hallway of each kind.
 runs() {
   local line
   [ -n "$(example "$@")" ] || die "cairn $*: no example"
@@ -53,6 +54,7 @@ runs() {
     rm -rf here
     cp -r inputs here
     line=${line/reproduce ball --seeds 5/reproduce ball --seeds 1 --steps 2}
+    line=${line/reproduce occupancy --seeds 5/reproduce occupancy --seeds 1}
     [[ ! $line =~ simulate\ loop|import\ csv ]] || rm here/log.h5
     [[ ! $line =~ --out\ result ]] || rm -r here/result
     (cd here && bash -euo pipefail -c "$line") </dev/null >stdout 2>stderr || die "the example of cairn $* fails: $line"
@@ -62,7 +64,7 @@ runs() {
 ran=0
 
 runs
-for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report 'reproduce landmarks' 'reproduce ball' export \
+for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report 'reproduce landmarks' 'reproduce ball' 'reproduce occupancy' export \
   'export tum' 'export g2o' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"
