@@ -80,7 +80,8 @@ int Occupancy(const Options& options, const Invocation& call) {
 void AddReproduceOccupancy(CLI::App& reproduce, Invocation& call) {
   CLI::App* app = nullptr;
   const auto options = AddCommand<Options>(
-      reproduce, call, "occupancy", "Figures 1 to 5 on occupancy grids, from simulated sonar",
+      reproduce, call, "occupancy",
+      "Figures 1 to 5 on occupancy grids, from simulated sonar; the chain after landmark_map",
       "cairn reproduce occupancy --seeds 5 --out occupancy", Occupancy, &app);
   app->add_option("--study", options->study,
                   "paper: its figures; curve: walls found against doors found, by evidence_map's parameters")

@@ -4,11 +4,13 @@
 #include <numbers>
 
 #include "datasets/simulate_hall.h"
+#include "datasets/simulate_loop.h"
 
 namespace cairn::datasets {
 namespace {
 
 constexpr double kHeldOut = 0.1;
+constexpr double kLoopCellM = 0.25;
 
 // Figure 1: a long reading whose cone is free up to its end, and a short one from the side whose end lies
 // half in that cone.
@@ -63,6 +65,17 @@ class StudyMaker {
       AddEvidence(log + "_setting_" + std::to_string(k), log, settings[k]);
   }
 
+  // The papers' chain: poses by landmark_map, maps at them, and one at those of odometry alone.
+  void AddChain() {
+    Add("loop_landmarks", "landmark_map", "loop");
+    for (const char* name : {"loop_raw", "loop_evidence", "loop_forward"}) {
+      proto::Stage& stage =
+          Add(name, name == std::string("loop_forward") ? "forward_map" : "evidence_map", "loop");
+      (*stage.mutable_options())["cell_m"].set_d(kLoopCellM);
+      if (name != std::string("loop_raw")) (*stage.mutable_inputs())["poses"] = "loop_landmarks";
+    }
+  }
+
   void AddHalls(std::uint64_t seed, int seeds) {
     for (int k = 0; k < seeds; ++k) {
       for (const int readings : {1, 3, 16}) {
@@ -115,6 +128,7 @@ OccupancyStudy MakeOccupancyStudy(std::uint64_t seed, int seeds, const Blob* log
   study.inputs["doors"] = SimulateNarrowDoors(seed);
   study.inputs["smooth"] = SimulateSmoothWall(seed);
   if (log != nullptr) study.inputs["log"] = *log;
+  study.inputs["loop"] = SimulateLoop({.difficulty = "paper", .seed = seed, .sonar = true});
   make.AddHalls(seed, seeds);
   make.AddBoth("crossing", "crossing");
   for (const HallCase& hall : study.halls) make.AddBoth(hall.name, hall.name);
@@ -123,6 +137,7 @@ OccupancyStudy MakeOccupancyStudy(std::uint64_t seed, int seeds, const Blob* log
     make.AddBoth(name + std::string("_heldout"), name, kHeldOut);
   }
   make.AddSettings("smooth");
+  make.AddChain();
   if (log != nullptr) make.AddBoth("log", "log", kHeldOut);
   make.Finish("reproduce-occupancy", seed);
   return study;

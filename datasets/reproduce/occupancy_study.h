@@ -41,7 +41,8 @@ struct OccupancyStudy {
 
 // "crossing" (figure 1, two readings made by hand), the hallways of `seeds` seeds from `seed` on (figure 3),
 // "doors" and "smooth" of the first seed (figures 4 and 5; maps "…_heldout" too, and "smooth_setting_N" for
-// each of InverseSonars), and "log" where `log` is not null ("log_evidence" and so on, held out).
+// each of InverseSonars), "loop" ("loop_landmarks", and by its poses "loop_evidence" and "loop_forward";
+// "loop_raw" by odometry), and "log" where `log` is not null ("log_evidence" and so on, held out).
 OccupancyStudy MakeOccupancyStudy(std::uint64_t seed, int seeds, const Blob* log);
 
 // The hallways alone, with all of InverseSonars: name + "_setting_N".
