@@ -212,11 +212,12 @@ std::string MapBeliefs(const LocalizedSteps& localized, const LocalizationScore*
   }
   box = {box.x_low_m - 0.5, box.x_high_m + 0.5, box.y_low_m - 0.5, box.y_high_m + 0.5};
   const double width = (kWidth - 2 * kGap) / 3, height = PanelHeight(box, width, 120, 400);
-  const auto rows = static_cast<double>((shown.size() + 2) / 3);
-  Svg svg(kWidth, rows * (height + kTitle + 6), "Belief of one robot on its way");
+  const std::size_t rows = (shown.size() + 2) / 3;
+  Svg svg(kWidth, static_cast<double>(rows) * (height + kTitle + 6), "Belief of one robot on its way");
   for (std::size_t i = 0; i < shown.size(); ++i) {
+    const std::size_t row = i / 3;
     const Panel panel{static_cast<double>(i % 3) * (width + kGap),
-                      kTitle + static_cast<double>(i / 3) * (height + kTitle + 6), width, height};
+                      kTitle + static_cast<double>(row) * (height + kTitle + 6), width, height};
     DrawMap(localized, score, traverse, traverse.first + shown[i], box, panel, &svg);
   }
   return svg.Finish();

@@ -28,7 +28,7 @@ exits 0 train more.h5 --set steps=10 --set window_m=5 --set rate=0.001 \
 exits 0 cairn inspect third/landmark_learning.h5
 says 'ancestry/hash +text +\[2\]'
 says 'ancestry/options +text +\[2\]'
-says 'ancestry/steps +int64 +\[2\] +40 to 40'
+says 'ancestry/steps +int64 +\[2\] +40, 40'
 
 exits 0 cairn report third
 says '^third/report.html$'
