@@ -158,8 +158,8 @@ std::vector<Leaf> KnownCells(const Blob& map) {
   std::vector<Leaf> cells;
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (!(p[i] < 0.5 || p[i] > 0.5)) continue;
-    const auto column = static_cast<double>(static_cast<std::int64_t>(i) % columns),
-               row = static_cast<double>(static_cast<std::int64_t>(i) / columns);
+    const std::int64_t cell_number = static_cast<std::int64_t>(i), row_number = cell_number / columns;
+    const auto column = static_cast<double>(cell_number % columns), row = static_cast<double>(row_number);
     cells.push_back({x + (column + 0.5) * cell, y + (row + 0.5) * cell, cell / 2, p[i] > 0.5});
   }
   return cells;

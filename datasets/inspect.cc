@@ -65,8 +65,10 @@ std::string RobotOfMap(const Blob& blob, const std::string& prefix) {
   const auto landmark = ColumnOrNone<std::int32_t>(blob, prefix + "observations/map_landmark");
   const auto associated =
       static_cast<std::size_t>(std::ranges::count_if(landmark, [](std::int32_t k) { return k >= 0; }));
-  return Count(time.size(), "pose") + Duration(time) + ", " + std::to_string(associated) + " of " +
-         Count(landmark.size(), "observation") + " associated";
+  const std::string poses = Count(time.size(), "pose") + Duration(time);
+  if (!blob.Has(prefix + "observations/map_landmark")) return poses;
+  return poses + ", " + std::to_string(associated) + " of " + Count(landmark.size(), "observation") +
+         " associated";
 }
 
 std::string Joined(const std::vector<std::string>& names) {

@@ -30,6 +30,8 @@ exits 0 cairn export tum corridor.h5 tum
 [ "$(grep -c '^[0-9]' tum/robot.tum)" -eq 62 ] || die "not every pose went out"
 exits 0 cairn import tum tum/robot.tum poses.h5
 says '^poses.h5: 1 robot, 62 poses$'
+exits 0 cairn inspect poses.h5
+says '^  robot robot +62 poses over 15.2 s$'
 printf '1 0 0 0\n0.5 0 0 0\n' >back.tum
 refuses 'back.tum:2: time does not run forward' cairn import tum back.tum back.h5
 exits 0 cairn import tum back.tum back.h5 --skip-bad --robot Rosa

@@ -40,8 +40,9 @@ TEST(Octomap, ReadsEachCellOfAnExportedGrid) {
   EXPECT_EQ(tree.getResolution(), kCell_m);
   std::size_t known = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const double x = kOriginX_m + (static_cast<double>(i % kColumns) + 0.5) * kCell_m;
-    const double y = kOriginY_m + (static_cast<double>(i / kColumns) + 0.5) * kCell_m;
+    const std::size_t column = i % kColumns, row = i / kColumns;
+    const double x = kOriginX_m + (static_cast<double>(column) + 0.5) * kCell_m;
+    const double y = kOriginY_m + (static_cast<double>(row) + 0.5) * kCell_m;
     const octomap::OcTreeNode* node = tree.search(x, y, kCell_m / 2);
     ASSERT_EQ(node == nullptr, std::isnan(p[i])) << i;
     if (node == nullptr) continue;
