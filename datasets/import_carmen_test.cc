@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/evaluate/relations.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/testing.h"
 
@@ -244,6 +245,9 @@ TEST(ImportCarmenData, RawAndCorrectedIntelLogsAgree) {
   double way_m = 0;
   for (const double forward : raw.Get<double>("robot/0/odometry/forward_m")) way_m += std::abs(forward);
   EXPECT_NEAR(way_m, 501.1, 0.5);
+  const PoseM end = TrajectoryOf(raw, "").poses.back();
+  EXPECT_NEAR(end.x_m, -29.9, 0.05) << "as seen from the first scan, so its README";
+  EXPECT_NEAR(end.y_m, -55.1, 0.05);
   const auto a = raw.Get<double>("robot/0/laser/range_m"), b = corrected.Get<double>("robot/0/laser/range_m");
   ASSERT_EQ(a.size(), b.size());
   std::size_t equal = 0;  // four scans stand in another order there
