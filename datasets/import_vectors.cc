@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <map>
+#include <optional>
 
 #include "datasets/csv_reader.h"
 #include "datasets/sample_rows.h"
@@ -12,6 +15,20 @@ namespace {
 
 const std::vector<std::string> kPose{"time_s", "x_m", "y_m"};
 const std::vector<std::string> kPoseAndHeading{"time_s", "x_m", "y_m", "heading_rad"};
+
+constexpr const char* kTurn = "odometry_turn_rad";
+constexpr const char* kForward = "odometry_forward_m";
+constexpr const char* kLeft = "odometry_left_m";
+
+bool IsOdometry(const std::string& column) {
+  return column == kTurn || column == kForward || column == kLeft;
+}
+
+std::int64_t Total(const std::map<std::string, std::int64_t>& counts) {
+  std::int64_t total = 0;
+  for (const auto& [reason, count] : counts) total += count;
+  return total;
+}
 
 std::string RunName(const std::string& path) {
   std::string name = std::filesystem::path(path).filename().string();
@@ -43,29 +60,59 @@ class VectorsImport {
                          "; runs are named after their files");
     }
     CsvReader reader(path, {kPoseAndHeading, kPose}, &bad_);
-    SampleColumns columns{0, 1, 2, {}, InputColumns(path, &reader)};
+    SampleColumns columns;
+    columns.x = 1;
+    columns.y = 2;
+    columns.input = InputColumns(path, &reader);
     if (has_heading_) columns.heading = 3;
+    FindOdometry(path, reader, &columns);
+    const std::int64_t bad_before = Total(bad_.counts());
     while (reader.Next()) {
-      if (const auto row = ReadSampleRow(columns, run, &reader)) AddSampleRow(*row, has_heading_, &run);
+      const auto row = ReadSampleRow(columns, run, &reader);
+      if (!row) continue;
+      AddSampleRow(*row, has_heading_, &run);
+      if (columns.turn) AddOdometryRow(*row, &run);
     }
+    if (columns.turn && Total(bad_.counts()) > bad_before)
+      throw InputError(path + ": has odometry, in which skipped lines leave a gap");
     CheckRun(path + ":" + std::to_string(reader.line()), run, &report_);
     samples_.runs.push_back(std::move(run));
+  }
+
+  // Where it stands, behind the pose.
+  void FindOdometry(const std::string& path, const CsvReader& reader, SampleColumns* columns) const {
+    const std::vector<std::string>& names = reader.extra_columns();
+    const auto column = [&](const char* name) -> std::optional<std::size_t> {
+      const auto place = std::ranges::find(names, name);
+      if (place == names.end()) return std::nullopt;
+      return (has_heading_ ? kPoseAndHeading.size() : kPose.size()) +
+             static_cast<std::size_t>(place - names.begin());
+    };
+    columns->turn = column(kTurn);
+    columns->forward = column(kForward);
+    columns->left = column(kLeft);
+    if (columns->turn.has_value() != columns->forward.has_value() || (columns->left && !columns->turn))
+      throw InputError(path + ":1: the header has some odometry; it takes " + kTurn + " and " + kForward +
+                       ", and may have " + kLeft);
   }
 
   // For each input, where the reader has it.
   std::vector<std::size_t> InputColumns(const std::string& path, CsvReader* reader) {
     reader->TakeExtraColumns();
     const std::vector<std::string>& names = reader->extra_columns();
+    std::vector<std::string> inputs;
+    std::ranges::copy_if(names, std::back_inserter(inputs),
+                         [](const auto& name) { return !IsOdometry(name); });
     const bool has_heading = reader->header() == 0;
     if (samples_.runs.empty()) {
-      if (names.empty())
+      if (inputs.empty())
         throw InputError(path + ":1: the header has no inputs: columns beside time_s, x_m, y_m, heading_rad");
-      samples_.input_name = names;
+      samples_.input_name = inputs;
       has_heading_ = has_heading;
     }
     if (has_heading && !has_heading_) RefuseColumn(path, "heading_rad", true);
     if (!has_heading && has_heading_) RefuseColumn(path, "heading_rad", false);
-    for (const std::string& name : names) {
+    for (const std::string& name : inputs) {
       if (std::ranges::count(samples_.input_name, name) == 0) RefuseColumn(path, name, true);
     }
     std::vector<std::size_t> columns;

@@ -2,6 +2,8 @@
 // gzipped, with a header; columns stand in any order:
 //
 //   time_s,x_m,y_m[,heading_rad]   of any clock, in order; of any frame, the same for all runs
+//   odometry_turn_rad, odometry_forward_m[, odometry_left_m]
+//                                  since the row before, first the turn; all of them or none
 //   any other                      an input each, called by its column
 #pragma once
 
@@ -22,7 +24,7 @@ struct VectorsImportOptions {
 // repeat a pose. Throws InputError "FILE:LINE: REASON: DETAIL". Bad lines are: not a number, not finite, too
 // large (for 32 bits), wrong number of columns, time runs backwards. Refused are also a file without inputs
 // or with other columns than the first, an input without a name of its own, a run of less than two samples,
-// two runs of one name.
+// two runs of one name, and skipped lines in a run with odometry, which would leave a gap in it.
 ImportReport ImportVectors(const VectorsImportOptions& options, Blob* samples);
 
 }  // namespace cairn::datasets

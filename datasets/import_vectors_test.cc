@@ -52,6 +52,24 @@ TEST_F(ImportVectorsTest, PutsEveryColumnInItsPlace) {
   EXPECT_TRUE(report.skipped.empty());
 }
 
+TEST_F(ImportVectorsTest, TakesOdometryAsSuchAndNotAsInputs) {
+  Put("a.csv",
+      "time_s,odometry_forward_m,x_m,y_m,s,odometry_turn_rad\n1,9,0,0,0.1,9\n2,0.5,0.5,0,0.2,-0.25\n");
+  Put("b.csv", "time_s,x_m,y_m,s\n1,0,0,0.1\n2,0.5,0,0.2\n");  // this run has none
+  Import();
+  EXPECT_EQ(log_.Texts("input_name"), (std::vector<std::string>{"s"}));
+  EXPECT_EQ(Column<double>("run/0/odometry/turn_rad"), (std::vector<double>{9, -0.25}));
+  EXPECT_EQ(Column<double>("run/0/odometry/forward_m"), (std::vector<double>{9, 0.5}));
+  EXPECT_EQ(Column<double>("run/0/odometry/left_m"), (std::vector<double>{0, 0}));
+  EXPECT_FALSE(log_.Has("run/1/odometry/turn_rad"));
+  ExpectContains(Failure("time_s,x_m,y_m,s,odometry_turn_rad\n1,0,0,0.1,0\n"),
+                 "a.csv:1: the header has some odometry");
+  options_.skip_bad = true;
+  ExpectContains(Failure("time_s,x_m,y_m,s,odometry_turn_rad,odometry_forward_m\n1,0,0,1,0,0\n2,0,0,x,0,0\n"
+                         "3,0,0,1,0,0\n"),
+                 "a.csv: has odometry, in which skipped lines leave a gap");
+}
+
 TEST_F(ImportVectorsTest, GoesThroughAFileUnchanged) {
   Put("a.csv", "time_s,x_m,y_m,s\n1,0,0,0.1\n2,0.3,-0,1e30\n");
   Import();

@@ -14,13 +14,17 @@ std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const Sampl
     return good && column ? reader->Number(*column) : good;
   };
   const auto time = reader->Number(columns.time), x = after(time, columns.x), y = after(x, columns.y),
-             heading = after(y, columns.heading);
-  if (!heading) return std::nullopt;
+             heading = after(y, columns.heading), turn = after(heading, columns.turn),
+             forward = after(turn, columns.forward), left = after(forward, columns.left);
+  if (!left) return std::nullopt;
   if (!run.time_s.empty() && *time < run.time_s.back()) {
     reader->Bad("time runs backwards", std::to_string(*time) + " after " + std::to_string(run.time_s.back()));
     return std::nullopt;
   }
   SampleRow row{*time, *x, *y, NormalizedAngle(*heading), {}};
+  if (columns.turn) row.turn_rad = *turn;
+  if (columns.forward) row.forward_m = *forward;
+  if (columns.left) row.left_m = *left;
   for (const std::size_t column : columns.input) {
     const std::optional<double> value = reader->Number(column);
     if (!value) return std::nullopt;
@@ -39,6 +43,12 @@ void AddSampleRow(const SampleRow& row, bool with_heading, SampleRun* run) {
   run->y_m.push_back(row.y_m);
   if (with_heading) run->heading_rad.push_back(row.heading_rad);
   run->input.insert(run->input.end(), row.input.begin(), row.input.end());
+}
+
+void AddOdometryRow(const SampleRow& row, SampleRun* run) {
+  run->turn_rad.push_back(row.turn_rad);
+  run->forward_m.push_back(row.forward_m);
+  run->left_m.push_back(row.left_m);
 }
 
 void CheckRun(const std::string& where, const SampleRun& run, ImportReport* report) {

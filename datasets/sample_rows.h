@@ -16,11 +16,14 @@ struct SampleColumns {
   std::size_t time = 0;
   std::optional<std::size_t> x, y, heading;
   std::vector<std::size_t> input;
+  // Of odometry; without a left it goes straight ahead.
+  std::optional<std::size_t> turn = {}, forward = {}, left = {};
 };
 
 struct SampleRow {
   double time_s = 0, x_m = 0, y_m = 0, heading_rad = 0;
   std::vector<float> input;
+  double turn_rad = 0, forward_m = 0, left_m = 0;
 };
 
 // The reader's row, to stand in `run` after those that it has; nothing where it is bad: a number that is
@@ -28,6 +31,7 @@ struct SampleRow {
 std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const SampleRun& run, CsvReader* reader);
 
 void AddSampleRow(const SampleRow& row, bool with_heading, SampleRun* run);
+void AddOdometryRow(const SampleRow& row, SampleRun* run);
 
 // Warns of samples that repeat a pose. Throws InputError "WHERE: REASON" for a run of less than two samples.
 void CheckRun(const std::string& where, const SampleRun& run, ImportReport* report);
