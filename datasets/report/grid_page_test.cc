@@ -43,8 +43,8 @@ TEST(CellPicture, IsBlackWhereOccupiedWhiteWhereFreeGreyWhereUnknown) {
 
 TEST(CellPicture, ShowsForWhatTheDataSpeak) {
   const cv::Mat image = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kDifference)));
-  const cv::Vec3b occupied = image.at<cv::Vec3b>(0, 0), free = image.at<cv::Vec3b>(1, 0),
-                  doubtful = image.at<cv::Vec3b>(1, 1);  // blue, green, red
+  const auto& occupied = image.at<cv::Vec3b>(0, 0);  // blue, green, red
+  const auto &free = image.at<cv::Vec3b>(1, 0), &doubtful = image.at<cv::Vec3b>(1, 1);
   EXPECT_GT(occupied[2], occupied[0] + 100);
   EXPECT_GT(free[0], free[2] + 100);
   EXPECT_GT(doubtful[2], free[2]);
@@ -56,7 +56,7 @@ TEST(CellPicture, ShowsWhatMoved) {
   EXPECT_FALSE(PictureOf(map, MapLayer::kDynamic).has_value());
   map.Put("map/grid/dynamic", Array::Of<std::uint8_t>({2, 3}, std::vector<std::uint8_t>{1, 0, 0, 2, 0, 0}));
   const cv::Mat image = Decoded(CellsPng(*PictureOf(map, MapLayer::kDynamic)));
-  const cv::Vec3b went = image.at<cv::Vec3b>(0, 0), passed = image.at<cv::Vec3b>(1, 0);
+  const auto &went = image.at<cv::Vec3b>(0, 0), &passed = image.at<cv::Vec3b>(1, 0);
   EXPECT_GT(went[2], went[0] + 100);
   EXPECT_GT(passed[0], passed[2] + 100);
   EXPECT_GT(image.at<cv::Vec3b>(1, 1)[0], 200);
