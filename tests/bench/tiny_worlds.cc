@@ -1,0 +1,89 @@
+// How often forward_map's search ends in the best of all maps of worlds so small that all can be tried, by
+// the moves that it has.
+//   tiny_worlds [WORLDS [FIRST_SEED]]        of each kind; 100, from 101 on
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <vector>
+
+#include "pipelines/forward_map/search.h"
+#include "pipelines/forward_map/testing.h"
+
+namespace cairn::forward_map {
+namespace {
+
+constexpr double kEqual = 1e-9;
+enum class Way { kFlips, kSwaps, kPairs, kAll, kAnnealed };
+constexpr Way kWays[] = {Way::kFlips, Way::kSwaps, Way::kPairs, Way::kAll, Way::kAnnealed};
+
+double BestOfAllMaps(const TinyWorld& world) {
+  double best = -std::numeric_limits<double>::infinity();
+  std::vector<std::uint8_t> map(world.truth.size());
+  for (std::uint32_t number = 0; number < 1U << map.size(); ++number) {
+    for (std::size_t cell = 0; cell < map.size(); ++cell) map[cell] = (number >> cell) & 1U;
+    best = std::max(best, LogLikelihood(world.data, map, world.model));
+  }
+  return best;
+}
+
+// From `start`, with sigma `factor` times as large.
+Patch Searched(const TinyWorld& world, Patch start, double factor, const Moves& moves) {
+  SensorModel model = world.model;
+  model.sigma_m *= factor;
+  FlipGains gains = GainsOf(world.data, start.Inside(), model);
+  MapSearch(&gains, start, {}).Run(moves, [] {});
+  for (std::int32_t cell = 0; cell < start.cells(); ++cell)
+    start.rimmed[start.Rimmed(cell)] = gains.occupied()[static_cast<std::size_t>(cell)];
+  return start;
+}
+
+double EndOf(const TinyWorld& world, Way way) {
+  const Patch empty = Patch::Empty(world.columns, world.rows);
+  const Moves moves{.swaps = way == Way::kSwaps || way == Way::kAll,
+                    .pairs = way == Way::kPairs || way == Way::kAll};
+  const auto value = [&](const Patch& patch) {
+    return LogLikelihood(world.data, patch.Inside(), world.model);
+  };
+  const double direct = value(Searched(world, empty, 1, moves));
+  if (way != Way::kAnnealed) return direct;
+  Patch wide = empty;
+  for (const double factor : {4.0, 2.0, 1.0}) wide = Searched(world, wide, factor, moves);
+  return std::max(direct, value(wide));
+}
+
+TinyWorld World(double opening_rad, double p_hit, std::uint64_t seed) {
+  TinyWorld world{.columns = 4,
+                  .rows = seed % 10 == 0 ? 4 : 3,
+                  .readings = static_cast<int>(6 + seed % 20),
+                  .occupied_share = seed % 2 == 0 ? 0.25 : 0.5,
+                  .opening_rad = opening_rad,
+                  .seed = seed};
+  world.model.p_hit = p_hit;
+  return world.Make();
+}
+
+int Main(int argc, char** argv) {
+  const int worlds = argc > 1 ? std::atoi(argv[1]) : 100;
+  const std::uint64_t first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 101;
+  std::printf("opening  p_hit  flips  swaps  pairs  swaps+pairs  annealed    of %d\n", worlds);
+  for (const double opening_rad : {0.5, 1.0, 1.5}) {
+    for (const double p_hit : {0.3, 0.7, 0.95}) {
+      int optimal[std::size(kWays)] = {};
+      for (int w = 0; w < worlds; ++w) {
+        const TinyWorld world = World(opening_rad, p_hit, first + static_cast<std::uint64_t>(w));
+        const double best = BestOfAllMaps(world);
+        for (std::size_t i = 0; i < std::size(kWays); ++i)
+          optimal[i] += EndOf(world, kWays[i]) > best - kEqual ? 1 : 0;
+      }
+      std::printf("%7.1f  %5.2f  %5d  %5d  %5d  %11d  %8d\n", opening_rad, p_hit, optimal[0], optimal[1],
+                  optimal[2], optimal[3], optimal[4]);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace cairn::forward_map
+
+int main(int argc, char** argv) { return cairn::forward_map::Main(argc, argv); }
