@@ -18,7 +18,7 @@ constexpr double kSettledStep = 1e-3, kSettledPhase = 5e-3, kSettledSearch = 1e-
 constexpr double kRounding = 1e-9;  // of the target, between the search and the weighing
 
 // Below this the cells' own size is all that ranges tell of.
-double LeastSigma(const GridBox& box) { return box.cell_m / 4; }
+double LeastSigma(const GridBox& box) { return box.cell_m / 2; }
 
 class Turn {
  public:

@@ -18,7 +18,7 @@ namespace {
 // The map as it is held, sent and written: occupied, difference, probability, dynamic, and copies.
 constexpr double kBytesOfCell = 64;
 constexpr double kBytesOfCrossing = 32;  // in a task of the search
-constexpr double kCrossingsOfSlice = 1e6;
+constexpr double kCrossingsOfSlice = 3e5;
 constexpr double kShares[kSplits] = {0.5, 0.35};
 constexpr double kUsualSigma_m = 0.05;
 
@@ -63,7 +63,9 @@ void ShareSensors(const std::vector<RangeScans>& sensors, const Load& load, Step
     Share(ScansBlobName(number), ScansBlob(sensors[k]), step);
     const double of_scan = load.Sum() / readings * static_cast<double>(sensors[k].beams.size());
     scalars[ScansKey(number)].set_i(static_cast<std::int64_t>(sensors[k].scans()));
-    scalars[SliceKey(number)].set_i(static_cast<std::int64_t>(std::max(1.0, kCrossingsOfSlice / of_scan)));
+    const double scans = static_cast<double>(sensors[k].scans());
+    const double slices = std::ceil(std::max(1.0, scans * of_scan / kCrossingsOfSlice));
+    scalars[SliceKey(number)].set_i(static_cast<std::int64_t>(std::ceil(scans / slices)));
   }
 }
 

@@ -208,6 +208,25 @@ TEST(ForwardMap, SaysWhatExplainsEachReading) {
   EXPECT_GT(no_echo, 20);
 }
 
+// Nothing in reach: no obstacles, and all that the beams crossed is free.
+TEST(ForwardMap, OfReadingsWithoutEchoIsFree) {
+  const BlobPtr result = MapOf(Room{.max_range_m = 0.3, .random_share = 0}.Log(), At(0.1));
+  int free = 0;
+  for (const double p : result->Get<double>("map/grid/probability")) free += p < 0.5 ? 1 : 0;
+  EXPECT_GT(free, 100);
+  for (const std::uint8_t cell : result->Get<std::uint8_t>("map/grid/occupied")) EXPECT_EQ(cell, 0);
+  for (const std::int32_t cause : result->Get<std::int32_t>("robot/0/laser/cause"))
+    EXPECT_EQ(cause, kNoEchoCause);
+}
+
+// They say nothing where they are not used: no reading is left, and nothing is known.
+TEST(ForwardMap, OfNoReadingsKnowsNothing) {
+  Options options = At(0.1);
+  options.no_echo = false;
+  const BlobPtr result = MapOf(Room{.max_range_m = 0.3, .random_share = 0}.Log(), options);
+  for (const double p : result->Get<double>("map/grid/probability")) EXPECT_TRUE(std::isnan(p));
+}
+
 // Two robots with a sensor each, another kind each: one map, parameters of their own.
 TEST(ForwardMap, PutsSeveralRobotsAndSensorsIntoOneMap) {
   Blob log = Room{}.Log();
