@@ -30,15 +30,6 @@ struct Options {
   bool json = false;
 };
 
-// Beside the results, so that each can be made again by hand.
-void WriteInputs(const datasets::LandmarkStudy& study, const fs::path& out) {
-  fs::create_directories(out / "inputs");
-  for (const auto& [name, blob] : study.inputs) {
-    const char* kind = blob.Has("map/grid/probability") ? "landmark_map" : "log";
-    Check(WriteBlobFile((out / "inputs" / (name + ".h5")).string(), kind, blob));
-  }
-}
-
 std::string Facts(const std::vector<datasets::PaperFigure>& figures, const std::string& page, bool json) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::string text;
@@ -58,23 +49,9 @@ std::string Facts(const std::vector<datasets::PaperFigure>& figures, const std::
 
 int Landmarks(const Options& options, const Invocation& call) {
   const datasets::LandmarkStudy study = datasets::MakeLandmarkStudy(options.seed);
-  coordinator::EmbeddedOptions embedded;
-  embedded.dir = (fs::path(options.out) / "results").string();
-  embedded.workers = options.workers;
-  embedded.worker_program = WorkerProgram();
-  embedded.force = options.force;
-  std::map<std::string, BlobPtr> inputs;
-  for (const auto& [name, blob] : study.inputs)
-    inputs[name] = std::make_shared<const Blob>(blob.Without("truth/"));
-  Console console(call);
-  embedded.log = console.Sink();
-  const coordinator::EmbeddedResult run = coordinator::RunEmbedded(
-      embedded, study.job, inputs,
-      [&](const coordinator::EmbeddedProgress& progress) { console.Progress(progress.info); },
-      StopOnSignals());
-  console.Clear();
+  const coordinator::EmbeddedResult run =
+      RunStudy({options.out, options.workers, options.force}, study.job, study.inputs, call);
   if (!IsDone(run)) return ExplainUndone(run);
-  WriteInputs(study, options.out);
   PublishPage(options.out, "A probabilistic approach to concurrent mapping and localization",
               "The figures of Thrun, Burgard and Fox (Machine Learning 31, 1998) from simulated data: paper "
               "difficulty, seed " +
@@ -85,6 +62,32 @@ int Landmarks(const Options& options, const Invocation& call) {
 }
 
 }  // namespace
+
+coordinator::EmbeddedResult RunStudy(const StudyFolder& folder, const proto::Job& job,
+                                     const std::map<std::string, Blob>& inputs, const Invocation& call) {
+  const fs::path out = folder.out;
+  coordinator::EmbeddedOptions embedded;
+  embedded.dir = (out / "results").string();
+  embedded.workers = folder.workers;
+  embedded.worker_program = WorkerProgram();
+  embedded.force = folder.force;
+  std::map<std::string, BlobPtr> given;
+  for (const auto& [name, blob] : inputs) given[name] = std::make_shared<const Blob>(blob.Without("truth/"));
+  Console console(call);
+  embedded.log = console.Sink();
+  coordinator::EmbeddedResult run = coordinator::RunEmbedded(
+      embedded, job, given,
+      [&](const coordinator::EmbeddedProgress& progress) { console.Progress(progress.info); },
+      StopOnSignals());
+  console.Clear();
+  if (!IsDone(run)) return run;
+  fs::create_directories(out / "inputs");
+  for (const auto& [name, blob] : inputs) {
+    const char* kind = blob.Has("map/grid/probability") ? "landmark_map" : "log";
+    Check(WriteBlobFile((out / "inputs" / (name + ".h5")).string(), kind, blob));
+  }
+  return run;
+}
 
 std::map<std::string, Blob> ReadResults(const coordinator::EmbeddedResult& run) {
   std::map<std::string, Blob> results;

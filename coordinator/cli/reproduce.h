@@ -12,6 +12,17 @@
 
 namespace cairn::cli {
 
+struct StudyFolder {
+  std::string out;  // of results/, inputs/ and the page
+  int workers;
+  bool force;
+};
+
+// Runs a study's job on all of its inputs, without their truth, with its progress on the terminal. Where it
+// is done, the inputs stand beside the results, so that each can be made again by hand.
+coordinator::EmbeddedResult RunStudy(const StudyFolder& folder, const proto::Job& job,
+                                     const std::map<std::string, Blob>& inputs, const Invocation& call);
+
 // Reads the results of a run that is done.
 std::map<std::string, Blob> ReadResults(const coordinator::EmbeddedResult& run);
 

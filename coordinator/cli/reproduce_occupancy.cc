@@ -1,22 +1,14 @@
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <thread>
 
-#include "coordinator/cli/console.h"
-#include "coordinator/cli/failure.h"
-#include "coordinator/cli/programs.h"
 #include "coordinator/cli/reproduce.h"
 #include "coordinator/cli/result_file.h"
 #include "coordinator/cli/scalar.h"
-#include "coordinator/cli/stop_signal.h"
 #include "datasets/reproduce/occupancy_figures.h"
-#include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Options {
   std::string out = "reproduce-occupancy";
@@ -28,13 +20,6 @@ struct Options {
   bool force = false;
   bool json = false;
 };
-
-// Beside the results, so that each can be made again by hand.
-void WriteInputs(const datasets::OccupancyStudy& study, const fs::path& out) {
-  fs::create_directories(out / "inputs");
-  for (const auto& [name, blob] : study.inputs)
-    Check(WriteBlobFile((out / "inputs" / (name + ".h5")).string(), "log", blob));
-}
 
 datasets::OccupancyStudy MakeStudy(const Options& options) {
   if (options.study == "curve") {
@@ -48,23 +33,9 @@ datasets::OccupancyStudy MakeStudy(const Options& options) {
 
 int Occupancy(const Options& options, const Invocation& call) {
   const datasets::OccupancyStudy study = MakeStudy(options);
-  coordinator::EmbeddedOptions embedded;
-  embedded.dir = (fs::path(options.out) / "results").string();
-  embedded.workers = options.workers;
-  embedded.worker_program = WorkerProgram();
-  embedded.force = options.force;
-  std::map<std::string, BlobPtr> inputs;
-  for (const auto& [name, blob] : study.inputs)
-    inputs[name] = std::make_shared<const Blob>(blob.Without("truth/"));
-  Console console(call);
-  embedded.log = console.Sink();
-  const coordinator::EmbeddedResult run = coordinator::RunEmbedded(
-      embedded, study.job, inputs,
-      [&](const coordinator::EmbeddedProgress& progress) { console.Progress(progress.info); },
-      StopOnSignals());
-  console.Clear();
+  const coordinator::EmbeddedResult run =
+      RunStudy({options.out, options.workers, options.force}, study.job, study.inputs, call);
   if (!IsDone(run)) return ExplainUndone(run);
-  WriteInputs(study, options.out);
   const std::uint64_t last = options.seed + static_cast<std::uint64_t>(options.seeds) - 1;
   const auto results = ReadResults(run);
   PublishPage(options.out, "Learning occupancy grids with forward models",
