@@ -60,22 +60,32 @@ void AddTo(const GridBox& grid, const Counts& counts, Totals* totals) {
 }
 
 Blob ToBlob(const Counts& counts) {
+  std::vector<std::int32_t> cell, count;
+  for (std::size_t k = 0; k < counts.occupied.size(); ++k) {
+    if (counts.occupied[k] == 0) continue;
+    cell.push_back(static_cast<std::int32_t>(k));
+    count.push_back(counts.occupied[k]);
+  }
   Blob blob;
   PutGridBox("", counts.box, &blob);
   blob.PutScalar("first_column", counts.first_column);
   blob.PutScalar("first_row", counts.first_row);
   blob.PutVector("free", counts.free);
-  blob.PutVector("occupied", counts.occupied);
+  blob.PutVector("occupied_cell", cell);
+  blob.PutVector("occupied", count);
   return blob;
 }
 
 Counts CountsOf(const Blob& blob) {
-  const auto free = blob.Get<std::int32_t>("free"), occupied = blob.Get<std::int32_t>("occupied");
-  return {GridBoxOf("", blob),
-          blob.Scalar<std::int64_t>("first_column"),
-          blob.Scalar<std::int64_t>("first_row"),
-          {free.begin(), free.end()},
-          {occupied.begin(), occupied.end()}};
+  const auto free = blob.Get<std::int32_t>("free");
+  const auto cell = blob.Get<std::int32_t>("occupied_cell"), count = blob.Get<std::int32_t>("occupied");
+  Counts counts{GridBoxOf("", blob),
+                blob.Scalar<std::int64_t>("first_column"),
+                blob.Scalar<std::int64_t>("first_row"),
+                {free.begin(), free.end()},
+                std::vector<std::int32_t>(free.size())};
+  for (std::size_t k = 0; k < cell.size(); ++k) counts.occupied[static_cast<std::size_t>(cell[k])] = count[k];
+  return counts;
 }
 
 }  // namespace cairn::evidence_map

@@ -29,7 +29,7 @@ struct Totals {
 };
 void AddTo(const GridBox& grid, const Counts& counts, Totals* totals);
 
-// As a task's partial.
+// As a task's partial: few cells are ever occupied, so those by their numbers in the window.
 Blob ToBlob(const Counts& counts);
 Counts CountsOf(const Blob& blob);
 

@@ -11,9 +11,10 @@
 namespace cairn::evidence_map {
 namespace {
 
-constexpr double kCellsOfATask = 1 << 23;  // at least: some 10 ms of a core
-constexpr double kMostTasks = 32;          // of a sensor, about: each brings home a map
-constexpr double kBytesPerCell = 64;       // where maps of both kinds of sensors and the result are at hand
+// Each task brings home a map, so there are no more of a sensor than some, but for logs so long that tasks
+// would take long: from 10 ms to a quarter of a second of a core.
+constexpr double kTasks = 12, kLeastCells = 1 << 23, kMostCells = 1 << 28;
+constexpr double kBytesPerCell = 64;  // where maps of both kinds of sensors and the result are at hand
 
 // About how many cells a scan tells of.
 double WorkOf(const RangeScans& scans, std::size_t scan, double cell_m) {
@@ -48,7 +49,7 @@ void AddTasks(const RangeScans& scans, double cell_m, Step* step) {
   std::vector<double> work;
   double all = 0;
   for (std::size_t s = 0; s < scans.scans(); ++s) all += work.emplace_back(WorkOf(scans, s, cell_m));
-  const double of_a_task = std::max(kCellsOfATask, all / kMostTasks);
+  const double of_a_task = std::clamp(all / kTasks, kLeastCells, kMostCells);
   const std::string sensor = step->Share(SensorBlob(scans)), rows = step->Share(ScansBlob(scans));
   double sum = 0;
   std::size_t first = 0;

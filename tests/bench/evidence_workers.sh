@@ -3,10 +3,10 @@
 # with two workers, on a log of CARMEN taken many times over; and of the whole job, of which reading the log and handing
 # it out is the same for any number.
 #
-#   tests/bench/evidence_workers.sh LOG.log.gz [TIMES]      # of CARMEN, corrected; 100
+#   tests/bench/evidence_workers.sh LOG.log.gz [TIMES [CELL_M]]      # of CARMEN, corrected; 100 0.05
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-log=$1 times=${2:-100}
+log=$1 times=${2:-100} cell=${3:-0.05}
 cairn=build/release/bin/cairn
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -18,7 +18,7 @@ least() { printf '%s\n' "$@" | sort -g | head -1; }
 declare -A round job
 for turn in 1 2 3 4 5; do  # the quickest: the machine may have other work
   for workers in 1 2; do
-    "$cairn" run evidence_map "$folder/long.h5" --out "$folder/out$workers" --force --workers "$workers" > "$folder/log" 2>&1
+    "$cairn" run evidence_map "$folder/long.h5" --set cell_m="$cell" --out "$folder/out$workers" --force --workers "$workers" > "$folder/log" 2>&1
     facts=$("$cairn" inspect "$folder/out$workers/evidence_map.h5")
     job[$workers]=$(least ${job[$workers]:-} "$(awk '$1 == "provenance/seconds_s" { print $NF }' <<< "$facts")")
     round[$workers]=$(least ${round[$workers]:-} "$(awk '$1 == "provenance/round/seconds_s" { print $NF }' <<< "$facts")")
