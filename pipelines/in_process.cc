@@ -27,7 +27,8 @@ MapInputs InputsOfRound(const proto::State& state, const BlobsByHash& store,
 BlobPtr RunInProcess(const Pipeline& pipeline, const std::map<std::string, BlobPtr>& inputs,
                      const std::function<void(const proto::Step&)>& on_step) {
   NoProgress progress;
-  BlobsByHash store;
+  BlobsByHash store;  // tasks may name the stage's inputs too
+  for (const auto& [name, blob] : inputs) store[blob->ContentHash().Binary()] = blob;
   Step step = pipeline.Start(MapInputs(inputs));
   while (true) {
     for (const BlobPtr& blob : step.blobs) store[blob->ContentHash().Binary()] = blob;

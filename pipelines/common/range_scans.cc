@@ -74,22 +74,22 @@ std::uint8_t IsHeldOut(std::size_t s, std::size_t count, double share) {
   return share > 0 && into >= (1 - share - 1e-9) * of ? 1 : 0;
 }
 
-// Rows of `from` that `keep` names.
-Array RowsOf(const Array& from, const std::vector<std::size_t>& keep, std::size_t columns) {
+// Rows of `from` that `keep` names, in rising order.
+Array RowsOf(const Array& from, std::span<const std::int64_t> keep, std::size_t columns) {
+  const auto count = static_cast<std::int64_t>(keep.size());
+  if (count > 0 && keep.back() - keep.front() + 1 == count) return from.Rows(keep.front(), count);
   const auto values = from.As<double>();
   std::vector<double> kept;
   kept.reserve(keep.size() * columns);
-  for (const std::size_t s : keep) {
-    const auto row = values.subspan(s * columns, columns);
+  for (const std::int64_t s : keep) {
+    const auto row = values.subspan(static_cast<std::size_t>(s) * columns, columns);
     kept.insert(kept.end(), row.begin(), row.end());
   }
-  return Array::Of<double>({static_cast<std::int64_t>(keep.size()), static_cast<std::int64_t>(columns)},
-                           kept);
+  return Array::Of<double>({count, static_cast<std::int64_t>(columns)}, kept);
 }
 
 // Fills in the poses; scans without any are dropped or refused. Returns how many were dropped.
 std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
-  std::vector<std::size_t> keep;
   std::vector<double> times;
   for (std::size_t s = 0; s < sensor->scans(); ++s) {
     const double time_s = sensor->time_s[s];
@@ -101,12 +101,12 @@ std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
              "there is no pose for this time (skip_unposed=true leaves such scans out)");
     }
     if (!pose) continue;
-    keep.push_back(s);
+    sensor->row.push_back(static_cast<std::int64_t>(s));
     times.push_back(time_s);
     sensor->pose.push_back(*pose);
   }
-  const std::size_t dropped = sensor->scans() - keep.size();
-  if (dropped > 0) sensor->range_m = RowsOf(sensor->range_m, keep, sensor->beams.size());
+  const std::size_t dropped = sensor->scans() - times.size();
+  if (dropped > 0) sensor->range_m = RowsOf(sensor->range_m, sensor->row, sensor->beams.size());
   sensor->time_s = std::move(times);
   return dropped;
 }
@@ -228,11 +228,11 @@ Blob ScansBlob(const RangeScans& sensor) {
   blob.PutVector("time_s", sensor.time_s);
   blob.Put("pose", Array::Of<double>({static_cast<std::int64_t>(sensor.scans()), 3}, pose));
   blob.PutVector("held_out", sensor.held_out);
-  blob.Put("range_m", sensor.range_m);
+  blob.PutVector("row", sensor.row);
   return blob;
 }
 
-RangeScans ScansOf(const Blob& sensor, const Blob& scans) {
+RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log) {
   RangeScans result;
   result.name = sensor.Text("name");
   const auto beam = sensor.Get<double>("beam"), pose = scans.Get<double>("pose");
@@ -245,7 +245,9 @@ RangeScans ScansOf(const Blob& sensor, const Blob& scans) {
   const auto held_out = scans.Get<std::uint8_t>("held_out");
   result.time_s.assign(time.begin(), time.end());
   result.held_out.assign(held_out.begin(), held_out.end());
-  result.range_m = scans.at("range_m");
+  const auto row = scans.Get<std::int64_t>("row");
+  result.row.assign(row.begin(), row.end());
+  result.range_m = RowsOf(log.at(result.name + "range_m"), row, result.beams.size());
   return result;
 }
 

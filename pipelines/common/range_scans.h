@@ -21,6 +21,7 @@ struct RangeScans {
   std::vector<double> time_s;          // [S]
   std::vector<Pose> pose;              // [S] of the robot
   std::vector<std::uint8_t> held_out;  // [S] 1: kept for evaluation, not for the map
+  std::vector<std::int64_t> row;       // [S] which of the log's scans
   Array range_m;                       // [S,B] f64; NaN: nothing within reach, or no answer
 
   std::size_t scans() const { return time_s.size(); }
@@ -82,9 +83,11 @@ GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes
 // robot at each scan), held_out.
 void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result);
 
-// For tasks: a sensor without its scans, and its scans as arrays of S rows, so that a task may take some.
+// For tasks: a sensor without its scans; what is known of its scans but their ranges, as arrays of S rows, so
+// that a task may take some; and the scans of these, whose ranges are read from the log itself, which is not
+// copied.
 Blob SensorBlob(const RangeScans& sensor);
 Blob ScansBlob(const RangeScans& sensor);
-RangeScans ScansOf(const Blob& sensor, const Blob& scans);
+RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log);
 
 }  // namespace cairn

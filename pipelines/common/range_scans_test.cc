@@ -91,11 +91,12 @@ TEST(RangeScans, TheLastPartOfEachTenthIsHeldOut) {
 }
 
 TEST(RangeScans, TasksTakeRowsOfThem) {
-  const RangeScans whole = ReadRangeScans(Log(), nullptr, {}).sensors[0];
+  const Blob log = Log();
+  const RangeScans whole = ReadRangeScans(log, nullptr, {}).sensors[0];
   const Blob sensor = SensorBlob(whole), scans = ScansBlob(whole);
   Blob rows;
   for (const auto& [name, array] : scans.fields()) rows.Put(name, array.Rows(1, 2));
-  const RangeScans part = ScansOf(sensor, rows);
+  const RangeScans part = ScansOf(sensor, rows, log);
   ASSERT_EQ(part.scans(), 2U);
   EXPECT_EQ(part.name, "robot/0/sonar/");
   EXPECT_EQ(part.pose[1].x_m, 10);
@@ -124,6 +125,12 @@ TEST(RangeScans, ScansOutsideTheTimeOfPosesAreRefusedOrLeftOut) {
   const PosedScans scans = ReadRangeScans(log, nullptr, options);
   EXPECT_EQ(scans.unposed, 1U);
   EXPECT_EQ(scans.sensors[0].range_m.shape(), (Shape{2, 2}));
+  log.PutVector<double>("robot/0/sonar/time_s", {0, 5, 10});
+  log.PutVector<double>("robot/0/poses/time_s", {5, 10});
+  const RangeScans late = ReadRangeScans(log, nullptr, options).sensors[0];
+  const RangeScans of_task = ScansOf(SensorBlob(late), ScansBlob(late), log);
+  EXPECT_EQ(of_task.row, (std::vector<std::int64_t>{1, 2}));
+  EXPECT_EQ(of_task.range_m.As<double>()[1], 3) << "the second scan's";
 }
 
 TEST(RangeScans, WhatIsWrongIsNamedWithSensorAndScan) {

@@ -28,18 +28,21 @@ double WorkOf(const RangeScans& scans, std::size_t scan, double cell_m) {
   return cells;
 }
 
+proto::InputRef& AddInput(const char* name, const std::string& blob, Task* task) {
+  proto::InputRef& input = *task->add_inputs();
+  input.set_name(name);
+  input.set_blob(blob);
+  return input;
+}
+
 void AddTask(const std::string& sensor, const std::string& scans, std::size_t first, std::size_t count,
              double work, proto::Step* plan) {
   Task& task = *plan->add_tasks();
   task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
   task.set_kind("counts");
   task.set_cost(static_cast<std::uint64_t>(work));
-  proto::InputRef& beams = *task.add_inputs();
-  beams.set_name("sensor");
-  beams.set_blob(sensor);
-  proto::InputRef& rows = *task.add_inputs();
-  rows.set_name("scans");
-  rows.set_blob(scans);
+  AddInput("sensor", sensor, &task);
+  proto::InputRef& rows = AddInput("scans", scans, &task);
   rows.set_first_row(static_cast<std::int64_t>(first));
   rows.set_row_count(static_cast<std::int64_t>(count));
 }
@@ -108,17 +111,17 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
   blobs["grid"] = step.Share(std::move(box));
   blobs["scan poses"] = step.Share(std::move(poses));
   for (const RangeScans& sensor : scans.sensors) AddTasks(sensor, grid.cell_m, &step);
+  const std::string log_hash = log->ContentHash().Binary();
   for (Task& task : *step.plan.mutable_tasks()) {
-    proto::InputRef& input = *task.add_inputs();
-    input.set_name("grid");
-    input.set_blob(blobs["grid"]);
+    AddInput("grid", blobs["grid"], &task);
+    AddInput("log", log_hash, &task);
   }
   step.plan.set_note(NoteOf(scans, grid));
   return step;
 }
 
 Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) const {
-  const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"));
+  const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
   const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
   const bool cone = scans.opening_rad > 0;
   const Counts counts =

@@ -19,7 +19,10 @@ inline RangeScans OneBeam(const std::vector<Pose>& poses, const std::vector<doub
   scans.max_range_m = max_range_m;
   scans.pose = poses;
   scans.held_out.assign(poses.size(), 0);
-  for (std::size_t s = 0; s < poses.size(); ++s) scans.time_s.push_back(static_cast<double>(s));
+  for (std::size_t s = 0; s < poses.size(); ++s) {
+    scans.time_s.push_back(static_cast<double>(s));
+    scans.row.push_back(static_cast<std::int64_t>(s));
+  }
   scans.range_m = Array::Of<double>({static_cast<std::int64_t>(poses.size()), 1}, range_m);
   return scans;
 }
@@ -31,7 +34,9 @@ inline RangeScans Part(const RangeScans& scans, std::size_t first, std::size_t c
   for (const auto& [name, array] : all.fields()) {
     rows.Put(name, array.Rows(static_cast<std::int64_t>(first), static_cast<std::int64_t>(count)));
   }
-  return ScansOf(SensorBlob(scans), rows);
+  Blob log;
+  log.Put(scans.name + "range_m", scans.range_m);
+  return ScansOf(SensorBlob(scans), rows, log);
 }
 
 struct Untroubled : Progress {

@@ -72,7 +72,8 @@ void ShareSensors(const std::vector<RangeScans>& sensors, const Load& load, Step
 std::vector<RangeScans> SensorsOf(const Task& task, const Inputs& inputs) {
   std::vector<RangeScans> sensors;
   for (std::int64_t k = 0; k < task.params().at(kSensors).i(); ++k)
-    sensors.push_back(ScansOf(*inputs.Get(SensorBlobName(k)), *inputs.Get(ScansBlobName(k))));
+    sensors.push_back(
+        ScansOf(*inputs.Get(SensorBlobName(k)), *inputs.Get(ScansBlobName(k)), *inputs.Get(kLogBlob)));
   return sensors;
 }
 
@@ -90,7 +91,7 @@ Blob RunTile(const Options& options, const Task& task, const Inputs& inputs, Pro
 Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
   MapState map = MapState::Of(*inputs.Get(kMapBlob));
   const std::int64_t sensor = task.params().at("sensor").i();
-  const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"));
+  const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get(kLogBlob));
   const SensorModel& model = map.models[static_cast<std::size_t>(sensor)];
   if (task.kind() == "explain") {
     Blob blob;
@@ -133,6 +134,7 @@ Step ForwardMap::Start(const Inputs& inputs) const {
   }
   const Load load = EstimateLoad(scans.sensors, map.box, beyond_m);
   Step step;
+  (*step.plan.mutable_state()->mutable_blobs())[kLogBlob] = inputs.Get("log")->ContentHash().Binary();
   ShareSensors(scans.sensors, load, &step);
   std::size_t tiles = 0;
   for (std::int64_t split = 0; split < kSplits; ++split) {

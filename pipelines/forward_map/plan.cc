@@ -28,6 +28,7 @@ proto::InputRef& AddInput(const std::string& name, const std::string& as, const 
 
 void AddAllScans(std::int64_t sensors, const State& state, Task& task) {
   SetParam(task, kSensors, sensors);
+  AddInput(kLogBlob, kLogBlob, state, task);
   for (std::int64_t k = 0; k < sensors; ++k) {
     AddInput(SensorBlobName(k), SensorBlobName(k), state, task);
     AddInput(ScansBlobName(k), ScansBlobName(k), state, task);
@@ -57,6 +58,7 @@ void PlanWeighing(const Schedule& schedule, proto::Step* plan) {
       SetParam(task, "taken", schedule.taken);
       AddInput(kMapBlob, kMapBlob, state, task);
       if (schedule.taken > 0) AddInput(kProposalsBlob, kProposalsBlob, state, task);
+      AddInput(kLogBlob, kLogBlob, state, task);
       AddInput(SensorBlobName(k), "sensor", state, task);
       proto::InputRef& rows = AddInput(ScansBlobName(k), "scans", state, task);
       rows.set_first_row(first);
@@ -70,6 +72,7 @@ void PlanExplaining(proto::Step* plan) {
     Task& task = AddTask("explain", plan);
     SetParam(task, "sensor", k);
     AddInput(kMapBlob, kMapBlob, plan->state(), task);
+    AddInput(kLogBlob, kLogBlob, plan->state(), task);
     AddInput(SensorBlobName(k), "sensor", plan->state(), task);
     AddInput(ScansBlobName(k), "scans", plan->state(), task);
   }

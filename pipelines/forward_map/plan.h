@@ -44,6 +44,7 @@ std::string SliceKey(std::int64_t sensor);
 // Its blobs: the map, what is proposed, the tiles of each split, of each sensor what it is and its scans; and
 // what only Advance reads, of the map the Evidence of each sensor, the map before the last change of
 // parameters, the history.
+inline constexpr const char* kLogBlob = "log";
 inline constexpr const char* kMapBlob = "map";
 inline constexpr const char* kProposalsBlob = "proposals";
 inline constexpr const char* kEvidenceBlob = "evidence";

@@ -80,7 +80,10 @@ Trace Continue(const Case& c, const InputMap& inputs, Moment moment, const Polic
 }  // namespace
 
 Trace Replay(const Case& c, const InputMap& inputs, const Policy& policy) {
-  return Continue(c, inputs, MomentOf(Make(c.stage, c.seed)->Start(MapInputs(inputs)), {}), policy);
+  BlobsByHash store;
+  for (const auto& [name, blob] : inputs) store[blob->ContentHash().Binary()] = blob;
+  return Continue(c, inputs, MomentOf(Make(c.stage, c.seed)->Start(MapInputs(inputs)), std::move(store)),
+                  policy);
 }
 
 Trace ReplayFrom(const Case& c, const InputMap& inputs, const Moment& moment, const Policy& policy) {

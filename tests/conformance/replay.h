@@ -16,7 +16,7 @@ namespace cairn::conformance {
 // What a coordinator knows after a step: a checkpoint.
 struct Moment {
   proto::Step plan;
-  BlobsByHash store;  // all blobs of this step and those before it
+  BlobsByHash store;  // the inputs, all blobs of this step and those before it
 };
 
 struct Trace {
