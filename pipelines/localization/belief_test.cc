@@ -123,7 +123,8 @@ TEST(TableOne, EqualsTheSumOverAllPathsOfPosesToo) {
 TEST(Drive, GoesWhereEachPlaceFaces) {
   Poses poses;
   for (int k = 0; k < 100; ++k) {
-    poses.places.push_back({0.1 * (k / 2), 0.0});
+    const int place = k / 2;
+    poses.places.push_back({0.1 * place, 0.0});
     poses.heading_rad.push_back(k % 2 == 0 ? 0.0 : std::numbers::pi);
   }
   const BeliefSpace space(poses, std::vector<double>(100, 1.0));
