@@ -27,6 +27,8 @@ Array Repeated(const Array& rows, int times, double later_s) {
 
 int Main(const std::vector<std::string>& args) {
   if (args.size() != 3) throw InputError("it takes LOG.h5 TIMES OUT.h5");
+  const int times = std::atoi(args[1].c_str());
+  if (times < 1) throw InputError("TIMES is a number of copies, not '" + args[1] + "'");
   const auto file = ReadBlobFileWithoutTruth(args[0]);
   if (!file.ok()) throw InputError(file.status().message());
   const Blob& log = file.value().blob;
@@ -38,8 +40,7 @@ int Main(const std::vector<std::string>& args) {
     const Blob fields = log.Sub(group);
     for (const auto& [name, array] : fields.fields()) {
       const bool rows = name == "range_m" || name == "time_s" || group == std::string("robot/0/poses/");
-      out.Put(group + name,
-              rows ? Repeated(array, std::atoi(args[1].c_str()), name == "time_s" ? later_s : 0) : array);
+      out.Put(group + name, rows ? Repeated(array, times, name == "time_s" ? later_s : 0) : array);
     }
   }
   const Status status = WriteBlobFile(args[2], "log", out);
