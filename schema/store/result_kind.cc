@@ -7,6 +7,7 @@ std::string ResultKind(const Blob& result) {
   if (result.Has("map/grid/probability")) return "grid_map";
   if (result.Has("networks/hidden_weight")) return "networks";
   if (result.Has("belief/place")) return "localization";
+  if (result.Has("traces/first_z")) return "local_map";
   if (result.Has("robot/0/poses/time_s")) return "poses";
   if (result.Has("run/0/input")) return "samples";
   return "result";

@@ -8,8 +8,8 @@
 
 namespace cairn {
 
-// landmark_map, grid_map, networks, localization, poses, samples, by the arrays that the kind must have;
-// "result" where it is none of them.
+// landmark_map, grid_map, networks, localization, local_map, poses, samples, by the arrays that the kind must
+// have; "result" where it is none of them.
 std::string ResultKind(const Blob& result);
 
 }  // namespace cairn

@@ -12,6 +12,8 @@ TEST(ResultKind, GoesByTheArraysThatAKindMustHave) {
   EXPECT_EQ(ResultKind(blob), "samples");
   blob.PutVector<double>("robot/0/poses/time_s", {0});
   EXPECT_EQ(ResultKind(blob), "poses");
+  blob.PutVector<std::int32_t>("traces/first_z", {});
+  EXPECT_EQ(ResultKind(blob), "local_map");
   blob.PutVector<std::int32_t>("belief/place", {0});
   EXPECT_EQ(ResultKind(blob), "localization");
   blob.PutVector<double>("networks/hidden_weight", {0});
