@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "pipelines/common/testing_room.h"
 #include "pipelines/evidence_map/log_odds.h"
 #include "pipelines/evidence_map/ray_counts.h"
 #include "pipelines/evidence_map/testing.h"
-#include "pipelines/evidence_map/testing_room.h"
 #include "pipelines/in_process.h"
 
 namespace cairn::evidence_map {
@@ -35,14 +35,15 @@ double At(const Blob& result, double x, double y) {
 }
 
 TEST(EvidenceMap, OfARoomShowsItsWallsAndTheFloorAndNothingBehindThem) {
-  for (const char* kind : {"laser", "sonar"}) {
+  for (const double opening_rad : {0.0, 0.26}) {
     Options options;
     options.grid.cell_m = 0.1;
-    const Outcome outcome = Map({.kind = kind}, options);
-    EXPECT_LT(At(*outcome.result, 2.05, 1.55), 0.1) << kind;
-    EXPECT_GT(At(*outcome.result, 4.05, 1.55), 0.9) << kind;
-    EXPECT_GT(At(*outcome.result, 2.05, 3.05), 0.9) << kind;
-    EXPECT_TRUE(std::isnan(At(*outcome.result, 4.45, 3.45))) << kind;
+    const Room exact{.beams = 72, .opening_rad = opening_rad, .sigma_m = 0, .random_share = 0};
+    const Outcome outcome = Map(exact, options);
+    EXPECT_LT(At(*outcome.result, 4.05, 2.55), 0.1) << opening_rad;
+    EXPECT_GT(At(*outcome.result, 6.05, 2.55), 0.9) << opening_rad;
+    EXPECT_GT(At(*outcome.result, 4.05, 5.05), 0.9) << opening_rad;
+    EXPECT_TRUE(std::isnan(At(*outcome.result, 6.35, 5.35))) << opening_rad;
   }
 }
 
@@ -63,7 +64,7 @@ TEST(EvidenceMap, ItsLogOddsAreThoseOfItsProbability) {
 TEST(EvidenceMap, OfManySlicesIsThatOfAllScansAtOnce) {
   Options options;
   options.grid.cell_m = 0.01;  // so that there are several
-  const Room room{.scans = 1300};
+  const Room room{.scans = 1300, .beams = 180};
   const Outcome sliced = Map(room, options);
   EXPECT_GT(sliced.tasks, 3);
   const PosedScans scans = ReadRangeScans(room.Log(), nullptr, options.grid);
@@ -83,13 +84,13 @@ TEST(EvidenceMap, OfManySlicesIsThatOfAllScansAtOnce) {
 
 TEST(EvidenceMap, PosesGivenMoveTheMap) {
   Blob poses;
-  poses.Put("robots", Array::Texts({"ann"}));
+  poses.Put("robots", Array::Texts({"rover"}));
   poses.PutVector<double>("robot/0/poses/time_s", {0, 1000});
-  poses.PutVector<double>("robot/0/poses/x_m", {11, 11});
-  poses.PutVector<double>("robot/0/poses/y_m", {21.5, 21.5});
+  poses.PutVector<double>("robot/0/poses/x_m", {15.2, 15.2});  // 10 m, 20 m from where it stood
+  poses.PutVector<double>("robot/0/poses/y_m", {22.5, 22.5});
   poses.PutVector<double>("robot/0/poses/heading_rad", {0, 0});
   const Outcome outcome = Map({.drives = false}, {}, &poses);
-  EXPECT_GT(At(*outcome.result, 14.02, 21.5), 0.9);
+  EXPECT_GT(At(*outcome.result, 16.02, 22.5), 0.9);
 }
 
 TEST(EvidenceMap, RefusesALogWithoutRangeScans) {

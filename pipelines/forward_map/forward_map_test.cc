@@ -7,7 +7,7 @@
 
 #include "pipelines/forward_map/map_state.h"
 #include "pipelines/forward_map/result.h"
-#include "pipelines/forward_map/testing_room.h"
+#include "pipelines/forward_map/testing.h"
 #include "pipelines/forward_map/weigh.h"
 #include "pipelines/in_process.h"
 
@@ -93,7 +93,7 @@ TEST(ForwardMap, ItsLogLikelihoodIsThatOfItsMap) {
                           result->Scalar<double>(name + "sigma_m"),
                           result->Scalar<double>(name + "no_echo_sigma_m"),
                           result->Scalar<double>(name + "z_max_m")};
-  const std::vector<RangeScans> sensors = room.Sensors();
+  const std::vector<RangeScans> sensors = SensorsOf(room);
   NoProgress progress;
   const Evidence evidence = Weigh(sensors[0], 0, sensors[0].scans(), BoxOf(*result),
                                   result->Get<std::uint8_t>("map/grid/occupied"), model, true, progress);

@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipelines/common/range_scans.h"
+#include "pipelines/common/testing_room.h"
 #include "pipelines/forward_map/flip_gains.h"
 #include "pipelines/forward_map/forward_model.h"
+#include "pipelines/forward_map/map_state.h"
 #include "schema/rng.h"
 
 namespace cairn::forward_map {
@@ -96,5 +99,18 @@ struct TinyWorld {
     return model.z_max_m;
   }
 };
+
+inline std::vector<RangeScans> SensorsOf(const Room& room) {
+  return ReadRangeScans(room.Log(), nullptr, {}).sensors;
+}
+
+inline MapState EmptyMapOf(const Room& room, double cell_m) {
+  GridOptions options;
+  options.cell_m = cell_m;
+  MapState map{GridOf(ReadRangeScans(room.Log(), nullptr, options), options, 64), {}, {}};
+  map.occupied.resize(static_cast<std::size_t>(map.box.cells()));
+  map.models = {{.sigma_m = cell_m / 2, .no_echo_m = cell_m / 2, .z_max_m = room.max_range_m}};
+  return map;
+}
 
 }  // namespace cairn::forward_map

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pipelines/forward_map/testing_room.h"
+#include "pipelines/forward_map/testing.h"
 #include "pipelines/forward_map/weigh.h"
 #include "pipelines/in_process.h"
 
@@ -33,8 +33,8 @@ TEST(SearchTile, GainsWhatWeighingFinds) {
       options.anneal = anneal;
       options.smoothness = 0.1;
       options.prior = 0.3;
-      MapState map = room.EmptyMap(0.1);
-      const std::vector<RangeScans> sensors = room.Sensors();
+      MapState map = EmptyMapOf(room, 0.1);
+      const std::vector<RangeScans> sensors = SensorsOf(room);
       const auto columns = static_cast<std::int32_t>(map.box.columns);
       const auto rows = static_cast<std::int32_t>(map.box.rows);
       for (const Tile& tile : {Tile{0, 0, columns, rows}, Tile{5, 3, columns / 2, rows / 2},
@@ -55,12 +55,12 @@ TEST(SearchTile, GainsWhatWeighingFinds) {
 TEST(SearchTile, ByWayOfALargerSigmaEndsNoLower) {
   NoProgress progress;
   const Room room{.opening_rad = 0.3};
-  const MapState map = room.EmptyMap(0.1);
+  const MapState map = EmptyMapOf(room, 0.1);
   const Tile all{0, 0, static_cast<std::int32_t>(map.box.columns), static_cast<std::int32_t>(map.box.rows)};
   Options options;
-  const double direct = SearchTile(options, map, all, room.Sensors(), Elsewhere::kAsInTheMap, progress).gain;
+  const double direct = SearchTile(options, map, all, SensorsOf(room), Elsewhere::kAsInTheMap, progress).gain;
   options.anneal = 4;
-  EXPECT_GE(SearchTile(options, map, all, room.Sensors(), Elsewhere::kAsInTheMap, progress).gain, direct);
+  EXPECT_GE(SearchTile(options, map, all, SensorsOf(room), Elsewhere::kAsInTheMap, progress).gain, direct);
 }
 
 // From an empty map beams that end in another tile must not look as if nothing stopped them: what one of them
@@ -68,10 +68,10 @@ TEST(SearchTile, ByWayOfALargerSigmaEndsNoLower) {
 TEST(GainsOfTile, ReadingsThatEndInOtherTilesAreExplainedThereAtFirst) {
   NoProgress progress;
   const Room room{};
-  const MapState map = room.EmptyMap(0.1);
+  const MapState map = EmptyMapOf(room, 0.1);
   const Tile middle{static_cast<std::int32_t>(map.box.columns / 2) - 5,
                     static_cast<std::int32_t>(map.box.rows / 2) - 14, 10, 10};
-  const auto sensors = room.Sensors();
+  const auto sensors = SensorsOf(room);
   const TileGains alone =
       GainsOfTile(map, map.models, middle, sensors, true, Elsewhere::kAsInTheMap, progress);
   const TileGains together =

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pipelines/common/beam_cells.h"
-#include "pipelines/forward_map/testing_room.h"
+#include "pipelines/forward_map/testing.h"
 
 namespace cairn::forward_map {
 namespace {
@@ -41,8 +41,8 @@ TEST(CutTiles, HaveBordersThatDifferByTheShare) {
 TEST(EstimateLoad, IsAboutTheNumberOfCellsThatBeamsMeet) {
   for (const double opening_rad : {0.0, 0.4}) {
     const Room room{.opening_rad = opening_rad};
-    const MapState map = room.EmptyMap(0.1);
-    const std::vector<RangeScans> sensors = room.Sensors();
+    const MapState map = EmptyMapOf(room, 0.1);
+    const std::vector<RangeScans> sensors = SensorsOf(room);
     std::vector<BeamCell> cells;
     double crossings = 0;
     const auto range = sensors[0].range_m.As<double>();

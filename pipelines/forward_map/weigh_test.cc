@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "pipelines/forward_map/testing_room.h"
+#include "pipelines/forward_map/testing.h"
 #include "pipelines/in_process.h"
 
 namespace cairn::forward_map {
@@ -47,8 +47,8 @@ TEST(Weigh, OfOneRayIsTheModelByHand) {
 
 TEST(Weigh, OfSlicesAddsUp) {
   const Room room{.opening_rad = 0.26};
-  const std::vector<RangeScans> sensors = room.Sensors();
-  MapState map = room.EmptyMap(0.1);
+  const std::vector<RangeScans> sensors = SensorsOf(room);
+  MapState map = EmptyMapOf(room, 0.1);
   for (std::size_t cell = 0; cell < map.occupied.size(); cell += 7) map.occupied[cell] = 1;
   NoProgress progress;
   Evidence sum;
@@ -85,8 +85,8 @@ TEST(Improved, IsTheMStepAndClimbs) {
   EXPECT_EQ(Improved(kModel, {}, 0.01), kModel);
 
   const Room room{};
-  const std::vector<RangeScans> sensors = room.Sensors();
-  MapState map = room.EmptyMap(0.1);
+  const std::vector<RangeScans> sensors = SensorsOf(room);
+  MapState map = EmptyMapOf(room, 0.1);
   Rng rng(9);
   for (std::uint8_t& cell : map.occupied) cell = rng.Uniform() < 0.1 ? 1 : 0;
   NoProgress progress;

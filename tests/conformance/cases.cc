@@ -3,8 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pipelines/evidence_map/testing_room.h"
-#include "pipelines/forward_map/testing_room.h"
+#include "pipelines/common/testing_room.h"
 #include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/testing.h"
 #include "pipelines/localization/testing.h"
@@ -270,8 +269,8 @@ Case TrainingOn(const std::string& error) {
 
 // A room by laser, in several slices, and by sonar.
 Case EvidenceMap() {
-  Blob log = evidence_map::Room{.kind = "laser", .scans = 600}.Log();
-  log.PutAll("robot/0/sonar/", evidence_map::Room{.kind = "sonar"}.Log().Sub("robot/0/sonar/"));
+  Blob log = Room{.scans = 600, .beams = 180}.Log();
+  log.PutAll("robot/0/sonar/", Room{.opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
   log.PutVector<double>("truth/walls/x_m", {1.0});
   Case c{.name = "evidence_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}, .rounds = 1};
   Set(c.stage, "cell_m", 0.01);
@@ -281,8 +280,8 @@ Case EvidenceMap() {
 
 // A room by laser and by sonar, in one tile and in many.
 Case ForwardMap(const std::string& name, double tile_mcrossings) {
-  Blob log = forward_map::Room{}.Log();
-  log.PutAll("robot/0/sonar/", forward_map::Room{.opening_rad = 0.26, .seed = 2}.Log().Sub("robot/0/sonar/"));
+  Blob log = Room{}.Log();
+  log.PutAll("robot/0/sonar/", Room{.opening_rad = 0.26, .seed = 2}.Log().Sub("robot/0/sonar/"));
   log.PutVector<double>("truth/walls/x_m", {1.0});
   Case c{.name = name, .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
   Set(c.stage, "cell_m", 0.1);
