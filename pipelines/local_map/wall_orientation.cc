@@ -1,0 +1,17 @@
+#include "pipelines/local_map/wall_orientation.h"
+
+namespace cairn::local_map {
+
+void WallOrientation::Add(std::span<const Edge> edges) {
+  histogram_.Scale(static_cast<float>(kept_));
+  for (const Edge& edge : edges)
+    histogram_.Add(edge.angle_rad, kPeriodRad, static_cast<float>(edge.LengthM()));
+}
+
+std::optional<AnglePeak> WallOrientation::Dominant() const {
+  const AnglePeak peak = PeakOf(histogram_, kPeriodRad);
+  if (peak.weight < rule_.weight || peak.strength < rule_.strength) return std::nullopt;
+  return peak;
+}
+
+}  // namespace cairn::local_map

@@ -1,0 +1,42 @@
+// The dominant orientation of walls: a histogram of edges' directions modulo pi / 2 ([DM98] section 3.2).
+#pragma once
+
+#include <numbers>
+#include <optional>
+#include <span>
+
+#include "pipelines/local_map/angle_histogram.h"
+#include "pipelines/local_map/edge.h"
+
+namespace cairn::local_map {
+
+// How strong a peak must be to count.
+struct PeakRule {
+  double strength = 0.6;  // share of the weight within three of the eight bins
+  double weight = 1;
+};
+
+class WallOrientation {
+ public:
+  static constexpr double kPeriodRad = std::numbers::pi / 2;
+
+  // `kept`: the fraction of the histogram that is kept each sweep.
+  WallOrientation(double kept, PeakRule rule) : kept_(kept), rule_(rule) {}
+
+  // One more sweep with these edges; each counts with its length, in metres.
+  void Add(std::span<const Edge> edges);
+
+  // Direction of the walls in [-pi / 4, pi / 4] and how strong it is; none without a strong peak.
+  std::optional<AnglePeak> Dominant() const;
+  const AngleHistogram& histogram() const { return histogram_; }
+
+  // As if the frame's contents were turned counter-clockwise.
+  void Turn(double angle_rad) { histogram_.Shift(angle_rad, kPeriodRad); }
+
+ private:
+  double kept_;
+  PeakRule rule_;
+  AngleHistogram histogram_;
+};
+
+}  // namespace cairn::local_map
