@@ -5,6 +5,7 @@
 namespace cairn::coordinator {
 
 void BlobStore::Put(const wire::NamedBlob& named, std::uint64_t ticket) {
+  if (given_.contains(named.hash)) return;
   const auto [it, is_new] = entries_.try_emplace(named.hash);
   if (!is_new) return;
   it->second.ticket = ticket;
@@ -12,7 +13,9 @@ void BlobStore::Put(const wire::NamedBlob& named, std::uint64_t ticket) {
   Evict();
 }
 
-void BlobStore::AddDurable(const Hash& hash) { entries_[hash].durable = true; }
+void BlobStore::AddDurable(const Hash& hash) {
+  if (!given_.contains(hash)) entries_[hash].durable = true;
+}
 
 void BlobStore::Keep(Entry& entry, const Hash& hash, BlobPtr blob) {
   entry.bytes = blob->ByteCount();
@@ -22,6 +25,7 @@ void BlobStore::Keep(Entry& entry, const Hash& hash, BlobPtr blob) {
 }
 
 BlobPtr BlobStore::Get(const Hash& hash) {
+  if (const auto given = given_.find(hash); given != given_.end()) return given->second;
   const auto it = entries_.find(hash);
   if (it == entries_.end()) return nullptr;
   Entry& entry = it->second;
@@ -91,6 +95,7 @@ std::set<Hash> BlobStore::Known() const {
 }
 
 bool BlobStore::Durable(const Hash& hash) const {
+  if (given_.contains(hash)) return true;
   const auto it = entries_.find(hash);
   return it != entries_.end() && it->second.durable;
 }

@@ -18,11 +18,15 @@ class BlobStore {
  public:
   BlobStore(BlobFiles& files, std::uint64_t memory_bytes) : files_(files), cap_bytes_(memory_bytes) {}
 
+  // A blob that whoever starts this process holds, and brings along again with the next start: it is never
+  // dropped, written or counted.
+  void Give(const wire::NamedBlob& named) { given_[named.hash] = named.blob; }
+
   // `ticket`: any number that grows; what is made durable under an earlier one does not count for this blob.
   void Put(const wire::NamedBlob& named, std::uint64_t ticket);
   // A blob that lies on disk already, read when it is asked for.
   void AddDurable(const Hash& hash);
-  bool Has(const Hash& hash) const { return entries_.contains(hash); }
+  bool Has(const Hash& hash) const { return entries_.contains(hash) || given_.contains(hash); }
   // Null where it is unknown, or cannot be read back.
   BlobPtr Get(const Hash& hash);
   void Drop(const std::vector<Hash>& hashes);
@@ -50,6 +54,7 @@ class BlobStore {
   BlobFiles& files_;
   const std::uint64_t cap_bytes_;
   std::uint64_t bytes_ = 0;
+  std::map<Hash, BlobPtr> given_;
   std::map<Hash, Entry> entries_;
   std::list<Hash> ages_;  // least recently used first
 };

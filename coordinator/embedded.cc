@@ -71,13 +71,12 @@ LogSink WithoutTheEnd(LogSink log) {
 
 class Run {
  public:
-  Run(const EmbeddedOptions& options, proto::Job job, StoreFolder folder)
-      : options_(options), job_(std::move(job)), folder_(std::move(folder)) {
+  Run(const EmbeddedOptions& options, proto::Job job, std::vector<wire::NamedBlob> inputs, StoreFolder folder)
+      : options_(options), job_(std::move(job)), inputs_(std::move(inputs)), folder_(std::move(folder)) {
     if (!options_.log) options_.log = [](Severity, const std::string&) {};
   }
 
-  EmbeddedResult Do(const std::vector<wire::NamedBlob>& inputs,
-                    const std::function<void(const EmbeddedProgress&)>& on_progress,
+  EmbeddedResult Do(const std::function<void(const EmbeddedProgress&)>& on_progress,
                     const std::atomic<bool>& stop);
 
  private:
@@ -97,6 +96,7 @@ class Run {
 
   EmbeddedOptions options_;
   const proto::Job job_;
+  const std::vector<wire::NamedBlob> inputs_;
   StoreFolder folder_;
   std::optional<PrivateFolder> socket_folder_;
   std::unique_ptr<Transport> transport_;
@@ -162,6 +162,7 @@ Status Run::Open() {
   hub.core.checkpoint_interval_s = options_.checkpoint_interval_s;
   hub.core.checkpoint_rounds = options_.checkpoint_rounds;
   hub.memory_bytes = options_.memory_bytes;
+  hub.given_inputs = inputs_;
   hub.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
   hub_ = std::make_unique<Hub>(folder_, *transport_, std::move(table).value(), std::move(hub),
                                WithoutTheEnd(options_.log));
@@ -195,8 +196,7 @@ std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
   return done;
 }
 
-EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
-                       const std::function<void(const EmbeddedProgress&)>& on_progress,
+EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_progress,
                        const std::atomic<bool>& stop) {
   if (options_.force)
     if (const Status status = Clear(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
@@ -212,7 +212,7 @@ EmbeddedResult Run::Do(const std::vector<wire::NamedBlob>& inputs,
                       options_.workers, 5, folder_.dir() / "workers.log", options_.task_memory_mb});
   if (const Status status = workers.Start(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (Known() == nullptr)
-    hub_->Submit(kJobId, job_, inputs);
+    hub_->Submit(kJobId, job_, inputs_);
   else
     hub_->GoOn(kJobId);
   Loop(workers, on_progress, stop);
@@ -300,7 +300,7 @@ EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
   Result<StoreFolder> folder = StoreFolder::Open(fs::path(options.dir) / ".cairn");
   if (!folder.ok()) return NoFolder(folder.status());
   RemoveLeftovers(options.dir);
-  return Run(options, std::move(job), std::move(folder).value()).Do(named, on_progress, stop);
+  return Run(options, std::move(job), std::move(named), std::move(folder).value()).Do(on_progress, stop);
 }
 
 }  // namespace cairn::coordinator

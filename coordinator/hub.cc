@@ -49,7 +49,10 @@ void Hub::Restore() {
   const JobLogSink note = [this](Severity severity, const std::string& job, const std::string& line) {
     Note(severity, job, line);
   };
-  for (const RestoreJob& job : Recover(folder_, files_, note)) {
+  const auto inputs = options_.given_inputs ? InputsOf::kUser : InputsOf::kStore;
+  if (options_.given_inputs)
+    for (const wire::NamedBlob& input : *options_.given_inputs) blobs_.Give(input);
+  for (const RestoreJob& job : Recover(folder_, files_, inputs, note)) {
     for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
     for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
     Handle(job);

@@ -7,8 +7,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "coordinator/blob_store.h"
 #include "coordinator/core.h"
@@ -27,6 +29,9 @@ struct HubOptions {
   wire::JobLimits limits;
   std::uint64_t memory_bytes = 4ull << 30;
   std::uint64_t store_limit_bytes = 0;  // on disk; 0: none
+  // The inputs of a private run, which whoever starts it has in files and brings along each time: the store
+  // has no copies. None: jobs bring their inputs, and the store keeps them.
+  std::optional<std::vector<wire::NamedBlob>> given_inputs;
   // Where the result of a job's stage is published.
   std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
   // The folder of a job's results, which goes with the job; none: they are not this hub's to remove.

@@ -20,9 +20,16 @@ std::vector<Hash> BlobsOf(const proto::Checkpoint& checkpoint) {
   return blobs;
 }
 
-// Sets aside what is damaged of it; true where all can be read.
-bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, const JobLogSink& log) {
+bool IsInput(const proto::Job& job, const Hash& hash) {
+  return std::ranges::any_of(job.input_blobs(),
+                             [&](const auto& input) { return input.second == hash.Binary(); });
+}
+
+// Sets aside what is damaged of it; true where all that the store must have can be read.
+bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, InputsOf inputs,
+                  const JobLogSink& log) {
   for (const Hash& hash : BlobsOf(checkpoint)) {
+    if (inputs == InputsOf::kUser && IsInput(checkpoint.job(), hash)) continue;
     const Status blob = files.Check(hash);
     if (blob.ok()) continue;
     log(Severity::kWarning, checkpoint.job_id(), blob.message());
@@ -35,12 +42,13 @@ bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, const J
 // The newest that is good, from `numbers` (ascending), which loses it and all that were newer.
 std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles& files,
                                             const std::string& job, std::vector<std::uint64_t>& numbers,
-                                            const JobLogSink& log) {
+                                            InputsOf inputs, const JobLogSink& log) {
   while (!numbers.empty()) {
     const fs::path path = folder.CheckpointFile(job, numbers.back());
     numbers.pop_back();
     Result<proto::Checkpoint> checkpoint = ReadCheckpoint(path);
-    if (checkpoint.ok() && checkpoint.value().job_id() == job && BlobsAreGood(files, checkpoint.value(), log))
+    if (checkpoint.ok() && checkpoint.value().job_id() == job &&
+        BlobsAreGood(files, checkpoint.value(), inputs, log))
       return std::move(checkpoint).value();
     const std::string why =
         checkpoint.ok() ? "its blobs are missing or damaged" : checkpoint.status().message();
@@ -63,13 +71,14 @@ void MakeDurable(const StoreFolder& folder, const JobLogSink& log) {
 
 }  // namespace
 
-std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, const JobLogSink& log) {
+std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, InputsOf inputs,
+                                const JobLogSink& log) {
   MakeDurable(folder, log);
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
   for (const std::string& job : folder.JobsWithCheckpoints()) {
     std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
-    std::optional<proto::Checkpoint> newest = TakeNewest(folder, files, job, numbers, log);
+    std::optional<proto::Checkpoint> newest = TakeNewest(folder, files, job, numbers, inputs, log);
     if (!newest) {
       log(Severity::kError, "", "job " + job + " has no checkpoint left that can be read; it is lost");
       continue;

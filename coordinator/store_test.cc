@@ -165,7 +165,8 @@ TEST(Recovery, OfTheCheckpointBeforeOnlyBlobsThatAreThereAreKept) {
   before.add_blobs(TextBlob("gone").hash.Binary());
   ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 2), before).ok());
   BlobFiles files(folder.value());
-  const auto jobs = Recover(folder.value(), files, [](Severity, const std::string&, const std::string&) {});
+  const auto jobs = Recover(folder.value(), files, InputsOf::kStore,
+                            [](Severity, const std::string&, const std::string&) {});
   ASSERT_EQ(jobs.size(), 1u);
   EXPECT_EQ(jobs[0].checkpoint.number(), 3u);
   EXPECT_EQ(jobs[0].previous_blobs, (std::vector{b.hash, c.hash}));
@@ -187,6 +188,23 @@ TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
   EXPECT_EQ(store.memory_bytes(), 8u);
   ASSERT_NE(store.Get(a.hash), nullptr);
   EXPECT_EQ(store.Get(a.hash)->ContentHash(), a.hash);
+}
+
+TEST(BlobStore, WhatIsGivenStaysWhateverIsDroppedAndNeverHasToBeWritten) {
+  const TempFolder temp;
+  const auto folder = StoreFolder::Open(temp.path() / "store");
+  BlobFiles files(folder.value());
+  BlobStore store(files, 1);
+  const wire::NamedBlob given = TextBlob("given");
+  store.Give(given);
+  store.Put(given, 1);
+  store.AddDurable(given.hash);
+  EXPECT_TRUE(store.Has(given.hash));
+  EXPECT_TRUE(store.Durable(given.hash));
+  EXPECT_TRUE(store.TakeSpills().empty());
+  EXPECT_EQ(store.memory_bytes(), 0u);
+  store.Drop({given.hash});
+  EXPECT_EQ(store.Get(given.hash), given.blob);
 }
 
 TEST(BlobStore, WhatWasWrittenBeforeADropDoesNotCountAfterwards) {

@@ -146,6 +146,29 @@ TEST_F(Embedded, StoppedItResumesToTheSameBits) {
   EXPECT_EQ(Have(), Want());
 }
 
+// The user's own files hold them, and the next start brings them along.
+TEST_F(Embedded, InputsAreNotCopiedAndARunThatWaitsForItsOwnIsNotTakenForAnothers) {
+  SetOption("rounds", 200);
+  on_progress_ = [this](const EmbeddedProgress& progress) { stop_ = progress.info.round() >= 3; };
+  ASSERT_EQ(Run().end, EmbeddedEnd::kStopped);
+  stop_ = false;
+  std::size_t files = 0;
+  for (const auto& file : fs::recursive_directory_iterator(fs::path(options_.dir) / ".cairn")) {
+    ++files;
+    EXPECT_EQ(file.path().string().find(log_->ContentHash().Hex()), std::string::npos) << file.path();
+  }
+  EXPECT_GT(files, 0u);
+  const BlobPtr own = log_;
+  log_ = std::make_shared<const Blob>(testing::ToyLog(51).Without("truth/"));
+  EXPECT_EQ(Run().end, EmbeddedEnd::kConflict) << "of another log";
+  log_ = own;
+  on_progress_ = [](const EmbeddedProgress&) {};
+  const EmbeddedResult result = Run();
+  ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason << lines_;
+  EXPECT_TRUE(result.resumed);
+  EXPECT_EQ(Have(), Want());
+}
+
 // Processes that this thread started.
 std::vector<pid_t> Children() {
   const std::string pid = std::to_string(::getpid());
