@@ -35,8 +35,9 @@ void BeamCells(const GridBox& box, const Pose& from, double opening_rad, double 
                std::vector<BeamCell>* cells) {
   cells->clear();
   if (opening_rad > 0) {
-    WalkCone(box, from, opening_rad, length_m,
-             [&](std::int64_t cell, double distance_m) { cells->push_back({cell, distance_m}); });
+    WalkCone(
+        box, from, opening_rad, length_m, [](std::int64_t) { return true; },
+        [&](std::int64_t cell, double distance_m) { cells->push_back({cell, distance_m}); });
   } else {
     const double ux = std::cos(from.heading_rad), uy = std::sin(from.heading_rad);
     WalkRay(box, from, length_m, [&](std::int64_t cell, double, double) {

@@ -59,9 +59,11 @@ void WalkRay(const GridBox& box, const Pose& from, double length_m, Visit&& visi
 
 // The cells that a beam of the full opening `opening_rad` (above 0) meets within `length_m`, each once, in no
 // order of distance: those whose centre lies in the cone, and those on its axis, which near its tip is
-// narrower than a cell. visit(cell, distance_m) of the centre. Costs the cells visited, and a few a row.
-template <class Visit>
-void WalkCone(const GridBox& box, const Pose& from, double opening_rad, double length_m, Visit&& visit) {
+// narrower than a cell; but only those of which wanted(cell) is true, which is asked first: distances cost
+// more. visit(cell, distance_m) of the centre. Costs the cells visited, and a few a row.
+template <class Wanted, class Visit>
+void WalkCone(const GridBox& box, const Pose& from, double opening_rad, double length_m, Wanted&& wanted,
+              Visit&& visit) {
   const double ux = std::cos(from.heading_rad), uy = std::sin(from.heading_rad);
   const double slope = std::tan(opening_rad / 2), square = length_m * length_m;
   const auto inside = [&](double dx, double dy) {
@@ -84,11 +86,13 @@ void WalkCone(const GridBox& box, const Pose& from, double opening_rad, double l
     const auto i0 = std::max<std::int64_t>(0, box.ColumnOf(from.x_m + low) - 1);
     const auto i1 = std::min(box.columns - 1, box.ColumnOf(from.x_m + high) + 1);
     for (std::int64_t i = i0; i <= i1; ++i) {
+      if (!wanted(j * box.columns + i)) continue;
       const double dx = box.CentreX(i) - from.x_m;
       if (inside(dx, dy)) visit(j * box.columns + i, std::sqrt(dx * dx + dy * dy));
     }
   }
   WalkRay(box, from, length_m, [&](std::int64_t cell, double, double) {
+    if (!wanted(cell)) return;
     const double dx = box.CentreX(cell % box.columns) - from.x_m;
     const double dy = box.CentreY(cell / box.columns) - from.y_m;
     if (!inside(dx, dy)) visit(cell, std::sqrt(dx * dx + dy * dy));

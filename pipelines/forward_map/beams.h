@@ -34,18 +34,19 @@ void ForEachReading(const RangeScans& scans, std::size_t first, std::size_t end,
   }
 }
 
-// visit(cell, distance_m) for the cells that a beam meets up to `reach_m`: on a ray in order of distance,
-// which is that of the middle of the part that lies in the cell; in a cone in no order, and that of the
-// centre.
-template <class Visit>
-void VisitBeam(const GridBox& box, const Pose& from, double opening_rad, double reach_m, Visit&& visit) {
+// visit(cell, distance_m) for the cells that a beam meets up to `reach_m` and of which wanted(cell) is true:
+// on a ray in order of distance, which is that of the middle of the part that lies in the cell; in a cone in
+// no order, and that of the centre.
+template <class Wanted, class Visit>
+void VisitBeam(const GridBox& box, const Pose& from, double opening_rad, double reach_m, Wanted&& wanted,
+               Visit&& visit) {
   const auto within = [&](std::int64_t cell, double distance_m) {
     if (distance_m <= reach_m) visit(cell, distance_m);
   };
-  if (opening_rad > 0) return WalkCone(box, from, opening_rad, reach_m, within);
+  if (opening_rad > 0) return WalkCone(box, from, opening_rad, reach_m, wanted, within);
   // Walked further than asked, so that no part that counts is cut short.
   WalkRay(box, from, reach_m + 2 * box.cell_m, [&](std::int64_t cell, double enter_m, double leave_m) {
-    within(cell, 0.5 * (enter_m + leave_m));
+    if (wanted(cell)) within(cell, 0.5 * (enter_m + leave_m));
   });
 }
 

@@ -6,7 +6,8 @@
 // in it, q = 1 - p_hit,
 //   p(z | m) = floor + q^K0 S,   S = sum_k q^(k-1) w_k + q^K none,
 // where floor = p_rand / z_max and none = (1 - p_rand) N(z; z_max, no_echo): [T01] eqs 4 to 9. So a flip
-// before the window changes K0 alone, and its gain is one number for all those cells.
+// before the window changes K0 alone, and its gain is one number for all those cells; a flip in it changes S,
+// and what S would be after each flip in the window is kept beside it.
 #pragma once
 
 #include <cstdint>
@@ -38,6 +39,11 @@ class FlipGains {
   // What sum_i log p(z_i | m) gains where the cell flips, in nats; costs the number of its readings.
   double GainOf(std::int32_t cell) const;
   void Flip(std::int32_t cell);
+  // The search may flip a cell to see what comes of it and flip it back. A flip that stays is kept: gains of
+  // cells of which no reading has changed since `kept` flips were kept are what they were then.
+  void Keep(std::int32_t cell);
+  std::uint64_t kept() const { return kept_; }
+  bool ChangedSince(std::int32_t cell, std::uint64_t kept) const;
 
   // Cells in the window of some reading, ascending: no other can gain by becoming occupied.
   const std::vector<std::int32_t>& near_ends() const { return near_ends_; }
@@ -53,22 +59,17 @@ class FlipGains {
   double MissProbability(std::uint32_t reading) const { return 1 - models_[readings_[reading].model].p_hit; }
   // The cells that share a window with `cell`, ascending, without it.
   std::vector<std::int32_t> Sharing(std::int32_t cell) const;
-  std::size_t byte_count() const;
 
  private:
-  struct Obstacle {
-    std::uint32_t order;  // in the window, by distance
-    double weight;
-    double sum_before = 0, passed = 1;  // sum of S over the obstacles before it; q^(k-1)
-  };
   struct Reading {
-    double floor, none, sum;  // S
-    std::int32_t before = 0;  // K0
+    double floor, none, sum = 0;  // S
+    std::int32_t before = 0;      // K0
     std::uint32_t model = 0;
   };
-  struct Entry {  // a cell in a reading's window
-    std::uint32_t reading, order;
-    double weight;
+  // What a reading says of flips, as the map is.
+  struct Answer {
+    double more = 0, less = 0;       // gain of an obstacle more, less, before its window
+    double constant = 1, slope = 0;  // p(z | m) after a flip in it, over that now: constant + slope S
   };
   // Lists of T, one for each key.
   template <class T>
@@ -79,31 +80,37 @@ class FlipGains {
       return {value.data() + first[key], value.data() + first[key + 1]};
     }
   };
+  struct Place {  // of a cell in a reading's window
+    std::uint32_t reading, entry;
+  };
 
-  double SumWith(const Reading& reading, std::span<const Obstacle> obstacles, const Entry& entry) const;
-  double SumWithout(const Reading& reading, std::span<const Obstacle> obstacles, const Entry& entry) const;
-  double RatioOf(const Entry& entry, bool occupied) const;
-  void Change(std::size_t cell);  // without Refresh
-  void Refresh(std::uint32_t reading);
+  void Change(std::size_t cell);  // without what follows
+  void RefreshWindow(std::uint32_t reading);
+  void RefreshAnswer(std::uint32_t reading);
   void Transpose();
 
   std::vector<SensorModel> models_;
   std::vector<std::vector<double>> power_;  // [model][n] (1 - p_hit)^n
   std::size_t longest_ = 0;                 // beam
   std::vector<Reading> readings_;
-  std::vector<Crossing> window_of_beam_;          // work space of Add
-  std::vector<std::vector<Obstacle>> obstacles_;  // [reading] in its window, in order
-  std::vector<double> more_, less_;  // [reading] gain of an obstacle more, less, before its window
-  // As the readings came: cells before the windows, and in them.
+  std::vector<Answer> answers_;           // [reading]
+  std::vector<Crossing> window_of_beam_;  // work space of Add
+  std::vector<double> tails_;             // work space of RefreshWindow
+  // Entries: the windows of all readings, each by distance, one after the other.
+  Lists<std::int32_t> window_;                         // [reading] the entries' cells
+  std::vector<double> weight_, other_;                 // [entry] w; S after a flip of it
+  std::vector<std::vector<std::uint32_t>> obstacles_;  // [reading] the occupied entries, by distance
+  // As the readings came: cells before the windows.
   std::vector<std::uint64_t> before_end_;
   std::vector<std::int32_t> before_cell_;
-  Lists<std::int32_t> window_cell_;  // by reading
-  std::vector<Entry> window_entry_;  // beside window_cell_
   // By cell.
   Lists<std::uint32_t> before_;
-  Lists<Entry> window_;
+  Lists<Place> places_;
   std::vector<std::uint8_t> occupied_;
   std::vector<std::int32_t> near_ends_;
+  // Flips that were kept: how many in all, and at the last one that changed a reading.
+  std::uint64_t kept_ = 0;
+  std::vector<std::uint64_t> kept_at_;  // [reading]
 };
 
 }  // namespace cairn::forward_map

@@ -66,6 +66,38 @@ TEST(FlipGains, OfNoEchoLoseByEveryObstacle) {
               1e-12);
 }
 
+// What the search may skip: a cell whose gain has changed has a reading that has.
+TEST(FlipGains, ChangeOnlyWithAReadingOfTheCell) {
+  int changed = 0, same = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const TinyWorld world = TinyWorld{.columns = 8, .rows = 8, .readings = 20, .seed = seed}.Make();
+    FlipGains gains = GainsOf(world.data, world.truth, world.model);
+    Rng rng(seed);
+    for (int step = 0; step < 20; ++step) {
+      std::vector<double> before;
+      for (std::int32_t cell = 0; cell < 64; ++cell) before.push_back(gains.GainOf(cell));
+      const std::uint64_t kept = gains.kept();
+      const auto flipped = static_cast<std::int32_t>(rng.Below(64));
+      gains.Flip(flipped);
+      gains.Flip(flipped);  // taken back
+      for (std::int32_t cell = 0; cell < 64; ++cell) {
+        EXPECT_FALSE(gains.ChangedSince(cell, kept));
+        EXPECT_EQ(gains.GainOf(cell), before[static_cast<std::size_t>(cell)]);
+      }
+      gains.Flip(flipped);
+      gains.Keep(flipped);
+      for (std::int32_t cell = 0; cell < 64; ++cell) {
+        const bool may_differ = gains.ChangedSince(cell, kept);
+        (may_differ ? changed : same) += 1;
+        if (may_differ) continue;
+        EXPECT_EQ(gains.GainOf(cell), before[static_cast<std::size_t>(cell)]);
+      }
+    }
+  }
+  EXPECT_GT(changed, 1000);
+  EXPECT_GT(same, 1000);
+}
+
 TEST(FlipGains, CellsThatShareAWindow) {
   const SensorModel model{.sigma_m = 0.2};
   FlipGains gains = GainsOf({{3, {{0, 1}, {1, 2.5}, {2, 3}}}, {2, {{3, 1.9}, {2, 2}}}}, {0, 0, 0, 0}, model);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <queue>
 
 namespace cairn::forward_map {
@@ -13,6 +14,7 @@ constexpr double kLeastGain = 1e-9;  // nats; below it is rounding
 constexpr std::int32_t kPairReach = 3;
 constexpr double kDepth = 2;
 constexpr std::size_t kCellsOfTick = 64;  // looked at between two ticks
+constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 
 struct Proposal {
   double gain;
@@ -46,19 +48,45 @@ double MapSearch::PriorGainOf(std::int32_t cell) const {
   return smoother + (now != 0 ? -prior_.logit : prior_.logit);
 }
 
-void MapSearch::Flip(std::int32_t cell) {
+MapSearch::MapSearch(FlipGains* gains, Patch patch, const MapPrior& prior)
+    : gains_(gains), patch_(std::move(patch)), prior_(prior) {
+  lost_at_.assign(static_cast<std::size_t>(patch_.cells()), kNever);
+  swapped_at_.assign(static_cast<std::size_t>(patch_.cells()), kNever);
+}
+
+void MapSearch::Try(std::int32_t cell) {
   gains_->Flip(cell);
   patch_.rimmed[patch_.Rimmed(cell)] ^= 1;
 }
 
+void MapSearch::Flip(std::int32_t cell) {
+  Try(cell);
+  gains_->Keep(cell);
+}
+
+bool MapSearch::AsWhen(std::int32_t cell, std::uint64_t kept) const {
+  // Smoothness looks at neighbours, of which the readings know nothing.
+  return prior_.smoothness == 0 && kept != kNever && !gains_->ChangedSince(cell, kept);
+}
+
+double MapSearch::Look(std::int32_t cell) {
+  const double gain = GainOf(cell);
+  if (gain <= kLeastGain) lost_at_[static_cast<std::size_t>(cell)] = gains_->kept();
+  return gain;
+}
+
 std::vector<std::int32_t> MapSearch::Candidates() const {
   const bool prior_may_occupy = prior_.logit > 0 || prior_.smoothness > 0;
+  const std::vector<std::int32_t>& near_ends = gains_->near_ends();
+  auto near = near_ends.begin();
   std::vector<std::int32_t> cells;
-  if (!prior_may_occupy) cells = gains_->near_ends();
-  for (std::int32_t cell = 0; cell < patch_.cells(); ++cell)
-    if (prior_may_occupy || gains_->occupied()[static_cast<std::size_t>(cell)] != 0) cells.push_back(cell);
-  std::ranges::sort(cells);
-  cells.erase(std::ranges::unique(cells).begin(), cells.end());
+  cells.reserve(near_ends.size());
+  for (std::int32_t cell = 0; cell < patch_.cells(); ++cell) {
+    const bool is_near = near != near_ends.end() && *near == cell;
+    if (is_near) ++near;
+    if (is_near || prior_may_occupy || gains_->occupied()[static_cast<std::size_t>(cell)] != 0)
+      cells.push_back(cell);
+  }
   return cells;
 }
 
@@ -80,7 +108,8 @@ double MapSearch::Climb(const Tick& tick) {
     std::size_t looked_at = 0;
     for (const std::int32_t cell : Candidates()) {
       if (++looked_at % kCellsOfTick == 0) tick();
-      const double gain = GainOf(cell);
+      if (AsWhen(cell, lost_at_[static_cast<std::size_t>(cell)])) continue;
+      const double gain = Look(cell);
       if (gain > kLeastGain) proposals.push_back({gain, cell});
     }
     // What a proposal gains now may differ from what it did when it was made: it is looked at again when its
@@ -88,7 +117,7 @@ double MapSearch::Climb(const Tick& tick) {
     std::priority_queue<Proposal> queue({}, std::move(proposals));
     while (!queue.empty()) {
       if (++looked_at % kCellsOfTick == 0) tick();
-      const Proposal now{GainOf(queue.top().cell), queue.top().cell};
+      const Proposal now{Look(queue.top().cell), queue.top().cell};
       queue.pop();
       if (now.gain <= kLeastGain) continue;
       if (!queue.empty() && now < queue.top()) {
@@ -107,14 +136,15 @@ double MapSearch::Climb(const Tick& tick) {
 // what is gained.
 double MapSearch::FlipWithBestOf(std::int32_t cell, double gain, const std::vector<std::int32_t>& others) {
   if (others.empty()) return 0;
-  Flip(cell);
+  Try(cell);
   Proposal best{GainOf(others.front()), others.front()};
   for (const std::int32_t other : others) best = std::max(best, {GainOf(other), other});
   if (gain + best.gain > kLeastGain) {
+    gains_->Keep(cell);
     Flip(best.cell);
     return gain + best.gain;
   }
-  Flip(cell);
+  Try(cell);
   return 0;
 }
 
@@ -125,6 +155,10 @@ double MapSearch::Swaps(const Tick& tick) {
     tick();
     std::vector<std::int32_t> others = Neighbours(cell);
     std::erase_if(others, [&](std::int32_t other) { return occupied(other) != 0; });
+    std::uint64_t& tried_at = swapped_at_[static_cast<std::size_t>(cell)];
+    const auto as_when = [&](std::int32_t one) { return AsWhen(one, tried_at); };
+    if (as_when(cell) && std::ranges::all_of(others, as_when)) continue;
+    tried_at = gains_->kept();
     sum += FlipWithBestOf(cell, GainOf(cell), others);
   }
   return sum;

@@ -38,8 +38,7 @@ struct Patch {
 class MapSearch {
  public:
   // `gains` has been started with the inside of `patch`, and changes with the map.
-  MapSearch(FlipGains* gains, Patch patch, const MapPrior& prior)
-      : gains_(gains), patch_(std::move(patch)), prior_(prior) {}
+  MapSearch(FlipGains* gains, Patch patch, const MapPrior& prior);
 
   double GainOf(std::int32_t cell) const { return gains_->GainOf(cell) + PriorGainOf(cell); }
   std::uint8_t occupied(std::int32_t cell) const { return patch_.rimmed[patch_.Rimmed(cell)]; }
@@ -59,11 +58,19 @@ class MapSearch {
   std::vector<std::int32_t> Candidates() const;
   std::vector<std::int32_t> Neighbours(std::int32_t cell) const;
   bool IsNear(std::int32_t a, std::int32_t b) const;
+  // A flip that may be taken back.
+  void Try(std::int32_t cell);
+  // The cell's gain, and that it was looked at.
+  double Look(std::int32_t cell);
+  // Whether the cell's gain is what it was when `kept` flips had been kept.
+  bool AsWhen(std::int32_t cell, std::uint64_t kept) const;
   double FlipWithBestOf(std::int32_t cell, double gain, const std::vector<std::int32_t>& others);
 
   FlipGains* gains_;
   Patch patch_;
   MapPrior prior_;
+  // [cells] flips kept when it was found that the cell gains nothing, and its swaps were last tried.
+  std::vector<std::uint64_t> lost_at_, swapped_at_;
 };
 
 }  // namespace cairn::forward_map

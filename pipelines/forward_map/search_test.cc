@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <limits>
 
 #include "pipelines/forward_map/testing.h"
@@ -70,6 +71,32 @@ TEST(MapSearch, OfTwoCrossingConesHasNoConflictInTheOverlap) {
   FlipGains gains = GainsOf(readings, patch.Inside(), model);
   MapSearch(&gains, patch, {}).Run({}, NoTick);
   EXPECT_EQ(gains.occupied(), (std::vector<std::uint8_t>{1, 1, 0, 1, 1}));
+}
+
+// The search looks again only at what has changed: it must not overlook what gains.
+TEST(MapSearch, LeavesNoFlipAndNoSwapThatGains) {
+  int swaps = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const TinyWorld world = TinyWorld{.columns = 7, .rows = 6, .readings = 90, .seed = seed}.Make();
+    const Patch patch = Patch::Empty(world.columns, world.rows);
+    FlipGains gains = GainsOf(world.data, patch.Inside(), world.model);
+    MapSearch search(&gains, patch, {});
+    search.Run({.swaps = true, .pairs = false}, NoTick);
+    for (std::int32_t cell = 0; cell < patch.cells(); ++cell) {
+      const double gain = search.GainOf(cell);
+      EXPECT_LE(gain, 1e-9);
+      if (search.occupied(cell) == 0) continue;
+      gains.Flip(cell);
+      for (std::int32_t other = 0; other < patch.cells(); ++other) {
+        const std::int32_t columns = std::abs(other % 7 - cell % 7), rows = std::abs(other / 7 - cell / 7);
+        if (std::max(columns, rows) != 1 || search.occupied(other) != 0) continue;
+        EXPECT_LE(gain + gains.GainOf(other), 1e-9) << seed << ": " << cell << " to " << other;
+        ++swaps;
+      }
+      gains.Flip(cell);
+    }
+  }
+  EXPECT_GT(swaps, 1000);
 }
 
 TEST(MapSearch, OfNoReadingsLeavesTheMapEmpty) {

@@ -68,12 +68,14 @@ class BeamsOfTile {
     beam_.clear();
     if (!MayMeet(around_, from, opening_rad, reach_m)) return beam_;
     bool meets = false;
-    VisitBeam(map_.box, from, opening_rad, reach_m, [&](std::int64_t cell, double distance_m) {
-      const std::int32_t own = own_[static_cast<std::size_t>(cell)];
-      if (own == kFreeElsewhere) return;
-      beam_.push_back({own, distance_m});
-      meets = meets || own != kElsewhere;
-    });
+    VisitBeam(
+        map_.box, from, opening_rad, reach_m,
+        [&](std::int64_t cell) { return own_[static_cast<std::size_t>(cell)] != kFreeElsewhere; },
+        [&](std::int64_t cell, double distance_m) {
+          const std::int32_t own = own_[static_cast<std::size_t>(cell)];
+          beam_.push_back({own, distance_m});
+          meets = meets || own != kElsewhere;
+        });
     if (!meets) beam_.clear();
     return beam_;
   }

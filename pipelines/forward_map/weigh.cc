@@ -24,10 +24,10 @@ void ForEachExplained(const RangeScans& scans, std::size_t first, std::size_t en
   ForEachReading(scans, first, end, model, no_echo, [&](const BeamOfScan& reading) {
     if (readings++ % kReadingsOfTick == 0) progress.Tick();
     obstacles.clear();
-    VisitBeam(box, reading.from, scans.opening_rad, ReachOf(reading.z_m, model),
-              [&](std::int64_t cell, double distance_m) {
-                if (occupied[static_cast<std::size_t>(cell)] != 0) obstacles.push_back({cell, distance_m});
-              });
+    VisitBeam(
+        box, reading.from, scans.opening_rad, ReachOf(reading.z_m, model),
+        [&](std::int64_t cell) { return occupied[static_cast<std::size_t>(cell)] != 0; },
+        [&](std::int64_t cell, double distance_m) { obstacles.push_back({cell, distance_m}); });
     std::ranges::sort(obstacles, [](const BeamCell& a, const BeamCell& b) {
       return std::tie(a.distance_m, a.cell) < std::tie(b.distance_m, b.cell);
     });
