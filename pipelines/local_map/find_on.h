@@ -1,0 +1,39 @@
+// Finding a trace on another one when little is known of where: loops, and recovery from large errors, which
+// [DM98] leaves to be done by hand (section 4.3).
+#pragma once
+
+#include <vector>
+
+#include "pipelines/local_map/match.h"
+
+namespace cairn::local_map {
+
+struct FindOptions {
+  ScoreOptions score;
+  double step_m = 0.06;    // of u
+  double sharpness = 0.1;  // nats a unit of summed similarity, over so wide a range
+  double null_score = 40;  // summed similarity that places which have nothing in common reach
+  double apart_m = 0.5;    // candidates nearer than that are one
+  int min_known = 20;      // sides that must be comparable
+  int max_candidates = 3;
+};
+
+// Where the other trace lies on the recorded one.
+struct Candidate {
+  double z_m = 0, u_m = 0;        // its origin in the recorded trace's frame
+  double sd_z_m = 0, sd_u_m = 0;  // infinite: not determined
+  double score = 0;               // summed similarities of edges, of edges across the way, and of sides
+  double sides = 0;               // the sides similarity a comparable side
+  int known = 0;                  // sides that could be compared
+  // Probability that it lies there, against all other positions in the range and against none of them: small
+  // where the second-best peak is as good, and where little fits.
+  double confidence = 0;
+};
+
+// `other` runs the same way (Reversed, if not); its origin is sought in `range` about `at`. The best comes
+// first; empty where too little can be compared. `other` has kMaxFeatures at most. Costs (range.z / cell)
+// (range.u / step) features.
+std::vector<Candidate> FindOn(const EdgeTrace& recorded, const EdgeTrace& other, const Position& at,
+                              const Range& range, const FindOptions& options);
+
+}  // namespace cairn::local_map
