@@ -5,6 +5,7 @@
 #include "pipelines/image_features/image_features.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_map/landmark_map.h"
+#include "pipelines/local_map/local_map.h"
 #include "pipelines/localization/localization.h"
 
 namespace cairn {
@@ -38,6 +39,8 @@ const std::vector<Entry>& Entries() {
       Register<landmark_learning::LandmarkLearning, landmark_learning::Options>(
           "landmark_learning", "networks that extract the features which localise best (BaLL)",
           {"samples", "weights?", "map?", "errors?"}),
+      Register<local_map::LocalMap, local_map::Options>(
+          "local_map", "local grids, edge traces, and a path put together from their graph", {"log"}),
       Register<localization::Localization, localization::Options>(
           "localization", "where robots are, by learned or hand-made features",
           {"samples", "networks?", "networks_2?", "networks_3?"}),

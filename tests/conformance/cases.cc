@@ -291,6 +291,16 @@ Case ForwardMap(const std::string& name, double tile_mcrossings) {
   return c;
 }
 
+// A room by laser and by sonar, in segments.
+Case LocalMap() {
+  Blob log = Room{.scans = 300}.Log();
+  log.PutAll("robot/0/sonar/", Room{.scans = 300, .opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
+  log.PutVector<double>("truth/walls/x_m", {1.0});
+  Case c{.name = "local_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
+  SetInteger(c.stage, "segment_sweeps", 100);
+  return c;
+}
+
 // The cases of a registered pipeline, named after it. A new pipeline adds its branch.
 std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "toy") {
@@ -320,6 +330,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
             Training("adam", 0, true),
             TrainingOn("travel"),
             TrainingOn("kl")};
+  if (pipeline == "local_map") return {LocalMap()};
   if (pipeline == "localization")
     return {Localization("localization_samples", "sampled", "samples"),
             Localization("localization_grid", "soft", "grid"), LocalizationBothWays()};

@@ -1,0 +1,25 @@
+// Local grids, edge traces and their graph: E. Dedieu and J. d. R. Millan, Efficient Occupancy Grids for
+// Variable Resolution Map Building, 1998 ([DM98]).
+#pragma once
+
+#include <cstdint>
+
+#include "pipelines/local_map/options.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::local_map {
+
+// Input (schema/FORMAT.md): a log with range readings. Result: a local_map.
+class LocalMap : public Pipeline {
+ public:
+  LocalMap(Options options, std::uint64_t /*seed*/) : options_(std::move(options)) {}
+
+  Step Start(const Inputs& inputs) const override;
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override;
+  Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
+
+ private:
+  Options options_;
+};
+
+}  // namespace cairn::local_map

@@ -1,0 +1,64 @@
+// Options of local_map, each with unit, range and effect.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pipelines/common/options.h"
+#include "pipelines/local_map/assemble.h"
+#include "pipelines/local_map/grid_options.h"
+#include "pipelines/local_map/orientation_track.h"
+#include "pipelines/local_map/runs.h"
+#include "pipelines/local_map/straight_runs.h"
+
+namespace cairn::local_map {
+
+struct Options {
+  GridOptions grid;
+  std::string sensors;
+  std::int64_t ring_beams = 72;
+  RunOptions runs;
+  OrientationOptions orientation;
+  StraightRunOptions straight;
+  AssemblyOptions assembly;
+  std::int64_t segment_sweeps = 500;
+  std::int64_t warm_up_sweeps = 60;
+};
+
+template <class V>
+void VisitOptions(V& visit, Options& o) {
+  VisitGridOptions(visit, o.grid);
+  visit(
+      Option{"sensors", "", 0, 0, "of which sensors, by commas: sonar, laser, laser2 to laser5; empty: all"},
+      o.sensors);
+  visit(Option{"ring_beams", "", 8, 720,
+               "a laser is thinned to so many beams around the full circle, each the nearest of its sector"},
+        o.ring_beams);
+  visit(Option{"jump_mps", "m/s", 0.1, 1e6,
+               "a control of a way that is faster is a jump: the run is cut there"},
+        o.runs.jump_mps);
+  visit(Option{"jump_radps", "rad/s", 0.1, 1e6, "of a turn, likewise"}, o.runs.jump_radps);
+  visit(Option{"gap_s", "s", 0.1, 1e9, "without a reading for so long, the run is cut and grids begin anew"},
+        o.runs.gap_s);
+  visit(Option{"heading_walk", "rad/sqrt(m)", 1e-3, 1,
+               "sd of the random walk of odometry's heading at most; how large it is, the walls tell"},
+        o.orientation.walk_rad_per_sqrt_m);
+  visit(Option{"turn_ratio", "", 0, 1, "sd of a turn's error by odometry, a fraction of the turn, likewise"},
+        o.orientation.turn_ratio);
+  visit(Option{"walls_sd_rad", "rad", 1e-4, 1, "sd of the walls' orientation as one sweep shows it"},
+        o.orientation.seen_rad);
+  visit(Option{"straight_least_m", "m", 0.2, 100,
+               "a way along an axis of the walls that is shorter is no trace"},
+        o.straight.least_m);
+  visit(Option{"straight_most_m", "m", 1, 100, "a trace that grows longer is cut"}, o.straight.most_m);
+  visit(Option{"scale_sd", "", 1e-6, 1, "sd of an error of odometry's scale that lasts over the log"},
+        o.assembly.scale_sd);
+  visit(Option{"loop_gate", "", 0.5, 100,
+               "standard deviations beyond which a loop contradicts the rest and is not followed"},
+        o.assembly.gate);
+  visit(Option{"segment_sweeps", "", 50, 1e6, "sweeps of a task"}, o.segment_sweeps);
+  visit(Option{"warm_up_sweeps", "", 0, 1e5, "sweeps before a task's own, from which its grids begin"},
+        o.warm_up_sweeps);
+}
+
+}  // namespace cairn::local_map

@@ -1,0 +1,30 @@
+#include "pipelines/local_map/orientation_task.h"
+
+#include <cmath>
+#include <vector>
+
+#include "pipelines/local_map/local_grids.h"
+#include "pipelines/local_map/orientation_track.h"
+
+namespace cairn::local_map {
+
+Blob WatchWalls(SweepReader& sweeps, std::size_t own, GridOptions options, Progress& progress) {
+  options.align = false;  // edges in one frame; what that says of walls is decided over the whole run
+  LocalGrids grids(options, sweeps.rings());
+  std::vector<float> all;
+  all.reserve((sweeps.size() - own) * kBins);
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    if (s % 100 == 0) progress.Tick();
+    grids.Update(sweeps.pose(s), sweeps.Read(s));
+    if (s < own) continue;
+    EdgeHistogram edges{};
+    for (const Edge& edge : grids.current_edges())
+      AddEdge(edge.angle_rad + grids.frame_rad(), edge.LengthM(), &edges);
+    all.insert(all.end(), edges.begin(), edges.end());
+  }
+  Blob blob;
+  blob.Put("edges_m", Array::Of<float>({static_cast<std::int64_t>(sweeps.size() - own), kBins}, all));
+  return blob;
+}
+
+}  // namespace cairn::local_map

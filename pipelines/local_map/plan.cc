@@ -1,0 +1,50 @@
+#include "pipelines/local_map/plan.h"
+
+#include <algorithm>
+
+namespace cairn::local_map {
+
+std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& sweeps, const Options& options) {
+  const auto most = static_cast<std::size_t>(options.segment_sweeps);
+  const auto warm_up = static_cast<std::size_t>(options.warm_up_sweeps);
+  std::vector<Stretch> segments;
+  for (std::size_t begin = 0; begin < sweeps.size();) {
+    std::size_t end = begin + 1;
+    while (end < sweeps.size() && sweeps[end].run == sweeps[begin].run) ++end;
+    const std::size_t pieces = (end - begin + most - 1) / most;
+    for (std::size_t k = 0; k < pieces; ++k) {
+      const std::size_t own = begin + k * (end - begin) / pieces;
+      segments.push_back({robot, std::max(begin, own - std::min(own, warm_up)), own,
+                          begin + (k + 1) * (end - begin) / pieces});
+    }
+    begin = end;
+  }
+  return segments;
+}
+
+void AddStateInput(const char* name, const std::string& blob_name, const State& state, Task* task) {
+  proto::InputRef& input = *task->add_inputs();
+  input.set_name(name);
+  input.set_blob(state.blobs().at(blob_name));
+}
+
+Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& rows_name,
+                   proto::Step* plan) {
+  Task& task = *plan->add_tasks();
+  task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
+  task.set_kind(kind);
+  task.set_cost(stretch.end - stretch.first);
+  auto& params = *task.mutable_params();
+  params["robot"].set_i(static_cast<std::int64_t>(stretch.robot));
+  params["sweep_m"].set_d(plan->state().scalars().at(SweepKey(stretch.robot)).d());
+  params["own"].set_i(static_cast<std::int64_t>(stretch.own - stretch.first));
+  AddStateInput("log", kLogInput, plan->state(), &task);
+  AddStateInput("rings", RingsName(stretch.robot), plan->state(), &task);
+  AddStateInput("rows", rows_name, plan->state(), &task);
+  proto::InputRef& rows = *task.mutable_inputs(task.inputs_size() - 1);
+  rows.set_first_row(static_cast<std::int64_t>(stretch.first));
+  rows.set_row_count(static_cast<std::int64_t>(stretch.end - stretch.first));
+  return task;
+}
+
+}  // namespace cairn::local_map

@@ -1,0 +1,37 @@
+// How local_map is cut into rounds and tasks, and what its state holds by which names.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipelines/local_map/options.h"
+#include "pipelines/local_map/runs.h"
+#include "pipelines/pipeline.h"
+
+namespace cairn::local_map {
+
+// The state's blobs of robot `r`.
+inline std::string RingsName(std::size_t r) { return "rings " + std::to_string(r); }
+inline std::string RowsName(std::size_t r) { return "rows " + std::to_string(r); }  // RowsOf
+inline std::string PathName(std::size_t r) { return "path " + std::to_string(r); }  // RowsOf, corrected poses
+inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // as in the result
+inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
+inline std::string SweepKey(std::size_t r) { return "sweep_m " + std::to_string(r); }  // way between two
+inline constexpr char kLogInput[] = "log", kPhase[] = "phase", kRobots[] = "robots";
+
+// A stretch of sweeps that one task goes through, those before `own` to warm up.
+struct Stretch {
+  std::size_t robot = 0, first = 0, own = 0, end = 0;  // sweeps of the robot
+};
+
+// Each run by itself, in pieces of about equal length, of `segment_sweeps` at most.
+std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& sweeps, const Options& options);
+
+// A task that reads sweeps [first, end) of the rows `rows_name` of the state.
+Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& rows_name, proto::Step* plan);
+
+// The input of a task that is a blob of the state.
+void AddStateInput(const char* name, const std::string& blob_name, const State& state, Task* task);
+
+}  // namespace cairn::local_map

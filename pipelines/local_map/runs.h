@@ -1,0 +1,66 @@
+// A robot's odometry, cut where it jumps and where nothing was sensed for long, and the sweeps of its sensors
+// along it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipelines/common/odometry.h"
+#include "pipelines/common/pose.h"
+#include "pipelines/common/range_scans.h"
+#include "schema/blob.h"
+
+namespace cairn::local_map {
+
+struct RunOptions {
+  double jump_mps = 3;    // faster than this no robot drives
+  double jump_radps = 4;  // or turns
+  double gap_s = 30;      // without a sweep for so long, grids begin anew
+};
+
+struct Cut {
+  double time_s = 0;  // the last sweep before
+  std::string why;    // "jump", "gap"
+};
+
+// One moment at which one or several of a robot's rings were read.
+struct Sweep {
+  double time_s = 0;
+  Pose pose;             // dead reckoning without the jumps, from the robot's start; heading not wrapped
+  double path_m = 0;     // way so far
+  std::int32_t run = 0;  // which run of this robot
+  bool jumped = false;   // odometry did, since the sweep before
+};
+
+struct RobotRuns {
+  std::vector<std::size_t> sensors;  // of the log's, in the order of PosedScans
+  std::vector<Sweep> sweeps;
+  std::vector<std::int64_t> scan;  // [sweeps][sensors] which of the log's scans; -1: not read
+  std::vector<Cut> cuts;
+};
+
+// Takes what one control says of the way out where it is more than a robot can do: `jumps` are the times of
+// such controls' ends.
+Odometry WithoutJumps(Odometry odometry, const RunOptions& options, std::vector<double>* jumps);
+
+// Cut dead reckoning of all robots, as a table of poses (schema/FORMAT.md): what ReadRangeScans places scans
+// by. `log` without odometry: its poses. Throws InputError that names the robot.
+struct DeadReckoning {
+  std::vector<Odometry> robots;
+  std::vector<std::vector<double>> jumps;  // [robots]
+  Blob poses;
+};
+DeadReckoning ReckonAll(const Blob& log, const RunOptions& options);
+
+// Scans of one robot's sensors that are less than `together_s` apart make one sweep.
+inline constexpr double kTogether_s = 0.02;
+std::vector<RobotRuns> RunsOf(const PosedScans& scans, const DeadReckoning& reckoning,
+                              const RunOptions& options);
+
+// The sweeps as arrays of a row each, so that a task may take some; the same with other poses; and back.
+Blob RowsOf(const RobotRuns& runs);
+Blob WithPoses(Blob rows, const std::vector<Sweep>& sweeps);
+std::vector<Sweep> SweepsOf(const Blob& rows);
+
+}  // namespace cairn::local_map
