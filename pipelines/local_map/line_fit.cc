@@ -44,6 +44,14 @@ double Reach(const OccupancyGrid& grid, const Along& along, double from_m, doubl
   return end;
 }
 
+// Root of the mean square distance from the fitted line: the lesser principal moment.
+double Spread(const LineSums& sums) {
+  const double xx = sums.xx - sums.x * sums.x / sums.n, yy = sums.yy - sums.y * sums.y / sums.n;
+  const double xy = sums.xy - sums.x * sums.y / sums.n;
+  const double least = (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)) / 2;
+  return std::sqrt(std::max(least, 0.0) / sums.n);
+}
+
 }  // namespace
 
 double CorrectedAngle(const LineSums& sums) {
@@ -52,11 +60,14 @@ double CorrectedAngle(const LineSums& sums) {
   return 0.5 * std::atan2(2 * xy, xx - yy);
 }
 
+LineFit::LineFit(const LineFitRule& rule, double cell_m)
+    : rule_(rule), hole_m_(std::max(rule.hole_m, 2 * cell_m)) {}
+
 // Step 2: three or more consecutive hits, roughly aligned.
 bool LineFit::Aligned(std::span<const Point> hits, std::size_t first, std::size_t last) const {
   const auto at = [&](std::size_t k) { return hits[k % hits.size()]; };
   const Along chord(at(first), at(last));
-  const double most = std::min(unit_m_, rule_.bend * chord.length_m);
+  const double most = std::min(rule_.unit_m, rule_.bend * chord.length_m);
   double before = 0;
   for (std::size_t k = first + 1; k <= last; ++k) {
     const double x = chord.X(at(k));
@@ -70,8 +81,8 @@ bool LineFit::Aligned(std::span<const Point> hits, std::size_t first, std::size_
 void LineFit::Enhance(const OccupancyGrid& grid, Segment* segment) const {
   const Along along(segment->a, segment->b);
   const double middle = along.length_m / 2, step = grid.cell_m();
-  const double end = Reach(grid, along, middle, along.length_m, step, rule_.hole_m);
-  const double begin = Reach(grid, along, middle, 0, -step, rule_.hole_m);
+  const double end = Reach(grid, along, middle, along.length_m, step, hole_m_);
+  const double begin = Reach(grid, along, middle, 0, -step, hole_m_);
   *segment = {along.At(begin), along.At(end)};
 }
 
@@ -82,7 +93,7 @@ bool LineFit::Fit(const OccupancyGrid& grid, const Segment& segment, Edge* edge)
   double first = 0, furthest = 0, hole = 0;
   const auto gather = [&](Point hit) {
     const double x = along.X(hit), y = along.Y(hit);
-    if (std::abs(y) > unit_m_ || x < -unit_m_ || x > along.length_m + unit_m_) return;
+    if (std::abs(y) > rule_.unit_m || x < -rule_.unit_m || x > along.length_m + rule_.unit_m) return;
     hole = sums.n == 0 ? 0 : std::max(hole, x - furthest);
     first = sums.n == 0 ? x : std::min(first, x);
     furthest = sums.n == 0 ? x : std::max(furthest, x);
@@ -105,9 +116,10 @@ bool LineFit::Fit(const OccupancyGrid& grid, const Segment& segment, Edge* edge)
     else
       grid.ForOccupied({k, l - 2}, {k, l + 2}, gather);
   }
-  if (sums.n < rule_.min_hits || hole > rule_.hole_m || furthest - first < rule_.min_length_m) return false;
+  if (sums.n < rule_.min_hits || hole > hole_m_ || furthest - first < rule_.min_length_m) return false;
+  if (Spread(sums) > rule_.spread_m) return false;
   const double turn = CorrectedAngle(sums);
-  if (std::abs(turn) > rule_.max_correction) return false;
+  if (std::abs(turn) > rule_.max_turn_rad) return false;
   const double x = sums.x / sums.n, y = sums.y / sums.n;
   const double c = std::cos(turn), s = std::sin(turn);
   edge->a = along.At(x + (first - x) * c, y + (first - x) * s);
@@ -121,8 +133,8 @@ bool LineFit::Known(const Segment& segment, std::span<const Edge> edges) const {
   for (const Edge& edge : edges) {
     const Along along(edge.a, edge.b);
     const auto on = [&](Point p) {
-      return std::abs(along.Y(p)) <= unit_m_ && along.X(p) >= -unit_m_ &&
-             along.X(p) <= along.length_m + unit_m_;
+      return std::abs(along.Y(p)) <= rule_.unit_m && along.X(p) >= -rule_.unit_m &&
+             along.X(p) <= along.length_m + rule_.unit_m;
     };
     if (on(segment.a) && on(segment.b)) return true;
   }

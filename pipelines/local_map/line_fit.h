@@ -31,8 +31,7 @@ double CorrectedAngle(const LineSums& sums);
 
 class LineFit {
  public:
-  LineFit(const LineFitRule& rule, double cell_m)
-      : rule_(rule), unit_m_(cell_m < rule.unit_m ? cell_m : rule.unit_m) {}
+  LineFit(const LineFitRule& rule, double cell_m);
 
   // Appends the edges that the hits of one ring's sweep, in the order of its beams, give rise to; `closed`:
   // the last is a neighbour of the first. Appends no more than `edges` has room for without allocating.
@@ -49,7 +48,7 @@ class LineFit {
   bool Known(const Segment& segment, std::span<const Edge> edges) const;
 
   LineFitRule rule_;
-  double unit_m_;
+  double hole_m_;
 };
 
 }  // namespace cairn::local_map

@@ -30,8 +30,8 @@ struct Circle {
 
 TEST(LocalGrids, LocksOntoTheWallsOfARoom) {
   for (const double turned_deg : {0.0, 17.0, -38.0}) {
-    Circle drive{TestRoom(6, 4, RadOf(turned_deg))};
-    LocalGrids grids({}, {SensorRing(RingBeams(), 6)});
+    Circle drive{TestBox(6, 4, {0, 0, RadOf(turned_deg)})};
+    LocalGrids grids({}, {SensorRing(RingBeams(), 0.2618, 6)});
     int locks = 0, judged = 0, right = 0;
     for (int k = 0; k < 200; ++k) {
       const RingSweep sweep = drive.Sweep(k);
@@ -50,7 +50,7 @@ TEST(LocalGrids, LocksOntoTheWallsOfARoom) {
 }
 
 TEST(LocalGrids, BadInputIsNamed) {
-  LocalGrids grids({}, {SensorRing(RingBeams(), 6)});
+  LocalGrids grids({}, {SensorRing(RingBeams(), 0.2618, 6)});
   std::vector<double> ranges(24, 1.0), few(3, 1.0);
   RingSweep sweep{0, 0, ranges};
   EXPECT_THROW(grids.Update({std::nan(""), 0, 0}, std::span(&sweep, 1)), InputError);

@@ -21,9 +21,10 @@ struct RingSweep {
 class SensorRing {
  public:
   // `beams`: where each begins and points on the turret, whose axis is the robot's centre; in the order in
-  // which they stand. `sectors`: a laser is thinned to so many neighbouring groups of beams, of each of which
-  // the nearest reading counts; 0: every beam is one. Ranges beyond `max_range_m` are no hits.
-  SensorRing(const std::vector<Pose>& beams, double max_range_m, int sectors = 0);
+  // which they stand. `opening_rad`: of a beam's cone, in full; 0: a ray. Ranges beyond `max_range_m` are no
+  // hits. `sectors`: a laser is thinned to so many neighbouring groups of beams, of each of which the nearest
+  // reading counts; 0: every beam is one.
+  SensorRing(const std::vector<Pose>& beams, double opening_rad, double max_range_m, int sectors = 0);
 
   std::size_t beams() const { return beams_.size(); }
   // The most hits of a sweep.
@@ -38,10 +39,16 @@ class SensorRing {
  private:
   struct Beam {
     double x_m, y_m, cos, sin;  // on the turret
+    double ahead_m;             // by which it begins beyond the turret's axis
+    double next_rad;            // to the next beam
   };
+  double Range(const RingSweep& sweep, std::size_t beam) const;
+  double Aside(const RingSweep& sweep, std::size_t beam) const;
+  std::size_t Nearest(const RingSweep& sweep, std::size_t sector) const;
+
   std::vector<Beam> beams_;
   std::vector<std::size_t> first_beam_;  // [sectors + 1]
-  double max_range_m_;
+  double half_opening_, max_range_m_;
   bool closed_;
 };
 

@@ -4,8 +4,10 @@ namespace cairn::local_map {
 
 void WallOrientation::Add(std::span<const Edge> edges) {
   histogram_.Scale(static_cast<float>(kept_));
-  for (const Edge& edge : edges)
-    histogram_.Add(edge.angle_rad, kPeriodRad, static_cast<float>(edge.LengthM()));
+  for (const Edge& edge : edges) {
+    const double length_m = edge.LengthM();
+    histogram_.Add(edge.angle_rad, kPeriodRad, static_cast<float>(length_m * length_m * length_m));
+  }
 }
 
 std::optional<AnglePeak> WallOrientation::Dominant() const {

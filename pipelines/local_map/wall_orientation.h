@@ -23,7 +23,8 @@ class WallOrientation {
   // `kept`: the fraction of the histogram that is kept each sweep.
   WallOrientation(double kept, PeakRule rule) : kept_(kept), rule_(rule) {}
 
-  // One more sweep with these edges; each counts with its length, in metres.
+  // One more sweep with these edges. Each counts with the cube of its length in metres: as the inverse
+  // variance of the angle of a line that is fitted to hits which lie evenly along it.
   void Add(std::span<const Edge> edges);
 
   // Direction of the walls in [-pi / 4, pi / 4] and how strong it is; none without a strong peak.
