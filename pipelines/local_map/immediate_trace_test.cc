@@ -46,7 +46,7 @@ TEST(ImmediateTrace, KnowsTheDistancesOfWallsToCentimetres) {
 
 // The end wall of a room is an edge across the way.
 TEST(ImmediateTrace, KnowsWhereEdgesAcrossTheWayLie) {
-  Drive drive(TestRoom(6, 3, 0), {-2, 0, 0}, 1);
+  Drive drive(TestBox(6, 3, {}), {-2, 0, 0}, 1);
   drive.Ahead(3.5);
   ImmediateTrace now = ImmediateRoom(drive.grids());
   MakeImmediate(drive.grids(), 0, now);
@@ -61,7 +61,7 @@ TEST(ImmediateTrace, KnowsWhereEdgesAcrossTheWayLie) {
 }
 
 TEST(ImmediateTrace, IsTheSameSurroundingsInAllDirections) {
-  Drive drive(TestRoom(6, 3, 0), {-2, 0.2, 0}, 1);
+  Drive drive(TestBox(6, 3, {}), {-2, 0.2, 0}, 1);
   drive.Ahead(2);
   ImmediateTrace ahead = ImmediateRoom(drive.grids()), back = ImmediateRoom(drive.grids());
   MakeImmediate(drive.grids(), 0, ahead);

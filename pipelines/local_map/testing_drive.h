@@ -16,7 +16,10 @@ class Drive {
 
   Drive(std::vector<TestWall> walls, const Pose& start, std::uint64_t seed,
         const GridOptions& options = Fixed())
-      : walls_(std::move(walls)), pose_(start), rng_(seed), grids_(options, {SensorRing(RingBeams(), 6)}) {}
+      : walls_(std::move(walls)),
+        pose_(start),
+        rng_(seed),
+        grids_(options, {SensorRing(RingBeams(), 0.2618, 6)}) {}
 
   // Grids that stay along the axes.
   static GridOptions Fixed() {

@@ -42,7 +42,7 @@ TEST(TraceRecorder, HoldsAWayLongerThanTheGrids) {
 }
 
 TEST(TraceRecorder, EndsAtATurn) {
-  Drive drive(TestRoom(8, 8, 0), {-2, 0, 0}, 1);
+  Drive drive(TestBox(8, 8, {}), {-2, 0, 0}, 1);
   drive.Ahead(1);
   TraceRecorder recorder(drive.grids());
   recorder.Begin(drive.grids(), drive.time_s());
