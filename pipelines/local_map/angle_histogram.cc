@@ -13,18 +13,17 @@ AnglePeak PeakOf(const AngleHistogram& histogram, double period_rad) {
   unsigned best = 0;
   double most = -1;
   for (unsigned k = 0; k < kAngleBins; ++k) {
-    const double three = at(k + kAngleBins - 1) + at(k) + at(k + 1);
-    if (three > most) {
-      most = three;
-      best = k;
-    }
+    const double weight = at(k + kAngleBins - 1) + 2 * at(k) + at(k + 1);
+    if (weight <= most) continue;
+    most = weight;
+    best = k;
   }
+  const double before = at(best + kAngleBins - 1), after = at(best + 1), three = before + at(best) + after;
   const double common = *std::min_element(bin.begin(), bin.end());
-  const double apart = most - 3 * common;
-  const double step = period_rad / kAngleBins;
-  const double beside = apart > 0 ? (at(best + 1) - at(best + kAngleBins - 1)) / apart : 0;
-  peak.angle_rad = ModuloAngle((best + beside) * step, period_rad);
-  peak.strength = most / peak.weight;
+  const double apart = three - 3 * common;
+  const double beside = apart > 0 ? (after - before) / apart : 0;
+  peak.angle_rad = ModuloAngle((best + beside) * period_rad / kAngleBins, period_rad);
+  peak.strength = three / peak.weight;
   return peak;
 }
 

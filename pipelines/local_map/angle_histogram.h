@@ -46,8 +46,8 @@ struct AnglePeak {
   double weight = 0;     // of all bins
 };
 
-// The three neighbouring bins with the most weight, and their mean once what is common to all bins is taken
-// off. No weight at all: angle 0, strength 0.
+// The bin with the most weight, its neighbours' by half, and the mean of the three once what is common to all
+// bins is taken off. No weight at all: angle 0, strength 0.
 AnglePeak PeakOf(const AngleHistogram& histogram, double period_rad);
 
 }  // namespace cairn::local_map

@@ -1,8 +1,6 @@
 // A piece of a wall, as the line fit finds it.
 #pragma once
 
-#include <cmath>
-
 #include "pipelines/local_map/plane.h"
 
 namespace cairn::local_map {
@@ -12,7 +10,7 @@ struct Edge {
   double angle_rad = 0;  // of the line, in [-pi / 2, pi / 2]
   int hits = 0;          // that it was fitted to
 
-  double LengthM() const { return std::hypot(b.x_m - a.x_m, b.y_m - a.y_m); }
+  double LengthM() const { return DistanceM(a, b); }
 };
 
 }  // namespace cairn::local_map

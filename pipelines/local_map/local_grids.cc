@@ -86,6 +86,7 @@ void LocalGrids::FitLines() {
 Alignment LocalGrids::Align() {
   const auto peak = orientation_.Dominant();
   walls_.reset();
+  const int drifted = std::exchange(drifted_sweeps_, 0);
   if (!peak) return Alignment::kNone;
   const double off = peak->angle_rad;
   const double angle = frame_.heading_rad + off;
@@ -100,7 +101,8 @@ Alignment LocalGrids::Align() {
   if (off_deg > kMaxRealignDeg)
     return std::exchange(other_area_, true) ? Alignment::kNone : Alignment::kOtherArea;
   const bool was_other = std::exchange(other_area_, false);
-  if (off_deg >= kMinRealignDeg && options_.align) {
+  if (off_deg >= kMinRealignDeg) drifted_sweeps_ = drifted + 1;
+  if (drifted_sweeps_ >= kSteadySweeps && options_.align) {
     Turn(off);
     return Alignment::kRealigned;
   }
@@ -112,6 +114,11 @@ void LocalGrids::Turn(double angle_rad) {
   occupancy_.Turn(-angle_rad);
   edges_.Turn(-angle_rad);
   orientation_.Turn(-angle_rad);
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  for (Point& hit : hits_) {
+    const double x = hit.x_m - pose_.x_m, y = hit.y_m - pose_.y_m;
+    hit = {pose_.x_m + c * x + s * y, pose_.y_m - s * x + c * y};
+  }
   pose_.heading_rad -= angle_rad;
   frame_ = Compose(odometry_, Between(pose_, {}));
   FitLines();

@@ -27,7 +27,7 @@ struct WallEstimate {
 enum class Alignment {
   kNone,
   kLocked,     // the first time: the frame was turned along the walls
-  kRealigned,  // the walls had drifted by 5.5 to 11 degrees: the frame was turned after them
+  kRealigned,  // the walls had drifted by 5.5 to 11 degrees for some time: the frame was turned after them
   kOtherArea,  // the walls differ by more: this area is oriented in a different way; nothing was turned
   kBack,       // the walls lie as they did before that area
 };
@@ -37,6 +37,9 @@ class LocalGrids {
   // From these deviations on, and up to these, the frame is turned after the walls ([DM98] section 3.4,
   // footnote 3).
   static constexpr double kMinRealignDeg = 5.5, kMaxRealignDeg = 11;
+  // Sweeps in a row for which they deviate so: between areas of different orientation the histogram passes
+  // through all angles.
+  static constexpr int kSteadySweeps = 25;
 
   LocalGrids(const GridOptions& options, std::vector<SensorRing> rings);
 
@@ -83,6 +86,7 @@ class LocalGrids {
   std::vector<Edge> current_edges_;
   std::optional<WallEstimate> walls_;
   bool locked_ = false, other_area_ = false;
+  int drifted_sweeps_ = 0;
   double turned_rad_ = 0, last_walls_rad_ = 0;
 };
 

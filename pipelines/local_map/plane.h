@@ -12,6 +12,12 @@ struct Point {
   double x_m = 0, y_m = 0;
 };
 
+// std::hypot takes several times as long, for lengths near the ends of what a double holds.
+inline double DistanceM(Point a, Point b) {
+  const double x = b.x_m - a.x_m, y = b.y_m - a.y_m;
+  return std::sqrt(x * x + y * y);
+}
+
 struct CellIndex {
   std::int32_t i = 0, j = 0;
   bool operator==(const CellIndex&) const = default;

@@ -19,7 +19,7 @@ class Drive {
       : walls_(std::move(walls)),
         pose_(start),
         rng_(seed),
-        grids_(options, {SensorRing(RingBeams(), 0.2618, 6)}) {}
+        grids_(options, {SensorRing(RingBeams(), kTestOpeningRad, 6)}) {}
 
   // Grids that stay along the axes.
   static GridOptions Fixed() {

@@ -17,6 +17,8 @@
 
 namespace cairn::local_map {
 
+inline constexpr double kTestOpeningRad = 0.2618;  // of a sonar's cone, in full
+
 struct TestWall {
   Point a, b;
 };
@@ -65,7 +67,7 @@ inline std::vector<double> SonarSweep(const std::vector<TestWall>& walls, const 
   std::vector<double> ranges;
   const Pose turret = Compose(robot, {0, 0, turret_rad});
   for (const Pose& beam : RingBeams()) {
-    const double range = InConeM(walls, Compose(turret, beam), 0.1309) + 0.03 * rng.Normal();
+    const double range = InConeM(walls, Compose(turret, beam), kTestOpeningRad / 2) + 0.03 * rng.Normal();
     const bool heard = rng.Uniform() >= 0.02 && range <= 6;
     ranges.push_back(heard ? range : std::numeric_limits<double>::quiet_NaN());
   }
