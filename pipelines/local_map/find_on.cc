@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace cairn::local_map {
 namespace {
@@ -33,8 +32,12 @@ struct Finder {
   int shift;  // features, from the assumed position
   const FindOptions& options;
 
-  Total SidesAt(int z, double du_m) const { return Sides(on, shift + z, on.at.u_m + du_m, options.score); }
+  Total SidesAt(int z, double du_m) const {
+    return SidesScore(on, shift + z, on.at.u_m + du_m, options.score);
+  }
   Surface Search(const Range& range) const;
+  // Of all positions, and of none of them, in units of the best one's.
+  double Mass(Surface& surface, double top) const;
   Candidate At(Surface& surface, int z, int u, double mass, double top) const;
 };
 
@@ -46,10 +49,9 @@ Surface Finder::Search(const Range& range) const {
                   options.step_m,
                   {}};
   surface.score.resize(static_cast<std::size_t>((2 * surface.reach_z + 1) * (2 * surface.reach_u + 1)));
-  ScoreOptions along = options.score;
-  along.width_weight = 0;  // the sides say it, where z and u are sought together
   for (int z = -surface.reach_z; z <= surface.reach_z; ++z) {
-    const double score = EdgeAndWidth(on, shift + z, along) + Cross(on, shift + z, along);
+    // The sides say what the widths do, where z and u are sought together.
+    const double score = EdgeScore(on, shift + z, options.score) + CrossScore(on, shift + z, options.score);
     for (int u = -surface.reach_u; u <= surface.reach_u; ++u) {
       const Total sides = SidesAt(z, u * options.step_m);
       surface.At(z, u) = sides.known < options.min_known ? kNever : score + sides.sum;
@@ -58,37 +60,40 @@ Surface Finder::Search(const Range& range) const {
   return surface;
 }
 
-// The peak between the steps around (z, u), and the spread of what lies within apart_m of it.
+double Finder::Mass(Surface& surface, double top) const {
+  double mass = 0;
+  int known = 0;
+  surface.ForEach([&](int z, int u, double score) {
+    mass += std::exp(options.sharpness * (score - top));
+    if (score == top) known = SidesAt(z, u * surface.step_u_m).known;
+  });
+  return mass + std::exp(options.sharpness * (options.null_score * known - top));
+}
+
+// The peak near the step (z, u), sought in finer ones.
 Candidate Finder::At(Surface& surface, int z, int u, double mass, double top) const {
   Candidate found;
-  const auto vertex = [&](double before, double middle, double after) {
-    return std::isfinite(before) && std::isfinite(after) ? Vertex(before, middle, after) : 0;
-  };
-  const double middle = surface.At(z, u);
-  double dz = z, du = u;
-  if (std::abs(z) < surface.reach_z) dz += vertex(surface.At(z - 1, u), middle, surface.At(z + 1, u));
-  if (std::abs(u) < surface.reach_u) du += vertex(surface.At(z, u - 1), middle, surface.At(z, u + 1));
-  double near = 0, spread_z = 0, spread_u = 0;
+  found.score = surface.At(z, u);
+  double near = 0;
   surface.ForEach([&](int other_z, int other_u, double score) {
-    const double off_z = (other_z - dz) * surface.step_z_m, off_u = (other_u - du) * surface.step_u_m;
-    if (std::hypot(off_z, off_u) > options.apart_m) return;
-    const double weight = std::exp(options.sharpness * (score - top));
-    near += weight;
-    spread_z += weight * off_z * off_z;
-    spread_u += weight * off_u * off_u;
+    const double off_z = (other_z - z) * surface.step_z_m, off_u = (other_u - u) * surface.step_u_m;
+    if (std::hypot(off_z, off_u) <= options.apart_m) near += std::exp(options.sharpness * (score - top));
   });
+  found.confidence = near / mass;
   const Total sides = SidesAt(z, u * surface.step_u_m);
-  found.z_m = (shift + dz) * surface.step_z_m;
-  found.u_m = on.at.u_m + du * surface.step_u_m;
-  found.sd_z_m = std::sqrt(spread_z / near);
-  found.sd_u_m = std::sqrt(spread_u / near);
-  found.score = middle;
   found.sides = sides.mean();
   found.known = sides.known;
-  found.confidence = near / mass;
-  // As flat as the neighbourhood: not determined.
-  for (double* sd : {&found.sd_z_m, &found.sd_u_m})
-    if (*sd > 0.45 * options.apart_m) *sd = std::numeric_limits<double>::infinity();
+  OnTrace here = on;
+  here.at = {(shift + z) * surface.step_z_m, on.at.u_m + u * surface.step_u_m};
+  const Peak along =
+      AlongProfileAt(here, here.at.u_m, options.apart_m, options.score).FindPeak(options.peak_sharpness);
+  const double dz_m = std::isfinite(along.sd_m) ? along.at_m : 0;
+  const Peak across =
+      SidesProfile(here, dz_m, options.apart_m, options.score).FindPeak(options.peak_sharpness);
+  found.z_m = here.at.z_m + dz_m;
+  found.u_m = here.at.u_m + (std::isfinite(across.sd_m) ? across.at_m : 0);
+  found.sd_z_m = std::hypot(along.sd_m, options.floor_sd_m);
+  found.sd_u_m = std::hypot(across.sd_m, options.floor_sd_m);
   return found;
 }
 
@@ -103,8 +108,7 @@ std::vector<Candidate> FindOn(const EdgeTrace& recorded, const EdgeTrace& other,
   const double top = *std::max_element(surface.score.begin(), surface.score.end());
   std::vector<Candidate> found;
   if (top == kNever) return found;
-  double mass = std::exp(options.sharpness * (options.null_score - top));
-  for (const double score : surface.score) mass += std::exp(options.sharpness * (score - top));
+  const double mass = finder.Mass(surface, top);
   Surface left = surface;
   for (int k = 0; k < options.max_candidates; ++k) {
     int best_z = 0, best_u = 0;

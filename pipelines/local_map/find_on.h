@@ -9,13 +9,25 @@
 namespace cairn::local_map {
 
 struct FindOptions {
-  ScoreOptions score;
-  double step_m = 0.06;    // of u
-  double sharpness = 0.1;  // nats a unit of summed similarity, over so wide a range
-  double null_score = 40;  // summed similarity that places which have nothing in common reach
-  double apart_m = 0.5;    // candidates nearer than that are one
-  int min_known = 20;      // sides that must be comparable
+  ScoreOptions score = WideScore();
+  double step_m = 0.06;         // of u
+  double sharpness = 0.2;      // nats a unit of summed similarity, for the confidence,
+  double peak_sharpness = 0.6;  // and for how broad a peak is
+  double null_score = 1.3;      // similarity a comparable side that places which have nothing in common reach
+  double floor_sd_m = 0.015;    // added in squares: what no match resolves
+  double apart_m = 0.5;         // candidates nearer than that are one
+  int min_known = 20;           // sides that must be comparable
   int max_candidates = 3;
+
+  // Averages: what differs little between two places is all that tells them apart, and trimming drops it.
+  // Edges across the way are seen in whole cells.
+  static ScoreOptions WideScore() {
+    ScoreOptions score;
+    score.scheme = Scheme::kAverage;
+    score.similarity.cross_sigma_m = 0.1;
+    score.cross_weight = 2;
+    return score;
+  }
 };
 
 // Where the other trace lies on the recorded one.

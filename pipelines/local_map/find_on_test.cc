@@ -11,8 +11,6 @@ namespace {
 
 FindOptions Options() {
   FindOptions options;
-  options.null_score = 10;
-  options.sharpness = 0.3;
   return options;
 }
 
@@ -23,6 +21,7 @@ TEST(FindOn, FindsATraceThatIsMetresOff) {
   ASSERT_FALSE(found.empty());
   EXPECT_NEAR(found[0].z_m, 1.3, 0.05);
   EXPECT_NEAR(found[0].u_m, -0.21, 0.03);
+  EXPECT_GT(found[0].confidence, 0.9);
 }
 
 TEST(FindOn, FindsACorridorDrivenBack) {
@@ -46,6 +45,13 @@ TEST(FindOn, HasLittleConfidenceWhereSeveralPlacesAreAlike) {
   ASSERT_EQ(found.size(), 3U);
   EXPECT_LT(found[0].confidence, 0.6);
   EXPECT_NEAR(found[1].score, found[0].score, 0.1 * found[0].score);
+}
+
+TEST(FindOn, HasNoConfidenceInAnotherPlace) {
+  const HandWorld other{{{-9, 1.7}, {1, 1.2}}, {{-9, 0.6}, {2, 1.4}}, {1}, {2}};
+  for (const Candidate& candidate :
+       FindOn(HandTrace(Corridor(), {}, -15, 60), HandTrace(other, {}, -15, 40), {}, {3, 1}, Options()))
+    EXPECT_LT(candidate.confidence, 0.5);
 }
 
 TEST(FindOn, InABlankCorridorKnowsUOnly) {

@@ -36,7 +36,7 @@ Match MatchOf(const OnTrace& on, const Sought& found, const MatchOptions& option
   match.sd_u_m = std::hypot(found.u.sd_m, options.floor_sd_m);
   ScoreOptions all = options.score;
   all.scheme = Scheme::kAverage;
-  match.known = Sides(on, static_cast<int>(std::lround(on.ShiftOf(match.z_m))), match.u_m, all).known;
+  match.known = SidesScore(on, static_cast<int>(std::lround(on.ShiftOf(match.z_m))), match.u_m, all).known;
   const double each = 1.0 / std::max(match.known, 1);
   match.along_before = found.along[0] * each;
   match.along_after = found.z.value * each;
@@ -56,10 +56,17 @@ Peak Along(const Peak& peak, int sign) { return {sign * peak.at_m, peak.value, p
 }  // namespace
 
 Match Correct(const OnTrace& on, const Range& range, const MatchOptions& options) {
-  const Profile along = AlongProfile(on, range.z_m, options.score);
-  const Peak z = PeakOf(along, options);
-  const Profile sides = SidesProfile(on, z.at_m, range.u_m, options.score);
-  return MatchOf(on, {along, sides, z, PeakOf(sides, options)}, options);
+  Profile along = AlongProfile(on, range.z_m, options.score);
+  Peak z = PeakOf(along, options);
+  Profile sides = SidesProfile(on, z.at_m, range.u_m, options.score);
+  Peak u = PeakOf(sides, options);
+  if (options.again) {
+    along = AlongProfileAt(on, on.at.u_m + u.at_m, range.z_m, options.score);
+    z = PeakOf(along, options);
+    sides = SidesProfile(on, z.at_m, range.u_m, options.score);
+    u = PeakOf(sides, options);
+  }
+  return MatchOf(on, {along, sides, z, u}, options);
 }
 
 PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, const Range& range,

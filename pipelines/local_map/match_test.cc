@@ -64,6 +64,19 @@ TEST(Correct, RefusesWhatLiesBeyondTheRange) {
   EXPECT_FALSE(match.usable());
 }
 
+// The cupboard is taken away and another one put elsewhere: the trimmed mean still finds the place by what
+// did not move.
+TEST(Correct, ResistsFurnitureThatWasMoved) {
+  HandWorld moved = Corridor();
+  moved.right = {{-9, 1.0}, {2.0, 0.6}, {2.6, 1.0}};
+  moved.cross_right = {2.0, 2.6};
+  const EdgeTrace recorded = HandTrace(Corridor(), {}, -15, 45);
+  const Match match = Correct(recorded, SeenFrom(moved, {1.3, 0.1}), {1.1, 0}, {0.5, 0.5}, kOptions);
+  EXPECT_TRUE(match.usable());
+  EXPECT_NEAR(match.z_m, 1.3, 0.06);
+  EXPECT_NEAR(match.u_m, 0.1, 0.03);
+}
+
 // The first way is a blank corridor along +z; the second, which turns left from it, passes steps in its
 // walls.
 TEST(CorrectPair, DeterminesTogetherWhatNoneDoesAlone) {

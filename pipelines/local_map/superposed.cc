@@ -51,22 +51,42 @@ double Between(double a, double b, double c, double d, double t) {
   return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
-}  // namespace
-
-double EdgeAndWidth(const OnTrace& on, int shift, const ScoreOptions& options) {
-  const SimilarityOptions& s = options.similarity;
-  const Total edge = SumOver(on, shift, options, [&](const Feature& recorded, const Feature& now) {
-    return std::pair(EdgeSimilarity(recorded.left, now.left, s),
-                     EdgeSimilarity(recorded.right, now.right, s));
-  });
-  if (options.width_weight == 0) return edge.sum;
-  const Total width = SumOver(on, shift, options, [&](const Feature& recorded, const Feature& now) {
-    return std::pair(WidthSimilarity(recorded, now, s), 0.0F);
-  });
-  return edge.sum + options.width_weight * width.sum;
+// The cubic between whole_score(shift) at whole shifts, and edges across the way, which know fractions.
+template <class Score>
+Profile Along(const OnTrace& on, double range_m, const ScoreOptions& options, const Score& whole_score) {
+  Profile profile(on.recorded.cell_m() / kFine, range_m);
+  const double first = on.ShiftOf(on.at.z_m - profile.reach() * profile.step_m());
+  const int low = static_cast<int>(std::floor(first)) - 1, count = 2 * profile.reach() / kFine + 5;
+  std::array<double, 2 * Profile::kReach / kFine + 5> whole{};
+  for (int k = 0; k < count; ++k) whole[static_cast<std::size_t>(k)] = whole_score(low + k);
+  for (int step = -profile.reach(); step <= profile.reach(); ++step) {
+    const double shift = on.ShiftOf(on.at.z_m + step * profile.step_m()), below = std::floor(shift);
+    const auto k = static_cast<std::size_t>(below - low);
+    profile[step] = Between(whole[k - 1], whole[k], whole[k + 1], whole[k + 2], shift - below) +
+                    CrossScore(on, shift, options);
+  }
+  return profile;
 }
 
-double Cross(const OnTrace& on, double shift, const ScoreOptions& options) {
+}  // namespace
+
+double EdgeScore(const OnTrace& on, int shift, const ScoreOptions& options) {
+  const SimilarityOptions& s = options.similarity;
+  return SumOver(on, shift, options,
+                 [&](const Feature& recorded, const Feature& now) {
+                   return std::pair(EdgeSimilarity(recorded.left, now.left, s),
+                                    EdgeSimilarity(recorded.right, now.right, s));
+                 })
+      .sum;
+}
+
+double WidthScore(const OnTrace& on, int shift, const ScoreOptions& options) {
+  return options.width_weight * SumOver(on, shift, options, [&](const Feature& recorded, const Feature& now) {
+                                  return std::pair(WidthSimilarity(recorded, now, options.similarity), 0.0F);
+                                }).sum;
+}
+
+double CrossScore(const OnTrace& on, double shift, const ScoreOptions& options) {
   const auto& features = on.now.trace.features();
   Vector vector(on.now);
   for (std::size_t k = 0; k < features.size(); ++k) {
@@ -77,7 +97,7 @@ double Cross(const OnTrace& on, double shift, const ScoreOptions& options) {
   return options.cross_weight * vector.Sum(options).sum;
 }
 
-Total Sides(const OnTrace& on, int shift, double u_m, const ScoreOptions& options) {
+Total SidesScore(const OnTrace& on, int shift, double u_m, const ScoreOptions& options) {
   const double left_m = u_m - on.now.robot.u_m;  // of one z axis from the other
   return SumOver(on, shift, options, [&](const Feature& recorded, const Feature& now) {
     return std::pair(SideSimilarity(recorded.left, now.left, left_m, options.similarity),
@@ -86,25 +106,21 @@ Total Sides(const OnTrace& on, int shift, double u_m, const ScoreOptions& option
 }
 
 Profile AlongProfile(const OnTrace& on, double range_m, const ScoreOptions& options) {
-  Profile profile(on.recorded.cell_m() / kFine, range_m);
-  const double first = on.ShiftOf(on.at.z_m - profile.reach() * profile.step_m());
-  const int low = static_cast<int>(std::floor(first)) - 1, count = 2 * profile.reach() / kFine + 5;
-  std::array<double, 2 * Profile::kReach / kFine + 5> whole{};
-  for (int k = 0; k < count; ++k) whole[static_cast<std::size_t>(k)] = EdgeAndWidth(on, low + k, options);
-  for (int step = -profile.reach(); step <= profile.reach(); ++step) {
-    const double shift = on.ShiftOf(on.at.z_m + step * profile.step_m()), below = std::floor(shift);
-    const auto k = static_cast<std::size_t>(below - low);
-    profile[step] = Between(whole[k - 1], whole[k], whole[k + 1], whole[k + 2], shift - below) +
-                    Cross(on, shift, options);
-  }
-  return profile;
+  return Along(on, range_m, options,
+               [&](int shift) { return EdgeScore(on, shift, options) + WidthScore(on, shift, options); });
+}
+
+Profile AlongProfileAt(const OnTrace& on, double u_m, double range_m, const ScoreOptions& options) {
+  return Along(on, range_m, options, [&](int shift) {
+    return EdgeScore(on, shift, options) + SidesScore(on, shift, u_m, options).sum;
+  });
 }
 
 Profile SidesProfile(const OnTrace& on, double dz_m, double range_m, const ScoreOptions& options) {
   Profile profile(on.recorded.cell_m() / kFine, range_m);
   const auto shift = static_cast<int>(std::lround(on.ShiftOf(on.at.z_m + dz_m)));
   for (int step = -profile.reach(); step <= profile.reach(); ++step)
-    profile[step] = Sides(on, shift, on.at.u_m + step * profile.step_m(), options).sum;
+    profile[step] = SidesScore(on, shift, on.at.u_m + step * profile.step_m(), options).sum;
   return profile;
 }
 

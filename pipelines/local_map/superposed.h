@@ -11,7 +11,7 @@ inline constexpr int kMaxFeatures = 256;  // of the trace that is laid upon anot
 
 struct ScoreOptions {
   SimilarityOptions similarity;
-  Scheme scheme = Scheme::kTrimmed;
+  Scheme scheme = Scheme::kBestSide;
   double trim = 0.2;        // of the similarities, for kTrimmed
   double width_weight = 1;  // of the width similarity and of edges across the way, beside the edge
   double cross_weight = 1;  // similarity's 1, where z is sought
@@ -27,15 +27,19 @@ struct OnTrace {
   double ShiftOf(double z_m) const { return (z_m - now.robot.z_m) / recorded.cell_m(); }
 };
 
-// Edge and width similarity, shifted by a whole number of features.
-double EdgeAndWidth(const OnTrace& on, int shift, const ScoreOptions& options);
-// Edges across the way, shifted by any number.
-double Cross(const OnTrace& on, double shift, const ScoreOptions& options);
-// The sides similarity, with the robot at `u_m`.
-Total Sides(const OnTrace& on, int shift, double u_m, const ScoreOptions& options);
+// Summed similarities of edges and of widths, shifted by a whole number of features.
+double EdgeScore(const OnTrace& on, int shift, const ScoreOptions& options);
+double WidthScore(const OnTrace& on, int shift, const ScoreOptions& options);
+// Of edges across the way, shifted by any number.
+double CrossScore(const OnTrace& on, double shift, const ScoreOptions& options);
+// Of the sides, with the robot at `u_m`.
+Total SidesScore(const OnTrace& on, int shift, double u_m, const ScoreOptions& options);
 
 // What decides z: edge, width and cross similarity over corrections of z in quarters of a cell.
 Profile AlongProfile(const OnTrace& on, double range_m, const ScoreOptions& options);
+// The same once u is known, to be `u_m`: the sides similarity instead of the width, which furniture on one
+// side spoils for both.
+Profile AlongProfileAt(const OnTrace& on, double u_m, double range_m, const ScoreOptions& options);
 // What decides u: the sides similarity over corrections of u, with z corrected by `dz_m`.
 Profile SidesProfile(const OnTrace& on, double dz_m, double range_m, const ScoreOptions& options);
 
