@@ -74,12 +74,17 @@ double Finder::Mass(Surface& surface, double top) const {
 Candidate Finder::At(Surface& surface, int z, int u, double mass, double top) const {
   Candidate found;
   found.score = surface.At(z, u);
-  double near = 0;
+  double near = 0, near_z = 0, near_u = 0;
   surface.ForEach([&](int other_z, int other_u, double score) {
     const double off_z = (other_z - z) * surface.step_z_m, off_u = (other_u - u) * surface.step_u_m;
-    if (std::hypot(off_z, off_u) <= options.apart_m) near += std::exp(options.sharpness * (score - top));
+    const double weight = std::exp(options.sharpness * (score - top));
+    if (std::abs(off_z) <= options.apart_m) near_z += weight;
+    if (std::abs(off_u) <= options.apart_m) near_u += weight;
+    if (std::hypot(off_z, off_u) <= options.apart_m) near += weight;
   });
   found.confidence = near / mass;
+  found.confidence_z = near_z / mass;
+  found.confidence_u = near_u / mass;
   const Total sides = SidesAt(z, u * surface.step_u_m);
   found.sides = sides.mean();
   found.known = sides.known;

@@ -40,6 +40,8 @@ struct Candidate {
   // Probability that it lies there, against all other positions in the range and against none of them: small
   // where the second-best peak is as good, and where little fits.
   double confidence = 0;
+  // The same of its z whatever its u, and of its u whatever its z: a blank corridor tells u alone.
+  double confidence_z = 0, confidence_u = 0;
 };
 
 // `other` runs the same way (Reversed, if not); its origin is sought in `range` about `at`. The best comes

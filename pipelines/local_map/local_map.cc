@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/local_map/corrected_path.h"
+#include "pipelines/local_map/advance.h"
 #include "pipelines/local_map/orientation_task.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/sweep_reader.h"
@@ -94,95 +94,55 @@ Step LocalMap::Start(const Inputs& inputs) const {
   return step;
 }
 
-Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  SweepReader sweeps(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
-  const auto own = static_cast<std::size_t>(task.params().at("own").i());
-  const GridOptions grid = OfSweeps(options_.grid, task.params().at("sweep_m").d());
-  Blob partial = WatchWalls(sweeps, own, grid, progress);
-  partial.PutScalar("robot", task.params().at("robot").i());
-  return partial;
-}
-
 namespace {
 
-std::vector<std::vector<float>> EdgesOf(Partials& partials, std::size_t robots) {
-  std::vector<std::vector<float>> edges(robots);
-  for (std::size_t k = 0; k < partials.size(); ++k) {
-    const BlobPtr partial = partials.Get(k);
-    auto& of_robot = edges[static_cast<std::size_t>(partial->Scalar<std::int64_t>("robot"))];
-    const auto more = partial->Get<float>("edges_m");
-    of_robot.insert(of_robot.end(), more.begin(), more.end());
+Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& grid, SweepReader* sweeps,
+                  Progress& progress, const RecordOptions& options) {
+  const auto first = static_cast<std::size_t>(task.params().at("first").i());
+  const auto own = static_cast<std::size_t>(task.params().at("own").i());
+  const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
+  std::vector<std::int64_t> knots;
+  if (inputs.Has("knots")) {
+    const BlobPtr blob = inputs.Get("knots");
+    for (const std::int64_t sweep : blob->Get<std::int64_t>("sweep"))
+      knots.push_back(sweep - static_cast<std::int64_t>(first));
   }
-  return edges;
-}
-
-std::vector<OrientationSight> SightsOf(const std::vector<Sweep>& sweeps, const std::vector<float>& edges) {
-  std::vector<OrientationSight> sights(sweeps.size());
-  for (std::size_t s = 0; s < sweeps.size(); ++s) {
-    sights[s].path_m = sweeps[s].path_m;
-    sights[s].heading_rad = sweeps[s].pose.heading_rad;
-    std::copy_n(edges.begin() + static_cast<std::ptrdiff_t>(s * kBins), kBins, sights[s].edges_m.begin());
-    sights[s].begins = s > 0 && sweeps[s].jumped;
+  const BlobPtr log = inputs.Get("log");
+  const std::string hints = "robot/" + std::to_string(robot) + "/hints/time_s";
+  Recorded recorded =
+      Record(*sweeps, own, knots, log->Has(hints) ? log->Get<double>(hints) : std::span<const double>(), grid,
+             options, progress);
+  for (RecordedTrace& trace : recorded.traces) {
+    trace.robot = robot;
+    trace.first += first;
+    trace.end += first;
   }
-  return sights;
+  Blob partial = TracesBlob(recorded.traces);
+  Blob snapshot;
+  recorded.snapshot.Put(&snapshot);
+  partial.PutAll("snapshot/", snapshot);
+  partial.PutScalar("last", static_cast<std::int64_t>(first + sweeps->size()) - 1);
+  partial.PutVector("knot_features", recorded.knots.features);
+  partial.PutVector("knot_robot", recorded.knots.robot);
+  return partial;
 }
 
 }  // namespace
 
+Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  if (task.kind() == "pairs") return MatchPairs(inputs, options_, progress);
+  SweepReader sweeps(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
+  const auto own = static_cast<std::size_t>(task.params().at("own").i());
+  const GridOptions grid = OfSweeps(options_.grid, task.params().at("sweep_m").d());
+  Blob partial = task.kind() == "walls"
+                     ? WatchWalls(sweeps, own, grid, progress)
+                     : RecordTraces(task, inputs, grid, &sweeps, progress, options_.record);
+  partial.PutScalar("robot", task.params().at("robot").i());
+  return partial;
+}
+
 Step LocalMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  const auto robots = static_cast<std::size_t>(state.scalars().at(kRobots).i());
-  const std::vector<std::vector<float>> edges = EdgesOf(partials, robots);
-  const std::string phase = state.scalars().at(kPhase).s();
-  Step step;
-  *step.plan.mutable_state() = state;
-  auto& blobs = *step.plan.mutable_state()->mutable_blobs();
-  std::string note;
-  for (std::size_t r = 0; r < robots; ++r) {
-    const std::string rows_name = phase == "walls" ? RowsName(r) : PathName(r);
-    const BlobPtr rows = inputs.Get(rows_name);
-    std::vector<Sweep> sweeps = SweepsOf(*rows);
-    const OrientationTrack track = TrackOrientation(SightsOf(sweeps, edges[r]), options_.orientation);
-    Correct(track, &sweeps);
-    blobs[PathName(r)] = step.Share(WithPoses(*rows, sweeps));
-    char text[160];
-    std::snprintf(text, sizeof text, "odometry drifts by %.3f rad/m, %.1f%% of turns, %.3f rad/sqrt(m)",
-                  track.drift_rad_per_m, 100 * track.turn_scale, track.walk_rad_per_sqrt_m);
-    note += (note.empty() ? "" : "; ") + std::string(text);
-    if (phase == "walls") {
-      for (const Stretch& segment : SegmentsOf(r, sweeps, options_))
-        AddSweepTask("walls", segment, PathName(r), &step.plan);
-    }
-  }
-  step.plan.set_note(note);
-  if (phase == "walls") {
-    (*step.plan.mutable_state()->mutable_scalars())[kPhase].set_s("walls again");
-    return step;
-  }
-  const BlobPtr log = inputs.Get("log");
-  Blob result;
-  result.Put("robots", log->at("robots"));
-  result.Put("log_hash", Array::Text(log->Without("truth/").ContentHash().Hex()));
-  result.PutVector<std::int32_t>("traces/first_z", {});
-  for (std::size_t r = 0; r < robots; ++r) {
-    const Blob* path = nullptr;
-    for (const BlobPtr& blob : step.blobs)
-      if (blob->ContentHash().Binary() == blobs[PathName(r)]) path = blob.get();
-    const std::vector<Sweep> sweeps = SweepsOf(*path);
-    std::vector<double> time, x, y, h;
-    for (const Sweep& sweep : sweeps) {
-      time.push_back(sweep.time_s);
-      x.push_back(sweep.pose.x_m);
-      y.push_back(sweep.pose.y_m);
-      h.push_back(Wrapped(sweep.pose.heading_rad));
-    }
-    const std::string p = "robot/" + std::to_string(r) + "/poses/";
-    result.PutVector(p + "time_s", time);
-    result.PutVector(p + "x_m", x);
-    result.PutVector(p + "y_m", y);
-    result.PutVector(p + "heading_rad", h);
-  }
-  step.plan.set_result(step.Share(std::move(result)));
-  return step;
+  return AdvanceLocalMap(options_, state, partials, inputs);
 }
 
 }  // namespace cairn::local_map

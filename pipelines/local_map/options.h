@@ -7,9 +7,11 @@
 #include "pipelines/common/options.h"
 #include "pipelines/local_map/assemble.h"
 #include "pipelines/local_map/grid_options.h"
+#include "pipelines/local_map/knots.h"
 #include "pipelines/local_map/orientation_track.h"
+#include "pipelines/local_map/pairs.h"
 #include "pipelines/local_map/runs.h"
-#include "pipelines/local_map/straight_runs.h"
+#include "pipelines/local_map/trace_task.h"
 
 namespace cairn::local_map {
 
@@ -19,7 +21,10 @@ struct Options {
   std::int64_t ring_beams = 72;
   RunOptions runs;
   OrientationOptions orientation;
-  StraightRunOptions straight;
+  RecordOptions record;
+  KnotOptions knots;
+  PairOptions pairs;
+  std::int64_t loop_rounds = 3;
   AssemblyOptions assembly;
   std::int64_t segment_sweeps = 500;
   std::int64_t warm_up_sweeps = 60;
@@ -47,10 +52,24 @@ void VisitOptions(V& visit, Options& o) {
         o.orientation.turn_ratio);
   visit(Option{"walls_sd_rad", "rad", 1e-4, 1, "sd of the walls' orientation as one sweep shows it"},
         o.orientation.seen_rad);
-  visit(Option{"straight_least_m", "m", 0.2, 100,
-               "a way along an axis of the walls that is shorter is no trace"},
-        o.straight.least_m);
-  visit(Option{"straight_most_m", "m", 1, 100, "a trace that grows longer is cut"}, o.straight.most_m);
+  visit(Option{"trace_least_m", "m", 0.2, 100, "a trace over a shorter way is none"}, o.record.least_m);
+  visit(Option{"knot_m", "m", 0.1, 10, "of way, after which what is around the robot is matched with traces"},
+        o.knots.apart_m);
+  visit(Option{"way_sd", "sqrt(m)", 1e-4, 1, "sd of a way of 1 m by odometry, along it"}, o.knots.along_sd);
+  visit(Option{"aside_sd", "sqrt(m)", 1e-4, 1, "likewise to its side, once headings are corrected"},
+        o.knots.across_sd);
+  visit(Option{"loop_rounds", "", 0, 20, "rounds of matching, each around the path that the one before gave"},
+        o.loop_rounds);
+  visit(Option{"loop_m", "m", 0.5, 1e6, "of way between two places that are matched, at least"},
+        o.pairs.loop_m);
+  visit(Option{"loop_confidence", "", 0, 1, "that a match has the right place on a trace"},
+        o.pairs.confidence);
+  visit(Option{"loop_range_m", "m", 0.05, 10, "searched around where the path says, at least"},
+        o.pairs.range_m);
+  visit(Option{"loop_range_ratio", "", 0, 1, "more for each metre of way between"}, o.pairs.range_per_m);
+  visit(Option{"loop_most_m", "m", 0.05, 10, "but no more than that"}, o.pairs.most_m);
+  visit(Option{"loop_null", "", -10, 10, "similarity a comparable side that unrelated places reach"},
+        o.pairs.find.null_score);
   visit(Option{"scale_sd", "", 1e-6, 1, "sd of an error of odometry's scale that lasts over the log"},
         o.assembly.scale_sd);
   visit(Option{"loop_gate", "", 0.5, 100,

@@ -22,10 +22,19 @@ std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& swe
   return segments;
 }
 
-void AddStateInput(const char* name, const std::string& blob_name, const State& state, Task* task) {
+proto::InputRef& AddStateInput(const char* name, const std::string& blob_name, const State& state,
+                               Task* task) {
   proto::InputRef& input = *task->add_inputs();
   input.set_name(name);
   input.set_blob(state.blobs().at(blob_name));
+  return input;
+}
+
+void AddRows(const char* name, const std::string& blob_name, std::size_t first, std::size_t count,
+             const State& state, Task* task) {
+  proto::InputRef& input = AddStateInput(name, blob_name, state, task);
+  input.set_first_row(static_cast<std::int64_t>(first));
+  input.set_row_count(static_cast<std::int64_t>(count));
 }
 
 Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& rows_name,
@@ -37,13 +46,11 @@ Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& 
   auto& params = *task.mutable_params();
   params["robot"].set_i(static_cast<std::int64_t>(stretch.robot));
   params["sweep_m"].set_d(plan->state().scalars().at(SweepKey(stretch.robot)).d());
+  params["first"].set_i(static_cast<std::int64_t>(stretch.first));
   params["own"].set_i(static_cast<std::int64_t>(stretch.own - stretch.first));
   AddStateInput("log", kLogInput, plan->state(), &task);
   AddStateInput("rings", RingsName(stretch.robot), plan->state(), &task);
-  AddStateInput("rows", rows_name, plan->state(), &task);
-  proto::InputRef& rows = *task.mutable_inputs(task.inputs_size() - 1);
-  rows.set_first_row(static_cast<std::int64_t>(stretch.first));
-  rows.set_row_count(static_cast<std::int64_t>(stretch.end - stretch.first));
+  AddRows("rows", rows_name, stretch.first, stretch.end - stretch.first, plan->state(), &task);
   return task;
 }
 

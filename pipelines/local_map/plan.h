@@ -15,10 +15,13 @@ namespace cairn::local_map {
 inline std::string RingsName(std::size_t r) { return "rings " + std::to_string(r); }
 inline std::string RowsName(std::size_t r) { return "rows " + std::to_string(r); }  // RowsOf
 inline std::string PathName(std::size_t r) { return "path " + std::to_string(r); }  // RowsOf, corrected poses
-inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // as in the result
+inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // of each sweep
+inline std::string KnotsName(std::size_t r) { return "knots " + std::to_string(r); }  // sweeps of knots
 inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
 inline std::string SweepKey(std::size_t r) { return "sweep_m " + std::to_string(r); }  // way between two
-inline constexpr char kLogInput[] = "log", kPhase[] = "phase", kRobots[] = "robots";
+inline constexpr char kLogInput[] = "log", kPhase[] = "phase", kRobots[] = "robots", kRound[] = "round";
+inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";
+inline constexpr char kPlaced[] = "placed", kSnapshots[] = "snapshots";
 
 // A stretch of sweeps that one task goes through, those before `own` to warm up.
 struct Stretch {
@@ -31,7 +34,10 @@ std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& swe
 // A task that reads sweeps [first, end) of the rows `rows_name` of the state.
 Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& rows_name, proto::Step* plan);
 
-// The input of a task that is a blob of the state.
-void AddStateInput(const char* name, const std::string& blob_name, const State& state, Task* task);
+// The input of a task that is a blob of the state; or some rows of it, one at least.
+proto::InputRef& AddStateInput(const char* name, const std::string& blob_name, const State& state,
+                               Task* task);
+void AddRows(const char* name, const std::string& blob_name, std::size_t first, std::size_t count,
+             const State& state, Task* task);
 
 }  // namespace cairn::local_map

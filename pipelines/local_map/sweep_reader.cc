@@ -45,8 +45,9 @@ SweepReader::SweepReader(const Blob& log, const Blob& rings, const Blob& rows, s
     const auto beam = rings.Get<double>(Numbered(k) + "beam");
     std::vector<Pose> beams;
     for (std::size_t b = 0; b < beam.size(); b += 3) beams.push_back({beam[b], beam[b + 1], beam[b + 2]});
-    const int sectors = SectorsOf(beams, rings.Scalar<double>(Numbered(k) + "opening_rad"), ring_beams);
-    rings_.emplace_back(beams, rings.Scalar<double>(Numbered(k) + "max_range_m"), sectors);
+    const double opening_rad = rings.Scalar<double>(Numbered(k) + "opening_rad");
+    rings_.emplace_back(beams, opening_rad, rings.Scalar<double>(Numbered(k) + "max_range_m"),
+                        SectorsOf(beams, opening_rad, ring_beams));
     range_m_.push_back(log.at(name + "range_m"));
     turret_rad_.push_back(TurretOf(log, name));
   }

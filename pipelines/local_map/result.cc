@@ -1,0 +1,228 @@
+#include "pipelines/local_map/result.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace cairn::local_map {
+namespace {
+
+constexpr double kQuarter_rad = std::numbers::pi / 2;
+
+struct SideColumns {
+  std::vector<float> angle_low, angle_high, distance_low, distance_high, cross;
+  std::vector<std::uint8_t> occupied;
+
+  void Add(const Side& side) {
+    angle_low.push_back(side.angle_rad.low);
+    angle_high.push_back(side.angle_rad.high);
+    distance_low.push_back(side.distance_m.low);
+    distance_high.push_back(side.distance_m.high);
+    cross.push_back(side.cross_m);
+    occupied.push_back(side.occupied);
+  }
+  void Put(const std::string& prefix, Blob* result) const {
+    result->PutVector(prefix + "angle_low_rad", angle_low);
+    result->PutVector(prefix + "angle_high_rad", angle_high);
+    result->PutVector(prefix + "distance_low_m", distance_low);
+    result->PutVector(prefix + "distance_high_m", distance_high);
+    result->PutVector(prefix + "cross_m", cross);
+    result->PutVector(prefix + "occupied", occupied);
+  }
+};
+
+struct ConnectionColumns {
+  std::vector<std::int32_t> from, to, kind;
+  std::vector<double> from_s, to_s, from_z, from_u, to_z, to_u, quality;
+  std::vector<std::uint8_t> used;
+};
+
+// The trace of this robot during which sweep `s` was, or the last that began before it; -1: none.
+std::int32_t TraceAt(const Parts& parts, std::size_t robot, std::size_t sweep) {
+  std::int32_t found = -1;
+  for (std::size_t t = 0; t < parts.traces.size(); ++t)
+    if (parts.traces[t].robot == robot && parts.traces[t].first <= sweep)
+      found = static_cast<std::int32_t>(t);
+  return found;
+}
+
+// Where the assembled path has a point, in a trace's frame.
+Position OnTrace(const Parts& parts, std::size_t t, const Point& at) {
+  const RecordedTrace& trace = parts.traces[t];
+  const Point by = MovedBy(trace, parts.knots);
+  return trace.frame.At({at.x_m - by.x_m, at.y_m - by.y_m}, trace.trace.cell_m());
+}
+
+void Add(const Parts& parts, std::size_t from, std::size_t to, int kind, const Sweep& at_from,
+         const Sweep& at_to, double quality, bool used, ConnectionColumns* c) {
+  const Position there = OnTrace(parts, from, {at_from.pose.x_m, at_from.pose.y_m});
+  const Position here = OnTrace(parts, to, {at_to.pose.x_m, at_to.pose.y_m});
+  c->from.push_back(static_cast<std::int32_t>(from));
+  c->to.push_back(static_cast<std::int32_t>(to));
+  c->kind.push_back(kind);
+  c->from_s.push_back(at_from.time_s);
+  c->to_s.push_back(at_to.time_s);
+  c->from_z.push_back(there.z_m);
+  c->from_u.push_back(there.u_m);
+  c->to_z.push_back(here.z_m);
+  c->to_u.push_back(here.u_m);
+  c->quality.push_back(quality);
+  c->used.push_back(used ? 1 : 0);
+}
+
+// One trace led to the next: the best connections that there are, but across cuts.
+void AddNeighbours(const Parts& parts, ConnectionColumns* c) {
+  constexpr double kAcrossCut = 0.1;
+  for (std::size_t t = 1; t < parts.traces.size(); ++t) {
+    const RecordedTrace &before = parts.traces[t - 1], &now = parts.traces[t];
+    if (before.robot != now.robot) continue;
+    const Sweep &last = parts.sweeps[now.robot][before.end - 1], &first = parts.sweeps[now.robot][now.first];
+    const bool cut = last.run != first.run;
+    const double way_m = first.path_m - last.path_m;
+    Add(parts, t - 1, t, cut ? 1 : 0, last, first, cut ? kAcrossCut : 1 / (1 + way_m), true, c);
+  }
+}
+
+void AddLoops(const Parts& parts, ConnectionColumns* c) {
+  for (const Loop& loop : parts.loops) {
+    const Knot& knot = parts.knots[loop.knot];
+    const std::int32_t to = TraceAt(parts, knot.robot, knot.sweep);
+    if (to < 0) continue;
+    const std::vector<Sweep>& sweeps = parts.sweeps[knot.robot];
+    const RecordedTrace& trace = parts.traces[loop.trace];
+    // When the robot that recorded the trace was beside the place.
+    std::size_t nearest = trace.first;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t s = trace.first; s < trace.end; ++s) {
+      const double off =
+          std::abs(OnTrace(parts, loop.trace, {sweeps[s].pose.x_m, sweeps[s].pose.y_m}).z_m - loop.at.z_m);
+      if (off >= least) continue;
+      least = off;
+      nearest = s;
+    }
+    Add(parts, loop.trace, static_cast<std::size_t>(to), 2, sweeps[nearest], sweeps[knot.sweep], loop.quality,
+        loop.used, c);
+    c->from_z.back() = loop.at.z_m;
+    c->from_u.back() = loop.at.u_m;
+  }
+}
+
+}  // namespace
+
+Blob WallsBlob(const OrientationTrack& track, const Blob* before) {
+  std::vector<double> angle, strength;
+  std::vector<std::uint8_t> other, locked;
+  bool seen = false;
+  for (const Orientation& at : track.at) {
+    seen |= at.strength > 0;
+    angle.push_back(at.angle_rad);
+    strength.push_back(at.strength);
+    other.push_back(at.other ? 1 : 0);
+    locked.push_back(seen ? 1 : 0);
+  }
+  if (before != nullptr) {
+    const auto first = before->Get<double>("angle_rad");
+    for (std::size_t s = 0; s < angle.size(); ++s) angle[s] += first[s];
+  }
+  Blob blob;
+  blob.PutVector("angle_rad", angle);
+  blob.PutVector("strength", strength);
+  blob.PutVector("other_area", other);
+  blob.PutVector("locked", locked);
+  return blob;
+}
+
+void PutPoses(const std::string& prefix, const std::vector<Sweep>& sweeps, Blob* result) {
+  std::vector<double> time, x, y, heading;
+  for (const Sweep& sweep : sweeps) {
+    time.push_back(sweep.time_s);
+    x.push_back(sweep.pose.x_m);
+    y.push_back(sweep.pose.y_m);
+    heading.push_back(Wrapped(sweep.pose.heading_rad));
+  }
+  result->PutVector(prefix + "time_s", time);
+  result->PutVector(prefix + "x_m", x);
+  result->PutVector(prefix + "y_m", y);
+  result->PutVector(prefix + "heading_rad", heading);
+}
+
+void PutWalls(const std::string& prefix, const std::vector<Sweep>& sweeps, const Blob& walls, Blob* result) {
+  std::vector<double> time, angle;
+  const auto continuous = walls.Get<double>("angle_rad");
+  const auto locked = walls.Get<std::uint8_t>("locked");
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    time.push_back(sweeps[s].time_s);
+    const double turned = std::remainder(continuous[s], kQuarter_rad);
+    angle.push_back(locked[s] == 0 ? std::numeric_limits<double>::quiet_NaN()
+                    : turned < 0   ? turned + kQuarter_rad
+                                   : turned);
+  }
+  result->PutVector(prefix + "time_s", time);
+  result->PutVector(prefix + "angle_rad", angle);
+  for (const char* name : {"strength", "locked", "other_area"}) result->Put(prefix + name, walls.at(name));
+}
+
+Point MovedBy(const RecordedTrace& trace, const std::vector<Knot>& knots) {
+  Point sum;
+  double count = 0;
+  for (const Knot& knot : knots) {
+    if (knot.robot != trace.robot || knot.sweep < trace.first || knot.sweep >= trace.end) continue;
+    sum.x_m += knot.at.x_m - knot.dead.x_m;
+    sum.y_m += knot.at.y_m - knot.dead.y_m;
+    ++count;
+  }
+  return count > 0 ? Point{sum.x_m / count, sum.y_m / count} : Point{};
+}
+
+void PutTraces(const Parts& parts, Blob* result) {
+  std::vector<std::int32_t> robot, first_z;
+  std::vector<double> first_s, last_s, x, y, direction;
+  std::vector<std::int64_t> features;
+  SideColumns left, right;
+  for (const RecordedTrace& trace : parts.traces) {
+    const std::vector<Sweep>& sweeps = parts.sweeps[trace.robot];
+    const Point origin = trace.frame.Local({}, trace.trace.cell_m()), by = MovedBy(trace, parts.knots);
+    robot.push_back(static_cast<std::int32_t>(trace.robot));
+    first_s.push_back(sweeps[trace.first].time_s);
+    last_s.push_back(sweeps[trace.end - 1].time_s);
+    x.push_back(origin.x_m + by.x_m);
+    y.push_back(origin.y_m + by.y_m);
+    direction.push_back(Wrapped(trace.frame.quarter * kQuarter_rad));
+    first_z.push_back(trace.trace.first_z());
+    features.push_back(static_cast<std::int64_t>(trace.trace.features().size()));
+    for (const Feature& feature : trace.trace.features()) {
+      left.Add(feature.left);
+      right.Add(feature.right);
+    }
+  }
+  result->PutVector("traces/robot", robot);
+  result->PutVector("traces/first_s", first_s);
+  result->PutVector("traces/last_s", last_s);
+  result->PutVector("traces/x_m", x);
+  result->PutVector("traces/y_m", y);
+  result->PutVector("traces/direction_rad", direction);
+  result->PutVector("traces/first_z", first_z);
+  result->PutVector("traces/features", features);
+  left.Put("features/left/", result);
+  right.Put("features/right/", result);
+}
+
+void PutConnections(const Parts& parts, Blob* result) {
+  ConnectionColumns c;
+  AddNeighbours(parts, &c);
+  AddLoops(parts, &c);
+  const std::string prefix = "connections/";
+  result->PutVector(prefix + "from", c.from);
+  result->PutVector(prefix + "to", c.to);
+  result->PutVector(prefix + "kind", c.kind);
+  result->PutVector(prefix + "from_s", c.from_s);
+  result->PutVector(prefix + "to_s", c.to_s);
+  result->PutVector(prefix + "from_z_m", c.from_z);
+  result->PutVector(prefix + "from_u_m", c.from_u);
+  result->PutVector(prefix + "to_z_m", c.to_z);
+  result->PutVector(prefix + "to_u_m", c.to_u);
+  result->PutVector(prefix + "quality", c.quality);
+  result->PutVector(prefix + "used", c.used);
+}
+
+}  // namespace cairn::local_map
