@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pipelines/local_map/testing_allocations.h"
 #include "pipelines/local_map/testing_trace.h"
 
 namespace cairn::local_map {
@@ -62,6 +63,18 @@ TEST(Correct, RefusesWhatLiesBeyondTheRange) {
   const EdgeTrace recorded = HandTrace(Corridor(), {}, -15, 45);
   const Match match = Correct(recorded, SeenFrom(Corridor(), {1, 0.4}), {1, 0}, {0.3, 0.2}, kOptions);
   EXPECT_FALSE(match.usable());
+}
+
+TEST(Correct, AllocatesNothing) {
+  const EdgeTrace recorded = HandTrace(Corridor(), {}, -15, 45);
+  const ImmediateTrace now = SeenFrom(Corridor(), {1, 0.1});
+  const long before = Allocations();
+  const Match match = Correct(recorded, now, {1.2, 0}, {0.6, 0.6}, kOptions);
+  const PairMatch pair =
+      CorrectPair({recorded, now, {1, 0}}, {recorded, now, {1, 0}}, 1, {0.5, 0.5}, kOptions);
+  EXPECT_EQ(Allocations(), before);
+  EXPECT_TRUE(match.usable());
+  EXPECT_GT(pair.first.known, 0);
 }
 
 // The cupboard is taken away and another one put elsewhere: the trimmed mean still finds the place by what

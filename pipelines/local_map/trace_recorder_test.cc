@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pipelines/local_map/testing_allocations.h"
 #include "pipelines/local_map/testing_drive.h"
 
 namespace cairn::local_map {
@@ -39,6 +40,29 @@ TEST(TraceRecorder, HoldsAWayLongerThanTheGrids) {
   }
   EXPECT_GT(left, 35);
   EXPECT_GT(niche, 3);
+}
+
+TEST(TraceRecorder, AllocatesNothingOnceItIsMade) {
+  Drive drive(TestCorridor(), {-4, 0, 0}, 1);
+  drive.Ahead(1);
+  TraceRecorder recorder(drive.grids());
+  ImmediateTrace now = ImmediateRoom(drive.grids());
+  long allocated = 0;
+  const auto watch = [&](const auto& work) {
+    const long before = Allocations();
+    work();
+    allocated += Allocations() - before;
+  };
+  for (int k = 0; k < 2; ++k) {
+    watch([&] { recorder.Begin(drive.grids(), drive.time_s()); });
+    for (int step = 0; step < 20; ++step) {
+      drive.Step();
+      watch([&] { recorder.Update(drive.grids(), drive.time_s()); });
+      watch([&] { MakeImmediate(drive.grids(), 0, now); });
+    }
+    EXPECT_GT(recorder.trace().features().size(), 31U);
+  }
+  EXPECT_EQ(allocated, 0);
 }
 
 TEST(TraceRecorder, EndsAtATurn) {

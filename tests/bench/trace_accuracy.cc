@@ -83,6 +83,18 @@ void Track(const Pass& recorded, const Pass& now, double range_m, const MatchOpt
   }
 }
 
+// The same by correlation of whole grids, which says nothing of how sure it is.
+void TrackByGrids(const Pass& recorded, const Pass& now, Rng& rng, Errors& errors) {
+  for (std::size_t k = 10; k < now.now.size(); k += 5) {
+    const Position truth = TruthIn(recorded, now.true_x_m[k], now.true_y_m[k]);
+    const Position at{truth.z_m + rng.Uniform(-0.4, 0.4), truth.u_m + rng.Uniform(-0.4, 0.4)};
+    const Position found =
+        CorrelateGrids(recorded.map, now.grids_now[k], now.now[k].robot, at, {kRangeM, kRangeM});
+    ++errors.tried;
+    errors.Add(truth, found.z_m, found.u_m, 1, 1);
+  }
+}
+
 struct Loops {
   Errors errors;
   std::vector<double> confidence_right, confidence_wrong;
@@ -132,7 +144,7 @@ void LoopAll(const Pass& recorded, const Pass& other, bool reversed, bool same, 
 
 void Main(std::uint64_t first, std::uint64_t seeds) {
   MatchOptions options;
-  Errors same[3], moved[3];
+  Errors same[3], moved[3], grids_same, grids_moved;
   const FindOptions find;
   Loops again, back, rearranged, elsewhere;
   const char* names[] = {"average", "trimmed", "best side"};
@@ -144,6 +156,9 @@ void Main(std::uint64_t first, std::uint64_t seeds) {
       Track(worlds.recorded, worlds.again, kRangeM, options, rng, same[scheme]);
       Track(worlds.recorded, worlds.moved, kRangeM, options, rng, moved[scheme]);
     }
+    Rng first_rng(seed, 20);
+    TrackByGrids(worlds.recorded, worlds.again, first_rng, grids_same);
+    TrackByGrids(worlds.recorded, worlds.moved, first_rng, grids_moved);
     Rng rng(seed, 21);
     LoopAll(worlds.recorded, worlds.again, false, true, kWindow, find, rng, again);
     LoopAll(worlds.recorded, worlds.moved, false, true, kWindow, find, rng, rearranged);
@@ -154,6 +169,8 @@ void Main(std::uint64_t first, std::uint64_t seeds) {
     same[scheme].Print((std::string("same, ") + names[scheme]).c_str());
     moved[scheme].Print((std::string("moved, ") + names[scheme]).c_str());
   }
+  grids_same.Print("same, whole grids");
+  grids_moved.Print("moved, whole grids");
   again.Print("loop, same way");
   rearranged.Print("loop, furniture moved");
   back.Print("loop, driven back");

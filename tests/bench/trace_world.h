@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <vector>
 
+#include "pipelines/local_map/correlation.h"
 #include "pipelines/local_map/testing_drive.h"
 #include "pipelines/local_map/trace_recorder.h"
 
@@ -62,15 +64,18 @@ struct Pass {
   std::vector<double> true_x_m, true_y_m;
   std::vector<Position> in_trace;  // by its odometry
   std::vector<ImmediateTrace> now;
+  GridMap map{0.15, -20, 160, 25};  // the baseline's
+  std::vector<GridMap> grids_now;
 };
 
 // One drive along the corridor at y = `y_m` (y_m the other way, `back`). A heading error of up to half a
-// degree and one of scale of up to a hundredth stay.
-inline Pass DriveAlong(const Walls& walls, double length_m, double y_m, bool back, std::uint64_t seed) {
+// degree and one of scale of up to a hundredth stay. `look` sees the grids after each sweep.
+inline Pass DriveAlong(const Walls& walls, double length_m, double y_m, bool back, std::uint64_t seed,
+                       const std::function<void(const LocalGrids&, const TraceRecorder&)>& look = {}) {
   Rng rng(seed, 3);
   const double heading_error = rng.Uniform(-0.5, 0.5) * std::numbers::pi / 180,
                scale = 1 + rng.Uniform(-0.01, 0.01);
-  LocalGrids grids(Drive::Fixed(), {SensorRing(RingBeams(), 0.2618, 6)});
+  LocalGrids grids(Drive::Fixed(), {SensorRing(RingBeams(), kTestOpeningRad, 6)});
   TraceRecorder recorder(grids);
   Pass pass;
   bool begun = false;
@@ -89,6 +94,9 @@ inline Pass DriveAlong(const Walls& walls, double length_m, double y_m, bool bac
     }
     if (!begun) continue;
     recorder.Update(grids, sweep.time_s);
+    if (look) look(grids, recorder);
+    pass.map.Add(grids, recorder.frame());
+    pass.grids_now.push_back(MapOfNow(grids, recorder.frame().quarter));
     pass.true_x_m.push_back(truth.x_m);
     pass.true_y_m.push_back(truth.y_m);
     pass.in_trace.push_back(recorder.RobotAt(grids));
