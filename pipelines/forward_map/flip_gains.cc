@@ -36,8 +36,9 @@ FlipGains::FlipGains(std::int32_t cells, std::vector<SensorModel> models)
 void FlipGains::Add(double z_m, std::size_t model_index, std::span<const Crossing> beam) {
   const SensorModel& model = models_[model_index];
   const double first_m = z_m - kReach * model.sigma_m, reach_m = ReachOf(z_m, model);
-  Reading reading{.floor = model.p_rand / model.z_max_m,
-                  .none = (1 - model.p_rand) * Normal(z_m - model.z_max_m, model.no_echo_m),
+  const double at_reach = Normal(z_m - model.z_max_m, model.no_echo_m);
+  Reading reading{.floor = model.p_rand / model.z_max_m + model.p_lost * at_reach,
+                  .none = model.p_sound() * at_reach,
                   .model = static_cast<std::uint32_t>(model_index)};
   window_of_beam_.clear();
   for (const Crossing& crossing : beam) {
@@ -56,7 +57,7 @@ void FlipGains::Add(double z_m, std::size_t model_index, std::span<const Crossin
   for (const auto& [cell, distance_m] : window_of_beam_) {
     if (cell == kElsewhere) fixed.push_back(static_cast<std::uint32_t>(weight_.size()));
     window_.value.push_back(cell);
-    weight_.push_back((1 - model.p_rand) * model.p_hit * Normal(z_m - distance_m, model.sigma_m));
+    weight_.push_back(model.p_sound() * model.p_hit * Normal(z_m - distance_m, model.sigma_m));
   }
   longest_ = std::max(longest_, beam.size());
   before_end_.push_back(before_cell_.size());

@@ -2,10 +2,11 @@
 //
 // The cells of a beam that lie more than kReach sigma beyond its reading cannot matter and are not looked at;
 // of those more than that before it only the number of occupied ones matters; the others, the reading's
-// window, have a weight w = (1 - p_rand) p_hit N(z; d, sigma) each. With K0 obstacles before the window and K
+// window, have a weight w = sound p_hit N(z; d, sigma) each. With K0 obstacles before the window and K
 // in it, q = 1 - p_hit,
 //   p(z | m) = floor + q^K0 S,   S = sum_k q^(k-1) w_k + q^K none,
-// where floor = p_rand / z_max and none = (1 - p_rand) N(z; z_max, no_echo): [T01] eqs 4 to 9. So a flip
+// where sound = 1 - p_rand - p_lost, none = sound N(z; z_max, no_echo) and floor = p_rand / z_max +
+// p_lost N(z; z_max, no_echo): [T01] eqs 4 to 9. So a flip
 // before the window changes K0 alone, and its gain is one number for all those cells; a flip in it changes S,
 // and what S would be after each flip in the window is kept beside it.
 #pragma once

@@ -12,6 +12,7 @@ TEST(FlipGains, AreTheDifferencesOfTheLogLikelihoodAlongAnyPath) {
   int looked_at = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     TinyWorld world{.readings = 30, .seed = seed};
+    world.model.p_lost = seed % 2 == 0 ? 0 : 0.1;
     world.Make();
     for (std::size_t i = 0; i < world.data.size(); i += 5) {  // obstacles of other tiles
       for (std::size_t k = 0; k < world.data[i].beam.size(); k += 2) world.data[i].beam[k].cell = kElsewhere;

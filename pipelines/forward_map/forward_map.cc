@@ -23,7 +23,7 @@ constexpr double kShares[kSplits] = {0.5, 0.35};
 constexpr double kUsualSigma_m = 0.05;
 
 SensorModel ModelOf(const Options& options, const RangeScans& sensor, const Blob& log) {
-  SensorModel model{.p_hit = options.p_hit, .p_rand = options.p_rand};
+  SensorModel model{.p_hit = options.p_hit, .p_rand = options.p_rand, .p_lost = options.p_lost};
   const bool stated = sensor.opening_rad > 0 && log.Has("noise/sonar_m");
   const double usual_m = stated ? log.Scalar<double>("noise/sonar_m") : kUsualSigma_m;
   model.sigma_m = options.sigma_m > 0 ? options.sigma_m : std::max(usual_m, options.grid.cell_m / 2);
@@ -35,6 +35,14 @@ SensorModel ModelOf(const Options& options, const RangeScans& sensor, const Blob
 PosedScans ReadScans(const Options& options, const Inputs& inputs) {
   const BlobPtr poses = inputs.Has("poses") ? inputs.Get("poses") : nullptr;
   return ReadRangeScans(*inputs.Get("log"), poses.get(), options.grid);
+}
+
+void CheckFailures(const Options& options) {
+  if (options.p_rand + options.p_lost <= kMostFailures) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "p_rand = %g and p_lost = %g together are more than %g", options.p_rand,
+                options.p_lost, kMostFailures);
+  throw InputError(text);
 }
 
 void CheckMemory(const Options& options) {
@@ -123,6 +131,7 @@ std::string StartNote(const PosedScans& scans, const GridBox& box, std::size_t t
 }  // namespace
 
 Step ForwardMap::Start(const Inputs& inputs) const {
+  CheckFailures(options_);
   CheckMemory(options_);
   const PosedScans scans = ReadScans(options_, inputs);
   MapState map{GridOf(scans, options_.grid, kBytesOfCell), {}, {}};

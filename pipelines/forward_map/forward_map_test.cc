@@ -89,10 +89,10 @@ TEST(ForwardMap, ItsLogLikelihoodIsThatOfItsMap) {
   const Room room{.opening_rad = 0.26};
   const BlobPtr result = MapOf(room.Log(), At(0.1));
   const std::string name = "robot/0/sonar/";
-  const SensorModel model{result->Scalar<double>(name + "p_hit"), result->Scalar<double>(name + "p_rand"),
-                          result->Scalar<double>(name + "sigma_m"),
-                          result->Scalar<double>(name + "no_echo_sigma_m"),
-                          result->Scalar<double>(name + "z_max_m")};
+  const SensorModel model{
+      result->Scalar<double>(name + "p_hit"),           result->Scalar<double>(name + "p_rand"),
+      result->Scalar<double>(name + "p_lost"),          result->Scalar<double>(name + "sigma_m"),
+      result->Scalar<double>(name + "no_echo_sigma_m"), result->Scalar<double>(name + "z_max_m")};
   const std::vector<RangeScans> sensors = SensorsOf(room);
   NoProgress progress;
   const Evidence evidence = Weigh(sensors[0], 0, sensors[0].scans(), BoxOf(*result),
@@ -266,6 +266,10 @@ TEST(ForwardMap, SaysWhatIsWrongWithItsInput) {
   greedy.tile_mcrossings = 1000;
   EXPECT_EQ(Complaint(log, greedy),
             "a task of tile_mcrossings = 1000 million takes 30517 MiB, and memory_mb allows 2048");
+  Options failing = At(0.1);
+  failing.p_rand = 0.7;
+  failing.p_lost = 0.4;
+  EXPECT_EQ(Complaint(log, failing), "p_rand = 0.7 and p_lost = 0.4 together are more than 0.95");
   Blob bad = log;
   std::vector<double> range(log.Get<double>("robot/0/laser/range_m").begin(),
                             log.Get<double>("robot/0/laser/range_m").end());

@@ -12,7 +12,8 @@ double XLogY(double x, double y) { return x > 0 ? x * std::log(y) : 0.0; }
 
 template <class Term>
 double SumOver(const Causes& causes, const Causes& other, const Term& term) {
-  double sum = term(causes.random, other.random) + term(causes.none, other.none);
+  double sum =
+      term(causes.random, other.random) + term(causes.lost, other.lost) + term(causes.none, other.none);
   for (std::size_t k = 0; k < causes.obstacle.size(); ++k) sum += term(causes.obstacle[k], other.obstacle[k]);
   return sum;
 }
@@ -34,15 +35,17 @@ Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel&
   Causes joint;
   // [T01] (9) with (5).
   joint.random = model.p_rand / model.z_max_m;
-  // (9): reached = (1 - p_rand) (1 - p_hit)^(k-1).
-  double reached = 1 - model.p_rand;
+  const double at_reach = Normal(z_m - model.z_max_m, model.no_echo_m);
+  joint.lost = model.p_lost * at_reach;
+  // (9): reached = (1 - p_rand) (1 - p_hit)^(k-1), with what is left of p_lost too.
+  double reached = model.p_sound();
   for (const double distance_m : obstacles_m) {
     // (4)
     joint.obstacle.push_back(reached * model.p_hit * Normal(z_m - distance_m, model.sigma_m));
     reached *= 1 - model.p_hit;
   }
   // (6); (9) prints the exponent k where it means K_i.
-  joint.none = reached * Normal(z_m - model.z_max_m, model.no_echo_m);
+  joint.none = reached * at_reach;
   return joint;
 }
 
@@ -55,6 +58,7 @@ Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const S
   Causes causes = Joint(z_m, obstacles_m, model);
   const double eta = 1 / SumOver(causes, causes, [](double p, double) { return p; });
   causes.random *= eta;
+  causes.lost *= eta;
   causes.none *= eta;
   for (double& k : causes.obstacle) k *= eta;
   return causes;

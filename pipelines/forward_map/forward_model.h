@@ -11,14 +11,19 @@ namespace cairn::forward_map {
 
 // Both Gaussians of the model end here, in standard deviations: it cuts off 2e-9 of their mass.
 inline constexpr double kReach = 6.0;
+// p_rand and p_lost together.
+inline constexpr double kMostFailures = 0.95;
 
 struct SensorModel {
   double p_hit = 0.7;       // P(an occupied cell in the beam is detected), in (0, 1)
   double p_rand = 0.05;     // P(a reading is of nothing), in (0, 1)
+  double p_lost = 0;        // P(there is no echo, whatever stands there), in [0, 1 - p_rand); 0: as [T01]
   double sigma_m = 0.05;    // standard deviation of (4)
   double no_echo_m = 0.05;  // of (6): what the sensor gives where it meets nothing
   double z_max_m = 10.0;    // and where (6) is centred
 
+  // That it tells of obstacles.
+  double p_sound() const { return 1 - p_rand - p_lost; }
   friend bool operator==(const SensorModel&, const SensorModel&) = default;
 };
 
@@ -31,6 +36,7 @@ double ReachOf(double z_m, const SensorModel& model);
 // P(C_i | z_i, m), which is E[c_i] of (13); adds up to 1.
 struct Causes {
   double random = 0;             // c_{i,*}
+  double lost = 0;               // the echo; not in [T01], whose failures all give random ranges
   std::vector<double> obstacle;  // c_{i,k}, k = 1 .. K_i
   double none = 0;               // c_{i,K_i+1}
 };

@@ -30,6 +30,17 @@ TEST(Density, OfAnEmptyConeIsNoEchoOrRandom) {
   EXPECT_NEAR(Density(2, {}, kModel), 0.02, 1e-12);
 }
 
+// Echoes that are lost, with or without obstacles, put a floor under what has no echo.
+TEST(Density, OfAnEchoThatMayBeLost) {
+  SensorModel model = kModel;
+  model.p_lost = 0.2;
+  const std::vector<double> obstacles = {1, 3};
+  EXPECT_NEAR(Density(5, obstacles, model), 0.02 + (0.2 + 0.7 * 0.4 * 0.4) * kPeakOfNoEcho, 1e-12);
+  EXPECT_NEAR(Density(1, obstacles, model), 0.02 + 0.7 * 0.6 * kPeak, 1e-12);
+  const Causes causes = Responsibilities(5, obstacles, model);
+  EXPECT_NEAR(causes.lost / causes.none, 0.2 / (0.7 * 0.4 * 0.4), 1e-12);
+}
+
 // The model gives mass beyond z_max to (6) and none is renormalised: up to there, half of that peak is
 // missing.
 TEST(Density, IntegratesToOneButForWhatLiesBeyondTheReach) {
@@ -55,16 +66,18 @@ TEST(Responsibilities, AreBayesRuleByHand) {
 // (11) = log p(Z | m) - H(C | Z, m): what EM climbs, and what it leaves out.
 TEST(ExpectedLogLikelihood, IsTheLogLikelihoodLessTheEntropyOfTheCauses) {
   Rng rng(3);
+  SensorModel model = kModel;
   for (int trial = 0; trial < 200; ++trial) {
+    model.p_lost = trial % 2 == 0 ? 0 : 0.1;
     std::vector<double> obstacles;
     for (double d = rng.Uniform(0, 1); d < 5; d += rng.Uniform(0, 1)) obstacles.push_back(d);
     const double z = trial % 7 == 0 ? kModel.z_max_m : rng.Uniform(0, 5);
-    const Causes causes = Responsibilities(z, obstacles, kModel);
-    double sum = causes.random + causes.none;
+    const Causes causes = Responsibilities(z, obstacles, model);
+    double sum = causes.random + causes.lost + causes.none;
     for (const double k : causes.obstacle) sum += k;
     EXPECT_NEAR(sum, 1, 1e-12);
-    EXPECT_NEAR(ExpectedLogLikelihood(z, obstacles, kModel, causes) + Entropy(causes),
-                std::log(Density(z, obstacles, kModel)), 1e-10);
+    EXPECT_NEAR(ExpectedLogLikelihood(z, obstacles, model, causes) + Entropy(causes),
+                std::log(Density(z, obstacles, model)), 1e-10);
   }
 }
 

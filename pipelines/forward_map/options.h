@@ -11,6 +11,7 @@ struct Options {
   GridOptions grid;
   double p_hit = 0.7;
   double p_rand = 0.05;
+  double p_lost = 0.01;
   double sigma_m = 0;
   double max_range_m = 0;
   bool no_echo = true;
@@ -32,6 +33,7 @@ void VisitOptions(V& visit, Options& o) {
         o.p_hit);
   visit(Option{"p_rand", "", 1e-4, 0.9, "P(a reading is of nothing); with estimate, to begin with"},
         o.p_rand);
+  visit(Option{"p_lost", "", 0, 0.5, "P(a reading has no echo, whatever stands there)"}, o.p_lost);
   visit(
       Option{"sigma_m", "m", 0, 10,
              "sd of a range; 0: of cones the log's noise/sonar_m, else 0.05, but half a cell at least; with "

@@ -46,6 +46,7 @@ void MarkPassers(const RangeScans& scans, std::span<const std::int32_t> cause, c
 void PutModel(const std::string& name, const SensorModel& model, Blob* result) {
   result->PutScalar(name + "p_hit", model.p_hit);
   result->PutScalar(name + "p_rand", model.p_rand);
+  result->PutScalar(name + "p_lost", model.p_lost);
   result->PutScalar(name + "sigma_m", model.sigma_m);
   result->PutScalar(name + "no_echo_sigma_m", model.no_echo_m);
   result->PutScalar(name + "z_max_m", model.z_max_m);

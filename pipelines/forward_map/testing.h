@@ -92,6 +92,7 @@ struct TinyWorld {
 
   double Draw(Rng& rng, const std::vector<Crossing>& beam) const {
     if (rng.Uniform() < model.p_rand) return rng.Uniform(0, model.z_max_m);
+    if (model.p_lost > 0 && rng.Uniform() < model.p_lost) return model.z_max_m;
     for (const Crossing& crossing : beam) {
       if (truth[static_cast<std::size_t>(crossing.cell)] != 0 && rng.Uniform() < model.p_hit)
         return std::max(0.0, crossing.distance_m + model.sigma_m * rng.Normal());

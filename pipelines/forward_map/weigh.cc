@@ -48,6 +48,7 @@ void Evidence::Add(const Evidence& other) {
   log_likelihood += other.log_likelihood;
   entropy += other.entropy;
   random += other.random;
+  lost += other.lost;
   hits += other.hits;
   misses += other.misses;
   squares_m2 += other.squares_m2;
@@ -55,13 +56,14 @@ void Evidence::Add(const Evidence& other) {
 
 Blob Evidence::ToBlob() const {
   Blob blob;
-  blob.PutVector<double>("evidence", {readings, log_likelihood, entropy, random, hits, misses, squares_m2});
+  blob.PutVector<double>("evidence",
+                         {readings, log_likelihood, entropy, random, lost, hits, misses, squares_m2});
   return blob;
 }
 
 Evidence Evidence::Of(const Blob& blob) {
   const auto v = blob.Get<double>("evidence");
-  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6]};
+  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
 }
 
 Evidence Weigh(const RangeScans& scans, std::size_t first, std::size_t end, const GridBox& box,
@@ -76,6 +78,7 @@ Evidence Weigh(const RangeScans& scans, std::size_t first, std::size_t end, cons
                      sum.log_likelihood += std::log(Density(reading.z_m, distances_m, model));
                      sum.entropy += Entropy(causes);
                      sum.random += causes.random;
+                     sum.lost += causes.lost;
                      for (std::size_t k = 0; k < distances_m.size(); ++k) {
                        const double hit = causes.obstacle[k], off_m = reading.z_m - distances_m[k];
                        sum.hits += hit;
@@ -104,6 +107,7 @@ std::vector<std::int32_t> ExplainAll(const RangeScans& scans, const GridBox& box
                        best = static_cast<std::int32_t>(cells[k]);
                      }
                      if (causes.none > most) best = kNoEchoCause;
+                     if (causes.lost > std::max(most, causes.none)) best = kLostCause;
                    });
   return cause;
 }
@@ -111,7 +115,12 @@ std::vector<std::int32_t> ExplainAll(const RangeScans& scans, const GridBox& box
 SensorModel Improved(const SensorModel& model, const Evidence& evidence, double least_sigma_m) {
   SensorModel improved = model;
   if (evidence.readings == 0) return improved;
-  improved.p_rand = std::clamp(evidence.random / evidence.readings, kLeastRandom, kMostRandom);
+  // Of what is not lost: p_lost is given.
+  const double heard = evidence.readings - evidence.lost;
+  if (heard > 0) {
+    const double random = (1 - model.p_lost) * evidence.random / heard;
+    improved.p_rand = std::clamp(random, kLeastRandom, std::min(kMostRandom, kMostFailures - model.p_lost));
+  }
   if (evidence.hits + evidence.misses > 0)
     improved.p_hit = std::clamp(evidence.hits / (evidence.hits + evidence.misses), kLeastHit, kMostHit);
   if (evidence.hits > 0)

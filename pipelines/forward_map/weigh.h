@@ -18,6 +18,7 @@ struct Evidence {
   double log_likelihood = 0;  // sum_i log p(z_i | m)
   double entropy = 0;         // H(C | Z, m); [T01] (11) = log_likelihood - entropy
   double random = 0;          // sum of E[c_*]
+  double lost = 0;            // of readings whose echo was lost, whatever stood there
   double hits = 0;            // of E[c_k], k = 1 .. K
   double misses = 0;          // of obstacles that were passed undetected
   double squares_m2 = 0;      // of E[c_k] (z - d_k)^2
@@ -35,13 +36,14 @@ Evidence Weigh(const RangeScans& scans, std::size_t first, std::size_t end, cons
 // The most likely cause of each reading, [scans][beams]: the cell of an obstacle, or one of these.
 inline constexpr std::int32_t kNoEchoCause = -1;  // nothing was detected
 inline constexpr std::int32_t kRandomCause = -2;
-inline constexpr std::int32_t kNotUsed = -3;  // held out, or without echo where those are not used
+inline constexpr std::int32_t kLostCause = -4;  // the echo was lost, whatever stands there
+inline constexpr std::int32_t kNotUsed = -3;    // held out, or without echo where those are not used
 std::vector<std::int32_t> ExplainAll(const RangeScans& scans, const GridBox& box,
                                      std::span<const std::uint8_t> occupied, const SensorModel& model,
                                      bool no_echo, Progress& progress);
 
-// The M-step of the sensor's parameters: of p_hit, p_rand and sigma the ones that make (11) largest, kept
-// within bounds (sigma at least `least_sigma_m`). no_echo_m and z_max_m stay.
+// The M-step of the sensor's parameters: of p_hit, p_rand and sigma the ones that make (11) largest,
+// kept within bounds (sigma at least `least_sigma_m`). p_lost, no_echo_m and z_max_m stay.
 SensorModel Improved(const SensorModel& model, const Evidence& evidence, double least_sigma_m);
 
 }  // namespace cairn::forward_map

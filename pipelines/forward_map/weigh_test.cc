@@ -63,14 +63,18 @@ TEST(Weigh, OfSlicesAddsUp) {
 
 TEST(ExplainAll, NamesTheMostLikelyCause) {
   NoProgress progress;
+  SensorModel model = kModel;
   const auto cause = [&](double z_m, bool no_echo = true) {
-    return ExplainAll(OneRay(z_m), kRow, kObstacles, kModel, no_echo, progress).front();
+    return ExplainAll(OneRay(z_m), kRow, kObstacles, model, no_echo, progress).front();
   };
   EXPECT_EQ(cause(2.5), 2);
   EXPECT_EQ(cause(4.4), 4);
   EXPECT_EQ(cause(1), kRandomCause);
   EXPECT_EQ(cause(std::nan("")), kNoEchoCause);
   EXPECT_EQ(cause(std::nan(""), false), kNotUsed);
+  model.p_lost = 0.3;
+  EXPECT_EQ(cause(std::nan("")), kLostCause);
+  EXPECT_EQ(cause(2.5), 2);
 }
 
 // The M-step by hand, and that it climbs: EM's promise for the parameters, the map being as it is.
@@ -83,6 +87,11 @@ TEST(Improved, IsTheMStepAndClimbs) {
   EXPECT_EQ(by_hand.no_echo_m, kModel.no_echo_m);
   EXPECT_EQ(Improved(kModel, {.readings = 10, .hits = 6, .squares_m2 = 0}, 0.01).sigma_m, 0.01);
   EXPECT_EQ(Improved(kModel, {}, 0.01), kModel);
+  SensorModel losing = kModel;
+  losing.p_lost = 0.2;
+  const SensorModel of_losing = Improved(losing, {.readings = 10, .random = 2, .lost = 2}, 0.01);
+  EXPECT_NEAR(of_losing.p_rand, 0.8 * 2 / 8, 1e-12);
+  EXPECT_EQ(of_losing.p_lost, 0.2);
 
   const Room room{};
   const std::vector<RangeScans> sensors = SensorsOf(room);
@@ -90,6 +99,7 @@ TEST(Improved, IsTheMStepAndClimbs) {
   Rng rng(9);
   for (std::uint8_t& cell : map.occupied) cell = rng.Uniform() < 0.1 ? 1 : 0;
   NoProgress progress;
+  map.models[0].p_lost = 0.02;
   double before = -std::numeric_limits<double>::infinity();
   for (int step = 0; step < 10; ++step) {
     const Evidence evidence =
