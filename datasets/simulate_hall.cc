@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/hall/sounding.h"
 #include "datasets/hall/world.h"
+#include "datasets/simulate_echo.h"
+#include "datasets/simulate_loop.h"
 #include "datasets/simulate_odometry.h"
 #include "datasets/simulate_rows.h"
 #include "datasets/simulate_sonar.h"
@@ -63,19 +64,23 @@ Visit DrawVisit(HallPlan plan, double from_x_m, int steps, double step_m, std::u
   PoseM pose = visit.drive.start;
   for (const Control& control : visit.drive.controls) {
     visit.poses.push_back(pose = Apply(pose, control));
-    for (int beam = 0; beam < kSonars; ++beam) visit.luck.push_back(DrawLuck(luck_rng));
+    for (int beam = 0; beam < kSonars; ++beam) visit.luck.push_back(DrawLuck({}, luck_rng));
   }
   return visit;
 }
 
 std::vector<Sounding> ListenAll(const Visit& visit, const Hall& hall) {
+  const std::vector<Obstacle> around = ObstaclesOf(hall);
+  const RangeRing ring;
   std::vector<Sounding> heard;
   for (std::size_t scan = 0; scan < visit.poses.size(); ++scan) {
     const PoseM& pose = visit.poses[scan];
-    std::optional<PointM> person;
-    if (visit.walker) person = visit.walker(visit.drive.times_s[scan], pose);
+    std::vector<PointM> persons;
+    if (visit.walker) {
+      if (const auto at = visit.walker(visit.drive.times_s[scan], pose)) persons.push_back(*at);
+    }
     for (int beam = 0; beam < kSonars; ++beam)
-      heard.push_back(Listen(hall, pose, beam, person, visit.luck[heard.size()]));
+      heard.push_back(Listen(around, ring, pose, beam, persons, visit.luck[heard.size()]));
   }
   return heard;
 }
@@ -95,30 +100,18 @@ void PutPerson(const Visit& visit, Blob& log) {
 }
 
 void PutOdometryAndNoise(const Drive& drive, std::uint64_t seed, Blob& log) {
-  OdometryNoise noise;
-  noise.heading_drift_rad_per_m = 0.06 * kDeg;
-  noise.heading_walk_rad_per_sqrt_m = 0.5 * kDeg;
+  const OdometryNoise noise = LoopDifficultyOf("base").noise;
   Rng rng(seed, kOdometryStream);
   PutOdometry("robot/0", drive, DrawOdometry(drive, noise, {0, HUGE_VAL, 0}, rng).value(), log);
-  log.PutScalar("noise/heading_drift_rad_per_m", noise.heading_drift_rad_per_m);
-  log.PutScalar("noise/heading_walk_rad_per_sqrt_m", noise.heading_walk_rad_per_sqrt_m);
-  log.PutScalar("noise/forward_ratio", noise.forward_ratio);
-  log.PutScalar("noise/turn_ratio", noise.turn_ratio);
+  PutNoise(noise, log);
   log.PutScalar("noise/sonar_m", kSonarSdM);
-}
-
-void PutNoObservations(Blob& log) {
-  log.Put("landmarks", Array::Texts({}));
-  for (const char* name : {"time_s", "range_m", "bearing_rad"})
-    log.PutVector<double>(std::string("robot/0/observations/") + name, {});
-  log.PutVector<std::int32_t>("robot/0/observations/landmark", {});
 }
 
 Blob LogOf(const Visit& visit, std::uint64_t seed) {
   const Hall hall = BuildHall(visit.plan);
   Blob log;
   log.Put("robots", Array::Texts({"robot 0"}));
-  PutNoObservations(log);
+  PutNoObservations("robot/0", log);
   PutOdometryAndNoise(visit.drive, seed, log);
   PutPoses("robot/0/poses/", visit.drive, log);
   PutPoses("truth/robot/0/poses/", visit.drive, log);
@@ -128,7 +121,7 @@ Blob LogOf(const Visit& visit, std::uint64_t seed) {
     ranges.push_back(heard.range_m);
     causes.push_back(static_cast<std::uint8_t>(heard.cause));
   }
-  PutScans("robot/0", Milli(visit.drive.times_s), ranges, log);
+  PutScans("robot/0", {}, Milli(visit.drive.times_s), ranges, log);
   log.Put("truth/robot/0/sonar/cause",
           Array::Of<std::uint8_t>({static_cast<std::int64_t>(visit.poses.size()), kSonars}, causes));
   PutHall(hall, log);

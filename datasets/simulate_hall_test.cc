@@ -6,8 +6,9 @@
 #include <limits>
 #include <map>
 
-#include "datasets/hall/sounding.h"
+#include "datasets/simulate_echo.h"
 #include "datasets/simulate_sonar.h"
+#include "datasets/testing_beams.h"
 
 namespace cairn::datasets {
 namespace {
@@ -16,43 +17,7 @@ constexpr double kNoise = 5 * kSonarSdM;
 // How far beyond the wall the axis of a slanting beam is where the cone's edge meets a post.
 constexpr double kPostsM = 0.4;
 
-struct Reading {
-  PointM from;
-  double heading_rad = 0, range_m = 0;
-  int cause = 0;
-  PointM End() const {
-    return {from.x_m + range_m * std::cos(heading_rad), from.y_m + range_m * std::sin(heading_rad)};
-  }
-};
-
-// From the log's arrays alone.
-std::vector<Reading> ReadingsOf(const Blob& log) {
-  const auto range = log.Get<double>("robot/0/sonar/range_m");
-  const auto mount_x = log.Get<double>("robot/0/sonar/beam_x_m"),
-             mount_y = log.Get<double>("robot/0/sonar/beam_y_m"),
-             mount = log.Get<double>("robot/0/sonar/beam_heading_rad");
-  const auto x = log.Get<double>("robot/0/poses/x_m"), y = log.Get<double>("robot/0/poses/y_m"),
-             heading = log.Get<double>("robot/0/poses/heading_rad");
-  const auto cause = log.Get<std::uint8_t>("truth/robot/0/sonar/cause");
-  std::vector<Reading> readings;
-  for (std::size_t i = 0; i < range.size(); ++i) {
-    const std::size_t pose = i / mount.size() + 1, beam = i % mount.size();
-    const double c = std::cos(heading[pose]), s = std::sin(heading[pose]);
-    readings.push_back(
-        {{x[pose] + c * mount_x[beam] - s * mount_y[beam], y[pose] + s * mount_x[beam] + c * mount_y[beam]},
-         heading[pose] + mount[beam],
-         range[i],
-         cause[i]});
-  }
-  return readings;
-}
-
-std::vector<Wall> SegmentsOf(const Blob& log, const std::string& prefix) {
-  const auto x = log.Get<double>(prefix + "x_m"), y = log.Get<double>(prefix + "y_m");
-  std::vector<Wall> walls;
-  for (std::size_t i = 0; i + 1 < x.size(); i += 2) walls.push_back({{x[i], y[i]}, {x[i + 1], y[i + 1]}});
-  return walls;
-}
+std::vector<Reading> HallReadings(const Blob& log) { return ReadingsOf(log, "sonar", "robot/0/poses/"); }
 
 double AboveM(const Blob& log) { return log.Get<double>("truth/doors/y_m")[0]; }
 
@@ -77,7 +42,7 @@ TEST(SimulateHallway, AsManyReadingsAsAskedForGetThroughTheDoor) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const Blob log = SimulateHallway({.door_readings = readings, .closed = false, .seed = seed});
       int through = 0;
-      for (const Reading& reading : ReadingsOf(log)) {
+      for (const Reading& reading : HallReadings(log)) {
         if (std::isnan(reading.range_m)) continue;
         const double beyond_m = reading.End().y_m - AboveM(log);
         const bool beyond = beyond_m > 0.5;
@@ -94,7 +59,7 @@ TEST(SimulateHallway, EveryEchoIsOfTheNearestWallInItsCone) {
   const Blob log = SimulateHallway({.door_readings = 3, .closed = false, .seed = 1});
   const std::vector<Wall> walls = SegmentsOf(log, "truth/walls/");
   int heard = 0, silent_for_no_reason = 0;
-  for (const Reading& reading : ReadingsOf(log)) {
+  for (const Reading& reading : HallReadings(log)) {
     const double nearest_m = NearestPointM(walls, reading);
     if (std::isnan(reading.range_m)) {
       if (nearest_m < kSonarMaxRangeM - kNoise) ++silent_for_no_reason;
@@ -115,7 +80,7 @@ TEST(SimulateHallway, ClosedIsTheSameHallWithADoorInItsOpening) {
   EXPECT_EQ(closed.Get<std::uint8_t>("truth/doors/open")[0], 0);
   for (const char* same : {"robot/0/poses/", "robot/0/odometry/", "truth/doors/x_m"})
     EXPECT_EQ(open.Sub(same).ContentHash(), closed.Sub(same).ContentHash()) << same;
-  const std::vector<Reading> a = ReadingsOf(open), b = ReadingsOf(closed);
+  const std::vector<Reading> a = HallReadings(open), b = HallReadings(closed);
   int changed = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     EXPECT_TRUE(std::isnan(b[i].range_m) || b[i].End().y_m - AboveM(closed) < kNoise);
@@ -150,7 +115,7 @@ TEST(SimulateSmoothWall, ThrowsOnMostSoundThatDoesNotFaceIt) {
   ASSERT_EQ(smooth[0], 1);
   EXPECT_GE(DistanceM(walls[0].a, walls[0].b), 50);
   int facing = 0, oblique = 0, wrong_facing = 0, right_oblique = 0;
-  for (const Reading& reading : ReadingsOf(log)) {
+  for (const Reading& reading : HallReadings(log)) {
     if (reading.cause == static_cast<int>(Cause::kPerson)) continue;
     const double axis_m = NearestWallM({walls[0]}, reading.from, reading.heading_rad, 0);
     if (axis_m > 3) continue;
@@ -173,7 +138,7 @@ TEST(SimulateSmoothWall, SomebodyWalksBehindTheRobotAllTheWay) {
   const Blob log = SimulateSmoothWall(2);
   const auto x = log.Get<double>("truth/person/x_m"), y = log.Get<double>("truth/person/y_m"),
              robot_x = log.Get<double>("robot/0/poses/x_m");
-  const std::vector<Reading> readings = ReadingsOf(log);
+  const std::vector<Reading> readings = HallReadings(log);
   ASSERT_EQ(x.size() + 1, robot_x.size());
   std::size_t of_person = 0;
   for (std::size_t i = 0; i < readings.size(); ++i) {
@@ -194,7 +159,7 @@ TEST(SimulateNarrowDoors, TwoNarrowDoorsAreSeenThroughAndSomebodyPasses) {
     ASSERT_EQ(doors.size(), 2U);
     std::map<std::size_t, int> through;
     int of_person = 0;
-    for (const Reading& reading : ReadingsOf(log)) {
+    for (const Reading& reading : HallReadings(log)) {
       if (reading.cause == static_cast<int>(Cause::kPerson)) ++of_person;
       if (reading.cause != static_cast<int>(Cause::kBeyondDoor)) continue;
       const double share = (AboveM(log) - reading.from.y_m) / (reading.End().y_m - reading.from.y_m);

@@ -49,15 +49,6 @@ std::vector<LoopDifficulty> MakeDifficulties() {
   return all;
 }
 
-const LoopDifficulty& FindDifficulty(const std::string& name) {
-  std::string names;
-  for (const LoopDifficulty& d : LoopDifficulties()) {
-    if (d.name == name) return d;
-    names += (names.empty() ? "" : ", ") + d.name;
-  }
-  throw InputError("no difficulty '" + name + "'; there are " + names);
-}
-
 Drive DrawFittingDrive(const CorridorWorld& world, const LoopDifficulty& difficulty, Rng& rng) {
   DriveOptions options;
   options.min_length_m = difficulty.min_path_m;
@@ -189,8 +180,17 @@ const std::vector<LoopDifficulty>& LoopDifficulties() {
   return difficulties;
 }
 
+const LoopDifficulty& LoopDifficultyOf(const std::string& name) {
+  std::string names;
+  for (const LoopDifficulty& d : LoopDifficulties()) {
+    if (d.name == name) return d;
+    names += (names.empty() ? "" : ", ") + d.name;
+  }
+  throw InputError("no difficulty '" + name + "'; there are " + names);
+}
+
 Blob SimulateLoop(const SimulateLoopOptions& options) {
-  const LoopDifficulty& difficulty = FindDifficulty(options.difficulty);
+  const LoopDifficulty& difficulty = LoopDifficultyOf(options.difficulty);
   if (options.robots < 1 || options.robots > kMaxRobots) {
     throw InputError("robots is " + std::to_string(options.robots) + "; allowed is 1 to " +
                      std::to_string(kMaxRobots));

@@ -26,6 +26,8 @@ struct LoopDifficulty {
 
 // paper, base, hard, extreme, museum.
 const std::vector<LoopDifficulty>& LoopDifficulties();
+// Throws InputError for an unknown one.
+const LoopDifficulty& LoopDifficultyOf(const std::string& name);
 
 struct SimulateLoopOptions {
   std::string difficulty = "base";

@@ -26,6 +26,20 @@ void PutOdometry(const std::string& robot, const Drive& drive, const OdometryDra
   log.PutVector(robot + "/odometry/forward_m", forward);
 }
 
+void PutNoise(const OdometryNoise& noise, Blob& log) {
+  log.PutScalar("noise/heading_drift_rad_per_m", noise.heading_drift_rad_per_m);
+  log.PutScalar("noise/heading_walk_rad_per_sqrt_m", noise.heading_walk_rad_per_sqrt_m);
+  log.PutScalar("noise/forward_ratio", noise.forward_ratio);
+  log.PutScalar("noise/turn_ratio", noise.turn_ratio);
+}
+
+void PutNoObservations(const std::string& robot, Blob& log) {
+  log.Put("landmarks", Array::Texts({}));
+  for (const char* name : {"time_s", "range_m", "bearing_rad"})
+    log.PutVector<double>(robot + "/observations/" + name, {});
+  log.PutVector<std::int32_t>(robot + "/observations/landmark", {});
+}
+
 void PutPoses(const std::string& prefix, const Drive& drive, Blob& log) {
   std::vector<double> time, x, y, heading;
   const auto add = [&](double time_s, const PoseM& pose) {

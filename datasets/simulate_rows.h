@@ -20,6 +20,12 @@ std::vector<double> Milli(std::vector<double> times_s);
 // `robot`/odometry/…
 void PutOdometry(const std::string& robot, const Drive& drive, const OdometryDraw& odometry, Blob& log);
 
+// noise/heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, forward_ratio, turn_ratio: as they are.
+void PutNoise(const OdometryNoise& noise, Blob& log);
+
+// `robot`/observations/… without rows, and no landmarks.
+void PutNoObservations(const std::string& robot, Blob& log);
+
 // `prefix`time_s, x_m, y_m, heading_rad: the pose at the drive's start and at the end of each control.
 void PutPoses(const std::string& prefix, const Drive& drive, Blob& log);
 

@@ -7,47 +7,53 @@
 namespace cairn::datasets {
 namespace {
 
-double Echo(const PoseM& robot, int beam, const std::vector<Wall>& walls, Rng& rng) {
-  const double heading = robot.heading_rad + SonarHeading(beam);
-  const PointM at{robot.x_m + kSonarRingM * std::cos(heading), robot.y_m + kSonarRingM * std::sin(heading)};
-  const double range_m = NearestWallM(walls, at, heading, kSonarOpeningRad / 2) + kSonarSdM * rng.Normal();
-  const bool lost = rng.Uniform() < kSonarDropouts;
-  if (lost || range_m > kSonarMaxRangeM) return std::numeric_limits<double>::quiet_NaN();
+double Echo(const RangeRing& ring, const PoseM& robot, int beam, const std::vector<Wall>& walls, Rng& rng) {
+  const PoseM from = ring.BeamPose(robot, beam);
+  const double range_m = NearestWallM(walls, {from.x_m, from.y_m}, from.heading_rad, ring.opening_rad / 2) +
+                         ring.sd_m * rng.Normal();
+  const bool lost = rng.Uniform() < ring.dropouts;
+  if (lost || range_m > ring.max_range_m) return std::numeric_limits<double>::quiet_NaN();
   return std::round(std::max(range_m, 0.0) * 1e3) / 1e3;
 }
 
 }  // namespace
 
-double SonarHeading(int beam) { return WrapAngle(beam * 2 * std::numbers::pi / kSonars); }
+double RangeRing::Heading(int beam) const { return WrapAngle(beam * 2 * std::numbers::pi / beams); }
 
-void PutScans(const std::string& robot, const std::vector<double>& times_s,
+PoseM RangeRing::BeamPose(const PoseM& ring, int beam) const {
+  const double heading = ring.heading_rad + Heading(beam);
+  return {ring.x_m + radius_m * std::cos(heading), ring.y_m + radius_m * std::sin(heading), heading};
+}
+
+void PutScans(const std::string& robot, const RangeRing& ring, const std::vector<double>& times_s,
               const std::vector<double>& ranges_m, Blob& log) {
   std::vector<double> x, y, heading;
-  for (int beam = 0; beam < kSonars; ++beam) {
-    heading.push_back(SonarHeading(beam));
-    x.push_back(kSonarRingM * std::cos(heading.back()));
-    y.push_back(kSonarRingM * std::sin(heading.back()));
+  for (int beam = 0; beam < ring.beams; ++beam) {
+    heading.push_back(ring.Heading(beam));
+    x.push_back(ring.radius_m * std::cos(heading.back()));
+    y.push_back(ring.radius_m * std::sin(heading.back()));
   }
-  const std::string sonar = robot + "/sonar/";
-  log.PutVector(sonar + "time_s", times_s);
-  log.Put(sonar + "range_m",
-          Array::Of<double>({static_cast<std::int64_t>(times_s.size()), kSonars}, ranges_m));
-  log.PutVector(sonar + "beam_x_m", x);
-  log.PutVector(sonar + "beam_y_m", y);
-  log.PutVector(sonar + "beam_heading_rad", heading);
-  log.PutScalar(sonar + "opening_rad", kSonarOpeningRad);
-  log.PutScalar(sonar + "max_range_m", kSonarMaxRangeM);
+  const std::string prefix = robot + "/" + ring.sensor + "/";
+  log.PutVector(prefix + "time_s", times_s);
+  log.Put(prefix + "range_m",
+          Array::Of<double>({static_cast<std::int64_t>(times_s.size()), ring.beams}, ranges_m));
+  log.PutVector(prefix + "beam_x_m", x);
+  log.PutVector(prefix + "beam_y_m", y);
+  log.PutVector(prefix + "beam_heading_rad", heading);
+  log.PutScalar(prefix + "opening_rad", ring.opening_rad);
+  log.PutScalar(prefix + "max_range_m", ring.max_range_m);
 }
 
 void PutSonar(const std::string& robot, const Drive& drive, const std::vector<double>& times_s,
               const std::vector<Wall>& walls, Rng& rng, Blob& log) {
+  const RangeRing ring;
   std::vector<double> ranges;
   PoseM pose = drive.start;
   for (const Control& control : drive.controls) {
     pose = Apply(pose, control);
-    for (int beam = 0; beam < kSonars; ++beam) ranges.push_back(Echo(pose, beam, walls, rng));
+    for (int beam = 0; beam < ring.beams; ++beam) ranges.push_back(Echo(ring, pose, beam, walls, rng));
   }
-  PutScans(robot, times_s, ranges, log);
+  PutScans(robot, ring, times_s, ranges, log);
 }
 
 void PutSegments(const std::string& prefix, const std::vector<Wall>& segments, Blob& log) {

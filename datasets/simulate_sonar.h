@@ -1,4 +1,4 @@
-// A ring of sonars on a robot that drives through corridors.
+// Rings of range sensors on a robot, and sonars in corridors.
 #pragma once
 
 #include <string>
@@ -16,12 +16,21 @@ inline constexpr double kSonarOpeningRad = 0.2618;  // 15 degrees, full
 inline constexpr double kSonarSdM = 0.03;
 inline constexpr double kSonarDropouts = 0.02;  // share of the echoes that are lost
 
-// Of a beam on the robot; it begins on the ring.
-double SonarHeading(int beam);
+// Sensors at even angles, the first one ahead; their beams begin on the ring.
+struct RangeRing {
+  std::string sensor = "sonar";
+  bool sound = true;  // mirrors for sound are none for the others
+  int beams = kSonars;
+  double radius_m = kSonarRingM, max_range_m = kSonarMaxRangeM, opening_rad = kSonarOpeningRad;
+  double sd_m = kSonarSdM, dropouts = kSonarDropouts;
 
-// Puts `robot`/sonar/… (schema/FORMAT.md, range scans): `ranges_m` scan by scan, kSonars each, NaN where no
-// echo came.
-void PutScans(const std::string& robot, const std::vector<double>& times_s,
+  double Heading(int beam) const;
+  // Of a beam, where the ring's centre is and the way it is turned are given.
+  PoseM BeamPose(const PoseM& ring, int beam) const;
+};
+
+// Puts `robot`/sonar/… (schema/FORMAT.md, range scans): `ranges_m` scan by scan, NaN where no echo came.
+void PutScans(const std::string& robot, const RangeRing& ring, const std::vector<double>& times_s,
               const std::vector<double>& ranges_m, Blob& log);
 
 // Puts `robot`/sonar/…: a scan at the end of each control. A sonar hears the nearest wall in its cone; there

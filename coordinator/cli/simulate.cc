@@ -125,6 +125,7 @@ void AddSimulate(CLI::App& app, Invocation& call) {
   loop->add_option("OUT.h5", options->out, "The log to write")->required();
   AddCorridor(simulate, call);
   AddSimulateHalls(*simulate, call);
+  AddSimulateOffice(*simulate, call);
 }
 
 }  // namespace cairn::cli

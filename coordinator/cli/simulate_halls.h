@@ -1,4 +1,5 @@
-// `cairn simulate hallway`, `narrow-doors`, `smooth-wall`: sonar logs for occupancy maps.
+// `cairn simulate hallway`, `narrow-doors`, `smooth-wall`: sonar logs for occupancy maps; `office`: for local
+// ones.
 #pragma once
 
 #include "coordinator/cli/invocation.h"
@@ -6,5 +7,6 @@
 namespace cairn::cli {
 
 void AddSimulateHalls(CLI::App& simulate, Invocation& call);
+void AddSimulateOffice(CLI::App& simulate, Invocation& call);
 
 }  // namespace cairn::cli

@@ -31,6 +31,14 @@ Hall BuildHall(const HallPlan& plan) {
   return hall;
 }
 
+std::vector<Obstacle> ObstaclesOf(const Hall& hall) {
+  std::vector<Obstacle> obstacles;
+  for (const Wall& wall : hall.rough) obstacles.push_back({wall, Surface::kRough});
+  for (const Wall& wall : hall.rooms) obstacles.push_back({wall, Surface::kBeyondDoor});
+  for (const Wall& wall : hall.smooth) obstacles.push_back({wall, Surface::kMirror});
+  return obstacles;
+}
+
 void PutHall(const Hall& hall, Blob& log) {
   std::vector<Wall> walls = hall.smooth;
   walls.insert(walls.end(), hall.rough.begin(), hall.rough.end());

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "datasets/planar.h"
+#include "datasets/simulate_echo.h"
 #include "datasets/simulate_walls.h"
 #include "schema/blob.h"
 
@@ -34,6 +35,9 @@ struct Hall {
 };
 
 Hall BuildHall(const HallPlan& plan);
+
+// What sonars hear of it.
+std::vector<Obstacle> ObstaclesOf(const Hall& hall);
 
 // truth/walls/… and truth/doors/…
 void PutHall(const Hall& hall, Blob& log);
