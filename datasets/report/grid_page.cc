@@ -150,6 +150,8 @@ std::string Tiles(const Blob& map, const GridEvaluation* evaluation) {
   }
   if (map.Has("history/log_likelihood"))
     tiles += TileHtml(std::to_string(map.at("history/log_likelihood").size()), "rounds");
+  if (map.Has("search/cut_short") && map.Scalar<std::uint8_t>("search/cut_short") != 0)
+    tiles += TileHtml("cut short", "the search, by the option rounds", "bad");
   if (map.Has("provenance/seconds_s"))
     tiles += TileHtml(Duration(map.Scalar<double>("provenance/seconds_s")), "wall time");
   return tiles.empty() ? "" : "<div class=\"tiles\">\n" + tiles + "</div>\n";

@@ -27,6 +27,7 @@ Blob WithAllLayers() {
   map.PutVector<double>("robot/0/sonar/y_m", {0.1, 0.2, 0.3});
   map.PutVector<std::uint8_t>("robot/0/sonar/held_out", {0, 0, 1});
   map.PutScalar("model/p_hit", 0.625);
+  map.PutScalar<std::uint8_t>("search/cut_short", 1);
   return map;
 }
 
@@ -76,9 +77,9 @@ TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
 
 TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
   const std::string page = GridMapReportHtml(WithAllLayers(), nullptr, nullptr, "corridor");
-  for (const char* part :
-       {"<title>corridor", "1.5 by 1 m in cells of 0.5 m, of 2 scans; 1 scan left out", "Most likely map",
-        "What the data say of each cell", "Convergence", "model/p_hit", "0.625", "class=\"path r0\""})
+  for (const char* part : {"<title>corridor", "1.5 by 1 m in cells of 0.5 m, of 2 scans; 1 scan left out",
+                           "Most likely map", "What the data say of each cell", "Convergence", "cut short",
+                           "model/p_hit", "0.625", "class=\"path r0\""})
     ExpectContains(page, part);
   std::size_t pictures = 0;
   for (std::size_t at = page.find("<image"); at != std::string::npos; at = page.find("<image", at + 1))
@@ -88,7 +89,8 @@ TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
 
 TEST(GridPage, OfAPlainMapLeavesOutWhatItLacks) {
   const std::string page = GridMapReportHtml(DrawnMap({"#.", ".."}), nullptr, nullptr, "plain");
-  for (const char* absent : {"Most likely map", "What the data say", "Convergence", "Parameters"})
+  for (const char* absent :
+       {"Most likely map", "What the data say", "Convergence", "cut short", "Parameters"})
     EXPECT_EQ(page.find(absent), std::string::npos) << absent;
 }
 

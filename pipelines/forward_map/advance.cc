@@ -107,13 +107,17 @@ class Turn {
     schedule_.taken = 0;
     ++schedule_.quiet;
     if (SeveralTiles() && schedule_.quiet < kSplits) return NextSearch();
-    if (options_.estimate && !schedule_.settled && schedule_.searches < options_.rounds)
-      return ImproveParameters();
+    const bool parameters_open = options_.estimate && !schedule_.settled;
+    if (parameters_open && MaySearch()) return ImproveParameters();
+    schedule_.cut_short = parameters_open;
     schedule_.phase = Phase::kCertainty;
   }
 
+  bool MaySearch() const { return schedule_.searches < options_.rounds; }
+
   void NextSearch() {
-    if (schedule_.searches >= options_.rounds) {
+    if (!MaySearch()) {
+      schedule_.cut_short = true;
       schedule_.phase = Phase::kCertainty;
       return;
     }
@@ -204,7 +208,7 @@ class Turn {
         what = "the sensors' parameters";
         break;
       case Phase::kCertainty:
-        what = "how sure the map is";
+        what = schedule_.cut_short ? "cut short by 'rounds'; how sure the map is" : "how sure the map is";
         break;
     }
     std::snprintf(text, sizeof text, "search %lld, log-likelihood %.1f, %.0f obstacles; %s",

@@ -15,13 +15,21 @@ struct BeamOfScan {
   std::size_t scan, beam;
   Pose from;
   double z_m;  // of one without echo, or beyond the model's z_max_m: that
+  End end;     // of its axis
 };
+
+// Whether an echo from `z_m` away comes from beyond the box.
+inline End EndOf(const GridBox& box, const Pose& from, double z_m) {
+  const double x_m = from.x_m + z_m * std::cos(from.heading_rad),
+               y_m = from.y_m + z_m * std::sin(from.heading_rad);
+  return box.Holds(box.ColumnOf(x_m), box.RowOf(y_m)) ? End::kInMap : End::kBeyond;
+}
 
 // visit(BeamOfScan) for the readings of the scans [first, end) that are not held out; those without echo only
 // where `no_echo` says so.
 template <class Visit>
-void ForEachReading(const RangeScans& scans, std::size_t first, std::size_t end, const SensorModel& model,
-                    bool no_echo, Visit&& visit) {
+void ForEachReading(const RangeScans& scans, std::size_t first, std::size_t end, const GridBox& box,
+                    const SensorModel& model, bool no_echo, Visit&& visit) {
   const auto range = scans.range_m.As<double>();
   const std::size_t beams = scans.beams.size();
   for (std::size_t s = first; s < end; ++s) {
@@ -29,7 +37,10 @@ void ForEachReading(const RangeScans& scans, std::size_t first, std::size_t end,
     for (std::size_t b = 0; b < beams; ++b) {
       const double range_m = range[s * beams + b];
       const bool echo = range_m <= model.z_max_m;  // false for NaN
-      if (echo || no_echo) visit(BeamOfScan{s, b, scans.BeamPose(s, b), echo ? range_m : model.z_max_m});
+      if (!echo && !no_echo) continue;
+      const Pose from = scans.BeamPose(s, b);
+      visit(BeamOfScan{s, b, from, echo ? range_m : model.z_max_m,
+                       echo ? EndOf(box, from, range_m) : End::kInMap});
     }
   }
 }

@@ -33,12 +33,12 @@ FlipGains::FlipGains(std::int32_t cells, std::vector<SensorModel> models)
   window_.first.push_back(0);
 }
 
-void FlipGains::Add(double z_m, std::size_t model_index, std::span<const Crossing> beam) {
+void FlipGains::Add(double z_m, std::size_t model_index, std::span<const Crossing> beam, End end) {
   const SensorModel& model = models_[model_index];
   const double first_m = z_m - kReach * model.sigma_m, reach_m = ReachOf(z_m, model);
-  const double at_reach = Normal(z_m - model.z_max_m, model.no_echo_m);
-  Reading reading{.floor = model.p_rand / model.z_max_m + model.p_lost * at_reach,
-                  .none = model.p_sound() * at_reach,
+  const double lost = model.p_lost * DensityOfNone(z_m, model, End::kInMap);
+  Reading reading{.floor = model.p_rand / model.z_max_m + lost,
+                  .none = model.p_sound() * DensityOfNone(z_m, model, end),
                   .model = static_cast<std::uint32_t>(model_index)};
   window_of_beam_.clear();
   for (const Crossing& crossing : beam) {

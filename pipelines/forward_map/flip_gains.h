@@ -5,10 +5,10 @@
 // window, have a weight w = sound p_hit N(z; d, sigma) each. With K0 obstacles before the window and K
 // in it, q = 1 - p_hit,
 //   p(z | m) = floor + q^K0 S,   S = sum_k q^(k-1) w_k + q^K none,
-// where sound = 1 - p_rand - p_lost, none = sound N(z; z_max, no_echo) and floor = p_rand / z_max +
-// p_lost N(z; z_max, no_echo): [T01] eqs 4 to 9. So a flip
-// before the window changes K0 alone, and its gain is one number for all those cells; a flip in it changes S,
-// and what S would be after each flip in the window is kept beside it.
+// where sound = 1 - p_rand - p_lost, none = sound N(z; z_max, no_echo) (beyond the map: sound / z_max) and
+// floor = p_rand / z_max + p_lost N(z; z_max, no_echo): [T01] eqs 4 to 9. So a flip before the window changes
+// K0 alone, and its gain is one number for all those cells; a flip in it changes S, and what S would be after
+// each flip in the window is kept beside it.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class FlipGains {
   FlipGains(std::int32_t cells, std::vector<SensorModel> models);
 
   // First all readings, each with the cells of its beam in any order …
-  void Add(double z_m, std::size_t model, std::span<const Crossing> beam);
+  void Add(double z_m, std::size_t model, std::span<const Crossing> beam, End end = End::kInMap);
   // … then once the map, [cells], 1: occupied.
   void Start(std::span<const std::uint8_t> occupied);
 

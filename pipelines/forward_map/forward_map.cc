@@ -171,10 +171,13 @@ Step ForwardMap::Advance(const State& state, Partials& partials, const Inputs& i
     return AdvanceSearch(options_, state, partials, inputs);
   Step step;
   *step.plan.mutable_state() = state;
-  step.plan.set_result(step.Share(
-      ResultOf(options_, ReadScans(options_, inputs), *inputs.Get("log"), MapState::Of(*inputs.Get(kMapBlob)),
-               TilesOf(*inputs.Get(TilesBlob(0))), *inputs.Get(kHistoryBlob), partials)));
-  step.plan.set_note("done");
+  step.plan.set_result(step.Share(ResultOf(
+      options_, ReadScans(options_, inputs), *inputs.Get("log"), MapState::Of(*inputs.Get(kMapBlob)),
+      TilesOf(*inputs.Get(TilesBlob(0))), *inputs.Get(kHistoryBlob), Schedule::Load(state), partials)));
+  const Schedule schedule = Schedule::Load(state);
+  step.plan.set_note(schedule.cut_short ? "done; cut short after " + std::to_string(schedule.searches) +
+                                              " searches, all that 'rounds' allows"
+                                        : "done");
   return step;
 }
 

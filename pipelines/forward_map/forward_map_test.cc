@@ -141,6 +141,25 @@ TEST(ForwardMap, ManyTilesEndAsHighAsOne) {
   EXPECT_NEAR(many->Get<double>("history/log_likelihood").back(), one, 0.01 * std::abs(one));
 }
 
+// Where the searches that are allowed were not enough the result says so, and the note.
+TEST(ForwardMap, SaysThatItWasCutShort) {
+  const Blob log = Room{}.Log();
+  for (const bool estimate : {true, false}) {
+    for (const std::int64_t rounds : {1, 12}) {
+      Options options = At(0.1);
+      options.estimate = estimate;
+      options.rounds = rounds;
+      std::string note;
+      const BlobPtr result =
+          RunInProcess(ForwardMap(options, 1), {{"log", std::make_shared<const Blob>(log)}},
+                       [&](const proto::Step& step) { note = step.note(); });
+      EXPECT_EQ(result->Scalar<std::uint8_t>("search/cut_short"), rounds == 1 ? 1 : 0);
+      EXPECT_EQ(note.find("cut short after 1 searches") != std::string::npos, rounds == 1) << note;
+      EXPECT_LE(result->Scalar<std::int64_t>("search/searches"), rounds);
+    }
+  }
+}
+
 // Cells are 0.1 m, so that a range is off by a quarter of one even where the sensor is exact.
 TEST(ForwardMap, EstimatesWhatTheSensorIsLike) {
   for (const double random_share : {0.02, 0.15}) {
@@ -225,6 +244,33 @@ TEST(ForwardMap, OfNoReadingsKnowsNothing) {
   options.no_echo = false;
   const BlobPtr result = MapOf(Room{.max_range_m = 0.3, .random_share = 0}.Log(), options);
   for (const double p : result->Get<double>("map/grid/probability")) EXPECT_TRUE(std::isnan(p));
+}
+
+// A box that leaves out two walls: the readings that end behind it say that the way there is free.
+TEST(ForwardMap, OfReadingsThatEndBeyondTheBoxTheWayInsideIsFree) {
+  for (const double opening_rad : {0.0, 0.26}) {
+    const Room room{.scans = 60, .beams = 72, .opening_rad = opening_rad, .random_share = 0};
+    Options options = At(0.1);
+    options.grid.box_m = "-0.5,-0.5,5.5,4.5";
+    const BlobPtr result = MapOf(room.Log(), options);
+    const GridBox box = BoxOf(*result);
+    const auto probability = result->Get<double>("map/grid/probability");
+    int at_border = 0;
+    for (double y = 0.55; y < 4; y += 0.1) {
+      const auto cell = static_cast<std::size_t>(box.RowOf(y) * box.columns + box.ColumnOf(5.45));
+      EXPECT_LT(probability[cell], 0.05) << opening_rad << ", " << y;
+      ++at_border;
+    }
+    EXPECT_GT(at_border, 30);
+    int beyond = 0, random = 0;
+    const std::string cause = opening_rad > 0 ? "robot/0/sonar/cause" : "robot/0/laser/cause";
+    for (const std::int32_t of : result->Get<std::int32_t>(cause)) {
+      beyond += of == kBeyondCause ? 1 : 0;
+      random += of == kRandomCause ? 1 : 0;
+    }
+    EXPECT_GT(beyond, 500);
+    EXPECT_LT(random, 50);
+  }
 }
 
 // Two robots with a sensor each, another kind each: one map, parameters of their own.

@@ -31,12 +31,15 @@ double ReachOf(double z_m, const SensorModel& model) {
   return may_be_none ? std::max(z_m + kReach * model.sigma_m, model.z_max_m) : z_m + kReach * model.sigma_m;
 }
 
-Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model) {
+double DensityOfNone(double z_m, const SensorModel& model, End end) {
+  return end == End::kBeyond ? 1 / model.z_max_m : Normal(z_m - model.z_max_m, model.no_echo_m);
+}
+
+Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model, End end) {
   Causes joint;
   // [T01] (9) with (5).
   joint.random = model.p_rand / model.z_max_m;
-  const double at_reach = Normal(z_m - model.z_max_m, model.no_echo_m);
-  joint.lost = model.p_lost * at_reach;
+  joint.lost = model.p_lost * DensityOfNone(z_m, model, End::kInMap);
   // (9): reached = (1 - p_rand) (1 - p_hit)^(k-1), with what is left of p_lost too.
   double reached = model.p_sound();
   for (const double distance_m : obstacles_m) {
@@ -45,17 +48,17 @@ Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel&
     reached *= 1 - model.p_hit;
   }
   // (6); (9) prints the exponent k where it means K_i.
-  joint.none = reached * at_reach;
+  joint.none = reached * DensityOfNone(z_m, model, end);
   return joint;
 }
 
-double Density(double z_m, std::span<const double> obstacles_m, const SensorModel& model) {
-  const Causes joint = Joint(z_m, obstacles_m, model);
+double Density(double z_m, std::span<const double> obstacles_m, const SensorModel& model, End end) {
+  const Causes joint = Joint(z_m, obstacles_m, model, end);
   return SumOver(joint, joint, [](double p, double) { return p; });
 }
 
-Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const SensorModel& model) {
-  Causes causes = Joint(z_m, obstacles_m, model);
+Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const SensorModel& model, End end) {
+  Causes causes = Joint(z_m, obstacles_m, model, end);
   const double eta = 1 / SumOver(causes, causes, [](double p, double) { return p; });
   causes.random *= eta;
   causes.lost *= eta;

@@ -3,6 +3,7 @@
 // incremental code (reading_state.h), which the tests and every round hold against this.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -42,14 +43,21 @@ struct Causes {
 };
 
 // In all that follows z_m is a reading and obstacles_m are the distances of the K obstacles in its beam, in
-// increasing order. A reading without echo is one of z_max_m.
+// increasing order. A reading without echo is one of z_max_m. One that ends beyond the map's box and detected
+// none of them met what the map does not hold, anywhere up to z_max_m.
+enum class End : std::uint8_t { kInMap, kBeyond };
 
+// What such a reading, or one without echo, is distributed like where no obstacle was detected: (6); 1/m.
+double DensityOfNone(double z_m, const SensorModel& model, End end);
 // p(z_i, C_i | m) for each C_i: (8) with (4) to (9); 1/m.
-Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model);
+Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model,
+             End end = End::kInMap);
 // p(z_i | m) = sum over C_i of p(z_i, C_i | m); 1/m.
-double Density(double z_m, std::span<const double> obstacles_m, const SensorModel& model);
+double Density(double z_m, std::span<const double> obstacles_m, const SensorModel& model,
+               End end = End::kInMap);
 // The E-step (13).
-Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const SensorModel& model);
+Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const SensorModel& model,
+                        End end = End::kInMap);
 // A reading's term of (11): E[log p(z_i, C_i | m)] over `causes`.
 double ExpectedLogLikelihood(double z_m, std::span<const double> obstacles_m, const SensorModel& model,
                              const Causes& causes);

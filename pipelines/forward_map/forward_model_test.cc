@@ -41,6 +41,14 @@ TEST(Density, OfAnEchoThatMayBeLost) {
   EXPECT_NEAR(causes.lost / causes.none, 0.2 / (0.7 * 0.4 * 0.4), 1e-12);
 }
 
+// What lies beyond the map may be anywhere; the obstacles before it were passed.
+TEST(Density, OfAnEndBeyondTheMap) {
+  const std::vector<double> obstacles = {1};
+  EXPECT_NEAR(Density(2, obstacles, kModel, End::kBeyond), 0.02 + 0.9 * 0.4 / 5, 1e-12);
+  EXPECT_NEAR(Density(1, obstacles, kModel, End::kBeyond), 0.02 + 0.9 * (0.6 * kPeak + 0.4 / 5), 1e-12);
+  EXPECT_NEAR(Responsibilities(2, obstacles, kModel, End::kBeyond).none, 0.072 / 0.092, 1e-12);
+}
+
 // The model gives mass beyond z_max to (6) and none is renormalised: up to there, half of that peak is
 // missing.
 TEST(Density, IntegratesToOneButForWhatLiesBeyondTheReach) {

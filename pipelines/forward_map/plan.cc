@@ -98,6 +98,7 @@ void Schedule::Store(State* state) const {
   scalars["target_nats"].set_d(target_nats);
   scalars["begun_nats"].set_d(begun_nats);
   scalars["settled"].set_b(settled);
+  scalars["cut_short"].set_b(cut_short);
 }
 
 Schedule Schedule::Load(const State& state) {
@@ -109,6 +110,7 @@ Schedule Schedule::Load(const State& state) {
           .taken = scalars.at("taken").i(),
           .steps = scalars.at("steps").i(),
           .settled = scalars.at("settled").b(),
+          .cut_short = scalars.at("cut_short").b(),
           .target_nats = scalars.at("target_nats").d(),
           .begun_nats = scalars.at("begun_nats").d()};
 }

@@ -26,6 +26,7 @@ struct Schedule {
   std::int64_t taken = 0;     // proposals that are weighed
   std::int64_t steps = 0;     // of the parameters since the last search
   bool settled = false;       // the parameters are what they will be
+  bool cut_short = false;     // the searches were as many as are allowed before nothing was left to find
   double target_nats = 0;     // log p(Z | m) + log p(m) of the map that the search holds
   double begun_nats = 0;      // the same when the parameters last began to change
 

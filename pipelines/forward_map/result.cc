@@ -33,7 +33,7 @@ void TakeTile(const Blob& certainty, const Tile& tile, const GridBox& box, Cells
 void MarkPassers(const RangeScans& scans, std::span<const std::int32_t> cause, const Options& options,
                  const SensorModel& model, const GridBox& box, Cells* cells) {
   if (scans.opening_rad > 0) return;  // somewhere on an arc
-  ForEachReading(scans, 0, scans.scans(), model, false, [&](const BeamOfScan& reading) {
+  ForEachReading(scans, 0, scans.scans(), box, model, false, [&](const BeamOfScan& reading) {
     if (cause[reading.scan * scans.beams.size() + reading.beam] != kRandomCause) return;
     const Pose end = Compose(reading.from, {reading.z_m, 0, 0});
     const std::int64_t column = box.ColumnOf(end.x_m), row = box.RowOf(end.y_m);
@@ -75,12 +75,15 @@ double ProbabilityOf(double difference_nats, double prior) {
 }
 
 Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, const MapState& map,
-              const std::vector<Tile>& tiles, const Blob& history, Partials& partials) {
+              const std::vector<Tile>& tiles, const Blob& history, const Schedule& schedule,
+              Partials& partials) {
   Cells cells{.occupied = map.occupied, .difference = {}, .dynamic = {}};
   cells.difference.assign(map.occupied.size(), std::numeric_limits<double>::quiet_NaN());
   cells.dynamic.assign(map.occupied.size(), kStays);
   for (std::size_t i = 0; i < tiles.size(); ++i) TakeTile(*partials.Get(i), tiles[i], map.box, &cells);
   Blob result = history;
+  result.PutScalar("search/searches", schedule.searches);
+  result.PutScalar<std::uint8_t>("search/cut_short", schedule.cut_short ? 1 : 0);
   PutScanPoses(scans, log, &result);
   for (std::size_t k = 0; k < scans.sensors.size(); ++k) {
     const RangeScans& sensor = scans.sensors[k];

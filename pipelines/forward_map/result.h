@@ -4,6 +4,7 @@
 #include "pipelines/common/range_scans.h"
 #include "pipelines/forward_map/map_state.h"
 #include "pipelines/forward_map/options.h"
+#include "pipelines/forward_map/plan.h"
 #include "pipelines/forward_map/tiles.h"
 #include "pipelines/pipeline.h"
 
@@ -20,6 +21,7 @@ double ProbabilityOf(double difference_nats, double prior);
 
 // kind grid_map, from the partials of phase kCertainty.
 Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, const MapState& map,
-              const std::vector<Tile>& tiles, const Blob& history, Partials& partials);
+              const std::vector<Tile>& tiles, const Blob& history, const Schedule& schedule,
+              Partials& partials);
 
 }  // namespace cairn::forward_map

@@ -147,13 +147,14 @@ TileGains GainsOfTile(const MapState& map, const std::vector<SensorModel>& model
   for (std::size_t k = 0; k < sensors.size(); ++k) {
     const RangeScans& scans = sensors[k];
     const SensorModel& model = models[k];
-    ForEachReading(scans, 0, scans.scans(), model, no_echo, [&](const BeamOfScan& reading) {
+    ForEachReading(scans, 0, scans.scans(), map.box, model, no_echo, [&](const BeamOfScan& reading) {
       if (readings++ % kReadingsOfTick == 0) progress.Tick();
       const auto& beam = beams.Of(reading.from, scans.opening_rad, ReachOf(reading.z_m, model));
       if (beam.empty()) return;
-      if (elsewhere == Elsewhere::kExplained && reading.z_m < model.z_max_m)
+      const bool ends_in_map = reading.z_m < model.z_max_m && reading.end == End::kInMap;
+      if (elsewhere == Elsewhere::kExplained && ends_in_map)
         beams.ExplainElsewhere(reading.z_m, kReach * model.sigma_m);
-      made.gains.Add(reading.z_m, k, beam);
+      made.gains.Add(reading.z_m, k, beam, reading.end);
       made.time_s.push_back(scans.time_s[reading.scan]);
     });
   }

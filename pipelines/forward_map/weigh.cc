@@ -21,7 +21,7 @@ void ForEachExplained(const RangeScans& scans, std::size_t first, std::size_t en
   std::vector<std::int64_t> cells;
   std::vector<double> distances_m;
   std::size_t readings = 0;
-  ForEachReading(scans, first, end, model, no_echo, [&](const BeamOfScan& reading) {
+  ForEachReading(scans, first, end, box, model, no_echo, [&](const BeamOfScan& reading) {
     if (readings++ % kReadingsOfTick == 0) progress.Tick();
     obstacles.clear();
     VisitBeam(
@@ -73,9 +73,9 @@ Evidence Weigh(const RangeScans& scans, std::size_t first, std::size_t end, cons
   ForEachExplained(scans, first, end, box, occupied, model, no_echo, progress,
                    [&](const BeamOfScan& reading, const std::vector<std::int64_t>&,
                        const std::vector<double>& distances_m) {
-                     const Causes causes = Responsibilities(reading.z_m, distances_m, model);
+                     const Causes causes = Responsibilities(reading.z_m, distances_m, model, reading.end);
                      ++sum.readings;
-                     sum.log_likelihood += std::log(Density(reading.z_m, distances_m, model));
+                     sum.log_likelihood += std::log(Density(reading.z_m, distances_m, model, reading.end));
                      sum.entropy += Entropy(causes);
                      sum.random += causes.random;
                      sum.lost += causes.lost;
@@ -97,7 +97,7 @@ std::vector<std::int32_t> ExplainAll(const RangeScans& scans, const GridBox& box
   ForEachExplained(scans, 0, scans.scans(), box, occupied, model, no_echo, progress,
                    [&](const BeamOfScan& reading, const std::vector<std::int64_t>& cells,
                        const std::vector<double>& distances_m) {
-                     const Causes causes = Responsibilities(reading.z_m, distances_m, model);
+                     const Causes causes = Responsibilities(reading.z_m, distances_m, model, reading.end);
                      double most = causes.random;
                      std::int32_t& best = cause[reading.scan * scans.beams.size() + reading.beam];
                      best = kRandomCause;
@@ -106,7 +106,7 @@ std::vector<std::int32_t> ExplainAll(const RangeScans& scans, const GridBox& box
                        most = causes.obstacle[k];
                        best = static_cast<std::int32_t>(cells[k]);
                      }
-                     if (causes.none > most) best = kNoEchoCause;
+                     if (causes.none > most) best = reading.end == End::kBeyond ? kBeyondCause : kNoEchoCause;
                      if (causes.lost > std::max(most, causes.none)) best = kLostCause;
                    });
   return cause;

@@ -36,8 +36,9 @@ Evidence Weigh(const RangeScans& scans, std::size_t first, std::size_t end, cons
 // The most likely cause of each reading, [scans][beams]: the cell of an obstacle, or one of these.
 inline constexpr std::int32_t kNoEchoCause = -1;  // nothing was detected
 inline constexpr std::int32_t kRandomCause = -2;
-inline constexpr std::int32_t kLostCause = -4;  // the echo was lost, whatever stands there
-inline constexpr std::int32_t kNotUsed = -3;    // held out, or without echo where those are not used
+inline constexpr std::int32_t kLostCause = -4;    // the echo was lost, whatever stands there
+inline constexpr std::int32_t kBeyondCause = -5;  // something beyond the map's box
+inline constexpr std::int32_t kNotUsed = -3;      // held out, or without echo where those are not used
 std::vector<std::int32_t> ExplainAll(const RangeScans& scans, const GridBox& box,
                                      std::span<const std::uint8_t> occupied, const SensorModel& model,
                                      bool no_echo, Progress& progress);

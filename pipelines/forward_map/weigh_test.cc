@@ -72,6 +72,7 @@ TEST(ExplainAll, NamesTheMostLikelyCause) {
   EXPECT_EQ(cause(1), kRandomCause);
   EXPECT_EQ(cause(std::nan("")), kNoEchoCause);
   EXPECT_EQ(cause(std::nan(""), false), kNotUsed);
+  EXPECT_EQ(cause(7), kBeyondCause);
   model.p_lost = 0.3;
   EXPECT_EQ(cause(std::nan("")), kLostCause);
   EXPECT_EQ(cause(2.5), 2);
