@@ -34,8 +34,9 @@ class EdgeGrid {
   CellIndex centre() const { return grid_.centre(); }
 
   void MoveTo(double x_m, double y_m) { grid_.MoveTo(x_m, y_m); }
-  // One more sweep, in which these edges were found: each counts in the cells that it goes through.
-  void Add(std::span<const Edge> edges);
+  // The next sweep, so many ticks after the last, in which these edges were found: each counts in the cells
+  // that it goes through.
+  void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksASweep);
 
   // The dominant edge of a cell; none where no direction is strong.
   std::optional<CellEdge> Dominant(std::int32_t i, std::int32_t j) const;
@@ -45,22 +46,22 @@ class EdgeGrid {
 
  private:
   struct Cell {
-    AngleHistogram histogram;  // as it was at `sweep`
-    std::int32_t sweep = 0;    // of the last edge
+    AngleHistogram histogram;  // as it was at `tick`
+    std::int32_t tick = 0;     // of the last edge
     float x_m = 0, y_m = 0;    // a point of that edge, from the cell's middle
   };
   struct Moved {
     Point at;
     AngleHistogram histogram;
-    std::int32_t sweep;
+    std::int32_t tick;
   };
   void Put(const Moved& moved);
-  void AddEdge(const Edge& edge);
+  void AddEdge(const Edge& edge, float weight);
 
   TorusGrid<Cell> grid_;
   Decay decay_;
   PeakRule rule_;
-  std::int32_t sweep_ = 0;
+  std::int32_t tick_ = 0;
   std::vector<Moved> moved_;  // for Turn; room for all cells from the start
 };
 

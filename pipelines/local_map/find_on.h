@@ -11,7 +11,7 @@ namespace cairn::local_map {
 struct FindOptions {
   ScoreOptions score = WideScore();
   double step_m = 0.06;         // of u
-  double sharpness = 0.2;      // nats a unit of summed similarity, for the confidence,
+  double sharpness = 0.2;       // nats a unit of summed similarity, for the confidence,
   double peak_sharpness = 0.6;  // and for how broad a peak is
   double null_score = 1.3;      // similarity a comparable side that places which have nothing in common reach
   double floor_sd_m = 0.015;    // added in squares: what no match resolves

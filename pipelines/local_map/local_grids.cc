@@ -1,5 +1,6 @@
 #include "pipelines/local_map/local_grids.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -24,8 +25,8 @@ void Check(const Pose& pose, std::span<const RingSweep> sweeps, const std::vecto
     if (ranges != 0 && ranges != rings[r].beams())
       throw InputError("local grids: ring " + std::to_string(r) + " gave " + std::to_string(ranges) +
                        " ranges, it has " + std::to_string(rings[r].beams()) + " beams");
-    if (!std::isfinite(sweeps[r].turret_rad))
-      throw InputError("local grids: the heading of ring " + std::to_string(r) + " is not a number");
+    if (!std::isfinite(sweeps[r].turret_rad) || !std::isfinite(sweeps[r].time_s))
+      throw InputError("local grids: the heading or time of ring " + std::to_string(r) + " is not a number");
   }
 }
 
@@ -48,20 +49,37 @@ LocalGrids::LocalGrids(const GridOptions& options, std::vector<SensorRing> rings
 
 Alignment LocalGrids::Update(const Pose& odometry, std::span<const RingSweep> sweeps) {
   Check(odometry, sweeps, rings_, options_.cell_m);
+  const std::int32_t ticks = TicksUntil(sweeps);
   odometry_ = odometry;
   pose_ = Between(frame_, odometry);
   turned_rad_ = 0;
   occupancy_.MoveTo(pose_.x_m, pose_.y_m);
   edges_.MoveTo(pose_.x_m, pose_.y_m);
+  occupancy_.NextSweep(ticks);
   TakeHits(sweeps);
   FitLines();
-  edges_.Add(current_edges_);
-  orientation_.Add(current_edges_);
+  edges_.Add(current_edges_, ticks);
+  orientation_.Add(current_edges_, ticks);
   return Align();
 }
 
+// Since the last sweep, at least one; what rounding leaves over is remembered. The first sweep stands for one
+// of the paper's.
+std::int32_t LocalGrids::TicksUntil(std::span<const RingSweep> sweeps) {
+  double time_s = sweeps.empty() ? time_s_ : sweeps[0].time_s;
+  for (const RingSweep& sweep : sweeps) time_s = std::max(time_s, sweep.time_s);
+  if (begun_ && time_s < time_s_)
+    throw InputError("local grids: time runs backwards, from " + std::to_string(time_s_) + " s to " +
+                     std::to_string(time_s) + " s");
+  if (begun_) owed_ticks_ = std::clamp(owed_ticks_, -1.0, 1.0) + std::min((time_s - time_s_) / kTickS, 1e6);
+  begun_ = true;
+  time_s_ = time_s;
+  const auto ticks = static_cast<std::int32_t>(std::max(1.0, std::round(owed_ticks_)));
+  owed_ticks_ -= ticks;
+  return ticks;
+}
+
 void LocalGrids::TakeHits(std::span<const RingSweep> sweeps) {
-  occupancy_.NextSweep();
   std::size_t kept = 0;
   for (std::size_t r = 0; r < rings_.size(); ++r) {
     const std::size_t first = kept, count = rings_[r].Hits(pose_, sweeps[r], std::span(hits_).subspan(first));
@@ -86,7 +104,7 @@ void LocalGrids::FitLines() {
 Alignment LocalGrids::Align() {
   const auto peak = orientation_.Dominant();
   walls_.reset();
-  const int drifted = std::exchange(drifted_sweeps_, 0);
+  const auto drifts_since = std::exchange(drifts_since_s_, std::nullopt);
   if (!peak) return Alignment::kNone;
   const double off = peak->angle_rad;
   const double angle = frame_.heading_rad + off;
@@ -101,10 +119,12 @@ Alignment LocalGrids::Align() {
   if (off_deg > kMaxRealignDeg)
     return std::exchange(other_area_, true) ? Alignment::kNone : Alignment::kOtherArea;
   const bool was_other = std::exchange(other_area_, false);
-  if (off_deg >= kMinRealignDeg) drifted_sweeps_ = drifted + 1;
-  if (drifted_sweeps_ >= kSteadySweeps && options_.align) {
-    Turn(off);
-    return Alignment::kRealigned;
+  if (off_deg >= kMinRealignDeg) {
+    drifts_since_s_ = drifts_since.value_or(time_s_);
+    if (time_s_ - *drifts_since_s_ >= kSteadyS && options_.align) {
+      Turn(off);
+      return Alignment::kRealigned;
+    }
   }
   return was_other ? Alignment::kBack : Alignment::kNone;
 }

@@ -37,15 +37,15 @@ class LocalGrids {
   // From these deviations on, and up to these, the frame is turned after the walls ([DM98] section 3.4,
   // footnote 3).
   static constexpr double kMinRealignDeg = 5.5, kMaxRealignDeg = 11;
-  // Sweeps in a row for which they deviate so: between areas of different orientation the histogram passes
+  // For so long without a break they deviate so: between areas of different orientation the histogram passes
   // through all angles.
-  static constexpr int kSteadySweeps = 25;
+  static constexpr double kSteadyS = 5;
 
   LocalGrids(const GridOptions& options, std::vector<SensorRing> rings);
 
   // One sweep of all rings, in the order of the constructor, at the robot's pose in the odometric frame. Does
   // not allocate. Throws InputError: a pose or heading that is not of numbers or beyond a million cells, a
-  // wrong number of rings or of ranges.
+  // wrong number of rings or of ranges, time that runs backwards.
   Alignment Update(const Pose& odometry, std::span<const RingSweep> sweeps);
 
   // The robot in the local frame. When the frame is turned, it is about the robot: only the heading changes.
@@ -68,6 +68,7 @@ class LocalGrids {
   const AngleHistogram& wall_histogram() const { return orientation_.histogram(); }
 
  private:
+  std::int32_t TicksUntil(std::span<const RingSweep> sweeps);
   void TakeHits(std::span<const RingSweep> sweeps);
   void FitLines();
   Alignment Align();
@@ -86,7 +87,9 @@ class LocalGrids {
   std::vector<Edge> current_edges_;
   std::optional<WallEstimate> walls_;
   bool locked_ = false, other_area_ = false;
-  int drifted_sweeps_ = 0;
+  std::optional<double> drifts_since_s_;
+  double time_s_ = 0, owed_ticks_ = kTicksASweep;
+  bool begun_ = false;
   double turned_rad_ = 0, last_walls_rad_ = 0;
 };
 

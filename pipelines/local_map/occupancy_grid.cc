@@ -16,11 +16,10 @@ bool OccupancyGrid::Put(const Moved& moved) {
   const std::int32_t i = CellOf(moved.at.x_m, cell_m()), j = CellOf(moved.at.y_m, cell_m());
   Cell* cell = grid_.Touch(i, j);
   if (!cell) return false;
-  const bool later = moved.sweep >= cell->sweep;
-  const std::int32_t sweep = later ? moved.sweep : cell->sweep;
-  cell->count =
-      cell->count * decay_.After(sweep - cell->sweep) + moved.count * decay_.After(sweep - moved.sweep);
-  cell->sweep = sweep;
+  const bool later = moved.tick >= cell->tick;
+  const std::int32_t tick = later ? moved.tick : cell->tick;
+  cell->count = cell->count * decay_.After(tick - cell->tick) + moved.count * decay_.After(tick - moved.tick);
+  cell->tick = tick;
   if (!later) return true;
   cell->x_m = static_cast<float>(moved.at.x_m - i * cell_m());
   cell->y_m = static_cast<float>(moved.at.y_m - j * cell_m());
@@ -44,7 +43,7 @@ void OccupancyGrid::Turn(double angle_rad) {
   grid_.ForEach([&](std::int32_t i, std::int32_t j, const Cell& cell) {
     const Point hit = HitOf(i, j, cell);
     const double x = hit.x_m - robot().x_m, y = hit.y_m - robot().y_m;
-    moved_.push_back({{robot().x_m + c * x - s * y, robot().y_m + s * x + c * y}, cell.count, cell.sweep});
+    moved_.push_back({{robot().x_m + c * x - s * y, robot().y_m + s * x + c * y}, cell.count, cell.tick});
   });
   grid_.Clear();
   for (const Moved& moved : moved_) Put(moved);

@@ -23,10 +23,13 @@ class OccupancyGrid {
   Point robot() const { return grid_.robot(); }
 
   void MoveTo(double x_m, double y_m) { grid_.MoveTo(x_m, y_m); }
-  // One more sweep: all counts decay. They do so when they are next looked at.
-  void NextSweep() { ++sweep_; }
+  // The next sweep, so many ticks after the last: all counts decay. They do so when they are next looked at.
+  void NextSweep(std::int32_t ticks = kTicksASweep) {
+    tick_ += ticks;
+    weight_ = decay_.Weight(ticks);
+  }
   // A reading fell onto this point. False: it lies outside the window, and nothing happens.
-  bool Hit(Point at) { return Put({at, 1, sweep_}); }
+  bool Hit(Point at) { return Put({at, weight_, tick_}); }
 
   // C(i, j) (1 - d), C as it stands after the hits of the sweep: what share of the sweeps hits the cell. 0
   // where nothing is known.
@@ -50,18 +53,17 @@ class OccupancyGrid {
 
  private:
   struct Cell {
-    float count = 0;         // as it was at `sweep`
-    std::int32_t sweep = 0;  // of the last hit
+    float count = 0;         // as it was at `tick`
+    std::int32_t tick = 0;   // of the last hit
     float x_m = 0, y_m = 0;  // the last hit, from the cell's middle
   };
   struct Moved {
     Point at;
     float count;
-    std::int32_t sweep;
+    std::int32_t tick;
   };
-  double FrequencyOf(const Cell& cell) const {
-    return cell.count * decay_.After(sweep_ - cell.sweep) * share_;
-  }
+
+  double FrequencyOf(const Cell& cell) const { return cell.count * decay_.After(tick_ - cell.tick) * share_; }
   Point HitOf(std::int32_t i, std::int32_t j, const Cell& cell) const {
     return {i * cell_m() + cell.x_m, j * cell_m() + cell.y_m};
   }
@@ -70,7 +72,8 @@ class OccupancyGrid {
   TorusGrid<Cell> grid_;
   Decay decay_;
   double share_, occupied_;
-  std::int32_t sweep_ = 0;
+  std::int32_t tick_ = 0;
+  float weight_ = 1;          // of a hit of this sweep
   std::vector<Moved> moved_;  // for Turn; room for all cells from the start
 };
 

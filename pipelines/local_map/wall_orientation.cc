@@ -2,11 +2,12 @@
 
 namespace cairn::local_map {
 
-void WallOrientation::Add(std::span<const Edge> edges) {
-  histogram_.Scale(static_cast<float>(kept_));
+void WallOrientation::Add(std::span<const Edge> edges, std::int32_t ticks) {
+  histogram_.Scale(decay_.After(ticks));
+  const float weight = decay_.Weight(ticks);
   for (const Edge& edge : edges) {
     const double length_m = edge.LengthM();
-    histogram_.Add(edge.angle_rad, kPeriodRad, static_cast<float>(length_m * length_m * length_m));
+    histogram_.Add(edge.angle_rad, kPeriodRad, weight * static_cast<float>(length_m * length_m * length_m));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "pipelines/local_map/angle_histogram.h"
+#include "pipelines/local_map/decay.h"
 #include "pipelines/local_map/edge.h"
 
 namespace cairn::local_map {
@@ -21,11 +22,12 @@ class WallOrientation {
   static constexpr double kPeriodRad = std::numbers::pi / 2;
 
   // `kept`: the fraction of the histogram that is kept each sweep.
-  WallOrientation(double kept, PeakRule rule) : kept_(kept), rule_(rule) {}
+  WallOrientation(double kept, PeakRule rule) : decay_(kept), rule_(rule) {}
 
-  // One more sweep with these edges. Each counts with the cube of its length in metres: as the inverse
-  // variance of the angle of a line that is fitted to hits which lie evenly along it.
-  void Add(std::span<const Edge> edges);
+  // The next sweep, so many ticks after the last, with these edges. Each counts with the cube of its length
+  // in metres: as the inverse variance of the angle of a line that is fitted to hits which lie evenly along
+  // it.
+  void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksASweep);
 
   // Direction of the walls in [-pi / 4, pi / 4] and how strong it is; none without a strong peak.
   std::optional<AnglePeak> Dominant() const;
@@ -35,7 +37,7 @@ class WallOrientation {
   void Turn(double angle_rad) { histogram_.Shift(angle_rad, kPeriodRad); }
 
  private:
-  double kept_;
+  Decay decay_;
   PeakRule rule_;
   AngleHistogram histogram_;
 };

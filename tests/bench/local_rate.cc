@@ -25,6 +25,7 @@ double MicrosecondsSince(Clock::time_point begin) {
 
 // What a robot met on its way, so that nothing but the grids is measured.
 struct Recorded {
+  double time_s;
   Pose odometry;
   double turret_rad;
   std::vector<double> range_m;
@@ -36,7 +37,7 @@ std::vector<Recorded> Record(int sweeps, std::uint64_t seed) {
   std::vector<Recorded> all;
   for (int k = 0; k < sweeps; ++k) {
     const RingSweep sweep = drive.Next();
-    all.push_back({drive.odometry(), sweep.turret_rad, {sweep.range_m.begin(), sweep.range_m.end()}});
+    all.push_back({sweep.time_s, drive.odometry(), sweep.turret_rad, {sweep.range_m.begin(), sweep.range_m.end()}});
   }
   return all;
 }
@@ -55,7 +56,7 @@ void MeasureSweeps(int sweeps) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     LocalGrids grids({}, {SensorRing(RingBeams(), kTestOpeningRad, 6)});
     for (const Recorded& r : Record(sweeps, seed)) {
-      const RingSweep sweep{0, r.turret_rad, r.range_m};
+      const RingSweep sweep{r.time_s, r.turret_rad, r.range_m};
       const auto begin = Clock::now();
       grids.Update(r.odometry, std::span(&sweep, 1));
       us.push_back(MicrosecondsSince(begin));
