@@ -8,21 +8,30 @@
 #include "pipelines/local_map/corrected_path.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
+#include "pipelines/local_map/scale_watch.h"
 
 namespace cairn::local_map {
 namespace {
 
 constexpr std::size_t kQuarters = 4, kKnotsOfTask = 40;
 
-std::vector<std::vector<float>> EdgesOf(Partials& partials, std::size_t robots) {
-  std::vector<std::vector<float>> edges(robots);
+// What the tasks saw of walls, of each robot.
+struct Watched {
+  std::vector<std::vector<float>> edges_m;
+  std::vector<std::vector<Approach>> approaches;
+};
+
+Watched WatchedBy(Partials& partials, std::size_t robots) {
+  Watched watched{std::vector<std::vector<float>>(robots), std::vector<std::vector<Approach>>(robots)};
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
-    auto& of_robot = edges[static_cast<std::size_t>(partial->Scalar<std::int64_t>("robot"))];
-    const auto more = partial->Get<float>("edges_m");
-    of_robot.insert(of_robot.end(), more.begin(), more.end());
+    const auto r = static_cast<std::size_t>(partial->Scalar<std::int64_t>("robot"));
+    const auto edges = partial->Get<float>("edges_m");
+    watched.edges_m[r].insert(watched.edges_m[r].end(), edges.begin(), edges.end());
+    const auto way2 = partial->Get<double>("way2_m2"), distance = partial->Get<double>("way_distance_m2");
+    for (std::size_t a = 0; a < way2.size(); ++a) watched.approaches[r].push_back({way2[a], distance[a]});
   }
-  return edges;
+  return watched;
 }
 
 std::vector<OrientationSight> SightsOf(const std::vector<Sweep>& sweeps, const std::vector<float>& edges) {
@@ -83,18 +92,24 @@ class Turn {
 
   void Orient() {
     const bool first = phase_ == "walls";
-    const std::vector<std::vector<float>> edges = EdgesOf(partials_, robots_);
+    const Watched watched = WatchedBy(partials_, robots_);
     std::string note;
     for (std::size_t r = 0; r < robots_; ++r) {
       const BlobPtr rows = inputs_.Get(first ? RowsName(r) : PathName(r));
       std::vector<Sweep> sweeps = SweepsOf(*rows);
-      const OrientationTrack track = TrackOrientation(SightsOf(sweeps, edges[r]), options_.orientation);
+      const OrientationTrack track =
+          TrackOrientation(SightsOf(sweeps, watched.edges_m[r]), options_.orientation);
       Share(WallsName(r), WallsBlob(track, first ? nullptr : inputs_.Get(WallsName(r)).get()));
-      Correct(track, &sweeps);
+      const double scale = first ? 1 : ScaleOf(watched.approaches[r]);
+      Correct(track, scale, &sweeps);
       Share(PathName(r), WithPoses(*rows, sweeps));
       char text[160];
-      std::snprintf(text, sizeof text, "odometry drifts by %.3f rad/m, %.1f%% of turns, %.3f rad/sqrt(m)",
-                    track.drift_rad_per_m, 100 * track.turn_scale, track.walk_rad_per_sqrt_m);
+      if (first)
+        std::snprintf(text, sizeof text, "odometry drifts by %.3f rad/m, %.1f%% of turns, %.3f rad/sqrt(m)",
+                      track.drift_rad_per_m, 100 * track.turn_scale, track.walk_rad_per_sqrt_m);
+      else
+        std::snprintf(text, sizeof text, "odometry's metre is %.4f m by %zu walls", scale,
+                      watched.approaches[r].size());
       note += (note.empty() ? "" : "; ") + std::string(text);
       if (!first) Share(KnotsName(r), KnotsBlob(KnotsOf(sweeps, options_.knots)));
       PlanSegments(r, sweeps, first ? "walls" : "traces");
@@ -156,8 +171,7 @@ class Turn {
       for (const std::int64_t sweep : inputs_.Get(KnotsName(r))->Get<std::int64_t>("sweep"))
         robot.knots.push_back(static_cast<std::size_t>(sweep));
       const std::vector<Leg> legs =
-          LegsOf(robot.sweeps, robot.knots, static_cast<std::int32_t>(knots_.size()), static_cast<int>(r),
-                 options_.knots);
+          LegsOf(robot.sweeps, robot.knots, static_cast<std::int32_t>(knots_.size()), options_.knots);
       legs_.insert(legs_.end(), legs.begin(), legs.end());
       for (const std::size_t sweep : robot.knots) {
         const Pose& pose = robot.sweeps[sweep].pose;
@@ -218,7 +232,7 @@ class Turn {
     }
     std::vector<Point> start;
     for (const Knot& knot : knots_) start.push_back(knot.dead);
-    const Assembly assembly = Assemble(start, static_cast<int>(robots_), legs_, relations, options_.assembly);
+    const Assembly assembly = Assemble(start, legs_, relations, options_.assembly);
     std::vector<double> placed;
     for (std::size_t k = 0; k < knots_.size(); ++k) {
       knots_[k].at = assembly.knot[k];
@@ -230,8 +244,8 @@ class Turn {
     const auto used = std::ranges::count_if(assembly.weight, [](double w) { return w > 0; });
     const std::int64_t round = state().scalars().at(kRound).i();
     char text[160];
-    std::snprintf(text, sizeof text, "%zu pairs, %zu matched, %lld followed; odometry's scale %.4f",
-                  pairs.size(), relations.size(), static_cast<long long>(used), assembly.scale[0]);
+    std::snprintf(text, sizeof text, "%zu pairs, %zu matched, %lld followed", pairs.size(), relations.size(),
+                  static_cast<long long>(used));
     step_.plan.set_note(text);
     if (round >= options_.loop_rounds) {
       std::vector<Loop> loops;

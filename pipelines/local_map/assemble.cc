@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kHeld_m = 1e-4;  // sd by which the first knots are held
 
-// Normal equations of unknowns x_0, y_0, x_1, ..., then the odometers' scale errors.
+// Normal equations of unknowns x_0, y_0, x_1, ...
 class Equations {
  public:
-  Equations(std::size_t knots, int odometers)
-      : knots_(static_cast<int>(knots)), right_(Eigen::VectorXd::Zero(2 * knots_ + odometers)) {}
+  explicit Equations(std::size_t knots)
+      : right_(Eigen::VectorXd::Zero(2 * static_cast<Eigen::Index>(knots))) {}
 
   // (a . unknowns - value)^2 weight
   struct Term {
@@ -30,13 +30,10 @@ class Equations {
     }
   }
 
-  // One component of (knot `to` - knot `from`), along (c, s); `scaled`: the part of it that grows with the
-  // odometer's scale error.
-  void AddDifference(int from, int to, double c, double s, double value, double weight, int odometer = -1,
-                     double scaled = 0) {
-    const Term terms[] = {
-        {2 * to, c}, {2 * to + 1, s}, {2 * from, -c}, {2 * from + 1, -s}, {2 * knots_ + odometer, -scaled}};
-    Add(terms, odometer >= 0 ? 5 : 4, value, weight);
+  // One component of (knot `to` - knot `from`), along (c, s).
+  void AddDifference(int from, int to, double c, double s, double value, double weight) {
+    const Term terms[] = {{2 * to, c}, {2 * to + 1, s}, {2 * from, -c}, {2 * from + 1, -s}};
+    Add(terms, 4, value, weight);
   }
 
   Eigen::VectorXd Solve() const {
@@ -48,7 +45,6 @@ class Equations {
   }
 
  private:
-  int knots_;
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::VectorXd right_;
 };
@@ -59,7 +55,7 @@ void AddLegs(const std::vector<Leg>& legs, Equations* equations) {
   for (const Leg& leg : legs) {
     const double length = std::hypot(leg.way.x_m, leg.way.y_m);
     const double c = length > 0 ? leg.way.x_m / length : 1, s = length > 0 ? leg.way.y_m / length : 0;
-    equations->AddDifference(leg.from, leg.to, c, s, length, 1 / Square(leg.along_m), leg.odometer, length);
+    equations->AddDifference(leg.from, leg.to, c, s, length, 1 / Square(leg.along_m));
     equations->AddDifference(leg.from, leg.to, -s, c, 0, 1 / Square(leg.across_m));
   }
 }
@@ -95,23 +91,18 @@ std::vector<int> HeldKnots(std::size_t knots, const std::vector<Leg>& legs) {
 
 }  // namespace
 
-Assembly Assemble(const std::vector<Point>& start, int odometers, const std::vector<Leg>& legs,
+Assembly Assemble(const std::vector<Point>& start, const std::vector<Leg>& legs,
                   const std::vector<Relation>& relations, const AssemblyOptions& options) {
   const std::vector<int> held = HeldKnots(start.size(), legs);
-  Assembly assembly{start, std::vector<double>(static_cast<std::size_t>(odometers), 1.0),
-                    std::vector<double>(relations.size(), 1.0)};
+  Assembly assembly{start, std::vector<double>(relations.size(), 1.0)};
   if (start.empty()) return assembly;
   const auto solve = [&] {
-    Equations equations(start.size(), odometers);
+    Equations equations(start.size());
     for (const int k : held) {
       const Point& at = start[static_cast<std::size_t>(k)];
       const Equations::Term x{2 * k, 1}, y{2 * k + 1, 1};
       equations.Add(&x, 1, at.x_m, 1 / Square(kHeld_m));
       equations.Add(&y, 1, at.y_m, 1 / Square(kHeld_m));
-    }
-    for (int o = 0; o < odometers; ++o) {
-      const Equations::Term scale{2 * static_cast<int>(start.size()) + o, 1};
-      equations.Add(&scale, 1, 0, 1 / Square(options.scale_sd));
     }
     AddLegs(legs, &equations);
     for (std::size_t r = 0; r < relations.size(); ++r)
@@ -122,9 +113,6 @@ Assembly Assemble(const std::vector<Point>& start, int odometers, const std::vec
       const auto at = static_cast<Eigen::Index>(2 * k);
       assembly.knot[k] = {solved[at], solved[at + 1]};
     }
-    for (int o = 0; o < odometers; ++o)
-      assembly.scale[static_cast<std::size_t>(o)] =
-          1 + solved[2 * static_cast<Eigen::Index>(start.size()) + o];
   };
   // The first answer follows odometry alone; relations come in by what they differ from it.
   std::ranges::fill(assembly.weight, 0.0);

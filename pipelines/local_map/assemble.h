@@ -15,7 +15,6 @@ struct Leg {
   std::int32_t from = 0, to = 0;
   Point way;
   double along_m = 0, across_m = 0;  // sd along the way and to its side
-  std::int32_t odometer = -1;        // which scale error its length has part in; -1: none
 };
 
 // What matching says: the robot at `to` is at `offset` from where it was at `from`.
@@ -28,14 +27,12 @@ struct Relation {
 };
 
 struct AssemblyOptions {
-  double scale_sd = 0.03;  // of an odometer's scale error
-  double gate = 3.0;       // standard deviations beyond which a relation is taken to be of another place
-  int rounds = 30;         // of reweighting
+  double gate = 3.0;  // standard deviations beyond which a relation is taken to be of another place
+  int rounds = 30;    // of reweighting
 };
 
 struct Assembly {
   std::vector<Point> knot;     // the first of each connected part stays where it is
-  std::vector<double> scale;   // of each odometer: true way / measured way
   std::vector<double> weight;  // of each relation, 0: contradicted by the others, 1: followed
 };
 
@@ -43,7 +40,7 @@ struct Assembly {
 // bounded loss (Geman and McClure), whose bound is reached from a wide one step by step (graduated
 // non-convexity: Yang, Antonante, Tzoumas, Carlone 2020), so that a few wrong loops have no pull in the end.
 // `start`: [knots] where they are before; the first knot of each part is held there.
-Assembly Assemble(const std::vector<Point>& start, int odometers, const std::vector<Leg>& legs,
+Assembly Assemble(const std::vector<Point>& start, const std::vector<Leg>& legs,
                   const std::vector<Relation>& relations, const AssemblyOptions& options);
 
 }  // namespace cairn::local_map

@@ -9,7 +9,8 @@
 namespace cairn::local_map {
 
 // Takes the walls' orientation out of the sweeps' headings, so that walls lie along the axes, and turns each
-// way between two sweeps likewise. `walls`: of each sweep, in the frame of its pose.
-void Correct(const OrientationTrack& walls, std::vector<Sweep>* sweeps);
+// way between two sweeps likewise, and makes it `scale` times as long. `walls`: of each sweep, in the frame
+// of its pose.
+void Correct(const OrientationTrack& walls, double scale, std::vector<Sweep>* sweeps);
 
 }  // namespace cairn::local_map

@@ -15,7 +15,7 @@ std::vector<std::size_t> KnotsOf(const std::vector<Sweep>& sweeps, const KnotOpt
 }
 
 std::vector<Leg> LegsOf(const std::vector<Sweep>& sweeps, const std::vector<std::size_t>& knots,
-                        std::int32_t first, int odometer, const KnotOptions& options) {
+                        std::int32_t first, const KnotOptions& options) {
   constexpr double kLeast_m = 0.005;
   std::vector<Leg> legs;
   for (std::size_t k = 1; k < knots.size(); ++k) {
@@ -29,7 +29,6 @@ std::vector<Leg> LegsOf(const std::vector<Sweep>& sweeps, const std::vector<std:
     const double more = !cut ? 0 : to.jumped ? options.jump_m : options.gap_m;
     leg.along_m = std::hypot(options.along_sd * root, kLeast_m, more);
     leg.across_m = std::hypot(options.across_sd * root, kLeast_m, more);
-    leg.odometer = cut ? -1 : odometer;
     legs.push_back(leg);
   }
   return legs;

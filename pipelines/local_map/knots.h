@@ -22,7 +22,7 @@ std::vector<std::size_t> KnotsOf(const std::vector<Sweep>& sweeps, const KnotOpt
 
 // From each of these knots to the next, by the sweeps' poses. `first`: the number of the first knot.
 std::vector<Leg> LegsOf(const std::vector<Sweep>& sweeps, const std::vector<std::size_t>& knots,
-                        std::int32_t first, int odometer, const KnotOptions& options);
+                        std::int32_t first, const KnotOptions& options);
 
 // The sweeps' poses with the knots where `placed` says; what it moves them by is shared out over the way.
 void MoveTo(const std::vector<std::size_t>& knots, const Point* placed, std::vector<Sweep>* sweeps);

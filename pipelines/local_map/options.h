@@ -70,8 +70,6 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"loop_most_m", "m", 0.05, 10, "but no more than that"}, o.pairs.most_m);
   visit(Option{"loop_null", "", -10, 10, "similarity a comparable side that unrelated places reach"},
         o.pairs.find.null_score);
-  visit(Option{"scale_sd", "", 1e-6, 1, "sd of an error of odometry's scale that lasts over the log"},
-        o.assembly.scale_sd);
   visit(Option{"loop_gate", "", 0.5, 100,
                "standard deviations beyond which a loop contradicts the rest and is not followed"},
         o.assembly.gate);

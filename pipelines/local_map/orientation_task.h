@@ -8,7 +8,8 @@
 namespace cairn::local_map {
 
 // `edges_m` [sweeps - own, kBins]: directions of the current edges modulo pi / 2, in the frame of the rows'
-// poses, of each sweep from `own` on.
+// poses, of each sweep from `own` on. `way2_m2`, `way_distance_m2` of approaches to walls (scale_watch.h),
+// which mean something where walls lie along the axes.
 Blob WatchWalls(SweepReader& sweeps, std::size_t own, GridOptions options, Progress& progress);
 
 }  // namespace cairn::local_map

@@ -46,8 +46,9 @@ SweepReader::SweepReader(const Blob& log, const Blob& rings, const Blob& rows, s
     std::vector<Pose> beams;
     for (std::size_t b = 0; b < beam.size(); b += 3) beams.push_back({beam[b], beam[b + 1], beam[b + 2]});
     const double opening_rad = rings.Scalar<double>(Numbered(k) + "opening_rad");
-    rings_.emplace_back(beams, opening_rad, rings.Scalar<double>(Numbered(k) + "max_range_m"),
-                        SectorsOf(beams, opening_rad, ring_beams));
+    const double max_range_m = rings.Scalar<double>(Numbered(k) + "max_range_m");
+    rings_.emplace_back(beams, opening_rad, max_range_m, SectorsOf(beams, opening_rad, ring_beams));
+    beams_.push_back({beams, opening_rad, max_range_m});
     range_m_.push_back(log.at(name + "range_m"));
     turret_rad_.push_back(TurretOf(log, name));
   }

@@ -8,6 +8,7 @@
 #include "pipelines/common/pose.h"
 #include "pipelines/common/range_scans.h"
 #include "pipelines/local_map/ring.h"
+#include "pipelines/local_map/scale_watch.h"
 #include "schema/blob.h"
 
 namespace cairn::local_map {
@@ -23,6 +24,7 @@ class SweepReader {
 
   std::size_t size() const { return time_s_.size(); }
   const std::vector<SensorRing>& rings() const { return rings_; }
+  const std::vector<ScaleWatch::Ring>& beams() const { return beams_; }
   double time_s(std::size_t sweep) const { return time_s_[sweep]; }
   Pose pose(std::size_t sweep) const {
     return {pose_[3 * sweep], pose_[3 * sweep + 1], pose_[3 * sweep + 2]};
@@ -32,6 +34,7 @@ class SweepReader {
 
  private:
   std::vector<SensorRing> rings_;
+  std::vector<ScaleWatch::Ring> beams_;
   std::vector<Array> range_m_;                   // of each ring, keeps them alive
   std::vector<std::vector<double>> turret_rad_;  // of each ring's scans; empty: no turret
   std::vector<double> time_s_, pose_;
