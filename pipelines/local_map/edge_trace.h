@@ -30,6 +30,7 @@ struct Side {
   Interval angle_rad;   // directions of the edges, from the z axis, modulo pi; its centre in [-pi/2, pi/2]
   Interval distance_m;  // of the nearest edges from the z axis
   float cross_m = kUnseen;    // z of the edges that run across the way, from the feature's centre; NaN: none
+  float cross_cells = 0;      // cells that those fill: as many witnesses as columns of a wall along the way
   float nearest_m = kUnseen;  // immediate traces: distance of the closest occupied cell; NaN: none
   std::uint8_t occupied = 0;  // whether cells of those edges were occupied
 

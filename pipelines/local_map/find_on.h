@@ -16,7 +16,7 @@ struct FindOptions {
   double null_score = 1.3;      // similarity a comparable side that places which have nothing in common reach
   double floor_sd_m = 0.015;    // added in squares: what no match resolves
   double apart_m = 0.5;         // candidates nearer than that are one
-  int min_known = 20;           // sides that must be comparable
+  int min_known = 8;           // sides that must be comparable
   int max_candidates = 3;
 
   // Averages: what differs little between two places is all that tells them apart, and trimming drops it.

@@ -63,6 +63,7 @@ class SideReader {
     for (int u = 1; u <= last; ++u) Look(u);
     Side side = (along_.known() ? along_ : across_).ToSide();
     if (cross_weight_ > 0) side.cross_m = static_cast<float>(cross_sum_m_ / cross_weight_);
+    side.cross_cells = static_cast<float>(cross_cells_);
     side.nearest_m = nearest_m_;
     return side;
   }
@@ -84,6 +85,7 @@ class SideReader {
       across_.Add(u, angle, sign_ * at.u_m, edge->weight, occupied);
       cross_sum_m_ += edge->weight * off_m;
       cross_weight_ += edge->weight;
+      ++cross_cells_;
     } else {  // where it passes the column's middle
       along_.Add(u, angle, sign_ * (at.u_m - std::tan(angle) * off_m), edge->weight, occupied);
     }
@@ -95,6 +97,7 @@ class SideReader {
   double cell_m_;
   Group along_, across_;
   double cross_sum_m_ = 0, cross_weight_ = 0;
+  int cross_cells_ = 0;
   float nearest_m_ = kUnseen;
 };
 

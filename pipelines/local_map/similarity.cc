@@ -109,17 +109,21 @@ float CrossSimilarity(const EdgeTrace& recorded, const Side& now, double at_z, b
   const double cell_m = recorded.cell_m(), at_m = at_z * cell_m + now.cross_m;
   const int middle = static_cast<int>(std::lround(at_m / cell_m));
   double nearest_m = INFINITY;
+  float cells = now.cross_cells;
   bool seen = false;
   for (int z = middle - 2; z <= middle + 2; ++z) {
     const Feature* feature = recorded.Find(z);
     if (!feature) continue;
     const Side& side = left ? feature->left : feature->right;
     seen = seen || (z == middle && side.known());
-    if (side.cross_m == side.cross_m)
-      nearest_m = std::min(nearest_m, std::abs(z * cell_m + side.cross_m - at_m));
+    const double off_m = std::abs(z * cell_m + side.cross_m - at_m);
+    if (!(off_m < nearest_m)) continue;  // also where there is none
+    nearest_m = off_m;
+    cells = std::min(now.cross_cells, side.cross_cells);
   }
+  const float witnesses = std::min(cells, static_cast<float>(options.most_cross_cells));
   if (std::isinf(nearest_m)) return seen ? static_cast<float>(options.missing) : 0.0F;
-  return DistanceSimilarity(nearest_m, 0, 0, options.cross_sigma_m);
+  return witnesses * DistanceSimilarity(nearest_m, 0, 0, options.cross_sigma_m);
 }
 
 Total TotalOf(std::span<float> left, std::span<float> right, Scheme scheme, double trim) {

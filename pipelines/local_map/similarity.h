@@ -13,6 +13,7 @@ struct SimilarityOptions {
   double angle_rad = std::numbers::pi / 4;  // a gap between orientations that makes them incompatible
   double sigma_m = 0.06;                    // of the difference of two distances of the same edge
   double cross_sigma_m = 0.06;              // the same of edges across the way
+  double most_cross_cells = 8;              // of an edge across the way count
   double missing = -0.3;  // an edge now, in a feature that was recorded with an edge on the other side only
 };
 
@@ -31,8 +32,8 @@ float WidthSimilarity(const Feature& recorded, const Feature& now, const Similar
 float SideSimilarity(const Side& recorded, const Side& now, double nearer_m,
                      const SimilarityOptions& options);
 
-// Where an edge across the way lies along it: feature `z` of `now` placed at `at_z` (in cells, any fraction)
-// of the recorded trace; `left`: which side.
+// Where edges across the way lie along it, times the number of cells that both know of them: a feature placed
+// at `at_z` (in cells, any fraction) of the recorded trace; `left`: which side.
 float CrossSimilarity(const EdgeTrace& recorded, const Side& now, double at_z, bool left,
                       const SimilarityOptions& options);
 

@@ -84,6 +84,7 @@ TEST(CrossSimilarity, KnowsFractionsOfACell) {
   const EdgeTrace recorded = HandTrace(Corridor(), {}, -4, 31);  // edges at 2.0 and 3.1 m on the left
   Side now;
   now.cross_m = 0.03F;
+  now.cross_cells = 1;
   EXPECT_NEAR(CrossSimilarity(recorded, now, (2.0 - 0.03) / 0.15, true, kOptions), 1, 1e-5);
   EXPECT_LT(CrossSimilarity(recorded, now, (2.2 - 0.03) / 0.15, true, kOptions), -0.9);
   EXPECT_NEAR(CrossSimilarity(recorded, now, 17, true, kOptions), kOptions.missing, 1e-6);

@@ -30,7 +30,10 @@ inline Side HandSide(const std::vector<WallFrom>& walls, const std::vector<doubl
     side.occupied = 1;
   }
   for (const double at_m : cross)
-    if (std::abs(at_m - z_m) <= cell_m / 2) side.cross_m = static_cast<float>(at_m - z_m);
+    if (std::abs(at_m - z_m) <= cell_m / 2) {
+      side.cross_m = static_cast<float>(at_m - z_m);
+      side.cross_cells = 1;
+    }
   return side;
 }
 

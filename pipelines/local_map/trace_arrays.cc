@@ -6,15 +6,16 @@ namespace {
 void Append(const Side& side, std::vector<float>* numbers) {
   numbers->insert(numbers->end(),
                   {side.angle_rad.low, side.angle_rad.high, side.distance_m.low, side.distance_m.high,
-                   side.cross_m, side.nearest_m, side.occupied ? 1.0F : 0.0F});
+                   side.cross_m, side.cross_cells, side.nearest_m, side.occupied ? 1.0F : 0.0F});
 }
 
 Side SideOf(std::span<const float> n) {
   return {.angle_rad = {n[0], n[1]},
           .distance_m = {n[2], n[3]},
           .cross_m = n[4],
-          .nearest_m = n[5],
-          .occupied = n[6] > 0 ? std::uint8_t{1} : std::uint8_t{0}};
+          .cross_cells = n[5],
+          .nearest_m = n[6],
+          .occupied = n[7] > 0 ? std::uint8_t{1} : std::uint8_t{0}};
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ struct RecordedTrace {
   EdgeTrace trace;
 };
 
-// Seven numbers a side, left before right.
-inline constexpr std::size_t kSideNumbers = 7, kFeatureNumbers = 2 * kSideNumbers;
+// Eight numbers a side, left before right.
+inline constexpr std::size_t kSideNumbers = 8, kFeatureNumbers = 2 * kSideNumbers;
 void AppendFeatures(const EdgeTrace& trace, std::vector<float>* numbers);
 // `numbers`: kFeatureNumbers a feature.
 EdgeTrace TraceOf(double cell_m, int first_z, std::span<const float> numbers);

@@ -80,10 +80,11 @@ void TraceRecorder::Merge(Side& side, Votes& votes, const Side& now) const {
     side.occupied = votes.occupied > 0 ? 1 : 0;
   }
   if (now.cross_m != now.cross_m) return;
+  if (votes.cross == 0) side.cross_m = now.cross_m;
   votes.cross = std::min(votes.cross + 1, options_.votes);
-  side.cross_m = votes.cross == 1
-                     ? now.cross_m
-                     : side.cross_m + (now.cross_m - side.cross_m) / static_cast<float>(votes.cross);
+  const auto n = static_cast<float>(votes.cross);
+  side.cross_m += (now.cross_m - side.cross_m) / n;
+  side.cross_cells += (now.cross_cells - side.cross_cells) / n;
 }
 
 TraceEnd TraceRecorder::EndOf(const LocalGrids& grids, double time_s) {
