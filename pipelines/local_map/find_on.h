@@ -12,11 +12,11 @@ struct FindOptions {
   ScoreOptions score = WideScore();
   double step_m = 0.06;         // of u
   double sharpness = 0.2;       // nats a unit of summed similarity, for the confidence,
-  double peak_sharpness = 0.6;  // and for how broad a peak is
+  double peak_sharpness = 0.4;  // and for how broad a peak is
   double null_score = 1.3;      // similarity a comparable side that places which have nothing in common reach
   double floor_sd_m = 0.015;    // added in squares: what no match resolves
   double apart_m = 0.5;         // candidates nearer than that are one
-  int min_known = 8;           // sides that must be comparable
+  int min_known = 8;            // sides that must be comparable
   int max_candidates = 3;
 
   // Averages: what differs little between two places is all that tells them apart, and trimming drops it.

@@ -13,7 +13,7 @@ struct Range {
 struct MatchOptions {
   ScoreOptions score;
   bool again = true;       // z and u once more, with u known: by the sides similarity (the paper: z, then u)
-  double sharpness = 0.5;  // nats a unit of summed similarity: neighbouring features are no two witnesses
+  double sharpness = 0.4;  // nats a unit of summed similarity: neighbouring features are no two witnesses
   double floor_sd_m = 0.01;  // added in squares: what no match resolves
   int min_known = 6;         // sides that must be comparable
   double min_gain = 0.5;     // of the summed similarities, for a correction to be significant

@@ -24,6 +24,7 @@ Peak Profile::FindPeak(double sharpness) const {
       if ((*this)[step] > (*this)[best] + 1e-9) best = step;
   Peak peak{best * step_m_, (*this)[best], 0, std::abs(best) < reach_};
   if (peak.inside) peak.at_m += step_m_ * Vertex((*this)[best - 1], (*this)[best], (*this)[best + 1]);
+  constexpr double kFlat = 0.5;
   double mass = 0, spread = 0;
   for (int step = -reach_; step <= reach_; ++step) {
     const double weight = std::exp(sharpness * ((*this)[step] - peak.value)),
@@ -32,8 +33,8 @@ Peak Profile::FindPeak(double sharpness) const {
     spread += weight * off * off;
   }
   peak.sd_m = std::sqrt(spread / mass);
-  // A flat profile gives reach / sqrt(3) and more.
-  if (peak.sd_m > 0.8 * reach_ * step_m_ / std::numbers::sqrt3)
+  // A flat profile gives reach / sqrt(3) and more. From half of that on, errors were far beyond it too often.
+  if (peak.sd_m > kFlat * reach_ * step_m_ / std::numbers::sqrt3)
     peak.sd_m = std::numeric_limits<double>::infinity();
   return peak;
 }
