@@ -199,7 +199,7 @@ std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* 
       "What moved",
       FigureHtml(LayerFigure(map, MapLayer::kDynamic, "Cells in which something moved", {}, {}),
                  "Red: an obstacle of the map through which beams passed before or after; blue: free, but "
-                 "rays ended there that nothing in the map explains."));
+                 "readings ended there, or on that arc, that nothing in the map explains."));
   html += SectionHtml("Convergence", FigureHtml(HistoryFigure(map), "Of the data, after each round."));
   html += SectionHtml("Parameters", Parameters(map));
   html += SectionHtml("Time", TimeHtml(RoundTimes(map)));

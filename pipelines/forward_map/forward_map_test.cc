@@ -202,6 +202,29 @@ TEST(ForwardMap, MarksWhoCameAndWent) {
   }
 }
 
+// A cone that met somebody for a moment says so of its arc; without anybody there is nothing to say.
+TEST(ForwardMap, MarksTheArcsOnWhichSomebodyPassedASonar) {
+  for (const int until : {0, 3}) {
+    const Room room{.scans = 120,
+                    .beams = 36,
+                    .opening_rad = 0.26,
+                    .random_share = 0,
+                    .person_from = 0,
+                    .person_until = until};
+    const BlobPtr result = MapOf(room.Log(), At(0.1));
+    const GridBox box = BoxOf(*result);
+    const auto dynamic = result->Get<std::uint8_t>("map/grid/dynamic");
+    int near_person = 0, elsewhere = 0;
+    for (std::size_t cell = 0; cell < dynamic.size(); ++cell) {
+      const auto at = static_cast<std::int64_t>(cell);
+      const double dx = box.CentreX(at % box.columns) - 4.5, dy = box.CentreY(at / box.columns) - 1;
+      (std::hypot(dx, dy) < 0.5 ? near_person : elsewhere) += dynamic[cell] == kPassed ? 1 : 0;
+    }
+    EXPECT_EQ(near_person >= 5, until > 0) << near_person;
+    EXPECT_LE(elsewhere, 3);
+  }
+}
+
 TEST(ForwardMap, SaysWhatExplainsEachReading) {
   Options options = At(0.1);
   options.grid.heldout = 0.2;

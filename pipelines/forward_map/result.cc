@@ -29,17 +29,22 @@ void TakeTile(const Blob& certainty, const Tile& tile, const GridBox& box, Cells
   }
 }
 
-// Marks where rays ended that are of nothing in the map, in cells that are known to be free.
+// Marks where readings ended that are of nothing in the map, in cells that are known to be free: on rays the
+// cell, in cones the arc, on which somebody was somewhere.
 void MarkPassers(const RangeScans& scans, std::span<const std::int32_t> cause, const Options& options,
                  const SensorModel& model, const GridBox& box, Cells* cells) {
-  if (scans.opening_rad > 0) return;  // somewhere on an arc
+  const double beside_m = std::max(model.sigma_m, box.cell_m / 2);
   ForEachReading(scans, 0, scans.scans(), box, model, false, [&](const BeamOfScan& reading) {
     if (cause[reading.scan * scans.beams.size() + reading.beam] != kRandomCause) return;
-    const Pose end = Compose(reading.from, {reading.z_m, 0, 0});
-    const std::int64_t column = box.ColumnOf(end.x_m), row = box.RowOf(end.y_m);
-    if (!box.Holds(column, row)) return;
-    const auto cell = static_cast<std::size_t>(row * box.columns + column);
-    if (cells->difference[cell] < -options.dynamic_nats) cells->dynamic[cell] = kPassed;
+    VisitBeam(
+        box, reading.from, scans.opening_rad, reading.z_m + beside_m,
+        [&](std::int64_t cell) {
+          return cells->difference[static_cast<std::size_t>(cell)] < -options.dynamic_nats;
+        },
+        [&](std::int64_t cell, double distance_m) {
+          if (std::abs(distance_m - reading.z_m) <= beside_m)
+            cells->dynamic[static_cast<std::size_t>(cell)] = kPassed;
+        });
   });
 }
 

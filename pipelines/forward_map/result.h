@@ -12,7 +12,7 @@ namespace cairn::forward_map {
 
 // Values of map/grid/dynamic.
 inline constexpr std::uint8_t kStays = 0;
-inline constexpr std::uint8_t kPassed = 1;       // free, but rays ended there that nothing else explains
+inline constexpr std::uint8_t kPassed = 1;       // free, but readings ended there that nothing else explains
 inline constexpr std::uint8_t kCameAndWent = 2;  // occupied, but seen through before or after
 
 // [T01] section 3.4's 'translation' of the difference into P(occupied): logistic(difference + prior logit),
