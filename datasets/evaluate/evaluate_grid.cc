@@ -53,6 +53,40 @@ std::vector<DoorTruth> ReadDoors(const Blob& log, const Similarity& to_map) {
   return doors;
 }
 
+// The truth in the map's frame, and the map's scans.
+struct Ground {
+  std::vector<ScoredSensor> scans;
+  Similarity to_map;
+  std::optional<double> pose_rmse_m;
+  std::optional<MapTruth> walls;
+  std::vector<DoorTruth> doors;
+};
+
+Ground GroundOf(const Blob& map, const Blob& log) {
+  CheckLog(map, log);
+  Ground ground{
+      .scans = ReadScoredScans(map, log), .to_map = {}, .pose_rmse_m = {}, .walls = {}, .doors = {}};
+  const std::vector<PointPair> pairs = PosePairs(ground.scans, log);
+  if (!pairs.empty() && RmseM(pairs, ground.to_map) > kSamePosesM) ground.to_map = FitRigid(pairs);
+  if (!pairs.empty()) ground.pose_rmse_m = RmseM(pairs, ground.to_map);
+  if (log.Has("truth/walls/x_m")) {
+    const std::vector<Wall> walls = ReadSegments(log, "truth/walls/", ground.to_map);
+    ground.walls = TruthOfWalls(ReadOccupancy(map).box, walls, ground.scans);
+  }
+  ground.doors = ReadDoors(log, ground.to_map);
+  return ground;
+}
+
+// 1 from `log_odds` on, 0 below; unknown where the map says nothing.
+Occupancy CutAt(const Occupancy& map, double log_odds) {
+  Occupancy cut = map;
+  for (double& p : cut.probability) {
+    const double l = std::log(p / (1 - p));
+    if (!std::isnan(p)) p = std::abs(l) < kSaysNothingNats ? NAN : l >= log_odds ? 1 : 0;
+  }
+  return cut;
+}
+
 LayerScore ScoreLayer(const Occupancy& map, const std::optional<MapTruth>& truth,
                       const std::vector<DoorTruth>& doors, const std::vector<ScoredSensor>& scans) {
   LayerScore score;
@@ -79,18 +113,29 @@ GridEvaluation Score(const Blob& map, const std::optional<MapTruth>& truth,
 }  // namespace
 
 GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
-  CheckLog(map, truth_log);
-  const std::vector<ScoredSensor> scans = ReadScoredScans(map, truth_log);
-  const std::vector<PointPair> pairs = PosePairs(scans, truth_log);
-  Similarity to_map;
-  if (!pairs.empty() && RmseM(pairs, to_map) > kSamePosesM) to_map = FitRigid(pairs);
-  std::optional<MapTruth> truth;
-  if (truth_log.Has("truth/walls/x_m"))
-    truth = TruthOfWalls(ReadOccupancy(map).box, ReadSegments(truth_log, "truth/walls/", to_map), scans);
-  GridEvaluation evaluation = Score(map, truth, ReadDoors(truth_log, to_map), scans);
-  evaluation.to_map = to_map;
-  if (!pairs.empty()) evaluation.pose_rmse_m = RmseM(pairs, to_map);
+  const Ground ground = GroundOf(map, truth_log);
+  GridEvaluation evaluation = Score(map, ground.walls, ground.doors, ground.scans);
+  evaluation.to_map = ground.to_map;
+  evaluation.pose_rmse_m = ground.pose_rmse_m;
   return evaluation;
+}
+
+std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_log,
+                                             const std::vector<double>& log_odds) {
+  const Ground ground = GroundOf(map, truth_log);
+  if (!ground.walls) throw InputError("the log's truth has no walls");
+  const Occupancy probability = ReadOccupancy(map);
+  std::vector<ThresholdScore> scores;
+  for (const double at : log_odds) {
+    const Occupancy cut = CutAt(probability, at);
+    ThresholdScore score{at, ScoreCells(cut, *ground.walls), true};
+    for (const DoorTruth& door : ground.doors) {
+      const bool open = PassageM(cut, door.opening) > kPassageM - 1e-9;
+      score.doors_right = score.doors_right && open == door.open;
+    }
+    scores.push_back(score);
+  }
+  return scores;
 }
 
 GridEvaluation CompareGrids(const Blob& map, const Blob& reference) {

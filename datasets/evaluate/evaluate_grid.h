@@ -39,6 +39,17 @@ struct GridEvaluation {
 // fit.
 GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log);
 
+// The map at other thresholds than 1/2: cells count as occupied from these log-odds on. A cell of which the
+// map says nothing (kSaysNothingNats) is unknown at every threshold. As EvaluateGrid; throws InputError where
+// the truth has no walls.
+struct ThresholdScore {
+  double log_odds = 0;
+  CellScore cells;
+  bool doors_right = true;
+};
+std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_log,
+                                             const std::vector<double>& log_odds);
+
 // Against another map of the same place, in the same frame.
 GridEvaluation CompareGrids(const Blob& map, const Blob& reference);
 

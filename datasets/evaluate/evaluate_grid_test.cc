@@ -99,6 +99,26 @@ TEST(EvaluateGrid, AMapInAnotherFrameIsScoredAllTheSame) {
   EXPECT_TRUE(evaluation.map.doors[0].open);
 }
 
+// DrawnMap's and PerfectMap's cells are sure to 0.1 and 0.9: log-odds of 2.2 either way.
+TEST(ScoreByThreshold, FindsMoreWallsAndMoreFalseCellsTheLowerItIs) {
+  const Blob log = Hallway(false), map = PerfectMap(log);
+  const std::vector<ThresholdScore> scores = ScoreByThreshold(map, log, {-3, 0, 3});
+  ASSERT_EQ(scores.size(), 3U);
+  EXPECT_GT(scores[0].cells.false_occupied, 10000);
+  EXPECT_EQ(scores[0].cells.missed_occupied, 0);
+  EXPECT_FALSE(scores[0].doors_right);
+  EXPECT_EQ(scores[1].cells.false_occupied, 0);
+  EXPECT_EQ(scores[1].cells.missed_occupied, 0);
+  EXPECT_TRUE(scores[1].doors_right);
+  EXPECT_EQ(scores[2].cells.missed_occupied, scores[2].cells.due);
+  Blob unsure = map;
+  std::vector<double> halves(static_cast<std::size_t>(map.at("map/grid/probability").size()), 0.501);
+  unsure.Put("map/grid/probability", Array::Of<double>(map.at("map/grid/probability").shape(), halves));
+  for (const ThresholdScore& score : ScoreByThreshold(unsure, log, {-3, 0}))
+    EXPECT_EQ(score.cells.missed_occupied, score.cells.due);  // says nothing, at any threshold
+  ExpectContains(InputErrorOf([&] { ScoreByThreshold(map, log.Without("truth/walls/"), {0}); }), "no walls");
+}
+
 TEST(EvaluateGrid, SaysWhatItMeasuredAsTheIssueNamesIt) {
   const Blob log = Hallway(false);
   const auto json = nlohmann::json::parse(GridEvaluationJson(EvaluateGrid(PerfectMap(log), log)));

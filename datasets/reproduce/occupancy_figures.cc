@@ -8,6 +8,7 @@
 #include "datasets/reproduce/occupancy_hand_tests.h"
 #include "datasets/reproduce/occupancy_panels.h"
 #include "datasets/reproduce/occupancy_scores.h"
+#include "datasets/reproduce/occupancy_thresholds.h"
 
 namespace cairn::datasets {
 namespace {
@@ -257,9 +258,10 @@ PaperFigure ChainFigure(const OccupancyStudy& study, const StageResults& results
 }  // namespace
 
 std::vector<PaperFigure> OccupancyFigures(const OccupancyStudy& study, const StageResults& results) {
-  std::vector<PaperFigure> figures{CrossingFigure(study, results),   DensityFigure(),
-                                   HallwayFigure(study, results),    NarrowDoorsFigure(study, results),
-                                   SmoothWallFigure(study, results), ChainFigure(study, results)};
+  std::vector<PaperFigure> figures{CrossingFigure(study, results),    DensityFigure(),
+                                   HallwayFigure(study, results),     ThresholdFigure(study, results),
+                                   NarrowDoorsFigure(study, results), SmoothWallFigure(study, results),
+                                   ChainFigure(study, results)};
   if (study.inputs.contains("log")) figures.push_back(LogFigure(study, results));
   return figures;
 }

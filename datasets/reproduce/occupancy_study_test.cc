@@ -7,6 +7,7 @@
 #include "datasets/evaluate/testing_grid.h"
 #include "datasets/reproduce/occupancy_figures.h"
 #include "datasets/reproduce/occupancy_scores.h"
+#include "datasets/reproduce/occupancy_thresholds.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets {
@@ -28,6 +29,14 @@ TEST(OccupancyStudy, StagesUseWhatThereIs) {
 TEST(OccupancyStudy, AMissingResultIsNamed) {
   ExpectContains(InputErrorOf([] { OccupancyFigures(MakeOccupancyStudy(7, 1, nullptr), {}); }),
                  "crossing_default");
+}
+
+TEST(LeastMissed, IsOfTheBestPointThatIsAllowed) {
+  const std::vector<ThresholdPoint> curve{{900, 0.0, 0.5}, {40, 0.1, 1}, {7, 0.3, 1}};
+  EXPECT_EQ(LeastMissed(curve, 1000), 0);
+  EXPECT_EQ(LeastMissed(curve, 899), 0.1);
+  EXPECT_EQ(LeastMissed(curve, 40), 0.1);
+  EXPECT_EQ(LeastMissed(curve, 5), 1);
 }
 
 // By hand: of 4 m of wall the middle 2 have obstacles beside them.
