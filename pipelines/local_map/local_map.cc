@@ -32,30 +32,6 @@ std::string NoteOf(const std::vector<RobotRuns>& robots, std::size_t unposed) {
          (unposed > 0 ? ", " + std::to_string(unposed) + " scans without odometry left out" : "");
 }
 
-// Counts decay by sweeps; where these are far apart, what a robot saw a few metres ago would outlive many of
-// a slow one's.
-GridOptions OfSweeps(GridOptions options, double sweep_m) {
-  constexpr double kUsual_m = 0.08;  // at 5 Hz and 0.4 m/s
-  const double longer = std::max(1.0, sweep_m / kUsual_m);
-  options.occupancy_kept = std::pow(options.occupancy_kept, longer);
-  options.edges_kept = std::pow(options.edges_kept, longer);
-  options.walls_kept = std::pow(options.walls_kept, longer);
-  return options;
-}
-
-// Of those between which the robot moved, on average.
-double WayOfSweep(const std::vector<Sweep>& sweeps) {
-  constexpr double kMoves_m = 1e-3;
-  double way_m = 0, moves = 0;
-  for (std::size_t s = 1; s < sweeps.size(); ++s) {
-    const double by_m = sweeps[s].path_m - sweeps[s - 1].path_m;
-    if (by_m < kMoves_m) continue;
-    way_m += by_m;
-    ++moves;
-  }
-  return moves > 0 ? way_m / moves : 0;
-}
-
 Blob CutsBlob(const std::vector<Cut>& cuts) {
   std::vector<double> time;
   std::vector<std::string> why;
@@ -85,7 +61,6 @@ Step LocalMap::Start(const Inputs& inputs) const {
   for (std::size_t r = 0; r < robots.size(); ++r) {
     blobs[RingsName(r)] = step.Share(RingsBlob(scans, robots[r].sensors));
     blobs[RowsName(r)] = step.Share(RowsOf(robots[r]));
-    (*state.mutable_scalars())[SweepKey(r)].set_d(WayOfSweep(robots[r].sweeps));
     blobs[CutsName(r)] = step.Share(CutsBlob(robots[r].cuts));
     for (const Stretch& segment : SegmentsOf(r, robots[r].sweeps, options_))
       AddSweepTask("walls", segment, RowsName(r), &step.plan);
@@ -133,10 +108,9 @@ Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) c
   if (task.kind() == "pairs") return MatchPairs(inputs, options_, progress);
   SweepReader sweeps(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
   const auto own = static_cast<std::size_t>(task.params().at("own").i());
-  const GridOptions grid = OfSweeps(options_.grid, task.params().at("sweep_m").d());
   Blob partial = task.kind() == "walls"
-                     ? WatchWalls(sweeps, own, grid, progress)
-                     : RecordTraces(task, inputs, grid, &sweeps, progress, options_.record);
+                     ? WatchWalls(sweeps, own, options_.grid, progress)
+                     : RecordTraces(task, inputs, options_.grid, &sweeps, progress, options_.record);
   partial.PutScalar("robot", task.params().at("robot").i());
   return partial;
 }

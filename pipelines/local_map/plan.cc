@@ -45,7 +45,6 @@ Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& 
   task.set_cost(stretch.end - stretch.first);
   auto& params = *task.mutable_params();
   params["robot"].set_i(static_cast<std::int64_t>(stretch.robot));
-  params["sweep_m"].set_d(plan->state().scalars().at(SweepKey(stretch.robot)).d());
   params["first"].set_i(static_cast<std::int64_t>(stretch.first));
   params["own"].set_i(static_cast<std::int64_t>(stretch.own - stretch.first));
   AddStateInput("log", kLogInput, plan->state(), &task);

@@ -18,7 +18,6 @@ inline std::string PathName(std::size_t r) { return "path " + std::to_string(r);
 inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // of each sweep
 inline std::string KnotsName(std::size_t r) { return "knots " + std::to_string(r); }  // sweeps of knots
 inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
-inline std::string SweepKey(std::size_t r) { return "sweep_m " + std::to_string(r); }  // way between two
 inline constexpr char kLogInput[] = "log", kPhase[] = "phase", kRobots[] = "robots", kRound[] = "round";
 inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";
 inline constexpr char kPlaced[] = "placed", kSnapshots[] = "snapshots";
