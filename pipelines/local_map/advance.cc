@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipelines/local_map/corrected_path.h"
+#include "pipelines/local_map/follow_task.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
 #include "pipelines/local_map/scale_watch.h"
@@ -69,9 +70,11 @@ class Turn {
       KeepTraces();
       LoadGraph();
       PlanPairs(1);
-    } else {
+    } else if (phase_ == "pairs") {
       LoadGraph();
       JoinPairs();
+    } else {
+      KeepPositions();
     }
     return std::move(step_);
   }
@@ -214,7 +217,7 @@ class Turn {
                     pairs.size());
       step_.plan.set_note(text);
     }
-    step_.plan.set_rounds_left(static_cast<std::uint32_t>(options_.loop_rounds - round + 1));
+    step_.plan.set_rounds_left(static_cast<std::uint32_t>(options_.loop_rounds - round + 2));
   }
 
   void JoinPairs() {
@@ -285,8 +288,31 @@ class Turn {
     PutTraces(parts, &result);
     PutConnections(parts, &result);
     result.PutAll("snapshots/", *BlobOf(kSnapshots));
-    step_.plan.clear_tasks();
+    Share(kResult, std::move(result));
+    Share(kConnections, ConnectionsBlob(ConnectionsOf(parts)));
+    PlanFollowing();
+  }
+
+  void PlanFollowing() {
+    SetPhase("follow");
+    step_.plan.set_rounds_left(1);
+    for (std::size_t r = 0; r < robots_; ++r) {
+      if (all_[r].sweeps.empty()) continue;
+      Task& task = AddSweepTask("follow", {r, 0, 0, all_[r].sweeps.size()}, PathName(r), &step_.plan);
+      AddStateInput("traces", kTraces, state(), &task);
+      AddStateInput("connections", kConnections, state(), &task);
+    }
+  }
+
+  void KeepPositions() {
+    Blob result = *inputs_.Get(kResult);
+    for (std::size_t k = 0; k < partials_.size(); ++k) {
+      const BlobPtr partial = partials_.Get(k);
+      const std::string robot = "robot/" + std::to_string(partial->Scalar<std::int64_t>("robot"));
+      result.PutAll(robot + "/positions/", partial->Sub("positions/"));
+    }
     step_.plan.set_result(step_.Share(std::move(result)));
+    step_.plan.set_note("done");
   }
 
   struct Robot {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipelines/local_map/advance.h"
+#include "pipelines/local_map/follow_task.h"
 #include "pipelines/local_map/orientation_task.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/sweep_reader.h"
@@ -102,15 +103,36 @@ Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& gri
   return partial;
 }
 
+Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, SweepReader* sweeps,
+               Progress& progress) {
+  const std::vector<Sweep> rows = SweepsOf(*inputs.Get("rows"));
+  std::vector<double> moved_m(rows.size());
+  for (std::size_t s = 1; s < rows.size(); ++s) {
+    if (rows[s].run == rows[s - 1].run) continue;
+    moved_m[s] = rows[s].jumped ? options.knots.jump_m : options.knots.gap_m;
+  }
+  const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
+  Blob partial;
+  partial.PutAll("positions/", Follow(*sweeps, robot, TracesOf(*inputs.Get("traces"), options.grid.cell_m),
+                                      ConnectionsOfBlob(*inputs.Get("connections")), moved_m, options.grid,
+                                      options.localizer, progress));
+  return partial;
+}
+
 }  // namespace
 
 Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   if (task.kind() == "pairs") return MatchPairs(inputs, options_, progress);
   SweepReader sweeps(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
-  const auto own = static_cast<std::size_t>(task.params().at("own").i());
-  Blob partial = task.kind() == "walls"
-                     ? WatchWalls(sweeps, own, options_.grid, progress)
-                     : RecordTraces(task, inputs, options_.grid, &sweeps, progress, options_.record);
+  Blob partial;
+  if (task.kind() == "walls") {
+    const auto own = static_cast<std::size_t>(task.params().at("own").i());
+    partial = WatchWalls(sweeps, own, options_.grid, progress);
+  } else if (task.kind() == "traces") {
+    partial = RecordTraces(task, inputs, options_.grid, &sweeps, progress, options_.record);
+  } else {
+    partial = FollowAll(task, inputs, options_, &sweeps, progress);
+  }
   partial.PutScalar("robot", task.params().at("robot").i());
   return partial;
 }

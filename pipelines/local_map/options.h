@@ -8,6 +8,7 @@
 #include "pipelines/local_map/assemble.h"
 #include "pipelines/local_map/grid_options.h"
 #include "pipelines/local_map/knots.h"
+#include "pipelines/local_map/localizer.h"
 #include "pipelines/local_map/orientation_track.h"
 #include "pipelines/local_map/pairs.h"
 #include "pipelines/local_map/runs.h"
@@ -25,6 +26,7 @@ struct Options {
   KnotOptions knots;
   PairOptions pairs;
   std::int64_t loop_rounds = 3;
+  LocalizerOptions localizer;
   AssemblyOptions assembly;
   std::int64_t segment_sweeps = 500;
   std::int64_t warm_up_sweeps = 60;
@@ -73,6 +75,14 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"loop_gate", "", 0.5, 100,
                "standard deviations beyond which a loop contradicts the rest and is not followed"},
         o.assembly.gate);
+  visit(Option{"range_per_m", "", 0, 1, "by which the live localizer's ranges grow, a metre of way"},
+        o.localizer.range_per_m);
+  visit(Option{"range_least_m", "m", 0.01, 10, "they never fall below"}, o.localizer.least_m);
+  visit(Option{"range_most_m", "m", 0.1, 10, "nor grow beyond, unless the robot is lost"},
+        o.localizer.most_m);
+  visit(Option{"lost_m", "m", 0.1, 1e6, "of way without any correction, after which the robot is lost"},
+        o.localizer.lost_m);
+  visit(Option{"lost_range_m", "m", 0.1, 10, "ranges grow up to this then"}, o.localizer.lost_most_m);
   visit(Option{"segment_sweeps", "", 50, 1e6, "sweeps of a task"}, o.segment_sweeps);
   visit(Option{"warm_up_sweeps", "", 0, 1e5, "sweeps before a task's own, from which its grids begin"},
         o.warm_up_sweeps);

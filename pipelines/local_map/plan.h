@@ -21,6 +21,7 @@ inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r);
 inline constexpr char kLogInput[] = "log", kPhase[] = "phase", kRobots[] = "robots", kRound[] = "round";
 inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";
 inline constexpr char kPlaced[] = "placed", kSnapshots[] = "snapshots";
+inline constexpr char kConnections[] = "connections", kResult[] = "result";
 
 // A stretch of sweeps that one task goes through, those before `own` to warm up.
 struct Stretch {

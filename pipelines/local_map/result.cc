@@ -37,15 +37,6 @@ struct ConnectionColumns {
   std::vector<std::uint8_t> used;
 };
 
-// The trace of this robot during which sweep `s` was, or the last that began before it; -1: none.
-std::int32_t TraceAt(const Parts& parts, std::size_t robot, std::size_t sweep) {
-  std::int32_t found = -1;
-  for (std::size_t t = 0; t < parts.traces.size(); ++t)
-    if (parts.traces[t].robot == robot && parts.traces[t].first <= sweep)
-      found = static_cast<std::int32_t>(t);
-  return found;
-}
-
 // Where the assembled path has a point, in a trace's frame.
 Position OnTrace(const Parts& parts, std::size_t t, const Point& at) {
   const RecordedTrace& trace = parts.traces[t];
@@ -108,6 +99,14 @@ void AddLoops(const Parts& parts, ConnectionColumns* c) {
 }
 
 }  // namespace
+
+std::int32_t TraceAt(const Parts& parts, std::size_t robot, std::size_t sweep) {
+  std::int32_t found = -1;
+  for (std::size_t t = 0; t < parts.traces.size(); ++t)
+    if (parts.traces[t].robot == robot && parts.traces[t].first <= sweep)
+      found = static_cast<std::int32_t>(t);
+  return found;
+}
 
 Blob WallsBlob(const OrientationTrack& track, const Blob* before) {
   std::vector<double> angle, strength;

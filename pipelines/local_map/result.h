@@ -37,6 +37,9 @@ void PutWalls(const std::string& prefix, const std::vector<Sweep>& sweeps, const
 void PutTraces(const Parts& parts, Blob* result);
 void PutConnections(const Parts& parts, Blob* result);
 
+// The trace of this robot during which the sweep was, or the last that began before it; -1: none.
+std::int32_t TraceAt(const Parts& parts, std::size_t robot, std::size_t sweep);
+
 // Where a trace's frame lies in the assembled world: its way's knots are off their dead reckoning by so much
 // on average.
 Point MovedBy(const RecordedTrace& trace, const std::vector<Knot>& knots);
