@@ -17,8 +17,18 @@ void NeedEnd(const Fields& line, std::size_t end, const std::string& declared) {
   line.Need(end + 3, declared);
 }
 
+// Whether both lists, the first of which begins with its length in field `at`, leave `behind` fields.
+bool ListsLeave(const Fields& line, std::size_t at, std::size_t behind) {
+  try {
+    const std::size_t remissions = at + 1 + line.Count(at, kMostBeams);
+    return remissions + 1 + line.Count(remissions, kMostBeams) + behind == line.size();
+  } catch (const LineError&) {
+    return false;
+  }
+}
+
 // Fills in the scan's geometry; returns the field of the number of readings.
-std::size_t ParseConfiguration(const Fields& line, CarmenScan* scan) {
+std::size_t ParseConfiguration(const Fields& line, std::size_t behind, CarmenScan* scan) {
   constexpr std::size_t kStart = 2, kStep = 4, kMaximum = 5, kReadings = 8;
   scan->start_rad = line.Number(kStart);
   scan->step_rad = line.Number(kStep);
@@ -26,7 +36,8 @@ std::size_t ParseConfiguration(const Fields& line, CarmenScan* scan) {
   if (!(*scan->step_rad > 0 && *scan->step_rad < std::numbers::pi))
     throw LineError{"no angular resolution", "field 5 is '" + std::string(line.Text(kStep)) + "'"};
   if (*scan->max_range_m <= 0) scan->max_range_m.reset();
-  return kReadings;
+  const bool without_mode = !ListsLeave(line, kReadings, behind) && ListsLeave(line, kReadings - 1, behind);
+  return without_mode ? kReadings - 1 : kReadings;
 }
 
 }  // namespace
@@ -70,7 +81,9 @@ bool IsUnusedMessage(std::string_view message) {
 CarmenScan ParseScan(const Fields& line, CarmenForm form) {
   CarmenScan scan;
   const bool configured = form == CarmenForm::kRaw || form == CarmenForm::kRobot;
-  const std::size_t at = configured ? ParseConfiguration(line, &scan) : 1;
+  const bool posed = form == CarmenForm::kOld || form == CarmenForm::kRobot;
+  const std::size_t behind = (posed ? 6U : 0U) + (form == CarmenForm::kRobot ? 5U : 0U);
+  const std::size_t at = configured ? ParseConfiguration(line, behind + 3, &scan) : 1;
   const std::size_t beams = line.Count(at, kMostBeams);
   std::string declared = std::to_string(beams) + " readings";
   if (beams == 0) throw LineError{"no count", "the scan has no readings"};
@@ -82,9 +95,7 @@ CarmenScan ParseScan(const Fields& line, CarmenForm form) {
     end += 1 + remissions;
   }
   const std::size_t poses = end;
-  const bool posed = form == CarmenForm::kOld || form == CarmenForm::kRobot;
-  if (posed) end += 6;
-  if (form == CarmenForm::kRobot) end += 5;
+  end += behind;
   NeedEnd(line, end, declared);
   scan.range_m = line.Ranges(at + 1, beams, kMostRange_m);
   if (posed) {

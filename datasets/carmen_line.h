@@ -1,5 +1,7 @@
-// Lines of a CARMEN log (carmen.sourceforge.net, "Logging Data and Playing It Back"): a message each, its
-// name first, behind its contents the time of the message, the host, and the time of the logger.
+// Lines of a CARMEN log (carmen.sourceforge.net, "Logging Data and Playing It Back", and the toolkit's own
+// writer, src/logger/logwrite.c): a message each, its name first, behind its contents the time of the
+// message, the host, and the time of the logger. RAWLASERn and ROBOTLASERn of the writer's first revision
+// have no remission mode.
 #pragma once
 
 #include <cstddef>

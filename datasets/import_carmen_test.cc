@@ -120,6 +120,50 @@ TEST_F(ImportCarmenTest, NewMessagesSayTheirGeometry) {
   EXPECT_EQ(Column<double>("truth/robot/0/poses/x_m"), (std::vector<double>{0.1}));
 }
 
+// Numbers of our own in the forms that CARMEN's logger prints: carmen_logwrite_write_robot_laser,
+// …_laser_laser, …_base_sonar, …_param, …_truepos and …_odometry of src/logger/logwrite.c (a blank behind
+// each list, six digits, ranges of three, of sonars two); FLASER and RLASER as the header of its older
+// revisions says; RAWLASER4 as the first revision that had it, without a remission mode.
+TEST_F(ImportCarmenTest, ReadsWhatCarmensLoggerWrites) {
+  const ImportReport report = Import(
+      "# CARMEN Logfile\n# file format is one message per line\n"
+      "# message_name [message contents] ipc_timestamp ipc_hostname logger_timestamp\n"
+      "PARAM robot_frontlaser_offset 0.25 1127233281.000000 robot 0.500000\n"
+      "ODOM 0.000000 0.000000 0.000000 0.100000 0.000000 0.000000 1127233280.000000 robot 0.900000\n"
+      "ROBOTLASER1 0 -1.570796 3.141593 1.570796 80.000000 0.010000 0 3 1.000 2.500 81.910 0 "
+      "0.250000 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 "
+      "1127233281.000000 robot 1.000000\n"
+      "RLASER 3 1.50 1.25 1.00 -0.200000 0.000000 3.141593 0.000000 0.000000 0.000000 1127233281.000000 "
+      "robot "
+      "1.100000\n"
+      "RAWLASER3 0 -1.570796 3.141593 1.570796 80.000000 0.010000 1 3 1.000 2.500 3.000 3 11.000000 "
+      "12.000000 "
+      "13.000000 1127233281.500000 robot 1.500000\n"
+      "RAWLASER4 0 -1.570796 3.141593 1.570796 80.000000 0.010000 3 1.00 2.50 3.00 0 1127233281.500000 robot "
+      "1.500000\n"
+      "SONAR 0.261799 2 1.50 0.75 0.100 0.200 1.570796 0.100 -0.200 -1.570796 1127233281.600000 robot "
+      "1.600000\n"
+      "TRUEPOS 0.010000 0.000000 0.000000 0.000000 0.000000 0.000000 1127233281.000000 robot 1.700000\n"
+      "ODOM 0.200000 0.000000 0.000000 0.100000 0.000000 0.000000 1127233282.000000 robot 2.000000\n");
+  EXPECT_TRUE(report.skipped.empty());
+  EXPECT_EQ(report.scans, 5);
+  EXPECT_EQ(Beams("laser"), 3);
+  EXPECT_EQ(Column<double>("robot/0/laser/range_m")[1], 2.5);
+  EXPECT_TRUE(std::isnan(Column<double>("robot/0/laser/range_m")[2]));
+  EXPECT_NEAR(Column<double>("robot/0/laser/beam_x_m")[0], 0.25, 1e-9);
+  EXPECT_NEAR(Column<double>("robot/0/laser2/beam_x_m")[0], -0.2, 1e-9);
+  EXPECT_EQ(Column<double>("robot/0/laser2/range_m")[1], 1.25);
+  for (const char* sensor : {"laser3", "laser4"}) {
+    const auto range = Column<double>(std::string("robot/0/") + sensor + "/range_m");
+    EXPECT_EQ(std::vector<double>(range.begin(), range.end()), (std::vector<double>{1, 2.5, 3})) << sensor;
+  }
+  EXPECT_EQ(Column<double>("robot/0/sonar/range_m")[1], 0.75);
+  EXPECT_EQ(Column<double>("robot/0/sonar/beam_y_m")[1], -0.2);
+  EXPECT_EQ(Column<double>("robot/0/laser/time_s")[0], 1127233281.0);
+  EXPECT_EQ(Column<double>("truth/robot/0/poses/x_m"), (std::vector<double>{0.01}));
+}
+
+// No public program was found that writes MARKER; its form is that of CARMEN's other messages of text.
 TEST_F(ImportCarmenTest, MarkersArePressesWithAndWithoutNames) {
   const std::string log =
       "ODOM 0 0 0 0 0 0 1 h 1\nMARKER big door 1.5 h 1.5\nMARKER 2 h 2\nMARKER big door 3 h 3\n"
