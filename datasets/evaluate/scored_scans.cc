@@ -32,6 +32,7 @@ void TakeRanges(const Blob& log, ScoredSensor* sensor) {
   const auto time = log.Get<double>(sensor->name + "time_s");
   const std::size_t beams = sensor->beams.size();
   const auto range = ColumnOf(log, sensor->name + "range_m", time.size() * beams);
+  const std::string turret = sensor->name + "turret_rad";
   std::size_t next = 0;
   for (const double time_s : sensor->time_s) {
     while (next < time.size() && time[next] != time_s) ++next;
@@ -40,6 +41,7 @@ void TakeRanges(const Blob& log, ScoredSensor* sensor) {
                        " s: was the map made from this log?");
     const auto row = range.subspan(next * beams, beams);
     sensor->range_m.insert(sensor->range_m.end(), row.begin(), row.end());
+    if (log.Has(turret)) sensor->turret_rad.push_back(ColumnOf(log, turret, time.size())[next]);
     ++next;
   }
 }
@@ -67,9 +69,10 @@ ScoredSensor ReadSensor(const Blob& map, const Blob& log, const std::string& nam
 
 PoseM ScoredSensor::BeamPose(std::size_t scan, std::size_t beam) const {
   const PoseM &robot = poses[scan], &mount = beams[beam];
-  const double c = std::cos(robot.heading_rad), s = std::sin(robot.heading_rad);
+  const double heading = robot.heading_rad + (turret_rad.empty() ? 0 : turret_rad[scan]);
+  const double c = std::cos(heading), s = std::sin(heading);
   return {robot.x_m + c * mount.x_m - s * mount.y_m, robot.y_m + s * mount.x_m + c * mount.y_m,
-          robot.heading_rad + mount.heading_rad};
+          heading + mount.heading_rad};
 }
 
 std::vector<ScoredSensor> ReadScoredScans(const Blob& map, const Blob& log) {

@@ -16,6 +16,7 @@ struct ScoredSensor {
   double opening_rad = 0, max_range_m = 0;
   std::vector<PoseM> beams;            // on the robot
   std::vector<double> time_s;          // of each scan
+  std::vector<double> turret_rad;      // by which the beams were turned; empty: not
   std::vector<PoseM> poses;            // of the robot at each scan
   std::vector<std::uint8_t> held_out;  // 1: the map does not know of this scan
   std::vector<double> range_m;         // [scans][beams]; NaN: no echo

@@ -22,13 +22,14 @@ std::string Numbered(const std::string& name, std::size_t scan, double time_s) {
 }
 
 // The groups that range scans may stand in, in their order (schema/FORMAT.md).
-const std::vector<std::string> kGroups{"sonar", "laser", "laser2", "laser3", "laser4", "laser5"};
+const std::vector<std::string> kGroups{"sonar", "infrared", "laser", "laser2", "laser3", "laser4", "laser5"};
 
 std::vector<std::string> Chosen(const GridOptions& options) {
   const std::vector<std::string> names = ByCommas(options.sensors);
   for (const std::string& name : names) {
     if (std::ranges::find(kGroups, name) == kGroups.end())
-      throw InputError("option 'sensors': there are sonar, laser and laser2 to laser5, no '" + name + "'");
+      throw InputError("option 'sensors': there are sonar, infrared, laser and laser2 to laser5, no '" +
+                       name + "'");
   }
   return names.empty() ? kGroups : names;
 }
@@ -49,6 +50,16 @@ void ReadBeams(const Blob& group, RangeScans* sensor) {
     throw InputError(sensor->name + ": an opening is from 0 to below pi");
   if (!(sensor->max_range_m > 0) || !std::isfinite(sensor->max_range_m))
     throw InputError(sensor->name + ": max_range_m is not a length");
+}
+
+void ReadTurret(const Blob& group, RangeScans* sensor) {
+  if (!group.Has("turret_rad")) return;
+  const auto turret = group.Get<double>("turret_rad");
+  if (turret.size() != sensor->scans())
+    throw InputError(sensor->name + ": turret_rad and time_s differ in length");
+  for (std::size_t s = 0; s < turret.size(); ++s)
+    if (!std::isfinite(turret[s])) Refuse(sensor->name, s, sensor->time_s[s], "turret_rad is not a number");
+  sensor->turret_rad.assign(turret.begin(), turret.end());
 }
 
 void CheckRanges(const RangeScans& sensor) {
@@ -90,7 +101,7 @@ Array RowsOf(const Array& from, std::span<const std::int64_t> keep, std::size_t 
 
 // Fills in the poses; scans without any are dropped or refused. Returns how many were dropped.
 std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
-  std::vector<double> times;
+  std::vector<double> times, turret;
   for (std::size_t s = 0; s < sensor->scans(); ++s) {
     const double time_s = sensor->time_s[s];
     if (!std::isfinite(time_s)) Refuse(sensor->name, s, time_s, "its time is not a number");
@@ -103,11 +114,13 @@ std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
     if (!pose) continue;
     sensor->row.push_back(static_cast<std::int64_t>(s));
     times.push_back(time_s);
+    if (!sensor->turret_rad.empty()) turret.push_back(sensor->turret_rad[s]);
     sensor->pose.push_back(*pose);
   }
   const std::size_t dropped = sensor->scans() - times.size();
   if (dropped > 0) sensor->range_m = RowsOf(sensor->range_m, sensor->row, sensor->beams.size());
   sensor->time_s = std::move(times);
+  sensor->turret_rad = std::move(turret);
   return dropped;
 }
 
@@ -117,6 +130,7 @@ RangeScans ReadSensor(const Blob& group, const std::string& name) {
   ReadBeams(group, &sensor);
   const auto time = group.Get<double>("time_s");
   sensor.time_s.assign(time.begin(), time.end());
+  ReadTurret(group, &sensor);
   group.Get<double>("range_m");  // or it is missing or of another type
   sensor.range_m = group.at("range_m");
   CheckRanges(sensor);
@@ -131,7 +145,7 @@ void AddEnds(const RangeScans& sensor, Extent* extent) {
   const auto range = sensor.range_m.As<double>();
   for (std::size_t s = 0; s < sensor.scans(); ++s) {
     if (sensor.held_out[s]) continue;
-    const Pose& pose = sensor.pose[s];
+    const Pose pose = sensor.MountPose(s);
     const double c = std::cos(pose.heading_rad), si = std::sin(pose.heading_rad);
     for (std::size_t b = 0; b < unit.size(); ++b) {
       const double range_m = range[s * unit.size() + b];
@@ -227,6 +241,7 @@ Blob ScansBlob(const RangeScans& sensor) {
   Blob blob;
   blob.PutVector("time_s", sensor.time_s);
   blob.Put("pose", Array::Of<double>({static_cast<std::int64_t>(sensor.scans()), 3}, pose));
+  if (!sensor.turret_rad.empty()) blob.PutVector("turret_rad", sensor.turret_rad);
   blob.PutVector("held_out", sensor.held_out);
   blob.PutVector("row", sensor.row);
   return blob;
@@ -245,6 +260,10 @@ RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log) {
   const auto held_out = scans.Get<std::uint8_t>("held_out");
   result.time_s.assign(time.begin(), time.end());
   result.held_out.assign(held_out.begin(), held_out.end());
+  if (scans.Has("turret_rad")) {
+    const auto turret = scans.Get<double>("turret_rad");
+    result.turret_rad.assign(turret.begin(), turret.end());
+  }
   const auto row = scans.Get<std::int64_t>("row");
   result.row.assign(row.begin(), row.end());
   result.range_m = RowsOf(log.at(result.name + "range_m"), row, result.beams.size());

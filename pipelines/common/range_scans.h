@@ -16,6 +16,7 @@ namespace cairn {
 struct RangeScans {
   std::string name;                    // "robot/0/sonar/", as in the log
   std::vector<Pose> beams;             // [B] where each beam begins and points, on the robot
+  std::vector<double> turret_rad;      // [S] by which the beams were turned about its origin; empty: not
   double opening_rad = 0;              // of a beam's cone; 0: a ray
   double max_range_m = 0;              // its reach
   std::vector<double> time_s;          // [S]
@@ -25,7 +26,13 @@ struct RangeScans {
   Array range_m;                       // [S,B] f64; NaN: nothing within reach, or no answer
 
   std::size_t scans() const { return time_s.size(); }
-  Pose BeamPose(std::size_t scan, std::size_t beam) const { return Compose(pose[scan], beams[beam]); }
+  // Of what carries the beams.
+  Pose MountPose(std::size_t scan) const {
+    Pose mount = pose[scan];
+    if (!turret_rad.empty()) mount.heading_rad += turret_rad[scan];
+    return mount;
+  }
+  Pose BeamPose(std::size_t scan, std::size_t beam) const { return Compose(MountPose(scan), beams[beam]); }
 };
 
 // What the pipelines of grid maps have in common: which scans, at which poses, on which grid.
@@ -47,9 +54,9 @@ void VisitGridOptions(V& visit, GridOptions& o) {
           "box_m", "m", 0, 0,
           "lower left and upper right corner of the map, 'x0,y0,x1,y1'; empty: as far as obstacles were met"},
       o.box_m);
-  visit(
-      Option{"sensors", "", 0, 0, "of which sensors, by commas: sonar, laser, laser2 to laser5; empty: all"},
-      o.sensors);
+  visit(Option{"sensors", "", 0, 0,
+               "of which sensors, by commas: sonar, infrared, laser, laser2 to laser5; empty: all"},
+        o.sensors);
   visit(Option{"heldout", "", 0, 0.9,
                "share of the scans left out of the map, the last part of each tenth of the log, so that "
                "`cairn evaluate` can score it with them"},
@@ -63,12 +70,12 @@ void VisitGridOptions(V& visit, GridOptions& o) {
   visit(Option{"memory_mb", "MiB", 1, 1e6, "a task may take; a map that needs more is refused"}, o.memory_mb);
 }
 
-// The sensors of all robots in the order of robots, then sonar before lasers, as `options` choose. Poses come
-// from `poses` (its robot/N/poses/, by the robot's name), else from the log's own, else from dead reckoning;
-// `poses` may be null. Between two of them a robot moves as its odometry says, with the difference spread
-// evenly over time, or straight where there is none. Throws InputError that names sensor and scan: no scans,
-// a range that is negative or beyond reach, times that run backwards, a time without pose, arrays of wrong
-// sizes.
+// The sensors of all robots in the order of robots, then sonar and infra-red before lasers, as `options`
+// choose. Poses come from `poses` (its robot/N/poses/, by the robot's name), else from the log's own, else
+// from dead reckoning; `poses` may be null. Between two of them a robot moves as its odometry says, with the
+// difference spread evenly over time, or straight where there is none. Throws InputError that names sensor
+// and scan: no scans, a range that is negative or beyond reach, times that run backwards, a time without
+// pose, arrays of wrong sizes.
 struct PosedScans {
   std::vector<RangeScans> sensors;
   std::size_t unposed = 0;  // scans left out

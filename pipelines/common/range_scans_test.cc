@@ -49,6 +49,46 @@ TEST(RangeScans, AreReadWithTheirPosesAndBeams) {
   EXPECT_DOUBLE_EQ(beam.heading_rad, M_PI / 2);
 }
 
+// Beams on a turret point where it does, scan by scan, in tasks too, and what they meet belongs to the map.
+TEST(RangeScans, BeamsTurnWithTheirTurretRowByRow) {
+  Blob log = Log();
+  log.PutVector<double>("robot/0/sonar/turret_rad", {0, M_PI / 2, M_PI});
+  const PosedScans scans = ReadRangeScans(log, nullptr, {});
+  const RangeScans& sonar = scans.sensors[0];
+  const Pose beam = sonar.BeamPose(1, 0), last = sonar.BeamPose(2, 1);
+  EXPECT_NEAR(beam.x_m, 5, 1e-12);
+  EXPECT_NEAR(beam.y_m, 0.2, 1e-12);
+  EXPECT_DOUBLE_EQ(beam.heading_rad, M_PI / 2);
+  EXPECT_NEAR(last.x_m, 9.8, 1e-12);
+  const RangeScans task = ScansOf(SensorBlob(sonar), ScansBlob(sonar), log);
+  for (std::size_t s = 0; s < 3; ++s) {
+    for (std::size_t b = 0; b < 2; ++b) {
+      const Pose here = sonar.BeamPose(s, b), there = task.BeamPose(s, b);
+      EXPECT_EQ(here.x_m, there.x_m);
+      EXPECT_EQ(here.heading_rad, there.heading_rad);
+    }
+  }
+  // The last scan's beam of 4 m, which would point ahead, looks back.
+  const GridOptions options;
+  const GridBox turned = GridOf(scans, options, 8),
+                plain = GridOf(ReadRangeScans(Log(), nullptr, options), options, 8);
+  EXPECT_LT(turned.origin_x_m + static_cast<double>(turned.columns) * turned.cell_m,
+            plain.origin_x_m + static_cast<double>(plain.columns) * plain.cell_m - 3);
+  log.PutVector<double>("robot/0/sonar/turret_rad", {0, 1});
+  EXPECT_NE(Refusal(log).find("turret_rad and time_s differ"), std::string::npos) << Refusal(log);
+  log.PutVector<double>("robot/0/sonar/turret_rad", {0, kNone, 0});
+  EXPECT_NE(Refusal(log).find("scan 1"), std::string::npos) << Refusal(log);
+}
+
+TEST(RangeScans, InfraredIsASensorOfItsOwn) {
+  Blob log = Log();
+  log.PutAll("robot/0/infrared/", Log().Sub("robot/0/sonar/"));
+  EXPECT_EQ(ReadRangeScans(log, nullptr, {}).sensors[1].name, "robot/0/infrared/");
+  GridOptions options;
+  options.sensors = "infrared";
+  EXPECT_EQ(ReadRangeScans(log, nullptr, options).sensors.size(), 1U);
+}
+
 TEST(RangeScans, ARobotMayHaveSeveralLasers) {
   Blob log = Log();
   log.PutAll("robot/0/laser2/", Log().Sub("robot/0/sonar/"));

@@ -96,7 +96,7 @@ class Rays {
   }
 
   void StartScan(std::size_t scan) {
-    const Pose& pose = scans_.pose[scan];
+    const Pose pose = scans_.MountPose(scan);
     const double per_m = 1 / grid_.cell_m;
     const double c = std::cos(pose.heading_rad) * per_m, s = std::sin(pose.heading_rad) * per_m;
     const double x = (pose.x_m - grid_.origin_x_m) * per_m, y = (pose.y_m - grid_.origin_y_m) * per_m;

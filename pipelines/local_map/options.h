@@ -35,9 +35,9 @@ struct Options {
 template <class V>
 void VisitOptions(V& visit, Options& o) {
   VisitGridOptions(visit, o.grid);
-  visit(
-      Option{"sensors", "", 0, 0, "of which sensors, by commas: sonar, laser, laser2 to laser5; empty: all"},
-      o.sensors);
+  visit(Option{"sensors", "", 0, 0,
+               "of which sensors, by commas: sonar, infrared, laser, laser2 to laser5; empty: all"},
+        o.sensors);
   visit(Option{"ring_beams", "", 8, 720,
                "a laser is thinned to so many beams around the full circle, each the nearest of its sector"},
         o.ring_beams);
