@@ -11,6 +11,7 @@
 #include "coordinator/cli/scalar.h"
 #include "datasets/evaluate/evaluate_features.h"
 #include "datasets/evaluate/evaluate_grid.h"
+#include "datasets/evaluate/evaluate_local.h"
 #include "datasets/evaluate/evaluate_localization.h"
 #include "datasets/evaluate/evaluate_networks.h"
 #include "datasets/evaluate/relations.h"
@@ -132,13 +133,34 @@ std::string ScoreOfGrid(const Options& options, const BlobFile& truth) {
   return options.json ? datasets::GridEvaluationJson(score) + "\n" : datasets::GridEvaluationText(score);
 }
 
-// A file of any kind that has poses, or those of a folder: of its landmark_map, else of its grid_map.
+// A folder counts as one where it holds that and no map that may have been made of it.
+bool IsLocalMap(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "local_map";
+  const std::vector<std::string> files = FilesOf(result);
+  const auto is = [](const char* kind) {
+    return [kind](const std::string& file) { return Take(ListBlobFile(file)).kind == kind; };
+  };
+  return std::ranges::any_of(files, is("local_map")) && std::ranges::none_of(files, is("grid_map"));
+}
+
+std::string ScoreOfLocalMap(const Options& options, const Blob& log) {
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
+  const datasets::LocalEvaluation score =
+      datasets::EvaluateLocal(ReadResult(options.result, "local_map").blob, log);
+  return options.json ? datasets::LocalEvaluationJson(score) + "\n" : datasets::LocalEvaluationText(score);
+}
+
+// A file of any kind that has poses, or those of a folder: of its landmark_map or local_map, else of its
+// grid_map.
 Blob PosesOf(const std::string& path) {
   if (std::filesystem::is_regular_file(path)) return Take(ReadBlobFile(path)).blob;
   const std::vector<std::string> files = FilesOf(path);
-  const bool landmarks = std::ranges::any_of(
-      files, [](const std::string& file) { return Take(ListBlobFile(file)).kind == "landmark_map"; });
-  return ReadResult(path, landmarks ? "landmark_map" : "grid_map").blob;
+  for (const char* kind : {"landmark_map", "local_map"}) {
+    const auto is = [&](const std::string& file) { return Take(ListBlobFile(file)).kind == kind; };
+    if (std::ranges::any_of(files, is)) return ReadResult(path, kind).blob;
+  }
+  return ReadResult(path, "grid_map").blob;
 }
 
 std::string ScoreOfRelations(const Options& options) {
@@ -166,6 +188,8 @@ int Evaluate(const Options& options, const Invocation&) {
   std::string text;
   if (truth.kind == "grid_map" || (truth.kind == "log" && IsGridMap(options.result)))
     text = ScoreOfGrid(options, truth);
+  else if (truth.kind == "log" && IsLocalMap(options.result))
+    text = ScoreOfLocalMap(options, truth.blob);
   else if (truth.kind == "log")
     text = ScoreOfMap(options, truth.blob);
   else if (truth.kind == "samples")
@@ -185,7 +209,8 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
   command->add_option(
       "--truth", options->truth,
-      "For a landmark_map a simulated log, or an imported one that has truth; for a grid_map the log that it "
+      "For a landmark_map or a local_map a simulated log, or an imported one that has truth; for a grid_map "
+      "the log that it "
       "is "
       "made of, or another grid_map; for networks samples "
       "of runs that they were not trained on; for a localization the samples that it is of; for hand-made "

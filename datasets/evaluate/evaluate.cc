@@ -6,6 +6,7 @@
 #include "datasets/evaluate/align.h"
 #include "datasets/evaluate/associations.h"
 #include "datasets/evaluate/landmarks.h"
+#include "datasets/evaluate/made_from.h"
 #include "datasets/evaluate/track.h"
 
 namespace cairn::datasets {
@@ -44,17 +45,7 @@ class Evaluator {
       throw InputError("the result's robots (" + Joined(robots) + ") are not the log's (" + Joined(expected) +
                        "): was it made from this log?");
     }
-    CheckHash();
-  }
-
-  // Results say what they were made from, since they have a log_hash.
-  void CheckHash() const {
-    if (!result_.Has("log_hash")) return;
-    const std::string made_from = result_.Text("log_hash"),
-                      given = log_.Without("truth/").ContentHash().Hex();
-    if (made_from == given) return;
-    throw InputError("the result was made from another log: its content, truth aside, is " + made_from +
-                     ", that of the log given here is " + given);
+    CheckMadeFrom(result_, log_);
   }
 
   // A path lies within the robot's controls; where it stood still at the end the path may end before them.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/evaluate/made_from.h"
 #include "datasets/evaluate/map_doors.h"
 #include "datasets/evaluate/track.h"
 
@@ -23,15 +24,6 @@ std::vector<PointPair> PosePairs(const std::vector<ScoredSensor>& scans, const B
     }
   }
   return pairs;
-}
-
-// Results say what they were made from.
-void CheckLog(const Blob& map, const Blob& log) {
-  if (!map.Has("log_hash")) return;
-  const std::string made_from = map.Text("log_hash"), given = log.Without("truth/").ContentHash().Hex();
-  if (made_from != given)
-    throw InputError("the map was made from another log: its content, truth aside, is " + made_from +
-                     ", that of the log given here is " + given);
 }
 
 struct DoorTruth {
@@ -63,7 +55,7 @@ struct Ground {
 };
 
 Ground GroundOf(const Blob& map, const Blob& log) {
-  CheckLog(map, log);
+  CheckMadeFrom(map, log);
   Ground ground{
       .scans = ReadScoredScans(map, log), .to_map = {}, .pose_rmse_m = {}, .walls = {}, .doors = {}};
   const std::vector<PointPair> pairs = PosePairs(ground.scans, log);

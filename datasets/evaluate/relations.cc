@@ -23,6 +23,20 @@ PoseM Seen(const PoseM& from, const PoseM& pose) {
   return {c * dx + s * dy, c * dy - s * dx, WrapAngle(pose.heading_rad - from.heading_rad)};
 }
 
+std::size_t RobotOf(const Blob& blob, const std::string& robot) {
+  const std::vector<std::string> robots = blob.Texts("robots");
+  if (robot.empty() && robots.size() == 1) return 0;
+  std::string names;
+  for (const std::string& name : robots) names += (names.empty() ? "" : ", ") + name;
+  const auto found = std::ranges::find(robots, robot);
+  if (found == robots.end())
+    throw InputError((robot.empty() ? "which robot? " : "there is no robot '" + robot + "'; there are: ") +
+                     names);
+  return static_cast<std::size_t>(found - robots.begin());
+}
+
+}  // namespace
+
 Track DeadReckoned(const Blob& blob, const std::string& prefix) {
   const auto time = blob.Get<double>(prefix + "time_s"), turn = blob.Get<double>(prefix + "turn_rad"),
              forward = blob.Get<double>(prefix + "forward_m");
@@ -43,20 +57,6 @@ Track DeadReckoned(const Blob& blob, const std::string& prefix) {
   }
   return track;
 }
-
-std::size_t RobotOf(const Blob& blob, const std::string& robot) {
-  const std::vector<std::string> robots = blob.Texts("robots");
-  if (robot.empty() && robots.size() == 1) return 0;
-  std::string names;
-  for (const std::string& name : robots) names += (names.empty() ? "" : ", ") + name;
-  const auto found = std::ranges::find(robots, robot);
-  if (found == robots.end())
-    throw InputError((robot.empty() ? "which robot? " : "there is no robot '" + robot + "'; there are: ") +
-                     names);
-  return static_cast<std::size_t>(found - robots.begin());
-}
-
-}  // namespace
 
 std::vector<Relation> ReadRelations(const std::string& path) {
   constexpr std::size_t kValues = 8;

@@ -24,6 +24,10 @@ struct Relation {
 // are none.
 std::vector<Relation> ReadRelations(const std::string& path);
 
+// Where a robot's controls (`prefix`turn_rad, forward_m) alone lead from the origin; of rows of one time the
+// last. Throws InputError where columns differ in length, a value is not finite or a time runs backwards.
+Track DeadReckoned(const Blob& blob, const std::string& prefix);
+
 struct RelationScore {
   std::int64_t scored = 0, outside = 0;  // relations; those of a time before the first pose or after the last
   double translation_m = 0, rotation_deg = 0;          // mean errors of those that are scored

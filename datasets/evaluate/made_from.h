@@ -1,0 +1,18 @@
+// Whether a result is held against the log that it was made from.
+#pragma once
+
+#include "schema/blob.h"
+#include "schema/error.h"
+
+namespace cairn::datasets {
+
+// Results say what they were made from, but the oldest. Throws InputError where it is another log.
+inline void CheckMadeFrom(const Blob& result, const Blob& log) {
+  if (!result.Has("log_hash")) return;
+  const std::string made_from = result.Text("log_hash"), given = log.Without("truth/").ContentHash().Hex();
+  if (made_from != given)
+    throw InputError("the result was made from another log: its content, truth aside, is " + made_from +
+                     ", that of the log given here is " + given);
+}
+
+}  // namespace cairn::datasets
