@@ -70,16 +70,25 @@ Match Correct(const OnTrace& on, const Range& range, const MatchOptions& options
 }
 
 PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, const Range& range,
-                      const MatchOptions& options) {
+                      const MatchOptions& one) {
+  MatchOptions options = one;
+  options.sharpness /= 2;  // what lies across the one way lies along the other: each wall speaks twice
   // A robot that moves by (dz, du) on the first moves by (quarter du, -quarter dz) on the second.
   Profile z = AlongProfile(first, range.z_m, options.score);
   Profile u = AlongProfile(second, range.u_m, options.score);
-  const Peak z_alone = PeakOf(z, options), u_alone = PeakOf(u, options);
-  Add(z, SidesProfile(second, u_alone.at_m, range.z_m, options.score), -quarter);
-  Add(u, SidesProfile(first, z_alone.at_m, range.u_m, options.score), quarter);
-  const Peak best_z = PeakOf(z, options), best = PeakOf(u, options);  // `u` runs as the second's z
-  return {MatchOf(first, {z, u, best_z, Along(best, quarter)}, options),
-          MatchOf(second, {u, z, best, Along(best_z, -quarter)}, options)};
+  Peak best_z = PeakOf(z, options), best_u = PeakOf(u, options);  // `u` runs as the second's z
+  for (int turn = 0; turn < (options.again ? 2 : 1); ++turn) {
+    if (turn > 0) {
+      z = AlongProfileAt(first, first.at.u_m + quarter * best_u.at_m, range.z_m, options.score);
+      u = AlongProfileAt(second, second.at.u_m - quarter * best_z.at_m, range.u_m, options.score);
+    }
+    Add(z, SidesProfile(second, best_u.at_m, range.z_m, options.score), -quarter);
+    Add(u, SidesProfile(first, best_z.at_m, range.u_m, options.score), quarter);
+    best_z = PeakOf(z, options);
+    best_u = PeakOf(u, options);
+  }
+  return {MatchOf(first, {z, u, best_z, Along(best_u, quarter)}, options),
+          MatchOf(second, {u, z, best_u, Along(best_z, -quarter)}, options)};
 }
 
 }  // namespace cairn::local_map

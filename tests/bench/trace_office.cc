@@ -134,8 +134,38 @@ Position TruthOn(const Drive& drive, const Recorded& trace, std::size_t sweep, d
 
 struct Tables {
   Loops along, across, wrong;
-  Errors corrected;
+  Errors corrected, alone, together;
 };
+
+// Places that lie on two traces of which one follows the other around a corner.
+void MatchPairs(const Drive& drive, double range_m, Rng& rng, Tables& tables) {
+  const auto judge = [](Errors& errors, const Match& match, const Position& truth) {
+    ++errors.tried;
+    if (match.usable()) errors.Add(truth, match.z_m, match.u_m, match.sd_z_m, match.sd_u_m);
+  };
+  for (std::size_t t = 0; t + 1 < drive.traces.size(); ++t) {
+    const Recorded &a = drive.traces[t], &b = drive.traces[t + 1];
+    const int turned = (b.frame.quarter - a.frame.quarter + 4) % 4;
+    if (turned % 2 == 0) continue;
+    const int quarter = turned == 1 ? 1 : -1;
+    for (const Place& place : drive.places) {
+      const double path_m = drive.moments[place.sweep].path_m;
+      if (path_m > drive.moments[a.first].path_m - 6 && path_m < drive.moments[b.end - 1].path_m + 6)
+        continue;
+      double a_apart_m = 0, b_apart_m = 0;
+      const Position on_a = TruthOn(drive, a, place.sweep, &a_apart_m);
+      const Position on_b = TruthOn(drive, b, place.sweep, &b_apart_m);
+      if (a_apart_m > 1 || b_apart_m > 1) continue;
+      const double dz = rng.Uniform(-0.7, 0.7) * range_m, du = rng.Uniform(-0.7, 0.7) * range_m;
+      const ImmediateTrace& now_a = place.now[static_cast<std::size_t>(a.frame.quarter)];
+      const ImmediateTrace& now_b = place.now[static_cast<std::size_t>(b.frame.quarter)];
+      const OnTrace first{a.trace, now_a, {on_a.z_m + dz, on_a.u_m + du}};
+      const OnTrace second{b.trace, now_b, {on_b.z_m + quarter * du, on_b.u_m - quarter * dz}};
+      judge(tables.alone, Correct(first, {range_m, range_m}, {}), on_a);
+      judge(tables.together, CorrectPair(first, second, quarter, {range_m, range_m}, {}).first, on_a);
+    }
+  }
+}
 
 void MatchAll(const Drive& drive, double range_m, Rng& rng, Tables& tables) {
   for (const Place& place : drive.places)
@@ -175,9 +205,13 @@ int Main(const std::vector<std::string>& args) {
     const auto log = ReadBlobFile(args[k]);
     if (!log.ok()) throw InputError(log.status().message());
     Rng rng(k);
-    MatchAll(Replay(log.value().blob), std::atof(args[0].c_str()), rng, tables);
+    const Drive drive = Replay(log.value().blob);
+    MatchAll(drive, std::atof(args[0].c_str()), rng, tables);
+    MatchPairs(drive, std::atof(args[0].c_str()), rng, tables);
   }
   tables.corrected.Print("corrected");
+  tables.alone.Print("at corners, on one trace");
+  tables.together.Print("at corners, on a pair");
   tables.along.Print("found, along or back");
   tables.across.Print("found, across");
   tables.wrong.Print("another place");
