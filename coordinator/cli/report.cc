@@ -32,7 +32,7 @@ std::string KindOf(const std::string& result) {
   if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind;
   std::vector<std::string> kinds;
   for (const std::string& file : FilesOf(result)) kinds.push_back(Take(ListBlobFile(file)).kind);
-  for (const char* kind : {"networks", "localization", "landmark_map", "grid_map"}) {
+  for (const char* kind : {"networks", "localization", "landmark_map", "grid_map", "local_map"}) {
     if (std::ranges::find(kinds, kind) != kinds.end()) return kind;
   }
   return "landmark_map";
@@ -54,12 +54,22 @@ std::string PageOfGrid(const std::string& title, const Blob& map, const Options&
   return datasets::GridMapReportHtml(map, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, title);
 }
 
+std::string PageOfLocal(const std::string& title, const Blob& result, const Options& options) {
+  std::optional<Blob> log;
+  if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
+  std::optional<datasets::LocalEvaluation> evaluation;
+  if (log && HasTruth(*log)) evaluation = datasets::EvaluateLocal(result, *log);
+  return datasets::LocalMapReportHtml(result, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr,
+                                      title);
+}
+
 std::string PageOf(const std::string& kind, const std::string& file, const Options& options) {
   const std::string title = std::filesystem::path(file).stem().string();
   const Blob result = ReadResult(file, kind).blob;
   if (kind == "networks") return datasets::NetworksReportHtml(result, title);
   if (kind == "landmark_map") return PageOfMap(title, result, options);
   if (kind == "grid_map") return PageOfGrid(title, result, options);
+  if (kind == "local_map") return PageOfLocal(title, result, options);
   std::optional<Blob> samples;
   if (!options.log.empty()) samples = ReadResult(options.log, "samples").blob;
   return datasets::LocalizationReportHtml(result, samples ? &*samples : nullptr, title);
@@ -67,7 +77,8 @@ std::string PageOf(const std::string& kind, const std::string& file, const Optio
 
 int Report(const Options& options, const Invocation&) {
   const std::string found = KindOf(options.result);
-  const bool known = found == "networks" || found == "localization" || found == "grid_map";
+  const bool known =
+      found == "networks" || found == "localization" || found == "grid_map" || found == "local_map";
   const std::string kind = known ? found : "landmark_map";
   if (kind == "networks" && !options.log.empty()) throw InputError("--log: networks are not made from a log");
   const std::string file = ResultPath(options.result, kind);

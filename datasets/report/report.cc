@@ -6,6 +6,7 @@
 #include "datasets/report/figures.h"
 #include "datasets/report/format.h"
 #include "datasets/report/grid_page.h"
+#include "datasets/report/local_page.h"
 #include "datasets/report/localization_page.h"
 #include "datasets/report/networks_page.h"
 #include "datasets/report/parts.h"
@@ -92,6 +93,11 @@ std::string LocalizationReportHtml(const Blob& result, const Blob* samples, cons
 std::string GridMapReportHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
                               const std::string& title) {
   return report::PageHtml(title, report::GridMapHtml(map, log, evaluation), map);
+}
+
+std::string LocalMapReportHtml(const Blob& result, const Blob* log, const LocalEvaluation* evaluation,
+                               const std::string& title) {
+  return report::PageHtml(title, report::LocalHtml(result, log, evaluation), result);
 }
 
 }  // namespace cairn::datasets

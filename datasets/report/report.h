@@ -5,6 +5,7 @@
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/evaluate_grid.h"
+#include "datasets/evaluate/evaluate_local.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -34,5 +35,12 @@ std::string LocalizationReportHtml(const Blob& result, const Blob* samples, cons
 // `map` is not of kind `grid_map`, or its arrays do not fit each other.
 std::string GridMapReportHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
                               const std::string& title);
+
+// The same of a local map: the path put together from its traces, the direction of the walls, local grids,
+// traces. With `log` odometry alone and immediate traces, with `evaluation` too the truth and errors (either
+// may be null). Throws InputError where `result` is not of kind `local_map`, or its arrays do not fit each
+// other.
+std::string LocalMapReportHtml(const Blob& result, const Blob* log, const LocalEvaluation* evaluation,
+                               const std::string& title);
 
 }  // namespace cairn::datasets

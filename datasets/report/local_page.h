@@ -1,0 +1,28 @@
+// The page of a local map.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "datasets/evaluate/evaluate_local.h"
+#include "datasets/report/local_pictures.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets::report {
+
+// Dead reckoning of each of the log's robots.
+std::vector<Track> OdometryOf(const Blob& log);
+
+// Raw odometry from each path's first pose on; with `evaluation`, which may be null, true walls and paths
+// too.
+LocalMapPicture AroundOf(const LocalResult& result, const Blob& log, const LocalEvaluation* evaluation);
+
+// The snapshot that shows most: of those with the most edges in their last sweep the one with most cells that
+// have an orientation. Null where there is none.
+const LocalSnapshot* RichestOf(const LocalResult& result);
+const LocalTrace* LongestOf(const LocalResult& result);
+
+// The page's body. `log` and `evaluation` may be null.
+std::string LocalHtml(const Blob& result, const Blob* log, const LocalEvaluation* evaluation);
+
+}  // namespace cairn::datasets::report
