@@ -64,6 +64,12 @@ void VisitOptions(V& visit, Options& o) {
         o.loop_rounds);
   visit(Option{"loop_m", "m", 0.5, 1e6, "of way between two places that are matched, at least"},
         o.pairs.loop_m);
+  visit(Option{"loop_aside_m", "m", 0, 10, "to the side of a trace's way that a place may be, to be matched"},
+        o.pairs.aside_m);
+  visit(Option{"loop_beyond_m", "m", -10, 10, "beyond the way's ends, likewise"}, o.pairs.beyond_m);
+  visit(Option{"loop_sd_m", "m", 0.001, 10, "sd that a match has at best, to the side of the trace's way"},
+        o.pairs.least_sd_m);
+  visit(Option{"loop_sd_along_m", "m", 0.001, 10, "likewise along it"}, o.pairs.least_sd_z_m);
   visit(Option{"loop_confidence", "", 0, 1, "that a match has the right place on a trace"},
         o.pairs.confidence);
   visit(Option{"loop_range_m", "m", 0.05, 10, "searched around where the path says, at least"},

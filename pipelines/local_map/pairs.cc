@@ -48,7 +48,10 @@ std::vector<Pair> PairsOf(const std::vector<Knot>& knots, const std::vector<Reco
     const std::vector<std::size_t> own = OwnKnots(knots, trace);
     if (own.empty()) continue;
     const double from_m = knots[own.front()].path_m, to_m = knots[own.back()].path_m;
+    // Beyond the way's ends a trace holds what was seen of them from there, from one side.
     const double cell_m = trace.trace.cell_m();
+    const double first_m = trace.frame.At(knots[own.front()].dead, cell_m).z_m - options.beyond_m;
+    const double last_m = trace.frame.At(knots[own.back()].dead, cell_m).z_m + options.beyond_m;
     for (std::size_t k = 0; k < knots.size(); ++k) {
       if (knots[k].robot != trace.robot) continue;
       const double way_m = std::max(from_m - knots[k].path_m, knots[k].path_m - to_m);
@@ -57,9 +60,7 @@ std::vector<Pair> PairsOf(const std::vector<Knot>& knots, const std::vector<Reco
           std::min(options.most_m, wider * (options.range_m + options.range_per_m * way_m));
       const Position at = PlaceOn(knots[k], own, knots, trace);
       if (std::abs(at.u_m) > options.aside_m + range_m) continue;
-      if (at.z_m < trace.trace.first_z() * cell_m - range_m ||
-          at.z_m > trace.trace.end_z() * cell_m + range_m)
-        continue;
+      if (at.z_m < first_m - range_m || at.z_m > last_m + range_m) continue;
       pairs.push_back({static_cast<std::int32_t>(k), static_cast<std::int32_t>(t), at, range_m});
     }
   }
@@ -96,12 +97,12 @@ Relation RelationOf(const Pair& pair, const Candidate& match, const std::vector<
   relation.to = pair.knot;
   relation.offset = Across(trace.frame.quarter, {match.z_m - there.z_m, match.u_m - there.u_m});
   relation.axis_rad = trace.frame.quarter * std::numbers::pi / 2;
-  const auto sd = [&](double sd_m, double confidence) {
+  const auto sd = [&](double sd_m, double confidence, double least_m) {
     const bool told = confidence >= options.confidence && sd_m <= options.most_sd_m;
-    return told ? std::hypot(sd_m, options.least_sd_m) : std::numeric_limits<double>::infinity();
+    return told ? std::hypot(sd_m, least_m) : std::numeric_limits<double>::infinity();
   };
-  relation.sd_z_m = sd(match.sd_z_m, match.confidence_z);
-  relation.sd_u_m = sd(match.sd_u_m, match.confidence_u);
+  relation.sd_z_m = sd(match.sd_z_m, match.confidence_z, options.least_sd_z_m);
+  relation.sd_u_m = sd(match.sd_u_m, match.confidence_u, options.least_sd_m);
   relation.quality = std::max(match.confidence_z, match.confidence_u);
   return relation;
 }

@@ -13,12 +13,14 @@ namespace cairn::local_map {
 
 struct PairOptions {
   double loop_m = 6;           // of way between them, at least: what is nearer odometry knows better
-  double aside_m = 1.2;        // to the side of a trace's way
+  double aside_m = 0.3;        // to the side of a trace's way
+  double beyond_m = 0.3;       // the ends of the way over which it was recorded
   double range_m = 0.3;        // searched around where the path says, and
   double range_per_m = 0.015;  // of way more,
   double most_m = 1.5;         // up to so much
   double confidence = 0.6;     // that a match must have
-  double least_sd_m = 0.05;    // that it is believed to have
+  double least_sd_m = 0.05;    // that its u is believed to have, at best,
+  double least_sd_z_m = 0.15;  // and its z
   double most_sd_m = 0.15;     // beyond that it tells nothing
   FindOptions find;
 };
