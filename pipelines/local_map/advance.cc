@@ -256,7 +256,8 @@ class Turn {
         const Pair& pair = pairs[of[k]];
         loops.push_back({static_cast<std::size_t>(pair.knot),
                          static_cast<std::size_t>(pair.trace),
-                         {matches[of[k]].z_m, matches[of[k]].u_m},
+                         {std::isinf(relations[k].sd_z_m) ? std::nan("") : matches[of[k]].z_m,
+                          std::isinf(relations[k].sd_u_m) ? std::nan("") : matches[of[k]].u_m},
                          relations[k].quality,
                          assembly.weight[k] > 0});
       }

@@ -23,6 +23,12 @@ PosedScans ReadScans(const Blob& log, const Blob& poses, const Options& options)
   return ReadRangeScans(log, &poses, reading);
 }
 
+void RequireRanges(const Blob& log) {
+  for (const auto& [name, array] : log.fields())
+    if (name.starts_with("robot/") && name.ends_with("/range_m") && array.shape().size() == 2) return;
+  throw InputError("the log has no range scans: a local map is made of sonar, infra-red or laser");
+}
+
 std::string NoteOf(const std::vector<RobotRuns>& robots, std::size_t unposed) {
   std::size_t sweeps = 0, cuts = 0;
   for (const RobotRuns& runs : robots) {
@@ -50,6 +56,7 @@ Blob CutsBlob(const std::vector<Cut>& cuts) {
 
 Step LocalMap::Start(const Inputs& inputs) const {
   const BlobPtr log = inputs.Get("log");
+  RequireRanges(*log);
   const DeadReckoning reckoning = ReckonAll(*log, options_.runs);
   const PosedScans scans = ReadScans(*log, reckoning.poses, options_);
   const std::vector<RobotRuns> robots = RunsOf(scans, reckoning, options_.runs);

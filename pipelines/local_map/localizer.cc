@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kBeyond_m = 0.3;  // of a trace's ends its features still tell something
 constexpr double kSurer = 0.7;     // of a range, so that a narrower one counts
-constexpr double kSds = 3;         // of a match or a connection make a range
+constexpr double kLattice_m = 0.3;
+constexpr double kSds = 3;  // of a match or a connection make a range
 
 bool IsOn(const EdgeTrace& trace, const Position& at, double aside_m) {
   const double cell_m = trace.cell_m();
@@ -126,13 +127,39 @@ void TraceLocalizer::Activate(const TraceGraph& graph) {
 
 void TraceLocalizer::Correct(const LocalGrids& grids, const TraceGraph& graph, Held* held, int trace) {
   const TraceGraph::Node& node = graph.node(trace);
-  const Match match =
-      local_map::Correct(node.trace, Around(grids, node.quarter), held->at, held->range, options_.match);
+  const OnTrace on{node.trace, Around(grids, node.quarter), held->at};
+  const bool wide = lost_ && Widest(held->range) > options_.most_m;
+  const Match match = wide ? Search(on, held->range) : local_map::Correct(on, held->range, options_.match);
   held->similarity = match.sides_after;
-  if (!match.usable()) return;
+  if (!match.usable() || match.sides_after < options_.least_similarity) return;
   held->corrected = true;
+  if (wide) {
+    held->at = {match.z_m, match.u_m};
+    held->range = {options_.most_m, options_.most_m};
+  }
   Approach(match.z_m, match.sd_z_m, options_.least_m, &held->at.z_m, &held->range.z_m);
   Approach(match.u_m, match.sd_u_m, options_.least_m, &held->at.u_m, &held->range.u_m);
+}
+
+// Over a wide range z cannot be told before u nor u before z: both are tried from a lattice of places, and
+// the best match of all counts, if z is told by it too.
+Match TraceLocalizer::Search(const OnTrace& on, const Range& range) const {
+  Match best;
+  double most = 0;
+  const auto steps = [](double range_m) { return static_cast<int>(std::ceil(range_m / kLattice_m)); };
+  for (int z = -steps(range.z_m); z <= steps(range.z_m); ++z) {
+    for (int u = -steps(range.u_m); u <= steps(range.u_m); ++u) {
+      OnTrace there = on;
+      there.at = {on.at.z_m + z * kLattice_m, on.at.u_m + u * kLattice_m};
+      Match match = local_map::Correct(there, {kLattice_m, kLattice_m}, options_.match);
+      const double score = match.known * (match.along_after + match.sides_after);
+      if (match.verdict == Verdict::kUnknown || !std::isfinite(match.sd_z_m) || score <= most) continue;
+      most = score;
+      match.verdict = Verdict::kCorrected;
+      best = match;
+    }
+  }
+  return best;
 }
 
 const ImmediateTrace& TraceLocalizer::Around(const LocalGrids& grids, int quarter) {

@@ -14,14 +14,15 @@
 namespace cairn::local_map {
 
 struct LocalizerOptions {
-  double range_per_m = 0.02;    // that a position's range grows by, a metre of way
-  double least_m = 0.1;         // ranges never fall below
-  double most_m = 0.5;          // nor grow beyond, while any position is being corrected:
-  double lost_m = 5;            // after that way without any correction, or a jump, the robot is lost,
-  double lost_most_m = 2.4;     // and ranges grow up to this until a correction is found
-  double aside_m = 1.5;         // from a trace's way the robot may be for the trace to be active
-  std::size_t most_active = 8;  // traces, those whose way is nearest
-  double better = 0.1;          // by so much a comparable side an overriding position must match better
+  double range_per_m = 0.02;      // that a position's range grows by, a metre of way
+  double least_m = 0.1;           // ranges never fall below
+  double most_m = 0.5;            // nor grow beyond, while any position is being corrected:
+  double lost_m = 5;              // after that way without any correction, or a jump, the robot is lost,
+  double lost_most_m = 2.4;       // and ranges grow up to this until a correction is found
+  double aside_m = 1.5;           // from a trace's way the robot may be for the trace to be active
+  std::size_t most_active = 8;    // traces, those whose way is nearest
+  double least_similarity = 0.3;  // a comparable side, below which the best position is none
+  double better = 0.1;            // by so much a comparable side an overriding position must match better
   MatchOptions match;
 };
 
@@ -55,6 +56,7 @@ class TraceLocalizer {
   void Activate(const TraceGraph& graph);
   void HandOn(const LocalGrids& grids, const TraceGraph& graph);
   void Correct(const LocalGrids& grids, const TraceGraph& graph, Held* held, int trace);
+  Match Search(const OnTrace& on, const Range& range) const;
   const ImmediateTrace& Around(const LocalGrids& grids, int quarter);
 
   LocalizerOptions options_;

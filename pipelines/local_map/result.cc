@@ -81,20 +81,25 @@ void AddLoops(const Parts& parts, ConnectionColumns* c) {
     if (to < 0) continue;
     const std::vector<Sweep>& sweeps = parts.sweeps[knot.robot];
     const RecordedTrace& trace = parts.traces[loop.trace];
+    // What matching does not tell, the path does.
+    const Point placed{sweeps[knot.sweep].pose.x_m, sweeps[knot.sweep].pose.y_m};
+    Position at = OnTrace(parts, loop.trace, placed);
+    if (!std::isnan(loop.at.z_m)) at.z_m = loop.at.z_m;
+    if (!std::isnan(loop.at.u_m)) at.u_m = loop.at.u_m;
     // When the robot that recorded the trace was beside the place.
     std::size_t nearest = trace.first;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t s = trace.first; s < trace.end; ++s) {
       const double off =
-          std::abs(OnTrace(parts, loop.trace, {sweeps[s].pose.x_m, sweeps[s].pose.y_m}).z_m - loop.at.z_m);
+          std::abs(OnTrace(parts, loop.trace, {sweeps[s].pose.x_m, sweeps[s].pose.y_m}).z_m - at.z_m);
       if (off >= least) continue;
       least = off;
       nearest = s;
     }
     Add(parts, loop.trace, static_cast<std::size_t>(to), 2, sweeps[nearest], sweeps[knot.sweep], loop.quality,
         loop.used, c);
-    c->from_z.back() = loop.at.z_m;
-    c->from_u.back() = loop.at.u_m;
+    c->from_z.back() = at.z_m;
+    c->from_u.back() = at.u_m;
   }
 }
 

@@ -19,7 +19,7 @@ Blob WallsBlob(const OrientationTrack& track, const Blob* before);
 struct Loop {
   std::size_t knot = 0;   // of whose surroundings
   std::size_t trace = 0;  // on which
-  Position at;            // where it was found there
+  Position at;            // where it was found there; NaN: not told
   double quality = 0;
   bool used = false;
 };

@@ -1,0 +1,150 @@
+#include "pipelines/local_map/local_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "pipelines/in_process.h"
+#include "pipelines/local_map/testing_corridor.h"
+
+namespace cairn::local_map {
+namespace {
+
+constexpr int kLap = 4 * 50;
+
+// A robot that drives round and round a room by odometry whose heading drifts. NaN ranges: `missing` sensors.
+Blob RoomLog(int laps, int missing = 0, int jump_at = -1) {
+  const std::vector<TestWall> walls = [] {
+    std::vector<TestWall> all = TestBox(7, 7, {0, 0, 0});
+    for (const TestWall& wall : TestBox(1.2, 0.5, {1.5, 3.2, 0})) all.push_back(wall);
+    for (const TestWall& wall : TestBox(0.5, 0.9, {-3.2, -1, 0})) all.push_back(wall);
+    for (const TestWall& wall : TestBox(0.8, 0.6, {-1, -3.2, 0})) all.push_back(wall);
+    return all;
+  }();
+  Rng rng(4);
+  Pose pose{-2, -2, 0};
+  std::vector<double> time, turn, forward, range, x, y, heading;
+  for (int k = 0; k < laps * kLap; ++k) {
+    const double by = k % 50 == 49 ? M_PI / 2 : 0;
+    pose = Compose(Compose(pose, {0, 0, by}), {0.08, 0, 0});
+    time.push_back(0.2 * (k + 1));
+    turn.push_back(by * 1.01 + 0.0004 + 0.002 * rng.Normal());
+    forward.push_back(k == jump_at ? 4 : 0.08 * 1.01);
+    std::vector<double> sweep = SonarSweep(walls, pose, 0, rng);
+    for (int b = 0; b < missing; ++b) sweep[static_cast<std::size_t>(b)] = std::nan("");
+    for (double& r : sweep)
+      if (r > 5) r = std::nan("");
+    range.insert(range.end(), sweep.begin(), sweep.end());
+    x.push_back(pose.x_m);
+    y.push_back(pose.y_m);
+    heading.push_back(std::remainder(pose.heading_rad, 2 * M_PI));
+  }
+  Blob log;
+  log.Put("robots", Array::Texts({"ann"}));
+  log.PutVector("robot/0/odometry/time_s", time);
+  log.PutVector("robot/0/odometry/turn_rad", turn);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  const std::vector<Pose> beams = RingBeams();
+  std::vector<double> bx, by, bh;
+  for (const Pose& beam : beams) {
+    bx.push_back(beam.x_m);
+    by.push_back(beam.y_m);
+    bh.push_back(std::remainder(beam.heading_rad, 2 * M_PI));
+  }
+  const std::string sonar = "robot/0/sonar/";
+  log.PutVector(sonar + "time_s", time);
+  log.Put(sonar + "range_m",
+          Array::Of<double>({laps * kLap, static_cast<std::int64_t>(beams.size())}, range));
+  log.PutVector(sonar + "beam_x_m", bx);
+  log.PutVector(sonar + "beam_y_m", by);
+  log.PutVector(sonar + "beam_heading_rad", bh);
+  log.PutScalar(sonar + "opening_rad", kTestOpeningRad);
+  log.PutScalar(sonar + "max_range_m", 5.0);
+  log.PutVector("truth/x_m", x);
+  log.PutVector("truth/y_m", y);
+  return log;
+}
+
+BlobPtr Map(const Blob& log) {
+  const auto without = std::make_shared<const Blob>(log.Without("truth/"));
+  return RunInProcess(LocalMap(Options(), 7), {{"log", without}});
+}
+
+// Mean distance between two points of the path, as true and as mapped: no frame needs to be aligned.
+double ErrorM(const Blob& log, const Blob& map) {
+  const auto tx = log.Get<double>("truth/x_m"), ty = log.Get<double>("truth/y_m");
+  const auto x = map.Get<double>("robot/0/poses/x_m"), y = map.Get<double>("robot/0/poses/y_m");
+  double sum = 0;
+  const std::size_t half = x.size() / 2;
+  for (std::size_t k = 0; k < half; ++k) {
+    const double truth = std::hypot(tx[k + half] - tx[k], ty[k + half] - ty[k]);
+    sum += std::abs(std::hypot(x[k + half] - x[k], y[k + half] - y[k]) - truth);
+  }
+  return sum / static_cast<double>(half);
+}
+
+TEST(LocalMap, FindsLoopsAndThePath) {
+  const Blob log = RoomLog(3);
+  const BlobPtr map = Map(log);
+  EXPECT_LT(ErrorM(log, *map), 0.1);
+  EXPECT_GT(map->at("traces/first_z").size(), 8);
+  int loops = 0;
+  for (const std::int32_t kind : map->Get<std::int32_t>("connections/kind")) loops += kind == 2;
+  EXPECT_GT(loops, 20);
+  EXPECT_GT(map->at("robot/0/positions/time_s").size(), 200);
+  EXPECT_EQ(map->at("robot/0/cuts/time_s").size(), 0);
+}
+
+TEST(LocalMap, EveryArrayOfATableIsAsLongAsTheOthers) {
+  const BlobPtr map = Map(RoomLog(2));
+  const auto same = [&](const char* prefix) {
+    std::int64_t rows = -1;
+    for (const auto& [name, array] : map->fields()) {
+      if (!name.starts_with(prefix) || name.find('/', std::string(prefix).size()) != std::string::npos)
+        continue;
+      if (rows < 0) rows = array.shape()[0];
+      EXPECT_EQ(array.shape()[0], rows) << name;
+    }
+    EXPECT_GT(rows, 0) << prefix;
+  };
+  for (const char* prefix : {"robot/0/poses/", "robot/0/walls/", "robot/0/positions/", "traces/",
+                             "connections/", "features/left/", "features/right/", "snapshots/"})
+    same(prefix);
+}
+
+TEST(LocalMap, AJumpOfOdometryCutsTheRunAndTheLoopsJoinItAgain) {
+  const Blob log = RoomLog(3, 0, 300);
+  const BlobPtr map = Map(log);
+  ASSERT_EQ(map->at("robot/0/cuts/time_s").size(), 1);
+  EXPECT_EQ(map->Texts("robot/0/cuts/why")[0], "jump");
+  EXPECT_LT(ErrorM(log, *map), 0.15);
+}
+
+TEST(LocalMap, SensorsMayBeMissing) {
+  const Blob log = RoomLog(2, 6);
+  EXPECT_LT(ErrorM(log, *Map(log)), 0.15);
+}
+
+TEST(LocalMap, RefusesALogWithoutRangesOrWithTimeThatRunsBackwards) {
+  const Blob log = RoomLog(1);
+  const auto refusal = [](const Blob& bad) -> std::string {
+    try {
+      Map(bad);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal(log.Without("robot/0/sonar/")).find("no range"), std::string::npos);
+  Blob backwards = log;
+  const auto time = log.Get<double>("robot/0/sonar/time_s");
+  std::vector<double> times(time.begin(), time.end());
+  times[5] = 0;
+  backwards.PutVector("robot/0/sonar/time_s", times);
+  EXPECT_NE(refusal(backwards).find("scan 5"), std::string::npos);
+  EXPECT_NE(refusal(backwards).find("backwards"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cairn::local_map
