@@ -14,6 +14,7 @@ Json CellsJson(const std::optional<CellScore>& cells) {
   return {{"false_occupied", cells->false_occupied},
           {"free", cells->free},
           {"missed_occupied", cells->missed_occupied},
+          {"missed_free", cells->missed_free},
           {"due", cells->due},
           {"occupied_beyond_walls", cells->beyond_walls}};
 }
@@ -74,9 +75,10 @@ std::string LayerText(const std::string& prefix, const LayerScore& layer) {
     text += Line(prefix + "cells.false_occupied",
                  Words("%lld of %lld free", static_cast<long long>(cells.false_occupied),
                        static_cast<long long>(cells.free)));
-    text += Line(prefix + "cells.missed_occupied",
-                 Words("%lld of %lld due", static_cast<long long>(cells.missed_occupied),
-                       static_cast<long long>(cells.due)));
+    text += Line(
+        prefix + "cells.missed_occupied",
+        Words("%lld of %lld due, %lld of them held to be free", static_cast<long long>(cells.missed_occupied),
+              static_cast<long long>(cells.due), static_cast<long long>(cells.missed_free)));
     text += Line(prefix + "cells.occupied_beyond_walls", std::to_string(cells.beyond_walls));
   } else {
     text += Line(prefix + "cells", "unknown: the truth has no walls");

@@ -161,12 +161,18 @@ CellScore ScoreCells(const Occupancy& map, const MapTruth& truth) {
   const auto occupied = [&](std::int64_t x, std::int64_t y) {
     return map.IsOccupied(x - truth.offset_columns, y - truth.offset_rows);
   };
+  const auto free = [&](std::int64_t x, std::int64_t y) {
+    return map.IsFree(x - truth.offset_columns, y - truth.offset_rows);
+  };
   for (std::int64_t row = 0; row < truth.box.rows; ++row) {
     for (std::int64_t column = 0; column < truth.box.columns; ++column) {
       const std::size_t cell = truth.box.Index(column, row);
       score.free += truth.free[cell];
       score.due += truth.due[cell];
-      if (truth.due[cell] != 0 && !Near(column, row, occupied)) ++score.missed_occupied;
+      if (truth.due[cell] != 0 && !Near(column, row, occupied)) {
+        ++score.missed_occupied;
+        score.missed_free += free(column, row) ? 1 : 0;
+      }
       if (!occupied(column, row) || Near(column, row, wall)) continue;
       ++(truth.free[cell] != 0 ? score.false_occupied : score.beyond_walls);
     }

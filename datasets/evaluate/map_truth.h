@@ -37,6 +37,7 @@ struct CellScore {
   std::int64_t false_occupied = 0;   // occupied, in the free, no wall in the cell nor beside it
   std::int64_t free = 0;             // cells that are truly free
   std::int64_t missed_occupied = 0;  // due, and neither the cell nor one beside it is occupied
+  std::int64_t missed_free = 0;      // of these, held to be free, not unknown
   std::int64_t due = 0;
   std::int64_t beyond_walls = 0;  // occupied, where no robot could know: behind walls
 };

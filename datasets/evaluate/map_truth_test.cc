@@ -74,6 +74,7 @@ TEST(ScoreCells, CountsWhatIsMissedFalseAndBeyond) {
   const CellScore missed =
       ScoreCells(ReadOccupancy(bare), TruthOfWalls(ReadOccupancy(bare).box, kRoom, OneScan()));
   EXPECT_EQ(missed.missed_occupied, 2);
+  EXPECT_EQ(missed.missed_free, 0);  // they are unknown
 }
 
 TEST(ScoreCells, OccupiedCellsBehindWallsAreNoFalseObstacles) {
@@ -101,6 +102,7 @@ TEST(ScoreCells, AgainstAnotherMapWithOtherCells) {
   const CellScore score = ScoreCells(map, TruthOfMap(map.box, reference));
   EXPECT_EQ(score.due, 4);
   EXPECT_EQ(score.missed_occupied, 4);
+  EXPECT_EQ(score.missed_free, 2);
   EXPECT_EQ(score.free, 12);
   EXPECT_EQ(score.false_occupied, 1);
 }

@@ -98,7 +98,7 @@ TEST(GridPage, ShowsScoresAndTheTrueWalls) {
   const Blob log = SimulateHallway({.door_readings = 1, .closed = false, .seed = 1});
   Blob map = WithAllLayers();
   GridEvaluation evaluation;
-  evaluation.map.cells = CellScore{7, 100, 3, 50, 0};
+  evaluation.map.cells = CellScore{7, 100, 3, 2, 50, 0};
   evaluation.map.doors = {{true, 0.5, true}};
   const std::string page = GridMapReportHtml(map, &log, &evaluation, "scored");
   for (const char* part : {"false obstacles", "3 of 50", "1 of 1", "class=\"wall\"", "true walls"})

@@ -42,7 +42,7 @@ void Row(const std::string& name, const std::string& map, const HallScores& scor
   const double maps = std::max(scores.maps, 1);
   table->rows.push_back({name, map, Say("%d of %d", scores.doors_right, scores.maps),
                          Number(scores.false_occupied / maps, 1), Say("%.1f%%", 100 * scores.MissedShare()),
-                         Number(scores.stripes / maps, 4)});
+                         Say("%.1f%%", 100 * scores.MissedFreeShare()), Number(scores.stripes / maps, 4)});
 }
 
 HallRow ScoreHalls(const OccupancyStudy& study, const StageResults& results, int readings, bool closed) {
@@ -64,7 +64,8 @@ HallRow ScoreHalls(const OccupancyStudy& study, const StageResults& results, int
 
 PaperFigure HallwayFigure(const OccupancyStudy& study, const StageResults& results) {
   std::vector<PanelPicture> panels;
-  PaperTable table{{"hallway", "map", "doors right", "false cells", "wall missed", "stripes"}, {}};
+  PaperTable table{{"hallway", "map", "doors right", "false cells", "wall missed", "held free", "stripes"},
+                   {}};
   int default_open = 0, evidence_open = 0, forward_open = 0, forward_closed = 0, halls = 0;
   for (const int readings : {1, 3, 16}) {
     const std::string name =

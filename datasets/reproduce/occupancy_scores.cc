@@ -53,6 +53,7 @@ void HallScores::Add(const LayerScore& layer, double stripes_here) {
   if (layer.cells) {
     false_occupied += static_cast<double>(layer.cells->false_occupied);
     missed += static_cast<double>(layer.cells->missed_occupied);
+    missed_free += static_cast<double>(layer.cells->missed_free);
     due += static_cast<double>(layer.cells->due);
   }
   stripes += stripes_here;

@@ -21,11 +21,12 @@ double Stripes(const Occupancy& map, double wall_m, double from_m, double to_m);
 // Over several halls.
 struct HallScores {
   int maps = 0, doors_right = 0;
-  double false_occupied = 0, missed = 0, due = 0;  // sums over maps
+  double false_occupied = 0, missed = 0, missed_free = 0, due = 0;  // sums over maps
   double stripes = 0;
 
   void Add(const LayerScore& layer, double stripes_here);
   double MissedShare() const { return due > 0 ? missed / due : 0; }
+  double MissedFreeShare() const { return due > 0 ? missed_free / due : 0; }
 };
 
 }  // namespace cairn::datasets
