@@ -141,6 +141,7 @@ void AddReproduce(CLI::App& app, Invocation& call) {
   landmarks->add_flag("--json", options->json, "Pictures, claims and measured figures as JSON");
   AddReproduceBall(*reproduce, call);
   AddReproduceOccupancy(*reproduce, call);
+  AddReproduceLocal(*reproduce, call);
 }
 
 }  // namespace cairn::cli

@@ -36,6 +36,7 @@ void PublishPage(const std::string& out, const std::string& title, const std::st
                  const std::vector<datasets::PaperFigure>& figures, bool json);
 
 void AddReproduceBall(CLI::App& reproduce, Invocation& call);
+void AddReproduceLocal(CLI::App& reproduce, Invocation& call);
 void AddReproduceOccupancy(CLI::App& reproduce, Invocation& call);
 
 }  // namespace cairn::cli

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "datasets/log_parts.h"
+#include "datasets/reproduce/study_inputs.h"
 #include "datasets/simulate_loop.h"
 
 namespace cairn::datasets {
@@ -194,10 +195,7 @@ LandmarkStudy MakeLandmarkStudy(std::uint64_t seed) {
   study.job.set_seed(seed);
   FindCycles(study.inputs.at("first"), &study);
   AddStages(&study);
-  for (const auto& [name, blob] : study.inputs) {
-    (*study.job.mutable_inputs())[name] = "inputs/" + name + ".h5";
-    (*study.job.mutable_input_blobs())[name] = blob.Without("truth/").ContentHash().Binary();
-  }
+  NameInputs(study.inputs, &study.job);
   return study;
 }
 

@@ -3,6 +3,7 @@
 #include <limits>
 #include <numbers>
 
+#include "datasets/reproduce/study_inputs.h"
 #include "datasets/simulate_hall.h"
 #include "datasets/simulate_loop.h"
 
@@ -94,10 +95,7 @@ class StudyMaker {
   void Finish(const std::string& name, std::uint64_t seed) {
     study_->job.set_name(name);
     study_->job.set_seed(seed);
-    for (const auto& [input, blob] : study_->inputs) {
-      (*study_->job.mutable_inputs())[input] = "inputs/" + input + ".h5";
-      (*study_->job.mutable_input_blobs())[input] = blob.Without("truth/").ContentHash().Binary();
-    }
+    NameInputs(study_->inputs, &study_->job);
   }
 
  private:

@@ -46,7 +46,7 @@ example() { cairn "$@" --help | awk 'on && /^  / {sub(/^  /, ""); print} /^Examp
 
 # runs COMMAND…: its example, as printed, each line in a folder that holds what it reads and not what it writes. That of
 # 'reproduce ball' takes a quarter of an hour: one corridor and two steps are enough to see that it is taken; of 'reproduce
-# occupancy' one hallway of each kind.
+# occupancy' one hallway of each kind, of 'reproduce local' one office.
 runs() {
   local line
   [ -n "$(example "$@")" ] || die "cairn $*: no example"
@@ -55,6 +55,7 @@ runs() {
     cp -r inputs here
     line=${line/reproduce ball --seeds 5/reproduce ball --seeds 1 --steps 2}
     line=${line/reproduce occupancy --seeds 5/reproduce occupancy --seeds 1}
+    line=${line/reproduce local --seeds 5/reproduce local --seeds 1}
     [[ ! $line =~ simulate\ loop|import\ csv ]] || rm here/log.h5
     [[ ! $line =~ --out\ result ]] || rm -r here/result
     (cd here && bash -euo pipefail -c "$line") </dev/null >stdout 2>stderr || die "the example of cairn $* fails: $line"
@@ -64,7 +65,7 @@ runs() {
 ran=0
 
 runs
-for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report 'reproduce landmarks' 'reproduce ball' 'reproduce occupancy' export \
+for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report 'reproduce landmarks' 'reproduce ball' 'reproduce occupancy' 'reproduce local' export \
   'export tum' 'export g2o' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"

@@ -1,0 +1,31 @@
+#include "datasets/reproduce/local_study.h"
+
+#include "datasets/reproduce/study_inputs.h"
+#include "datasets/simulate_office.h"
+
+namespace cairn::datasets {
+
+LocalStudy MakeLocalStudy(std::uint64_t seed, int seeds) {
+  LocalStudy study;
+  study.job.set_name("reproduce-local");
+  study.job.set_seed(seed);
+  study.kinds = {{"as it stands", {}}, {"furniture moves", {}}};
+  for (std::size_t kind = 0; kind < study.kinds.size(); ++kind) {
+    for (int i = 0; i < seeds; ++i) {
+      SimulateOfficeOptions options;
+      options.seed = seed + static_cast<std::uint64_t>(i);
+      options.moved = kind == 1;
+      const std::string name = (options.moved ? "moved_" : "office_") + std::to_string(options.seed);
+      study.inputs[name] = SimulateOffice(options);
+      proto::Stage& stage = *study.job.add_stages();
+      stage.set_name(name + "_map");
+      stage.set_pipeline("local_map");
+      (*stage.mutable_inputs())["log"] = name;
+      study.kinds[kind].logs.push_back(name);
+    }
+  }
+  NameInputs(study.inputs, &study.job);
+  return study;
+}
+
+}  // namespace cairn::datasets
