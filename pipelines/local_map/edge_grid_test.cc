@@ -8,7 +8,7 @@
 namespace cairn::local_map {
 namespace {
 
-Edge Line(Point a, Point b) { return {a, b, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m), 10}; }
+Edge Line(Point a, Point b) { return {a, b, std::atan2(b.y_m - a.y_m, b.x_m - a.x_m), 0.02, 10}; }
 
 TEST(EdgeGrid, CellsThatAnEdgeGoesThroughCarryItsDirection) {
   EdgeGrid grid(0.15, 15, 0.99, {0.6, 1.5});

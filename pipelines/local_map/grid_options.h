@@ -10,11 +10,11 @@ namespace cairn::local_map {
 
 // What makes a line of hits an edge ([DM98] figure 1). A unit is the edge of a cell, at most `unit_m`.
 struct LineFitRule {
-  double unit_m = 0.1;        // hits that far from a line belong to it, in cells of any size
+  double unit_m = 0.12;       // hits that far from a line belong to it, in cells of any size
   double gap_m = 0.7;         // neighbouring hits of a candidate are no further apart,
-  double bend = 0.05;         // nor off its chord by more than this part of it, nor by more than a unit
-  double hole_m = 0.45;       // the longest part of an edge without hits, and no less than two cells
-  double spread_m = 0.035;    // of an edge's hits about it, root mean square
+  double bend = 0.08;         // nor off its chord by more than this part of it, nor by more than a unit
+  double hole_m = 0.6;        // the longest part of an edge without hits, and no less than two cells
+  double spread_m = 0.045;    // of an edge's hits about it, root mean square
   double min_length_m = 0.6;  // of an edge
   int min_hits = 4;           // that it is fitted to
   double max_turn_rad = 0.2;  // of a candidate by the fit
@@ -26,11 +26,11 @@ struct GridOptions {
   double occupancy_kept = 0.95;
   double occupied = 0.08;
   double edges_kept = 0.99;
-  double walls_kept = 0.96;
+  double walls_kept = 0.97;
   bool align = true;
   LineFitRule line;
   PeakRule edge_peak{0.6, 1.5};
-  PeakRule wall_peak{0.6, 20};  // weight in m^3
+  PeakRule wall_peak{0.6, 5};  // weight in 1/deg^2
 };
 
 template <class V>

@@ -6,6 +6,9 @@
 namespace cairn::local_map {
 namespace {
 
+// Of hits about their line, as far as an edge's uncertainty is concerned.
+constexpr double kLeastSpreadM = 0.01;
+
 // The frame of a segment: from a, x along it.
 struct Along {
   Point a;
@@ -44,20 +47,26 @@ double Reach(const OccupancyGrid& grid, const Along& along, double from_m, doubl
   return end;
 }
 
-// Root of the mean square distance from the fitted line: the lesser principal moment.
-double Spread(const LineSums& sums) {
-  const double xx = sums.xx - sums.x * sums.x / sums.n, yy = sums.yy - sums.y * sums.y / sums.n;
-  const double xy = sums.xy - sums.x * sums.y / sums.n;
-  const double least = (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)) / 2;
-  return std::sqrt(std::max(least, 0.0) / sums.n);
-}
+// About the barycentre, divided by the number of points.
+struct Moments {
+  double xx, xy, yy;
+  explicit Moments(const LineSums& s)
+      : xx((s.xx - s.x * s.x / s.n) / s.n),
+        xy((s.xy - s.x * s.y / s.n) / s.n),
+        yy((s.yy - s.y * s.y / s.n) / s.n) {}
+  // Across the fitted line, the lesser principal moment, and along it.
+  double Across() const { return std::max(xx + yy - Apart(), 0.0) / 2; }
+  double Along() const { return (xx + yy + Apart()) / 2; }
+
+ private:
+  double Apart() const { return std::sqrt((xx - yy) * (xx - yy) + 4 * xy * xy); }
+};
 
 }  // namespace
 
 double CorrectedAngle(const LineSums& sums) {
-  const double xx = sums.xx - sums.x * sums.x / sums.n, yy = sums.yy - sums.y * sums.y / sums.n;
-  const double xy = sums.xy - sums.x * sums.y / sums.n;
-  return 0.5 * std::atan2(2 * xy, xx - yy);
+  const Moments m(sums);
+  return 0.5 * std::atan2(2 * m.xy, m.xx - m.yy);
 }
 
 LineFit::LineFit(const LineFitRule& rule, double cell_m)
@@ -117,7 +126,8 @@ bool LineFit::Fit(const OccupancyGrid& grid, const Segment& segment, Edge* edge)
       grid.ForOccupied({k, l - 2}, {k, l + 2}, gather);
   }
   if (sums.n < rule_.min_hits || hole > hole_m_ || furthest - first < rule_.min_length_m) return false;
-  if (Spread(sums) > rule_.spread_m) return false;
+  const Moments moments(sums);
+  if (moments.Across() > rule_.spread_m * rule_.spread_m) return false;
   const double turn = CorrectedAngle(sums);
   if (std::abs(turn) > rule_.max_turn_rad) return false;
   const double x = sums.x / sums.n, y = sums.y / sums.n;
@@ -125,6 +135,7 @@ bool LineFit::Fit(const OccupancyGrid& grid, const Segment& segment, Edge* edge)
   edge->a = along.At(x + (first - x) * c, y + (first - x) * s);
   edge->b = along.At(x + (furthest - x) * c, y + (furthest - x) * s);
   edge->angle_rad = ModuloAngle(std::atan2(along.uy, along.ux) + turn, std::numbers::pi);
+  edge->sd_rad = std::sqrt((moments.Across() + kLeastSpreadM * kLeastSpreadM) / (sums.n * moments.Along()));
   edge->hits = static_cast<int>(sums.n);
   return true;
 }

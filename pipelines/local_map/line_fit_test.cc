@@ -25,10 +25,11 @@ std::vector<Point> Row(OccupancyGrid* grid, Point a, double angle_rad, double le
   return hits;
 }
 
-std::vector<Edge> Find(const std::vector<Point>& hits, const OccupancyGrid& grid, bool closed = false) {
+std::vector<Edge> Find(const std::vector<Point>& hits, const OccupancyGrid& grid, bool closed = false,
+                       const LineFitRule& rule = {}) {
   std::vector<Edge> edges;
   edges.reserve(16);
-  LineFit({}, grid.cell_m()).Find(hits, closed, grid, &edges);
+  LineFit(rule, grid.cell_m()).Find(hits, closed, grid, &edges);
   return edges;
 }
 
@@ -115,7 +116,9 @@ TEST(LineFit, AnEdgeGrowsAndShrinksByTheGrid) {
   holed.NextSweep();
   Row(&holed, {-1.8, 1}, 0, 2.41, 0.1);  // to 0.6, and the last hit alone at 1.2
   holed.Hit({1.2, 1});
-  const auto shrunk = Find({{-0.1, 1}, {0.55, 1}, {1.2, 1}}, holed);
+  LineFitRule rule;
+  rule.hole_m = 0.45;
+  const auto shrunk = Find({{-0.1, 1}, {0.55, 1}, {1.2, 1}}, holed, false, rule);
   ASSERT_EQ(shrunk.size(), 1U);
   EXPECT_NEAR(std::max(shrunk[0].a.x_m, shrunk[0].b.x_m), 0.6, 0.1);
 }
@@ -143,8 +146,8 @@ TEST(LineFit, WhatIsShortThinOrFullOfHolesIsDiscarded) {
   OccupancyGrid thick = Grid();
   thick.NextSweep();
   auto hits = Row(&thick, {-1, 1}, 0, 2.01, 0.15);
-  Row(&thick, {-0.92, 0.92}, 0, 1.8, 0.15);
-  EXPECT_TRUE(Find(hits, thick).empty());  // two rows, 8 cm apart
+  Row(&thick, {-0.92, 0.9}, 0, 1.8, 0.15);
+  EXPECT_TRUE(Find(hits, thick).empty());  // two rows, 10 cm apart
 }
 
 TEST(LineFit, AClosedRingGoesOnAtItsBeginning) {

@@ -171,7 +171,7 @@ TEST(LocalGrids, DriftIsDetectedAndFollowedInStepsOfFiveAndAHalfDegreesAndMore) 
   EXPECT_GE(judged.realigned, 2);
   EXPECT_LE(judged.realigned, 3);
   EXPECT_EQ(judged.other, 0);
-  EXPECT_LT(worst, 8);
+  EXPECT_LT(worst, 8.5);  // 5.5, 1 in five seconds, and what the histogram lags behind
   EXPECT_GE(judged.right, 0.95 * judged.sweeps);
 }
 

@@ -8,6 +8,18 @@
 #include "pipelines/local_map/scale_watch.h"
 
 namespace cairn::local_map {
+namespace {
+
+// What an edge says of the walls' orientation goes with the inverse variance of its direction: one that is
+// this certain counts as a metre of wall.
+constexpr double kMetreSd_deg = 0.55;
+
+double Counts(const Edge& edge) {
+  const double ratio = kMetreSd_deg / DegOf(edge.sd_rad);
+  return ratio * ratio;
+}
+
+}  // namespace
 
 Blob WatchWalls(SweepReader& sweeps, std::size_t own, GridOptions options, Progress& progress) {
   options.align = false;  // edges in one frame; what that says of walls is decided over the whole run
@@ -23,7 +35,7 @@ Blob WatchWalls(SweepReader& sweeps, std::size_t own, GridOptions options, Progr
     scale.Update(sweeps.pose(s), read);
     EdgeHistogram edges{};
     for (const Edge& edge : grids.current_edges())
-      AddEdge(edge.angle_rad + grids.frame_rad(), edge.LengthM(), &edges);
+      AddEdge(edge.angle_rad + grids.frame_rad(), Counts(edge), &edges);
     all.insert(all.end(), edges.begin(), edges.end());
   }
   scale.Finish();

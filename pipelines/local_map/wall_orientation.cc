@@ -6,8 +6,8 @@ void WallOrientation::Add(std::span<const Edge> edges, std::int32_t ticks) {
   histogram_.Scale(decay_.After(ticks));
   const float weight = decay_.Weight(ticks);
   for (const Edge& edge : edges) {
-    const double length_m = edge.LengthM();
-    histogram_.Add(edge.angle_rad, kPeriodRad, weight * static_cast<float>(length_m * length_m * length_m));
+    const double sd_deg = DegOf(edge.sd_rad);
+    histogram_.Add(edge.angle_rad, kPeriodRad, weight / static_cast<float>(sd_deg * sd_deg));
   }
 }
 

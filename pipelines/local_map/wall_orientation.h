@@ -24,9 +24,8 @@ class WallOrientation {
   // `kept`: the fraction of the histogram that is kept each sweep.
   WallOrientation(double kept, PeakRule rule) : decay_(kept), rule_(rule) {}
 
-  // The next sweep, so many ticks after the last, with these edges. Each counts with the cube of its length
-  // in metres: as the inverse variance of the angle of a line that is fitted to hits which lie evenly along
-  // it.
+  // The next sweep, so many ticks after the last, with these edges. Each counts with
+  // the inverse variance of its angle, 1/deg^2.
   void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksASweep);
 
   // Direction of the walls in [-pi / 4, pi / 4] and how strong it is; none without a strong peak.

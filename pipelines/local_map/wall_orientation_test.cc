@@ -10,7 +10,11 @@ namespace {
 
 Edge At(double degrees, double length_m) {
   const double angle = RadOf(degrees);
-  return {{0, 0}, {length_m * std::cos(angle), length_m * std::sin(angle)}, angle, 10};
+  return {{0, 0},
+          {length_m * std::cos(angle), length_m * std::sin(angle)},
+          angle,
+          RadOf(1 / std::pow(length_m, 1.5)),
+          10};
 }
 
 TEST(WallOrientation, WallsAtSquareAnglesAreOneDirection) {
@@ -41,7 +45,7 @@ TEST(WallOrientation, FollowsWhatIsSeenNow) {
   EXPECT_LT(until, 30);
 }
 
-TEST(WallOrientation, LongEdgesWeighMoreThanShortOnes) {
+TEST(WallOrientation, CertainEdgesWeighMoreThanUncertainOnes) {
   WallOrientation orientation(0.9, {0.6, 1});
   for (int k = 0; k < 50; ++k) orientation.Add(std::vector{At(2, 3), At(30, 1), At(33, 1), At(36, 1)});
   ASSERT_TRUE(orientation.Dominant());
