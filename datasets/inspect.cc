@@ -51,8 +51,11 @@ std::string RobotOfLog(const Blob& blob, const std::string& prefix) {
     if (!name.starts_with(prefix) || !name.ends_with(kBeams)) continue;
     const std::string sensor = name.substr(0, name.size() - kBeams.size());
     text += ", " + Count(ColumnOrNone<double>(blob, sensor + "/time_s").size(), "scan") + " of " +
-            std::to_string(array.size()) + " beams (" + sensor.substr(prefix.size()) + ")";
+            std::to_string(array.size()) + " beams (" + sensor.substr(prefix.size()) +
+            (blob.Has(sensor + "/turret_rad") ? ", on a turret)" : ")");
   }
+  const auto hints = ColumnOrNone<double>(blob, prefix + "hints/time_s");
+  if (!hints.empty()) text += ", " + Count(hints.size(), "hint");
   const auto poses = ColumnOrNone<double>(blob, prefix + "poses/time_s");
   if (!poses.empty()) text += ", " + Count(poses.size(), "pose");
   const auto truth = ColumnOrNone<double>(blob, "truth/" + prefix + "poses/time_s");
@@ -141,6 +144,20 @@ std::string GridOf(const Blob& blob) {
          std::to_string(std::ranges::count_if(probability, [](double p) { return p < 0.5; })) + " free";
 }
 
+// "54, joined by 961 loops; the path follows 950".
+std::string TracesOf(const Blob& blob) {
+  const auto kind = ColumnOrNone<std::int32_t>(blob, "connections/kind");
+  const auto used = ColumnOrNone<std::uint8_t>(blob, "connections/used");
+  constexpr std::int32_t kLoop = 2;
+  std::size_t loops = 0, followed = 0;
+  for (std::size_t k = 0; k < std::min(kind.size(), used.size()); ++k) {
+    loops += kind[k] == kLoop ? 1 : 0;
+    followed += kind[k] == kLoop && used[k] != 0 ? 1 : 0;
+  }
+  return std::to_string(blob.at("traces/robot").size()) + ", joined by " + Count(loops, "loop") +
+         "; the path follows " + std::to_string(followed);
+}
+
 Facts FactsOf(const Blob& blob) {
   Facts facts;
   if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(blob, &facts);
@@ -164,6 +181,7 @@ Facts FactsOf(const Blob& blob) {
   }
   if (blob.Has("map/grid/probability") && blob.at("map/grid/probability").shape().size() == 2)
     facts.emplace_back("grid", GridOf(blob));
+  if (blob.Has("traces/robot")) facts.emplace_back("traces", TracesOf(blob));
   const auto likelihoods = ColumnOrNone<double>(blob, "history/log_likelihood");
   if (!likelihoods.empty()) {
     facts.emplace_back(blob.Has("map/landmark_x_m") ? "iterations" : "rounds",

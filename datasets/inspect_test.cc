@@ -37,6 +37,25 @@ TEST(Inspect, TellsWhatALogHolds) {
   ExpectContains(text, "  noise/range_m                     float64  []            m      0.1\n");
 }
 
+TEST(Inspect, TellsOfTurretsAndHints) {
+  Blob log = SmallLog();
+  log.PutVector<double>("robot/0/sonar/beam_x_m", {0, 0});
+  log.PutVector<double>("robot/0/sonar/time_s", {1, 2});
+  EXPECT_EQ(InspectText(Inspected(log, "log")).find("turret"), std::string::npos);
+  log.PutVector<double>("robot/0/sonar/turret_rad", {0, 0.1});
+  log.PutVector<double>("robot/0/hints/time_s", {1.5});
+  ExpectContains(InspectText(Inspected(log, "log")), "2 scans of 2 beams (sonar, on a turret), 1 hint");
+}
+
+TEST(Inspect, TellsOfTracesAndTheirLoops) {
+  Blob map;
+  map.Put("robots", Array::Texts({"ann"}));
+  map.PutVector<std::int32_t>("traces/robot", {0, 0, 0});
+  map.PutVector<std::int32_t>("connections/kind", {0, 2, 2, 1});
+  map.PutVector<std::uint8_t>("connections/used", {1, 1, 0, 1});
+  ExpectContains(InspectText(Inspected(map, "local_map")), "3, joined by 2 loops; the path follows 1\n");
+}
+
 TEST(Inspect, TellsWhatAMapHolds) {
   Blob blob = SmallResult();
   blob.PutVector<double>("history/log_likelihood", {-512.5, -100, -99.25});
