@@ -104,33 +104,43 @@ void CutSweeps(const std::vector<double>& jumps, double gap_s, RobotRuns* runs) 
   }
 }
 
+// More than a robot can do in that time.
+bool IsJump(const OdometricPose& from, const OdometricPose& to, const RunOptions& options) {
+  const double duration_s = to.time_s - from.time_s;
+  return std::hypot(to.x_m - from.x_m, to.y_m - from.y_m) >
+             std::max(kLeastJump_m, options.jump_mps * duration_s) ||
+         std::abs(to.heading_rad - from.heading_rad) >
+             std::max(kLeastJump_rad, options.jump_radps * duration_s);
+}
+
 }  // namespace
 
 Odometry WithoutJumps(Odometry odometry, const RunOptions& options, std::vector<double>* jumps) {
   const Odometry raw = odometry;
   double turn = 0, path = 0, turned = 0;  // that were taken out so far
-  for (std::size_t i = 1; i < raw.time_s.size(); ++i) {
-    const double duration_s = raw.time_s[i] - raw.time_s[i - 1];
-    const double way_m = std::hypot(raw.x_m[i] - raw.x_m[i - 1], raw.y_m[i] - raw.y_m[i - 1]);
-    const double by_rad = raw.heading_rad[i] - raw.heading_rad[i - 1];
-    if (way_m > std::max(kLeastJump_m, options.jump_mps * duration_s) ||
-        std::abs(by_rad) > std::max(kLeastJump_rad, options.jump_radps * duration_s)) {
-      jumps->push_back(raw.time_s[i]);
-      turn += by_rad;
-      path += raw.path_m[i] - raw.path_m[i - 1];
-      turned += raw.turn_rad[i] - raw.turn_rad[i - 1];
-      // The path goes on from where it was, on the heading that it had.
-      odometry.x_m[i] = odometry.x_m[i - 1];
-      odometry.y_m[i] = odometry.y_m[i - 1];
-    } else {
-      const double c = std::cos(-turn), s = std::sin(-turn);
-      const double dx = raw.x_m[i] - raw.x_m[i - 1], dy = raw.y_m[i] - raw.y_m[i - 1];
-      odometry.x_m[i] = odometry.x_m[i - 1] + (jumps->empty() ? dx : c * dx - s * dy);
-      odometry.y_m[i] = odometry.y_m[i - 1] + (jumps->empty() ? dy : s * dx + c * dy);
+  const std::size_t count = raw.time_s.size();
+  for (std::size_t i = 1, end = 1; i < count; i = end) {
+    // Controls of one moment are one motion: to where it went, and to where the robot then faces.
+    for (end = i + 1; end < count && raw.time_s[end] == raw.time_s[i]; ++end) {
     }
-    odometry.heading_rad[i] = raw.heading_rad[i] - turn;
-    odometry.path_m[i] = raw.path_m[i] - path;
-    odometry.turn_rad[i] = raw.turn_rad[i] - turned;
+    const bool jumped = IsJump(PoseOf(raw, i - 1), PoseOf(raw, end - 1), options);
+    if (jumped) {
+      jumps->push_back(raw.time_s[i]);
+      turn += raw.heading_rad[end - 1] - raw.heading_rad[i - 1];
+      path += raw.path_m[end - 1] - raw.path_m[i - 1];
+      turned += raw.turn_rad[end - 1] - raw.turn_rad[i - 1];
+    }
+    const double c = std::cos(turn), s = std::sin(turn);
+    for (std::size_t k = i; k < end; ++k) {
+      // After a jump the path goes on from where it was, on the heading that it had.
+      const double dx = jumped ? 0 : raw.x_m[k] - raw.x_m[k - 1],
+                   dy = jumped ? 0 : raw.y_m[k] - raw.y_m[k - 1];
+      odometry.x_m[k] = odometry.x_m[k - 1] + c * dx + s * dy;
+      odometry.y_m[k] = odometry.y_m[k - 1] - s * dx + c * dy;
+      odometry.heading_rad[k] = jumped ? odometry.heading_rad[i - 1] : raw.heading_rad[k] - turn;
+      odometry.path_m[k] = jumped ? odometry.path_m[i - 1] : raw.path_m[k] - path;
+      odometry.turn_rad[k] = jumped ? odometry.turn_rad[i - 1] : raw.turn_rad[k] - turned;
+    }
   }
   return odometry;
 }

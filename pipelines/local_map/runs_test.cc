@@ -76,6 +76,25 @@ TEST(Runs, AJumpOfTheHeadingLeavesTheWayAfterItOnTheHeadingBefore) {
   EXPECT_NEAR(runs.sweeps.back().pose.heading_rad, 0, 1e-9);
 }
 
+TEST(Runs, AWayBackwardsIsNoJump) {
+  Blob log = Log(20, -1, 0, 0);  // that control 11 faces about for its way, and control 12 faces back
+  const auto read = [&](const char* name) {
+    const auto values = log.Get<double>(std::string("robot/0/odometry/") + name);
+    return std::vector<double>(values.begin(), values.end());
+  };
+  std::vector<double> time = read("time_s"), turn = read("turn_rad"), forward = read("forward_m");
+  time[12] = time[11];
+  turn[11] = M_PI;
+  turn[12] = -M_PI;
+  forward[12] = 0;
+  log.PutVector("robot/0/odometry/time_s", time);
+  log.PutVector("robot/0/odometry/turn_rad", turn);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  const RobotRuns runs = RunsOfLog(log);
+  EXPECT_TRUE(runs.cuts.empty());
+  EXPECT_NEAR(runs.sweeps.back().pose.x_m, 1.7, 1e-9);
+}
+
 TEST(Runs, AreCutAtGapsWhichAreNoJumps) {
   const RobotRuns runs = RunsOfLog(Log(20, 10, 0, 0.1, 100));
   ASSERT_EQ(runs.cuts.size(), 1U);
