@@ -1,11 +1,10 @@
 #include "pipelines/local_map/testing_allocations.h"
 
-#include <atomic>
 #include <cstdlib>
 #include <new>
 
 namespace {
-std::atomic<long> allocations{0};
+long allocations = 0;  // of tests, which have one thread
 }
 
 void* operator new(std::size_t bytes) {

@@ -37,7 +37,8 @@ std::vector<Recorded> Record(int sweeps, std::uint64_t seed) {
   std::vector<Recorded> all;
   for (int k = 0; k < sweeps; ++k) {
     const RingSweep sweep = drive.Next();
-    all.push_back({sweep.time_s, drive.odometry(), sweep.turret_rad, {sweep.range_m.begin(), sweep.range_m.end()}});
+    all.push_back(
+        {sweep.time_s, drive.odometry(), sweep.turret_rad, {sweep.range_m.begin(), sweep.range_m.end()}});
   }
   return all;
 }
