@@ -11,7 +11,7 @@ namespace cairn::local_map {
 
 struct KnotOptions {
   double apart_m = 0.5;
-  double along_sd = 0.03;   // of the way between two, a fraction of its square root's metre
+  double along_sd = 0.01;   // of the way between two, a fraction of its square root's metre
   double across_sd = 0.02;  // to its side, likewise
   double gap_m = 0.3;       // sd across a gap in time
   double jump_m = 2;        // sd across a jump of odometry

@@ -18,7 +18,7 @@ struct PairOptions {
   double range_m = 0.3;        // searched around where the path says, and
   double range_per_m = 0.015;  // of way more,
   double most_m = 1.5;         // up to so much
-  double confidence = 0.6;     // that a match must have
+  double confidence = 0.9;     // that a match must have
   double least_sd_m = 0.05;    // that its u is believed to have, at best,
   double least_sd_z_m = 0.15;  // and its z
   double most_sd_m = 0.15;     // beyond that it tells nothing
