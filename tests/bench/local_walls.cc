@@ -1,11 +1,12 @@
 // What the local grids know of walls, on logs with truth:
 //   local_walls OFFICE.h5...       # as `cairn simulate office` makes them
-// A line a log, and their means: in what share of the time after the first lock the walls' orientation is off
-// by less than 2 degrees (where no direction is dominant, the last one counts); what share of the length of
-// metallic walls, and of other walls and furniture, in the grids and in sight of the robot, is covered by
-// edges and by occupied cells; and what share of the cells with an edge, and of the occupied ones, is nowhere
-// near a wall. Covered: such a cell's point lies within 0.2 m, and an edge's direction within 15 degrees of
-// the wall's.
+// A line a log, and all together: in what share of the time after the first lock the walls' orientation is
+// off by less than 2 degrees (where no direction is dominant, the last one counts); what share of the length
+// of metallic walls, and of other walls and furniture, in the grids, in sight of the robot and beside or
+// behind it, is covered by edges and by occupied cells, and of the metallic walls that no occupied cell
+// covers by edges (holes); what share of the cells with an edge, and of the occupied ones, is nowhere near a
+// wall. Covered: such a cell's point lies within 0.2 m, and an edge's direction within 15 degrees of the
+// wall's.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -37,7 +38,8 @@ struct Share {
 };
 
 struct Found {
-  Share oriented, metal_edges, metal_occupied, other_edges, other_occupied, false_edges, false_occupied;
+  Share oriented, metal_edges, metal_occupied, metal_holes, other_edges, other_occupied, false_edges,
+      false_occupied;
 };
 
 std::vector<TrueWall> WallsOf(const Blob& log) {
@@ -70,7 +72,8 @@ double ToWallM(const TrueWall& wall, Point p) {
 class Moment {
  public:
   Moment(const LocalGrids& grids, const std::vector<TrueWall>& walls, const Pose& truth, double time_s)
-      : robot_{grids.pose().x_m, grids.pose().y_m},
+      : pose_(grids.pose()),
+        robot_{grids.pose().x_m, grids.pose().y_m},
         reach_m_(grids.occupancy().half() * grids.occupancy().cell_m()) {
     for (TrueWall wall : walls) {
       if (time_s < wall.from_s || time_s > wall.until_s) continue;
@@ -106,12 +109,16 @@ class Moment {
       const double share = at / length;
       const Point p{wall.a.x_m + share * (wall.b.x_m - wall.a.x_m),
                     wall.a.y_m + share * (wall.b.y_m - wall.a.y_m)};
-      if (std::abs(p.x_m - robot_.x_m) > reach_m_ || std::abs(p.y_m - robot_.y_m) > reach_m_ || Hidden(p))
+      if (std::abs(p.x_m - robot_.x_m) > reach_m_ || std::abs(p.y_m - robot_.y_m) > reach_m_ || Ahead(p) ||
+          Hidden(p))
         continue;
-      (wall.metal ? found->metal_edges : found->other_edges).Add(OnEdge(p, angle));
-      (wall.metal ? found->metal_occupied : found->other_occupied).Add(OnOccupied(p));
+      const bool edge = OnEdge(p, angle), occupied = OnOccupied(p);
+      (wall.metal ? found->metal_edges : found->other_edges).Add(edge);
+      (wall.metal ? found->metal_occupied : found->other_occupied).Add(occupied);
+      if (wall.metal && !occupied) found->metal_holes.Add(edge);
     }
   }
+  bool Ahead(Point p) const { return Between(pose_, {p.x_m, p.y_m, 0}).x_m > kNearM; }
   bool Hidden(Point p) const {
     const Point before{p.x_m + 0.01 * (robot_.x_m - p.x_m), p.y_m + 0.01 * (robot_.y_m - p.y_m)};
     return std::any_of(walls_.begin(), walls_.end(),
@@ -132,6 +139,7 @@ class Moment {
                        [&](const TrueWall& wall) { return ToWallM(wall, p) <= kNearM; });
   }
 
+  Pose pose_;
   Point robot_;
   double reach_m_;
   std::vector<TrueWall> walls_;
@@ -190,17 +198,18 @@ Found Judge(const Blob& log) {
 }
 
 void Print(const std::string& name, const Found& f) {
-  std::printf("%-28s %6.1f %10.1f %9.1f %10.1f %9.1f %10.1f %9.1f\n", name.c_str(), f.oriented.Percent(),
-              f.metal_edges.Percent(), f.metal_occupied.Percent(), f.other_edges.Percent(),
-              f.other_occupied.Percent(), f.false_edges.Percent(), f.false_occupied.Percent());
+  std::printf("%-12s %6.1f %10.1f %9.1f %6.1f %10.1f %9.1f %10.1f %9.1f\n", name.c_str(),
+              f.oriented.Percent(), f.metal_edges.Percent(), f.metal_occupied.Percent(),
+              f.metal_holes.Percent(), f.other_edges.Percent(), f.other_occupied.Percent(),
+              f.false_edges.Percent(), f.false_occupied.Percent());
 }
 
 int Main(const std::vector<std::string>& args) {
   if (args.empty()) throw InputError("what is measured are OFFICE.h5...");
-  std::printf("%-28s %6s %20s %20s %20s\n", "", "within", "metallic walls, %", "other walls, %",
+  std::printf("%-12s %6s %27s %20s %20s\n", "", "within", "metallic walls, %", "other walls, %",
               "false cells, %");
-  std::printf("%-28s %6s %10s %9s %10s %9s %10s %9s\n", "", "2 deg", "edges", "occupied", "edges", "occupied",
-              "edges", "occupied");
+  std::printf("%-12s %6s %10s %9s %6s %10s %9s %10s %9s\n", "", "2 deg", "edges", "occupied", "holes",
+              "edges", "occupied", "edges", "occupied");
   Found all;
   for (const std::string& path : args) {
     const auto file = ReadBlobFile(path);
@@ -208,8 +217,8 @@ int Main(const std::vector<std::string>& args) {
     const Found found = Judge(file.value().blob);
     Print(path, found);
     for (const auto share :
-         {&Found::oriented, &Found::metal_edges, &Found::metal_occupied, &Found::other_edges,
-          &Found::other_occupied, &Found::false_edges, &Found::false_occupied}) {
+         {&Found::oriented, &Found::metal_edges, &Found::metal_occupied, &Found::metal_holes,
+          &Found::other_edges, &Found::other_occupied, &Found::false_edges, &Found::false_occupied}) {
       (all.*share).part += (found.*share).part;
       (all.*share).all += (found.*share).all;
     }
