@@ -39,7 +39,8 @@ void AddReproduceLocal(CLI::App& reproduce, Invocation& call) {
   app->add_option("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
       ->capture_default_str();
   app->add_option("--seed", options->seed, "The first office's")->check(CheckSeed)->capture_default_str();
-  app->add_option("--seeds", options->seeds, "Offices of each kind: as it stands, furniture that moves")
+  app->add_option("--seeds", options->seeds,
+                  "Offices of each kind: as it stands, furniture that moves, a room turned")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")

@@ -144,6 +144,13 @@ void AddOtherRows(NumbersTable* table) {
                 }) +
            "%";
   });
+  table->Add("sweeps where walls are turned, told", "", [](const auto& s) {
+    const std::string told = Mean(s, "%.0f", [](const Score& e) -> std::optional<double> {
+      if (!e.walls || !e.walls->other_area_found) return std::nullopt;
+      return 100 * *e.walls->other_area_found;
+    });
+    return told == "-" ? told : told + "%";
+  });
   table->Add("loops followed, of them wrong", "", [](const auto& s) {
     return Say("%.0f, %.0f", Sum(s, [](const Score& e) { return static_cast<double>(e.loops.found); }),
                Sum(s, [](const Score& e) { return static_cast<double>(e.loops.wrong); }));
@@ -173,7 +180,7 @@ PaperFigure Numbers(const Kinds& kinds) {
 
 PaperFigure Grid(const report::LocalResult& local) {
   PaperFigure figure{
-      "figure_02.png", "Figure 2: local grids in a room",
+      "figure_02.png", "Figure 2: local grids",
       "Dominant orientations of cells follow walls and furniture; the current edges approximate walls "
       "well; the histogram of wall orientations has one peak.",
       "No snapshot was kept.", ""};

@@ -9,13 +9,15 @@ LocalStudy MakeLocalStudy(std::uint64_t seed, int seeds) {
   LocalStudy study;
   study.job.set_name("reproduce-local");
   study.job.set_seed(seed);
-  study.kinds = {{"as it stands", {}}, {"furniture moves", {}}};
+  study.kinds = {{"as it stands", {}}, {"furniture moves", {}}, {"a room turned", {}}};
+  const std::vector<std::string> names{"office_", "moved_", "turned_"};
   for (std::size_t kind = 0; kind < study.kinds.size(); ++kind) {
     for (int i = 0; i < seeds; ++i) {
       SimulateOfficeOptions options;
       options.seed = seed + static_cast<std::uint64_t>(i);
       options.moved = kind == 1;
-      const std::string name = (options.moved ? "moved_" : "office_") + std::to_string(options.seed);
+      options.turned = kind == 2;
+      const std::string name = names[kind] + std::to_string(options.seed);
       study.inputs[name] = SimulateOffice(options);
       proto::Stage& stage = *study.job.add_stages();
       stage.set_name(name + "_map");

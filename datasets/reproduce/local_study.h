@@ -24,7 +24,8 @@ struct LocalStudy {
   std::vector<OfficeKind> kinds;
 };
 
-// Of `seeds` seeds from `seed` on: ten minutes as it stands, and ten with furniture that moves in between.
+// Of `seeds` seeds from `seed` on, ten minutes each: as it stands; with furniture that moves in between; with
+// one more room, whose walls are turned.
 LocalStudy MakeLocalStudy(std::uint64_t seed, int seeds);
 
 }  // namespace cairn::datasets

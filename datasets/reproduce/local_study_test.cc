@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -12,11 +13,11 @@
 namespace cairn::datasets {
 namespace {
 
-TEST(LocalStudy, EachOfficeIsMappedAsItStandsAndWithFurnitureThatMoves) {
+TEST(LocalStudy, EachOfficeIsMappedAsItStandsWithFurnitureThatMovesAndWithATurnedRoom) {
   const LocalStudy study = MakeLocalStudy(7, 2);
-  ASSERT_EQ(study.kinds.size(), 2U);
-  EXPECT_EQ(study.inputs.size(), 4U);
-  EXPECT_EQ(study.job.stages_size(), 4);
+  ASSERT_EQ(study.kinds.size(), 3U);
+  EXPECT_EQ(study.inputs.size(), 6U);
+  EXPECT_EQ(study.job.stages_size(), 6);
   for (const proto::Stage& stage : study.job.stages())
     EXPECT_TRUE(study.inputs.contains(stage.inputs().at("log"))) << stage.name();
   for (const std::string& name : study.kinds[1].logs) {
@@ -24,6 +25,10 @@ TEST(LocalStudy, EachOfficeIsMappedAsItStandsAndWithFurnitureThatMoves) {
     for (const double from_s : study.inputs.at(name).Get<double>("truth/walls/from_s"))
       latest_s = std::max(latest_s, from_s);
     EXPECT_GT(latest_s, 60) << name;
+  }
+  for (const std::string& name : study.kinds[2].logs) {
+    const auto angle = study.inputs.at(name).Get<double>("truth/robot/0/walls/angle_rad");
+    EXPECT_GT(*std::ranges::max_element(angle), 0.5) << name;
   }
 }
 
