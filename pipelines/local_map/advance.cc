@@ -69,7 +69,7 @@ class Turn {
     } else if (phase_ == "traces") {
       KeepTraces();
       LoadGraph();
-      PlanPairs(1);
+      PlanPairs(1, {});
     } else if (phase_ == "pairs") {
       LoadGraph();
       JoinPairs();
@@ -189,13 +189,20 @@ class Turn {
     for (std::size_t k = 0; k < knots_.size(); ++k) knots_[k].at = {at[2 * k], at[2 * k + 1]};
   }
 
-  void PlanPairs(std::int64_t round) {
+  // `loops`: of the round before.
+  void PlanPairs(std::int64_t round, std::vector<Loop> loops) {
     (*state().mutable_scalars())[kRound].set_i(round);
     SetPhase("pairs");
     const double wider = std::pow(0.5, static_cast<double>(round - 1));
     const std::vector<Pair> pairs =
         round > options_.loop_rounds ? std::vector<Pair>() : PairsOf(knots_, traces_, wider, options_.pairs);
-    if (pairs.empty()) return Finish({});
+    if (round == 1) {
+      char text[100];
+      std::snprintf(text, sizeof text, "%zu traces, %zu knots, %zu pairs", traces_.size(), knots_.size(),
+                    pairs.size());
+      step_.plan.set_note(text);
+    }
+    if (pairs.empty()) return Finish(std::move(loops));
     Share(kPairs, PairsBlob(pairs));
     for (std::size_t first = 0; first < pairs.size();) {
       const auto knot = static_cast<std::size_t>(pairs[first].knot);
@@ -210,12 +217,6 @@ class Turn {
       AddRows("surroundings", kSurroundings, knot, last + 1 - knot, state(), &task);
       AddRows("pairs", kPairs, first, end - first, state(), &task);
       first = end;
-    }
-    if (round == 1) {
-      char text[100];
-      std::snprintf(text, sizeof text, "%zu traces, %zu knots, %zu pairs", traces_.size(), knots_.size(),
-                    pairs.size());
-      step_.plan.set_note(text);
     }
     step_.plan.set_rounds_left(static_cast<std::uint32_t>(options_.loop_rounds - round + 2));
   }
@@ -249,21 +250,17 @@ class Turn {
     char text[160];
     std::snprintf(text, sizeof text, "%zu pairs, %zu matched, %lld followed", pairs.size(), relations.size(),
                   static_cast<long long>(used));
-    step_.plan.set_note(text);
-    if (round >= options_.loop_rounds) {
-      std::vector<Loop> loops;
-      for (std::size_t k = 0; k < relations.size(); ++k) {
-        const Pair& pair = pairs[of[k]];
-        loops.push_back({static_cast<std::size_t>(pair.knot),
-                         static_cast<std::size_t>(pair.trace),
-                         {std::isinf(relations[k].sd_z_m) ? std::nan("") : matches[of[k]].z_m,
-                          std::isinf(relations[k].sd_u_m) ? std::nan("") : matches[of[k]].u_m},
-                         relations[k].quality,
-                         assembly.weight[k] > 0});
-      }
-      return Finish(std::move(loops));
+    std::vector<Loop> loops;
+    for (std::size_t k = 0; k < relations.size(); ++k) {
+      const Pair& pair = pairs[of[k]];
+      loops.push_back({static_cast<std::size_t>(pair.knot),
+                       static_cast<std::size_t>(pair.trace),
+                       {std::isinf(relations[k].sd_z_m) ? std::nan("") : matches[of[k]].z_m,
+                        std::isinf(relations[k].sd_u_m) ? std::nan("") : matches[of[k]].u_m},
+                       relations[k].quality,
+                       assembly.weight[k] > 0});
     }
-    PlanPairs(round + 1);
+    PlanPairs(round + 1, std::move(loops));
     step_.plan.set_note(text);
   }
 
