@@ -14,6 +14,7 @@
 #include "coordinator/worker_pool.h"
 #include "coordinator/zmq_transport.h"
 #include "schema/store/atomic_file.h"
+#include "schema/wire/shared_blobs.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -88,6 +89,7 @@ class Run {
   Status Open();
   bool EarlierRunIsWorthless() const;
   std::optional<EmbeddedResult> LookAtEarlierRun();
+  wire::SharedMemory ShareInputs() const;
   void Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
             const std::atomic<bool>& stop);
   EmbeddedResult Outcome() const;
@@ -196,6 +198,15 @@ std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
   return done;
 }
 
+// A large log, say, which else each worker would fetch, on the cores that count. Where the system has no room
+// for that, they do.
+wire::SharedMemory Run::ShareInputs() const {
+  Result<wire::SharedMemory> shared = wire::ShareBlobs(inputs_);
+  if (shared.ok()) return std::move(shared).value();
+  options_.log(Severity::kWarning, shared.status().message() + "; each worker fetches the inputs");
+  return {};
+}
+
 EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_progress,
                        const std::atomic<bool>& stop) {
   if (options_.force)
@@ -208,8 +219,10 @@ EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_pr
     if (!status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   }
   if (std::optional<EmbeddedResult> found = LookAtEarlierRun()) return *found;
+  const wire::SharedMemory shared = ShareInputs();
   WorkerPool workers({options_.worker_program, "ipc://" + (socket_folder_->path() / "hub").string(),
-                      options_.workers, 5, folder_.dir() / "workers.log", options_.task_memory_mb});
+                      options_.workers, 5, folder_.dir() / "workers.log", options_.task_memory_mb,
+                      shared.descriptor()});
   if (const Status status = workers.Start(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (Known() == nullptr)
     hub_->Submit(kJobId, job_, inputs_);

@@ -38,6 +38,8 @@ Result<pid_t> WorkerPool::Spawn() const {
   std::vector<std::string> words = {options_.program, "--connect", options_.endpoint, "--die-with-parent"};
   if (options_.task_memory_mb > 0)
     words.push_back("--task-memory-mb=" + std::to_string(options_.task_memory_mb));
+  const int inputs_fd = options_.inputs_fd;
+  if (inputs_fd >= 0) words.push_back("--inputs-fd=" + std::to_string(inputs_fd));
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -48,6 +50,7 @@ Result<pid_t> WorkerPool::Spawn() const {
   if (pid > 0) return pid;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(kExitCannotExec);  // it died before that took hold
+  if (inputs_fd >= 0) ::fcntl(inputs_fd, F_SETFD, 0);
   ::setpgid(0, 0);  // Ctrl-C on the terminal is for the parent, which ends its workers in good order
   const int log = ::open(log_file, O_WRONLY | O_CREAT | O_APPEND, 0600);
   if (log >= 0) {

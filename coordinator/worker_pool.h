@@ -19,6 +19,7 @@ struct WorkerPoolOptions {
   int restarts = 5;                  // of each
   std::filesystem::path log_file;    // what they say goes here
   std::uint64_t task_memory_mb = 0;  // their own limit on a task; 0: none
+  int inputs_fd = -1;  // memory that they share with this process (schema/wire/shared_blobs.h); -1: none
 };
 
 class WorkerPool {

@@ -52,8 +52,7 @@ Array Array::Copy(DType type, std::size_t item_bytes, const Shape& shape, std::s
   return std::move(array).value();
 }
 
-Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& shape,
-                               std::span<const std::byte> bytes) {
+Result<Array> Array::Form(DType type, std::size_t item_bytes, const Shape& shape, std::size_t byte_count) {
   const std::size_t fixed = type == DType::kU8                           ? 1
                             : type == DType::kI32 || type == DType::kF32 ? 4
                             : type == DType::kI64 || type == DType::kF64 ? 8
@@ -62,7 +61,7 @@ Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& 
   const std::int64_t count = CountOf(shape);
   if (!known || (fixed != 0 && item_bytes != fixed) || item_bytes == 0 || count < 0 ||
       static_cast<std::uint64_t>(count) > std::numeric_limits<std::size_t>::max() / item_bytes ||
-      static_cast<std::size_t>(count) * item_bytes != bytes.size()) {
+      static_cast<std::size_t>(count) * item_bytes != byte_count) {
     return Status(Code::kCorrupt,
                   std::string("array of ") + DTypeName(type) + ": shape and length do not agree");
   }
@@ -70,10 +69,25 @@ Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& 
   array.type_ = type;
   array.item_bytes_ = item_bytes;
   array.shape_ = shape;
-  array.byte_count_ = bytes.size();
+  array.byte_count_ = byte_count;
+  return array;
+}
+
+Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& shape,
+                               std::span<const std::byte> bytes) {
+  Result<Array> array = Form(type, item_bytes, shape, bytes.size());
+  if (!array.ok()) return array;
   std::shared_ptr<std::byte> data = Allocate(bytes.size());
   if (!bytes.empty()) std::memcpy(data.get(), bytes.data(), bytes.size());
-  array.data_ = std::move(data);
+  array.value().data_ = std::move(data);
+  return array;
+}
+
+Result<Array> Array::Over(DType type, std::size_t item_bytes, const Shape& shape,
+                          std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner) {
+  CAIRN_DEMAND(reinterpret_cast<std::uintptr_t>(bytes.data()) % kAlignment == 0, "not aligned");
+  Result<Array> array = Form(type, item_bytes, shape, bytes.size());
+  if (array.ok()) array.value().data_ = std::shared_ptr<const std::byte>(owner, bytes.data());
   return array;
 }
 

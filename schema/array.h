@@ -71,6 +71,10 @@ class Array {
   static Result<Array> FromBytes(DType type, std::size_t item_bytes, const Shape& shape,
                                  std::span<const std::byte> bytes);
 
+  // The same without a copy: `bytes` begin at a multiple of 64, and do not change while `owner` lives.
+  static Result<Array> Over(DType type, std::size_t item_bytes, const Shape& shape,
+                            std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner);
+
   DType type() const { return type_; }
   std::size_t item_bytes() const { return item_bytes_; }
   const Shape& shape() const { return shape_; }
@@ -92,6 +96,8 @@ class Array {
 
  private:
   static Array Copy(DType type, std::size_t item_bytes, const Shape& shape, std::span<const std::byte> bytes);
+  // Without data yet.
+  static Result<Array> Form(DType type, std::size_t item_bytes, const Shape& shape, std::size_t byte_count);
   void RequireType(DType type) const;
 
   DType type_ = DType::kU8;

@@ -15,6 +15,7 @@
 
 #include "schema/numerics.h"
 #include "schema/wire/keys.h"
+#include "schema/wire/shared_blobs.h"
 #include "worker/build_info.h"
 #include "worker/describe.h"
 #include "worker/worker.h"
@@ -33,6 +34,7 @@ struct Arguments {
   std::string server_key_file;
   bool log_json = false;
   bool die_with_parent = false;
+  int inputs_fd = -1;
   bool describe = false;
 };
 
@@ -84,6 +86,9 @@ void Declare(CLI::App& app, Arguments& a) {
   app.add_option("--server-key", a.server_key_file, "the coordinator's public key (tcp)");
   app.add_flag("--log-json", a.log_json, "log in JSON lines");
   app.add_flag("--die-with-parent", a.die_with_parent, "end with the process that started this one");
+  app.add_option("--inputs-fd", a.inputs_fd,
+                 "descriptor of memory with the run's inputs, which the process that started this one shares "
+                 "with it; else they are fetched");
   app.add_flag("--describe", a.describe,
                "print all pipelines with their inputs and options as JSON, and end");
   app.set_version_flag("--version", CAIRN_VERSION);
@@ -144,9 +149,20 @@ WorkerOptions MakeOptions(const Arguments& a) {
   return options;
 }
 
+// What cannot be had that way can be fetched.
+void TakeInputs(int fd, SessionOptions& session) {
+  if (fd < 0) return;
+  Result<std::vector<wire::NamedBlob>> inputs = wire::TakeSharedBlobs(fd);
+  if (!inputs.ok()) return session.log(Severity::kWarning, inputs.status().message());
+  session.given = std::move(inputs).value();
+  session.log(Severity::kInfo, "reads " + std::to_string(session.given.size()) +
+                                   " inputs from memory that it shares with its parent");
+}
+
 int Run(const Arguments& a, const PipelineFactory& factory) {
   WorkerOptions options = MakeOptions(a);
   options.session.log = MakeLog(a.log_json);
+  TakeInputs(a.inputs_fd, options.session);
   const auto fail = [&](const Status& status) {
     options.session.log(Severity::kError, status.message());
     return kExitRefused;

@@ -28,7 +28,9 @@ Session::Session(SessionOptions options, Transport& transport, Desk& desk, doubl
       transport_(transport),
       desk_(desk),
       cache_(options_.cache_bytes),
-      started_s_(now_s) {}
+      started_s_(now_s) {
+  for (const wire::NamedBlob& named : options_.given) given_[named.hash] = named.blob;
+}
 
 void Session::Handle(const Event& event, double now_s) {
   switch (event.kind) {
@@ -178,12 +180,17 @@ void Session::TakeAnswers() {
   }
 }
 
+BlobPtr Session::Known(const Hash& hash) {
+  const auto given = given_.find(hash);
+  return given != given_.end() ? given->second : cache_.Get(hash);
+}
+
 void Session::Fetch(double now_s) {
   for (const Want& want : desk_.TakeWants()) wants_.push_back(want);
   while (!wants_.empty() && requests_.size() < kMaxRequests) {
     const Want want = wants_.front();
     wants_.pop_front();
-    if (const BlobPtr blob = cache_.Get(want.hash)) {
+    if (const BlobPtr blob = Known(want.hash)) {
       desk_.Deliver({want.hash, blob});
     } else if (requests_.try_emplace(want.hash, Request{now_s, want.keep}).second) {
       outbox_.push_back(FetchOf(want.hash));

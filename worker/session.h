@@ -26,8 +26,9 @@ using LogSink = std::function<void(Severity, const std::string& line)>;
 struct SessionOptions {
   wire::Hello hello;  // as it is sent
   std::size_t cache_bytes = 1u << 30;
-  bool exit_on_bye = false;    // a private worker of one run; else it waits for the next coordinator
-  double first_contact_s = 0;  // give up where nobody has said Welcome by then; 0: never
+  std::vector<wire::NamedBlob> given;  // that it has from the beginning, and need not fetch
+  bool exit_on_bye = false;            // a private worker of one run; else it waits for the next coordinator
+  double first_contact_s = 0;          // give up where nobody has said Welcome by then; 0: never
   LogSink log = [](Severity, const std::string&) {};
 };
 
@@ -60,6 +61,7 @@ class Session {
   void DropConversation();
   void End(int code, Severity severity, const std::string& line);
   void TakeAnswers();
+  BlobPtr Known(const Hash& hash);  // null: it has to be fetched
   void Fetch(double now_s);
   void RepeatFetches(double now_s);
   void Beat(double now_s);
@@ -70,6 +72,7 @@ class Session {
   Transport& transport_;
   Desk& desk_;
   BlobCache cache_;
+  std::map<Hash, BlobPtr> given_;
   const double started_s_;
   bool connected_ = false;
   bool ever_welcome_ = false;

@@ -34,6 +34,27 @@ TEST(Conversation, ALostConnectionDropsTheTasksAndKeepsTheCache) {
   EXPECT_EQ(rig.fetches, 1);
 }
 
+TEST(Conversation, WhatItWasGivenItNeverFetchesWhateverTheCacheHolds) {
+  const wire::NamedBlob given = wire::NameBlob(std::make_shared<const Blob>(Number(1)));
+  Rig rig(LambdaPipeline::RunFunction(AddIndex), [&](WorkerOptions& options) {
+    options.session.given = {given};
+    options.session.cache_bytes = 0;
+  });
+  rig.Begin();
+  const Hash other = rig.Keep(Number(2));
+  rig.Assign(RunTask(5, {{"a", given.hash}}));
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  EXPECT_EQ(rig.fetches, 0);
+  rig.Assign(RunTask(6, {{"a", other}}));
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  EXPECT_EQ(rig.fetches, 1);
+  rig.Give(Event::kDisconnected);
+  rig.Begin();
+  rig.Assign(RunTask(7, {{"a", given.hash}}));
+  EXPECT_TRUE(rig.Serve().envelope.has_done());
+  EXPECT_EQ(rig.fetches, 1);
+}
+
 TEST(Conversation, SaysHelloAgainToACoordinatorThatDoesNotKnowIt) {
   Rig rig(AddIndex);
   rig.Begin();

@@ -9,19 +9,6 @@ namespace {
 
 using BlobMetas = google::protobuf::RepeatedPtrField<BlobMeta>;
 
-BlobMeta MetaOf(const NamedBlob& named) {
-  BlobMeta meta;
-  meta.set_hash(named.hash.Binary());
-  for (const auto& [name, array] : named.blob->fields()) {
-    ArrayMeta& a = *meta.add_arrays();
-    a.set_name(name);
-    a.set_type(static_cast<std::uint32_t>(array.type()));
-    a.set_item_bytes(array.item_bytes());
-    a.mutable_shape()->Assign(array.shape().begin(), array.shape().end());
-  }
-  return meta;
-}
-
 // The metas of those bodies that carry a list of blobs; null for the others.
 BlobMetas* MetaList(Envelope& envelope) {
   switch (envelope.body_case()) {
@@ -65,26 +52,6 @@ Status OverLimit(const std::string& limit) {
   return {Code::kRefused, "a message over the limit of " + limit};
 }
 
-Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames) {
-  const Result<Hash> hash = Hash::FromBinary(meta.hash());
-  if (!hash.ok()) return Corrupt(hash.status().message());
-  Blob::Fields fields;
-  for (int i = 0; i < meta.arrays_size(); ++i) {
-    const ArrayMeta& a = meta.arrays(i);
-    // Strictly ascending: a name given twice would shadow the first, and the hash runs in this order.
-    if (i > 0 && a.name() <= meta.arrays(i - 1).name()) return Corrupt("array names out of order");
-    if (a.type() > static_cast<std::uint32_t>(DType::kText)) return Corrupt("an array of an unknown type");
-    Result<Array> array = Array::FromBytes(static_cast<DType>(a.type()), a.item_bytes(),
-                                           Shape(a.shape().begin(), a.shape().end()), frames[i]);
-    if (!array.ok()) return Corrupt("'" + a.name() + "': " + array.status().message());
-    fields.emplace(a.name(), std::move(array).value());
-  }
-  NamedBlob named = NameBlob(std::make_shared<const Blob>(std::move(fields)));
-  if (named.hash != hash.value())
-    return Corrupt("a blob's bytes do not match its hash " + hash.value().Hex());
-  return named;
-}
-
 Status CheckSizes(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
   if (frames.empty()) return Corrupt("no envelope");
   if (frames.size() > limits.frames) return OverLimit(std::to_string(limits.frames) + " frames");
@@ -103,6 +70,43 @@ Status CheckSizes(std::span<const std::span<const std::byte>> frames, const Limi
 NamedBlob NameBlob(BlobPtr blob) {
   const Hash hash = blob->ContentHash();
   return {hash, std::move(blob)};
+}
+
+BlobMeta MetaOf(const NamedBlob& named) {
+  BlobMeta meta;
+  meta.set_hash(named.hash.Binary());
+  for (const auto& [name, array] : named.blob->fields()) {
+    ArrayMeta& a = *meta.add_arrays();
+    a.set_name(name);
+    a.set_type(static_cast<std::uint32_t>(array.type()));
+    a.set_item_bytes(array.item_bytes());
+    a.mutable_shape()->Assign(array.shape().begin(), array.shape().end());
+  }
+  return meta;
+}
+
+Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames,
+                             const std::shared_ptr<const void>& owner) {
+  CAIRN_DEMAND(frames.size() == static_cast<std::size_t>(meta.arrays_size()), "a frame an array");
+  const Result<Hash> hash = Hash::FromBinary(meta.hash());
+  if (!hash.ok()) return Corrupt(hash.status().message());
+  Blob::Fields fields;
+  for (int i = 0; i < meta.arrays_size(); ++i) {
+    const ArrayMeta& a = meta.arrays(i);
+    // Strictly ascending: a name given twice would shadow the first, and the hash runs in this order.
+    if (i > 0 && a.name() <= meta.arrays(i - 1).name()) return Corrupt("array names out of order");
+    if (a.type() > static_cast<std::uint32_t>(DType::kText)) return Corrupt("an array of an unknown type");
+    const auto type = static_cast<DType>(a.type());
+    const Shape shape(a.shape().begin(), a.shape().end());
+    Result<Array> array = owner == nullptr ? Array::FromBytes(type, a.item_bytes(), shape, frames[i])
+                                           : Array::Over(type, a.item_bytes(), shape, frames[i], owner);
+    if (!array.ok()) return Corrupt("'" + a.name() + "': " + array.status().message());
+    fields.emplace(a.name(), std::move(array).value());
+  }
+  NamedBlob named = NameBlob(std::make_shared<const Blob>(std::move(fields)));
+  if (named.hash != hash.value())
+    return Corrupt("a blob's bytes do not match its hash " + hash.value().Hex());
+  return named;
 }
 
 Frames Encode(Message message) {

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +25,13 @@ struct NamedBlob {
   BlobPtr blob;
 };
 NamedBlob NameBlob(BlobPtr blob);  // costs one pass over the bytes
+
+// A blob apart: what is announced of it, and the bytes of its arrays.
+BlobMeta MetaOf(const NamedBlob& named);
+// Of as many frames as `meta` has arrays; kCorrupt as Decode below. Copies, or, where `owner` is not null,
+// shares the bytes, as Array::Over says.
+Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames,
+                             const std::shared_ptr<const void>& owner = nullptr);
 
 // What is sent and received. Encode writes the envelope's BlobMetas from `blobs`; those of a received one
 // agree.

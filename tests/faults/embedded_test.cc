@@ -28,6 +28,13 @@ using coordinator::EmbeddedOptions;
 using coordinator::EmbeddedProgress;
 using coordinator::EmbeddedResult;
 
+// Processes that this thread started.
+std::vector<pid_t> Children() {
+  const std::string pid = std::to_string(::getpid());
+  std::ifstream in("/proc/" + pid + "/task/" + pid + "/children");
+  return {std::istream_iterator<pid_t>(in), {}};
+}
+
 class Embedded : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -77,6 +84,23 @@ TEST_F(Embedded, GivesTheBitsOfTheInProcessRunAndThenSaysThatItIsDone) {
   EXPECT_EQ(result.results.at("toy"), (fs::path(options_.dir) / "toy.h5").string());
   EXPECT_EQ(Have(), Want());
   EXPECT_EQ(Run().end, EmbeddedEnd::kAlreadyDone);
+}
+
+TEST_F(Embedded, EveryWorkerAlsoOneThatIsStartedAgainReadsTheInputsFromSharedMemory) {
+  SetOption("rounds", 200);
+  bool killed = false;
+  on_progress_ = [&](const EmbeddedProgress& progress) {
+    if (killed || progress.info.round() < 3) return;
+    killed = ::kill(Children().front(), SIGKILL) == 0;
+  };
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone) << lines_;
+  EXPECT_TRUE(killed);
+  EXPECT_EQ(Have(), Want());
+  std::ifstream log(fs::path(options_.dir) / ".cairn" / "workers.log");
+  int readers = 0;
+  for (std::string line; std::getline(log, line);)
+    readers += line.find("reads 1 inputs from memory") != std::string::npos ? 1 : 0;
+  EXPECT_EQ(readers, 3);
 }
 
 TEST_F(Embedded, AnotherJobInTheSameFolderIsAConflictUntilForced) {
@@ -167,13 +191,6 @@ TEST_F(Embedded, InputsAreNotCopiedAndARunThatWaitsForItsOwnIsNotTakenForAnother
   ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason << lines_;
   EXPECT_TRUE(result.resumed);
   EXPECT_EQ(Have(), Want());
-}
-
-// Processes that this thread started.
-std::vector<pid_t> Children() {
-  const std::string pid = std::to_string(::getpid());
-  std::ifstream in("/proc/" + pid + "/task/" + pid + "/children");
-  return {std::istream_iterator<pid_t>(in), {}};
 }
 
 TEST_F(Embedded, AWorkerThatDiesIsStartedAgainAndTheBitsAreTheSame) {
