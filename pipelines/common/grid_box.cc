@@ -18,18 +18,6 @@ std::string Number(double value) {
 
 }  // namespace
 
-void Extent::Add(double x_m, double y_m) {
-  if (empty()) {
-    x0_ = x1_ = x_m;
-    y0_ = y1_ = y_m;
-    return;
-  }
-  x0_ = std::min(x0_, x_m);
-  x1_ = std::max(x1_, x_m);
-  y0_ = std::min(y0_, y_m);
-  y1_ = std::max(y1_, y_m);
-}
-
 void Extent::Grow(double margin_m) {
   x0_ -= margin_m;
   y0_ -= margin_m;

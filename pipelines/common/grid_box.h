@@ -1,6 +1,7 @@
 // Where a grid map lies and how fine it is.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -35,7 +36,13 @@ struct GridBox {
 // that maps of one log at one resolution lie on each other.
 class Extent {
  public:
-  void Add(double x_m, double y_m);
+  void Add(double x_m, double y_m) {  // of each ray of a log
+    if (empty()) x0_ = x1_ = x_m, y0_ = y1_ = y_m;
+    x0_ = std::min(x0_, x_m);
+    x1_ = std::max(x1_, x_m);
+    y0_ = std::min(y0_, y_m);
+    y1_ = std::max(y1_, y_m);
+  }
   void Grow(double margin_m);
   bool empty() const { return x1_ < x0_; }
   bool Holds(double x_m, double y_m) const { return x_m >= x0_ && x_m <= x1_ && y_m >= y0_ && y_m <= y1_; }

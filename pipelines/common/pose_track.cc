@@ -44,12 +44,15 @@ void PoseTrack::Read(const Blob& blob, const std::string& prefix, const std::str
   const auto heading = blob.Get<double>(prefix + "heading_rad");
   if (time.empty() || x.size() != time.size() || y.size() != time.size() || heading.size() != time.size())
     throw InputError("robot '" + robot + "': " + prefix + " is empty or its arrays differ in length");
+  const auto refuse = [&](std::size_t i, const char* why) {
+    throw InputError("robot '" + robot + "', pose " + std::to_string(i) + ": " + why);
+  };
+  time_s_.assign(time.begin(), time.end());
+  pose_.reserve(time.size());
   for (std::size_t i = 0; i < time.size(); ++i) {
-    const std::string at = "robot '" + robot + "', pose " + std::to_string(i) + ": ";
     if (!std::isfinite(time[i]) || !std::isfinite(x[i]) || !std::isfinite(y[i]) || !std::isfinite(heading[i]))
-      throw InputError(at + "not a number");
-    if (i > 0 && time[i] < time[i - 1]) throw InputError(at + "time runs backwards");
-    time_s_.push_back(time[i]);
+      refuse(i, "not a number");
+    if (i > 0 && time[i] < time[i - 1]) refuse(i, "time runs backwards");
     pose_.push_back({x[i], y[i], heading[i]});
   }
 }

@@ -13,7 +13,7 @@ const GridBox kGrid{-1, -1, 0.1, 30, 20};
 Totals Whole(const RangeScans& scans, const ConeModel& model, bool use_no_return = true) {
   Untroubled progress;
   Totals totals{std::vector<std::int64_t>(600), std::vector<std::int64_t>(600)};
-  AddTo(kGrid, CountCones(scans, kGrid, model, use_no_return, progress), &totals);
+  AddTo(kGrid, ToBlob(CountCones(scans, kGrid, model, use_no_return, progress)), &totals);
   return totals;
 }
 
@@ -60,7 +60,7 @@ TEST(CountCones, PartsAddUpToTheWholeAndHeldOutScansSayNothing) {
   Untroubled progress;
   Totals sum{std::vector<std::int64_t>(600), std::vector<std::int64_t>(600)};
   for (std::size_t s = 0; s < 3; ++s)
-    AddTo(kGrid, CountsOf(ToBlob(CountCones(Part(scans, s, 1), kGrid, {0.1, true}, true, progress))), &sum);
+    AddTo(kGrid, ToBlob(CountCones(Part(scans, s, 1), kGrid, {0.1, true}, true, progress)), &sum);
   EXPECT_EQ(sum.free, whole.free);
   EXPECT_EQ(sum.occupied, whole.occupied);
   scans.held_out.assign(3, 1);

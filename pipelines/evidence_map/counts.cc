@@ -2,29 +2,73 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace cairn::evidence_map {
 namespace {
 
-// How far a scan tells of, from the robot.
-double ReachOf(const RangeScans& scans, std::size_t scan) {
+// How far a scan tells of, from the robot; `from_robot_m`: where each beam begins.
+double ReachOf(const RangeScans& scans, std::size_t scan, const std::vector<double>& from_robot_m) {
   const std::size_t beams = scans.beams.size();
   const auto range = scans.range_m.As<double>().subspan(scan * beams, beams);
   double reach_m = 0;
   for (std::size_t b = 0; b < beams; ++b) {
     const double length_m = std::isnan(range[b]) ? scans.max_range_m : range[b];
-    reach_m = std::max(reach_m, length_m + std::hypot(scans.beams[b].x_m, scans.beams[b].y_m));
+    reach_m = std::max(reach_m, length_m + from_robot_m[b]);
   }
   return reach_m;
+}
+
+// Counts of few cells, by their numbers in the window.
+struct Sparse {
+  std::vector<std::int32_t> cell, count;
+
+  void Add(std::size_t k, std::int32_t n) {
+    cell.push_back(static_cast<std::int32_t>(k));
+    count.push_back(n);
+  }
+  void PutInto(const std::string& name, Blob* blob) const {
+    blob->PutVector(name + "_cell", cell);
+    blob->PutVector(name, count);
+  }
+};
+
+// Where the window of a partial lies in the grid.
+struct Place {
+  Place(const GridBox& whole, const Blob& partial)
+      : grid(whole),
+        box(GridBoxOf("", partial)),
+        column(partial.Scalar<std::int64_t>("first_column")),
+        row(partial.Scalar<std::int64_t>("first_row")) {}
+
+  bool HasRow(std::int64_t j) const { return row + j >= 0 && row + j < grid.rows; }
+  std::int64_t first_inside() const { return std::max<std::int64_t>(0, -column); }
+  std::int64_t end_inside() const { return std::min(box.columns, grid.columns - column); }
+  std::int64_t CellOf(std::int64_t j, std::int64_t i) const { return (row + j) * grid.columns + column + i; }
+
+  GridBox grid, box;
+  std::int64_t column, row;  // of its first cell
+};
+
+void AddSparse(const Place& place, const Blob& partial, const std::string& name, std::int64_t unit,
+               std::vector<std::int64_t>* totals) {
+  const auto cell = partial.Get<std::int32_t>(name + "_cell"), count = partial.Get<std::int32_t>(name);
+  for (std::size_t k = 0; k < cell.size(); ++k) {
+    const std::int64_t j = cell[k] / place.box.columns, i = cell[k] % place.box.columns;
+    if (!place.HasRow(j) || i < place.first_inside() || i >= place.end_inside()) continue;
+    (*totals)[static_cast<std::size_t>(place.CellOf(j, i))] += unit * count[k];
+  }
 }
 
 }  // namespace
 
 Counts CountsFor(const RangeScans& scans, const GridBox& grid, double beyond_m) {
+  std::vector<double> from_robot_m;
+  for (const Pose& beam : scans.beams) from_robot_m.push_back(std::hypot(beam.x_m, beam.y_m));
   Extent extent;
   for (std::size_t s = 0; s < scans.scans(); ++s) {
     if (scans.held_out[s]) continue;
-    const double reach_m = ReachOf(scans, s) + beyond_m;
+    const double reach_m = ReachOf(scans, s, from_robot_m) + beyond_m;
     extent.Add(scans.pose[s].x_m - reach_m, scans.pose[s].y_m - reach_m);
     extent.Add(scans.pose[s].x_m + reach_m, scans.pose[s].y_m + reach_m);
   }
@@ -44,48 +88,40 @@ Counts CountsFor(const RangeScans& scans, const GridBox& grid, double beyond_m) 
   return counts;
 }
 
-void AddTo(const GridBox& grid, const Counts& counts, Totals* totals) {
-  for (std::int64_t j = 0; j < counts.box.rows; ++j) {
-    const std::int64_t row = counts.first_row + j;
-    if (row < 0 || row >= grid.rows) continue;
-    const std::int64_t begin = std::max<std::int64_t>(0, -counts.first_column);
-    const std::int64_t end = std::min(counts.box.columns, grid.columns - counts.first_column);
-    for (std::int64_t i = begin; i < end; ++i) {
-      const auto from = static_cast<std::size_t>(j * counts.box.columns + i);
-      const auto to = static_cast<std::size_t>(row * grid.columns + counts.first_column + i);
-      totals->free[to] += counts.free[from];
-      totals->occupied[to] += counts.occupied[from];
-    }
-  }
-}
-
 Blob ToBlob(const Counts& counts) {
-  std::vector<std::int32_t> cell, count;
-  for (std::size_t k = 0; k < counts.occupied.size(); ++k) {
-    if (counts.occupied[k] == 0) continue;
-    cell.push_back(static_cast<std::int32_t>(k));
-    count.push_back(counts.occupied[k]);
+  const std::size_t cells = counts.free.size();
+  std::vector<std::uint8_t> low(cells), high(cells);
+  Sparse often, occupied;
+  for (std::size_t k = 0; k < cells; ++k) {
+    low[k] = static_cast<std::uint8_t>(counts.free[k]);
+    high[k] = static_cast<std::uint8_t>(counts.free[k] >> 8);
+    if (counts.free[k] >> 16 != 0) often.Add(k, counts.free[k] >> 16);
+    if (counts.occupied[k] != 0) occupied.Add(k, counts.occupied[k]);
   }
   Blob blob;
   PutGridBox("", counts.box, &blob);
   blob.PutScalar("first_column", counts.first_column);
   blob.PutScalar("first_row", counts.first_row);
-  blob.PutVector("free", counts.free);
-  blob.PutVector("occupied_cell", cell);
-  blob.PutVector("occupied", count);
+  blob.PutVector("free_low", low);
+  blob.PutVector("free_high", high);
+  often.PutInto("free_often", &blob);
+  occupied.PutInto("occupied", &blob);
   return blob;
 }
 
-Counts CountsOf(const Blob& blob) {
-  const auto free = blob.Get<std::int32_t>("free");
-  const auto cell = blob.Get<std::int32_t>("occupied_cell"), count = blob.Get<std::int32_t>("occupied");
-  Counts counts{GridBoxOf("", blob),
-                blob.Scalar<std::int64_t>("first_column"),
-                blob.Scalar<std::int64_t>("first_row"),
-                {free.begin(), free.end()},
-                std::vector<std::int32_t>(free.size())};
-  for (std::size_t k = 0; k < cell.size(); ++k) counts.occupied[static_cast<std::size_t>(cell[k])] = count[k];
-  return counts;
+void AddTo(const GridBox& grid, const Blob& partial, Totals* totals) {
+  const Place place(grid, partial);
+  const auto low = partial.Get<std::uint8_t>("free_low"), high = partial.Get<std::uint8_t>("free_high");
+  for (std::int64_t j = 0; j < place.box.rows; ++j) {
+    if (!place.HasRow(j)) continue;
+    const std::int64_t to = place.CellOf(j, 0), from = j * place.box.columns;
+    for (std::int64_t i = place.first_inside(); i < place.end_inside(); ++i) {
+      const auto k = static_cast<std::size_t>(from + i);
+      totals->free[static_cast<std::size_t>(to + i)] += low[k] + 256 * std::int64_t{high[k]};
+    }
+  }
+  AddSparse(place, partial, "free_often", 65536, &totals->free);
+  AddSparse(place, partial, "occupied", 1, &totals->occupied);
 }
 
 }  // namespace cairn::evidence_map

@@ -23,14 +23,15 @@ struct Counts {
 // None yet, of the window that readings of these scans reach, with a cell around it.
 Counts CountsFor(const RangeScans& scans, const GridBox& grid, double beyond_m);
 
-// Adds them to those of the whole grid; what lies outside of it falls away.
+// As a task's partial, which is small, for each brings home a map: of how often a cell was free the lowest 16
+// bits in two arrays of bytes, what is beyond in whole 65536ths by the cell's number in the window, and how
+// often it was occupied by its number too; few cells ever are, or are free so often.
+Blob ToBlob(const Counts& counts);
+
+// Adds a partial to the counts of the whole grid; what lies outside of it falls away.
 struct Totals {
   std::vector<std::int64_t> free, occupied;  // [cells of the grid]
 };
-void AddTo(const GridBox& grid, const Counts& counts, Totals* totals);
-
-// As a task's partial: few cells are ever occupied, so those by their numbers in the window.
-Blob ToBlob(const Counts& counts);
-Counts CountsOf(const Blob& blob);
+void AddTo(const GridBox& grid, const Blob& partial, Totals* totals);
 
 }  // namespace cairn::evidence_map

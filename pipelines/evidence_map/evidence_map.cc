@@ -73,6 +73,8 @@ const Blob* PosesOf(const Inputs& inputs, BlobPtr* keep) {
 Blob ResultOf(const GridBox& grid, const std::vector<double>& log_odds) {
   std::vector<double> probability;
   std::vector<float> stored;
+  probability.reserve(log_odds.size());
+  stored.reserve(log_odds.size());
   for (const double l : log_odds) {
     probability.push_back(std::isnan(l) ? l : Probability(l));
     stored.push_back(static_cast<float>(l));
@@ -140,7 +142,7 @@ Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs
     const BlobPtr partial = partials.Get(k);
     Totals& sum = totals[partial->Scalar<std::uint8_t>("cone")];
     if (sum.free.empty()) sum = {std::vector<std::int64_t>(cells), std::vector<std::int64_t>(cells)};
-    AddTo(grid, CountsOf(*partial), &sum);
+    AddTo(grid, *partial, &sum);
   }
   std::vector<Evidence> evidence;
   if (!totals[0].free.empty()) evidence.push_back({&totals[0], options_.laser, 1});

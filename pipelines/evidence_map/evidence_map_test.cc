@@ -72,7 +72,7 @@ TEST(EvidenceMap, OfManySlicesIsThatOfAllScansAtOnce) {
   const auto cells = static_cast<std::size_t>(grid.cells());
   Untroubled progress;
   Totals totals{std::vector<std::int64_t>(cells), std::vector<std::int64_t>(cells)};
-  AddTo(grid, CountRays(scans.sensors[0], grid, true, progress), &totals);
+  AddTo(grid, ToBlob(CountRays(scans.sensors[0], grid, true, progress)), &totals);
   const auto at_once = LogOddsOf({{&totals, options.laser, 1}}, cells, options.prior, options.clamp_nats);
   const auto log_odds = sliced.result->Get<float>("map/grid/log_odds");
   ASSERT_EQ(log_odds.size(), cells);

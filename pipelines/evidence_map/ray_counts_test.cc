@@ -17,7 +17,7 @@ Totals Whole(const RangeScans& scans, const GridBox& grid, bool use_no_return = 
   Untroubled progress;
   Totals totals{std::vector<std::int64_t>(static_cast<std::size_t>(grid.cells())),
                 std::vector<std::int64_t>(static_cast<std::size_t>(grid.cells()))};
-  AddTo(grid, CountRays(scans, grid, use_no_return, progress), &totals);
+  AddTo(grid, ToBlob(CountRays(scans, grid, use_no_return, progress)), &totals);
   return totals;
 }
 
@@ -134,11 +134,23 @@ TEST(CountRays, PartsAddUpToTheWhole) {
   Totals sum{std::vector<std::int64_t>(7000), std::vector<std::int64_t>(7000)};
   for (std::size_t first = 0; first < 400; first += 50) {
     const Counts counts = CountRays(Part(scans, first, 50), grid, true, progress);
-    AddTo(grid, CountsOf(ToBlob(counts)), &sum);
+    AddTo(grid, ToBlob(counts), &sum);
   }
   const Totals whole = Whole(scans, grid);
   EXPECT_EQ(sum.occupied, whole.occupied);
   EXPECT_EQ(sum.free, whole.free);
+}
+
+// What is kept in bytes, and what is beyond; the window lies partly outside of the grid.
+TEST(Counts, OfAPartialAddUpAsTheyWere) {
+  const GridBox grid{0, 0, 1, 3, 3};
+  Counts counts{.box = {-1, -1, 1, 3, 2}, .first_column = -1, .first_row = -1, .free = {}, .occupied = {}};
+  counts.free = {1, 2, 3, 4, 0x12345678, 65'535};
+  counts.occupied = {7, 0, 0, 0, 0, 1'000'000};
+  Totals totals{std::vector<std::int64_t>(9), std::vector<std::int64_t>(9)};
+  for (int times = 0; times < 3; ++times) AddTo(grid, ToBlob(counts), &totals);
+  EXPECT_EQ(totals.free, (std::vector<std::int64_t>{3 * 0x12345678LL, 3 * 65'535, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(totals.occupied, (std::vector<std::int64_t>{0, 3'000'000, 0, 0, 0, 0, 0, 0, 0}));
 }
 
 }  // namespace
