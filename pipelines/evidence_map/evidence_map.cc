@@ -28,23 +28,24 @@ double WorkOf(const RangeScans& scans, std::size_t scan, double cell_m) {
   return cells;
 }
 
-proto::InputRef& AddInput(const char* name, const std::string& blob, Task* task) {
+void AddInput(const char* name, const std::string& blob, Task* task) {
   proto::InputRef& input = *task->add_inputs();
   input.set_name(name);
   input.set_blob(blob);
-  return input;
 }
 
-void AddTask(const std::string& sensor, const std::string& scans, std::size_t first, std::size_t count,
-             double work, proto::Step* plan) {
-  Task& task = *plan->add_tasks();
-  task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
+// Its scans in a blob of their own: no worker fetches more for a task than that needs, nor waits for more.
+void AddTask(const std::string& sensor, const Blob& scans, std::size_t first, std::size_t count, double work,
+             Step* step) {
+  Task& task = *step->plan.add_tasks();
+  task.set_index(static_cast<std::uint32_t>(step->plan.tasks_size() - 1));
   task.set_kind("counts");
   task.set_cost(static_cast<std::uint64_t>(work));
+  Blob rows;
+  for (const auto& [name, array] : scans.fields())
+    rows.Put(name, array.Rows(static_cast<std::int64_t>(first), static_cast<std::int64_t>(count)));
   AddInput("sensor", sensor, &task);
-  proto::InputRef& rows = AddInput("scans", scans, &task);
-  rows.set_first_row(static_cast<std::int64_t>(first));
-  rows.set_row_count(static_cast<std::int64_t>(count));
+  AddInput("scans", step->Share(std::move(rows)), &task);
 }
 
 // Time slices of about equal work.
@@ -53,13 +54,14 @@ void AddTasks(const RangeScans& scans, double cell_m, Step* step) {
   double all = 0;
   for (std::size_t s = 0; s < scans.scans(); ++s) all += work.emplace_back(WorkOf(scans, s, cell_m));
   const double of_a_task = std::clamp(all / kTasks, kLeastCells, kMostCells);
-  const std::string sensor = step->Share(SensorBlob(scans)), rows = step->Share(ScansBlob(scans));
+  const std::string sensor = step->Share(SensorBlob(scans));
+  const Blob rows = ScansBlob(scans);
   double sum = 0;
   std::size_t first = 0;
   for (std::size_t s = 0; s < scans.scans(); ++s) {
     sum += work[s];
     if (sum < of_a_task && s + 1 < scans.scans()) continue;
-    AddTask(sensor, rows, first, s + 1 - first, sum, &step->plan);
+    AddTask(sensor, rows, first, s + 1 - first, sum, step);
     first = s + 1;
     sum = 0;
   }
