@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <span>
 
@@ -12,6 +13,7 @@ namespace cairn {
 namespace {
 
 constexpr double kMarginM = 0.5;
+constexpr std::size_t kAlignment = 64;  // of arrays, in bytes
 
 std::string Numbered(const std::string& name, std::size_t scan, double time_s) {
   return name + ", scan " + std::to_string(scan) + " (" + std::to_string(time_s) + " s)";
@@ -85,10 +87,24 @@ std::uint8_t IsHeldOut(std::size_t s, std::size_t count, double share) {
   return share > 0 && into >= (1 - share - 1e-9) * of ? 1 : 0;
 }
 
+// Rows that lie together: shared where they begin as arrays do, else copied.
+Array SharedRows(const Array& from, std::int64_t first, std::int64_t count) {
+  CAIRN_DEMAND(first >= 0 && first + count <= from.shape()[0], "rows out of range");
+  const std::size_t row_bytes = from.bytes().size() / static_cast<std::size_t>(from.shape()[0]);
+  if (static_cast<std::size_t>(first) * row_bytes % kAlignment != 0) return from.Rows(first, count);
+  Shape shape = from.shape();
+  shape[0] = count;
+  return Array::Over(from.type(), from.item_bytes(), shape,
+                     from.bytes().subspan(static_cast<std::size_t>(first) * row_bytes,
+                                          static_cast<std::size_t>(count) * row_bytes),
+                     std::make_shared<const Array>(from))
+      .value();
+}
+
 // Rows of `from` that `keep` names, in rising order.
 Array RowsOf(const Array& from, std::span<const std::int64_t> keep, std::size_t columns) {
   const auto count = static_cast<std::int64_t>(keep.size());
-  if (count > 0 && keep.back() - keep.front() + 1 == count) return from.Rows(keep.front(), count);
+  if (count > 0 && keep.back() - keep.front() + 1 == count) return SharedRows(from, keep.front(), count);
   const auto values = from.As<double>();
   std::vector<double> kept;
   kept.reserve(keep.size() * columns);

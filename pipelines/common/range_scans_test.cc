@@ -144,6 +144,30 @@ TEST(RangeScans, TasksTakeRowsOfThem) {
   EXPECT_EQ(part.opening_rad, 0.26);
 }
 
+TEST(RangeScans, RangesOfATaskThatLieAlignedAreNotCopied) {
+  constexpr std::size_t kScans = 20, kBeams = 2;
+  Blob log = Log();
+  std::vector<double> times, ranges;
+  for (std::size_t s = 0; s < kScans; ++s) times.push_back(0.5 * static_cast<double>(s));
+  for (std::size_t r = 0; r < kScans * kBeams; ++r) ranges.push_back(0.1 * static_cast<double>(r));
+  log.PutVector("robot/0/sonar/time_s", times);
+  log.Put("robot/0/sonar/range_m", Array::Of<double>({kScans, kBeams}, ranges));
+  const RangeScans whole = ReadRangeScans(log, nullptr, {}).sensors[0];
+  const Blob scans = ScansBlob(whole);
+  const auto all = log.Get<double>("robot/0/sonar/range_m");
+  for (const std::int64_t first : {0, 8, 9, 16}) {
+    Blob rows;
+    for (const auto& [name, array] : scans.fields()) rows.Put(name, array.Rows(first, 4));
+    const RangeScans part = ScansOf(SensorBlob(whole), rows, log);
+    const auto range = part.range_m.As<double>();
+    EXPECT_EQ(part.range_m.shape(), (Shape{4, kBeams}));
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(range.data()) % 64, 0U) << first;
+    EXPECT_EQ(range.data() == all.data() + static_cast<std::size_t>(first) * kBeams, first % 8 == 0) << first;
+    for (std::size_t r = 0; r < range.size(); ++r)
+      EXPECT_EQ(range[r], ranges[static_cast<std::size_t>(first) * kBeams + r]);
+  }
+}
+
 TEST(RangeScans, AResultSaysWhereTheRobotWasAtEachScan) {
   GridOptions options;
   options.heldout = 0.9;

@@ -14,6 +14,9 @@ namespace {
 // Each task brings home a map, so there are no more of a sensor than some, but for logs so long that tasks
 // would take long: from 10 ms to a quarter of a second of a core.
 constexpr double kTasks = 12, kLeastCells = 1 << 23, kMostCells = 1 << 28;
+// A slice begins at such a scan alone: there its ranges, of eight bytes, are aligned however many beams there
+// are, and need no copy.
+constexpr std::size_t kScansTogether = 8;
 constexpr double kBytesPerCell = 64;  // where maps of both kinds of sensors and the result are at hand
 
 // About how many cells a scan tells of.
@@ -60,7 +63,7 @@ void AddTasks(const RangeScans& scans, double cell_m, Step* step) {
   std::size_t first = 0;
   for (std::size_t s = 0; s < scans.scans(); ++s) {
     sum += work[s];
-    if (sum < of_a_task && s + 1 < scans.scans()) continue;
+    if ((sum < of_a_task || (s + 1) % kScansTogether != 0) && s + 1 < scans.scans()) continue;
     AddTask(sensor, rows, first, s + 1 - first, sum, step);
     first = s + 1;
     sum = 0;
