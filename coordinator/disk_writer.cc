@@ -1,7 +1,5 @@
 #include "coordinator/disk_writer.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -22,12 +20,6 @@ std::uint64_t BytesOf(const std::vector<wire::NamedBlob>& blobs) {
   std::uint64_t bytes = 0;
   for (const wire::NamedBlob& named : blobs) bytes += named.blob == nullptr ? 0 : named.blob->ByteCount();
   return bytes;
-}
-
-// What computes on this machine goes first. A checkpoint that is done later costs, at worst, more rounds that
-// are computed again.
-void LetOthersGoFirst() {
-  ::setpriority(PRIO_PROCESS, 0, 10);  // of the calling thread alone
 }
 
 }  // namespace
@@ -87,7 +79,6 @@ std::optional<DiskWriter::Item> DiskWriter::Next() {
 }
 
 void DiskWriter::Loop() {
-  LetOthersGoFirst();
   while (std::optional<Item> item = Next()) {
     std::optional<DiskDone> done = Do(*item);
     count_at_ = std::min(count_at_, std::chrono::steady_clock::now() + kCountEvery);
