@@ -133,9 +133,16 @@ class TrueFrames {
                direction = Column<double>(result, "traces/direction_rad", n),
                first = Column<double>(result, "traces/first_s", n),
                last = Column<double>(result, "traces/last_s", n);
-    for (std::size_t k = 0; k < n; ++k)
-      frames_.push_back(Place(robots.at(static_cast<std::size_t>(robot[k])), {x[k], y[k], direction[k]},
-                              first[k], last[k]));
+    for (std::size_t k = 0; k < n; ++k) {
+      const Robot& who = robots.at(static_cast<std::size_t>(robot[k]));
+      const PoseM origin{x[k], y[k], direction[k]};
+      frames_.push_back(Place(who, first[k], last[k], [&](std::size_t i) {
+        return std::optional(From(origin, who.estimate.poses[i]));
+      }));
+      odometric_.push_back(Place(who, first[k], last[k], [&](std::size_t i) {
+        return PoseAt(who.odometry, who.estimate.time_s[i], HUGE_VAL);
+      }));
+    }
   }
 
   std::size_t size() const { return frames_.size(); }
@@ -145,27 +152,40 @@ class TrueFrames {
     if (!frame) return std::nullopt;
     return (*frame)(PointM{z_m, u_m});
   }
+  // Where the robot is by what odometry alone says of its way since it recorded the trace.
+  std::optional<PointM> ByOdometry(std::size_t trace, const Robot& robot, double time_s) const {
+    const auto& frame = odometric_.at(trace);
+    const auto at = PoseAt(robot.odometry, time_s, HUGE_VAL);
+    if (!frame || !at) return std::nullopt;
+    return (*frame)(PointM{at->x_m, at->y_m});
+  }
 
  private:
-  // Turned as the path is, on average, and moved to where its middle is: a short way says little of its turn.
-  static std::optional<Similarity> Place(const Robot& robot, const PoseM& origin, double first_s,
-                                         double last_s) {
+  static PoseM From(const PoseM& origin, const PoseM& at) {
+    const double c = std::cos(origin.heading_rad), s = std::sin(origin.heading_rad);
+    const double dx = at.x_m - origin.x_m, dy = at.y_m - origin.y_m;
+    return {c * dx + s * dy, c * dy - s * dx, at.heading_rad - origin.heading_rad};
+  }
+
+  // The frame of `pose_of` each pose of the estimate. Turned as the path is, on average, and moved to where
+  // its middle is: a short way says little of its turn.
+  template <class PoseOf>
+  static std::optional<Similarity> Place(const Robot& robot, double first_s, double last_s,
+                                         const PoseOf& pose_of) {
     double sin = 0, cos = 0;
     PointM ours, theirs;
     int count = 0;
-    const double c = std::cos(origin.heading_rad), s = std::sin(origin.heading_rad);
     for (std::size_t i = 0; i < robot.estimate.time_s.size(); ++i) {
       const double time_s = robot.estimate.time_s[i];
       if (time_s < first_s || time_s > last_s) continue;
       const auto truth = PoseAt(robot.truth, time_s);
-      if (!truth) continue;
-      const PoseM& at = robot.estimate.poses[i];
-      const double turn = truth->heading_rad - (at.heading_rad - origin.heading_rad);
+      const std::optional<PoseM> at = pose_of(i);
+      if (!truth || !at) continue;
+      const double turn = truth->heading_rad - at->heading_rad;
       sin += std::sin(turn);
       cos += std::cos(turn);
-      const double dx = at.x_m - origin.x_m, dy = at.y_m - origin.y_m;
-      ours.x_m += c * dx + s * dy;
-      ours.y_m += c * dy - s * dx;
+      ours.x_m += at->x_m;
+      ours.y_m += at->y_m;
       theirs.x_m += truth->x_m;
       theirs.y_m += truth->y_m;
       ++count;
@@ -179,7 +199,7 @@ class TrueFrames {
     return frame;
   }
 
-  std::vector<std::optional<Similarity>> frames_;
+  std::vector<std::optional<Similarity>> frames_, odometric_;
 };
 
 // How far the robot was from a place in a trace; none where the truth does not know.
@@ -195,7 +215,7 @@ std::optional<double> OffM(const TrueFrames& frames, std::int32_t trace, double 
 
 void ScorePositions(const Blob& result, const std::vector<Robot>& robots, const TrueFrames& frames,
                     LocalEvaluation* out) {
-  ErrorSum sum;
+  ErrorSum sum, odometry;
   std::int64_t corrections = 0;
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/positions/";
@@ -210,11 +230,15 @@ void ScorePositions(const Blob& result, const std::vector<Robot>& robots, const 
       if (!off_m) continue;
       sum.Add(*off_m);
       corrections += corrected[i];
+      const auto reckoned = frames.ByOdometry(static_cast<std::size_t>(trace[i]), robots[r], time[i]);
+      const auto truth = PoseAt(robots[r].truth, time[i]);
+      if (reckoned && truth) odometry.Add(DistanceM(*reckoned, {truth->x_m, truth->y_m}));
     }
   }
   const PathError error = sum.Error();
   if (error.poses == 0) return;
   out->traces = error;
+  out->traces_odometry = odometry.Error();
   out->corrected = static_cast<double>(corrections) / static_cast<double>(error.poses);
 }
 

@@ -41,6 +41,7 @@ struct LocalEvaluation {
   PathError path, odometry;         // after a rigid motion of each: of all robots, of each robot
   double heading_rmse_deg = 0;      // of the path
   std::optional<PathError> traces;  // the live positions, each in its trace's frame, which the truth places
+  PathError traces_odometry;        // of odometry alone at the same times, since each trace was recorded
   double corrected = 0;             // share of these at which matching corrected something
   std::optional<WallScore> walls;   // none: no direction was found, or the truth has none
   LoopScore loops;

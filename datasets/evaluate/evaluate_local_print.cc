@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -24,7 +25,7 @@ std::string Line(const char* name, const char* format, double value, const std::
   char text[200];
   std::snprintf(text, sizeof text, format, value);
   std::string line = name;
-  line.resize(32, ' ');
+  line.resize(std::max<std::size_t>(32, line.size() + 1), ' ');
   return line + text + more + "\n";
 }
 
@@ -40,33 +41,35 @@ std::string Count(std::int64_t count, const char* of) { return ", " + std::to_st
 
 std::string LocalEvaluationJson(const LocalEvaluation& score, int indent) {
   const auto& traces = score.traces;
-  const Json json = {{"trajectory",
-                      {{"rmse_m", score.path.rmse_m},
-                       {"mean_m", score.path.mean_m},
-                       {"worst_m", score.path.worst_m},
-                       {"heading_rmse_deg", score.heading_rmse_deg},
-                       {"odometry_rmse_m", score.odometry.rmse_m},
-                       {"odometry_mean_m", score.odometry.mean_m},
-                       {"odometry_worst_m", score.odometry.worst_m},
-                       {"in_trace_rmse_m", traces ? Json(traces->rmse_m) : Json(nullptr)},
-                       {"in_trace_mean_m", traces ? Json(traces->mean_m) : Json(nullptr)},
-                       {"in_trace_worst_m", traces ? Json(traces->worst_m) : Json(nullptr)},
-                       {"in_trace_corrected", traces ? Json(score.corrected) : Json(nullptr)},
-                       {"poses", score.path.poses}}},
-                     {"wall_orientation", WallsJson(score.walls)},
-                     {"loops",
-                      {{"found", score.loops.found},
-                       {"wrong", score.loops.wrong},
-                       {"mean_m", score.loops.mean_m},
-                       {"rejected", score.loops.rejected},
-                       {"rejected_wrong", score.loops.rejected_wrong}}},
-                     {"traces", score.trace_count},
-                     {"cuts", score.cuts},
-                     {"seconds", OrNull(score.seconds)},
-                     {"alignment",
-                      {{"angle_rad", score.alignment.angle_rad},
-                       {"x_m", score.alignment.x_m},
-                       {"y_m", score.alignment.y_m}}}};
+  const Json json = {
+      {"trajectory",
+       {{"rmse_m", score.path.rmse_m},
+        {"mean_m", score.path.mean_m},
+        {"worst_m", score.path.worst_m},
+        {"heading_rmse_deg", score.heading_rmse_deg},
+        {"odometry_rmse_m", score.odometry.rmse_m},
+        {"odometry_mean_m", score.odometry.mean_m},
+        {"odometry_worst_m", score.odometry.worst_m},
+        {"in_trace_rmse_m", traces ? Json(traces->rmse_m) : Json(nullptr)},
+        {"in_trace_mean_m", traces ? Json(traces->mean_m) : Json(nullptr)},
+        {"in_trace_worst_m", traces ? Json(traces->worst_m) : Json(nullptr)},
+        {"in_trace_odometry_mean_m", traces ? Json(score.traces_odometry.mean_m) : Json(nullptr)},
+        {"in_trace_corrected", traces ? Json(score.corrected) : Json(nullptr)},
+        {"poses", score.path.poses}}},
+      {"wall_orientation", WallsJson(score.walls)},
+      {"loops",
+       {{"found", score.loops.found},
+        {"wrong", score.loops.wrong},
+        {"mean_m", score.loops.mean_m},
+        {"rejected", score.loops.rejected},
+        {"rejected_wrong", score.loops.rejected_wrong}}},
+      {"traces", score.trace_count},
+      {"cuts", score.cuts},
+      {"seconds", OrNull(score.seconds)},
+      {"alignment",
+       {{"angle_rad", score.alignment.angle_rad},
+        {"x_m", score.alignment.x_m},
+        {"y_m", score.alignment.y_m}}}};
   return json.dump(indent);
 }
 
@@ -81,6 +84,8 @@ std::string LocalEvaluationText(const LocalEvaluation& score) {
     text += Line("trajectory.in_trace_mean_m", "%.3f m", score.traces->mean_m,
                  Metres(" in the traces' own frames, %.3f m at worst; corrected at %.0f%% of the sweeps",
                         score.traces->worst_m, 100 * score.corrected));
+    text += Line("trajectory.in_trace_odometry_mean_m", "%.3f m", score.traces_odometry.mean_m,
+                 " by odometry alone since they were recorded");
   }
   if (score.walls) {
     text += Line("wall_orientation.error_deg", "%.2f degrees", score.walls->error_deg,

@@ -154,6 +154,36 @@ TEST(EvaluateLocal, PositionsAreScoredInTheirTracesFrames) {
   EXPECT_NEAR(score.corrected, 0.5, 1e-12);
 }
 
+// The trace is recorded during the first two seconds, in which odometry turns by 3 degrees a metre; then the
+// robot drives on, and odometry alone leaves the frame by the bend that it has made since.
+TEST(EvaluateLocal, OdometryIsHeldAgainstTheFramesOfTracesToo) {
+  const Blob log = Log();
+  Blob result = Result(log);
+  result.PutVector<double>("traces/last_s", {2});
+  const std::string positions = "robot/0/positions/";
+  result.PutVector<double>(positions + "time_s", {1, 10});
+  result.PutVector<std::int32_t>(positions + "trace", {0, 0});
+  result.PutVector<double>(positions + "z_m", {2, 11});
+  result.PutVector<double>(positions + "u_m", {0, 0});
+  result.PutVector<std::uint8_t>(positions + "corrected", {1, 1});
+  const LocalEvaluation score = EvaluateLocal(result, log);
+  EXPECT_NEAR(score.traces->mean_m, 0, 1e-9);
+  // Odometry's headings were 0, 3 and 6 degrees: its frame is turned by -3. Control i goes on by 3 (i - 1)
+  // degrees in it.
+  double x = 0, y = 0;
+  for (int i = 1; i <= 10; ++i) {
+    x += std::cos((3 * i - 3) * kDegree);
+    y += std::sin((3 * i - 3) * kDegree);
+  }
+  const double c = std::cos(3 * kDegree), s = std::sin(3 * kDegree);
+  const double mean_x = (0 + 1 + (1 + c)) / 3, mean_y = s / 3;  // of the recorded way, in that frame
+  const auto off = [&](double at_x, double at_y, double true_x) {
+    return std::hypot(at_x - mean_x - (true_x - 1), at_y - mean_y);
+  };
+  EXPECT_NEAR(score.traces_odometry.mean_m, (off(1, 0, 1) + off(x, y, 10)) / 2, 1e-9);
+  EXPECT_GT(score.traces_odometry.worst_m, 1);
+}
+
 TEST(EvaluateLocal, JsonHasTheNamesThatAreWrittenOf) {
   const Blob log = Log();
   const auto json = nlohmann::json::parse(LocalEvaluationJson(EvaluateLocal(Result(log), log)));

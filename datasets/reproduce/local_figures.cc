@@ -94,6 +94,18 @@ void AddPathRows(NumbersTable* table) {
                 [](const Score& e) { return e.traces ? std::optional(e.traces->mean_m) : std::nullopt; }) +
            " m";
   });
+  table->Add("odometry alone in these frames", "", [](const auto& s) {
+    return Mean(s, "%.3f",
+                [](const Score& e) {
+                  return e.traces ? std::optional(e.traces_odometry.mean_m) : std::nullopt;
+                }) +
+           " m";
+  });
+  table->Add("times smaller, of the means", ">= 5", [](const auto& s) {
+    const double raw = Sum(s, [](const Score& e) { return e.traces_odometry.mean_m; }),
+                 live = Sum(s, [](const Score& e) { return e.traces ? e.traces->mean_m : 0; });
+    return live > 0 ? Say("%.1f", raw / live) : "-";
+  });
   table->Add("worst error of any path", "", [](const auto& s) {
     double worst = 0;
     for (const Scored& one : s) worst = std::max(worst, one.score.path.worst_m);
