@@ -5,7 +5,7 @@
 namespace cairn::local_map {
 namespace {
 
-constexpr double kTurnSd_m = 0.05, kCutSd_m = 0.5, kLoopSd_m = 0.1;  // of connections
+constexpr double kTurnSd_m = 0.02, kCutSd_m = 0.5, kLoopSd_m = 0.03;  // of connections
 
 struct Columns {
   std::vector<double> time_s, z_m, u_m, range_z_m, range_u_m;

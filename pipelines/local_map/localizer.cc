@@ -9,7 +9,7 @@ namespace cairn::local_map {
 namespace {
 
 constexpr double kBeyond_m = 0.3;  // of a trace's ends its features still tell something
-constexpr double kSurer = 0.7;     // of a range, so that a narrower one counts
+constexpr double kSurer = 0.9;     // of a range, so that a narrower one counts
 constexpr double kLattice_m = 0.3;
 constexpr double kSds = 3;  // of a match or a connection make a range
 
@@ -86,7 +86,7 @@ void TraceLocalizer::Move(const LocalGrids& grids, const TraceGraph& graph, doub
 }
 
 // Positions that active traces give to those they are connected with: where there is none, or where the one
-// there is less sure or contradicts it, and does not match clearly better.
+// there is less sure or contradicts it, and matching says nothing of it or not that it is clearly better.
 void TraceLocalizer::HandOn(const LocalGrids& grids, const TraceGraph& graph) {
   for (std::size_t t = 0; t < held_.size(); ++t) {
     if (!held_[t] || !held_[t]->active) continue;
@@ -104,7 +104,8 @@ void TraceLocalizer::HandOn(const LocalGrids& grids, const TraceGraph& graph) {
       if (there) {
         Held own = *there;
         Correct(grids, graph, &own, other);
-        if (!offered.corrected || own.similarity > offered.similarity + options_.better) continue;
+        if (own.corrected && (!offered.corrected || own.similarity > offered.similarity + options_.better))
+          continue;
       }
       there = offered;
     }

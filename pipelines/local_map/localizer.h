@@ -15,7 +15,7 @@ namespace cairn::local_map {
 
 struct LocalizerOptions {
   double range_per_m = 0.02;      // that a position's range grows by, a metre of way
-  double least_m = 0.1;           // ranges never fall below
+  double least_m = 0.05;          // ranges never fall below
   double most_m = 0.5;            // nor grow beyond, while any position is being corrected:
   double lost_m = 5;              // after that way without any correction, or a jump, the robot is lost,
   double lost_most_m = 2.4;       // and ranges grow up to this until a correction is found

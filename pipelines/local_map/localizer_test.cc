@@ -111,6 +111,20 @@ TEST(TraceLocalizer, HandsAPositionOnToAConnectedTraceThatHasNone) {
   EXPECT_LT(ErrorM(again.known, again.localizer.held(other)->at, again.drive.pose()), 0.15);
 }
 
+TEST(TraceLocalizer, TakesASurerPositionWhereMatchingSaysNothing) {
+  LocalizerOptions options;
+  options.match.min_known = 1000;  // nothing can be matched
+  Again again({0, 0}, {0.1, 0.1}, options);
+  const int other = again.known.graph.Add(again.known.graph.node(0).trace, again.known.frame.quarter);
+  again.known.graph.Connect({0, other, 0, {0, 0}, 0.02});
+  const Position at = again.known.frame.At({again.drive.pose().x_m, again.drive.pose().y_m}, 0.15);
+  again.localizer.Begin(other, Position{at.z_m + 0.3, at.u_m - 0.2}, {0.5, 0.5});
+  again.Go(0.3);
+  EXPECT_EQ(again.corrected, 0);
+  EXPECT_NEAR(again.localizer.held(other)->at.z_m, again.localizer.held(0)->at.z_m, 1e-9);
+  EXPECT_NEAR(again.localizer.held(other)->at.u_m, again.localizer.held(0)->at.u_m, 1e-9);
+}
+
 TEST(TraceLocalizer, AllocatesNothingOnceItIsMade) {
   Again again({0.1, 0.1}, {0.3, 0.3});
   again.Go(0.5);
