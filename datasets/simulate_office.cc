@@ -226,6 +226,8 @@ Blob SimulateOffice(const SimulateOfficeOptions& options) {
       sonar_rng(options.seed, kSonarStream), infrared_rng(options.seed, kInfraredStream);
   const Office office = office::DrawOffice(options.turned, plan_rng);
   const Tour tour = office::DrawTour(office, options.minutes, options.moved, drive_rng);
+  if (options.moved && tour.moved_s == 0)
+    throw InputError("moved: in that many minutes the robot is not back in the corridor after half of them");
   const Surroundings around = SurroundingsOf(office, tour, options.seed);
   std::vector<Walk> walks;
   if (options.persons) walks = DrawWalks(office, tour, person_rng);

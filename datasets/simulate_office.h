@@ -10,7 +10,7 @@ namespace cairn::datasets {
 
 struct SimulateOfficeOptions {
   double minutes = 10;  // of driving, from 1 to 120
-  bool moved = false;   // furniture moves in the middle of the drive
+  bool moved = false;   // furniture moves once half of the time is over; some minutes are too few
   bool turned = false;  // one more room, whose walls are turned by 30 degrees
   bool hints = false;   // somebody marks the doorways
   bool persons = true;

@@ -89,13 +89,18 @@ class Visitor {
  public:
   Visitor(const Office& office, Pilot* pilot, Rng& rng) : office_(office), pilot_(pilot), rng_(rng) {}
 
-  // To the corridor's near end, then into every room once, in an order drawn.
-  void Round() {
+  // To the corridor's near end, then into every room once, in an order drawn; `back()` after each, in the
+  // corridor.
+  template <class Back>
+  void Round(const Back& back) {
     pilot_->GoTo({office_.from_x_m + kLaneM, 0});
     std::vector<std::size_t> rooms;
     for (std::size_t i = 0; i < office_.rooms.size(); ++i) rooms.push_back(i);
     for (std::size_t i = rooms.size(); i > 1; --i) std::swap(rooms[i - 1], rooms[rng_.Below(i)]);
-    for (const std::size_t room : rooms) Visit(room);
+    for (const std::size_t room : rooms) {
+      Visit(room);
+      back();
+    }
   }
 
  private:
@@ -142,12 +147,12 @@ Tour DrawTour(const Office& office, double minutes, bool waits, Rng& rng) {
   Pilot pilot(&tour, end_s, rng);
   Visitor visitor(office, &pilot, rng);
   pilot.Stand(kFirstStandS);
-  while (!pilot.over()) {
-    visitor.Round();
-    if (!waits || tour.moved_s > 0 || pilot.over() || pilot.time_s() < end_s / 2) continue;
+  const auto wait = [&] {
+    if (!waits || tour.moved_s > 0 || pilot.over() || pilot.time_s() < end_s / 2) return;
     pilot.Stand(kWaitS);
     tour.moved_s = pilot.time_s();
-  }
+  };
+  while (!pilot.over()) visitor.Round(wait);
   return tour;
 }
 
