@@ -20,19 +20,21 @@ struct Options {
 };
 
 // A file of any kind, or the folder's result: grids are asked of its grid_map where it has one, all else of
-// its landmark_map.
+// its landmark_map, or where it has none of its local_map.
 Blob ReadSource(const Options& options) {
   if (std::filesystem::is_regular_file(options.from)) return Take(ReadBlobFile(options.from)).blob;
-  bool grids = false, landmarks = false;
+  bool grids = false, landmarks = false, locals = false;
   for (const std::string& file : FilesOf(options.from)) {
     const std::string kind = Take(ListBlobFile(file)).kind;
     grids |= kind == "grid_map";
     landmarks |= kind == "landmark_map";
+    locals |= kind == "local_map";
   }
   const bool wants_grid = options.format == "ros" || options.format == "octomap";
   const bool takes_grid = wants_grid || options.format == "png";
   const bool grid = grids && takes_grid && (wants_grid || !landmarks);
-  return ReadResult(options.from, grid ? "grid_map" : "landmark_map").blob;
+  const char* path = locals && !landmarks ? "local_map" : "landmark_map";
+  return ReadResult(options.from, grid ? "grid_map" : path).blob;
 }
 
 datasets::RosMode ModeOf(const std::string& mode) {
