@@ -58,7 +58,9 @@ void TraceLocalizer::Update(const LocalGrids& grids, const TraceGraph& graph, do
   Activate(graph);
   for (std::size_t t = 0; t < held_.size(); ++t)
     if (held_[t] && held_[t]->active) {
-      Correct(grids, graph, &*held_[t], static_cast<int>(t));
+      const auto trace = static_cast<int>(t);
+      if (!held_[t]->corrected && !CorrectWithCrossing(grids, graph, trace))
+        Correct(grids, graph, &*held_[t], trace);
       if (!held_[t]->corrected) continue;
       uncorrected_m_ = 0;
       lost_ = false;
@@ -132,12 +134,45 @@ void TraceLocalizer::Correct(const LocalGrids& grids, const TraceGraph& graph, H
   const bool wide = lost_ && Widest(held->range) > options_.most_m;
   const Match match = wide ? Search(on, held->range) : local_map::Correct(on, held->range, options_.match);
   held->similarity = match.sides_after;
-  if (!match.usable() || match.sides_after < options_.least_similarity) return;
-  held->corrected = true;
-  if (wide) {
+  if (wide && match.usable() && match.sides_after >= options_.least_similarity) {
     held->at = {match.z_m, match.u_m};
     held->range = {options_.most_m, options_.most_m};
   }
+  Take(match, held);
+}
+
+// [DM98] section 4.2, 'a natural extension': what z rests on in the one trace tells u in the other.
+bool TraceLocalizer::CorrectWithCrossing(const LocalGrids& grids, const TraceGraph& graph, int trace) {
+  if (lost_) return false;
+  Held& held = *held_[static_cast<std::size_t>(trace)];
+  for (const int c : graph.node(trace).connections) {
+    const Connection& connection = graph.connection(c);
+    if (connection.quarter % 2 == 0) continue;
+    const bool forth = connection.from == trace;
+    const int other = forth ? connection.to : connection.from;
+    std::optional<Held>& there = held_[static_cast<std::size_t>(other)];
+    if (!there || !there->active || there->corrected) continue;
+    const Position at = forth ? Through(connection, held.at) : Back(connection, held.at);
+    if (std::hypot(at.z_m - there->at.z_m, at.u_m - there->at.u_m) > options_.agree_m) continue;
+    const TraceGraph::Node &one = graph.node(trace), &two = graph.node(other);
+    const Range range{std::max(held.range.z_m, there->range.u_m), std::max(held.range.u_m, there->range.z_m)};
+    const int left = (connection.quarter == 1) == forth ? 1 : -1;
+    const PairMatch pair =
+        CorrectPair({one.trace, Around(grids, one.quarter), held.at},
+                    {two.trace, Around(grids, two.quarter), there->at}, left, range, options_.match);
+    if (!pair.first.usable() || !pair.second.usable()) continue;
+    held.similarity = pair.first.sides_after;
+    there->similarity = pair.second.sides_after;
+    Take(pair.first, &held);
+    Take(pair.second, &*there);
+    return held.corrected;
+  }
+  return false;
+}
+
+void TraceLocalizer::Take(const Match& match, Held* held) const {
+  if (!match.usable() || match.sides_after < options_.least_similarity) return;
+  held->corrected = true;
   Approach(match.z_m, match.sd_z_m, options_.least_m, &held->at.z_m, &held->range.z_m);
   Approach(match.u_m, match.sd_u_m, options_.least_m, &held->at.u_m, &held->range.u_m);
 }

@@ -22,6 +22,7 @@ struct LocalizerOptions {
   double aside_m = 1.5;           // from a trace's way the robot may be for the trace to be active
   std::size_t most_active = 8;    // traces, those whose way is nearest
   double least_similarity = 0.3;  // a comparable side, below which the best position is none
+  double agree_m = 0.1;           // to which positions on crossing traces agree that are corrected as a pair
   double better = 0.1;            // by so much a comparable side an overriding position must match better
   MatchOptions match;
 };
@@ -56,6 +57,9 @@ class TraceLocalizer {
   void Activate(const TraceGraph& graph);
   void HandOn(const LocalGrids& grids, const TraceGraph& graph);
   void Correct(const LocalGrids& grids, const TraceGraph& graph, Held* held, int trace);
+  // Whether `trace` was corrected together with one that crosses it.
+  bool CorrectWithCrossing(const LocalGrids& grids, const TraceGraph& graph, int trace);
+  void Take(const Match& match, Held* held) const;
   Match Search(const OnTrace& on, const Range& range) const;
   const ImmediateTrace& Around(const LocalGrids& grids, int quarter);
 

@@ -125,6 +125,41 @@ TEST(TraceLocalizer, TakesASurerPositionWhereMatchingSaysNothing) {
   EXPECT_NEAR(again.localizer.held(other)->at.u_m, again.localizer.held(0)->at.u_m, 1e-9);
 }
 
+// Two traces of a room, along either pair of its walls; the robot is believed to be off by as much in both.
+TEST(TraceLocalizer, CorrectsTracesThatCrossTogether) {
+  std::vector<TestWall> room = TestBox(3.4, 3.4, {0, 0, 0});
+  for (const TestWall& wall : TestBox(0.8, 0.5, {0.6, -1.45, 0})) room.push_back(wall);
+  const auto drive_in = [](Drive* drive) {
+    drive->Ahead(0.5);
+    for (int k = 0; k < 40; ++k) drive->Sweep();
+  };
+  Drive before(room, {-0.5, 0, 0}, 3), now(room, {-0.45, 0.05, 0}, 4);
+  drive_in(&before);
+  drive_in(&now);
+  ImmediateTrace along = ImmediateRoom(before.grids()), across = ImmediateRoom(before.grids());
+  MakeImmediate(before.grids(), 0, along);
+  MakeImmediate(before.grids(), 1, across);
+  TraceGraph graph;
+  graph.Add(along.trace, 0);
+  graph.Add(across.trace, 1);
+  const Connection crossing{
+      0, 1, 1, {along.robot.z_m + across.robot.u_m, along.robot.u_m - across.robot.z_m}, 0.02};
+  graph.Connect(crossing);
+  TraceLocalizer localizer(now.grids(), {}, 2);
+  const Position truth{along.robot.z_m + now.pose().x_m - before.pose().x_m,
+                       along.robot.u_m + now.pose().y_m - before.pose().y_m};
+  const Position off{truth.z_m + 0.2, truth.u_m - 0.15};
+  localizer.Begin(0, off, {0.4, 0.4});
+  localizer.Begin(1, Through(crossing, off), {0.4, 0.4});
+  localizer.Update(now.grids(), graph);
+  ASSERT_TRUE(localizer.held(0)->corrected);
+  ASSERT_TRUE(localizer.held(1)->corrected);
+  const Position one = localizer.held(0)->at, two = Back(crossing, localizer.held(1)->at);
+  EXPECT_NEAR(one.z_m, two.z_m, 1e-6);
+  EXPECT_NEAR(one.u_m, two.u_m, 1e-6);
+  EXPECT_LT(std::hypot(one.z_m - truth.z_m, one.u_m - truth.u_m), 0.08);
+}
+
 TEST(TraceLocalizer, AllocatesNothingOnceItIsMade) {
   Again again({0.1, 0.1}, {0.3, 0.3});
   again.Go(0.5);
