@@ -1,9 +1,6 @@
 #include "schema/store/blob_file.h"
 
-#include <fcntl.h>
 #include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +12,7 @@
 #include "schema/store/encode.h"
 #include "schema/store/guarded.h"
 #include "schema/store/hdf5_handle.h"
+#include "schema/store/regular_file.h"
 #include "schema/store/seal.h"
 
 namespace cairn {
@@ -59,21 +57,14 @@ bool IsLocked(int fd) {
   return errno == EWOULDBLOCK;
 }
 
-Result<File> Open(const std::filesystem::path& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return SystemFailure(path, "cannot open", errno);
-  const Handle closer(fd, [](hid_t id) -> herr_t { return ::close(static_cast<int>(id)); });
-  struct stat info{};
-  if (::fstat(fd, &info) != 0) return SystemFailure(path, "cannot open", errno);
-  if (!S_ISREG(info.st_mode)) return Status(Code::kCorrupt, path.string() + ": is not a file");
+Result<File> Open(const std::filesystem::path& path, const RegularFile& bytes) {
   std::array<std::byte, 48> head{};
-  const ssize_t count = ::pread(fd, head.data(), head.size(), 0);
-  if (count < 0) return SystemFailure(path, "cannot read", errno);
-  Status status = CheckHead(std::span(head).first(static_cast<std::size_t>(count)),
-                            static_cast<std::uint64_t>(info.st_size));
+  const auto known = std::span(head).first(std::min<std::size_t>(head.size(), bytes.size()));
+  if (const int error = bytes.ReadAt(known, 0)) return SystemFailure(path, "cannot read", error);
+  Status status = CheckHead(known, bytes.size());
   if (!status.ok()) return Named(path.string(), status);
   File file{OpenForReading(path), 0, {}};
-  if (!file.handle.ok() && IsLocked(fd))
+  if (!file.handle.ok() && IsLocked(bytes.descriptor()))
     return Status(Code::kBusy, path.string() + ": locked by a program that writes to it");
   if (!file.handle.ok())
     return Status(Code::kCorrupt, path.string() + ": damaged: " + store::LastCause().text);
@@ -103,6 +94,30 @@ Result<FileContents> ReadAll(const File& file, const std::string& name, const Re
   return result;
 }
 
+// After its datasets, whose own checksums say more of where it is damaged.
+Status CheckSealOf(const File& file, const RegularFile& bytes, const std::string& name, bool* changed) {
+  if (store::HasSeal(bytes)) return store::CheckSeal(bytes, name);
+  *changed = store::IsMarkedSealed(file.handle.get());
+  return Status::Ok();
+}
+
+Result<FileContents> ReadSealed(const std::filesystem::path& path, const ReadOptions& options) {
+  const Result<RegularFile> bytes = RegularFile::Open(path);
+  if (!bytes.ok()) return bytes.status();
+  const Result<File> file = Open(path, bytes.value());
+  if (!file.ok()) return file.status();
+  Result<FileContents> contents = ReadAll(file.value(), path.string(), options);
+  if (!contents.ok()) return contents;
+  bool& changed = contents.value().changed;
+  if (Status seal = CheckSealOf(file.value(), bytes.value(), path.string(), &changed); !seal.ok())
+    return seal;
+  if (changed && !options.changed_too)
+    return Status(Code::kCorrupt, path.string() +
+                                      ": another program has changed it since Cairn wrote it (its "
+                                      "seal is gone)");
+  return contents;
+}
+
 Result<FileContents> DescribeAll(const File& file, const std::string& name) {
   const hid_t id = file.handle.get();
   Result<std::vector<std::string>> names = store::DatasetNames(id);
@@ -118,7 +133,8 @@ Result<FileContents> DescribeAll(const File& file, const std::string& name) {
 
 Result<BlobFile> AsBlobFile(Result<FileContents> contents) {
   if (!contents.ok()) return contents.status();
-  return BlobFile{std::move(contents.value().kind), std::move(contents.value().blob)};
+  FileContents& found = contents.value();
+  return BlobFile{std::move(found.kind), std::move(found.blob), found.changed};
 }
 
 }  // namespace
@@ -132,29 +148,31 @@ Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind,
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options) {
   return AsBlobFile(store::InChild(path, [&]() -> Result<FileContents> {
     const store::QuietErrors quiet;
-    const Result<File> file = Open(path);
-    if (!file.ok()) return file.status();
-    return ReadAll(file.value(), path.string(), options);
+    return ReadSealed(path, options);
   }));
 }
 
 Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {
-  if (Status sealed = store::CheckSeal(path); !sealed.ok()) return sealed;
+  const Result<RegularFile> bytes = RegularFile::Open(path);
+  if (!bytes.ok()) return bytes.status();
+  if (Status sealed = store::CheckSeal(bytes.value(), path.string()); !sealed.ok()) return sealed;
   const std::lock_guard lock(store::LibraryMutex());
   const store::QuietErrors quiet;
-  const Result<File> file = Open(path);
+  const Result<File> file = Open(path, bytes.value());
   if (!file.ok()) return file.status();
   return AsBlobFile(ReadAll(file.value(), path.string(), {}));
 }
 
-Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path) {
-  return ReadBlobFile(path, {.only = {}, .without = {"truth/", "provenance/"}});
+Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path, bool changed_too) {
+  return ReadBlobFile(path, {.only = {}, .without = {"truth/", "provenance/"}, .changed_too = changed_too});
 }
 
 Result<BlobFileInfo> ListBlobFile(const std::filesystem::path& path) {
   Result<FileContents> contents = store::InChild(path, [&]() -> Result<FileContents> {
     const store::QuietErrors quiet;
-    const Result<File> file = Open(path);
+    const Result<RegularFile> bytes = RegularFile::Open(path);
+    if (!bytes.ok()) return bytes.status();
+    const Result<File> file = Open(path, bytes.value());
     if (!file.ok()) return file.status();
     return DescribeAll(file.value(), path.string());
   });

@@ -18,12 +18,15 @@ inline constexpr std::int64_t kFormatVersion = 1;  // of schema/FORMAT.md
 struct BlobFile {
   std::string kind;  // log, landmark_map, checkpoint, …
   Blob blob;
+  bool changed = false;  // another program has changed what Cairn wrote (ReadOptions::changed_too)
 };
 
 // Which datasets to read, by the beginnings of their names.
 struct ReadOptions {
   std::vector<std::string> only;     // empty: all
   std::vector<std::string> without;  // takes away from `only`
+  // Also a file that Cairn wrote and that another program has changed since, through HDF5: its seal is gone.
+  bool changed_too = false;
 };
 
 // Replaces `path` atomically; on any failure nothing is left behind: kNotFound (the folder), kNoSpace,
@@ -32,8 +35,10 @@ struct ReadOptions {
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
 
 // A file of anybody: it is read in a child process, as HDF5 can crash on a damaged one. kNotFound; kCorrupt:
-// not a Cairn file, truncated, a wrong checksum; kVersion: of a newer format; kBusy: locked by a program that
-// writes to it; kIo.
+// not a Cairn file, truncated, a wrong checksum or seal, a seal that is gone, data that would come from
+// another file; kVersion: of a newer format; kBusy: locked by a program that writes to it; kRefused: no
+// regular file; kIo, also where there is not the memory to read it. A file of another program has no seal and
+// needs none.
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // A file of a store, which WriteBlobFile wrote: its seal is checked before HDF5 sees it, in this process.
@@ -41,9 +46,9 @@ Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptio
 Result<BlobFile> ReadStoredFile(const std::filesystem::path& path);
 
 // Without truth/ and provenance/: what a job may see.
-Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path);
+Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path, bool changed_too = false);
 
-// What a file holds, without its data.
+// What a file holds, without its data, of which no checksum is looked at.
 struct DatasetInfo {
   std::string name;
   DType type = DType::kU8;

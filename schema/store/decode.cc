@@ -1,10 +1,12 @@
 #include "schema/store/decode.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 
 #include "schema/store/hdf5_handle.h"
+#include "schema/store/layout.h"
 
 namespace cairn::store {
 namespace {
@@ -83,10 +85,44 @@ bool SizeIsCredible(const DatasetInfo& info) {
   return bytes / kMostDeflated <= info.stored_bytes && (bytes == 0 || info.stored_bytes > 0);
 }
 
+// What HDF5 brings without loading a library.
+bool IsOwnFilter(H5Z_filter_t filter) {
+  constexpr std::array kOwn{H5Z_FILTER_DEFLATE, H5Z_FILTER_SHUFFLE, H5Z_FILTER_FLETCHER32,
+                            H5Z_FILTER_SZIP,    H5Z_FILTER_NBIT,    H5Z_FILTER_SCALEOFFSET};
+  return std::ranges::find(kOwn, filter) != kOwn.end();
+}
+
+// A log of a stranger must not bring what whoever reads it may read into a result. Asked before anything of
+// the dataset is looked at: HDF5 opens the files behind a virtual one to tell its shape.
+Status CheckLiesInThisFile(hid_t dataset, const std::string& name) {
+  const Handle creation(H5Dget_create_plist(dataset), H5Pclose);
+  if (!creation.ok()) return Damaged(name);
+  const std::string in_words = "dataset '" + name + "': ";
+  if (H5Pget_external_count(creation.get()) != 0)
+    return Corrupt(in_words +
+                   "its data are in another file (external storage); Cairn reads none but this one");
+  if (H5Pget_layout(creation.get()) == H5D_VIRTUAL)
+    return Corrupt(in_words +
+                   "its data are in other files (a virtual dataset); Cairn reads none but this one");
+  const int filters = H5Pget_nfilters(creation.get());
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(creation.get(), static_cast<unsigned>(i), &flags, &values,
+                                               nullptr, 0, nullptr, &config);
+    if (!IsOwnFilter(filter))
+      return Corrupt(in_words + "its filter " + std::to_string(filter) +
+                     " is none of HDF5's own, and Cairn loads no others; `h5repack -f GZIP=1` writes a copy "
+                     "that it reads");
+  }
+  return Status::Ok();
+}
+
 Result<Open> OpenDataset(hid_t file, const std::string& name) {
   Open open;
   open.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!open.dataset.ok()) return Damaged(name);
+  if (Status own = CheckLiesInThisFile(open.dataset.get(), name); !own.ok()) return own;
   open.type = Handle(H5Dget_type(open.dataset.get()), H5Tclose);
   open.space = Handle(H5Dget_space(open.dataset.get()), H5Sclose);
   const int rank = H5Sget_simple_extent_ndims(open.space.get());
@@ -151,6 +187,13 @@ herr_t CollectDatasets(hid_t, const char* name, const H5O_info_t* info, void* da
   return 0;
 }
 
+// The first link that leads out of the file.
+herr_t FindLinkOut(hid_t, const char* name, const H5L_info_t* info, void* data) {
+  if (info->type == H5L_TYPE_HARD || info->type == H5L_TYPE_SOFT) return 0;
+  *static_cast<std::string*>(data) = name;
+  return 1;
+}
+
 }  // namespace
 
 Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind) {
@@ -168,7 +211,18 @@ Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind) {
   return Status::Ok();
 }
 
+bool IsMarkedSealed(hid_t file) {
+  std::int64_t sealed = 0;
+  return IntegerAttribute(file, kSealedAttribute, &sealed) && sealed == 1;
+}
+
 Result<std::vector<std::string>> DatasetNames(hid_t file) {
+  std::string out;
+  if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, FindLinkOut, &out) < 0)
+    return Corrupt("damaged: " + LastCause().text);
+  if (!out.empty())
+    return Corrupt("'" + out +
+                   "' is a link to another file (an external link); Cairn reads none but this one");
   std::vector<std::string> names;
   if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, CollectDatasets, &names, H5O_INFO_BASIC) < 0) {
     return Corrupt("damaged: " + LastCause().text);

@@ -1,4 +1,6 @@
-// What an open HDF5 file holds, checked. Messages of a failed Status name the dataset, not the file.
+// What an open HDF5 file holds, checked. Messages of a failed Status name the dataset, not the file. Nothing
+// is taken from anywhere but the file: where one says that its data are in another (external storage, virtual
+// datasets, external links), or asks for a filter that HDF5 does not bring, it is refused.
 #pragma once
 
 #include <hdf5.h>
@@ -13,7 +15,10 @@ namespace cairn::store {
 // The root attributes; kCorrupt where it is not a Cairn file, kVersion where it is of a newer format.
 Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind);
 
-// Full names of all datasets, sorted. Soft and external links are not followed.
+// Whether Cairn wrote the file, with a seal: other programs that change it leave the mark where it is.
+bool IsMarkedSealed(hid_t file);
+
+// Full names of all datasets, sorted. Soft links are not followed.
 Result<std::vector<std::string>> DatasetNames(hid_t file);
 
 Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name);

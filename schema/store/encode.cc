@@ -211,8 +211,9 @@ Result<Image> EncodeBlob(const std::string& kind, const Blob& blob) {
   const std::size_t expected = blob.ByteCount() + blob.fields().size() * 4096 + (std::size_t{1} << 16);
   Handle file = CreateInMemory(expected, sizes.at(""), &image);
   if (!file.ok()) return Failed("cannot begin");
-  const std::int64_t format = kFormatVersion;
+  const std::int64_t format = kFormatVersion, sealed = 1;
   if (!PutAttribute(file.get(), "cairn_format", H5T_STD_I64LE, &format) ||
+      !PutAttribute(file.get(), kSealedAttribute, H5T_STD_I64LE, &sealed) ||
       !PutTextAttribute(file.get(), "cairn_kind", kind)) {
     return Failed("cannot write the root attributes");
   }

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include <iterator>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 
 #include "schema/store/atomic_file.h"
@@ -37,6 +39,7 @@ void Put(FILE* out, const std::string& text) {
 void PutContents(FILE* out, const FileContents& contents) {
   Put(out, contents.kind);
   Put(out, static_cast<std::uint64_t>(contents.format));
+  Put(out, contents.changed ? 1 : 0);
   Put(out, contents.datasets.size());
   for (const DatasetInfo& info : contents.datasets) {
     Put(out, info.name);
@@ -54,9 +57,30 @@ void PutContents(FILE* out, const FileContents& contents) {
   }
 }
 
-[[noreturn]] void BeChild(int pipe, std::uint64_t file_bytes,
+Result<FileContents> ReadInMemory(const std::filesystem::path& path,
+                                  const std::function<Result<FileContents>()>& read) {
+  try {
+    return read();
+  } catch (const std::bad_alloc&) {
+    return Status(Code::kIo, path.string() + ": there is not the memory to read it");
+  }
+}
+
+// Ends with its parent, whenever that dies: the signal tells it from prctl() on, getppid() whether it was too
+// late for that, and a parent's pipe that nobody reads ends who writes to it. So of the parent's descriptors,
+// among them the pipe's other end and locks, the child keeps none but its own end.
+int KeepOnly(int pipe) {
+  constexpr int kFirst = STDERR_FILENO + 1;
+  if (pipe != kFirst && ::dup2(pipe, kFirst) < 0) return -1;
+  return ::close_range(kFirst + 1, ~0U, 0) == 0 ? kFirst : -1;
+}
+
+[[noreturn]] void BeChild(int pipe, pid_t parent, const std::filesystem::path& path, std::uint64_t file_bytes,
                           const std::function<Result<FileContents>()>& read) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(1);
+  ::signal(SIGPIPE, SIG_DFL);
+  pipe = KeepOnly(pipe);
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   const rlim_t seconds = 10 + file_bytes / 4'000'000;
@@ -64,10 +88,13 @@ void PutContents(FILE* out, const FileContents& contents) {
   ::setrlimit(RLIMIT_CPU, &cpu);
   // What the C library says of a heap that HDF5 has damaged is for nobody.
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (nowhere >= 0) ::dup2(nowhere, STDERR_FILENO);
+  if (nowhere >= 0) {
+    ::dup2(nowhere, STDERR_FILENO);
+    ::close(nowhere);
+  }
   FILE* out = ::fdopen(pipe, "wb");
   if (out == nullptr) ::_exit(1);
-  const Result<FileContents> contents = read();
+  const Result<FileContents> contents = ReadInMemory(path, read);
   Put(out, static_cast<std::uint64_t>(contents.ok() ? Code::kOk : contents.status().code()));
   if (contents.ok())
     PutContents(out, contents.value());
@@ -126,7 +153,8 @@ std::optional<Result<FileContents>> GetContents(Reader in) {
     if (!in.Get(&message)) return std::nullopt;
     return Result<FileContents>(Status(static_cast<Code>(code), message));
   }
-  if (!in.Get(&contents.kind) || !in.Get(&format) || !in.Get(&count)) return std::nullopt;
+  if (!in.Get(&contents.kind) || !in.Get(&format) || !in.Get(&has) || !in.Get(&count)) return std::nullopt;
+  contents.changed = has != 0;
   contents.format = static_cast<std::int64_t>(format);
   for (; count > 0; --count) {
     DatasetInfo& info = contents.datasets.emplace_back();
@@ -147,10 +175,23 @@ bool MayFork() {
 constexpr bool MayFork() { return true; }
 #endif
 
+bool IsCrash(int signal) {
+  constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGABRT, SIGFPE,
+                                SIGILL,  SIGSYS, SIGTRAP, SIGPIPE};  // of these it wrote what cannot be
+  return std::ranges::find(kCrashes, signal) != kCrashes.end();
+}
+
 Status BrokeOff(const std::filesystem::path& path, int wait_status) {
-  const bool endless = WIFSIGNALED(wait_status) && WTERMSIG(wait_status) == SIGXCPU;
-  return {Code::kCorrupt, path.string() + ": damaged; HDF5 " +
-                              (endless ? "comes to no end reading it" : "crashed while reading it")};
+  const int signal = WIFSIGNALED(wait_status) ? WTERMSIG(wait_status) : 0;
+  if (signal == SIGXCPU)
+    return {Code::kCorrupt, path.string() + ": damaged; HDF5 comes to no end reading it"};
+  if (signal == 0 || IsCrash(signal))
+    return {Code::kCorrupt, path.string() + ": damaged; HDF5 crashed while reading it"};
+  std::string text =
+      path.string() + ": not read: the process that reads it was ended by signal " + std::to_string(signal);
+  if (signal == SIGKILL)
+    text += " (SIGKILL), probably by the system, for want of memory; free some, or use a machine with more";
+  return {Code::kIo, text};
 }
 
 }  // namespace
@@ -162,11 +203,12 @@ Result<FileContents> InChild(const std::filesystem::path& path,
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return SystemFailure(path, "cannot make a pipe", errno);
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  const pid_t parent = ::getpid();
   pid_t child = 0;
   {
     const std::lock_guard lock(LibraryMutex());  // no other thread is inside HDF5 when the child begins
     child = ::fork();
-    if (child == 0) BeChild(ends[1], unknown ? 0 : size, read);
+    if (child == 0) BeChild(ends[1], parent, path, unknown ? 0 : size, read);
   }
   ::close(ends[1]);
   Stream in(::fdopen(ends[0], "rb"));

@@ -15,10 +15,12 @@ struct FileContents {
   std::int64_t format = 0;
   std::vector<DatasetInfo> datasets;
   Blob blob;
+  bool changed = false;  // BlobFile's
 };
 
 // Runs `read` in a child, and brings back what it gives. kCorrupt names the file where HDF5 crashes, or
-// computes for longer than a file of this size can need.
+// computes for longer than a file of this size can need; kIo where somebody ends it, as the system does for
+// want of memory.
 Result<FileContents> InChild(const std::filesystem::path& path,
                              const std::function<Result<FileContents>()>& read);
 

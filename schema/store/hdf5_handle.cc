@@ -7,6 +7,10 @@ namespace {
 // cannot. There is nothing for it to tidy: every handle closes by itself and files are made in memory.
 [[maybe_unused]] const bool kNothingAtExit = H5dont_atexit() >= 0;
 
+// A file may ask for a filter that HDF5 would load as a library, from a folder that HDF5_PLUGIN_PATH names.
+// Cairn's files need none.
+[[maybe_unused]] const bool kNoPlugins = H5PLset_loading_state(0) >= 0;
+
 // Walking downwards starts at the outermost call; the last one seen is where it went wrong.
 herr_t Visit(unsigned, const H5E_error2_t* error, void* data) {
   auto* cause = static_cast<Hdf5Cause*>(data);

@@ -8,6 +8,9 @@
 
 namespace cairn::store {
 
+// An attribute of the root, 1 in every file that Cairn seals (seal.h).
+inline constexpr const char* kSealedAttribute = "cairn_sealed";
+
 // From the end of the name: "robot/0/odometry/time_s" -> "s", "noise/heading_drift_rad_per_m" -> "rad/m",
 // else "1".
 std::string UnitOf(std::string_view name);

@@ -1,6 +1,7 @@
 // The seal at the end of every file that Cairn writes: 24 bytes behind HDF5's, "CAIRNSUM" and the XXH3-128 of
-// all bytes before. HDF5 does not look there. It lets a store tell a damaged file before HDF5 has seen a byte
-// of it: HDF5 1.10 can crash on one.
+// all bytes before. HDF5 does not look there, and cuts it off where a program changes the file through HDF5.
+// A store looks at it before HDF5 has seen a byte (HDF5 1.10 can crash on a damaged file); of files that
+// people name it sees what Fletcher-32 does not, which takes 0x0000 and 0xFFFF for the same.
 #pragma once
 
 #include <array>
@@ -9,6 +10,7 @@
 #include <span>
 
 #include "schema/error.h"
+#include "schema/store/regular_file.h"
 
 namespace cairn::store {
 
@@ -20,7 +22,10 @@ std::array<std::byte, kSealBytes> SealOf(std::span<const std::byte> bytes);
 Status CheckSeal(const std::filesystem::path& path);
 Status CheckSeal(std::span<const std::byte> image, const std::string& name);
 
-// Whether there is a seal at all, right or wrong: files from before there were seals have none.
+// Whether there is a seal at all, right or wrong: files from before there were seals have none, and those of
+// other programs.
+bool HasSeal(const RegularFile& file);
 bool HasSeal(const std::filesystem::path& path);
+Status CheckSeal(const RegularFile& file, const std::string& name);
 
 }  // namespace cairn::store

@@ -1,0 +1,140 @@
+// Files of strangers: nothing but what is in them is read, and nobody waits for ever.
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "schema/store/blob_file.h"
+#include "schema/store/hdf5_handle.h"
+#include "schema/store/regular_file.h"
+#include "schema/store/seal.h"
+#include "schema/store/testing.h"
+
+namespace cairn {
+namespace {
+
+using store::Handle;
+using store_testing::Bytes;
+using store_testing::OddBlob;
+using store_testing::TempFolder;
+
+constexpr const char* kSecret = "the secret key of somebody else, of eighty characters";
+
+// A log of Cairn's, to which a stranger adds something.
+class ForeignFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(folder_ / "client.key") << kSecret;
+    ASSERT_TRUE(WriteBlobFile(path_, "log", OddBlob()).ok());
+    file_ = Handle(H5Fopen(path_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    ASSERT_TRUE(file_.ok());
+  }
+  // A dataset `robots` of 50 bytes, made as `creation` says.
+  void AddRobots(const Handle& creation) {
+    const hsize_t size = 50;
+    const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+    const Handle data(H5Dcreate2(file_.get(), "robots", H5T_STD_U8LE, space.get(), H5P_DEFAULT,
+                                 creation.get(), H5P_DEFAULT),
+                      H5Dclose);
+    ASSERT_TRUE(data.ok());
+  }
+  // Neither the whole nor a part of it is read, and the message says why.
+  void ExpectRefused(const std::string& why) {
+    file_.Close();
+    const ReadOptions changed{.only = {}, .without = {}, .changed_too = true};
+    for (const Status& status :
+         {ReadBlobFile(path_, changed).status(), ListBlobFile(path_).status(),
+          ReadBlobFileWithoutTruth(path_, true).status(), ReadBlobImage(Bytes(path_), path_).status()}) {
+      EXPECT_EQ(status.code(), Code::kCorrupt);
+      EXPECT_NE(status.message().find(why), std::string::npos) << status.message();
+    }
+  }
+
+  TempFolder folder_;
+  std::string path_ = folder_ / "a.h5";
+  Handle file_;
+};
+
+TEST_F(ForeignFile, ExternalStorageBringsNoOtherFileIn) {
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_external(creation.get(), (folder_ / "client.key").c_str(), 0, 50);
+  AddRobots(creation);
+  ExpectRefused("dataset 'robots': its data are in another file (external storage)");
+}
+
+TEST_F(ForeignFile, AVirtualDatasetBringsNoOtherFileIn) {
+  ASSERT_TRUE(WriteBlobFile(folder_ / "other.h5", "log", OddBlob()).ok());
+  const hsize_t size = 50;
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_virtual(creation.get(), space.get(), (folder_ / "other.h5").c_str(), "types/u8", space.get());
+  AddRobots(creation);
+  ExpectRefused("dataset 'robots': its data are in other files (a virtual dataset)");
+}
+
+TEST_F(ForeignFile, AnExternalLinkBringsNoOtherFileIn) {
+  ASSERT_TRUE(WriteBlobFile(folder_ / "other.h5", "log", OddBlob()).ok());
+  ASSERT_GE(H5Lcreate_external((folder_ / "other.h5").c_str(), "types", file_.get(), "types/robots",
+                               H5P_DEFAULT, H5P_DEFAULT),
+            0);
+  ExpectRefused("'types/robots' is a link to another file");
+}
+
+// A filter that this test registers stands for one whose library HDF5 would look for.
+TEST_F(ForeignFile, AFilterThatIsNotHdf5sOwnIsNotLoaded) {
+  constexpr H5Z_filter_t kForeign = 32015;
+  const H5Z_class2_t filter{
+      H5Z_CLASS_T_VERS,
+      kForeign,
+      1,
+      1,
+      "foreign",
+      nullptr,
+      nullptr,
+      [](unsigned, std::size_t, const unsigned*, std::size_t bytes, std::size_t*, void**) { return bytes; }};
+  ASSERT_GE(H5Zregister(&filter), 0);
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const hsize_t chunk = 50;
+  H5Pset_chunk(creation.get(), 1, &chunk);
+  H5Pset_filter(creation.get(), kForeign, H5Z_FLAG_OPTIONAL, 0, nullptr);
+  AddRobots(creation);
+  ExpectRefused("dataset 'robots': its filter 32015");
+  H5Zunregister(kForeign);
+}
+
+TEST(Hdf5, LoadsNoPlugins) {
+  unsigned may_load = 1;
+  ASSERT_GE(H5PLget_loading_state(&may_load), 0);
+  EXPECT_EQ(may_load, 0U);
+}
+
+// Were one opened as files are, the test would never end.
+TEST(RegularFile, NobodyWaitsForAFifoADeviceOrASocket) {
+  const TempFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  std::ranges::copy((folder / "socket").string(), address.sun_path);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  for (const auto& [path, what] : {std::pair{folder / "fifo", "is a FIFO"},
+                                   {folder / "socket", "is a socket"},
+                                   {folder / "", "is a folder"},
+                                   {std::filesystem::path("/dev/zero"), "is a device"}}) {
+    for (const Status& status :
+         {RegularFile::Open(path).status(), ReadBlobFile(path).status(), ListBlobFile(path).status(),
+          ReadStoredFile(path).status(), store::CheckSeal(path)}) {
+      EXPECT_EQ(status.code(), Code::kRefused) << path;
+      EXPECT_EQ(status.message().find(path.string() + ": " + what), 0U) << status.message();
+    }
+    EXPECT_FALSE(store::HasSeal(path));
+  }
+  ::close(socket);
+}
+
+}  // namespace
+}  // namespace cairn
