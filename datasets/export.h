@@ -28,16 +28,17 @@ Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder
 // map.pgm and map.yaml, as map_server of ROS reads them. Trinary: occupied 0, free 254, unknown 205, by
 // map_saver's thresholds 0.65 and 0.196. Scale: grey 255 (1 - p), and map.png beside, which map.yaml names:
 // there what is unknown is transparent, as map_server has no other word for it in this mode. Raw: 100 p,
-// unknown 255. Of a landmark map, occupied is also the cell of each extracted landmark, which alone seldom
-// has that much of its probability.
+// unknown 255. A landmark map tells where landmarks are and nothing of free space: no cell is free; the cell
+// of each extracted landmark is occupied, one that holds a landmark more likely than not has its probability,
+// and nothing is known of the rest.
 enum class RosMode { kTrinary, kScale, kRaw };
 Written ExportRos(const Blob& result, const std::string& folder, bool replace = true,
                   RosMode mode = RosMode::kTrinary);
 
 // map.bt, a binary octree of OctoMap (A. Hornung, K. M. Wurm, M. Bennewitz, C. Stachniss, W. Burgard,
 // OctoMap, Autonomous Robots 34, 2013): the grid as one layer of voxels from z = 0 on, occupied where p >
-// 1/2, free where p < 1/2, else unknown. Its voxels lie on multiples of the cell; a map whose origin does not
-// is moved by up to half a cell.
+// 1/2, free where p < 1/2, else unknown (of a landmark map none is free, as above). Its voxels lie on
+// multiples of the cell; a map whose origin does not is moved by up to half a cell.
 Written ExportOctomap(const Blob& result, const std::string& folder, bool replace = true);
 
 // map.png: paths, landmarks with their 95% regions, the grid beneath, axes, a bar for scale

@@ -89,7 +89,52 @@ TEST(ExportRosModes, RawIsPercent) {
   EXPECT_EQ(Serve(folder / ""), (std::vector<int>{0, 10, 30, -1, 50, 64, 66, 100, 90, -1, 20, 25}));
   Blob wrong = SmallGrid();
   wrong.Put("map/grid/probability", Array::Of<double>({1, 2}, {0.5, 1.5}));
-  ExpectContains(InputErrorOf([&] { (void)ExportRos(wrong, folder / ""); }), "beyond 0 and 1");
+  ExpectContains(InputErrorOf([&] { (void)ExportRos(wrong, folder / ""); }), "which is no probability");
+}
+
+// On the same cells two layers; landmarks in cells 2 and 4, the second of which is spread over several, and
+// one beyond the grid.
+Blob SmallLandmarkMap() {
+  Blob map = SmallGrid();
+  std::vector<double> layers(24, 0.0);
+  layers[2] = 0.9;
+  layers[4] = 0.3;
+  layers[5] = 0.2;
+  layers[7] = 0.45;   // together with the other layer's 0.4: 0.67
+  layers[11] = 0.45;  // with its 0.2: 0.56
+  layers[12 + 7] = 0.4;
+  layers[12 + 11] = 0.2;
+  layers[12 + 4] = 0.05;
+  map.Put("map/grid/probability", Array::Of<double>({2, 3, 4}, layers));
+  map.PutVector("map/landmark_x_m", std::vector<double>{0.05, -0.15, 7.0});
+  map.PutVector("map/landmark_y_m", std::vector<double>{0.35, 0.45, 0.4});
+  return map;
+}
+
+TEST(ExportRosModes, ALandmarkMapSaysNothingOfFreeSpace) {
+  const TestFolder folder;
+  for (const auto& [mode, likely] :
+       {std::pair(RosMode::kTrinary, -1), std::pair(RosMode::kScale, 79), std::pair(RosMode::kRaw, 56)}) {
+    ASSERT_TRUE(ExportRos(SmallLandmarkMap(), folder / "", true, mode).ok());
+    const int surely = mode == RosMode::kRaw ? 67 : 100;
+    EXPECT_EQ(Serve(folder / ""),
+              (std::vector<int>{-1, -1, 100, -1, 100, -1, -1, surely, -1, -1, -1, likely}));
+  }
+}
+
+// A low prior is no reading: where the data say nothing nothing is known, whatever its probability.
+TEST(ExportRosModes, ACellOfWhichTheDataSayNothingIsUnknown) {
+  const TestFolder folder;
+  Blob map = SmallGrid();
+  const std::vector<double> p(12, 0.05);
+  std::vector<double> difference(12, 0.0);
+  difference[3] = -3;
+  map.Put("map/grid/probability", Array::Of<double>({3, 4}, p));
+  map.Put("map/grid/log_odds_difference", Array::Of<double>({3, 4}, difference));
+  ASSERT_TRUE(ExportRos(map, folder / "").ok());
+  std::vector<int> expected(12, -1);
+  expected[3] = 0;
+  EXPECT_EQ(Serve(folder / ""), expected);
 }
 
 TEST(ExportPngOfGridMaps, APixelACell) {
@@ -182,13 +227,22 @@ TEST(ExportOctomap, EachKnownCellIsAVoxelAndNothingElse) {
   for (const Leaf& cell : cells) EXPECT_TRUE(Holds(leaves, cell)) << cell.x_m << " " << cell.y_m;
 }
 
+TEST(ExportOctomap, OfALandmarkMapThereIsNoFreeVoxel) {
+  const TestFolder folder;
+  std::size_t nodes = 0;
+  const std::vector<Leaf> leaves =
+      DecodeBt(ExportOctomap(SmallLandmarkMap(), folder / "").value().at(0), &nodes);
+  EXPECT_EQ(leaves.size(), 4U);
+  for (const Leaf& leaf : leaves) EXPECT_TRUE(leaf.occupied) << leaf.x_m << " " << leaf.y_m;
+}
+
 TEST(ExportOctomap, WhatLiesBeyondATreeOrNowhereIsRefused) {
   const TestFolder folder;
   Blob map = SmallGrid();
   map.PutScalar("map/grid/origin_x_m", 3276.7);
   ExpectContains(InputErrorOf([&] { (void)ExportOctomap(map, folder / ""); }), "the map lies beyond");
   map.PutScalar("map/grid/cell_m", 0.0);
-  ExpectContains(InputErrorOf([&] { (void)ExportOctomap(map, folder / ""); }), "the grid has no place");
+  ExpectContains(InputErrorOf([&] { (void)ExportOctomap(map, folder / ""); }), "is no length");
   ExpectContains(InputErrorOf([&] { (void)ExportOctomap(SmallLog(), folder / ""); }), "there is no grid map");
   map = SmallGrid();
   map.Put("map/grid/probability", Array::Of<double>({1, 2}, {kNan, 0.5}));

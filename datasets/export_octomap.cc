@@ -18,11 +18,11 @@ constexpr std::int64_t kMiddle = std::int64_t{1} << 15;  // the key of the voxel
 // The grid as one layer of voxels, and the tree of it: a node's children lie by x, then y, then z.
 class Tree {
  public:
-  explicit Tree(const Grid& grid) : grid_(grid) {
-    first_x_ = kMiddle + std::llround(grid.origin_x_m / grid.cell_m);
-    first_y_ = kMiddle + std::llround(grid.origin_y_m / grid.cell_m);
-    if (first_x_ < 0 || first_y_ < 0 || first_x_ + grid.columns > 2 * kMiddle ||
-        first_y_ + grid.rows > 2 * kMiddle)
+  explicit Tree(const Occupancy& cells) : cells_(cells), box_(cells.box) {
+    first_x_ = kMiddle + std::llround(box_.origin_x_m / box_.cell_m);
+    first_y_ = kMiddle + std::llround(box_.origin_y_m / box_.cell_m);
+    if (first_x_ < 0 || first_y_ < 0 || first_x_ + box_.columns > 2 * kMiddle ||
+        first_y_ + box_.rows > 2 * kMiddle)
       throw InputError("a tree of OctoMap reaches 32,768 cells from the origin; the map lies beyond");
     if (AddInner(kLevels, 0, 0, 0)) ++nodes_;
   }
@@ -33,7 +33,7 @@ class Tree {
   // The cube of 2^level voxels from (x, y, z) on. False, and nothing added, where all of it is unknown.
   bool AddInner(int level, std::int64_t x, std::int64_t y, std::int64_t z) {
     const std::int64_t edge = std::int64_t{1} << level, half = edge / 2;
-    const bool apart = x >= first_x_ + grid_.columns || x + edge <= first_x_ || y >= first_y_ + grid_.rows ||
+    const bool apart = x >= first_x_ + box_.columns || x + edge <= first_x_ || y >= first_y_ + box_.rows ||
                        y + edge <= first_y_ || z > kMiddle || z + edge <= kMiddle;
     if (apart) return false;
     const std::size_t at = bytes_.size(), nodes = nodes_;
@@ -62,14 +62,14 @@ class Tree {
 
   unsigned Voxel(std::int64_t x, std::int64_t y, std::int64_t z) const {
     const std::int64_t column = x - first_x_, row = y - first_y_;
-    if (z != kMiddle || column < 0 || column >= grid_.columns || row < 0 || row >= grid_.rows)
-      return kNothing;
-    const double p = grid_.probability[static_cast<std::size_t>(row * grid_.columns + column)];
+    if (z != kMiddle || column < 0 || column >= box_.columns || row < 0 || row >= box_.rows) return kNothing;
+    const double p = cells_.probability[box_.Index(column, row)];
     if (p > 0.5) return kOccupied;
     return p < 0.5 ? kFree : kNothing;
   }
 
-  const Grid& grid_;
+  const Occupancy& cells_;
+  const CellBox& box_;
   std::int64_t first_x_ = 0, first_y_ = 0;  // keys of cell [0,0]
   std::size_t nodes_ = 0;
   std::string bytes_;
@@ -78,14 +78,11 @@ class Tree {
 }  // namespace
 
 Written ExportOctomap(const Blob& result, const std::string& folder, bool replace) {
-  const std::optional<Grid> grid = ReadGrid(result);
-  if (!grid) throw InputError("there is no grid map in it (map/grid/probability)");
-  if (!(grid->cell_m > 0) || !std::isfinite(grid->origin_x_m) || !std::isfinite(grid->origin_y_m))
-    throw InputError("the grid has no place: its origin or cell_m is no length");
-  const Tree tree(*grid);
+  const Occupancy cells = ReadCells(result);
+  const Tree tree(cells);
   FolderWriter writer(folder, replace);
   writer.Write("map.bt", "# Octomap OcTree binary file\nid OcTree\nsize " + std::to_string(tree.nodes()) +
-                             "\nres " + NumberText(grid->cell_m) + "\ndata\n" + tree.bytes());
+                             "\nres " + NumberText(cells.box.cell_m) + "\ndata\n" + tree.bytes());
   return writer.Finish();
 }
 

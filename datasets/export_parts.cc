@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <system_error>
 
@@ -35,13 +36,20 @@ void ReadPath(const Blob& blob, const std::string& prefix, Path* path) {
   path->covariances.assign(covariance.begin(), covariance.end());
 }
 
-std::vector<double> Probabilities(const Array& array) {
-  if (array.type() == DType::kF32) {
-    const auto values = array.As<float>();
-    return {values.begin(), values.end()};
-  }
-  const auto values = array.As<double>();
-  return {values.begin(), values.end()};
+// The probability that a cell holds any landmark: the layers, which may be one, joined.
+Occupancy JoinedLayers(const Blob& blob) {
+  const Array& layers = blob.at("map/grid/probability");
+  const Shape& shape = layers.shape();
+  if (shape.size() != 3) throw InputError("'map/grid/probability' of a landmark map has no three axes");
+  Blob joined;  // read as any grid is, its place and values checked there
+  std::vector<double> none(static_cast<std::size_t>(shape[1] * shape[2]), 1.0);
+  const auto values = layers.As<double>();
+  for (std::size_t i = 0; i < values.size(); ++i) none[i % none.size()] *= 1 - values[i];
+  for (double& p : none) p = 1 - p;
+  joined.Put("map/grid/probability", Array::Of<double>({shape[1], shape[2]}, none));
+  for (const char* name : {"map/grid/origin_x_m", "map/grid/origin_y_m", "map/grid/cell_m"})
+    joined.Put(name, blob.at(name));
+  return ReadOccupancy(joined);
 }
 
 }  // namespace
@@ -68,27 +76,19 @@ std::vector<Path> ReadPaths(const Blob& blob) {
   return paths;
 }
 
-std::optional<Grid> ReadGrid(const Blob& blob) {
-  if (!blob.Has("map/grid/probability")) return std::nullopt;
-  const Array& array = blob.at("map/grid/probability");
-  const Shape& shape = array.shape();
-  if (shape.size() != 2 && shape.size() != 3)
-    throw InputError("'map/grid/probability' is no grid of 2 or 3 axes");
-  Grid grid{shape[shape.size() - 2],
-            shape.back(),
-            blob.Scalar<double>("map/grid/origin_x_m"),
-            blob.Scalar<double>("map/grid/origin_y_m"),
-            blob.Scalar<double>("map/grid/cell_m"),
-            {}};
-  const std::vector<double> layers = Probabilities(array);
-  const auto cells = static_cast<std::size_t>(grid.rows * grid.columns);
-  if (layers.empty()) throw InputError("'map/grid/probability' has no cells");
-  grid.probability.assign(layers.begin(), layers.begin() + static_cast<std::ptrdiff_t>(cells));
-  for (std::size_t i = cells; i < layers.size(); ++i) {
-    double& any = grid.probability[i % cells];
-    any = 1 - (1 - any) * (1 - layers[i]);
+Occupancy ReadCells(const Blob& blob) {
+  if (!blob.Has("map/grid/probability") || blob.at("map/grid/probability").size() == 0)
+    throw InputError("there is no grid map in it (map/grid/probability)");
+  if (IsGridMap(blob)) return ReadOccupancy(blob);
+  Occupancy cells = JoinedLayers(blob);
+  for (double& p : cells.probability) {
+    if (!(p > 0.5)) p = std::numeric_limits<double>::quiet_NaN();
   }
-  return grid;
+  for (const MapLandmark& landmark : ReadMapLandmarks(blob)) {
+    const std::int64_t column = cells.box.Column(landmark.at.x_m), row = cells.box.Row(landmark.at.y_m);
+    if (cells.box.Holds(column, row)) cells.probability[cells.box.Index(column, row)] = 1;
+  }
+  return cells;
 }
 
 bool IsGridMap(const Blob& blob) {

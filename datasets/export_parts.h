@@ -1,12 +1,12 @@
 // What the exporters share.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "datasets/evaluate/occupancy.h"
 #include "datasets/export.h"
 #include "datasets/planar.h"
 #include "schema/blob.h"
@@ -41,14 +41,11 @@ struct Path {
 // columns are of different lengths.
 std::vector<Path> ReadPaths(const Blob& blob);
 
-// A grid of probabilities; row 0 is the lowest y. Layers of a landmark map are joined: P(any) = 1 - product
-// of 1 - p.
-struct Grid {
-  std::int64_t rows = 0, columns = 0;
-  double origin_x_m = 0, origin_y_m = 0, cell_m = 1;
-  std::vector<double> probability;
-};
-std::optional<Grid> ReadGrid(const Blob& blob);
+// What other programs may take a cell to be. Of a grid map as ReadOccupancy says. A landmark map tells where
+// something stands and nothing of free space: known are the cells of its extracted landmarks, which are
+// occupied, and those that hold a landmark more likely than not; of all others nothing is. Throws InputError
+// where there is no grid.
+Occupancy ReadCells(const Blob& blob);
 // Whether it is a grid_map, and no landmark_map, which has a layer for each landmark.
 bool IsGridMap(const Blob& blob);
 

@@ -34,59 +34,46 @@ std::uint8_t Grey(double probability, RosMode mode) {
   return probability < kFree ? 254 : kUnknownGrey;
 }
 
-void Occupy(PointM at, Grid* grid) {
-  const double column = std::floor((at.x_m - grid->origin_x_m) / grid->cell_m);
-  const double row = std::floor((at.y_m - grid->origin_y_m) / grid->cell_m);
-  if (!(column >= 0 && column < static_cast<double>(grid->columns))) return;
-  if (!(row >= 0 && row < static_cast<double>(grid->rows))) return;
-  grid->probability[static_cast<std::size_t>(row) * static_cast<std::size_t>(grid->columns) +
-                    static_cast<std::size_t>(column)] = 1;
-}
-
 // Each cell's probability, as an image has them: from the top.
 template <class Add>
-void ForEachPixel(const Grid& grid, const Add& add) {
-  for (std::int64_t row = grid.rows - 1; row >= 0; --row) {
-    for (std::int64_t column = 0; column < grid.columns; ++column)
-      add(grid.probability[static_cast<std::size_t>(row * grid.columns + column)]);
+void ForEachPixel(const Occupancy& cells, const Add& add) {
+  for (std::int64_t row = cells.box.rows - 1; row >= 0; --row) {
+    for (std::int64_t column = 0; column < cells.box.columns; ++column)
+      add(cells.probability[cells.box.Index(column, row)]);
   }
 }
 
-std::string Pgm(const Grid& grid, RosMode mode) {
-  std::string image = "P5\n" + std::to_string(grid.columns) + " " + std::to_string(grid.rows) + "\n255\n";
-  ForEachPixel(grid, [&](double p) { image += static_cast<char>(Grey(p, mode)); });
+std::string Pgm(const Occupancy& cells, RosMode mode) {
+  std::string image =
+      "P5\n" + std::to_string(cells.box.columns) + " " + std::to_string(cells.box.rows) + "\n255\n";
+  ForEachPixel(cells, [&](double p) { image += static_cast<char>(Grey(p, mode)); });
   return image;
 }
 
 // What is unknown is transparent.
-std::string TransparentPng(const Grid& grid, RosMode mode) {
+std::string TransparentPng(const Occupancy& cells, RosMode mode) {
   std::vector<std::uint8_t> pixels;
-  ForEachPixel(grid, [&](double p) {
+  ForEachPixel(cells, [&](double p) {
     const std::uint8_t grey = Grey(p, mode), alpha = std::isnan(p) ? 0 : 255;
     pixels.insert(pixels.end(), {grey, grey, grey, alpha});
   });
-  return EncodePng(static_cast<std::uint32_t>(grid.columns), static_cast<std::uint32_t>(grid.rows), pixels,
-                   PngColour::kRgba);
+  return EncodePng(static_cast<std::uint32_t>(cells.box.columns), static_cast<std::uint32_t>(cells.box.rows),
+                   pixels, PngColour::kRgba);
 }
 
 }  // namespace
 
 Written ExportRos(const Blob& result, const std::string& folder, bool replace, RosMode mode) {
-  std::optional<Grid> grid = ReadGrid(result);
-  if (!grid) throw InputError("there is no grid map in it (map/grid/probability)");
-  for (const double p : grid->probability) {
-    if (!std::isnan(p) && !(p >= 0 && p <= 1)) throw InputError("map/grid/probability is beyond 0 and 1");
-  }
-  for (const MapLandmark& landmark : ReadMapLandmarks(result)) Occupy(landmark.at, &*grid);
+  const Occupancy cells = ReadCells(result);
   const bool scale = mode == RosMode::kScale;
   const std::string yaml =
       std::string("image: ") + (scale ? "map.png" : "map.pgm") + "\nmode: " + NameOf(mode) +
-      "\nresolution: " + NumberText(grid->cell_m) + "\norigin: [" + NumberText(grid->origin_x_m) + ", " +
-      NumberText(grid->origin_y_m) + ", 0]\nnegate: 0\noccupied_thresh: " + NumberText(kOccupied) +
+      "\nresolution: " + NumberText(cells.box.cell_m) + "\norigin: [" + NumberText(cells.box.origin_x_m) +
+      ", " + NumberText(cells.box.origin_y_m) + ", 0]\nnegate: 0\noccupied_thresh: " + NumberText(kOccupied) +
       "\nfree_thresh: " + NumberText(kFree) + "\n";
   FolderWriter writer(folder, replace);
-  writer.Write("map.pgm", Pgm(*grid, mode));
-  if (scale) writer.Write("map.png", TransparentPng(*grid, mode));
+  writer.Write("map.pgm", Pgm(cells, mode));
+  if (scale) writer.Write("map.png", TransparentPng(cells, mode));
   writer.Write("map.yaml", yaml);
   return writer.Finish();
 }

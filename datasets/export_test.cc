@@ -100,8 +100,8 @@ TEST(ExportRos, WritesAMapThatMapServerReads) {
   ASSERT_EQ(image.size(), header.size() + 6);
   EXPECT_EQ(image.substr(0, header.size()), header);
   // Joined layers: row 0 is (0, 0.9, 0.5), row 1 (0.7, 0, 0); the picture begins at the top. Extracted
-  // landmarks lie in the right cell of row 0 and the middle one of row 1.
-  const std::vector<int> expected{0, 0, 254, 254, 0, 0};
+  // landmarks lie in the right cell of row 0 and the middle one of row 1. Nothing is free.
+  const std::vector<int> expected{0, 0, 205, 205, 0, 0};
   for (std::size_t i = 0; i < 6; ++i)
     EXPECT_EQ(static_cast<unsigned char>(image[header.size() + i]), expected[i]) << i;
   EXPECT_EQ(FileText(folder / "map.yaml"),

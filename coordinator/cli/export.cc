@@ -19,6 +19,8 @@ struct Options {
   bool force = false;
 };
 
+bool WantsGrid(const Options& options) { return options.format == "ros" || options.format == "octomap"; }
+
 // A file of any kind, or the folder's result: grids are asked of its grid_map where it has one, all else of
 // its landmark_map, or where it has none of its local_map.
 Blob ReadSource(const Options& options) {
@@ -30,9 +32,8 @@ Blob ReadSource(const Options& options) {
     landmarks |= kind == "landmark_map";
     locals |= kind == "local_map";
   }
-  const bool wants_grid = options.format == "ros" || options.format == "octomap";
-  const bool takes_grid = wants_grid || options.format == "png";
-  const bool grid = grids && takes_grid && (wants_grid || !landmarks);
+  const bool takes_grid = WantsGrid(options) || options.format == "png";
+  const bool grid = grids && takes_grid && (WantsGrid(options) || !landmarks);
   const char* path = locals && !landmarks ? "local_map" : "landmark_map";
   return ReadResult(options.from, grid ? "grid_map" : path).blob;
 }
@@ -56,7 +57,13 @@ datasets::Written Write(const Options& options, const Blob& blob) {
 }
 
 int Export(const Options& options, const Invocation&) {
-  for (const std::string& file : Take(Write(options, ReadSource(options)))) std::printf("%s\n", file.c_str());
+  const Blob source = ReadSource(options);
+  for (const std::string& file : Take(Write(options, source))) std::printf("%s\n", file.c_str());
+  if (WantsGrid(options) && source.Has("map/landmark_x_m")) {
+    std::fprintf(stderr,
+                 "note: a landmark map says nothing of free space: where no landmark is nothing is known. To "
+                 "plan ways make a grid map (evidence_map, forward_map)\n");
+  }
   return kExitDone;
 }
 
