@@ -1,5 +1,7 @@
 #include "datasets/evaluate/associations.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -56,18 +58,94 @@ std::optional<Associations> ReadTrueAssociations(const Blob& log, std::size_t la
   return associations;
 }
 
-bool SamePartition(const Associations& map, const Associations& truth, std::size_t landmarks) {
-  std::map<std::int32_t, std::int32_t> truth_of, map_of;
+std::vector<std::vector<bool>> ReadLookedAt(const Blob& result, const Associations& map) {
+  std::vector<std::vector<bool>> looked_at;
+  for (std::size_t r = 0; r < map.size(); ++r) {
+    std::vector<bool>& of_robot = looked_at.emplace_back();
+    const std::string name = ObservationsOf(r) + "probability";
+    std::vector<double> probability(map[r].size(), 0.0);
+    if (result.Has(name)) {
+      const auto stored = result.Get<double>(name);
+      if (stored.size() != map[r].size()) {
+        throw InputError("'" + name + "' has " + std::to_string(stored.size()) + " rows for " +
+                         std::to_string(map[r].size()) + " observations");
+      }
+      probability.assign(stored.begin(), stored.end());
+    }
+    for (std::size_t i = 0; i < map[r].size(); ++i)
+      of_robot.push_back(map[r][i] >= 0 || probability[i] > 0.0);
+  }
+  return looked_at;
+}
+
+std::vector<std::vector<bool>> ReadPresses(const Blob& log, const Associations& map) {
+  std::vector<std::vector<bool>> presses;
+  for (std::size_t r = 0; r < map.size(); ++r) {
+    presses.emplace_back(map[r].size(), true);
+    const std::string name = ObservationsOf(r) + "range_m";
+    if (!log.Has(name)) continue;
+    const auto range = log.Get<double>(name);
+    for (std::size_t i = 0; i < std::min(range.size(), map[r].size()); ++i)
+      presses[r][i] = std::isnan(range[i]);
+  }
+  return presses;
+}
+
+namespace {
+
+struct OfTruth {
+  std::int64_t looked_at = 0, right = 0;  // observations; those in the map's landmark for it
+};
+
+// The true landmark of each of the map's; -1: it has no observation.
+std::vector<std::int32_t> TruthOfEach(const Associations& map, const Associations& truth,
+                                      std::size_t landmarks) {
+  std::vector<std::int32_t> truth_of(landmarks, -1);
+  for (const auto& [k, t] : MajorityPairs(map, truth, landmarks)) truth_of[k] = static_cast<std::int32_t>(t);
+  return truth_of;
+}
+
+bool EachOfAnother(std::vector<std::int32_t> truth_of) {
+  std::ranges::sort(truth_of);
+  return (truth_of.empty() || truth_of.front() >= 0) &&
+         std::ranges::adjacent_find(truth_of) == truth_of.end();
+}
+
+}  // namespace
+
+TopologyScore ScoreTopology(const Associations& map, const std::vector<std::vector<bool>>& looked_at,
+                            const std::vector<std::vector<bool>>& presses, const Associations& truth,
+                            std::size_t landmarks) {
+  constexpr std::int64_t kOneIn = 20;
+  const std::vector<std::int32_t> truth_of = TruthOfEach(map, truth, landmarks);
+  TopologyScore score;
+  std::map<std::int32_t, OfTruth> of_truth;
+  std::int64_t wrong_presses = 0, wrong_sightings = 0, sightings = 0;
   for (std::size_t r = 0; r < map.size(); ++r) {
     for (std::size_t i = 0; i < map[r].size(); ++i) {
       const std::int32_t m = map[r][i], t = truth[r][i];
-      if ((m < 0) != (t < 0)) return false;
-      if (m < 0) continue;
-      if (truth_of.try_emplace(m, t).first->second != t) return false;
-      if (map_of.try_emplace(t, m).first->second != m) return false;
+      const bool right = m >= 0 && t >= 0 && truth_of[static_cast<std::size_t>(m)] == t;
+      const bool left_out = m < 0 && t >= 0 && looked_at[r][i];
+      score.associations += m >= 0 ? 1 : 0;
+      score.wrong += m >= 0 && !right ? 1 : 0;
+      if (presses[r][i]) {
+        wrong_presses += (m >= 0 && !right) || left_out ? 1 : 0;
+      } else if (m >= 0) {
+        ++sightings;
+        wrong_sightings += right ? 0 : 1;
+      }
+      if (t < 0) continue;
+      ++score.observations;
+      score.unused += m < 0 ? 1 : 0;
+      of_truth[t].looked_at += looked_at[r][i] ? 1 : 0;
+      of_truth[t].right += right ? 1 : 0;
     }
   }
-  return truth_of.size() == landmarks;
+  score.correct = EachOfAnother(truth_of) && wrong_presses == 0 && kOneIn * wrong_sightings <= sightings &&
+                  std::ranges::all_of(of_truth, [](const auto& landmark) {
+                    return 2 * landmark.second.right > landmark.second.looked_at;
+                  });
+  return score;
 }
 
 IndexPairs MajorityPairs(const Associations& map, const Associations& truth, std::size_t landmarks) {

@@ -22,9 +22,30 @@ Associations ReadMapAssociations(const Blob& result, const Blob& log, std::size_
 // above.
 std::optional<Associations> ReadTrueAssociations(const Blob& log, std::size_t landmarks);
 
-// True where `map` partitions the observations exactly as `truth` does, -1 where truth says -1, and each of
-// the map's `landmarks` has an observation.
-bool SamePartition(const Associations& map, const Associations& truth, std::size_t landmarks);
+// Which observations a map looked at: those that it has a landmark for, or says with some probability
+// (robot/N/observations/probability) that it has none. Of the others, and of later data than it was made of,
+// it says nothing.
+std::vector<std::vector<bool>> ReadLookedAt(const Blob& result, const Associations& map);
+
+// Which observations were pressed where the robot stood: those without a range.
+std::vector<std::vector<bool>> ReadPresses(const Blob& log, const Associations& map);
+
+struct TopologyScore {
+  bool correct = false;
+  std::int64_t observations = 0;  // that are truly of a landmark
+  std::int64_t unused = 0;        // of them those that the map did not look at, or has no landmark for
+  std::int64_t associations = 0;  // that the map makes: observations that it has a landmark for
+  std::int64_t wrong = 0;         // of them those that are truly of another landmark than most, or of nothing
+};
+
+// Correct: each of the map's `landmarks` has observations, and most of them are truly of one landmark,
+// another one each; of each true landmark with observations there are some that the map looked at, and most
+// of these are in that landmark of the map; no press is wrong, nor held to be of nothing though it is of a
+// landmark; and of the associations of sightings one in twenty is wrong at most (of things that stand closer
+// together than one sighting is exact some are taken for one another on any map).
+TopologyScore ScoreTopology(const Associations& map, const std::vector<std::vector<bool>>& looked_at,
+                            const std::vector<std::vector<bool>>& presses, const Associations& truth,
+                            std::size_t landmarks);
 
 // The true landmark that most observations of each map landmark belong to, where it has any.
 IndexPairs MajorityPairs(const Associations& map, const Associations& truth, std::size_t landmarks);

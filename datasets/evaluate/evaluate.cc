@@ -25,7 +25,14 @@ class Evaluator {
     ScoreTrajectories();
     if (has_landmarks_) ScoreLandmarks();
     if (truth_associations_) {
-      out_.topology_correct = SamePartition(map_associations_, *truth_associations_, extracted_.size());
+      const TopologyScore topology =
+          ScoreTopology(map_associations_, ReadLookedAt(result_, map_associations_),
+                        ReadPresses(log_, map_associations_), *truth_associations_, extracted_.size());
+      out_.topology_correct = topology.correct;
+      out_.observations = topology.observations;
+      out_.unused = topology.unused;
+      out_.associations = topology.associations;
+      out_.wrong = topology.wrong;
     }
     out_.iterations = result_.at("history/log_likelihood").size();
     if (result_.Has("provenance/seconds_s")) out_.seconds = result_.Scalar<double>("provenance/seconds_s");

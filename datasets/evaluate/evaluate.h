@@ -38,9 +38,12 @@ struct Evaluation {
   std::optional<LandmarkScore> landmarks;   // none: the truth has no landmarks
   std::optional<double> trajectory_rmse_m;  // the worst robot's
   std::vector<RobotScore> robots;
-  std::optional<bool> topology_correct;  // none: the truth has no associations
-  std::int64_t iterations = 0;           // of the expectation maximisation, that without a map included
-  std::optional<double> seconds;         // wall time, where the result's provenance tells it
+  std::optional<bool> topology_correct;  // associations.h; none: the truth has no associations
+  // Where it has: observations that are truly of a landmark, and those of them that are in none of the map's;
+  // observations that are in one, and those of them that are truly of another, or of nothing.
+  std::int64_t observations = 0, unused = 0, associations = 0, wrong = 0;
+  std::int64_t iterations = 0;    // of the expectation maximisation, that without a map included
+  std::optional<double> seconds;  // wall time, where the result's provenance tells it
 
   // How the result lies over the truth: one rigid motion for all robots and landmarks.
   std::string aligned_on;  // "poses", "landmarks" or "nothing"
@@ -59,8 +62,9 @@ struct Evaluation {
 // log whose content, truth aside, is not what the result was made from, no truth.
 Evaluation Evaluate(const Blob& result, const Blob& truth_log);
 
-// {"landmarks": {"found": …}, "trajectory": {…}, "topology": {"correct": …}, "iterations": …, "seconds": …,
-// "alignment": {…}}, as one line or indented; null stands for what there is none of.
+// {"landmarks": {"found": …}, "trajectory": {…}, "topology": {"correct": …, "wrong": …, "unused": …},
+// "iterations": …, "seconds": …, "alignment": {…}}, as one line or indented; null stands for what there is
+// none of.
 std::string EvaluationJson(const Evaluation& evaluation, int indent = 2);
 // The same for people, a line each.
 std::string EvaluationText(const Evaluation& evaluation);

@@ -44,6 +44,8 @@ std::string Angle(const std::optional<double>& value_rad) {
   return value_rad ? Number(*value_rad * kDegree, "deg") : Number(value_rad, "deg");
 }
 
+double Share(std::int64_t n, std::int64_t of) { return static_cast<double>(n) / static_cast<double>(of); }
+
 std::string LandmarksText(const LandmarkScore& score) {
   std::string text = Line("landmarks.found", std::to_string(score.found) + " of " +
                                                  std::to_string(score.found + score.missed) + " observed");
@@ -53,6 +55,38 @@ std::string LandmarksText(const LandmarkScore& score) {
   text += Line("landmarks.rmse_m", Number(score.rmse_m, "m"));
   text += Line("landmarks.rmse_similarity_m", Number(score.rmse_similarity_m, "m"));
   text += Line("landmarks.gospa_m", Number(score.gospa_m, "m"));
+  return text;
+}
+
+Json TopologyJson(const Evaluation& evaluation) {
+  const auto count = [&](std::int64_t n) { return evaluation.topology_correct ? Json(n) : Json(nullptr); };
+  const auto share = [&](std::int64_t n, std::int64_t of) {
+    return evaluation.topology_correct && of > 0 ? Json(Share(n, of)) : Json(nullptr);
+  };
+  return {{"correct", OrNull(evaluation.topology_correct)},
+          {"associations", count(evaluation.associations)},
+          {"wrong", count(evaluation.wrong)},
+          {"wrong_share", share(evaluation.wrong, evaluation.associations)},
+          {"observations", count(evaluation.observations)},
+          {"unused", count(evaluation.unused)},
+          {"unused_share", share(evaluation.unused, evaluation.observations)}};
+}
+
+std::string CountOf(std::int64_t n, std::int64_t of, const char* what) {
+  char text[96];
+  std::snprintf(text, sizeof text, of > 0 ? "%lld of %lld %s (%.1f%%)" : "%lld of %lld %s",
+                static_cast<long long>(n), static_cast<long long>(of), what,
+                of > 0 ? 100 * Share(n, of) : 0.0);
+  return text;
+}
+
+std::string TopologyText(const Evaluation& evaluation) {
+  const auto& correct = evaluation.topology_correct;
+  std::string text = Line("topology.correct", !correct ? "unknown" : *correct ? "yes" : "no");
+  if (!correct) return text;
+  text += Line("topology.wrong", CountOf(evaluation.wrong, evaluation.associations, "associations"));
+  text += Line("topology.unused",
+               CountOf(evaluation.unused, evaluation.observations, "observations of landmarks"));
   return text;
 }
 
@@ -69,7 +103,7 @@ std::string EvaluationJson(const Evaluation& evaluation, int indent) {
   Json json;
   json["landmarks"] = LandmarksJson(evaluation.landmarks);
   json["trajectory"] = {{"rmse_m", OrNull(evaluation.trajectory_rmse_m)}, {"robots", robots}};
-  json["topology"] = {{"correct", OrNull(evaluation.topology_correct)}};
+  json["topology"] = TopologyJson(evaluation);
   json["iterations"] = evaluation.iterations;
   json["seconds"] = OrNull(evaluation.seconds);
   json["alignment"] = {{"on", evaluation.aligned_on},
@@ -91,8 +125,7 @@ std::string EvaluationText(const Evaluation& evaluation) {
     text += Line("  " + robot.name, Number(robot.rmse_m, "m") +
                                         (robot.rmse_m ? ", heading " + Angle(robot.heading_rmse_rad) : ""));
   }
-  const auto& correct = evaluation.topology_correct;
-  text += Line("topology.correct", !correct ? "unknown" : *correct ? "yes" : "no");
+  text += TopologyText(evaluation);
   text += Line("iterations", std::to_string(evaluation.iterations));
   text += Line("seconds", Number(evaluation.seconds, "s"));
   text += Line("aligned on", evaluation.aligned_on);

@@ -224,6 +224,29 @@ TEST(Evaluate, AFalseObservationMustBelongToNothing) {
   EXPECT_EQ(Evaluate(result, log).topology_correct, false);
 }
 
+// Where many sightings share a frame the map is made of one image's: the others it does not look at.
+TEST(Evaluate, ObservationsThatTheMapDoesNotUseAreUnusedNotWrong) {
+  Blob log = SquareLog();
+  log.PutVector("robot/0/observations/time_s", std::vector<double>{0, 1, 2, 3, 4, 4, 4, 4});
+  log.PutVector("robot/0/observations/landmark", std::vector<std::int32_t>(8, -1));
+  log.PutVector("truth/robot/0/observations/landmark", std::vector<std::int32_t>{0, 1, 2, 3, 0, 0, 1, 3});
+  Blob result = PerfectLandmarkMap(log);
+  result.PutVector("robot/0/observations/map_landmark", std::vector<std::int32_t>{0, 1, 2, 3, 0, -1, -1, -1});
+  result.PutVector("robot/0/observations/probability", std::vector<double>{1, 1, 1, 1, 1, 0, 0, 0});
+  Evaluation e = Evaluate(result, log);
+  EXPECT_EQ(e.topology_correct, true);
+  EXPECT_EQ(e.observations, 8);
+  EXPECT_EQ(e.unused, 3);
+  const auto json = nlohmann::json::parse(EvaluationJson(e));
+  EXPECT_EQ(json.at("topology").at("unused"), 3);
+  EXPECT_EQ(json.at("topology").at("unused_share"), 0.375);
+  EXPECT_NE(EvaluationText(e).find("3 of 8 observations of landmarks (37.5%)"), std::string::npos)
+      << EvaluationText(e);
+  // Looked at, and held to be false.
+  result.PutVector("robot/0/observations/probability", std::vector<double>{1, 1, 1, 1, 1, 0.9, 0.9, 0.9});
+  EXPECT_EQ(Evaluate(result, log).topology_correct, false);
+}
+
 TEST(Evaluate, TruePosesAloneScoreTheTrajectory) {
   const Blob log = SquareLog().Without("truth/landmarks/").Without("truth/robot/0/observations/");
   const Evaluation e = Evaluate(PerfectLandmarkMap(SquareLog()), log);
@@ -288,6 +311,10 @@ TEST(EvaluationJson, HasEveryFieldAndNullWhereThereIsNoTruth) {
   EXPECT_TRUE(json.at("trajectory").at("robots").at(0).at("rmse_m").is_null());
   EXPECT_EQ(json.at("trajectory").at("robots").at(0).at("name"), "a");
   EXPECT_EQ(json.at("topology").at("correct"), true);
+  EXPECT_EQ(json.at("topology").at("associations"), 5);
+  EXPECT_EQ(json.at("topology").at("wrong"), 0);
+  EXPECT_EQ(json.at("topology").at("observations"), 5);
+  EXPECT_EQ(json.at("topology").at("unused"), 0);
   EXPECT_EQ(json.at("iterations"), 1);
   EXPECT_TRUE(json.at("seconds").is_null());
 }
