@@ -23,7 +23,8 @@ else()
 endif()
 set(CAIRN_TESTS "" CACHE STRING "Folders whose unit tests are built (schema;worker); empty: all, end to end too")
 set(CAIRN_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize takes them: address,undefined or thread")
-option(CAIRN_WERROR "Warnings are errors" ON)
+# A user's compiler may warn of what ours does not; our checks (deploy/test.sh --all, the sanitizers' presets) switch it on.
+option(CAIRN_WERROR "Warnings are errors" OFF)
 
 find_program(CAIRN_CCACHE ccache)
 if(CAIRN_CCACHE)
