@@ -20,6 +20,9 @@ endfunction()
 # cairn_test(NAME SOURCES … DEPS … [LABELS …]): one GoogleTest program per folder, a ctest entry per test. In a
 # sanitizer's build the entries carry its name before theirs.
 include(GoogleTest)
+# A limit is for tests that hang, not for slow machines: five times what a test may take on a loaded machine of two cores.
+set(CAIRN_TEST_LIMIT_S 1500)
+set(CAIRN_LONG_TEST_LIMIT_S 4500)
 add_custom_target(cairn_unit_tests COMMENT "the unit tests")
 function(cairn_test name)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${CMAKE_SOURCE_DIR} OUTPUT_VARIABLE folder)
@@ -38,6 +41,6 @@ function(cairn_test name)
     set(prefix "${CAIRN_SANITIZE}: ")
     target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/sanitizer_options.cc)
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX "${prefix}" DISCOVERY_TIMEOUT 120
-    PROPERTIES TIMEOUT 300 LABELS "${ARG_LABELS}")
+  gtest_discover_tests(${name} TEST_PREFIX "${prefix}" DISCOVERY_TIMEOUT 600
+    PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}")
 endfunction()

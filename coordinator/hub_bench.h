@@ -179,7 +179,7 @@ class HubBench {
   }
   // Steps until `done`, which must come to pass.
   void Until(const std::function<bool()>& done) {
-    for (int i = 0; i < 20000; ++i) {
+    for (int i = 0; i < 300000; ++i) {
       if (done()) return;
       hub->Step(0.001);
     }

@@ -17,7 +17,7 @@
 namespace cairn::wire {
 namespace {
 
-constexpr std::chrono::seconds kPatience{20};  // far more than anything here takes
+constexpr std::chrono::seconds kPatience{300};  // far more than anything here takes
 
 SocketOptions Quick() {
   SocketOptions options;

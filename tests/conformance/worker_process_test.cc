@@ -21,7 +21,7 @@
 namespace cairn::conformance {
 namespace {
 
-constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::seconds kPatience{300};
 
 class WorkerProcess : public ::testing::Test {
  protected:

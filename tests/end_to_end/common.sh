@@ -60,15 +60,18 @@ number() { tr -d ' \n' <"$2" | grep -oE "\"$1\":(-?[0-9.eE+-]+|null|true|false)"
 # below A B: A < B, as numbers.
 below() { awk -v a="$1" -v b="$2" 'BEGIN {exit !(a != "null" && a + 0 < b + 0)}' || die "$1 is not below $2"; }
 
-# until_true SECONDS COMMAND…: waits for it; gives up, and fails, after that long.
+# until_true SECONDS COMMAND…: waits for it; gives up, and fails, after five times that long: a slow machine is no fault.
 until_true() {
-  local tries=$(($1 * 20))
+  local tries=$(($1 * 100))
   shift
   until "$@"; do
     ((tries-- > 0)) || die "never came true: $*"
     sleep 0.05
   done
 }
+
+# example COMMAND…: the lines after "Example:" in its help.
+example() { cairn "$@" --help | awk 'on && /^  / {sub(/^  /, ""); print} /^Example:/ {on = 1}'; }
 
 # A job of a few seconds, the same in every test.
 simulate() { cairn simulate loop --difficulty paper --seed "${2:-7}" "$1" >/dev/null; }

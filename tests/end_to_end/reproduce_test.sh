@@ -2,7 +2,9 @@
 # The papers' figures from one command: every picture of the page is there, and a second call computes nothing anew.
 source "$(dirname "$0")/common.sh"
 
-exits 0 cairn reproduce landmarks --out figures --json
+line=$(example reproduce landmarks)
+[ "$line" = 'cairn reproduce landmarks --out figures' ] || die "its example is another: $line"
+exits 0 $line --json
 number=$(grep -c '"file": "' stdout)
 [ "$number" -ge 12 ] || die "only $number figures"
 grep -q '</html>' figures/index.html || die "the page is cut off"
