@@ -21,6 +21,27 @@ const char* Frequency(Confidence confidence) {
   return confidence == Confidence::kFair ? "9 of 10" : "3 of 10";
 }
 
+// In what the job differs from those on which the rates were measured; none: in nothing.
+std::optional<std::string> Unlike(const Blob& result) {
+  constexpr char kUnlike[] = "search/unlike";
+  if (!result.Has(kUnlike) || result.at(kUnlike).type() != DType::kText)
+    return "the file does not say what it was made from";
+  std::string all;
+  for (const std::string& what : result.Texts(kUnlike)) all += (all.empty() ? "" : ", ") + what;
+  if (all.empty()) return {};
+  return all;
+}
+
+std::string FoundText(const Blob& result, double starts) {
+  const std::optional<double> lead = NumberIn(result, "search/lead_nats");
+  char ahead[80] = "no other map was found";
+  if (lead) std::snprintf(ahead, sizeof ahead, "%.1f nats ahead of the next different map", *lead);
+  char found[160];
+  std::snprintf(found, sizeof found, "found from %.0f of %.0f starts, %s",
+                NumberIn(result, "search/support").value_or(0.0), starts, ahead);
+  return found;
+}
+
 }  // namespace
 
 Confidence ConfidenceOf(const Blob& result) {
@@ -48,17 +69,14 @@ const char* Word(Confidence confidence) {
 
 std::string ConfidenceText(const Blob& result) {
   const Confidence confidence = ConfidenceOf(result);
-  const std::string word = Word(confidence);
-  if (confidence == Confidence::kNone) return word + ": there was no search";
+  if (confidence == Confidence::kNone) return std::string(Word(confidence)) + ": there was no search";
   const double starts = NumberIn(result, "search/starts").value_or(0.0);
-  if (starts == 1.0) return word + ": EM started once, no other map to compare with";
-  const std::optional<double> lead = NumberIn(result, "search/lead_nats");
-  char ahead[80] = "no other map was found";
-  if (lead) std::snprintf(ahead, sizeof ahead, "%.1f nats ahead of the next different map", *lead);
-  char found[80];
-  std::snprintf(found, sizeof found, ": found from %.0f of %.0f starts, ",
-                NumberIn(result, "search/support").value_or(0.0), starts);
-  return word + " (right in " + Frequency(confidence) + " such simulations)" + found + ahead;
+  if (starts == 1.0) return "unknown: EM started once, no other map to compare with";
+  const std::string found = FoundText(result, starts);
+  if (const auto unlike = Unlike(result))
+    return "unknown: " + found + "; how often such maps are right was not measured (" + *unlike + ")";
+  return std::string(Word(confidence)) + " (right in " + Frequency(confidence) +
+         " such simulations): " + found;
 }
 
 }  // namespace cairn::datasets

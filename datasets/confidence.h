@@ -12,13 +12,17 @@ enum class Confidence { kNone, kLow, kFair, kHigh };
 
 // By how many starts found the best map (search/support) and by how many nats it is ahead of the next
 // different one (search/lead_nats): high from three starts and ten nats on, fair from two starts and three
-// nats on. How often each was right on simulated logs pipelines/landmark_map/README.md says.
+// nats on. How often each was right on simulated logs pipelines/landmark_map/README.md says; of other logs
+// and options nobody knows.
 Confidence ConfidenceOf(const Blob& result);
 
 const char* Word(Confidence confidence);  // "not stated", "low", "fair", "high"
 
-// "high (right in 99 of 100 such simulations): found from 6 of 12 starts, 57.2 nats ahead of the next
-// different map". No lead says that a better map, which was not tried, does not exist.
+// Of a map of a log, and with options, like those on which the rates were measured (search/unlike is there
+// and empty): "high (right in 99 of 100 such simulations): found from 6 of 12 starts, 57.2 nats ahead of the
+// next different map". Of another: "unknown: found from 6 of 12 starts, 57.2 nats ahead of the next different
+// map; how often such maps are right was not measured (it has 4 robots)". No lead says that a better map,
+// which was not tried, does not exist.
 std::string ConfidenceText(const Blob& result);
 
 }  // namespace cairn::datasets

@@ -13,7 +13,20 @@ Blob Searched(int support, double lead_nats) {
   result.PutScalar<std::int32_t>("search/support", support);
   result.PutScalar<std::int32_t>("search/starts", 12);
   result.PutScalar<double>("search/lead_nats", lead_nats);
+  result.Put("search/unlike", Array::Texts({}));
   return result;
+}
+
+TEST(ConfidenceText, StatesARateOnlyOfWhatItWasMeasuredOn) {
+  Blob result = Searched(7, 164.8);
+  result.Put("search/unlike", Array::Texts({"it has 4 robots", "the option revise is not the default"}));
+  EXPECT_EQ(ConfidenceText(result),
+            "unknown: found from 7 of 12 starts, 164.8 nats ahead of the next different map; how often such "
+            "maps are right was not measured (it has 4 robots, the option revise is not the default)");
+  for (const std::string& text : {ConfidenceText(result), ConfidenceText(result.Without("search/unlike"))}) {
+    EXPECT_EQ(text.find("right in"), std::string::npos) << text;
+    EXPECT_EQ(text.find("high"), std::string::npos) << text;
+  }
 }
 
 TEST(ConfidenceText, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
@@ -45,7 +58,7 @@ TEST(ConfidenceText, StartsThatAgreeAndASingleStart) {
   Blob once;
   once.PutScalar<std::int32_t>("search/support", 1);
   once.PutScalar<std::int32_t>("search/starts", 1);
-  EXPECT_EQ(ConfidenceText(once), "low: EM started once, no other map to compare with");
+  EXPECT_EQ(ConfidenceText(once), "unknown: EM started once, no other map to compare with");
   EXPECT_EQ(ConfidenceText(Blob()), "not stated: there was no search");
 }
 

@@ -12,6 +12,7 @@
 #include "pipelines/landmark_map/em.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/m_step_task.h"
+#include "pipelines/landmark_map/measured.h"
 #include "pipelines/landmark_map/polish.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
@@ -174,7 +175,10 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
   DropAssociations(step.plan.mutable_state());
   if (Resolve(options_, *inputs.Get("log")).map.grid.cell_m < settings.map.grid.cell_m)
     Refine(candidates[static_cast<std::size_t>(choice.best)].landmarks, settings, inputs, &step);
-  (*step.plan.mutable_state()->mutable_blobs())["search"] = step.Share(ToBlob(candidates, choice, settings));
+  Blob search = ToBlob(candidates, choice, settings);
+  const std::size_t landmarks = candidates[static_cast<std::size_t>(choice.best)].landmarks.size();
+  search.Put("unlike", Array::Texts(UnlikeMeasured(options_, *inputs.Get("log"), landmarks)));
+  (*step.plan.mutable_state()->mutable_blobs())["search"] = step.Share(std::move(search));
   PlanTasks(options_, inputs.Get("log")->Texts("robots"), &step.plan);
   step.plan.set_note(Sentence(candidates, choice));
   return step;

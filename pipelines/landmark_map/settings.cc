@@ -103,6 +103,13 @@ void AppendWaysBetween(const Blob& robot, std::vector<double>* ways) {
   }
 }
 
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 Sensing LookAt(const Blob& log, std::size_t robots) {
   Sensing sensing;
   std::vector<double> between;
@@ -120,11 +127,7 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
       sensing.mean_range_m += (range - sensing.mean_range_m) / static_cast<double>(sensing.ranged);
     }
   }
-  if (!between.empty()) {
-    const auto middle = between.begin() + static_cast<std::ptrdiff_t>(between.size() / 2);
-    std::ranges::nth_element(between, middle);
-    sensing.between_m = *middle;
-  }
+  sensing.between_m = Median(std::move(between));
   return sensing;
 }
 
@@ -279,6 +282,12 @@ void RefuseHugeGrids(const Options& options, const Settings& settings, double ex
 }
 
 }  // namespace
+
+double MedianWayBetween(const Blob& robot) {
+  std::vector<double> between;
+  AppendWaysBetween(robot, &between);
+  return Median(std::move(between));
+}
 
 double DriftStep(int starts) {
   constexpr double kReach = 2.0;  // standard deviations

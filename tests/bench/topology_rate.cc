@@ -1,16 +1,19 @@
 // How often landmark_map finds the right topology on simulated loops, and how exact its landmarks are.
 //   topology_rate DIFFICULTY FIRST LAST [options of cairn simulate loop] [--rounds] [key=value …]
 //   topology_rate --csv DIR [--rounds] [key=value …]
+//   topology_rate DIFFICULTY FIRST LAST --figures
 // prints a line a log (with --rounds also one a round: the time so far and what the round found) and a
 // summary, with how often what was stated of which confidence was right. The second form takes every folder
 // in DIR that holds an odometry.csv.gz (docs/datasets.md, loops-csv). The pipeline sees the log without its
-// truth.
+// truth. The third form maps nothing: it prints the range of each figure of the logs
+// (pipelines/landmark_map/measured.h).
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,6 +23,7 @@
 #include "datasets/import_csv.h"
 #include "datasets/simulate_loop.h"
 #include "pipelines/in_process.h"
+#include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"
 #include "tests/bench/stage_option.h"
 namespace cairn {
@@ -39,13 +43,31 @@ struct Tally {
 struct Arguments {
   std::vector<std::string> words;  // difficulty, first and last seed
   std::string csv;
-  bool rounds = false;
+  bool rounds = false, figures = false;
   datasets::SimulateLoopOptions world;
   proto::Stage stage;
 };
 
 // Of the processor: others may use the machine.
 double SecondsSince(std::clock_t start) { return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
+
+// The least and the largest of each figure of the logs so far.
+struct Ranges {
+  std::map<std::string, std::pair<double, double>> of;
+  void Add(const std::string& name, double value) {
+    auto& [least, most] = of.try_emplace(name, value, value).first->second;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+};
+
+void AddFigures(const Blob& log, Ranges* ranges) {
+  const landmark_map::LogFigures figures = landmark_map::FiguresOf(log);
+  landmark_map::VisitLogFigures(figures, [&](const char* name, double value) { ranges->Add(name, value); });
+  const auto seen = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
+  const std::set<std::int32_t> landmarks(seen.begin(), seen.end());
+  ranges->Add("landmarks", static_cast<double>(landmarks.size() - landmarks.count(-1)));
+}
 
 void RunLog(const std::string& name, const Blob& log, const Arguments& arguments, Tally* tally) {
   const std::clock_t start = std::clock();
@@ -80,13 +102,29 @@ void RunLog(const std::string& name, const Blob& log, const Arguments& arguments
   std::fflush(stdout);
 }
 
-void RunSeeds(Arguments arguments, Tally* tally) {
+// Calls f(log, arguments of its seed) for each seed.
+template <class F>
+void ForEachSeed(Arguments arguments, const F& f) {
   arguments.world.difficulty = arguments.words[0];
   for (std::uint64_t seed = std::stoull(arguments.words[1]); seed <= std::stoull(arguments.words[2]);
        ++seed) {
     arguments.world.seed = seed;
-    RunLog("seed " + std::to_string(seed), datasets::SimulateLoop(arguments.world), arguments, tally);
+    f(datasets::SimulateLoop(arguments.world), arguments);
   }
+}
+
+void RunSeeds(const Arguments& arguments, Tally* tally) {
+  ForEachSeed(arguments, [&](const Blob& log, const Arguments& of_seed) {
+    RunLog("seed " + std::to_string(of_seed.world.seed), log, of_seed, tally);
+  });
+}
+
+int PrintFigures(const Arguments& arguments) {
+  Ranges ranges;
+  ForEachSeed(arguments, [&](const Blob& log, const Arguments&) { AddFigures(log, &ranges); });
+  for (const auto& [name, range] : ranges.of)
+    std::printf("%s %s: %.4g to %.4g\n", arguments.words[0].c_str(), name.c_str(), range.first, range.second);
+  return 0;
 }
 
 Blob ImportFolder(const std::filesystem::path& folder) {
@@ -130,6 +168,7 @@ void TakeStageOptions(Arguments* arguments) {
 }
 
 int Main(const Arguments& arguments) {
+  if (arguments.figures) return PrintFigures(arguments);
   Tally tally;
   arguments.csv.empty() ? RunSeeds(arguments, &tally) : RunFolders(arguments, &tally);
   if (tally.jobs == 0) throw InputError(Title(arguments) + ": no logs");
@@ -154,6 +193,7 @@ int main(int argc, char** argv) {
   app.add_option("words", arguments.words, "DIFFICULTY FIRST LAST, and key=value for the stage's options");
   app.add_option("--csv", arguments.csv, "Logs from the folders in this one, instead of simulated ones");
   app.add_flag("--rounds", arguments.rounds, "A line a round, too");
+  app.add_flag("--figures", arguments.figures, "Print the ranges of the logs' figures, map nothing");
   cairn::cli::AddLoopOptions(&app, &arguments.world);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "datasets/confidence.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/simulate_loop.h"
 #include "pipelines/in_process.h"
+#include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"
 #include "tests/bench/stage_option.h"
 
@@ -52,7 +55,36 @@ void ExpectTheTruth(const Mapped& mapped, double rmse_m) {
   EXPECT_TRUE(mapped.score.topology_correct.value());
 }
 
-TEST(SimulatedWorlds, TheMuseumsSeventyMetresAndHalfATurn) { ExpectTheTruth(Map("museum", 5, {}), 1.0); }
+bool StatesARate(const Mapped& mapped) {
+  return datasets::ConfidenceText(*mapped.result).find("right in 99 of 100") != std::string::npos;
+}
+
+TEST(SimulatedWorlds, TheMuseumsSeventyMetresAndHalfATurn) {
+  const Mapped mapped = Map("museum", 5, {});
+  ExpectTheTruth(mapped, 1.0);
+  EXPECT_TRUE(StatesARate(mapped)) << datasets::ConfidenceText(*mapped.result);
+}
+
+// Seeds on which nothing was measured, of each kind of log on which something was.
+TEST(SimulatedWorlds, OtherSeedsAreLikeThoseThatRatesWereMeasuredOn) {
+  for (const datasets::LoopDifficulty& difficulty : datasets::LoopDifficulties()) {
+    for (const std::uint64_t seed : {201, 202, 203}) {
+      const Blob log = datasets::SimulateLoop({.difficulty = difficulty.name, .seed = seed});
+      const auto seen = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
+      const std::size_t landmarks = std::set<std::int32_t>(seen.begin(), seen.end()).size();
+      EXPECT_EQ(landmark_map::UnlikeMeasured({}, log, landmarks), std::vector<std::string>())
+          << difficulty.name << ", seed " << seed;
+    }
+  }
+}
+
+TEST(SimulatedWorlds, WithOtherOptionsNoRateIsStated) {
+  const Mapped mapped = Map("paper", 3, {}, {"revise=false"});
+  EXPECT_FALSE(StatesARate(mapped));
+  EXPECT_NE(datasets::ConfidenceText(*mapped.result).find("was not measured (the option revise"),
+            std::string::npos)
+      << datasets::ConfidenceText(*mapped.result);
+}
 
 // It drifts by 3.6 nominal standard deviations where the first starts reach to two: no two of them agree.
 TEST(SimulatedWorlds, ADriftFarBeyondTheDataSheet) {
@@ -72,7 +104,11 @@ TEST(SimulatedWorlds, RangesAndBearingsWithoutIdentities) {
   ExpectEveryLandmarkAndNoOther(Map("base", 3, {.sensor = "range-bearing"}), 1.0);
 }
 
-TEST(SimulatedWorlds, MissedPresses) { ExpectTheTruth(Map("base", 3, {.miss_rate = 0.3}), 1.0); }
+TEST(SimulatedWorlds, MissedPresses) {
+  const Mapped mapped = Map("base", 3, {.miss_rate = 0.3});
+  ExpectTheTruth(mapped, 1.0);
+  EXPECT_FALSE(StatesARate(mapped));
+}
 
 TEST(SimulatedWorlds, FalsePresses) {
   const Mapped mapped = Map("base", 6, {.false_rate = 0.05});

@@ -1,0 +1,41 @@
+// On which logs it was measured how often a map is right of which a search says so much ("Confidence" in the
+// README): what that says of another log is not known.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/options.h"
+#include "schema/blob.h"
+
+namespace cairn::landmark_map {
+
+// What tells logs of one robot that presses buttons apart.
+struct LogFigures {
+  double observations = 0;
+  double way_m = 0;
+  double between_m = 0;  // the median way from one observation to the next
+  double heading_drift_deg_per_m = 0, heading_walk_deg_per_sqrt_m = 0, forward_ratio = 0, turn_ratio = 0;
+  double press_m = 0;  // as the log states them; 0: it does not
+};
+LogFigures FiguresOf(const Blob& log);
+
+// Calls f(name, field) for each of them.
+template <class S, class F>
+void VisitLogFigures(S& figures, const F& f) {
+  f("observations", figures.observations);
+  f("way_m", figures.way_m);
+  f("between_m", figures.between_m);
+  f("heading_drift_deg_per_m", figures.heading_drift_deg_per_m);
+  f("heading_walk_deg_per_sqrt_m", figures.heading_walk_deg_per_sqrt_m);
+  f("forward_ratio", figures.forward_ratio);
+  f("turn_ratio", figures.turn_ratio);
+  f("press_m", figures.press_m);
+}
+
+// In what a job differs from all that the rates were measured on, in words: "it has 4 robots". Empty: it is
+// like them. `landmarks`: of the map that was found.
+std::vector<std::string> UnlikeMeasured(const Options& options, const Blob& log, std::size_t landmarks);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,55 @@
+// That the simulated logs themselves are like themselves tests/worlds shows.
+#include "pipelines/landmark_map/measured.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pipelines/landmark_map/testing.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+bool Says(const std::vector<std::string>& unlike, const std::string& what) {
+  return std::ranges::any_of(unlike, [&](const std::string& s) { return s.find(what) != std::string::npos; });
+}
+
+TEST(FiguresOf, AreTheLogsOwn) {
+  Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
+  log.PutScalar("noise/press_m", 0.3);
+  log.PutScalar("noise/heading_drift_rad_per_m", 0.0017453292519943296);
+  const LogFigures figures = FiguresOf(log);
+  EXPECT_EQ(figures.observations, 8);
+  EXPECT_NEAR(figures.way_m, 120.0, 2.0);
+  EXPECT_NEAR(figures.between_m, 15.0, 0.5);
+  EXPECT_EQ(figures.press_m, 0.3);
+  EXPECT_NEAR(figures.heading_drift_deg_per_m, 0.1, 1e-12);
+  EXPECT_EQ(figures.turn_ratio, 0.0);
+}
+
+TEST(UnlikeMeasured, NamesEachDifference) {
+  const Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
+  const auto unlike = UnlikeMeasured({}, log, 4);
+  EXPECT_TRUE(Says(unlike, "observations is 8, not "));
+  EXPECT_TRUE(Says(unlike, "press_m is not stated"));
+  EXPECT_TRUE(Says(unlike, "landmarks is 4, not "));
+  EXPECT_FALSE(Says(unlike, "option"));
+  EXPECT_FALSE(Says(unlike, "robots"));
+  EXPECT_TRUE(Says(UnlikeMeasured({}, SquareLog{.identified = true}.Make(), 4), "have identities"));
+  EXPECT_TRUE(Says(UnlikeMeasured({}, SquareLog{.ranged = true}.Make(), 4), "seen at a distance"));
+  Blob two = log;
+  two.Put("robots", Array::Texts({"a", "b"}));
+  EXPECT_TRUE(Says(UnlikeMeasured({}, two, 4), "it has 2 robots"));
+}
+
+TEST(UnlikeMeasured, OptionsThatChangeTheResultCount) {
+  const Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
+  EXPECT_TRUE(Says(UnlikeMeasured({.revise = false}, log, 4), "the option revise is not the default"));
+  EXPECT_TRUE(Says(UnlikeMeasured({.cell_m = 0.5}, log, 4), "the option cell_m is not the default"));
+  EXPECT_TRUE(Says(UnlikeMeasured({.motion_error = "triangular"}, log, 4), "the option motion_error"));
+  EXPECT_FALSE(
+      Says(UnlikeMeasured({.memory_mb = 100, .slice_mcells = 1, .speculate = false}, log, 4), "the option"));
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map
