@@ -319,9 +319,10 @@ class Figures {
         "Any incremental routine that does not revise past location estimates would be bound to fail in such "
         "a "
         "situation (conjectured).",
-        "alpha alone: " + ScoreText(forward) + ". Alpha and beta: " + ScoreText(map_score_) + ".",
+        "one pass, each observation looked at once: " + ScoreText(forward) +
+            ". EM, alpha and beta: " + ScoreText(map_score_) + ".",
         DrawFigure(
-            {MapPanel("forward pass only (alpha)", Result("forward"), Input("first"), forward),
+            {MapPanel("one pass, nothing revised", Result("forward"), Input("first"), forward),
              MapPanel("with the past revised (alpha beta)", Result("map"), Input("first"), map_score_)},
             2));
   }

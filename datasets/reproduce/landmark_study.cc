@@ -166,7 +166,7 @@ void AddStages(LandmarkStudy* study) {
   prefixes.erase(same.begin(), same.end());
   for (const int n : prefixes)
     (*make.Add(PrefixStage(n), "first").mutable_options())["prefix_observations"].set_i(n);
-  (*make.Add("forward", "first").mutable_options())["revise"].set_b(false);
+  (*make.Add("forward", "first").mutable_options())["incremental"].set_b(true);
   make.AddLocalization("beta", "back", "em_map");
   make.AddLocalization("beta_early", "back", "iterations_2");
   make.Add("other_map", "other");

@@ -36,12 +36,14 @@ bool SearchIsOver(const State& state) {
 }
 
 Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
+  if (task.kind() == "incremental") return RunIncremental(options, task, inputs, progress);
   return task.kind() == "m_step" ? RunMStep(task, inputs) : RunSlice(options, task, inputs, progress);
 }
 
 }  // namespace
 
 cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
+  CheckIncremental(options_, inputs);
   const BlobPtr log = inputs.Get("log");
   const Options search = inputs.Has("map") ? options_ : ForSearch(options_, *log);
   if (search.cell_m != options_.cell_m) {  // the search tells nothing of what the finer grid takes
@@ -92,6 +94,7 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
 }
 
 cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
+  if (options_.incremental) return IncrementalResult(state, partials, inputs);
   return StartsIn(state) > 0 ? AdvanceSearch(state, partials, inputs)
                              : AdvanceEm(options_, state, partials, inputs);
 }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "pipelines/landmark_map/incremental.h"
 #include "pipelines/landmark_map/options.h"
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/pipeline.h"
@@ -14,11 +15,12 @@ namespace cairn::landmark_map {
 // Inputs (schema/FORMAT.md): log, and perhaps map, a landmark_map from which EM starts. Result: kind
 // landmark_map. A round is an E-step: a chain of tasks `forward` and a chain of tasks `backward` over the
 // time slices of each robot, or all slices side by side (speculation.h), then the task `m_step`. With several
-// starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h).
+// starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h). With the option
+// incremental it is one task (incremental.h).
 class LandmarkMap : public Pipeline {
  public:
   // Draws no random numbers: the seed is not used.
-  explicit LandmarkMap(Options options, std::uint64_t /*seed*/ = 0) : options_(std::move(options)) {}
+  explicit LandmarkMap(Options options, std::uint64_t /*seed*/ = 0) : options_(OnePass(std::move(options))) {}
 
   cairn::Step Start(const Inputs& inputs) const override;
   Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override;

@@ -18,6 +18,7 @@ struct Options {
   double growth_factor = 0.0;
   bool calibrate = true;
   bool revise = true;
+  bool incremental = false;
   bool polish = true;
   bool beliefs = false;
   std::int64_t starts = 0;
@@ -77,10 +78,16 @@ void VisitOptions(V& visit, Options& o) {
                "estimate each robot's heading drift, walk and turn errors in the M-step"},
         o.calibrate);
   visit(
-      Option{
-          "revise", "", 0, 0,
-          "false: a forward pass only, alpha in place of alpha beta: no estimate is revised by later data"},
+      Option{"revise", "", 0, 0,
+             "false: every E-step takes alpha in place of alpha beta. EM still goes over all data again and "
+             "again: a pose owes nothing to later data but for the map that it is found in"},
       o.revise);
+  visit(
+      Option{
+          "incremental", "", 0, 0,
+          "one pass forward in place of EM, for comparison: each observation is looked at once, in a map of "
+          "those before it, and neither the map nor a pose is ever revised (one robot, model robust)"},
+      o.incremental);
   visit(
       Option{
           "polish", "", 0, 0,

@@ -326,7 +326,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   for (std::size_t r = 0; r < robots.size(); ++r) associated.push_back(AssociatedIn(sum.SummariesOf(r)));
   const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
   // Which kind a landmark is of only the counts tell.
-  if (settings.map.kinds.count == 1 && !IsGivenMap(inputs, counts)) {
+  if (settings.map.kinds.count == 1 && !IsGivenMap(inputs, counts) && !settings.incremental) {
     FindInImages(settings, inputs, sum, odometry, &landmarks, &associated);
   }
   Blob result;
@@ -349,7 +349,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
     result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);
   }
   if (std::isfinite(settings.steps.until_s)) result.PutScalar<double>("until_s", settings.steps.until_s);
-  if (settings.detection.false_ratio > 0.0 && settings.detection.tells_passes) {
+  if (settings.detection.false_ratio > 0.0 && settings.detection.tells_passes && !settings.incremental) {
     const double reach = std::max(5.0 * settings.map.observation_m, 1.5 * settings.map.grid.cell_m);
     KeepLandmarks(AreLandmarks(result, landmarks, settings.detection, reach), &landmarks, &result);
   }

@@ -38,6 +38,10 @@ class RoundPlanner {
   void AddRobot(std::size_t robot, const std::string& name) {
     const int count = StepsInUse(schedule_, carried_.step_counts[robot]);
     const OfRobot of{robot, name, count, SlicesGuessed(plan_->state(), robot)};
+    if (options_.incremental) {
+      AddTask("incremental", of, 0, kNone, kNone, kNone);
+      return;
+    }
     const int slices = of.guessed.empty()
                            ? SlicesFor(carried_.work[robot], 1e6 * options_.slice_mcells, count)
                            : static_cast<int>(of.guessed.size());

@@ -51,6 +51,7 @@ void VisitFigures(S& s, const F& f) {
   f("growth_start", s.growth_start);
   f("growth_factor", s.growth_factor);
   f("loose_frame", s.loose_frame);
+  f("incremental", s.incremental);
   f("starts", s.starts);
   f("places", s.places);
   f("memory_mb", s.memory_mb);
@@ -365,6 +366,7 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.false_rate_per_m2 = options.false_rate_per_m2;
   settings.map.exact = options.model == "exact";
 
+  settings.incremental = options.incremental;
   settings.loose_frame = robots > 1 && sensing.ranged > 0;
   settings.starts = StartsOf(options, log, sensing);
   settings.noise = NoiseOf(options, log, sensing, DriftLength(options, log, settings.starts, grid.cell_m));

@@ -24,6 +24,7 @@ struct Settings {
   double growth_start = 1.0;
   double growth_factor = 2.0;
   bool loose_frame = false;  // the first robot, too, starts anywhere once others have joined
+  bool incremental = false;  // what is found is not looked at again
   int starts = 1;            // candidate starts
   double places = 1.0;       // cells in which a landmark may stand
   double memory_mb = 4096.0;

@@ -137,6 +137,14 @@ Case LandmarkMapFromAMap() {
   return c;
 }
 
+Case LandmarkMapIncremental() {
+  Case c = LandmarkMap("landmark_map_incremental", Sensor::kButton, 1);
+  (*c.stage.mutable_options())["incremental"].set_b(true);
+  (*c.stage.mutable_options())["beliefs"].set_b(true);
+  c.rounds = 1;  // the pass
+  return c;
+}
+
 // Slices that are long enough to be guessed, which begins after two iterations.
 Case LandmarkMapSideBySide() {
   Case c = LandmarkMap("landmark_map_side_by_side", Sensor::kButton, 1, 50);
@@ -311,7 +319,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "landmark_map") {
     return {LandmarkMap("landmark_map_presses", Sensor::kButton, 1),
             LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap(),
-            LandmarkMapSideBySide()};
+            LandmarkMapSideBySide(), LandmarkMapIncremental()};
   }
   if (pipeline == "evidence_map") return {EvidenceMap()};
   if (pipeline == "forward_map")
