@@ -86,6 +86,7 @@ TEST_F(ImportMrclamTest, GivenFiguresReplaceTheNominalOnes) {
 // The dataset states none, and its ground truth is not for the pipeline to see.
 TEST_F(ImportMrclamTest, NoNoiseFiguresAreMadeUp) {
   Import();
+  ASSERT_TRUE(log_.Has("robot/0/odometry/forward_m"));
   for (const auto& [name, array] : log_.fields()) EXPECT_FALSE(name.starts_with("noise/")) << name;
 }
 

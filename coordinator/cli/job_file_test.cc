@@ -1,13 +1,17 @@
 #include "coordinator/cli/job_file.h"
 
+#include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "coordinator/cli/job_arguments.h"
 #include "coordinator/cli/job_inputs.h"
+#include "coordinator/job_yaml.h"
 #include "schema/error.h"
 #include "schema/store/blob_file.h"
 
@@ -216,13 +220,49 @@ TEST_F(JobFile, StagesMustBeAListThatIsNotEmpty) {
   EXPECT_EQ(Complaint(head + "stages:\n  - 7\n"), "job.yaml:3: a stage: a map of `key: value` is needed");
 }
 
-TEST_F(JobFile, FlippingAnyLetterNeverCrashes) {
+// What is taken is a job whose own YAML gives it again; what is not taken is refused with the file and a line
+// of it.
+class DamagedJob : public JobFile {
+ protected:
+  void ExpectTakenWholeOrRefused(const std::string& text) {
+    SCOPED_TRACE(text);
+    proto::Job job;
+    try {
+      job = Read(text).job;
+    } catch (const InputError& error) {
+      ++refused_;
+      const std::string what = error.what();
+      ASSERT_TRUE(what.starts_with(Path() + ":")) << what;
+      char* rest = nullptr;
+      const long line = std::strtol(what.c_str() + Path().size() + 1, &rest, 10);
+      EXPECT_TRUE(std::string(rest).starts_with(": ")) << what;
+      EXPECT_GE(line, 1) << what;
+      EXPECT_LE(line, std::ranges::count(text, '\n') + 1) << what;
+      EXPECT_GT(std::string(rest).size(), 10U) << what;
+      return;
+    }
+    ++taken_;
+    const proto::Job again = Read(coordinator::JobAsYaml(job)).job;
+    EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(job, again)) << again.DebugString();
+  }
+  int taken_ = 0, refused_ = 0;
+};
+
+TEST_F(DamagedJob, WithAFlippedLetterIsTakenWholeOrRefusedWithItsLine) {
   for (std::size_t i = 0; i < std::string(kGood).size(); ++i) {
     std::string text = kGood;
     text[i] = static_cast<char>(text[i] ^ 0x10);
-    Complaint(text);
-    Complaint(std::string(kGood).substr(0, i));
+    ExpectTakenWholeOrRefused(text);
   }
+  EXPECT_GT(taken_, 5) << "a name with another letter in it";
+  EXPECT_GT(refused_, 200);
+}
+
+TEST_F(DamagedJob, ThatIsCutOffIsTakenWholeOrRefusedWithItsLine) {
+  for (std::size_t i = 1; i < std::string(kGood).size(); ++i)
+    ExpectTakenWholeOrRefused(std::string(kGood).substr(0, i));
+  EXPECT_GT(taken_, 5) << "after a stage or an option that is whole";
+  EXPECT_GT(refused_, 100);
 }
 
 TEST_F(JobFile, ArgumentsGiveTheSameOptionsAsAFile) {

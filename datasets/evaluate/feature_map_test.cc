@@ -37,6 +37,7 @@ TEST(MapByNearest, AveragesEachNetworkOverTheNearestByHand) {
 // The product of means, not the mean of products: g = (0, 0) and (1, 1) give 1/4 for each f.
 TEST(MapByNearest, IsAProductOfMeans) {
   const FeatureMap map = MapByNearest({{0, 0}, {1, 0}}, std::vector<double>{0, 0, 1, 1}, 2, 2);
+  ASSERT_EQ(map.probability.size(), 2U << 2U);
   for (const double p : map.probability) EXPECT_DOUBLE_EQ(p, 0.25);
 }
 

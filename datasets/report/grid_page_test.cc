@@ -89,6 +89,7 @@ TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
 
 TEST(GridPage, OfAPlainMapLeavesOutWhatItLacks) {
   const std::string page = GridMapReportHtml(DrawnMap({"#.", ".."}), nullptr, nullptr, "plain");
+  ASSERT_NE(page.find("</html>"), std::string::npos);
   for (const char* absent :
        {"Most likely map", "What the data say", "Convergence", "cut short", "Parameters"})
     EXPECT_EQ(page.find(absent), std::string::npos) << absent;

@@ -55,6 +55,7 @@ TEST(BandFeatures, ForgetBrightnessAndContrast) {
   const auto scene = [](int row, int column, int c) { return (row * 7 + column * 3 + c * 11) % 50; };
   const auto a = FeaturesOf(25, 120, scene);
   const auto b = FeaturesOf(25, 120, [&](int r, int k, int c) { return 40 + 3 * scene(r, k, c); });
+  ASSERT_EQ(a.size(), 140U);
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-5) << BandFeatureNames({})[i];
   EXPECT_GT(Feature(a, "row 3 red texture"), 0.1);
 }
@@ -69,7 +70,9 @@ TEST(BandFeatures, TextureIsOfTheSmallerImage) {
 }
 
 TEST(BandFeatures, OfAFlatImageAreZero) {
-  for (const float value : FeaturesOf(10, 10, [](int, int, int) { return 77; })) EXPECT_EQ(value, 0);
+  const std::vector<float> features = FeaturesOf(10, 10, [](int, int, int) { return 77; });
+  ASSERT_EQ(features.size(), 140U);
+  for (const float value : features) EXPECT_EQ(value, 0);
 }
 
 TEST(BandFeatures, BandsCoverAnImageThatTenDoesNotDivide) {

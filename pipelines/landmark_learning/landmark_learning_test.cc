@@ -168,6 +168,8 @@ TEST(LandmarkLearning, HeadingsThatAllLieWithinTheWindowChangeNothing) {
     const BlobPtr result = Learn(with, {.heading_window_deg = window_deg, .steps = 20});
     for (const char* name : {"networks/hidden_weight", "networks/output_weight"}) {
       const auto expected = without_them->Get<double>(name), found = result->Get<double>(name);
+      ASSERT_FALSE(expected.empty());
+      ASSERT_EQ(found.size(), expected.size());
       for (std::size_t i = 0; i < expected.size(); ++i)
         EXPECT_NEAR(found[i], expected[i], 1e-3) << window_deg;
     }

@@ -54,6 +54,8 @@ TEST(Networks, InFloatAreThoseInDouble) {
     const std::vector<float> in_float(inputs.begin(), inputs.end());
     const auto wanted = Forward(exact, inputs.data(), kRows);
     const auto got = Forward(rounded, in_float.data(), kRows);
+    ASSERT_EQ(wanted.output.size(), static_cast<std::size_t>(kRows * shape.networks));
+    ASSERT_EQ(got.output.size(), wanted.output.size());
     for (std::size_t i = 0; i < wanted.output.size(); ++i)
       EXPECT_NEAR(got.output[i], wanted.output[i], 1e-6) << hidden_2;
     const auto slopes = Backward(exact, inputs.data(), kRows, wanted, d_output);

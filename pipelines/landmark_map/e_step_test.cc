@@ -155,10 +155,9 @@ TEST(EStep, AlphaSumsToOneAtEveryStep) {
   EStepModel model = TinyModel(&perception);
   model.prune = 1e-3;
   NoProgress progress;
-  for (const LayeredGrid& alpha :
-       Forward(model, {steps, 0, 4, "a"}, DiracStart(model.grid), progress).tables) {
-    EXPECT_NEAR(alpha.Sum(), 1.0, 1e-12);
-  }
+  const Alphas alphas = Forward(model, {steps, 0, 4, "a"}, DiracStart(model.grid), progress);
+  ASSERT_EQ(alphas.tables.size(), 4U);
+  for (const LayeredGrid& alpha : alphas.tables) EXPECT_NEAR(alpha.Sum(), 1.0, 1e-12);
 }
 
 // Forward over a slice from where the slice before ended, backward from where the slice after began.

@@ -67,6 +67,7 @@ TEST_P(Conformance, TheOrderOfTasksChangesNothing) {
 
 TEST_P(Conformance, ResumedAtAnyStepEqualsUndisturbed) {
   const Trace& whole = Undisturbed();
+  ASSERT_GT(whole.moments.size(), 1U);
   for (std::size_t k = 0; k < whole.moments.size(); ++k) {
     const Trace rest = ReplayFrom(GetParam(), CopyElsewhere(GetParam().inputs), whole.moments[k]);
     const auto from = static_cast<std::ptrdiff_t>(k);
@@ -77,6 +78,7 @@ TEST_P(Conformance, ResumedAtAnyStepEqualsUndisturbed) {
 }
 
 TEST_P(Conformance, ACheckpointNeedsOnlyTheBlobsThatItsStepNames) {
+  ASSERT_GT(Undisturbed().moments.size(), 1U);
   for (Moment moment : Undisturbed().moments) {
     BlobsByHash named;
     const auto keep = [&](const std::string& hash) { named[hash] = moment.store.at(hash); };
