@@ -41,6 +41,18 @@ TEST(CountRays, ByHandUpASteepSlopeAndBack) {
   EXPECT_EQ(back.occupied[0], 1);
 }
 
+// The robot at (2.5, 1.5) looks up; its sensor sits 1 m ahead and 2 m to the left, at (0.5, 2.5), and looks
+// to the right.
+TEST(CountRays, ABeamBeginsWhereItsSensorSits) {
+  const GridBox grid{0, 0, 1, 6, 5};
+  RangeScans scans = OneBeam({{2.5, 1.5, kPi / 2}}, {3}, 0, 10);
+  scans.beams[0] = {1, 2, -kPi / 2};
+  Column free(30, 0), occupied(30, 0);
+  free[12] = free[13] = free[14] = occupied[15] = 1;
+  EXPECT_EQ(Whole(scans, grid).free, free);
+  EXPECT_EQ(Whole(scans, grid).occupied, occupied);
+}
+
 TEST(CountRays, NoAnswerIsFreeAsFarAsTheSensorReachesOrSaysNothing) {
   const GridBox grid{0, 0, 1, 6, 1};
   const RangeScans scans = OneBeam({{0.5, 0.5, 0}}, {kNone}, 0, 2.2);

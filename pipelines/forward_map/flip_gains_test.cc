@@ -57,6 +57,22 @@ TEST(FlipGains, OfOneBeamByHand) {
   EXPECT_NEAR(gains.GainOf(2), std::log(floor / (floor + peak / 2)), 1e-12);
 }
 
+// Two obstacles, as far before the reading as behind it, by hand: of the first, of the second by a beam that
+// missed the first, or of chance.
+TEST(FlipGains, LooksShareAReadingAmongItsObstaclesAndChance) {
+  const SensorModel model{.p_hit = 0.5, .p_rand = 0.1, .sigma_m = 0.1, .no_echo_m = 0.1, .z_max_m = 10};
+  const FlipGains gains = GainsOf({{3, {{0, 2.9}, {1, 3.1}, {2, 9}}}}, {1, 1, 0}, model);
+  const double floor = 0.01, first = 0.9 * 0.5 * 2.4197072451914337, second = first / 2;
+  const double all = floor + first + second;
+  const std::vector<FlipGains::Look> near = gains.LooksAt(0), far = gains.LooksAt(1);
+  ASSERT_EQ(near.size(), 1U);
+  EXPECT_NEAR(near[0].caught, first / all, 1e-12);
+  EXPECT_NEAR(near[0].missed, second / all, 1e-12);
+  ASSERT_EQ(far.size(), 1U);
+  EXPECT_NEAR(far[0].caught, second / all, 1e-12);
+  EXPECT_NEAR(far[0].missed, 0, 1e-12);
+}
+
 // A reading without echo looks at all cells up to the sensor's reach.
 TEST(FlipGains, OfNoEchoLoseByEveryObstacle) {
   const SensorModel model{.p_hit = 0.5, .p_rand = 0.1, .sigma_m = 0.1, .no_echo_m = 0.1, .z_max_m = 10};
