@@ -22,12 +22,14 @@ while [ $# -gt 0 ]; do
     *) fail "unknown argument '$1'; allowed: --log FILE, --out DIR, --workers N" ;;
   esac
 done
-out=${out:-$root/out/quickstart}
-cairn=$root/build/release/bin/cairn
+[ -z "${CAIRN_DATA:-}" ] || CAIRN_DATA=$(realpath -m -- "$CAIRN_DATA")
+cd "$root"
+out=${out:-out/quickstart}
+cairn=build/release/bin/cairn
 
-"$root/deploy/install.sh"
+deploy/install.sh
 say "building"
-"$root/deploy/build.sh" release cairn cairn-worker cairn-images
+deploy/build.sh release cairn cairn-worker cairn-images
 
 name=mine
 if [ -z "$log" ]; then
