@@ -20,6 +20,8 @@ TEST(ExpectedError, IsWhatALookLeavesByHand) {
   EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {0, 1}), 0.5, 1e-12);
   // Every other place: two places 2 m apart.
   EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {1, 2}), 1.0, 1e-12);
+  // What cannot be seen from where the robot may be, here the right half, counts for nothing.
+  EXPECT_NEAR(ExpectedError(kPlaces, {0.5, 0.5, 0, 0}, kMap, 3, {0, 1}), 0.5, 1e-12);
   // Both name each place.
   EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {0, 2}), 0.0, 1e-12);
 }
