@@ -41,16 +41,18 @@ TEST(CountRays, ByHandUpASteepSlopeAndBack) {
   EXPECT_EQ(back.occupied[0], 1);
 }
 
-// The robot at (2.5, 1.5) looks up; its sensor sits 1 m ahead and 2 m to the left, at (0.5, 2.5), and looks
-// to the right.
+// The robot at (2.5, 1.5) looks up, its sensor sits 1 m ahead and 2 m to the left; or it looks to the right,
+// the sensor 2 m behind and 1 m to the left: both times at (0.5, 2.5), and looks to the right.
 TEST(CountRays, ABeamBeginsWhereItsSensorSits) {
   const GridBox grid{0, 0, 1, 6, 5};
-  RangeScans scans = OneBeam({{2.5, 1.5, kPi / 2}}, {3}, 0, 10);
-  scans.beams[0] = {1, 2, -kPi / 2};
   Column free(30, 0), occupied(30, 0);
   free[12] = free[13] = free[14] = occupied[15] = 1;
-  EXPECT_EQ(Whole(scans, grid).free, free);
-  EXPECT_EQ(Whole(scans, grid).occupied, occupied);
+  for (const auto& [heading_rad, beam] : {std::pair{kPi / 2, Pose{1, 2, -kPi / 2}}, {0.0, Pose{-2, 1, 0}}}) {
+    RangeScans scans = OneBeam({{2.5, 1.5, heading_rad}}, {3}, 0, 10);
+    scans.beams[0] = beam;
+    EXPECT_EQ(Whole(scans, grid).free, free) << heading_rad;
+    EXPECT_EQ(Whole(scans, grid).occupied, occupied) << heading_rad;
+  }
 }
 
 TEST(CountRays, NoAnswerIsFreeAsFarAsTheSensorReachesOrSaysNothing) {
