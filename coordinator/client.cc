@@ -154,7 +154,8 @@ Result<JobList> Client::List() {
   return JobList{{reply.jobs().begin(), reply.jobs().end()},
                  reply.workers(),
                  {reply.refused().begin(), reply.refused().end()},
-                 {reply.store_bytes(), reply.store_limit_bytes()}};
+                 {reply.store_bytes(), reply.store_limit_bytes()},
+                 reply.warning()};
 }
 
 Result<std::vector<wire::WorkerInfo>> Client::Workers() { return AskOfWorkers("status", 0); }

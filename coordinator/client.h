@@ -32,6 +32,7 @@ struct JobList {
   unsigned workers = 0;                          // connected
   std::map<std::string, std::uint64_t> refused;  // since the service began, by kind (schema/wire/refusal.h)
   StoreFacts store;
+  std::string warning = {};  // what is wrong with the service; empty: nothing
 };
 
 // Of a job's log.

@@ -68,6 +68,14 @@ std::optional<wire::Refusal> Gate::CheckIdentity(const std::string& peer, const 
   return std::nullopt;
 }
 
+std::string Gate::Warning() const {
+  if (!list_ || list_->status().ok()) return "";
+  return (list_->WasRead()
+              ? "the list of keys cannot be read; the last good one holds, and nothing is revoked: "
+              : "nobody is let in until the list of keys can be read: ") +
+         list_->status().message();
+}
+
 bool Gate::MayWork(const std::string& peer) const {
   const auto bound = workers_.find(peer);
   if (!list_ || bound == workers_.end()) return true;

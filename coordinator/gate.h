@@ -23,8 +23,8 @@ class Gate {
 
   // Before messages that have come are looked at: takes note of a list that was changed. True where it was.
   bool Refresh() { return list_ && list_->Refresh(); }
-  // Why the list cannot be read now; then nobody is let in.
-  std::string ListProblem() const { return list_ ? list_->status().message() : ""; }
+  // What people must know of a list that cannot be read now; empty: nothing.
+  std::string Warning() const;
   // Null where `user` may say this through `peer`. A Hello binds the connection, and the worker (host and
   // process) that it names, to the user's key.
   std::optional<wire::Refusal> Check(const std::string& peer, const std::string& user,

@@ -46,10 +46,13 @@ void Hub::TurnAway(const std::string& peer, const wire::Refusal& refusal) {
   transport_.Send(peer, std::move(answer));
 }
 
-// The list has changed. A worker whose key is gone need not say anything more to lose its tasks.
+// The list, or whether it can be read, has changed. A worker whose key is gone need not say anything more to
+// lose its tasks.
 void Hub::EndRevoked() {
-  if (const std::string problem = gate_.ListProblem(); !problem.empty())
-    log_(Severity::kError, "nobody is let in until the list can be read: " + problem);
+  if (const std::string warning = gate_.Warning(); !warning.empty())
+    log_(Severity::kError, warning);
+  else
+    log_(Severity::kInfo, "the list of keys has changed, and holds from now on");
   std::vector<std::string> revoked;
   for (const auto& [number, worker] : core_.fleet().workers())
     if (!gate_.MayWork(worker.peer)) revoked.push_back(worker.peer);

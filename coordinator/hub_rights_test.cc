@@ -20,7 +20,7 @@ class Rights : public ::testing::Test {
   }
   void Allow(const std::string& lines) {
     const std::filesystem::path list = bench_.temp.path() / "allowed";
-    std::ofstream(list.string() + ".new") << lines;
+    std::ofstream(list.string() + ".new") << lines << "end\n";
     std::filesystem::rename(list.string() + ".new", list);
   }
   // The answer that `user` gets.
@@ -145,10 +145,32 @@ TEST_F(Rights, AClientsNextMessageAfterItsKeyIsRevokedIsRefused) {
   EXPECT_TRUE(Ask(submitter_, Query("status")).reply().ok());
 }
 
-TEST_F(Rights, AListThatCannotBeReadLetsNobodyIn) {
+TEST_F(Rights, AListThatCouldNeverBeReadLetsNobodyIn) {
   Allow("rubbish\n");
+  bench_.Start();
   ExpectRefused(submitter_, Query("status", ""), RefusalKind::kRevoked);
-  EXPECT_TRUE(bench_.Logged("until the list can be read"));
+}
+
+// A typo, an editor or a copy over it must not end a fleet.
+TEST_F(Rights, WhileTheListCannotBeReadNobodyLosesAnythingAndTheStatusSaysSo) {
+  bench_.transport.swallow = [](const wire::Assign&) { return true; };
+  Join("w", worker_, 1);
+  bench_.Submit();
+  bench_.Until([&] { return bench_.transport.assigned > 0; });
+  const std::filesystem::path list = bench_.temp.path() / "allowed";
+  std::ofstream(list, std::ios::trunc).close();  // as a copy begins
+  const wire::Reply reply = Ask(viewer_, Query("status", "")).reply();
+  EXPECT_NE(reply.warning().find("the last good one holds"), std::string::npos) << reply.warning();
+  EXPECT_TRUE(bench_.Logged("the last good one holds"));
+  EXPECT_TRUE(Connected("w"));
+  EXPECT_EQ(Count(RefusalKind::kRevoked), 0u);
+  std::ofstream(list, std::ios::trunc) << viewer_ << " viewer\n" << other_ << " wor";  // half of it
+  Ask(viewer_, Query("status", ""));
+  EXPECT_TRUE(Connected("w"));
+  std::ofstream(list, std::ios::trunc) << viewer_ << " viewer\nend\n";  // all of it
+  EXPECT_EQ(Ask(viewer_, Query("status", "")).reply().warning(), "");
+  EXPECT_FALSE(Connected("w"));
+  EXPECT_EQ(Count(RefusalKind::kRevoked), 1u);
 }
 
 TEST_F(Rights, AnotherKeyMayNotUseAWorkersConnectionOrClaimToBeIt) {

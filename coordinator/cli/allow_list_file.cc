@@ -39,12 +39,15 @@ std::string FirstWord(const std::string& line) {
   return word;
 }
 
-// All lines but those of the keys in `gone`.
+constexpr const char* kEnd = "end";  // schema/wire/allow_list.h
+
+// All lines but the end and those of the keys in `gone`.
 std::string LinesWithout(const fs::path& list, const wire::AllowedKeys& gone) {
   std::ifstream file(list);
   std::string kept;
   for (std::string line; std::getline(file, line);)
-    if (!gone.contains(FirstWord(line))) kept += line + "\n";
+    if (const std::string first = FirstWord(line); first != kEnd && !gone.contains(first))
+      kept += line + "\n";
   return kept;
 }
 
@@ -52,9 +55,10 @@ wire::AllowedKeys Read(const fs::path& list) {
   return fs::exists(list) ? Take(wire::ReadAllowList(list)) : wire::AllowedKeys{};
 }
 
+// Of the lines of keys.
 void Write(const fs::path& list, const std::string& text) {
   const mode_t before = ::umask(077);
-  const Status status = WriteTextAtomically(list, text);
+  const Status status = WriteTextAtomically(list, text + kEnd + "\n");
   ::umask(before);
   Check(status);
 }

@@ -115,6 +115,10 @@ std::string StoreText(const coordinator::StoreFacts& store) {
   return "store    " + coordinator::BytesText(store.bytes) + of + "\n";
 }
 
+std::string WarningText(const std::string& warning) {
+  return warning.empty() ? "" : "warning  " + warning + "\n";
+}
+
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
   std::string text;
   for (const auto& [kind, count] : refused)
@@ -125,6 +129,7 @@ std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
 std::string JobsJson(const coordinator::JobList& list) {
   nlohmann::ordered_json json = {{"workers", list.workers},
                                  {"refused", list.refused},
+                                 {"warning", list.warning},
                                  {"store", ToJson(list.store)},
                                  {"jobs", nlohmann::ordered_json::array()}};
   for (const wire::JobInfo& job : list.jobs) json["jobs"].push_back(ToJson(job));

@@ -28,6 +28,7 @@ std::string StoreText(const coordinator::StoreFacts& store);
 std::string Dump(const nlohmann::ordered_json& json);  // bytes that are no UTF-8 are replaced
 
 // "refused  key 2, right 1\n": what a service has refused, by kind; empty where nothing.
+std::string WarningText(const std::string& warning);  // empty where there is none
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused);
 
 // Nothing more will happen to it by itself.

@@ -47,9 +47,9 @@ int List(const Options& options, const Invocation&) {
   if (options.json) {
     std::fputs(JobsJson(list).c_str(), stdout);
   } else {
-    std::printf("%s%u worker%s\n%s%s", JobTable(list.jobs).c_str(), list.workers,
+    std::printf("%s%u worker%s\n%s%s%s", JobTable(list.jobs).c_str(), list.workers,
                 list.workers == 1 ? "" : "s", StoreText(list.store).c_str(),
-                RefusedText(list.refused).c_str());
+                RefusedText(list.refused).c_str(), WarningText(list.warning).c_str());
   }
   return kExitDone;
 }

@@ -47,7 +47,7 @@ Json ToJson(const wire::WorkerInfo& worker) {
 }  // namespace
 
 std::string ServiceText(const coordinator::JobList& list, const std::vector<wire::WorkerInfo>& workers) {
-  std::string text = "jobs     " + CountsText(ByState(list.jobs)) + "\n";
+  std::string text = WarningText(list.warning) + "jobs     " + CountsText(ByState(list.jobs)) + "\n";
   text +=
       "workers  " + (workers.empty() ? "none (start 'cairn worker')" : CountsText(ByState(workers))) + "\n";
   text += list.refused.empty() ? "refused  nothing\n" : RefusedText(list.refused);
@@ -58,6 +58,7 @@ std::string ServiceText(const coordinator::JobList& list, const std::vector<wire
 std::string ServiceJson(const coordinator::JobList& list, const std::vector<wire::WorkerInfo>& workers) {
   Json json = {{"jobs", ByState(list.jobs)},
                {"refused", list.refused},
+               {"warning", list.warning},
                {"store", {{"bytes", list.store.bytes}, {"limit_bytes", list.store.limit_bytes}}},
                {"workers", Json::array()}};
   for (const wire::WorkerInfo& worker : workers) json["workers"].push_back(ToJson(worker));

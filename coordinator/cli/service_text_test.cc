@@ -37,6 +37,14 @@ TEST(ServiceText, CountsJobsAndWorkersByStateAndWhatWasRefused) {
       << text;
 }
 
+TEST(ServiceText, BeginsWithWhatIsWrong) {
+  coordinator::JobList list = ThreeJobs();
+  list.warning = "the list of keys cannot be read";
+  EXPECT_TRUE(ServiceText(list, {}).starts_with("warning  the list of keys cannot be read\njobs "))
+      << ServiceText(list, {});
+  EXPECT_EQ(nlohmann::json::parse(ServiceJson(list, {})).at("warning"), list.warning);
+}
+
 TEST(ServiceText, SaysWhatEachWorkerRunsAndForHowLong) {
   const std::string text = ServiceText(ThreeJobs(), TwoWorkers());
   EXPECT_NE(text.find("3       hub   812      busy   2        1:05  0:00    1-museum: task 3 (forward)"),

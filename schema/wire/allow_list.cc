@@ -1,12 +1,14 @@
 #include "schema/wire/allow_list.h"
 
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 #include "schema/wire/keys.h"
 
@@ -28,10 +30,26 @@ std::string Trim(const std::string& text) {
 Status CheckOwner(const std::filesystem::path& path) {
   struct stat info{};
   if (::stat(path.c_str(), &info) != 0) return {Code::kNotFound, path.string() + ": " + std::strerror(errno)};
+  if (!S_ISREG(info.st_mode)) return {Code::kRefused, path.string() + ": not a file"};
   if ((info.st_mode & 022) != 0 || (info.st_uid != ::geteuid() && info.st_uid != 0)) {
     return {Code::kRefused, path.string() + ": others can write this list; chmod go-w it"};
   }
   return Status::Ok();
+}
+
+constexpr std::string_view kEnd = "end";
+constexpr std::int64_t kSettled_ns =
+    1'000'000'000;  // far more than a tick of the clock that files are dated by
+
+bool IsRemark(const std::string& line) {
+  const std::string text = Trim(line);
+  return text.empty() || text.starts_with('#');
+}
+
+std::int64_t Now_ns() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  return now.tv_sec * 1'000'000'000 + now.tv_nsec;
 }
 
 // Says what is wrong with a line; empty: nothing, also of one that is empty or a remark.
@@ -81,12 +99,23 @@ Result<AllowedKeys> ReadAllowList(const std::filesystem::path& path) {
   if (!file) return Status(Code::kNotFound, path.string() + ": " + std::strerror(errno));
   AllowedKeys keys;
   int number = 0;
+  bool ended = false;
   for (std::string line; std::getline(file, line);) {
     ++number;
-    const std::string wrong = ReadLine(line, keys);
+    std::string wrong = Trim(line) == kEnd ? "a second 'end'" : ReadLine(line, keys);
+    if (Trim(line) == kEnd && !ended) {
+      wrong.clear();
+      ended = true;
+    } else if (wrong.empty() && ended && !IsRemark(line)) {
+      wrong = "a key after the end; 'end' must be the last line";
+    }
     if (!wrong.empty())
       return Status(Code::kCorrupt, path.string() + ":" + std::to_string(number) + ": " + wrong);
   }
+  if (!ended)
+    return Status(Code::kCorrupt, path.string() +
+                                      ": it has no end, so it may be half-written; where it is whole, "
+                                      "make 'end' its last line");
   return keys;
 }
 
@@ -101,12 +130,18 @@ bool AllowList::Refresh() {
              info.st_ctim.tv_sec * 1'000'000'000 + info.st_ctim.tv_nsec,
              info.st_mode};
   }
-  if (stamp == stamp_) return false;
+  if (stamp == stamp_ && settled_) return false;
   stamp_ = stamp;
   Result<AllowedKeys> keys = ReadAllowList(path_);
+  // What is changed again within a tick of the clock may look the same.
+  settled_ = keys.ok() && Now_ns() - stamp[4] > kSettled_ns;
+  bool changed = keys.status().message() != status_.message();
   status_ = keys.status();
-  keys_ = keys.ok() ? std::move(keys).value() : AllowedKeys{};
-  return true;
+  if (!keys.ok()) return changed;
+  changed = changed || !was_read_ || keys.value() != keys_;
+  was_read_ = true;
+  keys_ = std::move(keys).value();
+  return changed;
 }
 
 const Allowed* AllowList::Find(const std::string& key) const {

@@ -1,8 +1,11 @@
-// Who may do what: a file with a line for each public key that may connect,
+// Who may do what: a file with a line for each public key that may connect, and one that says `end`,
 //
 //   KEY ROLE[,ROLE] [what it is called]
+//   end
 //
-// where a role is worker, submitter or viewer. Empty lines and lines that begin with '#' are remarks.
+// where a role is worker, submitter or viewer. Empty lines and lines that begin with '#' are remarks. Without
+// its end a list is taken for one that is being written: a part of a list neither revokes a key nor lets one
+// in.
 #pragma once
 
 #include <array>
@@ -31,21 +34,26 @@ std::string RoleText(const Roles& roles);
 struct Allowed {
   Roles roles;
   std::string name;  // for people; may be empty
+
+  bool operator==(const Allowed&) const = default;
 };
 using AllowedKeys = std::map<std::string, Allowed>;  // by public key
 
-// kNotFound, kCorrupt (names the line), kRefused where others than its owner may write it.
+// kNotFound, kCorrupt (names the line, or the end that is missing), kRefused where others than its owner may
+// write it.
 Result<AllowedKeys> ReadAllowList(const std::filesystem::path& path);
 
-// The list as it is now. For one thread.
+// The list as it was when it could last be read. For one thread.
 class AllowList {
  public:
   explicit AllowList(std::filesystem::path path) : path_(std::move(path)) { Refresh(); }
 
-  // Reads the file again where it has changed since the last call (one stat where it has not); true where it
-  // has. A list that cannot be read allows nobody until it can.
+  // Reads the file again where it may have changed since the last call (one stat where it has not); true
+  // where what it says, or whether it can be read, has changed. While it cannot be read, the last good one
+  // holds, and it is tried again at each call.
   bool Refresh();
   const Status& status() const { return status_; }  // of the last reading
+  bool WasRead() const { return was_read_; }        // once at least: else nobody is on it
   // Null: not on the list.
   const Allowed* Find(const std::string& key) const;
 
@@ -54,6 +62,8 @@ class AllowList {
 
   std::filesystem::path path_;
   std::optional<Stamp> stamp_;
+  bool settled_ = false;  // read well, and so long after its last change that another would show
+  bool was_read_ = false;
   Status status_;
   AllowedKeys keys_;
 };

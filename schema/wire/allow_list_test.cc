@@ -1,8 +1,11 @@
 #include "schema/wire/allow_list.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <fstream>
+#include <functional>
 
 #include "schema/wire/keys.h"
 #include "schema/wire/testing.h"
@@ -30,7 +33,7 @@ class AllowListTest : public ::testing::Test {
 };
 
 TEST_F(AllowListTest, ReadsRolesNamesAndRemarks) {
-  Write("# the lab\n\n" + a_ + "  worker,submitter  the big desk \r\n" + b_ + " viewer\n");
+  Write("# the lab\n\n" + a_ + "  worker,submitter  the big desk \r\n" + b_ + " viewer\nend\n");
   const Result<AllowedKeys> keys = ReadAllowList(path_);
   ASSERT_TRUE(keys.ok()) << keys.status().message();
   ASSERT_EQ(keys.value().size(), 2u);
@@ -45,15 +48,28 @@ TEST_F(AllowListTest, NamesTheLineThatIsWrong) {
   EXPECT_NE(Problem(a_ + " desk\n").find("'desk'"), std::string::npos);
   EXPECT_NE(Problem(a_ + " worker,,viewer\n").find("allowed:1:"), std::string::npos);
   EXPECT_NE(Problem(a_ + " worker\n" + a_ + " viewer\n").find("allowed:2:"), std::string::npos);
-  EXPECT_EQ(Problem(a_ + " worker\n"), "");
+  EXPECT_NE(Problem(a_ + " worker\nend\n" + b_ + " worker\n").find("allowed:3:"), std::string::npos);
+  EXPECT_NE(Problem(a_ + " worker\nend\nend\n").find("allowed:3:"), std::string::npos);
+  EXPECT_EQ(Problem(a_ + " worker\nend\n# and a remark\n\n"), "");
+}
+
+// A copy over the list, seen at any moment.
+TEST_F(AllowListTest, NoPartOfAListIsTakenForOne) {
+  const std::string whole = a_ + " worker desk\n" + b_ + " viewer\nend";
+  for (std::size_t bytes = 0; bytes < whole.size(); ++bytes)
+    EXPECT_NE(Problem(whole.substr(0, bytes)), "") << bytes;
+  EXPECT_EQ(Problem(whole), "");
+  EXPECT_EQ(Problem("end\n"), "") << "the list that lets nobody in";
 }
 
 TEST_F(AllowListTest, OneThatOthersCanWriteIsRefused) {
-  Write(a_ + " worker\n");
+  Write(a_ + " worker\nend\n");
   std::filesystem::permissions(path_, std::filesystem::perms::group_write,
                                std::filesystem::perm_options::add);
   EXPECT_EQ(ReadAllowList(path_).status().code(), Code::kRefused);
   EXPECT_EQ(ReadAllowList(folder_.path() / "none").status().code(), Code::kNotFound);
+  ASSERT_EQ(::mkfifo((folder_.path() / "fifo").c_str(), 0600), 0);
+  EXPECT_EQ(ReadAllowList(folder_.path() / "fifo").status().code(), Code::kRefused);
 }
 
 TEST_F(AllowListTest, RolesAreWrittenAsTheyAreRead) {
@@ -64,32 +80,75 @@ TEST_F(AllowListTest, RolesAreWrittenAsTheyAreRead) {
 }
 
 TEST_F(AllowListTest, AChangeIsSeenAtTheNextRefresh) {
-  Write(a_ + " worker\n" + b_ + " viewer\n");
+  Write(a_ + " worker\n" + b_ + " viewer\nend\n");
   AllowList list(path_);
   EXPECT_FALSE(list.Refresh());
   ASSERT_NE(list.Find(a_), nullptr);
-  Replace(b_ + " viewer\n");
+  Replace(b_ + " viewer\nend\n");
   EXPECT_TRUE(list.Refresh());
   EXPECT_EQ(list.Find(a_), nullptr);
   EXPECT_NE(list.Find(b_), nullptr);
-  Replace(b_ + " worker\n");
+  Replace(b_ + " worker\nend\n");
   EXPECT_TRUE(list.Refresh());
   EXPECT_TRUE(list.Find(b_)->roles.worker);
 }
 
-TEST_F(AllowListTest, OneThatCannotBeReadAllowsNobodyUntilItCan) {
-  Write(a_ + " worker\n");
+TEST_F(AllowListTest, WhileItCannotBeReadTheLastGoodOneHolds) {
+  const std::string whole = a_ + " worker\nend\n";
+  Write(whole);
   AllowList list(path_);
-  Replace("rubbish\n");
+  const auto spoil = [&](const std::function<void()>& spoiled) {
+    spoiled();
+    EXPECT_TRUE(list.Refresh());
+    EXPECT_FALSE(list.status().ok());
+    EXPECT_FALSE(list.Refresh()) << "it is told once";
+    ASSERT_NE(list.Find(a_), nullptr);
+    EXPECT_EQ(list.Find(b_), nullptr);
+    Replace(whole);
+    EXPECT_TRUE(list.Refresh());
+    EXPECT_TRUE(list.status().ok());
+    EXPECT_NE(list.Find(a_), nullptr);
+  };
+  spoil([&] { Replace("rubbish\nend\n"); });
+  spoil([&] { Write(""); });
+  spoil([&] { Write(b_ + " worker\n"); });
+  spoil([&] { std::filesystem::remove(path_); });
+  spoil([&] {
+    std::filesystem::permissions(path_, std::filesystem::perms::group_write,
+                                 std::filesystem::perm_options::add);
+  });
+  Replace("end\n");
   EXPECT_TRUE(list.Refresh());
   EXPECT_EQ(list.Find(a_), nullptr);
-  EXPECT_EQ(list.status().code(), Code::kCorrupt);
-  std::filesystem::remove(path_);
-  EXPECT_TRUE(list.Refresh());
-  EXPECT_EQ(list.Find(a_), nullptr);
-  Write(a_ + " worker\n");
-  EXPECT_TRUE(list.Refresh());
+}
+
+// What could not be read is read once it can, though the file itself is the same as before.
+TEST_F(AllowListTest, ARevocationThatCouldNotBeReadAtOnceIsNotLost) {
+  Write(a_ + " worker\nend\n");
+  AllowList list(path_);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  Replace("end\n");
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const bool told = list.Refresh();
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_TRUE(told);
   EXPECT_NE(list.Find(a_), nullptr);
+  EXPECT_TRUE(list.Refresh());
+  EXPECT_EQ(list.Find(a_), nullptr);
+}
+
+// In the same file, of the same length, within a tick of the clock that files are dated by.
+TEST_F(AllowListTest, AChangeThatLeavesNoTraceInTheFilesDateIsSeen) {
+  for (int i = 0; i < 100; ++i) {
+    Write(a_ + " worker\nend\n");
+    AllowList list(path_);
+    ASSERT_NE(list.Find(a_), nullptr);
+    Write(b_ + " worker\nend\n");
+    list.Refresh();
+    ASSERT_EQ(list.Find(a_), nullptr) << i;
+  }
 }
 
 }  // namespace

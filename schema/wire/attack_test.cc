@@ -1,7 +1,9 @@
 // Attacks on a listening socket, by strangers and by those whose key is on the list. Each ends with the same
 // question: does an honest peer still get through?
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -21,7 +23,11 @@ constexpr int kPatience_ms = 20'000;  // far more than anything here takes
 class Attack : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::ofstream(List()) << honest_.public_key << " worker desk\n" << wicked_.public_key << " worker\n";
+    std::ofstream(List()) << honest_.public_key << " worker desk\n"
+                          << wicked_.public_key << " worker\n"
+                          << viewer_.public_key << " viewer\n"
+                          << other_viewer_.public_key << " viewer\n"
+                          << submitter_.public_key << " submitter\nend\n";
     options_.handshake_ms = 300;
     options_.reconnect_ms = 5;
     options_.reconnect_max_ms = 50;
@@ -60,21 +66,23 @@ class Attack : public ::testing::Test {
   bool UntilRefused(RefusalKind kind, std::uint64_t count = 1) {
     return Until([&] { return counts_[kind] >= count; });
   }
-  // An honest worker connects and is heard.
-  void ExpectService() {
+  // An honest worker, or whoever has these keys, connects and is heard.
+  void ExpectService() { ExpectServiceOf(honest_); }
+  void ExpectServiceOf(const KeyPair& keys) {
     const std::string word = "honest " + std::to_string(++words_);
     DealerSocket dealer = DealerSocket::Connect(context_, router_->endpoint(),
-                                                ClientSecurity{honest_, server_.public_key}, options_)
+                                                ClientSecurity{keys, server_.public_key}, options_)
                               .value();
     EXPECT_TRUE(Until([&] {
       static_cast<void>(dealer.TryEvent());
       return dealer.Send(Hello(word)).ok();
     }));
-    EXPECT_TRUE(Until([&] { return Heard(word); })) << "an honest peer is not heard any more";
+    EXPECT_TRUE(Until([&] { return HeardOf(keys, word); })) << "an honest peer is not heard any more";
   }
-  bool Heard(const std::string& word) const {
+  bool Heard(const std::string& word) const { return HeardOf(honest_, word); }
+  bool HeardOf(const KeyPair& keys, const std::string& word) const {
     return std::any_of(taken_.begin(), taken_.end(), [&](const Received& r) {
-      return r.user_id == honest_.public_key && r.message.envelope.hello().host() == word;
+      return r.user_id == keys.public_key && r.message.envelope.hello().host() == word;
     });
   }
   static Message Hello(const std::string& host) {
@@ -103,7 +111,9 @@ class Attack : public ::testing::Test {
   PrivateFolder folder_;
   zmq::context_t raw_;
   Context context_;
-  const KeyPair server_ = GenerateKeyPair(), honest_ = GenerateKeyPair(), wicked_ = GenerateKeyPair();
+  const KeyPair server_ = GenerateKeyPair(), honest_ = GenerateKeyPair(), wicked_ = GenerateKeyPair(),
+                viewer_ = GenerateKeyPair(), other_viewer_ = GenerateKeyPair(),
+                submitter_ = GenerateKeyPair();
   SocketOptions options_;
   std::optional<RouterSocket> router_;
   std::vector<Received> taken_, bad_;
@@ -175,6 +185,103 @@ TEST_F(Attack, AnAnnouncedGiantInTheHandshakeIsRefused) {
   ExpectService();
 }
 
+std::size_t Resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t pages = 0;
+  file >> pages >> pages;
+  return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::string Greeting(const std::string& mechanism) {
+  std::string bytes("\xff\0\0\0\0\0\0\0\1\x7f\3\0", 12);
+  bytes += mechanism;
+  bytes.resize(64);
+  return bytes;
+}
+
+const std::string kGiant("\x06\0\0\0\0\xb0\0\0\0", 9);  // the head of a command of 3 GB
+
+// Sends 32 MB at most behind what is announced; how many more bytes the process holds then.
+template <class Peer>
+std::ptrdiff_t Feed(std::vector<Peer>& peers, const std::string& beginning) {
+  const std::string piece(1 << 20, 'x');
+  const auto before = static_cast<std::ptrdiff_t>(Resident_bytes());
+  for (const Peer& peer : peers) peer.Send(beginning);
+  for (int i = 0; i < 32; ++i)
+    for (const Peer& peer : peers) peer.Send(piece);
+  return static_cast<std::ptrdiff_t>(Resident_bytes()) - before;
+}
+
+constexpr std::ptrdiff_t kMostGrowth_bytes = 16 << 20;  // of 128 MB that are sent
+
+// The largest message may be of 4 GB, so ZeroMQ would take the frame.
+TEST_F(Attack, AStrangersGiantIsNotKeptBeforeTheHandshake) {
+  options_.limits = {};
+  options_.handshake_ms = kPatience_ms;  // the time that a handshake may take is no limit on memory
+  Listen();
+  std::vector<RawTcp> strangers;
+  for (int i = 0; i < 4; ++i) strangers.emplace_back(Port());
+  EXPECT_LT(Feed(strangers, Greeting("CURVE") + kGiant), kMostGrowth_bytes);
+  ASSERT_TRUE(UntilRefused(RefusalKind::kHandshake, 4));
+  EXPECT_NE(reasons_[RefusalKind::kHandshake].find("more came than a handshake has"), std::string::npos);
+  ExpectService();
+}
+
+// Nor in small frames, nor behind a greeting of ZMTP 1 or 2.
+TEST_F(Attack, NothingOfAStrangerIsKeptBeforeTheHandshake) {
+  options_.limits = {};
+  options_.handshake_ms = kPatience_ms;
+  Listen();
+  for (const std::string& beginning :
+       {Greeting("CURVE") + std::string("\x04\xc8", 2), Greeting("NULL") + kGiant, Greeting("PLAIN") + kGiant,
+        std::string("\xff\0\0\0\0\0\0\0\1\x7f\1\5\0\0", 14) + kGiant,
+        std::string("\xff\0\0\0\0\xb0\0\0\0", 9)}) {
+    std::vector<RawTcp> strangers;
+    for (int i = 0; i < 4; ++i) strangers.emplace_back(Port());
+    EXPECT_LT(Feed(strangers, beginning), kMostGrowth_bytes);
+    for (const RawTcp& stranger : strangers) EXPECT_TRUE(stranger.IsEnded(kPatience_ms));
+  }
+  ExpectService();
+}
+
+// Who knows the coordinator's key can go through all of a handshake but the end.
+TEST_F(Attack, AGiantBehindTheHandshakeOfAnUnknownKeyIsNotKept) {
+  options_.limits = {};
+  options_.handshake_ms = kPatience_ms;
+  Listen();
+  Relay relay(Port());
+  relay.Tamper([](std::string bytes) {
+    if (bytes.find("INITIATE") != std::string::npos) bytes += kGiant + std::string(8192, 'x');
+    return bytes;
+  });
+  const zmq::socket_t socket = Wicked(GenerateKeyPair(), relay.endpoint());
+  ASSERT_TRUE(UntilRefused(RefusalKind::kHandshake));
+  EXPECT_NE(reasons_[RefusalKind::kHandshake].find("more came than a handshake has"), std::string::npos);
+  ExpectService();
+}
+
+TEST_F(Attack, OverIpcNothingIsKeptBeforeTheHandshakeEither) {
+  options_.handshake_ms = kPatience_ms;
+  options_.limits = {};
+  const RouterSocket router = RouterSocket::Bind(context_, folder_.Ipc("hub"), {}, options_).value();
+  std::vector<RawIpc> strangers;
+  for (int i = 0; i < 4; ++i) strangers.emplace_back((folder_.path() / "hub").string());
+  EXPECT_LT(Feed(strangers, Greeting("NULL") + kGiant), kMostGrowth_bytes);
+}
+
+// The other way round: what answers in the coordinator's place cannot fill a worker's memory.
+TEST_F(Attack, AnImpostorsGiantIsNotKept) {
+  options_.limits = {};
+  options_.handshake_ms = kPatience_ms;
+  Impostor impostor;
+  DealerSocket dealer = DealerSocket::Connect(context_, impostor.endpoint(),
+                                              ClientSecurity{honest_, server_.public_key}, options_)
+                            .value();
+  std::vector<RawTcp> peers;
+  peers.push_back(impostor.Accept());
+  EXPECT_LT(Feed(peers, Greeting("CURVE") + kGiant), kMostGrowth_bytes);
+}
+
 TEST_F(Attack, MassesOfHalfOpenConnectionsLeaveRoomForOthers) {
   options_.connections.connections = 20;
   Listen();
@@ -183,6 +290,50 @@ TEST_F(Attack, MassesOfHalfOpenConnectionsLeaveRoomForOthers) {
   ASSERT_TRUE(UntilRefused(RefusalKind::kConnections, 100));
   EXPECT_TRUE(Until([&] { return router_->connections() <= 20; }));
   masses.clear();
+  ExpectService();
+}
+
+// Each says a word and then keeps its place for ever.
+TEST_F(Attack, IdleConnectionsOfOneKeyLeaveRoomForAllOthers) {
+  options_.handshake_ms = kPatience_ms;  // its peers try once
+  options_.connections.connections = 64;
+  Listen();
+  const Places places(64);
+  for (const KeyPair* idle : {&viewer_, &submitter_, &wicked_}) {
+    const std::size_t most = idle == &wicked_ ? places.of_a_workers_key : places.of_another_key;
+    const auto heard = [&] {
+      return static_cast<std::size_t>(std::count_if(
+          taken_.begin(), taken_.end(), [&](const Received& r) { return r.user_id == idle->public_key; }));
+    };
+    ASSERT_TRUE(Until([&] { return router_->connections() == 0; }));
+    taken_.clear();
+    counts_.clear();
+    std::vector<zmq::socket_t> crowd;
+    while (crowd.size() < most + 3) {
+      crowd.push_back(Wicked(*idle, router_->endpoint()));
+      Send(crowd.back(), Hello("idle").envelope.SerializeAsString());
+      ASSERT_TRUE(Until([&] { return heard() == std::min(most, crowd.size()); }))
+          << crowd.size() << " " << reasons_[RefusalKind::kConnections] << reasons_[RefusalKind::kHandshake];
+    }
+    ASSERT_TRUE(UntilRefused(RefusalKind::kConnections));
+    EXPECT_NE(reasons_[RefusalKind::kConnections].find(ShortKey(idle->public_key)), std::string::npos)
+        << reasons_[RefusalKind::kConnections];
+    for (const KeyPair* other : {&honest_, &viewer_, &other_viewer_, &submitter_})
+      if (other != idle) ExpectServiceOf(*other);
+    EXPECT_EQ(heard(), most);
+  }
+}
+
+TEST_F(Attack, WhoeverShakesHandsAndSaysNothingIsTurnedAway) {
+  options_.handshake_ms = kPatience_ms;
+  options_.connections.connections = 64;
+  options_.connections.first_word_ms = 300;
+  Listen();
+  std::vector<zmq::socket_t> silent;
+  for (int i = 0; i < 4; ++i) silent.push_back(Wicked(viewer_, router_->endpoint()));
+  ASSERT_TRUE(UntilRefused(RefusalKind::kConnections, 4));
+  EXPECT_NE(reasons_[RefusalKind::kConnections].find("said nothing"), std::string::npos);
+  EXPECT_TRUE(Until([&] { return router_->connections() == 0; }));
   ExpectService();
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstring>
 #include <utility>
@@ -49,9 +50,9 @@ std::string HandshakeReason(std::uint32_t value) {
 }  // namespace
 
 const char* KindName(RefusalKind kind) {
-  constexpr std::array kNames = {"connections", "rate",    "handshake", "key",   "malformed",
-                                 "oversized",   "version", "revoked",   "right", "identity",
-                                 "task",        "blob",    "job",       "store"};
+  constexpr std::array kNames = {"connections", "rate",    "handshake", "key",     "malformed",
+                                 "oversized",   "version", "build",     "revoked", "right",
+                                 "identity",    "task",    "blob",      "job",     "store"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
@@ -96,6 +97,7 @@ void Doorman::Loop() {
     if (const auto now = std::chrono::steady_clock::now(); now - looked >= kLookEvery) {
       looked = now;
       CloseThoseThatPileUp();
+      if (allow_list_) CloseTheSilent();
     }
   }
 }
@@ -110,16 +112,21 @@ void Doorman::AnswerZap() {
     const bool curve = request.size() == 7 && request[5].to_string_view() == "CURVE";
     const std::string key = curve ? Z85(request[6]) : "";
     allow_list_->Refresh();
-    const bool allowed = !key.empty() && allow_list_->Find(key) != nullptr;
-    if (!allowed) {
+    const Allowed* allowed = key.empty() ? nullptr : allow_list_->Find(key);
+    const std::string too_many = allowed != nullptr ? NoteHandshake(key, *allowed) : "";
+    if (!too_many.empty()) {
+      Count(RefusalKind::kConnections, too_many);
+    } else if (allowed == nullptr) {
       const std::string why =
           allow_list_->status().ok() ? "is not on the list" : allow_list_->status().message();
       Count(RefusalKind::kKey, ShortKey(key) + " from " +
                                    request.at(std::min<std::size_t>(3, request.size() - 1)).to_string() +
                                    ": " + why);
     }
+    // 300: not now. Its side takes that for a handshake that was broken off, and tries again later.
+    const std::string code = !too_many.empty() ? "300" : allowed != nullptr ? "200" : "400";
     const std::array<std::string, 6> reply = {
-        "1.0", id, allowed ? "200" : "400", allowed ? "" : "key not allowed", allowed ? key : "", ""};
+        "1.0", id, code, code == "400" ? "key not allowed" : "", code == "200" ? key : "", ""};
     for (std::size_t i = 0; i < reply.size(); ++i) {
       zap_.send(zmq::buffer(reply[i]),
                 i + 1 < reply.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
@@ -136,15 +143,15 @@ void Doorman::OnEvent(const Monitor::Event& event) {
                    std::string("the system gives no more: ") + std::strerror(static_cast<int>(event.value)));
     case ZMQ_EVENT_DISCONNECTED: {
       const std::lock_guard lock(mutex_);
-      open_.erase(static_cast<int>(event.value));
-      open_count_ = open_.size();
-      return;
+      return Leave(static_cast<int>(event.value));
     }
     case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
       return Count(RefusalKind::kHandshake, HandshakeReason(event.value) + " (" + event.where + ")");
     default:
       return Count(RefusalKind::kHandshake,
-                   "it ended before it had shaken hands, or took too long (" + event.where + ")");
+                   (event.value == EMSGSIZE ? "more came than a handshake has ("
+                                            : "it ended before it had shaken hands, or took too long (") +
+                       event.where + ")");
   }
 }
 
@@ -165,16 +172,29 @@ bool Doorman::WithinRate(const std::string& address) {
       .first->second.Take(now_s);
 }
 
+// What is wrong with one more newcomer, who is counted already; empty: nothing.
+std::string Doorman::WhyTooMany(const std::string& address) {
+  const std::size_t most = MostConnections();
+  if (open_count_ > most) return address + ": more than " + std::to_string(most) + " connections";
+  if (!allow_list_) return "";
+  const Places places(most);
+  const std::lock_guard lock(mutex_);
+  if (kinds_[Kind::kNewcomer] > places.newcomers)
+    return address + ": more than " + std::to_string(places.newcomers) + " that have said nothing yet";
+  if (newcomers_[address] > places.of_an_address)
+    return address + ": more than " + std::to_string(places.of_an_address) +
+           " from one address that have said nothing yet";
+  return "";
+}
+
 void Doorman::OnAccepted(int fd) {
   const std::string address = PeerAddress(fd);
   {
     const std::lock_guard lock(mutex_);
-    open_[fd] = {address, 0};
-    open_count_ = open_.size();
+    Enter(fd, address);
   }
-  if (open_count_ > MostConnections()) {
-    Count(RefusalKind::kConnections,
-          address + ": more than " + std::to_string(MostConnections()) + " connections");
+  if (const std::string too_many = WhyTooMany(address); !too_many.empty()) {
+    Count(RefusalKind::kConnections, too_many);
   } else if (!WithinRate(address)) {
     Count(RefusalKind::kRate, address + ": too many connections in a short time");
   } else {
@@ -183,10 +203,104 @@ void Doorman::OnAccepted(int fd) {
   ShutDownConnection(fd, endpoint_);
 }
 
-void Doorman::TellTaken(int fd, std::size_t bytes, std::size_t frames) {
-  const std::lock_guard lock(mutex_);
+void Doorman::Enter(int fd, const std::string& address) {
+  Leave(fd);
+  open_[fd] = {.address = address, .since_s = Now(), .taken_bytes = 0, .kind = Kind::kNewcomer, .user = {}};
+  open_count_ = open_.size();
+  ++kinds_[Kind::kNewcomer];
+  ++newcomers_[address];
+}
+
+void Doorman::Leave(int fd) {
   const auto it = open_.find(fd);
-  if (it != open_.end()) it->second.taken_bytes += bytes + frames * kFrameOverhead;
+  if (it == open_.end()) return;
+  const Connection& connection = it->second;
+  --kinds_[connection.kind];
+  if (connection.kind != Kind::kNewcomer)
+    --guests_.at(connection.user).connections;
+  else if (--newcomers_[connection.address] == 0)
+    newcomers_.erase(connection.address);
+  open_.erase(it);
+  open_count_ = open_.size();
+}
+
+// Empty where there is room for one more of this key.
+std::string Doorman::WhyNoPlace(const std::string& key, const Guest& guest) const {
+  const Places places(MostConnections());
+  const bool worker = guest.kind == Kind::kWorker;
+  const std::size_t of_key = worker ? places.of_a_workers_key : places.of_another_key;
+  const std::size_t of_kind = worker                           ? places.workers
+                              : guest.kind == Kind::kSubmitter ? places.submitters
+                                                               : places.viewers;
+  const std::string who = "the key " + ShortKey(key) + (guest.name.empty() ? "" : " (" + guest.name + ")");
+  if (guest.connections >= of_key)
+    return who + " has " + std::to_string(guest.connections) + " connections, the most that such a key may";
+  const auto kind = kinds_.find(guest.kind);
+  if (kind == kinds_.end() || kind->second < of_kind) return "";
+  return who + ": there are " + std::to_string(kind->second) + " connections of " +
+         (worker                           ? "workers"
+          : guest.kind == Kind::kSubmitter ? "submitters"
+                                           : "viewers") +
+         ", the most that there may be";
+}
+
+// Why this key may not shake hands just now; empty: it may.
+std::string Doorman::NoteHandshake(const std::string& key, const Allowed& allowed) {
+  const Kind kind = allowed.roles.worker      ? Kind::kWorker
+                    : allowed.roles.submitter ? Kind::kSubmitter
+                                              : Kind::kViewer;
+  const std::lock_guard lock(mutex_);
+  const bool worker = kind == Kind::kWorker;
+  const Bucket handshakes(worker ? limits_.handshakes_per_s : limits_.handshakes_per_s / 2,
+                          worker ? limits_.handshake_burst : limits_.handshake_burst / 4);
+  const auto [it, fresh] = guests_.try_emplace(key, Guest{kind, allowed.name, handshakes});
+  Guest& guest = it->second;
+  guest.name = allowed.name;
+  if (guest.connections == 0) guest.kind = kind;  // else once those that are counted as what it was have gone
+  if (const std::string why = WhyNoPlace(key, guest); !why.empty()) return why;
+  if (guest.handshakes.Take(Now())) return "";
+  return "the key " + ShortKey(key) + " connects too often";
+}
+
+bool Doorman::TellTaken(int fd, const std::string& user, std::size_t bytes, std::size_t frames) {
+  std::string why;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = open_.find(fd);
+    if (it == open_.end()) return true;
+    Connection& connection = it->second;
+    connection.taken_bytes += bytes + frames * kFrameOverhead;
+    const auto guest = guests_.find(user);
+    if (connection.kind != Kind::kNewcomer || guest == guests_.end()) return true;
+    why = WhyNoPlace(user, guest->second);
+    if (why.empty()) {
+      --kinds_[Kind::kNewcomer];
+      if (--newcomers_[connection.address] == 0) newcomers_.erase(connection.address);
+      connection.kind = guest->second.kind;
+      connection.user = user;
+      ++kinds_[connection.kind];
+      ++guest->second.connections;
+      return true;
+    }
+  }
+  Count(RefusalKind::kConnections, why);
+  return false;
+}
+
+// Whoever has shaken hands and keeps silent takes a place of those who are to come.
+void Doorman::CloseTheSilent() {
+  std::vector<std::pair<int, std::string>> silent;
+  {
+    const std::lock_guard lock(mutex_);
+    const double now_s = Now();
+    for (const auto& [fd, connection] : open_)
+      if (connection.kind == Kind::kNewcomer && now_s - connection.since_s > limits_.first_word_ms / 1e3)
+        silent.emplace_back(fd, connection.address);
+  }
+  for (const auto& [fd, address] : silent) {
+    Count(RefusalKind::kConnections, address + ": it has connected and said nothing");
+    ShutDownConnection(fd, endpoint_);
+  }
 }
 
 // ZeroMQ hands out whole messages only, and counts those: one that never ends would grow without a limit.

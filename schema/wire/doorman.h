@@ -44,16 +44,28 @@ class Doorman {
 
   // Once `router` is bound, to `endpoint`.
   void Start(std::string endpoint);
-  // A message of so many bytes and frames was taken from this connection.
-  void TellTaken(int fd, std::size_t bytes, std::size_t frames);
+  // A message of so many bytes and frames was taken from this connection, which has the key `user` (none:
+  // empty). False where it is one too many of its key or of its kind.
+  bool TellTaken(int fd, const std::string& user, std::size_t bytes, std::size_t frames);
   // Since the last call, by kind.
   std::vector<Refusal> TakeRefusals();
   std::size_t connections() const { return open_count_; }
 
  private:
+  enum class Kind { kNewcomer, kWorker, kSubmitter, kViewer };
   struct Connection {
     std::string address;
+    double since_s = 0;
     std::uint64_t taken_bytes = 0;
+    Kind kind = Kind::kNewcomer;
+    std::string user;  // not of a newcomer
+  };
+  // Of a key on the list that has shaken hands.
+  struct Guest {
+    Kind kind = Kind::kViewer;
+    std::string name;
+    Bucket handshakes;
+    std::size_t connections = 0;
   };
   void Loop();
   void AnswerZap();
@@ -61,7 +73,14 @@ class Doorman {
   void OnAccepted(int fd);
   bool WithinRate(const std::string& address);
   std::size_t MostConnections() const;
+  std::string WhyTooMany(const std::string& address);
   void CloseThoseThatPileUp();
+  void CloseTheSilent();
+  // With mutex_ held.
+  void Enter(int fd, const std::string& address);
+  void Leave(int fd);
+  std::string WhyNoPlace(const std::string& key, const Guest& guest) const;
+  std::string NoteHandshake(const std::string& key, const Allowed& allowed);
   void Count(RefusalKind kind, std::string reason);
 
   const ConnectionLimits limits_;
@@ -72,8 +91,11 @@ class Doorman {
   std::map<std::string, Bucket> buckets_;  // by address
   std::atomic<std::size_t> open_count_{0};
   std::mutex mutex_;
-  std::map<int, Connection> open_;           // by descriptor; guarded by mutex_
-  std::map<RefusalKind, Refusal> refusals_;  // guarded by mutex_
+  std::map<int, Connection> open_;                // by descriptor; guarded by mutex_, as all that follows
+  std::map<std::string, Guest> guests_;           // by key
+  std::map<Kind, std::size_t> kinds_;             // connections, in all …
+  std::map<std::string, std::size_t> newcomers_;  // … and of newcomers by address
+  std::map<RefusalKind, Refusal> refusals_;
   std::atomic<bool> stop_{false};
   Wakeup wakeup_;
   std::thread thread_;  // last: it uses all of the above

@@ -1,6 +1,7 @@
 // Every limit on what a peer may send or ask, in one place; docs/threat-model.md says what each is against.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -18,8 +19,27 @@ struct ConnectionLimits {
   std::size_t connections = 4096;  // at a time; fewer where the process may not open so many files
   double handshakes_per_s = 100;   // from one address …
   double handshake_burst = 1000;   // … beyond so many at once
+  int first_word_ms = 10'000;      // with keys: whoever has said nothing by then is turned away
   std::size_t spare_files = 128;   // descriptors that are kept for everything else
   std::size_t unread_bytes = std::size_t{8} << 30;  // that came over one connection and were not taken yet
+};
+
+// Of so many connections to a socket with keys, how many may be of whom: nobody takes the places of others.
+struct Places {
+  static constexpr std::size_t kFew = 4;
+  explicit Places(std::size_t all)
+      : workers(all / 2),
+        submitters(std::max(kFew, all / 8)),
+        viewers(submitters),
+        newcomers(std::max(kFew, all / 4)),
+        of_a_workers_key(std::max(kFew, 3 * workers / 4)),
+        of_another_key(std::max(kFew, submitters / 4)),
+        of_an_address(std::max(kFew, newcomers / 4)) {}
+
+  std::size_t workers, submitters, viewers;
+  std::size_t newcomers;  // that have said nothing yet
+  std::size_t of_a_workers_key, of_another_key;
+  std::size_t of_an_address;  // newcomers
 };
 
 // On a job, and on what a worker says of itself and of its tasks.

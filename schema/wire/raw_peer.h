@@ -5,6 +5,7 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -23,8 +24,10 @@ inline int PortOf(const std::string& endpoint) {
   return std::atoi(endpoint.substr(endpoint.rfind(':') + 1).c_str());
 }
 
+// A connection, by its descriptor.
 class RawTcp {
  public:
+  RawTcp(int fd, bool connected) : fd_(fd), connected_(connected) {}
   explicit RawTcp(int port) : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const sockaddr_in address = Loopback(port);
     connected_ = ::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
@@ -57,6 +60,45 @@ class RawTcp {
  private:
   int fd_;
   bool connected_ = false;
+};
+
+// The same over ipc.
+class RawIpc : public RawTcp {
+ public:
+  explicit RawIpc(const std::string& path) : RawTcp(Connected(path), true) {}
+
+ private:
+  static int Connected(const std::string& path) {
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    CAIRN_DEMAND(::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, path);
+    return fd;
+  }
+};
+
+// Listens where a coordinator should.
+class Impostor {
+ public:
+  Impostor() : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address = RawTcp::Loopback(0);
+    socklen_t size = sizeof address;
+    CAIRN_DEMAND(::bind(listener_, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
+                     ::listen(listener_, 1) == 0 &&
+                     ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) == 0,
+                 "no port to listen at");
+    endpoint_ = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  }
+  ~Impostor() { ::close(listener_); }
+  Impostor(const Impostor&) = delete;
+  Impostor& operator=(const Impostor&) = delete;
+  const std::string& endpoint() const { return endpoint_; }
+  RawTcp Accept() const { return {::accept(listener_, nullptr, nullptr), true}; }
+
+ private:
+  const int listener_;
+  std::string endpoint_;
 };
 
 // Relays one connection to `port`. What the client sends goes through `tamper` first.
@@ -95,7 +137,7 @@ class Relay {
     while (!stop_ && ::poll(&waiting, 1, 10) <= 0) {
     }
     if (stop_) return;
-    const int client = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+    const int client = ::accept(listener_, nullptr, nullptr);
     const int server = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const sockaddr_in address = RawTcp::Loopback(port_);
     if (::connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {

@@ -16,6 +16,7 @@ enum class RefusalKind {
   kMalformed,
   kOversized,
   kVersion,  // of a kind, or a protocol, that is not known here
+  kBuild,    // a worker of another build than the coordinator's
   // Of what a message asks for.
   kRevoked,   // the key was taken off the list since it shook hands
   kRight,     // the key's roles do not allow it

@@ -2,10 +2,10 @@
 #include <numeric>
 #include <utility>
 
-#include "schema/wire/accept.h"
 #include "schema/wire/connection.h"
 #include "schema/wire/endpoint.h"
 #include "schema/wire/socket_impl.h"
+#include "schema/wire/system_calls.h"
 
 namespace cairn::wire {
 namespace {
@@ -116,7 +116,12 @@ std::optional<Received> RouterSocket::TryReceive() {
     if (frames.empty()) return std::nullopt;
     const std::size_t bytes = std::accumulate(frames.begin(), frames.end(), std::size_t{0},
                                               [](std::size_t sum, const auto& f) { return sum + f.size(); });
-    impl_->doorman->TellTaken(Descriptor(frames.back()), bytes, frames.size());
+    const bool place =
+        impl_->doorman->TellTaken(Descriptor(frames.back()), UserId(frames.back()), bytes, frames.size());
+    if (!place) {
+      impl_->Remember(frames[0].to_string(), Descriptor(frames.back()));
+      impl_->Drop(frames[0].to_string());
+    }
     if (!impl_->dropped.contains(frames[0].to_string())) return impl_->Receive(std::move(frames));
   }
 }

@@ -232,7 +232,7 @@ TEST(Socket, BindingTwiceIsBusyAndTcpWithoutKeysRefused) {
   EXPECT_EQ(RouterSocket::Bind(link.context, "tcp://127.0.0.1:*").status().code(), Code::kRefused);
   EXPECT_EQ(DealerSocket::Connect(link.context, "tcp://127.0.0.1:1").status().code(), Code::kRefused);
   const KeyPair keys = GenerateKeyPair();
-  std::ofstream(link.folder.path() / "allowed") << keys.public_key << " worker\n";
+  std::ofstream(link.folder.path() / "allowed") << keys.public_key << " worker\nend\n";
   const ServerSecurity security{keys, link.folder.path() / "allowed"};
   const Result<RouterSocket> first = RouterSocket::Bind(link.context, "tcp://127.0.0.1:*", security);
   ASSERT_TRUE(first.ok()) << first.status().message();
@@ -243,7 +243,7 @@ TEST(Socket, BindingTwiceIsBusyAndTcpWithoutKeysRefused) {
 class SecuredSocket : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::ofstream(folder_.path() / "allowed") << known_.public_key << " worker desk\n";
+    std::ofstream(folder_.path() / "allowed") << known_.public_key << " worker desk\nend\n";
     Result<RouterSocket> bound = RouterSocket::Bind(
         context_, "tcp://127.0.0.1:*", ServerSecurity{server_, folder_.path() / "allowed"}, Quick());
     ASSERT_TRUE(bound.ok()) << bound.status().message();
@@ -284,7 +284,7 @@ TEST_F(SecuredSocket, AKeyAddedToTheListIsLetInWithoutARestart) {
     ASSERT_TRUE(dealer.Reconnect().ok());
   }
   ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kKeyRefused);
-  std::ofstream(folder_.path() / "allowed", std::ios::app) << late.public_key << " viewer\n";
+  std::ofstream(folder_.path() / "allowed") << late.public_key << " viewer\nend\n";
   ASSERT_TRUE(dealer.Reconnect().ok());
   EXPECT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
 }

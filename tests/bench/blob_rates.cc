@@ -103,7 +103,7 @@ void TakeBlobs(wire::DealerSocket dealer) {
 double WireRate() {
   const wire::PrivateFolder folder;
   const wire::KeyPair server = wire::GenerateKeyPair(), client = wire::GenerateKeyPair();
-  std::ofstream(folder.path() / "allowed") << client.public_key << " worker\n";
+  std::ofstream(folder.path() / "allowed") << client.public_key << " worker\nend\n";
   wire::Context here;
   wire::RouterSocket router =
       wire::RouterSocket::Bind(here, "tcp://127.0.0.1:*",

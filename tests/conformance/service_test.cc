@@ -44,7 +44,7 @@ class TcpService : public ::testing::Test {
       ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / name, keys_[name]).ok());
     }
     std::ofstream(folder_.path() / "allowed") << keys_["worker"].public_key << " worker w\n"
-                                              << keys_["client"].public_key << " submitter c\n";
+                                              << keys_["client"].public_key << " submitter c\nend\n";
     coordinator::ServiceOptions options;
     options.store_dir = (folder_.path() / "store").string();
     options.listen = endpoint_;

@@ -25,7 +25,7 @@ std::vector<Bytes> Seeds() {
   std::vector<Bytes> seeds;
   for (const std::string& text :
        {pub + "\n", "# both\n" + pub + " public\n" + secret + " secret\n",
-        "# a list\n\n" + pub + " worker,viewer desk\n" + secret + "  submitter\r\n"})
+        "# a list\n\n" + pub + " worker,viewer desk\n" + secret + "  submitter\r\nend\r\n"})
     seeds.emplace_back(text.begin(), text.end());
   return seeds;
 }

@@ -1,0 +1,184 @@
+#include "schema/wire/system_calls.h"
+
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+namespace cairn::wire {
+namespace {
+
+std::atomic<std::size_t> g_spare{0};
+constexpr unsigned kPause_us = 10'000;
+
+// The system gives the lowest number that is free: one this high says that the others are taken.
+bool IsSpare(int fd) {
+  rlimit files{};
+  if (g_spare == 0 || ::getrlimit(RLIMIT_NOFILE, &files) != 0) return false;
+  const rlim_t spare = std::min<rlim_t>(g_spare, files.rlim_cur / 4);
+  return static_cast<rlim_t>(fd) >= files.rlim_cur - spare;
+}
+
+// One direction of a connection, byte by byte (rfc.zeromq.org/spec/23: a greeting of 64 bytes, then frames of
+// flags, length and body), until the command by which this side ends its handshake has gone by.
+class HandshakeBytes {
+ public:
+  void Take(unsigned char byte) {
+    ++count_;
+    if (count_ <= kGreetingBytes) return;
+    if (header_.size() < HeaderBytes()) {
+      header_.push_back(static_cast<char>(byte));
+      if (header_.size() == HeaderBytes()) left_ = Length();
+    } else {
+      if (name_.size() < kInitiate.size()) name_.push_back(static_cast<char>(byte));
+      --left_;
+    }
+    if (header_.size() == HeaderBytes() && left_ == 0) EndFrame();
+  }
+  bool done() const { return done_; }
+  bool TooMany() const { return count_ > kMostHandshakeBytes || left_ > kMostHandshakeBytes; }
+
+ private:
+  static constexpr std::size_t kGreetingBytes = 64;
+  static constexpr unsigned char kLong = 2, kCommand = 4;
+  // CURVE's client ends with the one, its server, and both sides of a connection without keys, with the
+  // other.
+  static constexpr std::string_view kInitiate = "\x08INITIATE", kReady = "\x05READY";
+
+  bool Has(unsigned char flag) const {
+    return !header_.empty() && (static_cast<unsigned char>(header_[0]) & flag) != 0;
+  }
+  std::size_t HeaderBytes() const { return Has(kLong) ? 9 : 2; }
+  std::uint64_t Length() const {
+    std::uint64_t length = 0;
+    for (const char c : std::string_view(header_).substr(1))
+      length = length << 8 | static_cast<unsigned char>(c);
+    return length;
+  }
+  void EndFrame() {
+    done_ = done_ || (Has(kCommand) && (name_.starts_with(kInitiate) || name_.starts_with(kReady)));
+    header_.clear();
+    name_.clear();
+  }
+
+  std::size_t count_ = 0;
+  std::string header_, name_;
+  std::uint64_t left_ = 0;  // of the frame's body
+  bool done_ = false;
+};
+
+// A connection whose handshake is under way.
+struct Stranger {
+  ino_t socket = 0;  // its number, for the descriptor may be another's by now
+  HandshakeBytes came, went;
+};
+
+std::mutex g_mutex;
+std::unordered_map<int, Stranger> g_strangers;  // by descriptor
+std::atomic<std::size_t> g_stranger_count{0};   // so that others need not wait for the mutex
+
+ino_t SocketNumber(int fd) {
+  struct stat info{};
+  return ::fstat(fd, &info) == 0 ? info.st_ino : 0;
+}
+
+void Watch(int fd) {
+  const std::lock_guard lock(g_mutex);
+  g_strangers[fd] = {.socket = SocketNumber(fd), .came = {}, .went = {}};
+  g_stranger_count = g_strangers.size();
+}
+
+bool IsStream(int fd) {
+  int type = 0;
+  socklen_t size = sizeof type;
+  return ::getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_STREAM;
+}
+
+bool IsWatched(int fd) {
+  if (g_stranger_count == 0) return false;
+  const std::lock_guard lock(g_mutex);
+  const auto it = g_strangers.find(fd);
+  if (it == g_strangers.end()) return false;
+  if (it->second.socket == SocketNumber(fd)) return true;
+  g_strangers.erase(it);
+  g_stranger_count = g_strangers.size();
+  return false;
+}
+
+// False where more came than a handshake has.
+bool Note(int fd, HandshakeBytes Stranger::* direction, std::span<const unsigned char> bytes) {
+  const std::lock_guard lock(g_mutex);
+  const auto it = g_strangers.find(fd);
+  if (it == g_strangers.end()) return true;
+  Stranger& stranger = it->second;
+  HandshakeBytes& side = stranger.*direction;
+  for (const unsigned char byte : bytes) {
+    side.Take(byte);
+    if (stranger.came.TooMany()) return false;
+    if (!stranger.came.done() || !stranger.went.done()) continue;
+    g_strangers.erase(it);
+    g_stranger_count = g_strangers.size();
+    return true;
+  }
+  return true;
+}
+
+}  // namespace
+
+void SpareDescriptors(std::size_t spare) { g_spare = spare; }
+
+}  // namespace cairn::wire
+
+// In the place of the C library's, for ZeroMQ calls them by these names. No other code of a process of ours
+// connects a stream or accepts one by accept4. (ZeroMQ reports ENFILE as a connection that could not be
+// accepted, and goes on, whatever the transport.)
+extern "C" int accept4(int listener, sockaddr* address, socklen_t* length, int flags) {
+  const int fd = static_cast<int>(::syscall(SYS_accept4, listener, address, length, flags));
+  if (fd >= 0 && !cairn::wire::IsSpare(fd)) {
+    cairn::wire::Watch(fd);
+    return fd;
+  }
+  if (fd >= 0) {
+    ::close(fd);
+    errno = ENFILE;
+  } else if (errno == EMFILE) {
+    ::usleep(cairn::wire::kPause_us);  // it knocks on
+    errno = ENFILE;
+  }
+  return -1;
+}
+
+extern "C" int connect(int fd, const sockaddr* address, socklen_t length) {
+  if (cairn::wire::IsStream(fd)) cairn::wire::Watch(fd);
+  return static_cast<int>(::syscall(SYS_connect, fd, address, length));
+}
+
+extern "C" ssize_t recv(int fd, void* buffer, std::size_t size, int flags) {
+  const bool watched = cairn::wire::IsWatched(fd) && (flags & MSG_PEEK) == 0;
+  if (watched) size = std::min(size, cairn::wire::kMostHandshakeBytes);
+  const ssize_t got = ::syscall(SYS_recvfrom, fd, buffer, size, flags, nullptr, nullptr);
+  if (!watched || got <= 0) return got;
+  const std::span bytes(static_cast<const unsigned char*>(buffer), static_cast<std::size_t>(got));
+  if (cairn::wire::Note(fd, &cairn::wire::Stranger::came, bytes)) return got;
+  errno = EMSGSIZE;
+  return -1;
+}
+
+extern "C" ssize_t send(int fd, const void* buffer, std::size_t size, int flags) {
+  const ssize_t sent = ::syscall(SYS_sendto, fd, buffer, size, flags, nullptr, 0);
+  if (sent <= 0 || !cairn::wire::IsWatched(fd)) return sent;
+  const std::span bytes(static_cast<const unsigned char*>(buffer), static_cast<std::size_t>(sent));
+  static_cast<void>(cairn::wire::Note(fd, &cairn::wire::Stranger::went, bytes));
+  return sent;
+}

@@ -1,0 +1,20 @@
+// The C library's calls by which ZeroMQ makes connections and moves their bytes, in our place: what it cannot
+// be told to limit is limited here. For this folder alone.
+#pragma once
+
+#include <cstddef>
+
+namespace cairn::wire {
+
+// From now on a connection that would take one of the last `spare` descriptors (a quarter of all, at most) is
+// closed the moment that it is accepted. ZeroMQ, which accepts, else takes them all: then nothing can be
+// saved, its thread spins over a TCP connection that it cannot accept, and aborts the process over one of
+// ipc.
+void SpareDescriptors(std::size_t spare);
+
+// What may come over a connection, accepted or made, before both sides have shaken hands: a greeting of 64
+// bytes and two commands, of 202 and at most 700 bytes (rfc.zeromq.org/spec/26). ZeroMQ 4.3.4 would take a
+// frame of any size that a message may have from whoever knocks, and keep what comes of it.
+constexpr std::size_t kMostHandshakeBytes = 4096;
+
+}  // namespace cairn::wire
