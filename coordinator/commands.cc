@@ -23,7 +23,7 @@ void Core::On(const PauseJob& event) {
 
 void Core::On(const ResumeJob& event) {
   Job* job = Obeying(event.id, JobCommand::kResume);
-  if (job == nullptr || job->Running() || !FitsTheFleet(*job)) return;
+  if (job == nullptr || job->Running() || !IsOfThisBuild(*job)) return;
   // What it stood still for is no part of its round's time.
   job->round_since_s = std::min(now_s_, job->round_since_s + now_s_ - job->running_since_s);
   GoOn(*job, "resumed");
@@ -31,15 +31,14 @@ void Core::On(const ResumeJob& event) {
 
 void Core::On(const RetryJob& event) {
   Job* job = Obeying(event.id, JobCommand::kRetry);
-  if (job == nullptr || !FitsTheFleet(*job)) return;
+  if (job == nullptr || !IsOfThisBuild(*job)) return;
   BeginAgain(*job);
   GoOn(*job, "retried");
 }
 
-bool Core::FitsTheFleet(Job& job) {
-  const wire::Build* build = RequiredBuild();
-  if (build == nullptr || !job.build || BuildDifference(*build, *job.build).empty()) return true;
-  job.reason = "it was begun by another build: " + BuildDifference(*build, *job.build);
+bool Core::IsOfThisBuild(Job& job) {
+  if (!job.build || BuildDifference(options_.build, *job.build).empty()) return true;
+  job.reason = "it was begun by another build: " + BuildDifference(options_.build, *job.build);
   Say(Report::kWarning, job, "cannot go on: " + job.reason);
   return false;
 }

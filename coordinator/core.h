@@ -40,6 +40,7 @@ struct CoreOptions {
   double task_time_s = 0;   // of a task whose job says nothing; 0: no limit
   std::uint64_t task_memory_mb = 0;  // the same
   std::uint32_t protocol = 1;        // Hello.protocol that is spoken here
+  wire::Build build;                 // of the coordinator: bits of another must not be mixed with its own
 };
 
 class Core {
@@ -95,8 +96,8 @@ class Core {
   void On(const Tick& event);
 
   // workers.cc
-  void Refuse(const std::string& peer, const std::string& reason);
-  const wire::Build* RequiredBuild() const;
+  // Null where it may work here.
+  std::optional<wire::Refusal> WhyRefused(const wire::Hello& hello) const;
   Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is a stranger
   void BeginDraining(Worker& worker);
   void TellDrain(const Worker& worker);
@@ -139,7 +140,7 @@ class Core {
 
   // commands.cc
   Job* Obeying(const std::string& id, JobCommand command);  // null where it is not there or does not obey
-  bool FitsTheFleet(Job& job);
+  bool IsOfThisBuild(Job& job);
   void GoOn(Job& job, const std::string& how);
 
   // jobs.cc

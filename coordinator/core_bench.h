@@ -54,7 +54,11 @@ inline proto::Step TestStep(int tasks, const std::string& note = "") {
 
 class Bench {
  public:
-  explicit Bench(CoreOptions options = {}) : core(options) {}
+  explicit Bench(const CoreOptions& options = {}) : core(OfTestBuild(options)) {}
+  static CoreOptions OfTestBuild(CoreOptions options) {
+    if (options.build.version().empty()) options.build = TestBuild();
+    return options;
+  }
 
   Core core;
   double now_s = 0;

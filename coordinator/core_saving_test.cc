@@ -278,14 +278,19 @@ TEST(CoreSaving, PartialsThatWereSavedStaySavedAfterARestart) {
   EXPECT_EQ(after.All<Persist>()[0].checkpoint.partials(1), H(101).Binary());
 }
 
-TEST(CoreSaving, ARestoredJobRefusesWorkersOfAnotherBuild) {
+TEST(CoreSaving, ARestoredJobOfAnotherBuildIsPausedWithTheReason) {
   Bench before;
   Begin(before, 1);
   before.Advance(1.1);
-  Bench after;
+  CoreOptions newer;
+  newer.build = TestBuild("2");
+  Bench after(newer);
   after.Do(RestoreJob{before.All<Persist>().at(0).checkpoint, {}});
   after.Join("x", 1, "2");
-  EXPECT_EQ(after.Sent(&wire::Envelope::has_refuse).size(), 1u);
+  EXPECT_EQ(after.core.fleet().size(), 1u);
+  EXPECT_EQ(after.Info().state(), "paused");
+  EXPECT_EQ(after.Info().reason(), "it was begun by another build: version is '1', the coordinator's is '2'");
+  after.Do(ResumeJob{"a"});
   EXPECT_TRUE(after.assigned.empty());
 }
 

@@ -16,25 +16,35 @@ TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
   const auto refused = bench.Sent(&Envelope::has_refuse);
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_EQ(refused[0].peer, "x");
-  EXPECT_EQ(refused[0].message.refuse().reason(), "version is '2', the others' is '1'");
+  EXPECT_EQ(refused[0].message.refuse().reason(), "version is '2', the coordinator's is '1'");
   EXPECT_EQ(bench.core.fleet().size(), 1u);
 }
 
-TEST(CoreWorkers, AnUnfinishedJobKeepsOtherBuildsOutUntilItEnds) {
+TEST(CoreWorkers, AStrayOfAnotherBuildThatComesFirstIsRefusedAndCountedAndDecidesNothing) {
   Bench bench;
-  Begin(bench, 1);
-  bench.Do(WorkerBye{"w"});
-  bench.Join("x", 1, "2");
+  bench.Join("stray", 1, "2");
   EXPECT_EQ(bench.core.fleet().size(), 0u);
-  bench.Join("w");
-  bench.assigned.erase(bench.assigned.begin());
-  bench.Fail(bench.Next(), "no good", true);
-  bench.Do(WorkerBye{"w"});
-  bench.Join("x", 1, "2");
+  ASSERT_EQ(bench.All<Refused>().size(), 1u);
+  EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kBuild);
+  bench.Join("w", 1, "1");
+  EXPECT_EQ(bench.Sent(&Envelope::has_welcome).size(), 1u);
   EXPECT_EQ(bench.core.fleet().size(), 1u);
-  bench.Do(RetryJob{"a"});
-  EXPECT_EQ(bench.Info().state(), "failed");
-  EXPECT_NE(bench.Info().reason().find("another build"), std::string::npos);
+}
+
+TEST(CoreWorkers, AJobThatAnotherBuildBeganKeepsNobodyOutAndDoesNotGoOn) {
+  Bench before;
+  Begin(before, 1);
+  before.Fail(before.Next(), "no good", true);
+  CoreOptions newer;
+  newer.build = TestBuild("2");
+  Bench after(newer);
+  after.Do(RestoreJob{before.All<Persist>().at(0).checkpoint, {}});
+  after.Join("w", 1, "2");
+  EXPECT_EQ(after.core.fleet().size(), 1u);
+  after.Do(RetryJob{"a"});
+  EXPECT_EQ(after.Info().state(), "failed");
+  EXPECT_NE(after.Info().reason().find("another build"), std::string::npos);
+  EXPECT_TRUE(after.assigned.empty());
 }
 
 TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
@@ -44,8 +54,11 @@ TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
   hello.set_slots(1);
   bench.Do(WorkerHello{"w", hello});
   EXPECT_EQ(bench.Sent(&Envelope::has_refuse).size(), 1u);
+  ASSERT_EQ(bench.All<Refused>().size(), 1u);
+  EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kVersion);
   bench.Join("w", 0);
   EXPECT_EQ(bench.Sent(&Envelope::has_refuse).size(), 1u);
+  EXPECT_EQ(bench.All<Refused>().size(), 1u);
 }
 
 TEST(CoreWorkers, AStrangerIsAskedToSayHello) {

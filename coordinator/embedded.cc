@@ -13,6 +13,8 @@
 #include "coordinator/recovery.h"
 #include "coordinator/worker_pool.h"
 #include "coordinator/zmq_transport.h"
+#include "schema/build_info.h"
+#include "schema/numerics.h"
 #include "schema/store/atomic_file.h"
 #include "schema/wire/shared_blobs.h"
 
@@ -161,6 +163,8 @@ Status Run::Open() {
   Result<JobTable> table = OpenJobTable(folder_, options_.log);
   if (!table.ok()) return table.status();
   HubOptions hub;
+  FixNumericsOfThread();
+  hub.core.build = ThisBuild();
   hub.core.checkpoint_interval_s = options_.checkpoint_interval_s;
   hub.core.checkpoint_rounds = options_.checkpoint_rounds;
   hub.memory_bytes = options_.memory_bytes;
@@ -186,6 +190,10 @@ std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
     return End(EmbeddedEnd::kConflict,
                options_.dir + " holds a run of another job, or of other inputs or options");
   if (known->state != proto::JOB_DONE) {
+    if (known->build && !BuildDifference(ThisBuild(), *known->build).empty())
+      return End(EmbeddedEnd::kConflict, options_.dir +
+                                             " holds a run that another build of cairn began: its " +
+                                             BuildDifference(ThisBuild(), *known->build));
     resumed_ = known->step.has_value() || known->stage > 0;
     return std::nullopt;
   }
@@ -260,10 +268,6 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
 }
 
 EmbeddedResult Run::Refused() const {
-  if (Known()->build)
-    return End(EmbeddedEnd::kConflict, options_.dir +
-                                           " holds a run that another build of cairn began: the worker's " +
-                                           hub_->last_refusal());
   return End(EmbeddedEnd::kFailed, "a worker was refused: " + hub_->last_refusal());
 }
 

@@ -167,17 +167,18 @@ wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
   return info;
 }
 
-std::string BuildDifference(const wire::Build& want, const wire::Build& have) {
+std::string BuildDifference(const wire::Build& coordinators, const wire::Build& have) {
   std::string text;
   const auto compare = [&text](const char* what, const std::string& a, const std::string& b) {
     if (a == b) return;
-    text += (text.empty() ? "" : "; ") + std::string(what) + " is '" + b + "', the others' is '" + a + "'";
+    text +=
+        (text.empty() ? "" : "; ") + std::string(what) + " is '" + b + "', the coordinator's is '" + a + "'";
   };
-  compare("version", want.version(), have.version());
-  compare("compiler", want.compiler(), have.compiler());
-  compare("flags", want.flags(), have.flags());
-  compare("libc", want.libc(), have.libc());
-  if (want.numeric_self_test() != have.numeric_self_test())
+  compare("version", coordinators.version(), have.version());
+  compare("compiler", coordinators.compiler(), have.compiler());
+  compare("flags", coordinators.flags(), have.flags());
+  compare("libc", coordinators.libc(), have.libc());
+  if (coordinators.numeric_self_test() != have.numeric_self_test())
     text += std::string(text.empty() ? "" : "; ") + "its numeric self-test gives other bits";
   return text;
 }

@@ -94,7 +94,7 @@ class Fleet {
 // All but the name of the task that runs.
 wire::WorkerInfo MakeInfo(const Worker& worker, double now_s);
 
-// What differs between two builds, for people; empty where nothing does.
-std::string BuildDifference(const wire::Build& want, const wire::Build& have);
+// What differs from the coordinator's build, for people; empty where nothing does.
+std::string BuildDifference(const wire::Build& coordinators, const wire::Build& have);
 
 }  // namespace cairn::coordinator

@@ -89,9 +89,7 @@ void Core::On(const Served& event) { served_from_s_ = now_s_ - event.seconds; }
 void Core::On(const RestoreJob& event) {
   const proto::Checkpoint& saved = event.checkpoint;
   if (orders_.contains(saved.job_id())) return;
-  const wire::Build* build = RequiredBuild();
-  const std::string difference =
-      build != nullptr && saved.has_build() ? BuildDifference(*build, saved.build()) : std::string();
+  const std::string difference = saved.has_build() ? BuildDifference(options_.build, saved.build()) : "";
   const std::uint64_t order = jobs_.contains(saved.order()) ? next_order_ : saved.order();
   next_order_ = std::max(next_order_, order + 1);
   orders_[saved.job_id()] = order;

@@ -9,6 +9,8 @@
 #include "coordinator/hub.h"
 #include "coordinator/recovery.h"
 #include "coordinator/zmq_transport.h"
+#include "schema/build_info.h"
+#include "schema/numerics.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -52,6 +54,8 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   if (!table.ok()) return table.status();
 
   HubOptions hub_options;
+  FixNumericsOfThread();
+  hub_options.core.build = ThisBuild();
   hub_options.core.checkpoint_interval_s = options.checkpoint_interval_s;
   hub_options.core.checkpoint_rounds = options.checkpoint_rounds;
   hub_options.core.keep_s = options.keep_s;

@@ -16,18 +16,15 @@ std::string Number(double value) {
 
 }  // namespace
 
-void Core::Refuse(const std::string& peer, const std::string& reason) {
-  Send send{peer, {}};
-  send.message.mutable_refuse()->set_reason(reason);
-  actions_.push_back(std::move(send));
-}
-
-// Bits must not mix: what the connected workers are, or else what an unfinished job was begun with.
-const wire::Build* Core::RequiredBuild() const {
-  if (!fleet_.workers().empty()) return &fleet_.workers().begin()->second.hello.build();
-  for (const auto& [order, job] : jobs_)
-    if (!job.Ended() && job.build) return &*job.build;
-  return nullptr;
+std::optional<wire::Refusal> Core::WhyRefused(const wire::Hello& hello) const {
+  using wire::RefusalKind;
+  if (hello.protocol() != options_.protocol)
+    return wire::Refusal{RefusalKind::kVersion, "it speaks protocol " + std::to_string(hello.protocol()) +
+                                                    ", here it is " + std::to_string(options_.protocol)};
+  if (hello.slots() == 0) return wire::Refusal{RefusalKind::kMalformed, "it offers no slots"};
+  const std::string difference = BuildDifference(options_.build, hello.build());
+  if (difference.empty()) return std::nullopt;
+  return wire::Refusal{RefusalKind::kBuild, difference};
 }
 
 void Core::On(const WorkerHello& event) {
@@ -38,17 +35,12 @@ void Core::On(const WorkerHello& event) {
     draining = known->draining;
     Lose(*known, WorkerName(known->hello) + " began anew", "");
   }
-  std::string reason;
-  if (hello.protocol() != options_.protocol)
-    reason = "it speaks protocol " + std::to_string(hello.protocol()) + ", here it is " +
-             std::to_string(options_.protocol);
-  else if (hello.slots() == 0)
-    reason = "it offers no slots";
-  else if (const wire::Build* want = RequiredBuild())
-    reason = BuildDifference(*want, hello.build());
-  if (!reason.empty()) {
-    Refuse(event.peer, reason);
-    Say(Report::kWarning, "refused " + WorkerName(hello) + ": " + reason);
+  if (std::optional<wire::Refusal> refusal = WhyRefused(hello)) {
+    Send send{event.peer, {}};
+    send.message.mutable_refuse()->set_reason(refusal->reason);
+    actions_.push_back(std::move(send));
+    refusal->reason = WorkerName(hello) + ": " + refusal->reason;
+    actions_.push_back(Refused{event.peer, std::move(*refusal)});
     return;
   }
   Worker& worker = fleet_.Add(event.peer, hello, now_s_);

@@ -13,10 +13,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "schema/build_info.h"
 #include "schema/numerics.h"
 #include "schema/wire/keys.h"
 #include "schema/wire/shared_blobs.h"
-#include "worker/build_info.h"
 #include "worker/describe.h"
 #include "worker/worker.h"
 #include "worker/zmq_transport.h"

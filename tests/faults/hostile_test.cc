@@ -5,10 +5,10 @@
 
 #include <zmq.hpp>
 
+#include "schema/build_info.h"
 #include "schema/numerics.h"
 #include "schema/wire/raw_peer.h"
 #include "tests/faults/service_bench.h"
-#include "worker/build_info.h"
 
 namespace cairn::faults {
 namespace {
@@ -51,6 +51,7 @@ class Hostile : public Faults {
       list << keys_[name].public_key << " " << role << " " << name << "\n";
       ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / name, keys_[name]).ok());
     }
+    list << "end\n";
     list.close();
     ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / "coordinator", server_).ok());
     const std::string keys = folder_.path().string();
@@ -110,7 +111,7 @@ class Hostile : public Faults {
     wire::Envelope envelope;
     wire::Hello& hello = *envelope.mutable_hello();
     hello.set_protocol(wire::kProtocol);
-    *hello.mutable_build() = worker::ThisBuild();
+    *hello.mutable_build() = ThisBuild();
     hello.set_host(host);
     hello.set_pid(pid);
     hello.set_slots(2);

@@ -1,7 +1,7 @@
-// Linked into faults-worker-old in place of worker/build_info.cc: a worker of another version.
-#include "worker/build_info.h"
+// Linked into faults-worker-old in place of schema/build_info.cc: a worker of another version.
+#include "schema/build_info.h"
 
-namespace cairn::worker {
+namespace cairn {
 
 wire::Build ThisBuild() {
   wire::Build build;
@@ -9,4 +9,4 @@ wire::Build ThisBuild() {
   return build;
 }
 
-}  // namespace cairn::worker
+}  // namespace cairn

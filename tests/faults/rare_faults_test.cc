@@ -68,15 +68,17 @@ TEST_F(Faults, ASecondCoordinatorOnOneStoreRefuses) {
   ExpectTheSameBits();
 }
 
-TEST_F(Faults, AWorkerOfAnotherVersionIsToldSoAndLeaves) {
-  AddWorker();
-  Submit();
-  AwaitRound(1);
+TEST_F(Faults, AWorkerOfAnotherVersionIsToldSoAndLeavesThoughItCameFirst) {
   Process& old = AddWorker(CAIRN_FAULTS_WORKER_OLD);
   EXPECT_EQ(old.Wait(), 2);
   const std::string log = LogText("worker.log");
   EXPECT_NE(log.find("refused: "), std::string::npos) << log;
   EXPECT_NE(log.find("0.0.1"), std::string::npos) << log;
+  EXPECT_EQ(client_->List().value().refused["build"], 1u);
+  AddWorker();
+  Submit();
+  AwaitRound(1);
+  EXPECT_EQ(AddWorker(CAIRN_FAULTS_WORKER_OLD).Wait(), 2);
   ExpectTheSameBits();
 }
 

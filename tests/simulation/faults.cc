@@ -77,6 +77,7 @@ Faults DrawFaults(std::uint64_t seed) {
   DrawWorkers(f, rng);
   DrawCoordinator(f, rng);
   DrawJobs(f, rng);
+  f.core.build.set_version("1");
   f.core.lease_s = rng.Uniform(3, 6);
   f.core.unlisted_s = rng.Uniform(2, 3);
   f.core.hung_s = rng.Uniform(6, 12);

@@ -49,9 +49,6 @@ void ShellModel::Deliver(const Event& event, bool whole) {
     return world_.schedule.After(wait_s, [this, event, whole] { Deliver(event, whole); });
   if (core_ == nullptr) return;
   if (!whole) return world_.Say("a message whose blob is not what its hash says is refused");
-  // Who comes first to an empty house decides for all, which no job here would survive.
-  if (const auto* hello = std::get_if<WorkerHello>(&event))
-    if (hello->hello.build().version() != "1" && core_->fleet().size() == 0) return;
   // A job's number is never used again: a submission that was late would be another job.
   if (const auto* submit = std::get_if<SubmitJob>(&event);
       submit != nullptr && world_.users.Deleted(submit->id))

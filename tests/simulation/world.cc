@@ -19,6 +19,7 @@ World::World(std::uint64_t seed, Trace trace)
 
 Outcome World::Run() {
   users.Start();
+  if (Chance(faults.other_build)) AddWorker(true);  // who comes first may be a stray, and decides nothing
   for (int i = 0; i < faults.workers; ++i) AddWorker(false);
   shell_->Start();
   EverySecond();

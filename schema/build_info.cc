@@ -1,4 +1,4 @@
-#include "worker/build_info.h"
+#include "schema/build_info.h"
 
 #include <string>
 
@@ -8,7 +8,7 @@
 #include <gnu/libc-version.h>
 #endif
 
-namespace cairn::worker {
+namespace cairn {
 namespace {
 
 std::string Compiler() {
@@ -39,4 +39,4 @@ wire::Build ThisBuild() {
   return build;
 }
 
-}  // namespace cairn::worker
+}  // namespace cairn

@@ -1,11 +1,11 @@
-// What this build is, for the handshake: workers of one fleet must agree, or their bits may not.
+// What this build is, for the handshake: a coordinator and its workers must agree, or their bits may not.
 #pragma once
 
 #include "schema/wire.pb.h"
 
-namespace cairn::worker {
+namespace cairn {
 
 // Runs the numeric self-test; FixNumericsOfProcess and FixNumericsOfThread come before it.
 wire::Build ThisBuild();
 
-}  // namespace cairn::worker
+}  // namespace cairn
