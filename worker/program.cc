@@ -15,6 +15,7 @@
 
 #include "schema/build_info.h"
 #include "schema/numerics.h"
+#include "schema/process_limits.h"
 #include "schema/wire/keys.h"
 #include "schema/wire/shared_blobs.h"
 #include "worker/describe.h"
@@ -206,6 +207,11 @@ int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipeli
   if (arguments.describe) return std::puts(DescribePipelines(pipelines).c_str()) < 0 ? kExitLost : kExitDone;
   if (arguments.connect.empty()) {
     std::fputs("cairn-worker: --connect ENDPOINT is missing (see --help)\n", stderr);
+    return kExitRefused;
+  }
+  if (const Status limits = PrepareProcess({.files = 32, .file_bytes = 0, .memory_bytes = 512 << 20});
+      !limits.ok()) {
+    std::fprintf(stderr, "cairn-worker: %s\n", limits.message().c_str());
     return kExitRefused;
   }
   if (arguments.die_with_parent) ::prctl(PR_SET_PDEATHSIG, SIGKILL);

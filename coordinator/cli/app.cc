@@ -12,6 +12,7 @@
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/suggest.h"
+#include "schema/process_limits.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
@@ -108,6 +109,7 @@ int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char
 
 int RunCaught(const Invocation& call) {
   try {
+    Check(PrepareProcess({}));
     return call.run();
   } catch (const InputError& error) {
     Complain(error.what());

@@ -14,6 +14,7 @@
 #include "coordinator/embedded.h"
 #include "coordinator/job.h"
 #include "coordinator/private_folder.h"
+#include "schema/process_limits.h"
 
 namespace cairn::cli {
 namespace {
@@ -80,6 +81,8 @@ int DryRun(const Options& options, const proto::Job& job, const std::map<std::st
 }
 
 int Run(const Options& options, const Invocation& call) {
+  const auto workers = static_cast<std::uint64_t>(std::max(0, options.workers));
+  Check(PrepareProcess({.files = 48 + 4 * workers, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
   const Catalog catalog = LoadCatalog();
   ParsedJob parsed = ResolveJob(options.job, catalog);
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);

@@ -1,0 +1,61 @@
+#include "schema/process_limits.h"
+
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <string>
+
+namespace cairn {
+namespace {
+
+// But for the three that every process has.
+std::uint64_t OpenFiles() {
+  std::error_code error;
+  const std::filesystem::directory_iterator listed("/proc/self/fd", error);
+  constexpr std::uint64_t kOwn = 4;  // and the listing's own
+  const auto open = static_cast<std::uint64_t>(std::distance(begin(listed), end(listed)));
+  return open > kOwn ? open - kOwn : 0;
+}
+
+std::string Text(std::uint64_t bytes) {
+  constexpr std::uint64_t kMiB = 1 << 20;
+  return bytes < kMiB ? std::to_string(bytes >> 10) + " KiB" : std::to_string(bytes >> 20) + " MiB";
+}
+
+Status CheckFiles(std::uint64_t needed) {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return Status::Ok();
+  needed += OpenFiles();
+  if (files.rlim_cur >= needed) return Status::Ok();
+  const rlimit raised{std::min<rlim_t>(needed, files.rlim_max), files.rlim_max};
+  if (raised.rlim_cur == needed && ::setrlimit(RLIMIT_NOFILE, &raised) == 0) return Status::Ok();
+  return {Code::kRefused, "the system lets this process open " + std::to_string(files.rlim_cur) +
+                              " files at a time, and it needs " + std::to_string(needed) +
+                              ": raise the limit (ulimit -n 1024)"};
+}
+
+Status CheckSize(decltype(RLIMIT_FSIZE) resource, std::uint64_t needed, const std::string& what,
+                 const std::string& remedy) {
+  rlimit limit{};
+  if (::getrlimit(resource, &limit) != 0 || limit.rlim_cur >= needed) return Status::Ok();
+  return {Code::kRefused, what + " " + Text(limit.rlim_cur) + " here, and it needs " + Text(needed) +
+                              " at the least: raise the limit (" + remedy + ")"};
+}
+
+}  // namespace
+
+Status PrepareProcess(const ProcessNeeds& needs) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  if (Status status = CheckFiles(needs.files); !status.ok()) return status;
+  if (Status status = CheckSize(RLIMIT_FSIZE, needs.file_bytes,
+                                "the system lets a file of this process grow to", "ulimit -f unlimited");
+      !status.ok())
+    return status;
+  return CheckSize(RLIMIT_AS, needs.memory_bytes, "the system gives this process memory up to",
+                   "ulimit -v unlimited");
+}
+
+}  // namespace cairn

@@ -1,0 +1,71 @@
+#include "schema/process_limits.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+
+namespace cairn {
+namespace {
+
+// The soft limit alone, so that it can be set back.
+class Limited {
+ public:
+  Limited(decltype(RLIMIT_NOFILE) resource, rlim_t soft) : resource_(resource) {
+    ::getrlimit(resource_, &before_);
+    const rlimit low{soft, before_.rlim_max};
+    EXPECT_EQ(::setrlimit(resource_, &low), 0);
+  }
+  ~Limited() { ::setrlimit(resource_, &before_); }
+  Limited(const Limited&) = delete;
+  Limited& operator=(const Limited&) = delete;
+
+ private:
+  decltype(RLIMIT_NOFILE) resource_;
+  rlimit before_{};
+};
+
+TEST(ProcessLimits, TheSoftLimitOnOpenFilesIsRaised) {
+  const Limited limited(RLIMIT_NOFILE, 20);
+  ASSERT_TRUE(PrepareProcess({.files = 32}).ok());
+  rlimit now{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &now), 0);
+  EXPECT_GE(now.rlim_cur, 32u);
+}
+
+TEST(ProcessLimits, WhatIsTooLowIsSaidWithWhatIsNeeded) {
+  rlimit files{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &files), 0);
+  const Status few = PrepareProcess({.files = files.rlim_max + 1});
+  EXPECT_EQ(few.code(), Code::kRefused);
+  EXPECT_NE(few.message().find("ulimit -n"), std::string::npos) << few.message();
+  const Limited limited(RLIMIT_FSIZE, 8192);
+  EXPECT_TRUE(PrepareProcess({}).ok()) << "it writes no file";
+  const Status small = PrepareProcess({.file_bytes = 64 << 20});
+  EXPECT_EQ(small.code(), Code::kRefused);
+  EXPECT_NE(small.message().find("grow to 8 KiB here, and it needs 64 MiB"), std::string::npos)
+      << small.message();
+}
+
+TEST(ProcessLimits, AFileThatMayNotGrowIsAWriteThatFailsAndNotTheEnd) {
+  ASSERT_TRUE(PrepareProcess({}).ok());
+  std::string name = ::testing::TempDir() + "limits-XXXXXX";
+  const int fd = ::mkstemp(name.data());
+  ASSERT_GE(fd, 0);
+  const std::string bytes(4096, 'x');
+  {
+    const Limited limited(RLIMIT_FSIZE, bytes.size());
+    EXPECT_EQ(::write(fd, bytes.data(), bytes.size()), 4096);
+    EXPECT_EQ(::write(fd, bytes.data(), bytes.size()), -1);
+    EXPECT_EQ(errno, EFBIG);
+  }
+  ::close(fd);
+  ::unlink(name.c_str());
+}
+
+}  // namespace
+}  // namespace cairn
