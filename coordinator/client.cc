@@ -87,7 +87,7 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
       if (!sent && broken)
         return Status(Code::kIo, service +
                                      " breaks off each connection before it is secured: is the server key "
-                                     "that of the coordinator?");
+                                     "that of the coordinator, and has this key no connections too many?");
       return Status(Code::kIo,
                     sent ? service + " does not answer" : "no service listens at " + options_.endpoint);
     }

@@ -85,8 +85,9 @@ struct Stranger {
 };
 
 std::mutex g_mutex;
-std::unordered_map<int, Stranger> g_strangers;  // by descriptor
-std::atomic<std::size_t> g_stranger_count{0};   // so that others need not wait for the mutex
+// By descriptor. Never destroyed: ZeroMQ's thread may outlive this file's objects.
+auto& g_strangers = *new std::unordered_map<int, Stranger>;
+std::atomic<std::size_t> g_stranger_count{0};  // so that others need not wait for the mutex
 
 ino_t SocketNumber(int fd) {
   struct stat info{};
