@@ -23,6 +23,7 @@ dev_packages=(
   clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py
   liboctomap-dev python3-yaml python3-pil # read back what is exported
   iproute2 nftables # tests/faults: networks that fail
+  qemu-user # EndToEnd.cpu: a CPU below the build's target
 )
 
 packages=("${build_packages[@]}")
