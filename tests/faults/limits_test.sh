@@ -3,7 +3,7 @@
 source "$(dirname "$0")/../end_to_end/common.sh"
 
 simulate log.h5
-limited() { (ulimit "$1" "$2" && shift 2 && exec timeout 120 "$@"); }
+limited() { (ulimit "$1" "$2" && shift 2 && exec timeout 400 "$@"); }
 endpoint=ipc://$work/none/hub
 
 for files in 16 24 32; do
