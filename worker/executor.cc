@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "schema/numerics.h"
+#include "schema/text.h"
 
 namespace cairn::worker {
 namespace {
@@ -112,7 +113,7 @@ wire::Message Failure(const wire::Assign& assign, bool input_error, const std::s
   wire::Failed& failed = *message.envelope.mutable_failed();
   *failed.mutable_key() = assign.key();
   failed.set_input_error(input_error);
-  failed.set_message(why);  // the coordinator says of which task
+  failed.set_message(Escaped(why));  // protobuf sends no other bytes; the coordinator says of which task
   return message;
 }
 

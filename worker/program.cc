@@ -16,6 +16,7 @@
 #include "schema/build_info.h"
 #include "schema/numerics.h"
 #include "schema/process_limits.h"
+#include "schema/text.h"
 #include "schema/wire/keys.h"
 #include "schema/wire/shared_blobs.h"
 #include "worker/describe.h"
@@ -115,7 +116,7 @@ LogSink MakeLog(bool json) {
   spdlog::set_pattern("%H:%M:%S worker %P %^%l%$: %v");
   return [](Severity severity, const std::string& line) {
     constexpr std::array kLevels = {spdlog::level::info, spdlog::level::warn, spdlog::level::err};
-    spdlog::log(kLevels[static_cast<std::size_t>(severity)], "{}", line);
+    spdlog::log(kLevels[static_cast<std::size_t>(severity)], "{}", Escaped(line));
   };
 }
 

@@ -3,6 +3,7 @@
 #include "coordinator/cli/scalar.h"
 #include "coordinator/cli/suggest.h"
 #include "schema/error.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -97,8 +98,31 @@ void AddJobArguments(CLI::App& command, JobArguments& arguments) {
       ->capture_default_str();
 }
 
+namespace {
+
+// Here once, for all that takes a job.
+ParsedJob WithPlainTexts(ParsedJob parsed) {
+  const auto check = [](const std::string& what, const std::string& text, std::size_t most) {
+    if (const std::string wrong = WhatIsWrongWithName(text, most); !wrong.empty())
+      throw InputError(what + " '" + text.substr(0, kMostNameBytes) + "' " + wrong);
+  };
+  check("the job's name", parsed.job.name(), kMostNameBytes);
+  for (auto& [name, path] : *parsed.job.mutable_inputs()) {
+    check("the name of the input", name, kMostNameBytes);
+    path = Escaped(path);  // for people; a file's name may be of any bytes
+  }
+  for (const proto::Stage& stage : parsed.job.stages()) {
+    check("the name of the stage", stage.name(), kMostNameBytes);
+    for (const auto& [name, value] : stage.options())
+      check("stage '" + stage.name() + "': the value of " + name, value.s(), kMostTextBytes);
+  }
+  return parsed;
+}
+
+}  // namespace
+
 ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog) {
-  if (!IsJobFile(arguments.what)) return MakeJob(arguments, catalog);
+  if (!IsJobFile(arguments.what)) return WithPlainTexts(MakeJob(arguments, catalog));
   if (!arguments.file.empty()) {
     throw InputError("a job file names its own inputs; '" + arguments.file + "' is one too many");
   }
@@ -106,7 +130,7 @@ ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog) {
     throw InputError("--set, --input and --seed are for a pipeline without a job file; write them into " +
                      arguments.what);
   }
-  return ReadJobFile(arguments.what, catalog);
+  return WithPlainTexts(ReadJobFile(arguments.what, catalog));
 }
 
 }  // namespace cairn::cli

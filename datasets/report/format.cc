@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "schema/text.h"
+
 namespace cairn::datasets::report {
 namespace {
 
@@ -56,7 +58,7 @@ std::string Count(std::int64_t count, const std::string& noun) {
 
 std::string Escape(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
+  for (const char c : cairn::Escaped(text)) {
     switch (c) {
       case '&':
         escaped += "&amp;";

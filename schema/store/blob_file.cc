@@ -14,6 +14,7 @@
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/regular_file.h"
 #include "schema/store/seal.h"
+#include "schema/text.h"
 
 namespace cairn {
 namespace {
@@ -108,6 +109,7 @@ Result<FileContents> ReadSealed(const std::filesystem::path& path, const ReadOpt
   if (!file.ok()) return file.status();
   Result<FileContents> contents = ReadAll(file.value(), path.string(), options);
   if (!contents.ok()) return contents;
+  if (Status texts = CheckTexts(contents.value().blob); !texts.ok()) return Named(path.string(), texts);
   bool& changed = contents.value().changed;
   if (Status seal = CheckSealOf(file.value(), bytes.value(), path.string(), &changed); !seal.ok())
     return seal;
@@ -126,6 +128,8 @@ Result<FileContents> DescribeAll(const File& file, const std::string& name) {
   for (const std::string& dataset : names.value()) {
     Result<DatasetInfo> info = store::DescribeDataset(id, dataset);
     if (!info.ok()) return Named(name, info.status());
+    if (const std::string wrong = WhatIsWrongWithName(dataset, kMostDatasetBytes); !wrong.empty())
+      return Status(Code::kCorrupt, name + ": the name of a dataset " + wrong);
     result.datasets.push_back(std::move(info).value());
   }
   return result;

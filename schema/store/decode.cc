@@ -7,6 +7,7 @@
 
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/layout.h"
+#include "schema/text.h"
 
 namespace cairn::store {
 namespace {
@@ -143,6 +144,8 @@ Result<Open> OpenDataset(hid_t file, const std::string& name) {
     open.info.shape.clear();
   }
   TextAttribute(open.dataset.get(), "unit", &open.info.unit);
+  if (const std::string wrong = WhatIsWrongWithName(open.info.unit); !wrong.empty())
+    return Corrupt("dataset '" + name + "': its attribute unit " + wrong);
   return open;
 }
 
@@ -208,6 +211,8 @@ Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind) {
     return Corrupt(
         "not a Cairn file: its root attributes cairn_format and cairn_kind are not as they should be");
   }
+  if (const std::string wrong = WhatIsWrongWithName(*kind); !wrong.empty())
+    return Corrupt("its root attribute cairn_kind " + wrong);
   return Status::Ok();
 }
 

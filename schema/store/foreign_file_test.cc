@@ -107,6 +107,30 @@ TEST_F(ForeignFile, AFilterThatIsNotHdf5sOwnIsNotLoaded) {
   H5Zunregister(kForeign);
 }
 
+// Names are looked at once, here, and need not be anywhere else.
+TEST(ForeignNames, ThatAreNoneAreRefusedByWhateverReadsTheFile) {
+  const TempFolder folder;
+  const auto text = [](const std::string& robot) {
+    return Array::FromBytes(DType::kText, robot.size(), {1}, std::as_bytes(std::span(robot))).value();
+  };
+  for (const std::string& robot : {std::string("R\xf6sa"), std::string("\x1b[2J"), std::string("a\nb"),
+                                   std::string("a\0b", 3), std::string(300, 'a')}) {
+    Blob blob;
+    blob.Put("robots", text(robot));
+    ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", blob).ok());
+    const Status status = ReadBlobFileWithoutTruth(folder / "a.h5").status();
+    EXPECT_EQ(status.code(), Code::kCorrupt);
+    EXPECT_NE(status.message().find("a.h5: dataset 'robots': '"), std::string::npos) << status.message();
+  }
+  Blob blob;
+  blob.PutVector<double>("robot/0/\x1b[2J", {1});
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", blob).ok());
+  EXPECT_EQ(ReadBlobFile(folder / "a.h5").status().code(), Code::kCorrupt);
+  EXPECT_EQ(ListBlobFile(folder / "a.h5").status().code(), Code::kCorrupt);
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "lo\x1b[2Jg", OddBlob()).ok());
+  EXPECT_EQ(ReadBlobFile(folder / "a.h5").status().code(), Code::kCorrupt);
+}
+
 TEST(Hdf5, LoadsNoPlugins) {
   unsigned may_load = 1;
   ASSERT_GE(H5PLget_loading_state(&may_load), 0);

@@ -1,0 +1,116 @@
+#include "schema/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "schema/blob.h"
+
+namespace cairn {
+namespace {
+
+// The character of `bytes` bytes at `at`.
+char32_t CodeAt(std::string_view text, std::size_t at, std::size_t bytes) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (bytes == 1) return byte(at);
+  char32_t code = byte(at) & (0xFFU >> (bytes + 1));
+  for (std::size_t i = at + 1; i < at + bytes; ++i) code = code << 6 | (byte(i) & 0x3FU);
+  return code;
+}
+
+bool IsControl(char32_t code) {
+  const bool turns = code == 0x061C || code == 0x200E || code == 0x200F ||
+                     (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+  return code < 0x20 || (code >= 0x7F && code <= 0x9F) || turns || code == 0x2028 || code == 0x2029;
+}
+
+bool IsLineOrTab(char32_t code) { return code == '\n' || code == '\r' || code == '\t'; }
+
+std::string WhatIsWrong(std::string_view text, bool lines_may_be) {
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t bytes = Utf8Bytes(text, at);
+    if (bytes == 0) return "is not UTF-8";
+    const char32_t code = CodeAt(text, at, bytes);
+    if (IsControl(code) && !(lines_may_be && IsLineOrTab(code))) return "has control characters";
+    at += bytes;
+  }
+  return "";
+}
+
+// Behind the first NUL of a fixed-width text there is nothing but more of them.
+std::string WhatIsWrongWithElement(std::string_view padded, bool alone, std::size_t most_bytes) {
+  const std::string_view text = padded.substr(0, padded.find('\0'));
+  if (padded.find_first_not_of('\0', text.size()) != std::string_view::npos) return "has control characters";
+  return alone ? WhatIsWrongWithText(text) : WhatIsWrongWithName(text, most_bytes);
+}
+
+}  // namespace
+
+std::size_t Utf8Bytes(std::string_view text, std::size_t at) {
+  const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(at);
+  if (first < 0x80) return 1;
+  const std::size_t bytes = first >= 0xC2 && first <= 0xDF   ? 2
+                            : first >= 0xE0 && first <= 0xEF ? 3
+                            : first >= 0xF0 && first <= 0xF4 ? 4
+                                                             : 0;
+  if (bytes == 0 || at + bytes > text.size()) return 0;
+  const unsigned char low = first == 0xE0 ? 0xA0 : first == 0xF0 ? 0x90 : 0x80;   // no longer than needed
+  const unsigned char high = first == 0xED ? 0x9F : first == 0xF4 ? 0x8F : 0xBF;  // no surrogates, in range
+  if (byte(at + 1) < low || byte(at + 1) > high) return 0;
+  for (std::size_t i = at + 2; i < at + bytes; ++i)
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  return bytes;
+}
+
+std::string WhatIsWrongWithName(std::string_view name, std::size_t most_bytes) {
+  if (name.size() > most_bytes) return "is longer than " + std::to_string(most_bytes) + " bytes";
+  return WhatIsWrong(name, false);
+}
+
+std::string WhatIsWrongWithText(std::string_view text) { return WhatIsWrong(text, true); }
+
+Status CheckTexts(const Blob& blob) {
+  for (const auto& [name, array] : blob.fields()) {
+    if (const std::string wrong = WhatIsWrongWithName(name, kMostDatasetBytes); !wrong.empty())
+      return {Code::kCorrupt,
+              "the name of the dataset '" + Escaped(name.substr(0, kMostNameBytes)) + "' " + wrong};
+    if (array.type() != DType::kText) continue;
+    const bool is_name = name == "robots" || name == "landmarks" || name == "runs";
+    const std::size_t most = is_name ? kMostNameBytes : kMostTextBytes, width = array.item_bytes();
+    const std::string_view bytes(reinterpret_cast<const char*>(array.bytes().data()), array.bytes().size());
+    for (std::size_t at = 0; at < bytes.size(); at += width) {
+      const std::string_view text = bytes.substr(at, width);
+      const std::string wrong = WhatIsWrongWithElement(text, array.shape().empty(), most);
+      if (wrong.empty()) continue;
+      const std::string shown =
+          Escaped(text.substr(0, std::min(text.find_last_not_of('\0') + 1, kMostNameBytes)));
+      return {Code::kCorrupt, "dataset '" + name + "': '" + shown + "' " + wrong};
+    }
+  }
+  return Status::Ok();
+}
+
+std::string Escaped(std::string_view text) {
+  std::string shown;
+  shown.reserve(text.size());
+  std::array<char, 16> code_text;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t bytes = Utf8Bytes(text, at);
+    const char32_t code = bytes == 0 ? 0 : CodeAt(text, at, bytes);
+    if (bytes == 0) {
+      std::snprintf(code_text.data(), code_text.size(), "\\x%02x", static_cast<unsigned char>(text[at]));
+      shown += code_text.data();
+    } else if (IsControl(code) && code != '\n' && code != '\t') {
+      std::snprintf(code_text.data(), code_text.size(), "\\u%04x", static_cast<unsigned>(code));
+      shown += code_text.data();
+    } else {
+      shown.append(text, at, bytes);
+    }
+    at += std::max<std::size_t>(bytes, 1);
+  }
+  return shown;
+}
+
+}  // namespace cairn

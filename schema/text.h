@@ -1,0 +1,37 @@
+// Texts of strangers: what may be a name, asked once where it comes in; and what is shown of any text.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "schema/error.h"
+
+namespace cairn {
+
+class Blob;
+
+inline constexpr std::size_t kMostNameBytes = 256;      // of a robot, a landmark, a run
+inline constexpr std::size_t kMostTextBytes = 4096;     // of an element of any list of texts
+inline constexpr std::size_t kMostDatasetBytes = 1024;  // of a dataset's name, all its groups counted
+
+// Bytes of the character of UTF-8 that begins at `at`; 0 where none does (RFC 3629, section 4).
+std::size_t Utf8Bytes(std::string_view text, std::size_t at);
+
+// What is wrong with a name: "is longer than 256 bytes", "is not UTF-8", "has control characters"; empty
+// where nothing is. Control characters are C0, DEL and C1, and those that turn the direction of writing
+// around.
+std::string WhatIsWrongWithName(std::string_view name, std::size_t most_bytes = kMostNameBytes);
+// The same of a text for people, which may have lines and tabs, and any length.
+std::string WhatIsWrongWithText(std::string_view text);
+
+// kCorrupt where a name of a dataset or a text in it is not as it should be: texts of a list are names (of
+// `robots`, `landmarks` and `runs` of at most kMostNameBytes), a text alone may have lines.
+Status CheckTexts(const Blob& blob);
+
+// For a terminal, a log, a page: all but newlines and tabs that is not to be seen is written as \u001b, and a
+// byte that is no UTF-8 as \xff. Within JSON, where neither can stand unescaped but DEL and C1, it stays
+// JSON.
+std::string Escaped(std::string_view text);
+
+}  // namespace cairn

@@ -1,0 +1,69 @@
+#include "schema/text.h"
+
+#include <gtest/gtest.h>
+
+#include "schema/blob.h"
+
+namespace cairn {
+namespace {
+
+TEST(Text, NothingThatATerminalObeysIsShown) {
+  EXPECT_EQ(Escaped("Rosa\x1b[2J\x07\r"), "Rosa\\u001b[2J\\u0007\\u000d");
+  EXPECT_EQ(Escaped(std::string("a\0b", 3)), "a\\u0000b");
+  EXPECT_EQ(Escaped("a\x7f\xc2\x9b"), "a\\u007f\\u009b")
+      << "DEL, and the C1 character that begins a sequence";
+  EXPECT_EQ(Escaped("\x9b\xff\xc3"), "\\x9b\\xff\\xc3") << "no UTF-8";
+  EXPECT_EQ(Escaped("\xe2\x80\xae"
+                    "txt"),
+            "\\u202etxt")
+      << "which would be shown backwards";
+  EXPECT_EQ(Escaped("two\nlines\tGrüße 日本 🤖"), "two\nlines\tGrüße 日本 🤖");
+}
+
+// Every byte after every other: what is left is UTF-8 without a control character.
+TEST(Text, WhateverTheBytesWhatIsShownIsPlain) {
+  for (int first = 0; first < 256; ++first) {
+    for (int second = 0; second < 256; ++second) {
+      const std::string shown =
+          Escaped(std::string{static_cast<char>(first), static_cast<char>(second), 'x'});
+      EXPECT_EQ(WhatIsWrongWithText(shown), "") << first << " " << second;
+    }
+  }
+}
+
+TEST(Text, ANameIsShortUtf8WithoutControlCharacters) {
+  EXPECT_EQ(WhatIsWrongWithName("Grüße 日本"), "");
+  EXPECT_EQ(WhatIsWrongWithName(""), "");
+  EXPECT_EQ(WhatIsWrongWithName(std::string(256, 'a')), "");
+  EXPECT_EQ(WhatIsWrongWithName(std::string(257, 'a')), "is longer than 256 bytes");
+  for (const char* other : {"Gr\xfc\xdf", "\xc0\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "a\xe2\x82"})
+    EXPECT_EQ(WhatIsWrongWithName(other), "is not UTF-8") << other;
+  for (const std::string other : {"a\nb", "a\tb", "\x1b[31m", "\x7f", "\xc2\x85", "\xe2\x81\xa6"})
+    EXPECT_EQ(WhatIsWrongWithName(other), "has control characters") << other;
+  EXPECT_EQ(WhatIsWrongWithName(std::string("a\0", 2)), "has control characters");
+  EXPECT_EQ(WhatIsWrongWithText("two\r\nlines\tof text"), "");
+}
+
+TEST(CheckTexts, LooksAtEveryNameAndEveryText) {
+  const auto check = [](const std::string& name, const Array& array) {
+    Blob blob;
+    blob.Put(name, array);
+    return CheckTexts(blob).message();
+  };
+  EXPECT_EQ(check("robots", Array::Texts({"Rosa", "Grüß", ""})), "");
+  EXPECT_EQ(check("provenance/job_yaml", Array::Text("name: a\nseed: 7\n")), "");
+  EXPECT_EQ(check("robots", Array::Texts({"Rosa", "R\xf6"})), "dataset 'robots': 'R\\xf6' is not UTF-8");
+  EXPECT_EQ(check("warnings", Array::Texts({"a\x1b[2J"})),
+            "dataset 'warnings': 'a\\u001b[2J' has control characters");
+  EXPECT_EQ(check("provenance/job_yaml", Array::Text("a\x1b")),
+            "dataset 'provenance/job_yaml': 'a\\u001b' has control characters");
+  EXPECT_EQ(check("a\x1b[2J", Array::Vector<double>({1})),
+            "the name of the dataset 'a\\u001b[2J' has control characters");
+  EXPECT_NE(check("robots", Array::Texts({std::string(257, 'a')})), "");
+  EXPECT_EQ(
+      check("robots", Array::FromBytes(DType::kText, 3, {1}, std::as_bytes(std::span("a\0b", 3))).value()),
+      "dataset 'robots': 'a\\u0000b' has control characters");
+}
+
+}  // namespace
+}  // namespace cairn
