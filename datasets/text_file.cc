@@ -1,16 +1,17 @@
 #include "datasets/text_file.h"
 
+#include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <system_error>
 
 #include "schema/error.h"
+#include "schema/store/regular_file.h"
 
 namespace cairn::datasets {
 namespace {
@@ -19,7 +20,37 @@ struct GzClose {
   void operator()(gzFile_s* file) const { gzclose(file); }
 };
 
+TextLimits& Limits() {
+  static TextLimits limits;
+  return limits;
+}
+
+// Of the lines of a text that comes in parts; `begun`: bytes of the line that goes on.
+std::size_t LongestLine(std::string_view part, std::size_t* begun) {
+  std::size_t longest = 0, begin = 0;
+  for (std::size_t end = 0; (end = part.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
+    longest = std::max(longest, *begun + end - begin);
+    *begun = 0;
+  }
+  *begun += part.size() - begin;
+  return std::max(longest, *begun);
+}
+
+std::string Megabytes(std::uint64_t bytes) { return std::to_string(bytes >> 20) + " MB"; }
+
+void CheckLimits(const std::string& path, std::uint64_t file_bytes, std::uint64_t line_bytes) {
+  const TextLimits& limits = Limits();
+  if (file_bytes > limits.file_bytes)
+    throw InputError(path + ": more than " + Megabytes(limits.file_bytes) +
+                     " of text, unpacked; where that is right, --max-text-mb takes more");
+  if (line_bytes > limits.line_bytes)
+    throw InputError(path + ": a line of more than " + Megabytes(limits.line_bytes) +
+                     "; is it a file of another kind?");
+}
+
 }  // namespace
+
+void SetTextLimits(const TextLimits& limits) { Limits() = limits; }
 
 std::string FindFile(const std::string& folder, const std::string& name) {
   for (const char* ending : {"", ".gz"}) {
@@ -36,16 +67,20 @@ std::string NeedFile(const std::string& folder, const std::string& name) {
 }
 
 std::string ReadText(const std::string& path) {
-  if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, not a file");
-  errno = 0;
-  const std::unique_ptr<gzFile_s, GzClose> file(gzopen(path.c_str(), "rb"));
-  if (!file) throw InputError(path + ": cannot open: " + std::generic_category().message(errno));
+  const Result<RegularFile> opened = RegularFile::Open(path);
+  if (!opened.ok()) throw InputError(opened.status().message());
+  const std::unique_ptr<gzFile_s, GzClose> file(gzdopen(::dup(opened.value().descriptor()), "rb"));
+  if (!file) throw InputError(path + ": cannot open: out of memory or descriptors");
   gzbuffer(file.get(), 1 << 17);
   std::string text;
   std::array<char, 1 << 16> part;
   int count = 0;
-  while ((count = gzread(file.get(), part.data(), part.size())) > 0)
-    text.append(part.data(), static_cast<std::size_t>(count));
+  std::size_t line_bytes = 0;  // since the last end of a line
+  while ((count = gzread(file.get(), part.data(), part.size())) > 0) {
+    const std::string_view read(part.data(), static_cast<std::size_t>(count));
+    CheckLimits(path, text.size() + read.size(), LongestLine(read, &line_bytes));
+    text.append(read);
+  }
   int error = Z_OK;
   gzerror(file.get(), &error);  // a stream cut short gives all it has, then Z_BUF_ERROR
   if (count < 0 || error != Z_OK) throw InputError(path + ": the gzip stream is damaged or cut short");

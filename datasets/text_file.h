@@ -10,8 +10,19 @@
 
 namespace cairn::datasets {
 
+// What a text file may hold, unpacked: a few megabytes of gzip unpack to as many gigabytes as their maker
+// likes.
+struct TextLimits {
+  std::uint64_t file_bytes = std::uint64_t{1} << 30;
+  std::uint64_t line_bytes = std::uint64_t{1} << 24;
+};
+
+// Of all texts that this process reads from here on, whatever the importer.
+void SetTextLimits(const TextLimits& limits);
+
 // The whole text of a file, gunzipped where it is a gzip stream. Throws InputError that names the file: none
-// there, a damaged or truncated gzip stream.
+// there, no regular file, a damaged or truncated gzip stream, a text over a limit, which is seen while it is
+// unpacked.
 std::string ReadText(const std::string& path);
 
 // The path of FOLDER/NAME, or of FOLDER/NAME.gz; empty where neither is a file.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <string_view>
 
 #include "coordinator/cli/failure.h"
@@ -10,7 +11,8 @@
 namespace cairn::cli {
 namespace {
 
-constexpr std::size_t kImagesACall = 64;  // far below what a command line holds
+constexpr std::size_t kImagesACall = 64;          // far below what a command line holds
+constexpr const char* kMostPixels = "134217728";  // 400 MB
 
 // Cuts an image off the front of what cairn-images says.
 datasets::ImageReading TakeImage(std::string_view* said) {
@@ -38,6 +40,8 @@ datasets::ImageReading TakeImage(std::string_view* said) {
 
 std::vector<datasets::ImageReading> ReadImagesElsewhere(const std::vector<std::string>& paths,
                                                         int most_side) {
+  // OpenCV's own limit, 2^30 pixels, is 3 GB of memory for an image that may be a kilobyte long.
+  ::setenv("OPENCV_IO_MAX_IMAGE_PIXELS", kMostPixels, 0);
   std::vector<datasets::ImageReading> readings;
   while (readings.size() < paths.size()) {
     std::vector<std::string> arguments = {std::to_string(most_side)};

@@ -7,7 +7,9 @@
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/plan_text.h"
+#include "datasets/text_file.h"
 #include "schema/store/blob_file.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -28,6 +30,7 @@ void AddFigure(CLI::App& command, const char* flag, std::optional<double>& field
 
 int StoreImport(const ImportOutput& output, const Blob& blob, const datasets::ImportReport& report,
                 const char* kind) {
+  if (const Status texts = CheckTexts(blob); !texts.ok()) throw InputError(texts.message());
   Check(WriteBlobFile(output.out, kind, blob));
   if (output.json) {
     const nlohmann::ordered_json json = {{"file", output.out},           {"kind", kind},
@@ -44,6 +47,15 @@ int StoreImport(const ImportOutput& output, const Blob& blob, const datasets::Im
   PrintCounts("left out", report.dropped);
   std::printf("%s: %s\n", output.out.c_str(), ContentText(blob).c_str());
   return kExitDone;
+}
+
+void AddTextLimit(CLI::App& command) {
+  command
+      .add_option_function<std::uint64_t>(
+          "--max-text-mb",
+          [](std::uint64_t mb) { datasets::SetTextLimits({.file_bytes = mb << 20, .line_bytes = mb << 14}); },
+          "What a text file may hold, unpacked (1024); a line of it a 64th of that")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
 }
 
 void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal) {

@@ -23,10 +23,14 @@ int StoreImport(const ImportOutput& output, const Blob& blob, const datasets::Im
 void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal);
 void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal);
 
-// --skip-bad, --force, --json, OUT.h5.
+// --max-text-mb.
+void AddTextLimit(CLI::App& command);
+
+// --skip-bad, --max-text-mb, --force, --json, OUT.h5.
 template <class Options>
 void AddOutput(CLI::App& command, Options& options) {
   command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
+  AddTextLimit(command);
   command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
   command.add_flag("--json", options.json, "Say what was read, skipped and left out as JSON");
   command.add_option("OUT.h5", options.out, "The file to write")->required();
