@@ -16,6 +16,7 @@
 #include "schema/build_info.h"
 #include "schema/numerics.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/blob_file.h"
 #include "schema/wire/shared_blobs.h"
 
 namespace cairn::coordinator {
@@ -91,6 +92,7 @@ class Run {
   Status Open();
   bool EarlierRunIsWorthless() const;
   std::optional<EmbeddedResult> LookAtEarlierRun();
+  std::string WhatIsWrongWithResults() const;
   wire::SharedMemory ShareInputs() const;
   void Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
             const std::atomic<bool>& stop);
@@ -175,6 +177,22 @@ Status Run::Open() {
   return Status::Ok();
 }
 
+// Of each stage that is done its file holds the very arrays that the checkpoint names:
+// those of this job, its inputs and its options.
+std::string Run::WhatIsWrongWithResults() const {
+  const Job& known = *Known();
+  for (std::size_t stage = 0; stage < known.results.size(); ++stage) {
+    const fs::path file = ResultFile(known.spec.stages(static_cast<int>(stage)).name());
+    if (!fs::exists(file) && known.state != proto::JOB_DONE) continue;
+    if (!fs::exists(file)) return file.string() + " is missing";
+    const Result<BlobFile> result = ReadBlobFile(file, {.only = {}, .without = {"provenance/"}});
+    if (!result.ok()) return "its result cannot be used: " + result.status().message();
+    if (result.value().blob.ContentHash() != known.results[stage])
+      return file.string() + " is not what it computed";
+  }
+  return "";
+}
+
 // What is in the folder already: nothing, the same job, or something else.
 std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
   const Job* known = Known();
@@ -189,6 +207,8 @@ std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
   if (HashOfJob(known->spec) != HashOfJob(job_))
     return End(EmbeddedEnd::kConflict,
                options_.dir + " holds a run of another job, or of other inputs or options");
+  if (const std::string wrong = WhatIsWrongWithResults(); !wrong.empty())
+    return End(EmbeddedEnd::kConflict, options_.dir + " holds this run, but " + wrong);
   if (known->state != proto::JOB_DONE) {
     if (known->build && !BuildDifference(ThisBuild(), *known->build).empty())
       return End(EmbeddedEnd::kConflict, options_.dir +
@@ -197,10 +217,6 @@ std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
     resumed_ = known->step.has_value() || known->stage > 0;
     return std::nullopt;
   }
-  for (const proto::Stage& stage : job_.stages())
-    if (!fs::exists(ResultFile(stage.name())))
-      return End(EmbeddedEnd::kConflict, options_.dir + " holds this run, done, but " +
-                                             ResultFile(stage.name()).string() + " is missing");
   EmbeddedResult done = Outcome();
   done.end = EmbeddedEnd::kAlreadyDone;
   return done;

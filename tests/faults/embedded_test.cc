@@ -150,6 +150,27 @@ TEST_F(Embedded, ADoneRunWhoseResultIsGoneIsNotCalledDone) {
   EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
 }
 
+// Under its name, whole, and sealed by Cairn.
+TEST_F(Embedded, AnotherFileIsNotTakenForTheResult) {
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  const fs::path file = fs::path(options_.dir) / "toy.h5";
+  const Blob own = ReadBlobFile(file).value().blob;
+  Blob other = own;
+  other.PutScalar<double>("another", 1);
+  ASSERT_TRUE(WriteBlobFile(file, "local_map", other).ok());
+  const EmbeddedResult result = Run();
+  EXPECT_EQ(result.end, EmbeddedEnd::kConflict);
+  EXPECT_NE(result.reason.find("toy.h5 is not what it computed"), std::string::npos) << result.reason;
+  std::ofstream(file) << "no Cairn file";
+  EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
+  ASSERT_TRUE(WriteBlobFile(file, "toy", own).ok());
+  EXPECT_EQ(Run().end, EmbeddedEnd::kAlreadyDone);
+  ASSERT_TRUE(WriteBlobFile(file, "local_map", other).ok());
+  options_.force = true;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_EQ(Have(), Want());
+}
+
 TEST_F(Embedded, StoppedItResumesToTheSameBits) {
   SetOption("rounds", 200);
   on_progress_ = [this](const EmbeddedProgress& progress) { stop_ = progress.info.round() >= 3; };
