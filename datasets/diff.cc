@@ -67,7 +67,7 @@ std::set<std::string> FilesBelow(const std::string& path) try {
 
 Status DiffFiles(const std::string& a, const std::string& b, const std::string& file,
                  Difference* difference) {
-  const ReadOptions options{.only = {}, .without = {"provenance/"}};
+  const ReadOptions options{.only = {}, .without = {"provenance/"}, .changed_too = true};
   const Result<BlobFile> read_a = ReadBlobFile(a, options), read_b = ReadBlobFile(b, options);
   if (!read_a.ok()) return read_a.status();
   if (!read_b.ok()) return read_b.status();
@@ -75,6 +75,8 @@ Status DiffFiles(const std::string& a, const std::string& b, const std::string& 
   if (read_a.value().kind != read_b.value().kind) {
     found.problem = "kind: " + read_a.value().kind + " and " + read_b.value().kind;
   }
+  if (read_a.value().changed) difference->changed.push_back(a);
+  if (read_b.value().changed) difference->changed.push_back(b);
   ++difference->files;
   difference->arrays += static_cast<std::int64_t>(read_a.value().blob.fields().size());
   if (!found.problem.empty() || !found.arrays.empty()) difference->differing.push_back(std::move(found));

@@ -30,6 +30,7 @@ struct Difference {
   std::int64_t files = 0;   // compared
   std::int64_t arrays = 0;  // compared
   std::vector<FileDifference> differing;
+  std::vector<std::string> changed;  // files that another program has changed since Cairn wrote them
   bool same() const { return differing.empty(); }
 };
 

@@ -222,10 +222,11 @@ DatasetSummary Summarize(const DatasetInfo& info, const Array& array) {
 Result<Inspection> Inspect(const std::string& path) {
   const Result<BlobFileInfo> info = ListBlobFile(path);
   if (!info.ok()) return info.status();
-  const Result<BlobFile> file = ReadBlobFile(path);
+  const Result<BlobFile> file = ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true});
   if (!file.ok()) return file.status();
   const Blob& blob = file.value().blob;
-  Inspection inspection{info.value().kind, info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {}};
+  Inspection inspection{info.value().kind,   info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {},
+                        file.value().changed};
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

@@ -26,6 +26,7 @@ struct Inspection {
   std::vector<std::pair<std::string, std::string>>
       facts;  // by kind: "robot Rosa" -> "2723 controls over 831 s, …"
   std::vector<DatasetSummary> datasets;
+  bool changed = false;  // by another program, since Cairn wrote it
 };
 
 // Reads the file whole, so that every checksum is looked at; fails as ReadBlobFile does.

@@ -48,6 +48,8 @@ nlohmann::json Json(const DatasetSummary& dataset) {
 std::string InspectText(const Inspection& inspection) {
   std::string text = inspection.kind + ", format " + std::to_string(inspection.format) + ", content " +
                      inspection.hash + "\n";
+  if (inspection.changed)
+    text += "CHANGED by another program since Cairn wrote it: not what Cairn computed\n";
   std::size_t name_width = 0, fact_width = 0;
   for (const auto& [name, fact] : inspection.facts) fact_width = std::max(fact_width, name.size());
   for (const DatasetSummary& dataset : inspection.datasets)
@@ -73,6 +75,7 @@ std::string InspectJson(const Inspection& inspection) {
   const nlohmann::json json{{"kind", inspection.kind},
                             {"format", inspection.format},
                             {"content", inspection.hash},
+                            {"changed", inspection.changed},
                             {"facts", facts},
                             {"datasets", datasets}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -10,10 +10,12 @@
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/home.h"
 #include "coordinator/cli/invocation.h"
+#include "coordinator/cli/output.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/suggest.h"
 #include "schema/process_limits.h"
 #include "schema/store/atomic_file.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -107,6 +109,14 @@ int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char
   return kExitBadInput;
 }
 
+// What is sent to a service is text, in UTF-8; protobuf lets other bytes out, and no service takes them in.
+void RefuseOtherBytes(const CLI::App& command, int argc, char** argv) {
+  if (command.get_option_no_throw("--connect") == nullptr) return;
+  for (int i = 1; i < argc; ++i)
+    if (const std::string wrong = WhatIsWrongWithText(argv[i]); !wrong.empty())
+      throw InputError("'" + std::string(argv[i]) + "' " + wrong);
+}
+
 int RunCaught(const Invocation& call) {
   try {
     Check(PrepareProcess({}));
@@ -149,12 +159,17 @@ int ParseAndRun(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return UsageError(app, error, argc, argv);
   }
+  call.run = [&app, argc, argv, run = call.run] {
+    RefuseOtherBytes(*app.get_subcommands().front(), argc, argv);
+    return run();
+  };
   return RunCaught(call);
 }
 
 }  // namespace
 
 int Main(int argc, char** argv) {
+  EscapeOutput();
   int code = kExitFailed;
   if (argc > 1 && std::string_view(argv[1]) == "worker") {
     Invocation call;
@@ -164,7 +179,7 @@ int Main(int argc, char** argv) {
     code = ParseAndRun(argc, argv);
   }
   // A full disk may show only when the last facts are written.
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+  if (!FinishOutput()) {
     Complain("cannot write to the standard output");
     return kExitFailed;
   }

@@ -1,6 +1,6 @@
 #include "coordinator/cli/console.h"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/sinks/ansicolor_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/ioctl.h>
@@ -9,7 +9,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/cli/output.h"
 #include "coordinator/cli/progress_line.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -25,7 +27,8 @@ std::shared_ptr<spdlog::logger> MakeLogger(const Invocation& call) {
   if (call.log_json)
     sink = std::make_shared<spdlog::sinks::stderr_sink_mt>();
   else
-    sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+    sink = std::make_shared<spdlog::sinks::ansicolor_sink<spdlog::details::console_mutex>>(
+        Terminal(), spdlog::color_mode::automatic);
   auto logger = std::make_shared<spdlog::logger>("cairn", sink);
   // In a JSON line the message is a JSON text already.
   logger->set_pattern(call.log_json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","message":%v})"
@@ -54,13 +57,13 @@ Console::Console(const Invocation& call) : terminal_(isatty(STDERR_FILENO) != 0 
 Console::~Console() { Clear(); }
 
 void Console::Clear() {
-  if (drawn_) std::fputs("\r\x1b[K", stderr);
+  if (drawn_) std::fputs("\r\x1b[K", Terminal());
   drawn_ = false;
 }
 
 void Console::Log(Level level, const std::string& line) {
   Clear();
-  logger_->log(ToSpdlog(level), "{}", json_ ? JsonText(line) : line);
+  logger_->log(ToSpdlog(level), "{}", json_ ? JsonText(line) : Escaped(line));
 }
 
 coordinator::LogSink Console::Sink() {
@@ -69,7 +72,7 @@ coordinator::LogSink Console::Sink() {
 
 void Console::Progress(const wire::JobInfo& info) {
   if (terminal_) {
-    std::fprintf(stderr, "\r%s\x1b[K", ProgressLine(info, Columns()).c_str());
+    std::fprintf(Terminal(), "\r%s\x1b[K", Escaped(ProgressLine(info, Columns())).c_str());
     drawn_ = true;
     return;
   }

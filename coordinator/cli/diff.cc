@@ -4,6 +4,7 @@
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
+#include "coordinator/cli/result_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -17,6 +18,7 @@ struct Options {
 // As diff(1): 0 the same, 1 they differ, 2 trouble.
 int Diff(const Options& options, const Invocation&) {
   const datasets::Difference difference = Take(datasets::DiffPaths(options.a, options.b));
+  for (const std::string& file : difference.changed) WarnOfChanged(file);
   std::fputs((options.json ? datasets::DiffJson(difference) : datasets::DiffText(difference)).c_str(),
              stdout);
   return difference.same() ? kExitDone : kExitFailed;

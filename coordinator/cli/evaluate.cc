@@ -20,6 +20,7 @@ namespace cairn::cli {
 namespace {
 
 struct Options {
+  bool changed = false;
   std::string result;
   std::string truth;
   std::vector<std::string> features, holdout;
@@ -36,7 +37,8 @@ std::string ScoreOfMap(const Options& options, const Blob& log) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError(
         "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
-  const datasets::Evaluation score = datasets::Evaluate(ReadResult(options.result, "landmark_map").blob, log);
+  const datasets::Evaluation score =
+      datasets::Evaluate(ReadResult(options.result, "landmark_map", options.changed).blob, log);
   return options.json ? datasets::EvaluationJson(score) + "\n" : datasets::EvaluationText(score);
 }
 
@@ -53,7 +55,7 @@ std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, "networks");
   how.samples_name = options.truth;
-  const Blob networks = ReadResult(how.map_name, "networks").blob;
+  const Blob networks = ReadResult(how.map_name, "networks", options.changed).blob;
   const datasets::NetworkEvaluation score = datasets::EvaluateNetworks(networks, samples, how);
   return options.json ? datasets::NetworkEvaluationJson(score) + "\n"
                       : datasets::NetworkEvaluationText(score);
@@ -62,9 +64,9 @@ std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
 std::string ScoreOfFeatures(const Options& options) {
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, "samples");
-  const Blob samples = ReadResult(how.map_name, "samples").blob;
+  const Blob samples = ReadResult(how.map_name, "samples", options.changed).blob;
   std::optional<Blob> truth;
-  if (!options.truth.empty()) truth = ReadResult(options.truth, "samples").blob;
+  if (!options.truth.empty()) truth = ReadResult(options.truth, "samples", options.changed).blob;
   const datasets::FeatureEvaluation score =
       datasets::EvaluateFeatures(samples, truth ? &*truth : nullptr, options.features, options.holdout, how);
   std::optional<datasets::Detection> detection;
@@ -89,8 +91,8 @@ void CheckFeatureOptions(const Options& options) {
 std::string ScoreOfLocalization(const Options& options, const Blob& samples) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
-  const datasets::LocalizationScore score =
-      datasets::EvaluateLocalization(ReadResult(options.result, "localization").blob, samples);
+  const datasets::LocalizationScore score = datasets::EvaluateLocalization(
+      ReadResult(options.result, "localization", options.changed).blob, samples);
   return options.json ? datasets::LocalizationScoreJson(score) + "\n"
                       : datasets::LocalizationScoreText(score);
 }
@@ -127,7 +129,7 @@ bool IsGridMap(const std::string& result) {
 std::string ScoreOfGrid(const Options& options, const BlobFile& truth) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
-  const Blob map = ReadResult(options.result, "grid_map").blob;
+  const Blob map = ReadResult(options.result, "grid_map", options.changed).blob;
   const datasets::GridEvaluation score =
       truth.kind == "log" ? datasets::EvaluateGrid(map, truth.blob) : datasets::CompareGrids(map, truth.blob);
   return options.json ? datasets::GridEvaluationJson(score) + "\n" : datasets::GridEvaluationText(score);
@@ -147,27 +149,28 @@ std::string ScoreOfLocalMap(const Options& options, const Blob& log) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
   const datasets::LocalEvaluation score =
-      datasets::EvaluateLocal(ReadResult(options.result, "local_map").blob, log);
+      datasets::EvaluateLocal(ReadResult(options.result, "local_map", options.changed).blob, log);
   return options.json ? datasets::LocalEvaluationJson(score) + "\n" : datasets::LocalEvaluationText(score);
 }
 
 // A file of any kind that has poses, or those of a folder: of its landmark_map or local_map, else of its
 // grid_map.
-Blob PosesOf(const std::string& path) {
-  if (std::filesystem::is_regular_file(path)) return Take(ReadBlobFile(path)).blob;
+Blob PosesOf(const Options& options) {
+  const std::string& path = options.result;
+  if (std::filesystem::is_regular_file(path)) return ReadFile(path, options.changed).blob;
   const std::vector<std::string> files = FilesOf(path);
   for (const char* kind : {"landmark_map", "local_map"}) {
     const auto is = [&](const std::string& file) { return Take(ListBlobFile(file)).kind == kind; };
-    if (std::ranges::any_of(files, is)) return ReadResult(path, kind).blob;
+    if (std::ranges::any_of(files, is)) return ReadResult(path, kind, options.changed).blob;
   }
-  return ReadResult(path, "grid_map").blob;
+  return ReadResult(path, "grid_map", options.changed).blob;
 }
 
 std::string ScoreOfRelations(const Options& options) {
   if (!options.truth.empty() || !options.features.empty())
     throw InputError(
         "--relations are what is held against the poses: neither --truth nor --feature goes with it");
-  const datasets::Track track = datasets::TrajectoryOf(PosesOf(options.result), options.robot);
+  const datasets::Track track = datasets::TrajectoryOf(PosesOf(options), options.robot);
   const datasets::RelationScore score =
       datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s);
   return options.json ? datasets::RelationScoreJson(score) + "\n" : datasets::RelationScoreText(score);
@@ -184,7 +187,7 @@ int Evaluate(const Options& options, const Invocation&) {
     std::fputs(ScoreOfFeatures(options).c_str(), stdout);
     return kExitDone;
   }
-  const BlobFile truth = Take(ReadBlobFile(ResultPath(options.truth, "log")));
+  const BlobFile truth = ReadFile(ResultPath(options.truth, "log"), options.changed);
   std::string text;
   if (truth.kind == "grid_map" || (truth.kind == "log" && IsGridMap(options.result)))
     text = ScoreOfGrid(options, truth);
@@ -233,6 +236,7 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
       ->add_option("--robot", options->robot, "With --relations: whose poses, where there are several robots")
       ->needs(relations);
   command->add_flag("--json", options->json, "As JSON");
+  AddChangedFlag(*command, &options->changed);
   command->add_option(
       "--nearest", options->nearest,
       "Networks, features: training samples, of which the features at a place are the mean (5)");

@@ -11,6 +11,7 @@ namespace cairn::cli {
 namespace {
 
 struct Options {
+  bool changed = false;
   std::string format;  // set by the subcommand
   std::string from;
   std::string folder;
@@ -24,7 +25,7 @@ bool WantsGrid(const Options& options) { return options.format == "ros" || optio
 // A file of any kind, or the folder's result: grids are asked of its grid_map where it has one, all else of
 // its landmark_map, or where it has none of its local_map.
 Blob ReadSource(const Options& options) {
-  if (std::filesystem::is_regular_file(options.from)) return Take(ReadBlobFile(options.from)).blob;
+  if (std::filesystem::is_regular_file(options.from)) return ReadFile(options.from, options.changed).blob;
   bool grids = false, landmarks = false, locals = false;
   for (const std::string& file : FilesOf(options.from)) {
     const std::string kind = Take(ListBlobFile(file)).kind;
@@ -35,7 +36,7 @@ Blob ReadSource(const Options& options) {
   const bool takes_grid = WantsGrid(options) || options.format == "png";
   const bool grid = grids && takes_grid && (WantsGrid(options) || !landmarks);
   const char* path = locals && !landmarks ? "local_map" : "landmark_map";
-  return ReadResult(options.from, grid ? "grid_map" : path).blob;
+  return ReadResult(options.from, grid ? "grid_map" : path, options.changed).blob;
 }
 
 datasets::RosMode ModeOf(const std::string& mode) {
@@ -52,7 +53,7 @@ datasets::Written Write(const Options& options, const Blob& blob) {
   if (options.format == "png") return datasets::ExportPng(blob, options.folder, options.force);
   if (options.format == "csv") return datasets::ExportCsv(blob, options.folder, options.force);
   if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder, options.force);
-  const Blob log = ReadResult(options.log, "log").blob;
+  const Blob log = ReadResult(options.log, "log", options.changed).blob;
   return datasets::ExportG2o(blob, &log, options.folder, options.force);
 }
 
@@ -74,6 +75,7 @@ void AddFormat(CLI::App& parent, Invocation& call, const char* format, const cha
   options->format = format;
   command->add_option("RESULT", options->from, "A result file, or the folder given as --out")->required();
   command->add_option("FOLDER", options->folder, "Where to write; made where it is missing")->required();
+  AddChangedFlag(*command, &options->changed);
   command->add_flag("--force", options->force, "Replace files that are there already");
   if (options->format == "ros") {
     command

@@ -21,6 +21,7 @@ int Inspect(const Options& options, const Invocation&) {
     throw InputError("'" + options.file + "' is a folder; which file? " + Join(FilesOf(options.file)));
   }
   const datasets::Inspection inspection = Take(datasets::Inspect(options.file));
+  if (inspection.changed) WarnOfChanged(options.file);
   std::fputs((options.json ? datasets::InspectJson(inspection) : datasets::InspectText(inspection)).c_str(),
              stdout);
   return kExitDone;

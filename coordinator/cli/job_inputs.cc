@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coordinator/cli/failure.h"
+#include "coordinator/cli/result_file.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -33,8 +34,9 @@ void RefuseOtherKind(const proto::Job& job, const std::string& name, const JobIn
 std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed) {
   std::map<std::string, BlobPtr> blobs;
   for (const auto& [name, input] : parsed.inputs) {
-    Result<BlobFile> file = ReadBlobFileWithoutTruth(input.path);
+    Result<BlobFile> file = ReadBlobFileWithoutTruth(input.path, true);
     if (!file.ok()) Throw(Status(file.status().code(), input.where + ": " + file.status().message()));
+    if (file.value().changed) WarnOfChanged(input.path);  // the job knows it by its content
     RefuseOtherKind(parsed.job, name, input, file.value().kind);
     auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
     (*parsed.job.mutable_input_blobs())[name] = blob->ContentHash().Binary();

@@ -28,6 +28,7 @@ struct Options {
   std::string out;                // results
   std::string state, name;        // list, results: only those
   bool json = false;
+  bool force = false;  // results
 };
 
 // Those of the state and the name (a pattern, as of files) that are asked for.
@@ -74,13 +75,24 @@ int Status(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-// A file a stage.
-void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder) {
+// A result as it was fetched before.
+bool Holds(const std::string& file, const Blob& result) {
+  const Result<BlobFile> there = ReadBlobFile(file, {.only = {}, .without = {"provenance/"}});
+  return there.ok() && there.value().blob.ContentHash() == result.Without("provenance/").ContentHash();
+}
+
+// A file a stage. What is there already and is another is only replaced by force, and else none is written.
+void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder, bool force) {
   const std::map<std::string, BlobPtr> results = Take(client.Results(job));
   if (results.empty()) throw InputError("job " + job + " has no results yet");
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
+  for (const auto& [stage, blob] : results) {
+    const std::string file = (folder / (stage + ".h5")).string();
+    if (!force && fs::exists(fs::symlink_status(file)) && !Holds(file, *blob))
+      throw InputError("'" + file + "' is there already, and is not this result (--force replaces it)");
+  }
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
     Check(WriteBlobFile(file, ResultKind(*blob), *blob));
@@ -102,7 +114,7 @@ int Results(const Options& options, const Invocation&) {
     const fs::path folder = options.out.empty()          ? fs::path(job)
                             : by_name || jobs.size() > 1 ? fs::path(options.out) / job
                                                          : fs::path(options.out);
-    Fetch(client, job, folder);
+    Fetch(client, job, folder, options.force);
   }
   return kExitDone;
 }
@@ -136,6 +148,8 @@ void AddJobs(CLI::App& app, Invocation& call) {
   command->add_option("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
   command->add_option("--name", options->name, "All that are done whose name matches this pattern");
   command->add_option("--out", options->out, "Folder to write to (the job's id)");
+  command->add_flag("--force", options->force,
+                    "Replace files that are there already and hold something else");
 }
 
 }  // namespace cairn::cli

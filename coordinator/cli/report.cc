@@ -8,6 +8,7 @@
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/output_path.h"
+#include "coordinator/cli/pages.h"
 #include "coordinator/cli/result_file.h"
 #include "datasets/report/report.h"
 #include "schema/store/atomic_file.h"
@@ -16,6 +17,7 @@ namespace cairn::cli {
 namespace {
 
 struct Options {
+  bool changed = false;
   std::string result;
   std::string log;
   std::string out;
@@ -40,7 +42,7 @@ std::string KindOf(const std::string& result) {
 
 std::string PageOfMap(const std::string& title, const Blob& result, const Options& options) {
   std::optional<Blob> log;
-  if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
+  if (!options.log.empty()) log = ReadResult(options.log, "log", options.changed).blob;
   std::optional<datasets::Evaluation> evaluation;
   if (log && HasTruth(*log)) evaluation = datasets::Evaluate(result, *log);
   return datasets::ReportHtml(result, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, {title});
@@ -48,7 +50,7 @@ std::string PageOfMap(const std::string& title, const Blob& result, const Option
 
 std::string PageOfGrid(const std::string& title, const Blob& map, const Options& options) {
   std::optional<Blob> log;
-  if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
+  if (!options.log.empty()) log = ReadResult(options.log, "log", options.changed).blob;
   std::optional<datasets::GridEvaluation> evaluation;
   if (log) evaluation = datasets::EvaluateGrid(map, *log);
   return datasets::GridMapReportHtml(map, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, title);
@@ -56,7 +58,7 @@ std::string PageOfGrid(const std::string& title, const Blob& map, const Options&
 
 std::string PageOfLocal(const std::string& title, const Blob& result, const Options& options) {
   std::optional<Blob> log;
-  if (!options.log.empty()) log = ReadResult(options.log, "log").blob;
+  if (!options.log.empty()) log = ReadResult(options.log, "log", options.changed).blob;
   std::optional<datasets::LocalEvaluation> evaluation;
   if (log && HasTruth(*log)) evaluation = datasets::EvaluateLocal(result, *log);
   return datasets::LocalMapReportHtml(result, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr,
@@ -65,13 +67,13 @@ std::string PageOfLocal(const std::string& title, const Blob& result, const Opti
 
 std::string PageOf(const std::string& kind, const std::string& file, const Options& options) {
   const std::string title = std::filesystem::path(file).stem().string();
-  const Blob result = ReadResult(file, kind).blob;
+  const Blob result = ReadResult(file, kind, options.changed).blob;
   if (kind == "networks") return datasets::NetworksReportHtml(result, title);
   if (kind == "landmark_map") return PageOfMap(title, result, options);
   if (kind == "grid_map") return PageOfGrid(title, result, options);
   if (kind == "local_map") return PageOfLocal(title, result, options);
   std::optional<Blob> samples;
-  if (!options.log.empty()) samples = ReadResult(options.log, "samples").blob;
+  if (!options.log.empty()) samples = ReadResult(options.log, "samples", options.changed).blob;
   return datasets::LocalizationReportHtml(result, samples ? &*samples : nullptr, title);
 }
 
@@ -85,6 +87,7 @@ int Report(const Options& options, const Invocation&) {
   const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
   RefuseToOverwrite(out, options.force);
   Check(WriteTextAtomically(out, PageOf(kind, file, options)));
+  RememberPage(out);
   std::printf("%s\n", out.c_str());
   return kExitDone;
 }
@@ -110,6 +113,7 @@ void AddReport(CLI::App& app, Invocation& call) {
                       "The log that it was made from: adds raw odometry, and truth; of a "
                       "localization the samples: adds errors; of a grid_map adds scores");
   command->add_option("--out", options->out, "The page to write (report.html beside the result)");
+  AddChangedFlag(*command, &options->changed);
   command->add_flag("--force", options->force, "Replace the page where it is there already");
 }
 

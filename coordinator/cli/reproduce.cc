@@ -9,6 +9,7 @@
 #include "coordinator/cli/console.h"
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
+#include "coordinator/cli/pages.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/scalar.h"
 #include "coordinator/cli/stop_signal.h"
@@ -66,6 +67,7 @@ int Landmarks(const Options& options, const Invocation& call) {
 coordinator::EmbeddedResult RunStudy(const StudyFolder& folder, const proto::Job& job,
                                      const std::map<std::string, Blob>& inputs, const Invocation& call) {
   const fs::path out = folder.out;
+  RefuseToFill(folder.out, folder.force);
   coordinator::EmbeddedOptions embedded;
   embedded.dir = (out / "results").string();
   embedded.workers = folder.workers;

@@ -9,6 +9,7 @@
 
 #include "coordinator/cli/console.h"
 #include "coordinator/cli/failure.h"
+#include "coordinator/cli/pages.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/reproduce.h"
 #include "coordinator/cli/scalar.h"
@@ -235,6 +236,7 @@ int Adapt(const Options& options, const Invocation& call) {
 }
 
 int Ball(const Options& options, const Invocation& call) {
+  RefuseToFill(options.out, options.force);
   if (options.study == "paper") return Paper(options, call);
   if (options.study == "adapt") return Adapt(options, call);
   return options.study == "active" ? Active(options, call) : Variants(options, call);

@@ -1,6 +1,7 @@
 #include "coordinator/cli/result_file.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 
 #include "coordinator/cli/failure.h"
@@ -31,9 +32,30 @@ std::string ResultPath(const std::string& path, const std::string& kind) {
   return results[0];
 }
 
-BlobFile ReadResult(const std::string& path, const std::string& kind) {
+void AddChangedFlag(CLI::App& command, bool* changed_too) {
+  command.add_flag("--changed", *changed_too,
+                   "Take a result although another program has changed it since Cairn wrote it");
+}
+
+void WarnOfChanged(const std::string& path) {
+  std::fprintf(stderr, "cairn: warning: another program has changed %s since Cairn wrote it\n", path.c_str());
+}
+
+BlobFile ReadFile(const std::string& path, bool changed_too) {
+  BlobFile file = Take(ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true}));
+  if (!file.changed) return file;
+  if (!changed_too && file.kind != "log" && file.kind != "samples")
+    throw InputError(
+        path +
+        ": another program has changed it since Cairn wrote it, so it is not what Cairn computed; "
+        "--changed takes it as it is");
+  WarnOfChanged(path);
+  return file;
+}
+
+BlobFile ReadResult(const std::string& path, const std::string& kind, bool changed_too) {
   const std::string file = ResultPath(path, kind);
-  BlobFile result = Take(ReadBlobFile(file));
+  BlobFile result = ReadFile(file, changed_too);
   if (result.kind != kind) throw InputError(file + ": a " + result.kind + ", where a " + kind + " is needed");
   return result;
 }

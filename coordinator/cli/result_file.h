@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/cli/invocation.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -15,7 +16,15 @@ std::vector<std::string> FilesOf(const std::string& folder);
 // or are several.
 std::string ResultPath(const std::string& path, const std::string& kind);
 
-// Reads it whole.
-BlobFile ReadResult(const std::string& path, const std::string& kind);
+// Of evaluate, report and export: what they say of a result would be taken for Cairn's.
+void AddChangedFlag(CLI::App& command, bool* changed_too);
+
+// Reads it whole. Where another program has changed what Cairn wrote, it says so on stderr; throws InputError
+// of a result (not a log, not samples, which are people's own to change) unless `changed_too`.
+BlobFile ReadFile(const std::string& path, bool changed_too = false);
+BlobFile ReadResult(const std::string& path, const std::string& kind, bool changed_too = false);
+
+// Says on stderr that it is so.
+void WarnOfChanged(const std::string& path);
 
 }  // namespace cairn::cli

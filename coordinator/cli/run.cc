@@ -7,6 +7,7 @@
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/job_arguments.h"
 #include "coordinator/cli/job_inputs.h"
+#include "coordinator/cli/pages.h"
 #include "coordinator/cli/plan_text.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/run_summary.h"
@@ -80,6 +81,12 @@ int DryRun(const Options& options, const proto::Job& job, const std::map<std::st
   return kExitDone;
 }
 
+std::vector<std::string> StageNames(const proto::Job& job) {
+  std::vector<std::string> names;
+  for (const proto::Stage& stage : job.stages()) names.push_back(stage.name());
+  return names;
+}
+
 int Run(const Options& options, const Invocation& call) {
   const auto workers = static_cast<std::uint64_t>(std::max(0, options.workers));
   Check(PrepareProcess({.files = 48 + 4 * workers, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
@@ -95,6 +102,8 @@ int Run(const Options& options, const Invocation& call) {
   embedded.checkpoint_interval_s = options.checkpoint_interval_s;
   embedded.checkpoint_rounds = options.checkpoint_rounds;
   embedded.force = options.force;
+  const std::vector<std::string> stages = StageNames(parsed.job);
+  if (!options.force) RefuseToReplaceForeignPages(embedded.dir, stages);
   Console console(call);
   embedded.log = console.Sink();
   const coordinator::EmbeddedResult result = coordinator::RunEmbedded(
@@ -108,6 +117,7 @@ int Run(const Options& options, const Invocation& call) {
     return code;
   }
   RunSummary summary = Summarize(parsed, embedded.dir, result.results);
+  RememberPages(embedded.dir, stages);
   if (result.end == coordinator::EmbeddedEnd::kAlreadyDone)
     summary.note = "finished already; nothing was run";
   if (result.resumed) summary.note = "resumed where it was";

@@ -22,7 +22,7 @@ std::optional<Blob> LogOf(const ParsedJob& parsed, const proto::Stage& stage) {
   if (source == stage.inputs().end()) return std::nullopt;
   const auto input = parsed.inputs.find(source->second);
   if (input == parsed.inputs.end()) return std::nullopt;
-  return Take(ReadBlobFile(input->second.path)).blob;
+  return Take(ReadBlobFile(input->second.path, {.only = {}, .without = {}, .changed_too = true})).blob;
 }
 
 void Count(const Blob& map, StageSummary& summary) {
