@@ -1,5 +1,9 @@
 #include "coordinator/sqlite.h"
 
+#include <cerrno>
+
+#include "schema/store/atomic_file.h"
+
 namespace cairn::coordinator::sqlite {
 
 Status Failure(sqlite3* db) {
@@ -7,8 +11,13 @@ Status Failure(sqlite3* db) {
   const Code kind = code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ? Code::kCorrupt
                     : code == SQLITE_FULL                                                   ? Code::kNoSpace
                                                                                             : Code::kIo;
-  const char* file = sqlite3_db_filename(db, nullptr);
-  return {kind, std::string(file == nullptr ? "job table" : file) + ": " + sqlite3_errmsg(db)};
+  const char* name = sqlite3_db_filename(db, nullptr);
+  const std::string file = name == nullptr ? "job table" : name;
+  // SQLite calls all of these "disk I/O error", but for the first write that meets a full disk.
+  const bool at_disk = code == SQLITE_IOERR || code == SQLITE_FULL || code == SQLITE_CANTOPEN;
+  const int error = code == SQLITE_FULL && sqlite3_system_errno(db) == 0 ? ENOSPC : sqlite3_system_errno(db);
+  if (at_disk && error != 0) return SystemFailure(file, "cannot be written or read", error);
+  return {kind, file + ": " + sqlite3_errmsg(db)};
 }
 
 Result<Statement> Prepare(sqlite3* db, const char* sql) {

@@ -110,7 +110,8 @@ Status SystemFailure(const std::filesystem::path& path, const std::string& doing
   const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
   const bool missing = error_number == ENOENT || error_number == ENOTDIR;
   const std::string cause = error_number == EFBIG     ? "no file may grow so large here (ulimit -f)"
-                            : full                    ? "no space left"
+                            : error_number == ENOSPC  ? "no space left: the disk that holds it is full"
+                            : full                    ? "no space left: over a quota"
                             : error_number == ENOTDIR ? "there is a file where a folder is needed"
                             : missing                 ? "no such file or folder"
                                                       : std::generic_category().message(error_number);

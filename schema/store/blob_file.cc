@@ -33,8 +33,8 @@ Status CheckHead(std::span<const std::byte> head, std::uint64_t size) {
   }
   const std::uint64_t end = store::StatedEnd(head);
   if (end > size || (end == 0 && size < 48)) {
-    return {Code::kCorrupt, "truncated: " + std::to_string(size) + " bytes" +
-                                (end > size ? " of " + std::to_string(end) : std::string())};
+    return {Code::kCorrupt, "truncated: it has " + std::to_string(size) +
+                                (end > size ? " of its " + std::to_string(end) : "") + " bytes"};
   }
   return Status::Ok();
 }
@@ -59,7 +59,7 @@ bool IsLocked(int fd) {
 }
 
 Result<File> Open(const std::filesystem::path& path, const RegularFile& bytes) {
-  std::array<std::byte, 48> head{};
+  std::array<std::byte, store::kHeadBytes> head{};
   const auto known = std::span(head).first(std::min<std::size_t>(head.size(), bytes.size()));
   if (const int error = bytes.ReadAt(known, 0)) return SystemFailure(path, "cannot read", error);
   Status status = CheckHead(known, bytes.size());
@@ -188,7 +188,7 @@ Result<BlobFileInfo> ListBlobFile(const std::filesystem::path& path) {
 Result<BlobFile> ReadBlobImage(std::span<const std::byte> image, const std::string& name) {
   const std::lock_guard lock(store::LibraryMutex());
   const store::QuietErrors quiet;
-  const std::span<const std::byte> head = image.first(std::min<std::size_t>(image.size(), 48));
+  const std::span<const std::byte> head = image.first(std::min<std::size_t>(image.size(), store::kHeadBytes));
   Status status = CheckHead(head, image.size());
   if (!status.ok()) return Named(name, status);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);

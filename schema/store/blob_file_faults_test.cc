@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <fstream>
 #include <thread>
 
 #include "schema/store/atomic_file.h"
@@ -94,9 +95,42 @@ TEST(BlobFileFaults, ATruncatedFileSaysSo) {
     Overwrite(folder / "a.h5", {image.begin(), image.begin() + static_cast<std::ptrdiff_t>(size)});
     const Status status = ReadBlobFile(folder / "a.h5").status();
     EXPECT_EQ(status.code(), Code::kCorrupt);
-    EXPECT_NE(status.message().find("a.h5: truncated: " + std::to_string(size) + " bytes"), std::string::npos)
+    EXPECT_NE(status.message().find("a.h5: truncated: it has " + std::to_string(size) +
+                                    (size < 48 ? " bytes" : " of its ")),
+              std::string::npos)
         << status.message();
   }
+}
+
+// As h5py and MATLAB write them: with a superblock of version 0.
+TEST(BlobFileFaults, ATruncatedFileOfAnotherProgramSaysSoToo) {
+  const TempFolder folder;
+  const std::string path = folder / "a.h5";
+  {
+    const store::Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    const hsize_t rows = 1000;
+    const store::Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+    const std::vector<double> values(rows, 0.5);
+    const store::Handle dataset(
+        H5Dcreate2(file.get(), "x", H5T_NATIVE_DOUBLE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose);
+    ASSERT_GE(H5Dwrite(dataset.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
+  }
+  const std::vector<std::byte> whole = Bytes(path);
+  ASSERT_EQ(std::to_integer<int>(whole[8]), 0) << "the version of the superblock";
+  Overwrite(path, {whole.begin(), whole.begin() + 3000});
+  EXPECT_EQ(ReadBlobFile(path).status().message(),
+            path + ": truncated: it has 3000 of its " + std::to_string(whole.size()) + " bytes");
+}
+
+TEST(BlobFileFaults, WhatHdf5CannotOpenIsSaidWithHdf5sCause) {
+  const TempFolder folder;
+  std::vector<std::byte> bytes = ImageOf(OddBlob());
+  bytes[45] ^= std::byte{1};  // of the superblock's checksum
+  Overwrite(folder / "a.h5", bytes);
+  const std::string message = ReadBlobFile(folder / "a.h5").status().message();
+  EXPECT_NE(message.find("a.h5: damaged: "), std::string::npos) << message;
+  EXPECT_EQ(message.find("unknown cause"), std::string::npos) << message;
 }
 
 TEST(BlobFileFaults, OtherFilesAreRefusedByName) {
@@ -171,6 +205,35 @@ TEST(BlobFileFaults, AFullDiskLeavesNothing) {
   }));
   EXPECT_EQ(folder.Files(), std::vector<std::string>{"a.h5"});
   EXPECT_EQ(Bytes(folder / "a.h5"), before);
+}
+
+// In bytes, of this process, at its height.
+std::size_t PeakMemory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == "VmHWM:") {
+      std::size_t kilobytes = 0;
+      status >> kilobytes;
+      return kilobytes * 1024;
+    }
+  return 0;
+}
+
+TEST(BlobFileFaults, AFileIsReadIntoTheMemoryThatItsArraysTakeAndNoMore) {
+  const TempFolder folder;
+  constexpr std::size_t kBytes = std::size_t{64} << 20;
+  {
+    Blob blob;
+    blob.PutVector<double>("x_m", std::vector<double>(kBytes / 8, 0.1));
+    ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", blob).ok());
+  }
+  EXPECT_TRUE(InAnotherProcess([&] {
+    const int clear = ::open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);  // the height begins anew
+    if (clear < 0 || ::write(clear, "5", 1) != 1) return false;
+    const std::size_t before = PeakMemory();
+    const Result<BlobFile> file = ReadBlobFile(folder / "a.h5");
+    return before > 0 && file.ok() && PeakMemory() - before < kBytes + kBytes / 2;
+  }));
 }
 
 TEST(BlobFileFaults, AMissingFolderIsNamed) {

@@ -234,12 +234,16 @@ bool HasHdf5Signature(std::span<const std::byte> head) {
          std::memcmp(head.data(), kSignature.data(), kSignature.size()) == 0;
 }
 
-// HDF5 File Format Specification 3.0, II.A: version 2 and 3 keep the end-of-file address at byte 28.
+// HDF5 File Format Specification 3.0, II.A: where each version of the superblock keeps the end-of-file
+// address. Versions 0 and 1 are those of files that other programs write.
 std::uint64_t StatedEnd(std::span<const std::byte> head) {
+  constexpr std::array<std::size_t, 4> kPlace{40, 44, 28, 28}, kSizeOfOffsets{13, 13, 9, 9};
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint64_t>(head[i]); };
-  if (head.size() < 48 || !HasHdf5Signature(head) || (byte(8) != 2 && byte(8) != 3) || byte(9) != 8) return 0;
+  if (head.size() < 48 || !HasHdf5Signature(head) || byte(8) >= kPlace.size()) return 0;
+  const std::size_t place = kPlace[byte(8)];
+  if (byte(kSizeOfOffsets[byte(8)]) != 8 || head.size() < place + 8) return 0;
   std::uint64_t end = 0;
-  for (std::size_t i = 0; i < 8; ++i) end |= byte(28 + i) << (8 * i);
+  for (std::size_t i = 0; i < 8; ++i) end |= byte(place + i) << (8 * i);
   return end;
 }
 

@@ -24,8 +24,9 @@ struct Image {
 // With its seal. The message of a failed Status names the dataset, not the file.
 Result<Image> EncodeBlob(const std::string& kind, const Blob& blob);
 
-// The end of the file as its superblock states it, or 0 where that cannot be said from these bytes (at least
-// 48 are needed, of a superblock of version 2 or 3).
+// The end of the file as its superblock states it, or 0 where that cannot be said from these bytes: fewer
+// than kHeadBytes may be too few.
+inline constexpr std::size_t kHeadBytes = 52;
 std::uint64_t StatedEnd(std::span<const std::byte> head);
 bool HasHdf5Signature(std::span<const std::byte> head);
 

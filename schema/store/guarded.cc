@@ -133,12 +133,18 @@ bool GetInfo(Reader& in, DatasetInfo* info) {
   return in.Get(&info->unit) && in.Get(&info->stored_bytes);
 }
 
+std::shared_ptr<std::byte> Aligned(std::size_t size) {
+  constexpr std::align_val_t kAlignment{64};
+  return {static_cast<std::byte*>(::operator new(size, kAlignment)),
+          [](std::byte* bytes) { ::operator delete(bytes, kAlignment); }};
+}
+
 bool GetArray(Reader& in, const DatasetInfo& info, Blob* blob) {
   std::uint64_t size = 0;
   if (!in.Get(&size)) return false;
-  const auto bytes = std::make_unique_for_overwrite<std::byte[]>(size);
+  const std::shared_ptr<std::byte> bytes = Aligned(size);  // the array's own: a log may be most of the memory
   if (!in.Get(bytes.get(), size)) return false;
-  Result<Array> array = Array::FromBytes(info.type, info.item_bytes, info.shape, {bytes.get(), size});
+  Result<Array> array = Array::Over(info.type, info.item_bytes, info.shape, {bytes.get(), size}, bytes);
   if (!array.ok()) return false;
   blob->Put(info.name, std::move(array).value());
   return true;

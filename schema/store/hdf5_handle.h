@@ -24,10 +24,15 @@ class Handle {
   ~Handle() { Close(); }
   bool ok() const { return id_ >= 0; }
   hid_t get() const { return id_; }
-  // False where HDF5 could not close it (it flushes when a file closes).
+  // False where HDF5 could not close it (it flushes when a file closes). What HDF5 said of a call that failed
+  // before stays known (LastCause): the call that closes would begin with a clean slate.
   bool Close() {
     const hid_t id = std::exchange(id_, -1);
-    return id < 0 || closer_(id) >= 0;
+    if (id < 0) return true;
+    const hid_t errors = H5Eget_num(H5E_DEFAULT) > 0 ? H5Eget_current_stack() : -1;
+    const bool closed = closer_(id) >= 0;
+    if (errors >= 0) H5Eset_current_stack(errors);
+    return closed;
   }
 
  private:

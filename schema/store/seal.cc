@@ -7,6 +7,7 @@
 
 #include "schema/hash.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/encode.h"
 
 namespace cairn::store {
 namespace {
@@ -32,6 +33,17 @@ Status Judge(const std::string& name, const std::array<std::byte, kSealBytes>& w
 
 Status TooShort(const std::string& name) {
   return {Code::kCorrupt, name + ": damaged: too short for a seal"};
+}
+
+// Whether it is as long as HDF5's part of it says, and the seal.
+Status CheckLength(const RegularFile& file, const std::string& name) {
+  std::array<std::byte, kHeadBytes> head{};
+  const auto known = std::span(head).first(std::min<std::uint64_t>(head.size(), file.size()));
+  const std::uint64_t end = file.ReadAt(known, 0) == 0 ? StatedEnd(known) : 0;
+  if (end == 0 || file.size() >= end + kSealBytes || end > ~std::uint64_t{0} - kSealBytes)
+    return Status::Ok();
+  return {Code::kCorrupt, name + ": damaged: truncated: it has " + std::to_string(file.size()) + " of its " +
+                              std::to_string(end + kSealBytes) + " bytes"};
 }
 
 }  // namespace
@@ -62,6 +74,8 @@ Status CheckSeal(const RegularFile& file, const std::string& name) {
   }
   std::array<std::byte, kSealBytes> have;
   if (const int error = file.ReadAt(have, end)) return SystemFailure(name, "cannot read", error);
+  const bool sealed = std::memcmp(have.data(), kMagic.data(), kMagic.size()) == 0;
+  if (Status cut_off = sealed ? Status::Ok() : CheckLength(file, name); !cut_off.ok()) return cut_off;
   return Judge(name, SealOf(hasher), have);
 }
 
