@@ -35,7 +35,9 @@ Result<wire::Message> Judge(wire::Received received) {
     return Status(Code::kVersion, std::string("the service answers with '") + wire::KindName(envelope) +
                                       "': its version differs");
   }
-  if (!envelope.reply().ok()) return Status(Code::kRefused, envelope.reply().message());
+  // Where something is missing it may be sent: no refusal yet.
+  if (!envelope.reply().ok() && envelope.reply().missing().empty())
+    return Status(Code::kRefused, envelope.reply().message());
   return std::move(received.message);
 }
 
@@ -96,38 +98,39 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
   }
 }
 
-// What the service has when it is asked may be gone when it is used: the job that held it has ended, or the
-// service was started again. Then the second time it is sent along; any other refusal is only repeated.
-Result<wire::JobInfo> Client::Submit(const proto::Job& job, const std::map<std::string, BlobPtr>& inputs) {
-  Result<wire::JobInfo> info = SubmitOnce(job, inputs);
-  return info.status().code() == Code::kRefused ? SubmitOnce(job, inputs) : info;
-}
-
-Result<wire::JobInfo> Client::SubmitOnce(proto::Job job, const std::map<std::string, BlobPtr>& inputs) {
-  std::map<Hash, wire::NamedBlob> blobs;
-  wire::Message have;
-  have.envelope.mutable_have();
+// First without its inputs: the service may have them, or the job. What it has then may be gone when they
+// come, with the job that held it: so a second time.
+Result<wire::JobInfo> Client::Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs,
+                                     bool* known) {
+  std::map<std::string, wire::NamedBlob> blobs;  // by hash
   for (const auto& [name, blob] : inputs) {
     const wire::NamedBlob named = wire::NameBlob(blob);
     (*job.mutable_input_blobs())[name] = named.hash.Binary();
-    if (blobs.emplace(named.hash, named).second)
-      have.envelope.mutable_have()->add_hashes(named.hash.Binary());
+    blobs.emplace(named.hash.Binary(), named);
   }
-  const Result<wire::Message> reply = Ask(std::move(have), options_.timeout_s);
-  if (!reply.ok()) return reply.status();
-  wire::Message submit;
-  *submit.envelope.mutable_submit()->mutable_job() = std::move(job);
-  std::size_t bytes = 0;
-  for (const std::string& missing : reply.value().envelope.reply().missing()) {
-    const Result<Hash> hash = Hash::FromBinary(missing);
-    const auto it = hash.ok() ? blobs.find(hash.value()) : blobs.end();
-    if (it == blobs.end())
-      return Status(Code::kVersion, "the service asks for a blob that it was not offered");
-    bytes += it->second.blob->ByteCount();
-    submit.blobs.push_back(it->second);
+  std::set<std::string> lacking;
+  for (int tries = 0; tries < 3; ++tries) {
+    wire::Message submit;
+    *submit.envelope.mutable_submit()->mutable_job() = job;
+    std::size_t bytes = 0;
+    for (const std::string& hash : lacking) {
+      const auto it = blobs.find(hash);
+      if (it == blobs.end())
+        return Status(Code::kVersion, "the service asks for a blob that it was not offered");
+      bytes += it->second.blob->ByteCount();
+      submit.blobs.push_back(it->second);
+    }
+    const Result<wire::Message> answer =
+        Ask(std::move(submit), options_.timeout_s + static_cast<double>(bytes) / kSlowestBytesPerS);
+    if (!answer.ok()) return answer.status();
+    const wire::Reply& reply = answer.value().envelope.reply();
+    if (reply.ok()) {
+      if (known != nullptr) *known = reply.known();
+      return OnlyJob(answer, "");
+    }
+    lacking.insert(reply.missing().begin(), reply.missing().end());
   }
-  return OnlyJob(Ask(std::move(submit), options_.timeout_s + static_cast<double>(bytes) / kSlowestBytesPerS),
-                 "");
+  return Status(Code::kRefused, "the service does not keep the job's inputs");
 }
 
 Result<wire::Message> Client::Query(const std::string& job, const std::string& action, double timeout_s) {

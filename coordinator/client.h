@@ -50,8 +50,10 @@ class Client {
   static Result<Client> Connect(const ClientOptions& options);
 
   // Uploads those inputs (by the names of job.inputs; truth left behind by the caller) that the service
-  // lacks, fills in job.input_blobs, and returns the job as it is queued, once it is durable.
-  Result<wire::JobInfo> Submit(const proto::Job& job, const std::map<std::string, BlobPtr>& inputs);
+  // lacks, fills in job.input_blobs, and returns the job as it is queued, once it is durable. `known`: the
+  // service has the same job already, which may be done.
+  Result<wire::JobInfo> Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs,
+                               bool* known = nullptr);
   Result<JobList> List();
   Result<wire::JobInfo> Info(const std::string& job);
   // pause, resume, cancel, retry, delete or priority: once it is durable, the job as it stands then (one that
@@ -71,7 +73,6 @@ class Client {
  private:
   Result<std::vector<wire::WorkerInfo>> AskOfWorkers(const std::string& action, std::uint64_t worker);
   explicit Client(ClientOptions options, wire::DealerSocket socket);
-  Result<wire::JobInfo> SubmitOnce(proto::Job job, const std::map<std::string, BlobPtr>& inputs);
   Result<wire::Message> Ask(wire::Message question, double timeout_s);
   Result<wire::Message> AskOnce(wire::Message question, double timeout_s);
   Result<wire::Message> Query(const std::string& job, const std::string& action, double timeout_s);

@@ -71,8 +71,8 @@ TEST_F(ClientTest, SubmitUploadsOnlyWhatTheServiceLacks) {
   const std::string lacking = Number(2)->ContentHash().Binary();
   FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) {
     wire::Message reply = Ok();
-    if (question.envelope.has_have()) {
-      EXPECT_EQ(question.envelope.have().hashes_size(), 2);  // two names, one blob
+    if (question.blobs.empty()) {
+      reply.envelope.mutable_reply()->set_ok(false);
       reply.envelope.mutable_reply()->add_missing(lacking);
     } else {
       submitted = question;
@@ -93,6 +93,35 @@ TEST_F(ClientTest, SubmitUploadsOnlyWhatTheServiceLacks) {
   EXPECT_EQ(sent.input_blobs().at("map"), lacking);
   ASSERT_EQ(submitted.blobs.size(), 1u);
   EXPECT_EQ(submitted.blobs[0].blob->Scalar<double>("v"), 2);
+}
+
+// Where nothing is missing a second try would only be taken for the same job told twice.
+TEST_F(ClientTest, ARefusedSubmissionIsNotRepeated) {
+  int asked = 0;
+  FakeService service(folder_.Ipc("s"), [&asked](const wire::Message&) {
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->set_ok(asked++ > 0);
+    reply.envelope.mutable_reply()->set_message("cannot save: no space left");
+    reply.envelope.mutable_reply()->add_jobs()->set_id("1-museum");
+    return reply;
+  });
+  const Status refused = Connect().Submit(proto::Job(), {{"log", Number(1)}}).status();
+  EXPECT_EQ(refused.code(), Code::kRefused);
+  EXPECT_EQ(refused.message(), "cannot save: no space left");
+  EXPECT_EQ(asked, 1);
+}
+
+TEST_F(ClientTest, AServiceThatKeepsNoInputIsGivenUp) {
+  int asked = 0;
+  FakeService service(folder_.Ipc("s"), [&asked](const wire::Message&) {
+    ++asked;
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->set_ok(false);
+    reply.envelope.mutable_reply()->add_missing(Number(1)->ContentHash().Binary());
+    return reply;
+  });
+  EXPECT_EQ(Connect().Submit(proto::Job(), {{"log", Number(1)}}).status().code(), Code::kRefused);
+  EXPECT_EQ(asked, 3);
 }
 
 TEST_F(ClientTest, QueriesCarryTheirActionAndResultsTheirNames) {

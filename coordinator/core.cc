@@ -82,16 +82,8 @@ bool Core::MayRead(const std::string& peer, const Hash& hash) const {
 
 bool Core::HasUnsaved() const {
   for (const auto& [order, job] : jobs_)
-    if (job.saving.under_way || (job.saving.due && !job.SavingWaits())) return true;
+    if (job.leaving || job.saving.under_way || (job.saving.due && !job.SavingWaits())) return true;
   return false;
-}
-
-std::optional<std::uint64_t> Core::NextDurable(const std::string& id) const {
-  const Job* job = FindJob(id);
-  if (job == nullptr) return std::nullopt;
-  const Saving& saving = job->saving;
-  if (saving.due && saving.at_once && !job->SavingWaits()) return saving.number + 1;
-  return saving.under_way ? std::optional(saving.number) : std::nullopt;
 }
 
 }  // namespace cairn::coordinator

@@ -68,8 +68,6 @@ class Core {
   bool MayRead(const std::string& peer, const Hash& hash) const;
   // A checkpoint is under way, or SaveNow would begin one.
   bool HasUnsaved() const;
-  // The checkpoint that makes durable what the job was told last; none where nothing waits to be saved.
-  std::optional<std::uint64_t> NextDurable(const std::string& job) const;
 
  private:
   using JobMap = std::map<std::uint64_t, Job>;  // by order
@@ -92,6 +90,8 @@ class Core {
   void On(const RestoreJob& event);
   void On(const PersistDone& event);
   void On(const PersistFailed& event);
+  void On(const ForgetDone& event);
+  void On(const ForgetFailed& event);
   void On(const SaveNow& event);
   void On(const Tick& event);
 
@@ -139,9 +139,20 @@ class Core {
   Job* JobOf(const wire::TaskKey& key);  // null where the task is not part of what is under way
 
   // commands.cc
-  Job* Obeying(const std::string& id, JobCommand command);  // null where it is not there or does not obey
+  // Null where it is not there or does not obey, which `asker` is told.
+  Job* Obeying(const std::string& id, JobCommand command, const std::string& asker);
   bool IsOfThisBuild(Job& job);
   void GoOn(Job& job, const std::string& how);
+  // For a command that changes the job: once the next checkpoint is durable. Where it cannot be, the job is
+  // as it was `before`.
+  void AnswerWhenSaved(Job& job, const std::string& asker, const Standing& before);
+  // For one that asks for what is so already: once that is durable.
+  void AnswerAsItStands(Job& job, const std::string& asker, bool known = false);
+  void AnswerDurable(Job& job, std::uint64_t number);  // those who waited for that checkpoint
+  void RefusePending(Job& job, const std::string& why);
+  void RefuseSubmission(Job& job, const std::string& why);  // the job goes
+  void Undo(Job& job, const Standing& before);
+  void Tell(const std::string& asker, const std::string& job, const std::string& refusal, bool known = false);
 
   // jobs.cc
   Job* FindById(const std::string& id);
@@ -152,6 +163,7 @@ class Core {
   void FailJob(Job& job, const std::string& reason, bool input_error);
   void ReleaseAll(Job& job);
   void Delete(Job& job);
+  void Erase(Job& job);
   void DeleteTheOld();
 
   // saving.cc

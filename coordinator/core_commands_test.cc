@@ -119,6 +119,7 @@ TEST(CoreCommands, DeleteTakesAllThatAnEndedJobHasAndNothingOfARunningOne) {
   bench.Fail(task, "no good", true);
   bench.Do(DeleteJob{"a"});
   ASSERT_EQ(bench.All<ForgetJob>().size(), 1u);
+  bench.Do(ForgetDone{"a"});
   EXPECT_EQ(bench.core.FindJob("a"), nullptr);
   EXPECT_EQ(bench.core.held_blobs(), 0u);
   bench.AnswerRun(task, H(10));

@@ -318,6 +318,14 @@ TEST(CoreJobs, AJobThatHasEndedForLongerThanItIsKeptGoesAsIfDeleted) {
   ASSERT_EQ(bench.All<ForgetJob>().size(), 1u);
   EXPECT_EQ(bench.All<ForgetJob>()[0].job, "a");
   EXPECT_EQ(bench.All<Report>().size(), 1u) << "it is told";
+  bench.Advance(1);
+  EXPECT_TRUE(bench.All<ForgetJob>().empty()) << "once";
+  bench.Do(ForgetFailed{"a", "no space"});
+  bench.Advance(1);
+  EXPECT_TRUE(bench.All<ForgetJob>().empty());
+  bench.Advance(5);
+  EXPECT_EQ(bench.All<ForgetJob>().size(), 1u) << "it is tried again by and by";
+  bench.Do(ForgetDone{"a"});
   EXPECT_EQ(bench.core.FindJob("a"), nullptr);
   bench.Advance(100 * kDay_s);
   EXPECT_EQ(bench.Info("b").state(), "queued") << "what has not ended does not grow old";
@@ -365,7 +373,7 @@ TEST(CoreJobs, ARestartNeitherResetsAJobsAgeNorAddsToIt) {
   after.Advance(0.4 * kDay_s);
   EXPECT_EQ(after.Info("a").state(), "cancelled") << "1.9 days";
   after.Advance(0.2 * kDay_s);
-  EXPECT_EQ(after.core.FindJob("a"), nullptr) << "2.1 days";
+  EXPECT_EQ(after.All<ForgetJob>().size(), 1u) << "2.1 days";
 }
 
 TEST(CoreJobs, WhereTheTimeServedWasLostNoJobIsOlderThanItWas) {
@@ -383,7 +391,7 @@ TEST(CoreJobs, WhereTheTimeServedWasLostNoJobIsOlderThanItWas) {
   bench.Advance(1.9 * kDay_s);
   EXPECT_EQ(bench.Info("a").state(), "cancelled");
   bench.Advance(0.2 * kDay_s);
-  EXPECT_EQ(bench.core.FindJob("a"), nullptr);
+  EXPECT_EQ(bench.All<ForgetJob>().size(), 1u);
 }
 
 TEST(CoreJobs, AFailedJobThatIsRetriedIsYoungAgain) {

@@ -6,6 +6,7 @@
 #include "coordinator/checkpoint_file.h"
 #include "coordinator/result_file.h"
 #include "coordinator/served_file.h"
+#include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
@@ -20,6 +21,18 @@ std::uint64_t BytesOf(const std::vector<wire::NamedBlob>& blobs) {
   std::uint64_t bytes = 0;
   for (const wire::NamedBlob& named : blobs) bytes += named.blob == nullptr ? 0 : named.blob->ByteCount();
   return bytes;
+}
+
+// With those above it. Durable when it returns: a file in it is only as safe as its folder's name.
+Status MakeFolder(const fs::path& folder) {
+  std::error_code error;
+  if (folder.empty() || fs::is_directory(folder, error)) return Status::Ok();
+  if (Status above = MakeFolder(folder.parent_path()); !above.ok()) return above;
+  fs::create_directory(folder, error);
+  if (error) return SystemFailure(folder, "make the folder", error.value());
+  Status synced = SyncFolder(folder.has_parent_path() ? folder.parent_path() : fs::path("."));
+  if (!synced.ok()) fs::remove(folder, error);
+  return synced;
 }
 
 }  // namespace
@@ -111,17 +124,16 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
   if (bytes > 0 && checkpoint.state() != proto::JOB_CANCELLED) done.status = use_.Reserve(bytes);
   if (done.status.ok()) done.status = files_.Write(work.blobs, done.written);
   for (const ResultToWrite& result : work.results) {
+    if (done.status.ok()) done.status = MakeFolder(result.path.parent_path());
     if (!done.status.ok()) return done;
-    std::error_code ignored;  // the write below says what is wrong
-    fs::create_directories(result.path.parent_path(), ignored);
     done.status = WriteBlobFile(result.path, result.kind,
                                 WithProvenance(*result.blob, checkpoint, result.stage, UtcNow()));
   }
   if (!done.status.ok()) return done;
   const fs::path path = folder_.CheckpointFile(checkpoint.job_id(), checkpoint.number());
   std::error_code ignored;
-  fs::create_directories(path.parent_path(), ignored);
-  done.status = WriteCheckpoint(path, checkpoint);
+  done.status = MakeFolder(path.parent_path());
+  if (done.status.ok()) done.status = WriteCheckpoint(path, checkpoint);
   if (done.status.ok())
     RemoveOldCheckpoints(checkpoint);
   else  // Whole perhaps, but not known to be durable: the core forgets its blobs, so it must not be counted
@@ -175,8 +187,10 @@ DiskDone DiskWriter::Do(const CleanWork& work) const {
 DiskDone DiskWriter::Do(const ForgetWork& work) {
   DiskDone done;
   done.job = work.job;
-  done.status = table_.Remove(work.job);  // its number stays known when its checkpoints are gone
+  done.status = table_.NoteRemoval(work.job);
   if (done.status.ok()) done.status = folder_.Forget(work.job, work.results);
+  if (done.status.ok())
+    static_cast<void>(table_.Remove(work.job));  // a row too many: the next start's to remove
   return done;
 }
 

@@ -91,6 +91,7 @@ class Run {
   void RemoveReplaced();
   Status Open();
   bool EarlierRunIsWorthless() const;
+  std::vector<fs::path> PublishedByThisRun() const;
   std::optional<EmbeddedResult> LookAtEarlierRun();
   std::string WhatIsWrongWithResults() const;
   wire::SharedMemory ShareInputs() const;
@@ -152,6 +153,15 @@ bool Run::EarlierRunIsWorthless() const {
          HashOfJob(known->spec) != HashOfJob(job_);
 }
 
+std::vector<fs::path> Run::PublishedByThisRun() const {
+  const std::set<std::string> replaced = ReadLines(ReplacedFile());
+  std::vector<fs::path> files;
+  for (const proto::Stage& stage : job_.stages())
+    if (!replaced.contains(stage.name()) && fs::exists(ResultFile(stage.name())))
+      files.push_back(ResultFile(stage.name()));
+  return files;
+}
+
 Status Run::Open() {
   transport_.reset();
   socket_folder_.reset();
@@ -172,6 +182,7 @@ Status Run::Open() {
   hub.memory_bytes = options_.memory_bytes;
   hub.given_inputs = inputs_;
   hub.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
+  hub.result_files = [this](const std::string&) { return PublishedByThisRun(); };
   hub_ = std::make_unique<Hub>(folder_, *transport_, std::move(table).value(), std::move(hub),
                                WithoutTheEnd(options_.log));
   return Status::Ok();

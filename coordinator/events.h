@@ -46,31 +46,42 @@ struct TaskFailed {
 };
 
 // ---- events: jobs ----
-// The shell has all of job.input_blobs, and `id` is new.
+// `asker` waits for an Answer, which comes once what he asked for is durable. Where it cannot be made durable
+// he is refused, and it is taken back: a job is as if he had never asked. Empty: nobody waits, and nothing is
+// taken back.
+
+// The shell has all of job.input_blobs. Where `id` is there already, it was told twice.
 struct SubmitJob {
   std::string id;
   proto::Job job;
   std::vector<Hash> blobs;  // that came with it
+  std::string asker = {};
 };
 // A command that the job's state does not allow (job_commands.h) changes nothing.
 struct PauseJob {
   std::string id;
+  std::string asker = {};
 };
 struct ResumeJob {
   std::string id;
+  std::string asker = {};
 };
 struct CancelJob {
   std::string id;
+  std::string asker = {};
 };
 struct RetryJob {
   std::string id;
+  std::string asker = {};
 };
 struct DeleteJob {
   std::string id;
+  std::string asker = {};
 };
 struct PrioritizeJob {
   std::string id;
   int priority = 0;
+  std::string asker = {};
 };
 // For how long the store has been served, in all, by coordinators before: once, before any RestoreJob.
 struct Served {
@@ -92,13 +103,22 @@ struct PersistFailed {
   std::uint64_t number = 0;
   std::string reason;
 };
+// What came of a ForgetJob: the disk has nothing of the job any more, or all that it had.
+struct ForgetDone {
+  std::string job;
+};
+struct ForgetFailed {
+  std::string job;
+  std::string reason;
+};
 // Checkpoints that wait for their interval are wanted now: the service is about to end.
 struct SaveNow {};
 struct Tick {};
 
-using Event = std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, DrainWorker, TaskDone, TaskFailed,
-                           SubmitJob, PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob,
-                           Served, RestoreJob, PersistDone, PersistFailed, SaveNow, Tick>;
+using Event =
+    std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, DrainWorker, TaskDone, TaskFailed, SubmitJob,
+                 PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob, Served, RestoreJob,
+                 PersistDone, PersistFailed, ForgetDone, ForgetFailed, SaveNow, Tick>;
 
 // ---- actions ----
 // To a worker: Welcome, Refuse, Stranger, Assign, Cancel, Drain.
@@ -120,9 +140,17 @@ struct Persist {
 struct DropBlobs {
   std::vector<Hash> hashes;
 };
-// The job is deleted: all that the disk has of it goes, after what was asked for before.
+// All that the disk has of the job goes, after what was asked for before; answer with ForgetDone or
+// ForgetFailed.
 struct ForgetJob {
   std::string job;
+};
+// To whoever asked for something of a job: it is durable, or, with the reason, was refused.
+struct Answer {
+  std::string asker;
+  std::string job;
+  std::string refusal;  // empty: it is durable
+  bool known = false;   // of a submission: the job was there before
 };
 // A job's state changed, or it came a round further.
 struct JobChanged {
@@ -143,6 +171,6 @@ struct Refused {
   wire::Refusal refusal;
 };
 
-using Action = std::variant<Send, Persist, DropBlobs, ForgetJob, JobChanged, Report, Refused>;
+using Action = std::variant<Send, Persist, DropBlobs, ForgetJob, Answer, JobChanged, Report, Refused>;
 
 }  // namespace cairn::coordinator

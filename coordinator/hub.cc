@@ -31,7 +31,7 @@ Hub::Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOpt
       use_(folder.dir(), options_.store_limit_bytes),
       gate_(options_.allow_list),
       refusals_(log_),
-      last_job_number_(table.LastRemoved().ok() ? table.LastRemoved().value() : 0),
+      last_job_number_(table.LastNumber().ok() ? table.LastNumber().value() : 0),
       writer_(folder, files_, use_, std::move(table), [&transport] { transport.Wake(); }) {
   Restore();
 }
@@ -50,9 +50,10 @@ void Hub::Restore() {
     Note(severity, job, line);
   };
   const auto inputs = options_.given_inputs ? InputsOf::kUser : InputsOf::kStore;
+  const PublishedFiles published{options_.result_files, core_.served_s()};
   if (options_.given_inputs)
     for (const wire::NamedBlob& input : *options_.given_inputs) blobs_.Give(input);
-  for (const RestoreJob& job : Recover(folder_, files_, inputs, note)) {
+  for (const RestoreJob& job : Recover(folder_, files_, inputs, published, note)) {
     for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
     for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
     Handle(job);
@@ -177,6 +178,11 @@ void Hub::Take(const std::string& peer, wire::Envelope& envelope, const std::vec
   }
 }
 
+void Hub::TakeDurable(const std::string& job, std::uint64_t number) {
+  Handle(PersistDone{job, number});
+  WriteRow(job);
+}
+
 void Hub::TakeDiskDone() {
   for (const DiskDone& done : writer_.TakeDone()) {
     blobs_.MarkDurable(done.written, done.ticket);
@@ -190,15 +196,15 @@ void Hub::TakeDiskDone() {
       if (!done.status.ok()) log_(Severity::kWarning, done.status.message());
       continue;
     }
-    if (done.number == 0) {
-      AnswerWaiting(done.job, kWhenForgotten, done.status.message());
-      continue;
-    }
-    if (done.status.ok())
-      Handle(PersistDone{done.job, done.number});
+    const std::string& problem = done.status.message();
+    if (done.number == 0 && done.status.ok())
+      Handle(ForgetDone{done.job});
+    else if (done.number == 0)
+      Handle(ForgetFailed{done.job, problem});
+    else if (done.status.ok())
+      TakeDurable(done.job, done.number);
     else
-      Handle(PersistFailed{done.job, done.number, done.status.message()});
-    AnswerWaiting(done.job, done.number, done.status.message());
+      Handle(PersistFailed{done.job, done.number, problem});
   }
 }
 

@@ -34,6 +34,8 @@ struct HubOptions {
   std::optional<std::vector<wire::NamedBlob>> given_inputs;
   // Where the result of a job's stage is published.
   std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
+  // The files of a job's results that are there, of whatever stages; none: nobody knows.
+  std::function<std::vector<std::filesystem::path>(const std::string& job)> result_files;
   // The folder of a job's results, which goes with the job; none: they are not this hub's to remove.
   std::function<std::filesystem::path(const std::string& job)> results_folder;
 };
@@ -63,19 +65,20 @@ class Hub {
   const Refusals& refusals() const { return refusals_; }
 
  private:
-  static constexpr std::uint64_t kWhenForgotten = ~0ull;
   static double Now();  // monotonic
   void Restore();
   void Handle(const Event& event);
   void Receive(Incoming& incoming);
   void Take(const std::string& peer, wire::Envelope& envelope, const std::vector<wire::NamedBlob>& blobs);
   void TakeDiskDone();
+  void TakeDurable(const std::string& job, std::uint64_t number);
 
   // hub_actions.cc
   void Do(const coordinator::Send& send);
   void Do(const Persist& persist);
   void Do(const DropBlobs& drop);
   void Do(const ForgetJob& forget);
+  void Do(const Answer& answer);
   void Do(const JobChanged& changed);
   void Do(const Report& report);
   void Do(const Refused& refused);
@@ -104,8 +107,6 @@ class Hub {
   std::string WhatIsWrong(const wire::JobQuery& query) const;
   std::string WhatIsWrong(const wire::WorkerQuery& query) const;
   void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);
-  void AnswerWhenDurable(const std::string& peer, const std::string& job, std::uint64_t number);
-  void AnswerWaiting(const std::string& job, std::uint64_t number, const std::string& problem);
   void Reply(const std::string& peer, wire::Message reply);
   std::string NewJobId(const proto::Job& job);
   std::vector<Hash> KeepBlobs(const std::vector<wire::NamedBlob>& blobs);
@@ -124,11 +125,6 @@ class Hub {
   Gate gate_;
   Refusals refusals_;
   std::set<std::string> warned_;  // peers that were told once that they have no business here
-  struct Waiting {
-    std::string peer;
-    std::uint64_t number = 0;  // of the checkpoint that it waits for
-  };
-  std::multimap<std::string, Waiting> waiting_;    // by job
   std::map<std::string, std::string> row_states_;  // job -> state in the job table
   std::uint64_t last_job_number_;                  // that was ever given
   WaitingLines waiting_lines_;                     // of jobs' logs

@@ -45,7 +45,6 @@ void Hub::Do(const Persist& persist) {
         {options_.result_path(checkpoint.job_id(), stage.name()), ResultKind(*blob), publish.stage, blob});
   }
   writer_.Add(std::move(work));
-  WriteRow(checkpoint.job_id());
 }
 
 void Hub::Do(const DropBlobs& drop) {
@@ -63,10 +62,25 @@ void Hub::Do(const ForgetJob& forget) {
       forget.job, options_.results_folder ? options_.results_folder(forget.job) : std::filesystem::path()});
 }
 
-// Rounds are written to the table with their checkpoints; a change of state at once.
+void Hub::Do(const Answer& answer) {
+  wire::Message message;
+  wire::Reply& reply = *message.envelope.mutable_reply();
+  reply.set_ok(answer.refusal.empty());
+  reply.set_message(answer.refusal);
+  reply.set_known(answer.known);
+  wire::JobInfo gone;
+  gone.set_id(answer.job);
+  gone.set_state("deleted");
+  if (const auto info = core_.Find(answer.job); info || reply.ok()) *reply.add_jobs() = info.value_or(gone);
+  Reply(answer.asker, std::move(message));
+}
+
+// Rounds are written to the table with their checkpoints; a change of state at once, of a job that is
+// durable.
 void Hub::Do(const JobChanged& changed) {
   const Job* job = core_.FindJob(changed.job);
-  if (job != nullptr && row_states_[changed.job] != MakeInfo(*job, Now()).state()) WriteRow(changed.job);
+  if (job != nullptr && job->saving.durable && row_states_[changed.job] != MakeInfo(*job, Now()).state())
+    WriteRow(changed.job);
 }
 
 void Hub::WriteRow(const std::string& job) {

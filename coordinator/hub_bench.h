@@ -153,6 +153,13 @@ class HubBench {
       return temp.path() / "results" / job / (stage + ".h5");
     };
     options.results_folder = [this](const std::string& job) { return temp.path() / "results" / job; };
+    options.result_files = [this](const std::string& job) {
+      std::vector<std::filesystem::path> files;
+      std::error_code none;
+      for (const auto& entry : std::filesystem::directory_iterator(temp.path() / "results" / job, none))
+        files.push_back(entry.path());
+      return files;
+    };
     folder->FinishForgetting(options.results_folder);
     const LogSink sink = [this](Severity, const std::string& line) { log.push_back(line); };
     hub = std::make_unique<Hub>(*folder, transport, OpenJobTable(*folder, sink).value(), std::move(options),

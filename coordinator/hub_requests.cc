@@ -84,11 +84,11 @@ void Hub::Serve(const std::string& peer, const wire::Submit& submit,
       return RefuseJob(peer, wire::RefusalKind::kBlob, "a blob came that is no input of the job");
   for (const wire::JobInfo& info : core_.Jobs()) {
     const Job* known = core_.FindJob(info.id());
-    if (known->Ended() || HashOfJob(known->spec) != HashOfJob(job)) continue;
-    wire::Message reply;  // told twice
-    reply.envelope.mutable_reply()->set_ok(true);
-    *reply.envelope.mutable_reply()->add_jobs() = info;
-    return Reply(peer, std::move(reply));
+    // One that is done would give the same bits again; of one that has failed or was cancelled another is
+    // wanted.
+    const bool serves = !known->leaving && (!known->Ended() || known->state == proto::JOB_DONE);
+    if (!serves || HashOfJob(known->spec) != HashOfJob(job)) continue;
+    return Handle(SubmitJob{info.id(), job, {}, peer});  // told twice
   }
   std::uint64_t new_bytes = 0;
   for (const wire::NamedBlob& named : blobs)
@@ -96,18 +96,18 @@ void Hub::Serve(const std::string& peer, const wire::Submit& submit,
   if (const std::string full = use_.WhyNoRoom(new_bytes); !full.empty())
     return RefuseJob(peer, wire::RefusalKind::kStore, full);
   const std::vector<Hash> came = KeepBlobs(blobs);
-  std::string missing;
-  for (const auto& [name, binary] : job.input_blobs())
-    if (!blobs_.Has(Hash::FromBinary(binary).value()))
-      missing = "the blob of the input '" + name + "' is missing";
-  if (!missing.empty()) {
+  wire::Message missing;
+  for (const auto& [name, binary] : job.input_blobs()) {
+    if (blobs_.Has(Hash::FromBinary(binary).value())) continue;
+    missing.envelope.mutable_reply()->set_message("the blob of the input '" + name + "' is missing");
+    missing.envelope.mutable_reply()->add_missing(binary);
+  }
+  if (missing.envelope.has_reply()) {
     for (const Hash& hash : came)
       if (!core_.Holds(hash)) blobs_.Drop({hash});
-    return Reply(peer, Refusal(missing));
+    return Reply(peer, std::move(missing));
   }
-  const std::string id = NewJobId(job);
-  AnswerWhenDurable(peer, id, 1);
-  Handle(SubmitJob{id, job, came});
+  Handle(SubmitJob{NewJobId(job), job, came, peer});
 }
 
 void Hub::RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
@@ -121,28 +121,6 @@ std::string Hub::NewJobId(const proto::Job& job) {
   for (const wire::JobInfo& info : core_.Jobs()) last = std::max(last, NumberOfJob(info.id()));
   for (const std::string& id : folder_.JobsWithCheckpoints()) last = std::max(last, NumberOfJob(id));
   return std::to_string(++last) + "-" + FileNamePart(job.name());
-}
-
-// Answers once the job's checkpoint `number` is durable.
-void Hub::AnswerWhenDurable(const std::string& peer, const std::string& job, std::uint64_t number) {
-  waiting_.emplace(job, Waiting{peer, number});
-}
-
-void Hub::AnswerWaiting(const std::string& job, std::uint64_t number, const std::string& problem) {
-  for (auto [it, end] = waiting_.equal_range(job); it != end;) {
-    if (it->second.number > number) {
-      ++it;
-      continue;
-    }
-    wire::Message reply = Refusal(problem);
-    reply.envelope.mutable_reply()->set_ok(problem.empty());
-    wire::JobInfo gone;
-    gone.set_id(job);
-    gone.set_state("deleted");
-    *reply.envelope.mutable_reply()->add_jobs() = core_.Find(job).value_or(gone);
-    Reply(it->second.peer, std::move(reply));
-    it = waiting_.erase(it);
-  }
 }
 
 std::string Hub::WhatIsWrong(const wire::JobQuery& query) const {
@@ -220,32 +198,23 @@ void Hub::AnswerLog(const std::string& peer, const wire::JobQuery& query) {
   writer_.Add(ReadLogWork{peer, *core_.Find(query.job()), query.after()});
 }
 
-// Answered when it is durable: what a service said it did, a crash does not undo.
+// The core answers, once it is durable: what a service said it did, a crash does not undo.
 void Hub::Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command) {
   const std::string& id = query.job();
-  if (command == JobCommand::kDelete) AnswerWhenDurable(peer, id, kWhenForgotten);
   switch (command) {
     case JobCommand::kPause:
-      Handle(PauseJob{id});
-      break;
+      return Handle(PauseJob{id, peer});
     case JobCommand::kResume:
-      Handle(ResumeJob{id});
-      break;
+      return Handle(ResumeJob{id, peer});
     case JobCommand::kCancel:
-      Handle(CancelJob{id});
-      break;
+      return Handle(CancelJob{id, peer});
     case JobCommand::kRetry:
-      Handle(RetryJob{id});
-      break;
+      return Handle(RetryJob{id, peer});
     case JobCommand::kDelete:
-      return Handle(DeleteJob{id});
+      return Handle(DeleteJob{id, peer});
     case JobCommand::kPrioritize:
-      Handle(PrioritizeJob{id, query.priority()});
-      break;
+      return Handle(PrioritizeJob{id, query.priority(), peer});
   }
-  const std::optional<std::uint64_t> number = core_.NextDurable(id);
-  AnswerWhenDurable(peer, id, number.value_or(0));
-  if (!number) AnswerWaiting(id, 0, "");
 }
 
 // As they are published. A stage whose file cannot be read is named in the message.

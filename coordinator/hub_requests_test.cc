@@ -1,6 +1,8 @@
 // What clients ask of a service.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "coordinator/hub_bench.h"
 #include "coordinator/rights.h"
 
@@ -42,6 +44,72 @@ TEST(HubRequests, ASubmittedJobIsDurableWhenItIsAnswered) {
   EXPECT_EQ(bench.folder->CheckpointNumbers("1-toy").size(), 1u);
 }
 
+// A file where the job's folder is to be: nothing can be saved, as on a full disk.
+TEST(HubRequests, AJobThatCannotBeSavedIsRefusedAndItsNumberGivenToNobodyElse) {
+  HubBench bench;
+  std::ofstream(bench.folder->Checkpoints() / "1-toy") << "in the way";
+  const wire::Message submission = Submission(bench.MakeJob(), true);
+  const wire::Reply refused = bench.Ask(submission);
+  EXPECT_FALSE(refused.ok());
+  EXPECT_NE(refused.message().find("cannot save: "), std::string::npos) << refused.message();
+  EXPECT_NE(refused.message().find("1-toy"), std::string::npos) << refused.message();
+  EXPECT_TRUE(refused.jobs().empty());
+  EXPECT_TRUE(bench.hub->core().Jobs().empty());
+  EXPECT_EQ(bench.hub->core().held_blobs(), 0u);
+  EXPECT_EQ(bench.Ask(submission).jobs(0).id(), "2-toy");
+  bench.Start();
+  ASSERT_EQ(bench.hub->core().Jobs().size(), 1u);
+  EXPECT_EQ(bench.hub->core().Jobs()[0].id(), "2-toy");
+}
+
+TEST(HubRequests, ACommandThatCannotBeSavedIsRefusedAndAfterARestartNothingOfItIsThere) {
+  HubBench bench;
+  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
+  const std::filesystem::path checkpoints = bench.folder->Checkpoints() / "1-toy",
+                              away = bench.temp.path() / "away";
+  const auto refused = [&](const std::string& action) {
+    std::filesystem::rename(checkpoints, away);
+    std::ofstream(checkpoints) << "in the way";
+    const wire::Reply reply = bench.Ask(Query("1-toy", action));
+    std::filesystem::remove(checkpoints);
+    std::filesystem::rename(away, checkpoints);
+    return reply;
+  };
+  for (const char* action : {"pause", "cancel"}) {
+    const wire::Reply reply = refused(action);
+    EXPECT_FALSE(reply.ok()) << action;
+    EXPECT_NE(reply.message().find("1-toy is as it was before"), std::string::npos) << reply.message();
+    ASSERT_EQ(reply.jobs_size(), 1);
+    EXPECT_EQ(reply.jobs(0).state(), "paused");
+  }
+  bench.Start();
+  EXPECT_EQ(bench.State("1-toy"), "queued");
+  EXPECT_TRUE(bench.Ask(Query("1-toy", "cancel")).ok());
+}
+
+TEST(HubRequests, ADeletionThatFailsIsRefusedAndTheJobStays) {
+  HubBench bench;
+  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
+  EXPECT_TRUE(bench.Ask(Query("1-toy", "cancel")).ok());
+  const std::filesystem::path gone = bench.folder->Checkpoints() / "1-toy.deleted";
+  std::ofstream(gone) << "in the way";
+  const wire::Reply refused = bench.Ask(Query("1-toy", "delete"));
+  EXPECT_FALSE(refused.ok());
+  EXPECT_NE(refused.message().find("cannot delete 1-toy: "), std::string::npos) << refused.message();
+  EXPECT_EQ(bench.State("1-toy"), "cancelled");
+  std::filesystem::remove(gone);
+  EXPECT_EQ(bench.Ask(Query("1-toy", "delete")).jobs(0).state(), "deleted");
+}
+
+TEST(HubRequests, AStartThatWasCutOffBeforeAJobsFirstCheckpointSpeaksOfNoLostJob) {
+  HubBench bench;
+  bench.hub.reset();
+  std::filesystem::create_directory(bench.folder->Checkpoints() / "1-toy");
+  bench.Start();
+  EXPECT_FALSE(bench.Logged("lost"));
+  EXPECT_TRUE(std::filesystem::is_empty(bench.folder->Checkpoints()));
+}
+
 TEST(HubRequests, TheSameJobTwiceIsOneAndAnotherIsAnother) {
   HubBench bench;
   EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
@@ -49,10 +117,33 @@ TEST(HubRequests, TheSameJobTwiceIsOneAndAnotherIsAnother) {
   EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(2), false)).jobs(0).id(), "2-toy");
 }
 
+TEST(HubRequests, WhatIsDoneIsKnownWhenItIsSubmittedAgainAndWhatWasCancelledIsNot) {
+  HubBench bench;
+  bench.transport.ComeWorker("w");
+  EXPECT_FALSE(bench.Ask(Submission(bench.MakeJob(), true)).known());
+  bench.Until([&] { return bench.State("1-toy") == "done"; });
+  const wire::Reply again = bench.Ask(Submission(bench.MakeJob(), false));
+  EXPECT_TRUE(again.ok()) << "its inputs need not be sent: " << again.message();
+  EXPECT_TRUE(again.known());
+  EXPECT_EQ(again.jobs(0).id(), "1-toy");
+  EXPECT_EQ(again.jobs(0).state(), "done");
+  proto::Job other = bench.MakeJob();
+  other.set_seed(8);
+  EXPECT_EQ(bench.Ask(Submission(other, true)).jobs(0).id(), "2-toy");
+  bench.transport.swallow = [](const wire::Assign&) { return true; };
+  other.set_seed(9);
+  EXPECT_EQ(bench.Ask(Submission(other, true)).jobs(0).id(), "3-toy");
+  EXPECT_TRUE(bench.Ask(Query("3-toy", "cancel")).ok());
+  const wire::Reply anew = bench.Ask(Submission(other, true));
+  EXPECT_EQ(anew.jobs(0).id(), "4-toy");
+  EXPECT_FALSE(anew.known());
+}
+
 TEST(HubRequests, ASubmissionWithoutItsInputsOrWithABadChainIsRefused) {
   HubBench bench;
-  EXPECT_NE(bench.Ask(Submission(bench.MakeJob(), false)).message().find("'log' is missing"),
-            std::string::npos);
+  const wire::Reply without = bench.Ask(Submission(bench.MakeJob(), false));
+  EXPECT_NE(without.message().find("'log' is missing"), std::string::npos);
+  EXPECT_EQ(without.missing_size(), 1) << "by which a client knows that it may send it";
   proto::Job job = bench.MakeJob();
   job.mutable_stages(0)->set_name("../../etc");
   const wire::Reply reply = bench.Ask(Submission(job, true));

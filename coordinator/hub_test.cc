@@ -130,6 +130,33 @@ TEST(Hub, AJobWithoutAGoodCheckpointIsSaidToBeLostAndOthersLiveOn) {
   bench.Until([&] { return bench.State("b") == "done"; });
 }
 
+// One bit of its only checkpoint has flipped.
+TEST(Hub, AJobThatIsDoneIsKnownByItsResultsWhereItsRecordIsDamaged) {
+  HubBench bench;
+  bench.transport.ComeWorker("w");
+  bench.Submit("7-a", 2);
+  bench.Until([&] { return bench.State("7-a") == "done" && !bench.hub->core().HasUnsaved(); });
+  const std::vector<Hash> results = bench.hub->core().FindJob("7-a")->results;
+  bench.hub.reset();
+  ASSERT_EQ(bench.folder->CheckpointNumbers("7-a").size(), 1u);
+  Damage(bench.folder->CheckpointFile("7-a", bench.folder->CheckpointNumbers("7-a")[0]));
+  bench.Start();
+  EXPECT_FALSE(bench.Logged("lost"));
+  EXPECT_TRUE(bench.Logged("7-a: no checkpoint of it can be read, but all its results are there"));
+  ASSERT_EQ(bench.State("7-a"), "done");
+  EXPECT_EQ(bench.hub->core().FindJob("7-a")->results, results);
+  bench.log.clear();
+  bench.Start();
+  EXPECT_EQ(bench.State("7-a"), "done");
+  EXPECT_FALSE(bench.Logged("no checkpoint")) << "its record was written again";
+
+  bench.hub.reset();
+  Damage(bench.folder->CheckpointFile("7-a", bench.folder->CheckpointNumbers("7-a")[0]));
+  Damage(bench.temp.path() / "results/7-a/stage1.h5");
+  bench.Start();
+  EXPECT_TRUE(bench.Logged("it is lost")) << "a result is damaged too";
+}
+
 TEST(Hub, BlobsOfNoCheckpointAreClearedAwayAtTheStart) {
   HubBench bench;
   StandStill(bench);

@@ -67,6 +67,10 @@ std::string Whereabouts(const Job& job) {
          std::to_string(job.tasks.size()) + " tasks done";
 }
 
+Standing Job::Stands() const {
+  return {state, reason, input_error, held, spec.priority(), failures, ended_served_s};
+}
+
 double Job::Seconds(double now_s) const {
   return seconds_before + (Running() ? now_s - running_since_s : 0.0);
 }

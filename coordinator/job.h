@@ -19,6 +19,7 @@ namespace cairn::coordinator {
 // Checkpoints of a job: the next is always made of the job as it stands, so that there is no queue of them.
 struct Saving {
   std::uint64_t number = 0;  // of the last one begun
+  bool durable = false;      // one is
   bool under_way = false;
   bool due = false;                            // something came since the last one
   bool at_once = false;                        // do not wait for the interval
@@ -29,6 +30,25 @@ struct Saving {
   std::vector<Publish> unpublished;            // results that no durable checkpoint covers yet
   std::size_t publishing = 0;                  // the first so many of them go with the one under way
   proto::JobState saves = proto::JOB_RUNNING;  // what the last one begun says of the job
+};
+
+// What a job's owner may change of it.
+struct Standing {
+  proto::JobState state = proto::JOB_RUNNING;
+  std::string reason;
+  bool input_error = false;
+  bool held = false;
+  int priority = 0;
+  std::vector<std::string> failures;
+  double ended_served_s = 0;
+};
+
+// A command that is not durable yet.
+struct PendingCommand {
+  std::string asker;         // who waits for it
+  std::uint64_t number = 0;  // of the first checkpoint that holds it
+  Standing before;           // to be taken back to, where that one fails
+  bool known = false;        // it is a submission that was told twice
 };
 
 // An attempt that was handed out, and to whom.
@@ -72,6 +92,9 @@ struct Job {
   std::vector<Hash> results;         // of finished stages
   std::optional<wire::Build> build;  // of the workers that did what is done
   Saving saving;
+  std::deque<PendingCommand> pending;  // by number
+  bool leaving = false;                // it is being deleted
+  std::vector<std::string> deleters;   // who wait for that
   Holds holds;
   // Of the round under way and of the last START or ADVANCE: nobody else's answer counts.
   std::set<GivenAttempt> given;
@@ -94,8 +117,8 @@ struct Job {
   bool Ended() const { return state != proto::JOB_RUNNING && state != proto::JOB_PAUSED; }
   // Nothing but its record is needed any more.
   bool Final() const { return state == proto::JOB_DONE || state == proto::JOB_CANCELLED; }
-  // It could not be saved: the next try is when it is resumed.
-  bool SavingWaits() const { return state == proto::JOB_PAUSED && !held; }
+  // It could not be saved: the next try is when it is resumed, or told anything else.
+  bool SavingWaits() const { return state == proto::JOB_PAUSED && !held && pending.empty(); }
   std::uint32_t StageCount() const { return static_cast<std::uint32_t>(spec.stages_size()); }
   bool AllStagesDone() const { return stage == StageCount(); }
   const proto::Stage& CurrentStage() const { return spec.stages(static_cast<int>(stage)); }
@@ -108,6 +131,7 @@ struct Job {
   bool IsUnderWay(const wire::TaskKey& key) const;
   // "task 3 (forward) of round 5 of stage 'landmarks'"
   std::string TaskName(std::uint32_t task) const;
+  Standing Stands() const;
   double Seconds(double now_s) const;
   double MedianTaskSeconds() const;  // of this round's last ones; 0 where fewer than three answers are in
   void NoteSeconds(wire::TaskKey::Kind kind, std::uint64_t cost, double seconds);  // of an answer

@@ -18,6 +18,7 @@ std::string WhyNotRetry(const Job& job) {
 }  // namespace
 
 std::string WhyNot(const Job& job, JobCommand command) {
+  if (job.leaving && command != JobCommand::kDelete) return "it is being deleted";
   switch (command) {
     case JobCommand::kPause:
       if (job.Ended()) return HowItEnded(job);
@@ -30,7 +31,8 @@ std::string WhyNot(const Job& job, JobCommand command) {
     case JobCommand::kRetry:
       return WhyNotRetry(job);
     case JobCommand::kDelete:
-      return job.Ended() ? "" : "it has not ended; cancel it first";
+      if (!job.Ended()) return "it has not ended; cancel it first";
+      return job.pending.empty() ? "" : "what it was told last is not saved yet";
     case JobCommand::kPrioritize:
       return job.Final() ? HowItEnded(job) : "";
   }

@@ -144,7 +144,7 @@ TEST_F(LogTable, OneOfVersion2IsUpgradedWithItsRows) {
     JobTable table = Open();
     ASSERT_EQ(table.Read().value().size(), 1u);
     EXPECT_EQ(table.Read().value()[0].info.round(), 7u);
-    EXPECT_EQ(table.LastRemoved().value(), 12u);
+    EXPECT_EQ(table.LastNumber().value(), 12u);
     ASSERT_TRUE(table.AppendLog(Lines("1-a", 1)).ok());
     EXPECT_EQ(table.ReadLog("1-a", 0).value().size(), static_cast<std::size_t>(i));
   }

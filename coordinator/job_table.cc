@@ -1,5 +1,6 @@
 #include "coordinator/job_table.h"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
@@ -58,6 +59,7 @@ Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
   sqlite3* db = nullptr;
   const int opened = sqlite3_open(path.c_str(), &db);
   table.db_.reset(db);
+  if (opened != SQLITE_OK && db != nullptr) return sqlite::Failure(db);
   if (opened != SQLITE_OK) return Status(Code::kIo, path.string() + ": " + sqlite3_errstr(opened));
   if (Status status = table.MakeOrUpgrade(); !status.ok()) return status;
   // A table of that name with other columns is not ours.
@@ -116,8 +118,11 @@ Status JobTable::Remove(const std::string& job) {
   sqlite3_stmt* statement = prepared.value().get();
   Bind(statement, 1, job);
   if (sqlite3_step(statement) != SQLITE_DONE) return sqlite::Failure(db_.get());
-  if (Status removed = log_table::Remove(db_.get(), job); !removed.ok()) return removed;
-  // No checkpoint will tell this number any more. With FULL a commit is synced.
+  return log_table::Remove(db_.get(), job);
+}
+
+// No checkpoint will tell this number any more. With FULL a commit is synced.
+Status JobTable::NoteRemoval(const std::string& job) {
   const std::string number = std::to_string(NumberOfJob(job));
   Status status = Execute(
       ("PRAGMA synchronous = FULL; UPDATE last_removed SET number = max(number, " + number + ");").c_str());
@@ -125,10 +130,14 @@ Status JobTable::Remove(const std::string& job) {
   return status.ok() ? normal : status;
 }
 
-Result<std::uint64_t> JobTable::LastRemoved() const {
-  const Result<std::int64_t> number = sqlite::Number(db_.get(), "SELECT number FROM last_removed;");
+Result<std::uint64_t> JobTable::LastNumber() const {
+  const Result<std::int64_t> number =
+      sqlite::Number(db_.get(),
+                     "SELECT max((SELECT number FROM last_removed), (SELECT coalesce(max(CAST(id AS "
+                     "INTEGER)), 0) FROM jobs), "
+                     "(SELECT coalesce(max(CAST(job AS INTEGER)), 0) FROM log));");
   if (!number.ok()) return number.status();
-  return static_cast<std::uint64_t>(number.value());
+  return static_cast<std::uint64_t>(std::max<std::int64_t>(number.value(), 0));
 }
 
 Result<std::vector<JobRow>> JobTable::Read() const {

@@ -36,10 +36,12 @@ class JobTable {
 
   // Inserts or replaces a job's row, but for submitted_utc.
   Status Write(const JobRow& row);
-  // Its row and its log. Durable when it returns, so that the job's number is never used again.
+  // Before a job's checkpoints go. Durable when it returns, so that the job's number is never used again.
+  Status NoteRemoval(const std::string& job);
+  // Its row and its log.
   Status Remove(const std::string& job);
-  // The highest number that the id of a removed job began with.
-  Result<std::uint64_t> LastRemoved() const;
+  // The highest number that the id of a job began with which is in the table, or was removed.
+  Result<std::uint64_t> LastNumber() const;
   Result<std::vector<JobRow>> Read() const;  // by id
   // job_log.h
   Status AppendLog(const std::map<std::string, JobLines>& by_job);

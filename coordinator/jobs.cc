@@ -24,7 +24,10 @@ Job* Core::FindById(const std::string& id) {
 
 void Core::On(const SubmitJob& event) {
   for (const Hash& blob : event.blobs) ledger_.Offer(blob);
-  if (orders_.contains(event.id)) return;  // told twice
+  if (Job* known = FindById(event.id); known != nullptr) {  // told twice
+    if (known->leaving) return Tell(event.asker, event.id, "it is being deleted");
+    return AnswerAsItStands(*known, event.asker, true);
+  }
   const std::uint64_t order = next_order_++;
   orders_[event.id] = order;
   touched_.insert(order);
@@ -37,6 +40,7 @@ void Core::On(const SubmitJob& event) {
   Say(Report::kInfo, job,
       "submitted: " + std::to_string(job.StageCount()) + (job.StageCount() == 1 ? " stage" : " stages") +
           (job.spec.priority() == 0 ? "" : ", priority " + std::to_string(job.spec.priority())));
+  AnswerWhenSaved(job, event.asker, job.Stands());
   const std::string wrong = CheckJob(job.spec);
   if (!wrong.empty()) return FailJob(job, wrong, true);
   for (const auto& [name, hash] : job.spec.input_blobs())
@@ -113,6 +117,7 @@ void Core::On(const RestoreJob& event) {
   served_from_s_ = std::min(served_from_s_, now_s_ - job.ended_served_s);  // where what Served says was lost
   job.running_since_s = now_s_;
   job.saving.number = saved.number();
+  job.saving.durable = true;
   // The first answer is saved at once: a run that is killed again and again within an interval gets on too.
   job.saving.last_s = now_s_ - options_.checkpoint_interval_s;
   actions_.push_back(JobChanged{job.id});
@@ -131,6 +136,8 @@ void Core::On(const RestoreJob& event) {
   Say(job.Running() || job.held ? Report::kInfo : Report::kWarning, job,
       "the coordinator was started again: " +
           (job.Running() ? "goes on" + Whereabouts(job) : "stays paused: " + job.reason));
+  // All but its end was saved, by a command while that could not be.
+  if (job.Running() && job.AllStagesDone()) WantSave(job, true);
 }
 
 // What the round had when it was saved need not be computed again.
@@ -165,21 +172,44 @@ void Core::ReleaseAll(Job& job) {
     ledger_.Release(*hold);
 }
 
+// It stays as it is until the disk has forgotten it.
 void Core::Delete(Job& job) {
+  if (job.leaving) return;
+  job.leaving = true;
+  actions_.push_back(ForgetJob{job.id});
+}
+
+void Core::On(const ForgetDone& event) {
+  Job* job = FindById(event.job);
+  if (job == nullptr || !job->leaving) return;
+  const std::vector<std::string> deleters = std::move(job->deleters);
+  Erase(*job);
+  for (const std::string& asker : deleters) Tell(asker, event.job, "");
+}
+
+void Core::On(const ForgetFailed& event) {
+  Job* job = FindById(event.job);
+  if (job == nullptr || !job->leaving) return;
+  job->leaving = false;
+  job->saving.not_before_s = now_s_ + options_.save_again_s;  // of what is only too old
+  Say(Report::kWarning, *job, "cannot be deleted: " + event.reason);
+  for (const std::string& asker : std::exchange(job->deleters, {}))
+    Tell(asker, job->id, "cannot delete " + job->id + ": " + event.reason);
+}
+
+void Core::Erase(Job& job) {
   ReleaseAll(job);
   const std::uint64_t order = job.order;
-  const std::string id = job.id;
-  orders_.erase(id);
+  orders_.erase(job.id);
   jobs_.erase(order);
-  actions_.push_back(ForgetJob{id});
 }
 
 // Once its end is durable.
 void Core::DeleteTheOld() {
   std::vector<Job*> old;
   for (auto& [order, job] : jobs_)
-    if (job.Ended() && !job.saving.due && !job.saving.under_way &&
-        served_s() - job.ended_served_s > options_.keep_s)
+    if (job.Ended() && !job.leaving && !job.saving.due && !job.saving.under_way &&
+        now_s_ >= job.saving.not_before_s && served_s() - job.ended_served_s > options_.keep_s)
       old.push_back(&job);
   for (Job* job : old) {
     Say(Report::kInfo, job->id + " is deleted: it ended " + Days(served_s() - job->ended_served_s) +

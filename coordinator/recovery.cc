@@ -1,12 +1,15 @@
 #include "coordinator/recovery.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
 
 #include "coordinator/checkpoint_file.h"
+#include "coordinator/job.h"
+#include "coordinator/result_file.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::coordinator {
@@ -60,6 +63,45 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
   return std::nullopt;
 }
 
+// The record of a job that is done: all its stages have published what they gave.
+std::optional<proto::Checkpoint> RecordOfResults(const std::string& job, std::uint64_t number,
+                                                 const PublishedFiles& published) {
+  std::map<std::string, PublishedResult> results;  // by stage
+  for (const fs::path& path : published.of ? published.of(job) : std::vector<fs::path>())
+    if (Result<PublishedResult> result = ReadPublished(path); result.ok())
+      results[result.value().stage] = std::move(result).value();
+  if (results.empty()) return std::nullopt;
+  const proto::Job spec = results.begin()->second.job;
+  if (!CheckJob(spec).empty()) return std::nullopt;
+  proto::Checkpoint record;
+  record.set_job_id(job);
+  record.set_number(number);
+  record.set_order(NumberOfJob(job));
+  *record.mutable_job() = spec;
+  record.set_state(proto::JOB_DONE);
+  record.set_stage(static_cast<std::uint32_t>(spec.stages_size()));
+  record.set_ended_served_s(published.served_s);
+  for (const proto::Stage& stage : spec.stages()) {
+    const auto result = results.find(stage.name());
+    if (result == results.end() || HashOfJob(result->second.job) != HashOfJob(spec)) return std::nullopt;
+    record.add_results(result->second.hash.Binary());
+    record.set_seconds(record.seconds() + result->second.seconds);
+  }
+  return record;
+}
+
+std::optional<proto::Checkpoint> MakeOfResults(const StoreFolder& folder, const std::string& job,
+                                               std::uint64_t number, const PublishedFiles& published,
+                                               const JobLogSink& log) {
+  std::optional<proto::Checkpoint> record = RecordOfResults(job, number, published);
+  if (!record) return record;
+  log(Severity::kWarning, job,
+      "no checkpoint of it can be read, but all its results are there and whole: it is done");
+  if (const Status saved = WriteCheckpoint(folder.CheckpointFile(job, number), *record); !saved.ok())
+    log(Severity::kWarning, job, saved.message());  // the next start makes it of the results again
+  return record;
+}
+
 // A process that died may have left files that are there but whose folder was not synced: counted on, with
 // what came before them cleared away, they would be gone at the next power cut.
 void MakeDurable(const StoreFolder& folder, const JobLogSink& log) {
@@ -72,13 +114,18 @@ void MakeDurable(const StoreFolder& folder, const JobLogSink& log) {
 }  // namespace
 
 std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, InputsOf inputs,
-                                const JobLogSink& log) {
+                                const PublishedFiles& published, const JobLogSink& log) {
   MakeDurable(folder, log);
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
   for (const std::string& job : folder.JobsWithCheckpoints()) {
     std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
+    // Cut off before its first checkpoint was there: nobody was told that there is such a job.
+    std::error_code not_empty;
+    if (numbers.empty() && fs::remove(folder.Checkpoints() / job, not_empty)) continue;
+    const std::uint64_t next = numbers.empty() ? 1 : numbers.back() + 1;
     std::optional<proto::Checkpoint> newest = TakeNewest(folder, files, job, numbers, inputs, log);
+    if (!newest) newest = MakeOfResults(folder, job, next, published, log);
     if (!newest) {
       log(Severity::kError, "", "job " + job + " has no checkpoint left that can be read; it is lost");
       continue;

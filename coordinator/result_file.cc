@@ -4,9 +4,11 @@
 #include <array>
 #include <ctime>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "coordinator/job_yaml.h"
+#include "schema/store/blob_file.h"
 #include "schema/store/result_kind.h"
 
 namespace cairn::coordinator {
@@ -55,6 +57,10 @@ Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std
     blob.Put(name, Array::Text(value));
   };
   text("provenance/job_yaml", JobAsYaml(checkpoint.job()));
+  const std::string job = checkpoint.job().SerializeAsString();
+  blob.Put("provenance/job",
+           Array::Of<std::uint8_t>({static_cast<std::int64_t>(job.size())},
+                                   std::span(reinterpret_cast<const std::uint8_t*>(job.data()), job.size())));
   text("provenance/stage", plan.name());
   text("provenance/kind", ResultKind(result));
   text("provenance/version", build.version());
@@ -65,6 +71,24 @@ Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std
   blob.PutScalar<std::int64_t>("provenance/retries", static_cast<std::int64_t>(facts.retries()));
   PutRounds(blob, facts);
   return blob;
+}
+
+Result<PublishedResult> ReadPublished(const std::filesystem::path& path) {
+  Result<BlobFile> file = ReadStoredFile(path);
+  if (!file.ok()) return file.status();
+  const Blob& blob = file.value().blob;
+  PublishedResult result;
+  try {
+    const std::span<const std::uint8_t> job = blob.Get<std::uint8_t>("provenance/job");
+    if (!result.job.ParseFromArray(job.data(), static_cast<int>(job.size())))
+      return Status(Code::kCorrupt, path.string() + ": its job cannot be parsed");
+    result.stage = blob.Text("provenance/stage");
+    result.seconds = blob.Scalar<double>("provenance/seconds_s");
+  } catch (const InputError& error) {
+    return Status(Code::kCorrupt, path.string() + ": " + error.what());
+  }
+  result.hash = blob.Without("provenance/").ContentHash();
+  return result;
 }
 
 }  // namespace cairn::coordinator

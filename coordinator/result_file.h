@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 #include "schema/blob.h"
@@ -15,5 +16,15 @@ Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std
 
 // Now, as above.
 std::string UtcNow();
+
+// What a published result says of the job that it is of.
+struct PublishedResult {
+  proto::Job job;
+  std::string stage;
+  double seconds = 0;  // that the stage took
+  Hash hash;           // of the result, without its provenance
+};
+// kCorrupt also where it says nothing of that, as results of versions before 0.2 do.
+Result<PublishedResult> ReadPublished(const std::filesystem::path& path);
 
 }  // namespace cairn::coordinator

@@ -28,7 +28,7 @@ void Core::SaveWhatIsDue() {
 
 void Core::SaveIfDue(Job& job) {
   const Saving& saving = job.saving;
-  if (!saving.due || saving.under_way || job.SavingWaits()) return;
+  if (!saving.due || saving.under_way || job.leaving || job.SavingWaits()) return;
   if (now_s_ < saving.not_before_s && !saving.at_once) return;
   const bool long_ago = options_.checkpoint_rounds > 0
                             ? saving.rounds >= options_.checkpoint_rounds
@@ -61,6 +61,7 @@ void Core::On(const PersistDone& event) {
   if (job == nullptr || !job->saving.under_way || job->saving.number != event.number) return;
   Saving& saving = job->saving;
   saving.under_way = false;
+  saving.durable = true;
   for (std::size_t i = 0; i < saving.publishing; ++i)
     Say(Report::kInfo, *job,
         "the result of stage '" + job->spec.stages(static_cast<int>(saving.unpublished[i].stage)).name() +
@@ -76,6 +77,7 @@ void Core::On(const PersistDone& event) {
     Say(Report::kInfo, *job, "done");
   }
   if (job->Final() && job->state == saving.saves) ReleaseAll(*job);
+  AnswerDurable(*job, event.number);
 }
 
 void Core::On(const PersistFailed& event) {
@@ -84,8 +86,11 @@ void Core::On(const PersistFailed& event) {
   job->saving.under_way = false;
   job->saving.publishing = 0;
   ledger_.Release(job->holds.saving);
-  Say(Report::kWarning, *job, "cannot save: " + event.reason);
-  if (!job->Ended() && !job->held) SetState(*job, proto::JOB_PAUSED, "cannot save: " + event.reason);
+  const std::string why = "cannot save: " + event.reason;
+  Say(Report::kWarning, *job, why);
+  if (!job->saving.durable && !job->pending.empty()) return RefuseSubmission(*job, why);
+  RefusePending(*job, why);
+  if (!job->Ended() && !job->held) SetState(*job, proto::JOB_PAUSED, why);
   WantSave(*job, job->SavingWaits());
   // Nobody resumes what has ended, yet a restart must not find it running: it is tried again by and by.
   if (!job->SavingWaits()) job->saving.not_before_s = now_s_ + options_.save_again_s;

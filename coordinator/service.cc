@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "coordinator/address_lock.h"
 #include "coordinator/hub.h"
 #include "coordinator/recovery.h"
 #include "coordinator/zmq_transport.h"
@@ -39,6 +41,14 @@ Result<std::optional<wire::ServerSecurity>> ReadSecurity(const std::string& keys
   return std::optional(wire::ServerSecurity{std::move(keys).value(), AllowListIn(keys_dir)});
 }
 
+std::vector<std::filesystem::path> ResultFilesIn(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    if (entry.path().extension() == ".h5") files.push_back(entry.path());
+  return files;
+}
+
 }  // namespace
 
 Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop) {
@@ -47,6 +57,9 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   const Result<StoreFolder> folder = StoreFolder::Open(options.store_dir);
   if (!folder.ok()) return folder.status();
   RaiseFileLimit();
+  const Result<AddressLock> address =
+      AddressLock::Take(options.listen, "store " + folder.value().dir().string());
+  if (!address.ok()) return address.status();
   const Result<std::unique_ptr<Transport>> transport =
       ListenZmq(options.listen, security.value(), options.sockets);
   if (!transport.ok()) return transport.status();
@@ -66,6 +79,9 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   if (!options.keys_dir.empty()) hub_options.allow_list = AllowListIn(options.keys_dir);
   hub_options.result_path = [dir = folder.value().dir()](const std::string& job, const std::string& stage) {
     return dir / "results" / job / (stage + ".h5");
+  };
+  hub_options.result_files = [dir = folder.value().dir()](const std::string& job) {
+    return ResultFilesIn(dir / "results" / job);
   };
   hub_options.results_folder = [dir = folder.value().dir()](const std::string& job) {
     return dir / "results" / job;

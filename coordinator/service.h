@@ -34,17 +34,17 @@ struct ServiceOptions {
 };
 
 // Serves until `stop`, then writes checkpoints, tells the workers Bye and returns within 2 s; unfinished jobs
-// go on with the next start. kBusy: another coordinator has DIR. kRefused: tcp without keys.
+// go on with the next start. kBusy: another coordinator has DIR, or the address. kRefused: tcp without keys.
 //
 // What clients ask (wire.proto) and are answered:
 //   Have: Reply.missing, the blobs that must be sent along.
-//   Submit: Reply.jobs[0], once the job is durable; not ok where an input blob is missing or the job is bad.
-//   The same
-//     job and inputs again while it is unfinished: that job.
+//   Submit: Reply.jobs[0], once the job is durable. Not ok where an input blob is missing (Reply.missing),
+//     the job is bad, or it cannot be saved: then the service has no such job. The same job and inputs again,
+//     unless that has failed or was cancelled: that job, and Reply.known.
 //   JobQuery: Reply.jobs, of one job or all, after the action: "" or status; pause, resume, cancel, retry,
-//     delete and priority (README.md says what each does in which state), once that is durable; results,
-//     those done: blobs, by stage name in `names`, each with its `provenance/`, where `provenance/kind` says
-//     what kind of file it is.
+//     delete and priority (README.md says what each does in which state), once that is durable (not ok where
+//     it cannot be saved: then it is as it was before); results, those done: blobs, by stage name in `names`,
+//     each with its `provenance/`, where `provenance/kind` says what kind of file it is.
 Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop);
 
 }  // namespace cairn::coordinator

@@ -132,18 +132,22 @@ std::vector<Hash> StoreFolder::BlobsAlone() const {
   return blobs;
 }
 
-// The rename says that the job is gone; the rest is tidying up.
+// The rename says that the job is gone; the rest is tidying up, which the next start does where this one
+// cannot.
 Status StoreFolder::Forget(const std::string& job, const fs::path& results) const {
   const fs::path checkpoints = Checkpoints() / job, gone = Checkpoints() / (job + kGone);
   std::error_code error;
   if (fs::exists(checkpoints, error)) {
     fs::rename(checkpoints, gone, error);
     if (error) return SystemFailure(checkpoints, "rename", error.value());
-    if (Status status = SyncFolder(Checkpoints()); !status.ok()) return status;
+    if (Status status = SyncFolder(Checkpoints()); !status.ok()) {
+      fs::rename(gone, checkpoints, error);
+      return status;
+    }
   }
   if (!results.empty()) fs::remove_all(results, error);
   if (!error) fs::remove_all(gone, error);
-  return error ? SystemFailure(results, "remove", error.value()) : Status::Ok();
+  return Status::Ok();
 }
 
 void StoreFolder::FinishForgetting(const std::function<fs::path(const std::string& job)>& results_of) const {

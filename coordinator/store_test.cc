@@ -165,7 +165,7 @@ TEST(Recovery, OfTheCheckpointBeforeOnlyBlobsThatAreThereAreKept) {
   before.add_blobs(TextBlob("gone").hash.Binary());
   ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 2), before).ok());
   BlobFiles files(folder.value());
-  const auto jobs = Recover(folder.value(), files, InputsOf::kStore,
+  const auto jobs = Recover(folder.value(), files, InputsOf::kStore, {},
                             [](Severity, const std::string&, const std::string&) {});
   ASSERT_EQ(jobs.size(), 1u);
   EXPECT_EQ(jobs[0].checkpoint.number(), 3u);
@@ -269,7 +269,7 @@ TEST(JobTable, OneOfVersion1IsUpgradedWithItsRows) {
     EXPECT_EQ(rows.value()[1].info.id(), "2-under-way");
     EXPECT_EQ(rows.value()[1].info.round(), 2u);
     EXPECT_EQ(rows.value()[0].submitted_utc, "2026-11-21T11:17:58Z");
-    EXPECT_EQ(table.value().LastRemoved().value(), 0u);
+    EXPECT_EQ(table.value().LastNumber().value(), 3u);
   }
 }
 
@@ -291,9 +291,12 @@ TEST(JobTable, RemembersTheHighestNumberThatWasRemoved) {
   TempFolder temp;
   {
     auto table = JobTable::Open(temp.path() / "jobs.sqlite");
-    for (const char* id : {"3-a", "12-b", "7-c", "no-number"}) ASSERT_TRUE(table.value().Remove(id).ok());
+    for (const char* id : {"3-a", "12-b", "7-c", "no-number"}) {
+      ASSERT_TRUE(table.value().NoteRemoval(id).ok());
+      ASSERT_TRUE(table.value().Remove(id).ok());
+    }
   }
-  EXPECT_EQ(JobTable::Open(temp.path() / "jobs.sqlite").value().LastRemoved().value(), 12u);
+  EXPECT_EQ(JobTable::Open(temp.path() / "jobs.sqlite").value().LastNumber().value(), 12u);
 }
 
 TEST(JobTable, AFileThatIsNoTableIsCorrupt) {

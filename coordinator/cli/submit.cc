@@ -1,9 +1,12 @@
 // cairn submit: a job, or one of each file of a fleet.
 #include <glob.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "coordinator/cli/client_arguments.h"
 #include "coordinator/cli/failure.h"
@@ -59,17 +62,43 @@ ParsedJob JobOfFile(const Options& options, const Catalog& catalog, const std::s
   return parsed;
 }
 
+// What would end a fleet's submission halfway: throws where a file cannot be an input, with what is wrong
+// with each. Their arrays are not kept: they may be more than fit into memory.
+void CheckInputs(std::vector<ParsedJob> jobs) {
+  constexpr std::size_t kMostNamed = 10;
+  std::vector<std::string> wrong;
+  for (ParsedJob& job : jobs) {
+    try {
+      static_cast<void>(ReadJobInputs(job));
+    } catch (const InputError& error) {
+      wrong.emplace_back(error.what());
+    }
+  }
+  if (wrong.empty()) return;
+  std::string text = "nothing is submitted, for " + std::to_string(wrong.size()) + " of " +
+                     std::to_string(jobs.size()) + " files cannot be: ";
+  for (std::size_t i = 0; i < std::min(wrong.size(), kMostNamed); ++i)
+    text += (i == 0 ? "" : "; ") + wrong[i];
+  if (wrong.size() > kMostNamed) text += "; …";
+  throw InputError(text);
+}
+
 void SubmitOne(const Options& options, coordinator::Client& client, ParsedJob parsed) {
   if (options.priority) parsed.job.set_priority(*options.priority);
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
-  const wire::JobInfo info = Take(client.Submit(parsed.job, inputs));
+  bool known = false;
+  const wire::JobInfo info = Take(client.Submit(parsed.job, inputs, &known));
   if (options.json)
     std::fputs(JobJson(info).c_str(), stdout);
+  else if (known)
+    std::printf("already there: %s, %s; cairn watch %s\n", info.id().c_str(), info.state().c_str(),
+                info.id().c_str());
   else
     std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
 }
 
-// All files are looked at before the first job is handed in.
+// All files are read and checked before the first job is handed in. Where it is cut off all the same, it may
+// be said again: the service knows what it has.
 int Submit(const Options& options, const Invocation&) {
   const Catalog catalog = LoadCatalog();
   std::vector<ParsedJob> jobs;
@@ -77,6 +106,7 @@ int Submit(const Options& options, const Invocation&) {
     jobs.push_back(ResolveJob(options.arguments, catalog));
   } else {
     for (const std::string& file : Matches(options.each)) jobs.push_back(JobOfFile(options, catalog, file));
+    CheckInputs(jobs);
   }
   coordinator::Client client = ConnectClient(options.client);
   for (ParsedJob& job : jobs) SubmitOne(options, client, std::move(job));

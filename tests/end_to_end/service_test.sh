@@ -13,6 +13,9 @@ serve() {
 }
 serve
 until_true 20 cairn list >/dev/null
+# Another one, on another store, does not take its address away, which its clients would not notice.
+refuses "ipc://.*/coordinator.ipc is served by another coordinator: process $coordinator, store .*home/store; stop it" \
+  cairn coordinator --store another
 exits 0 cairn submit landmark_map log.h5 --seed 99 --json
 early=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
 exits 0 cairn status "$early"
@@ -72,6 +75,11 @@ cp log.h5 logs/monday.h5
 simulate logs/tuesday.h5 9
 refuses "no file matches 'nowhere/" cairn submit landmark_map --each 'nowhere/*.h5'
 refuses 'log.h5. is one too many' cairn submit landmark_map log.h5 --each 'logs/*.h5'
+printf 'no log' >logs/zuletzt.h5
+refuses 'nothing is submitted, for 1 of 3 files cannot be: .*zuletzt.h5' cairn submit landmark_map --each 'logs/*.h5'
+rm logs/zuletzt.h5
+exits 0 cairn list --name 'landmark_map-*'
+! grep -q landmark_map-monday stdout || die "some of the jobs were submitted, though one file is none"
 exits 0 cairn submit landmark_map --each 'logs/*.h5' --priority -2
 [ "$(grep -c '^submitted ' stdout)" -eq 2 ] || die "not one job for each of the two logs"
 read -r monday tuesday < <(awk '{sub(/;/, "", $2); printf "%s ", $2}' stdout) || true
@@ -79,6 +87,9 @@ for job in "$monday" "$tuesday"; do
   exits 0 cairn watch "$job"
   says '^priority -2'
 done
+exits 0 cairn submit landmark_map --each 'logs/*.h5' --priority -2
+says "^already there: $monday, done; cairn watch $monday"
+says "^already there: $tuesday, done; "
 exits 0 cairn list --name 'landmark_map-*' --state done
 says "^$monday .*landmark_map-monday"
 says "^$tuesday .*landmark_map-tuesday"

@@ -118,7 +118,7 @@ class Session {
       hub_.reset();
       log_.clear();
       coordinator::BlobFiles files(*folder_);
-      Recover(*folder_, files, coordinator::InputsOf::kStore,
+      Recover(*folder_, files, coordinator::InputsOf::kStore, {},
               [this](coordinator::Severity severity, const std::string&, const std::string& line) {
                 Sink()(severity, line);
               });

@@ -33,11 +33,14 @@ bool MayMove(const std::string& id, proto::JobState from, proto::JobState to, co
     case proto::JOB_DONE:
       return from == proto::JOB_RUNNING && Concerns<PersistDone>(event, id);
     case proto::JOB_PAUSED:
-      return from == proto::JOB_RUNNING &&
-             (Concerns<PersistFailed>(event, id) || Concerns<PauseJob>(event, id));
+      if (Concerns<PersistFailed>(event, id))  // also of a cancel, which is taken back
+        return from == proto::JOB_RUNNING || from == proto::JOB_CANCELLED;
+      return from == proto::JOB_RUNNING && Concerns<PauseJob>(event, id);
     case proto::JOB_CANCELLED:
       return from != proto::JOB_DONE && Concerns<CancelJob>(event, id);
     case proto::JOB_FAILED:
+      if (Concerns<PersistFailed>(event, id))
+        return from != proto::JOB_DONE;  // a retry or cancel is taken back
       return open && (std::holds_alternative<TaskDone>(event) || std::holds_alternative<TaskFailed>(event) ||
                       std::holds_alternative<WorkerLost>(event) || std::holds_alternative<Tick>(event));
     default:
@@ -92,10 +95,13 @@ void Checks::Before(const Core& core, const Event& event) {
 void Checks::After(const Core& core, const Event& event, const std::vector<Action>& actions,
                    std::uint64_t process, double now_s) {
   if (process != std::exchange(process_, process)) draining_.clear(), malformed_.clear();
-  for (const auto& [id, known] : jobs_) {
+  for (auto& [id, known] : jobs_) {
     const proto::JobState before = known.state;
     const Job* job = core.FindJob(id);
-    if (job == nullptr) continue;
+    if (job == nullptr) {
+      known.process = 0;  // refused, or deleted: where it comes again, it begins anew
+      continue;
+    }
     const bool told = std::any_of(actions.begin(), actions.end(), [&job_id = id](const Action& action) {
       const auto* changed = std::get_if<JobChanged>(&action);
       return changed != nullptr && changed->job == job_id;
@@ -166,7 +172,8 @@ void Checks::SeeState(const Job& job, const Event& event, Known& known) {
       const bool asked = failed != nullptr && world_.shell().WasGiven(failed->peer, failed->failed.key());
       // A lie that a worker may tell of a task that it was given: the job's owner may try again.
       if (job.input_error && asked && failed->failed.message() == "a lie") known.deceived = true;
-      if (job.input_error && known.kind == ToyKind::kGood && !asked)
+      const bool taken_back = Concerns<PersistFailed>(event, job.id);  // a retry: so it had failed before
+      if (job.input_error && known.kind == ToyKind::kGood && !asked && !taken_back)
         Fail(job.id + " is blamed for its input, which is good: " + job.reason);
       if (job.reason.find(" times") != std::string::npos) world_.Count(kThirdFailure);
     }
@@ -191,7 +198,8 @@ void Checks::SeeOrders(const Core& core, const Event& event) {
   }
   if (const auto* retry = std::get_if<RetryJob>(&event)) {
     const Job* job = core.FindJob(retry->id);
-    if (job != nullptr && jobs_.at(retry->id).kind != ToyKind::kHopeless && job->state == proto::JOB_FAILED)
+    if (job != nullptr && !job->leaving && jobs_.at(retry->id).kind != ToyKind::kHopeless &&
+        job->state == proto::JOB_FAILED)
       Fail(retry->id + " was retried and does not go on: " + job->reason);
   }
   if (const auto* pause = std::get_if<PauseJob>(&event)) {

@@ -5,6 +5,7 @@
 //   table_checks.cc   the core's tables: nobody's tasks, no task forgotten, no worker idle, nothing that
 //   grows
 //   worker_checks.cc  workers that are to leave, or are broken
+//   user_checks.cc    what users are told
 #pragma once
 
 #include <cstdint>
@@ -21,6 +22,13 @@ namespace cairn::simulation {
 
 class World;
 
+// What a user asked of a job, and waits to be answered.
+struct Asked {
+  enum What { kSubmit, kPause, kResume, kCancel, kRetry, kDelete, kPrioritize };
+  What what = kSubmit;
+  std::string id;
+};
+
 class Checks {
  public:
   explicit Checks(World& world) : world_(world) {}
@@ -35,6 +43,13 @@ class Checks {
   void Before(const coordinator::Core& core, const coordinator::Event& event);
   void After(const coordinator::Core& core, const coordinator::Event& event,
              const std::vector<coordinator::Action>& actions, std::uint64_t process, double now_s);
+  // Who asks; he is told by SeeAnswer, if ever.
+  std::string Ask(Asked::What what, const std::string& id);
+  // `saved`: what the store has of the job (null: nothing).
+  void SeeAnswer(const coordinator::Core& core, const coordinator::Answer& answer,
+                 const proto::Checkpoint* saved);
+  // A coordinator has restored what it found.
+  void SeeStarted(const coordinator::Core& core);
   // The store: a checkpoint is durable; the newest was damaged, what is left is this; none is left.
   void SeeDurable(const proto::Checkpoint& checkpoint);
   void SeeDamaged(const proto::Checkpoint& checkpoint);
@@ -64,7 +79,10 @@ class Checks {
     // Wrong answers that came for it, and whether each could be believed: it had the right form, and came
     // from one who had been given the task.
     std::map<Hash, bool> lies;
-    bool deceived = false;  // it believed one: its truth is no longer known
+    bool deceived = false;     // it believed one: its truth is no longer known
+    std::string asker;         // who asked last
+    std::uint64_t number = 0;  // that its users were told; 0: nobody was told that it is there
+    bool deletion_asked = false, gone = false;  // and that it is deleted was said
   };
   enum class Alarm { kNever, kMay, kMust };
 
@@ -77,6 +95,10 @@ class Checks {
   void Weigh(const coordinator::Core& core, const coordinator::TaskDone& event);
   void NoteMalformed(const coordinator::Core& core, const coordinator::TaskDone& event);
   Hash TruthOf(const Known& known, const wire::TaskKey& key) const;
+  // user_checks.cc
+  void SeeDone(const Asked& asked, const std::string& asker, const coordinator::Core& core,
+               const proto::Checkpoint* saved);
+  void SeeRefused(const Asked& asked, const coordinator::Core& core, const proto::Checkpoint* saved);
   void SeeAlarms(const std::vector<coordinator::Action>& actions);
   void SeeTruth(const coordinator::Job& job, Known& known);
   bool Believed(const std::string& id, Known& known, const Hash& hash);
@@ -95,6 +117,8 @@ class Checks {
 
   World& world_;
   std::map<std::string, Known> jobs_;
+  std::map<std::string, Asked> asked_;  // by asker; not yet answered
+  std::uint64_t questions_ = 0;
   std::string violation_;
   // Of the event under way.
   Alarm alarm_ = Alarm::kNever;

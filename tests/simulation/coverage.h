@@ -73,6 +73,10 @@ namespace cairn::simulation {
   X(kRetried, "user: retries")                                             \
   X(kPrioritized, "user: gives another priority")                          \
   X(kDeleted, "user: deletes what has ended")                              \
+  X(kAcknowledged, "user: is told that it is done")                        \
+  X(kSubmissionRefused, "user: is refused a job that cannot be saved")     \
+  X(kTakenBack, "user: is refused a command that cannot be saved")         \
+  X(kDeletionRefused, "user: is refused a deletion that fails")            \
   X(kDrainedByUser, "user: drains a worker")                               \
   X(kSavedNow, "user: asks to save now")                                   \
   X(kRoundEnded, "core: a round ends")                                     \

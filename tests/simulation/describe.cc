@@ -45,6 +45,8 @@ struct Words {
   std::string operator()(const PersistFailed& e) const {
     return e.job + " checkpoint " + std::to_string(e.number) + " failed: " + e.reason;
   }
+  std::string operator()(const ForgetDone& e) const { return e.job + " is forgotten"; }
+  std::string operator()(const ForgetFailed& e) const { return e.job + " is not forgotten: " + e.reason; }
   std::string operator()(const SaveNow&) const { return "save now"; }
   std::string operator()(const Tick&) const { return "tick"; }
 
@@ -65,6 +67,9 @@ struct Words {
     return "drop " + std::to_string(a.hashes.size()) + " blobs";
   }
   std::string operator()(const ForgetJob& a) const { return "forget " + a.job; }
+  std::string operator()(const coordinator::Answer& a) const {
+    return "answer " + a.asker + " about " + a.job + ": " + (a.refusal.empty() ? "ok" : a.refusal);
+  }
   std::string operator()(const JobChanged& a) const { return a.job + " changed"; }
   std::string operator()(const Report& a) const {
     return "report: " + (a.job.empty() ? "" : a.job + ": ") + a.text;

@@ -51,8 +51,13 @@ void ShellModel::Deliver(const Event& event, bool whole) {
   if (!whole) return world_.Say("a message whose blob is not what its hash says is refused");
   // A job's number is never used again: a submission that was late would be another job.
   if (const auto* submit = std::get_if<SubmitJob>(&event);
-      submit != nullptr && world_.users.Deleted(submit->id))
+      submit != nullptr && world_.users.Deleted(submit->id)) {
     return;
+  } else if (submit != nullptr && core_->FindJob(submit->id) == nullptr) {
+    SubmitJob numbered = *submit;
+    numbered.job.set_name(std::to_string(++last_number_));
+    return Handle(numbered);
+  }
   Handle(event);
 }
 
@@ -138,7 +143,11 @@ void ShellModel::Take(const WriteDone& done) {
     const auto it = memory_.find(blob);
     if (it != memory_.end() && done.ticket >= it->second.ticket) it->second.durable = true;
   }
-  if (done.problem.empty())
+  if (done.forgotten && done.problem.empty())
+    Handle(ForgetDone{done.job});
+  else if (done.forgotten)
+    Handle(ForgetFailed{done.job, done.problem});
+  else if (done.problem.empty())
     Handle(PersistDone{done.job, done.number});
   else
     Handle(PersistFailed{done.job, done.number, done.problem});
@@ -155,6 +164,10 @@ void ShellModel::Do(const ForgetJob& forget) {
   WriteWork work;
   work.forget = forget.job;
   store_.Add(std::move(work));
+}
+
+void ShellModel::Do(const coordinator::Answer& answer) {
+  world_.checks.SeeAnswer(*core_, answer, store_.Newest(answer.job));
 }
 
 void ShellModel::Crash(bool power_cut, double down_s) {
@@ -182,7 +195,9 @@ void ShellModel::Restart() {
       if (process == process_) Take(done);
     });
   });
-  for (const RestoreJob& restore : store_.Recover()) {
+  const std::vector<RestoreJob> restored = store_.Recover();
+  last_number_ = store_.LastNumber();
+  for (const RestoreJob& restore : restored) {
     const auto found = [this](const Hash& blob) {
       if (store_.Has(blob)) memory_[blob] = {true, 0};
     };
@@ -191,6 +206,7 @@ void ShellModel::Restart() {
     Handle(restore);
     if (process != process_) return;  // it died over that
   }
+  world_.checks.SeeStarted(*core_);
   // What a start counts on must be durable by then.
   const Faults& faults = world_.faults;
   if (faults.power_cut_at_start > 0 && world_.schedule.now_s() < faults.trouble_s &&

@@ -53,6 +53,7 @@ class ShellModel {
   void Do(const coordinator::Persist& persist);
   void Do(const coordinator::DropBlobs& drop);
   void Do(const coordinator::ForgetJob& forget);
+  void Do(const coordinator::Answer& answer);
   void Do(const coordinator::JobChanged&) {}
   void Do(const coordinator::Report&) {}
   void Do(const coordinator::Refused&) {}
@@ -65,6 +66,7 @@ class ShellModel {
   StoreModel store_;  // it outlives the process
   std::unique_ptr<coordinator::Core> core_;
   std::uint64_t process_ = 0;
+  std::uint64_t last_number_ = 0;  // that a job was given
   double stopped_until_s_ = 0;
   double clock_offset_s_ = 0, clock_s_ = 0;  // the clock, and the last that was read of it
   std::map<Hash, Kept> memory_;

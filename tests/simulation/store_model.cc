@@ -45,7 +45,7 @@ void StoreModel::BeginNext() {
     WriteDone done;
     Perform(work, done);
     BeginNext();
-    if (work.persist) tell_(done);
+    if (work.persist || done.forgotten) tell_(done);
   });
 }
 
@@ -99,10 +99,11 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
     return outcome;
   }
   if (!work.forget.empty()) {
-    if (Step(DiskStep::kRename) != DiskOutcome::kOk) return DiskOutcome::kDead;
-    checkpoints_.erase(work.forget);
-    results_.erase(work.forget);
-    protected_.erase(work.forget);
+    done.job = work.forget;
+    done.forgotten = true;
+    const DiskOutcome outcome = Forget(work.forget);
+    if (outcome == DiskOutcome::kFailed) done.problem = "the disk fails";
+    return outcome;
   }
   for (const Hash& hash : work.remove) {
     if (Step(DiskStep::kRemove) != DiskOutcome::kOk) return DiskOutcome::kDead;
@@ -112,6 +113,19 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
         if (blobs.contains(hash))
           world_.checks.Fail("a blob is removed that a checkpoint of " + job + " needs");
   }
+  return DiskOutcome::kOk;
+}
+
+// A job's number first, so that it is not given to another; then the folder is renamed, and that synced.
+DiskOutcome StoreModel::Forget(const std::string& job) {
+  if (const DiskOutcome outcome = Step(DiskStep::kWrite); outcome != DiskOutcome::kOk) return outcome;
+  if (const proto::Checkpoint* newest = Newest(job); newest != nullptr)
+    last_removed_ = std::max(last_removed_, NumberOf(newest->job()));
+  if (const DiskOutcome outcome = Step(DiskStep::kRename); outcome != DiskOutcome::kOk) return outcome;
+  if (const DiskOutcome outcome = Step(DiskStep::kSyncFolder); outcome != DiskOutcome::kOk) return outcome;
+  checkpoints_.erase(job);
+  results_.erase(job);
+  protected_.erase(job);
   return DiskOutcome::kOk;
 }
 
@@ -238,6 +252,14 @@ std::vector<RestoreJob> StoreModel::Recover() {
            std::tuple(b.checkpoint.order(), b.checkpoint.job_id());
   });
   return jobs;
+}
+
+std::uint64_t StoreModel::LastNumber() const {
+  std::uint64_t last = last_removed_;
+  for (const auto& [job, checkpoints] : checkpoints_)
+    for (const auto& [number, file] : checkpoints.files())
+      last = std::max(last, NumberOf(file.content->job()));
+  return last;
 }
 
 const proto::Checkpoint* StoreModel::Newest(const std::string& job) const {

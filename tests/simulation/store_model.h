@@ -31,6 +31,7 @@ struct WriteDone {
   std::uint64_t ticket = 0;
   std::string job;
   std::uint64_t number = 0;
+  bool forgotten = false;     // it was a job that is deleted
   std::string problem;        // empty: all is durable
   std::vector<Hash> written;  // blobs
 };
@@ -48,6 +49,8 @@ class StoreModel {
   // What the next process finds, in the order of submission; some of it damaged before.
   std::vector<coordinator::RestoreJob> Recover();
   bool Has(const Hash& blob) const { return blobs_.Read(blob) != nullptr; }
+  // That any job was ever given, of what is durable.
+  std::uint64_t LastNumber() const;
   // The newest of a job; null where there is none.
   const proto::Checkpoint* Newest(const std::string& job) const;
 
@@ -59,6 +62,7 @@ class StoreModel {
   DiskOutcome Step(DiskStep step);
   DiskOutcome Perform(const WriteWork& work, WriteDone& done);
   DiskOutcome WriteCheckpoint(const WriteWork& work, WriteDone& done);
+  DiskOutcome Forget(const std::string& job);
   void Protect(const std::string& job, const std::vector<Hash>& blobs, bool alone);
   void RemoveOld(Checkpoints& checkpoints, const proto::Checkpoint& newest);
   bool IsGood(const CheckpointPtr& checkpoint) const;
@@ -73,6 +77,7 @@ class StoreModel {
   std::uint64_t next_ticket_ = 1;
   std::optional<std::uint64_t> steps_left_;  // before the process dies
   double full_until_s_ = 0;
+  std::uint64_t last_removed_ = 0;  // number of a job
   FolderModel<Hash, bool> blobs_;
   std::map<std::string, Checkpoints> checkpoints_;
   std::map<std::string, FolderModel<std::uint32_t, Hash>> results_;

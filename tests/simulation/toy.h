@@ -50,4 +50,9 @@ struct ToyTruth {
 };
 ToyTruth RunToy(const proto::Job& job);
 
+// The number that its coordinator gave it; a real one puts it before the name (Hub::NewJobId).
+inline std::uint64_t NumberOf(const proto::Job& job) {
+  return job.name().empty() ? 0 : std::stoull(job.name());
+}
+
 }  // namespace cairn::simulation

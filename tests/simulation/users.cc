@@ -60,7 +60,7 @@ void Users::Submit(const std::string& id) {
     const bool again = core->FindJob(id) != nullptr;
     world_.Count(again ? kSubmittedTwice : kSubmitted);
     if (wish.kind == ToyKind::kHopeless) world_.Count(kSubmittedHopeless);
-    SubmitJob event{id, wish.job, {}};
+    SubmitJob event{id, wish.job, {}, world_.checks.Ask(Asked::kSubmit, id)};
     for (const auto& [name, hash] : wish.job.input_blobs())
       event.blobs.push_back(Hash::FromBinary(hash).value());
     world_.shell().Deliver(event);
@@ -75,7 +75,7 @@ void Users::Cancel(const std::string& id, Wish& wish) {
   world_.Count(job->Running() ? kCancelled : kCancelledPaused);
   if (world_.shell().store().Newest(id) == nullptr) world_.Count(kCancelledUnsaved);
   wish.given_up = true;
-  world_.shell().Deliver(CancelJob{id});
+  world_.shell().Deliver(CancelJob{id, world_.checks.Ask(Asked::kCancel, id)});
 }
 
 void Users::Disturb() {
@@ -86,7 +86,8 @@ void Users::Disturb() {
     if (world_.Chance(world_.faults.pause_per_s)) Pause(id);
     if (world_.Chance(world_.faults.prioritize_per_s)) {
       world_.Count(kPrioritized);
-      world_.shell().Deliver(PrioritizeJob{id, static_cast<int>(world_.rng.Below(25)) - 12});
+      const int priority = static_cast<int>(world_.rng.Below(25)) - 12;
+      world_.shell().Deliver(PrioritizeJob{id, priority, world_.checks.Ask(Asked::kPrioritize, id)});
     }
     if (world_.rng.Below(4) == 0) ResumeIfStopped(id);
     if (world_.rng.Below(100) == 0) Submit(id);
@@ -100,7 +101,7 @@ void Users::Pause(const std::string& id) {
   const coordinator::Core* core = world_.shell().core();
   const Job* job = core == nullptr ? nullptr : core->FindJob(id);
   if (job != nullptr && job->Running()) world_.Count(kHeld);
-  world_.shell().Deliver(PauseJob{id});
+  world_.shell().Deliver(PauseJob{id, world_.checks.Ask(Asked::kPause, id)});
 }
 
 // What has ended, and again until it is gone.
@@ -112,7 +113,7 @@ void Users::Delete(const std::string& id, Wish& wish) {
   if (!wish.deleted && (!job->Ended() || saved->state() != job->state)) return;
   world_.Count(kDeleted);
   wish.deleted = true;
-  world_.shell().Deliver(DeleteJob{id});
+  world_.shell().Deliver(DeleteJob{id, world_.checks.Ask(Asked::kDelete, id)});
 }
 
 void Users::ResumeIfStopped(const std::string& id) {
@@ -126,10 +127,10 @@ void Users::ResumeIfStopped(const std::string& id) {
     return;
   if (job->state == proto::JOB_FAILED) {
     world_.Count(kRetried);
-    return world_.shell().Deliver(RetryJob{id});
+    return world_.shell().Deliver(RetryJob{id, world_.checks.Ask(Asked::kRetry, id)});
   }
   world_.Count(kResumed);
-  world_.shell().Deliver(ResumeJob{id});
+  world_.shell().Deliver(ResumeJob{id, world_.checks.Ask(Asked::kResume, id)});
 }
 
 void Users::BringToAnEnd() {
