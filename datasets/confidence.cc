@@ -79,4 +79,12 @@ std::string ConfidenceText(const Blob& result) {
          " such simulations): " + found;
 }
 
+std::string NotRefined(const Blob& result) {
+  const char* const name = "refinement/reason";
+  if (!result.Has(name) || result.at(name).type() != DType::kText || result.at(name).size() != 1) return {};
+  return result.Text(name);
+}
+
+bool RefinementRefused(const Blob& result) { return NotRefined(result).starts_with("refused"); }
+
 }  // namespace cairn::datasets

@@ -25,4 +25,11 @@ const char* Word(Confidence confidence);  // "not stated", "low", "fair", "high"
 // which was not tried, does not exist.
 std::string ConfidenceText(const Blob& result);
 
+// Why the landmarks of a map are not those of the least squares over its associations (refinement/reason):
+// "refused: the weighted squares of its residuals rose from 210.4 to 388.0", "not tried: polish=false". Empty
+// where they are, or where the file does not say.
+std::string NotRefined(const Blob& result);
+// True where that was tried and its outcome thrown away.
+bool RefinementRefused(const Blob& result);
+
 }  // namespace cairn::datasets

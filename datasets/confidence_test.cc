@@ -70,5 +70,21 @@ TEST(ConfidenceText, AFileThatHoldsSomethingElseStatesNone) {
   EXPECT_EQ(ConfidenceOf(result), Confidence::kNone);
 }
 
+TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {
+  Blob result;
+  EXPECT_EQ(NotRefined(result), "") << "older files do not say";
+  result.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
+  EXPECT_EQ(NotRefined(result), "refused: the least squares has no solution");
+  EXPECT_TRUE(RefinementRefused(result));
+  result.Put("refinement/reason", Array::Text("not tried: polish=false"));
+  EXPECT_EQ(NotRefined(result), "not tried: polish=false");
+  EXPECT_FALSE(RefinementRefused(result));
+  result.Put("refinement/reason", Array::Text(""));
+  EXPECT_EQ(NotRefined(result), "");
+  EXPECT_FALSE(RefinementRefused(result));
+  result.PutVector<double>("refinement/reason", {1.0});
+  EXPECT_EQ(NotRefined(result), "") << "a file may hold anything";
+}
+
 }  // namespace
 }  // namespace cairn::datasets

@@ -178,6 +178,8 @@ Facts FactsOf(const Blob& blob) {
     facts.emplace_back("map landmarks",
                        std::to_string(ColumnOrNone<double>(blob, "map/landmark_x_m").size()));
     facts.emplace_back("confidence", ConfidenceText(blob));
+    if (blob.Has("refinement/reason"))
+      facts.emplace_back("refinement", NotRefined(blob).empty() ? "done" : NotRefined(blob));
   }
   if (blob.Has("map/grid/probability") && blob.at("map/grid/probability").shape().size() == 2)
     facts.emplace_back("grid", GridOf(blob));

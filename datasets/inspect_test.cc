@@ -63,6 +63,12 @@ TEST(Inspect, TellsWhatAMapHolds) {
   ExpectContains(text, "robot Rosa     3 poses over 2 s, 2 of 3 observations associated\n");
   ExpectContains(text, "map landmarks  2\n");
   ExpectContains(text, "iterations     3, log-likelihood -512.5 to -99.25\n");
+  EXPECT_EQ(text.find("refinement  "), std::string::npos) << "older files do not say";
+  blob.Put("refinement/reason", Array::Text(""));
+  ExpectContains(InspectText(Inspected(blob, "landmark_map")), "refinement     done\n");
+  blob.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
+  ExpectContains(InspectText(Inspected(blob, "landmark_map")),
+                 "refinement     refused: the least squares has no solution\n");
 }
 
 TEST(Inspect, TellsWhatSamplesHold) {

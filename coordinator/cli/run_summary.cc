@@ -41,6 +41,7 @@ StageSummary SummarizeStage(const ParsedJob& parsed, const proto::Stage& stage, 
   summary.report = (dir / "report.html").string();
   Count(map, summary);
   summary.confidence = datasets::ConfidenceText(map);
+  if (datasets::RefinementRefused(map)) summary.refinement_refused = datasets::NotRefined(map);
   const std::optional<Blob> log = LogOf(parsed, stage);
   if (log && HasTruth(*log)) summary.evaluation = datasets::Evaluate(map, *log);
   const Blob* log_or_null = log ? &*log : nullptr;
@@ -56,6 +57,7 @@ nlohmann::ordered_json ToJson(const StageSummary& stage) {
                                  {"picture", stage.picture},     {"report", stage.report},
                                  {"landmarks", stage.landmarks}, {"iterations", stage.iterations}};
   json["confidence"] = stage.confidence;
+  if (!stage.refinement_refused.empty()) json["refinement"] = stage.refinement_refused;
   json["log_likelihood"] = nullptr;
   if (stage.log_likelihood) json["log_likelihood"] = *stage.log_likelihood;
   json["evaluation"] = nullptr;
@@ -74,6 +76,7 @@ std::string ToText(const StageSummary& stage) {
                 static_cast<long long>(stage.iterations), stage.iterations == 1 ? "" : "s",
                 stage.log_likelihood.value_or(0));
   text += line + ("confidence " + stage.confidence) + "\n";
+  if (!stage.refinement_refused.empty()) text += "refinement " + stage.refinement_refused + "\n";
   if (stage.evaluation)
     text += "\nagainst the log's ground truth:\n" + datasets::EvaluationText(*stage.evaluation);
   return text;

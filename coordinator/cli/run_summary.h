@@ -16,6 +16,7 @@ namespace cairn::cli {
 struct StageSummary {
   std::string stage, map, picture, report;  // the last three are paths
   std::string confidence;                   // in words
+  std::string refinement_refused;           // why; empty: it was not
   std::int64_t landmarks = 0;
   std::int64_t iterations = 0;
   std::optional<double> log_likelihood;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/confidence.h"
 #include "datasets/evaluate/align.h"
 #include "datasets/evaluate/associations.h"
 #include "datasets/evaluate/landmarks.h"
@@ -35,6 +36,7 @@ class Evaluator {
       out_.wrong = topology.wrong;
     }
     out_.iterations = result_.at("history/log_likelihood").size();
+    if (RefinementRefused(result_)) out_.refinement_refused = NotRefined(result_);
     if (result_.Has("provenance/seconds_s")) out_.seconds = result_.Scalar<double>("provenance/seconds_s");
     return out_;
   }

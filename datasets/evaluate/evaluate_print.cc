@@ -106,6 +106,7 @@ std::string EvaluationJson(const Evaluation& evaluation, int indent) {
   json["topology"] = TopologyJson(evaluation);
   json["iterations"] = evaluation.iterations;
   json["seconds"] = OrNull(evaluation.seconds);
+  if (!evaluation.refinement_refused.empty()) json["refinement"] = evaluation.refinement_refused;
   json["alignment"] = {{"on", evaluation.aligned_on},
                        {"angle_rad", evaluation.alignment.angle_rad},
                        {"x_m", evaluation.alignment.x_m},
@@ -128,6 +129,7 @@ std::string EvaluationText(const Evaluation& evaluation) {
   text += TopologyText(evaluation);
   text += Line("iterations", std::to_string(evaluation.iterations));
   text += Line("seconds", Number(evaluation.seconds, "s"));
+  if (!evaluation.refinement_refused.empty()) text += Line("refinement", evaluation.refinement_refused);
   text += Line("aligned on", evaluation.aligned_on);
   return text;
 }

@@ -319,6 +319,17 @@ TEST(EvaluationJson, HasEveryFieldAndNullWhereThereIsNoTruth) {
   EXPECT_TRUE(json.at("seconds").is_null());
 }
 
+TEST(EvaluationText, SaysThatARefinementWasRefused) {
+  const Blob log = SquareLog();
+  Blob result = PerfectLandmarkMap(log);
+  EXPECT_EQ(EvaluationText(Evaluate(result, log)).find("refinement"), std::string::npos);
+  result.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
+  const Evaluation evaluation = Evaluate(result, log);
+  EXPECT_NE(EvaluationText(evaluation).find("refused: the least squares has no solution"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(EvaluationJson(evaluation)).at("refinement"),
+            "refused: the least squares has no solution");
+}
+
 TEST(EvaluationText, SaysTheMainThings) {
   const std::string text = EvaluationText(Evaluate(PerfectLandmarkMap(SquareLog()), SquareLog()));
   EXPECT_NE(text.find("4 of 4 observed"), std::string::npos);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "datasets/confidence.h"
 #include "datasets/report/format.h"
 #include "datasets/report/parts.h"
 
@@ -53,7 +54,10 @@ std::string LeadHtml(const Blob& result, const Blob* log) {
     text += ", " + Grouped(sum.way_m) + " m of odometry in " + Duration(sum.seconds) + " of driving, " +
             Count(sum.observations, "landmark observation");
   }
-  return text + ". The map has " + Count(result.at("map/landmark_x_m").size(), "landmark") + ".";
+  text += ". The map has " + Count(result.at("map/landmark_x_m").size(), "landmark") + ".";
+  if (RefinementRefused(result))
+    text += " Its refinement was " + NotRefined(result) + "; the landmarks stand where EM left them.";
+  return text;
 }
 
 std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {

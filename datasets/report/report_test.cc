@@ -107,6 +107,16 @@ TEST_F(ReportOfALoop, ShowsEverySection) {
   EXPECT_EQ(CountOf(html, "class=\"truth-landmark\""), evaluation_.pairs.size() + 1);  // and the legend's
 }
 
+TEST_F(ReportOfALoop, SaysThatARefinementWasRefused) {
+  EXPECT_EQ(CountOf(ReportHtml(result_, &log_, &evaluation_), "refinement"), 0U);
+  Blob refused = result_;
+  refused.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
+  ExpectContains(
+      ReportHtml(refused, &log_, &evaluation_),
+      "Its refinement was refused: the least squares has no solution; the landmarks stand where EM "
+      "left them.");
+}
+
 TEST_F(ReportOfALoop, WithoutLogAndTruthLeavesOutWhatItDoesNotKnow) {
   const std::string html = ReportHtml(result_, nullptr, nullptr);
   EXPECT_EQ(FirstUnbalancedTag(html), "");

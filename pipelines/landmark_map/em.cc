@@ -60,19 +60,21 @@ void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& ne
   }
 }
 
-// Once, for maps that EM made of presses or of landmarks that are told apart. A given map has a frame of its
-// own.
-bool WantsPolish(const Options& options, const Settings& settings, const Schedule& done, const Inputs& inputs,
-                 const std::vector<RobotSteps>& steps) {
-  if (inputs.Has("map") || !options.polish || !options.revise || options.iterations == 0 || done.polished ||
-      settings.map.exact)
-    return false;
+// Why the map is not refined: empty where it is to be. A given map has a frame of its own.
+std::string NoRefinement(const Options& options, const Settings& settings, const Inputs& inputs,
+                         const std::vector<RobotSteps>& steps) {
+  if (inputs.Has("map")) return "not tried: the map was given";
+  if (!options.polish) return "not tried: polish=false";
+  if (!options.revise) return "not tried: revise=false";
+  if (options.iterations == 0) return "not tried: iterations=0";
+  if (settings.map.exact) return "not tried: model=exact";
   for (const RobotSteps& robot : steps) {
     for (const Observation& seen : robot.observations) {
-      if (seen.type >= settings.map.types && (seen.x_m != 0.0 || seen.y_m != 0.0)) return false;
+      if (seen.type >= settings.map.types && (seen.x_m != 0.0 || seen.y_m != 0.0))
+        return "not tried: landmarks without identity were seen at a distance";
     }
   }
-  return true;
+  return {};
 }
 
 // The last E-step's sum, which no map follows.
@@ -152,13 +154,18 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
       RefuseSpoiltMap(sum, history, settings.places, steps[0].observations.size());
       RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
     }
-    if (WantsPolish(options, settings, done, inputs, steps)) {
-      const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
-      if (const auto polished = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks)) {
-        return SummaryUnder(options, *polished, landmarks, history, sum, state, inputs);
+    std::string not_refined;
+    if (!done.polished) {
+      not_refined = NoRefinement(options, settings, inputs, steps);
+      if (not_refined.empty()) {
+        const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
+        const Refinement refined = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks);
+        if (refined.refused.empty())
+          return SummaryUnder(options, refined.landmarks, landmarks, history, sum, state, inputs);
+        not_refined = "refused: " + refined.refused;
       }
     }
-    return MakeResult(*log, settings, inputs, sum, carried.odometry, history);
+    return MakeResult(*log, settings, inputs, sum, carried.odometry, history, not_refined);
   }
 
   if (options.calibrate) {

@@ -103,7 +103,8 @@ cairn::Step IncrementalResult(const State& state, Partials& partials, const Inpu
   sum.Add(*partial);
   const Found found(inputs, partial->Sub("landmarks/"), StoredCounts(sum.counts()));
   return MakeResult(*inputs.Get("log"), settings, found, sum, Carried::Load(state, 1).odometry,
-                    Extended(*inputs.Get("history"), Schedule::Load(state), sum));
+                    Extended(*inputs.Get("history"), Schedule::Load(state), sum),
+                    "not tried: the incremental baseline revises nothing");
 }
 
 void CheckIncremental(const Options& options, const Inputs& inputs) {

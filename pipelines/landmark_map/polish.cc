@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 #include <utility>
 
 namespace cairn::landmark_map {
@@ -20,6 +22,22 @@ constexpr double kOwnError_m = 1.0;
 constexpr double kFixed = 1e-6, kFree = 1e4;  // standard deviations of the first pose, of any unknown
 
 double Square(double x) { return x * x; }
+
+std::string Text(const char* format, double a, double b) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+// The circular means of a path, each within half a turn of the one before: their differences are what the
+// heading did from step to step, on either side of pi too.
+std::vector<double> Unwrapped(std::vector<double> angles_rad) {
+  for (std::size_t k = 1; k < angles_rad.size(); ++k) {
+    const double before = angles_rad[k - 1];
+    angles_rad[k] = before + std::remainder(angles_rad[k] - before, 2.0 * std::numbers::pi);
+  }
+  return angles_rad;
+}
 
 // Normal equations of weighted residuals, each linear in a few of the unknowns.
 class NormalEquations {
@@ -58,7 +76,8 @@ class NormalEquations {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
-// All unknowns in one vector: poses of all robots (x, y, correction), landmarks (x, y), drifts left over.
+// All unknowns in one vector: poses of all robots (x, y, correction unwrapped along the path), landmarks (x,
+// y), drifts left over.
 class Problem {
  public:
   Problem(const std::vector<SettledPath>& paths, const Settings& settings,
@@ -73,27 +92,33 @@ class Problem {
     first_drift_ = size + 2 * static_cast<int>(landmarks.size());
     values_ = Eigen::VectorXd::Zero(first_drift_ + static_cast<int>(paths.size()));
     for (std::size_t r = 0; r < paths.size(); ++r) {
+      const std::vector<double> correction_rad = Unwrapped(paths[r].correction_rad);
       for (int s = 0; s < paths[r].steps.size(); ++s) {
         const auto k = static_cast<std::size_t>(s);
-        values_.segment<3>(PoseAt(r, s)) << paths[r].x_m[k], paths[r].y_m[k], paths[r].correction_rad[k];
+        values_.segment<3>(PoseAt(r, s)) << paths[r].x_m[k], paths[r].y_m[k], correction_rad[k];
       }
     }
+    if (settings.loose_frame) first_ = values_.head<3>();
     for (std::size_t l = 0; l < landmarks.size(); ++l) {
       types_.push_back(landmarks[l].type);
       values_.segment<2>(LandmarkAt(l)) << landmarks[l].x_m, landmarks[l].y_m;
     }
   }
 
-  // False where there is nothing better, or where the observations would no longer be of their landmarks.
-  bool Solve() {
+  // Empty, or why there is nothing better.
+  std::string Solve() {
     const double squares_before = Squares();
     const std::vector<bool> nearest_before = NearestToTheirs();
-    if (!Descend() || !(Squares() <= squares_before)) return false;
+    if (!Descend()) return "the least squares has no solution";
+    const double squares = Squares();
+    if (!(squares <= squares_before))
+      return Text("the weighted squares of its residuals rose from %.1f to %.1f", squares_before, squares);
     const std::vector<bool> nearest = NearestToTheirs();
-    for (std::size_t k = 0; k < nearest.size(); ++k) {
-      if (nearest_before[k] && !nearest[k]) return false;
-    }
-    return true;
+    int left = 0;
+    for (std::size_t k = 0; k < nearest.size(); ++k) left += nearest_before[k] && !nearest[k] ? 1 : 0;
+    if (left == 0) return {};
+    return Text("%.0f of %.0f observations would then lie nearer to another landmark than to their own", left,
+                static_cast<double>(nearest.size()));
   }
   std::vector<Landmark> Landmarks(std::vector<Landmark> landmarks) const {
     NormalEquations equations(unknowns());
@@ -184,7 +209,7 @@ class Problem {
 
   void Linearise(NormalEquations* to) const {
     NormalEquations& equations = *to;
-    for (int k = 0; k < 3; ++k) equations.Add(values_[k], kFixed, {{k, 1.0}});
+    for (int k = 0; k < 3; ++k) equations.Add(values_[k] - first_[k], kFixed, {{k, 1.0}});
     for (std::size_t r = 0; r < paths_.size(); ++r) {
       for (int s = 1; s < paths_[r].steps.size(); ++s) AddLeg(r, s, &equations);
       for (int s = 0; s < paths_[r].steps.size(); ++s) AddObservations(r, s, &equations);
@@ -245,6 +270,7 @@ class Problem {
   std::vector<int> types_;  // of the landmarks
   int first_landmark_ = 0, first_drift_ = 0;
   Eigen::VectorXd values_;
+  Eigen::Vector3d first_ = Eigen::Vector3d::Zero();  // where the first robot's first pose stays
 };
 
 bool SeesAtADistance(const SettledPath& path) {
@@ -295,14 +321,16 @@ std::vector<SettledPath> SettledPaths(const RoundSum& sum, const std::vector<Rob
   return paths;
 }
 
-std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& paths, const Settings& settings,
-                                            const std::vector<Landmark>& landmarks) {
+Refinement Polish(const std::vector<SettledPath>& paths, const Settings& settings,
+                  const std::vector<Landmark>& landmarks) {
   Problem problem(paths, settings, landmarks);
-  if (!problem.Solve()) return std::nullopt;
-  std::vector<Landmark> polished = problem.Landmarks(landmarks);
-  if (std::ranges::any_of(paths, SeesAtADistance) && FarthestMove(landmarks, polished) > settings.map.core_m)
-    return std::nullopt;
-  return polished;
+  if (std::string why = problem.Solve(); !why.empty()) return {{}, std::move(why)};
+  Refinement refined{problem.Landmarks(landmarks), {}};
+  const double moved_m = FarthestMove(landmarks, refined.landmarks), core_m = settings.map.core_m;
+  if (std::ranges::any_of(paths, SeesAtADistance) && moved_m > core_m)
+    refined.refused =
+        Text("a landmark seen at a distance would move by %.2f m, further than %.2f m", moved_m, core_m);
+  return refined;
 }
 
 LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rules) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "pipelines/landmark_map/odometry_fit.h"
@@ -25,15 +26,21 @@ struct SettledPath {
 std::vector<SettledPath> SettledPaths(const RoundSum& sum, const std::vector<RobotSteps>& steps,
                                       const std::vector<OdometryFit>& odometry);
 
+// What the least squares came to.
+struct Refinement {
+  std::vector<Landmark> landmarks;
+  std::string refused;  // why the map stays as EM left it; empty: the landmarks are its new ones
+};
+
 // The landmarks with the positions, and their covariances, of the least squares over all poses, landmarks and
 // the robots' drifts: legs of odometry as the motion model has them, observations that are likelier of their
-// landmark than not, each with a Cauchy weight. The first robot's first pose stays at the origin. How far
-// landmarks move says nothing: a bent map may turn and stretch by many metres. Empty where that has no
-// solution, or one in which observations that lay nearest to their landmark lie nearer to another: the
-// associations have not settled. Of sightings also where a landmark would move further than the core: what
-// ranges err by in common would stretch the map.
-std::optional<std::vector<Landmark>> Polish(const std::vector<SettledPath>& paths, const Settings& settings,
-                                            const std::vector<Landmark>& landmarks);
+// landmark than not, each with a Cauchy weight. The first robot's first pose stays at the origin, or, where
+// the frame is loose, where it is. How far landmarks move says nothing: a bent map may turn and stretch by
+// many metres. Refused where that has no solution, or one in which observations that lay nearest to their
+// landmark lie nearer to another: the associations have not settled. Of sightings also where a landmark would
+// move further than the core: what ranges err by in common would stretch the map.
+Refinement Polish(const std::vector<SettledPath>& paths, const Settings& settings,
+                  const std::vector<Landmark>& landmarks);
 
 // What EM expects where it knows no more than these landmarks: on any grid.
 LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rules);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
@@ -71,13 +72,13 @@ double Farthest(const std::vector<Landmark>& landmarks) {
 
 TEST(Polish, OdometryWithoutErrorGivesLandmarksWithoutError) {
   const auto polished = Polish({RoundAndRound(0.0)}, SomeSettings(), Corners(0.6));
-  ASSERT_TRUE(polished.has_value());
-  EXPECT_LT(Farthest(*polished), 1e-6);
-  for (const Landmark& l : *polished) {
+  ASSERT_EQ(polished.refused, "");
+  EXPECT_LT(Farthest(polished.landmarks), 1e-6);
+  for (const Landmark& l : polished.landmarks) {
     EXPECT_GT(l.covariance_m2[0], 0.0);
     EXPECT_NEAR(l.covariance_m2[1], l.covariance_m2[2], 1e-12);
   }
-  EXPECT_LT(polished->back().covariance_m2[0], (*polished)[1].covariance_m2[0])
+  EXPECT_LT(polished.landmarks.back().covariance_m2[0], polished.landmarks[1].covariance_m2[0])
       << "it is nearest to the start";
 }
 
@@ -94,31 +95,31 @@ TEST(Polish, TheCovarianceIsThatOfTheMean) {
   path.associated.probability.assign(kPresses, 1.0);
   path.odometry = OdometryFit::Of(SomeSettings().noise);
   const auto polished = Polish({path}, SomeSettings(), {{0.5, -0.5, {1, 0, 0, 1}, 0, kPresses}});
-  ASSERT_TRUE(polished.has_value());
+  ASSERT_EQ(polished.refused, "");
   const double sd = SomeSettings().map.observation_m;
   const double variance = sd * sd / kPresses;
-  EXPECT_NEAR((*polished)[0].covariance_m2[0], variance, 1e-6 * variance);
-  EXPECT_NEAR((*polished)[0].covariance_m2[3], variance, 1e-6 * variance);
-  EXPECT_NEAR((*polished)[0].covariance_m2[1], 0.0, 1e-6 * variance);
+  EXPECT_NEAR(polished.landmarks[0].covariance_m2[0], variance, 1e-6 * variance);
+  EXPECT_NEAR(polished.landmarks[0].covariance_m2[3], variance, 1e-6 * variance);
+  EXPECT_NEAR(polished.landmarks[0].covariance_m2[1], 0.0, 1e-6 * variance);
 }
 
 // Half of the drift's nominal width: 11 degrees a lap.
 TEST(Polish, FindsADriftThatIsLeft) {
   const auto polished = Polish({RoundAndRound(0.0025)}, SomeSettings(), Corners(0.6));
-  ASSERT_TRUE(polished.has_value());
-  EXPECT_LT(Farthest(*polished), 0.1);
+  ASSERT_EQ(polished.refused, "");
+  EXPECT_LT(Farthest(polished.landmarks), 0.1);
 }
 
 TEST(Polish, AnObservationThatBelongsElsewhereHardlyCounts) {
   SettledPath path = RoundAndRound(0.0);
   path.associated.landmark[6] = 0;  // 20 m off
   const auto polished = Polish({path}, SomeSettings(), Corners(0.6));
-  ASSERT_TRUE(polished.has_value());
-  EXPECT_LT(Farthest(*polished), 0.3);
+  ASSERT_EQ(polished.refused, "");
+  EXPECT_LT(Farthest(polished.landmarks), 0.3);
   path.associated.landmark[6] = 2;
   path.associated.landmark[7] = 0;
   path.associated.probability[7] = 0.4;  // likelier of something else: not at all
-  EXPECT_LT(Farthest(*Polish({path}, SomeSettings(), Corners(0.6))), 1e-6);
+  EXPECT_LT(Farthest(Polish({path}, SomeSettings(), Corners(0.6)).landmarks), 1e-6);
 }
 
 // By 8 m at most, three times the core: no observation changes its landmark.
@@ -138,8 +139,60 @@ TEST(Polish, AMapMayTurnAsAWhole) {
   for (Landmark& l : landmarks) turn(&l.x_m, &l.y_m);
   ASSERT_GT(Farthest(landmarks), 3.0 * SomeSettings().map.core_m);
   const auto polished = Polish({path}, SomeSettings(), landmarks);
-  ASSERT_TRUE(polished.has_value());
-  EXPECT_LT(Farthest(*polished), 1e-6);
+  ASSERT_EQ(polished.refused, "");
+  EXPECT_LT(Farthest(polished.landmarks), 1e-6);
+}
+
+// The same drive, of a robot whose odometry began facing another way, as circular means say it: in (-pi, pi].
+SettledPath Facing(SettledPath path, double turn_rad) {
+  RobotSteps& steps = path.steps;
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  for (std::size_t k = 0; k < path.correction_rad.size(); ++k) {
+    const double x = steps.odo_x_m[k], y = steps.odo_y_m[k];
+    steps.odo_x_m[k] = c * x - s * y;
+    steps.odo_y_m[k] = s * x + c * y;
+    steps.odo_heading_rad[k] += turn_rad;
+    path.correction_rad[k] = std::remainder(path.correction_rad[k] - turn_rad, 2.0 * std::numbers::pi);
+  }
+  return path;
+}
+
+// The second robot's estimates go to and fro by 0.02 rad, so that near pi they jump from one end to the
+// other.
+TEST(Polish, WhichWayARobotsOdometryBeganToFaceChangesNothing) {
+  SettledPath second = RoundAndRound(0.001);
+  for (std::size_t k = 0; k < second.correction_rad.size(); ++k)
+    second.correction_rad[k] += k % 2 == 0 ? 0.02 : -0.02;
+  const auto landmarks = [&](double turn_rad) {
+    const auto polished =
+        Polish({RoundAndRound(0.001), Facing(second, turn_rad)}, SomeSettings(), Corners(0.6));
+    EXPECT_EQ(polished.refused, "") << turn_rad;
+    return polished.landmarks;
+  };
+  const std::vector<Landmark> expected = landmarks(0.0);
+  constexpr double kPi = std::numbers::pi;
+  for (const double turn_rad :
+       {0.5, 1.6, -2.9, kPi - 0.05, kPi - 0.01, kPi, kPi + 0.01, kPi + 0.05, 5.0, 9.42}) {
+    const std::vector<Landmark> found = landmarks(turn_rad);
+    ASSERT_EQ(found.size(), expected.size()) << turn_rad;
+    for (std::size_t l = 0; l < found.size(); ++l) {
+      EXPECT_NEAR(found[l].x_m, expected[l].x_m, 1e-6) << turn_rad;
+      EXPECT_NEAR(found[l].y_m, expected[l].y_m, 1e-6) << turn_rad;
+      EXPECT_NEAR(found[l].covariance_m2[0], expected[l].covariance_m2[0], 1e-6) << turn_rad;
+    }
+  }
+}
+
+// Where the frame is the map's, and the first robot's start anywhere in it, the map stays in its frame.
+TEST(Polish, InALooseFrameTheFirstPoseStaysWhereItIs) {
+  Settings settings = SomeSettings();
+  settings.loose_frame = true;
+  const auto polished = Polish({RoundAndRound(0.0)}, settings, Corners(0.6));
+  ASSERT_EQ(polished.refused, "");
+  for (std::size_t l = 0; l < kCorners.size(); ++l) {
+    EXPECT_NEAR(polished.landmarks[l].x_m, kCorners[l][0] + 0.4, 1e-6);
+    EXPECT_NEAR(polished.landmarks[l].y_m, kCorners[l][1] - 0.3, 1e-6);
+  }
 }
 
 // By odometry the robot went round and round; the E-step has it turn back and forth between two corners.
@@ -151,7 +204,8 @@ TEST(Polish, WhereObservationsWouldChangeTheirLandmarksThereIsNone) {
     path.y_m[s] = kCorners[corner][1];
     path.associated.landmark[s - 1] = static_cast<std::int32_t>(corner);
   }
-  EXPECT_FALSE(Polish({path}, SomeSettings(), Corners(0.0)).has_value());
+  EXPECT_EQ(Polish({path}, SomeSettings(), Corners(0.0)).refused,
+            "6 of 12 observations would then lie nearer to another landmark than to their own");
 }
 
 TEST(Recentred, KeepsTheMassAndMovesIt) {
@@ -175,6 +229,8 @@ TEST(Polish, TheResultsLandmarksAreNearerToTheTruthThanCells) {
   const auto farthest = [&](bool polish) {
     const BlobPtr result = RunInProcess(LandmarkMap({.cell_m = 3.0, .polish = polish, .starts = 1}),
                                         {{"log", std::make_shared<const Blob>(log)}});
+    EXPECT_EQ(result->Scalar<std::uint8_t>("refinement/done"), polish ? 1 : 0);
+    EXPECT_EQ(result->Text("refinement/reason"), polish ? "" : "not tried: polish=false");
     const auto x = result->Get<double>("map/landmark_x_m"), y = result->Get<double>("map/landmark_y_m");
     double worst = 0;
     for (const auto& corner : kCorners) {

@@ -319,7 +319,8 @@ Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
 }
 
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<OdometryFit>& odometry, const Blob& history) {
+                const std::vector<OdometryFit>& odometry, const Blob& history,
+                const std::string& not_refined) {
   const std::vector<std::string> robots = log.Texts("robots");
   std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
   std::vector<Associated> associated;
@@ -356,6 +357,8 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   PutLandmarks(landmarks, settings.map, &result);
   PutMap(FinalMap(log, settings, inputs, counts), settings.map, &result);
   result.PutAll("history/", history);
+  result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);
+  result.Put("refinement/reason", Array::Text(not_refined));
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;
   step.plan.set_result(step.Share(std::move(result)));

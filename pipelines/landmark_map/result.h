@@ -1,6 +1,7 @@
 // The stage's result (schema/FORMAT.md, landmark_map) from the last E-step's summaries.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "pipelines/landmark_map/partial.h"
@@ -14,8 +15,10 @@ Blob EmptyHistory();
 Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum);
 
 // The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N, and where EM made no
-// iteration the stage's map.
+// iteration the stage's map. `not_refined`: why the landmarks are not those of the least squares; empty: they
+// are.
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<OdometryFit>& odometry, const Blob& history);
+                const std::vector<OdometryFit>& odometry, const Blob& history,
+                const std::string& not_refined);
 
 }  // namespace cairn::landmark_map
