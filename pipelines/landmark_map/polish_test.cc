@@ -22,18 +22,20 @@ Settings SomeSettings() {
   return settings;
 }
 
-// Three laps of a square in legs from corner to corner, odometry without error but for a drift, and what an
+// Laps of a square in legs from corner to corner, odometry that errs by a drift and a walk a leg, and what an
 // E-step that saw cells of a metre would say of it.
-SettledPath RoundAndRound(double drift_rad_per_m) {
+SettledPath RoundAndRound(double drift_rad_per_m, int laps = 3, double walk_rad = 0.0) {
+  Rng rng(3);
   SettledPath path;
   RobotSteps& steps = path.steps;
   double x = 0, y = 0, heading = 0;
-  for (int s = 0; s <= 12; ++s) {
+  for (int s = 0; s <= 4 * laps; ++s) {
     if (s > 0) {
-      const double middle = (s - 1) * std::numbers::pi / 2 + drift_rad_per_m * (20.0 * (s - 1) + 10.0);
+      const double turned = drift_rad_per_m * 20.0 + walk_rad * rng.Normal();
+      const double middle = (s - 1) * std::numbers::pi / 2 + heading + 0.5 * turned;
       x += 20.0 * std::cos(middle);
       y += 20.0 * std::sin(middle);
-      heading += drift_rad_per_m * 20.0;
+      heading += turned;
     }
     steps.time_s.push_back(s);
     steps.odo_x_m.push_back(x);
@@ -51,7 +53,7 @@ SettledPath RoundAndRound(double drift_rad_per_m) {
     path.associated.landmark.push_back((s + 3) % 4);
     path.associated.probability.push_back(0.9);
   }
-  steps.first_observation.push_back(12);
+  steps.first_observation.push_back(4 * laps);
   path.odometry = OdometryFit::Of(SomeSettings().noise);
   return path;
 }
@@ -143,42 +145,62 @@ TEST(Polish, AMapMayTurnAsAWhole) {
   EXPECT_LT(Farthest(polished.landmarks), 1e-6);
 }
 
+// From each corner the next one is seen, at a distance.
+SettledPath SeeingTheNext(SettledPath path) {
+  for (std::size_t s = 1; s < path.x_m.size(); ++s) {
+    const auto& here = kCorners[(s + 3) % 4];
+    const auto& next = kCorners[s % 4];
+    const double turned_rad = path.steps.odo_heading_rad[s];
+    const double dx = next[0] - here[0], dy = next[1] - here[1];
+    path.steps.observations[s - 1] = {0, std::cos(turned_rad) * dx - std::sin(turned_rad) * dy,
+                                      std::sin(turned_rad) * dx + std::cos(turned_rad) * dy};
+    path.associated.landmark[s - 1] = static_cast<std::int32_t>(s % 4);
+  }
+  return path;
+}
+
 // The same drive, of a robot whose odometry began facing another way, as circular means say it: in (-pi, pi].
 SettledPath Facing(SettledPath path, double turn_rad) {
   RobotSteps& steps = path.steps;
   const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  const auto turn = [&](double* x, double* y) {
+    const double before = *x;
+    *x = c * before - s * *y;
+    *y = s * before + c * *y;
+  };
   for (std::size_t k = 0; k < path.correction_rad.size(); ++k) {
-    const double x = steps.odo_x_m[k], y = steps.odo_y_m[k];
-    steps.odo_x_m[k] = c * x - s * y;
-    steps.odo_y_m[k] = s * x + c * y;
+    turn(&steps.odo_x_m[k], &steps.odo_y_m[k]);
     steps.odo_heading_rad[k] += turn_rad;
     path.correction_rad[k] = std::remainder(path.correction_rad[k] - turn_rad, 2.0 * std::numbers::pi);
   }
+  for (Observation& seen : steps.observations) turn(&seen.x_m, &seen.y_m);
   return path;
 }
 
 // The second robot's estimates go to and fro by 0.02 rad, so that near pi they jump from one end to the
 // other.
 TEST(Polish, WhichWayARobotsOdometryBeganToFaceChangesNothing) {
-  SettledPath second = RoundAndRound(0.001);
-  for (std::size_t k = 0; k < second.correction_rad.size(); ++k)
-    second.correction_rad[k] += k % 2 == 0 ? 0.02 : -0.02;
-  const auto landmarks = [&](double turn_rad) {
-    const auto polished =
-        Polish({RoundAndRound(0.001), Facing(second, turn_rad)}, SomeSettings(), Corners(0.6));
-    EXPECT_EQ(polished.refused, "") << turn_rad;
-    return polished.landmarks;
-  };
-  const std::vector<Landmark> expected = landmarks(0.0);
-  constexpr double kPi = std::numbers::pi;
-  for (const double turn_rad :
-       {0.5, 1.6, -2.9, kPi - 0.05, kPi - 0.01, kPi, kPi + 0.01, kPi + 0.05, 5.0, 9.42}) {
-    const std::vector<Landmark> found = landmarks(turn_rad);
-    ASSERT_EQ(found.size(), expected.size()) << turn_rad;
-    for (std::size_t l = 0; l < found.size(); ++l) {
-      EXPECT_NEAR(found[l].x_m, expected[l].x_m, 1e-6) << turn_rad;
-      EXPECT_NEAR(found[l].y_m, expected[l].y_m, 1e-6) << turn_rad;
-      EXPECT_NEAR(found[l].covariance_m2[0], expected[l].covariance_m2[0], 1e-6) << turn_rad;
+  for (const bool sees : {false, true}) {
+    SettledPath second = sees ? SeeingTheNext(RoundAndRound(0.0, 13, 0.05)) : RoundAndRound(0.0, 13, 0.05);
+    for (std::size_t k = 0; k < second.correction_rad.size(); ++k)
+      second.correction_rad[k] += k % 2 == 0 ? 0.02 : -0.02;
+    const auto landmarks = [&](double turn_rad) {
+      const auto polished =
+          Polish({RoundAndRound(0.001), Facing(second, turn_rad)}, SomeSettings(), Corners(0.6));
+      EXPECT_EQ(polished.refused, "") << turn_rad;
+      return polished.landmarks;
+    };
+    const std::vector<Landmark> expected = landmarks(0.0);
+    constexpr double kPi = std::numbers::pi;
+    for (const double turn_rad :
+         {0.5, 1.6, -2.9, kPi - 0.05, kPi - 0.01, kPi, kPi + 0.01, kPi + 0.05, 5.0, 9.42}) {
+      const std::vector<Landmark> found = landmarks(turn_rad);
+      ASSERT_EQ(found.size(), expected.size()) << turn_rad;
+      for (std::size_t l = 0; l < found.size(); ++l) {
+        EXPECT_NEAR(found[l].x_m, expected[l].x_m, 1e-6) << turn_rad;
+        EXPECT_NEAR(found[l].y_m, expected[l].y_m, 1e-6) << turn_rad;
+        EXPECT_NEAR(found[l].covariance_m2[0], expected[l].covariance_m2[0], 1e-6) << turn_rad;
+      }
     }
   }
 }
