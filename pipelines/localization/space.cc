@@ -29,7 +29,8 @@ Box BoxOf(const std::vector<Place>& places) {
   return box;
 }
 
-// Adds the cells of the box that have a sample of `training` near.
+// Adds the cells of the box that have a sample of `training` near. They lie about its middle: a world that is
+// shifted, or turned by a quarter, has the same ones.
 void AddCells(double cell_m, const Box& box, const std::vector<Place>& training, std::vector<Place>* cells) {
   const double columns = std::floor((box.high.x_m - box.low.x_m) / cell_m) + 1,
                rows = std::floor((box.high.y_m - box.low.y_m) / cell_m) + 1;
@@ -40,16 +41,29 @@ void AddCells(double cell_m, const Box& box, const std::vector<Place>& training,
     throw InputError(text);
   }
   const PlaceIndex index(training);
+  const Place middle{0.5 * (box.low.x_m + box.high.x_m), 0.5 * (box.low.y_m + box.high.y_m)};
   for (int row = 0; row < static_cast<int>(rows); ++row) {
     for (int column = 0; column < static_cast<int>(columns); ++column) {
-      const Place centre{box.low.x_m + (column + 0.5) * cell_m, box.low.y_m + (row + 0.5) * cell_m};
+      const Place centre{middle.x_m + (column - 0.5 * (columns - 1)) * cell_m,
+                         middle.y_m + (row - 0.5 * (rows - 1)) * cell_m};
       const double nearest_m = DistanceM(training[index.Nearest(centre, 1)[0]], centre);
       if (nearest_m <= cell_m / std::numbers::sqrt2) cells->push_back(centre);
     }
   }
 }
 
-// Samples that face into one quarter of the compass.
+// The direction, modulo a quarter turn, that most samples face: corridors meet at right angles, however the
+// world lies to its axes.
+double Grain(const std::vector<double>& headings_rad) {
+  double x = 0.0, y = 0.0;
+  for (const double heading : headings_rad) {
+    x += std::cos(4.0 * heading);
+    y += std::sin(4.0 * heading);
+  }
+  return std::atan2(y, x) / 4.0;
+}
+
+// Samples that face into one quarter of the compass, about a direction of the grain.
 struct Layer {
   std::vector<Place> places;
   std::vector<double> heading_rad;
@@ -57,8 +71,9 @@ struct Layer {
 
 std::array<Layer, 4> LayersOf(const Source& source) {
   std::array<Layer, 4> layers;
+  const double grain_rad = Grain(source.map_heading_rad);
   for (std::size_t k = 0; k < source.map_places.size(); ++k) {
-    const double quarters = std::round(source.map_heading_rad[k] / (0.5 * std::numbers::pi));
+    const double quarters = std::round((source.map_heading_rad[k] - grain_rad) / (0.5 * std::numbers::pi));
     Layer& layer = layers[static_cast<std::size_t>(static_cast<std::int64_t>(quarters) & 3)];
     layer.places.push_back(source.map_places[k]);
     layer.heading_rad.push_back(source.map_heading_rad[k]);
