@@ -347,6 +347,13 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
 
 }  // namespace
 
+Case SquareDrive(const std::string& name, bool ranged, int robots, int laps) {
+  Case c = LandmarkMap(name, ranged ? Sensor::kRangeBearing : Sensor::kButton, robots, laps);
+  c.stage.set_name("stage");
+  c.stage.set_pipeline("landmark_map");
+  return c;
+}
+
 std::vector<PipelineInfo> ListAll() {
   std::vector<PipelineInfo> infos = ListPipelines();
   infos.push_back(testing::ToyInfo());

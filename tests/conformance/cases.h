@@ -29,6 +29,10 @@ inline void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 // A registered pipeline without a fixture has no inputs here, and fails the first test of the suite.
 std::vector<Case> AllCases();
 
+// Robots that go round one square of 6 m `laps` times each: they see its corners, which have names, or press
+// a button at each.
+Case SquareDrive(const std::string& name, bool ranged, int robots, int laps = 3);
+
 // MakePipeline of the registry, and the toy.
 std::unique_ptr<const Pipeline> Make(const proto::Stage& stage, std::uint64_t seed);
 // What --describe of the suite's worker says.
