@@ -130,10 +130,11 @@ Status Run::Clear() {
 void Run::RemoveReplaced() {
   if (Known()->stage == 0 || !fs::exists(ReplacedFile())) return;
   std::set<std::string> stages = ReadLines(ReplacedFile());
-  std::vector<fs::path> files = {fs::path(options_.dir) / "map.png", fs::path(options_.dir) / "report.html"};
-  for (const std::string& stage : stages)
-    for (const char* picture : {"map.png", "report.html"})
-      files.push_back(fs::path(options_.dir) / stage / picture);
+  std::vector<fs::path> files;
+  for (const char* page : {"map.png", "picture.png", "report.html"}) {
+    files.push_back(fs::path(options_.dir) / page);
+    for (const std::string& stage : stages) files.push_back(fs::path(options_.dir) / stage / page);
+  }
   for (std::uint32_t done = 0; done < Known()->stage; ++done)
     stages.erase(job_.stages(static_cast<int>(done)).name());
   for (const std::string& stage : stages) files.push_back(ResultFile(stage));

@@ -10,6 +10,8 @@
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/job_text.h"
+#include "coordinator/cli/pages.h"
+#include "coordinator/cli/report.h"
 #include "coordinator/cli/service_text.h"
 #include "coordinator/cli/stop_signal.h"
 #include "schema/store/atomic_file.h"
@@ -81,7 +83,8 @@ bool Holds(const std::string& file, const Blob& result) {
   return there.ok() && there.value().blob.ContentHash() == result.Without("provenance/").ContentHash();
 }
 
-// A file a stage. What is there already and is another is only replaced by force, and else none is written.
+// A file a stage, and the pages of what came: the log, for raw odometry and truth, stays with who has it.
+// What is there already and is another is only replaced by force, and else none is written.
 void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder, bool force) {
   const std::map<std::string, BlobPtr> results = Take(client.Results(job));
   if (results.empty()) throw InputError("job " + job + " has no results yet");
@@ -93,11 +96,23 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
     if (!force && fs::exists(fs::symlink_status(file)) && !Holds(file, *blob))
       throw InputError("'" + file + "' is there already, and is not this result (--force replaces it)");
   }
+  std::vector<std::string> names;
+  for (const auto& [stage, blob] : results) names.push_back(stage);
+  if (!force) RefuseToReplaceForeignPages(folder.string(), names);
+  std::vector<ScoredStage> stages;
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
-    Check(WriteBlobFile(file, ResultKind(*blob), *blob));
+    const std::string kind = ResultKind(*blob);
+    Check(WriteBlobFile(file, kind, *blob));
     std::printf("%s\n", file.c_str());
+    stages.push_back({.name = stage, .kind = kind, .result = blob});
   }
+  SortByJob(&stages);
+  const WrittenPages written = WritePages(folder, stages);
+  RememberPages(folder.string(), names);
+  for (const std::string& picture : written.pictures)
+    if (!picture.empty()) std::printf("%s\n", picture.c_str());
+  if (!written.report.empty()) std::printf("%s\n", written.report.c_str());
 }
 
 // Of one job into --out itself; of many each into a folder of its own there.
@@ -143,7 +158,8 @@ void AddJobs(CLI::App& app, Invocation& call) {
   command->add_option("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
   command->add_flag("--json", options->json, "As JSON");
 
-  options = AddClientCommand(app, call, "results", "Fetches the results of a job, a file a stage",
+  options = AddClientCommand(app, call, "results",
+                             "Fetches the results of a job, a file a stage, with pictures and a page",
                              "cairn results 1-museum --out museum", Results, &command);
   command->add_option("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
   command->add_option("--name", options->name, "All that are done whose name matches this pattern");

@@ -2,19 +2,20 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <optional>
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/output_path.h"
 #include "coordinator/cli/pages.h"
 #include "coordinator/cli/result_file.h"
+#include "coordinator/cli/suggest.h"
 #include "datasets/report/report.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Options {
   bool changed = false;
@@ -24,69 +25,92 @@ struct Options {
   bool force = false;
 };
 
+bool HasTruth(const Blob& log) { return !log.Sub("truth/").fields().empty(); }
+
+bool HasTruePoses(const Blob& log) {
+  return std::ranges::any_of(log.Sub("truth/robot/").fields(),
+                             [](const auto& field) { return field.first.ends_with("/poses/time_s"); });
+}
+
+bool IsMap(const std::string& kind) {
+  return kind == "landmark_map" || kind == "grid_map" || kind == "local_map";
+}
+
+datasets::ReportedStage Reported(const ScoredStage& stage) {
+  return {.name = stage.name,
+          .result = stage.result.get(),
+          .source = stage.source.get(),
+          .evaluation = stage.evaluation ? &*stage.evaluation : nullptr,
+          .grid_evaluation = stage.grid_evaluation ? &*stage.grid_evaluation : nullptr,
+          .local_evaluation = stage.local_evaluation ? &*stage.local_evaluation : nullptr};
+}
+
+// The stage that people look for.
+std::size_t MainStage(const std::vector<ScoredStage>& stages) {
+  std::size_t main = stages.size() - 1;
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    if (IsMap(stages[i].kind)) main = i;
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    if (stages[i].kind == "landmark_map") main = i;
+  return main;
+}
+
 // Beside the result, where nothing else is said.
-std::string DefaultOut(const std::string& result_file) {
-  return (std::filesystem::path(result_file).parent_path() / "report.html").string();
+std::string DefaultOut(const std::string& result) {
+  const fs::path folder = fs::is_directory(result) ? fs::path(result) : fs::path(result).parent_path();
+  return (folder / "report.html").string();
 }
 
-// What there is to report on: the kind of the file, or of a folder's files the first of these.
-std::string KindOf(const std::string& result) {
-  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind;
-  std::vector<std::string> kinds;
-  for (const std::string& file : FilesOf(result)) kinds.push_back(Take(ListBlobFile(file)).kind);
-  for (const char* kind : {"networks", "localization", "landmark_map", "grid_map", "local_map"}) {
-    if (std::ranges::find(kinds, kind) != kinds.end()) return kind;
+// Where in its job's chain a result stands.
+std::string StageOf(const Blob& result, const std::string& file) {
+  return result.Has("provenance/stage") ? result.Text("provenance/stage") : fs::path(file).stem().string();
+}
+
+// The number of the line of the job that names the stage: those of a job in their order.
+std::size_t OrderOf(const ScoredStage& stage) {
+  if (!stage.result->Has("provenance/job_yaml")) return 0;
+  return stage.result->Text("provenance/job_yaml").find("- name: \"" + stage.name + "\"");
+}
+
+// The results that a page can show: the file, or all that are right in the folder, those of a job in its
+// order.
+std::vector<ScoredStage> ReadStages(const Options& options, const BlobPtr& log) {
+  const bool folder = fs::is_directory(options.result);
+  std::vector<ScoredStage> stages;
+  std::vector<std::string> found;
+  for (const std::string& file :
+       folder ? FilesOf(options.result) : std::vector{ResultPath(options.result, "")}) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    found.push_back(file + ", a " + kind);
+    if (!datasets::HasReport(kind)) continue;
+    const auto blob = std::make_shared<const Blob>(ReadFile(file, options.changed).blob);
+    const bool takes_log = kind != "networks" && kind != "samples";
+    stages.push_back(
+        {.name = StageOf(*blob, file), .kind = kind, .result = blob, .source = takes_log ? log : nullptr});
+    stages.back().Score();
   }
-  return "landmark_map";
-}
-
-std::string PageOfMap(const std::string& title, const Blob& result, const Options& options) {
-  std::optional<Blob> log;
-  if (!options.log.empty()) log = ReadResult(options.log, "log", options.changed).blob;
-  std::optional<datasets::Evaluation> evaluation;
-  if (log && HasTruth(*log)) evaluation = datasets::Evaluate(result, *log);
-  return datasets::ReportHtml(result, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, {title});
-}
-
-std::string PageOfGrid(const std::string& title, const Blob& map, const Options& options) {
-  std::optional<Blob> log;
-  if (!options.log.empty()) log = ReadResult(options.log, "log", options.changed).blob;
-  std::optional<datasets::GridEvaluation> evaluation;
-  if (log) evaluation = datasets::EvaluateGrid(map, *log);
-  return datasets::GridMapReportHtml(map, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr, title);
-}
-
-std::string PageOfLocal(const std::string& title, const Blob& result, const Options& options) {
-  std::optional<Blob> log;
-  if (!options.log.empty()) log = ReadResult(options.log, "log", options.changed).blob;
-  std::optional<datasets::LocalEvaluation> evaluation;
-  if (log && HasTruth(*log)) evaluation = datasets::EvaluateLocal(result, *log);
-  return datasets::LocalMapReportHtml(result, log ? &*log : nullptr, evaluation ? &*evaluation : nullptr,
-                                      title);
-}
-
-std::string PageOf(const std::string& kind, const std::string& file, const Options& options) {
-  const std::string title = std::filesystem::path(file).stem().string();
-  const Blob result = ReadResult(file, kind, options.changed).blob;
-  if (kind == "networks") return datasets::NetworksReportHtml(result, title);
-  if (kind == "landmark_map") return PageOfMap(title, result, options);
-  if (kind == "grid_map") return PageOfGrid(title, result, options);
-  if (kind == "local_map") return PageOfLocal(title, result, options);
-  std::optional<Blob> samples;
-  if (!options.log.empty()) samples = ReadResult(options.log, "samples", options.changed).blob;
-  return datasets::LocalizationReportHtml(result, samples ? &*samples : nullptr, title);
+  if (stages.empty())
+    throw InputError("there is no result in '" + options.result + "' that has a page" +
+                     (found.empty() ? std::string() : ": there is " + Join(found)));
+  SortByJob(&stages);
+  return stages;
 }
 
 int Report(const Options& options, const Invocation&) {
-  const std::string found = KindOf(options.result);
-  const bool known =
-      found == "networks" || found == "localization" || found == "grid_map" || found == "local_map";
-  const std::string kind = known ? found : "landmark_map";
-  if (kind == "networks" && !options.log.empty()) throw InputError("--log: networks are not made from a log");
-  const std::string file = ResultPath(options.result, kind);
-  const std::string out = options.out.empty() ? DefaultOut(file) : options.out;
+  if (!fs::exists(options.result)) throw InputError("there is no file or folder '" + options.result + "'");
+  const std::string out = options.out.empty() ? DefaultOut(options.result) : options.out;
   RefuseToOverwrite(out, options.force);
-  Check(WriteTextAtomically(out, PageOf(kind, file, options)));
+  BlobPtr log;
+  if (!options.log.empty()) {
+    BlobFile file = ReadFile(options.log, options.changed);
+    if (file.kind != "log" && file.kind != "samples")
+      throw InputError(options.log + ": a " + file.kind + ", where a log or samples are needed");
+    log = std::make_shared<const Blob>(std::move(file.blob));
+  }
+  const std::vector<ScoredStage> stages = ReadStages(options, log);
+  if (log && std::ranges::all_of(stages, [](const ScoredStage& stage) { return stage.source == nullptr; }))
+    throw InputError("--log: networks are not made from a log");
+  Check(WriteTextAtomically(out, PageOf(stages)));
   RememberPage(out);
   std::printf("%s\n", out.c_str());
   return kExitDone;
@@ -94,21 +118,52 @@ int Report(const Options& options, const Invocation&) {
 
 }  // namespace
 
-bool HasTruth(const Blob& log) { return !log.Sub("truth/").fields().empty(); }
+void ScoredStage::Score() {
+  if (!source) return;
+  if (kind == "landmark_map" && HasTruth(*source)) evaluation = datasets::Evaluate(*result, *source);
+  if (kind == "grid_map") grid_evaluation = datasets::EvaluateGrid(*result, *source);
+  if (kind == "local_map" && HasTruePoses(*source))
+    local_evaluation = datasets::EvaluateLocal(*result, *source);
+}
 
-void WriteReport(const std::string& path, const std::string& title, const Blob& result, const Blob* log,
-                 const datasets::Evaluation* evaluation) {
-  datasets::ReportOptions options;
-  options.title = title;
-  Check(WriteTextAtomically(path, datasets::ReportHtml(result, log, evaluation, options)));
+void SortByJob(std::vector<ScoredStage>* stages) { std::ranges::stable_sort(*stages, {}, OrderOf); }
+
+std::string PageOf(const std::vector<ScoredStage>& stages) {
+  std::vector<datasets::ReportedStage> reported;
+  for (const ScoredStage& stage : stages) {
+    if (datasets::HasReport(stage.kind)) reported.push_back(Reported(stage));
+  }
+  return reported.empty() ? "" : datasets::JobReportHtml(reported);
+}
+
+WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& stages) {
+  WrittenPages written;
+  fs::create_directories(dir);
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const ScoredStage& stage = stages[i];
+    written.pictures.emplace_back();
+    if (!datasets::HasReport(stage.kind)) continue;
+    const fs::path folder = i == MainStage(stages) ? dir : dir / stage.name;
+    fs::create_directories(folder);
+    written.pictures.back() = (folder / (IsMap(stage.kind) ? "map.png" : "picture.png")).string();
+    Check(WriteTextAtomically(written.pictures.back(), datasets::StagePicturePng(Reported(stage))));
+  }
+  const std::string page = PageOf(stages);
+  if (page.empty()) return written;
+  written.report = (dir / "report.html").string();
+  Check(WriteTextAtomically(written.report, page));
+  return written;
 }
 
 void AddReport(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options =
-      AddCommand<Options>(app, call, "report", "One self-contained HTML page about a result",
+      AddCommand<Options>(app, call, "report", "One self-contained HTML page about a job's results",
                           "cairn report result --log log.h5 --out page.html", Report, &command);
-  command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
+  command
+      ->add_option("RESULT", options->result,
+                   "A result file, or the folder given as --out: all that is in it")
+      ->required();
   command->add_option("--log", options->log,
                       "The log that it was made from: adds raw odometry, and truth; of a "
                       "localization the samples: adds errors; of a grid_map adds scores");

@@ -1,18 +1,48 @@
-// The page and the picture of a landmark map.
+// What people look at: a page of a job, and a picture of each of its stages.
 #pragma once
 
+#include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "datasets/evaluate/evaluate.h"
+#include "datasets/evaluate/evaluate_grid.h"
+#include "datasets/evaluate/evaluate_local.h"
 #include "schema/blob.h"
 
 namespace cairn::cli {
 
-// True where a log has ground truth to score against.
-bool HasTruth(const Blob& log);
+// A stage's result with what it was made from, and its score.
+struct ScoredStage {
+  std::string name, kind;
+  BlobPtr result, source = nullptr;  // the log or the samples; may be null
 
-// Replaces `path` by the page. `log` and `evaluation` may be null; the page shows truth where both are there.
-void WriteReport(const std::string& path, const std::string& title, const Blob& result, const Blob* log,
-                 const datasets::Evaluation* evaluation);
+  // Fills in what follows, where the source holds what it takes. Throws InputError where it is not the
+  // result's.
+  void Score();
+
+  std::optional<datasets::Evaluation> evaluation = {};
+  std::optional<datasets::GridEvaluation> grid_evaluation = {};
+  std::optional<datasets::LocalEvaluation> local_evaluation = {};
+};
+
+// In the order of their job, as their provenance tells it.
+void SortByJob(std::vector<ScoredStage>* stages);
+
+// Where the pages of a job's stages went.
+struct WrittenPages {
+  std::string report;                 // empty: none of the stages has a page
+  std::vector<std::string> pictures;  // of each stage; empty where it has none
+};
+
+// Writes DIR/report.html of all stages, and a picture of each: map.png of a map, picture.png of anything
+// else. That of the stage that people look for (the last landmark_map, else the last map, else the last
+// stage) goes into `dir`, those of others into DIR/STAGE/.
+WrittenPages WritePages(const std::filesystem::path& dir, const std::vector<ScoredStage>& stages);
+
+// The page alone.
+std::string PageOf(const std::vector<ScoredStage>& stages);
 
 }  // namespace cairn::cli

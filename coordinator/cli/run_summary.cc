@@ -1,61 +1,69 @@
 #include "coordinator/cli/run_summary.h"
 
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/cli/failure.h"
 #include "coordinator/cli/report.h"
 #include "datasets/confidence.h"
-#include "datasets/report/draw_map.h"
-#include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 namespace {
 
-namespace fs = std::filesystem;
+// What the stages of a job are made from: its inputs, read once each and with their truth, and earlier
+// results.
+class Sources {
+ public:
+  explicit Sources(const ParsedJob& parsed) : parsed_(parsed) {}
 
-// The log that a stage was given, with its truth; none where the stage's log is no input of the job.
-std::optional<Blob> LogOf(const ParsedJob& parsed, const proto::Stage& stage) {
-  const auto source = stage.inputs().find("log");
-  if (source == stage.inputs().end()) return std::nullopt;
-  const auto input = parsed.inputs.find(source->second);
-  if (input == parsed.inputs.end()) return std::nullopt;
-  return Take(ReadBlobFile(input->second.path, {.only = {}, .without = {}, .changed_too = true})).blob;
-}
+  void Add(const std::string& stage, const BlobPtr& result) { known_[stage] = result; }
 
-void Count(const Blob& map, StageSummary& summary) {
+  // The stage's log or samples.
+  BlobPtr Of(const proto::Stage& stage) {
+    for (const char* name : {"log", "samples"}) {
+      const auto source = stage.inputs().find(name);
+      if (source != stage.inputs().end()) return Named(source->second);
+    }
+    return nullptr;
+  }
+
+ private:
+  BlobPtr Named(const std::string& name) {
+    BlobPtr& blob = known_[name];
+    const auto input = parsed_.inputs.find(name);
+    if (!blob && input != parsed_.inputs.end())
+      blob = std::make_shared<const Blob>(
+          Take(ReadBlobFile(input->second.path, {.only = {}, .without = {}, .changed_too = true})).blob);
+    return blob;
+  }
+
+  const ParsedJob& parsed_;
+  std::map<std::string, BlobPtr> known_;
+};
+
+StageSummary Summary(const ScoredStage& stage, const std::string& file, const std::string& picture) {
+  StageSummary summary{.stage = stage.name, .kind = stage.kind, .result = file, .picture = picture};
+  if (stage.kind != "landmark_map") return summary;
+  const Blob& map = *stage.result;
   summary.landmarks = map.at("map/landmark_x_m").size();
   const auto likelihood = map.Get<double>("history/log_likelihood");
   summary.iterations = static_cast<std::int64_t>(likelihood.size());
   if (!likelihood.empty()) summary.log_likelihood = likelihood.back();
-}
-
-StageSummary SummarizeStage(const ParsedJob& parsed, const proto::Stage& stage, const std::string& file,
-                            const Blob& map, const fs::path& dir) {
-  StageSummary summary;
-  summary.stage = stage.name();
-  summary.map = file;
-  summary.picture = (dir / "map.png").string();
-  summary.report = (dir / "report.html").string();
-  Count(map, summary);
   summary.confidence = datasets::ConfidenceText(map);
   if (datasets::RefinementRefused(map)) summary.refinement_refused = datasets::NotRefined(map);
-  const std::optional<Blob> log = LogOf(parsed, stage);
-  if (log && HasTruth(*log)) summary.evaluation = datasets::Evaluate(map, *log);
-  const Blob* log_or_null = log ? &*log : nullptr;
-  const datasets::Evaluation* evaluation = summary.evaluation ? &*summary.evaluation : nullptr;
-  fs::create_directories(dir);
-  Check(WriteTextAtomically(summary.picture, datasets::DrawMapPng(map, log_or_null, evaluation)));
-  WriteReport(summary.report, parsed.job.name(), map, log_or_null, evaluation);
+  summary.evaluation = stage.evaluation;
   return summary;
 }
 
-nlohmann::ordered_json ToJson(const StageSummary& stage) {
-  nlohmann::ordered_json json = {{"stage", stage.stage},         {"map", stage.map},
-                                 {"picture", stage.picture},     {"report", stage.report},
-                                 {"landmarks", stage.landmarks}, {"iterations", stage.iterations}};
+nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& report) {
+  nlohmann::ordered_json json = {{"stage", stage.stage}, {"kind", stage.kind}, {"result", stage.result}};
+  if (!stage.picture.empty()) json["picture"] = stage.picture;
+  if (stage.kind != "landmark_map") return json;
+  json["map"] = stage.result;
+  json["report"] = report;
+  json["landmarks"] = stage.landmarks;
+  json["iterations"] = stage.iterations;
   json["confidence"] = stage.confidence;
   if (!stage.refinement_refused.empty()) json["refinement"] = stage.refinement_refused;
   json["log_likelihood"] = nullptr;
@@ -67,18 +75,24 @@ nlohmann::ordered_json ToJson(const StageSummary& stage) {
   return json;
 }
 
-std::string ToText(const StageSummary& stage) {
-  std::string text =
-      "map       " + stage.map + "\npicture   " + stage.picture + "\nreport    " + stage.report + "\n";
+// Of a landmark map: what was found, how sure it is, how good it is.
+std::string FoundText(const StageSummary& stage) {
   char line[160];
   std::snprintf(line, sizeof line, "found     %lld landmark%s in %lld iteration%s, log-likelihood %.1f\n",
                 static_cast<long long>(stage.landmarks), stage.landmarks == 1 ? "" : "s",
                 static_cast<long long>(stage.iterations), stage.iterations == 1 ? "" : "s",
                 stage.log_likelihood.value_or(0));
-  text += line + ("confidence " + stage.confidence) + "\n";
+  std::string text = line + ("confidence " + stage.confidence) + "\n";
   if (!stage.refinement_refused.empty()) text += "refinement " + stage.refinement_refused + "\n";
   if (stage.evaluation)
     text += "\nagainst the log's ground truth:\n" + datasets::EvaluationText(*stage.evaluation);
+  return text;
+}
+
+std::string ResultLines(const StageSummary& stage) {
+  const bool map = stage.kind == "landmark_map" || stage.kind == "grid_map" || stage.kind == "local_map";
+  std::string text = (map ? "map       " : "result    ") + stage.result + "\n";
+  if (!stage.picture.empty()) text += "picture   " + stage.picture + "\n";
   return text;
 }
 
@@ -87,34 +101,47 @@ std::string ToText(const StageSummary& stage) {
 RunSummary Summarize(const ParsedJob& parsed, const std::string& dir,
                      const std::map<std::string, std::string>& results) {
   RunSummary summary;
-  std::string last;  // the last landmark map is what people look for
+  Sources sources(parsed);
+  std::vector<ScoredStage> stages;
   for (const proto::Stage& stage : parsed.job.stages()) {
-    if (Take(ListBlobFile(results.at(stage.name()))).kind == "landmark_map") last = stage.name();
-  }
-  for (const proto::Stage& stage : parsed.job.stages()) {
-    const std::string& file = results.at(stage.name());
-    const BlobFile result = Take(ReadBlobFile(file));
-    if (result.kind != "landmark_map") {
-      summary.other_results[stage.name()] = file;
-      continue;
+    BlobFile result = Take(ReadBlobFile(results.at(stage.name())));
+    const auto blob = std::make_shared<const Blob>(std::move(result.blob));
+    stages.push_back(
+        {.name = stage.name(), .kind = result.kind, .result = blob, .source = sources.Of(stage)});
+    sources.Add(stage.name(), blob);
+    try {
+      stages.back().Score();
+    } catch (const InputError& error) {  // the run is done all the same
+      summary.unscored[stage.name()] = error.what();
     }
-    const fs::path folder = stage.name() == last ? fs::path(dir) : fs::path(dir) / stage.name();
-    summary.stages.push_back(SummarizeStage(parsed, stage, file, result.blob, folder));
   }
+  const WrittenPages written = WritePages(dir, stages);
+  summary.report = written.report;
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    summary.stages.push_back(Summary(stages[i], results.at(stages[i].name), written.pictures[i]));
   return summary;
 }
 
 std::string RunSummary::Text() const {
   std::string text = note.empty() ? "" : note + "\n";
-  for (const auto& [stage, file] : other_results) text += "result    " + file + "\n";
-  for (const StageSummary& stage : stages) text += ToText(stage);
+  for (const StageSummary& stage : stages) text += ResultLines(stage);
+  if (!report.empty()) text += "report    " + report + "\n";
+  for (const auto& [stage, why] : unscored) text += "not scored: " + stage + ": " + why + "\n";
+  std::size_t maps = 0;
+  for (const StageSummary& stage : stages) maps += stage.kind == "landmark_map" ? 1 : 0;
+  for (const StageSummary& stage : stages) {
+    if (stage.kind != "landmark_map") continue;
+    if (maps > 1) text += "\n" + stage.stage + "\n";
+    text += FoundText(stage);
+  }
   return text;
 }
 
 std::string RunSummary::Json() const {
-  nlohmann::ordered_json json = {{"note", note}, {"stages", nlohmann::ordered_json::array()}};
-  for (const StageSummary& stage : stages) json["stages"].push_back(ToJson(stage));
-  for (const auto& [stage, file] : other_results) json["other_results"][stage] = file;
+  nlohmann::ordered_json json = {
+      {"note", note}, {"report", report}, {"stages", nlohmann::ordered_json::array()}};
+  for (const StageSummary& stage : stages) json["stages"].push_back(ToJson(stage, report));
+  if (!unscored.empty()) json["unscored"] = unscored;
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -9,18 +9,6 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr std::int64_t kMostPixels = 3000;
-constexpr Rgb kForFree{31, 111, 181}, kForOccupied{179, 38, 30};
-
-Rgb OfProbability(double p) { return std::isnan(p) ? kUnknown : Mix(kPaper, kBlack, p); }
-
-Rgb OfDifference(double nats) {
-  if (!(std::abs(nats) >= kSaysNothingNats)) return kUnknown;
-  // By the root: a nat shows beside ten.
-  const double share = std::sqrt(std::min(std::abs(nats) / kFullColourNats, 1.0));
-  return Mix(kPaper, nats > 0 ? kForOccupied : kForFree, share);
-}
-
 void Append(Rgb colour, std::vector<std::uint8_t>* rgb) {
   for (const int channel : colour) rgb->push_back(static_cast<std::uint8_t>(channel));
 }
@@ -76,6 +64,13 @@ Rgb DarkestOf(const CellPicture& picture, std::int64_t first_column, std::int64_
 
 }  // namespace
 
+Rgb OfDifference(double nats) {
+  if (!(std::abs(nats) >= kSaysNothingNats)) return kSaysNothing;
+  // By the root: a nat shows beside ten.
+  const double share = std::sqrt(std::min(std::abs(nats) / kFullColourNats, 1.0));
+  return Mix(kSaysNothing, nats > 0 ? kForOccupied : kForFree, share);
+}
+
 std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer) {
   if (layer == MapLayer::kProbability) return OfProbabilities(ReadOccupancy(grid_map));
   if (layer == MapLayer::kDifference) return OfDifferences(grid_map);
@@ -84,16 +79,29 @@ std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer) {
   return OfProbabilities(ReadMostLikely(grid_map));
 }
 
-std::string CellsPng(const CellPicture& picture) {
+CellPicture InBlocks(const CellPicture& picture, std::int64_t most) {
   const CellBox& box = picture.box;
-  const std::int64_t block = (std::max(box.columns, box.rows) + kMostPixels - 1) / kMostPixels;
-  const std::int64_t width = (box.columns + block - 1) / block, height = (box.rows + block - 1) / block;
-  std::vector<std::uint8_t> pixels;
-  for (std::int64_t row = height - 1; row >= 0; --row) {
-    for (std::int64_t column = 0; column < width; ++column)
-      Append(DarkestOf(picture, column * block, row * block, block), &pixels);
+  const std::int64_t block = (std::max(box.columns, box.rows) + most - 1) / most;
+  if (block <= 1) return picture;
+  CellPicture blocks{{box.origin_x_m, box.origin_y_m, box.cell_m * static_cast<double>(block),
+                      (box.columns + block - 1) / block, (box.rows + block - 1) / block},
+                     {}};
+  for (std::int64_t row = 0; row < blocks.box.rows; ++row) {
+    for (std::int64_t column = 0; column < blocks.box.columns; ++column)
+      Append(DarkestOf(picture, column * block, row * block, block), &blocks.rgb);
   }
-  return EncodePng(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), pixels);
+  return blocks;
+}
+
+std::string CellsPng(const CellPicture& picture, std::int64_t most) {
+  const CellPicture blocks = InBlocks(picture, most);
+  std::vector<std::uint8_t> pixels;
+  for (std::int64_t row = blocks.box.rows - 1; row >= 0; --row) {
+    for (std::int64_t column = 0; column < blocks.box.columns; ++column)
+      Append(blocks.At(column, row), &pixels);
+  }
+  return EncodePng(static_cast<std::uint32_t>(blocks.box.columns),
+                   static_cast<std::uint32_t>(blocks.box.rows), pixels);
 }
 
 }  // namespace cairn::datasets::report

@@ -13,7 +13,7 @@
 namespace cairn::datasets::report {
 
 enum class MapLayer {
-  kProbability,  // white: free, black: occupied, grey: nothing is known
+  kProbability,  // white: free, black: occupied, bluish: nothing is known (palette.h)
   kMostLikely,   // the same of the most likely map
   kDifference,   // blue: the data speak for free, red: for occupied, grey: for neither
   kDynamic,      // over the first, paler: blue where somebody passed, red where an obstacle came and went
@@ -32,10 +32,18 @@ struct CellPicture {
 // Differences beyond it have a full colour.
 inline constexpr double kFullColourNats = 10;
 
+inline constexpr Rgb kForFree{31, 111, 181}, kForOccupied{179, 38, 30}, kSaysNothing{208, 208, 208};
+
+// The colour of a difference of log-likelihoods.
+Rgb OfDifference(double nats);
+
 // None where the map has no such layer. Throws InputError where its arrays do not fit each other.
 std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer);
 
-// The bytes of a PNG, a pixel a cell; of a larger map than 3000 cells a pixel for a block, the darkest of it.
-std::string CellsPng(const CellPicture& picture);
+// Of a map of more cells than `most` along an edge, a cell for each block: the darkest of it.
+CellPicture InBlocks(const CellPicture& picture, std::int64_t most);
+
+// The bytes of a PNG, a pixel a cell; of a larger map a pixel a block, as above.
+std::string CellsPng(const CellPicture& picture, std::int64_t most = 3000);
 
 }  // namespace cairn::datasets::report

@@ -9,8 +9,9 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kWidth = 1040;
-constexpr double kLikelihoodTop = 24, kLikelihoodHeight = 230;
+constexpr double kLeft = 86, kRight = 10, kTop = 24, kBottom = 40;
+constexpr double kNarrowest = 600;  // on which two panels stand side by side
+constexpr double kLikelihoodHeight = 230;
 
 std::string TickLabel(double value, double step) {
   const int digits = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 6);
@@ -63,8 +64,8 @@ class LikelihoodCanvas {
     svg_.Rect(p.left, p.top, p.width, p.height, "frame");
     svg_.Text(p.left, p.top - 6, title, "heading");
     svg_.Text(p.left + p.width / 2, p.top + p.height + 34, "iteration", "axis middle");
-    if (first == 0) svg_.VerticalText(16, p.top + p.height / 2, "log-likelihood [nat]", "axis middle");
-    for (std::size_t i = std::max<std::size_t>(first, 1) + 1; i < end; ++i) {
+    if (p.left <= kLeft) svg_.VerticalText(16, p.top + p.height / 2, "log-likelihood [nat]", "axis middle");
+    for (std::size_t i = first + 1; i < end; ++i) {
       if (!SameData(iterations_[i - 1], iterations_[i])) continue;
       const auto at = static_cast<double>(i);
       svg_.Line(x(at - 1), y(values[i - 1 - first]), x(at), y(values[i - first]), "curve");
@@ -77,7 +78,7 @@ class LikelihoodCanvas {
  private:
   void Point(double x, double y, std::size_t i) {
     const Iteration& it = iterations_[i];
-    const bool part = i == 0 || it.prefix < 1 || it.robots < robots_;
+    const bool part = it.prefix < 1 || it.robots < robots_;
     svg_.Circle(x, y, 3.6, part ? "point part" : "point",
                 "iteration " + std::to_string(i) + ": " + Short(it.log_likelihood, 3) + " on " +
                     Short(100 * it.prefix, 1) + "% of the data of " + Count(it.robots, "robot"));
@@ -90,32 +91,42 @@ class LikelihoodCanvas {
 
 }  // namespace
 
-std::string LikelihoodFigure(const std::vector<Iteration>& iterations) {
+std::string LikelihoodFigure(const std::vector<Iteration>& iterations, double width) {
+  constexpr std::size_t kFirst = 1;
   std::int64_t robots = 0;
   bool any = false;
-  for (const Iteration& it : iterations) {
-    robots = std::max(robots, it.robots);
-    any = any || std::isfinite(it.log_likelihood);
+  for (std::size_t i = kFirst; i < iterations.size(); ++i) {
+    robots = std::max(robots, iterations[i].robots);
+    any = any || std::isfinite(iterations[i].log_likelihood);
   }
   if (!any) return {};
   // The iterations over all data, at the end, have an axis of their own: the others' values do not compare.
-  std::size_t split = iterations.size();
-  while (split > 1 && iterations[split - 1].prefix >= 1 && iterations[split - 1].robots == robots) --split;
-  Svg svg(kWidth, kLikelihoodTop + kLikelihoodHeight + 40, "Log-likelihood by iteration");
+  const std::size_t end = iterations.size();
+  std::size_t split = end;
+  while (split > kFirst && iterations[split - 1].prefix >= 1 && iterations[split - 1].robots == robots)
+    --split;
+  const bool both = split > kFirst && split < end, stacked = both && width < kNarrowest;
+  constexpr double kPitch = kTop + kLikelihoodHeight + kBottom;
+  Svg svg(width, stacked ? 2 * kPitch : kPitch, "Log-likelihood by iteration");
   LikelihoodCanvas canvas(svg, iterations, robots);
-  if (split <= 1 || split == iterations.size()) {
-    canvas.Draw({86, kLikelihoodTop, kWidth - 96, kLikelihoodHeight}, 0, iterations.size(), "");
+  const double space = width - kLeft - kRight;
+  if (!both) {
+    canvas.Draw({kLeft, kTop, space, kLikelihoodHeight}, kFirst, end,
+                split < end ? "all data" : "part of the data");
+  } else if (stacked) {
+    canvas.Draw({kLeft, kTop, space, kLikelihoodHeight}, kFirst, split, "part of the data");
+    canvas.Draw({kLeft, kPitch + kTop, space, kLikelihoodHeight}, split, end, "all data");
   } else {
-    const double share = static_cast<double>(split) / static_cast<double>(iterations.size());
-    const double space = kWidth - 96 - 86, left = std::clamp(share, 0.25, 0.75) * space;
-    canvas.Draw({86, kLikelihoodTop, left, kLikelihoodHeight}, 0, split, "part of the data");
-    canvas.Draw({86 + left + 86, kLikelihoodTop, space - left, kLikelihoodHeight}, split, iterations.size(),
+    const double share = static_cast<double>(split - kFirst) / static_cast<double>(end - kFirst);
+    const double left = std::clamp(share, 0.25, 0.75) * (space - kLeft);
+    canvas.Draw({kLeft, kTop, left, kLikelihoodHeight}, kFirst, split, "part of the data");
+    canvas.Draw({kLeft + left + kLeft, kTop, space - kLeft - left, kLikelihoodHeight}, split, end,
                 "all data");
   }
   return svg.Finish();
 }
 
-std::string RoundsFigure(const std::vector<RoundTime>& rounds) {
+std::string RoundsFigure(const std::vector<RoundTime>& rounds, double width) {
   const auto seconds_each = [](const RoundTime& round) {
     return round.seconds / static_cast<double>(std::max<std::int64_t>(1, round.rounds));
   };
@@ -125,8 +136,8 @@ std::string RoundsFigure(const std::vector<RoundTime>& rounds) {
     count += static_cast<double>(round.rounds);
   }
   if (longest <= 0) return {};
-  const Panel p{86, 10, kWidth - 96, 180};
-  Svg svg(kWidth, p.top + p.height + 40, "Wall time of each round");
+  const Panel p{kLeft, 10, width - kLeft - kRight, 180};
+  Svg svg(width, p.top + p.height + kBottom, "Wall time of each round");
   const double pitch = p.width / count;
   const double gap = pitch > 4 ? std::min(4.0, 0.2 * pitch) : 0;
   svg.Rect(p.left, p.top, p.width, p.height, "panel");
@@ -147,7 +158,7 @@ std::string RoundsFigure(const std::vector<RoundTime>& rounds) {
                  Count(round.tasks, "task") + ", " + Duration(round.compute_seconds) + " of computing");
     at += round.rounds;
   }
-  for (const double tick : Ticks(0, count - 1, static_cast<int>(std::clamp(count - 1, 1.0, 16.0)))) {
+  for (const double tick : Ticks(0, count - 1, static_cast<int>(std::clamp(count - 1, 1.0, p.width / 60)))) {
     svg.Text(p.left + pitch * (tick + 0.5), p.top + p.height + 15, Short(tick), "tick middle");
   }
   svg.Rect(p.left, p.top, p.width, p.height, "frame");

@@ -1,6 +1,9 @@
 #include "datasets/report/facts.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <sstream>
 
 #include "datasets/confidence.h"
 #include "datasets/report/format.h"
@@ -33,9 +36,42 @@ LogFacts FactsOf(const Blob& log, std::size_t r) {
   return facts;
 }
 
-std::string LegendItem(const std::string& drawing, const std::string& what) {
-  return "<li><svg viewBox=\"0 0 26 14\" aria-hidden=\"true\">" + drawing + "</svg>" + Escape(what) +
-         "</li>\n";
+// What stands in double quotes from `at` on, as a job's YAML has it.
+std::string Unquoted(std::string_view line, std::size_t at) {
+  std::string text;
+  for (++at; at < line.size() && line[at] != '"'; ++at) {
+    if (line[at] == '\\' && at + 1 < line.size()) ++at;
+    text += line[at];
+  }
+  return text;
+}
+
+// A file's name without its folder and its ending.
+std::string StemOf(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/'), begin = slash == std::string::npos ? 0 : slash + 1;
+  const std::size_t dot = path.find_last_of('.');
+  return path.substr(begin, dot == std::string::npos || dot <= begin ? std::string::npos : dot - begin);
+}
+
+// The job's name, and its input files by name.
+struct JobNames {
+  std::string name;
+  std::map<std::string, std::string> inputs;
+};
+
+// Of the YAML that the coordinator writes: `name: "…"` and, under `inputs:`, lines of `  log: "…"`.
+JobNames NamesIn(const std::string& yaml) {
+  JobNames names;
+  bool inputs = false;
+  std::istringstream lines(yaml);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t colon = line.find(':'), quote = line.find('"');
+    if (!line.starts_with(' ')) inputs = line.starts_with("inputs:");
+    if (colon == std::string::npos || quote == std::string::npos || quote < colon) continue;
+    if (line.starts_with("name:")) names.name = Unquoted(line, quote);
+    if (inputs && line.starts_with("  ")) names.inputs[line.substr(2, colon - 2)] = Unquoted(line, quote);
+  }
+  return names;
 }
 
 }  // namespace
@@ -92,32 +128,65 @@ std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {
   return "<div class=\"tiles\">\n" + tiles + "</div>\n";
 }
 
+std::string ConfidenceHtml(const Blob& result) {
+  return "<p class=\"confidence\">Confidence: <b>" + Escape(ConfidenceText(result)) + "</b>.</p>\n";
+}
+
+std::string TitleOf(const Blob& result) {
+  if (!result.Has("provenance/job_yaml") || result.at("provenance/job_yaml").type() != DType::kText)
+    return {};
+  const JobNames names = NamesIn(result.Text("provenance/job_yaml"));
+  // The log, or what else it is of; networks and tables of errors that a job reads beside it are none of
+  // these.
+  std::string of;
+  for (const char* input : {"log", "samples"}) {
+    const auto found = names.inputs.find(input);
+    if (found != names.inputs.end() && of.empty()) of = StemOf(found->second);
+  }
+  if (of.empty() && names.inputs.size() == 1) of = StemOf(names.inputs.begin()->second);
+  constexpr std::size_t kMostNamed = 3;
+  if (of.empty() && names.inputs.size() <= kMostNamed) {
+    for (const auto& [name, path] : names.inputs) of += (of.empty() ? "" : ", ") + StemOf(path);
+  }
+  if (of.empty() || of == names.name) return names.name;
+  return names.name.empty() ? of : of + ": " + names.name;
+}
+
 std::string LegendHtml(const Scene& scene) {
-  std::string items;
-  for (const Path& path : scene.paths) {
-    const std::string robot = " r" + std::to_string(path.index % kRobotColours) + "\"";
-    items += LegendItem("<line class=\"path" + robot + " x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>",
-                        RobotTitle(path.robot));
+  std::vector<LegendEntry> entries;
+  const auto line = [](const std::string& style_class) {
+    return "<line class=\"" + style_class + "\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>";
+  };
+  const auto dot = [](const std::string& style_class, const char* radius) {
+    return "<circle class=\"" + style_class + "\" cx=\"13\" cy=\"7\" r=\"" + radius + "\"/>";
+  };
+  for (const Path& path : scene.paths)
+    entries.push_back({line("path r" + std::to_string(path.index % kRobotColours)), RobotTitle(path.robot)});
+  if (!scene.paths.empty()) entries.push_back({dot("start", "5"), "start"});
+  if (!scene.odometry_below.empty()) entries.push_back({line("raw-path"), "odometry alone"});
+  if (!scene.landmarks.empty()) {
+    entries.push_back(
+        {"<ellipse class=\"ellipse\" cx=\"13\" cy=\"7\" rx=\"11\" ry=\"6\"/>" + dot("landmark", "3.2"),
+         "landmark and its 95% region"});
   }
-  items += LegendItem("<circle class=\"start\" cx=\"13\" cy=\"7\" r=\"5\"/>", "start");
-  items += LegendItem(
-      "<ellipse class=\"ellipse\" cx=\"13\" cy=\"7\" rx=\"11\" ry=\"6\"/><circle class=\"landmark\" "
-      "cx=\"13\" cy=\"7\" r=\"3.2\"/>",
-      "landmark and its 95% region");
-  if (!scene.truth_landmarks.empty()) {
-    items += LegendItem("<circle class=\"truth-landmark\" cx=\"13\" cy=\"7\" r=\"5.6\"/>", "true landmark");
-    items += LegendItem("<line class=\"miss\" x1=\"2\" y1=\"7\" x2=\"24\" y2=\"7\"/>", "error");
-  }
+  if (!scene.edges.empty())
+    entries.push_back(
+        {"<path class=\"edge\" d=\"M5 7h0M11 7h0M17 7h0M22 7h0\"/>", "edge that traces found occupied"});
+  if (std::ranges::any_of(scene.loops, [](const Scene::Loop& l) { return l.used; }))
+    entries.push_back({dot("loop", "2.4"), "loop that the path follows"});
+  if (std::ranges::any_of(scene.loops, [](const Scene::Loop& l) { return !l.used; }))
+    entries.push_back({line("miss"), "loop that others contradict"});
+  if (!scene.truth_walls.empty()) entries.push_back({line("wall"), "true wall"});
+  if (!scene.truth_landmarks.empty()) entries.push_back({dot("truth-landmark", "5.6"), "true landmark"});
+  if (!scene.error_lines.empty()) entries.push_back({line("miss"), "error"});
   if (!scene.truth_paths.empty()) {
-    items += LegendItem("<line class=\"truth-path\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>", "true path");
+    const bool gaps =
+        std::ranges::any_of(scene.truth_paths, [](const Path& path) { return !path.breaks.empty(); });
+    entries.push_back({line("truth-path"), gaps ? "true path, where it is known" : "true path"});
   }
-  for (const MapLandmark& landmark : scene.landmarks) {
-    if (!landmark.spurious) continue;
-    items +=
-        LegendItem("<circle class=\"landmark spurious\" cx=\"13\" cy=\"7\" r=\"3.2\"/>", "spurious landmark");
-    break;
-  }
-  return "<ul class=\"legend\">\n" + items + "</ul>\n";
+  if (std::ranges::any_of(scene.landmarks, [](const MapLandmark& landmark) { return landmark.spurious; }))
+    entries.push_back({dot("landmark spurious", "3.2"), "spurious landmark"});
+  return LegendHtml(entries);
 }
 
 std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluation* evaluation) {
@@ -148,6 +217,7 @@ std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluatio
 
 std::string LandmarksTableHtml(const Scene& scene) {
   const bool scored = !scene.truth_landmarks.empty();
+  constexpr std::size_t kMostUnfolded = 30;
   std::vector<std::string> head = {"landmark", "x", "y", "95% within", "observations"};
   if (scored) head.emplace_back("error");
   std::string rows = RowHtml(head, "th");
@@ -158,7 +228,10 @@ std::string LandmarksTableHtml(const Scene& scene) {
     if (scored) cells.push_back(landmark.spurious ? "spurious" : Metres(landmark.error_m));
     rows += RowHtml(cells);
   }
-  return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+  const std::string table = "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+  if (scene.landmarks.size() <= kMostUnfolded) return table;
+  return "<details><summary>All " + Grouped(static_cast<double>(scene.landmarks.size())) + "</summary>\n" +
+         table + "</details>\n";
 }
 
 std::vector<Iteration> Iterations(const Blob& result) {

@@ -17,6 +17,12 @@ std::string LeadHtml(const Blob& result, const Blob* log);
 // The key numbers, as tiles.
 std::string TilesHtml(const Blob& result, const Evaluation* evaluation);
 
+// How sure the map is, in the words of the run's summary.
+std::string ConfidenceHtml(const Blob& result);
+
+// Which log, which job: "museum: landmark_map", from the provenance. Empty where that does not tell.
+std::string TitleOf(const Blob& result);
+
 // What the map's colours and marks mean.
 std::string LegendHtml(const Scene& scene);
 

@@ -1,4 +1,4 @@
-// The pictures of the report, as inline SVG.
+// The pictures of the report, as inline SVG of a width in pixels.
 #pragma once
 
 #include <string>
@@ -10,14 +10,16 @@ namespace cairn::datasets::report {
 
 inline constexpr std::size_t kRobotColours = 8;  // robots beyond them begin again
 
-// The map: paths, landmarks with their 95% regions, and truth where the scene has it.
-std::string MapFigure(const Scene& scene);
+// The map: paths, landmarks with their 95% regions, walls, and truth where the scene has it. Names are where
+// they cover neither each other nor a landmark.
+std::string MapFigure(const Scene& scene, double width);
 
-// Dead reckoning and the corrected paths side by side at one scale; empty where the scene has no odometry.
-std::string BeforeAfterFigure(const Scene& scene);
+// Dead reckoning and the corrected paths side by side (on a narrow page one above the other) at one scale;
+// empty where the scene has no odometry.
+std::string BeforeAfterFigure(const Scene& scene, double width);
 
 // P(landmark) of each cell; empty where the scene has no grid.
-std::string GridFigure(const Scene& scene);
+std::string GridFigure(const Scene& scene, double width);
 
 // One iteration of the expectation maximisation.
 struct Iteration {
@@ -25,9 +27,9 @@ struct Iteration {
   double prefix = 1;        // fraction of the data that it used
   std::int64_t robots = 1;  // that took part
 };
-// Log-likelihood by iteration. A line joins those of the same data; what is not of all data is hollow, and so
-// is the first one, which had no map. Empty without a finite value.
-std::string LikelihoodFigure(const std::vector<Iteration>& iterations);
+// Log-likelihood by iteration, from the second on: the first had no map, its figure is of nothing. A line
+// joins those of the same data; what is not of all data is hollow. Empty without a finite value.
+std::string LikelihoodFigure(const std::vector<Iteration>& iterations, double width);
 
 struct RoundTime {
   std::string note;
@@ -37,6 +39,6 @@ struct RoundTime {
   std::int64_t rounds = 1;  // one after the other, that this is of
 };
 // A bar for each, as high as a round took, as wide as there are rounds; empty without any.
-std::string RoundsFigure(const std::vector<RoundTime>& rounds);
+std::string RoundsFigure(const std::vector<RoundTime>& rounds, double width);
 
 }  // namespace cairn::datasets::report

@@ -2,97 +2,109 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include "datasets/evaluate/similarity.h"
-#include "datasets/report/axes.h"
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/facts.h"
 #include "datasets/report/format.h"
 #include "datasets/report/line_chart.h"
+#include "datasets/report/map_canvas.h"
+#include "datasets/report/palette.h"
 #include "datasets/report/parts.h"
-#include "datasets/report/svg.h"
 
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kWidth = 1040, kLeft = 46, kRight = 10, kTop = 10, kBottom = 40;
-
-// Where each robot was when it scanned: of its sensor of most scans.
-std::map<std::string, std::vector<PointM>> WaysOf(const Blob& map) {
-  std::map<std::string, std::vector<PointM>> ways;
-  for (const auto& [name, array] : map.fields()) {
-    constexpr std::string_view kLast = "held_out";
-    if (!name.starts_with("robot/") || !name.ends_with(kLast)) continue;
-    const std::string sensor = name.substr(0, name.size() - kLast.size());
-    const auto x = map.Get<double>(sensor + "x_m"), y = map.Get<double>(sensor + "y_m");
-    if (x.size() != y.size()) throw InputError("'" + sensor + "': columns of different length");
-    std::vector<PointM>& way = ways[sensor.substr(0, sensor.find('/', std::string("robot/").size()))];
-    if (x.size() <= way.size()) continue;
-    way.clear();
-    for (std::size_t i = 0; i < x.size(); ++i) way.push_back({x[i], y[i]});
-  }
-  return ways;
-}
-
-std::vector<Wall> TrueWalls(const Blob* log, const GridEvaluation* evaluation) {
-  if (log == nullptr || evaluation == nullptr || !log->Has("truth/walls/x_m")) return {};
-  return ReadSegments(*log, "truth/walls/", evaluation->to_map);
-}
+// More cells than a phone has pixels for are drawn as blocks.
+constexpr std::int64_t kMostCells = 3000, kMostCellsNarrow = 1000;
 
 Box BoxOf(const CellBox& cells) {
   return {cells.origin_x_m, cells.origin_x_m + static_cast<double>(cells.columns) * cells.cell_m,
           cells.origin_y_m, cells.origin_y_m + static_cast<double>(cells.rows) * cells.cell_m};
 }
 
-void DrawAxes(const MapFrame& frame, Svg* svg) {
-  const Panel& p = frame.panel();
-  const Box& box = frame.box();
-  svg->Rect(p.left, p.top, p.width, p.height, "frame");
-  for (const double x : Ticks(box.x_low_m, box.x_high_m, static_cast<int>(p.width / 90)))
-    svg->Text(frame.X(x), p.top + p.height + 15, Short(x), "tick middle");
-  for (const double y : Ticks(box.y_low_m, box.y_high_m, static_cast<int>(std::max(p.height / 60, 2.0))))
-    svg->Text(p.left - 6, frame.Y(y) + 4, Short(y), "tick end");
-  svg->Text(p.left + p.width / 2, p.top + p.height + 33, "x [m]", "axis middle");
-  svg->VerticalText(p.left - 36, p.top + p.height / 2, "y [m]", "axis middle");
-}
-
-std::string LayerFigure(const Blob& map, MapLayer layer, const std::string& label,
-                        const std::vector<Wall>& walls,
-                        const std::map<std::string, std::vector<PointM>>& ways) {
-  const auto picture = PictureOf(map, layer);
-  if (!picture) return {};
-  const Box box = BoxOf(picture->box);
-  const double width = kWidth - kLeft - kRight, height = PanelHeight(box, width, 90, 900);
-  Svg svg(kWidth, kTop + height + kBottom, label);
-  const MapFrame frame(box, {kLeft, kTop, width, height});
-  svg.BeginClip(kLeft, kTop, width, height);
-  svg.Image(frame.X(box.x_low_m), frame.Y(box.y_high_m), box.width_m() * frame.pixels_per_m(),
-            box.height_m() * frame.pixels_per_m(), CellsPng(*picture));
-  for (const Wall& wall : walls)
-    svg.Line(frame.X(wall.a.x_m), frame.Y(wall.a.y_m), frame.X(wall.b.x_m), frame.Y(wall.b.y_m), "wall");
-  std::size_t robot = 0;
-  for (const auto& [name, way] : ways) {
-    std::vector<PointM> pixels;
-    for (const PointM& at : way) pixels.push_back({frame.X(at.x_m), frame.Y(at.y_m)});
-    svg.Polyline(pixels, "path r" + std::to_string(robot++ % kRobotColours));
-  }
-  svg.EndClip();
-  DrawAxes(frame, &svg);
+// A layer with what lies on it.
+std::string LayerFigure(const CellPicture& picture, const std::string& label, const Scene& scene,
+                        double width) {
+  const Box box = BoxOf(picture.box);
+  const double inner = width - MapMargins::kLeft - MapMargins::kRight;
+  const double height = PanelHeight(box, inner, 90, std::max(0.9 * inner, 480.0));
+  Svg svg(width, MapMargins::kTop + height + MapMargins::kBottom, label);
+  const MapFrame frame(box, {MapMargins::kLeft, MapMargins::kTop, inner, height});
+  MapCanvas canvas(svg, frame);
+  canvas.Axes(true);
+  const CellPicture blocks = InBlocks(picture, width < kWideFigure ? kMostCellsNarrow : kMostCells);
+  canvas.Image(BoxOf(blocks.box), CellsPng(blocks));
+  canvas.Walls(scene);
+  canvas.Paths(scene.paths, "path");
+  canvas.Starts(scene.paths);
+  canvas.Finish();
   return svg.Finish();
 }
 
-std::string HistoryFigure(const Blob& map) {
+std::string LayerHtml(const Blob& map, MapLayer layer, const std::string& label, const Scene& scene,
+                      const std::vector<LegendEntry>& legend, const std::string& caption) {
+  const auto picture = PictureOf(map, layer);
+  if (!picture) return {};
+  return LegendHtml(legend) +
+         FigureHtml([&](double width) { return LayerFigure(*picture, label, scene, width); }, caption);
+}
+
+LegendEntry Swatch(Rgb colour, const std::string& text) {
+  return {"<rect class=\"swatch\" x=\"1\" y=\"1\" width=\"24\" height=\"12\" fill=\"" + Hex(colour) + "\"/>",
+          text};
+}
+
+// The scale of probabilities, and what is not on it.
+std::vector<LegendEntry> ProbabilityLegend() {
+  std::vector<LegendEntry> legend;
+  for (const auto& [p, text] :
+       {std::pair{0.0, "free"}, {0.25, "0.25"}, {0.5, "0.5"}, {0.75, "0.75"}, {1.0, "occupied"}})
+    legend.push_back(Swatch(OfProbability(p), text));
+  legend.push_back(Swatch(kUnknown, "nothing known"));
+  return legend;
+}
+
+std::vector<LegendEntry> DifferenceLegend() {
+  std::vector<LegendEntry> legend;
+  for (const double nats : {-kFullColourNats, -1.0, 1.0, kFullColourNats}) {
+    const bool full = std::abs(nats) >= kFullColourNats;
+    legend.push_back(Swatch(OfDifference(nats),
+                            Short(nats) +
+                                (full ? " nat or " + std::string(nats < 0 ? "less" : "more") : " nat") +
+                                (nats < 0 ? ", free" : ", occupied")));
+  }
+  legend.push_back(Swatch(kSaysNothing, "the data do not tell"));
+  return legend;
+}
+
+void AddPaths(const Scene& scene, std::vector<LegendEntry>* legend) {
+  for (const Path& path : scene.paths)
+    legend->push_back({"<line class=\"path r" + std::to_string(path.index % kRobotColours) +
+                           "\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>",
+                       "where " + RobotTitle(path.robot) + " scanned"});
+  if (!scene.truth_walls.empty())
+    legend->push_back({"<line class=\"wall\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>", "true wall"});
+}
+
+std::string HistoryHtml(const Blob& map) {
   if (!map.Has("history/log_likelihood")) return {};
+  const auto values = map.Get<double>("history/log_likelihood");
+  // The empty map is so much less likely than any other that beside it the others' curve is flat.
+  const bool from_empty = values.size() > 2 && map.Has("history/occupied") &&
+                          map.at("history/occupied").size() > 0 &&
+                          map.Get<std::int64_t>("history/occupied")[0] == 0;
   Curve curve;
-  for (const double value : map.Get<double>("history/log_likelihood"))
-    curve.points.push_back({static_cast<double>(curve.points.size()), value});
-  Svg svg(kWidth, 270, "Log-likelihood by round");
-  const bool any =
-      Draw({"Log-likelihood", "round", "log p(data | map) [nat]", {curve}}, {86, 24, kWidth - 96, 200}, &svg);
-  return any ? svg.Finish() : "";
+  for (std::size_t round = from_empty ? 1 : 0; round < values.size(); ++round)
+    curve.points.push_back({static_cast<double>(round), values[round]});
+  const std::string left_out =
+      from_empty ? " Round 0, left out, is of the empty map: " + Grouped(values[0]) + " nat." : "";
+  return ChartHtml(
+      {"Log-likelihood", "round", "log p(data | map) [nat]", {curve}},
+      "Of the data, each time that a map or parameters of the sensors were taken over." + left_out);
 }
 
 std::string CellTiles(const LayerScore& score, const std::string& of) {
@@ -173,38 +185,82 @@ std::string Parameters(const Blob& map) {
                             "</table></div>\n";
 }
 
+// Cells of each kind that the dynamic layer marks.
+std::string MovedHtml(const Blob& map) {
+  const auto picture = PictureOf(map, MapLayer::kDynamic);
+  if (!picture) return {};
+  std::int64_t passed = 0, went = 0;
+  for (const std::uint8_t kind : map.Get<std::uint8_t>("map/grid/dynamic")) {
+    passed += kind == 1 ? 1 : 0;
+    went += kind == 2 ? 1 : 0;
+  }
+  if (passed + went == 0) return "<p>Nothing here: no cell is marked.</p>\n";
+  const std::vector<LegendEntry> legend{
+      Swatch(kForOccupied,
+             "an obstacle of the map through which beams passed before or after: " + Count(went, "cell")),
+      Swatch(kForFree,
+             "free, but a reading may have ended here that nothing explains: " + Count(passed, "cell"))};
+  return LayerHtml(
+      map, MapLayer::kDynamic, "Readings that the map does not explain", {}, legend,
+      "Somebody who passed leaves such cells, and so do readings that are wrong. A sonar's reading ended "
+      "somewhere on its arc, and the whole arc is marked: most of these cells were free all the time.");
+}
+
 }  // namespace
 
+Scene GridSceneOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation) {
+  Scene scene;
+  const std::vector<std::string> robots =
+      map.Has("robots") ? map.Texts("robots") : std::vector<std::string>{};
+  std::map<std::size_t, Path> paths;
+  for (const auto& [name, array] : map.fields()) {
+    constexpr std::string_view kFirst = "robot/", kLast = "held_out";
+    if (!name.starts_with(kFirst) || !name.ends_with(kLast)) continue;
+    const std::string sensor = name.substr(0, name.size() - kLast.size());
+    const std::size_t robot = std::strtoul(name.c_str() + kFirst.size(), nullptr, 10);
+    const auto x = map.Get<double>(sensor + "x_m"), y = map.Get<double>(sensor + "y_m");
+    if (x.size() != y.size()) throw InputError("'" + sensor + "': columns of different length");
+    Path& path = paths[robot];
+    if (x.size() <= path.points.size()) continue;
+    path = {
+        .robot = robot < robots.size() ? robots[robot] : std::to_string(robot), .index = robot, .points = {}};
+    for (std::size_t i = 0; i < x.size(); ++i) path.points.push_back({x[i], y[i]});
+    if (!map.Has(sensor + "time_s")) continue;
+    const auto time = map.Get<double>(sensor + "time_s");
+    if (time.size() == x.size()) path.breaks = BreaksOf(time);
+  }
+  for (auto& [robot, path] : paths) scene.paths.push_back(std::move(path));
+  if (log != nullptr && evaluation != nullptr && log->Has("truth/walls/x_m")) {
+    for (const Wall& wall : ReadSegments(*log, "truth/walls/", evaluation->to_map))
+      scene.truth_walls.emplace_back(wall.a, wall.b);
+  }
+  return scene;
+}
+
 std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation) {
-  const std::vector<Wall> walls = TrueWalls(log, evaluation);
-  const auto ways = WaysOf(map);
-  const std::string on_top = walls.empty() ? "" : " Thin lines: the true walls.";
+  const Scene scene = GridSceneOf(map, log, evaluation);
+  std::vector<LegendEntry> legend = ProbabilityLegend();
+  AddPaths(scene, &legend);
   std::string html = Lead(map) + Tiles(map, evaluation);
+  html += SectionHtml("Map",
+                      LayerHtml(map, MapLayer::kProbability, "Occupancy probability", scene, legend,
+                                "The darker, the likelier occupied; the lines are where scans were taken."));
   html += SectionHtml(
-      "Map", FigureHtml(LayerFigure(map, MapLayer::kProbability, "Occupancy probability", walls, ways),
-                        "Black: occupied, white: free, grey: nothing is known. The line is where the scans "
-                        "were taken." +
-                            on_top));
-  html += SectionHtml("Most likely map",
-                      FigureHtml(LayerFigure(map, MapLayer::kMostLikely, "Most likely map", {}, {}),
-                                 "The map under which the data are likeliest."));
+      "Most likely map",
+      LayerHtml(
+          map, MapLayer::kMostLikely, "Most likely map", {},
+          {Swatch(kPaper, "free"), Swatch(kBlack, "occupied"), Swatch(kUnknown, "nothing known")},
+          "The map under which the data are likeliest: a cell is free unless they speak for an obstacle, "
+          "however little they say; how sure that is shows the map above."));
   html += SectionHtml(
       "What the data say of each cell",
-      FigureHtml(
-          LayerFigure(map, MapLayer::kDifference, "Log-likelihood difference by cell", {}, {}),
-          "log p(data | cell occupied) - log p(data | cell free), all other cells as in the most likely "
-          "map. Red: occupied, blue: free, in full colour from " +
-              Short(kFullColourNats) + " nats on; grey: the data do not tell."));
-  html += SectionHtml(
-      "What moved",
-      FigureHtml(LayerFigure(map, MapLayer::kDynamic, "Cells in which something moved", {}, {}),
-                 "Red: an obstacle of the map through which beams passed before or after; blue: free, but "
-                 "readings ended there, or on that arc, that nothing in the map explains."));
-  html += SectionHtml("Convergence", FigureHtml(HistoryFigure(map), "Of the data, after each round."));
+      LayerHtml(map, MapLayer::kDifference, "Log-likelihood difference by cell", {}, DifferenceLegend(),
+                "log p(data | cell occupied) - log p(data | cell free), all other cells as in the most "
+                "likely map."));
+  html += SectionHtml("Readings that the map does not explain", MovedHtml(map));
+  html += SectionHtml("Convergence", HistoryHtml(map));
   html += SectionHtml("Parameters", Parameters(map));
-  html += SectionHtml("Time", TimeHtml(RoundTimes(map)));
-  html += SectionHtml("Job", ProvenanceHtml(map));
-  return html;
+  return html + SectionHtml("Time", TimeHtml(RoundTimes(map)));
 }
 
 }  // namespace cairn::datasets::report

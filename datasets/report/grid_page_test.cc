@@ -6,6 +6,7 @@
 
 #include "datasets/evaluate/testing_grid.h"
 #include "datasets/report/cell_picture.h"
+#include "datasets/report/palette.h"
 #include "datasets/report/report.h"
 #include "datasets/simulate_hall.h"
 #include "datasets/testing.h"
@@ -31,15 +32,21 @@ Blob WithAllLayers() {
   return map;
 }
 
+std::string PageOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
+                   const std::string& title) {
+  return JobReportHtml({{.name = "map", .result = &map, .source = log, .grid_evaluation = evaluation}},
+                       title);
+}
+
 TEST(CellPicture, IsBlackWhereOccupiedWhiteWhereFreeGreyWhereUnknown) {
   const cv::Mat image = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kMostLikely)));
   ASSERT_EQ(image.size(), cv::Size(3, 2));
   EXPECT_EQ(image.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));  // the upper row first
   EXPECT_EQ(image.at<cv::Vec3b>(1, 0), cv::Vec3b(255, 255, 255));
-  EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(205, 205, 205));
+  EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(kUnknown[2], kUnknown[1], kUnknown[0]));
   const cv::Mat probability = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kProbability)));
-  EXPECT_NEAR(probability.at<cv::Vec3b>(0, 0)[0], 0.1 * 255, 1);
-  EXPECT_NEAR(probability.at<cv::Vec3b>(1, 0)[0], 0.9 * 255, 1);
+  EXPECT_NEAR(probability.at<cv::Vec3b>(0, 0)[0], 0.2 * 220, 1);              // p = 0.9
+  EXPECT_NEAR(probability.at<cv::Vec3b>(1, 0)[0], 0.8 * 255 + 0.2 * 220, 1);  // p = 0.1
 }
 
 TEST(CellPicture, ShowsForWhatTheDataSpeak) {
@@ -49,7 +56,7 @@ TEST(CellPicture, ShowsForWhatTheDataSpeak) {
   EXPECT_GT(occupied[2], occupied[0] + 100);
   EXPECT_GT(free[0], free[2] + 100);
   EXPECT_GT(doubtful[2], free[2]);
-  EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(205, 205, 205));
+  EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(208, 208, 208)) << "the data do not tell";
 }
 
 TEST(CellPicture, ShowsWhatMoved) {
@@ -76,7 +83,7 @@ TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
 }
 
 TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
-  const std::string page = GridMapReportHtml(WithAllLayers(), nullptr, nullptr, "corridor");
+  const std::string page = PageOf(WithAllLayers(), nullptr, nullptr, "corridor");
   for (const char* part : {"<title>corridor", "1.5 by 1 m in cells of 0.5 m, of 2 scans; 1 scan left out",
                            "Most likely map", "What the data say of each cell", "Convergence", "cut short",
                            "model/p_hit", "0.625", "class=\"path r0\""})
@@ -84,11 +91,11 @@ TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
   std::size_t pictures = 0;
   for (std::size_t at = page.find("<image"); at != std::string::npos; at = page.find("<image", at + 1))
     ++pictures;
-  EXPECT_EQ(pictures, 3U);
+  EXPECT_EQ(pictures, 6U) << "three layers, for a wide page and a narrow one";
 }
 
 TEST(GridPage, OfAPlainMapLeavesOutWhatItLacks) {
-  const std::string page = GridMapReportHtml(DrawnMap({"#.", ".."}), nullptr, nullptr, "plain");
+  const std::string page = PageOf(DrawnMap({"#.", ".."}), nullptr, nullptr, "plain");
   ASSERT_NE(page.find("</html>"), std::string::npos);
   for (const char* absent :
        {"Most likely map", "What the data say", "Convergence", "cut short", "Parameters"})
@@ -101,15 +108,15 @@ TEST(GridPage, ShowsScoresAndTheTrueWalls) {
   GridEvaluation evaluation;
   evaluation.map.cells = CellScore{7, 100, 3, 2, 50, 0};
   evaluation.map.doors = {{true, 0.5, true}};
-  const std::string page = GridMapReportHtml(map, &log, &evaluation, "scored");
-  for (const char* part : {"false obstacles", "3 of 50", "1 of 1", "class=\"wall\"", "true walls"})
+  const std::string page = PageOf(map, &log, &evaluation, "scored");
+  for (const char* part : {"false obstacles", "3 of 50", "1 of 1", "class=\"wall\"", "true wall</li>"})
     ExpectContains(page, part);
 }
 
 TEST(GridPage, RefusesArraysThatDoNotFit) {
   Blob map = WithAllLayers();
   map.Put("map/grid/log_odds_difference", Array::Vector<double>({1, 2}));
-  ExpectContains(InputErrorOf([&] { GridMapReportHtml(map, nullptr, nullptr, "bad"); }), "another shape");
+  ExpectContains(InputErrorOf([&] { PageOf(map, nullptr, nullptr, "bad"); }), "another shape");
 }
 
 }  // namespace

@@ -5,10 +5,12 @@
 #include <cstdio>
 
 #include "datasets/report/format.h"
+#include "datasets/report/parts.h"
 
 namespace cairn::datasets::report {
 namespace {
 
+constexpr double kPixelsPerLetter = 6.5;
 constexpr std::size_t kMostPoints = 1500;  // a picture has fewer columns of pixels
 
 struct Span {
@@ -65,12 +67,14 @@ class Frame {
       svg->Line(p_.left, Y(tick), p_.left + p_.width, Y(tick), "grid");
       svg->Text(p_.left - 7, Y(tick) + 4, TickText(tick, step, chart.log_y), "tick end");
     }
-    const int most = static_cast<int>(std::clamp(x_.high - x_.low, 1.0, p_.width / 90));
+    // No closer than their labels are wide.
+    const double letters = static_cast<double>(std::max(Grouped(x_.low).size(), Grouped(x_.high).size()) + 3);
+    const double room = p_.width / std::max(90.0, kPixelsPerLetter * letters + 16);
+    const int most = static_cast<int>(std::clamp(x_.high - x_.low, 1.0, std::max(1.0, room)));
     const double x_step = TickStep(x_.low, x_.high, most);
     for (const double tick : Ticks(x_.low, x_.high, most))
       svg->Text(X(tick), p_.top + p_.height + 15, TickText(tick, x_step, false), "tick middle");
     svg->Rect(p_.left, p_.top, p_.width, p_.height, "frame");
-    svg->Text(p_.left, p_.top - 6, chart.title, "heading");
     svg->Text(p_.left + p_.width / 2, p_.top + p_.height + 32, chart.x_label, "axis middle");
     svg->VerticalText(p_.left - 66, p_.top + p_.height / 2, chart.y_label, "axis middle");
   }
@@ -87,18 +91,6 @@ std::vector<PointM> ToPixels(const Frame& frame, const std::vector<ChartPoint>& 
 }
 
 std::string Colour(const Curve& curve) { return "r" + std::to_string(curve.colour % 8); }
-
-// Right of the title, from the right.
-void DrawLegend(const LineChart& chart, const Panel& panel, Svg* svg) {
-  double x = panel.left + panel.width;
-  for (auto curve = chart.curves.rbegin(); curve != chart.curves.rend(); ++curve) {
-    if (curve->name.empty()) continue;
-    svg->Text(x, panel.top - 6, curve->name, "axis end");
-    x -= 6.3 * static_cast<double>(curve->name.size()) + 6;
-    svg->Line(x - 18, panel.top - 10, x, panel.top - 10, "path " + Colour(*curve));
-    x -= 30;
-  }
-}
 
 }  // namespace
 
@@ -143,8 +135,25 @@ bool Draw(const LineChart& chart, const Panel& panel, Svg* svg) {
     else
       svg->Polyline(pixels, (chart.curves[c].faint ? "path faint " : "path ") + Colour(chart.curves[c]));
   }
-  DrawLegend(chart, panel, svg);
   return true;
+}
+
+std::string ChartHtml(const LineChart& chart, const std::string& caption, double height) {
+  const std::string figure = FigureHtml(
+      [&](double width) {
+        constexpr double kLeft = 86, kRight = 10, kTop = 8, kBottom = 40;
+        Svg svg(width, kTop + height + kBottom, chart.title);
+        return Draw(chart, {kLeft, kTop, width - kLeft - kRight, height}, &svg) ? svg.Finish() : "";
+      },
+      caption);
+  if (figure.empty()) return {};
+  std::vector<LegendEntry> entries;
+  for (const Curve& curve : chart.curves) {
+    if (curve.name.empty()) continue;
+    entries.push_back(
+        {"<line class=\"path " + Colour(curve) + "\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>", curve.name});
+  }
+  return "<h3>" + Escape(chart.title) + "</h3>\n" + LegendHtml(entries) + figure;
 }
 
 }  // namespace cairn::datasets::report

@@ -14,7 +14,7 @@ struct ChartPoint {
 };
 
 struct Curve {
-  std::string name;                // for the legend in the picture
+  std::string name;                // for the legend
   std::vector<ChartPoint> points;  // x, y; what is not finite is left out
   int colour = 0;                  // style classes r0 to r7
   bool faint = false;              // one of many
@@ -23,7 +23,8 @@ struct Curve {
 };
 
 struct LineChart {
-  std::string title, x_label, y_label;
+  std::string title;  // above the legend, which is above the picture
+  std::string x_label, y_label;
   std::vector<Curve> curves;
   bool log_y = false;  // values that are not above 0 are left out
 };
@@ -31,8 +32,11 @@ struct LineChart {
 // The middles of `most` stretches of even length, where there are more points than that.
 std::vector<ChartPoint> Thinned(const std::vector<ChartPoint>& points, std::size_t most);
 
-// Into the panel, which wants 30 pixels below, 76 on the left and 20 above. False where there is no point to
-// draw: the picture is as it was.
+// Into the panel, which wants 40 pixels below and 76 on the left. False where there is no point to draw: the
+// picture is as it was.
 bool Draw(const LineChart& chart, const Panel& panel, Svg* svg);
+
+// The whole figure: title, legend and picture with words below; empty where there is no point to draw.
+std::string ChartHtml(const LineChart& chart, const std::string& caption, double height = 200);
 
 }  // namespace cairn::datasets::report

@@ -8,29 +8,15 @@
 #include "datasets/evaluate/map_truth.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/report/facts.h"
+#include "datasets/report/figures.h"
 #include "datasets/report/format.h"
 #include "datasets/report/line_chart.h"
 #include "datasets/report/parts.h"
-#include "datasets/report/svg.h"
 
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kWidth = 1040, kDegree = std::numbers::pi / 180;
-
-// Big-endian, of a PNG's header.
-double PngSide(const std::string& png, std::size_t at) {
-  double side = 0;
-  for (std::size_t i = at; i < at + 4; ++i) side = 256 * side + static_cast<unsigned char>(png.at(i));
-  return side;
-}
-
-std::string ImageHtml(const std::string& png, const std::string& label, const std::string& caption) {
-  const double width = PngSide(png, 16), height = PngSide(png, 20), scale = std::min(1.0, kWidth / width);
-  Svg svg(width * scale, height * scale, label);
-  svg.Image(0, 0, width * scale, height * scale, png);
-  return FigureHtml(svg.Finish(), caption);
-}
+constexpr double kDegree = std::numbers::pi / 180;
 
 std::string Lead(const Blob& result, const LocalResult& local) {
   std::size_t loops = 0, used = 0;
@@ -74,7 +60,7 @@ void AddUnwrapped(double time_s, double angle_rad, std::vector<ChartPoint>* poin
 }
 
 // Of one robot: as it was found, and as truth has it.
-std::string WallsFigure(const Blob& result, const Blob* log, std::size_t robot) {
+std::string WallsHtml(const Blob& result, const Blob* log, std::size_t robot) {
   const std::string walls = "robot/" + std::to_string(robot) + "/walls/";
   if (!result.Has(walls + "time_s")) return "";
   const auto time = result.Get<double>(walls + "time_s"), angle = result.Get<double>(walls + "angle_rad");
@@ -98,24 +84,31 @@ std::string WallsFigure(const Blob& result, const Blob* log, std::size_t robot) 
     if (!truth.points.empty()) truth.points.erase(truth.points.begin());
   }
   constexpr std::size_t kMost = 800;
+  const double first_s = time.empty() ? 0 : time.front();
   std::vector<Curve> curves{found};
   if (!truth.points.empty()) curves.push_back(truth);
-  for (Curve& curve : curves) curve.points = Thinned(curve.points, kMost);
-  Svg svg(kWidth, 270, "Direction of the walls");
-  const LineChart chart{"Direction of the walls in the frame of dead reckoning", "s", "degrees", curves};
-  return Draw(chart, {86, 24, kWidth - 96, 200}, &svg) ? svg.Finish() : "";
+  for (Curve& curve : curves) {
+    for (ChartPoint& point : curve.points) point.x -= first_s;
+    curve.points = Thinned(curve.points, kMost);
+  }
+  const LineChart chart{"Direction of the walls in the frame of dead reckoning: " +
+                            RobotTitle(result.Texts("robots").at(robot)),
+                        "time since the first sweep [s]", "direction [degrees]", curves};
+  return ChartHtml(
+      chart,
+      "Followed from sweep to sweep: walls are known modulo 90 degrees. Odometry that drifts turns them.");
 }
 
-std::string MapSection(const LocalResult& local, const Blob* log, const LocalEvaluation* evaluation) {
-  const LocalMapPicture around = log != nullptr ? AroundOf(local, *log, evaluation) : LocalMapPicture{};
-  std::string caption =
-      "Blue: the path put together from the traces. Black: where traces have occupied edges. Dots on the "
-      "way: "
-      "blue where one trace led to the next, green loops that the path follows, red ones that others "
-      "contradict.";
-  if (log != nullptr) caption += " Yellow: odometry alone, from the path's first pose.";
-  if (!around.walls.empty()) caption += " Grey: true walls, green: the true path, laid over it.";
-  return SectionHtml("Path", ImageHtml(LocalMapPng(local, around), "Assembled path and traces", caption));
+std::string MapSection(const Scene& scene, const LocalEvaluation* evaluation) {
+  std::string caption = "The path is put together from the traces";
+  if (!scene.odometry_below.empty())
+    caption += "; odometry alone goes on from the path's first pose, and may leave the picture";
+  if (evaluation != nullptr) caption += "; truth was laid over the path by one rigid motion";
+  caption += ". Where a run was cut, no line is drawn.";
+  if (scene.paths.size() > 1)
+    caption += " Each robot's path is in a frame of its own: how they lie to each other is not known.";
+  return SectionHtml(
+      "Path", LegendHtml(scene) + FigureHtml([&](double width) { return MapFigure(scene, width); }, caption));
 }
 
 std::string GridSection(const LocalResult& local) {
@@ -123,7 +116,7 @@ std::string GridSection(const LocalResult& local) {
   if (shot == nullptr) return "";
   return SectionHtml(
       "Local grid",
-      ImageHtml(
+      PictureHtml(
           LocalGridPng(*shot), "Local grids",
           "At " + Short(shot->time_s, 1) +
               " s. Grey: how often a cell is hit. Blue: dominant orientation of its edges. Red: the edges "
@@ -136,9 +129,9 @@ std::string TraceSection(const LocalResult& local) {
   if (trace == nullptr) return "";
   return SectionHtml(
       "Longest trace",
-      ImageHtml(TracePng(*trace), "An edge trace",
-                "The line is the robot's way. On both sides the interval of distances of edges, "
-                "bold where they are occupied; red: both ends of large intervals of orientation."));
+      PictureHtml(TracePng(*trace), "An edge trace",
+                  "The line is the robot's way. On both sides the interval of distances of edges, "
+                  "bold where they are occupied; red: both ends of large intervals of orientation."));
 }
 
 std::string MatchSection(const LocalResult& local, const Blob* log) {
@@ -147,10 +140,10 @@ std::string MatchSection(const LocalResult& local, const Blob* log) {
   if (shown.empty()) return "";
   return SectionHtml(
       "Immediate on recorded traces",
-      ImageHtml(SuperposedPng(shown), "Immediate traces on recorded ones",
-                "Grey: a trace that was recorded before. Black: what the local grids show now, "
-                "edges as lines, and where there are none occupied cells as dots; the cross is "
-                "where matching put the robot, the frame the limit of the grids."));
+      PictureHtml(SuperposedPng(shown), "Immediate traces on recorded ones",
+                  "Grey: a trace that was recorded before. Black: what the local grids show now, "
+                  "edges as lines, and where there are none occupied cells as dots; the cross is "
+                  "where matching put the robot, the frame the limit of the grids."));
 }
 
 }  // namespace
@@ -162,34 +155,92 @@ std::vector<Track> OdometryOf(const Blob& log) {
   return tracks;
 }
 
-LocalMapPicture AroundOf(const LocalResult& result, const Blob& log, const LocalEvaluation* evaluation) {
-  LocalMapPicture picture;
+namespace {
+
+// Odometry alone, from the first pose of each path.
+std::vector<Path> OdometryFrom(const LocalResult& local, const std::vector<std::string>& robots,
+                               const Blob& log) {
   const std::vector<Track> odometry = OdometryOf(log);
-  if (odometry.size() != result.paths.size())
+  if (odometry.size() != local.paths.size())
     throw InputError("the result's robots are not the log's: was it made from this log?");
+  std::vector<Path> paths;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const Track& path = result.paths[r];
-    if (path.time_s.empty()) continue;
-    const PoseM from = PoseAt(odometry[r], path.time_s.front(), HUGE_VAL).value_or(PoseM{}),
-                to = path.poses.front();
+    const Track& track = local.paths[r];
+    if (track.time_s.empty()) continue;
+    const PoseM from = PoseAt(odometry[r], track.time_s.front(), HUGE_VAL).value_or(PoseM{}),
+                to = track.poses.front();
     Similarity move;
     move.angle_rad = to.heading_rad - from.heading_rad;
     const PointM turned = move(PointM{from.x_m, from.y_m});
     move.x_m = to.x_m - turned.x_m;
     move.y_m = to.y_m - turned.y_m;
-    picture.odometry.emplace_back();
-    for (const PoseM& pose : odometry[r].poses)
-      picture.odometry.back().push_back(move(PointM{pose.x_m, pose.y_m}));
+    Path path{.robot = robots[r], .index = r, .points = {}};
+    for (const PoseM& pose : odometry[r].poses) path.points.push_back(move(PointM{pose.x_m, pose.y_m}));
+    paths.push_back(std::move(path));
   }
-  if (evaluation == nullptr) return picture;
+  return paths;
+}
+
+// Where a run was cut: the pose after each of the stored times begins anew.
+std::vector<std::size_t> CutsOf(const Blob& result, std::size_t robot, const Track& track) {
+  const std::string name = "robot/" + std::to_string(robot) + "/cuts/time_s";
+  std::vector<std::size_t> breaks;
+  if (!result.Has(name)) return breaks;
+  for (const double time_s : result.Get<double>(name)) {
+    const auto next =
+        static_cast<std::size_t>(std::ranges::upper_bound(track.time_s, time_s) - track.time_s.begin());
+    if (next > 0 && next < track.time_s.size() && (breaks.empty() || next > breaks.back()))
+      breaks.push_back(next);
+  }
+  return breaks;
+}
+
+Scene SceneOf(const Blob& result, const LocalResult& local, const Blob* log,
+              const LocalEvaluation* evaluation) {
+  Scene scene;
+  const std::vector<std::string> robots = result.Texts("robots");
+  for (std::size_t r = 0; r < local.paths.size(); ++r) {
+    Path path{.robot = robots.at(r), .index = r, .points = {}};
+    for (const PoseM& pose : local.paths[r].poses) path.points.push_back({pose.x_m, pose.y_m});
+    path.breaks = CutsOf(result, r, local.paths[r]);
+    scene.paths.push_back(std::move(path));
+  }
+  for (const LocalTrace& trace : local.traces) {
+    for (std::size_t f = 0; f < trace.features.size(); ++f) {
+      for (const double sign : {1.0, -1.0}) {
+        const LocalSide& side = sign > 0 ? trace.features[f].left : trace.features[f].right;
+        if (!side.HasEdge() || !side.occupied) continue;
+        scene.edges.push_back(
+            trace.ToWorld(trace.Z(f), sign * (side.distance_low_m + side.distance_high_m) / 2));
+      }
+    }
+  }
+  for (const LocalConnection& link : local.connections) {
+    if (!link.loop) continue;
+    scene.loops.push_back({local.traces[link.from].ToWorld(link.from_z_m, link.from_u_m),
+                           local.traces[link.to].ToWorld(link.to_z_m, link.to_u_m), link.used});
+  }
+  if (log == nullptr) return scene;
+  scene.odometry_below = OdometryFrom(local, robots, *log);
+  if (evaluation == nullptr) return scene;
   const Similarity to_result = Inverse(evaluation->alignment);
-  if (log.Has("truth/walls/x_m")) picture.walls = ReadSegments(log, "truth/walls/", to_result);
-  for (std::size_t r = 0; r < result.paths.size(); ++r) {
-    picture.truth.emplace_back();
-    for (const PoseM& pose : ReadTrack(log, "truth/robot/" + std::to_string(r) + "/poses/").poses)
-      picture.truth.back().push_back(to_result(PointM{pose.x_m, pose.y_m}));
+  if (log->Has("truth/walls/x_m")) {
+    for (const Wall& wall : ReadSegments(*log, "truth/walls/", to_result))
+      scene.truth_walls.emplace_back(wall.a, wall.b);
   }
-  return picture;
+  for (std::size_t r = 0; r < local.paths.size(); ++r) {
+    const Track truth = ReadTrack(*log, "truth/robot/" + std::to_string(r) + "/poses/");
+    Path path{.robot = robots[r], .index = r, .points = {}, .breaks = BreaksOf(truth.time_s)};
+    for (const PoseM& pose : truth.poses) path.points.push_back(to_result(PointM{pose.x_m, pose.y_m}));
+    if (!path.points.empty()) scene.truth_paths.push_back(std::move(path));
+  }
+  return scene;
+}
+
+}  // namespace
+
+Scene LocalSceneOf(const Blob& result, const Blob* log, const LocalEvaluation* evaluation) {
+  return SceneOf(result, ReadLocalResult(result), log, evaluation);
 }
 
 const LocalSnapshot* RichestOf(const LocalResult& result) {
@@ -209,15 +260,13 @@ const LocalTrace* LongestOf(const LocalResult& result) {
 
 std::string LocalHtml(const Blob& result, const Blob* log, const LocalEvaluation* evaluation) {
   const LocalResult local = ReadLocalResult(result);
-  std::string html = Lead(result, local) + Tiles(result, evaluation) + MapSection(local, log, evaluation);
+  const Scene scene = SceneOf(result, local, log, evaluation);
+  std::string html = Lead(result, local) + Tiles(result, evaluation) + MapSection(scene, evaluation);
   std::string walls;
-  for (std::size_t r = 0; r < local.paths.size(); ++r)
-    walls += FigureHtml(WallsFigure(result, log, r), "Odometry that drifts turns them; modulo 90 degrees.");
+  for (std::size_t r = 0; r < local.paths.size(); ++r) walls += WallsHtml(result, log, r);
   html += SectionHtml("Direction of the walls", walls);
   html += GridSection(local) + TraceSection(local) + MatchSection(local, log);
-  html += SectionHtml("Time", TimeHtml(RoundTimes(result)));
-  html += SectionHtml("Job", ProvenanceHtml(result));
-  return html;
+  return html + SectionHtml("Time", TimeHtml(RoundTimes(result)));
 }
 
 }  // namespace cairn::datasets::report

@@ -6,6 +6,7 @@
 
 #include "datasets/evaluate/evaluate_local.h"
 #include "datasets/report/local_pictures.h"
+#include "datasets/report/scene.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::report {
@@ -13,9 +14,10 @@ namespace cairn::datasets::report {
 // Dead reckoning of each of the log's robots.
 std::vector<Track> OdometryOf(const Blob& log);
 
-// Raw odometry from each path's first pose on; with `evaluation`, which may be null, true walls and paths
-// too.
-LocalMapPicture AroundOf(const LocalResult& result, const Blob& log, const LocalEvaluation* evaluation);
+// The paths, edges and loops of a local_map; with `log` raw odometry from each path's first pose on, with
+// `evaluation` too true walls and paths. Both may be null. Throws InputError where the arrays do not fit each
+// other, or the log's robots are not the result's.
+Scene LocalSceneOf(const Blob& result, const Blob* log, const LocalEvaluation* evaluation);
 
 // The snapshot that shows most: of those with the most edges in their last sweep the one with most cells that
 // have an orientation. Null where there is none.

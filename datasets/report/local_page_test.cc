@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "datasets/report/draw_map.h"
 #include "datasets/report/report.h"
 
 namespace cairn::datasets::report {
@@ -76,17 +77,21 @@ Blob Log() {
   return log;
 }
 
+std::string PageOf(const Blob& result, const Blob* log) {
+  return JobReportHtml({{.name = "local", .result = &result, .source = log}}, "office");
+}
+
 bool IsPng(const std::string& bytes) { return bytes.size() > 200 && bytes.substr(1, 3) == "PNG"; }
 
 TEST(LocalPage, ShowsWhatTheResultHas) {
   const Blob log = Log();
-  const std::string bare = LocalMapReportHtml(Result(), nullptr, nullptr, "office");
+  const std::string bare = PageOf(Result(), nullptr);
   for (const char* word : {"1 edge trace", "Path", "Direction of the walls", "Local grid", "Longest trace"})
     EXPECT_NE(bare.find(word), std::string::npos) << word;
   EXPECT_EQ(bare.find("Immediate on recorded"), std::string::npos);
-  const std::string with_log = LocalMapReportHtml(Result(), &log, nullptr, "office");
+  const std::string with_log = PageOf(Result(), &log);
   EXPECT_NE(with_log.find("Immediate on recorded"), std::string::npos);
-  EXPECT_EQ(with_log, LocalMapReportHtml(Result(), &log, nullptr, "office")) << "the same bytes";
+  EXPECT_EQ(with_log, PageOf(Result(), &log)) << "the same bytes";
 }
 
 TEST(LocalPage, AnEvaluationAddsErrors) {
@@ -112,7 +117,7 @@ TEST(LocalPage, SuperpositionsTurnTheGridsIntoTheTracesFrame) {
 
 TEST(LocalPage, PicturesAreDrawnWhereThereIsLittleToSee) {
   LocalResult local = ReadLocalResult(Result());
-  EXPECT_TRUE(IsPng(LocalMapPng(local, {})));
+  EXPECT_TRUE(IsPng(DrawScenePng(LocalSceneOf(Result(), nullptr, nullptr))));
   EXPECT_TRUE(IsPng(TracePng(local.traces[0])));
   EXPECT_TRUE(IsPng(LocalGridPng(local.snapshots[0])));
   local.traces[0].features.clear();
@@ -120,7 +125,6 @@ TEST(LocalPage, PicturesAreDrawnWhereThereIsLittleToSee) {
   local.snapshots[0].histogram.assign(8, 0);
   local.snapshots[0].occupancy.assign(9, 0);
   EXPECT_TRUE(IsPng(LocalGridPng(local.snapshots[0])));
-  EXPECT_TRUE(IsPng(LocalMapPng(LocalResult{}, {})));
   EXPECT_EQ(RichestOf({}), nullptr);
   EXPECT_EQ(LongestOf({}), nullptr);
 }

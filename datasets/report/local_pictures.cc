@@ -11,8 +11,8 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr Rgb kPaper{255, 255, 255}, kInk{30, 34, 40}, kPale{176, 182, 190}, kFaint{226, 229, 233};
-constexpr Rgb kEdge{198, 70, 40}, kWay{38, 104, 178}, kTrue{60, 150, 90}, kRaw{214, 170, 60};
+constexpr Rgb kPaper{255, 255, 255}, kInk{30, 34, 40}, kPale{176, 182, 190};
+constexpr Rgb kEdge{198, 70, 40}, kWay{38, 104, 178};
 constexpr double kMargin = 24;
 constexpr float kOccupied = 0.05F;  // hits a sweep from which on a cell is drawn as occupied
 
@@ -200,6 +200,7 @@ std::string LocalGridPng(const LocalSnapshot& shot) {
   constexpr double kRobotRadiusM = 0.25;
   canvas.Ring({middle_x, middle_y}, kRobotRadiusM * per_m, kInk, 2);
   canvas.Frame({kMargin, kMargin}, {kMargin + edge, kMargin + edge}, kPale, 1);
+  DrawScale({0, 0, 0, per_m}, {kMargin, kMargin - 10}, &canvas);
   DrawHistogram(shot, kMargin, edge + 2.5 * kMargin, edge, histogram, &canvas);
   return canvas.Png();
 }
@@ -252,61 +253,6 @@ std::string SuperposedPng(const std::vector<Superposed>& shown) {
     top += sizes[i].second + kMargin;
   }
   DrawScale({kMargin, 0, 0, kPerM}, {kMargin, height + 1.2 * kMargin}, &canvas);
-  return canvas.Png();
-}
-
-std::string LocalMapPng(const LocalResult& result, const LocalMapPicture& more) {
-  Box box{HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL};
-  const auto grow = [&](PointM p) {
-    box = {std::min(box.x_low_m, p.x_m), std::max(box.x_high_m, p.x_m), std::min(box.y_low_m, p.y_m),
-           std::max(box.y_high_m, p.y_m)};
-  };
-  for (const Track& path : result.paths)
-    for (const PoseM& pose : path.poses) grow({pose.x_m, pose.y_m});
-  for (const auto& way : more.odometry) std::ranges::for_each(way, grow);
-  for (const Wall& wall : more.walls) {
-    grow(wall.a);
-    grow(wall.b);
-  }
-  if (box.x_low_m > box.x_high_m) grow({0, 0});
-  box = {box.x_low_m - 2, box.x_high_m + 2, box.y_low_m - 2, box.y_high_m + 2};
-  constexpr double kWidth = 1300;
-  const double height = PanelHeight(box, kWidth, 300, 1600);
-  Canvas canvas(static_cast<int>(kWidth), static_cast<int>(height + 30), kPaper);
-  const MapFrame frame(box, {0, 0, kWidth, height});
-  const auto at = [&](PointM p) { return PointM{frame.X(p.x_m), frame.Y(p.y_m)}; };
-  const auto draw = [&](const std::vector<PointM>& way, Rgb colour, double width) {
-    std::vector<PointM> pixels;
-    for (const PointM p : way) pixels.push_back(at(p));
-    canvas.Polyline(pixels, colour, width);
-  };
-  for (const Wall& wall : more.walls) canvas.Line(at(wall.a), at(wall.b), kFaint, 4);
-  for (const auto& way : more.odometry) draw(way, kRaw, 1);
-  for (const auto& way : more.truth) draw(way, kTrue, 1);
-  for (const LocalTrace& trace : result.traces) {
-    for (std::size_t f = 0; f < trace.features.size(); ++f) {
-      for (const double sign : {1.0, -1.0}) {
-        const LocalSide& side = sign > 0 ? trace.features[f].left : trace.features[f].right;
-        if (!side.HasEdge() || !side.occupied) continue;
-        const double middle_m = (side.distance_low_m + side.distance_high_m) / 2;
-        canvas.Dot(at(trace.ToWorld(trace.Z(f), sign * middle_m)), 1.6, kInk);
-      }
-    }
-  }
-  for (const Track& path : result.paths) {
-    std::vector<PointM> way;
-    for (const PoseM& pose : path.poses) way.push_back({pose.x_m, pose.y_m});
-    draw(way, kWay, 1.6);
-  }
-  // Loops are where two traces know of each other.
-  for (const LocalConnection& link : result.connections) {
-    const PointM from = at(result.traces[link.from].ToWorld(link.from_z_m, link.from_u_m)),
-                 to = at(result.traces[link.to].ToWorld(link.to_z_m, link.to_u_m));
-    if (link.loop && !link.used) canvas.Line(from, to, kEdge, 1.2);
-    canvas.Dot(from, link.loop ? 2 : 3, link.loop && !link.used ? kEdge : link.loop ? kTrue : kWay);
-  }
-  const Strip scale{0, 0, 0, frame.pixels_per_m()};
-  DrawScale(scale, {kMargin, height + 10}, &canvas);
   return canvas.Png();
 }
 

@@ -1,5 +1,5 @@
 // The pictures of E. Dedieu and J. del R. Millán, Efficient occupancy grids for variable resolution map
-// building, 1998 ([DM98]), figures 2 to 4, and the map that they add up to. All return the bytes of a PNG.
+// building, 1998 ([DM98]), figures 2 to 4. All return the bytes of a PNG.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "datasets/report/local_result.h"
-#include "datasets/simulate_walls.h"
 
 namespace cairn::datasets::report {
 
@@ -30,13 +29,5 @@ struct Superposed {
 // most edges first; two at most. `odometry`: dead reckoning of each robot.
 std::vector<Superposed> Superpositions(const LocalResult& result, const std::vector<Track>& odometry);
 std::string SuperposedPng(const std::vector<Superposed>& shown);
-
-// All traces where the assembled path has them, their connections, that path, and where there are any raw
-// odometry and true walls, laid over it.
-struct LocalMapPicture {
-  std::vector<std::vector<PointM>> odometry, truth;
-  std::vector<Wall> walls;
-};
-std::string LocalMapPng(const LocalResult& result, const LocalMapPicture& more);
 
 }  // namespace cairn::datasets::report

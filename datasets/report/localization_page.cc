@@ -111,7 +111,7 @@ std::string BeliefSection(const LocalizedSteps& localized, const LocalizationSco
           ? "Grey: where it truly was" + std::string(score->against_truth ? "" : ", by its label") + ". "
           : "";
   return FigureHtml(
-      BeliefFigure(localized, score, traverse),
+      [&](double width) { return BeliefFigure(localized, score, traverse, width); },
       which + " The stronger the colour, the likelier the place; " + "green: the belief's mean. " + of);
 }
 
@@ -127,21 +127,22 @@ std::string LocalizationHtml(const Blob& result, const Blob* samples) {
   if (score != nullptr) {
     html += SectionHtml(
         "Error by way travelled",
-        FigureHtml(ErrorFigure(*score),
-                   std::string("Distances from ") +
-                       (score->against_truth ? "the truth" : "the labels, which have errors of their own") +
-                       ", averaged over the belief; intervals are Student's over robots.") +
+        ErrorHtml(*score,
+                  std::string("Distances from ") +
+                      (score->against_truth ? "the truth" : "the labels, which have errors of their own") +
+                      ", averaged over the belief; intervals are Student's over robots.") +
             ErrorTable(*score));
   } else {
     html +=
         "<p>Errors, and where the robots truly were, are shown where the samples are given "
         "(<code>--log SAMPLES.h5</code>).</p>\n";
   }
-  html += SectionHtml("How sure",
-                      FigureHtml(SureFigure(localized, score),
-                                 score != nullptr ? "Where the first curve is below the second, robots are "
-                                                    "surer than they are right."
-                                                  : "By the beliefs alone."));
+  html += SectionHtml(
+      "How sure",
+      SureHtml(localized, score,
+               score != nullptr ? "Where the first curve is below the second, robots are "
+                                  "surer than they are right."
+                                : "By the beliefs alone: how far off they are is not known here."));
   html += SectionHtml("What a robot believes",
                       BeliefSection(localized, score, examples.middle,
                                     score != nullptr ? "The robot in the middle, by its error on the way."
@@ -152,9 +153,14 @@ std::string LocalizationHtml(const Blob& result, const Blob* samples) {
                                       score != nullptr ? "The robot that is farthest off on its way."
                                                        : "The robot that is least sure on its way."));
   }
-  html += SectionHtml("Time", TimeHtml(RoundTimes(result)));
-  html += SectionHtml("Job", ProvenanceHtml(result));
-  return html;
+  return html + SectionHtml("Time", TimeHtml(RoundTimes(result)));
+}
+
+std::string LocalizationPng(const Blob& result, const Blob* samples) {
+  const LocalizedSteps localized(result);
+  if (samples == nullptr) return LocalizationPng(localized, nullptr);
+  const LocalizationScore score = EvaluateLocalization(result, *samples);
+  return LocalizationPng(localized, &score);
 }
 
 }  // namespace cairn::datasets::report

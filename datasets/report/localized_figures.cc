@@ -8,12 +8,14 @@
 #include "datasets/report/format.h"
 #include "datasets/report/grid_picture.h"
 #include "datasets/report/line_chart.h"
+#include "datasets/report/palette.h"
+#include "datasets/report/plots.h"
 #include "datasets/report/svg.h"
 
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kWidth = 1040, kLeft = 86, kChartHeight = 220, kChartPitch = 290;
+constexpr double kLeft = 86, kChartHeight = 220;
 constexpr double kFlat = 6;         // a box so many times longer than it is high counts as a line
 constexpr std::size_t kBins = 150;  // of a belief, along the longer side of the places' box
 
@@ -28,15 +30,6 @@ std::vector<Traverse> TraversesOf(const LocalizedSteps& localized) {
     traverses.back().end = k + 1;
   }
   return traverses;
-}
-
-std::string Stacked(const std::vector<LineChart>& charts, const std::string& label) {
-  Svg svg(kWidth, kChartPitch * static_cast<double>(charts.size()), label);
-  double top = 24;
-  for (const LineChart& chart : charts) {
-    if (Draw(chart, {kLeft, top, kWidth - kLeft - 10, kChartHeight}, &svg)) top += kChartPitch;
-  }
-  return svg.Finish();
 }
 
 template <class Value>
@@ -121,10 +114,10 @@ const char* AxisName(const Axis& axis) { return axis.y ? "y [m]" : "x [m]"; }
 
 // Way travelled from left to right, the places' longer side upwards.
 std::string LineBelief(const LocalizedSteps& localized, const LocalizationScore* score,
-                       const Traverse& traverse, const Axis& axis) {
+                       const Traverse& traverse, const Axis& axis, double width) {
   constexpr double kHeight = 330;
-  const Panel p{kLeft, 10, kWidth - kLeft - 10, kHeight};
-  Svg svg(kWidth, kHeight + 54, "Belief of one robot by way travelled");
+  const Panel p{kLeft, 10, width - kLeft - 10, kHeight};
+  Svg svg(width, kHeight + 54, "Belief of one robot by way travelled");
   const double way_m = std::max(1e-3, localized.steps[traverse.end - 1].way_m);
   const auto steps = static_cast<double>(traverse.end - traverse.first);
   // A column of the picture reaches half a step to either side; the first and the last are cut.
@@ -146,7 +139,7 @@ std::string LineBelief(const LocalizedSteps& localized, const LocalizationScore*
   svg.Polyline(truth, "truth-path");
   svg.Polyline(mean, "path r2");
   svg.EndClip();
-  for (const double tick : Ticks(0, way_m, 10))
+  for (const double tick : Ticks(0, way_m, std::max(2, static_cast<int>(p.width / 90))))
     svg.Text(x(tick), p.top + p.height + 15, Short(tick), "tick middle");
   for (const double tick : Ticks(axis.low, axis.low + axis.length, 6))
     svg.Text(p.left - 7, y(tick) + 4, Short(tick), "tick end");
@@ -202,8 +195,9 @@ void DrawMap(const LocalizedSteps& localized, const LocalizationScore* score, co
 
 // Six maps, at the start, at the end and between them, ever farther apart.
 std::string MapBeliefs(const LocalizedSteps& localized, const LocalizationScore* score,
-                       const Traverse& traverse, Box box) {
-  constexpr double kGap = 20, kTitle = 26;
+                       const Traverse& traverse, Box box, double full_width) {
+  constexpr double kGap = 20, kTitle = 26, kNarrowest = 300;  // of a map
+  const auto columns = static_cast<std::size_t>(std::clamp(full_width / kNarrowest, 1.0, 3.0));
   const std::size_t last = traverse.end - traverse.first - 1;
   std::vector<std::size_t> shown;
   for (const double share : {0.0, 0.05, 0.12, 0.25, 0.5, 1.0}) {
@@ -211,31 +205,33 @@ std::string MapBeliefs(const LocalizedSteps& localized, const LocalizationScore*
     if (shown.empty() || at > shown.back()) shown.push_back(at);
   }
   box = {box.x_low_m - 0.5, box.x_high_m + 0.5, box.y_low_m - 0.5, box.y_high_m + 0.5};
-  const double width = (kWidth - 2 * kGap) / 3, height = PanelHeight(box, width, 120, 400);
-  const std::size_t rows = (shown.size() + 2) / 3;
-  Svg svg(kWidth, static_cast<double>(rows) * (height + kTitle + 6), "Belief of one robot on its way");
+  const double width = (full_width - static_cast<double>(columns - 1) * kGap) / static_cast<double>(columns),
+               height = PanelHeight(box, width, 120, 400);
+  const std::size_t rows = (shown.size() + columns - 1) / columns;
+  Svg svg(full_width, static_cast<double>(rows) * (height + kTitle + 6), "Belief of one robot on its way");
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    const std::size_t row = i / 3;
-    const Panel panel{static_cast<double>(i % 3) * (width + kGap),
+    const std::size_t row = i / columns;
+    const Panel panel{static_cast<double>(i % columns) * (width + kGap),
                       kTitle + static_cast<double>(row) * (height + kTitle + 6), width, height};
     DrawMap(localized, score, traverse, traverse.first + shown[i], box, panel, &svg);
   }
   return svg.Finish();
 }
 
-}  // namespace
-
-std::string ErrorFigure(const LocalizationScore& score) {
+LineChart MeanErrors(const LocalizationScore& score) {
   const auto believed = [](const LocalizationRow& row) -> const MeanError& { return row.believed; };
   const Curve mean = MeanCurve(score, "over the belief, with its 95% interval", 0, true, believed);
-  LineChart all{"Mean error over the robots",
-                "way travelled [m]",
-                "error [m]",
-                {mean,
-                 MeanCurve(score, "of the belief's mean", 2, false,
-                           [](const LocalizationRow& row) -> const MeanError& { return row.mean; }),
-                 MeanCurve(score, "of the most likely place", 1, false,
-                           [](const LocalizationRow& row) -> const MeanError& { return row.mode; })}};
+  return {"Mean error over the robots",
+          "way travelled [m]",
+          "error [m]",
+          {mean,
+           MeanCurve(score, "of the belief's mean", 2, false,
+                     [](const LocalizationRow& row) -> const MeanError& { return row.mean; }),
+           MeanCurve(score, "of the most likely place", 1, false,
+                     [](const LocalizationRow& row) -> const MeanError& { return row.mode; })}};
+}
+
+LineChart EachError(const LocalizationScore& score) {
   LineChart each{"Each robot", "way travelled [m]", "error [m]", {}};
   for (const LocalizationError& step : score.steps) {
     if (step.sensations == 0) {
@@ -246,10 +242,10 @@ std::string ErrorFigure(const LocalizationScore& score) {
     }
     each.curves.back().points.push_back({step.way_m, step.believed_m});
   }
-  return Stacked({all, each}, "Error of localisation by way travelled");
+  return each;
 }
 
-std::string SureFigure(const LocalizedSteps& localized, const LocalizationScore* score) {
+LineChart HowSure(const LocalizedSteps& localized, const LocalizationScore* score) {
   LineChart chart{"Root of the mean square over the robots", "way travelled [m]", "distance [m]", {}};
   chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it believes to be", 0,
                                         [&](std::size_t k) { return localized.steps[k].spread_m; }));
@@ -257,23 +253,61 @@ std::string SureFigure(const LocalizedSteps& localized, const LocalizationScore*
     chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it is", 1,
                                           [&](std::size_t k) { return score->steps[k].mean_m; }));
   }
-  if (score == nullptr || score->heading != "unknown")
-    return Stacked({chart}, "How sure the robots are, and how far off");
+  return chart;
+}
+
+// The same for a file.
+Plot PlotOf(const LineChart& chart) {
+  Plot plot;
+  plot.title = chart.title;
+  plot.x_label = chart.x_label;
+  plot.y_label = chart.y_label;
+  for (const Curve& curve : chart.curves) {
+    PlotSeries series;
+    series.name = curve.name;
+    series.colour = kRobots[static_cast<std::size_t>(curve.colour) % kRobotColours];
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+      PlotPoint point{curve.points[i].x, curve.points[i].y, std::nullopt};
+      if (curve.low.size() == curve.points.size()) point.bar = {curve.low[i].y, curve.high[i].y};
+      series.points.push_back(point);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::string ErrorHtml(const LocalizationScore& score, const std::string& caption) {
+  return ChartHtml(MeanErrors(score), caption, kChartHeight) + ChartHtml(EachError(score), "", kChartHeight);
+}
+
+std::string SureHtml(const LocalizedSteps& localized, const LocalizationScore* score,
+                     const std::string& caption) {
+  std::string html = ChartHtml(HowSure(localized, score), caption, kChartHeight);
+  if (score == nullptr || score->heading != "unknown") return html;
   LineChart facing{"Believed of facing as it does", "way travelled [m]", "mean over the robots [%]", {}};
   Curve curve{.name = "", .points = {}, .colour = 0};
   for (const LocalizationRow& row : score->rows) curve.points.push_back({row.way_m, 100 * row.facing});
   facing.curves.push_back(curve);
-  return Stacked({chart, facing}, "How sure the robots are, how far off, and which way they believe to face");
+  return html + ChartHtml(facing, "", kChartHeight);
+}
+
+std::string LocalizationPng(const LocalizedSteps& localized, const LocalizationScore* score) {
+  std::vector<Plot> plots;
+  if (score != nullptr) plots.push_back(PlotOf(MeanErrors(*score)));
+  plots.push_back(PlotOf(HowSure(localized, score)));
+  return DrawPlots(plots, {.columns = 1, .width = 900, .height = 320});
 }
 
 std::string BeliefFigure(const LocalizedSteps& localized, const LocalizationScore* score,
-                         std::size_t traverse) {
+                         std::size_t traverse, double width) {
   const Traverse of = TraversesOf(localized)[traverse];
   const Box box = BoxOf(localized);
   const double longer = std::max(box.width_m(), box.height_m()),
                shorter = std::min(box.width_m(), box.height_m());
-  return longer >= kFlat * shorter ? LineBelief(localized, score, of, LongerSide(box))
-                                   : MapBeliefs(localized, score, of, box);
+  return longer >= kFlat * shorter ? LineBelief(localized, score, of, LongerSide(box), width)
+                                   : MapBeliefs(localized, score, of, box, width);
 }
 
 Examples ExamplesOf(const LocalizedSteps& localized, const LocalizationScore* score) {

@@ -9,12 +9,12 @@
 #include "datasets/report/facts.h"
 #include "datasets/report/format.h"
 #include "datasets/report/line_chart.h"
+#include "datasets/report/palette.h"
 #include "datasets/report/parts.h"
+#include "datasets/report/plots.h"
 
 namespace cairn::datasets::report {
 namespace {
-
-constexpr double kWidth = 1040, kLeft = 86, kChartHeight = 200, kChartPitch = 270;
 
 std::string Percent(double share) { return Short(100 * share, 1) + "%"; }
 
@@ -55,34 +55,26 @@ std::vector<ChartPoint> ByStep(const std::vector<double>& values, double scale =
   return points;
 }
 
-// Charts one below the other, those that have something to draw.
-std::string Stacked(const std::vector<LineChart>& charts, const std::string& label) {
-  Svg svg(kWidth, kChartPitch * static_cast<double>(charts.size()), label);
-  double top = 24;
-  bool any = false;
-  for (const LineChart& chart : charts) {
-    if (!Draw(chart, {kLeft, top, kWidth - kLeft - 10, kChartHeight}, &svg)) continue;
-    top += kChartPitch;
-    any = true;
-  }
-  return any ? svg.Finish() : "";
-}
-
-std::string HistoryFigure(const TrainingHistory& h) {
+std::string TrainingHtml(const TrainingHistory& h) {
   std::vector<Curve> reductions{{"trained on", ByStep(h.error, -100 / h.prior, 100), 0}};
   std::vector<Curve> errors{{"trained on", ByStep(h.error), 0}};
   if (std::isfinite(h.validation_prior)) {
     reductions.push_back({"held out", ByStep(h.validation, -100 / h.validation_prior, 100), 1});
     errors.push_back({"held out", ByStep(h.validation), 1});
   }
-  return Stacked({{"Error reduction", "step", "error reduction [%]", reductions},
-                  {"Posterior error", "step", "E posterior [m]", errors},
-                  {"Gradient", "step", "norm of the gradient", {{"trained on", ByStep(h.norm), 0}}, true}},
-                 "Error reduction, posterior error and gradient by step");
+  const std::string caption =
+      "Before each step. Of mini-batches the error is that of the truths drawn; where networks come one "
+      "after "
+      "another, that of those in use.";
+  return ChartHtml({"Error reduction", "step", "error reduction [%]", reductions}, caption) +
+         ChartHtml({"Posterior error", "step", "E posterior [m]", errors}, "") +
+         ChartHtml({"Gradient", "step", "norm of the gradient", {{"trained on", ByStep(h.norm), 0}}, true},
+                   "");
 }
 
-// What each network makes of the places it was trained at, in the order in which the longest run passed them.
-std::string OutputsFigure(const Blob& result) {
+}  // namespace
+
+std::vector<std::vector<ChartPoint>> OutputsAlongRun(const Blob& result) {
   const auto run = result.Get<std::int32_t>("map/run");
   const auto along = result.Get<double>("map/along_m");
   const auto output = result.Get<float>("map/output");
@@ -94,13 +86,29 @@ std::string OutputsFigure(const Blob& result) {
   for (std::size_t k = 0; k < run.size(); ++k)
     if (run[k] == first) order.push_back(k);
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return along[k]; });
-  std::vector<LineChart> charts;
+  std::vector<std::vector<ChartPoint>> outputs(networks);
   for (std::size_t n = 0; n < networks; ++n) {
-    Curve curve{"", {}, static_cast<int>(n)};
-    for (const std::size_t k : order) curve.points.push_back({along[k], output[k * networks + n]});
-    charts.push_back({"Network " + std::to_string(n), "way travelled [m]", "P(f = 1)", {curve}});
+    for (const std::size_t k : order) outputs[n].push_back({along[k], output[k * networks + n]});
   }
-  return Stacked(charts, "Output of each network along a run");
+  return outputs;
+}
+
+namespace {
+
+std::string OutputsHtml(const Blob& result) {
+  std::string html;
+  const auto outputs = OutputsAlongRun(result);
+  for (std::size_t n = 0; n < outputs.size(); ++n) {
+    html += ChartHtml({"Network " + std::to_string(n),
+                       "way travelled [m]",
+                       "P(f = 1)",
+                       {Curve{"", outputs[n], static_cast<int>(n)}}},
+                      "", 150);
+  }
+  return html.empty()
+             ? ""
+             : "<p>Of the first run among those trained on: how likely each network's feature is.</p>\n" +
+                   html;
 }
 
 // Of each network, layer by layer.
@@ -166,18 +174,29 @@ std::string NetworksHtml(const Blob& result) {
                      Count(result.at("networks/input_mean").size(), "input") + " trained on.</p>\n";
   html += Tiles(result, h);
   html += SectionHtml("Warnings", Warnings(result));
-  html += SectionHtml("Training",
-                      FigureHtml(HistoryFigure(h),
-                                 "Before each step. Of mini-batches the error is that of the truths drawn; "
-                                 "where networks come one after another, that of those in use."));
-  html += SectionHtml(
-      "What the networks see",
-      FigureHtml(OutputsFigure(result),
-                 "Of the first run among those trained on: how likely each network's feature is."));
+  html += SectionHtml("Training", TrainingHtml(h));
+  html += SectionHtml("What the networks see", OutputsHtml(result));
   html += SectionHtml("Time", TimeHtml(RoundTimes(result)));
-  html += SectionHtml("Before this run", Ancestry(result));
-  html += SectionHtml("Job", ProvenanceHtml(result));
-  return html;
+  return html + SectionHtml("Before this run", Ancestry(result));
+}
+
+std::string NetworksPng(const Blob& result) {
+  std::vector<Plot> plots;
+  for (const auto& output : OutputsAlongRun(result)) {
+    Plot plot;
+    plot.title = "network " + std::to_string(plots.size());
+    plot.y_label = "P(f = 1)";
+    plot.y_low = 0;
+    plot.y_high = 1;
+    PlotSeries series;
+    for (const ChartPoint& at : output) series.points.push_back({at.x, at.y, std::nullopt});
+    series.colour = kRobots[plots.size() % kRobotColours];
+    plot.series.push_back(std::move(series));
+    plots.push_back(std::move(plot));
+  }
+  if (plots.empty()) throw InputError("there are no networks in it to draw");
+  plots.back().x_label = "way travelled in the first run [m]";
+  return DrawPlots(plots, {.columns = 1, .width = 900, .height = 110});
 }
 
 }  // namespace cairn::datasets::report

@@ -13,6 +13,7 @@ namespace {
 // Two networks, four samples of two runs, three steps; the second step looked at the held-out run.
 Blob Learned() {
   Blob result;
+  result.Put("networks/hidden_weight", Array::Of<double>({2, 3, 3}, std::vector<double>(18, 0.0)));
   result.Put("networks/hidden_bias", Array::Of<double>({2, 3}, std::vector<double>(6, 0.0)));
   result.PutVector<double>("networks/output_bias", {0, 0});
   result.PutVector<double>("networks/input_mean", {0, 0, 0});
@@ -29,8 +30,12 @@ Blob Learned() {
   return result;
 }
 
+std::string PageOf(const Blob& result, const std::string& title) {
+  return JobReportHtml({{.name = "learned", .result = &result}}, title);
+}
+
 TEST(NetworksPage, ShowsHowTrainingWentAndWhatTheNetworksSee) {
-  const std::string html = NetworksReportHtml(Learned(), "a <b>");
+  const std::string html = PageOf(Learned(), "a <b>");
   ExpectContains(html, "<title>a &lt;b&gt;</title>");
   ExpectContains(html, "<b>50%</b><span>error reduction, runs trained on");
   ExpectContains(html, "<b>25%</b><span>the best on the held-out run");
@@ -41,7 +46,7 @@ TEST(NetworksPage, ShowsHowTrainingWentAndWhatTheNetworksSee) {
   EXPECT_EQ(html.find("<h2>Warnings"), std::string::npos);
   EXPECT_EQ(html.find("<h2>Before this run"), std::string::npos);
   EXPECT_EQ(html.find("nan"), std::string::npos);
-  EXPECT_EQ(html, NetworksReportHtml(Learned(), "a <b>"));
+  EXPECT_EQ(html, PageOf(Learned(), "a <b>"));
 }
 
 TEST(NetworksPage, CountsTheUnitsOfBothHiddenLayers) {

@@ -136,8 +136,10 @@ std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
                     }});
   }
   if (any([](const auto& p) { return p.cells.has_value(); })) {
-    for (const auto& [text, colour] :
-         {std::pair{"occupied", kBlack}, {"free", kPaper}, {"unknown", kUnknown}}) {
+    for (const auto& [text, colour] : {std::pair{"free", kPaper},
+                                       {"0.5", kEvenChance},
+                                       {"occupied", kBlack},
+                                       {"nothing known", kUnknown}}) {
       const Rgb filled = colour;
       keys.push_back({text, [filled](Canvas& c, PointM at) {
                         c.Fill({at.x_m - 13, at.y_m - 6}, {at.x_m + 13, at.y_m + 6}, filled);

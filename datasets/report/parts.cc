@@ -1,5 +1,6 @@
 #include "datasets/report/parts.h"
 
+#include "datasets/report/base64.h"
 #include "datasets/report/format.h"
 #include "datasets/report/style.h"
 
@@ -14,15 +15,39 @@ std::string Footer(const Blob& result) {
   return "<footer>" + text + ". Lengths in metres, headings counter-clockwise.</footer>\n";
 }
 
+// Big-endian, of a PNG's header.
+std::uint32_t PngSide(std::string_view png, std::size_t at) {
+  std::uint32_t side = 0;
+  for (std::size_t i = at; i < at + 4; ++i) side = 256 * side + static_cast<unsigned char>(png.at(i));
+  return side;
+}
+
 }  // namespace
 
 std::string SectionHtml(const std::string& title, const std::string& body) {
   return body.empty() ? "" : "<section>\n<h2>" + title + "</h2>\n" + body + "</section>\n";
 }
 
-std::string FigureHtml(const std::string& drawing, const std::string& caption) {
-  return drawing.empty() ? ""
-                         : "<figure>\n" + drawing + "<figcaption>" + caption + "</figcaption>\n</figure>\n";
+std::string FigureHtml(const Drawing& draw, const std::string& caption) {
+  const std::string wide = draw(kWideFigure);
+  if (wide.empty()) return {};
+  return "<figure>\n<div class=\"wide\">" + wide + "</div>\n<div class=\"narrow\">" + draw(kNarrowFigure) +
+         "</div>\n<figcaption>" + caption + "</figcaption>\n</figure>\n";
+}
+
+std::string PictureHtml(std::string_view png, const std::string& label, const std::string& caption) {
+  const std::string width = std::to_string(PngSide(png, 16)), height = std::to_string(PngSide(png, 20));
+  return "<figure>\n<div class=\"scroll\"><img width=\"" + width + "\" height=\"" + height + "\" alt=\"" +
+         Escape(label) + "\" src=\"data:image/png;base64," + Base64(png) + "\"></div>\n<figcaption>" +
+         caption + "</figcaption>\n</figure>\n";
+}
+
+std::string LegendHtml(const std::vector<LegendEntry>& entries) {
+  std::string items;
+  for (const LegendEntry& entry : entries)
+    items += "<li><svg viewBox=\"0 0 26 14\" aria-hidden=\"true\">" + entry.drawing + "</svg>" +
+             Escape(entry.text) + "</li>\n";
+  return items.empty() ? "" : "<ul class=\"legend\">\n" + items + "</ul>\n";
 }
 
 std::string TileHtml(const std::string& value, const std::string& what, const char* mood) {
@@ -45,9 +70,9 @@ std::string TimeHtml(const std::vector<RoundTime>& rounds) {
     tasks += round.tasks;
     count += round.rounds;
   }
-  return FigureHtml(RoundsFigure(rounds), Count(count, "round") + " with " + Count(tasks, "task") + ": " +
-                                              Duration(seconds) + " of wall time, " + Duration(compute) +
-                                              " of computing.");
+  return FigureHtml([&](double width) { return RoundsFigure(rounds, width); },
+                    Count(count, "round") + " with " + Count(tasks, "task") + ": " + Duration(seconds) +
+                        " of wall time, " + Duration(compute) + " of computing.");
 }
 
 std::string PageHtml(const std::string& title, const std::string& body, const Blob& result) {

@@ -2,102 +2,81 @@
 
 #include <vector>
 
+#include "datasets/report/draw_map.h"
 #include "datasets/report/facts.h"
-#include "datasets/report/figures.h"
 #include "datasets/report/format.h"
 #include "datasets/report/grid_page.h"
+#include "datasets/report/landmark_page.h"
 #include "datasets/report/local_page.h"
 #include "datasets/report/localization_page.h"
+#include "datasets/report/localized_figures.h"
 #include "datasets/report/networks_page.h"
 #include "datasets/report/parts.h"
-#include "datasets/report/scene.h"
+#include "datasets/report/samples_page.h"
+#include "schema/store/result_kind.h"
 
 namespace cairn::datasets {
 namespace report {
 namespace {
 
-std::string MapCaption(const Evaluation* evaluation) {
-  std::string caption = "Paths are the most likely poses. ";
-  if (evaluation == nullptr) return caption;
-  if (evaluation->aligned_on == "poses")
-    caption += "Truth was laid over the result by one rigid motion, fitted to ";
-  else if (evaluation->aligned_on == "landmarks")
-    caption += "Truth was laid over it by one rigid motion, fitted to ";
-  else
-    return caption;
-  return caption + (evaluation->aligned_on == "poses" ? "the poses of all robots." : "the landmarks.");
+std::string BodyHtml(const ReportedStage& stage) {
+  const std::string kind = ResultKind(*stage.result);
+  if (kind == "landmark_map") return LandmarkMapHtml(*stage.result, stage.source, stage.evaluation);
+  if (kind == "grid_map") return GridMapHtml(*stage.result, stage.source, stage.grid_evaluation);
+  if (kind == "local_map") return LocalHtml(*stage.result, stage.source, stage.local_evaluation);
+  if (kind == "networks") return NetworksHtml(*stage.result);
+  if (kind == "localization") return LocalizationHtml(*stage.result, stage.source);
+  if (kind == "samples") return SamplesHtml(*stage.result);
+  throw InputError("stage '" + stage.name + "': there is no page of a " + kind);
 }
 
-std::string BeforeAfterCaption(const Scene& scene) {
-  std::string caption = "Both at one scale, each path from its first corrected pose.";
-  bool marks = false;
-  for (const Path& path : scene.odometry_marks) marks = marks || !path.points.empty();
-  if (marks) caption += " Dots on the left: where raw odometry has the robot when it is at a landmark.";
-  return caption;
+std::string StageHtml(const ReportedStage& stage, std::size_t number) {
+  return "<article id=\"stage-" + std::to_string(number) + "\">\n<h1 class=\"stage\">" + Escape(stage.name) +
+         " <small>" + Escape(ResultKind(*stage.result)) + "</small></h1>\n" + BodyHtml(stage) +
+         "</article>\n";
 }
 
-std::string LikelihoodSection(const std::vector<Iteration>& iterations) {
-  return FigureHtml(
-      LikelihoodFigure(iterations),
-      "Of the data under the map with which the iteration began. A line joins iterations over the same "
-      "data; hollow points are of a part of the data, or had no map to begin with.");
-}
-
-void Check(const Blob& result, const Blob* log, const Evaluation* evaluation) {
-  for (const char* name : {"robots", "map/landmark_x_m", "map/landmark_y_m"}) {
-    if (!result.Has(name)) throw InputError(std::string("not a landmark_map: '") + name + "' is missing");
-  }
-  if (log != nullptr && log->Texts("robots") != result.Texts("robots")) {
-    throw InputError("the log's robots are not the result's: was it made from this log?");
-  }
-  CAIRN_DEMAND(evaluation == nullptr || evaluation->robots.size() == result.Texts("robots").size(),
-               "an evaluation of this result");
-}
-
-std::string Page(const Blob& result, const Blob* log, const Evaluation* evaluation,
-                 const ReportOptions& options) {
-  Check(result, log, evaluation);
-  const Scene scene = MakeScene(result, log, evaluation);
-  std::string html = "<p class=\"lead\">" + Escape(LeadHtml(result, log)) + "</p>\n";
-  html += TilesHtml(result, evaluation);
-  html += SectionHtml("Map", LegendHtml(scene) + FigureHtml(MapFigure(scene), MapCaption(evaluation)));
-  html += SectionHtml("Before and after", FigureHtml(BeforeAfterFigure(scene), BeforeAfterCaption(scene)));
-  html += SectionHtml("Landmark probability",
-                      FigureHtml(GridFigure(scene),
-                                 "P(landmark) of each cell, the largest over the landmark types; a "
-                                 "colour's strength goes with the root, so that doubt shows."));
-  html += SectionHtml("Convergence", LikelihoodSection(Iterations(result)));
-  html += SectionHtml("Time", TimeHtml(RoundTimes(result)));
-  html += SectionHtml("Robots", RobotsTableHtml(result, log, evaluation));
-  html += SectionHtml("Landmarks", scene.landmarks.empty() ? "" : LandmarksTableHtml(scene));
-  html += SectionHtml("Job", ProvenanceHtml(result));
-  return PageHtml(options.title, html, result);
+std::string ContentsHtml(const std::vector<ReportedStage>& stages) {
+  std::string links;
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    links += "<a href=\"#stage-" + std::to_string(i) + "\">" + Escape(stages[i].name) + "</a>\n";
+  return "<nav>\n" + links + "</nav>\n";
 }
 
 }  // namespace
 }  // namespace report
 
-std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
-                       const ReportOptions& options) {
-  return report::Page(result, log, evaluation, options);
+bool HasReport(const std::string& kind) {
+  return kind == "landmark_map" || kind == "grid_map" || kind == "local_map" || kind == "networks" ||
+         kind == "localization" || kind == "samples";
 }
 
-std::string NetworksReportHtml(const Blob& result, const std::string& title) {
-  return report::PageHtml(title, report::NetworksHtml(result), result);
+std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title) {
+  CAIRN_DEMAND(!stages.empty(), "something to report on");
+  const ReportedStage& last = stages.back();
+  std::string html;
+  if (stages.size() == 1) {
+    html = report::BodyHtml(last);
+  } else {
+    html = report::ContentsHtml(stages);
+    for (std::size_t i = 0; i < stages.size(); ++i) html += report::StageHtml(stages[i], i);
+  }
+  html += report::SectionHtml("Job", report::ProvenanceHtml(*last.result));
+  std::string heading = title.empty() ? report::TitleOf(*last.result) : title;
+  if (heading.empty()) heading = last.name;
+  return report::PageHtml(heading, html, *last.result);
 }
 
-std::string LocalizationReportHtml(const Blob& result, const Blob* samples, const std::string& title) {
-  return report::PageHtml(title, report::LocalizationHtml(result, samples), result);
-}
-
-std::string GridMapReportHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
-                              const std::string& title) {
-  return report::PageHtml(title, report::GridMapHtml(map, log, evaluation), map);
-}
-
-std::string LocalMapReportHtml(const Blob& result, const Blob* log, const LocalEvaluation* evaluation,
-                               const std::string& title) {
-  return report::PageHtml(title, report::LocalHtml(result, log, evaluation), result);
+std::string StagePicturePng(const ReportedStage& stage, int width_px) {
+  const std::string kind = ResultKind(*stage.result);
+  if (kind == "landmark_map") return DrawMapPng(*stage.result, stage.source, stage.evaluation, width_px);
+  if (kind == "grid_map") return DrawGridPng(*stage.result, stage.source, stage.grid_evaluation, width_px);
+  if (kind == "local_map")
+    return DrawScenePng(report::LocalSceneOf(*stage.result, stage.source, stage.local_evaluation), width_px);
+  if (kind == "networks") return report::NetworksPng(*stage.result);
+  if (kind == "localization") return report::LocalizationPng(*stage.result, stage.source);
+  if (kind == "samples") return DrawScenePng(report::SamplesSceneOf(*stage.result), width_px);
+  throw InputError("stage '" + stage.name + "': there is no picture of a " + kind);
 }
 
 }  // namespace cairn::datasets

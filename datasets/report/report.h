@@ -1,7 +1,8 @@
-// The report of a result: one self-contained HTML page.
+// The report of a job: one self-contained HTML page, and a picture of each stage.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/evaluate_grid.h"
@@ -10,37 +11,32 @@
 
 namespace cairn::datasets {
 
-struct ReportOptions {
-  std::string title = "Landmark map";
+// A stage of a job on its page: its result, what it was made from, and how good it is. `source` (the log,
+// with or without truth; of networks and of a localization the samples) may be null, and so may every
+// evaluation: without a log there is no raw odometry, without an evaluation no truth.
+struct ReportedStage {
+  std::string name;
+  const Blob* result = nullptr;
+  const Blob* source = nullptr;
+  const Evaluation* evaluation = nullptr;             // of a landmark_map
+  const GridEvaluation* grid_evaluation = nullptr;    // of a grid_map
+  const LocalEvaluation* local_evaluation = nullptr;  // of a local_map
 };
 
-// A page of its own: style and pictures are inside, nothing is loaded from anywhere. It follows the reader's
-// light or dark scheme, and prints light. `log`, with or without truth, and `evaluation` may be null: without
-// a log there is no raw odometry, without an evaluation no truth. The same input gives the same bytes. Throws
-// InputError where `result` is no landmark_map, or the log's robots are not the result's.
-std::string ReportHtml(const Blob& result, const Blob* log, const Evaluation* evaluation,
-                       const ReportOptions& options = {});
+// Whether results of this kind (schema/FORMAT.md) have a page and a picture: landmark_map, grid_map,
+// local_map, networks, localization, samples.
+bool HasReport(const std::string& kind);
 
-// The same of learned networks: how training went, what the networks see. Throws InputError where `result` is
-// not of kind `networks`, or its arrays do not fit each other.
-std::string NetworksReportHtml(const Blob& result, const std::string& title);
+// The page of a job, its stages in order: style and pictures are inside, nothing is loaded from anywhere. It
+// follows the reader's light or dark scheme, has figures of their own for a phone, and prints light. Without
+// a `title` it is called by its log and job, as the provenance names them. The same input gives the same
+// bytes. Throws InputError where a result is of no kind that has a page, its arrays do not fit each other, or
+// its source is another's.
+std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title = "");
 
-// The same of localised robots: error by way travelled, what some of them believe. Without `samples`, which
-// may be null, there are no errors. Throws InputError where `result` is not of kind `localization`, was not
-// made from these samples, or its arrays do not fit each other.
-std::string LocalizationReportHtml(const Blob& result, const Blob* samples, const std::string& title);
-
-// The same of a grid map: its layers with the way of the scans, the log-likelihood, parameters. With
-// `evaluation` its scores, and with `log` too (either may be null) the true walls. Throws InputError where
-// `map` is not of kind `grid_map`, or its arrays do not fit each other.
-std::string GridMapReportHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
-                              const std::string& title);
-
-// The same of a local map: the path put together from its traces, the direction of the walls, local grids,
-// traces. With `log` odometry alone and immediate traces, with `evaluation` too the truth and errors (either
-// may be null). Throws InputError where `result` is not of kind `local_map`, or its arrays do not fit each
-// other.
-std::string LocalMapReportHtml(const Blob& result, const Blob* log, const LocalEvaluation* evaluation,
-                               const std::string& title);
+// The picture of a stage, as a PNG file of `width_px` (400 to 10000): of maps with axes, a scale bar and a
+// legend, of networks what they see along a run, of a localization its error or, without samples, how sure
+// robots are. Throws as above.
+std::string StagePicturePng(const ReportedStage& stage, int width_px = 1600);
 
 }  // namespace cairn::datasets

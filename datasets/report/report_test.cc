@@ -12,6 +12,7 @@
 #include "datasets/report/figures.h"
 #include "datasets/report/format.h"
 #include "datasets/report/grid_picture.h"
+#include "datasets/report/landmark_page.h"
 #include "datasets/report/scene.h"
 #include "datasets/simulate_loop.h"
 #include "datasets/testing.h"
@@ -28,7 +29,7 @@ std::size_t CountOf(const std::string& text, const std::string& part) {
 
 // The first tag that is not closed in order, or empty.
 std::string FirstUnbalancedTag(const std::string& html) {
-  const std::set<std::string> empty = {"meta", "!doctype"};
+  const std::set<std::string> empty = {"meta", "!doctype", "img"};
   std::vector<std::string> open;
   for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
     const std::size_t end = html.find('>', at);
@@ -74,6 +75,11 @@ Blob FullResult(const Blob& log) {
   return result;
 }
 
+std::string PageOf(const Blob& result, const Blob* log, const Evaluation* evaluation,
+                   const std::string& title = "") {
+  return JobReportHtml({{.name = "map", .result = &result, .source = log, .evaluation = evaluation}}, title);
+}
+
 class ReportOfALoop : public ::testing::Test {
  protected:
   const Blob log_ = SimulateLoop({.difficulty = "paper", .robots = 2, .seed = 4});
@@ -82,7 +88,7 @@ class ReportOfALoop : public ::testing::Test {
 };
 
 TEST_F(ReportOfALoop, IsOneBalancedPageThatLoadsNothing) {
-  const std::string html = ReportHtml(result_, &log_, &evaluation_, {.title = "Loop <4>"});
+  const std::string html = PageOf(result_, &log_, &evaluation_, "Loop <4>");
   EXPECT_EQ(FirstUnbalancedTag(html), "");
   ExpectContains(html, "<title>Loop &lt;4&gt;</title>");
   for (const char* outside : {"http:", "https:", "src=", "@import", "<script", "<link"}) {
@@ -94,7 +100,7 @@ TEST_F(ReportOfALoop, IsOneBalancedPageThatLoadsNothing) {
 }
 
 TEST_F(ReportOfALoop, ShowsEverySection) {
-  const std::string html = ReportHtml(result_, &log_, &evaluation_);
+  const std::string html = PageOf(result_, &log_, &evaluation_);
   for (const char* title : {"Map", "Before and after", "Landmark probability", "Convergence", "Time",
                             "Robots", "Landmarks", "Job"}) {
     ExpectContains(html, std::string("<h2>") + title + "</h2>");
@@ -104,44 +110,46 @@ TEST_F(ReportOfALoop, ShowsEverySection) {
   ExpectContains(html, "1 min 23 s");
   ExpectContains(html, "name: a &lt;b&gt; &amp; &quot;c&quot;");
   ExpectContains(html, "Cairn 1.2.3 with 3 workers");
-  EXPECT_EQ(CountOf(html, "class=\"truth-landmark\""), evaluation_.pairs.size() + 1);  // and the legend's
+  // On both drawings of the map, and in its legend.
+  EXPECT_EQ(CountOf(html, "class=\"truth-landmark\""), 2 * evaluation_.pairs.size() + 1);
 }
 
 TEST_F(ReportOfALoop, SaysThatARefinementWasRefused) {
-  EXPECT_EQ(CountOf(ReportHtml(result_, &log_, &evaluation_), "refinement"), 0U);
+  EXPECT_EQ(CountOf(PageOf(result_, &log_, &evaluation_), "refinement"), 0U);
   Blob refused = result_;
   refused.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   ExpectContains(
-      ReportHtml(refused, &log_, &evaluation_),
+      PageOf(refused, &log_, &evaluation_),
       "Its refinement was refused: the least squares has no solution; the landmarks stand where EM "
       "left them.");
 }
 
 TEST_F(ReportOfALoop, WithoutLogAndTruthLeavesOutWhatItDoesNotKnow) {
-  const std::string html = ReportHtml(result_, nullptr, nullptr);
+  const std::string html = PageOf(result_, nullptr, nullptr);
   EXPECT_EQ(FirstUnbalancedTag(html), "");
   EXPECT_EQ(CountOf(html, "Before and after"), 0U);
   EXPECT_EQ(CountOf(html, "class=\"truth"), 0U);
   EXPECT_EQ(CountOf(html, "topology"), 0U);
   ExpectContains(html, "<h2>Map</h2>");
   const Blob blind = log_.Without("truth/");
-  const std::string with_log = ReportHtml(result_, &blind, nullptr);
+  const std::string with_log = PageOf(result_, &blind, nullptr);
   EXPECT_EQ(CountOf(with_log, "class=\"truth"), 0U);
   ExpectContains(with_log, "Before and after");
 }
 
 TEST_F(ReportOfALoop, IsTheSameEachTime) {
-  EXPECT_EQ(ReportHtml(result_, &log_, &evaluation_), ReportHtml(result_, &log_, &evaluation_));
+  EXPECT_EQ(PageOf(result_, &log_, &evaluation_), PageOf(result_, &log_, &evaluation_));
 }
 
 TEST_F(ReportOfALoop, RefusesWhatItCannotShow) {
-  ExpectContains(InputErrorOf([&] { ReportHtml(result_.Without("map/landmark_x_m"), nullptr, nullptr); }),
-                 "map/landmark_x_m");
+  ExpectContains(
+      InputErrorOf([&] { LandmarkMapHtml(result_.Without("map/landmark_x_m"), nullptr, nullptr); }),
+      "map/landmark_x_m");
   const Blob other = SimulateLoop({.difficulty = "paper", .robots = 1, .seed = 4});
-  ExpectContains(InputErrorOf([&] { ReportHtml(result_, &other, nullptr); }), "robots");
+  ExpectContains(InputErrorOf([&] { PageOf(result_, &other, nullptr); }), "robots");
   Blob ragged = result_;
   ragged.PutVector("history/prefix", std::vector<double>{1});
-  ExpectContains(InputErrorOf([&] { ReportHtml(ragged, nullptr, nullptr); }), "history/");
+  ExpectContains(InputErrorOf([&] { PageOf(ragged, nullptr, nullptr); }), "history/");
 }
 
 // Dead reckoning of the scene ends where the log's odometry does, the stated error away from the true end.
@@ -269,19 +277,20 @@ TEST(Base64, GivesTheStandardsAnswers) {
 }
 
 TEST(Figures, AreEmptyWhereThereIsNothingToDraw) {
-  EXPECT_EQ(LikelihoodFigure({}), "");
-  EXPECT_EQ(LikelihoodFigure({{NAN, 1, 1}}), "");
-  EXPECT_EQ(RoundsFigure({}), "");
-  EXPECT_EQ(GridFigure({}), "");
-  EXPECT_EQ(BeforeAfterFigure({}), "");
-  EXPECT_EQ(FirstUnbalancedTag(MapFigure({})), "");
+  EXPECT_EQ(LikelihoodFigure({}, 1000), "");
+  EXPECT_EQ(LikelihoodFigure({{0, 1, 1}}, 1000), "") << "there was no map";
+  EXPECT_EQ(LikelihoodFigure({{0, 1, 1}, {NAN, 1, 1}}, 1000), "");
+  EXPECT_EQ(RoundsFigure({}, 1000), "");
+  EXPECT_EQ(GridFigure({}, 1000), "");
+  EXPECT_EQ(BeforeAfterFigure({}, 1000), "");
+  EXPECT_EQ(FirstUnbalancedTag(MapFigure({}, 1000)), "");
 }
 
 // Four iterations: the first had no map, the second half the data; a line joins the last two alone.
 TEST(LikelihoodFigure, JoinsOnlyWhatCompares) {
-  const std::string svg = LikelihoodFigure({{0, 1, 1}, {-9, 0.5, 1}, {-8, 1, 1}, {-7, 1, 1}});
+  const std::string svg = LikelihoodFigure({{0, 1, 1}, {-9, 0.5, 1}, {-8, 1, 1}, {-7, 1, 1}}, 1000);
   EXPECT_EQ(CountOf(svg, "class=\"curve\""), 1U);
-  EXPECT_EQ(CountOf(svg, "class=\"point part\""), 2U);
+  EXPECT_EQ(CountOf(svg, "class=\"point part\""), 1U);
   EXPECT_EQ(CountOf(svg, "class=\"point\""), 2U);
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr double kChiSquared95 = 5.991464547107979;
 
 Path ToPath(const Track& track, const std::string& robot, std::size_t index) {
-  Path path{robot, index, {}};
+  Path path{.robot = robot, .index = index, .points = {}};
   for (const PoseM& pose : track.poses) path.points.push_back({pose.x_m, pose.y_m});
   return path;
 }
@@ -63,7 +63,7 @@ class SceneMaker {
     if (turn.size() != time.size() || forward.size() != time.size())
       throw InputError("'" + robot + "odometry/': columns of different length");
     const std::vector<double> marks = PressTimes(robot + "observations/");
-    Path path{name, r, {}}, at_marks{name, r, {}};
+    Path path{.robot = name, .index = r, .points = {}}, at_marks = path;
     PoseM pose = track.poses.front();
     path.points.push_back({pose.x_m, pose.y_m});
     std::size_t next_mark = 0;
@@ -84,6 +84,7 @@ class SceneMaker {
     const Track truth = ReadTrack(*log_, "truth/robot/" + std::to_string(r) + "/poses/");
     Path path = ToPath(truth, name, r);
     if (path.points.empty()) return;
+    path.breaks = BreaksOf(truth.time_s);
     for (PointM& point : path.points) point = FromTruth(point);
     scene_.truth_paths.push_back(std::move(path));
   }
@@ -105,6 +106,7 @@ class SceneMaker {
                                                covariance[4 * k + 2], covariance[4 * k + 3]});
       landmark.count = count[k];
       const bool known = identity[k] >= 0 && identity[k] < static_cast<std::int64_t>(names.size());
+      landmark.identified = known;
       landmark.name = known ? names[static_cast<std::size_t>(identity[k])] : std::to_string(k);
       landmark.spurious = evaluation_ != nullptr && evaluation_->landmarks.has_value();
       scene_.landmarks.push_back(std::move(landmark));
@@ -185,6 +187,47 @@ class Bounds {
 
 }  // namespace
 
+std::vector<std::vector<PointM>> Pieces(const Path& path) {
+  std::vector<std::vector<PointM>> pieces;
+  std::size_t first = 0;
+  const auto cut = [&](std::size_t end) {
+    const auto begin = path.points.begin();
+    if (first < end)
+      pieces.emplace_back(begin + static_cast<std::ptrdiff_t>(first),
+                          begin + static_cast<std::ptrdiff_t>(end));
+    first = end;
+  };
+  for (const std::size_t at : path.breaks) cut(at);
+  cut(path.points.size());
+  return pieces;
+}
+
+std::vector<std::size_t> BreaksOf(std::span<const double> time_s) {
+  constexpr double kTimesUsual = 4;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
+  if (steps.empty()) return {};
+  std::vector<double> sorted = steps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  const double longest_s = std::max(kMaxGapS, kTimesUsual * *middle);
+  std::vector<std::size_t> breaks;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] > longest_s) breaks.push_back(i + 1);
+  }
+  return breaks;
+}
+
+std::vector<std::size_t> NamedLandmarks(const Scene& scene) {
+  std::size_t numbers = 0;
+  for (const MapLandmark& landmark : scene.landmarks) numbers += landmark.identified ? 0 : 1;
+  std::vector<std::size_t> named;
+  for (std::size_t k = 0; k < scene.landmarks.size(); ++k) {
+    if (scene.landmarks[k].identified || numbers <= kMostNumbers) named.push_back(k);
+  }
+  return named;
+}
+
 std::string RobotTitle(const std::string& name) {
   return name.find_first_not_of("0123456789") == std::string::npos ? "robot " + name : name;
 }
@@ -200,6 +243,11 @@ Box BoundsOf(const Scene& scene, bool with_odometry) {
   if (with_odometry) bounds.Add(scene.odometry);
   for (const MapLandmark& landmark : scene.landmarks) bounds.Add(landmark.at);
   for (const PointM& point : scene.truth_landmarks) bounds.Add(point);
+  for (const PointM& point : scene.edges) bounds.Add(point);
+  for (const auto& [a, b] : scene.truth_walls) {
+    bounds.Add(a);
+    bounds.Add(b);
+  }
   if (bounds.empty() && scene.grid) {
     const Grid& grid = *scene.grid;
     bounds.Add(grid.origin);

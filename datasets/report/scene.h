@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,16 @@ struct Path {
   std::string robot;
   std::size_t index = 0;  // of the robot: its colour
   std::vector<PointM> points;
+  std::vector<std::size_t> breaks =
+      {};  // points before which nothing is known of the way: no line leads to them
 };
+
+// The stretches between a path's breaks. One of a single point is a place, and no way.
+std::vector<std::vector<PointM>> Pieces(const Path& path);
+
+// Where the time to the one before is longer than a second and four times what is usual among them: a
+// receiver that lost its satellites, a recording that paused.
+std::vector<std::size_t> BreaksOf(std::span<const double> time_s);
 
 struct EllipseM {
   PointM centre;
@@ -29,6 +39,7 @@ struct MapLandmark {
   EllipseM ellipse;
   double count = 0;               // expected observations
   std::string name;               // its identity's, else its number
+  bool identified = false;        // the name is its identity's
   bool spurious = false;          // an evaluation found no true one near it
   std::optional<double> error_m;  // to its true one
 };
@@ -49,13 +60,27 @@ struct Box {
 struct Scene {
   std::vector<Path> paths;           // most likely poses
   std::vector<Path> odometry;        // dead reckoning from each path's first pose; empty without a log
+  std::vector<Path> odometry_below;  // the same, to be drawn on the map itself
   std::vector<Path> odometry_marks;  // where it puts the robot at each observation without a range
   std::vector<Path> truth_paths;     // empty without an evaluation
   std::vector<MapLandmark> landmarks;
   std::vector<PointM> truth_landmarks;                 // those that were observed
   std::vector<std::pair<PointM, PointM>> error_lines;  // (extracted, true), matched
+  std::vector<std::pair<PointM, PointM>> truth_walls;  // both ends of each
+  std::vector<PointM> edges;                           // where walls were met
+  struct Loop {
+    PointM from, to;
+    bool used = true;  // the path follows it
+  };
+  std::vector<Loop> loops;
   std::optional<Grid> grid;
 };
+
+// Names of landmarks that are their numbers tell people nothing once they are many: then they are left out.
+inline constexpr std::size_t kMostNumbers = 60;
+
+// Those to be written on a map; the heavier, the more often observed. Their places are left to the caller.
+std::vector<std::size_t> NamedLandmarks(const Scene& scene);
 
 // "robot 3" for a robot that is called 3.
 std::string RobotTitle(const std::string& name);

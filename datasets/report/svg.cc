@@ -58,6 +58,13 @@ void Svg::Polygon(const std::vector<PointM>& corners, std::string_view style_cla
   out_ += "/>\n";
 }
 
+void Svg::Dots(const std::vector<PointM>& points, std::string_view style_class) {
+  if (points.empty()) return;
+  out_ += "<path" + Class(style_class) + " d=\"";
+  for (const PointM& at : points) out_ += "M" + Short(at.x_m, 1) + " " + Short(at.y_m, 1) + "h0";
+  out_ += "\"/>\n";
+}
+
 void Svg::Circle(double x, double y, double radius, std::string_view style_class, std::string_view tip) {
   out_ += "<circle" + Class(style_class) + Attribute("cx", x) + Attribute("cy", y) + Attribute("r", radius) +
           Close("circle", tip);
@@ -93,7 +100,10 @@ void Svg::Image(double x, double y, double width, double height, std::string_vie
 }
 
 void Svg::BeginClip(double x, double y, double width, double height) {
-  const std::string id = id_ + "-" + std::to_string(clips_++);
+  // By what it is: the same drawing of another stage on the page has the same rectangle.
+  Hasher hasher;
+  for (const double value : {x, y, width, height}) hasher.Add(Short(value) + " ");
+  const std::string id = id_ + "-" + hasher.Finish().Hex().substr(0, 8);
   out_ += "<clipPath id=\"" + id + "\"><rect" + Attribute("x", x) + Attribute("y", y) +
           Attribute("width", width) + Attribute("height", height) + "/></clipPath>\n<g clip-path=\"url(#" +
           id + ")\">\n";

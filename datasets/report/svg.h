@@ -19,6 +19,8 @@ class Svg {
   void Polyline(const std::vector<PointM>& points, std::string_view style_class);
   // A filled area; nothing of fewer than three corners.
   void Polygon(const std::vector<PointM>& corners, std::string_view style_class);
+  // Points in pixels, as one element: the style's stroke is as wide as they are.
+  void Dots(const std::vector<PointM>& points, std::string_view style_class);
   // `tip`, where not empty, is shown when the pointer rests on it.
   void Circle(double x, double y, double radius, std::string_view style_class, std::string_view tip = "");
   void Ellipse(double x, double y, double major, double minor, double degrees, std::string_view style_class);
@@ -36,8 +38,7 @@ class Svg {
 
  private:
   std::string out_;
-  std::string id_;  // of this picture's clip paths: unique in a page
-  int clips_ = 0;
+  std::string id_;  // of this picture's clip paths
 };
 
 }  // namespace cairn::datasets::report

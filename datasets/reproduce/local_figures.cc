@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "datasets/evaluate/evaluate_local.h"
+#include "datasets/report/draw_map.h"
 #include "datasets/report/local_page.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/occupancy_panels.h"
@@ -253,12 +254,12 @@ PaperFigure Match(const Kinds& kinds) {
   return figure;
 }
 
-PaperFigure Map(const Scored& first, const report::LocalResult& local) {
+PaperFigure Map(const Scored& first) {
   return {"path.png", "Traces and the path put together from them",
           "The paper keeps no global frame; \"we ask only for consistency between adjacent traces\" (4.3).",
           Say("Mean error %.3f m, of odometry alone %.3f m; %lld loops.", first.score.path.mean_m,
               first.score.odometry.mean_m, static_cast<long long>(first.score.loops.found)),
-          report::LocalMapPng(local, report::AroundOf(local, *first.log, &first.score))};
+          DrawScenePng(report::LocalSceneOf(*first.result, first.log, &first.score), 1300)};
 }
 
 }  // namespace
@@ -268,8 +269,7 @@ std::vector<PaperFigure> LocalFigures(const LocalStudy& study, const StageResult
   for (const OfficeKind& kind : study.kinds) kinds.emplace_back(kind.title, ScoreKind(study, results, kind));
   const Scored& first = kinds.front().second.front();
   const report::LocalResult local = report::ReadLocalResult(*first.result);
-  std::vector<PaperFigure> figures{Grid(local), Trace(local), Match(kinds), Map(first, local),
-                                   Numbers(kinds)};
+  std::vector<PaperFigure> figures{Grid(local), Trace(local), Match(kinds), Map(first), Numbers(kinds)};
   for (PaperFigure& figure : figures)
     if (figure.png.empty()) figure.file.clear();
   return figures;

@@ -22,8 +22,8 @@ std::string Html(const PaperTable& table) {
 
 std::string Picture(const PaperFigure& figure) {
   if (figure.file.empty()) return {};
-  return "<figure><img src=\"" + report::Escape(figure.file) + "\" alt=\"" + report::Escape(figure.title) +
-         "\"></figure>\n";
+  return "<figure><div class=\"scroll\"><img src=\"" + report::Escape(figure.file) + "\" alt=\"" +
+         report::Escape(figure.title) + "\"></div></figure>\n";
 }
 
 }  // namespace
@@ -56,7 +56,9 @@ std::string PaperPageHtml(const std::string& title, const std::string& lead,
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
       Escape(title) + "</title>\n<style>" + report::kStyle +
+      // On a phone pictures keep their size, and are scrolled sideways.
       "figure img { max-width:100%; height:auto; background:#fff; border:1px solid var(--line); }\n"
+      "@media screen and (max-width:860px) { figure img { max-width:none; } }\n"
       "dl { display:grid; grid-template-columns:max-content 1fr; gap:2px 14px; margin:8px 0 0; }\n"
       "dt { color:var(--soft); } dd { margin:0; }\n</style>\n</head>\n<body>\n<main>\n<h1>" +
       Escape(title) + "</h1>\n<p class=\"lead\">" + Escape(lead) + "</p>\n";

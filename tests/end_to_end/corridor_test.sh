@@ -28,7 +28,7 @@ refuses "no feature 'lift'" cairn evaluate d1.h5 --feature lift
 exits 0 cairn run localization d1.h5 --set runs="d1 run 2" --set features=door --set way_m=15 --set traverses=6 --out where
 exits 0 cairn evaluate where --truth d1.h5
 says '^traverses  6 of d1 run 2; nothing known at the start$'
-exits 0 cairn report where
+exits 0 cairn report where --force
 says '^where/report.html$'
 grep -q 'SAMPLES.h5' where/report.html || die "the report does not say how to see errors"
 exits 0 cairn report where --log d1.h5 --force

@@ -30,7 +30,7 @@ says 'ancestry/hash +text +\[2\]'
 says 'ancestry/options +text +\[2\]'
 says 'ancestry/steps +int64 +\[2\] +40, 40'
 
-exits 0 cairn report third
+exits 0 cairn report third --force
 says '^third/report.html$'
 for title in Training 'What the networks see' Time 'Before this run'; do
   grep -q "<h2>$title</h2>" third/report.html || die "the report has no section '$title'"
@@ -44,7 +44,6 @@ exits 0 cairn inspect deeper/landmark_learning.h5
 says 'networks/hidden_2_weight +float64 +\[2,4,6\]'
 exits 0 cairn evaluate deeper --truth more.h5 --json
 exits 0 cairn run localization more.h5 --input networks=deeper/landmark_learning.h5 --set traverses=2 --set way_m=3 --out found
-exits 0 cairn report deeper
 grep -q '<b>6 + 4</b>' deeper/report.html || die "the report does not say how large the hidden layers are"
 refuses "2 networks of 6 and 4 hidden units over 3 inputs, where .* 2 networks of 6 hidden" \
   train samples.h5 --input weights=deep/landmark_learning.h5 --out no
@@ -53,7 +52,6 @@ refuses "2 networks of 6 and 4 hidden units over 3 inputs, where .* 2 networks o
 exits 0 train samples.h5 --set steps=20 --set starts=3 --set start_steps=5 --set init_width=2 --out tried
 exits 0 cairn inspect tried/landmark_learning.h5
 says 'starts/error_m +float64 +\[3\]'
-exits 0 cairn report tried
 grep -q 'of 3</b><span>start' tried/report.html || die "the report does not say which start went on"
 refuses "starts begin with random weights" \
   train samples.h5 --set starts=3 --input weights=first/landmark_learning.h5 --out no

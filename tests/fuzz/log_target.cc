@@ -83,7 +83,9 @@ Outcome RunLog(std::span<const std::uint8_t> bytes) {
       conformance::Make(good.c.stage, good.c.seed)->Start(input);
     });
   if (what == 1) accepted = Accepts([&] { datasets::Evaluate(*good.result, log); });
-  if (what == 2) accepted = Accepts([&] { datasets::ReportHtml(*good.result, &log, nullptr); });
+  if (what == 2)
+    accepted = Accepts(
+        [&] { datasets::JobReportHtml({{.name = "map", .result = good.result.get(), .source = &log}}); });
   if (what == 3)
     accepted = Accepts([&] {
       Ignore(datasets::ExportCsv(log, Folder()));
@@ -100,7 +102,9 @@ Outcome RunResult(std::span<const std::uint8_t> bytes) {
   const Blob result = Scrambled(*good.result, &source);
   bool accepted = false;
   if (what == 0) accepted = Accepts([&] { datasets::Evaluate(result, *good.log); });
-  if (what == 1) accepted = Accepts([&] { datasets::ReportHtml(result, good.log.get(), nullptr); });
+  if (what == 1)
+    accepted = Accepts(
+        [&] { datasets::JobReportHtml({{.name = "map", .result = &result, .source = good.log.get()}}); });
   if (what == 2) accepted = Accepts([&] { datasets::DrawMapPng(result, good.log.get(), nullptr, 400); });
   if (what == 3)
     accepted = Accepts([&] {
