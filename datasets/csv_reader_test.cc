@@ -52,6 +52,58 @@ TEST(CsvReader, TakesQuotedFields) {
   EXPECT_EQ(reader.Number(1), 2.0);
 }
 
+// All rows' numbers of columns time_s, range_m, bearing_rad; or what is wrong.
+std::string Rows(const std::string& text) {
+  const TestFolder folder;
+  const std::string path = folder.Put("a.csv", text);
+  std::string rows;
+  const std::string wrong = InputErrorOf([&] {
+    BadLines bad(false);
+    CsvReader reader(path, {{"time_s", "robot?", "range_m", "bearing_rad"}}, &bad);
+    while (reader.Next()) {
+      char row[96];
+      std::snprintf(row, sizeof row, "%g %s %g %.6g\n", reader.Number(0).value(),
+                    reader.Has(1) ? std::string(reader.Text(1)).c_str() : "-", reader.Number(2).value(),
+                    reader.Number(3).value());
+      rows += row;
+    }
+  });
+  return wrong.empty() ? rows : wrong;
+}
+
+TEST(CsvReader, TakesOtherSeparatorsAndDecimalCommas) {
+  const std::string read = "1 - 2.5 0.25\n2 - 3 -1\n";
+  EXPECT_EQ(Rows("time_s,range_m,bearing_rad\n1,2.5,0.25\n2,3,-1\n"), read);
+  EXPECT_EQ(Rows("time_s;range_m;bearing_rad\n1;2.5;0.25\n2;3;-1\n"), read);
+  EXPECT_EQ(Rows("time_s;range_m;bearing_rad\r\n1;2,5;0,25\r\n2; 3;-1\r\n"), read);
+  EXPECT_EQ(Rows("\xEF\xBB\xBF\"time_s\"; \"range_m\";\"bearing_rad\"\n\"1\";\"2,5\";\"0,25\"\n2;3;-1\n"),
+            read);
+  EXPECT_EQ(Rows("time_s\trange_m\tbearing_rad\n1\t2.5\t0.25\n2\t3\t-1\n"), read);
+  ExpectContains(Rows("time_s;range_m;bearing_rad\n1;2,5;0.25\n"),
+                 "a.csv:2: decimal commas and points in one file");
+  ExpectContains(Rows("time_s;range_m;bearing_rad\n1;1.000,5;0\n"), "not a number: range_m is '1.000,5'");
+  ExpectContains(Rows("time_s,range_m,bearing_rad\n1,2,5,0,25\n"), "wrong number of columns");
+  ExpectContains(Rows(std::string("\xFF\xFEt\0", 4)), "is UTF-16; save it as UTF-8");
+}
+
+TEST(CsvReader, TakesTheUnitsThatTheHeaderSays) {
+  EXPECT_EQ(Rows("time_ms,range_mm,bearing_deg\n1500,2500,90\n"), "1.5 - 2.5 1.5708\n");
+  EXPECT_EQ(Rows("time_us,range_cm,bearing_rad\n1500000,250,1\n"), "1.5 - 2.5 1\n");
+  EXPECT_EQ(Rows("time_ms,time_s,range_m,bearing_rad\n9,1,2,1\n"), "1 - 2 1\n") << "the right one counts";
+  ExpectContains(Rows("time_s,range_ft,bearing_rad\n"),
+                 "the header lacks columns: it must have "
+                 "time_s[,robot],range_m,bearing_rad");
+}
+
+TEST(CsvReader, AColumnMayBeMissing) {
+  EXPECT_EQ(Rows("time_s,robot,range_m,bearing_rad\n1,anna,2,1\n"), "1 anna 2 1\n");
+}
+
+TEST(CsvReader, SaysHowToSkipBadLines) {
+  ExpectContains(Rows("time_s,range_m,bearing_rad\nx,2,1\n"),
+                 "(--skip-bad skips such lines and counts them)");
+}
+
 TEST(CsvReader, NamesFileLineAndReason) {
   const TestFolder folder;
   const auto message = [&](const std::string& text) {

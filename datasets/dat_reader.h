@@ -17,6 +17,7 @@ class DatReader {
 
   // Goes to the next row of `columns` numbers; other rows are bad, empty ones and comments are passed over.
   bool Next();
+  std::size_t line() const { return lines_.number(); }
   double operator[](std::size_t column) const { return numbers_[column]; }
   // Calls the line bad.
   void Bad(const std::string& reason, const std::string& detail);

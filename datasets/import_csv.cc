@@ -7,6 +7,7 @@
 
 #include "datasets/csv_reader.h"
 #include "datasets/name_index.h"
+#include "datasets/pose_controls.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -39,19 +40,40 @@ class CsvImport {
   }
 
  private:
+  static constexpr std::size_t kRobot = 1;  // of all columns but those of the true landmarks
+  static constexpr std::string_view kOnlyRobot = "robot";
+
   CsvReader Open(const std::string& path, const std::vector<std::vector<std::string>>& headers) {
     CsvReader reader(path, headers, &bad_);
     for (const std::string& column : reader.extra_columns()) {
       report_.warnings.push_back(path + ": column '" + column + "' is left out");
     }
+    if (!reader.Has(kRobot) && rows_.robots.size() > 1)
+      throw InputError(path + ":1: the header lacks 'robot'; odometry is of " +
+                       std::to_string(rows_.robots.size()) + " robots");
     return reader;
   }
 
-  // The robot that column 1 names, or null where the line is bad.
+  // The robot that the line names, the only one where there is no such column, or null where the line is bad.
   RobotRows* Robot(CsvReader* reader) {
+    if (!reader->Has(kRobot)) return rows_.robots.empty() ? nullptr : &rows_.robots.front();
     const std::int32_t robot = robots_.Find(reader->Text(1));
-    if (robot < 0) reader->Bad("unknown robot", "'" + std::string(reader->Text(1)) + "' has no odometry");
+    if (robot < 0)
+      reader->Bad("unknown robot", "'" + std::string(reader->Text(1)) + "' has no odometry" +
+                                       (has_robots_ ? "" : "; its file has no column 'robot'"));
     return robot < 0 ? nullptr : &rows_.robots[static_cast<std::size_t>(robot)];
+  }
+
+  // The robot that the line is of, a new one where nobody knows it.
+  RobotRows* RobotOrNew(CsvReader* reader) {
+    const std::string_view name = reader->Has(kRobot) ? reader->Text(kRobot) : kOnlyRobot;
+    if (name.empty()) {
+      reader->Bad("unknown robot", "the column is empty");
+      return nullptr;
+    }
+    const auto robot = static_cast<std::size_t>(robots_.FindOrAdd(name));
+    if (robot == rows_.robots.size()) rows_.robots.emplace_back().name = name;
+    return &rows_.robots[robot];
   }
 
   // Whether `time` goes on from the last one of the column; the line is bad where it does not.
@@ -65,32 +87,56 @@ class CsvImport {
   }
 
   void ReadOdometry() {
-    CsvReader reader = Open(options_.odometry, {{"time_s", "robot", "turn_rad", "forward_m"},
-                                                {"time_s", "robot", "v_mps", "omega_radps"}});
-    std::vector<VelocityIntegrator> integrators;
-    std::vector<double> last_times;
+    CsvReader reader = Open(options_.odometry, {{"time_s", "robot?", "turn_rad", "forward_m"},
+                                                {"time_s", "robot?", "v_mps", "omega_radps"},
+                                                {"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
+    has_robots_ = reader.Has(kRobot);
+    if (reader.header() == 2) return ReadOdometryPoses(&reader);
+    std::map<std::string, VelocityIntegrator> integrators;
+    std::map<std::string, double> last_times;
     while (reader.Next()) {
       const auto time = reader.Number(0), first = time ? reader.Number(2) : time,
                  second = first ? reader.Number(3) : first;
-      if (!second) continue;
-      if (reader.Text(1).empty()) {
-        reader.Bad("unknown robot", "the column is empty");
-        continue;
-      }
-      const auto robot = static_cast<std::size_t>(robots_.FindOrAdd(reader.Text(1)));
-      if (robot == rows_.robots.size()) {
-        rows_.robots.emplace_back().name = reader.Text(1);
-        integrators.emplace_back();
-        last_times.push_back(*time);
-      }
-      if (!InOrder(*time, last_times[robot], &reader)) continue;
-      last_times[robot] = *time;
-      Odometry& odometry = rows_.robots[robot].odometry;
+      RobotRows* robot = second ? RobotOrNew(&reader) : nullptr;
+      if (robot == nullptr) continue;
+      const auto last_time = last_times.try_emplace(robot->name, *time).first;
+      if (!InOrder(*time, last_time->second, &reader)) continue;
+      last_time->second = *time;
+      Odometry& odometry = robot->odometry;
+      odometry.from.file = options_.odometry;
       if (reader.header() == 0)
         odometry.Add(*time, *first, *second);
       else
-        integrators[robot].Add(*time, *first, *second, &odometry);
+        integrators[robot->name].Add(*time, *first, *second, &odometry);
+      odometry.from.line.resize(odometry.time_s.size(), reader.line());
     }
+  }
+
+  void ReadOdometryPoses(CsvReader* reader) {
+    while (reader->Next()) {
+      const auto time = reader->Number(0), x = time ? reader->Number(2) : time, y = x ? reader->Number(3) : x,
+                 heading = y ? reader->Number(4) : y;
+      RobotRows* robot = heading ? RobotOrNew(reader) : nullptr;
+      if (robot == nullptr || !InOrder(*time, robot->odometry_poses.time_s, reader)) continue;
+      AddPose(*time, *x, *y, *heading, *reader, options_.odometry, &robot->odometry_poses);
+    }
+    for (RobotRows& robot : rows_.robots) {
+      const Poses& poses = robot.odometry_poses;
+      std::vector<TimedPose> track;
+      for (std::size_t i = 0; i < poses.time_s.size(); ++i)
+        track.push_back({poses.time_s[i], {poses.x_m[i], poses.y_m[i], WrapAngle(poses.heading_rad[i])}});
+      robot.odometry = ControlsOf(track);
+    }
+  }
+
+  static void AddPose(double time_s, double x_m, double y_m, double heading_rad, const CsvReader& reader,
+                      const std::string& path, Poses* poses) {
+    poses->time_s.push_back(time_s);
+    poses->x_m.push_back(x_m);
+    poses->y_m.push_back(y_m);
+    poses->heading_rad.push_back(heading_rad);
+    poses->from.file = path;
+    poses->from.line.push_back(reader.line());
   }
 
   void ReadTruthLandmarks() {
@@ -136,7 +182,7 @@ class CsvImport {
     const auto r = reader->Number(3), b = r ? reader->Number(4) : r;
     if (!b) return false;
     *range = *r;
-    *bearing = NormalizedAngle(*b);
+    *bearing = *b;
     const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.nominal);
     if (misreading) reader->Bad(misreading->reason, misreading->detail);
     return !misreading;
@@ -144,7 +190,7 @@ class CsvImport {
 
   void ReadObservations() {
     CsvReader reader =
-        Open(options_.observations, {{"time_s", "robot", "landmark", "range_m", "bearing_rad"}});
+        Open(options_.observations, {{"time_s", "robot?", "landmark", "range_m", "bearing_rad"}});
     while (reader.Next()) {
       const auto time = reader.Number(0);
       double range = 0, bearing = 0;
@@ -155,20 +201,19 @@ class CsvImport {
       if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
       const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
       robot->observations.Add(*time, landmark, range, bearing);
+      robot->observations.from.file = options_.observations;
+      robot->observations.from.line.push_back(reader.line());
     }
   }
 
   void ReadTruthPoses() {
-    CsvReader reader = Open(options_.truth_poses, {{"time_s", "robot", "x_m", "y_m", "heading_rad"}});
+    CsvReader reader = Open(options_.truth_poses, {{"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
     while (reader.Next()) {
       const auto time = reader.Number(0), x = time ? reader.Number(2) : time, y = x ? reader.Number(3) : x;
       const auto heading = y ? reader.Number(4) : y;
       RobotRows* robot = heading ? Robot(&reader) : nullptr;
       if (robot == nullptr || !InOrder(*time, robot->truth.time_s, &reader)) continue;
-      robot->truth.time_s.push_back(*time);
-      robot->truth.x_m.push_back(*x);
-      robot->truth.y_m.push_back(*y);
-      robot->truth.heading_rad.push_back(NormalizedAngle(*heading));
+      AddPose(*time, *x, *y, *heading, reader, options_.truth_poses, &robot->truth);
     }
   }
 
@@ -191,7 +236,7 @@ class CsvImport {
       const std::vector<double>& times = rows_.robots[n].observations.time_s;
       for (std::size_t i = 0; i < times.size(); ++i) open[n].emplace(times[i], i);
     }
-    CsvReader reader = Open(options_.truth_associations, {{"time_s", "robot", "landmark"}});
+    CsvReader reader = Open(options_.truth_associations, {{"time_s", "robot?", "landmark"}});
     while (reader.Next()) {
       const auto time = reader.Number(0);
       RobotRows* robot = time ? Robot(&reader) : nullptr;
@@ -222,6 +267,7 @@ class CsvImport {
   ImportReport report_;
   LogRows rows_;
   NameIndex robots_, landmarks_, truth_;
+  bool has_robots_ = true;  // odometry names them
 };
 
 }  // namespace

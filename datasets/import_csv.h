@@ -1,10 +1,12 @@
 // `cairn import csv`: people's own logs. Files are plain or gzipped, with a header; columns stand in any
-// order, and others beside them are left alone. Robots and landmarks are called by any name. Times are of any
-// clock, in order for each robot.
+// order, and others beside them are left alone; csv_reader.h says how a file may separate them and in which
+// units. Robots and landmarks are called by any name; `robot` may be left out in all files of one robot.
+// Times are of any clock, in order for each robot.
 //
 //   odometry            time_s,robot,turn_rad,forward_m    at the end of each control; first the turn, then
 //   the way
 //                    or time_s,robot,v_mps,omega_radps     holds until the robot's next row
+//                    or time_s,robot,x_m,y_m,heading_rad   dead reckoning: where the wheels say that it is
 //   observations        time_s,robot,landmark,range_m,bearing_rad
 //                         landmark empty: identity unknown; range and bearing empty: at the robot (a button
 //                         press)

@@ -61,6 +61,44 @@ TEST_F(ImportCsvTest, IntegratesVelocities) {
   EXPECT_EQ(Column<double>("robot/0/odometry/forward_m"), (std::vector<double>{0, 2, 0, 2}));
 }
 
+TEST_F(ImportCsvTest, OneRobotNeedsNoName) {
+  options_.odometry = folder_.Put("o.csv", "time_s,turn_rad,forward_m\n1,0,1\n2,0.5,1\n");
+  options_.observations = folder_.Put("s.csv", "time_s,landmark,range_m,bearing_rad\n1,door,2,0.1\n");
+  options_.truth_poses = folder_.Put("t.csv", "time_s,x_m,y_m,heading_deg\n1,5,6,90\n");
+  Import();
+  EXPECT_EQ(log_.Texts("robots"), std::vector<std::string>{"robot"});
+  EXPECT_EQ(Column<double>("robot/0/odometry/time_s"), (std::vector<double>{1, 2}));
+  EXPECT_EQ(Column<double>("robot/0/observations/range_m"), std::vector<double>{2});
+  EXPECT_NEAR(Column<double>("truth/robot/0/poses/heading_rad")[0], M_PI / 2, 1e-15);
+  options_.observations =
+      folder_.Put("s.csv", "time_s,robot,landmark,range_m,bearing_rad\n1,anna,door,2,0.1\n");
+  ExpectContains(Failure(), "s.csv:2: unknown robot: 'anna' has no odometry; its file has no column 'robot'");
+}
+
+TEST_F(ImportCsvTest, OfSeveralRobotsTheRobotIsNeeded) {
+  options_.observations = folder_.Put("s.csv", "time_s,landmark,range_m,bearing_rad\n2,door,2,0.1\n");
+  ExpectContains(Failure(), "s.csv:1: the header lacks 'robot'; odometry is of 2 robots");
+}
+
+// Dead reckoning by the controls leads where the poses lie, from the first one on.
+TEST_F(ImportCsvTest, TakesOdometryAsPoses) {
+  options_.odometry =
+      folder_.Put("o.csv", "time_s,x_m,y_m,heading_deg\n1,10,5,90\n2,10,6,90\n3,10,6,180\n4,8,6,180\n");
+  Import();
+  const auto turn = Column<double>("robot/0/odometry/turn_rad"),
+             forward = Column<double>("robot/0/odometry/forward_m");
+  double x = 10, y = 5, heading = M_PI / 2;
+  for (std::size_t i = 0; i < turn.size(); ++i) {
+    heading += turn[i];
+    x += forward[i] * std::cos(heading);
+    y += forward[i] * std::sin(heading);
+  }
+  EXPECT_NEAR(x, 8, 1e-9);
+  EXPECT_NEAR(y, 6, 1e-9);
+  EXPECT_NEAR(heading, M_PI, 1e-9);
+  EXPECT_EQ(Column<double>("robot/0/odometry/time_s").back(), 4);
+}
+
 TEST_F(ImportCsvTest, TruthIsByAssociationsInOrderOfTheirTime) {
   PutObservations("1,Rosa,,2,0\n1,Rosa,,3,0\n2,Rosa,,,\n2,Ugo,,,\n");
   options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\nb,1,2\na,3,4\n");

@@ -42,7 +42,7 @@ void AddRow(std::size_t places, CsvReader* reader, Table* table) {
 }  // namespace
 
 ImportReport ImportErrors(const ErrorsImportOptions& options, Blob* errors) {
-  BadLines bad(false);
+  BadLines bad(false, false);
   CsvReader reader(options.file, {{"x_m", "y_m"}}, &bad);
   reader.TakeExtraColumns();
   const std::size_t places = reader.extra_columns().size();

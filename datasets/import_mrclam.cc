@@ -130,9 +130,12 @@ class MrclamImport {
 
   void ReadOdometry(const std::string& path, RobotRows* robot) {
     VelocityIntegrator integrator;
+    robot->odometry.from.file = path;
     DatReader reader(path, 3, &bad_);
     while (reader.Next()) {
-      if (reader.InOrder()) integrator.Add(reader[0], reader[1], reader[2], &robot->odometry);
+      if (!reader.InOrder()) continue;
+      integrator.Add(reader[0], reader[1], reader[2], &robot->odometry);
+      robot->odometry.from.line.resize(robot->odometry.time_s.size(), reader.line());
     }
     constexpr double kLongGapS = 2;
     if (integrator.largest_gap_s() > kLongGapS) {
@@ -142,8 +145,7 @@ class MrclamImport {
   }
 
   bool IsGood(double range, double bearing, DatReader* reader) {
-    const std::optional<Misreading> misreading =
-        FindMisreading(range, NormalizedAngle(bearing), rows_.nominal);
+    const std::optional<Misreading> misreading = FindMisreading(range, bearing, rows_.nominal);
     if (misreading) reader->Bad(misreading->reason, misreading->detail);
     return !misreading;
   }
@@ -152,6 +154,7 @@ class MrclamImport {
     const std::string path = Need(Robot(observer, "Measurement"));
     if (robot->odometry.time_s.empty()) return;
     DatReader reader(path, 4, &bad_);
+    robot->observations.from.file = robot->sightings.from.file = path;
     while (reader.Next()) {
       if (!reader.InOrder() || !IsGood(reader[2], reader[3], &reader)) continue;
       const auto subject = subjects_.find(reader[1]);
@@ -163,13 +166,15 @@ class MrclamImport {
         ++report_.dropped["after the last odometry"];
       } else {
         Take(subject->second, &reader, robot);
+        for (Observations* rows : {&robot->observations, &robot->sightings})
+          rows->from.line.resize(rows->time_s.size(), reader.line());
       }
     }
   }
 
   void Take(int subject, DatReader* reader, RobotRows* robot) {
     const DatReader& row = *reader;
-    const double bearing = NormalizedAngle(row[3]);
+    const double bearing = row[3];
     if (subject <= kLastRobot && options_.robots_as_clutter) {
       robot->observations.Add(row[0], -1, row[2], bearing);
       if (rows_.truth_landmarks) robot->observations.truth_landmark.push_back(-1);
@@ -195,12 +200,14 @@ class MrclamImport {
   void ReadTruthPoses(const std::string& path, RobotRows* robot) {
     if (path.empty()) return;
     DatReader reader(path, 4, &bad_);
+    robot->truth.from.file = path;
     while (reader.Next()) {
       if (!reader.InOrder()) continue;
+      robot->truth.from.line.push_back(reader.line());
       robot->truth.time_s.push_back(reader[0]);
       robot->truth.x_m.push_back(reader[1]);
       robot->truth.y_m.push_back(reader[2]);
-      robot->truth.heading_rad.push_back(NormalizedAngle(reader[3]));
+      robot->truth.heading_rad.push_back(reader[3]);
     }
   }
 

@@ -38,7 +38,7 @@ double HeadingOf(const Fields& line, Tilt* tilt) {
   return std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
 
-void AddPose(const Fields& line, Poses* poses, Tilt* tilt) {
+void AddPose(const Fields& line, std::size_t number, Poses* poses, Tilt* tilt) {
   if (line.size() != kTum && line.size() != kPlanar)
     throw LineError{"wrong number of values", std::to_string(line.size()) + " where 8 (or 4) are needed"};
   const double time = line.Stamp(0);
@@ -50,7 +50,8 @@ void AddPose(const Fields& line, Poses* poses, Tilt* tilt) {
   poses->time_s.push_back(time);
   poses->x_m.push_back(at.x_m);
   poses->y_m.push_back(at.y_m);
-  poses->heading_rad.push_back(NormalizedAngle(heading));
+  poses->heading_rad.push_back(heading);
+  poses->from.line.push_back(number);
 }
 
 void WarnOfTilt(const std::string& path, const Tilt& tilt, ImportReport* report) {
@@ -83,8 +84,10 @@ ImportReport ImportTum(const TumImportOptions& options, Blob* poses) {
     Poses rows;
     Tilt tilt;
     ForEachLine(options.files[n], &bad,
-                [&](const Fields& line, std::size_t) { AddPose(line, &rows, &tilt); });
+                [&](const Fields& line, std::size_t number) { AddPose(line, number, &rows, &tilt); });
     if (rows.time_s.empty()) throw InputError(options.files[n] + ": there is no pose in it");
+    rows.from.file = options.files[n];
+    DoubtPosesOf(rows, "robot '" + names[n] + "'", "poses", &report);
     WarnOfTilt(options.files[n], tilt, &report);
     PutPoses("robot/" + std::to_string(n) + "/poses/", rows, poses);
   }

@@ -6,6 +6,7 @@
 #include "datasets/array_text.h"
 #include "datasets/confidence.h"
 #include "datasets/export_parts.h"
+#include "datasets/unit_doubts.h"
 
 namespace cairn::datasets {
 namespace {
@@ -227,8 +228,11 @@ Result<Inspection> Inspect(const std::string& path) {
   const Result<BlobFile> file = ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true});
   if (!file.ok()) return file.status();
   const Blob& blob = file.value().blob;
-  Inspection inspection{info.value().kind,   info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {},
-                        file.value().changed};
+  Inspection inspection{
+      info.value().kind, info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {}, {}};
+  inspection.changed = file.value().changed;
+  if (const std::string& kind = inspection.kind; kind == "log" || kind == "samples" || kind == "poses")
+    inspection.unit_doubts = UnitDoubtsOf(blob);
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

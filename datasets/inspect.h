@@ -24,7 +24,8 @@ struct Inspection {
   std::int64_t format = 0;
   std::string hash;  // of the content, as 32 hexadecimal digits
   std::vector<std::pair<std::string, std::string>>
-      facts;  // by kind: "robot Rosa" -> "2723 controls over 831 s, …"
+      facts;                             // by kind: "robot Rosa" -> "2723 controls over 831 s, …"
+  std::vector<std::string> unit_doubts;  // what no robot does, of a log, samples or poses (unit_doubts.h)
   std::vector<DatasetSummary> datasets;
   bool changed = false;  // by another program, since Cairn wrote it
 };

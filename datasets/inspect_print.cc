@@ -56,6 +56,7 @@ std::string InspectText(const Inspection& inspection) {
     name_width = std::max(name_width, dataset.info.name.size());
   for (const auto& [name, fact] : inspection.facts)
     text += "  " + Padded(name, fact_width) + "  " + fact + "\n";
+  for (const std::string& doubt : inspection.unit_doubts) text += "  in doubt: " + doubt + "\n";
   text += "\n";
   for (const DatasetSummary& dataset : inspection.datasets) {
     std::string line =
@@ -77,6 +78,7 @@ std::string InspectJson(const Inspection& inspection) {
                             {"content", inspection.hash},
                             {"changed", inspection.changed},
                             {"facts", facts},
+                            {"unit_doubts", inspection.unit_doubts},
                             {"datasets", datasets}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }

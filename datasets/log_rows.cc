@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/unit_doubts.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -25,6 +26,12 @@ std::vector<Figure> Figures(const NominalFigures& nominal) {
           {"sensor/field_of_view_rad", &nominal.field_of_view_rad}};
 }
 
+std::vector<double> WithinATurn(std::vector<double> angles) {
+  for (double& angle : angles)
+    if (!std::isnan(angle)) angle = NormalizedAngle(angle);
+  return angles;
+}
+
 void PutOdometry(const std::string& prefix, const Odometry& odometry, Blob* log) {
   log->PutVector(prefix + "odometry/time_s", odometry.time_s);
   log->PutVector(prefix + "odometry/turn_rad", odometry.turn_rad);
@@ -36,7 +43,7 @@ void PutObservations(const std::string& prefix, const char* which, const Observa
   log->PutVector(prefix + "time_s", observations.time_s);
   log->PutVector(prefix + which, observations.landmark);
   log->PutVector(prefix + "range_m", observations.range_m);
-  log->PutVector(prefix + "bearing_rad", observations.bearing_rad);
+  log->PutVector(prefix + "bearing_rad", WithinATurn(observations.bearing_rad));
 }
 
 void PutRanges(const std::string& prefix, const RangeRows& ranges, Blob* log) {
@@ -74,13 +81,42 @@ void Count(const RobotRows& robot, ImportReport* report) {
   for (const RangeRows& ranges : robot.ranges) report->scans += size(ranges.time_s);
 }
 
+void Tell(const Origin& from, const std::string& who, const std::string& table,
+          const std::optional<UnitDoubt>& doubt, ImportReport* report) {
+  if (doubt) report->unit_doubts.push_back(DoubtText(from.Of(doubt->row), who, table, *doubt));
+}
+
+void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* report) {
+  const std::string who = "robot '" + robot.name + "'";
+  const Odometry& odometry = robot.odometry;
+  if (robot.odometry_poses.time_s.empty())
+    Tell(odometry.from, who, "odometry",
+         DoubtControls(odometry.time_s, odometry.turn_rad, odometry.forward_m), report);
+  DoubtPosesOf(robot.odometry_poses, who, "odometry", report);
+  for (const auto& [table, rows] :
+       {std::pair{"observations", &robot.observations}, std::pair{"sightings", &robot.sightings}})
+    Tell(rows->from, who, table,
+         DoubtObservations(rows->time_s, rows->range_m, rows->bearing_rad, range_is_known), report);
+  DoubtPosesOf(robot.poses, who, "poses", report);
+  DoubtPosesOf(robot.truth, who, "true poses", report);
+}
+
 }  // namespace
+
+std::string Origin::Of(std::size_t row) const {
+  return row < line.size() ? file + ":" + std::to_string(line[row]) + ": " : "";
+}
+
+void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table,
+                  ImportReport* report) {
+  Tell(poses.from, who, table, DoubtPoses(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad), report);
+}
 
 void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob) {
   blob->PutVector(prefix + "time_s", poses.time_s);
   blob->PutVector(prefix + "x_m", poses.x_m);
   blob->PutVector(prefix + "y_m", poses.y_m);
-  blob->PutVector(prefix + "heading_rad", poses.heading_rad);
+  blob->PutVector(prefix + "heading_rad", WithinATurn(poses.heading_rad));
 }
 
 void Odometry::Add(double time, double turn, double forward) {
@@ -130,13 +166,19 @@ void CheckNominal(const NominalFigures& nominal) {
 std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal) {
   if (range_m < 0) return Misreading{"negative range", std::to_string(range_m) + " m"};
   if (nominal.max_range_m && range_m > *nominal.max_range_m)
-    return Misreading{"beyond the sensor's maximum",
-                      std::to_string(range_m) + " m of " + std::to_string(*nominal.max_range_m) + " m"};
+    return Misreading{
+        "beyond the sensor's maximum",
+        std::to_string(range_m) + " m of " + std::to_string(*nominal.max_range_m) + " m" +
+            (range_m > 100 * *nominal.max_range_m ? ": are ranges in millimetres? Cairn reads metres" : "")};
   constexpr double kRounding_rad = 1e-9;
-  if (nominal.field_of_view_rad && std::abs(bearing_rad) > *nominal.field_of_view_rad / 2 + kRounding_rad)
-    return Misreading{"outside the sensor's field of view",
-                      std::to_string(bearing_rad) + " rad, of at most " +
-                          std::to_string(*nominal.field_of_view_rad / 2) + " rad to either side"};
+  const double within = std::abs(NormalizedAngle(bearing_rad));
+  if (nominal.field_of_view_rad && within > *nominal.field_of_view_rad / 2 + kRounding_rad)
+    return Misreading{
+        "outside the sensor's field of view",
+        std::to_string(bearing_rad) + " rad, of at most " + std::to_string(*nominal.field_of_view_rad / 2) +
+            " rad to either side" +
+            (std::abs(bearing_rad) > kFullTurn + 0.01 ? ": are bearings in degrees? Cairn reads radians"
+                                                      : "")};
   return std::nullopt;
 }
 
@@ -145,6 +187,7 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
   std::vector<std::string> names;
   for (std::size_t n = 0; n < rows.robots.size(); ++n) {
     names.push_back(rows.robots[n].name);
+    DoubtUnits(rows.robots[n], rows.nominal.max_range_m.has_value(), report);
     PutRobot(rows.robots[n], n, &log);
     Count(rows.robots[n], report);
   }

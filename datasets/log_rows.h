@@ -38,21 +38,32 @@ struct ImportReport {
   std::map<std::string, std::int64_t> skipped;  // bad lines, by reason; only with skip_bad
   std::map<std::string, std::int64_t> dropped;  // good lines that no log has a place for, by reason
   std::vector<std::string> warnings;
+  std::vector<std::string> unit_doubts;  // what no robot does (unit_doubts.h): whoever reads it in shall look
 };
 
-// Columns as in schema/FORMAT.md.
+// The file and the lines that rows come from, for messages; importers that do not keep it leave it empty.
+struct Origin {
+  std::string file;
+  std::vector<std::size_t> line;          // of each row
+  std::string Of(std::size_t row) const;  // "odometry.csv:7: ", or nothing
+};
+
+// Angles as they were read: the log has them within a turn. Columns as in schema/FORMAT.md.
 struct Odometry {
   std::vector<double> time_s, turn_rad, forward_m;
+  Origin from;
   void Add(double time, double turn, double forward);
 };
 struct Observations {
   std::vector<double> time_s, range_m, bearing_rad;
   std::vector<std::int32_t> landmark;        // of a sighting: the robot
   std::vector<std::int32_t> truth_landmark;  // empty: there is no truth
+  Origin from;
   void Add(double time, std::int32_t which, double range, double bearing);
 };
 struct Poses {
   std::vector<double> time_s, x_m, y_m, heading_rad;
+  Origin from;
 };
 // A range sensor on its robot, and its scans.
 struct RangeRows {
@@ -64,7 +75,8 @@ struct RangeRows {
 struct RobotRows {
   std::string name;
   Odometry odometry;
-  Poses poses;  // as the log's maker mended them; empty: there are none
+  Poses odometry_poses;  // that the odometry was made of, for unit_doubts; empty: it was not made of poses
+  Poses poses;           // as the log's maker mended them; empty: there are none
   std::vector<RangeRows> ranges;
   Observations observations;
   Observations sightings;  // of other robots
@@ -104,14 +116,17 @@ void CheckNominal(const NominalFigures& nominal);
 struct Misreading {
   std::string reason, detail;
 };
-// Nothing where it can. `bearing_rad` lies in (-pi, pi].
+// Nothing where it can. `bearing_rad` as it was read.
 std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal);
 
-// Puts `prefix`time_s, x_m, y_m, heading_rad.
+// Puts `prefix`time_s, x_m, y_m, heading_rad; headings within a turn.
 void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob);
 
-// The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, and its
-// warning where nothing was observed. Throws InputError for a log without controls.
+// What of the poses no robot does, into the report. `who`: "robot 'anna'"; `table`: "true poses".
+void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table, ImportReport* report);
+
+// The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, its doubts
+// about units, and its warning where nothing was observed. Throws InputError for a log without controls.
 Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report);
 
 // Wraps into (-pi, pi]; a value that lies there stays as it is to the bit.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "datasets/csv_reader.h"
+#include "datasets/unit_doubts.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -30,6 +31,7 @@ PoseTracks::PoseTracks(const std::string& path, double smooth_s, BadLines* bad) 
     track.time_s.push_back(*time);
     track.x_m.push_back(*x);
     track.y_m.push_back(*y);
+    if (has_heading_) track.heading_rad.push_back(*heading);
     track.cos.push_back(std::cos(has_heading_ ? *heading : 0));
     track.sin.push_back(std::sin(has_heading_ ? *heading : 0));
   }
@@ -38,6 +40,9 @@ PoseTracks::PoseTracks(const std::string& path, double smooth_s, BadLines* bad) 
     if (track.time_s.size() < 2)
       throw InputError(path + ": a track has two rows or more; " +
                        (run.empty() ? "it" : "that of '" + run + "'") + " has one");
+    if (const auto doubt = DoubtPoses(track.time_s, track.x_m, track.y_m, track.heading_rad))
+      unit_doubts_.push_back(DoubtText(
+          "", path + (run.empty() ? ": the track" : ": the track of '" + run + "'"), "poses", *doubt));
     track.Smooth(smooth_s);
   }
 }

@@ -23,16 +23,18 @@ class PoseTracks {
   PoseTracks(const std::string& path, double smooth_s, BadLines* bad);
 
   bool has_heading() const { return has_heading_; }
+  const std::vector<std::string>& unit_doubts() const { return unit_doubts_; }  // what no robot does
   // Between the rows before and after `time_s`, linearly; nothing before the first, after the last, or where
   // they are more than `most_gap_s` apart.
   std::optional<TrackedPose> At(const std::string& run, double time_s, double most_gap_s) const;
 
  private:
   struct Track {
-    std::vector<double> time_s, x_m, y_m, cos, sin;
+    std::vector<double> time_s, x_m, y_m, heading_rad, cos, sin;  // the heading: as it was read
     void Smooth(double smooth_s);
   };
   std::map<std::string, Track> tracks_;  // by run; "" where one serves all
+  std::vector<std::string> unit_doubts_;
   bool has_heading_ = false, has_runs_ = false;
 };
 

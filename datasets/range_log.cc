@@ -119,7 +119,7 @@ Poses PosesOf(const std::vector<TimedPose>& track) {
     poses.time_s.push_back(at.time_s);
     poses.x_m.push_back(at.pose.x_m);
     poses.y_m.push_back(at.pose.y_m);
-    poses.heading_rad.push_back(NormalizedAngle(at.pose.heading_rad));
+    poses.heading_rad.push_back(at.pose.heading_rad);
   }
   return poses;
 }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "datasets/unit_doubts.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -21,7 +22,7 @@ std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const Sampl
     reader->Bad("time runs backwards", std::to_string(*time) + " after " + std::to_string(run.time_s.back()));
     return std::nullopt;
   }
-  SampleRow row{*time, *x, *y, NormalizedAngle(*heading), {}};
+  SampleRow row{*time, *x, *y, *heading, {}};
   if (columns.turn) row.turn_rad = *turn;
   if (columns.forward) row.forward_m = *forward;
   if (columns.left) row.left_m = *left;
@@ -51,12 +52,19 @@ void AddOdometryRow(const SampleRow& row, SampleRun* run) {
   run->left_m.push_back(row.left_m);
 }
 
-void CheckRun(const std::string& where, const SampleRun& run, ImportReport* report) {
+void CheckRun(const std::string& where, SampleRun* checked, ImportReport* report) {
+  SampleRun& run = *checked;
   const std::size_t samples = run.time_s.size();
   if (samples < 2) {
     throw InputError(where + ": a run has two samples or more; '" + run.name + "' has " +
                      (samples == 0 ? "none" : "one"));
   }
+  const std::string who = where + ": run '" + run.name + "'";
+  if (const auto doubt = DoubtPoses(run.time_s, run.x_m, run.y_m, run.heading_rad))
+    report->unit_doubts.push_back(DoubtText("", who, "samples", *doubt));
+  if (const auto doubt = DoubtControls(run.time_s, run.turn_rad, run.forward_m))
+    report->unit_doubts.push_back(DoubtText("", who, "odometry", *doubt));
+  for (double& heading : run.heading_rad) heading = NormalizedAngle(heading);
   const std::int64_t repeated = CountRepeatedPoses(run);
   if (repeated == 0) return;
   report->warnings.push_back("run '" + run.name + "': " + std::to_string(repeated) + " of " +

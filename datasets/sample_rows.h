@@ -33,7 +33,8 @@ std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const Sampl
 void AddSampleRow(const SampleRow& row, bool with_heading, SampleRun* run);
 void AddOdometryRow(const SampleRow& row, SampleRun* run);
 
-// Warns of samples that repeat a pose. Throws InputError "WHERE: REASON" for a run of less than two samples.
-void CheckRun(const std::string& where, const SampleRun& run, ImportReport* report);
+// Puts headings within a turn; warns of samples that repeat a pose, and doubts the units of moves that no
+// robot makes. Throws InputError "WHERE: REASON" for a run of less than two samples.
+void CheckRun(const std::string& where, SampleRun* run, ImportReport* report);
 
 }  // namespace cairn::datasets

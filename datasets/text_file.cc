@@ -105,7 +105,8 @@ void BadLines::Add(const std::string& file, std::size_t line, const std::string&
                    const std::string& detail) {
   if (!skip_) {
     throw InputError(file + ":" + std::to_string(line) + ": " + reason +
-                     (detail.empty() ? "" : ": " + detail));
+                     (detail.empty() ? "" : ": " + detail) +
+                     (may_skip_ ? " (--skip-bad skips such lines and counts them)" : ""));
   }
   ++counts_[reason];
 }

@@ -47,13 +47,15 @@ class Lines {
 // What to do with a line that cannot be used: stop, or skip and count.
 class BadLines {
  public:
-  explicit BadLines(bool skip) : skip_(skip) {}
-  // Throws InputError "FILE:LINE: REASON: DETAIL", or counts the reason where lines are skipped.
+  // `may_skip`: the message says that --skip-bad does.
+  explicit BadLines(bool skip, bool may_skip = true) : skip_(skip), may_skip_(may_skip) {}
+  // Throws InputError "FILE:LINE: REASON: DETAIL (--skip-bad …)", or counts the reason where lines are
+  // skipped.
   void Add(const std::string& file, std::size_t line, const std::string& reason, const std::string& detail);
   const std::map<std::string, std::int64_t>& counts() const { return counts_; }
 
  private:
-  bool skip_;
+  bool skip_, may_skip_;
   std::map<std::string, std::int64_t> counts_;
 };
 

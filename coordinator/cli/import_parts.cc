@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "coordinator/cli/failure.h"
+#include "coordinator/cli/job_inputs.h"
 #include "coordinator/cli/plan_text.h"
 #include "datasets/text_file.h"
+#include "datasets/unit_doubts.h"
 #include "schema/store/blob_file.h"
 #include "schema/text.h"
 
@@ -20,6 +22,10 @@ void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& co
   }
 }
 
+void PrintLines(const char* what, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::fprintf(stderr, "cairn: %s: %s\n", what, line.c_str());
+}
+
 void AddFigure(CLI::App& command, const char* flag, std::optional<double>& field, const char* help) {
   command.add_option(flag, field, help)
       ->check(CLI::NonNegativeNumber)
@@ -28,9 +34,14 @@ void AddFigure(CLI::App& command, const char* flag, std::optional<double>& field
 
 }  // namespace
 
-int StoreImport(const ImportOutput& output, const Blob& blob, const datasets::ImportReport& report,
+int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
                 const char* kind) {
   if (const Status texts = CheckTexts(blob); !texts.ok()) throw InputError(texts.message());
+  if (!report.unit_doubts.empty()) {
+    if (!output.units_are_right) RefuseUnits("", report.unit_doubts);
+    datasets::NoteUnitsAreRight(&blob);
+    PrintLines("warning", report.unit_doubts);
+  }
   Check(WriteBlobFile(output.out, kind, blob));
   if (output.json) {
     const nlohmann::ordered_json json = {{"file", output.out},           {"kind", kind},
@@ -40,8 +51,7 @@ int StoreImport(const ImportOutput& output, const Blob& blob, const datasets::Im
     std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return kExitDone;
   }
-  for (const std::string& warning : report.warnings)
-    std::fprintf(stderr, "cairn: warning: %s\n", warning.c_str());
+  PrintLines("warning", report.warnings);
   PrintCounts("read", report.read);
   PrintCounts("skipped", report.skipped);
   PrintCounts("left out", report.dropped);

@@ -93,6 +93,8 @@ void AddJobArguments(CLI::App& command, JobArguments& arguments) {
                   "Another input of the pipeline, name=FILE (map=first/landmark_map.h5); again for another")
       ->type_size(1)
       ->allow_extra_args(false);
+  command.add_flag("--units-are-right", arguments.units_are_right,
+                   "Take a log of what no robot does, instead of asking for its units");
   command.add_option("--seed", arguments.seed, "Seed, where a pipeline is named")
       ->check(CheckSeed)
       ->capture_default_str();

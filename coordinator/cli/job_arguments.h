@@ -18,6 +18,7 @@ struct JobArguments {
   std::vector<std::string> settings;  // key=value
   std::uint64_t seed = 0;
   std::vector<std::string> inputs;  // name=FILE, beside the main one
+  bool units_are_right = false;     // take a log of what no robot does
 };
 
 // The input that a file is for whose name stands alone: the first one of the pipeline's list.

@@ -10,7 +10,10 @@
 namespace cairn::cli {
 
 // By the names of job.inputs; fills in job.input_blobs. Throws InputError that begins with where the input is
-// named.
-std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed);
+// named; refuses a log of what no robot does, unless `units_are_right`.
+std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed, bool units_are_right);
+
+// Throws InputError of all that is in doubt, and says what to do. `where`: "the log: log.h5: ", or nothing.
+[[noreturn]] void RefuseUnits(const std::string& where, const std::vector<std::string>& doubts);
 
 }  // namespace cairn::cli

@@ -92,7 +92,7 @@ int Run(const Options& options, const Invocation& call) {
   Check(PrepareProcess({.files = 48 + 4 * workers, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
   const Catalog catalog = LoadCatalog();
   ParsedJob parsed = ResolveJob(options.job, catalog);
-  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
+  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, options.job.units_are_right);
   if (options.dry_run) return DryRun(options, parsed.job, inputs, catalog);
   coordinator::EmbeddedOptions embedded;
   embedded.dir = options.out.empty() ? parsed.job.name() : options.out;

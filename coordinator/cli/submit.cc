@@ -64,12 +64,12 @@ ParsedJob JobOfFile(const Options& options, const Catalog& catalog, const std::s
 
 // What would end a fleet's submission halfway: throws where a file cannot be an input, with what is wrong
 // with each. Their arrays are not kept: they may be more than fit into memory.
-void CheckInputs(std::vector<ParsedJob> jobs) {
+void CheckInputs(std::vector<ParsedJob> jobs, bool units_are_right) {
   constexpr std::size_t kMostNamed = 10;
   std::vector<std::string> wrong;
   for (ParsedJob& job : jobs) {
     try {
-      static_cast<void>(ReadJobInputs(job));
+      static_cast<void>(ReadJobInputs(job, units_are_right));
     } catch (const InputError& error) {
       wrong.emplace_back(error.what());
     }
@@ -85,7 +85,7 @@ void CheckInputs(std::vector<ParsedJob> jobs) {
 
 void SubmitOne(const Options& options, coordinator::Client& client, ParsedJob parsed) {
   if (options.priority) parsed.job.set_priority(*options.priority);
-  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed);
+  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, options.arguments.units_are_right);
   bool known = false;
   const wire::JobInfo info = Take(client.Submit(parsed.job, inputs, &known));
   if (options.json)
@@ -106,7 +106,7 @@ int Submit(const Options& options, const Invocation&) {
     jobs.push_back(ResolveJob(options.arguments, catalog));
   } else {
     for (const std::string& file : Matches(options.each)) jobs.push_back(JobOfFile(options, catalog, file));
-    CheckInputs(jobs);
+    CheckInputs(jobs, options.arguments.units_are_right);
   }
   coordinator::Client client = ConnectClient(options.client);
   for (ParsedJob& job : jobs) SubmitOne(options, client, std::move(job));

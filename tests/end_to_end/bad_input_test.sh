@@ -37,7 +37,7 @@ odometry '1,a,0,1' '2,a,0,inf' >odometry.csv
 observations >observations.csv
 refuses_import 'odometry.csv:3' import
 odometry '2,a,0,1' '1,a,0,1' >odometry.csv
-refuses_import 'odometry.csv:3.*backwards' import
+refuses_import 'odometry.csv:3.*backwards.*--skip-bad skips such lines' import
 refuses_import 'nowhere.csv' cairn import csv --odometry nowhere.csv log.h5
 
 cp odometry.csv kept.csv
@@ -218,3 +218,24 @@ done
 # Refused over a network without keys.
 refuses 'keys' cairn coordinator --store store --listen tcp://127.0.0.1:17171
 ! grep -q 'listening on' stderr || die "a coordinator that was refused says that it listens"
+
+# Units: refused with the row and the likely unit, read on request and then not asked about again; another program's log is
+# looked at when it is run.
+odometry 1,a,0,500 2,a,0,500 3,a,0,500 >odometry.csv
+observations 2,a,,, >observations.csv
+refuses_import 'odometry.csv:.*it goes 500 m within 1 s.*in millimetres' import
+exits 0 import --units-are-right
+says 'warning: .*it goes 500 m'
+exits 0 cairn inspect log.h5
+! grep -q 'in doubt' stdout || die "an insisted log is in doubt"
+exits 0 cairn run landmark_map log.h5 --dry-run
+rm log.h5
+
+# A folder: what it looks like, and which command reads it.
+mkdir tables
+odometry "${good_rows[@]}" >tables/odometry.csv
+exits 0 cairn inspect tables
+says 'cairn import csv --odometry tables/odometry.csv log.h5'
+refuses 'looks like a table of odometry; read it in: cairn import csv' cairn inspect tables/odometry.csv
+mkdir nothing
+refuses "holds nothing that Cairn knows" cairn inspect nothing
