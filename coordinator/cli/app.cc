@@ -11,6 +11,8 @@
 #include "coordinator/cli/home.h"
 #include "coordinator/cli/invocation.h"
 #include "coordinator/cli/output.h"
+#include "coordinator/cli/job_arguments.h"
+#include "coordinator/cli/pipeline_text.h"
 #include "coordinator/cli/programs.h"
 #include "coordinator/cli/suggest.h"
 #include "schema/process_limits.h"
@@ -30,6 +32,7 @@ void AddCommands(CLI::App& app, Invocation& call) {
   AddCoordinator(app, call);
   AddSimulate(app, call);
   AddImport(app, call);
+  AddPipelines(app, call);
   AddInspect(app, call);
   AddEvaluate(app, call);
   AddReport(app, call);
@@ -93,6 +96,37 @@ std::string UnknownSubcommand(const CLI::App& app, const std::string& command, i
   return "cairn " + command + ": there is no '" + word + "'" + Suggest(word, known);
 }
 
+void AddFlags(const CLI::App& app, std::vector<std::string>* flags) {
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) flags->push_back("--" + name);
+}
+
+// Of `cairn run … --ouput result`: the first flag that the command does not know, with what was meant; empty
+// where all are known.
+std::string UnknownFlag(const CLI::App& app, const std::string& command, int argc, char** argv) {
+  std::vector<std::string> flags;
+  AddFlags(app, &flags);
+  const CLI::App* within = &app;
+  int first = 1;
+  if (!command.empty()) {
+    within = app.get_subcommand(command);
+    AddFlags(*within, &flags);
+    const std::vector<std::string> deeper = CommandNames(*within);
+    first = 2;
+    if (argc > 2 && std::ranges::find(deeper, argv[2]) != deeper.end()) {
+      AddFlags(*within->get_subcommand(argv[2]), &flags);
+      first = 3;
+    }
+  }
+  for (int i = first; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string flag = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+    if (!flag.starts_with("--") || std::ranges::find(flags, flag) != flags.end()) continue;
+    const std::string nearest = NearestFlag(flag, flags);
+    return "there is no option '" + flag + "'" + (nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  }
+  return "";
+}
+
 int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const std::string word = argc > 1 ? argv[1] : "";
   const std::vector<std::string> commands = CommandNames(app);
@@ -103,6 +137,8 @@ int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char
     Complain(what);
   } else if (argc == 1) {
     std::fputs(app.help().c_str(), stderr);
+  } else if (const std::string flag = UnknownFlag(app, known ? word : "", argc, argv); !flag.empty()) {
+    Complain(flag + " (cairn " + (known ? word + " " : "") + "--help lists them)");
   } else {
     Complain(std::string(error.what()) + " (cairn " + (known ? word + " " : "") + "--help says more)");
   }
@@ -137,6 +173,27 @@ int RunCaught(const Invocation& call) {
   return kExitFailed;
 }
 
+// The pipeline that `cairn run PIPELINE --help` asks about; empty where it asks about the command.
+std::string PipelineAskedAbout(int argc, char** argv) {
+  std::vector<std::string> words;
+  for (int i = 1; i < argc; ++i)
+    if (const std::string_view word = argv[i]; word != "--help" && word != "-h") words.emplace_back(word);
+  const bool runs = words.size() > 1 && (words[0] == "run" || words[0] == "submit");
+  return runs && !words[1].starts_with('-') && !IsJobFile(words[1]) ? words[1] : "";
+}
+
+int SayHelp(const CLI::App& app, const CLI::Success& help, int argc, char** argv) {
+  const std::string pipeline = PipelineAskedAbout(argc, argv);
+  const bool asked = dynamic_cast<const CLI::CallForHelp*>(&help) != nullptr;
+  if (!asked || pipeline.empty()) return app.exit(help);
+  Invocation call;
+  call.run = [&pipeline] {
+    std::fputs(PipelineText(LoadCatalog().At(pipeline)).c_str(), stdout);
+    return kExitDone;
+  };
+  return RunCaught(call);
+}
+
 int ParseAndRun(int argc, char** argv) {
   CLI::App app(
       "Cairn turns robot logs into maps and learned landmarks, the same bits on a laptop or a cluster.",
@@ -145,6 +202,7 @@ int ParseAndRun(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(
+      "`cairn help COMMAND` and `cairn COMMAND --help` say more.\n"
       "Exit codes: 0 done, 1 failed through no fault of the input, 2 bad usage or input, or an output that\n"
       "cannot be written where it was asked for.\n"
       "Example:\n  cairn simulate loop log.h5 && cairn run landmark_map log.h5 --out result");
@@ -155,7 +213,7 @@ int ParseAndRun(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
-    return app.exit(help);
+    return SayHelp(app, help, argc, argv);
   } catch (const CLI::ParseError& error) {
     return UsageError(app, error, argc, argv);
   }
@@ -170,6 +228,17 @@ int ParseAndRun(int argc, char** argv) {
 
 int Main(int argc, char** argv) {
   EscapeOutput();
+  // `cairn help run` is `cairn run --help`.
+  std::string_view help_flag = "--help";
+  std::vector<char*> words(argv, argv + argc);
+  if (argc > 1 && std::string_view(argv[1]) == "help") {
+    words.erase(words.begin() + 1);
+    if (argc == 2 || std::string_view(words.back()) != help_flag)
+      words.push_back(const_cast<char*>(help_flag.data()));
+    argc = static_cast<int>(words.size());
+  }
+  words.push_back(nullptr);
+  argv = words.data();
   int code = kExitFailed;
   if (argc > 1 && std::string_view(argv[1]) == "worker") {
     Invocation call;

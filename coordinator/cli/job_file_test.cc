@@ -11,6 +11,7 @@
 
 #include "coordinator/cli/job_arguments.h"
 #include "coordinator/cli/job_inputs.h"
+#include "coordinator/cli/pipeline_text.h"
 #include "coordinator/job_yaml.h"
 #include "schema/error.h"
 #include "schema/store/blob_file.h"
@@ -340,7 +341,7 @@ TEST_F(JobFile, InputsOfAnotherKindAreRefused) {
     EXPECT_TRUE(WriteBlobFile(file, kind, blob).ok());
     ParsedJob parsed = ResolveJob({pipeline, file, {}, 0, {}}, catalog);
     try {
-      ReadJobInputs(parsed);
+      ReadJobInputs(parsed, false);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -350,6 +351,42 @@ TEST_F(JobFile, InputsOfAnotherKindAreRefused) {
   EXPECT_EQ(complaint("landmark_map", "log"), "accepted");
   EXPECT_TRUE(complaint("landmark_learning", "log").ends_with("log.h5: a log, where samples are needed"));
   EXPECT_TRUE(complaint("landmark_map", "samples").ends_with("samples.h5: samples, where a log is needed"));
+}
+
+TEST_F(JobFile, ALogOfWhatNoRobotDoesIsRefusedUnlessSomebodyInsists) {
+  const Catalog catalog =
+      Catalog::FromJson(R"({"pipelines": [{"name": "landmark_map", "inputs": ["log"], "options": []}]})");
+  Blob log;
+  log.Put("robots", Array::Texts({"anna"}));
+  log.PutVector("robot/0/odometry/time_s", std::vector{0.0, 1.0});
+  log.PutVector("robot/0/odometry/turn_rad", std::vector{0.0, 0.0});
+  log.PutVector("robot/0/odometry/forward_m", std::vector{0.0, 518.0});
+  const std::string file = (folder_ / "fast.h5").string();
+  ASSERT_TRUE(WriteBlobFile(file, "log", log).ok());
+  ParsedJob parsed = ResolveJob({"landmark_map", file, {}, 0, {}}, catalog);
+  try {
+    ReadJobInputs(parsed, false);
+    FAIL() << "518 m/s were accepted";
+  } catch (const InputError& error) {
+    const std::string said = error.what();
+    EXPECT_NE(said.find("fast.h5: robot 'anna', row 2 of its odometry (1 s): it goes 518 m within 1 s"),
+              std::string::npos)
+        << said;
+    EXPECT_NE(said.find("are ways in millimetres?"), std::string::npos) << said;
+    EXPECT_NE(said.find("--units-are-right"), std::string::npos) << said;
+  }
+  EXPECT_EQ(ReadJobInputs(parsed, true).size(), 1U);
+}
+
+TEST_F(JobFile, APipelinesOptionsAreShownWithUnitRangeAndDefault) {
+  const std::string text = PipelineText(catalog_.At("landmark_map"));
+  for (const char* part : {"  log: FILE.h5\n", "  cell_m=1 m\n      edge; a number from 0.01 to 10 m\n",
+                           "  iterations=10\n      most; a whole number from 1 to 100\n",
+                           "  blur=true\n      true or false\n", "one of local, global"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
+  const std::string list = PipelineList(catalog_.pipelines());
+  EXPECT_NE(list.find("forward_map   log, [poses]  grids\n"), std::string::npos) << list;
+  EXPECT_NE(PipelinesJson(catalog_.pipelines()).find("\"high\": 10.0"), std::string::npos);
 }
 
 TEST_F(JobFile, InputsBesideTheLogReachTheStage) {

@@ -38,6 +38,20 @@ std::string Nearest(const std::string& word, const std::vector<std::string>& kno
   return best;
 }
 
+std::string NearestFlag(const std::string& flag, const std::vector<std::string>& known) {
+  if (std::string nearest = Nearest(flag, known); !nearest.empty()) return nearest;
+  constexpr std::size_t kDashes = 2, kFewLetters = 4, kMostEdits = 2;
+  for (const std::string& candidate : known)
+    if (flag.size() >= kFewLetters && (candidate.starts_with(flag) || flag.starts_with(candidate)))
+      return candidate;
+  for (const std::string& candidate : known) {
+    const bool begins_alike = flag.size() > kDashes && candidate.size() > kDashes &&
+                              flag[kDashes] == candidate[kDashes] && flag.size() > kFewLetters;
+    if (begins_alike && Edits(flag, candidate) <= kMostEdits) return candidate;
+  }
+  return "";
+}
+
 std::string Suggest(const std::string& word, const std::vector<std::string>& known) {
   const std::string nearest = Nearest(word, known);
   const std::string hint = nearest.empty() ? "" : "; did you mean '" + nearest + "'?";

@@ -23,5 +23,16 @@ TEST(Suggest, NamesWhatIsKnown) {
   EXPECT_EQ(Suggest("a", {}), "; there are none");
 }
 
+TEST(NearestFlag, KnowsWhatWasMeantByAFlag) {
+  const std::vector<std::string> flags = {"--help",  "--out",     "--set",  "--seed",
+                                          "--input", "--workers", "--force"};
+  for (const char* flag : {"--ouput", "--output", "--outt", "--ou", "--uot", "--outdir"})
+    EXPECT_EQ(NearestFlag(flag, flags), "--out") << flag;
+  EXPECT_EQ(NearestFlag("--worker", flags), "--workers");
+  EXPECT_EQ(NearestFlag("--inputs", flags), "--input");
+  for (const char* flag : {"--no-such-option", "--verbose", "--x", "--json"})
+    EXPECT_EQ(NearestFlag(flag, flags), "") << flag;
+}
+
 }  // namespace
 }  // namespace cairn::cli

@@ -4,6 +4,19 @@ source "$(dirname "$0")/common.sh"
 
 commands=$(cairn --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}')
 [ "$(wc -w <<<"$commands")" -ge 12 ] || die "cairn --help lists too few commands: $commands"
+exits 0 cairn help
+says '^Subcommands:'
+exits 0 cairn help run
+says 'cairn run landmark_map'
+refuses "there is no option '--ouput'; did you mean '--out'" cairn run landmark_map log.h5 --ouput result
+refuses "there is no option '--skip-bed'; did you mean '--skip-bad'" cairn import csv --odometry o.csv --skip-bed log.h5
+exits 0 cairn pipelines
+says '^landmark_map +log'
+exits 0 cairn run landmark_map --help
+says '^  cell_m='
+says '^      .*from .* to .* m'
+exits 0 cairn help run landmark_map
+refuses "there is no pipeline 'landmrk_map'; did you mean 'landmark_map'" cairn run landmrk_map --help
 for command in $commands; do
   exits 0 cairn "$command" --help
   says 'xample'
@@ -57,7 +70,7 @@ runs() {
 ran=0
 
 runs
-for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report export \
+for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report pipelines export \
   'export tum' 'export g2o' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"

@@ -1,0 +1,40 @@
+// cairn pipelines: what there is to run, and all options of one.
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "coordinator/cli/invocation.h"
+#include "coordinator/cli/pipeline_text.h"
+#include "coordinator/cli/programs.h"
+
+namespace cairn::cli {
+namespace {
+
+struct Options {
+  std::string pipeline;
+  bool json = false;
+};
+
+int Pipelines(const Options& options, const Invocation&) {
+  const Catalog catalog = LoadCatalog();
+  std::vector<PipelineSpec> shown = catalog.pipelines();
+  if (!options.pipeline.empty()) shown = {catalog.At(options.pipeline)};
+  const std::string text = options.json               ? PipelinesJson(shown)
+                           : options.pipeline.empty() ? PipelineList(shown)
+                                                      : PipelineText(shown.front());
+  std::fputs(text.c_str(), stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddPipelines(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<Options>(app, call, "pipelines", "Which pipelines there are, and the options of one",
+                          "cairn pipelines\n  cairn pipelines landmark_map", Pipelines, &command);
+  command->add_option("PIPELINE", options->pipeline, "All options of this one: unit, range, default, effect");
+  command->add_flag("--json", options->json, "As JSON, always with all options");
+}
+
+}  // namespace cairn::cli
