@@ -54,7 +54,7 @@ std::string ProgressLine(const wire::JobInfo& info, int width) {
   if (info.stages() > 1) line += " " + info.stage_name();
   const double part = PartDone(info);
   if (part >= 0) line += " " + Bar(part);
-  if (info.eta_s() > 0) line += " " + Duration(info.eta_s()) + " left,";
+  if (info.eta_s() > 0) line += " about " + Duration(info.eta_s()) + " left,";
   line += " " + std::to_string(info.tasks_done()) + "/" + std::to_string(info.tasks()) + " tasks";
   if (!info.note().empty()) line += ", " + info.note();
   return Cut(line, width);

@@ -36,7 +36,7 @@ TEST(ProgressLine, SaysStageTasksAndWhatIsLeft) {
   info.set_eta_s(10);
   info.set_note("iteration 3");
   EXPECT_EQ(ProgressLine(info, 200),
-            "museum 1/2 landmarks [##########----------] 0:10 left, 10/20 tasks, iteration 3");
+            "museum 1/2 landmarks [##########----------] about 0:10 left, 10/20 tasks, iteration 3");
 }
 
 TEST(ProgressLine, TheOnlyStageNeedsNoName) {

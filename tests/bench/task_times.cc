@@ -1,12 +1,15 @@
 // How long the tasks of a job are (processor time), and how much memory it takes: runs a stage in this
 // process and prints a line a round and one of all.
-//   task_times PIPELINE LOG.h5 [key=value …]
+//   task_times PIPELINE LOG.h5 [key=value …] [trace=FILE] [input:NAME=FILE.h5 …]
+// A trace is what coordinator/eta_test.cc replays: a line of START's seconds, then one of each round:
+// rounds_left as its step says, its tasks, their seconds, ADVANCE's seconds.
 #include <sys/resource.h>
 #include <time.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,12 +38,15 @@ struct Round {
 // Passes everything on and takes the time.
 class Timed : public Pipeline {
  public:
-  explicit Timed(const Pipeline& pipeline) : pipeline_(pipeline) {}
+  // `trace`: may be null.
+  Timed(const Pipeline& pipeline, std::FILE* trace) : pipeline_(pipeline), trace_(trace) {}
 
   Step Start(const Inputs& inputs) const override {
     const double begin = Seconds();
     Step step = pipeline_.Start(inputs);
     std::printf("start %.3f s\n", Seconds() - begin);
+    if (trace_ != nullptr) std::fprintf(trace_, "start %.4f\n", Seconds() - begin);
+    rounds_left_ = step.plan.rounds_left();
     return step;
   }
   Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override {
@@ -62,6 +68,9 @@ class Timed : public Pipeline {
         "%s\n",
         round_.tasks, round_.longest_s, round_.all_s, round_.work / 1e6,
         static_cast<double>(round_.largest_bytes) / 1e6, Seconds() - begin, step.plan.note().c_str());
+    if (trace_ != nullptr)
+      std::fprintf(trace_, "%u %d %.4f %.4f\n", rounds_left_, round_.tasks, round_.all_s, Seconds() - begin);
+    rounds_left_ = step.plan.rounds_left();
     longest_s_ = std::max({longest_s_, round_.longest_s, Seconds() - begin});
     work_ += round_.work;
     run_s_ += round_.all_s;
@@ -78,6 +87,8 @@ class Timed : public Pipeline {
 
  private:
   const Pipeline& pipeline_;
+  std::FILE* trace_;
+  mutable std::uint32_t rounds_left_ = 0;  // of the round under way
   mutable Round round_;
   mutable double longest_s_ = 0.0, work_ = 0.0, run_s_ = 0.0;
 };
@@ -90,14 +101,36 @@ int Main(const std::vector<std::string>& args) {
   proto::Stage stage;
   stage.set_name("stage");
   stage.set_pipeline(args[0]);
+  std::map<std::string, BlobPtr> inputs;
+  const auto read = [&inputs](const std::string& name, const std::string& path) {
+    auto file = ReadBlobFileWithoutTruth(path);
+    if (!file.ok()) throw InputError(file.status().message());
+    inputs[name.empty() ? file.value().kind : name] =
+        std::make_shared<const Blob>(std::move(file).value().blob);
+  };
+  read("", args[1]);  // called after its kind: a log, samples
+  constexpr std::string_view kTrace = "trace=", kInput = "input:";
+  std::FILE* trace = nullptr;
   for (std::size_t i = 2; i < args.size(); ++i) {
-    SetOption(args[i], &stage);
+    const std::size_t equals = args[i].find('=');
+    if (args[i].starts_with(kTrace)) {
+      trace = std::fopen(args[i].substr(kTrace.size()).c_str(), "w");
+      if (trace == nullptr) throw InputError(args[i] + ": cannot be written");
+    } else if (args[i].starts_with(kInput) && equals != std::string::npos) {
+      read(args[i].substr(kInput.size(), equals - kInput.size()), args[i].substr(equals + 1));
+    } else {
+      SetOption(args[i], &stage);
+    }
   }
-  const auto log = ReadBlobFileWithoutTruth(args[1]);
-  if (!log.ok()) throw InputError(log.status().message());
+  if (trace != nullptr) {
+    std::fprintf(trace, "# task_times");
+    for (const std::string& arg : args) std::fprintf(trace, " %s", arg.c_str());
+    std::fprintf(trace, "\n");
+  }
   const auto pipeline = MakePipeline(stage, 1);
-  const Timed timed(*pipeline);
-  RunInProcess(timed, {{"log", std::make_shared<const Blob>(log.value().blob)}});
+  const Timed timed(*pipeline, trace);
+  RunInProcess(timed, inputs);
+  if (trace != nullptr) std::fclose(trace);
   timed.PrintTotal();
   return 0;
 }
