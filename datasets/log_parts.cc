@@ -27,6 +27,22 @@ std::vector<double> TimesFromEnd(const std::vector<double>& backwards, double en
   return times;
 }
 
+// True poses and associations, as far as there are any.
+void ReverseTruth(const Blob& truth, double end_s, Blob* reversed) {
+  const std::string prefix = "truth/" + Prefix(0);
+  if (truth.Has("observations/landmark")) {
+    const std::size_t seen = truth.Get<std::int32_t>("observations/landmark").size();
+    reversed->PutVector(prefix + "observations/landmark",
+                        Backwards<std::int32_t>(truth, "observations/landmark", seen));
+  }
+  if (!truth.Has("poses/time_s")) return;
+  const std::size_t poses = truth.Get<double>("poses/time_s").size();
+  reversed->PutVector(prefix + "poses/time_s",
+                      TimesFromEnd(Backwards<double>(truth, "poses/time_s", poses), end_s));
+  for (const char* name : {"poses/x_m", "poses/y_m", "poses/heading_rad"})
+    reversed->PutVector(prefix + name, Backwards<double>(truth, name, poses));
+}
+
 }  // namespace
 
 Blob RobotsOf(const Blob& log, const std::vector<std::size_t>& robots) {
@@ -46,7 +62,9 @@ Blob RobotsOf(const Blob& log, const std::vector<std::size_t>& robots) {
 Blob Reversed(const Blob& log, std::size_t robot) {
   RefuseMissing(robot, log.Texts("robots"));
   const Blob own = log.Sub(Prefix(robot));
-  Blob reversed = RobotsOf(log, {robot}).Without("truth/");
+  const Blob alone = RobotsOf(log, {robot});
+  Blob reversed = alone.Without("truth/");
+  reversed.PutAll("truth/landmarks/", alone.Sub("truth/landmarks/"));
   const std::size_t controls = own.Get<double>("odometry/time_s").size();
   const std::size_t seen = own.Get<double>("observations/time_s").size();
   if (controls == 0) return reversed;
@@ -73,6 +91,7 @@ Blob Reversed(const Blob& log, std::size_t robot) {
                      Backwards<std::int32_t>(own, "observations/landmark", seen));
   for (const char* name : {"observations/range_m", "observations/bearing_rad"})
     reversed.PutVector(prefix + name, Backwards<double>(own, name, seen));
+  ReverseTruth(alone.Sub("truth/" + prefix), end_s[0], &reversed);
   return reversed;
 }
 

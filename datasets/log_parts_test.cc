@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "datasets/evaluate/track.h"
 #include "datasets/planar.h"
 #include "datasets/simulate_loop.h"
 
@@ -60,6 +61,26 @@ TEST(LogParts, AReversedDrivePassesItsObservationsWhereTheyWereMade) {
     const PoseM there = at(log, n, {}), here = at(back, seen - 1 - n, end);
     EXPECT_NEAR(there.x_m, here.x_m, 1e-6) << n;
     EXPECT_NEAR(there.y_m, here.y_m, 1e-6) << n;
+  }
+}
+
+// Where it truly was when it made an observation, and which landmark that was of, is the same either way.
+TEST(LogParts, AReversedDriveKeepsItsTruth) {
+  const Blob log = SimulateLoop({.difficulty = "paper", .seed = 4}), back = Reversed(log, 0);
+  const Track forth_track = ReadTrack(log, "truth/robot/0/poses/"),
+              back_track = ReadTrack(back, "truth/robot/0/poses/");
+  const auto forth_s = log.Get<double>("robot/0/observations/time_s"),
+             back_s = back.Get<double>("robot/0/observations/time_s");
+  const auto forth_of = log.Get<std::int32_t>("truth/robot/0/observations/landmark"),
+             back_of = back.Get<std::int32_t>("truth/robot/0/observations/landmark");
+  ASSERT_EQ(back_s.size(), forth_s.size());
+  for (std::size_t n = 0; n < forth_s.size(); ++n) {
+    const std::size_t m = forth_s.size() - 1 - n;
+    EXPECT_EQ(back_of[m], forth_of[n]);
+    const auto there = PoseAt(forth_track, forth_s[n]), here = PoseAt(back_track, back_s[m]);
+    ASSERT_TRUE(there && here) << n;
+    EXPECT_NEAR(there->x_m, here->x_m, 1e-6) << n;
+    EXPECT_NEAR(there->y_m, here->y_m, 1e-6) << n;
   }
 }
 

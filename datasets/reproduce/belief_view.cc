@@ -77,6 +77,21 @@ double ShareWithin(const report::Grid& grid, PointM centre, double radius_m) {
   return all > 0 ? within / all : 0.0;
 }
 
+int PlacesWithShare(report::Grid grid, double radius_m, double share) {
+  double all = 0;
+  for (const double p : grid.probability) all += p;
+  for (int places = 0;; ++places) {
+    const PointM peak = MostLikely(grid);
+    double within = 0;
+    for (std::size_t i = 0; i < grid.probability.size(); ++i) {
+      if (DistanceM(CentreOf(grid, i), peak) > radius_m) continue;
+      within += grid.probability[i];
+      grid.probability[i] = 0;
+    }
+    if (within <= 0 || within < share * all) return places;
+  }
+}
+
 PointM MostLikely(const report::Grid& grid) {
   CAIRN_DEMAND(!grid.probability.empty(), "a cell");
   const auto best = std::ranges::max_element(grid.probability) - grid.probability.begin();

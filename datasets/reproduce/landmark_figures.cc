@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/landmarks.h"
+#include "datasets/evaluate/similarity.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/reproduce/belief_view.h"
 #include "datasets/reproduce/figure_panels.h"
@@ -17,6 +19,36 @@ using report::PanelPicture;
 
 constexpr double kNearM = 2.0;  // "there"
 constexpr const char* kEmMap = "em_map";
+
+bool IsRight(const Evaluation& score) { return score.topology_correct.value_or(false); }
+
+// How far odometry alone is off up to a time, laid over the true path by the best rigid motion.
+double OdometryRmseM(const Blob& log, int robot, double until_s) {
+  const std::string prefix = "robot/" + std::to_string(robot) + "/odometry/";
+  const auto time = log.Get<double>(prefix + "time_s"), turn = log.Get<double>(prefix + "turn_rad"),
+             forward = log.Get<double>(prefix + "forward_m");
+  const Track truth = ReadTrack(log, "truth/robot/" + std::to_string(robot) + "/poses/");
+  std::vector<PointPair> pairs;
+  PoseM pose;
+  for (std::size_t i = 0; i < time.size() && time[i] <= until_s; ++i) {
+    pose = Apply(pose, {turn[i], forward[i]});
+    if (const auto there = PoseAt(truth, time[i]))
+      pairs.push_back({{pose.x_m, pose.y_m}, {there->x_m, there->y_m}});
+  }
+  return RmseM(pairs, FitRigid(pairs));
+}
+
+// The share of a belief within kNearM of any of the points.
+double ShareNear(const report::Grid& belief, const std::vector<PointM>& points) {
+  double all = 0, near = 0;
+  for (std::size_t i = 0; i < belief.probability.size(); ++i) {
+    const PointM at = CentreOf(belief, i);
+    all += belief.probability[i];
+    if (std::ranges::any_of(points, [&](PointM p) { return DistanceM(at, p) <= kNearM; }))
+      near += belief.probability[i];
+  }
+  return all > 0 ? near / all : 0;
+}
 
 class Figures {
  public:
@@ -32,7 +64,7 @@ class Figures {
     FirstRevisit();
     Prefixes();
     SecondWorld();
-    BetaTables();
+    LastBetas();
     SecondRobot();
     ForwardOnly();
     return std::move(figures_);
@@ -49,8 +81,13 @@ class Figures {
     return Evaluate(Result(stage), Input(log));
   }
   void Add(const char* file, const char* title, const char* claim, const std::string& measured,
-           std::string png) {
-    figures_.push_back({file, title, claim, measured, std::move(png)});
+           std::string png, std::optional<bool> holds) {
+    figures_.push_back({file, title, claim, measured, std::move(png), {}, holds});
+  }
+
+  // When a log's only robot made its n-th observation.
+  static double ObservedAt(const Blob& log, int n) {
+    return log.Get<double>("robot/0/observations/time_s")[static_cast<std::size_t>(n - 1)];
   }
 
   // The true place of a robot in the frame of a map of the first log.
@@ -62,7 +99,8 @@ class Figures {
   }
 
   // With the landmarks of the map in which a robot was looked for.
-  PanelPicture BeliefPanel(const std::string& title, const report::Grid& belief, const char* stage) const {
+  PanelPicture BeliefPanel(const std::string& title, const report::Grid& belief,
+                           const std::string& stage) const {
     PanelPicture panel;
     panel.title = title;
     panel.density = belief;
@@ -76,6 +114,7 @@ class Figures {
     const auto seen = Input("motion_log").Get<double>("robot/0/observations/time_s");
     std::vector<PanelPicture> panels;
     std::string measured = "standard deviation of the position";
+    std::vector<double> spread_m;
     for (std::size_t n = 0; n < seen.size(); ++n) {
       const double way_m = kStraightM * static_cast<double>(n + 1);
       PanelPicture panel =
@@ -83,7 +122,8 @@ class Figures {
       panel.marks.clear();
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
       panel.density = belief;
-      measured += Say("%s %.1f m after %.0f m", n == 0 ? ":" : ",", SpreadM(belief), way_m);
+      spread_m.push_back(SpreadM(belief));
+      measured += Say("%s %.1f m after %.0f m", n == 0 ? ":" : ",", spread_m.back(), way_m);
       panels.push_back(std::move(panel));
     }
     report::Box box = report::BoundsOf(panels);
@@ -93,11 +133,10 @@ class Figures {
       box = report::Around(box, report::BoundsOf({alone}));
     }
     Add("figure_01.png", "Figure 1: the model of motion",
-        "Accumulated uncertainty after moving as the line shows; its bent shape comes from errors of turns "
-        "and "
-        "ways together.",
-        measured + " (errors: 1.2 degrees per root metre, 3% of ways, 5% of turns).",
-        report::DrawPanels(panels, box, 2));
+        "Uncertainty accumulates while the robot moves as the line shows; its bent shape comes from errors "
+        "of turns and of distances together.",
+        measured + " (errors: 1.2 degrees per root metre, 3% of distances, 5% of turns).",
+        report::DrawPanels(panels, box, 2), std::ranges::is_sorted(spread_m, std::less_equal<>()));
   }
 
   void Perception() {
@@ -118,42 +157,48 @@ class Figures {
     const double half = kBetweenM / 2 + 8;
     Add("figure_02.png", "Figure 2: the model of perception",
         "A robot that knows nothing of its place sees a landmark about 5 m ahead, in a world of two that "
-        "look "
-        "alike: circles round both, and a residual elsewhere.",
+        "look alike: circles round both, and a residual elsewhere.",
         Say("%.0f%% of the probability lies within 1 m of the two circles of 5 m.", 100 * on_ring / all),
-        report::DrawPanels({seen, map}, {-half, half, -8, 8}, 2));
+        report::DrawPanels({seen, map}, {-half, half, -8, 8}, 2), on_ring > 0.5 * all && on_ring < all);
   }
 
   // Localization of the reversed data in a map: panels of the belief after each of its first observations.
-  std::vector<PanelPicture> BetaPanels(const char* stage, const char* map, std::size_t count,
-                                       std::vector<double>* there) const {
+  struct BetaTables {
+    std::vector<PanelPicture> panels;
+    std::vector<double> there, spread_m;  // of each: the mass within kNearM of truth, and how wide it is
+    int most_places = 0;                  // that hold a tenth of a table's mass each, in any of them
+  };
+  BetaTables BetasOf(const std::string& stage, const std::string& map, std::size_t count) const {
     const BeliefView beliefs(Result(stage), 0);
     const Evaluation score = Score(map, "first");
     const auto seen = Input("back").Get<double>("robot/0/observations/time_s");
     const auto forth = Input("first").Get<double>("robot/0/observations/time_s");
-    std::vector<PanelPicture> panels;
+    BetaTables tables;
     for (std::size_t n = 0; n < std::min(count, seen.size()); ++n) {
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
       const PointM truth = TruePlace(score, Input("first"), 0, forth[forth.size() - 1 - n]);
-      there->push_back(ShareWithin(belief, truth, kNearM));
+      tables.there.push_back(ShareWithin(belief, truth, kNearM));
+      tables.spread_m.push_back(SpreadM(belief));
+      tables.most_places = std::max(tables.most_places, PlacesWithShare(belief, 2 * kNearM, 0.1));
       PanelPicture panel = BeliefPanel(Say("t = %zu of %zu: %.0f%% within %.0f m of truth", forth.size() - n,
-                                           forth.size(), 100 * there->back(), kNearM),
+                                           forth.size(), 100 * tables.there.back(), kNearM),
                                        belief, map);
       panel.robot = truth;
-      panels.push_back(std::move(panel));
+      tables.panels.push_back(std::move(panel));
     }
-    return panels;
+    return tables;
   }
 
   void BetaEarly() {
-    std::vector<double> there;
-    const std::vector<PanelPicture> panels = BetaPanels("beta_early", "iterations_2", 9, &there);
+    const BetaTables early = BetasOf("beta_early", IterationsStage(2), 9);
     Add("figure_03.png", "Figure 3: a sequence of beta tables",
         "Beta before the map has converged: the distributions are complex and multi-modal.",
-        Say("beta with the observation of its own step, in the map of the second iteration; the mass within "
-            "%.0f m of truth goes from %.0f%% to %.0f%% in %zu observations.",
-            kNearM, 100 * there.front(), 100 * there.back(), there.size()),
-        DrawFigure(panels, 3));
+        Say("beta with the observation of its own step, in the map of plain EM's second iteration: up to %d "
+            "places %.0f m apart hold a tenth of a table each; the mass within %.0f m of truth goes from "
+            "%.0f%% to %.0f%% in %zu observations.",
+            early.most_places, 2 * kNearM, kNearM, 100 * early.there.front(), 100 * early.there.back(),
+            early.there.size()),
+        DrawFigure(early.panels, 3), early.most_places >= 2);
   }
 
   void RawData() {
@@ -163,26 +208,61 @@ class Figures {
         Say("%zu controls, %d observations, final odometric error %.1f m.",
             log.Get<double>("robot/0/odometry/time_s").size(), study_.observations,
             FinalOdometricErrorM(log, 0)),
-        DrawFigure({RawPanel("raw odometry, observations", log)}, 1));
+        DrawFigure({RawPanel("raw odometry, observations", log)}, 1), {});
   }
 
+  // As plain EM finds it, and beside it what the default search makes of the same log.
   void MostLikelyMap() {
-    Add("figure_06.png", "Figure 6a: the most likely map and path",
-        "Topologically right; the principle topology was known after two iterations, the landmarks with high "
-        "certainty after about four.",
-        ScoreText(map_score_) + Say("; topology %s after 2 iterations, %s after 4.",
-                                    RightOrWrong(Score("iterations_2", "first")),
-                                    RightOrWrong(Score("iterations_4", "first"))),
+    const Evaluation plain = Score(kEmMap, "first");
+    PaperTable table{{"plain EM, iterations", "topology", "landmarks found", "spurious", "landmark error"},
+                     {}};
+    const auto row = [&](const std::string& name, const Evaluation& score) {
+      const LandmarkScore& marks = *score.landmarks;
+      table.rows.push_back({name, RightOrWrong(score),
+                            Say("%lld of %lld", static_cast<long long>(marks.found),
+                                static_cast<long long>(marks.found + marks.missed)),
+                            Say("%lld", static_cast<long long>(marks.spurious)),
+                            marks.rmse_m ? Say("%.2f m", *marks.rmse_m) : "-"});
+    };
+    std::vector<Evaluation> early;
+    for (int n = 1; n <= kShownIterations; ++n) {
+      early.push_back(Score(IterationsStage(n), "first"));
+      row(std::to_string(n), early.back());
+    }
+    row(Say("until it settles (%lld)", static_cast<long long>(plain.iterations)), plain);
+    row("default search", map_score_);
+    Add("figure_06.png", "Figure 6a: the most likely map and path", "Topologically right.",
+        "plain EM: " + ScoreText(plain) + ". The default search: " + ScoreText(map_score_) + ".",
         DrawFigure({RawPanel("raw odometry", Input("first")),
-                    MapPanel("map and most likely path", Result("map"), Input("first"), map_score_)},
-                   2));
+                    MapPanel("plain EM: map and most likely path", Result(kEmMap), Input("first"), plain)},
+                   2),
+        IsRight(plain));
+    const auto from_on = [&](const auto& known) {
+      std::size_t from = early.size();
+      while (from > 0 && known(early[from - 1])) --from;
+      return static_cast<int>(from) + 1;
+    };
+    const auto told = [](int from) {
+      return from <= kShownIterations ? Say("from iteration %d on", from)
+                                      : Say("not by %d", kShownIterations);
+    };
+    const int right = from_on(IsRight);
+    const int all = from_on([](const Evaluation& score) {
+      return IsRight(score) && score.landmarks->missed == 0 && score.landmarks->spurious == 0;
+    });
+    Add("", "Section 6: the topology after two iterations",
+        "The principle topology of the environment was already known after two iterations.",
+        "every association right " + told(right) + ".", "", right <= 2);
+    figures_.back().table = std::move(table);
+    Add("", "Section 6: the landmarks after four iterations",
+        "After approximately four iterations the location of the landmarks was known with high certainty.",
+        "every landmark within 3 m, and no other, " + told(all) + ".", "", all <= 4);
   }
 
   // Raw data and map of a prefix; the belief of its last step beneath.
   std::string PrefixPicture(int n, const Evaluation& score) const {
-    const Blob& result = Result(n == study_.observations ? "map" : PrefixStage(n));
-    const double until_s =
-        Input("first").Get<double>("robot/0/observations/time_s")[static_cast<std::size_t>(n - 1)];
+    const Blob& result = Result(n == study_.observations ? kEmMap : PrefixStage(n));
+    const double until_s = ObservedAt(Input("first"), n);
     const BeliefView beliefs(result, 0);
     PanelPicture map = MapPanel(Say("map after observation %d: topology %s", n, RightOrWrong(score)), result,
                                 Input("first"), score);
@@ -193,50 +273,66 @@ class Figures {
   }
 
   Evaluation PrefixScore(int n) const {
-    return n == study_.observations ? map_score_ : Score(PrefixStage(n), "first");
+    return Score(n == study_.observations ? kEmMap : PrefixStage(n), "first");
   }
 
+  // The drive backwards, which closes a small cycle first; odometry alone is laid over truth as well as it
+  // goes.
   void FirstRevisit() {
-    const Evaluation score = PrefixScore(study_.revisit);
+    if (study_.revisit == 0) return;
+    const Blob &log = Input("back"), &result = Result("small_cycle");
+    const Evaluation score = Score("small_cycle", "back");
+    const double until_s = ObservedAt(log, study_.revisit);
+    const double odometry_m = OdometryRmseM(log, 0, until_s);
     Add("figure_07.png", "Figure 7: the first landmark seen again",
         "Even where a small cycle brings but little odometric error, the map gets better.",
-        Say("observation %d is the first of a landmark seen before%s: ", study_.revisit,
-            study_.revisit == study_.closing ? ", for this drive goes round the large cycle first" : "") +
-            ScoreText(score) + ".",
-        PrefixPicture(study_.revisit, score));
+        Say("the first robot's drive backwards, up to observation %d, which closes a cycle of %.0f m: ",
+            study_.revisit, study_.revisit_m) +
+            ScoreText(score) + Say("; path by odometry alone %.2f m.", odometry_m),
+        DrawFigure({RawPanel("raw data", log, 0, until_s), MapPanel("map and path", result, log, score)}, 2),
+        IsRight(score) && score.trajectory_rmse_m < odometry_m);
   }
 
+  // The observation that closes the large cycle, the one before it, and those of the paper's claims after.
   void Prefixes() {
     const int first = std::max(2, study_.closing - 2);
     std::map<int, Evaluation> scores;
-    int settled = study_.observations;  // right from there on
+    int settled = study_.observations + 1;  // right from there on
     for (int n = first; n <= study_.observations; ++n) scores[n] = PrefixScore(n);
-    while (settled > first && scores.at(settled - 1).topology_correct.value_or(false)) --settled;
-    if (!scores.at(study_.observations).topology_correct.value_or(false)) settled = study_.observations + 1;
+    while (settled > first && IsRight(scores.at(settled - 1))) --settled;
     std::string table =
-        Say("the large cycle closes with observation %d. Topology by prefix:", study_.closing);
+        Say(" The large cycle closes with observation %d. Topology by prefix:", study_.closing);
     for (const auto& [n, score] : scores) table += Say(" %d %s,", n, RightOrWrong(score));
-    table.pop_back();
-    table += settled <= study_.observations ? Say("; right from %d on.", settled)
-                                            : std::string("; not right at the end.");
-    const int turn = std::clamp(std::max(settled, study_.closing), first + 2, study_.observations);
-    const int shown[] = {turn - 2, turn - 1, turn, std::min(turn + 3, study_.observations)};
-    static const char* const kFiles[] = {"figure_08.png", "figure_09.png", "figure_10.png", "figure_11.png"};
-    static const char* const kTitles[] = {
-        "Figure 8: two observations earlier", "Figure 9: an observation earlier",
-        "Figure 10: the cycle is closed, the topology right", "Figure 11: three observations later"};
-    static const char* const kClaims[] = {
-        "After 15 landmarks the most plausible map is topologically wrong; for the last step several places "
-        "have "
-        "high probability.",
-        "After 16 it is still wrong.", "After 17 the topology is right; from this point on it always is.",
-        "After 20 it is right."};
-    for (int k = 0; k < 4; ++k) {
-      Add(kFiles[k], kTitles[k], kClaims[k],
-          Say("after observation %d: ", shown[k]) + ScoreText(scores.at(shown[k])) +
-              (k == 2 ? ". " + table : "."),
-          PrefixPicture(shown[k], scores.at(shown[k])));
+    table.back() = ';';
+    table += settled <= study_.observations ? Say(" right from %d on.", settled) : " not right at the end.";
+    const int turn = std::clamp(settled, first + 2, study_.observations);
+    const struct {
+      int prefix;
+      const char *file, *title, *claim;
+      bool right;
+    } shown[] = {
+        {turn - 2, "figure_08.png", "Figure 8: two observations earlier",
+         "After 15 landmarks the most plausible map is topologically wrong.", false},
+        {turn - 1, "figure_09.png", "Figure 9: an observation earlier", "After 16 it is still wrong.", false},
+        {turn, "figure_10.png", "Figure 10: the cycle is closed, the topology right",
+         "After 17 the topology is right; from this point on it always is.", true},
+        {std::min(turn + 3, study_.observations), "figure_11.png", "Figure 11: three observations later",
+         "After 20 it is right.", true}};
+    for (const auto& [prefix, file, title, claim, right] : shown) {
+      const Evaluation& score = scores.at(prefix);
+      Add(file, title, claim,
+          Say("after observation %d: ", prefix) + ScoreText(score) + "." + (prefix == turn ? table : ""),
+          PrefixPicture(prefix, score), IsRight(score) == right);
     }
+    const BeliefView beliefs(Result(PrefixStage(turn - 2)), 0);
+    const int places =
+        PlacesWithShare(beliefs.At(beliefs.StepAt(ObservedAt(Input("first"), turn - 2))), 2 * kNearM, 0.01);
+    Add("", "Figure 8: where the robot may be at the last step",
+        "The approach assigns high probability to several locations for the last step.",
+        Say("after observation %d the belief of the last step, once EM has settled, has %d %s, %.0f m apart, "
+            "that hold a hundredth of it or more.",
+            turn - 2, places, places == 1 ? "place" : "places", 2 * kNearM),
+        "", places >= 2);
   }
 
   void SecondWorld() {
@@ -249,22 +345,25 @@ class Figures {
             ScoreText(score) + ".",
         DrawFigure({RawPanel("raw data", log),
                     MapPanel("map and most likely path", Result("other_map"), log, score)},
-                   2));
+                   2),
+        IsRight(score));
   }
 
-  void BetaTables() {
-    std::vector<double> there;
-    std::vector<PanelPicture> panels = BetaPanels("beta", kEmMap, 5, &there);
+  void LastBetas() {
+    BetaTables last = BetasOf("beta", kEmMap, 5);
     std::string measured = Say("mass within %.0f m of truth after 1, 2, ... observations:", kNearM);
-    for (const double share : there) measured += Say(" %.0f%%", 100 * share);
-    panels.insert(panels.begin(), UniformPanel(panels));
+    for (const double share : last.there) measured += Say(" %.0f%%", 100 * share);
+    measured += "; standard deviation of the position:";
+    for (const double spread_m : last.spread_m) measured += Say(" %.1f", spread_m);
+    last.panels.insert(last.panels.begin(), UniformPanel(last.panels));
     Add("figure_14.png", "Figure 14: the last beta tables after convergence",
         "The last beta is uniform; with every step the uncertainty shrinks; after three steps the place is "
         "known with high certainty.",
         measured +
-            ". Beta is computed as what it is: localization of the reversed data in the map, the "
+            " m. Beta is computed as what it is: localization of the reversed data in the map, the "
             "observation of its own step included.",
-        DrawFigure(panels, 3));
+        DrawFigure(last.panels, 3),
+        last.there.at(3) > 0.9 && std::ranges::is_sorted(last.spread_m, std::greater<>()));
   }
 
   // beta of the last step, before any observation: the same everywhere.
@@ -291,12 +390,14 @@ class Figures {
         "both robots, one iteration: " + ScoreText(joint) + ".",
         DrawFigure({RawPanel("(a) raw data of the second robot", log),
                     MapPanel("(b) both robots after one iteration", Result("joint"), Input("both"), joint)},
-                   2));
+                   2),
+        IsRight(joint));
     const BeliefView beliefs(Result("alpha"), 0);
     const Evaluation em_map = Score(kEmMap, "first");
     const auto seen = log.Get<double>("robot/0/observations/time_s");
     std::vector<PanelPicture> panels;
     std::string measured = Say("mass within %.0f m of truth after 1, 2, ... observations:", kNearM);
+    double first = 0, at_landmarks = 0, known = 0;  // after one observation, and after four
     for (std::size_t n = 0; n < std::min<std::size_t>(6, seen.size()); ++n) {
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
       const PointM truth = TruePlace(em_map, log, 0, seen[n]);
@@ -305,26 +406,31 @@ class Figures {
       PanelPicture panel = BeliefPanel(
           Say("(c%zu) alpha(%zu): %.0f%% within %.0f m of truth", n + 1, n + 1, 100 * there, kNearM), belief,
           kEmMap);
+      if (n == 0) first = there;
+      if (n == 0) at_landmarks = ShareNear(belief, panel.landmarks);
+      if (n == 3) known = there;
       panel.robot = truth;
       panels.push_back(std::move(panel));
     }
+    measured +=
+        Say("; after the first %.0f%% is within %.0f m of a landmark of the map", 100 * at_landmarks, kNearM);
     Add("figure_18c.png", "Figure 18c: the second robot's first alpha tables",
         "After one observation it may be at any landmark of the map; after four steps it knows where it is.",
-        measured + ".", DrawFigure(panels, 3));
+        measured + ".", DrawFigure(panels, 3), at_landmarks > 0.5 && first < 0.5 && known > 0.9);
   }
 
   void ForwardOnly() {
     const Evaluation forward = Score("forward", "first");
     Add("forward_only.png", "Section 6: without revising the past",
         "Any incremental routine that does not revise past location estimates would be bound to fail in such "
-        "a "
-        "situation (conjectured).",
+        "a situation (conjectured).",
         "one pass, each observation looked at once: " + ScoreText(forward) +
             ". EM, alpha and beta: " + ScoreText(map_score_) + ".",
         DrawFigure(
             {MapPanel("one pass, nothing revised", Result("forward"), Input("first"), forward),
              MapPanel("with the past revised (alpha beta)", Result("map"), Input("first"), map_score_)},
-            2));
+            2),
+        !IsRight(forward));
   }
 
   const LandmarkStudy& study_;

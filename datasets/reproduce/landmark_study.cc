@@ -95,22 +95,37 @@ std::vector<double> WaysTo(const Blob& log) {
   return ways;
 }
 
-// From the truth, which decides what is shown, never what is computed.
-void FindCycles(const Blob& log, LandmarkStudy* study) {
-  constexpr double kLargeM = 100.0;  // the large cycle's way is 170 m, a small one's less than this
+struct Cycle {
+  int observation = 0;  // counted from 1; 0: none
+  double length_m = 0;  // since the same landmark was seen last
+};
+
+// The first cycle of at least a length that robot 0 closes. From the truth, which decides what is shown,
+// never what is computed.
+Cycle FirstCycle(const Blob& log, double at_least_m) {
   const auto truth = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
   const std::vector<double> ways = WaysTo(log);
   for (std::size_t n = 0; n < truth.size(); ++n) {
-    std::size_t last = n;
-    for (std::size_t k = 0; k < n; ++k) {
-      if (truth[k] == truth[n]) last = k;
+    for (std::size_t k = n; k-- > 0;) {
+      if (truth[k] != truth[n]) continue;
+      const double length_m = ways[n] - ways[k];
+      if (length_m >= at_least_m) return {static_cast<int>(n + 1), length_m};
+      break;
     }
-    if (last == n) continue;
-    if (study->revisit == 0) study->revisit = static_cast<int>(n + 1);
-    if (study->closing == 0 && ways[n] - ways[last] > kLargeM) study->closing = static_cast<int>(n + 1);
   }
-  study->observations = static_cast<int>(truth.size());
+  return {};
+}
+
+void FindCycles(LandmarkStudy* study) {
+  constexpr double kLargeM = 100.0;  // the large cycle is 170 m round, a small one less than this
+  const Blob& first = study->inputs.at("first");
+  study->observations = static_cast<int>(first.Get<double>("robot/0/observations/time_s").size());
+  study->closing = FirstCycle(first, kLargeM).observation;
   if (study->closing == 0) throw InputError("this seed's drive closes no large cycle: take another --seed");
+  const Cycle small = FirstCycle(study->inputs.at("back"), 0);
+  if (small.length_m >= kLargeM) return;
+  study->revisit = small.observation;
+  study->revisit_m = small.length_m;
 }
 
 class JobMaker {
@@ -125,6 +140,16 @@ class JobMaker {
     (*stage.mutable_inputs())["log"] = log;
     if (!map.empty()) (*stage.mutable_inputs())["map"] = map;
     (*stage.mutable_options())["beliefs"].set_b(true);
+    return stage;
+  }
+  // EM as the paper ran it: one start, all data from the first iteration on, and the
+  // map as EM leaves it.
+  proto::Stage& AddPlainEm(const std::string& name, const std::string& log = "first") {
+    proto::Stage& stage = Add(name, log);
+    auto& options = *stage.mutable_options();
+    options["starts"].set_i(1);
+    options["growth_start"].set_d(1);
+    options["polish"].set_b(false);
     return stage;
   }
   // Finds a robot in the map, forward only.
@@ -151,30 +176,27 @@ void AddStages(LandmarkStudy* study) {
   seen["cell_m"].set_d(0.25);
   seen["prune"].set_d(0);
   make.Add("map", "first");
-  // The paper's: as EM leaves it, without the polish, whose landmarks are as wide as they may all be off
-  // together.
-  (*make.Add("em_map", "first").mutable_options())["polish"].set_b(false);
-  for (const int iterations : {2, 4}) {
-    auto& early = *make.Add("iterations_" + std::to_string(iterations), "first").mutable_options();
-    early["iterations"].set_i(iterations);
+  make.AddPlainEm("em_map");
+  for (int n = 1; n <= kShownIterations; ++n) {
+    auto& early = *make.AddPlainEm(IterationsStage(n)).mutable_options();
+    early["iterations"].set_i(n);
     early["tolerance"].set_d(0);
   }
-  std::vector<int> prefixes{study->revisit};
-  for (int n = std::max(2, study->closing - 2); n < study->observations; ++n) prefixes.push_back(n);
-  std::ranges::sort(prefixes);
-  const auto same = std::ranges::unique(prefixes);
-  prefixes.erase(same.begin(), same.end());
-  for (const int n : prefixes)
-    (*make.Add(PrefixStage(n), "first").mutable_options())["prefix_observations"].set_i(n);
+  for (int n = std::max(2, study->closing - 2); n < study->observations; ++n)
+    (*make.AddPlainEm(PrefixStage(n)).mutable_options())["prefix_observations"].set_i(n);
+  if (study->revisit > 0)
+    (*make.AddPlainEm("small_cycle", "back").mutable_options())["prefix_observations"].set_i(study->revisit);
   (*make.Add("forward", "first").mutable_options())["incremental"].set_b(true);
   make.AddLocalization("beta", "back", "em_map");
-  make.AddLocalization("beta_early", "back", "iterations_2");
+  make.AddLocalization("beta_early", "back", IterationsStage(2));
   make.Add("other_map", "other");
   make.AddLocalization("alpha", "second", "em_map");
   (*make.Add("joint", "both", "map").mutable_options())["iterations"].set_i(1);
 }
 
 }  // namespace
+
+std::string IterationsStage(int iterations) { return "iterations_" + std::to_string(iterations); }
 
 std::string PrefixStage(int observations) {
   return "prefix_" + std::string(observations < 10 ? "0" : "") + std::to_string(observations);
@@ -193,7 +215,7 @@ LandmarkStudy MakeLandmarkStudy(std::uint64_t seed) {
   study.inputs["landmarks"] = TwoLandmarks();
   study.job.set_name("reproduce-landmarks");
   study.job.set_seed(seed);
-  FindCycles(study.inputs.at("first"), &study);
+  FindCycles(&study);
   AddStages(&study);
   NameInputs(study.inputs, &study.job);
   return study;

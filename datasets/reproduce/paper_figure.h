@@ -1,6 +1,7 @@
 // A figure or a table of a paper as it came out here, beside the paper's claim, and the page of them all.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,13 @@ struct PaperFigure {
   std::string measured;   // ours, a sentence
   std::string png;        // the file's bytes
   PaperTable table = {};  // may be empty
+  // Whether what the claim says is so here, by the figures in `measured`; none: nothing in it that could be
+  // checked.
+  std::optional<bool> holds = {};
 };
+
+// "holds here", "does not hold here" or "not checked".
+const char* ClaimVerdict(const PaperFigure& figure);
 
 // The page that shows them, its pictures beside it.
 std::string PaperPageHtml(const std::string& title, const std::string& lead,

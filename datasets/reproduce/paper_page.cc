@@ -28,6 +28,11 @@ std::string Picture(const PaperFigure& figure) {
 
 }  // namespace
 
+const char* ClaimVerdict(const PaperFigure& figure) {
+  if (!figure.holds) return "not checked";
+  return *figure.holds ? "holds here" : "does not hold here";
+}
+
 std::string PaperTableText(const PaperTable& table) {
   std::vector<std::size_t> width(table.head.size(), 0);
   const auto measure = [&](const std::vector<std::string>& cells) {
@@ -65,7 +70,8 @@ std::string PaperPageHtml(const std::string& title, const std::string& lead,
   for (const PaperFigure& figure : figures) {
     html += "<section>\n<h2>" + Escape(figure.title) + "</h2>\n" + Picture(figure) +
             "<dl><dt>paper</dt><dd>" + Escape(figure.claim) + "</dd><dt>here</dt><dd>" +
-            Escape(figure.measured) + "</dd></dl>\n" + Html(figure.table) + "</section>\n";
+            Escape(figure.measured) + "</dd><dt>claim</dt><dd>" + ClaimVerdict(figure) + "</dd></dl>\n" +
+            Html(figure.table) + "</section>\n";
   }
   return html + "</main>\n</body>\n</html>\n";
 }
