@@ -39,16 +39,25 @@ std::string Nearest(const std::string& word, const std::vector<std::string>& kno
 }
 
 std::string NearestFlag(const std::string& flag, const std::vector<std::string>& known) {
-  if (std::string nearest = Nearest(flag, known); !nearest.empty()) return nearest;
   constexpr std::size_t kDashes = 2, kFewLetters = 4, kMostEdits = 2;
+  // The one of the fewest edits; of those of as many the one that begins with the same letter.
+  std::string best;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const std::string& candidate : known) {
+    const std::size_t edits = Edits(flag, candidate);
+    const bool begins_alike =
+        flag.size() > kDashes && candidate.size() > kDashes && flag[kDashes] == candidate[kDashes];
+    const std::size_t bearable = std::max<std::size_t>(
+        begins_alike && flag.size() > kFewLetters ? kMostEdits : 1, candidate.size() / 3);
+    const std::size_t rank = 2 * edits + (begins_alike ? 0 : 1);
+    if (edits > bearable || rank >= least) continue;
+    best = candidate;
+    least = rank;
+  }
+  if (!best.empty()) return best;
   for (const std::string& candidate : known)
     if (flag.size() >= kFewLetters && (candidate.starts_with(flag) || flag.starts_with(candidate)))
       return candidate;
-  for (const std::string& candidate : known) {
-    const bool begins_alike = flag.size() > kDashes && candidate.size() > kDashes &&
-                              flag[kDashes] == candidate[kDashes] && flag.size() > kFewLetters;
-    if (begins_alike && Edits(flag, candidate) <= kMostEdits) return candidate;
-  }
   return "";
 }
 

@@ -223,6 +223,7 @@ refuses 'keys' cairn coordinator --store store --listen tcp://127.0.0.1:17171
 # looked at when it is run.
 odometry 1,a,0,500 2,a,0,500 3,a,0,500 >odometry.csv
 observations 2,a,,, >observations.csv
+rm -f log.h5
 refuses_import 'odometry.csv:.*it goes 500 m within 1 s.*in millimetres' import
 exits 0 import --units-are-right
 says 'warning: .*it goes 500 m'

@@ -44,7 +44,7 @@ exits 0 cairn list --json
 says '"key": [1-9]'
 says '"right": 2'
 exits 0 cairn list
-says '^refused  .*key [1-9].*right 3'
+says '^refused  .*key [1-9].*right 2'
 
 # A worker whose key is revoked leaves at once, and says why.
 worker=$(pgrep -P $$ -x cairn-worker)
