@@ -17,7 +17,7 @@ done
 awk -v path="$(grep -m1 '"rmse_m"' stdout | tr -dc '0-9.')" -v raw="$(number odometry_rmse_m stdout)" \
   'BEGIN {exit !(path > 0 && path < raw && path < 0.3)}' || die "the path is no better than odometry: $(cat stdout)"
 exits 0 cairn report result --log office.h5 --out page.html
-[ "$(grep -o '<image' page.html | wc -l)" -ge 3 ] || die "the page lacks pictures"
+[ "$(grep -o '<figure' page.html | wc -l)" -ge 5 ] || die "the page lacks pictures"
 exits 0 cairn export tum result path
 [ "$(grep -c '^[0-9]' path/robot_0.tum)" -eq 1200 ] || die "the path is not a pose a sweep: $(head -3 path/robot_0.tum)"
 exits 0 cairn simulate office --minutes 4 --seed 104 other.h5
