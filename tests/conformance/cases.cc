@@ -142,6 +142,7 @@ Case LandmarkMapIncremental() {
   (*c.stage.mutable_options())["incremental"].set_b(true);
   (*c.stage.mutable_options())["beliefs"].set_b(true);
   c.rounds = 1;  // the pass
+  c.tasks = 1;   // each observation waits for the map of those before it
   return c;
 }
 

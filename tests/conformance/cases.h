@@ -21,6 +21,7 @@ struct Case {
   std::uint64_t seed = 7;
   InputMap inputs;
   std::size_t rounds = 2;  // as many as the fixture has, or more
+  std::size_t tasks = 3;   // at least so many in the largest round
 };
 
 // For GoogleTest, which would print the bytes.
