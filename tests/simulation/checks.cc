@@ -155,6 +155,12 @@ void Checks::SeeRestored(const Job& job, const proto::Checkpoint& saved, Known& 
     Fail(job.id + " was paused by its owner, and came back otherwise");
   if (saved.job().priority() != job.spec.priority()) Fail(job.id + " came back with another priority");
   if (saved.partials_size() > 0) world_.Count(kRestoredWithPartials);
+  if (saved.number() > known.durable_number) {
+    // What a start reads is durable, though the process that wrote it did not live to hear so.
+    known.durable_number = saved.number();
+    known.durable_state = saved.state();
+    if (saved.state() != proto::JOB_CANCELLED) known.durable = PlaceOf(saved);
+  }
   known.state = saved.state();
   // It goes on by itself, or says why not.
   if (saved.state() == proto::JOB_RUNNING || saved.state() == proto::JOB_PAUSED) known.state = job.state;
