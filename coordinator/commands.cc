@@ -50,11 +50,12 @@ void Core::RefuseSubmission(Job& job, const std::string& why) {
   for (const PendingCommand& command : pending) Tell(command.asker, id, why + "; the job was not taken");
 }
 
-// But for what the job did by itself since: one that has failed stays so.
+// But for what the job did by itself since: one that has failed, or is done, stays so.
 void Core::Undo(Job& job, const Standing& before) {
   job.spec.set_priority(before.priority);
   actions_.push_back(JobChanged{job.id});
-  if (job.state == proto::JOB_FAILED || (job.state == before.state && job.held == before.held)) return;
+  const bool by_itself = job.state == proto::JOB_FAILED || job.state == proto::JOB_DONE;
+  if (by_itself || (job.state == before.state && job.held == before.held)) return;
   if (before.state == proto::JOB_FAILED) {
     WithdrawAll(job);
     ledger_.Release(job.holds.partials);

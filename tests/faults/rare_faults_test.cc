@@ -74,10 +74,10 @@ TEST_F(Faults, AWorkerOfAnotherVersionIsToldSoAndLeavesThoughItCameFirst) {
   const std::string log = LogText("worker.log");
   EXPECT_NE(log.find("refused: "), std::string::npos) << log;
   EXPECT_NE(log.find("0.0.1"), std::string::npos) << log;
-  const coordinator::JobList list = client_->List().value();
-  EXPECT_EQ(list.refused.contains("build") ? list.refused.at("build") : 0, 1u);
   AddWorker();
   Submit();
+  const coordinator::JobList list = client_->List().value();
+  EXPECT_EQ(list.refused.contains("build") ? list.refused.at("build") : 0, 1u);
   AwaitRound(1);
   EXPECT_EQ(AddWorker(CAIRN_FAULTS_WORKER_OLD).Wait(), 2);
   ExpectTheSameBits();
