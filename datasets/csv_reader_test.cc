@@ -137,7 +137,8 @@ TEST(CsvReader, CountsBadLinesWhereTheyAreSkipped) {
 
 TEST(ReadText, RefusesWhatIsNotThereOrDamaged) {
   const TestFolder folder;
-  ExpectContains(InputErrorOf([&] { ReadText(folder / "none.csv"); }), "none.csv: cannot open: no such file or folder");
+  ExpectContains(InputErrorOf([&] { ReadText(folder / "none.csv"); }),
+                 "none.csv: cannot open: no such file or folder");
   ExpectContains(InputErrorOf([&] { ReadText(folder / ""); }), "is a folder");
   std::string text;
   for (int i = 0; i < 1000; ++i) text += std::to_string(i * 7919) + "\n";
