@@ -19,7 +19,7 @@ for set in d3 d1; do
       cairn run landmark_learning "$log.train.h5" --set networks=$networks "${recipe[@]}" \
         --out "$log.$networks" >/dev/null 2>&1
       printf '%s, labels %s m off, n = %s: ' $set $error_m $networks
-      cairn evaluate "$log.$networks" --truth "$log.all.h5" | awk '$1 == "+-2" && $2 == "m" {print $6, $7, $8}'
+      cairn evaluate "$log.$networks" --truth "$log.all.h5" | awk '$1 == "+-2" && $2 == "m" {print $7, $8, $9}'
     done
   done
 done
