@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipelines/common/odometry.h"
+#include "pipelines/landmark_map/sensing.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -79,57 +80,6 @@ double Extent(const Odometry& odometry) {
   const auto [x0, x1] = std::ranges::minmax(odometry.x_m);
   const auto [y0, y1] = std::ranges::minmax(odometry.y_m);
   return std::max(x1 - x0, y1 - y0);
-}
-
-// What the log's observations are like.
-struct Sensing {
-  std::int64_t observations = 0, ranged = 0, identified = 0;
-  double mean_range_m = 0.0, max_range_m = 0.0;
-  double between_m = 0.0;  // way from one observation to the next, the median
-};
-
-// A missed press doubles a way: the median does not mind.
-void AppendWaysBetween(const Blob& robot, std::vector<double>* ways) {
-  const auto end = robot.Get<double>("odometry/time_s"), forward = robot.Get<double>("odometry/forward_m");
-  std::size_t control = 0;
-  double way = 0.0;
-  bool first = true;
-  for (const double time : robot.Get<double>("observations/time_s")) {
-    for (; control < end.size() && control < forward.size() && end[control] <= time; ++control) {
-      way += std::abs(forward[control]);
-    }
-    if (!first) ways->push_back(way);
-    first = false;
-    way = 0.0;
-  }
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-Sensing LookAt(const Blob& log, std::size_t robots) {
-  Sensing sensing;
-  std::vector<double> between;
-  for (std::size_t r = 0; r < robots; ++r) {
-    const Blob robot = log.Sub("robot/" + std::to_string(r) + "/");
-    for (const std::int32_t landmark : robot.Get<std::int32_t>("observations/landmark")) {
-      sensing.identified += landmark >= 0 ? 1 : 0;
-    }
-    AppendWaysBetween(robot, &between);
-    for (const double range : robot.Get<double>("observations/range_m")) {
-      ++sensing.observations;
-      if (std::isnan(range)) continue;
-      ++sensing.ranged;
-      sensing.max_range_m = std::max(sensing.max_range_m, range);
-      sensing.mean_range_m += (range - sensing.mean_range_m) / static_cast<double>(sensing.ranged);
-    }
-  }
-  sensing.between_m = Median(std::move(between));
-  return sensing;
 }
 
 // The time of the log's observation of this number, from 1 on, over all robots; infinite where it has no
@@ -283,12 +233,6 @@ void RefuseHugeGrids(const Options& options, const Settings& settings, double ex
 }
 
 }  // namespace
-
-double MedianWayBetween(const Blob& robot) {
-  std::vector<double> between;
-  AppendWaysBetween(robot, &between);
-  return Median(std::move(between));
-}
 
 double DriftStep(int starts) {
   constexpr double kReach = 2.0;  // standard deviations

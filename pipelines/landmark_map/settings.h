@@ -38,9 +38,6 @@ struct Settings {
 // one more, spread evenly over two to either side.
 double DriftStep(int starts);
 
-// From one of a robot's observations to the next; 0 where there are no two.
-double MedianWayBetween(const Blob& robot);
-
 // From the options, the log's nominal figures, and defaults where both are silent. Throws InputError.
 Settings Resolve(const Options& options, const Blob& log);
 

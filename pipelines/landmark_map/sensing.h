@@ -1,0 +1,22 @@
+// What a log's observations are like, all together.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "schema/blob.h"
+
+namespace cairn::landmark_map {
+
+struct Sensing {
+  std::int64_t observations = 0, ranged = 0, identified = 0;
+  double mean_range_m = 0.0, max_range_m = 0.0;
+  double between_m = 0.0;  // way from one observation to the next, the median
+};
+
+Sensing LookAt(const Blob& log, std::size_t robots);
+
+// From one of a robot's observations to the next; 0 where there are no two.
+double MedianWayBetween(const Blob& robot);
+
+}  // namespace cairn::landmark_map
