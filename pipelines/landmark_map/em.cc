@@ -70,7 +70,7 @@ std::string NoRefinement(const Options& options, const Settings& settings, const
   if (settings.map.exact) return "not tried: model=exact";
   for (const RobotSteps& robot : steps) {
     for (const Observation& seen : robot.observations) {
-      if (seen.type >= settings.map.types && (seen.x_m != 0.0 || seen.y_m != 0.0))
+      if (seen.type >= settings.map.types && !seen.press())
         return "not tried: landmarks without identity were seen at a distance";
     }
   }

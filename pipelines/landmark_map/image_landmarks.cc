@@ -297,7 +297,7 @@ void AppendImages(const RobotSteps& steps, int type, std::size_t robot, const st
     const double cosine = std::cos(correction_rad[s]), sine = std::sin(correction_rad[s]);
     for (std::int32_t k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k) {
       const Observation& o = steps.observations[static_cast<std::size_t>(k)];
-      if (o.type != type || (o.x_m == 0.0 && o.y_m == 0.0)) continue;
+      if (o.type != type || o.press()) continue;
       image.seen.push_back({x_m[s] + cosine * o.x_m - sine * o.y_m, y_m[s] + sine * o.x_m + cosine * o.y_m});
       image.observation.push_back(k);
     }

@@ -254,14 +254,28 @@ class Problem {
       const auto at = static_cast<std::size_t>(k);
       if (!IsOfLandmark(path.associated, at)) continue;
       const int landmark = LandmarkAt(static_cast<std::size_t>(path.associated.landmark[at]));
-      const Eigen::Vector2d place = PlaceOf(pose, path.steps.observations[at]);
-      const double x = place.x() - values_[pose], y = place.y() - values_[pose + 1];
-      const double dx = place.x() - values_[landmark], dy = place.y() - values_[landmark + 1];
-      const double sd = settings_.map.observation_m;
-      const double weighed = sd * std::sqrt(1.0 + (dx * dx + dy * dy) / Square(kCauchy * sd));
-      equations->Add(dx, weighed, {{pose, 1.0}, {pose + 2, -y}, {landmark, -1.0}});
-      equations->Add(dy, weighed, {{pose + 1, 1.0}, {pose + 2, x}, {landmark + 1, -1.0}});
+      AddObservation(pose, landmark, path.steps.observations[at], equations);
     }
+  }
+
+  // Its errors along the ray and across it, which turn with the robot: their slopes have what that does, or
+  // the map would creep round. A press has no ray.
+  void AddObservation(int pose, int landmark, const Observation& seen, NormalEquations* equations) const {
+    const Eigen::Vector2d place = PlaceOf(pose, seen), way = place - values_.segment<2>(pose);
+    const double range = way.norm();
+    const bool press = seen.press();
+    const double ux = press ? 1.0 : way.x() / range, uy = press ? 0.0 : way.y() / range;
+    const Eigen::Vector2d error = place - values_.segment<2>(landmark);
+    const double along = ux * error.x() + uy * error.y(), across = ux * error.y() - uy * error.x();
+    const SightingWidths sd = settings_.sighting.At(seen.x_m, seen.y_m);
+    const double cauchy =
+        std::sqrt(1.0 + (Square(along / sd.along_m) + Square(across / sd.across_m)) / Square(kCauchy));
+    const double along_rad = press ? 0.0 : across, across_rad = press ? 0.0 : range - along;
+    equations->Add(along, cauchy * sd.along_m,
+                   {{pose, ux}, {pose + 1, uy}, {pose + 2, along_rad}, {landmark, -ux}, {landmark + 1, -uy}});
+    equations->Add(
+        across, cauchy * sd.across_m,
+        {{pose, -uy}, {pose + 1, ux}, {pose + 2, across_rad}, {landmark, uy}, {landmark + 1, -ux}});
   }
 
   const std::vector<SettledPath>& paths_;
@@ -274,8 +288,7 @@ class Problem {
 };
 
 bool SeesAtADistance(const SettledPath& path) {
-  return std::ranges::any_of(path.steps.observations,
-                             [](const Observation& seen) { return seen.x_m != 0.0 || seen.y_m != 0.0; });
+  return std::ranges::any_of(path.steps.observations, [](const Observation& seen) { return !seen.press(); });
 }
 
 double FarthestMove(const std::vector<Landmark>& before, const std::vector<Landmark>& now) {

@@ -98,11 +98,130 @@ TEST(Polish, TheCovarianceIsThatOfTheMean) {
   path.odometry = OdometryFit::Of(SomeSettings().noise);
   const auto polished = Polish({path}, SomeSettings(), {{0.5, -0.5, {1, 0, 0, 1}, 0, kPresses}});
   ASSERT_EQ(polished.refused, "");
-  const double sd = SomeSettings().map.observation_m;
+  const double sd = SomeSettings().sighting.press_m;
   const double variance = sd * sd / kPresses;
   EXPECT_NEAR(polished.landmarks[0].covariance_m2[0], variance, 1e-6 * variance);
   EXPECT_NEAR(polished.landmarks[0].covariance_m2[3], variance, 1e-6 * variance);
   EXPECT_NEAR(polished.landmarks[0].covariance_m2[1], 0.0, 1e-6 * variance);
+}
+
+// A robot that stands at the origin and sees a landmark at (3, 4): 5 m off, along a ray of slope 4 / 3.
+TEST(Polish, ASightingsCovarianceLiesAlongItsRay) {
+  Settings settings = SomeSettings();
+  settings.sighting = {.press_m = 0.3, .range_m = 0.2, .bearing_rad = 0.2};  // 0.2 m along, 1 m across
+  SettledPath path;
+  path.steps.time_s = path.steps.odo_x_m = path.steps.odo_y_m = path.steps.odo_heading_rad = {0.0};
+  path.steps.path_m = path.steps.turn_rad = {0.0};
+  path.x_m = path.y_m = path.correction_rad = {0.0};
+  path.steps.first_observation = {0, 1};
+  path.steps.observations = {{0, 3.0, 4.0}};
+  path.associated = {{0}, {1.0}};
+  path.odometry = OdometryFit::Of(settings.noise);
+  const auto polished = Polish({path}, settings, {{3.1, 3.9, {1, 0, 0, 1}, 0, 1.0}});
+  ASSERT_EQ(polished.refused, "");
+  const Landmark& l = polished.landmarks[0];
+  EXPECT_NEAR(l.covariance_m2[0], 0.36 * 0.04 + 0.64, 1e-6);
+  EXPECT_NEAR(l.covariance_m2[1], 0.48 * (0.04 - 1.0), 1e-6);
+  EXPECT_NEAR(l.covariance_m2[3], 0.64 * 0.04 + 0.36, 1e-6);
+}
+
+// From the origin it is seen 10 m ahead along y, from (40, 10) 40 m off along x; odometry hardly errs. The
+// first sighting errs by 0.5 m along and 0.5 m across, the second by 0.5 m and 2 m: x is the mean of both, y
+// of weights 16 to 1.
+TEST(Polish, EachSightingCountsByItsOwnCovariance) {
+  Settings settings = SomeSettings();
+  settings.noise = {0.0, 0.0, 0.0, 0.0, 0.0};
+  settings.sighting = {.press_m = 0.3, .range_m = 0.5, .bearing_rad = 0.05};
+  SettledPath path;
+  path.steps.time_s = {0.0, 1.0};
+  path.steps.odo_x_m = path.x_m = {0.0, 40.0};
+  path.steps.odo_y_m = path.y_m = {0.0, 10.0};
+  path.steps.odo_heading_rad = path.correction_rad = path.steps.turn_rad = {0.0, 0.0};
+  path.steps.path_m = {0.0, std::hypot(40.0, 10.0)};
+  path.steps.first_observation = {0, 1, 2};
+  path.steps.observations = {{0, 0.1, 10.1}, {0, -40.1, -0.1}};
+  path.associated = {{0, 0}, {1.0, 1.0}};
+  path.odometry = OdometryFit::Of(settings.noise);
+  const auto polished = Polish({path}, settings, {{0.0, 10.0, {1, 0, 0, 1}, 0, 2.0}});
+  ASSERT_EQ(polished.refused, "");
+  EXPECT_NEAR(polished.landmarks[0].x_m, 0.0, 0.005);
+  EXPECT_NEAR(polished.landmarks[0].y_m, (16.0 * 10.1 + 9.9) / 17.0, 0.005);
+  EXPECT_NEAR(polished.landmarks[0].covariance_m2[0], 0.25 / 2.0, 0.003);
+  EXPECT_NEAR(polished.landmarks[0].covariance_m2[3], 0.25 * 16.0 / 17.0, 0.003);
+}
+
+// Two landmarks seen from both ends of a leg, from its end much nearer than they can be.
+SettledPath SightingsThatContradict(const Settings& settings) {
+  SettledPath path;
+  path.steps.time_s = {0.0, 1.0};
+  path.steps.odo_x_m = path.x_m = {0.0, 10.0};
+  path.steps.odo_y_m = path.y_m = {0.0, 0.0};
+  path.steps.odo_heading_rad = path.correction_rad = path.steps.turn_rad = {0.0, 0.0};
+  path.steps.path_m = {0.0, 10.0};
+  path.steps.first_observation = {0, 2, 4};
+  path.steps.observations = {{0, 6.0, 8.0}, {1, 13.0, -4.0}, {0, -2.0, 6.0}, {1, 1.0, -2.0}};
+  path.associated = {{0, 1, 0, 1}, {1.0, 1.0, 1.0, 1.0}};
+  path.odometry = OdometryFit::Of(settings.noise);
+  return path;
+}
+
+// Minus the logarithm of their probability, twice: u is the second pose and the landmarks.
+double CostOf(const std::array<double, 7>& u, const SettledPath& path, const Settings& settings) {
+  const auto squares = [](double along, double across, double along_sd, double across_sd) {
+    return along * along / (along_sd * along_sd) + across * across / (across_sd * across_sd);
+  };
+  const double turn_sd = settings.noise.heading_walk_rad_per_sqrt_m * std::sqrt(10.0);
+  const double cosine = std::cos(0.5 * u[2]), sine = std::sin(0.5 * u[2]);
+  double cost = squares(u[2], 0.0, turn_sd, 1.0) +
+                squares(cosine * u[0] + sine * u[1] - 10.0, cosine * u[1] - sine * u[0],
+                        settings.noise.forward_ratio * std::sqrt(10.0), 5.0 * turn_sd);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Observation& seen = path.steps.observations[k];
+    const bool second = k >= 2;
+    const double c = second ? std::cos(u[2]) : 1.0, s = second ? std::sin(u[2]) : 0.0;
+    const double dx = u[3 + 2 * (k % 2)] - (second ? u[0] : 0.0),
+                 dy = u[4 + 2 * (k % 2)] - (second ? u[1] : 0.0);
+    const double x = c * dx + s * dy, y = c * dy - s * dx;  // as the robot has it
+    const double range = std::hypot(seen.x_m, seen.y_m);
+    const double along = (seen.x_m * x + seen.y_m * y) / range - range;
+    const double across = (seen.x_m * y - seen.y_m * x) / range;
+    const SightingWidths sd = settings.sighting.At(seen.x_m, seen.y_m);
+    cost += 9.0 * std::log1p(squares(along, across, sd.along_m, sd.across_m) / 9.0);
+  }
+  return cost;
+}
+
+// By a search that knows no slopes: an axis at a time, in ever smaller steps.
+TEST(Polish, FindsTheLeastThatASearchWithoutSlopesFinds) {
+  Settings settings = SomeSettings();
+  settings.noise = {0.0, 0.1, 0.0, 0.5, 0.0};  // the leg errs alike along its way and across
+  settings.map.core_m = 10.0;
+  settings.sighting = {.press_m = 0.3, .range_m = 1.0, .bearing_rad = 0.4};
+  const SettledPath path = SightingsThatContradict(settings);
+  const std::vector<Landmark> landmarks{{6.0, 8.0, {1, 0, 0, 1}, 0, 2.0}, {12.0, -4.0, {1, 0, 0, 1}, 1, 2.0}};
+  std::array<double, 7> found{10.0, 0.0, 0.0, 6.0, 8.0, 12.0, -4.0};
+  double least = CostOf(found, path, settings);
+  for (double step = 0.5; step > 1e-7;) {
+    bool better = false;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      for (const double by : {step, -step}) {
+        std::array<double, 7> tried = found;
+        tried[k] += by;
+        const double cost = CostOf(tried, path, settings);
+        if (cost >= least) continue;
+        least = cost;
+        found = tried;
+        better = true;
+      }
+    }
+    if (!better) step *= 0.5;
+  }
+  const auto polished = Polish({path}, settings, landmarks);
+  ASSERT_EQ(polished.refused, "");
+  for (std::size_t l = 0; l < 2; ++l) {
+    EXPECT_NEAR(polished.landmarks[l].x_m, found[3 + 2 * l], 1e-5);
+    EXPECT_NEAR(polished.landmarks[l].y_m, found[4 + 2 * l], 1e-5);
+  }
 }
 
 // Half of the drift's nominal width: 11 degrees a lap.

@@ -44,6 +44,9 @@ void VisitFigures(S& s, const F& f) {
   f("false_ratio", s.detection.false_ratio);
   f("miss_ratio", s.detection.miss_ratio);
   f("tells_passes", s.detection.tells_passes);
+  f("press_m", s.sighting.press_m);
+  f("range_m", s.sighting.range_m);
+  f("bearing_rad", s.sighting.bearing_rad);
   f("triangular", s.shape);
   f("prune", s.prune);
   f("keep_kernels", s.keep_kernels);
@@ -304,6 +307,7 @@ Settings Resolve(const Options& options, const Blob& log) {
   const double bearing = bearing_sd + step_rad / std::sqrt(12.0);
   settings.map.observation_m = sensing.ranged == 0 ? Nominal(log, "noise/press_m", 0.3)
                                                    : std::hypot(range_sd, bearing * sensing.mean_range_m);
+  settings.sighting = {Nominal(log, "noise/press_m", settings.map.observation_m), range_sd, bearing_sd};
   SetReach(options, sensing, &settings.map);
   settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;

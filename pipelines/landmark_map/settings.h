@@ -5,6 +5,7 @@
 #include "pipelines/landmark_map/false_landmarks.h"
 #include "pipelines/landmark_map/m_step.h"
 #include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/sighting.h"
 #include "pipelines/landmark_map/steps.h"
 #include "schema/blob.h"
 
@@ -16,6 +17,7 @@ struct Settings {
   MotionNoise noise;
   StepRules steps;
   Detection detection;
+  SightingNoise sighting;
   ErrorShape shape = ErrorShape::kGaussian;
   double prune = 1e-3;
   bool keep_kernels = false;

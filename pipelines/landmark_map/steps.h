@@ -17,6 +17,7 @@ namespace cairn::landmark_map {
 struct Observation {
   std::int32_t type = 0;  // layer of the map; without identity: the number of identities plus its kind
   double x_m = 0.0, y_m = 0.0;
+  bool press() const { return x_m == 0.0 && y_m == 0.0; }
 };
 
 // Arrays over the S steps of a robot; leg [s] leads to step s (leg 0 is empty).
