@@ -5,16 +5,12 @@
 #include <limits>
 #include <new>
 
+#include "schema/array_form.h"
+
 namespace cairn {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-
-std::shared_ptr<std::byte> Allocate(std::size_t bytes) {
-  auto* data =
-      static_cast<std::byte*>(::operator new(std::max<std::size_t>(bytes, 1), std::align_val_t{kAlignment}));
-  return {data, [](std::byte* p) { ::operator delete(p, std::align_val_t{kAlignment}); }};
-}
 
 // Number of elements, or -1 where a dimension is negative or the product overflows.
 std::int64_t CountOf(const Shape& shape) {
@@ -27,6 +23,12 @@ std::int64_t CountOf(const Shape& shape) {
 }
 
 }  // namespace
+
+std::shared_ptr<std::byte> AlignedBytes(std::size_t bytes) {
+  auto* data =
+      static_cast<std::byte*>(::operator new(std::max<std::size_t>(bytes, 1), std::align_val_t{kAlignment}));
+  return {data, [](std::byte* p) { ::operator delete(p, std::align_val_t{kAlignment}); }};
+}
 
 const char* DTypeName(DType type) {
   switch (type) {
@@ -52,7 +54,7 @@ Array Array::Copy(DType type, std::size_t item_bytes, const Shape& shape, std::s
   return std::move(array).value();
 }
 
-Result<Array> Array::Form(DType type, std::size_t item_bytes, const Shape& shape, std::size_t byte_count) {
+Result<std::size_t> BytesOfArray(DType type, std::size_t item_bytes, const Shape& shape) {
   const std::size_t fixed = type == DType::kU8                           ? 1
                             : type == DType::kI32 || type == DType::kF32 ? 4
                             : type == DType::kI64 || type == DType::kF64 ? 8
@@ -60,8 +62,14 @@ Result<Array> Array::Form(DType type, std::size_t item_bytes, const Shape& shape
   const bool known = fixed != 0 || type == DType::kText;
   const std::int64_t count = CountOf(shape);
   if (!known || (fixed != 0 && item_bytes != fixed) || item_bytes == 0 || count < 0 ||
-      static_cast<std::uint64_t>(count) > std::numeric_limits<std::size_t>::max() / item_bytes ||
-      static_cast<std::size_t>(count) * item_bytes != byte_count) {
+      static_cast<std::uint64_t>(count) > std::numeric_limits<std::size_t>::max() / item_bytes)
+    return Status(Code::kCorrupt, std::string("array of ") + DTypeName(type) + ": there is no such shape");
+  return static_cast<std::size_t>(count) * item_bytes;
+}
+
+Result<Array> Array::Form(DType type, std::size_t item_bytes, const Shape& shape, std::size_t byte_count) {
+  const Result<std::size_t> bytes = BytesOfArray(type, item_bytes, shape);
+  if (!bytes.ok() || bytes.value() != byte_count) {
     return Status(Code::kCorrupt,
                   std::string("array of ") + DTypeName(type) + ": shape and length do not agree");
   }
@@ -77,7 +85,7 @@ Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& 
                                std::span<const std::byte> bytes) {
   Result<Array> array = Form(type, item_bytes, shape, bytes.size());
   if (!array.ok()) return array;
-  std::shared_ptr<std::byte> data = Allocate(bytes.size());
+  std::shared_ptr<std::byte> data = AlignedBytes(bytes.size());
   if (!bytes.empty()) std::memcpy(data.get(), bytes.data(), bytes.size());
   array.value().data_ = std::move(data);
   return array;

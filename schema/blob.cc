@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include "schema/array_form.h"
+
 namespace cairn {
 
 static_assert(std::endian::native == std::endian::little,
@@ -63,14 +65,19 @@ std::size_t Blob::ByteCount() const {
 Hash Blob::ContentHash() const {
   Hasher hasher;
   for (const auto& [name, array] : fields_) {
-    hasher.Add(name);
-    hasher.Add(static_cast<std::uint64_t>(array.type()));
-    hasher.Add(static_cast<std::uint64_t>(array.item_bytes()));
-    hasher.Add(static_cast<std::uint64_t>(array.shape().size()));
-    for (const std::int64_t n : array.shape()) hasher.Add(static_cast<std::uint64_t>(n));
+    AddArrayHead(hasher, name, array.type(), array.item_bytes(), array.shape());
     hasher.Add(array.bytes());
   }
   return hasher.Finish();
+}
+
+void AddArrayHead(Hasher& hasher, std::string_view name, DType type, std::size_t item_bytes,
+                  const Shape& shape) {
+  hasher.Add(name);
+  hasher.Add(static_cast<std::uint64_t>(type));
+  hasher.Add(static_cast<std::uint64_t>(item_bytes));
+  hasher.Add(static_cast<std::uint64_t>(shape.size()));
+  for (const std::int64_t n : shape) hasher.Add(static_cast<std::uint64_t>(n));
 }
 
 }  // namespace cairn

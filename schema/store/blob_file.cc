@@ -14,6 +14,7 @@
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/regular_file.h"
 #include "schema/store/seal.h"
+#include "schema/store/sealed_file.h"
 #include "schema/text.h"
 
 namespace cairn {
@@ -102,24 +103,6 @@ Status CheckSealOf(const File& file, const RegularFile& bytes, const std::string
   return Status::Ok();
 }
 
-Result<FileContents> ReadSealed(const std::filesystem::path& path, const ReadOptions& options) {
-  const Result<RegularFile> bytes = RegularFile::Open(path);
-  if (!bytes.ok()) return bytes.status();
-  const Result<File> file = Open(path, bytes.value());
-  if (!file.ok()) return file.status();
-  Result<FileContents> contents = ReadAll(file.value(), path.string(), options);
-  if (!contents.ok()) return contents;
-  if (Status texts = CheckTexts(contents.value().blob); !texts.ok()) return Named(path.string(), texts);
-  bool& changed = contents.value().changed;
-  if (Status seal = CheckSealOf(file.value(), bytes.value(), path.string(), &changed); !seal.ok())
-    return seal;
-  if (changed && !options.changed_too)
-    return Status(Code::kCorrupt, path.string() +
-                                      ": another program has changed it since Cairn wrote it (its "
-                                      "seal is gone)");
-  return contents;
-}
-
 Result<FileContents> DescribeAll(const File& file, const std::string& name) {
   const hid_t id = file.handle.get();
   Result<std::vector<std::string>> names = store::DatasetNames(id);
@@ -143,6 +126,38 @@ Result<BlobFile> AsBlobFile(Result<FileContents> contents) {
 
 }  // namespace
 
+Result<FileContents> store::ReadSealed(const std::filesystem::path& path, const ReadOptions& options) {
+  const store::QuietErrors quiet;
+  const Result<RegularFile> bytes = RegularFile::Open(path);
+  if (!bytes.ok()) return bytes.status();
+  const Result<File> file = Open(path, bytes.value());
+  if (!file.ok()) return file.status();
+  Result<FileContents> contents = ReadAll(file.value(), path.string(), options);
+  if (!contents.ok()) return contents;
+  if (Status texts = CheckTexts(contents.value().blob); !texts.ok()) return Named(path.string(), texts);
+  bool& changed = contents.value().changed;
+  if (Status seal = CheckSealOf(file.value(), bytes.value(), path.string(), &changed); !seal.ok())
+    return seal;
+  if (changed && !options.changed_too)
+    return Status(Code::kCorrupt, path.string() +
+                                      ": another program has changed it since Cairn wrote it (its "
+                                      "seal is gone)");
+  return contents;
+}
+
+Status store::ReadArraysInParts(const std::filesystem::path& path, const std::vector<std::string>& names,
+                                const std::function<bool(std::span<const std::byte>)>& take) {
+  const store::QuietErrors quiet;
+  const Result<RegularFile> bytes = RegularFile::Open(path);
+  if (!bytes.ok()) return bytes.status();
+  const Result<File> file = Open(path, bytes.value());
+  if (!file.ok()) return file.status();
+  for (const std::string& name : names)
+    if (Status status = store::ReadInParts(file.value().handle.get(), name, take); !status.ok())
+      return Named(path.string(), status);
+  return Status::Ok();
+}
+
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob) {
   const Result<store::Image> image = store::EncodeBlob(kind, blob);
   if (!image.ok()) return Named(path.string(), image.status());
@@ -150,10 +165,7 @@ Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind,
 }
 
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options) {
-  return AsBlobFile(store::InChild(path, [&]() -> Result<FileContents> {
-    const store::QuietErrors quiet;
-    return ReadSealed(path, options);
-  }));
+  return AsBlobFile(store::InChild(path, [&] { return store::ReadSealed(path, options); }));
 }
 
 Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 
+#include "schema/array_form.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/layout.h"
 #include "schema/text.h"
@@ -119,9 +120,9 @@ Status CheckLiesInThisFile(hid_t dataset, const std::string& name) {
   return Status::Ok();
 }
 
-Result<Open> OpenDataset(hid_t file, const std::string& name) {
+Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P_DEFAULT) {
   Open open;
-  open.dataset = Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  open.dataset = Handle(H5Dopen2(file, name.c_str(), access), H5Dclose);
   if (!open.dataset.ok()) return Damaged(name);
   if (Status own = CheckLiesInThisFile(open.dataset.get(), name); !own.ok()) return own;
   open.type = Handle(H5Dget_type(open.dataset.get()), H5Tclose);
@@ -183,6 +184,36 @@ Result<Array> ReadVariableTexts(const Open& open, hid_t memory_type, std::size_t
   }
   H5Dvlen_reclaim(memory_type, open.space.get(), H5P_DEFAULT, pointers.data());
   return Array::FromBytes(DType::kText, width, open.info.shape, bytes);
+}
+
+std::size_t BytesOf(const DatasetInfo& info) {
+  std::size_t bytes = info.item_bytes;
+  for (const std::int64_t n : info.shape) bytes *= static_cast<std::size_t>(n);
+  return bytes;
+}
+
+// So that whoever reads from beginning to end reads no chunk twice: those that lie side by side along the
+// first axis that chunks cut into pieces of more than one step.
+Handle AccessInOrder(const Open& open) {
+  const Handle creation(H5Dget_create_plist(open.dataset.get()), H5Pclose);
+  Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
+  const std::size_t rank = open.info.shape.size();
+  std::vector<hsize_t> chunk(rank);
+  if (H5Pget_layout(creation.get()) != H5D_CHUNKED ||
+      H5Pget_chunk(creation.get(), static_cast<int>(rank), chunk.data()) != static_cast<int>(rank))
+    return access;
+  std::size_t bytes = open.info.item_bytes;
+  for (std::size_t axis = rank; axis-- > 0;) {
+    const auto steps = static_cast<std::size_t>(open.info.shape[axis]);
+    const bool first = std::all_of(chunk.begin(), chunk.begin() + static_cast<std::ptrdiff_t>(axis),
+                                   [](hsize_t n) { return n == 1; });
+    const auto cut = static_cast<std::size_t>(chunk[axis]);
+    bytes *= first ? cut : (steps + cut - 1) / cut * cut;
+    if (first) break;
+  }
+  constexpr std::size_t kSlots = 10'007, kLeast = std::size_t{2} << 20;
+  H5Pset_chunk_cache(access.get(), kSlots, std::max(bytes, kLeast), 1);
+  return access;
 }
 
 herr_t CollectDatasets(hid_t, const char* name, const H5O_info_t* info, void* data) {
@@ -251,11 +282,59 @@ Result<Array> ReadDataset(hid_t file, const std::string& name) {
   const Handle type = MemoryType(open);
   if (open.variable_text) return ReadVariableTexts(open, type.get(), count);
   const std::size_t size = count * open.info.item_bytes;
-  const auto bytes = std::make_unique_for_overwrite<std::byte[]>(size);
+  const std::shared_ptr<std::byte> bytes =
+      AlignedBytes(size);  // the array's own: it may be most of the memory
   if (size > 0 && H5Dread(open.dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.get()) < 0) {
     return Damaged(name);
   }
-  return Array::FromBytes(open.info.type, open.info.item_bytes, open.info.shape, {bytes.get(), size});
+  return Array::Over(open.info.type, open.info.item_bytes, open.info.shape, {bytes.get(), size}, bytes);
+}
+
+Status ReadInParts(hid_t file, const std::string& name,
+                   const std::function<bool(std::span<const std::byte>)>& take) {
+  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+  const Status refused(Code::kIo, "dataset '" + name + "': nobody takes it");
+  Result<Open> opened = OpenDataset(file, name);
+  if (!opened.ok()) return opened.status();
+  const Shape shape = opened.value().info.shape;
+  if (opened.value().variable_text || shape.empty() || BytesOf(opened.value().info) <= kPartBytes) {
+    const Result<Array> whole = ReadDataset(file, name);
+    if (!whole.ok()) return whole.status();
+    return take(whole.value().bytes()) ? Status::Ok() : refused;
+  }
+  const Handle access = AccessInOrder(opened.value());
+  opened = OpenDataset(file, name, access.get());
+  if (!opened.ok()) return opened.status();
+  const Open& open = opened.value();
+  const Handle type = MemoryType(open);
+  // A part is some steps along `axis`, of all that lies within them, at one place of the axes before it.
+  std::size_t step_bytes = BytesOf(open.info), axis = 0;
+  for (; axis < shape.size(); ++axis) {
+    step_bytes /= static_cast<std::size_t>(shape[axis]);
+    if (step_bytes <= kPartBytes || axis + 1 == shape.size()) break;
+  }
+  const auto most = static_cast<hsize_t>(std::max<std::size_t>(1, kPartBytes / step_bytes));
+  const auto all = static_cast<hsize_t>(shape[axis]);
+  std::vector<hsize_t> begin(shape.size(), 0), count(shape.begin(), shape.end());
+  std::fill(count.begin(), count.begin() + static_cast<std::ptrdiff_t>(axis), 1);
+  std::vector<std::byte> part(static_cast<std::size_t>(std::min(most, all)) * step_bytes);
+  while (true) {
+    count[axis] = std::min(most, all - begin[axis]);
+    const auto bytes = std::span(part).first(static_cast<std::size_t>(count[axis]) * step_bytes);
+    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+    if (H5Sselect_hyperslab(open.space.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) <
+            0 ||
+        H5Dread(open.dataset.get(), type.get(), memory.get(), open.space.get(), H5P_DEFAULT, part.data()) < 0)
+      return Damaged(name);
+    if (!take(bytes)) return refused;
+    begin[axis] += count[axis];
+    std::size_t at = axis;
+    while (begin[at] == static_cast<hsize_t>(shape[at])) {
+      if (at == 0) return Status::Ok();
+      begin[at--] = 0;
+      ++begin[at];
+    }
+  }
 }
 
 }  // namespace cairn::store

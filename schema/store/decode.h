@@ -5,6 +5,8 @@
 
 #include <hdf5.h>
 
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,5 +25,10 @@ Result<std::vector<std::string>> DatasetNames(hid_t file);
 
 Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name);
 Result<Array> ReadDataset(hid_t file, const std::string& name);
+// Its elements, row-major, in parts of about a MiB, which `take` may refuse (kIo). Beside them memory holds
+// as many chunks as such a part touches: of Cairn's own files a few MiB, of one that is a single chunk all of
+// it.
+Status ReadInParts(hid_t file, const std::string& name,
+                   const std::function<bool(std::span<const std::byte>)>& take);
 
 }  // namespace cairn::store

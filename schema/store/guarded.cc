@@ -18,6 +18,7 @@
 #include <new>
 #include <optional>
 
+#include "schema/array_form.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/hdf5_handle.h"
 
@@ -40,6 +41,9 @@ void PutContents(FILE* out, const FileContents& contents) {
   Put(out, contents.kind);
   Put(out, static_cast<std::uint64_t>(contents.format));
   Put(out, contents.changed ? 1 : 0);
+  Put(out, contents.hash);
+  Put(out, contents.remarks.size());
+  for (const std::string& remark : contents.remarks) Put(out, remark);
   Put(out, contents.datasets.size());
   for (const DatasetInfo& info : contents.datasets) {
     Put(out, info.name);
@@ -75,8 +79,8 @@ int KeepOnly(int pipe) {
   return ::close_range(kFirst + 1, ~0U, 0) == 0 ? kFirst : -1;
 }
 
-[[noreturn]] void BeChild(int pipe, pid_t parent, const std::filesystem::path& path, std::uint64_t file_bytes,
-                          const std::function<Result<FileContents>()>& read) {
+[[noreturn]] void BeChild(int pipe, pid_t parent, std::uint64_t file_bytes,
+                          const std::function<bool(FILE*)>& write) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(1);
   ::signal(SIGPIPE, SIG_DFL);
@@ -94,13 +98,16 @@ int KeepOnly(int pipe) {
   }
   FILE* out = ::fdopen(pipe, "wb");
   if (out == nullptr) ::_exit(1);
-  const Result<FileContents> contents = ReadInMemory(path, read);
+  const bool whole = write(out);
+  ::_exit(std::fclose(out) == 0 && whole ? 0 : 1);
+}
+
+void PutResult(FILE* out, const Result<FileContents>& contents) {
   Put(out, static_cast<std::uint64_t>(contents.ok() ? Code::kOk : contents.status().code()));
   if (contents.ok())
     PutContents(out, contents.value());
   else
     Put(out, contents.status().message());
-  ::_exit(std::fclose(out) == 0 ? 0 : 1);
 }
 
 // ---- the parent's side: nothing where the child broke off ----
@@ -133,16 +140,11 @@ bool GetInfo(Reader& in, DatasetInfo* info) {
   return in.Get(&info->unit) && in.Get(&info->stored_bytes);
 }
 
-std::shared_ptr<std::byte> Aligned(std::size_t size) {
-  constexpr std::align_val_t kAlignment{64};
-  return {static_cast<std::byte*>(::operator new(size, kAlignment)),
-          [](std::byte* bytes) { ::operator delete(bytes, kAlignment); }};
-}
-
 bool GetArray(Reader& in, const DatasetInfo& info, Blob* blob) {
   std::uint64_t size = 0;
   if (!in.Get(&size)) return false;
-  const std::shared_ptr<std::byte> bytes = Aligned(size);  // the array's own: a log may be most of the memory
+  const std::shared_ptr<std::byte> bytes =
+      AlignedBytes(size);  // the array's own: a log may be most of the memory
   if (!in.Get(bytes.get(), size)) return false;
   Result<Array> array = Array::Over(info.type, info.item_bytes, info.shape, {bytes.get(), size}, bytes);
   if (!array.ok()) return false;
@@ -159,7 +161,12 @@ std::optional<Result<FileContents>> GetContents(Reader in) {
     if (!in.Get(&message)) return std::nullopt;
     return Result<FileContents>(Status(static_cast<Code>(code), message));
   }
-  if (!in.Get(&contents.kind) || !in.Get(&format) || !in.Get(&has) || !in.Get(&count)) return std::nullopt;
+  if (!in.Get(&contents.kind) || !in.Get(&format) || !in.Get(&has) || !in.Get(&contents.hash) ||
+      !in.Get(&count))
+    return std::nullopt;
+  for (; count > 0; --count)
+    if (!in.Get(&contents.remarks.emplace_back())) return std::nullopt;
+  if (!in.Get(&count)) return std::nullopt;
   contents.changed = has != 0;
   contents.format = static_cast<std::int64_t>(format);
   for (; count > 0; --count) {
@@ -169,17 +176,6 @@ std::optional<Result<FileContents>> GetContents(Reader in) {
   }
   return Result<FileContents>(std::move(contents));
 }
-
-#ifdef CAIRN_SANITIZED
-// The allocators of GCC's sanitizers keep their locks across a fork: with other threads about, the child may
-// hang.
-bool MayFork() {
-  const std::filesystem::directory_iterator threads("/proc/self/task");
-  return std::distance(begin(threads), end(threads)) == 1;
-}
-#else
-constexpr bool MayFork() { return true; }
-#endif
 
 bool IsCrash(int signal) {
   constexpr std::array kCrashes{SIGSEGV, SIGBUS, SIGABRT, SIGFPE,
@@ -200,11 +196,24 @@ Status BrokeOff(const std::filesystem::path& path, int wait_status) {
   return {Code::kIo, text};
 }
 
-}  // namespace
+#ifdef CAIRN_SANITIZED
+// The allocators of GCC's sanitizers keep their locks across a fork: with other threads about, the child may
+// hang.
+bool MayFork() {
+  const std::filesystem::directory_iterator threads("/proc/self/task");
+  return std::distance(begin(threads), end(threads)) == 1;
+}
+#else
+constexpr bool MayFork() { return true; }
+#endif
 
-Result<FileContents> InChild(const std::filesystem::path& path,
-                             const std::function<Result<FileContents>()>& read) {
-  if (!MayFork()) return read();
+// A child that writes into a pipe, and the other end of that.
+struct Started {
+  Stream in;
+  pid_t child;
+};
+
+Result<Started> Start(const std::filesystem::path& path, const std::function<bool(FILE*)>& write) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return SystemFailure(path, "cannot make a pipe", errno);
   std::error_code unknown;
@@ -214,18 +223,65 @@ Result<FileContents> InChild(const std::filesystem::path& path,
   {
     const std::lock_guard lock(LibraryMutex());  // no other thread is inside HDF5 when the child begins
     child = ::fork();
-    if (child == 0) BeChild(ends[1], parent, path, unknown ? 0 : size, read);
+    if (child == 0) BeChild(ends[1], parent, unknown ? 0 : size, write);
   }
   ::close(ends[1]);
   Stream in(::fdopen(ends[0], "rb"));
   if (child < 0) return SystemFailure(path, "cannot start a process to read it", errno);
-  std::optional<Result<FileContents>> contents = GetContents(Reader(in.get()));
-  in.reset();  // a child that still writes ends too
+  return Started{std::move(in), child};
+}
+
+int WaitFor(pid_t child) {
   int wait_status = 0;
   while (::waitpid(child, &wait_status, 0) < 0 && errno == EINTR) {
   }
+  return wait_status;
+}
+
+}  // namespace
+
+Result<FileContents> InChild(const std::filesystem::path& path,
+                             const std::function<Result<FileContents>()>& read) {
+  if (!MayFork()) return read();
+  Result<Started> started = Start(path, [&](FILE* out) {
+    PutResult(out, ReadInMemory(path, read));
+    return true;
+  });
+  if (!started.ok()) return started.status();
+  std::optional<Result<FileContents>> contents = GetContents(Reader(started.value().in.get()));
+  started.value().in.reset();  // a child that still writes ends too
+  const int wait_status = WaitFor(started.value().child);
   if (!contents || wait_status != 0) return BrokeOff(path, wait_status);
   return std::move(*contents);
+}
+
+Result<ChildStream> ChildStream::Start(const std::filesystem::path& path,
+                                       const std::function<bool(FILE*)>& write) {
+  if (!MayFork()) {
+    FILE* file = std::tmpfile();
+    const bool whole = file != nullptr && write(file);
+    if (file != nullptr) std::rewind(file);
+    return whole ? ChildStream(path, file, -1) : Result<ChildStream>(BrokeOff(path, 0));
+  }
+  Result<Started> started = store::Start(path, write);
+  if (!started.ok()) return started.status();
+  return ChildStream(path, started.value().in.release(), started.value().child);
+}
+
+ChildStream::ChildStream(ChildStream&& other) noexcept
+    : path_(std::move(other.path_)),
+      in_(std::exchange(other.in_, nullptr)),
+      child_(std::exchange(other.child_, -1)) {}
+
+ChildStream::~ChildStream() {
+  if (in_ != nullptr) std::fclose(in_);
+  if (child_ > 0) WaitFor(child_);
+}
+
+Status ChildStream::Read(std::span<std::byte> bytes) {
+  if (in_ != nullptr && std::fread(bytes.data(), 1, bytes.size(), in_) == bytes.size()) return Status::Ok();
+  if (in_ != nullptr) std::fclose(std::exchange(in_, nullptr));
+  return BrokeOff(path_, child_ > 0 ? WaitFor(std::exchange(child_, -1)) : 0);
 }
 
 }  // namespace cairn::store

@@ -2,8 +2,13 @@
 // no end on others; then the child dies, and the caller gets a Status.
 #pragma once
 
+#include <sys/types.h>
+
+#include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <span>
+#include <utility>
 
 #include "schema/store/blob_file.h"
 
@@ -16,6 +21,9 @@ struct FileContents {
   std::vector<DatasetInfo> datasets;
   Blob blob;
   bool changed = false;  // BlobFile's
+  // Of what only the child has seen (blob_stream.h).
+  std::string hash = {};                  // binary; of the content
+  std::vector<std::string> remarks = {};  // for people
 };
 
 // Runs `read` in a child, and brings back what it gives. kCorrupt names the file where HDF5 crashes, or
@@ -23,5 +31,25 @@ struct FileContents {
 // want of memory.
 Result<FileContents> InChild(const std::filesystem::path& path,
                              const std::function<Result<FileContents>()>& read);
+
+// The same of bytes that a child writes while its parent takes them: neither holds more than a part of them.
+class ChildStream {
+ public:
+  // `write` runs in the child; false: it could not write all.
+  static Result<ChildStream> Start(const std::filesystem::path& path,
+                                   const std::function<bool(FILE*)>& write);
+  ChildStream(ChildStream&& other) noexcept;
+  ChildStream& operator=(ChildStream&&) = delete;
+  ~ChildStream();  // ends the child
+  // Fills `bytes`. Fails as InChild does where the child broke off.
+  Status Read(std::span<std::byte> bytes);
+
+ private:
+  ChildStream(std::filesystem::path path, FILE* in, pid_t child)
+      : path_(std::move(path)), in_(in), child_(child) {}
+  std::filesystem::path path_;
+  FILE* in_;
+  pid_t child_;
+};
 
 }  // namespace cairn::store
