@@ -8,6 +8,7 @@
 #include "coordinator/blob_pack.h"
 #include "coordinator/store_cleaner.h"
 #include "schema/store/blob_file.h"
+#include "schema/store/flat_file.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -58,18 +59,21 @@ void BlobFiles::Index(const fs::path& pack, const std::vector<wire::NamedBlob>& 
 fs::path BlobFiles::FileOf(const Hash& hash) const {
   const std::lock_guard lock(mutex_);
   const auto packed = pack_of_.find(hash);
-  return packed == pack_of_.end() ? folder_.BlobFile(hash) : packed->second;
+  if (packed != pack_of_.end()) return packed->second;
+  return fs::exists(folder_.FlatFile(hash)) ? folder_.FlatFile(hash) : folder_.BlobFile(hash);
 }
 
 bool BlobFiles::Has(const Hash& hash) const { return fs::exists(FileOf(hash)); }
 
 Result<BlobPtr> BlobFiles::Read(const Hash& hash) {
   const fs::path path = FileOf(hash);
+  if (path == folder_.FlatFile(hash)) return ReadFlatFile(path, hash);
   return path == folder_.BlobFile(hash) ? ReadAlone(path, hash) : ReadPacked(path, hash);
 }
 
 Status BlobFiles::Check(const Hash& hash) const {
   const fs::path path = FileOf(hash);
+  if (path == folder_.FlatFile(hash)) return CheckFlatFile(path, hash);
   return path == folder_.BlobFile(hash) ? ReadAlone(path, hash).status() : Status::Ok();
 }
 
@@ -128,6 +132,7 @@ void BlobFiles::Remove(const std::vector<Hash>& hashes) {
     const std::lock_guard lock(mutex_);
     for (const Hash& hash : hashes) {
       garbage.push_back(folder_.BlobFile(hash));  // a blob may lie there as well as in a pack
+      garbage.push_back(folder_.FlatFile(hash));
       const auto packed = pack_of_.find(hash);
       if (packed == pack_of_.end()) continue;
       const auto pack = packs_.find(packed->second);

@@ -1,5 +1,6 @@
-// Where a store's blobs lie on disk: each in a file of its own, or, where many small ones are written at
-// once, together in a pack, so that saving a long round costs a file and not one a partial.
+// Where a store's blobs lie on disk: each in a file of its own (an input as a flat blob, as it came), or,
+// where many small ones are written at once, together in a pack, so that saving a long round costs a file and
+// not one a partial.
 //
 // The event loop reads, the writing thread writes and removes.
 #pragma once

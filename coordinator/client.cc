@@ -1,9 +1,10 @@
 #include "coordinator/client.h"
 
+#include <algorithm>
 #include <chrono>
-#include <set>
 #include <utility>
 
+#include "schema/flat_blob.h"
 #include "schema/wire/poller.h"
 
 namespace cairn::coordinator {
@@ -13,11 +14,76 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kCleaning_s = 600;  // it reads every checkpoint
 constexpr double kSlowestBytesPerS = 1e6;
+constexpr std::uint64_t kPieceBytes = 1'000'000;  // no more at a time: a message of less than a MiB
+constexpr int kMostUnkept = 3;                    // submissions in turn after which inputs are missing
+constexpr int kMostBroken = 5;                    // uploads that are begun again
 
 std::chrono::milliseconds Left(Clock::time_point end) {
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
   return std::max(left, std::chrono::milliseconds(0));
 }
+
+Clock::time_point After(double seconds) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+class BytesInMemory : public InputBytes {
+ public:
+  explicit BytesInMemory(BlobPtr blob) : blob_(std::move(blob)), array_(blob_->fields().begin()) {}
+  Status Read(std::span<std::byte> bytes) override {
+    while (!bytes.empty()) {
+      const std::span<const std::byte> left = array_->second.bytes().subspan(at_);
+      const std::size_t count = std::min(left.size(), bytes.size());
+      std::ranges::copy(left.first(count), bytes.begin());
+      bytes = bytes.subspan(count);
+      at_ += count;
+      if (count < left.size()) continue;
+      ++array_;
+      at_ = 0;
+    }
+    return Status::Ok();
+  }
+
+ private:
+  BlobPtr blob_;
+  Blob::Fields::const_iterator array_;
+  std::size_t at_ = 0;
+};
+
+// A flat blob (schema/flat_blob.h), piece by piece.
+class FlatSource {
+ public:
+  static Result<FlatSource> Open(const Input& input) {
+    const Result<std::uint64_t> bytes = FlatBytes(input.meta);
+    if (!bytes.ok()) return bytes.status();
+    Result<std::unique_ptr<InputBytes>> arrays = input.open();
+    if (!arrays.ok()) return arrays.status();
+    return FlatSource(input.meta, bytes.value(), std::move(arrays).value());
+  }
+  std::uint64_t left() const { return bytes_ - at_; }
+  // No more than `most` bytes.
+  Result<wire::Message> Next(std::uint64_t most) {
+    wire::Message message;
+    wire::Piece& piece = *message.envelope.mutable_piece();
+    piece.set_hash(hash_);
+    piece.set_at(at_);
+    std::string& data = *piece.mutable_data();
+    data.resize(std::min({most, kPieceBytes, left()}));
+    const std::size_t of_head =
+        head_.copy(data.data(), data.size(), std::min<std::uint64_t>(at_, head_.size()));
+    const Status read = arrays_->Read(std::as_writable_bytes(std::span(data)).subspan(of_head));
+    if (!read.ok()) return read;
+    at_ += data.size();
+    return message;
+  }
+
+ private:
+  FlatSource(const wire::BlobMeta& meta, std::uint64_t bytes, std::unique_ptr<InputBytes> arrays)
+      : hash_(meta.hash()), head_(FlatHead(meta)), bytes_(bytes), arrays_(std::move(arrays)) {}
+  std::string hash_, head_;
+  std::uint64_t bytes_, at_ = 0;
+  std::unique_ptr<InputBytes> arrays_;
+};
 
 Result<wire::JobInfo> OnlyJob(const Result<wire::Message>& reply, const std::string& job) {
   if (!reply.ok()) return reply.status();
@@ -43,6 +109,12 @@ Result<wire::Message> Judge(wire::Received received) {
 
 }  // namespace
 
+Input InputInMemory(BlobPtr blob) {
+  return {MetaOf(blob->ContentHash(), *blob), [blob]() -> Result<std::unique_ptr<InputBytes>> {
+            return std::unique_ptr<InputBytes>(std::make_unique<BytesInMemory>(blob));
+          }};
+}
+
 Client::Client(ClientOptions options, wire::DealerSocket socket)
     : options_(std::move(options)), socket_(std::move(socket)) {}
 
@@ -64,8 +136,7 @@ Result<wire::Message> Client::Ask(wire::Message question, double timeout_s) {
 }
 
 Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) {
-  const Clock::time_point end =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
+  const Clock::time_point end = After(timeout_s);
   wire::Poller poller;
   poller.Add(socket_);
   answered_ = false;
@@ -81,6 +152,7 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
     }
     if (!sent) sent = socket_.Send(question).ok();
     if (std::optional<wire::Received> received = socket_.TryReceive()) {
+      if (received->message.envelope.has_credit()) continue;  // for an upload that is over
       answered_ = received->status.ok();
       return Judge(std::move(*received));
     }
@@ -98,39 +170,92 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
   }
 }
 
-// First without its inputs: the service may have them, or the job. What it has then may be gone when they
-// come, with the job that held it: so a second time.
 Result<wire::JobInfo> Client::Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs,
                                      bool* known) {
-  std::map<std::string, wire::NamedBlob> blobs;  // by hash
-  for (const auto& [name, blob] : inputs) {
-    const wire::NamedBlob named = wire::NameBlob(blob);
-    (*job.mutable_input_blobs())[name] = named.hash.Binary();
-    blobs.emplace(named.hash.Binary(), named);
+  std::map<std::string, Input> streamed;
+  for (const auto& [name, blob] : inputs) streamed[name] = InputInMemory(blob);
+  return Submit(std::move(job), streamed, known);
+}
+
+// What the service lacks it says; what it has then may be gone when the job comes again, with the job that
+// held it: so more than once. The same where it went away in the middle.
+Result<wire::JobInfo> Client::Submit(proto::Job job, const std::map<std::string, Input>& inputs,
+                                     bool* known) {
+  std::map<std::string, const Input*> by_hash;
+  for (const auto& [name, input] : inputs) {
+    (*job.mutable_input_blobs())[name] = input.meta.hash();
+    by_hash.emplace(input.meta.hash(), &input);
   }
-  std::set<std::string> lacking;
-  for (int tries = 0; tries < 3; ++tries) {
+  int unkept = 0, broken = 0;
+  while (unkept < kMostUnkept) {
     wire::Message submit;
+    submit.envelope.mutable_submit()->set_protocol(wire::kProtocol);
     *submit.envelope.mutable_submit()->mutable_job() = job;
-    std::size_t bytes = 0;
-    for (const std::string& hash : lacking) {
-      const auto it = blobs.find(hash);
-      if (it == blobs.end())
-        return Status(Code::kVersion, "the service asks for a blob that it was not offered");
-      bytes += it->second.blob->ByteCount();
-      submit.blobs.push_back(it->second);
-    }
-    const Result<wire::Message> answer =
-        Ask(std::move(submit), options_.timeout_s + static_cast<double>(bytes) / kSlowestBytesPerS);
+    const Result<wire::Message> answer = Ask(std::move(submit), options_.timeout_s);
     if (!answer.ok()) return answer.status();
     const wire::Reply& reply = answer.value().envelope.reply();
     if (reply.ok()) {
       if (known != nullptr) *known = reply.known();
       return OnlyJob(answer, "");
     }
-    lacking.insert(reply.missing().begin(), reply.missing().end());
+    ++unkept;
+    for (const std::string& hash : reply.missing()) {
+      const auto input = by_hash.find(hash);
+      if (input == by_hash.end())
+        return Status(Code::kVersion, "the service asks for a blob that it was not offered");
+      const Status uploaded = Upload(*input->second);
+      if (uploaded.ok()) continue;
+      const bool again = uploaded.code() == Code::kBusy || uploaded.code() == Code::kIo;
+      if (!again || ++broken > kMostBroken) return uploaded;
+      if (uploaded.code() == Code::kIo)
+        if (const Status connected = socket_.Reconnect(); !connected.ok()) return connected;
+      unkept = 0;
+      break;
+    }
   }
   return Status(Code::kRefused, "the service does not keep the job's inputs");
+}
+
+Status Client::Upload(const Input& input) {
+  Result<FlatSource> source = FlatSource::Open(input);
+  if (!source.ok()) return source.status();
+  wire::Message offer;
+  offer.envelope.mutable_offer()->set_hash(input.meta.hash());
+  offer.envelope.mutable_offer()->set_bytes(source.value().left());
+  std::optional<wire::Message> next = std::move(offer);
+  std::uint64_t credit = 0;
+  Clock::time_point end = After(options_.timeout_s);
+  wire::Poller poller;
+  poller.Add(socket_);
+  while (true) {
+    while (const std::optional<wire::LinkEvent> event = socket_.TryEvent())
+      if (*event != wire::LinkEvent::kConnected)
+        return {Code::kIo, "the service at " + options_.endpoint + " went away in the middle of an upload"};
+    while (std::optional<wire::Received> received = socket_.TryReceive()) {
+      end = After(options_.timeout_s);
+      const wire::Envelope& envelope = received->message.envelope;
+      if (received->status.ok() && envelope.has_credit()) {
+        if (envelope.credit().hash() == input.meta.hash()) credit += envelope.credit().bytes();
+        continue;
+      }
+      const Result<wire::Message> answer = Judge(std::move(*received));
+      if (!answer.ok()) return answer.status();
+      const wire::Reply& reply = answer.value().envelope.reply();
+      return reply.ok() ? Status::Ok() : Status(Code::kBusy, reply.message());
+    }
+    if (!next && credit > 0 && source.value().left() > 0) {
+      Result<wire::Message> piece = source.value().Next(credit);
+      if (!piece.ok()) return piece.status();
+      next = std::move(piece).value();
+      credit -= next->envelope.piece().data().size();
+    }
+    if (next && socket_.Send(*next).ok()) {
+      next.reset();
+      continue;
+    }
+    if (Clock::now() >= end) return {Code::kIo, "the service at " + options_.endpoint + " does not answer"};
+    poller.Wait(next ? std::min(Left(end), std::chrono::milliseconds(5)) : Left(end));
+  }
 }
 
 Result<wire::Message> Client::Query(const std::string& job, const std::string& action, double timeout_s) {

@@ -2,10 +2,13 @@
 // do.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,6 +44,21 @@ struct LogPart {
   std::vector<wire::LogLine> lines;
 };
 
+// The bytes of an input's arrays, in the order of names.
+class InputBytes {
+ public:
+  virtual ~InputBytes() = default;
+  virtual Status Read(std::span<std::byte> bytes) = 0;  // fills `bytes`
+};
+
+// An input of a job, which need not fit into memory.
+struct Input {
+  wire::BlobMeta meta;
+  // From their beginning; again where an upload has to begin again.
+  std::function<Result<std::unique_ptr<InputBytes>>()> open;
+};
+Input InputInMemory(BlobPtr blob);
+
 // Every call asks once and waits for the answer. Failures: kIo: nobody answers at the endpoint; kRefused: the
 // service said no (message: why), or does not know this key; kNotFound: no such job. After any of them the
 // next call starts on a new connection. For one thread.
@@ -50,8 +68,11 @@ class Client {
   static Result<Client> Connect(const ClientOptions& options);
 
   // Uploads those inputs (by the names of job.inputs; truth left behind by the caller) that the service
-  // lacks, fills in job.input_blobs, and returns the job as it is queued, once it is durable. `known`: the
-  // service has the same job already, which may be done.
+  // lacks, in pieces, and no faster than it lets them come; fills in job.input_blobs, and returns the job as
+  // it is queued, once it is durable. Where the service goes away in the middle, it begins again once it is
+  // back. `known`: the service has the same job already, which may be done.
+  Result<wire::JobInfo> Submit(proto::Job job, const std::map<std::string, Input>& inputs,
+                               bool* known = nullptr);
   Result<wire::JobInfo> Submit(proto::Job job, const std::map<std::string, BlobPtr>& inputs,
                                bool* known = nullptr);
   Result<JobList> List();
@@ -74,6 +95,8 @@ class Client {
   Result<std::vector<wire::WorkerInfo>> AskOfWorkers(const std::string& action, std::uint64_t worker);
   explicit Client(ClientOptions options, wire::DealerSocket socket);
   Result<wire::Message> Ask(wire::Message question, double timeout_s);
+  // kBusy: it has to begin again.
+  Status Upload(const Input& input);
   Result<wire::Message> AskOnce(wire::Message question, double timeout_s);
   Result<wire::Message> Query(const std::string& job, const std::string& action, double timeout_s);
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <thread>
 
+#include "schema/flat_blob_testing.h"
 #include "schema/wire/poller.h"
 #include "schema/wire/testing.h"
 
@@ -66,18 +67,60 @@ class ClientTest : public ::testing::Test {
   wire::PrivateFolder folder_;
 };
 
-TEST_F(ClientTest, SubmitUploadsOnlyWhatTheServiceLacks) {
-  wire::Message submitted;
-  const std::string lacking = Number(2)->ContentHash().Binary();
-  FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) {
-    wire::Message reply = Ok();
-    if (question.blobs.empty()) {
-      reply.envelope.mutable_reply()->set_ok(false);
-      reply.envelope.mutable_reply()->add_missing(lacking);
+// What a service does with uploads: gives `window` bytes of credit at a time, as the bytes come.
+struct Uploaded {
+  std::uint64_t window = 1 << 20;
+  std::string hash, bytes = {};
+  std::uint64_t expected = 0, given = 0;
+  std::optional<wire::Message> Answer(const wire::Envelope& envelope) {
+    if (envelope.has_offer()) {
+      hash = envelope.offer().hash();
+      expected = envelope.offer().bytes();
+      bytes.clear();
+      given = 0;
     } else {
-      submitted = question;
-      reply.envelope.mutable_reply()->add_jobs()->set_id("museum-1");
+      EXPECT_EQ(envelope.piece().hash(), hash);
+      EXPECT_EQ(envelope.piece().at(), bytes.size());
+      bytes += envelope.piece().data();
+      EXPECT_LE(bytes.size(), given) << "it sends more than it may";
+      if (bytes.size() == expected) return Ok();
+      if (bytes.size() < given) return std::nullopt;
     }
+    wire::Message credit;
+    credit.envelope.mutable_credit()->set_hash(hash);
+    credit.envelope.mutable_credit()->set_bytes(window);
+    given += window;
+    return credit;
+  }
+};
+
+wire::Message Lacks(const std::string& hash) {
+  wire::Message reply = Ok();
+  reply.envelope.mutable_reply()->set_ok(false);
+  reply.envelope.mutable_reply()->add_missing(hash);
+  return reply;
+}
+
+BlobPtr Numbers(std::size_t count) {
+  Blob blob;
+  blob.PutVector("a/values", std::vector<double>(count, 0.25));
+  blob.PutVector("none", std::vector<double>());
+  blob.PutVector("z/values", std::vector<double>(count, 4));
+  return std::make_shared<const Blob>(std::move(blob));
+}
+
+TEST_F(ClientTest, SubmitUploadsOnlyWhatTheServiceLacks) {
+  Uploaded uploaded;
+  int asked = 0;
+  proto::Job sent;
+  const std::string lacking = Number(2)->ContentHash().Binary();
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) -> std::optional<wire::Message> {
+    if (!question.envelope.has_submit()) return uploaded.Answer(question.envelope);
+    EXPECT_EQ(question.envelope.submit().protocol(), wire::kProtocol);
+    sent = question.envelope.submit().job();
+    if (asked++ == 0) return Lacks(lacking);
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->add_jobs()->set_id("museum-1");
     return reply;
   });
   proto::Job job;
@@ -87,12 +130,59 @@ TEST_F(ClientTest, SubmitUploadsOnlyWhatTheServiceLacks) {
       client.Submit(job, {{"log", Number(1)}, {"map", Number(2)}, {"old", Number(1)}});
   ASSERT_TRUE(info.ok()) << info.status().message();
   EXPECT_EQ(info.value().id(), "museum-1");
-  const proto::Job& sent = submitted.envelope.submit().job();
   EXPECT_EQ(sent.name(), "museum");
   EXPECT_EQ(sent.input_blobs_size(), 3);
   EXPECT_EQ(sent.input_blobs().at("map"), lacking);
-  ASSERT_EQ(submitted.blobs.size(), 1u);
-  EXPECT_EQ(submitted.blobs[0].blob->Scalar<double>("v"), 2);
+  EXPECT_TRUE(uploaded.bytes == flat_testing::Flat(*Number(2)));
+}
+
+TEST_F(ClientTest, AnUploadGoesInPiecesAndNoFasterThanItsCredit) {
+  for (const std::uint64_t window : {1'000'000, 8 << 20, 12'345}) {
+    Uploaded uploaded{window, {}};
+    int asked = 0;
+    const BlobPtr log = Numbers(window < 100'000 ? 20'000 : 1'000'000);
+    FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) -> std::optional<wire::Message> {
+      if (!question.envelope.has_submit()) {
+        EXPECT_LE(question.envelope.piece().data().size(), 1u << 20);
+        return uploaded.Answer(question.envelope);
+      }
+      if (asked++ == 0) return Lacks(log->ContentHash().Binary());
+      wire::Message reply = Ok();
+      reply.envelope.mutable_reply()->add_jobs()->set_id("museum-1");
+      return reply;
+    });
+    const auto info = Connect().Submit(proto::Job(), {{"log", log}});
+    EXPECT_TRUE(info.ok()) << info.status().message();
+    EXPECT_TRUE(uploaded.bytes == flat_testing::Flat(*log)) << window;
+  }
+}
+
+// A service that is started again in the middle, or gives an upload up, has all of it in the end.
+TEST_F(ClientTest, AnUploadThatIsCutOffBeginsAgain) {
+  Uploaded uploaded;
+  const BlobPtr log = Numbers(500'000);
+  int asked = 0, pieces = 0;
+  bool given_up = false;
+  const auto answer = [&](const wire::Message& question) -> std::optional<wire::Message> {
+    if (question.envelope.has_submit()) {
+      if (asked++ < 2) return Lacks(log->ContentHash().Binary());
+      wire::Message reply = Ok();
+      reply.envelope.mutable_reply()->add_jobs()->set_id("museum-1");
+      return reply;
+    }
+    given_up &= !question.envelope.has_offer();
+    if (question.envelope.has_piece() && ++pieces == 3) {
+      given_up = true;
+      return Lacks(log->ContentHash().Binary());
+    }
+    if (given_up) return std::nullopt;  // what was on its way
+    return uploaded.Answer(question.envelope);
+  };
+  FakeService service(folder_.Ipc("s"), answer);
+  const auto info = Connect().Submit(proto::Job(), {{"log", log}});
+  EXPECT_TRUE(info.ok()) << info.status().message();
+  EXPECT_EQ(asked, 3);
+  EXPECT_TRUE(uploaded.bytes == flat_testing::Flat(*log));
 }
 
 // Where nothing is missing a second try would only be taken for the same job told twice.
@@ -113,15 +203,31 @@ TEST_F(ClientTest, ARefusedSubmissionIsNotRepeated) {
 
 TEST_F(ClientTest, AServiceThatKeepsNoInputIsGivenUp) {
   int asked = 0;
-  FakeService service(folder_.Ipc("s"), [&asked](const wire::Message&) {
+  Uploaded uploaded;
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) -> std::optional<wire::Message> {
+    if (!question.envelope.has_submit()) return uploaded.Answer(question.envelope);
     ++asked;
-    wire::Message reply = Ok();
-    reply.envelope.mutable_reply()->set_ok(false);
-    reply.envelope.mutable_reply()->add_missing(Number(1)->ContentHash().Binary());
-    return reply;
+    return Lacks(Number(1)->ContentHash().Binary());
   });
   EXPECT_EQ(Connect().Submit(proto::Job(), {{"log", Number(1)}}).status().code(), Code::kRefused);
   EXPECT_EQ(asked, 3);
+}
+
+TEST_F(ClientTest, AnUploadThatIsRefusedOrNeverAnsweredEndsTheSubmission) {
+  bool silent = false;
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) -> std::optional<wire::Message> {
+    if (question.envelope.has_submit()) return Lacks(Number(1)->ContentHash().Binary());
+    if (silent) return std::nullopt;
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->set_ok(false);
+    reply.envelope.mutable_reply()->set_message("no space left");
+    return reply;
+  });
+  const Status refused = Connect().Submit(proto::Job(), {{"log", Number(1)}}).status();
+  EXPECT_EQ(refused.code(), Code::kRefused);
+  EXPECT_EQ(refused.message(), "no space left");
+  silent = true;
+  EXPECT_EQ(Connect(0.2).Submit(proto::Job(), {{"log", Number(1)}}).status().code(), Code::kIo);
 }
 
 TEST_F(ClientTest, QueriesCarryTheirActionAndResultsTheirNames) {

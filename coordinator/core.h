@@ -39,7 +39,7 @@ struct CoreOptions {
   double keep_s = 0;        // a job that has ended for longer is deleted; 0: none is
   double task_time_s = 0;   // of a task whose job says nothing; 0: no limit
   std::uint64_t task_memory_mb = 0;  // the same
-  std::uint32_t protocol = 1;        // Hello.protocol that is spoken here
+  std::uint32_t protocol = 2;        // Hello.protocol that is spoken here
   wire::Build build;                 // of the coordinator: bits of another must not be mixed with its own
 };
 

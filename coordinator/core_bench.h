@@ -80,7 +80,7 @@ class Bench {
   }
   void Join(const std::string& peer, std::uint32_t slots = 1, const std::string& version = "1") {
     wire::Hello hello;
-    hello.set_protocol(1);
+    hello.set_protocol(2);
     *hello.mutable_build() = TestBuild(version);
     hello.set_host("host-" + peer);
     hello.set_slots(slots);

@@ -50,7 +50,7 @@ TEST(CoreWorkers, AJobThatAnotherBuildBeganKeepsNobodyOutAndDoesNotGoOn) {
 TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
   Bench bench;
   wire::Hello hello;
-  hello.set_protocol(2);
+  hello.set_protocol(3);
   hello.set_slots(1);
   bench.Do(WorkerHello{"w", hello});
   EXPECT_EQ(bench.Sent(&Envelope::has_refuse).size(), 1u);

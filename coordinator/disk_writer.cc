@@ -43,6 +43,7 @@ DiskWriter::DiskWriter(const StoreFolder& folder, BlobFiles& files, StoreUse& us
       files_(files),
       use_(use),
       table_(std::move(table)),
+      uploads_(folder, use),
       wake_(std::move(wake)),
       thread_([this] { Loop(); }) {}
 
@@ -108,7 +109,7 @@ void DiskWriter::Loop() {
 std::optional<DiskDone> DiskWriter::Do(Item& item) {
   DiskDone done = std::visit([this](const auto& work) { return Do(work); }, item.work);
   done.ticket = item.ticket;
-  const bool silent = done.job.empty() && done.asker.empty() && done.written.empty();
+  const bool silent = done.job.empty() && done.asker.empty() && done.written.empty() && done.upload == 0;
   if (silent && done.status.ok()) return std::nullopt;
   return done;
 }
@@ -202,6 +203,32 @@ DiskDone DiskWriter::Do(const RemoveBlobsWork& work) {
 DiskDone DiskWriter::Do(const WriteLogWork& work) {
   DiskDone done;
   done.status = table_.AppendLog(work.by_job);
+  return done;
+}
+
+DiskDone DiskWriter::Do(const OpenUpload& work) {
+  DiskDone done;
+  done.status = uploads_.Do(work);
+  if (!done.status.ok()) done.upload = work.id;
+  return done;
+}
+
+DiskDone DiskWriter::Do(const WritePiece& work) {
+  DiskDone done;
+  done.upload = work.id;
+  done.upload_bytes = work.data.size();
+  done.status = uploads_.Do(work);
+  return done;
+}
+
+DiskDone DiskWriter::Do(const CloseUpload& work) {
+  DiskDone done;
+  const Status closed = uploads_.Do(work);
+  if (!work.whole) return done;
+  done.upload = work.id;
+  done.closed = true;
+  done.blob = work.hash;
+  done.status = closed;
   return done;
 }
 

@@ -21,6 +21,8 @@
 #include "coordinator/store_cleaner.h"
 #include "coordinator/store_folder.h"
 #include "coordinator/store_use.h"
+#include "coordinator/upload_files.h"
+#include "coordinator/uploads.h"
 #include "schema/blob.h"
 #include "schema/checkpoint.pb.h"
 #include "schema/wire/codec.h"
@@ -69,11 +71,13 @@ struct CleanWork {
   std::string asker;  // the client's peer
   CleanOptions options;
 };
-using DiskWork = std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork,
-                              WriteServedWork, WriteLogWork, ReadLogWork, CleanWork>;
+using DiskWork =
+    std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork,
+                 WriteServedWork, WriteLogWork, ReadLogWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
 
-// What came of a checkpoint, of blobs or of a question; of rows, log lines and the time served only a failure
-// is told. (A removal that fails is made up for by the next start.)
+// What came of a checkpoint, of blobs, of a piece or the end of an upload, or of a question; of rows, log
+// lines, the time served and the beginning of an upload only a failure is told. (A removal that fails is made
+// up for by the next start.)
 struct DiskDone {
   std::uint64_t ticket = 0;
   std::string job;           // empty: neither a checkpoint nor a job that went
@@ -82,6 +86,10 @@ struct DiskDone {
   std::vector<Hash> written;  // blobs that lie on disk now
   std::string asker;          // of the question that `answer` answers; empty: it was none
   wire::Reply answer;
+  std::uint64_t upload = 0;        // its number; 0: it is of none
+  std::uint64_t upload_bytes = 0;  // of the piece
+  bool closed = false;             // the upload is over, with this blob:
+  Hash blob = {};
 };
 
 class DiskWriter {
@@ -113,12 +121,16 @@ class DiskWriter {
   DiskDone Do(const RemoveBlobsWork& work);
   DiskDone Do(const WriteLogWork& work);
   DiskDone Do(const ReadLogWork& work) const;
+  DiskDone Do(const OpenUpload& work);
+  DiskDone Do(const WritePiece& work);
+  DiskDone Do(const CloseUpload& work);
   void RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const;
 
   const StoreFolder& folder_;
   BlobFiles& files_;
   StoreUse& use_;
   JobTable table_;
+  UploadFiles uploads_;
   const std::function<void()> wake_;
   std::uint64_t next_ticket_ = 1;  // of the thread that adds
   // When the writing thread counts what the store takes: soon after it has changed.

@@ -29,6 +29,7 @@ Hub::Hub(const StoreFolder& folder, Transport& transport, JobTable table, HubOpt
       files_(folder),
       blobs_(files_, options_.memory_bytes),
       use_(folder.dir(), options_.store_limit_bytes),
+      uploads_(options_.uploads, [this](const Hash& hash) { return blobs_.Has(hash); }),
       gate_(options_.allow_list),
       refusals_(log_),
       last_job_number_(table.LastNumber().ok() ? table.LastNumber().value() : 0),
@@ -70,6 +71,7 @@ void Hub::Step(double timeout_s) {
   if (const double now_s = Now(); now_s - ticked_s_ >= kTick_s) {
     ticked_s_ = now_s;
     Handle(Tick{});
+    Carry(uploads_.Tick(now_s));
     ProbeSilent(now_s);
     if (now_s - served_written_s_ >= kServedEvery_s) WriteServed();
     // A disk that is slow, or hangs, gets no more to do; what waits is bounded.
@@ -166,7 +168,11 @@ void Hub::Take(const std::string& peer, wire::Envelope& envelope, const std::vec
     case wire::Envelope::kHave:
       return Serve(peer, envelope.have());
     case wire::Envelope::kSubmit:
-      return Serve(peer, envelope.submit(), blobs);
+      return Serve(peer, envelope.submit());
+    case wire::Envelope::kOffer:
+      return Serve(peer, envelope.offer());
+    case wire::Envelope::kPiece:
+      return Carry(uploads_.Came(peer, std::move(*envelope.mutable_piece()), Now()));
     case wire::Envelope::kClean:
       return Serve(peer, envelope.clean());
     case wire::Envelope::kQuery:
@@ -186,6 +192,10 @@ void Hub::TakeDurable(const std::string& job, std::uint64_t number) {
 void Hub::TakeDiskDone() {
   for (const DiskDone& done : writer_.TakeDone()) {
     blobs_.MarkDurable(done.written, done.ticket);
+    if (done.upload != 0) {
+      TakeUploadDone(done);
+      continue;
+    }
     if (!done.asker.empty()) {
       wire::Message answer;
       *answer.envelope.mutable_reply() = done.answer;

@@ -20,6 +20,7 @@
 #include "coordinator/refusals.h"
 #include "coordinator/store_folder.h"
 #include "coordinator/transport.h"
+#include "coordinator/uploads.h"
 
 namespace cairn::coordinator {
 
@@ -27,6 +28,8 @@ struct HubOptions {
   CoreOptions core;
   std::filesystem::path allow_list;  // of the keys that may connect; empty: there are no keys
   wire::JobLimits limits;
+  UploadOptions uploads;
+  std::uint64_t largest_input_bytes = wire::Limits().message_bytes;  // a worker gets it as one message
   std::uint64_t memory_bytes = 4ull << 30;
   std::uint64_t store_limit_bytes = 0;  // on disk; 0: none
   // The inputs of a private run, which whoever starts it has in files and brings along each time: the store
@@ -63,6 +66,7 @@ class Hub {
     return last_refusal_;
   }  // why a worker was refused; empty: none was
   const Refusals& refusals() const { return refusals_; }
+  const Uploads& uploads() const { return uploads_; }
 
  private:
   static double Now();  // monotonic
@@ -89,6 +93,19 @@ class Hub {
   void WriteLog();
   void ProbeSilent(double now_s);
 
+  // hub_uploads.cc
+  void Serve(const std::string& peer, const wire::Offer& offer);
+  void Carry(Uploads::Actions actions);
+  void Do(OpenUpload open);
+  void Do(WritePiece piece);
+  void Do(CloseUpload close);
+  void Do(const TellCredit& tell);
+  void Do(const AnswerOffer& answer);
+  void Do(const ReleaseBlob& release);
+  void Do(const DropUploader& drop);
+  void RemoveUnknown(const Hash& hash);
+  void TakeUploadDone(const DiskDone& done);
+
   // hub_rights.cc
   void TakeDamaged(const Incoming& incoming);
   void TurnAway(const std::string& peer, const wire::Refusal& refusal);
@@ -97,7 +114,7 @@ class Hub {
   // hub_requests.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
   void Serve(const std::string& peer, const wire::Have& have);
-  void Serve(const std::string& peer, const wire::Submit& submit, const std::vector<wire::NamedBlob>& blobs);
+  void Serve(const std::string& peer, const wire::Submit& submit);
   void Serve(const std::string& peer, const wire::JobQuery& query);
   void Serve(const std::string& peer, const wire::Clean& clean);
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
@@ -119,6 +136,8 @@ class Hub {
   BlobFiles files_;
   BlobStore blobs_;
   StoreUse use_;
+  Uploads uploads_;
+  std::set<std::string> gone_uploaders_;  // clients that a message could not be sent to
   double ticked_s_ = 0, served_written_s_ = 0;
   std::set<std::string> gone_;  // peers that a message could not be sent to
   std::string last_refusal_;

@@ -49,9 +49,13 @@ void Hub::Do(const Persist& persist) {
 
 void Hub::Do(const DropBlobs& drop) {
   RemoveBlobsWork remove;
-  for (const Hash& hash : drop.hashes)
-    if (blobs_.Has(hash)) remove.hashes.push_back(hash);
-  blobs_.Drop(drop.hashes);
+  const std::set<Hash> writing = uploads_.Writing();
+  for (const Hash& hash : drop.hashes) {
+    if (uploads_.Keeps(hash)) continue;
+    // Else the file that is being made would go, for it lies there before anybody knows of it.
+    if (blobs_.Has(hash) && !writing.contains(hash)) remove.hashes.push_back(hash);
+    blobs_.Drop({hash});
+  }
   writer_.Add(std::move(remove));
 }
 

@@ -18,6 +18,7 @@
 
 #include "coordinator/hub.h"
 #include "coordinator/recovery.h"
+#include "schema/flat_blob_testing.h"
 
 namespace cairn::coordinator {
 
@@ -59,7 +60,7 @@ class FakeTransport : public Transport {
   }
   void ComeWorker(const std::string& peer, const std::string& user = "", std::int64_t pid = 0) {
     wire::Message hello;
-    hello.envelope.mutable_hello()->set_protocol(1);
+    hello.envelope.mutable_hello()->set_protocol(2);
     hello.envelope.mutable_hello()->set_slots(2);
     hello.envelope.mutable_hello()->set_host("here");
     hello.envelope.mutable_hello()->set_pid(pid);
@@ -207,6 +208,53 @@ class HubBench {
     transport.Come("client", std::move(question));
     Until([&] { return (reply = TakeReply("client")).has_value(); });
     return reply.value_or(wire::Reply());
+  }
+  // All that `peer` was given since it was last asked.
+  std::uint64_t TakeCredit(const std::string& peer) {
+    std::uint64_t bytes = 0;
+    std::erase_if(transport.sent, [&](const auto& sent) {
+      if (sent.first != peer || !sent.second.envelope.has_credit()) return false;
+      bytes += sent.second.envelope.credit().bytes();
+      return true;
+    });
+    return bytes;
+  }
+  static wire::Message Offer(const Hash& hash, std::uint64_t bytes) {
+    wire::Message offer;
+    offer.envelope.mutable_offer()->set_hash(hash.Binary());
+    offer.envelope.mutable_offer()->set_bytes(bytes);
+    return offer;
+  }
+  static wire::Message Piece(const Hash& hash, std::uint64_t at, const std::string& data) {
+    wire::Message piece;
+    piece.envelope.mutable_piece()->set_hash(hash.Binary());
+    piece.envelope.mutable_piece()->set_at(at);
+    piece.envelope.mutable_piece()->set_data(data);
+    return piece;
+  }
+  // As a client brings it, and what that is answered.
+  wire::Reply Upload(const wire::NamedBlob& named, const std::string& peer = "client",
+                     const std::string& user = "") {
+    const std::string flat = flat_testing::Flat(*named.blob);
+    transport.Come(peer, Offer(named.hash, flat.size()), user);
+    std::size_t sent = 0;
+    std::optional<wire::Reply> reply;
+    Until([&] {
+      const std::string piece = flat.substr(sent, TakeCredit(peer));
+      if (!piece.empty()) transport.Come(peer, Piece(named.hash, sent, piece), user);
+      sent += piece.size();
+      return (reply = TakeReply(peer)).has_value();
+    });
+    return reply.value_or(wire::Reply());
+  }
+  // Of a client that has brought the log, or has not.
+  wire::Message Submission(const proto::Job& job, bool with_log = true) {
+    const bool brought = !with_log || Upload(TextBlob("the log")).ok();
+    EXPECT_TRUE(brought);
+    wire::Message message;
+    message.envelope.mutable_submit()->set_protocol(wire::kProtocol);
+    *message.envelope.mutable_submit()->mutable_job() = job;
+    return message;
   }
   bool Logged(const std::string& part) const {
     for (const std::string& line : log)

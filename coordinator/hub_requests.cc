@@ -71,43 +71,33 @@ void Hub::Serve(const std::string& peer, const wire::Have& have) {
   Reply(peer, std::move(reply));
 }
 
-void Hub::Serve(const std::string& peer, const wire::Submit& submit,
-                const std::vector<wire::NamedBlob>& blobs) {
+void Hub::Serve(const std::string& peer, const wire::Submit& submit) {
   const proto::Job& job = submit.job();
+  if (submit.protocol() != wire::kProtocol)
+    return RefuseJob(peer, wire::RefusalKind::kVersion,
+                     "this client speaks protocol " + std::to_string(submit.protocol()) + ", here it is " +
+                         std::to_string(wire::kProtocol) + " of version " CAIRN_VERSION);
   std::string wrong = CheckLimits(job, options_.limits);
   if (wrong.empty()) wrong = CheckJob(job);
   if (!wrong.empty()) return RefuseJob(peer, wire::RefusalKind::kJob, wrong);
-  std::set<Hash> inputs;
-  for (const auto& [name, binary] : job.input_blobs()) inputs.insert(Hash::FromBinary(binary).value());
-  for (const wire::NamedBlob& named : blobs)
-    if (!inputs.contains(named.hash))
-      return RefuseJob(peer, wire::RefusalKind::kBlob, "a blob came that is no input of the job");
   for (const wire::JobInfo& info : core_.Jobs()) {
     const Job* known = core_.FindJob(info.id());
     // One that is done would give the same bits again; of one that has failed or was cancelled another is
     // wanted.
     const bool serves = !known->leaving && (!known->Ended() || known->state == proto::JOB_DONE);
     if (!serves || HashOfJob(known->spec) != HashOfJob(job)) continue;
-    return Handle(SubmitJob{info.id(), job, {}, peer});  // told twice
+    return Handle(SubmitJob{info.id(), job, uploads_.Take(peer), peer});  // told twice
   }
-  std::uint64_t new_bytes = 0;
-  for (const wire::NamedBlob& named : blobs)
-    if (!blobs_.Has(named.hash)) new_bytes += named.blob->ByteCount();
-  if (const std::string full = use_.WhyNoRoom(new_bytes); !full.empty())
+  if (const std::string full = use_.WhyNoRoom(0); !full.empty())
     return RefuseJob(peer, wire::RefusalKind::kStore, full);
-  const std::vector<Hash> came = KeepBlobs(blobs);
   wire::Message missing;
   for (const auto& [name, binary] : job.input_blobs()) {
     if (blobs_.Has(Hash::FromBinary(binary).value())) continue;
     missing.envelope.mutable_reply()->set_message("the blob of the input '" + name + "' is missing");
     missing.envelope.mutable_reply()->add_missing(binary);
   }
-  if (missing.envelope.has_reply()) {
-    for (const Hash& hash : came)
-      if (!core_.Holds(hash)) blobs_.Drop({hash});
-    return Reply(peer, std::move(missing));
-  }
-  Handle(SubmitJob{NewJobId(job), job, came, peer});
+  if (missing.envelope.has_reply()) return Reply(peer, std::move(missing));
+  Handle(SubmitJob{NewJobId(job), job, uploads_.Take(peer), peer});
 }
 
 void Hub::RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
@@ -188,7 +178,9 @@ void Hub::Serve(const std::string& peer, const wire::WorkerQuery& query) {
 void Hub::Serve(const std::string& peer, const wire::Clean& clean) {
   log_(Severity::kInfo,
        clean.dry_run() ? "a client asks what there is to clean" : "a client has the store cleaned");
-  writer_.Add(CleanWork{peer, {clean.damaged(), clean.dry_run(), blobs_.Known()}});
+  std::set<Hash> needed = blobs_.Known();
+  needed.merge(uploads_.Writing());
+  writer_.Add(CleanWork{peer, {clean.damaged(), clean.dry_run(), std::move(needed)}});
 }
 
 // By the thread that writes: it has written what was told so far by then. So where the job is over, as it

@@ -9,13 +9,6 @@
 namespace cairn::coordinator {
 namespace {
 
-wire::Message Submission(const proto::Job& job, bool with_blob) {
-  wire::Message message;
-  *message.envelope.mutable_submit()->mutable_job() = job;
-  if (with_blob) message.blobs.push_back(TextBlob("the log"));
-  return message;
-}
-
 wire::Message Query(const std::string& job, const std::string& action) {
   wire::Message message;
   message.envelope.mutable_query()->set_job(job);
@@ -37,7 +30,7 @@ TEST(HubRequests, HaveNamesWhatIsMissing) {
 
 TEST(HubRequests, ASubmittedJobIsDurableWhenItIsAnswered) {
   HubBench bench;
-  const wire::Reply reply = bench.Ask(Submission(bench.MakeJob(), true));
+  const wire::Reply reply = bench.Ask(bench.Submission(bench.MakeJob(), true));
   ASSERT_TRUE(reply.ok()) << reply.message();
   EXPECT_EQ(reply.jobs(0).id(), "1-toy");
   EXPECT_EQ(reply.jobs(0).state(), "queued");
@@ -48,15 +41,14 @@ TEST(HubRequests, ASubmittedJobIsDurableWhenItIsAnswered) {
 TEST(HubRequests, AJobThatCannotBeSavedIsRefusedAndItsNumberGivenToNobodyElse) {
   HubBench bench;
   std::ofstream(bench.folder->Checkpoints() / "1-toy") << "in the way";
-  const wire::Message submission = Submission(bench.MakeJob(), true);
-  const wire::Reply refused = bench.Ask(submission);
+  const wire::Reply refused = bench.Ask(bench.Submission(bench.MakeJob()));
   EXPECT_FALSE(refused.ok());
   EXPECT_NE(refused.message().find("cannot save: "), std::string::npos) << refused.message();
   EXPECT_NE(refused.message().find("1-toy"), std::string::npos) << refused.message();
   EXPECT_TRUE(refused.jobs().empty());
   EXPECT_TRUE(bench.hub->core().Jobs().empty());
   EXPECT_EQ(bench.hub->core().held_blobs(), 0u);
-  EXPECT_EQ(bench.Ask(submission).jobs(0).id(), "2-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob())).jobs(0).id(), "2-toy");
   bench.Start();
   ASSERT_EQ(bench.hub->core().Jobs().size(), 1u);
   EXPECT_EQ(bench.hub->core().Jobs()[0].id(), "2-toy");
@@ -64,7 +56,7 @@ TEST(HubRequests, AJobThatCannotBeSavedIsRefusedAndItsNumberGivenToNobodyElse) {
 
 TEST(HubRequests, ACommandThatCannotBeSavedIsRefusedAndAfterARestartNothingOfItIsThere) {
   HubBench bench;
-  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
   const std::filesystem::path checkpoints = bench.folder->Checkpoints() / "1-toy",
                               away = bench.temp.path() / "away";
   const auto refused = [&](const std::string& action) {
@@ -89,7 +81,7 @@ TEST(HubRequests, ACommandThatCannotBeSavedIsRefusedAndAfterARestartNothingOfItI
 
 TEST(HubRequests, ADeletionThatFailsIsRefusedAndTheJobStays) {
   HubBench bench;
-  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
   EXPECT_TRUE(bench.Ask(Query("1-toy", "cancel")).ok());
   const std::filesystem::path gone = bench.folder->Checkpoints() / "1-toy.deleted";
   std::ofstream(gone) << "in the way";
@@ -112,41 +104,41 @@ TEST(HubRequests, AStartThatWasCutOffBeforeAJobsFirstCheckpointSpeaksOfNoLostJob
 
 TEST(HubRequests, TheSameJobTwiceIsOneAndAnotherIsAnother) {
   HubBench bench;
-  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
-  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), false)).jobs(0).id(), "1-toy");
-  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(2), false)).jobs(0).id(), "2-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob(), false)).jobs(0).id(), "1-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob(2), false)).jobs(0).id(), "2-toy");
 }
 
 TEST(HubRequests, WhatIsDoneIsKnownWhenItIsSubmittedAgainAndWhatWasCancelledIsNot) {
   HubBench bench;
   bench.transport.ComeWorker("w");
-  EXPECT_FALSE(bench.Ask(Submission(bench.MakeJob(), true)).known());
+  EXPECT_FALSE(bench.Ask(bench.Submission(bench.MakeJob(), true)).known());
   bench.Until([&] { return bench.State("1-toy") == "done"; });
-  const wire::Reply again = bench.Ask(Submission(bench.MakeJob(), false));
+  const wire::Reply again = bench.Ask(bench.Submission(bench.MakeJob(), false));
   EXPECT_TRUE(again.ok()) << "its inputs need not be sent: " << again.message();
   EXPECT_TRUE(again.known());
   EXPECT_EQ(again.jobs(0).id(), "1-toy");
   EXPECT_EQ(again.jobs(0).state(), "done");
   proto::Job other = bench.MakeJob();
   other.set_seed(8);
-  EXPECT_EQ(bench.Ask(Submission(other, true)).jobs(0).id(), "2-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(other, true)).jobs(0).id(), "2-toy");
   bench.transport.swallow = [](const wire::Assign&) { return true; };
   other.set_seed(9);
-  EXPECT_EQ(bench.Ask(Submission(other, true)).jobs(0).id(), "3-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(other, true)).jobs(0).id(), "3-toy");
   EXPECT_TRUE(bench.Ask(Query("3-toy", "cancel")).ok());
-  const wire::Reply anew = bench.Ask(Submission(other, true));
+  const wire::Reply anew = bench.Ask(bench.Submission(other, true));
   EXPECT_EQ(anew.jobs(0).id(), "4-toy");
   EXPECT_FALSE(anew.known());
 }
 
 TEST(HubRequests, ASubmissionWithoutItsInputsOrWithABadChainIsRefused) {
   HubBench bench;
-  const wire::Reply without = bench.Ask(Submission(bench.MakeJob(), false));
+  const wire::Reply without = bench.Ask(bench.Submission(bench.MakeJob(), false));
   EXPECT_NE(without.message().find("'log' is missing"), std::string::npos);
   EXPECT_EQ(without.missing_size(), 1) << "by which a client knows that it may send it";
   proto::Job job = bench.MakeJob();
   job.mutable_stages(0)->set_name("../../etc");
-  const wire::Reply reply = bench.Ask(Submission(job, true));
+  const wire::Reply reply = bench.Ask(bench.Submission(job, true));
   EXPECT_FALSE(reply.ok());
   EXPECT_TRUE(bench.hub->core().Jobs().empty());
 }
@@ -220,12 +212,7 @@ TEST(HubRequests, ACancelledJobLeavesItsRecordAloneAndADeletedOneNothing) {
 
 TEST(HubRequests, ANumberIsNeverGivenToASecondJob) {
   HubBench bench;
-  const auto submitted = [&bench] {
-    wire::Message submit;
-    *submit.envelope.mutable_submit()->mutable_job() = bench.MakeJob();
-    submit.blobs = {TextBlob("the log")};
-    return bench.Ask(std::move(submit)).jobs(0).id();
-  };
+  const auto submitted = [&bench] { return bench.Ask(bench.Submission(bench.MakeJob())).jobs(0).id(); };
   const auto forget = [&bench](const std::string& id) {
     EXPECT_TRUE(bench.Ask(Query(id, "cancel")).ok());
     EXPECT_EQ(bench.Ask(Query(id, "delete")).jobs(0).state(), "deleted");
@@ -260,7 +247,7 @@ TEST(HubRequests, EveryRequestHasOneRightThatItNeeds) {
     if (!RightNeeded(envelope)) without.insert(body->field(i)->name());
   }
   EXPECT_EQ(without, (std::set<std::string>{"welcome", "refuse", "assign", "cancel", "blob", "missing",
-                                            "stranger", "reply"}))
+                                            "stranger", "reply", "credit"}))
       << "what only a coordinator says";
   const auto right = [](const std::string& action) { return RightNeeded(Query("a", action).envelope); };
   EXPECT_EQ(right("status"), Right::kView);
@@ -309,9 +296,9 @@ TEST(HubRequests, WhatMakesNoSenseIsRefusedWithTheReason) {
 
 TEST(HubRequests, NumbersOfJobsAreNotUsedAgainAfterARestart) {
   HubBench bench;
-  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob(), true)).jobs(0).id(), "1-toy");
   bench.Start();
-  EXPECT_EQ(bench.Ask(Submission(bench.MakeJob(2), true)).jobs(0).id(), "2-toy");
+  EXPECT_EQ(bench.Ask(bench.Submission(bench.MakeJob(2), true)).jobs(0).id(), "2-toy");
 }
 
 }  // namespace

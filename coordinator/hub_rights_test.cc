@@ -59,12 +59,8 @@ class Rights : public ::testing::Test {
     message.envelope.mutable_query()->set_action(action);
     return message;
   }
-  wire::Message Submission() {
-    wire::Message message;
-    *message.envelope.mutable_submit()->mutable_job() = bench_.MakeJob();
-    message.blobs.push_back(TextBlob("the log"));
-    return message;
-  }
+  void Bring() { EXPECT_TRUE(bench_.Upload(TextBlob("the log"), "peer of " + submitter_, submitter_).ok()); }
+  wire::Message Submission() { return bench_.Submission(bench_.MakeJob(), false); }
 
   const std::string worker_ = wire::GenerateKeyPair().public_key, other_ = wire::GenerateKeyPair().public_key,
                     submitter_ = wire::GenerateKeyPair().public_key,
@@ -81,13 +77,14 @@ TEST_F(Rights, TheTableCoversEveryKindOfMessage) {
     wire::Envelope envelope;
     envelope.GetReflection()->MutableMessage(&envelope, type->field(i));
     const std::string name = type->field(i)->name();
-    for (const char* ours : {"welcome", "refuse", "assign", "cancel", "blob", "missing", "stranger", "reply"})
+    for (const char* ours :
+         {"welcome", "refuse", "assign", "cancel", "blob", "missing", "stranger", "reply", "credit"})
       if (name == ours) {
         EXPECT_FALSE(RightNeeded(envelope)) << name;
       }
     if (RightNeeded(envelope)) ++known;
   }
-  EXPECT_GE(known, 9);
+  EXPECT_GE(known, 11);
   EXPECT_EQ(RightNeeded(Query("status").envelope), Right::kView);
   EXPECT_EQ(RightNeeded(Query("results").envelope), Right::kView);
   for (const char* changes : {"cancel", "resume"})
@@ -234,7 +231,7 @@ TEST_F(Rights, AnAnswerToAnothersTaskWritesNothing) {
   EXPECT_EQ(bench_.State(), "queued");
 }
 
-TEST_F(Rights, ASubmissionThatIsTooLargeOrCarriesOtherBlobsIsRefused) {
+TEST_F(Rights, ASubmissionThatIsTooLargeOrOfAnotherProtocolIsRefused) {
   const auto refused = [this](const std::function<void(wire::Message&)>& change, RefusalKind kind) {
     wire::Message message = Submission();
     change(message);
@@ -245,7 +242,7 @@ TEST_F(Rights, ASubmissionThatIsTooLargeOrCarriesOtherBlobsIsRefused) {
     EXPECT_EQ(Count(kind), before + 1) << answer.reply().message();
   };
   const auto job = [](wire::Message& m) { return m.envelope.mutable_submit()->mutable_job(); };
-  refused([](wire::Message& m) { m.blobs.push_back(TextBlob("smuggled")); }, RefusalKind::kBlob);
+  refused([](wire::Message& m) { m.envelope.mutable_submit()->set_protocol(1); }, RefusalKind::kVersion);
   refused([&](wire::Message& m) { job(m)->set_name(std::string(5000, 'x')); }, RefusalKind::kJob);
   refused([&](wire::Message& m) { job(m)->set_name("\x1b[2J"); }, RefusalKind::kJob);
   refused([&](wire::Message& m) { (*job(m)->mutable_inputs())["log"] = std::string(2 << 20, 'x'); },
@@ -260,11 +257,13 @@ TEST_F(Rights, ASubmissionThatIsTooLargeOrCarriesOtherBlobsIsRefused) {
     refused([&](wire::Message& m) { job(m)->mutable_stages(0)->set_name(path); }, RefusalKind::kJob);
   refused([&](wire::Message& m) { (*job(m)->mutable_input_blobs())["log"] = "short"; }, RefusalKind::kJob);
   EXPECT_TRUE(bench_.hub->core().Jobs().empty());
+  Bring();
   EXPECT_TRUE(Ask(submitter_, Submission()).reply().ok());
 }
 
 // A job's name may be anything printable; the file names that come of it stay in the store.
 TEST_F(Rights, AJobsNameDoesNotLeadOutOfTheStore) {
+  Bring();
   wire::Message message = Submission();
   message.envelope.mutable_submit()->mutable_job()->set_name("../../../tmp/x");
   const wire::Envelope answer = Ask(submitter_, message);
@@ -309,7 +308,7 @@ TEST(RefusalLog, AFloodIsCountedButNotLoggedLineByLine) {
 TEST(RefusalLog, AWorkersWordsCannotGarbleTheLog) {
   HubBench bench;
   wire::Message hello;
-  hello.envelope.mutable_hello()->set_protocol(1);
+  hello.envelope.mutable_hello()->set_protocol(2);
   hello.envelope.mutable_hello()->set_slots(4'000'000'000u);
   hello.envelope.mutable_hello()->set_host("x\n12:00 error: all is lost\x1b[2J" + std::string(100'000, 'y'));
   bench.transport.Come("w", hello);

@@ -23,13 +23,6 @@ class StoreLimit : public ::testing::Test {
     std::ofstream(Filler()) << "x";
     fs::resize_file(Filler(), kLimit_bytes);
   }
-  wire::Message Submission(bool with_log = true) {
-    const wire::NamedBlob log = TextBlob("the log");
-    wire::Message message;
-    *message.envelope.mutable_submit()->mutable_job() = bench_.MakeJob();
-    if (with_log) message.blobs = {log};
-    return message;
-  }
   HubBench bench_;
 };
 
@@ -66,14 +59,14 @@ TEST_F(StoreLimit, InAFullStoreAJobCanStillBeCancelledAndDeleted) {
 TEST_F(StoreLimit, ASubmissionThatDoesNotFitIsRefusedAndCounted) {
   Fill();
   Start();
-  const wire::Reply refused = bench_.Ask(Submission());
+  const wire::Reply refused = bench_.Upload(TextBlob("the log"));
   EXPECT_FALSE(refused.ok());
   EXPECT_NE(refused.message().find("more do not fit"), std::string::npos) << refused.message();
   EXPECT_EQ(bench_.hub->refusals().count(wire::RefusalKind::kStore), 1u);
   EXPECT_TRUE(bench_.hub->core().Jobs().empty());
   fs::remove(Filler());
   Start();
-  EXPECT_TRUE(bench_.Ask(Submission()).ok());
+  EXPECT_TRUE(bench_.Ask(bench_.Submission(bench_.MakeJob())).ok());
 }
 
 TEST_F(StoreLimit, TheStatusSaysWhatTheStoreHoldsAndMayHold) {

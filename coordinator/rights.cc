@@ -68,6 +68,8 @@ std::optional<Right> RightNeeded(const wire::Envelope& envelope) {
       return Right::kWork;
     case wire::Envelope::kHave:
     case wire::Envelope::kSubmit:
+    case wire::Envelope::kOffer:
+    case wire::Envelope::kPiece:
     case wire::Envelope::kClean:
       return Right::kSubmit;
     case wire::Envelope::kQuery:

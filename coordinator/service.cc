@@ -76,6 +76,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   hub_options.core.task_time_s = options.task_time_s;
   hub_options.core.task_memory_mb = options.task_memory_mb;
   hub_options.memory_bytes = options.memory_bytes;
+  hub_options.largest_input_bytes = options.sockets.limits.message_bytes;
   if (!options.keys_dir.empty()) hub_options.allow_list = AllowListIn(options.keys_dir);
   hub_options.result_path = [dir = folder.value().dir()](const std::string& job, const std::string& stage) {
     return dir / "results" / job / (stage + ".h5");

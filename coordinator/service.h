@@ -5,7 +5,9 @@
 //         DIR/served                      for how long it was served, in all (served_file.h)
 //         DIR/jobs.sqlite                 job table (WAL); rebuilt from the checkpoints where it is lost
 //         DIR/blobs/<hash>.h5             blobs that checkpoints name; blobs/pack-<hash>.h5: many small ones
-//         in one DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done
+//         in one; blobs/<hash>.flat: inputs, as they were uploaded
+//         DIR/uploads/<n>.part            inputs that are on their way; gone with the next start
+//         DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done
 //         DIR/results/<job>/<stage>.h5    results, published whole
 #pragma once
 
@@ -38,6 +40,7 @@ struct ServiceOptions {
 //
 // What clients ask (wire.proto) and are answered:
 //   Have: Reply.missing, the blobs that must be sent along.
+//   Offer, Piece: an upload (uploads.h); Credit, and Reply once the blob is durable or refused.
 //   Submit: Reply.jobs[0], once the job is durable. Not ok where an input blob is missing (Reply.missing),
 //     the job is bad, or it cannot be saved: then the service has no such job. The same job and inputs again,
 //     unless that has failed or was cancelled: that job, and Reply.known.

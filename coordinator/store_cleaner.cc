@@ -25,7 +25,8 @@ class Cleaner {
     for (const std::string& job : folder_.JobsWithCheckpoints()) CleanCheckpoints(job, needed);
     if (!cleaned_.note.empty()) return std::move(cleaned_);
     for (const Hash& hash : folder_.BlobsAlone())
-      if (!needed.contains(hash)) Remove("orphaned blobs", folder_.BlobFile(hash));
+      for (const fs::path& file : {folder_.BlobFile(hash), folder_.FlatFile(hash)})
+        if (!needed.contains(hash)) Remove("orphaned blobs", file);
     for (const fs::path& pack : folder_.PackFiles()) {
       const std::optional<std::vector<Hash>> hashes = look(pack);
       const auto is_needed = [&needed](const Hash& hash) { return needed.contains(hash); };

@@ -31,6 +31,11 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
     if (entry.is_directory()) RemoveLeftovers(entry.path());
+  // Of whom they came, nobody is there any more.
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.value().Uploads(), error)) {
+    std::error_code ignored;
+    fs::remove(entry.path(), ignored);
+  }
   return folder;
 }
 
@@ -75,11 +80,13 @@ Status StoreFolder::CheckVersion() const {
 }
 
 Status StoreFolder::MakeFolders() const {
-  if (!fs::exists(VersionFile()))
+  int version = 0;
+  std::ifstream(VersionFile()) >> version;
+  if (version != kStoreVersion)
     if (Status status = WriteTextAtomically(VersionFile(), std::to_string(kStoreVersion) + "\n");
         !status.ok())
       return status;
-  for (const fs::path& folder : {Blobs(), Checkpoints()}) {
+  for (const fs::path& folder : {Blobs(), Checkpoints(), Uploads()}) {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) return SystemFailure(folder, "make the folder", error.value());
@@ -126,9 +133,11 @@ std::vector<Hash> StoreFolder::BlobsAlone() const {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(Blobs(), error)) {
     const Result<Hash> hash = Hash::FromHex(entry.path().stem().string());
-    if (hash.ok() && entry.path().extension() == ".h5") blobs.push_back(hash.value());
+    const bool is_blob = entry.path().extension() == ".h5" || entry.path().extension() == ".flat";
+    if (hash.ok() && is_blob) blobs.push_back(hash.value());
   }
   std::sort(blobs.begin(), blobs.end());
+  blobs.erase(std::unique(blobs.begin(), blobs.end()), blobs.end());
   return blobs;
 }
 

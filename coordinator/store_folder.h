@@ -12,8 +12,8 @@
 
 namespace cairn::coordinator {
 
-// What DIR/version says. Version 1 had no such file; its files may have no seals.
-inline constexpr int kStoreVersion = 2;
+// What DIR/version says. Version 1 had no such file; its files may have no seals. 2 had no flat blobs.
+inline constexpr int kStoreVersion = 3;
 
 class StoreFolder {
  public:
@@ -32,6 +32,8 @@ class StoreFolder {
   std::filesystem::path ServedFile() const { return dir_ / "served"; }  // served_file.h
   std::filesystem::path Blobs() const { return dir_ / "blobs"; }
   std::filesystem::path BlobFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".h5"); }
+  std::filesystem::path FlatFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".flat"); }
+  std::filesystem::path Uploads() const { return dir_ / "uploads"; }  // that are under way
   std::filesystem::path PackFile(const Hash& hash) const { return Blobs() / ("pack-" + hash.Hex() + ".h5"); }
   std::vector<std::filesystem::path> PackFiles() const;  // sorted
   std::vector<Hash> BlobsAlone() const;                  // that have files of their own; sorted

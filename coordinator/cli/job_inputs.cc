@@ -8,6 +8,7 @@
 #include "coordinator/cli/result_file.h"
 #include "datasets/unit_doubts.h"
 #include "schema/store/blob_file.h"
+#include "schema/store/blob_stream.h"
 
 namespace cairn::cli {
 
@@ -31,6 +32,39 @@ void RefuseOtherKind(const proto::Job& job, const std::string& name, const JobIn
   }
 }
 
+using Doubts = std::vector<std::string>;
+
+Doubts DoubtsOf(const std::string& kind, const Blob& blob) {
+  const bool has_units = kind == "log" || kind == "samples" || kind == "poses";
+  return has_units ? datasets::UnitDoubtsOf(blob) : Doubts();
+}
+
+Status Named(const JobInput& input, const Status& status) {
+  return {status.code(), input.where + ": " + status.message()};
+}
+
+void Accept(const proto::Job& job, const std::string& name, const JobInput& input, const std::string& kind,
+            bool changed, const Doubts& doubts) {
+  if (changed) WarnOfChanged(input.path);  // the job knows it by its content
+  RefuseOtherKind(job, name, input, kind);
+  if (!doubts.empty()) RefuseUnits(input.where + ": " + input.path + ": ", doubts);
+}
+
+class FileBytes : public coordinator::InputBytes {
+ public:
+  static Result<std::unique_ptr<coordinator::InputBytes>> Open(const std::string& path,
+                                                               const wire::BlobMeta& meta) {
+    Result<store::ChildStream> stream = StreamArrays(path, meta);
+    if (!stream.ok()) return stream.status();
+    return std::unique_ptr<coordinator::InputBytes>(new FileBytes(std::move(stream).value()));
+  }
+  Status Read(std::span<std::byte> bytes) override { return stream_.Read(bytes); }
+
+ private:
+  explicit FileBytes(store::ChildStream stream) : stream_(std::move(stream)) {}
+  store::ChildStream stream_;
+};
+
 }  // namespace
 
 void RefuseUnits(const std::string& where, const std::vector<std::string>& doubts) {
@@ -46,19 +80,32 @@ std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed, bool units_are_r
   std::map<std::string, BlobPtr> blobs;
   for (const auto& [name, input] : parsed.inputs) {
     Result<BlobFile> file = ReadBlobFileWithoutTruth(input.path, true);
-    if (!file.ok()) Throw(Status(file.status().code(), input.where + ": " + file.status().message()));
-    if (file.value().changed) WarnOfChanged(input.path);  // the job knows it by its content
-    RefuseOtherKind(parsed.job, name, input, file.value().kind);
-    if (const std::string& kind = file.value().kind;
-        !units_are_right && (kind == "log" || kind == "samples" || kind == "poses")) {
-      const std::vector<std::string> doubts = datasets::UnitDoubtsOf(file.value().blob);
-      if (!doubts.empty()) RefuseUnits(input.where + ": " + input.path + ": ", doubts);
-    }
+    if (!file.ok()) Throw(Named(input, file.status()));
+    const std::string& kind = file.value().kind;
+    Accept(parsed.job, name, input, kind, file.value().changed,
+           units_are_right ? Doubts() : DoubtsOf(kind, file.value().blob));
     auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
     (*parsed.job.mutable_input_blobs())[name] = blob->ContentHash().Binary();
     blobs[name] = std::move(blob);
   }
   return blobs;
+}
+
+std::map<std::string, coordinator::Input> LookAtJobInputs(ParsedJob& parsed, bool units_are_right) {
+  std::map<std::string, coordinator::Input> inputs;
+  for (const auto& [name, input] : parsed.inputs) {
+    const Result<BlobFileFacts> looked =
+        LookAtBlobFileWithoutTruth(input.path, [units_are_right](const std::string& kind, const Blob& blob) {
+          return units_are_right ? Doubts() : DoubtsOf(kind, blob);
+        });
+    if (!looked.ok()) Throw(Named(input, looked.status()));
+    const BlobFileFacts& facts = looked.value();
+    Accept(parsed.job, name, input, facts.kind, facts.changed, facts.remarks);
+    (*parsed.job.mutable_input_blobs())[name] = facts.meta.hash();
+    inputs[name] = {facts.meta,
+                    [path = input.path, meta = facts.meta] { return FileBytes::Open(path, meta); }};
+  }
+  return inputs;
 }
 
 }  // namespace cairn::cli

@@ -69,7 +69,7 @@ void CheckInputs(std::vector<ParsedJob> jobs, bool units_are_right) {
   std::vector<std::string> wrong;
   for (ParsedJob& job : jobs) {
     try {
-      static_cast<void>(ReadJobInputs(job, units_are_right));
+      static_cast<void>(LookAtJobInputs(job, units_are_right));
     } catch (const InputError& error) {
       wrong.emplace_back(error.what());
     }
@@ -85,7 +85,8 @@ void CheckInputs(std::vector<ParsedJob> jobs, bool units_are_right) {
 
 void SubmitOne(const Options& options, coordinator::Client& client, ParsedJob parsed) {
   if (options.priority) parsed.job.set_priority(*options.priority);
-  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, options.arguments.units_are_right);
+  const std::map<std::string, coordinator::Input> inputs =
+      LookAtJobInputs(parsed, options.arguments.units_are_right);
   bool known = false;
   const wire::JobInfo info = Take(client.Submit(parsed.job, inputs, &known));
   if (options.json)

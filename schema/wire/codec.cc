@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "schema/flat_blob.h"
+
 namespace cairn::wire {
 namespace {
 
@@ -14,8 +16,6 @@ BlobMetas* MetaList(Envelope& envelope) {
   switch (envelope.body_case()) {
     case Envelope::kDone:
       return envelope.mutable_done()->mutable_blobs();
-    case Envelope::kSubmit:
-      return envelope.mutable_submit()->mutable_blobs();
     case Envelope::kReply:
       return envelope.mutable_reply()->mutable_blobs();
     default:
@@ -72,18 +72,7 @@ NamedBlob NameBlob(BlobPtr blob) {
   return {hash, std::move(blob)};
 }
 
-BlobMeta MetaOf(const NamedBlob& named) {
-  BlobMeta meta;
-  meta.set_hash(named.hash.Binary());
-  for (const auto& [name, array] : named.blob->fields()) {
-    ArrayMeta& a = *meta.add_arrays();
-    a.set_name(name);
-    a.set_type(static_cast<std::uint32_t>(array.type()));
-    a.set_item_bytes(array.item_bytes());
-    a.mutable_shape()->Assign(array.shape().begin(), array.shape().end());
-  }
-  return meta;
-}
+BlobMeta MetaOf(const NamedBlob& named) { return cairn::MetaOf(named.hash, *named.blob); }
 
 Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames,
                              const std::shared_ptr<const void>& owner) {

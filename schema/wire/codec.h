@@ -16,8 +16,8 @@
 
 namespace cairn::wire {
 
-// Hello.protocol. Raised when an old peer could no longer make sense of what a new one says.
-inline constexpr std::uint32_t kProtocol = 1;
+// Hello.protocol, Submit.protocol. Raised when an old peer could no longer make sense of what a new one says.
+inline constexpr std::uint32_t kProtocol = 2;
 
 // A blob with its content hash, so that nobody hashes the same bytes twice.
 struct NamedBlob {
@@ -37,7 +37,7 @@ Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<con
 // agree.
 struct Message {
   Envelope envelope;
-  std::vector<NamedBlob> blobs;  // of Done, BlobData (exactly one), Submit or Reply; else empty
+  std::vector<NamedBlob> blobs;  // of Done, BlobData (exactly one) or Reply; else empty
 };
 
 // A message as it travels. The arrays share the memory of the blobs that they came from.

@@ -1,11 +1,14 @@
 // Sessions of up to four peers with a hub over real files.
 #include <array>
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <set>
+#include <thread>
 
 #include "coordinator/hub.h"
 #include "coordinator/recovery.h"
+#include "schema/flat_blob_testing.h"
 #include "tests/fuzz/byte_source.h"
 #include "tests/fuzz/frames.h"
 #include "tests/fuzz/scramble.h"
@@ -159,15 +162,32 @@ class Session {
     SayFrames(peer, views);
   }
 
+  static std::string Log() { return flat_testing::Flat(*TextBlob("the log").blob); }
+  // As an honest client does; whether it may depends on what it said before.
+  void Bring(const std::string& peer) {
+    const std::string hash = TextBlob("the log").hash.Binary();
+    wire::Message offer, piece;
+    offer.envelope.mutable_offer()->set_hash(hash);
+    offer.envelope.mutable_offer()->set_bytes(Log().size());
+    piece.envelope.mutable_piece()->set_hash(hash);
+    piece.envelope.mutable_piece()->set_data(Log());
+    Say(peer, std::move(offer));
+    Say(peer, std::move(piece));
+    for (int i = 0; i < 1000 && (i == 0 || hub_->uploads().size() > 0); ++i) {
+      hub_->Step(0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
   void Op() {
     wire::Message message;
     wire::Envelope& envelope = message.envelope;
-    const std::size_t op = source_.Below(22);
-    const bool scrambled = op >= 11;
+    const std::size_t op = source_.Below(26);
+    const bool scrambled = op >= 13;
     std::string peer = Peer();
-    switch (op % 11) {
+    switch (op % 13) {
       case 0:
-        envelope.mutable_hello()->set_protocol(1);
+        envelope.mutable_hello()->set_protocol(2);
         envelope.mutable_hello()->set_slots(2);
         break;
       case 1:
@@ -203,13 +223,25 @@ class Session {
         envelope.mutable_have()->add_hashes(TextBlob("the log").hash.Binary());
         break;
       case 8:
+        envelope.mutable_submit()->set_protocol(wire::kProtocol);
         *envelope.mutable_submit()->mutable_job() = SomeJob(source_.Below(4));
-        if (source_.Below(4) != 0) message.blobs.push_back(TextBlob("the log"));
+        if (source_.Below(4) != 0) Bring(peer);
         break;
       case 9: {
         constexpr std::array<const char*, 5> kActions{"", "status", "cancel", "resume", "results"};
         envelope.mutable_query()->set_action(kActions[source_.Below(5)]);
         envelope.mutable_query()->set_job(JobName());
+        break;
+      }
+      case 10:
+        envelope.mutable_offer()->set_hash(TextBlob("the log").hash.Binary());
+        envelope.mutable_offer()->set_bytes(source_.Below(2) == 0 ? Log().size() : source_.Below(200));
+        break;
+      case 11: {
+        const std::size_t at = source_.Below(2) == 0 ? 0 : source_.Below(200);
+        envelope.mutable_piece()->set_hash(TextBlob("the log").hash.Binary());
+        envelope.mutable_piece()->set_at(at);
+        envelope.mutable_piece()->set_data(Log().substr(std::min(at, Log().size()), source_.Byte()));
         break;
       }
       default: {
@@ -239,7 +271,7 @@ std::vector<Bytes> Seeds() {
   for (std::uint8_t i = 0; i < 12; ++i) honest.insert(honest.end(), {1, 0, i, 1});
   Bytes asking{1, 8, 1, 1, 1, 9, 1, 1, 0, 9, 1, 2, 0, 9, 1, 4, 0, 6, 1, 7, 1};
   Bytes liar = honest;
-  for (std::size_t i = 7; i < liar.size(); i += 8) liar[i] = 12;
+  for (std::size_t i = 7; i < liar.size(); i += 8) liar[i] = 14;
   return {honest, asking, liar};
 }
 
