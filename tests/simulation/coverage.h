@@ -65,6 +65,13 @@ namespace cairn::simulation {
   X(kSubmitted, "user: submits")                                           \
   X(kSubmittedTwice, "user: submits the same again")                       \
   X(kSubmittedHopeless, "user: submits a job that cannot be")              \
+  X(kUploaded, "client: has brought an input in pieces")                   \
+  X(kUploaderKilled, "client: killed while it brings an input")            \
+  X(kUploaderStopped, "client: stands still while it brings an input")     \
+  X(kUploaderCheated, "client: sends more than it may")                    \
+  X(kUploaderDropped, "client: dropped, for it sent more than it may")     \
+  X(kUploadGivenUp, "upload: given up, as nothing comes of it")            \
+  X(kUploadRefused, "upload: refused, as the disk fails")                  \
   X(kCancelled, "user: cancels what runs")                                 \
   X(kCancelledPaused, "user: cancels what is paused")                      \
   X(kCancelledUnsaved, "user: cancels before the job is durable")          \

@@ -85,6 +85,10 @@ Faults DrawFaults(std::uint64_t seed) {
   f.core.straggler_min_s = rng.Uniform(0, 1);
   f.core.checkpoint_interval_s = rng.Below(4) == 0 ? 0 : rng.Uniform(0.1, 2);
   f.power_cut_at_start = maybe(0.5);
+  f.embedded = rng.Below(4) == 0;
+  f.upload_killed = maybe(0.5);
+  f.upload_stops = maybe(0.1);
+  f.upload_cheats = maybe(0.5);
   return f;
 }
 

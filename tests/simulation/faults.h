@@ -38,6 +38,11 @@ struct Faults {
   // Users.
   double cancel_per_s = 0, pause_per_s = 0, prioritize_per_s = 0, delete_per_s = 0;  // a job each
 
+  bool embedded = false;  // jobs are of the coordinator's own process, which has their inputs
+  // Else: clients that bring inputs in pieces.
+  double upload_killed = 0, upload_stops = 0,
+         upload_cheats = 0;  // fraction of them; `stops` of what they hear
+
   int workers = 3, jobs = 1, stages = 1, rounds = 5, tasks = 6;
   bool bad_input = false;  // one more job, whose input is bad
   bool poisoned = false;   // one more job, one of whose tasks always fails

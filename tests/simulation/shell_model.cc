@@ -34,6 +34,7 @@ void ShellModel::Start() {
 
 void ShellModel::TickOn() {
   if (core_ != nullptr && world_.schedule.now_s() >= stopped_until_s_) Handle(Tick{});
+  if (core_ != nullptr && world_.schedule.now_s() >= stopped_until_s_) Carry(uploads_->Tick(Now()));
   world_.schedule.After(0.2, [this] { TickOn(); });
 }
 
@@ -43,11 +44,31 @@ double ShellModel::Now() {
   return clock_s_;
 }
 
-void ShellModel::Deliver(const Event& event, bool whole) {
-  const double wait_s = stopped_until_s_ - world_.schedule.now_s();
-  if (core_ != nullptr && wait_s > 0)
-    return world_.schedule.After(wait_s, [this, event, whole] { Deliver(event, whole); });
+// In the order in which it came, also behind what waits for a process that is stopped.
+void ShellModel::WhenAwake(std::function<void()> what) {
   if (core_ == nullptr) return;
+  if (waiting_.empty() && world_.schedule.now_s() >= stopped_until_s_) return what();
+  waiting_.push_back(std::move(what));
+  if (waiting_.size() == 1) Wake();
+}
+
+void ShellModel::Wake() {
+  const double wait_s = std::max(0.0, stopped_until_s_ - world_.schedule.now_s());
+  world_.schedule.After(wait_s, [this, process = process_] {
+    while (process == process_ && !waiting_.empty()) {
+      if (world_.schedule.now_s() < stopped_until_s_) return Wake();
+      const std::function<void()> what = waiting_.front();
+      what();
+      if (process == process_) waiting_.pop_front();
+    }
+  });
+}
+
+void ShellModel::Deliver(const Event& event, bool whole) {
+  WhenAwake([this, event, whole] { Receive(event, whole); });
+}
+
+void ShellModel::Receive(const Event& event, bool whole) {
   if (!whole) return world_.Say("a message whose blob is not what its hash says is refused");
   // A job's number is never used again: a submission that was late would be another job.
   if (const auto* submit = std::get_if<SubmitJob>(&event);
@@ -59,6 +80,28 @@ void ShellModel::Deliver(const Event& event, bool whole) {
     return Handle(numbered);
   }
   Handle(event);
+}
+
+void ShellModel::Offer(const std::string& peer, const Hash& hash, std::uint64_t bytes) {
+  WhenAwake([this, peer, hash, bytes] { Carry(uploads_->Offered(peer, hash, bytes, Now())); });
+}
+
+void ShellModel::Bring(const std::string& peer, wire::Piece piece) {
+  WhenAwake([this, peer, piece = std::move(piece)]() mutable {
+    Carry(uploads_->Came(peer, std::move(piece), Now()));
+  });
+}
+
+// What is missing its client brings when its user submits again.
+void ShellModel::Submit(const std::string& peer, const SubmitJob& event) {
+  WhenAwake([this, peer, event] {
+    if (world_.users.Deleted(event.id)) return;
+    for (const auto& [name, hash] : event.job.input_blobs())
+      if (!memory_.contains(FromBinary(hash))) return;
+    SubmitJob taken = event;
+    taken.blobs = uploads_->Take(peer);
+    Receive(taken, true);
+  });
 }
 
 void ShellModel::Handle(const Event& event) {
@@ -143,7 +186,13 @@ void ShellModel::Take(const WriteDone& done) {
     const auto it = memory_.find(blob);
     if (it != memory_.end() && done.ticket >= it->second.ticket) it->second.durable = true;
   }
-  if (done.forgotten && done.problem.empty())
+  if (done.upload > 0) {
+    const Status status = done.problem.empty() ? Status::Ok() : Status(Code::kIo, done.problem);
+    if (!done.closed) return Carry(uploads_->Wrote(done.upload, done.upload_bytes, status, Now()));
+    if (status.ok()) memory_[done.blob] = {true, done.ticket};
+    Carry(uploads_->Closed(done.upload, status, Now()));
+    if (!status.ok()) RemoveUnknown(done.blob);
+  } else if (done.forgotten && done.problem.empty())
     Handle(ForgetDone{done.job});
   else if (done.forgotten)
     Handle(ForgetFailed{done.job, done.problem});
@@ -155,8 +204,10 @@ void ShellModel::Take(const WriteDone& done) {
 
 void ShellModel::Do(const DropBlobs& drop) {
   WriteWork work;
+  const std::set<Hash> writing = uploads_->Writing();
   for (const Hash& hash : drop.hashes)
-    if (memory_.erase(hash) > 0) work.remove.push_back(hash);
+    if (!uploads_->Keeps(hash) && memory_.erase(hash) > 0 && !writing.contains(hash))
+      work.remove.push_back(hash);
   store_.Add(std::move(work));
 }
 
@@ -170,11 +221,70 @@ void ShellModel::Do(const coordinator::Answer& answer) {
   world_.checks.SeeAnswer(*core_, answer, store_.Newest(answer.job));
 }
 
+// hub_uploads.cc
+void ShellModel::Carry(Uploads::Actions actions) {
+  const std::uint64_t process = process_;
+  for (const UploadAction& action : actions) {
+    if (process != process_) return;
+    std::visit([this](const auto& a) { Do(a); }, action);
+  }
+  if (uploads_->held_bytes() > kUploads.total_bytes || store_.QueuedBytes() > kUploads.total_bytes)
+    world_.checks.Fail("more of uploads is in memory than may be");
+  for (const std::string& peer : std::exchange(gone_, {})) Carry(uploads_->Lost(peer, Now()));
+  CheckMemory();
+}
+
+void ShellModel::Write(const UploadAction& action) {
+  WriteWork work;
+  work.upload = action;
+  store_.Add(std::move(work));
+}
+
+void ShellModel::Do(const OpenUpload& open) { Write(open); }
+void ShellModel::Do(const WritePiece& piece) { Write(piece); }
+
+void ShellModel::Do(const CloseUpload& close) {
+  Write(close);
+  if (!close.whole) RemoveUnknown(close.hash);
+}
+
+void ShellModel::Do(const TellCredit& tell) {
+  if (!world_.uploaders.IsThere(tell.peer)) gone_.insert(tell.peer);
+  world_.schedule.After(0.01, [this, tell] { world_.uploaders.Hear(tell.peer, tell.credit); });
+}
+
+void ShellModel::Do(const AnswerOffer& answer) {
+  if (answer.refusal.empty() && !memory_.contains(answer.hash))
+    world_.checks.Fail("an upload is acknowledged that is not there");
+  world_.schedule.After(0.01, [this, answer] { world_.uploaders.Hear(answer); });
+}
+
+void ShellModel::Do(const ReleaseBlob& release) {
+  if (core_->Holds(release.hash) || uploads_->Keeps(release.hash)) return;
+  memory_.erase(release.hash);
+  RemoveUnknown(release.hash);
+}
+
+void ShellModel::Do(const DropUploader& drop) {
+  if (world_.uploaders.IsThere(drop.peer)) world_.Count(kUploaderDropped);
+  world_.uploaders.Drop(drop.peer);
+}
+
+void ShellModel::RemoveUnknown(const Hash& hash) {
+  if (memory_.contains(hash) || uploads_->Writing().contains(hash)) return;
+  WriteWork work;
+  work.remove = {hash};
+  store_.Add(std::move(work));
+}
+
 void ShellModel::Crash(bool power_cut, double down_s) {
   if (core_ == nullptr) return;
   world_.Say(power_cut ? "the coordinator's machine dies" : "the coordinator dies");
   world_.Count(power_cut ? kPowerCut : kCoordinatorKilled);
   core_.reset();
+  uploads_.reset();
+  waiting_.clear();
+  world_.uploaders.DropAll();
   memory_.clear();
   given_.clear();
   ++process_;
@@ -186,6 +296,7 @@ void ShellModel::Restart() {
   world_.Say("the coordinator starts");
   const std::uint64_t process = ++process_;
   core_ = std::make_unique<Core>(world_.faults.core);
+  uploads_ = std::make_unique<Uploads>(kUploads, [this](const Hash& hash) { return memory_.contains(hash); });
   stopped_until_s_ = clock_s_ = 0;
   clock_offset_s_ = world_.rng.Uniform(0, 1e5);  // a clock of its own
   store_.BeginProcess([this, process](const WriteDone& done) {
@@ -221,9 +332,12 @@ void ShellModel::Restart() {
 // What the core counts is what is there.
 void ShellModel::CheckMemory() {
   if (core_ == nullptr) return;
-  if (memory_.size() != core_->held_blobs())
+  const auto for_clients = std::ranges::count_if(
+      memory_, [this](const auto& kept) { return !core_->Holds(kept.first) && uploads_->Keeps(kept.first); });
+  const std::size_t needed = core_->held_blobs() + static_cast<std::size_t>(for_clients);
+  if (memory_.size() != needed)
     world_.checks.Fail("memory holds " + std::to_string(memory_.size()) + " blobs, needed are " +
-                       std::to_string(core_->held_blobs()));
+                       std::to_string(needed));
   world_.checks.SeeMemory(memory_.size());
 }
 

@@ -45,7 +45,7 @@ void StoreModel::BeginNext() {
     WriteDone done;
     Perform(work, done);
     BeginNext();
-    if (work.persist || done.forgotten) tell_(done);
+    if (work.persist || done.forgotten || done.upload > 0) tell_(done);
   });
 }
 
@@ -54,7 +54,9 @@ void StoreModel::EndProcess(bool power_cut) {
   ++process_;
   if (busy_) {
     const WriteWork& work = queue_.front();
-    const std::size_t files = work.blobs.size() + (work.persist ? work.persist->publish.size() + 1 : 0);
+    const std::size_t files = work.blobs.size() + (work.persist  ? work.persist->publish.size() + 1
+                                                   : work.upload ? 1
+                                                                 : 0);
     steps_left_ = world_.rng.Below(4 * files + work.remove.size() + 2);
     WriteDone done;
     const bool whole = Perform(work, done) == DiskOutcome::kOk;
@@ -62,6 +64,7 @@ void StoreModel::EndProcess(bool power_cut) {
     if (work.persist) world_.Count(whole ? kDurableUntold : kCoordinatorKilledWriting);
   }
   queue_.clear();
+  failed_uploads_.clear();
   busy_ = false;
   if (!power_cut) return;
   const auto keeps = [this] {
@@ -105,6 +108,7 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
     if (outcome == DiskOutcome::kFailed) done.problem = "the disk fails";
     return outcome;
   }
+  if (work.upload) return PerformUpload(*work.upload, done);
   for (const Hash& hash : work.remove) {
     if (Step(DiskStep::kRemove) != DiskOutcome::kOk) return DiskOutcome::kDead;
     blobs_.Remove(hash);
@@ -114,6 +118,45 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
           world_.checks.Fail("a blob is removed that a checkpoint of " + job + " needs");
   }
   return DiskOutcome::kOk;
+}
+
+// upload_files.cc: what has failed once goes on failing.
+DiskOutcome StoreModel::PerformUpload(const coordinator::UploadAction& action, WriteDone& done) {
+  const auto outcome_of = [&](std::uint64_t id, DiskOutcome outcome) {
+    if (outcome == DiskOutcome::kFailed) failed_uploads_.insert(id);
+    if (failed_uploads_.contains(id)) done.problem = "the disk fails";
+    return outcome;
+  };
+  if (const auto* open = std::get_if<coordinator::OpenUpload>(&action)) {
+    const DiskOutcome outcome = outcome_of(open->id, Step(DiskStep::kWrite));
+    if (outcome == DiskOutcome::kFailed) done.upload = open->id;
+    return outcome;
+  }
+  if (const auto* piece = std::get_if<coordinator::WritePiece>(&action)) {
+    done.upload = piece->id;
+    done.upload_bytes = piece->data.size();
+    return outcome_of(piece->id, Step(DiskStep::kWrite));
+  }
+  const auto& close = std::get<coordinator::CloseUpload>(action);
+  const bool failed = failed_uploads_.erase(close.id) > 0;
+  if (!close.whole) return DiskOutcome::kOk;
+  done.upload = close.id;
+  done.closed = true;
+  done.blob = close.hash;
+  DiskOutcome outcome = DiskOutcome::kFailed;
+  if (!failed) outcome = blobs_.Write(close.hash, true, [this](DiskStep step) { return Step(step); });
+  if (outcome == DiskOutcome::kFailed && !failed) blobs_.Remove(close.hash);
+  if (outcome == DiskOutcome::kFailed) done.problem = "the disk fails";
+  return outcome;
+}
+
+std::uint64_t StoreModel::QueuedBytes() const {
+  std::uint64_t bytes = 0;
+  for (const WriteWork& work : queue_)
+    if (work.upload)
+      if (const auto* piece = std::get_if<coordinator::WritePiece>(&*work.upload))
+        bytes += piece->data.size();
+  return bytes;
 }
 
 // A job's number first, so that it is not given to another; then the folder is renamed, and that synced.

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "coordinator/events.h"
+#include "coordinator/uploads.h"
 #include "tests/simulation/disk_model.h"
 
 namespace cairn::simulation {
@@ -26,6 +27,8 @@ struct WriteWork {
   std::vector<Hash> blobs;   // of it, those that are not on disk yet
   std::vector<Hash> remove;  // else: blobs that nobody needs
   std::string forget;        // else: a job that is deleted
+  // Else: of an upload, whose half file no start ever reads.
+  std::optional<coordinator::UploadAction> upload = {};
 };
 struct WriteDone {
   std::uint64_t ticket = 0;
@@ -34,6 +37,9 @@ struct WriteDone {
   bool forgotten = false;     // it was a job that is deleted
   std::string problem;        // empty: all is durable
   std::vector<Hash> written;  // blobs
+  std::uint64_t upload = 0, upload_bytes = 0;
+  bool closed = false;  // the upload, with its blob:
+  Hash blob = {};
 };
 
 class StoreModel {
@@ -48,6 +54,8 @@ class StoreModel {
   void FillUntil(double until_s) { full_until_s_ = until_s; }
   // What the next process finds, in the order of submission; some of it damaged before.
   std::vector<coordinator::RestoreJob> Recover();
+  // Pieces that wait to be written.
+  std::uint64_t QueuedBytes() const;
   bool Has(const Hash& blob) const { return blobs_.Read(blob) != nullptr; }
   // That any job was ever given, of what is durable.
   std::uint64_t LastNumber() const;
@@ -63,6 +71,7 @@ class StoreModel {
   DiskOutcome Perform(const WriteWork& work, WriteDone& done);
   DiskOutcome WriteCheckpoint(const WriteWork& work, WriteDone& done);
   DiskOutcome Forget(const std::string& job);
+  DiskOutcome PerformUpload(const coordinator::UploadAction& action, WriteDone& done);
   void Protect(const std::string& job, const std::vector<Hash>& blobs, bool alone);
   void RemoveOld(Checkpoints& checkpoints, const proto::Checkpoint& newest);
   bool IsGood(const CheckpointPtr& checkpoint) const;
@@ -81,6 +90,7 @@ class StoreModel {
   FolderModel<Hash, bool> blobs_;
   std::map<std::string, Checkpoints> checkpoints_;
   std::map<std::string, FolderModel<std::uint32_t, Hash>> results_;
+  std::set<std::uint64_t> failed_uploads_;
   // Blobs of the last two checkpoints of each job that this process wrote or found: they must stay.
   std::map<std::string, std::deque<std::set<Hash>>> protected_;
 };

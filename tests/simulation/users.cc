@@ -63,7 +63,10 @@ void Users::Submit(const std::string& id) {
     SubmitJob event{id, wish.job, {}, world_.checks.Ask(Asked::kSubmit, id)};
     for (const auto& [name, hash] : wish.job.input_blobs())
       event.blobs.push_back(Hash::FromBinary(hash).value());
-    world_.shell().Deliver(event);
+    if (world_.faults.embedded)
+      world_.shell().Deliver(event);
+    else
+      world_.uploaders.Begin(event);
   }
   if (world_.shell().store().Newest(id) == nullptr) world_.schedule.After(3, [this, id] { Submit(id); });
 }

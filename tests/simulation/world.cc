@@ -14,6 +14,7 @@ World::World(std::uint64_t seed, Trace trace)
       checks(*this),
       network(*this),
       users(*this),
+      uploaders(*this),
       trace_(std::move(trace)),
       shell_(std::make_unique<ShellModel>(*this)) {}
 
@@ -63,6 +64,7 @@ void World::EverySecond() {
     users.Disturb();
     DisturbCoordinator();
   }
+  uploaders.CheckThatTheyMove();
   schedule.After(1, [this] { EverySecond(); });
 }
 

@@ -15,6 +15,7 @@
 #include "tests/simulation/network_model.h"
 #include "tests/simulation/schedule.h"
 #include "tests/simulation/shell_model.h"
+#include "tests/simulation/uploader_model.h"
 #include "tests/simulation/users.h"
 #include "tests/simulation/worker_model.h"
 
@@ -41,6 +42,7 @@ class World {
   Checks checks;
   NetworkModel network;
   Users users;
+  UploaderModel uploaders;
 
   bool Chance(double probability) { return !healed_ && probability > 0 && rng.Uniform() < probability; }
   bool healed() const { return healed_; }
