@@ -135,5 +135,25 @@ TEST_F(Faults, AFullDiskPausesTheJobAndResumeGoesOn) {
   coordinator_->Kill();  // before its disk goes
 }
 
+TEST_F(Faults, AnInputThatDoesNotFitOnTheDiskIsRefusedWithTheReasonAndLeavesNothing) {
+  coordinator_->Kill();
+  fs::remove_all(Store());
+  const SmallDisk disk(Store());
+  if (!disk.mounted()) GTEST_SKIP() << "may not mount a small disk here";
+  StartCoordinator();
+  Blob large;
+  large.PutVector("values", std::vector<double>(1'000'000, 1));
+  auto client =
+      coordinator::Client::Connect({.endpoint = endpoint_, .security = {}, .timeout_s = 30}).value();
+  const Status refused =
+      client.Submit(ToyJob(), {{"log", std::make_shared<const Blob>(std::move(large))}}).status();
+  EXPECT_EQ(refused.code(), Code::kRefused);
+  EXPECT_NE(refused.message().find("no space left"), std::string::npos) << refused.message();
+  EXPECT_TRUE(fs::is_empty(Store() / "uploads"));
+  EXPECT_TRUE(fs::is_empty(Store() / "blobs"));
+  EXPECT_TRUE(client.List().value().jobs.empty());
+  coordinator_->Kill();  // before its disk goes
+}
+
 }  // namespace
 }  // namespace cairn::faults
