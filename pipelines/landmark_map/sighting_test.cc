@@ -18,6 +18,15 @@ TEST(SightingNoise, IsWiderAcrossTheRayTheFartherOneSees) {
   EXPECT_DOUBLE_EQ(noise.At(0.0, 0.0).across_m, 0.4);
 }
 
+// A log may say that its sensor never errs.
+TEST(SightingNoise, IsNeverNothing) {
+  const SightingNoise none{.press_m = 0.0, .range_m = 0.0, .bearing_rad = 0.0};
+  for (const double x_m : {0.0, 5.0}) {
+    EXPECT_DOUBLE_EQ(none.At(x_m, 0.0).along_m, 1e-3);
+    EXPECT_DOUBLE_EQ(none.At(x_m, 0.0).across_m, 1e-3);
+  }
+}
+
 TEST(SightingNoise, IsWhatTheLogStates) {
   Blob log = SquareLog{.ranged = true}.Make();
   EXPECT_DOUBLE_EQ(Resolve({}, log).sighting.range_m, 0.03 * 4.0) << "of the mean range: 10 m less 6";
