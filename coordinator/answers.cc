@@ -52,6 +52,8 @@ void Core::On(const TaskDone& event) {
   const bool accepted = key.kind() == wire::TaskKey::RUN ? AcceptPartial(*job, event, *worker, had_it)
                                                          : AcceptPlan(*job, event, *worker, had_it);
   if (accepted && timed) job->NoteSeconds(key.kind(), cost, now_s_ - head_s);
+  if (accepted && key.kind() == wire::TaskKey::RUN && job->tasks.kind() != wire::TaskKey::RUN)
+    job->eta.EndTasks(job->round_since_s, now_s_);
 }
 
 // A worker writes nowhere but into the results of its own tasks. (One to a round that is over may be late.)
@@ -124,6 +126,7 @@ bool Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
   job.last_plan_hash = hash;
   job.ForgetGivenBut(key);
   EndRoundFacts(job);
+  if (key.kind() == wire::TaskKey::ADVANCE) job.eta.EndRound(now_s_);
   if (step.result().empty())
     BeginRound(job, step);
   else
@@ -180,6 +183,7 @@ void Core::BeginRound(Job& job, const proto::Step& step) {
   ledger_.Replace(job.holds.step, BlobsOfStep(step));
   ledger_.Release(job.holds.partials);
   job.tasks = step.tasks_size() > 0 ? Round::OfTasks(step) : Round::OfPlan(wire::TaskKey::ADVANCE);
+  job.eta.BeginRound(step, job.tasks, now_s_);
   ++job.saving.rounds;
   WantSave(job, false);
 }
@@ -188,6 +192,7 @@ void Core::EndStage(Job& job, const Hash& result) {
   job.results.push_back(result);
   ledger_.Add(job.holds.results, result);
   job.run_pace = Pace();
+  job.eta.BeginStage();
   job.saving.unpublished.push_back({job.stage, result});
   Say(Report::kInfo, job, "stage '" + job.CurrentStage().name() + "' is done");
   ++job.stage;

@@ -94,7 +94,9 @@ void Core::On(const ResumeJob& event) {
   if (!IsOfThisBuild(*job)) return Tell(event.asker, job->id, "cannot go on: " + job->reason);
   AnswerWhenSaved(*job, event.asker, job->Stands());
   // What it stood still for is no part of its round's time.
-  job->round_since_s = std::min(now_s_, job->round_since_s + now_s_ - job->running_since_s);
+  const double still_s = now_s_ - job->running_since_s;
+  job->round_since_s = std::min(now_s_, job->round_since_s + still_s);
+  job->eta.Skip(still_s, now_s_);
   GoOn(*job, "resumed");
 }
 

@@ -1,5 +1,8 @@
 #include "coordinator/core.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace cairn::coordinator {
 
 std::vector<Action> Core::Handle(const Event& event, double now_s) {
@@ -13,12 +16,45 @@ std::vector<Action> Core::Handle(const Event& event, double now_s) {
 void Core::Settle() {
   Dispatch();
   SaveWhatIsDue();
+  if (all_touched_) LookAhead();
   touched_.clear();
   all_touched_ = false;
   const std::vector<Hash> dropped = ledger_.TakeDropped();
   if (dropped.empty()) return;
   fleet_.Forget(dropped);
   actions_.push_back(DropBlobs{dropped});
+}
+
+namespace {
+
+double ShareOf(const Job& job) { return std::exp2(job.spec.priority()); }
+
+}  // namespace
+
+void Core::LookAhead() {
+  std::map<std::uint64_t, Effort> efforts;
+  double shares = 0;
+  for (const auto& [order, job] : jobs_) {
+    if (!job.Running()) continue;
+    shares += ShareOf(job);
+    if (job.step && job.eta.IsDue(now_s_)) efforts[order];
+  }
+  if (efforts.empty()) return;
+  for (const auto& [number, worker] : fleet_.workers()) {
+    if (worker.in_hand.empty()) continue;
+    const wire::TaskKey& key = worker.in_hand.front().key;
+    const auto order = orders_.find(key.job());
+    if (order == orders_.end() || !jobs_.at(order->second).IsUnderWay(key)) continue;
+    if (const auto effort = efforts.find(order->second); effort != efforts.end()) {
+      double& running_s = effort->second.running_s[key.task()];
+      running_s = std::max(running_s, now_s_ - worker.head_s);
+    }
+  }
+  for (auto& [order, effort] : efforts) {
+    Job& job = jobs_.at(order);
+    effort.workers = static_cast<double>(fleet_.able()) * ShareOf(job) / shares;
+    job.eta.Look(*job.step, job.tasks, effort, now_s_);
+  }
 }
 
 namespace {

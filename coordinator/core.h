@@ -177,6 +177,7 @@ class Core {
     actions_.push_back(Report{level, job.id, std::move(text)});
   }
   void Settle();
+  void LookAhead();  // what running jobs will take yet
 
   CoreOptions options_;
   double now_s_ = 0;

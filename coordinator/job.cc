@@ -88,6 +88,7 @@ void Job::NoteSeconds(wire::TaskKey::Kind kind, std::uint64_t cost, double secon
   pace.seconds += seconds;
   pace.cost += static_cast<double>(cost);
   if (kind != wire::TaskKey::RUN) return;
+  eta.NoteTask(static_cast<double>(cost), seconds);
   task_seconds.push_back(seconds);
   if (task_seconds.size() > kTimesKept) task_seconds.pop_front();
 }
@@ -221,7 +222,7 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_stages(job.StageCount());
   if (info.stage() < info.stages())
     info.set_stage_name(job.spec.stages(static_cast<int>(info.stage())).name());
-  info.set_eta_s(StageLeft_s(job, now_s));
+  if (job.Running()) info.set_eta_s(job.eta.Shown_s(now_s));
   info.set_round(job.round);
   info.set_input_error(job.input_error);
   info.set_priority(job.spec.priority());
@@ -232,7 +233,9 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_tasks(static_cast<std::uint32_t>(job.step->tasks_size()));
   info.set_tasks_done(job.tasks.kind() == wire::TaskKey::RUN ? job.tasks.done_count() : info.tasks());
   info.set_note(job.step->note());
-  info.set_rounds_left(job.step->rounds_left());
+  double later = 0;
+  for (const proto::Phase& phase : job.step->later()) later += phase.rounds();
+  info.set_rounds_left(1 + static_cast<std::uint32_t>(std::lround(std::min(later, 1e9))));
   return info;
 }
 

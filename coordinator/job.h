@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "coordinator/blob_ledger.h"
+#include "coordinator/eta.h"
 #include "coordinator/events.h"
 #include "coordinator/round.h"
 
@@ -108,6 +109,7 @@ struct Job {
   std::vector<std::string> failures;  // the last few
   std::deque<double> task_seconds;    // of this round's last answers
   Pace run_pace, plan_pace;           // of this stage's RUN tasks; of every START and ADVANCE, each of cost 1
+  Eta eta;                            // of this stage
   double round_since_s = 0;
   double running_since_s = 0;
   double seconds_before = 0;

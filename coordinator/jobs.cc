@@ -66,6 +66,7 @@ void Core::BeginAgain(Job& job) {
   job.partials.assign(static_cast<std::size_t>(job.step->tasks_size()), Hash{});
   ledger_.Release(job.holds.partials);
   job.tasks = job.partials.empty() ? Round::OfPlan(wire::TaskKey::ADVANCE) : Round::OfTasks(*job.step);
+  job.eta.BeginRound(*job.step, job.tasks, now_s_);
 }
 
 void Core::SetState(Job& job, proto::JobState state, const std::string& reason) {
@@ -75,6 +76,7 @@ void Core::SetState(Job& job, proto::JobState state, const std::string& reason) 
   job.reason = reason;
   job.ended_served_s = job.Ended() ? served_s() : 0;
   job.input_error = job.held = false;
+  job.eta.GoOn();
   actions_.push_back(JobChanged{job.id});
 }
 

@@ -18,6 +18,13 @@ Round Round::OfTasks(const proto::Step& step) {
     for (const std::uint32_t index : earlier) round.tasks_[index].followers.push_back(task.index());
     if (earlier.empty()) round.Move(record, task.index(), TaskStatus::kReady);
   }
+  for (auto task = round.tasks_.rbegin(); task != round.tasks_.rend(); ++task) {  // followers come later
+    for (const std::uint32_t follower : task->followers)
+      task->chain = std::max(task->chain, round.tasks_[follower].chain);
+    task->chain += static_cast<double>(task->cost);
+    round.cost_ += static_cast<double>(task->cost);
+    round.chain_ = std::max(round.chain_, task->chain);
+  }
   return round;
 }
 

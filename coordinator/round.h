@@ -30,6 +30,7 @@ struct TaskRecord {
   // Fixed by the plan.
   std::uint64_t cost = 1;                // at least 1
   std::vector<std::uint32_t> followers;  // tasks that read this one's partial
+  double chain = 0;                      // cost of the longest chain of tasks that begins with this one
   // How it stands.
   TaskStatus status = TaskStatus::kWaiting;
   std::uint32_t waits_for = 0;         // partials not yet known
@@ -52,6 +53,8 @@ class Round {
   std::uint32_t size() const { return static_cast<std::uint32_t>(tasks_.size()); }
   std::uint32_t done_count() const { return done_count_; }
   bool AllDone() const { return done_count_ == size(); }
+  double cost() const { return cost_; }    // of all tasks
+  double chain() const { return chain_; }  // of the longest chain of tasks that wait for each other
   const TaskRecord& task(std::uint32_t index) const { return tasks_.at(index); }
 
   bool HasReady() const { return !ready_.empty(); }
@@ -76,6 +79,7 @@ class Round {
   std::vector<TaskRecord> tasks_;
   std::set<std::pair<std::uint64_t, std::uint32_t>> ready_;  // {~cost, index}
   std::uint32_t done_count_ = 0;
+  double cost_ = 0, chain_ = 0;
 };
 
 // What is wrong with a step's form, for people; empty where nothing is: task indices in order, inputs that

@@ -2,6 +2,7 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
+#include <cmath>
 #include <string>
 
 #include "coordinator/round.h"
@@ -10,6 +11,10 @@ namespace cairn::coordinator {
 namespace {
 
 bool IsHash(const std::string& binary) { return binary.size() == sizeof(Hash::bytes); }
+
+constexpr int kMostPhases = 100;
+
+bool IsAmount(double value) { return value >= 0 && std::isfinite(value); }
 
 std::string CheckTask(const proto::Task& task, std::uint32_t place) {
   const std::string name = "task " + std::to_string(place) + " (" + task.kind() + ")";
@@ -32,6 +37,11 @@ std::string CheckStep(const proto::Step& step) {
   }
   for (const auto& [name, hash] : step.state().blobs())
     if (!IsHash(hash)) return "the state's blob '" + name + "' has no hash";
+  if (!IsAmount(step.advance_cost())) return "what its ADVANCE costs is no number";
+  if (step.later_size() > kMostPhases) return "it expects too many phases";
+  for (const proto::Phase& phase : step.later())
+    if (!IsAmount(phase.rounds()) || !IsAmount(phase.cost()) || !IsAmount(phase.width()))
+      return "what it expects to follow is no number";
   if (!step.result().empty() && !IsHash(step.result())) return "the result has no hash";
   return "";
 }

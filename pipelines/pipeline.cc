@@ -9,4 +9,24 @@ std::string Step::Share(Blob blob) {
   return hash;
 }
 
+void ExpectRounds(double rounds, double cost, double width, proto::Step* plan) {
+  if (!(rounds > 0)) return;
+  proto::Phase& phase = *plan->add_later();
+  phase.set_rounds(rounds);
+  phase.set_cost(cost);
+  phase.set_width(width);
+}
+
+double RoundsLater(const proto::Step& plan) {
+  double rounds = 0;
+  for (const proto::Phase& phase : plan.later()) rounds += phase.rounds();
+  return rounds;
+}
+
+double CostLater(const proto::Step& plan) {
+  double cost = 0;
+  for (const proto::Phase& phase : plan.later()) cost += phase.cost();
+  return cost;
+}
+
 }  // namespace cairn

@@ -22,6 +22,16 @@ struct Step {
   std::string Share(Blob blob);
 };
 
+// Says that so many rounds are expected to follow those of `plan`, whose tasks cost so much all together (as
+// Task.cost: microseconds of a core) and run `width` side by side, 0: as many as there are workers. From
+// sizes and the State alone, never from clocks. The coordinator makes the time left of it
+// (coordinator/eta.h): what is not announced comes on top of what people are told.
+void ExpectRounds(double rounds, double cost, double width, proto::Step* plan);
+
+// What a plan expects to follow it.
+double RoundsLater(const proto::Step& plan);
+double CostLater(const proto::Step& plan);
+
 // Named input blobs, fetched when asked for.
 class Inputs {
  public:

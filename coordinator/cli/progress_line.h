@@ -13,8 +13,8 @@ std::string Duration(double seconds);
 // The part of a stage that is done, from 0 to 1; below 0 where it cannot be said.
 double PartDone(const wire::JobInfo& info);
 
-// "museum 1/2 landmarks [######------] 0:07 left, 12/20 tasks, iteration 3, log-likelihood -512.3", at most
-// `width` columns; what is left is of the stage.
+// "museum 1/2 landmarks [######------] about 0:07 left, 12/20 tasks, iteration 3, log-likelihood -512.3", at
+// most `width` columns; what is left is of the stage.
 std::string ProgressLine(const wire::JobInfo& info, int width);
 
 }  // namespace cairn::cli

@@ -29,6 +29,15 @@ void AddTasks(const proto::Step& candidate, int start, proto::Step* merged) {
   }
 }
 
+// Of its tasks how many run side by side in the rounds to come: as many as there are workers counts as that.
+double WidthOf(const proto::Step& plan) {
+  constexpr double kAll = 1e6;
+  double widest = 0;
+  for (const proto::Phase& phase : plan.later())
+    widest = std::max(widest, phase.width() > 0 ? phase.width() : kAll);
+  return widest;
+}
+
 std::int64_t TasksOf(const State& merged, int start) {
   return merged.scalars().at("tasks_of_start/" + std::to_string(start)).i();
 }
@@ -38,8 +47,8 @@ std::int64_t TasksOf(const State& merged, int start) {
 Step FanOut(std::vector<Step> candidates) {
   Step merged;
   State& state = *merged.plan.mutable_state();
-  std::set<std::string> known;  // candidates share blobs
-  std::uint32_t rounds_left = 0;
+  std::set<std::string> known;             // candidates share blobs
+  double rounds = 0, cost = 0, width = 0;  // of what follows this round
   for (int start = 0; start < static_cast<int>(candidates.size()); ++start) {
     Step& own = candidates[static_cast<std::size_t>(start)];
     CAIRN_DEMAND(own.plan.result().empty(), "a candidate that has its result has nothing to wait for");
@@ -52,10 +61,12 @@ Step FanOut(std::vector<Step> candidates) {
     for (BlobPtr& blob : own.blobs) {
       if (known.insert(blob->ContentHash().Binary()).second) merged.blobs.push_back(std::move(blob));
     }
-    rounds_left = std::max(rounds_left, own.plan.rounds_left());
+    rounds = std::max(rounds, RoundsLater(own.plan));
+    cost += CostLater(own.plan);
+    width += WidthOf(own.plan);
   }
   (*state.mutable_scalars())["starts"].set_i(static_cast<std::int64_t>(candidates.size()));
-  merged.plan.set_rounds_left(rounds_left);
+  ExpectRounds(rounds, cost, width, &merged.plan);
   return merged;
 }
 

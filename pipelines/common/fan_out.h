@@ -12,7 +12,8 @@ namespace cairn {
 
 // Merges the steps of candidates into one: the state holds candidate K's own, its names prefixed "start/K/";
 // the tasks follow in the order of candidates, each with its candidate's number as the parameter `start`. A
-// candidate without tasks waits for the others. None may hold a result.
+// candidate without tasks waits for the others. None may hold a result. What each expects to follow is added
+// up: as many rounds as the longest has.
 Step FanOut(std::vector<Step> candidates);
 
 // How many candidates a state holds; 0 where FanOut did not make it.

@@ -30,7 +30,7 @@ Step Candidate(double value, int tasks) {
     else
       input.set_task(static_cast<std::uint32_t>(i - 1));
   }
-  step.plan.set_rounds_left(static_cast<std::uint32_t>(tasks));
+  ExpectRounds(tasks, 10.0 * tasks, 1, &step.plan);
   return step;
 }
 
@@ -46,7 +46,9 @@ TEST(FanOut, TasksFollowInTheOrderOfCandidatesAndNameTheirOwn) {
     EXPECT_EQ(task.inputs(0).has_task(), !first);
     EXPECT_EQ(task.inputs(0).task(), first ? 0U : static_cast<std::uint32_t>(i - 1));
   }
-  EXPECT_EQ(merged.plan.rounds_left(), 3U);
+  EXPECT_EQ(RoundsLater(merged.plan), 3) << "of the longest";
+  EXPECT_EQ(CostLater(merged.plan), 50);
+  EXPECT_EQ(merged.plan.later(0).width(), 2) << "the one without tasks expects none to come";
   EXPECT_EQ(merged.blobs.size(), 4U);  // what all share is there once
 }
 

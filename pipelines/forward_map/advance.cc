@@ -51,7 +51,7 @@ class Turn {
     schedule_.Store(step_.plan.mutable_state());
     PlanTasks(&step_.plan);
     step_.plan.set_note(Note());
-    step_.plan.set_rounds_left(RoundsLeft());
+    ExpectRest(options_.rounds, options_.estimate, &step_.plan);
     return std::move(step_);
   }
 
@@ -215,11 +215,6 @@ class Turn {
                   static_cast<long long>(schedule_.searches), schedule_.target_nats, map_.CountOccupied(),
                   what);
     return text;
-  }
-
-  std::uint32_t RoundsLeft() const {
-    if (schedule_.phase == Phase::kCertainty) return 1;
-    return static_cast<std::uint32_t>(2 * (options_.rounds - schedule_.searches) + 2);
   }
 
   const Options& options_;

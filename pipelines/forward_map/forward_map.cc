@@ -154,10 +154,11 @@ Step ForwardMap::Start(const Inputs& inputs) const {
     tiles = std::max(tiles, cut.size());
   }
   Share(kMapBlob, map.ToBlob(), &step);
+  (*step.plan.mutable_state()->mutable_scalars())[kCrossings].set_d(load.Sum());
   Schedule().Store(step.plan.mutable_state());
   PlanTasks(&step.plan);
   step.plan.set_note(StartNote(scans, map.box, tiles));
-  step.plan.set_rounds_left(static_cast<std::uint32_t>(2 * options_.rounds));
+  ExpectRest(options_.rounds, options_.estimate, &step.plan);
   return step;
 }
 

@@ -7,11 +7,19 @@ namespace {
 
 std::int64_t SensorsIn(const State& state) { return state.scalars().at(kSensors).i(); }
 
-Task& AddTask(const char* kind, proto::Step* plan) {
+// Microseconds of a core that each of the beams' crossings of cells takes in a round of its kind; the first
+// search, of the empty map, takes the most.
+constexpr double kFirstSearchUs = 0.07, kSearchUs = 0.05, kWeighUs = 0.006, kCertaintyUs = 0.05,
+                 kExplainUs = 0.005;
+// What is usual: searches until nothing more is found, of several tiles and of one; rounds that weigh
+// parameters after the first search, and after each of the others.
+constexpr double kUsualSearches = 12, kUsualOfOne = 5, kFirstSteps = 3, kUsualSteps = 0.3;
+
+Task& AddTask(const char* kind, double cost, proto::Step* plan) {
   Task& task = *plan->add_tasks();
   task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
   task.set_kind(kind);
-  task.set_cost(1);
+  task.set_cost(static_cast<std::uint64_t>(std::max(1.0, cost)));
   return task;
 }
 
@@ -26,6 +34,10 @@ proto::InputRef& AddInput(const std::string& name, const std::string& as, const 
   return input;
 }
 
+double CrossingsIn(const State& state) { return state.scalars().at(kCrossings).d(); }
+
+double SearchUs(const Schedule& schedule) { return schedule.searches <= 1 ? kFirstSearchUs : kSearchUs; }
+
 void AddAllScans(std::int64_t sensors, const State& state, Task& task) {
   SetParam(task, kSensors, sensors);
   AddInput(kLogBlob, kLogBlob, state, task);
@@ -36,9 +48,11 @@ void AddAllScans(std::int64_t sensors, const State& state, Task& task) {
 }
 
 // Each tile of a split, with all scans.
-void PlanTiles(const char* kind, const Schedule& schedule, std::int64_t split, proto::Step* plan) {
-  for (std::int64_t tile = 0; tile < plan->state().scalars().at(TilesKey(split)).i(); ++tile) {
-    Task& task = AddTask(kind, plan);
+void PlanTiles(const char* kind, double us, const Schedule& schedule, std::int64_t split, proto::Step* plan) {
+  const std::int64_t tiles = plan->state().scalars().at(TilesKey(split)).i();
+  const double cost = us * CrossingsIn(plan->state()) / static_cast<double>(tiles);
+  for (std::int64_t tile = 0; tile < tiles; ++tile) {
+    Task& task = AddTask(kind, cost, plan);
     SetParam(task, "tile", tile);
     SetParam(task, "searches", schedule.searches);
     AddInput(kMapBlob, kMapBlob, plan->state(), task);
@@ -49,11 +63,15 @@ void PlanTiles(const char* kind, const Schedule& schedule, std::int64_t split, p
 
 void PlanWeighing(const Schedule& schedule, proto::Step* plan) {
   const State& state = plan->state();
+  double all = 0;
+  for (std::int64_t k = 0; k < SensorsIn(state); ++k)
+    all += static_cast<double>(state.scalars().at(ScansKey(k)).i());
   for (std::int64_t k = 0; k < SensorsIn(plan->state()); ++k) {
     const std::int64_t scans = state.scalars().at(ScansKey(k)).i();
     const std::int64_t of_slice = state.scalars().at(SliceKey(k)).i();
     for (std::int64_t first = 0; first < scans; first += of_slice) {
-      Task& task = AddTask("weigh", plan);
+      const double part = static_cast<double>(std::min(of_slice, scans - first)) / all;
+      Task& task = AddTask("weigh", kWeighUs * CrossingsIn(state) * part, plan);
       SetParam(task, "sensor", k);
       SetParam(task, "taken", schedule.taken);
       AddInput(kMapBlob, kMapBlob, state, task);
@@ -69,7 +87,9 @@ void PlanWeighing(const Schedule& schedule, proto::Step* plan) {
 
 void PlanExplaining(proto::Step* plan) {
   for (std::int64_t k = 0; k < SensorsIn(plan->state()); ++k) {
-    Task& task = AddTask("explain", plan);
+    const double cost =
+        kExplainUs * CrossingsIn(plan->state()) / static_cast<double>(SensorsIn(plan->state()));
+    Task& task = AddTask("explain", cost, plan);
     SetParam(task, "sensor", k);
     AddInput(kMapBlob, kMapBlob, plan->state(), task);
     AddInput(kLogBlob, kLogBlob, plan->state(), task);
@@ -120,15 +140,37 @@ void PlanTasks(proto::Step* plan) {
   const Schedule schedule = Schedule::Load(plan->state());
   switch (schedule.phase) {
     case Phase::kSearch:
-      return PlanTiles("search", schedule, schedule.split, plan);
+      return PlanTiles("search", SearchUs(schedule), schedule, schedule.split, plan);
     case Phase::kCertainty:
-      PlanTiles("certainty", schedule, 0, plan);
+      PlanTiles("certainty", kCertaintyUs, schedule, 0, plan);
       return PlanExplaining(plan);
     case Phase::kBegin:
     case Phase::kWeigh:
     case Phase::kParameters:
       return PlanWeighing(schedule, plan);
   }
+}
+
+void ExpectRest(std::int64_t rounds, bool estimate, proto::Step* plan) {
+  const Schedule schedule = Schedule::Load(plan->state());
+  if (schedule.phase == Phase::kCertainty) return;
+  const double crossings = CrossingsIn(plan->state());
+  const auto tiles = static_cast<double>(plan->state().scalars().at(TilesKey(0)).i());
+  const auto done = static_cast<double>(schedule.searches);
+  if (done < 1) {  // the first search comes next, and takes the most
+    ExpectRounds(1, kFirstSearchUs * crossings, tiles, plan);
+    ExpectRounds(1, kWeighUs * crossings, 0, plan);
+  }
+  const double usual =
+      std::max(done + (schedule.settled ? 0.5 : 1.0), tiles > 1 ? kUsualSearches : kUsualOfOne);
+  const double searches = std::min(usual, static_cast<double>(rounds)) - std::max(1.0, done);
+  double weighings =
+      searches * (1 + (estimate ? kUsualSteps : 0)) + (schedule.phase == Phase::kSearch ? 1 : 0);
+  if (estimate && done <= 1) weighings += kFirstSteps - static_cast<double>(schedule.steps);
+  ExpectRounds(searches, searches * kSearchUs * crossings, tiles, plan);
+  weighings = std::max(0.0, weighings);
+  ExpectRounds(weighings, weighings * kWeighUs * crossings, 0, plan);
+  ExpectRounds(1, (kCertaintyUs + kExplainUs) * crossings, tiles, plan);
 }
 
 }  // namespace cairn::forward_map

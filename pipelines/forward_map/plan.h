@@ -42,6 +42,7 @@ inline constexpr const char* kSensors = "sensors";
 std::string TilesKey(std::int64_t split);
 std::string ScansKey(std::int64_t sensor);
 std::string SliceKey(std::int64_t sensor);
+inline constexpr const char* kCrossings = "crossings";  // of all beams with cells, as Load estimates them
 // Its blobs: the map, what is proposed, the tiles of each split, of each sensor what it is and its scans; and
 // what only Advance reads, of the map the Evidence of each sensor, the map before the last change of
 // parameters, the history.
@@ -61,5 +62,8 @@ std::string ScansBlobName(std::int64_t sensor);
 //   certainty  a tile of the first split; partial: Certainty
 //   explain    a sensor; partial: cause [S,B]
 void PlanTasks(proto::Step* plan);
+
+// After PlanTasks: what is expected to follow, with `rounds` searches at most.
+void ExpectRest(std::int64_t rounds, bool estimate, proto::Step* plan);
 
 }  // namespace cairn::forward_map

@@ -131,7 +131,9 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
     training.Share({}, inputs, &step);
     planner.Plan(training, &step);
   }
-  Step step = starts.size() > 1 ? FanOut(std::move(starts)) : std::move(starts.front());
+  const int count = static_cast<int>(starts.size());
+  Step step = count > 1 ? FanOut(std::move(starts)) : std::move(starts.front());
+  if (count > 1) ExpectTrials(options_, 0, count, &step.plan);
   step.plan.set_note(
       std::to_string(data.training.size()) + " samples of " + std::to_string(data.mean.size()) +
       " inputs to train on, " + std::to_string(data.held_out.size()) + " held out; " +

@@ -1,5 +1,7 @@
 #include "pipelines/landmark_learning/plan.h"
 
+#include <algorithm>
+#include <cmath>
 #include <initializer_list>
 
 #include "pipelines/landmark_learning/batch.h"
@@ -10,12 +12,15 @@
 namespace cairn::landmark_learning {
 namespace {
 
-// A task with the blobs of the State that it reads.
-Task& Add(const char* kind, std::int64_t cost, std::initializer_list<const char*> blobs, proto::Step* plan) {
+// Of a core, the pairs' among them; as Blocks counts them.
+constexpr double kFlopsPerUs = 4e4;
+
+// A task of so many flops, with the blobs of the State that it reads.
+Task& Add(const char* kind, double flops, std::initializer_list<const char*> blobs, proto::Step* plan) {
   Task& task = *plan->add_tasks();
   task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
   task.set_kind(kind);
-  task.set_cost(static_cast<std::uint64_t>(cost));
+  task.set_cost(static_cast<std::uint64_t>(std::max(1.0, flops / kFlopsPerUs)));
   for (const char* name : blobs) {
     proto::InputRef& input = *task.add_inputs();
     input.set_name(name);
@@ -75,8 +80,10 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
   const bool all = TruthsIn(stretches) == data_.training.size();
   const auto blocks =
       all ? TrainingBlocks(t.learning.end) : BatchBlocks(static_cast<int>(stretches.size()), t.learning.end);
+  const double of_truth = StepFlops(t.learning.end) / data_.training.size();
   for (const Range& block : blocks) {
-    Task& task = Add(kind, all ? block.size() : block.size() * kStretch, {"data", "parameters"}, plan);
+    const double truths = all ? block.size() : block.size() * kStretch;
+    Task& task = Add(kind, of_truth * truths, {"data", "parameters"}, plan);
     SetBlock(block, &task);
     SetLearning(t.learning, &task);
     SetSum(sum_, &task);
@@ -107,17 +114,17 @@ Phase Planner::FirstPhase(int networks) const {
 void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
   const int count = data_.training.size();
   const double forward = 2.0 * count * static_cast<double>(Weights(t.learning.end));
-  const auto add = [&](const char* kind, const std::vector<Range>& blocks,
+  const auto add = [&](const char* kind, const std::vector<Range>& blocks, double flops,
                        std::initializer_list<const char*> blobs) {
     for (const Range& block : blocks) {
-      Task& task = Add(kind, block.size(), blobs, plan);
+      Task& task = Add(kind, flops / static_cast<double>(blocks.size()), blobs, plan);
       SetBlock(block, &task);
       SetLearning(t.learning, &task);
       SetSum(sum_, &task);
       Set("step", t.steps, &task);
     }
   };
-  if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), {"data", "parameters"});
+  if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), forward, {"data", "parameters"});
   // Each has P(f | s) and slopes of all samples to make: fewer of them, and larger ones.
   if (t.phase == Phase::kPairs) {
     int truths = count;
@@ -127,16 +134,18 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
       truths = cells.size();
       flops_per_vector = FlopsPerVector(options_, SumPath::kPairs, cells.places);
     }
-    add("pairs", Blocks(truths, flops_per_vector * VectorsOf(t.learning.end) / 8.0), {"data", "outputs"});
+    const double flops = flops_per_vector * VectorsOf(t.learning.end);
+    add("pairs", Blocks(truths, flops / 8.0), flops, {"data", "outputs"});
   }
   if (t.phase == Phase::kWeights)
-    add("weights", Blocks(count, 2.0 * forward), {"data", "parameters", "slopes"});
+    add("weights", Blocks(count, 2.0 * forward), 2.0 * forward, {"data", "parameters", "slopes"});
 }
 
 void Planner::PlanSearch(proto::Step* plan) const {
   for (std::size_t length = 0; length < Conjugate::kTried.size(); ++length) {
     for (const Range& block : TrainingBlocks(static_cast<int>(options_.networks))) {
-      Task& task = Add("search", block.size(), {"data", "parameters", "training"}, plan);
+      const double flops = SearchFlops() * block.size() / data_.training.size();
+      Task& task = Add("search", flops, {"data", "parameters", "training"}, plan);
       SetBlock(block, &task);
       Set("length", static_cast<std::int64_t>(length), &task);
     }
@@ -145,8 +154,8 @@ void Planner::PlanSearch(proto::Step* plan) const {
 
 void Planner::PlanFit(proto::Step* plan) const {
   for (std::int64_t network = 0; network < options_.networks; ++network) {
-    Task& task =
-        Add("fit", options_.pattern_steps * data_.training.size(), {"data", "parameters", "slopes"}, plan);
+    Task& task = Add("fit", FitFlops() / static_cast<double>(options_.networks),
+                     {"data", "parameters", "slopes"}, plan);
     Set("network", network, &task);
   }
 }
@@ -165,20 +174,80 @@ void Planner::Plan(const Training& training, Step* step) const {
     else
       PlanGradient(training, &plan);
     if (FindsSlopes(training.phase) && Validates(training.steps)) {
-      const double pairs = static_cast<double>(data_.held_out.size()) * data_.training.size();
-      for (const Range& block :
-           Blocks(data_.held_out.size(), 8.0 * pairs * VectorsOf(training.learning.end))) {
-        Task& task = Add("validate", block.size(), {"data", "parameters"}, &plan);
+      const double flops = ValidateFlops(training.learning.end);
+      for (const Range& block : Blocks(data_.held_out.size(), flops)) {
+        Task& task =
+            Add("validate", flops * block.size() / data_.held_out.size(), {"data", "parameters"}, &plan);
         SetBlock(block, &task);
         SetLearning(training.learning, &task);
       }
     }
   }
-  const bool two = options_.method == "pseudo" || options_.method == "conjugate";
-  const std::int64_t rounds =
-      (two ? 2 : 1) + (InPhases(training.learning.end) ? options_.method == "pseudo" ? 1 : 2 : 0);
-  plan.set_rounds_left(static_cast<std::uint32_t>(
-      std::min<std::int64_t>(rounds * (options_.steps - training.steps), 1'000'000'000)));
+  ExpectSteps(training, &plan);
+}
+
+// Of a step along a line: E alone, of each length that is tried.
+double Planner::SearchFlops() const { return StepFlops(static_cast<int>(options_.networks)) / 3.0; }
+
+double Planner::FitFlops() const {
+  return 6.0 * static_cast<double>(options_.pattern_steps) * data_.training.size() *
+         static_cast<double>(Weights(static_cast<int>(options_.networks)));
+}
+
+double Planner::ValidateFlops(int networks) const {
+  return 8.0 * data_.held_out.size() * data_.training.size() * VectorsOf(networks);
+}
+
+// All that a step of so many networks takes.
+double Planner::FlopsOfAStep(int networks) const {
+  const double batch = options_.batch > 0 ? static_cast<double>(options_.batch) : HUGE_VAL;
+  double flops = StepFlops(networks) * std::min(1.0, batch / data_.training.size());
+  if (options_.method == "pseudo") flops += FitFlops();
+  if (options_.method == "conjugate") flops += static_cast<double>(Conjugate::kTried.size()) * SearchFlops();
+  return flops + ValidateFlops(networks) / static_cast<double>(options_.validate_every);
+}
+
+// The rounds that are left of this step, and those of all that follow it; training may end earlier.
+void Planner::ExpectSteps(const Training& training, proto::Step* plan) const {
+  const bool pseudo = options_.method == "pseudo", two = pseudo || options_.method == "conjugate";
+  const int networks = training.learning.end;
+  const int rounds = (two ? 2 : 1) + (InPhases(networks) ? (pseudo ? 1 : 2) : 0);
+  double cost = 0.0;
+  for (const Task& task : plan->tasks()) cost += static_cast<double>(task.cost());
+  const auto left = static_cast<double>(options_.steps - training.steps - 1);
+  double flops = left * FlopsOfAStep(networks);
+  if (options_.sequential) {  // each of those that join gets its share of the steps
+    const double share = static_cast<double>(options_.steps) / static_cast<double>(options_.networks);
+    flops = std::max(0.0, share - static_cast<double>(training.network_steps) - 1.0) * FlopsOfAStep(networks);
+    for (int n = networks + 1; n <= options_.networks; ++n) flops += share * FlopsOfAStep(n);
+  }
+  const double width = static_cast<double>(plan->tasks_size());
+  const int behind = RoundOfStep(training.phase);
+  if (behind + 1 < rounds) {
+    ExpectRounds(rounds - behind - 1, std::max(0.0, FlopsOfAStep(networks) / kFlopsPerUs - cost), width,
+                 plan);
+  }
+  ExpectRounds(rounds * left, flops / kFlopsPerUs, width, plan);
+}
+
+// Rounds of its step that come before one of this phase.
+int Planner::RoundOfStep(Phase phase) const {
+  const bool phases = InPhases(static_cast<int>(options_.networks));
+  switch (phase) {
+    case Phase::kPairs:
+      return 1;
+    case Phase::kWeights:
+      return 2;
+    case Phase::kSearch:
+      return phases ? 3 : 1;
+    case Phase::kFit:
+      return phases ? 2 : 1;
+    case Phase::kGradient:
+    case Phase::kSlopes:
+    case Phase::kOutputs:
+      break;
+  }
+  return 0;
 }
 
 bool Planner::FindsSlopes(Phase phase) const {

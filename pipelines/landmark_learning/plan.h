@@ -34,7 +34,13 @@ class Planner {
   bool InPhases(int networks) const;
   std::vector<Range> TrainingBlocks(int networks) const;
   std::vector<Range> BatchBlocks(int stretches, int networks) const;
+  void ExpectSteps(const Training& training, proto::Step* plan) const;
+  int RoundOfStep(Phase phase) const;
   double StepFlops(int networks) const;
+  double SearchFlops() const;
+  double FitFlops() const;
+  double ValidateFlops(int networks) const;
+  double FlopsOfAStep(int networks) const;
   std::size_t Weights(int networks) const;
 
   const Options& options_;

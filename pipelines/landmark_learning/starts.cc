@@ -10,6 +10,7 @@
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_learning/advance.h"
+#include "pipelines/landmark_learning/training.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -35,6 +36,17 @@ Step Choose(const Options& options, const std::vector<double>& scores, std::vect
 
 }  // namespace
 
+void ExpectTrials(const Options& options, std::int64_t steps_done, int starts, proto::Step* plan) {
+  const double rounds = RoundsLater(*plan), cost = CostLater(*plan) / starts;
+  const double width = plan->later_size() > 0 ? plan->later(0).width() : 0.0;
+  const auto left = static_cast<double>(std::max<std::int64_t>(1, options.steps - steps_done)),
+             trials = static_cast<double>(std::max<std::int64_t>(0, StartStepsOf(options) - steps_done));
+  const double part = std::min(1.0, trials / left);
+  plan->clear_later();
+  ExpectRounds(part * rounds, part * cost * starts, width, plan);
+  ExpectRounds((1.0 - part) * rounds, (1.0 - part) * cost, width / starts, plan);
+}
+
 double ScoreOf(const std::vector<double>& errors, double best_validation) {
   if (std::isfinite(best_validation)) return best_validation;
   const auto count = static_cast<std::ptrdiff_t>(std::min(kLast, errors.size()));
@@ -45,6 +57,7 @@ Step AdvanceStarts(const Options& options, std::uint64_t seed, const State& stat
                    const Inputs& inputs) {
   std::vector<Step> steps;
   std::vector<double> scores;
+  const std::int64_t done = Training::Of(OneStart(state, 0, partials, inputs)).steps + 1;
   for (int start = 0; start < StartsIn(state); ++start) {
     OneStart one(state, start, partials, inputs);
     steps.push_back(AdvanceRound(options, seed, one.state(), one, one, true));
@@ -57,6 +70,7 @@ Step AdvanceStarts(const Options& options, std::uint64_t seed, const State& stat
   const std::string note = steps.front().plan.note();
   const std::size_t count = steps.size();
   Step merged = FanOut(std::move(steps));
+  ExpectTrials(options, done, static_cast<int>(count), &merged.plan);
   merged.plan.set_note("start 0 of " + std::to_string(count) + ", " + note);
   return merged;
 }

@@ -19,4 +19,7 @@ double ScoreOf(const std::vector<double>& errors, double best_validation);
 Step AdvanceStarts(const Options& options, std::uint64_t seed, const State& state, Partials& partials,
                    const Inputs& inputs);
 
+// Of a round of all starts, after so many steps, each of which expects to go on to the end: one alone does.
+void ExpectTrials(const Options& options, std::int64_t steps_done, int starts, proto::Step* plan);
+
 }  // namespace cairn::landmark_learning

@@ -78,6 +78,7 @@ Carried MakeAllSteps(const Blob& log, const Options& options, const Beginning& b
     carried.work.push_back(anywhere && beginning.perception
                                ? WorkWhereLost(count, settings.Model(&*beginning.perception))
                                : WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
+    carried.sharp.push_back(WorkOfStep(steps, settings.Model(nullptr)));
     carried.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
     all->push_back(steps);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipelines/landmark_map/outlook.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
@@ -17,8 +18,7 @@ constexpr const char* kRefitOf = "refit_of";
 constexpr const char* kWentOn = "search_went_on";
 constexpr const char* kAwaits = "awaits_associations";
 constexpr const char* kAssociations = "associations";
-constexpr const char* kWave = "wave";  // of the search, in which it was proposed
-constexpr const char* kOfSearch[] = {kStartDrift, kStartPrefix, kRefitOf, kWentOn, kWave};
+constexpr const char* kOfSearch[] = {kStartDrift, kStartPrefix, kRefitOf, kWentOn, kWave, kBeyond, kFiner};
 
 void StoreStart(const StartingPoint& start, int refit_of, State* state) {
   auto& scalars = *state->mutable_scalars();
@@ -134,7 +134,7 @@ double CandidateRounds::MeanLegM() const {
   return steps.WaySoFar().back() / static_cast<double>(steps.observations.size());
 }
 
-void CandidateRounds::GoOnFrom(int best, const std::vector<Proposal>& proposals) {
+void CandidateRounds::GoOnFrom(int best, int beyond, const std::vector<Proposal>& proposals) {
   (*steps_[static_cast<std::size_t>(best)].plan.mutable_state()->mutable_scalars())[kWentOn].set_b(true);
   const RobotSteps first_robot = RobotSteps::FromBlob(*BlobOf(0, "steps/0"));
   const int wave = waves() + 1;
@@ -150,6 +150,8 @@ void CandidateRounds::GoOnFrom(int best, const std::vector<Proposal>& proposals)
   }
   for (cairn::Step& step : added) {
     (*step.plan.mutable_state()->mutable_scalars())[kWave].set_i(wave);
+    (*step.plan.mutable_state()->mutable_scalars())[kBeyond].set_i(beyond);
+    CountCost({}, &step);
     steps_.push_back(std::move(step));
   }
 }

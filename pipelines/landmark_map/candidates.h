@@ -42,8 +42,9 @@ class CandidateRounds {
   bool WentOnFrom(int candidate) const;
   // The first robot's, from one observation to the next.
   double MeanLegM() const;
-  // Adds what is proposed, planned; refits are of `best`.
-  void GoOnFrom(int best, const std::vector<Proposal>& proposals);
+  // Adds what is proposed, planned; refits are of `best`. Where it is found no more often, `beyond` starts
+  // follow.
+  void GoOnFrom(int best, int beyond, const std::vector<Proposal>& proposals);
 
   std::vector<cairn::Step> Take() && { return std::move(steps_); }
 

@@ -13,10 +13,9 @@ namespace {
 constexpr double kCellMb = sizeof(double) / 1e6;
 // As measured over searches, of cells of 1 m and 5 degrees; of finer ones, whose kernels are larger, less.
 constexpr double kCellsPerSecond = 120e6;
-// What EM does, of simulated worlds: how many times wider its beliefs are than they were in a sharp map, its
-// iterations on all data until the first robot has settled, those of all robots, in each of which those that
-// start anywhere look for themselves, and the rounds at the end.
-constexpr double kBlur = 12.0, kUsualIterations = 5.0, kJoinedIterations = 4.0, kLastRounds = 2.0;
+// What EM does, of simulated worlds: its iterations on all data until the first robot has settled, those of
+// all robots, in each of which those that start anywhere look for themselves, and the rounds at the end.
+constexpr double kUsualIterations = 5.0, kJoinedIterations = 4.0, kLastRounds = 2.0;
 constexpr double kUsualWaves = 1.0, kRefits = 8.0, kNewStarts = 3.0;  // of the search; candidates a wave
 constexpr double kProgramMb = 40.0;  // a worker that has done nothing yet, and its copy of the log
 constexpr double kCacheMb = 512.0;   // what a worker keeps of blobs at most (--cache-mb)
@@ -90,11 +89,6 @@ Box BoxOf(const LayeredGrid& grid) {
   return box;
 }
 
-// What a step takes once there is a map, which is not yet sharp.
-double WorkOfVisit(const RobotSteps& robot, const Settings& settings) {
-  return kStepCells + kBlur * MeanCellsInAMap(robot, settings.Model(nullptr));
-}
-
 // Steps that EM of the first robot looks at from such a start on, after the first round.
 double VisitsFrom(Schedule schedule, const Options& options, int steps) {
   double visits = 0.0;
@@ -154,12 +148,13 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
     estimate.cells += Carried::Load(start.plan.state(), robots.size()).work[0];
     estimate.tasks += start.plan.tasks_size();
   }
-  estimate.rounds = starts[0].plan.rounds_left() * (1.0 + WavesOf(options, starts));
-  double work = WorkOfSearch(options, robots[0], estimate.cells, WorkOfVisit(robots[0], settings), starts);
+  estimate.rounds = (1.0 + RoundsLater(starts[0].plan)) * (1.0 + WavesOf(options, starts));
+  double work = WorkOfSearch(options, robots[0], estimate.cells,
+                             WorkOfStep(robots[0], settings.Model(nullptr)), starts);
   const double joined = std::min(kJoinedIterations, 1.0 + static_cast<double>(options.iterations));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const double rounds = kLastRounds + (r > 0 ? joined : 0.0);
-    work += rounds * robots[r].size() * WorkOfVisit(robots[r], settings);
+    work += rounds * robots[r].size() * WorkOfStep(robots[r], settings.Model(nullptr));
   }
   const Slices slices = CutIntoSlices(first, slice_work);
   estimate.task_mb = TaskMb(slices, counts);

@@ -13,6 +13,7 @@
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/measured.h"
+#include "pipelines/landmark_map/outlook.h"
 #include "pipelines/landmark_map/polish.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
@@ -35,6 +36,19 @@ bool SearchIsOver(const State& state) {
   return next.summarise || next.robots > 1;
 }
 
+// How many times as many cells beliefs have on the one grid as on the other.
+double FinerBy(const Settings& fine, const Settings& coarse) {
+  const GridSpec &after = fine.map.grid, &before = coarse.map.grid;
+  return (before.cell_m / after.cell_m) * (before.cell_m / after.cell_m) * after.headings / before.headings;
+}
+
+cairn::Step Merged(const Options& options, std::vector<cairn::Step> candidates) {
+  const SearchOutlook outlook(options, candidates);
+  cairn::Step step = FanOut(std::move(candidates));
+  outlook.Announce(&step.plan);
+  return step;
+}
+
 Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
   if (task.kind() == "incremental") return RunIncremental(options, task, inputs, progress);
   return task.kind() == "m_step" ? RunMStep(task, inputs) : RunSlice(options, task, inputs, progress);
@@ -52,6 +66,7 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   }
   const Beginning beginning = BeginningOf(search, inputs);
   const Settings& settings = beginning.settings;
+  const double finer = search.cell_m != options_.cell_m ? FinerBy(Resolve(options_, *log), settings) : 0.0;
   const std::vector<std::string> robots = log->Texts("robots");
   std::vector<cairn::Step> starts(1);
   std::vector<RobotSteps> steps;
@@ -65,14 +80,16 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
       starts[k].plan.Clear();
       *starts[k].plan.mutable_state() = carried_state;
       BeginFrom(points[k], options_, robots, settings, steps[0], &starts[k]);
+      CountCost({}, &starts[k]);
     }
+    if (finer > 0.0) (*starts[0].plan.mutable_state()->mutable_scalars())[kFiner].set_d(finer);
   } else if (!inputs.Has("map") && options_.iterations > 0 && WithoutIdentities(steps, settings.map)) {
     (*starts[0].plan.mutable_state()->mutable_blobs())["search"] = starts[0].Share(OneStartOnly());
   }
   const Estimate estimate =
       EstimateJob(options_, settings, steps, starts, beginning.perception ? &*beginning.perception : nullptr);
   RefuseMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
-  cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : FanOut(std::move(starts));
+  cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : Merged(options_, std::move(starts));
   estimate.Store(step.plan.mutable_state());
   step.plan.set_note(Sentence(estimate, settings, carried));
   return step;
@@ -118,6 +135,7 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
           note = step.plan.note();
           if (SearchIsOver(step.plan.state())) PlanAssociations(options_, robots, &step);
         }
+        CountCost(start.state(), &step);
       } catch (const NoPathError& error) {
         (*step.plan.mutable_state()->mutable_scalars())[kFailure].set_s(error.what());
       }
@@ -126,7 +144,7 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
     steps.push_back(std::move(step));
   }
   if (running == 0) return GoOn(std::move(steps), inputs);
-  cairn::Step step = FanOut(std::move(steps));
+  cairn::Step step = Merged(options_, std::move(steps));
   step.plan.set_note(std::to_string(running) + " of " + std::to_string(StartsIn(state)) + " starts; " + note);
   return step;
 }
@@ -137,13 +155,10 @@ void LandmarkMap::Refine(const std::vector<Landmark>& landmarks, const Settings&
   State& state = *step->plan.mutable_state();
   const Carried found = Carried::Load(state, robots.size());
   const Beginning beginning = BeginningOf(options_, inputs);
-  const GridSpec &fine = beginning.settings.map.grid, &before = coarse.map.grid;
   std::vector<RobotSteps> all;
   Carried carried = MakeAllSteps(*inputs.Get("log"), options_, beginning, step, &all);
   carried.odometry = found.odometry;
-  const double cells =
-      (before.cell_m / fine.cell_m) * (before.cell_m / fine.cell_m) * fine.headings / before.headings;
-  carried.work[0] = cells * found.work[0];
+  carried.work[0] = FinerBy(beginning.settings, coarse) * found.work[0];
   Schedule schedule = Schedule::Load(state);
   schedule.robots = 1;
   schedule.settled = 0;
@@ -168,8 +183,10 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
   else if (choice.support < kEnoughSupport)
     proposals = ProposalsBeyond(candidates, settings, rounds.MeanLegM());
   if (rounds.waves() < options_.waves && !proposals.empty()) {
-    rounds.GoOnFrom(choice.best, proposals);
-    cairn::Step step = FanOut(std::move(rounds).Take());
+    const bool rare = choice.support < kEnoughSupport;
+    const std::size_t beyond = rare ? ProposalsBeyond(candidates, settings, rounds.MeanLegM()).size() : 0;
+    rounds.GoOnFrom(choice.best, static_cast<int>(beyond), proposals);
+    cairn::Step step = Merged(options_, std::move(rounds).Take());
     step.plan.set_note(Sentence(candidates, choice));
     return step;
   }

@@ -46,11 +46,4 @@ Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double 
   return next;
 }
 
-std::int64_t Schedule::RoundsLeft(const Options& options, std::int64_t all_robots) const {
-  std::int64_t rounds = options.polish && !polished ? 2 : 1;
-  constexpr double kNeverLittle = 0.0;  // of no observations
-  for (Schedule s = *this; !s.summarise; s = s.Next(options, all_robots, 0.0, kNeverLittle)) ++rounds;
-  return rounds;
-}
-
 }  // namespace cairn::landmark_map

@@ -26,8 +26,6 @@ struct Schedule {
   // by less than `tolerance` an observation: a share of the whole would depend on the unit of densities.
   Schedule Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
                 double observations) const;
-  // At most.
-  std::int64_t RoundsLeft(const Options& options, std::int64_t all_robots) const;
 };
 
 }  // namespace cairn::landmark_map

@@ -53,17 +53,6 @@ TEST(Schedule, AnIterationThatChangesLittleEndsThem) {
   EXPECT_TRUE(s.summarise);
 }
 
-TEST(Schedule, RoundsLeftAreThoseThatAtMostCome) {
-  const Options options{.iterations = 4, .tolerance = 0.0};
-  Schedule s;
-  s.prefix = 0.25;
-  const std::int64_t expected = s.RoundsLeft(options, 2);
-  std::int64_t rounds = 1;
-  double likelihood = -1.0;
-  for (; !s.summarise; s = s.Next(options, 2, likelihood *= 2.0, 100.0)) ++rounds;
-  EXPECT_EQ(rounds + 1, expected) << "the polish takes one more";
-}
-
 TEST(StepsInUse, AtLeastOneAndAllForTheSummary) {
   Schedule s;
   s.prefix = 0.05;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pipelines/landmark_map/m_step_task.h"
+#include "pipelines/landmark_map/outlook.h"
 #include "pipelines/landmark_map/speculation.h"
 #include "pipelines/landmark_map/work.h"
 
@@ -67,7 +68,7 @@ class RoundPlanner {
     Task& task = *plan_->add_tasks();
     task.set_index(static_cast<std::uint32_t>(plan_->tasks_size() - 1));
     task.set_kind("m_step");
-    task.set_cost(1);
+    task.set_cost(static_cast<std::uint64_t>(kMStepUs));
     (*task.mutable_params())["robots"].set_i(static_cast<std::int64_t>(robots));
     AddBlob("settings", "settings", &task);
     for (std::size_t i = 0; i < backward_.size(); ++i) AddPartial(PartialInput(i), backward_[i], &task);
@@ -87,7 +88,7 @@ class RoundPlanner {
     Task& task = *plan_->add_tasks();
     task.set_index(static_cast<std::uint32_t>(index));
     task.set_kind(kind);
-    task.set_cost(static_cast<std::uint64_t>(carried_.work[of.robot] / kStepCells));
+    task.set_cost(static_cast<std::uint64_t>(std::max(1.0, UsOf(kind, of, slice))));
     auto& params = *task.mutable_params();
     params["robot"].set_i(static_cast<std::int64_t>(of.robot));
     params["name"].set_s(of.name);
@@ -108,6 +109,15 @@ class RoundPlanner {
     if (beta != kNone) AddPartial("beta", beta, &task);
     if (guess != kNone) AddPartial("guess", guess, &task);
     return index;
+  }
+
+  // Slices are filled one after the other: of those in reserve nothing is expected.
+  double UsOf(const std::string& kind, const OfRobot& of, int slice) const {
+    const double slice_cells = 1e6 * options_.slice_mcells, cells = carried_.work[of.robot];
+    const double here =
+        kind == "incremental" ? cells : std::clamp(cells - slice * slice_cells, 0.0, slice_cells);
+    const bool map = plan_->state().blobs().contains("perception");
+    return here * (kind == "backward" ? kBackwardUs : kForwardUs) * (map ? 1.0 : kWithoutMap);
   }
 
   void AddBlob(const char* name, const std::string& key, Task* task) {
@@ -149,6 +159,7 @@ void Carried::Store(State* state) const {
     const std::string number = std::to_string(r);
     (*state->mutable_scalars())["steps/" + number].set_i(step_counts[r]);
     (*state->mutable_scalars())["work/" + number].set_d(work[r]);
+    (*state->mutable_scalars())["sharp/" + number].set_d(sharp[r]);
     (*state->mutable_scalars())["overlap/" + number].set_i(overlap[r]);
     VisitOdometry(odometry[r], [&](const char* name, double value) {
       (*state->mutable_scalars())[name + ("/" + number)].set_d(value);
@@ -164,6 +175,7 @@ Carried Carried::Load(const State& state, std::size_t robots) {
     carried.blobs["steps/" + number] = state.blobs().at("steps/" + number);
     carried.step_counts.push_back(state.scalars().at("steps/" + number).i());
     carried.work.push_back(state.scalars().at("work/" + number).d());
+    carried.sharp.push_back(state.scalars().at("sharp/" + number).d());
     carried.overlap.push_back(state.scalars().at("overlap/" + number).i());
     VisitOdometry(carried.odometry.emplace_back(), [&](const char* name, double& value) {
       value = state.scalars().at(name + ("/" + number)).d();
@@ -208,8 +220,7 @@ void PlanTasks(const Options& options, const std::vector<std::string>& robots, p
     planner.AddRobot(static_cast<std::size_t>(r), robots[static_cast<std::size_t>(r)]);
   }
   if (!schedule.summarise) planner.AddMStep(robots.size());
-  plan->set_rounds_left(
-      static_cast<std::uint32_t>(schedule.RoundsLeft(options, static_cast<std::int64_t>(robots.size()))));
+  ExpectEm(options, schedule, carried, plan);
 }
 
 }  // namespace cairn::landmark_map

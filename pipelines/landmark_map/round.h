@@ -19,6 +19,7 @@ struct Carried {
   std::vector<std::int64_t> step_counts;     // per robot
   std::vector<OdometryFit> odometry;         // per robot
   std::vector<double> work;                  // per robot, expected of its next E-step (work.h)
+  std::vector<double> sharp;                 // per robot, expected of a step once the map is sharp
   std::vector<std::int64_t> overlap;         // per robot: steps by which guesses overlap (speculation.h)
 
   void Store(State* state) const;

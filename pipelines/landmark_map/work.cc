@@ -112,6 +112,10 @@ double MeanCellsInAMap(const RobotSteps& steps, const EStepModel& model) {
   return cells / steps.size();
 }
 
+double WorkOfStep(const RobotSteps& steps, const EStepModel& model) {
+  return kStepCells + kBlur * MeanCellsInAMap(steps, model);
+}
+
 double WorkWhereLost(int count, const EStepModel& model) {
   double map = 0.0;
   for (const Layer& layer : model.perception->likelihood.layers) {

@@ -27,6 +27,11 @@ double WorkOf(const std::vector<double>& cells, int count);
 // it observes something.
 double MeanCellsInAMap(const RobotSteps& steps, const EStepModel& model);
 
+// What a step takes once there is a map, which is not yet sharp: in simulated worlds its belief has kBlur
+// times as many cells.
+inline constexpr double kBlur = 12.0;
+double WorkOfStep(const RobotSteps& steps, const EStepModel& model);
+
 // How many steps' worth of the whole map a robot that may start anywhere moves until it has found itself: 3
 // to 9 in simulated loops of all difficulties.
 inline constexpr double kStepsLost = 6.0;

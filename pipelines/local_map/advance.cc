@@ -117,14 +117,20 @@ class Turn {
       if (!first) Share(KnotsName(r), KnotsBlob(KnotsOf(sweeps, options_.knots)));
       PlanSegments(r, sweeps, first ? "walls" : "traces");
     }
-    SetPhase(first ? "walls again" : "traces");
+    const char* phase = first ? "walls again" : "traces";
+    SetPhase(phase);
+    double sweeps = 0;
+    for (std::size_t r = 0; r < robots_; ++r)
+      sweeps += static_cast<double>(inputs_.Get(RowsName(r))->at("time_s").size());
+    ExpectRest(phase, options_, 0, sweeps, -1, &step_.plan);
     step_.plan.set_note(note);
   }
 
   void PlanSegments(std::size_t r, const std::vector<Sweep>& sweeps, const char* kind) {
     const std::vector<std::size_t> knots = KnotsOf(sweeps, options_.knots);
     for (const Stretch& segment : SegmentsOf(r, sweeps, options_)) {
-      Task& task = AddSweepTask(kind, segment, PathName(r), &step_.plan);
+      Task& task = AddSweepTask(kind, std::string(kind) == "walls" ? kWallsUs : kTracesUs, segment,
+                                PathName(r), &step_.plan);
       if (kind == std::string("walls")) continue;
       const auto first = std::ranges::lower_bound(knots, segment.own);
       const auto last = std::ranges::lower_bound(knots, segment.end);
@@ -212,13 +218,19 @@ class Turn {
       Task& task = *step_.plan.add_tasks();
       task.set_index(static_cast<std::uint32_t>(step_.plan.tasks_size() - 1));
       task.set_kind("pairs");
-      task.set_cost(end - first);
+      task.set_cost(static_cast<std::uint64_t>(PairUs(round) * static_cast<double>(end - first)));
       AddStateInput("traces", kTraces, state(), &task);
       AddRows("surroundings", kSurroundings, knot, last + 1 - knot, state(), &task);
       AddRows("pairs", kPairs, first, end - first, state(), &task);
       first = end;
     }
-    step_.plan.set_rounds_left(static_cast<std::uint32_t>(options_.loop_rounds - round + 2));
+    ExpectRest("pairs", options_, round, Sweeps(), static_cast<double>(pairs.size()), &step_.plan);
+  }
+
+  double Sweeps() const {
+    double sweeps = 0;
+    for (const Robot& robot : all_) sweeps += static_cast<double>(robot.sweeps.size());
+    return sweeps;
   }
 
   void JoinPairs() {
@@ -293,13 +305,14 @@ class Turn {
 
   void PlanFollowing() {
     SetPhase("follow");
-    step_.plan.set_rounds_left(1);
     for (std::size_t r = 0; r < robots_; ++r) {
       if (all_[r].sweeps.empty()) continue;
-      Task& task = AddSweepTask("follow", {r, 0, 0, all_[r].sweeps.size()}, PathName(r), &step_.plan);
+      Task& task =
+          AddSweepTask("follow", kFollowUs, {r, 0, 0, all_[r].sweeps.size()}, PathName(r), &step_.plan);
       AddStateInput("traces", kTraces, state(), &task);
       AddStateInput("connections", kConnections, state(), &task);
     }
+    ExpectRest("follow", options_, 0, Sweeps(), 0, &step_.plan);
   }
 
   void KeepPositions() {

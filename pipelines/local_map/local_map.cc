@@ -71,8 +71,11 @@ Step LocalMap::Start(const Inputs& inputs) const {
     blobs[RowsName(r)] = step.Share(RowsOf(robots[r]));
     blobs[CutsName(r)] = step.Share(CutsBlob(robots[r].cuts));
     for (const Stretch& segment : SegmentsOf(r, robots[r].sweeps, options_))
-      AddSweepTask("walls", segment, RowsName(r), &step.plan);
+      AddSweepTask("walls", kWallsUs, segment, RowsName(r), &step.plan);
   }
+  double sweeps = 0;
+  for (const RobotRuns& runs : robots) sweeps += static_cast<double>(runs.sweeps.size());
+  ExpectRest("walls", options_, 0, sweeps, -1, &step.plan);
   step.plan.set_note(NoteOf(robots, scans.unposed));
   return step;
 }

@@ -1,6 +1,7 @@
 #include "pipelines/local_map/plan.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cairn::local_map {
 
@@ -37,12 +38,12 @@ void AddRows(const char* name, const std::string& blob_name, std::size_t first, 
   input.set_row_count(static_cast<std::int64_t>(count));
 }
 
-Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& rows_name,
+Task& AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch, const std::string& rows_name,
                    proto::Step* plan) {
   Task& task = *plan->add_tasks();
   task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
   task.set_kind(kind);
-  task.set_cost(stretch.end - stretch.first);
+  task.set_cost(static_cast<std::uint64_t>(us_of_sweep * static_cast<double>(stretch.end - stretch.first)));
   auto& params = *task.mutable_params();
   params["robot"].set_i(static_cast<std::int64_t>(stretch.robot));
   params["first"].set_i(static_cast<std::int64_t>(stretch.first));
@@ -51,6 +52,32 @@ Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& 
   AddStateInput("rings", RingsName(stretch.robot), plan->state(), &task);
   AddRows("rows", rows_name, stretch.first, stretch.end - stretch.first, plan->state(), &task);
   return task;
+}
+
+namespace {
+
+// Of ADVANCE, a sweep: after each kind of round. Pairs that are usual of a sweep, in each round.
+constexpr double kTrackUs = 60, kPlanUs = 15, kJoinUs = 10, kKeepUs = 1, kUsualPairs = 0.8;
+
+}  // namespace
+
+double PairUs(std::int64_t round) { return kPairUs * std::pow(0.6, static_cast<double>(round - 1)); }
+
+void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double sweeps,
+                double pairs, proto::Step* plan) {
+  const double walls = sweeps * kWallsUs, traces = sweeps * kTracesUs, follow = sweeps * kFollowUs;
+  const double robots = static_cast<double>(plan->state().scalars().at(kRobots).i());
+  const bool is_walls = kind == "walls" || kind == "walls again";
+  plan->set_advance_cost(sweeps * (is_walls           ? kTrackUs
+                                   : kind == "traces" ? kPlanUs
+                                   : kind == "pairs"  ? kJoinUs
+                                                      : kKeepUs));
+  if (kind == "walls") ExpectRounds(1, walls + sweeps * kTrackUs, 0, plan);
+  if (is_walls) ExpectRounds(1, traces + sweeps * kPlanUs, 0, plan);
+  const double of_round = pairs < 0 ? kUsualPairs * sweeps : pairs;
+  for (std::int64_t next = round + 1; kind != "follow" && next <= options.loop_rounds; ++next)
+    ExpectRounds(1, of_round * PairUs(next) + sweeps * kJoinUs, 0, plan);
+  if (kind != "follow") ExpectRounds(1, follow, robots, plan);
 }
 
 }  // namespace cairn::local_map

@@ -31,8 +31,18 @@ struct Stretch {
 // Each run by itself, in pieces of about equal length, of `segment_sweeps` at most.
 std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& sweeps, const Options& options);
 
+// Microseconds of a core: a sweep of a task of each kind, and a pair, which is looked at less far in each
+// round than in the one before.
+inline constexpr double kWallsUs = 12, kTracesUs = 50, kFollowUs = 300, kPairUs = 600;
+double PairUs(std::int64_t round);
+// After the tasks: what ADVANCE takes, and what is expected to follow a round of `kind`, by the sweeps of all
+// robots and the pairs of the round (below 0: not known yet).
+void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double sweeps,
+                double pairs, proto::Step* plan);
+
 // A task that reads sweeps [first, end) of the rows `rows_name` of the state.
-Task& AddSweepTask(const char* kind, const Stretch& stretch, const std::string& rows_name, proto::Step* plan);
+Task& AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch, const std::string& rows_name,
+                   proto::Step* plan);
 
 // The input of a task that is a blob of the state; or some rows of it, one at least.
 proto::InputRef& AddStateInput(const char* name, const std::string& blob_name, const State& state,

@@ -1,6 +1,7 @@
 #include "pipelines/localization/localization.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "pipelines/localization/result.h"
@@ -17,12 +18,36 @@ struct Range {
   std::size_t first, end;
 };
 
+// Microseconds of a core: a place of the map and a feature of it; a place of the belief at a stop of a
+// traverse, a feature there, and to write that place down.
+constexpr double kMapUs = 5, kMapFeatureUs = 0.1, kBelieveUs = 0.45, kSenseUs = 0.02, kKeptUs = 0.045;
+
+double MapCost(const Source& source, std::size_t places) {
+  return static_cast<double>(places) * (kMapUs + kMapFeatureUs * static_cast<double>(source.features()));
+}
+
+// Places of the belief at all stops of a traverse.
+double PlacesOfTraverse(const Options& options, const Source& source, std::size_t places) {
+  double way_m = options.way_m;
+  if (way_m <= 0)
+    for (const Run& run : source.runs)
+      for (std::size_t k = 1; k < run.places.size(); ++k)
+        way_m += DistanceM(run.places[k - 1], run.places[k]) / static_cast<double>(source.runs.size());
+  return std::max(1.0, way_m / options.every_m) * static_cast<double>(places);
+}
+
+double TraverseCost(const Options& options, const Source& source, std::size_t places) {
+  const double of_place = kBelieveUs + kSenseUs * static_cast<double>(source.features());
+  return of_place * PlacesOfTraverse(options, source, places);
+}
+
 // A State's task of `kind` that reads the named blobs of it.
-void AddTask(const char* kind, const Range& range, const std::vector<const char*>& blobs, proto::Step* plan) {
+void AddTask(const char* kind, const Range& range, double cost, const std::vector<const char*>& blobs,
+             proto::Step* plan) {
   Task& task = *plan->add_tasks();
   task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
   task.set_kind(kind);
-  task.set_cost(range.end - range.first);
+  task.set_cost(static_cast<std::uint64_t>(std::max(1.0, cost)));
   (*task.mutable_params())["first"].set_i(static_cast<std::int64_t>(range.first));
   (*task.mutable_params())["end"].set_i(static_cast<std::int64_t>(range.end));
   for (const char* name : blobs) {
@@ -32,10 +57,13 @@ void AddTask(const char* kind, const Range& range, const std::vector<const char*
   }
 }
 
-void AddTasks(const char* kind, std::size_t count, std::size_t of_task, const std::vector<const char*>& blobs,
-              proto::Step* plan) {
-  for (std::size_t first = 0; first < count; first += of_task)
-    AddTask(kind, {first, std::min(count, first + of_task)}, blobs, plan);
+// Of `count` things, which cost so much each.
+void AddTasks(const char* kind, std::size_t count, std::size_t of_task, double each,
+              const std::vector<const char*>& blobs, proto::Step* plan) {
+  for (std::size_t first = 0; first < count; first += of_task) {
+    const Range range{first, std::min(count, first + of_task)};
+    AddTask(kind, range, each * static_cast<double>(range.end - range.first), blobs, plan);
+  }
 }
 
 Range RangeOf(const Task& task) {
@@ -43,10 +71,9 @@ Range RangeOf(const Task& task) {
           static_cast<std::size_t>(task.params().at("end").i())};
 }
 
-Step Plan(const State& state, std::uint32_t rounds_left) {
+Step Plan(const State& state) {
   Step step;
   *step.plan.mutable_state() = state;
-  step.plan.set_rounds_left(rounds_left);
   return step;
 }
 
@@ -57,9 +84,12 @@ std::string Counted(std::size_t count, const char* what) { return std::to_string
 Step Localization::Start(const Inputs& inputs) const {
   const Source source = Source::Of(options_, inputs);
   const Poses poses = BeliefPlaces(options_, source);
-  Step step = Plan({}, 2);
+  Step step = Plan({});
   (*step.plan.mutable_state()->mutable_blobs())["source"] = step.Share(source.ToBlob());
-  AddTasks("map", poses.places.size(), kPlacesOfTask, {"source"}, &step.plan);
+  AddTasks("map", poses.places.size(), kPlacesOfTask, MapCost(source, 1), {"source"}, &step.plan);
+  const auto traverses = static_cast<double>(TraverseCount(options_, source));
+  ExpectRounds(1, traverses * TraverseCost(options_, source, poses.places.size()),
+               std::ceil(traverses / kTraversesOfTask), &step.plan);
   step.plan.set_note(Counted(source.features(), "features, ") + Counted(poses.places.size(), "places, ") +
                      Counted(source.runs.size(), "runs to localise in") +
                      (source.headings() ? ", heading " + options_.heading : ""));
@@ -91,9 +121,12 @@ Step Localization::Advance(const State& state, Partials& partials, const Inputs&
   if (!state.blobs().contains("map")) {
     FeatureMap map;
     for (std::size_t i = 0; i < partials.size(); ++i) map.Append(FeatureMap::FromBlob(*partials.Get(i)));
-    Step step = Plan(state, 1);
+    Step step = Plan(state);
     (*step.plan.mutable_state()->mutable_blobs())["map"] = step.Share(map.ToBlob());
-    AddTasks("localize", TraverseCount(options_, source), kTraversesOfTask, {"source", "map"}, &step.plan);
+    AddTasks("localize", TraverseCount(options_, source), kTraversesOfTask,
+             TraverseCost(options_, source, poses.places.size()), {"source", "map"}, &step.plan);
+    step.plan.set_advance_cost(kKeptUs * static_cast<double>(TraverseCount(options_, source)) *
+                               PlacesOfTraverse(options_, source, poses.places.size()));
     step.plan.set_note("the map of features is made");
     return step;
   }

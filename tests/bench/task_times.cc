@@ -1,8 +1,9 @@
 // How long the tasks of a job are (processor time), and how much memory it takes: runs a stage in this
 // process and prints a line a round and one of all.
 //   task_times PIPELINE LOG.h5 [key=value …] [trace=FILE] [input:NAME=FILE.h5 …]
-// A trace is what coordinator/eta_test.cc replays: a line of START's seconds, then one of each round:
-// rounds_left as its step says, its tasks, their seconds, ADVANCE's seconds.
+// A trace is what coordinator/eta_trace_test.cc replays, a line each: `start SECONDS`; of each round `round
+// COST SECONDS` of its ADVANCE, `later ROUNDS COST WIDTH` of each phase that its step expects to follow,
+// `task KIND COST SECONDS` with the tasks whose partials it reads.
 #include <sys/resource.h>
 #include <time.h>
 
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,8 @@ double Seconds() {
 }
 
 struct Round {
+  proto::Step plan;
+  std::vector<double> seconds;  // of each task
   int tasks = 0;
   double longest_s = 0.0, all_s = 0.0, work = 0.0;
   std::size_t largest_bytes = 0;
@@ -46,7 +50,7 @@ class Timed : public Pipeline {
     Step step = pipeline_.Start(inputs);
     std::printf("start %.3f s\n", Seconds() - begin);
     if (trace_ != nullptr) std::fprintf(trace_, "start %.4f\n", Seconds() - begin);
-    rounds_left_ = step.plan.rounds_left();
+    round_.plan = step.plan;
     return step;
   }
   Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override {
@@ -54,6 +58,7 @@ class Timed : public Pipeline {
     Blob partial = pipeline_.Run(task, inputs, progress);
     const double seconds = Seconds() - begin;
     ++round_.tasks;
+    round_.seconds.push_back(seconds);
     round_.longest_s = std::max(round_.longest_s, seconds);
     round_.all_s += seconds;
     if (partial.Has("work") && task.kind() == "backward") round_.work += partial.Scalar<double>("work");
@@ -68,13 +73,12 @@ class Timed : public Pipeline {
         "%s\n",
         round_.tasks, round_.longest_s, round_.all_s, round_.work / 1e6,
         static_cast<double>(round_.largest_bytes) / 1e6, Seconds() - begin, step.plan.note().c_str());
-    if (trace_ != nullptr)
-      std::fprintf(trace_, "%u %d %.4f %.4f\n", rounds_left_, round_.tasks, round_.all_s, Seconds() - begin);
-    rounds_left_ = step.plan.rounds_left();
+    if (trace_ != nullptr) Trace(Seconds() - begin);
     longest_s_ = std::max({longest_s_, round_.longest_s, Seconds() - begin});
     work_ += round_.work;
     run_s_ += round_.all_s;
     round_ = {};
+    round_.plan = step.plan;
     return step;
   }
   void PrintTotal() const {
@@ -86,9 +90,23 @@ class Timed : public Pipeline {
   }
 
  private:
+  void Trace(double advance_s) const {
+    std::fprintf(trace_, "round %.0f %.4f\n", round_.plan.advance_cost(), advance_s);
+    for (const proto::Phase& phase : round_.plan.later())
+      std::fprintf(trace_, "later %.3g %.3g %.3g\n", phase.rounds(), phase.cost(), phase.width());
+    for (const Task& task : round_.plan.tasks()) {
+      std::fprintf(trace_, "task %s %llu %.4f", task.kind().c_str(),
+                   static_cast<unsigned long long>(task.cost()), round_.seconds[task.index()]);
+      std::set<std::uint32_t> reads;
+      for (const proto::InputRef& input : task.inputs())
+        if (input.has_task()) reads.insert(input.task());
+      for (const std::uint32_t read : reads) std::fprintf(trace_, " %u", read);
+      std::fprintf(trace_, "\n");
+    }
+  }
+
   const Pipeline& pipeline_;
   std::FILE* trace_;
-  mutable std::uint32_t rounds_left_ = 0;  // of the round under way
   mutable Round round_;
   mutable double longest_s_ = 0.0, work_ = 0.0, run_s_ = 0.0;
 };

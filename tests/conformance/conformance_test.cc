@@ -47,6 +47,20 @@ TEST_P(Conformance, TheFixtureHasSeveralRoundsOfSeveralTasks) {
   EXPECT_FALSE(Undisturbed().result->fields().empty());
 }
 
+// Or nobody can be told how long it will take (tests/eta holds jobs that are long enough to what they are
+// told).
+TEST_P(Conformance, EveryStepSaysWhatItsTasksCostAndThatRoundsFollow) {
+  const std::vector<Moment>& moments = Undisturbed().moments;
+  for (std::size_t k = 0; k + 1 < moments.size(); ++k) {
+    const proto::Step& plan = moments[k].plan;
+    for (const Task& task : plan.tasks()) EXPECT_GE(task.cost(), 1U) << "step " << k << ", " << task.kind();
+    const bool last = k + 2 == moments.size();
+    if (!last) {
+      EXPECT_GT(RoundsLater(plan), 0) << "step " << k << " of " << moments.size();
+    }
+  }
+}
+
 TEST_P(Conformance, StartAndAdvanceAreDeterministic) { ExpectSame(Replay(GetParam(), GetParam().inputs)); }
 
 TEST_P(Conformance, TheReplayEqualsTheInProcessRunner) {

@@ -93,7 +93,8 @@ class Toy : public Pipeline {
     scalars["round"].set_i(round);
     scalars["rows"].set_i(rows);
     step.plan.set_note("round " + std::to_string(round));
-    step.plan.set_rounds_left(static_cast<std::uint32_t>(options_.rounds - round));
+    const double later = static_cast<double>(options_.rounds - round - 1);
+    ExpectRounds(later, later * static_cast<double>(rows), 0, &step.plan);
     const std::int64_t slices = std::min(options_.slices, rows);
     for (std::int64_t i = 0; i < slices; ++i)
       AddSlice(round, scale, rows * i / slices, rows * (i + 1) / slices, step);

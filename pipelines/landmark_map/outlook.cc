@@ -1,0 +1,199 @@
+#include "pipelines/landmark_map/outlook.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace cairn::landmark_map {
+namespace {
+
+// What is usual: iterations on all data of the first robot and of all, of a refit; maps that are refined.
+constexpr std::int64_t kUsualIterations = 5, kJoinedIterations = 3;
+constexpr double kRefitIterations = 4.0, kFinerIterations = 4.0, kPolished = 0.7;
+constexpr const char* kCost = "cost";
+
+// What a step of a robot takes in E-steps to come: beliefs get narrower from one to the next while the map
+// gets sharper, down to what they are in a sharp one.
+class StepCost {
+ public:
+  StepCost(const Carried& carried, const Schedule& now) {
+    for (std::size_t r = 0; r < carried.work.size(); ++r) {
+      us_.push_back(kBackwardUs * carried.work[r] / StepsInUse(now, carried.step_counts[r]));
+      sharp_us_.push_back(std::min(us_[r], kBackwardUs * carried.sharp[r]));
+    }
+  }
+  double operator[](std::size_t robot) const { return us_[robot]; }
+  void Next(bool all_sharp) {
+    constexpr double kNarrower = 0.5;
+    for (std::size_t r = 0; r < us_.size(); ++r)
+      us_[r] = all_sharp ? sharp_us_[r] : std::max(sharp_us_[r], kNarrower * us_[r]);
+  }
+
+ private:
+  std::vector<double> us_, sharp_us_;
+};
+
+double CostOf(const Schedule& schedule, const StepCost& step_us, const Carried& carried) {
+  double cost = schedule.summarise ? 0.0 : kMStepUs;
+  for (std::size_t r = 0; r < static_cast<std::size_t>(schedule.robots); ++r)
+    cost += step_us[r] * StepsInUse(schedule, carried.step_counts[r]);
+  return cost;
+}
+
+struct Sum {
+  double rounds = 0.0, cost = 0.0;
+  void Add(double more_rounds, double more_cost) {
+    rounds += more_rounds;
+    cost += more_cost;
+  }
+};
+
+double CostSoFar(const State& state) {
+  const auto cost = state.scalars().find(kCost);
+  return cost == state.scalars().end() ? 0.0 : cost->second.d();
+}
+
+std::int64_t ScalarOf(const State& state, const char* name) {
+  const auto value = state.scalars().find(name);
+  return value == state.scalars().end() ? 0 : value->second.i();
+}
+
+// From the first robot's last iteration on, that E-step included.
+Sum AfterSearch(const Options& options, const Schedule& now, const State& state) {
+  std::size_t robots = 0;
+  while (state.scalars().contains("work/" + std::to_string(robots))) ++robots;
+  const Carried carried = Carried::Load(state, robots);
+  proto::Step rest;
+  ExpectEm(options, now, carried, &rest);
+  return {1.0 + RoundsLater(rest), CostOf(now, StepCost(carried, now), carried) + CostLater(rest)};
+}
+
+// What an EM says of the rounds after the first robot's.
+Sum LastOf(const google::protobuf::RepeatedPtrField<proto::Phase>& later) {
+  if (later.empty()) return {};
+  const proto::Phase& last = later[later.size() - 1];
+  return {last.rounds(), last.cost()};
+}
+
+double RefinedBy(const State& state) {
+  const auto finer = state.scalars().find(kFiner);
+  return finer == state.scalars().end() ? 0.0 : finer->second.d();
+}
+
+// Candidates that the search is expected to begin after those that there are: starts near the best one,
+// starts further out, refits.
+struct NewCandidates {
+  double waves = 0.0, near = 0.0, beyond = 0.0, refits = 0.0;
+};
+
+// The first wave comes always; how often others do is what simulated loops show.
+NewCandidates Usual(const Options& options, const std::vector<cairn::Step>& steps) {
+  std::int64_t waves = 0, beyond = 0;
+  for (const cairn::Step& step : steps) {
+    const State& state = step.plan.state();
+    if (ScalarOf(state, kWave) < waves) continue;
+    if (ScalarOf(state, kWave) > waves) beyond = 0;
+    waves = ScalarOf(state, kWave);
+    beyond = std::max(beyond, ScalarOf(state, kBeyond));
+  }
+  if (waves >= options.waves) return {};
+  if (waves == 0) return {1.1, 3.0, 0.0, 8.0};
+  if (beyond > 0) return {0.1, 0.0, 0.1 * static_cast<double>(beyond), 0.0};
+  return {0.05, 0.15, 0.0, 0.4};
+}
+
+// Starts near the best map lose the robot less than the others do.
+double CostNear(std::vector<double> costs) {
+  std::ranges::sort(costs);
+  const std::size_t half = (costs.size() + 1) / 2;
+  return half == 0 ? 0.0
+                   : std::accumulate(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(half), 0.0) /
+                         static_cast<double>(half);
+}
+
+double Mean(const std::vector<double>& costs) {
+  return costs.empty() ? 0.0
+                       : std::accumulate(costs.begin(), costs.end(), 0.0) / static_cast<double>(costs.size());
+}
+
+}  // namespace
+
+void ExpectEm(const Options& options, const Schedule& now, const Carried& carried, proto::Step* plan) {
+  const auto robots = static_cast<std::int64_t>(carried.step_counts.size());
+  StepCost step_us(carried, now);
+  Sum alone, all;
+  for (Schedule s = now; !s.summarise;) {
+    Options usual = options;
+    const std::int64_t iterations = s.robots < robots || robots == 1 ? kUsualIterations : kJoinedIterations;
+    usual.iterations = std::min(options.iterations, std::max(iterations, s.settled + 1));
+    const bool joined = s.robots > now.robots;  // the others have found themselves
+    s = s.Next(usual, robots, 0.0, 0.0);
+    step_us.Next(joined);
+    const bool first = s.robots == 1 && !s.summarise;
+    (first ? alone : all).Add(1.0, CostOf(s, step_us, carried));
+  }
+  plan->clear_advance_cost();
+  if (options.polish && !now.polished) {
+    double polish = 0.0;
+    for (const std::int64_t steps : carried.step_counts) polish += kPolishUs * static_cast<double>(steps);
+    if (now.summarise)
+      plan->set_advance_cost(polish);
+    else
+      all.cost += polish;
+    Schedule last = now;
+    last.robots = robots;
+    last.summarise = true;
+    step_us.Next(true);
+    all.Add(kPolished, kPolished * CostOf(last, step_us, carried));
+  }
+  plan->clear_later();
+  if (options.incremental) return;
+  ExpectRounds(alone.rounds, alone.cost, 1.0, plan);
+  ExpectRounds(all.rounds, all.cost, static_cast<double>(robots), plan);
+}
+
+SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::Step>& steps) {
+  const NewCandidates to_come = Usual(options, steps);
+  std::vector<double> started;  // costs of candidates that started from odometry
+  double e_step = 0.0, finer = 0.0;
+  for (const cairn::Step& step : steps) {
+    const State& state = step.plan.state();
+    const auto& later = step.plan.later();
+    const Schedule now = Schedule::Load(state);
+    const bool runs = step.plan.tasks_size() > 0, over = now.summarise || now.robots > 1;
+    const bool alone = runs && !over && later.size() > 1;
+    const double rounds = alone ? later[0].rounds() : 0.0, cost = alone ? later[0].cost() : 0.0;
+    rounds_ = std::max(rounds_, rounds + (runs && !over ? 1.0 : 0.0));  // and one for the associations
+    cost_ += cost;
+    width_ += runs ? 1.0 : 0.0;
+    const Sum last = over ? AfterSearch(options, now, state) : LastOf(later);
+    last_rounds_ = std::max(last_rounds_, last.rounds);
+    last_cost_ = std::max(last_cost_, last.cost);
+    if (last.rounds > 0.0) e_step = std::max(e_step, last.cost / last.rounds);
+    finer = std::max(finer, RefinedBy(state));
+    if (ScalarOf(state, "refit_of") >= 0) continue;
+    started.push_back(CostSoFar(state) + cost);
+    new_rounds_ = std::max(new_rounds_, static_cast<double>(now.iteration) + rounds + 1.0);
+  }
+  new_cost_ = to_come.near * CostNear(started) + to_come.beyond * Mean(started) +
+              to_come.refits * kRefitIterations * e_step;
+  new_rounds_ *= to_come.waves;
+  new_width_ = to_come.waves > 0.0 ? (to_come.near + to_come.beyond + to_come.refits) / to_come.waves : 0.0;
+  if (finer <= 0.0) return;
+  last_rounds_ += kFinerIterations;
+  last_cost_ = finer * (last_cost_ + kFinerIterations * e_step);
+}
+
+void SearchOutlook::Announce(proto::Step* plan) const {
+  plan->clear_later();
+  ExpectRounds(rounds_, cost_, width_, plan);
+  ExpectRounds(new_rounds_, new_cost_, new_width_, plan);
+  ExpectRounds(last_rounds_, last_cost_, 1.0, plan);
+}
+
+void CountCost(const State& before, cairn::Step* step) {
+  double cost = CostSoFar(before);
+  for (const Task& task : step->plan.tasks()) cost += static_cast<double>(task.cost());
+  (*step->plan.mutable_state()->mutable_scalars())[kCost].set_d(cost);
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,44 @@
+// What EM, and the search for its start, have ahead of them: for the time left that people are told.
+#pragma once
+
+#include <vector>
+
+#include "pipelines/landmark_map/round.h"
+
+namespace cairn::landmark_map {
+
+// Microseconds of a core a cell (work.h): of a forward task, and of a backward one, which goes forward first;
+// of an M-step.
+inline constexpr double kForwardUs = 0.004, kBackwardUs = 0.009, kMStepUs = 800.0;
+// Least squares, a step of all robots.
+inline constexpr double kPolishUs = 100.0;
+// Without a map a cell takes so many times as long.
+inline constexpr double kWithoutMap = 2.0;
+
+// After the tasks: the rounds of the first robot's EM, then those of all robots and the summaries. Iterations
+// are as many as is usual, where so many are allowed.
+void ExpectEm(const Options& options, const Schedule& schedule, const Carried& carried, proto::Step* plan);
+
+// What a candidate's State says of the search: in which wave it was proposed; how many starts further out
+// were to be tried after that wave if it found the best map no more often; how many times as many cells
+// beliefs have on the grid on which the best one goes on, where that is a finer one.
+inline constexpr const char *kWave = "wave", *kBeyond = "beyond", *kFiner = "finer";
+
+// What the candidates' steps cost so far and will, as their States say it.
+class SearchOutlook {
+ public:
+  // `steps`: of each candidate, before they are merged.
+  SearchOutlook(const Options& options, const std::vector<cairn::Step>& steps);
+  // Of their merged round.
+  void Announce(proto::Step* plan) const;
+
+ private:
+  double rounds_ = 0.0, cost_ = 0.0, width_ = 0.0;  // of those that there are
+  double new_rounds_ = 0.0, new_cost_ = 0.0, new_width_ = 0.0;
+  double last_rounds_ = 0.0, last_cost_ = 0.0;
+};
+
+// Adds what the step's tasks cost to what `before` says that the candidate has cost.
+void CountCost(const State& before, cairn::Step* step);
+
+}  // namespace cairn::landmark_map
