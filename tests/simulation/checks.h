@@ -27,6 +27,7 @@ struct Asked {
   enum What { kSubmit, kPause, kResume, kCancel, kRetry, kDelete, kPrioritize };
   What what = kSubmit;
   std::string id;
+  int priority = 0;  // of kPrioritize
 };
 
 class Checks {
@@ -44,7 +45,7 @@ class Checks {
   void After(const coordinator::Core& core, const coordinator::Event& event,
              const std::vector<coordinator::Action>& actions, std::uint64_t process, double now_s);
   // Who asks; he is told by SeeAnswer, if ever.
-  std::string Ask(Asked::What what, const std::string& id);
+  std::string Ask(Asked::What what, const std::string& id, int priority = 0);
   // `saved`: what the store has of the job (null: nothing).
   void SeeAnswer(const coordinator::Core& core, const coordinator::Answer& answer,
                  const proto::Checkpoint* saved);

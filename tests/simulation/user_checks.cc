@@ -7,9 +7,9 @@ namespace cairn::simulation {
 using coordinator::Core;
 using coordinator::Job;
 
-std::string Checks::Ask(Asked::What what, const std::string& id) {
+std::string Checks::Ask(Asked::What what, const std::string& id, int priority) {
   const std::string asker = "user" + std::to_string(++questions_);
-  asked_[asker] = {what, id};
+  asked_[asker] = {what, id, priority};
   jobs_.at(id).asker = asker;
   jobs_.at(id).deletion_asked |= what == Asked::kDelete;
   return asker;
@@ -48,7 +48,9 @@ void Checks::SeeDone(const Asked& asked, const std::string& asker, const Core& c
   if ((asked.what == Asked::kCancel && saved->state() != proto::JOB_CANCELLED) ||
       (asked.what == Asked::kPause && !saved->held() && !failed) ||
       (asked.what == Asked::kResume && saved->held()) ||
-      (asked.what == Asked::kPrioritize && job != nullptr && saved->job().priority() != job->spec.priority()))
+      // What was asked before may come later, and hold in memory already.
+      (asked.what == Asked::kPrioritize && job != nullptr && saved->job().priority() != asked.priority &&
+       saved->job().priority() != job->spec.priority()))
     Fail("what was asked of " + asked.id + " is said to be done, and is not saved");
 }
 

@@ -90,7 +90,8 @@ void Users::Disturb() {
     if (world_.Chance(world_.faults.prioritize_per_s)) {
       world_.Count(kPrioritized);
       const int priority = static_cast<int>(world_.rng.Below(25)) - 12;
-      world_.shell().Deliver(PrioritizeJob{id, priority, world_.checks.Ask(Asked::kPrioritize, id)});
+      world_.shell().Deliver(
+          PrioritizeJob{id, priority, world_.checks.Ask(Asked::kPrioritize, id, priority)});
     }
     if (world_.rng.Below(4) == 0) ResumeIfStopped(id);
     if (world_.rng.Below(100) == 0) Submit(id);
