@@ -6,7 +6,7 @@
 namespace cairn::coordinator {
 namespace {
 
-using Envelope = wire::Envelope;
+using CommandFrom = wire::Envelope;
 
 // The number of the checkpoint that the last event began, which it must have.
 std::uint64_t Persisted(const Bench& bench) {
@@ -42,7 +42,7 @@ TEST(CoreCommands, APausedJobFinishesWhatIsInHandAndGetsNoMoreUntilItIsResumed) 
   bench.Do(PauseJob{"a"});
   EXPECT_EQ(bench.Info().state(), "paused");
   EXPECT_EQ(bench.Info().reason(), "paused by its owner");
-  EXPECT_TRUE(bench.Sent(&Envelope::has_cancel).empty());
+  EXPECT_TRUE(bench.Sent(&CommandFrom::has_cancel).empty());
   const std::uint64_t number = Persisted(bench);
   bench.AnswerRun(bench.Next(), H(10));
   EXPECT_EQ(bench.Info().tasks_done(), 1u);
@@ -73,7 +73,7 @@ TEST(CoreCommands, CancelCallsTasksBackAndKeepsTheBlobsUntilItIsDurable) {
   bench.AnswerRun(bench.Next(), H(10));
   bench.Do(CancelJob{"a"});
   EXPECT_EQ(bench.Info().state(), "cancelled");
-  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u);
+  EXPECT_EQ(bench.Sent(&CommandFrom::has_cancel).size(), 1u);
   const std::uint64_t number = Persisted(bench);
   EXPECT_EQ(bench.All<Persist>()[0].checkpoint.blobs_size(), 0);
   EXPECT_TRUE(bench.core.Holds(H(1000))) << "a crash now finds the checkpoint before, which needs it";

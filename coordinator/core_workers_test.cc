@@ -6,14 +6,14 @@
 namespace cairn::coordinator {
 namespace {
 
-using Envelope = wire::Envelope;
+using WorkersEnvelope = wire::Envelope;
 
 TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
   Bench bench;
   bench.Join("w", 1, "1");
-  EXPECT_EQ(bench.Sent(&Envelope::has_welcome).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_welcome).size(), 1u);
   bench.Join("x", 1, "2");
-  const auto refused = bench.Sent(&Envelope::has_refuse);
+  const auto refused = bench.Sent(&WorkersEnvelope::has_refuse);
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_EQ(refused[0].peer, "x");
   EXPECT_EQ(refused[0].message.refuse().reason(), "version is '2', the coordinator's is '1'");
@@ -27,7 +27,7 @@ TEST(CoreWorkers, AStrayOfAnotherBuildThatComesFirstIsRefusedAndCountedAndDecide
   ASSERT_EQ(bench.All<Refused>().size(), 1u);
   EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kBuild);
   bench.Join("w", 1, "1");
-  EXPECT_EQ(bench.Sent(&Envelope::has_welcome).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_welcome).size(), 1u);
   EXPECT_EQ(bench.core.fleet().size(), 1u);
 }
 
@@ -53,18 +53,18 @@ TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
   hello.set_protocol(3);
   hello.set_slots(1);
   bench.Do(WorkerHello{"w", hello});
-  EXPECT_EQ(bench.Sent(&Envelope::has_refuse).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_refuse).size(), 1u);
   ASSERT_EQ(bench.All<Refused>().size(), 1u);
   EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kVersion);
   bench.Join("w", 0);
-  EXPECT_EQ(bench.Sent(&Envelope::has_refuse).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_refuse).size(), 1u);
   EXPECT_EQ(bench.All<Refused>().size(), 1u);
 }
 
 TEST(CoreWorkers, AStrangerIsAskedToSayHello) {
   Bench bench;
   bench.Beat("nobody");
-  ASSERT_EQ(bench.Sent(&Envelope::has_stranger).size(), 1u);
+  ASSERT_EQ(bench.Sent(&WorkersEnvelope::has_stranger).size(), 1u);
 }
 
 TEST(CoreWorkers, GetsAsManyTasksAsItHasSlots) {
@@ -84,7 +84,7 @@ TEST(CoreWorkers, ALateJoinerTakesOverWhatWaitsBehindAnother) {
   EXPECT_EQ(moved.peer, "late");
   EXPECT_EQ(moved.assign.key().task(), 2u);
   EXPECT_EQ(moved.assign.key().attempt(), 2u);
-  const auto cancels = bench.Sent(&Envelope::has_cancel);
+  const auto cancels = bench.Sent(&WorkersEnvelope::has_cancel);
   ASSERT_EQ(cancels.size(), 1u);
   EXPECT_EQ(cancels[0].peer, "w");
   EXPECT_TRUE(bench.assigned.empty()) << "a worker that has something takes no more";
@@ -103,7 +103,7 @@ TEST(CoreWorkers, ATaskGoesElsewhereWhenTheLeaseExpires) {
   EXPECT_EQ(again.peer, "x");
   EXPECT_EQ(again.assign.key().task(), lost.assign.key().task());
   bench.Beat("w");
-  EXPECT_EQ(bench.Sent(&Envelope::has_stranger).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_stranger).size(), 1u);
 }
 
 TEST(CoreWorkers, ALateAnswerOfAWithdrawnAttemptCountsBecauseTasksArePure) {
@@ -114,7 +114,7 @@ TEST(CoreWorkers, ALateAnswerOfAWithdrawnAttemptCountsBecauseTasksArePure) {
   bench.assigned.clear();
   bench.AnswerRun(first, H(10));
   EXPECT_EQ(bench.Info().tasks_done(), 1u);
-  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 1u);
   bench.Fail(second, "failure of an attempt that was withdrawn");
   EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
 }
@@ -136,7 +136,7 @@ TEST(CoreWorkers, AnAnswerToATaskThatWasNeverItsWorkersChangesNothing) {
   EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kTask);
   EXPECT_EQ(bench.All<DropBlobs>().size(), 1u) << "its blob is not kept";
   EXPECT_EQ(bench.Info().tasks_done(), 0u);
-  EXPECT_TRUE(bench.Sent(&Envelope::has_cancel).empty());
+  EXPECT_TRUE(bench.Sent(&WorkersEnvelope::has_cancel).empty());
   bench.AnswerRun(task, H(10));
   EXPECT_EQ(bench.Info().tasks_done(), 1u);
   bench.AnswerRun(stolen, H(66));
@@ -269,7 +269,7 @@ TEST(CoreWorkers, ATaskThatIsNotWantedIsCalledBackAtEachBeat) {
   const auto task = bench.Next();
   bench.Do(CancelJob{"a"});
   bench.Beat("w", {task});
-  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 1u);
 }
 
 TEST(CoreWorkers, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
@@ -293,7 +293,7 @@ TEST(CoreWorkers, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
   bench.Advance(1);
   EXPECT_TRUE(bench.assigned.empty()) << "one copy is enough";
   bench.AnswerRun(copy, H(20));
-  const auto cancels = bench.Sent(&Envelope::has_cancel);
+  const auto cancels = bench.Sent(&WorkersEnvelope::has_cancel);
   ASSERT_EQ(cancels.size(), 1u);
   EXPECT_EQ(cancels[0].peer, "w");
   EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
@@ -368,12 +368,12 @@ TEST(CoreWorkers, ADrainingWorkerFinishesWhatItRunsAndTheRestGoesElsewhereWithou
   const auto running = bench.Next();
   bench.assigned.clear();
   bench.Do(DrainWorker{"w"});
-  EXPECT_EQ(bench.Sent(&Envelope::has_drain).size(), 1u);
-  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 2u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_drain).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 2u);
   bench.Do(DrainWorker{"w"});
   EXPECT_TRUE(bench.actions.empty()) << "said twice it changes nothing";
   bench.Beat("w", {running}, 1);
-  EXPECT_EQ(bench.Sent(&Envelope::has_drain).size(), 1u) << "the first word may have been lost";
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_drain).size(), 1u) << "the first word may have been lost";
   bench.AnswerRun(running, H(10));
   EXPECT_EQ(bench.Info().tasks_done(), 1u);
   EXPECT_TRUE(bench.assigned.empty());
@@ -390,7 +390,7 @@ TEST(CoreWorkers, ADrainingWorkerThatSaysHelloAgainStillDrains) {
   bench.Do(DrainWorker{"w"});
   bench.assigned.clear();
   bench.Join("w");
-  EXPECT_EQ(bench.Sent(&Envelope::has_drain).size(), 1u);
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_drain).size(), 1u);
   EXPECT_TRUE(bench.assigned.empty());
   EXPECT_TRUE(bench.core.fleet().Find("w")->draining);
 }
@@ -425,7 +425,7 @@ TEST(CoreWorkers, AWorkerWhoseAnswerIsMalformedGetsNoMoreOfThatJobWhereThereAreO
   auto first = bench.Next();
   ASSERT_EQ(first.peer, "w");
   AnswerMalformed(bench, first);
-  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 2u) << "nor are its other answers waited for";
+  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 2u) << "nor are its other answers waited for";
   ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
   EXPECT_NE(bench.core.FindJob("a")->failures[0].find("host-w"), std::string::npos) << "says whose it was";
   EXPECT_TRUE(bench.core.fleet().Find("w")->in_hand.empty());

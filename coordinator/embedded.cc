@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kJobId = "run";
-constexpr double kStep_s = 0.05;
+constexpr double kPoll_s = 0.05;
 constexpr double kProgressEvery_s = 0.1;
 constexpr double kWorkerPatience_s = 0.3;  // with save_patience_s below 2 s
 
@@ -278,7 +278,7 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
   double told_s = 0;
   const auto planned = [&] { return options_.plan_only && (Known()->step || Known()->stage > 0); };
   while (!stop && !trouble_ && Known()->Running() && !planned()) {
-    hub_->Step(kStep_s);
+    hub_->Step(kPoll_s);
     RemoveReplaced();
     if (Now() - told_s < kProgressEvery_s) continue;
     told_s = Now();

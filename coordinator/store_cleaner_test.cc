@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::map<std::string, std::uint64_t> Files(const Cleaned& cleaned) {
+std::map<std::string, std::uint64_t> CleanerFiles(const Cleaned& cleaned) {
   std::map<std::string, std::uint64_t> files;
   for (const wire::Cleaned& kind : cleaned.removed) {
     files[kind.what()] = kind.files();
@@ -68,7 +68,7 @@ class Clean : public ::testing::Test {
 
 TEST_F(Clean, RemovesWhatNobodyNeedsAndNothingElse) {
   const std::set<fs::path> before = Tree();
-  EXPECT_EQ(Files(Offline({})), all_);
+  EXPECT_EQ(CleanerFiles(Offline({})), all_);
   std::set<fs::path> expected = before;
   for (const fs::path& path : planted_) {
     EXPECT_TRUE(before.contains(path)) << path;
@@ -89,9 +89,9 @@ TEST_F(Clean, ADryRunSaysTheSameAndTouchesNothing) {
   options.damaged = options.dry_run = true;
   auto expected = all_;
   expected["damaged files"] = 1;
-  EXPECT_EQ(Files(Offline(options)), expected);
+  EXPECT_EQ(CleanerFiles(Offline(options)), expected);
   const std::set<fs::path> before = Tree();
-  EXPECT_EQ(Files(Offline(options)), expected);
+  EXPECT_EQ(CleanerFiles(Offline(options)), expected);
   EXPECT_EQ(Tree(), before);
 }
 
@@ -100,7 +100,7 @@ TEST_F(Clean, WhatIsDamagedGoesWhereAskedFor) {
   EXPECT_TRUE(fs::exists(damaged_));
   CleanOptions options;
   options.damaged = true;
-  EXPECT_EQ(Files(Offline(options)), (std::map<std::string, std::uint64_t>{{"damaged files", 1}}));
+  EXPECT_EQ(CleanerFiles(Offline(options)), (std::map<std::string, std::uint64_t>{{"damaged files", 1}}));
   EXPECT_FALSE(fs::exists(damaged_));
 }
 
@@ -109,7 +109,7 @@ TEST_F(Clean, WhereACheckpointCannotBeReadNoBlobGoes) {
   fs::resize_file(checkpoint, 100);
   const Cleaned cleaned = Offline({});
   EXPECT_NE(cleaned.note.find(checkpoint.string()), std::string::npos) << cleaned.note;
-  EXPECT_EQ(Files(cleaned), (std::map<std::string, std::uint64_t>{{"temporary files", 1}}));
+  EXPECT_EQ(CleanerFiles(cleaned), (std::map<std::string, std::uint64_t>{{"temporary files", 1}}));
 }
 
 TEST_F(Clean, CheckpointsButTheLastTwoGo) {
@@ -120,7 +120,7 @@ TEST_F(Clean, CheckpointsButTheLastTwoGo) {
     later.set_number(number);
     ASSERT_TRUE(WriteCheckpoint(bench_.folder->CheckpointFile("a", number), later).ok());
   }
-  EXPECT_EQ(Files(Offline({})).at("old checkpoints"), 2u);
+  EXPECT_EQ(CleanerFiles(Offline({})).at("old checkpoints"), 2u);
   bench_.Start();
   EXPECT_EQ(bench_.folder->CheckpointNumbers("a"), (std::vector<std::uint64_t>{3, 4}));
 }

@@ -6,7 +6,7 @@
 namespace cairn::datasets {
 namespace {
 
-std::string Line(const ArrayDifference& array) {
+std::string ArrayLine(const ArrayDifference& array) {
   std::string line = "  " + array.name + ": ";
   if (array.what.starts_with("only")) return line + array.what + "\n";
   if (array.what != "values") return line + array.what + " " + array.a + " and " + array.b + "\n";
@@ -16,7 +16,7 @@ std::string Line(const ArrayDifference& array) {
   return line + "\n";
 }
 
-nlohmann::json Json(const ArrayDifference& array) {
+nlohmann::json DifferenceJson(const ArrayDifference& array) {
   nlohmann::json json{{"name", array.name}, {"what", array.what}};
   if (!array.what.starts_with("only")) {
     json["a"] = array.a;
@@ -40,7 +40,7 @@ std::string DiffText(const Difference& difference) {
   std::string text = "different (" + compared + " compared)\n";
   for (const FileDifference& file : difference.differing) {
     text += file.file + (file.problem.empty() ? "" : ": " + file.problem) + "\n";
-    for (const ArrayDifference& array : file.arrays) text += Line(array);
+    for (const ArrayDifference& array : file.arrays) text += ArrayLine(array);
   }
   return text;
 }
@@ -49,7 +49,7 @@ std::string DiffJson(const Difference& difference) {
   nlohmann::json files = nlohmann::json::array();
   for (const FileDifference& file : difference.differing) {
     nlohmann::json arrays = nlohmann::json::array();
-    for (const ArrayDifference& array : file.arrays) arrays.push_back(Json(array));
+    for (const ArrayDifference& array : file.arrays) arrays.push_back(DifferenceJson(array));
     files.push_back({{"file", file.file}, {"problem", file.problem}, {"arrays", arrays}});
   }
   const nlohmann::json json{{"same", difference.same()},

@@ -9,8 +9,8 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kOccupied = 0.65, kFree = 0.196;  // map_saver's
-constexpr std::uint8_t kUnknownGrey = 205;         // between the two, as map_saver writes it
+constexpr double kRosOccupied = 0.65, kRosFree = 0.196;  // map_saver's
+constexpr std::uint8_t kUnknownGrey = 205;               // between the two, as map_saver writes it
 
 const char* NameOf(RosMode mode) {
   switch (mode) {
@@ -30,8 +30,8 @@ std::uint8_t Grey(double probability, RosMode mode) {
     return std::isnan(probability) ? 255 : static_cast<std::uint8_t>(std::lround(100 * probability));
   if (std::isnan(probability)) return kUnknownGrey;
   if (mode == RosMode::kScale) return static_cast<std::uint8_t>(std::lround(255 * (1 - probability)));
-  if (probability > kOccupied) return 0;
-  return probability < kFree ? 254 : kUnknownGrey;
+  if (probability > kRosOccupied) return 0;
+  return probability < kRosFree ? 254 : kUnknownGrey;
 }
 
 // Each cell's probability, as an image has them: from the top.
@@ -66,11 +66,12 @@ std::string TransparentPng(const Occupancy& cells, RosMode mode) {
 Written ExportRos(const Blob& result, const std::string& folder, bool replace, RosMode mode) {
   const Occupancy cells = ReadCells(result);
   const bool scale = mode == RosMode::kScale;
-  const std::string yaml =
-      std::string("image: ") + (scale ? "map.png" : "map.pgm") + "\nmode: " + NameOf(mode) +
-      "\nresolution: " + NumberText(cells.box.cell_m) + "\norigin: [" + NumberText(cells.box.origin_x_m) +
-      ", " + NumberText(cells.box.origin_y_m) + ", 0]\nnegate: 0\noccupied_thresh: " + NumberText(kOccupied) +
-      "\nfree_thresh: " + NumberText(kFree) + "\n";
+  const std::string yaml = std::string("image: ") + (scale ? "map.png" : "map.pgm") +
+                           "\nmode: " + NameOf(mode) + "\nresolution: " + NumberText(cells.box.cell_m) +
+                           "\norigin: [" + NumberText(cells.box.origin_x_m) + ", " +
+                           NumberText(cells.box.origin_y_m) +
+                           ", 0]\nnegate: 0\noccupied_thresh: " + NumberText(kRosOccupied) +
+                           "\nfree_thresh: " + NumberText(kRosFree) + "\n";
   FolderWriter writer(folder, replace);
   writer.Write("map.pgm", Pgm(cells, mode));
   if (scale) writer.Write("map.png", TransparentPng(cells, mode));

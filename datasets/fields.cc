@@ -6,7 +6,7 @@
 namespace cairn::datasets {
 namespace {
 
-std::string Place(std::size_t field) { return "field " + std::to_string(field + 1); }
+std::string FieldName(std::size_t field) { return "field " + std::to_string(field + 1); }
 
 }  // namespace
 
@@ -27,14 +27,14 @@ std::string_view Fields::Text(std::size_t field) const {
 double Fields::Number(std::size_t field) const {
   const char* reason = "";
   const std::optional<double> number = ParseNumber(Text(field), &reason);
-  if (!number) throw LineError{reason, Place(field) + " is '" + std::string(Text(field)) + "'"};
+  if (!number) throw LineError{reason, FieldName(field) + " is '" + std::string(Text(field)) + "'"};
   return *number;
 }
 
 double Fields::Within(std::size_t field, double per, double most, const char* otherwise) const {
   const double number = Number(field) / per;
   if (std::abs(number) <= most) return number;
-  throw LineError{otherwise, Place(field) + " is '" + std::string(Text(field)) + "'"};
+  throw LineError{otherwise, FieldName(field) + " is '" + std::string(Text(field)) + "'"};
 }
 
 PoseM Fields::Pose(std::size_t first, double per_m) const {
@@ -53,7 +53,7 @@ std::size_t Fields::Count(std::size_t field, std::size_t most) const {
   const double number = Number(field);
   if (!(number >= 0 && number <= static_cast<double>(most)) ||
       number != static_cast<double>(static_cast<std::size_t>(number)))
-    throw LineError{"no count", Place(field) + " is '" + std::string(Text(field)) + "'; allowed: 0 to " +
+    throw LineError{"no count", FieldName(field) + " is '" + std::string(Text(field)) + "'; allowed: 0 to " +
                                     std::to_string(most)};
   return static_cast<std::size_t>(number);
 }

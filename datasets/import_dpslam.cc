@@ -8,8 +8,8 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr std::size_t kMostBeams = 100000;
-constexpr double kMostRange_m = 1000, kReach_m = 8.18;
+constexpr std::size_t kMostDpslamBeams = 100000;
+constexpr double kMostDpslamRange_m = 1000, kReach_m = 8.18;
 
 class DpSlamLines {
  public:
@@ -23,7 +23,7 @@ class DpSlamLines {
     }
     if (line.Text(0) != "Laser")
       throw LineError{"unknown message", "'" + std::string(line.Text(0).substr(0, 40)) + "'"};
-    const std::size_t beams = line.Count(1, kMostBeams);
+    const std::size_t beams = line.Count(1, kMostDpslamBeams);
     line.Need(2 + beams, std::to_string(beams) + " readings");
     if (beams < 2) throw LineError{"no count", "a scan has two beams or more"};
     if (!pose_) throw LineError{"scan without odometry before it", ""};
@@ -33,7 +33,7 @@ class DpSlamLines {
     if (beams != first)
       throw LineError{"other beams than the sensor's first scan",
                       std::to_string(beams) + " instead of " + std::to_string(first)};
-    log_->events.push_back({number, 0, pose_, {}, {}, 0, line.Ranges(2, beams, kMostRange_m), {}});
+    log_->events.push_back({number, 0, pose_, {}, {}, 0, line.Ranges(2, beams, kMostDpslamRange_m), {}});
     pose_.reset();
   }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostPlaces = 4096;
 
-struct Table {
+struct ErrorTable {
   std::vector<double> x_m, y_m, error;
   std::map<std::pair<double, double>, std::size_t> line_of;  // where a place is
   std::size_t free_of_cost = 0;                              // places that cost nothing where they are true
@@ -27,7 +27,7 @@ double NumberIn(std::size_t column, bool is_error, CsvReader* reader) {
   return *number;
 }
 
-void AddRow(std::size_t places, CsvReader* reader, Table* table) {
+void AddRow(std::size_t places, CsvReader* reader, ErrorTable* table) {
   const double x = NumberIn(0, false, reader), y = NumberIn(1, false, reader);
   const auto [at, is_new] = table->line_of.try_emplace({x, y}, reader->line());
   if (!is_new) reader->Bad("the place of line " + std::to_string(at->second) + " again");
@@ -49,7 +49,7 @@ ImportReport ImportErrors(const ErrorsImportOptions& options, Blob* errors) {
   if (places == 0 || places > kMostPlaces)
     throw InputError(options.file + ":1: " + std::to_string(places) +
                      " columns for places beside x_m and y_m; allowed: 1 to " + std::to_string(kMostPlaces));
-  Table table;
+  ErrorTable table;
   while (reader.Next()) AddRow(places, &reader, &table);
   if (table.x_m.size() != places)
     throw InputError(options.file + ":" + std::to_string(reader.line()) + ": " +

@@ -9,9 +9,9 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kPiOfRanges = std::numbers::pi;
 
-std::string Many(int count, const std::string& value) {
+std::string ManyRanges(int count, const std::string& value) {
   std::string text;
   for (int i = 0; i < count; ++i) text += " " + value;
   return text;
@@ -24,8 +24,8 @@ class ImportRangesTest : public ImportTest {
     options_.path = folder_ / "";
     folder_.Put("od.txt", "1000 0 0 0\n1200 500 0 2700\n1400 500 -500 2700\n");
     folder_.Put("sonar.txt.gz", sonar);
-    folder_.Put("laser.txt", "1000" + Many(361, "2000") + "\n1200" + Many(361, "81910") + "\n1400" +
-                                 Many(361, "3000") + "\n");
+    folder_.Put("laser.txt", "1000" + ManyRanges(361, "2000") + "\n1200" + ManyRanges(361, "81910") +
+                                 "\n1400" + ManyRanges(361, "3000") + "\n");
   }
   template <class Import>
   std::string Refusal(Import import, const std::string& text) {
@@ -35,7 +35,8 @@ class ImportRangesTest : public ImportTest {
 };
 
 TEST_F(ImportRangesTest, PioneersRowsBelongTogetherByTheirNumbers) {
-  PutPioneer("1000" + Many(8, "1000") + "\n1200" + Many(8, "5110") + "\n1400" + Many(8, "500") + "\n");
+  PutPioneer("1000" + ManyRanges(8, "1000") + "\n1200" + ManyRanges(8, "5110") + "\n1400" +
+             ManyRanges(8, "500") + "\n");
   EXPECT_EQ(ImportPioneer(options_, &log_).scans, 6);
   EXPECT_EQ(Column<double>("robot/0/sonar/time_s"), (std::vector<double>{1, 1.2, 1.4}));
   const auto sonar = Column<double>("robot/0/sonar/range_m");
@@ -43,23 +44,26 @@ TEST_F(ImportRangesTest, PioneersRowsBelongTogetherByTheirNumbers) {
   EXPECT_TRUE(std::isnan(sonar[8])) << "5110 is no echo";
   EXPECT_TRUE(std::isnan(Column<double>("robot/0/laser/range_m")[361])) << "81910 is no return";
   EXPECT_EQ(Column<double>("robot/0/sonar/beam_y_m")[0], -0.19) << "from right to left";
-  EXPECT_NEAR(Column<double>("robot/0/laser/beam_heading_rad")[1], -kPi / 2 + kPi / 360, 1e-12);
+  EXPECT_NEAR(Column<double>("robot/0/laser/beam_heading_rad")[1], -kPiOfRanges / 2 + kPiOfRanges / 360,
+              1e-12);
   double turned = 0;
   for (const double turn : Column<double>("robot/0/odometry/turn_rad")) turned += turn;
-  EXPECT_NEAR(turned, -kPi / 2, 1e-9) << "270 degrees are 90 to the right";
+  EXPECT_NEAR(turned, -kPiOfRanges / 2, 1e-9) << "270 degrees are 90 to the right";
 }
 
 TEST_F(ImportRangesTest, PioneersBadRowsAreNamedOrLeftOutOfAllFiles) {
-  PutPioneer("1000" + Many(8, "1000") + "\n1200" + Many(7, "5110") + "\n1400" + Many(8, "500") + "\n");
+  PutPioneer("1000" + ManyRanges(8, "1000") + "\n1200" + ManyRanges(7, "5110") + "\n1400" +
+             ManyRanges(8, "500") + "\n");
   ExpectContains(InputErrorOf([&] { ImportPioneer(options_, &log_); }), "sonar.txt.gz:2: line cut short");
   options_.skip_bad = true;
   const ImportReport report = ImportPioneer(options_, &log_);
   EXPECT_EQ(report.scans, 4);
   EXPECT_EQ(report.dropped.at("row that is bad in one of the files"), 1);
-  PutPioneer("1000" + Many(8, "1000") + "\n1200" + Many(8, "5110") + "\n");
+  PutPioneer("1000" + ManyRanges(8, "1000") + "\n1200" + ManyRanges(8, "5110") + "\n");
   ExpectContains(InputErrorOf([&] { ImportPioneer(options_, &log_); }), "differ in length");
   options_.skip_bad = false;
-  PutPioneer("1000" + Many(8, "1000") + "\n1201" + Many(8, "5110") + "\n1400" + Many(8, "500") + "\n");
+  PutPioneer("1000" + ManyRanges(8, "1000") + "\n1201" + ManyRanges(8, "5110") + "\n1400" +
+             ManyRanges(8, "500") + "\n");
   ExpectContains(InputErrorOf([&] { ImportPioneer(options_, &log_); }), "od.txt:2: another time than in");
 }
 
@@ -80,7 +84,7 @@ TEST_F(ImportRangesTest, DpSlamScansAreNumbered) {
 
 TEST_F(ImportRangesTest, WeanIsInCentimetresAndItsLaserSitsAhead) {
   options_.path =
-      folder_.Put("wean.log", "O 0 0 0 0.1\nL 100 0 0 125 0 0" + Many(179, "200") + " 8183 0.2\n");
+      folder_.Put("wean.log", "O 0 0 0 0.1\nL 100 0 0 125 0 0" + ManyRanges(179, "200") + " 8183 0.2\n");
   EXPECT_EQ(ImportWean(options_, &log_).scans, 1);
   EXPECT_NEAR(Column<double>("robot/0/odometry/forward_m")[1], 1, 1e-12);
   EXPECT_EQ(Column<double>("robot/0/laser/beam_x_m")[0], 0.25);
@@ -88,7 +92,7 @@ TEST_F(ImportRangesTest, WeanIsInCentimetresAndItsLaserSitsAhead) {
   EXPECT_TRUE(std::isnan(Column<double>("robot/0/laser/range_m")[179]));
   ExpectContains(Refusal(ImportWean, "O 0 0 0 1\nO 0 0 1\n"), "log.txt:2: line cut short");
   ExpectContains(Refusal(ImportWean, "O 0 0 0 1\nX 0 0 1\n"), "log.txt:2: unknown message");
-  ExpectContains(Refusal(ImportWean, "L 1 0 0 1 0 0" + Many(180, "-2") + " 1\n"),
+  ExpectContains(Refusal(ImportWean, "L 1 0 0 1 0 0" + ManyRanges(180, "-2") + " 1\n"),
                  "log.txt:1: negative range");
 }
 

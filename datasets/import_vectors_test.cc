@@ -9,7 +9,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr char kHeader[] = "time_s,x_m,y_m,heading_rad,red,range 1\n";
+constexpr char kVectorsHeader[] = "time_s,x_m,y_m,heading_rad,red,range 1\n";
 
 class ImportVectorsTest : public ImportTest {
  protected:
@@ -29,11 +29,11 @@ class ImportVectorsTest : public ImportTest {
     EXPECT_TRUE(failure.empty() || log_.fields().empty()) << "refused, and yet something was made";
     return failure;
   }
-  std::string RowFailure(const std::string& rows) { return Failure(kHeader + rows); }
+  std::string RowFailure(const std::string& rows) { return Failure(kVectorsHeader + rows); }
 };
 
 TEST_F(ImportVectorsTest, PutsEveryColumnInItsPlace) {
-  Put("monday.csv", std::string(kHeader) + "1,2,3,0.5,10,-1\n1.5,2.5,3.5,4,11,1e-3\n\n2,3,4,0,12,0\n");
+  Put("monday.csv", std::string(kVectorsHeader) + "1,2,3,0.5,10,-1\n1.5,2.5,3.5,4,11,1e-3\n\n2,3,4,0,12,0\n");
   Put("tuesday.csv.gz", "range 1,y_m,heading_rad,\"red\",x_m,time_s\n5,6,-0.25,7,8,9\n15,16,0,17,18,19\n");
   const ImportReport report = Import();
   EXPECT_EQ(log_.Texts("runs"), (std::vector<std::string>{"monday", "tuesday"}));
@@ -87,7 +87,8 @@ TEST_F(ImportVectorsTest, HeadingsMayBeMissingFromAll) {
 }
 
 TEST_F(ImportVectorsTest, RepeatedPosesAreTakenAndCounted) {
-  Put("a.csv", std::string(kHeader) + "1,0,0,0,1,1\n2,0,0,0,2,2\n3,0,0,1,3,3\n3,1,0,0,4,4\n5,0,0,0,5,5\n");
+  Put("a.csv",
+      std::string(kVectorsHeader) + "1,0,0,0,1,1\n2,0,0,0,2,2\n3,0,0,1,3,3\n3,1,0,0,4,4\n5,0,0,0,5,5\n");
   const ImportReport report = Import();
   EXPECT_EQ(Column<double>("run/0/time_s").size(), 5U);
   ASSERT_EQ(report.warnings.size(), 1U);
@@ -106,7 +107,7 @@ TEST_F(ImportVectorsTest, MissingAndDoubledColumnsAreRefused) {
 }
 
 TEST_F(ImportVectorsTest, RunsOfOtherColumnsAreRefused) {
-  const std::string rows = "1,0,0,0,1,1\n2,1,0,0,2,2\n", good = kHeader + rows;
+  const std::string rows = "1,0,0,0,1,1\n2,1,0,0,2,2\n", good = kVectorsHeader + rows;
   ExpectContains(Failure(good, "time_s,x_m,y_m,heading_rad,red,blue\n" + rows),
                  "b.csv:1: the header has column 'blue', which " + (folder_ / "a.csv") + " lacks");
   ExpectContains(Failure(good, "time_s,x_m,y_m,heading_rad,red\n1,0,0,0,1\n2,0,0,0,1\n"),
@@ -139,7 +140,7 @@ TEST_F(ImportVectorsTest, BadRowsNameFileLineAndReason) {
 }
 
 TEST_F(ImportVectorsTest, TwoRunsOfOneNameAreRefused) {
-  const std::string text = std::string(kHeader) + "1,0,0,0,1,1\n2,1,0,0,1,1\n";
+  const std::string text = std::string(kVectorsHeader) + "1,0,0,0,1,1\n2,1,0,0,1,1\n";
   Put("a.csv", text);
   Put("a.csv.gz", text);
   ExpectContains(InputErrorOf([this] { Import(); }), "a.csv.gz: its run is called 'a', as that of ");
@@ -147,7 +148,8 @@ TEST_F(ImportVectorsTest, TwoRunsOfOneNameAreRefused) {
 
 TEST_F(ImportVectorsTest, SkipBadCountsByReasonAndKeepsWholeRowsOnly) {
   options_.skip_bad = true;
-  Put("a.csv", std::string(kHeader) + "1,0,0,0,1,1\n2,0,0,0,5,x\n0,0,0,0,1,1\n3,1,0,0,2,2\n4,1,1,0,nan,2\n");
+  Put("a.csv",
+      std::string(kVectorsHeader) + "1,0,0,0,1,1\n2,0,0,0,5,x\n0,0,0,0,1,1\n3,1,0,0,2,2\n4,1,1,0,nan,2\n");
   const ImportReport report = Import();
   EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{
                                 {"not a number", 1}, {"not finite", 1}, {"time runs backwards", 1}}));

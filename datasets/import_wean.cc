@@ -8,8 +8,8 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kCentimetres = 100, kReach_m = 81.8, kAhead_m = 0.25, kMostRange_m = 1000;
-constexpr std::size_t kBeams = 180, kRanges = 7;  // where those of an L line begin
+constexpr double kCentimetres = 100, kWeanReach_m = 81.8, kAhead_m = 0.25, kMostWeanRange_m = 1000;
+constexpr std::size_t kWeanBeams = 180, kRanges = 7;  // where those of an L line begin
 
 RangeEvent EventOf(const Fields& line, std::size_t number) {
   RangeEvent event;
@@ -17,9 +17,10 @@ RangeEvent EventOf(const Fields& line, std::size_t number) {
   if (line.Text(0) == "O") {
     line.Need(5, "pose and time");
   } else if (line.Text(0) == "L") {
-    line.Need(kRanges + kBeams + 1, "two poses, " + std::to_string(kBeams) + " readings and the time");
+    line.Need(kRanges + kWeanBeams + 1,
+              "two poses, " + std::to_string(kWeanBeams) + " readings and the time");
     event.sensor = 0;
-    event.range_m = line.Ranges(kRanges, kBeams, kMostRange_m * kCentimetres);
+    event.range_m = line.Ranges(kRanges, kWeanBeams, kMostWeanRange_m * kCentimetres);
     for (double& range : event.range_m) range /= kCentimetres;
   } else {
     throw LineError{"unknown message", "'" + std::string(line.Text(0).substr(0, 40)) + "'"};
@@ -36,7 +37,7 @@ ImportReport ImportWean(const RangeImportOptions& options, Blob* log) {
   BadLines bad(options.skip_bad);
   RangeLog ranges;
   ranges.path = options.path;
-  ranges.sensors = {LaserFan("laser", kBeams, 1, kAhead_m, kReach_m)};
+  ranges.sensors = {LaserFan("laser", kWeanBeams, 1, kAhead_m, kWeanReach_m)};
   ForEachLine(options.path, &bad, [&](const Fields& line, std::size_t number) {
     ranges.events.push_back(EventOf(line, number));
   });

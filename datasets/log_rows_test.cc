@@ -15,7 +15,7 @@ struct Pose {
 };
 
 // Where the controls up to and including row `end` lead.
-Pose Drive(const Odometry& odometry, std::size_t end) {
+Pose EndOf(const Odometry& odometry, std::size_t end) {
   Pose pose;
   for (std::size_t i = 0; i < end; ++i) {
     pose.heading_rad += odometry.turn_rad[i];
@@ -47,7 +47,7 @@ TEST(VelocityIntegrator, FollowsACircleFromUnevenSteps) {
     integrator.Add(time, 0.4, 0.2, &odometry);
     if (i < 1000) time += i % 3 == 0 ? 0.01 : 0.02;
   }
-  const Pose end = Drive(odometry, odometry.time_s.size());
+  const Pose end = EndOf(odometry, odometry.time_s.size());
   EXPECT_NEAR(end.heading_rad, 0.2 * time, 1e-9);
   EXPECT_NEAR(end.x_m, 2 * std::sin(0.2 * time), 1e-5);
   EXPECT_NEAR(end.y_m, 2 - 2 * std::cos(0.2 * time), 1e-5);

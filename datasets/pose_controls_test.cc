@@ -10,7 +10,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kPiOfPoses = std::numbers::pi;
 
 // Where dead reckoning is after all controls up to `time_s`.
 PoseM Reckon(const Odometry& odometry, const PoseM& start, double time_s) {
@@ -31,11 +31,11 @@ TEST(ControlsOf, AnArcIsHalfATurnAWayAndHalfATurn) {
 }
 
 TEST(ControlsOf, ARobotThatBacksUpDoesNotTurnRound) {
-  const Odometry odometry = ControlsOf({{0, {0, 0, 0}}, {1, {-1, 0, 0}}, {2, {-1.5, 0.5, -kPi / 2}}});
+  const Odometry odometry = ControlsOf({{0, {0, 0, 0}}, {1, {-1, 0, 0}}, {2, {-1.5, 0.5, -kPiOfPoses / 2}}});
   EXPECT_NEAR(odometry.forward_m[1], -1, 1e-12);
   EXPECT_EQ(odometry.turn_rad[1], 0);
   EXPECT_NEAR(odometry.forward_m[2], -std::hypot(0.5, 0.5), 1e-12);
-  EXPECT_NEAR(odometry.turn_rad[2], -kPi / 4, 1e-12);
+  EXPECT_NEAR(odometry.turn_rad[2], -kPiOfPoses / 4, 1e-12);
 }
 
 TEST(ControlsOf, ReckoningStaysByThePosesHoweverJittery) {
@@ -63,7 +63,7 @@ TEST(ControlsOf, ReckoningStaysByThePosesHoweverJittery) {
     EXPECT_NEAR(WrapAngle(at.heading_rad - poses[i].pose.heading_rad), 0, 1e-9) << i;
   }
   // In place 800 poses turn by 0.1, jitter adds none; sideways it has to turn there and back.
-  EXPECT_LT(turned, 800 * 0.1 + 800 * 0.05 + 800 * 0.02 + 400 * kPi);
+  EXPECT_LT(turned, 800 * 0.1 + 800 * 0.05 + 800 * 0.02 + 400 * kPiOfPoses);
 }
 
 TEST(ControlsOf, AHaltHasItsEndOnly) {

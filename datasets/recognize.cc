@@ -16,13 +16,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct GzClose {
+struct GzipClose {
   void operator()(gzFile_s* file) const { gzclose(file); }
 };
 
 // The first few lines, gunzipped where need be.
 std::string BeginningOf(const std::string& path) {
-  const std::unique_ptr<gzFile_s, GzClose> file(gzopen(path.c_str(), "rb"));
+  const std::unique_ptr<gzFile_s, GzipClose> file(gzopen(path.c_str(), "rb"));
   if (!file) return {};
   std::array<char, 1 << 16> text{};
   const int count = gzread(file.get(), text.data(), text.size());
@@ -98,7 +98,7 @@ std::optional<Recognized> RecognizeFile(const std::string& path) {
   return std::nullopt;
 }
 
-bool IsImage(const fs::path& path) {
+bool IsImageName(const fs::path& path) {
   const std::string ending = path.extension().string();
   constexpr std::array kImages = {".png", ".jpg", ".jpeg", ".ppm"};
   return std::ranges::find(kImages, ending) != kImages.end();
@@ -125,7 +125,7 @@ std::optional<Recognized> RecognizeFolder(const std::string& path) {
   std::error_code error;
   std::size_t images = 0;
   for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-    if (IsImage(entry->path())) ++images;
+    if (IsImageName(entry->path())) ++images;
     if (entry->is_regular_file(error)) files.push_back(entry->path().string());
   }
   if (images > 1)

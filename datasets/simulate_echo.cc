@@ -7,7 +7,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoEcho = std::numeric_limits<double>::infinity();
 
 struct Sonar {
   PointM at;
@@ -58,7 +58,7 @@ double PersonM(const Sonar& sonar, PointM person) {
       WrapAngle(std::atan2(person.y_m - sonar.at.y_m, person.x_m - sonar.at.x_m) - sonar.heading_rad);
   const double beside = std::max(std::abs(off) - sonar.half_opening_rad, 0.0);
   const double across = distance * std::sin(beside);
-  if (beside >= std::asin(kPersonRadiusM / distance)) return kInfinity;
+  if (beside >= std::asin(kPersonRadiusM / distance)) return kNoEcho;
   return distance * std::cos(beside) - std::sqrt(kPersonRadiusM * kPersonRadiusM - across * across);
 }
 
@@ -142,7 +142,7 @@ class Listener {
   const Sonar& sonar_;
   const Luck& luck_;
   Cone cone_;
-  double range_m_ = kInfinity;
+  double range_m_ = kNoEcho;
   Cause cause_ = Cause::kNothing;
 };
 

@@ -19,7 +19,7 @@ namespace cairn::datasets {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
-constexpr double kSpeedMps = 0.4;
+constexpr double kHallSpeedMps = 0.4;
 constexpr int kMostDoorReadings = 24;
 constexpr double kNarrowestM = 0.3, kWidestM = 1.8;  // doors
 constexpr int kMostDraws = 100;
@@ -49,7 +49,7 @@ Drive DrawWeave(double from_x_m, int steps, double step_m, Rng& rng) {
   drive.start = {from_x_m, 0, heading(0)};
   double time_s = 0;
   for (int i = 1; i <= steps; ++i) {
-    time_s += step_m / kSpeedMps * (1 + 0.03 * std::clamp(rng.Normal(), -3.0, 3.0));
+    time_s += step_m / kHallSpeedMps * (1 + 0.03 * std::clamp(rng.Normal(), -3.0, 3.0));
     drive.controls.push_back({heading(i) - heading(i - 1), step_m});
     drive.times_s.push_back(time_s);
     drive.length_m += step_m;
@@ -186,7 +186,7 @@ Blob SimulateNarrowDoors(std::uint64_t seed) {
   const double meets_s = rng.Uniform(12, 18), beside_m = -rng.Uniform(0.7, 0.85);
   visit.walker = [plan, meets_s, beside_m](double time_s, const PoseM&) -> std::optional<PointM> {
     constexpr double kWalkMps = 1;
-    const double x = kSpeedMps * meets_s - kWalkMps * (time_s - meets_s);
+    const double x = kHallSpeedMps * meets_s - kWalkMps * (time_s - meets_s);
     if (x < plan.from_x_m + kPersonRadiusM || x > plan.to_x_m - kPersonRadiusM) return std::nullopt;
     return PointM{x, beside_m};
   };

@@ -12,15 +12,15 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180;
+constexpr double kDegree_rad = std::numbers::pi / 180;
 constexpr int kMaxRobots = 64;
 constexpr int kMaxTours = 10000;
 constexpr double kNominalSpread = 1.5;
 
 // Streams of the generator: the world's, the data sheet's, then one for each robot. What options add draws
 // from substreams, so that they change nothing else.
-constexpr std::uint64_t kWorldStream = 0, kNominalStream = 1, kRobotStream = 2;
-constexpr std::uint32_t kSensingSubstream = 1, kSonarSubstream = 2;
+constexpr std::uint64_t kLoopWorldStream = 0, kNominalStream = 1, kRobotStream = 2;
+constexpr std::uint32_t kSensingSubstream = 1, kLoopSonarSubstream = 2;
 constexpr int kMaxDrives = 20;
 
 LoopDifficulty Make(const char* name, double path_m, double step_m, int min_presses, int max_presses,
@@ -31,8 +31,8 @@ LoopDifficulty Make(const char* name, double path_m, double step_m, int min_pres
   d.step_m = step_m;
   d.min_presses = min_presses;
   d.max_presses = max_presses;
-  d.noise.heading_drift_rad_per_m = drift_deg_per_m * kDeg;
-  d.noise.heading_walk_rad_per_sqrt_m = walk_deg_per_sqrt_m * kDeg;
+  d.noise.heading_drift_rad_per_m = drift_deg_per_m * kDegree_rad;
+  d.noise.heading_walk_rad_per_sqrt_m = walk_deg_per_sqrt_m * kDegree_rad;
   d.final_error = final_error;
   return d;
 }
@@ -45,7 +45,7 @@ std::vector<LoopDifficulty> MakeDifficulties() {
   all.push_back(Make("hard", 1000, 0.33, 65, 70, 0.2, 1.0, {45, 55}));
   all.push_back(Make("extreme", 600, 0.33, 0, kAny, 0.3, 1.0, {60, 120}));
   all.back().box_m = 150;
-  all.push_back(Make("museum", 735, 0.275, 50, 50, 0.2, 0.5, {65, 75, 165 * kDeg}));
+  all.push_back(Make("museum", 735, 0.275, 50, 50, 0.2, 0.5, {65, 75, 165 * kDegree_rad}));
   return all;
 }
 
@@ -76,9 +76,9 @@ double NominalFigure(double exact, Rng& rng) {
 void PutNominalNoise(const LoopDifficulty& difficulty, const LoopSensing& sensing, Rng& rng, Blob& log) {
   const OdometryNoise& noise = difficulty.noise;
   log.PutScalar("noise/heading_drift_rad_per_m",
-                NominalFigure(noise.heading_drift_rad_per_m / kDeg, rng) * kDeg);
+                NominalFigure(noise.heading_drift_rad_per_m / kDegree_rad, rng) * kDegree_rad);
   log.PutScalar("noise/heading_walk_rad_per_sqrt_m",
-                NominalFigure(noise.heading_walk_rad_per_sqrt_m / kDeg, rng) * kDeg);
+                NominalFigure(noise.heading_walk_rad_per_sqrt_m / kDegree_rad, rng) * kDegree_rad);
   log.PutScalar("noise/forward_ratio", NominalFigure(noise.forward_ratio, rng));
   log.PutScalar("noise/turn_ratio", NominalFigure(noise.turn_ratio, rng));
   if (!sensing.ranged()) log.PutScalar("noise/press_m", NominalFigure(DriveOptions{}.pass_sd_m, rng));
@@ -101,7 +101,7 @@ void PutConfusion(const LoopSensing& sensing, Rng& rng, Blob& log) {
 void PutNominalSensing(const LoopSensing& sensing, Rng& rng, Blob& log) {
   if (sensing.ranged()) {
     log.PutScalar("noise/range_m", NominalFigure(kSightRangeM, rng));
-    log.PutScalar("noise/bearing_rad", NominalFigure(kSightBearingRad / kDeg, rng) * kDeg);
+    log.PutScalar("noise/bearing_rad", NominalFigure(kSightBearingRad / kDegree_rad, rng) * kDegree_rad);
     log.PutScalar("sensor/max_range_m", kSightMaxRangeM);
     log.PutScalar("sensor/field_of_view_rad", kSightViewRad);
   }
@@ -134,7 +134,7 @@ void PutObservations(const std::string& robot, const Drive& drive, const std::ve
 
 // The landmarks' types: none where all look alike.
 std::vector<int> DrawTypes(const CorridorWorld& world, const SimulateLoopOptions& options) {
-  Rng rng(options.seed, kWorldStream, kSensingSubstream);
+  Rng rng(options.seed, kLoopWorldStream, kSensingSubstream);
   std::vector<int> types;
   for (std::size_t i = 0; i < world.nodes.size() && options.sensing.types > 1; ++i)
     types.push_back(static_cast<int>(rng.Below(static_cast<std::uint64_t>(options.sensing.types))));
@@ -196,7 +196,7 @@ Blob SimulateLoop(const SimulateLoopOptions& options) {
                      std::to_string(kMaxRobots));
   }
   Check(options.sensing);
-  Rng world_rng(options.seed, kWorldStream);
+  Rng world_rng(options.seed, kLoopWorldStream);
   const CorridorWorld world = MakeLoopWorld(difficulty.box_m, world_rng);
   const std::vector<int> types = DrawTypes(world, options);
   const std::vector<Wall> walls = options.sonar ? WallsOf(world) : std::vector<Wall>{};
@@ -208,7 +208,7 @@ Blob SimulateLoop(const SimulateLoopOptions& options) {
   PutNominalSensing(options.sensing, sheet_rng, log);
   if (options.sonar) {
     PutWalls(walls, log);
-    Rng sonar_rng(options.seed, kNominalStream, kSonarSubstream);
+    Rng sonar_rng(options.seed, kNominalStream, kLoopSonarSubstream);
     log.PutScalar("noise/sonar_m", NominalFigure(kSonarSdM, sonar_rng));
   }
   std::vector<std::string> names;
@@ -222,7 +222,7 @@ Blob SimulateLoop(const SimulateLoopOptions& options) {
     PutObservations(robot, drive, Sense(drive, world, types, options.sensing, sensing_rng),
                     options.sensing.types > 1, log);
     PutPoses("truth/" + robot + "/poses/", drive, log);
-    Rng sonar_rng(options.seed, stream, kSonarSubstream);
+    Rng sonar_rng(options.seed, stream, kLoopSonarSubstream);
     if (options.sonar) PutSonar(robot, drive, Milli(drive.times_s), walls, sonar_rng, log);
     names.push_back("robot " + std::to_string(r));
   }

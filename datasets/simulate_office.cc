@@ -26,8 +26,9 @@ constexpr double kNeverS = 1e9;
 constexpr double kLoopStepM = 0.33, kLoopTurnRad = 0.41;
 
 // Streams of the generator.
-constexpr std::uint64_t kPlanStream = 0, kDriveStream = 1, kPersonStream = 2, kOdometryStream = 3,
-                        kMoveStream = 4, kSonarStream = 5, kInfraredStream = 6;
+constexpr std::uint64_t kOfficePlanStream = 0, kOfficeDriveStream = 1, kOfficePersonStream = 2,
+                        kOfficeOdometryStream = 3, kMoveStream = 4, kOfficeSonarStream = 5,
+                        kInfraredStream = 6;
 
 RangeRing SonarRing() {
   RangeRing ring;
@@ -221,9 +222,9 @@ void Check(const SimulateOfficeOptions& options) {
 
 Blob SimulateOffice(const SimulateOfficeOptions& options) {
   Check(options);
-  Rng plan_rng(options.seed, kPlanStream), drive_rng(options.seed, kDriveStream),
-      person_rng(options.seed, kPersonStream), odometry_rng(options.seed, kOdometryStream),
-      sonar_rng(options.seed, kSonarStream), infrared_rng(options.seed, kInfraredStream);
+  Rng plan_rng(options.seed, kOfficePlanStream), drive_rng(options.seed, kOfficeDriveStream),
+      person_rng(options.seed, kOfficePersonStream), odometry_rng(options.seed, kOfficeOdometryStream),
+      sonar_rng(options.seed, kOfficeSonarStream), infrared_rng(options.seed, kInfraredStream);
   const Office office = office::DrawOffice(options.turned, plan_rng);
   const Tour tour = office::DrawTour(office, options.minutes, options.moved, drive_rng);
   if (options.moved && tour.moved_s == 0)

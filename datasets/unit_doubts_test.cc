@@ -22,7 +22,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kUnitDegree_rad = std::numbers::pi / 180;
 
 std::string Only(const ImportReport& report) {
   EXPECT_EQ(report.unit_doubts.size(), 1U);
@@ -48,7 +48,7 @@ class UnitsOfFiles : public ImportTest {
       for (int i = 0; i < 120; ++i) {
         const bool turns = i >= 100;
         at.time_s += 0.1;
-        at.turn_rad = turns ? 4.5 * kDegree : 0;
+        at.turn_rad = turns ? 4.5 * kUnitDegree_rad : 0;
         at.forward_m = turns ? 0 : 0.03;
         at.heading_rad = std::remainder(at.heading_rad + at.turn_rad, 2 * std::numbers::pi);
         at.x_m += at.forward_m * std::cos(at.heading_rad);
@@ -147,12 +147,12 @@ TEST_F(UnitsOfFiles, WhatARobotDoesIsNotInDoubt) {
 }
 
 TEST_F(UnitsOfFiles, BearingsInDegreesAreNamedWithTheirLine) {
-  const std::string csv = Only(Csv({.bearing = 1 / kDegree}));
+  const std::string csv = Only(Csv({.bearing = 1 / kUnitDegree_rad}));
   ExpectContains(csv, "observations.csv:");
   ExpectContains(csv, "robot 'robot', row ");
   ExpectContains(csv, "bearings reach -1");
   ExpectContains(csv, "are they in degrees? Cairn reads radians");
-  ExpectContains(InputErrorOf([this] { Mrclam({.bearing = 1 / kDegree}); }),
+  ExpectContains(InputErrorOf([this] { Mrclam({.bearing = 1 / kUnitDegree_rad}); }),
                  "rad to either side: are bearings in degrees? Cairn reads radians");
 }
 
@@ -168,11 +168,12 @@ TEST_F(UnitsOfFiles, WaysInMillimetresAreNamedWithTheirLine) {
 }
 
 TEST_F(UnitsOfFiles, TurnsAndHeadingsInDegreesAreNamedWithTheirLine) {
-  ExpectContains(Only(Csv({.turn = 1 / kDegree})), "odometry.csv:");
-  ExpectContains(Only(Csv({.turn = 1 / kDegree})), "it turns by 22.5 rad within 0.5 s, which is 45 rad/s");
-  ExpectContains(Only(Mrclam({.turn = 1 / kDegree})), "are turns in degrees?");
-  ExpectContains(Only(Tum({.turn = 1 / kDegree})), "are headings in degrees?");
-  ExpectContains(Only(Vectors({.turn = 1 / kDegree})), "are headings in degrees?");
+  ExpectContains(Only(Csv({.turn = 1 / kUnitDegree_rad})), "odometry.csv:");
+  ExpectContains(Only(Csv({.turn = 1 / kUnitDegree_rad})),
+                 "it turns by 22.5 rad within 0.5 s, which is 45 rad/s");
+  ExpectContains(Only(Mrclam({.turn = 1 / kUnitDegree_rad})), "are turns in degrees?");
+  ExpectContains(Only(Tum({.turn = 1 / kUnitDegree_rad})), "are headings in degrees?");
+  ExpectContains(Only(Vectors({.turn = 1 / kUnitDegree_rad})), "are headings in degrees?");
 }
 
 TEST_F(UnitsOfFiles, TimesInMillisecondsAreSeenByHowSlowItIs) {

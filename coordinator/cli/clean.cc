@@ -13,21 +13,21 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct CleanArguments {
   ClientArguments client;
   std::string store;
   coordinator::CleanOptions clean;
   bool json = false;
 };
 
-coordinator::Cleaned CleanHere(const Options& options) {
+coordinator::Cleaned CleanHere(const CleanArguments& options) {
   const std::filesystem::path dir = options.store;
   if (!std::filesystem::is_directory(dir / "checkpoints")) throw InputError(options.store + " is no store");
   const coordinator::StoreFolder folder = Take(coordinator::StoreFolder::OpenAsItIs(dir));
   return coordinator::CleanStore(folder, options.clean, coordinator::HashesInPack);
 }
 
-coordinator::Cleaned CleanThere(const Options& options) {
+coordinator::Cleaned CleanThere(const CleanArguments& options) {
   coordinator::Client client = ConnectClient(options.client);
   const wire::Reply reply = Take(client.Clean(options.clean.damaged, options.clean.dry_run));
   return {{reply.cleaned().begin(), reply.cleaned().end()}, reply.message()};
@@ -41,7 +41,7 @@ std::string CleanedJson(const coordinator::Cleaned& cleaned, bool dry_run) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-int Clean(const Options& options, const Invocation&) {
+int Clean(const CleanArguments& options, const Invocation&) {
   const coordinator::Cleaned cleaned = options.store.empty() ? CleanThere(options) : CleanHere(options);
   if (options.json) {
     std::fputs(CleanedJson(cleaned, options.clean.dry_run).c_str(), stdout);
@@ -61,8 +61,8 @@ int Clean(const Options& options, const Invocation&) {
 void AddClean(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options =
-      AddCommand<Options>(app, call, "clean", "Removes from a coordinator's store what nobody needs",
-                          "cairn clean --dry-run\n  cairn clean --damaged", Clean, &command);
+      AddCommand<CleanArguments>(app, call, "clean", "Removes from a coordinator's store what nobody needs",
+                                 "cairn clean --dry-run\n  cairn clean --damaged", Clean, &command);
   AddClientArguments(*command, options->client);
   command->add_option("--store", options->store,
                       "A store that no coordinator has at the moment, by its folder");

@@ -12,11 +12,11 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct CoordinatorArguments {
   coordinator::ServiceOptions service;
 };
 
-int Serve(const Options& options, const Invocation& call) {
+int Serve(const CoordinatorArguments& options, const Invocation& call) {
   Check(PrepareProcess({.files = 48, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
   coordinator::ServiceOptions service = options.service;
   if (service.store_dir.empty()) service.store_dir = HomeFolder() + "/store";
@@ -36,7 +36,7 @@ int Serve(const Options& options, const Invocation& call) {
 
 void AddCoordinator(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<CoordinatorArguments>(
       app, call, "coordinator", "Serves jobs to workers on many machines, until Ctrl-C",
       "cairn coordinator --store-gb 200 --keep-days 30 &\n  cairn worker & cairn worker &\n  "
       "cairn submit job.yaml && cairn watch",

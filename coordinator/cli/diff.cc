@@ -9,14 +9,14 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct DiffArguments {
   std::string a;
   std::string b;
   bool json = false;
 };
 
 // As diff(1): 0 the same, 1 they differ, 2 trouble.
-int Diff(const Options& options, const Invocation&) {
+int Diff(const DiffArguments& options, const Invocation&) {
   const datasets::Difference difference = Take(datasets::DiffPaths(options.a, options.b));
   for (const std::string& file : difference.changed) WarnOfChanged(file);
   std::fputs((options.json ? datasets::DiffJson(difference) : datasets::DiffText(difference)).c_str(),
@@ -28,7 +28,7 @@ int Diff(const Options& options, const Invocation&) {
 
 void AddDiff(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<DiffArguments>(
       app, call, "diff",
       "Are two files or folders the same, bit for bit, and where not (seconds and hosts aside)",
       "cairn diff one-worker five-workers", Diff, &command);

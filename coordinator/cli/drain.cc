@@ -9,14 +9,14 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct DrainArguments {
   ClientArguments client;
   std::vector<std::uint64_t> workers;
   bool all = false;
   bool json = false;
 };
 
-int Drain(const Options& options, const Invocation&) {
+int Drain(const DrainArguments& options, const Invocation&) {
   if (options.workers.empty() != options.all) throw InputError("name workers by their numbers, or --all");
   coordinator::Client client = ConnectClient(options.client);
   std::vector<wire::WorkerInfo> told;
@@ -38,8 +38,8 @@ int Drain(const Options& options, const Invocation&) {
 
 void AddDrain(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  auto options = AddCommand<Options>(app, call, "drain", "Lets workers finish what they run, and end",
-                                     "cairn drain 3", Drain, &command);
+  auto options = AddCommand<DrainArguments>(app, call, "drain", "Lets workers finish what they run, and end",
+                                            "cairn drain 3", Drain, &command);
   AddClientArguments(*command, options->client);
   command->add_option("WORKER", options->workers, "Their numbers, as status shows them")
       ->check(CLI::PositiveNumber);

@@ -19,7 +19,7 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct EvaluateArguments {
   bool changed = false;
   std::string result;
   std::string truth;
@@ -33,7 +33,7 @@ struct Options {
   std::optional<std::uint64_t> seed;
 };
 
-std::string ScoreOfMap(const Options& options, const Blob& log) {
+std::string ScoreOfMap(const EvaluateArguments& options, const Blob& log) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError(
         "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
@@ -42,7 +42,7 @@ std::string ScoreOfMap(const Options& options, const Blob& log) {
   return options.json ? datasets::EvaluationJson(score) + "\n" : datasets::EvaluationText(score);
 }
 
-datasets::ScoreOptions HowToScore(const Options& options) {
+datasets::ScoreOptions HowToScore(const EvaluateArguments& options) {
   datasets::ScoreOptions how;
   how.nearest = options.nearest.value_or(how.nearest);
   how.heading_window_deg = options.heading_window_deg;
@@ -51,7 +51,7 @@ datasets::ScoreOptions HowToScore(const Options& options) {
   return how;
 }
 
-std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
+std::string ScoreOfNetworks(const EvaluateArguments& options, const Blob& samples) {
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, "networks");
   how.samples_name = options.truth;
@@ -61,7 +61,7 @@ std::string ScoreOfNetworks(const Options& options, const Blob& samples) {
                       : datasets::NetworkEvaluationText(score);
 }
 
-std::string ScoreOfFeatures(const Options& options) {
+std::string ScoreOfFeatures(const EvaluateArguments& options) {
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, "samples");
   const Blob samples = ReadResult(how.map_name, "samples", options.changed).blob;
@@ -76,7 +76,7 @@ std::string ScoreOfFeatures(const Options& options) {
                       : datasets::FeatureEvaluationText(score, detection);
 }
 
-void CheckFeatureOptions(const Options& options) {
+void CheckFeatureOptions(const EvaluateArguments& options) {
   if (options.features.empty() && !(options.holdout.empty() && options.against.empty()))
     throw InputError("--holdout and --against are for hand-made features: name one by --feature");
   if (!options.against.empty() && options.features.size() != 1)
@@ -88,7 +88,7 @@ void CheckFeatureOptions(const Options& options) {
         "--truth is needed (or --feature, for hand-made features of samples; or --relations, for poses)");
 }
 
-std::string ScoreOfLocalization(const Options& options, const Blob& samples) {
+std::string ScoreOfLocalization(const EvaluateArguments& options, const Blob& samples) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
   const datasets::LocalizationScore score = datasets::EvaluateLocalization(
@@ -109,7 +109,7 @@ bool IsLocalization(const std::string& result) {
   return is;
 }
 
-std::string ScoreOnSamples(const Options& options, const Blob& samples) {
+std::string ScoreOnSamples(const EvaluateArguments& options, const Blob& samples) {
   return IsLocalization(options.result) ? ScoreOfLocalization(options, samples)
                                         : ScoreOfNetworks(options, samples);
 }
@@ -126,7 +126,7 @@ bool IsGridMap(const std::string& result) {
   return is;
 }
 
-std::string ScoreOfGrid(const Options& options, const BlobFile& truth) {
+std::string ScoreOfGrid(const EvaluateArguments& options, const BlobFile& truth) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
   const Blob map = ReadResult(options.result, "grid_map", options.changed).blob;
@@ -145,7 +145,7 @@ bool IsLocalMap(const std::string& result) {
   return std::ranges::any_of(files, is("local_map")) && std::ranges::none_of(files, is("grid_map"));
 }
 
-std::string ScoreOfLocalMap(const Options& options, const Blob& log) {
+std::string ScoreOfLocalMap(const EvaluateArguments& options, const Blob& log) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
   const datasets::LocalEvaluation score =
@@ -155,7 +155,7 @@ std::string ScoreOfLocalMap(const Options& options, const Blob& log) {
 
 // A file of any kind that has poses, or those of a folder: of its landmark_map or local_map, else of its
 // grid_map.
-Blob PosesOf(const Options& options) {
+Blob PosesOf(const EvaluateArguments& options) {
   const std::string& path = options.result;
   if (std::filesystem::is_regular_file(path)) return ReadFile(path, options.changed).blob;
   const std::vector<std::string> files = FilesOf(path);
@@ -166,7 +166,7 @@ Blob PosesOf(const Options& options) {
   return ReadResult(path, "grid_map", options.changed).blob;
 }
 
-std::string ScoreOfRelations(const Options& options) {
+std::string ScoreOfRelations(const EvaluateArguments& options) {
   if (!options.truth.empty() || !options.features.empty())
     throw InputError(
         "--relations are what is held against the poses: neither --truth nor --feature goes with it");
@@ -177,7 +177,7 @@ std::string ScoreOfRelations(const Options& options) {
 }
 
 // What the truth is says what is scored: the folder of a job may hold results of several kinds.
-int Evaluate(const Options& options, const Invocation&) {
+int Evaluate(const EvaluateArguments& options, const Invocation&) {
   if (!options.relations.empty()) {
     std::fputs(ScoreOfRelations(options).c_str(), stdout);
     return kExitDone;
@@ -207,8 +207,9 @@ int Evaluate(const Options& options, const Invocation&) {
 
 void AddEvaluate(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options = AddCommand<Options>(app, call, "evaluate", "Scores a result against ground truth",
-                                           "cairn evaluate result --truth log.h5 --json", Evaluate, &command);
+  const auto options =
+      AddCommand<EvaluateArguments>(app, call, "evaluate", "Scores a result against ground truth",
+                                    "cairn evaluate result --truth log.h5 --json", Evaluate, &command);
   command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
   command->add_option(
       "--truth", options->truth,

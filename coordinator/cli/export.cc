@@ -10,7 +10,7 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct ExportArguments {
   bool changed = false;
   std::string format;  // set by the subcommand
   std::string from;
@@ -20,11 +20,13 @@ struct Options {
   bool force = false;
 };
 
-bool WantsGrid(const Options& options) { return options.format == "ros" || options.format == "octomap"; }
+bool WantsGrid(const ExportArguments& options) {
+  return options.format == "ros" || options.format == "octomap";
+}
 
 // A file of any kind, or the folder's result: grids are asked of its grid_map where it has one, all else of
 // its landmark_map, or where it has none of its local_map.
-Blob ReadSource(const Options& options) {
+Blob ReadSource(const ExportArguments& options) {
   if (std::filesystem::is_regular_file(options.from)) return ReadFile(options.from, options.changed).blob;
   bool grids = false, landmarks = false, locals = false;
   for (const std::string& file : FilesOf(options.from)) {
@@ -44,7 +46,7 @@ datasets::RosMode ModeOf(const std::string& mode) {
   return mode == "raw" ? datasets::RosMode::kRaw : datasets::RosMode::kTrinary;
 }
 
-datasets::Written Write(const Options& options, const Blob& blob) {
+datasets::Written Write(const ExportArguments& options, const Blob& blob) {
   if (options.format == "tum") return datasets::ExportTum(blob, options.folder, options.force);
   if (options.format == "ros") {
     return datasets::ExportRos(blob, options.folder, options.force, ModeOf(options.mode));
@@ -57,7 +59,7 @@ datasets::Written Write(const Options& options, const Blob& blob) {
   return datasets::ExportG2o(blob, &log, options.folder, options.force);
 }
 
-int Export(const Options& options, const Invocation&) {
+int Export(const ExportArguments& options, const Invocation&) {
   const Blob source = ReadSource(options);
   for (const std::string& file : Take(Write(options, source))) std::printf("%s\n", file.c_str());
   if (WantsGrid(options) && source.Has("map/landmark_x_m")) {
@@ -71,7 +73,8 @@ int Export(const Options& options, const Invocation&) {
 void AddFormat(CLI::App& parent, Invocation& call, const char* format, const char* help) {
   CLI::App* command = nullptr;
   const std::string example = "cairn export " + std::string(format) + " result exported";
-  const auto options = AddCommand<Options>(parent, call, format, help, example.c_str(), Export, &command);
+  const auto options =
+      AddCommand<ExportArguments>(parent, call, format, help, example.c_str(), Export, &command);
   options->format = format;
   command->add_option("RESULT", options->from, "A result file, or the folder given as --out")->required();
   command->add_option("FOLDER", options->folder, "Where to write; made where it is missing")->required();

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct InspectArguments {
   std::string file;
   bool json = false;
 };
@@ -50,7 +50,7 @@ std::string Doubtful(const std::string& folder, bool unfinished) {
              : "'" + folder + "' holds nothing that Cairn knows (docs/my-own-log.md says what it reads)";
 }
 
-int InspectFolder(const Options& options) {
+int InspectFolder(const InspectArguments& options) {
   Found files;
   for (const std::string& file : FilesOf(options.file)) {
     const Result<BlobFileInfo> info = ListBlobFile(file);
@@ -91,7 +91,7 @@ int InspectFolder(const Options& options) {
   Throw(status);
 }
 
-int Inspect(const Options& options, const Invocation&) {
+int Inspect(const InspectArguments& options, const Invocation&) {
   if (fs::is_directory(options.file)) return InspectFolder(options);
   const Result<datasets::Inspection> inspection = datasets::Inspect(options.file);
   if (!inspection.ok()) RefuseForeign(options.file, inspection.status());
@@ -108,8 +108,8 @@ int Inspect(const Options& options, const Invocation&) {
 void AddInspect(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options =
-      AddCommand<Options>(app, call, "inspect", "What is in a Cairn file, every checksum looked at",
-                          "cairn inspect log.h5", Inspect, &command);
+      AddCommand<InspectArguments>(app, call, "inspect", "What is in a Cairn file, every checksum looked at",
+                                   "cairn inspect log.h5", Inspect, &command);
   command
       ->add_option(
           "FILE", options->file,

@@ -9,7 +9,7 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct JobCommandsArguments {
   ClientArguments client;
   std::string action;
   std::vector<std::string> jobs;
@@ -18,7 +18,7 @@ struct Options {
 };
 
 // All are told, whatever one of them answers; then the first refusal is the command's.
-int Tell(const Options& options, const Invocation&) {
+int Tell(const JobCommandsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   cairn::Status refused;
   for (const std::string& job : options.jobs) {
@@ -36,9 +36,10 @@ int Tell(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-std::shared_ptr<Options> AddTelling(CLI::App& app, Invocation& call, const char* name, const char* summary,
-                                    const char* example, CLI::App** command) {
-  auto options = AddCommand<Options>(app, call, name, summary, example, Tell, command);
+std::shared_ptr<JobCommandsArguments> AddTelling(CLI::App& app, Invocation& call, const char* name,
+                                                 const char* summary, const char* example,
+                                                 CLI::App** command) {
+  auto options = AddCommand<JobCommandsArguments>(app, call, name, summary, example, Tell, command);
   options->action = name;
   AddClientArguments(**command, options->client);
   (*command)->add_flag("--json", options->json, "As JSON");

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct JobsArguments {
   ClientArguments client;
   std::string job;                // status
   std::vector<std::string> jobs;  // results
@@ -34,7 +34,7 @@ struct Options {
 };
 
 // Those of the state and the name (a pattern, as of files) that are asked for.
-std::vector<wire::JobInfo> Chosen(const Options& options, const std::vector<wire::JobInfo>& jobs) {
+std::vector<wire::JobInfo> Chosen(const JobsArguments& options, const std::vector<wire::JobInfo>& jobs) {
   std::vector<wire::JobInfo> chosen;
   for (const wire::JobInfo& job : jobs)
     if ((options.state.empty() || job.state() == options.state) &&
@@ -43,7 +43,7 @@ std::vector<wire::JobInfo> Chosen(const Options& options, const std::vector<wire
   return chosen;
 }
 
-int List(const Options& options, const Invocation&) {
+int List(const JobsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   coordinator::JobList list = Take(client.List());
   list.jobs = Chosen(options, list.jobs);
@@ -57,7 +57,7 @@ int List(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-int Status(const Options& options, const Invocation&) {
+int Status(const JobsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   if (options.job.empty()) {
     const coordinator::JobList list = Take(client.List());
@@ -116,7 +116,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
 }
 
 // Of one job into --out itself; of many each into a folder of its own there.
-int Results(const Options& options, const Invocation&) {
+int Results(const JobsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   std::vector<std::string> jobs = options.jobs;
   const bool by_name = !options.name.empty();
@@ -134,10 +134,11 @@ int Results(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-std::shared_ptr<Options> AddClientCommand(CLI::App& app, Invocation& call, const char* name,
-                                          const char* summary, const char* example,
-                                          int (*run)(const Options&, const Invocation&), CLI::App** command) {
-  auto options = AddCommand<Options>(app, call, name, summary, example, run, command);
+std::shared_ptr<JobsArguments> AddClientCommand(CLI::App& app, Invocation& call, const char* name,
+                                                const char* summary, const char* example,
+                                                int (*run)(const JobsArguments&, const Invocation&),
+                                                CLI::App** command) {
+  auto options = AddCommand<JobsArguments>(app, call, name, summary, example, run, command);
   AddClientArguments(**command, options->client);
   return options;
 }

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct KeysArguments {
   std::string dir;
   std::string name;  // of a pair, or of a key on the list
   std::string key;   // the text, or a .pub file
@@ -23,7 +23,7 @@ struct Options {
   bool json = false;
 };
 
-fs::path Folder(const Options& options) {
+fs::path Folder(const KeysArguments& options) {
   return options.dir.empty() ? fs::path(ConfigFolder()) : fs::path(options.dir);
 }
 
@@ -34,7 +34,7 @@ std::string KeyOf(const std::string& given) {
   return Take(wire::ReadPublicKey(given));
 }
 
-int New(const Options& options, const Invocation&) {
+int New(const KeysArguments& options, const Invocation&) {
   if (options.name.empty() || options.name.find('/') != std::string::npos || options.name[0] == '.')
     throw InputError("'" + options.name + "' is no name for a key pair; --dir says where it goes");
   std::error_code error;
@@ -49,12 +49,12 @@ int New(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-wire::AllowedKeys ReadList(const Options& options) {
+wire::AllowedKeys ReadList(const KeysArguments& options) {
   const fs::path list = Folder(options) / kAllowListName;
   return fs::exists(list) ? Take(wire::ReadAllowList(list)) : wire::AllowedKeys{};
 }
 
-std::map<std::string, std::string> OwnKeys(const Options& options) {
+std::map<std::string, std::string> OwnKeys(const KeysArguments& options) {
   std::map<std::string, std::string> keys;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(Folder(options), error))
@@ -63,7 +63,7 @@ std::map<std::string, std::string> OwnKeys(const Options& options) {
   return keys;
 }
 
-int Show(const Options& options, const Invocation&) {
+int Show(const KeysArguments& options, const Invocation&) {
   if (!options.name.empty()) {
     std::printf("%s\n", Take(wire::ReadPublicKey(Folder(options) / (options.name + ".pub"))).c_str());
     return kExitDone;
@@ -85,7 +85,7 @@ int Show(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-int Allow(const Options& options, const Invocation&) {
+int Allow(const KeysArguments& options, const Invocation&) {
   const Result<wire::Roles> roles = wire::ParseRoles(options.roles);
   if (!roles.ok()) throw InputError("--as: " + roles.status().message());
   if (options.name.find('\n') != std::string::npos) throw InputError("--name: one line");
@@ -100,7 +100,7 @@ int Allow(const Options& options, const Invocation&) {
   return kExitDone;
 }
 
-int Revoke(const Options& options, const Invocation&) {
+int Revoke(const KeysArguments& options, const Invocation&) {
   const std::string what = fs::path(options.key).extension() == ".pub" && fs::exists(options.key)
                                ? KeyOf(options.key)
                                : options.key;
@@ -120,8 +120,8 @@ void AddKeys(CLI::App& app, Invocation& call) {
   keys->require_subcommand(1);
   CLI::App* command = nullptr;
   const auto add = [&](const char* name, const char* summary, const char* example,
-                       int (*run)(const Options&, const Invocation&)) {
-    auto options = AddCommand<Options>(*keys, call, name, summary, example, run, &command);
+                       int (*run)(const KeysArguments&, const Invocation&)) {
+    auto options = AddCommand<KeysArguments>(*keys, call, name, summary, example, run, &command);
     command->add_option("--dir", options->dir, "Folder of keys ($XDG_CONFIG_HOME/cairn, or ~/.config/cairn)");
     return options;
   };

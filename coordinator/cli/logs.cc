@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookAgain(300);
 
-struct Options {
+struct LogsArguments {
   ClientArguments client;
   std::string job;
   bool follow = false;
@@ -24,7 +24,7 @@ struct Options {
 };
 
 // False where nobody reads any more.
-bool Print(const Options& options, const std::vector<wire::LogLine>& lines, std::uint64_t& last) {
+bool Print(const LogsArguments& options, const std::vector<wire::LogLine>& lines, std::uint64_t& last) {
   for (const wire::LogLine& line : lines) {
     if (last == 0 && !options.json) std::fputs(GoneText(line).c_str(), stdout);
     std::fputs((options.json ? LineJson(line) : LineText(line)).c_str(), stdout);
@@ -33,7 +33,7 @@ bool Print(const Options& options, const std::vector<wire::LogLine>& lines, std:
   return std::fflush(stdout) == 0;
 }
 
-int Logs(const Options& options, const Invocation& call) {
+int Logs(const LogsArguments& options, const Invocation& call) {
   coordinator::Client client = ConnectClient(options.client);
   Console console(call);
   const std::atomic<bool>& stop = StopOnSignals();
@@ -56,7 +56,7 @@ int Logs(const Options& options, const Invocation& call) {
 
 void AddLogs(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  auto options = AddCommand<Options>(
+  auto options = AddCommand<LogsArguments>(
       app, call, "logs", "What happened to a job: rounds, failed attempts and why, lost workers, commands",
       "cairn logs 1-museum\n  cairn logs 1-museum --follow --json", Logs, &command);
   AddClientArguments(*command, options->client);

@@ -10,12 +10,12 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct PipelinesArguments {
   std::string pipeline;
   bool json = false;
 };
 
-int Pipelines(const Options& options, const Invocation&) {
+int Pipelines(const PipelinesArguments& options, const Invocation&) {
   const Catalog catalog = LoadCatalog();
   std::vector<PipelineSpec> shown = catalog.pipelines();
   if (!options.pipeline.empty()) shown = {catalog.At(options.pipeline)};
@@ -30,9 +30,9 @@ int Pipelines(const Options& options, const Invocation&) {
 
 void AddPipelines(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options =
-      AddCommand<Options>(app, call, "pipelines", "Which pipelines there are, and the options of one",
-                          "cairn pipelines\n  cairn pipelines landmark_map", Pipelines, &command);
+  const auto options = AddCommand<PipelinesArguments>(
+      app, call, "pipelines", "Which pipelines there are, and the options of one",
+      "cairn pipelines\n  cairn pipelines landmark_map", Pipelines, &command);
   command->add_option("PIPELINE", options->pipeline, "All options of this one: unit, range, default, effect");
   command->add_flag("--json", options->json, "As JSON, always with all options");
 }

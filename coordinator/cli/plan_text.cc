@@ -7,14 +7,14 @@
 namespace cairn::cli {
 namespace {
 
-std::string Number(double value) {
+std::string Decimal(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
   return {text, end};
 }
 
 std::string Megabytes(std::size_t bytes) {
-  return Number(std::round(static_cast<double>(bytes) / 1e4) / 100) + " MB";
+  return Decimal(std::round(static_cast<double>(bytes) / 1e4) / 100) + " MB";
 }
 
 std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
@@ -85,7 +85,7 @@ std::string ValueText(const proto::Value& value) {
     case proto::Value::kI:
       return std::to_string(value.i());
     case proto::Value::kD:
-      return Number(value.d());
+      return Decimal(value.d());
     case proto::Value::kB:
       return value.b() ? "true" : "false";
     case proto::Value::kS:

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReportArguments {
   bool changed = false;
   std::string result;
   std::string log;
@@ -74,7 +74,7 @@ std::size_t OrderOf(const ScoredStage& stage) {
 
 // The results that a page can show: the file, or all that are right in the folder, those of a job in its
 // order.
-std::vector<ScoredStage> ReadStages(const Options& options, const BlobPtr& log) {
+std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPtr& log) {
   const bool folder = fs::is_directory(options.result);
   std::vector<ScoredStage> stages;
   std::vector<std::string> found;
@@ -96,7 +96,7 @@ std::vector<ScoredStage> ReadStages(const Options& options, const BlobPtr& log) 
   return stages;
 }
 
-int Report(const Options& options, const Invocation&) {
+int Report(const ReportArguments& options, const Invocation&) {
   if (!fs::exists(options.result)) throw InputError("there is no file or folder '" + options.result + "'");
   const std::string out = options.out.empty() ? DefaultOut(options.result) : options.out;
   RefuseToOverwrite(out, options.force);
@@ -158,8 +158,8 @@ WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& sta
 void AddReport(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options =
-      AddCommand<Options>(app, call, "report", "One self-contained HTML page about a job's results",
-                          "cairn report result --log log.h5 --out page.html", Report, &command);
+      AddCommand<ReportArguments>(app, call, "report", "One self-contained HTML page about a job's results",
+                                  "cairn report result --log log.h5 --out page.html", Report, &command);
   command
       ->add_option("RESULT", options->result,
                    "A result file, or the folder given as --out: all that is in it")

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReproduceArguments {
   std::string out = "reproduce-landmarks";
   std::uint64_t seed = 4;
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -51,7 +51,7 @@ std::string Facts(const std::vector<datasets::PaperFigure>& figures, const std::
   return text + "page      " + page + "\n";
 }
 
-int Landmarks(const Options& options, const Invocation& call) {
+int Landmarks(const ReproduceArguments& options, const Invocation& call) {
   const datasets::LandmarkStudy study = datasets::MakeLandmarkStudy(options.seed);
   const coordinator::EmbeddedResult run =
       RunStudy({options.out, options.workers, options.force}, study.job, study.inputs, call);
@@ -131,7 +131,7 @@ void AddReproduce(CLI::App& app, Invocation& call) {
   reproduce->require_subcommand(1);
   reproduce->footer("Example:\n  cairn reproduce landmarks --out figures");
   CLI::App* landmarks = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<ReproduceArguments>(
       *reproduce, call, "landmarks", "Figures 1 to 3, 5 to 14 and 18 on landmark maps, from simulated data",
       "cairn reproduce landmarks --out figures", Landmarks, &landmarks);
   landmarks

@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ReproduceBallArguments {
   std::string out = "reproduce-ball";
   std::string study = "paper";
   std::uint64_t seed = 101;
@@ -38,22 +38,22 @@ struct Options {
   bool json = false;
 };
 
-using Results = std::map<std::string, Blob>;
+using BallResults = std::map<std::string, Blob>;
 
 // A study's jobs: how number k is made, and what becomes of its results. All run on several threads at once.
 struct Study {
   std::size_t jobs = 0;
   std::function<datasets::BallJob(std::size_t k)> make;
   // A second job, of the first's results; may be empty.
-  std::function<datasets::BallJob(const datasets::BallJob& first, const Results&)> then;
-  std::function<void(std::size_t k, const datasets::BallJob&, const Results&)> score;
+  std::function<datasets::BallJob(const datasets::BallJob& first, const BallResults&)> then;
+  std::function<void(std::size_t k, const datasets::BallJob&, const BallResults&)> score;
 };
 
 // Jobs run side by side, as many as there are workers: a training's rounds follow one another, and one
 // corridor's have nothing to wait for in another's.
 class StudyRun {
  public:
-  StudyRun(const Options& options, const Invocation& call, const Study& study)
+  StudyRun(const ReproduceBallArguments& options, const Invocation& call, const Study& study)
       : options_(options), study_(study), console_(call), stop_(StopOnSignals()) {}
 
   // What the first job that is not done says of it; nothing where all are done and scored.
@@ -86,9 +86,9 @@ class StudyRun {
 
   void RunJob(std::size_t k) {
     const datasets::BallJob ball = study_.make(k);
-    std::optional<Results> results = ResultsOf(ball);
+    std::optional<BallResults> results = ResultsOf(ball);
     if (results && study_.then) {
-      const std::optional<Results> more = ResultsOf(study_.then(ball, *results));
+      const std::optional<BallResults> more = ResultsOf(study_.then(ball, *results));
       if (!more) return;
       results->insert(more->begin(), more->end());
     }
@@ -96,7 +96,7 @@ class StudyRun {
   }
 
   // None where the job is not done: undone_ then says why.
-  std::optional<Results> ResultsOf(const datasets::BallJob& ball) {
+  std::optional<BallResults> ResultsOf(const datasets::BallJob& ball) {
     coordinator::EmbeddedOptions embedded;
     embedded.dir = (fs::path(options_.out) / "results" / ball.name).string();
     embedded.workers = workers_each_;
@@ -136,7 +136,7 @@ class StudyRun {
     }
   }
 
-  const Options& options_;
+  const ReproduceBallArguments& options_;
   const Study& study_;
   Console console_;
   const std::atomic<bool>& stop_;
@@ -150,7 +150,7 @@ class StudyRun {
 
 // Number k of the jobs for each set of each seed.
 struct SetAndSeed {
-  SetAndSeed(const Options& options, std::size_t k)
+  SetAndSeed(const ReproduceBallArguments& options, std::size_t k)
       : set(datasets::CorridorSets()[k % 3]), seed(options.seed + k / 3) {}
   std::string set;
   std::uint64_t seed;
@@ -158,11 +158,13 @@ struct SetAndSeed {
 
 // Runs a study, then makes and shows its figures of the scores.
 template <class Scores, class Make, class Score, class Figures>
-int RunStudy(const Options& options, const Invocation& call, std::size_t jobs, const Make& make,
-             const Score& score, const Figures& figures,
-             const std::function<datasets::BallJob(const datasets::BallJob&, const Results&)>& then = {}) {
+int RunStudy(
+    const ReproduceBallArguments& options, const Invocation& call, std::size_t jobs, const Make& make,
+    const Score& score, const Figures& figures,
+    const std::function<datasets::BallJob(const datasets::BallJob&, const BallResults&)>& then = {}) {
   std::vector<Scores> scores(jobs);
-  Study study{jobs, make, then, [&](std::size_t k, const datasets::BallJob& ball, const Results& results) {
+  Study study{jobs, make, then,
+              [&](std::size_t k, const datasets::BallJob& ball, const BallResults& results) {
                 scores[k] = score(ball, results);
               }};
   if (const auto undone = StudyRun(options, call, study).Run()) return ExplainUndone(*undone);
@@ -176,7 +178,7 @@ int RunStudy(const Options& options, const Invocation& call, std::size_t jobs, c
   return kExitDone;
 }
 
-int Paper(const Options& options, const Invocation& call) {
+int Paper(const ReproduceBallArguments& options, const Invocation& call) {
   return RunStudy<datasets::BallScores>(
       options, call, 3 * static_cast<std::size_t>(options.seeds),
       [&](std::size_t k) {
@@ -186,7 +188,7 @@ int Paper(const Options& options, const Invocation& call) {
       datasets::ScoreBallJob, datasets::BallFigures);
 }
 
-int Variants(const Options& options, const Invocation& call) {
+int Variants(const ReproduceBallArguments& options, const Invocation& call) {
   const bool sensors = options.study == "sensors";
   const auto variants = sensors ? datasets::SensorVariants() : datasets::WayVariants(options.steps);
   const datasets::PaperFigure figure{
@@ -207,7 +209,7 @@ int Variants(const Options& options, const Invocation& call) {
         return datasets::MakeVariantJob(options.study, at.set, at.seed,
                                         datasets::DefaultBallRecipe(options.steps), variants);
       },
-      [&](const datasets::BallJob& ball, const Results& results) {
+      [&](const datasets::BallJob& ball, const BallResults& results) {
         return ScoreVariantJob(ball, variants, results);
       },
       [&](const std::vector<datasets::VariantScores>& scores) {
@@ -215,7 +217,7 @@ int Variants(const Options& options, const Invocation& call) {
       });
 }
 
-int Active(const Options& options, const Invocation& call) {
+int Active(const ReproduceBallArguments& options, const Invocation& call) {
   return RunStudy<datasets::ActiveScores>(
       options, call, static_cast<std::size_t>(options.seeds),
       [&](std::size_t k) {
@@ -224,18 +226,18 @@ int Active(const Options& options, const Invocation& call) {
       datasets::ScoreActiveJob, datasets::ActiveFigures);
 }
 
-int Adapt(const Options& options, const Invocation& call) {
+int Adapt(const ReproduceBallArguments& options, const Invocation& call) {
   const datasets::BallRecipe recipe = datasets::DefaultBallRecipe(options.steps);
   return RunStudy<datasets::AdaptScores>(
       options, call, static_cast<std::size_t>(options.seeds),
       [&](std::size_t k) { return datasets::MakeAdaptJob(options.seed + k, recipe); },
       datasets::ScoreAdaptJob, datasets::AdaptFigures,
-      [&](const datasets::BallJob& first, const Results& results) {
+      [&](const datasets::BallJob& first, const BallResults& results) {
         return ContinueAdaptJob(first, recipe, results);
       });
 }
 
-int Ball(const Options& options, const Invocation& call) {
+int Ball(const ReproduceBallArguments& options, const Invocation& call) {
   RefuseToFill(options.out, options.force);
   if (options.study == "paper") return Paper(options, call);
   if (options.study == "adapt") return Adapt(options, call);
@@ -246,7 +248,7 @@ int Ball(const Options& options, const Invocation& call) {
 
 void AddReproduceBall(CLI::App& reproduce, Invocation& call) {
   CLI::App* ball = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<ReproduceBallArguments>(
       reproduce, call, "ball", "Table 3 and figures 3 to 8 on learned landmarks, from simulated corridors",
       "cairn reproduce ball --seeds 5 --out ball", Ball, &ball);
   ball->add_option(

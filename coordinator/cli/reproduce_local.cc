@@ -8,7 +8,7 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct ReproduceLocalArguments {
   std::string out = "reproduce-local";
   std::uint64_t seed = 101;
   int seeds = 20;
@@ -16,7 +16,7 @@ struct Options {
   bool force = false, json = false;
 };
 
-int Local(const Options& options, const Invocation& call) {
+int Local(const ReproduceLocalArguments& options, const Invocation& call) {
   const datasets::LocalStudy study = datasets::MakeLocalStudy(options.seed, options.seeds);
   const coordinator::EmbeddedResult run =
       RunStudy({options.out, options.workers, options.force}, study.job, study.inputs, call);
@@ -33,7 +33,7 @@ int Local(const Options& options, const Invocation& call) {
 
 void AddReproduceLocal(CLI::App& reproduce, Invocation& call) {
   CLI::App* app = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<ReproduceLocalArguments>(
       reproduce, call, "local", "Figures 2 to 4 on local grids and edge traces, from simulated offices",
       "cairn reproduce local --seeds 5 --out local", Local, &app);
   app->add_option("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")

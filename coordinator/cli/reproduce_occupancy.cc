@@ -10,7 +10,7 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct ReproduceOccupancyArguments {
   std::string out = "reproduce-occupancy";
   std::string study = "paper";
   std::string log;
@@ -21,7 +21,7 @@ struct Options {
   bool json = false;
 };
 
-datasets::OccupancyStudy MakeStudy(const Options& options) {
+datasets::OccupancyStudy MakeStudy(const ReproduceOccupancyArguments& options) {
   if (options.study == "curve") {
     if (!options.log.empty()) throw InputError("--log: the curve is of simulated hallways alone");
     return datasets::MakeCurveStudy(options.seed, options.seeds);
@@ -31,7 +31,7 @@ datasets::OccupancyStudy MakeStudy(const Options& options) {
   return datasets::MakeOccupancyStudy(options.seed, options.seeds, log ? &*log : nullptr);
 }
 
-int Occupancy(const Options& options, const Invocation& call) {
+int Occupancy(const ReproduceOccupancyArguments& options, const Invocation& call) {
   const datasets::OccupancyStudy study = MakeStudy(options);
   const coordinator::EmbeddedResult run =
       RunStudy({options.out, options.workers, options.force}, study.job, study.inputs, call);
@@ -50,7 +50,7 @@ int Occupancy(const Options& options, const Invocation& call) {
 
 void AddReproduceOccupancy(CLI::App& reproduce, Invocation& call) {
   CLI::App* app = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<ReproduceOccupancyArguments>(
       reproduce, call, "occupancy",
       "Figures 1 to 5 on occupancy grids, from simulated sonar; the chain after landmark_map",
       "cairn reproduce occupancy --seeds 5 --out occupancy", Occupancy, &app);

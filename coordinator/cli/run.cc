@@ -20,7 +20,7 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct RunArguments {
   JobArguments job;
   std::string out;
   int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -61,7 +61,7 @@ void Explain(const coordinator::EmbeddedResult& result, const std::string& out) 
 }
 
 // Plans the first stage as a real run would, in a folder of its own that is gone afterwards.
-int DryRun(const Options& options, const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
+int DryRun(const RunArguments& options, const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
            const Catalog& catalog) {
   Result<coordinator::PrivateFolder> folder = coordinator::PrivateFolder::Make();
   if (!folder.ok()) Throw(folder.status());
@@ -87,7 +87,7 @@ std::vector<std::string> StageNames(const proto::Job& job) {
   return names;
 }
 
-int Run(const Options& options, const Invocation& call) {
+int Run(const RunArguments& options, const Invocation& call) {
   const auto workers = static_cast<std::uint64_t>(std::max(0, options.workers));
   Check(PrepareProcess({.files = 48 + 4 * workers, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
   const Catalog catalog = LoadCatalog();
@@ -129,7 +129,7 @@ int Run(const Options& options, const Invocation& call) {
 
 void AddRun(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<RunArguments>(
       app, call, "run", "Runs a job here, on workers of its own; the same command again resumes it",
       "cairn run job.yaml --out result\n  cairn run landmark_map log.h5 --set cell_m=0.5 --out result "
       "--workers 4",

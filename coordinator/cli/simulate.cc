@@ -15,13 +15,13 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct SimulateArguments {
   datasets::SimulateLoopOptions loop;
   std::string out;
   bool force = false;
 };
 
-int Simulate(const Options& options, const Invocation&) {
+int Simulate(const SimulateArguments& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   const Blob log = datasets::SimulateLoop(options.loop);
   Check(WriteBlobFile(options.out, "log", log));
@@ -110,7 +110,7 @@ void AddSimulate(CLI::App& app, Invocation& call) {
   simulate->require_subcommand(1);
   simulate->footer("Example:\n  cairn simulate loop --difficulty base --robots 4 --seed 1 log.h5");
   CLI::App* loop = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<SimulateArguments>(
       *simulate, call, "loop",
       "Robots in corridors round a large cycle; a button is pressed at each junction",
       "cairn simulate loop --difficulty paper --types 3 --confusion 0.1 --seed 7 log.h5", Simulate, &loop);

@@ -13,13 +13,13 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct SimulateHallsArguments {
   datasets::SimulateHallwayOptions hall;  // of the other two the seed alone counts
   std::string out;
   bool force = false;
 };
 
-int Publish(const Options& options, const Blob& log) {
+int Publish(const SimulateHallsArguments& options, const Blob& log) {
   Check(WriteBlobFile(options.out, "log", log));
   const auto range = log.Get<double>("robot/0/sonar/range_m");
   const auto cause = log.Get<std::uint8_t>("truth/robot/0/sonar/cause");
@@ -32,27 +32,28 @@ int Publish(const Options& options, const Blob& log) {
 }
 
 template <class Simulate>
-int Run(const Options& options, const Simulate& simulate) {
+int Run(const SimulateHallsArguments& options, const Simulate& simulate) {
   RefuseToOverwrite(options.out, options.force);
   return Publish(options, simulate());
 }
 
-int Hallway(const Options& options, const Invocation&) {
+int Hallway(const SimulateHallsArguments& options, const Invocation&) {
   return Run(options, [&] { return datasets::SimulateHallway(options.hall); });
 }
 
-int NarrowDoors(const Options& options, const Invocation&) {
+int NarrowDoors(const SimulateHallsArguments& options, const Invocation&) {
   return Run(options, [&] { return datasets::SimulateNarrowDoors(options.hall.seed); });
 }
 
-int SmoothWall(const Options& options, const Invocation&) {
+int SmoothWall(const SimulateHallsArguments& options, const Invocation&) {
   return Run(options, [&] { return datasets::SimulateSmoothWall(options.hall.seed); });
 }
 
-std::shared_ptr<Options> AddHall(CLI::App& simulate, Invocation& call, const char* name, const char* summary,
-                                 const char* example, int (*run)(const Options&, const Invocation&),
-                                 CLI::App** app) {
-  const auto options = AddCommand<Options>(simulate, call, name, summary, example, run, app);
+std::shared_ptr<SimulateHallsArguments> AddHall(CLI::App& simulate, Invocation& call, const char* name,
+                                                const char* summary, const char* example,
+                                                int (*run)(const SimulateHallsArguments&, const Invocation&),
+                                                CLI::App** app) {
+  const auto options = AddCommand<SimulateHallsArguments>(simulate, call, name, summary, example, run, app);
   (*app)
       ->add_option("--seed", options->hall.seed, "Same seed, same log")
       ->check(CheckSeed)

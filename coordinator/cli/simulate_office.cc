@@ -12,13 +12,13 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct SimulateOfficeArguments {
   datasets::SimulateOfficeOptions office;
   bool nobody = false, force = false;
   std::string out;
 };
 
-int Simulate(const Options& options, const Invocation&) {
+int Simulate(const SimulateOfficeArguments& options, const Invocation&) {
   RefuseToOverwrite(options.out, options.force);
   datasets::SimulateOfficeOptions office = options.office;
   office.persons = !options.nobody;
@@ -36,7 +36,7 @@ int Simulate(const Options& options, const Invocation&) {
 
 void AddSimulateOffice(CLI::App& simulate, Invocation& call) {
   CLI::App* app = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<SimulateOfficeArguments>(
       simulate, call, "office",
       "Sonars and infra-red on a turret through rooms and a corridor with metallic walls, again and again",
       "cairn simulate office --seed 1 office.h5", Simulate, &app);

@@ -19,7 +19,7 @@
 namespace cairn::cli {
 namespace {
 
-struct Options {
+struct SubmitArguments {
   ClientArguments client;
   JobArguments arguments;
   std::string each;  // a pattern of files
@@ -49,7 +49,7 @@ std::string EachInput(const std::string& what, const ParsedJob& parsed, const Ca
 }
 
 // The job of one file: it is called after it too.
-ParsedJob JobOfFile(const Options& options, const Catalog& catalog, const std::string& file) {
+ParsedJob JobOfFile(const SubmitArguments& options, const Catalog& catalog, const std::string& file) {
   JobArguments arguments = options.arguments;
   if (!arguments.file.empty())
     throw InputError("--each names the files; '" + arguments.file + "' is one too many");
@@ -83,7 +83,7 @@ void CheckInputs(std::vector<ParsedJob> jobs, bool units_are_right) {
   throw InputError(text);
 }
 
-void SubmitOne(const Options& options, coordinator::Client& client, ParsedJob parsed) {
+void SubmitOne(const SubmitArguments& options, coordinator::Client& client, ParsedJob parsed) {
   if (options.priority) parsed.job.set_priority(*options.priority);
   const std::map<std::string, coordinator::Input> inputs =
       LookAtJobInputs(parsed, options.arguments.units_are_right);
@@ -100,7 +100,7 @@ void SubmitOne(const Options& options, coordinator::Client& client, ParsedJob pa
 
 // All files are read and checked before the first job is handed in. Where it is cut off all the same, it may
 // be said again: the service knows what it has.
-int Submit(const Options& options, const Invocation&) {
+int Submit(const SubmitArguments& options, const Invocation&) {
   const Catalog catalog = LoadCatalog();
   std::vector<ParsedJob> jobs;
   if (options.each.empty()) {
@@ -118,7 +118,7 @@ int Submit(const Options& options, const Invocation&) {
 
 void AddSubmit(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
-  const auto options = AddCommand<Options>(
+  const auto options = AddCommand<SubmitArguments>(
       app, call, "submit", "Hands a job and its inputs to a coordinator",
       "cairn submit job.yaml\n  cairn submit landmark_map --each 'logs/*.h5' --priority -1", Submit,
       &command);

@@ -16,16 +16,16 @@
 namespace cairn::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kLookAgain(200);
+constexpr std::chrono::milliseconds kLookAtJobsAgain(200);
 
-struct Options {
+struct WatchArguments {
   ClientArguments client;
   std::vector<std::string> jobs;
   bool json = false;
 };
 
 // Where none is named: all that are not over, or else the last, which may have ended just now.
-std::vector<std::string> JobsToWatch(const Options& options, coordinator::Client& client) {
+std::vector<std::string> JobsToWatch(const WatchArguments& options, coordinator::Client& client) {
   if (!options.jobs.empty()) return options.jobs;
   const std::vector<wire::JobInfo> jobs = Take(client.List()).jobs;
   if (jobs.empty()) throw InputError("there are no jobs");
@@ -71,7 +71,8 @@ const Answer* AnswerOf(const Result<Answer>& answer, Console& console) {
   return nullptr;
 }
 
-int WatchOne(const Options& options, coordinator::Client& client, const std::string& job, Console& console) {
+int WatchOne(const WatchArguments& options, coordinator::Client& client, const std::string& job,
+             Console& console) {
   News news(console);
   for (const std::atomic<bool>& stop = StopOnSignals(); !stop;) {
     const Result<wire::JobInfo> answer = client.Info(job);
@@ -84,7 +85,7 @@ int WatchOne(const Options& options, coordinator::Client& client, const std::str
     }
     news.Tell(*info, WaitsFor(client, *info));
     console.Progress(*info);
-    std::this_thread::sleep_for(kLookAgain);
+    std::this_thread::sleep_for(kLookAtJobsAgain);
   }
   return kExitStopped;
 }
@@ -96,7 +97,7 @@ int ExitCodeOfAll(const std::vector<wire::JobInfo>& jobs) {
 }
 
 // Says of each how it ended, when it has. Ends as the first that was not done, where there is one.
-int WatchMany(const Options& options, coordinator::Client& client, const std::vector<std::string>& ids,
+int WatchMany(const WatchArguments& options, coordinator::Client& client, const std::vector<std::string>& ids,
               Console& console) {
   std::map<std::string, wire::JobInfo> over;
   std::map<std::string, News> news;
@@ -124,12 +125,12 @@ int WatchMany(const Options& options, coordinator::Client& client, const std::ve
       if (options.json) std::fputs(JobsJson(ended).c_str(), stdout);
       return ExitCodeOfAll(ended.jobs);
     }
-    std::this_thread::sleep_for(kLookAgain);
+    std::this_thread::sleep_for(kLookAtJobsAgain);
   }
   return kExitStopped;
 }
 
-int Watch(const Options& options, const Invocation& call) {
+int Watch(const WatchArguments& options, const Invocation& call) {
   coordinator::Client client = ConnectClient(options.client);
   Console console(call);
   const std::vector<std::string> ids = JobsToWatch(options, client);
@@ -142,8 +143,8 @@ int Watch(const Options& options, const Invocation& call) {
 void AddWatch(CLI::App& app, Invocation& call) {
   CLI::App* command = nullptr;
   const auto options =
-      AddCommand<Options>(app, call, "watch", "Follows jobs to their ends, and ends as they do",
-                          "cairn watch 1-museum", Watch, &command);
+      AddCommand<WatchArguments>(app, call, "watch", "Follows jobs to their ends, and ends as they do",
+                                 "cairn watch 1-museum", Watch, &command);
   AddClientArguments(*command, options->client);
   command->add_option("JOB", options->jobs, "Ids (all that are not over; where none is, the last)");
   command->add_flag("--json", options->json, "How they ended, as JSON");

@@ -88,7 +88,7 @@ TEST(MajorityPairs, GivesEachMapLandmarkItsMostFrequentTruth) {
   EXPECT_EQ(MajorityPairs({{0, 0, 0, 1, -1}}, {{5, 5, 6, -1, 8}}, 3), (IndexPairs{{0, 5}}));
 }
 
-Blob Log() {
+Blob DriveLog() {
   Blob log;
   log.Put("robots", Array::Texts({"a"}));
   log.PutVector("robot/0/observations/time_s", std::vector<double>{1, 2});
@@ -99,14 +99,14 @@ Blob Log() {
 TEST(ReadAssociations, RefusesWrongLengthsAndIndices) {
   Blob result;
   result.PutVector("robot/0/observations/map_landmark", std::vector<std::int32_t>{0, -1});
-  EXPECT_EQ(ReadMapAssociations(result, Log(), 1), (Associations{{0, -1}}));
-  EXPECT_THROW(ReadMapAssociations(result, Log(), 0), InputError);
-  EXPECT_THROW(ReadMapAssociations(Blob(), Log(), 1), InputError);
+  EXPECT_EQ(ReadMapAssociations(result, DriveLog(), 1), (Associations{{0, -1}}));
+  EXPECT_THROW(ReadMapAssociations(result, DriveLog(), 0), InputError);
+  EXPECT_THROW(ReadMapAssociations(Blob(), DriveLog(), 1), InputError);
   result.PutVector("robot/0/observations/map_landmark", std::vector<std::int32_t>{0});
-  EXPECT_THROW(ReadMapAssociations(result, Log(), 1), InputError);
-  EXPECT_THROW(ReadTrueAssociations(Log(), 1), InputError);
-  EXPECT_EQ(ReadTrueAssociations(Log(), 2), (Associations{{0, 1}}));
-  EXPECT_FALSE(ReadTrueAssociations(Log().Without("truth/"), 2));
+  EXPECT_THROW(ReadMapAssociations(result, DriveLog(), 1), InputError);
+  EXPECT_THROW(ReadTrueAssociations(DriveLog(), 1), InputError);
+  EXPECT_EQ(ReadTrueAssociations(DriveLog(), 2), (Associations{{0, 1}}));
+  EXPECT_FALSE(ReadTrueAssociations(DriveLog().Without("truth/"), 2));
 }
 
 }  // namespace

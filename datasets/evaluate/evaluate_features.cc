@@ -80,7 +80,7 @@ bool AddTruthsOf(const Fold& fold, std::size_t features, const ScoreOptions& opt
   return count;
 }
 
-std::optional<double> Share(std::int64_t part, std::int64_t rest) {
+std::optional<double> DetectionShare(std::int64_t part, std::int64_t rest) {
   if (part + rest == 0) return std::nullopt;
   return static_cast<double>(part) / static_cast<double>(part + rest);
 }
@@ -122,8 +122,8 @@ FeatureEvaluation EvaluateFeatures(const Blob& samples, const Blob* truth,
   return out;
 }
 
-std::optional<double> Detection::precision() const { return Share(both, only_detected); }
-std::optional<double> Detection::recall() const { return Share(both, only_true); }
+std::optional<double> Detection::precision() const { return DetectionShare(both, only_detected); }
+std::optional<double> Detection::recall() const { return DetectionShare(both, only_true); }
 
 Detection CompareFeatures(const Blob& samples, const std::string& detector, const std::string& truth) {
   Detection detection;

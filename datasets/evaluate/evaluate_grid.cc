@@ -91,8 +91,8 @@ LayerScore ScoreLayer(const Occupancy& map, const std::optional<MapTruth>& truth
   return score;
 }
 
-GridEvaluation Score(const Blob& map, const std::optional<MapTruth>& truth,
-                     const std::vector<DoorTruth>& doors, const std::vector<ScoredSensor>& scans) {
+GridEvaluation GridScore(const Blob& map, const std::optional<MapTruth>& truth,
+                         const std::vector<DoorTruth>& doors, const std::vector<ScoredSensor>& scans) {
   GridEvaluation evaluation;
   const Occupancy probability = ReadOccupancy(map);
   evaluation.cell_m = probability.box.cell_m;
@@ -106,7 +106,7 @@ GridEvaluation Score(const Blob& map, const std::optional<MapTruth>& truth,
 
 GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
   const Ground ground = GroundOf(map, truth_log);
-  GridEvaluation evaluation = Score(map, ground.walls, ground.doors, ground.scans);
+  GridEvaluation evaluation = GridScore(map, ground.walls, ground.doors, ground.scans);
   evaluation.to_map = ground.to_map;
   evaluation.pose_rmse_m = ground.pose_rmse_m;
   return evaluation;
@@ -131,7 +131,7 @@ std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_
 }
 
 GridEvaluation CompareGrids(const Blob& map, const Blob& reference) {
-  return Score(map, TruthOfMap(ReadOccupancy(map).box, ReadOccupancy(reference)), {}, {});
+  return GridScore(map, TruthOfMap(ReadOccupancy(map).box, ReadOccupancy(reference)), {}, {});
 }
 
 }  // namespace cairn::datasets

@@ -64,7 +64,7 @@ __attribute__((format(printf, 1, 2))) std::string Words(const char* format, ...)
   return text;
 }
 
-std::string Line(const std::string& name, const std::string& value) {
+std::string GridLine(const std::string& name, const std::string& value) {
   return name + std::string(name.size() < 44 ? 44 - name.size() : 1, ' ') + value + "\n";
 }
 
@@ -72,31 +72,31 @@ std::string LayerText(const std::string& prefix, const LayerScore& layer) {
   std::string text;
   if (layer.cells) {
     const CellScore& cells = *layer.cells;
-    text += Line(prefix + "cells.false_occupied",
-                 Words("%lld of %lld free", static_cast<long long>(cells.false_occupied),
-                       static_cast<long long>(cells.free)));
-    text += Line(
+    text += GridLine(prefix + "cells.false_occupied",
+                     Words("%lld of %lld free", static_cast<long long>(cells.false_occupied),
+                           static_cast<long long>(cells.free)));
+    text += GridLine(
         prefix + "cells.missed_occupied",
         Words("%lld of %lld due, %lld of them held to be free", static_cast<long long>(cells.missed_occupied),
               static_cast<long long>(cells.due), static_cast<long long>(cells.missed_free)));
-    text += Line(prefix + "cells.occupied_beyond_walls", std::to_string(cells.beyond_walls));
+    text += GridLine(prefix + "cells.occupied_beyond_walls", std::to_string(cells.beyond_walls));
   } else {
-    text += Line(prefix + "cells", "unknown: the truth has no walls");
+    text += GridLine(prefix + "cells", "unknown: the truth has no walls");
   }
   for (const DoorScore& door : layer.doors) {
-    text += Line(prefix + "door.open", Words("%s, %.2f m wide; truly %s", door.open ? "yes" : "no",
-                                             door.passage_m, door.truly_open ? "open" : "closed"));
+    text += GridLine(prefix + "door.open", Words("%s, %.2f m wide; truly %s", door.open ? "yes" : "no",
+                                                 door.passage_m, door.truly_open ? "open" : "closed"));
   }
-  if (!layer.held_out) return text + Line(prefix + "heldout", "nothing was held out");
+  if (!layer.held_out) return text + GridLine(prefix + "heldout", "nothing was held out");
   for (const SensorLikelihood& sensor : layer.held_out->sensors) {
-    text += Line(prefix + "heldout " + sensor.name,
-                 Words("%.4f a reading, of %lld; p_hit %.3f, p_rand %.3f, sigma %.3f m",
-                       sensor.log_likelihood / static_cast<double>(sensor.readings),
-                       static_cast<long long>(sensor.readings), sensor.model.p_hit, sensor.model.p_rand,
-                       sensor.model.sigma_m));
+    text += GridLine(prefix + "heldout " + sensor.name,
+                     Words("%.4f a reading, of %lld; p_hit %.3f, p_rand %.3f, sigma %.3f m",
+                           sensor.log_likelihood / static_cast<double>(sensor.readings),
+                           static_cast<long long>(sensor.readings), sensor.model.p_hit, sensor.model.p_rand,
+                           sensor.model.sigma_m));
   }
-  return text + Line(prefix + "heldout.log_likelihood_per_reading",
-                     Words("%.4f nat", layer.held_out->log_likelihood_per_reading));
+  return text + GridLine(prefix + "heldout.log_likelihood_per_reading",
+                         Words("%.4f nat", layer.held_out->log_likelihood_per_reading));
 }
 
 }  // namespace
@@ -113,8 +113,8 @@ std::string GridEvaluationJson(const GridEvaluation& evaluation, int indent) {
 std::string GridEvaluationText(const GridEvaluation& evaluation) {
   std::string text = LayerText("", evaluation.map);
   if (evaluation.most_likely) text += LayerText("most_likely.", *evaluation.most_likely);
-  if (evaluation.pose_rmse_m) text += Line("pose_rmse_m", Words("%.3f m", *evaluation.pose_rmse_m));
-  if (evaluation.seconds) text += Line("seconds", Words("%.3f s", *evaluation.seconds));
+  if (evaluation.pose_rmse_m) text += GridLine("pose_rmse_m", Words("%.3f m", *evaluation.pose_rmse_m));
+  if (evaluation.seconds) text += GridLine("seconds", Words("%.3f s", *evaluation.seconds));
   return text;
 }
 

@@ -12,8 +12,8 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kWrongLoopM = 0.5, kRightAngleRad = 2 * kDegree;
+constexpr double kErrorDegree_rad = std::numbers::pi / 180;
+constexpr double kWrongLoopM = 0.5, kRightAngleRad = 2 * kErrorDegree_rad;
 constexpr std::int32_t kLoop = 2;  // connections/kind
 
 template <class T>
@@ -100,7 +100,7 @@ double HeadingRmseDeg(const std::vector<PosePair>& pairs, const Similarity& alig
     const double off = WrapAngle(alignment(pair.ours).heading_rad - pair.theirs.heading_rad);
     squares += off * off;
   }
-  return std::sqrt(squares / static_cast<double>(pairs.size())) / kDegree;
+  return std::sqrt(squares / static_cast<double>(pairs.size())) / kErrorDegree_rad;
 }
 
 void ScorePaths(const std::vector<Robot>& robots, LocalEvaluation* out) {
@@ -318,7 +318,7 @@ std::optional<WallScore> ScoreWalls(const Blob& result, const Blob& log, const s
   };
   WallScore score;
   score.sweeps = sums.scored;
-  score.error_deg = sums.error_rad / static_cast<double>(sums.scored) / kDegree;
+  score.error_deg = sums.error_rad / static_cast<double>(sums.scored) / kErrorDegree_rad;
   score.within_2_deg = *share(sums.within, sums.scored);
   score.first_lock_s = sums.first_lock_s;
   score.other_area_found = share(sums.turned_found, sums.turned);

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kFoundM = 1.0;
 
-class Evaluator {
+class LocalizationEvaluator {
  public:
-  Evaluator(const Blob& result, const Blob& samples)
+  LocalizationEvaluator(const Blob& result, const Blob& samples)
       : result_(result), samples_(samples), localized_(result) {}
 
   LocalizationScore Run() {
@@ -154,7 +154,7 @@ class Evaluator {
 }  // namespace
 
 LocalizationScore EvaluateLocalization(const Blob& result, const Blob& samples) {
-  return Evaluator(result, samples).Run();
+  return LocalizationEvaluator(result, samples).Run();
 }
 
 }  // namespace cairn::datasets

@@ -23,7 +23,7 @@ std::string ErrorText(const MeanError& error) {
   return text;
 }
 
-std::string Joined(const std::vector<std::string>& names) {
+std::string JoinedRuns(const std::vector<std::string>& names) {
   std::string joined;
   for (const std::string& name : names) joined += (joined.empty() ? "" : ", ") + name;
   return joined;
@@ -69,11 +69,12 @@ std::string LocalizationScoreJson(const LocalizationScore& score, int indent) {
 }
 
 std::string LocalizationScoreText(const LocalizationScore& score) {
-  std::string text = "traverses  " + std::to_string(score.traverses) + " of " + Joined(score.runs) + "; " +
+  std::string text = "traverses  " + std::to_string(score.traverses) + " of " + JoinedRuns(score.runs) +
+                     "; " +
                      (score.window_m > 0 ? "at the start known to within " + Way(score.window_m)
                                          : std::string("nothing known at the start")) +
                      (score.heading.empty() ? "" : "; its heading " + score.heading) + "\nfeatures   " +
-                     Joined(score.features) + ", over " + std::to_string(score.places) +
+                     JoinedRuns(score.features) + ", over " + std::to_string(score.places) +
                      " places\nscored     against the samples' " +
                      (score.against_truth ? "truth" : "labels, which have errors of their own") +
                      "; 95% intervals over traverses\nunder 1 m  ";

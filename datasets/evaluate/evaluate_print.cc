@@ -28,7 +28,7 @@ Json LandmarksJson(const std::optional<LandmarkScore>& score) {
   return json;
 }
 
-std::string Line(const std::string& name, const std::string& value) {
+std::string ScoreLine(const std::string& name, const std::string& value) {
   return name + std::string(name.size() < 32 ? 32 - name.size() : 1, ' ') + value + "\n";
 }
 
@@ -47,14 +47,15 @@ std::string Angle(const std::optional<double>& value_rad) {
 double Share(std::int64_t n, std::int64_t of) { return static_cast<double>(n) / static_cast<double>(of); }
 
 std::string LandmarksText(const LandmarkScore& score) {
-  std::string text = Line("landmarks.found", std::to_string(score.found) + " of " +
-                                                 std::to_string(score.found + score.missed) + " observed");
-  text += Line("landmarks.missed", std::to_string(score.missed));
-  text += Line("landmarks.spurious", std::to_string(score.spurious));
-  text += Line("landmarks.within_3m", std::to_string(score.within_3m));
-  text += Line("landmarks.rmse_m", Number(score.rmse_m, "m"));
-  text += Line("landmarks.rmse_similarity_m", Number(score.rmse_similarity_m, "m"));
-  text += Line("landmarks.gospa_m", Number(score.gospa_m, "m"));
+  std::string text =
+      ScoreLine("landmarks.found", std::to_string(score.found) + " of " +
+                                       std::to_string(score.found + score.missed) + " observed");
+  text += ScoreLine("landmarks.missed", std::to_string(score.missed));
+  text += ScoreLine("landmarks.spurious", std::to_string(score.spurious));
+  text += ScoreLine("landmarks.within_3m", std::to_string(score.within_3m));
+  text += ScoreLine("landmarks.rmse_m", Number(score.rmse_m, "m"));
+  text += ScoreLine("landmarks.rmse_similarity_m", Number(score.rmse_similarity_m, "m"));
+  text += ScoreLine("landmarks.gospa_m", Number(score.gospa_m, "m"));
   return text;
 }
 
@@ -82,11 +83,11 @@ std::string CountOf(std::int64_t n, std::int64_t of, const char* what) {
 
 std::string TopologyText(const Evaluation& evaluation) {
   const auto& correct = evaluation.topology_correct;
-  std::string text = Line("topology.correct", !correct ? "unknown" : *correct ? "yes" : "no");
+  std::string text = ScoreLine("topology.correct", !correct ? "unknown" : *correct ? "yes" : "no");
   if (!correct) return text;
-  text += Line("topology.wrong", CountOf(evaluation.wrong, evaluation.associations, "associations"));
-  text += Line("topology.unused",
-               CountOf(evaluation.unused, evaluation.observations, "observations of landmarks"));
+  text += ScoreLine("topology.wrong", CountOf(evaluation.wrong, evaluation.associations, "associations"));
+  text += ScoreLine("topology.unused",
+                    CountOf(evaluation.unused, evaluation.observations, "observations of landmarks"));
   return text;
 }
 
@@ -120,17 +121,18 @@ std::string EvaluationText(const Evaluation& evaluation) {
   if (evaluation.landmarks)
     text += LandmarksText(*evaluation.landmarks);
   else
-    text += Line("landmarks", "unknown: the truth has none");
-  text += Line("trajectory.rmse_m", Number(evaluation.trajectory_rmse_m, "m, the worst robot"));
+    text += ScoreLine("landmarks", "unknown: the truth has none");
+  text += ScoreLine("trajectory.rmse_m", Number(evaluation.trajectory_rmse_m, "m, the worst robot"));
   for (const RobotScore& robot : evaluation.robots) {
-    text += Line("  " + robot.name, Number(robot.rmse_m, "m") +
-                                        (robot.rmse_m ? ", heading " + Angle(robot.heading_rmse_rad) : ""));
+    text +=
+        ScoreLine("  " + robot.name, Number(robot.rmse_m, "m") +
+                                         (robot.rmse_m ? ", heading " + Angle(robot.heading_rmse_rad) : ""));
   }
   text += TopologyText(evaluation);
-  text += Line("iterations", std::to_string(evaluation.iterations));
-  text += Line("seconds", Number(evaluation.seconds, "s"));
-  if (!evaluation.refinement_refused.empty()) text += Line("refinement", evaluation.refinement_refused);
-  text += Line("aligned on", evaluation.aligned_on);
+  text += ScoreLine("iterations", std::to_string(evaluation.iterations));
+  text += ScoreLine("seconds", Number(evaluation.seconds, "s"));
+  if (!evaluation.refinement_refused.empty()) text += ScoreLine("refinement", evaluation.refinement_refused);
+  text += ScoreLine("aligned on", evaluation.aligned_on);
   return text;
 }
 

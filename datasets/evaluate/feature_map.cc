@@ -9,10 +9,10 @@
 namespace cairn::datasets {
 namespace {
 
-using Near = std::pair<double, std::size_t>;  // distance, index: ties go to the first
+using NearSample = std::pair<double, std::size_t>;  // distance, index: ties go to the first
 
-std::vector<Near> Distances(const std::vector<PointM>& places, const PointM& from) {
-  std::vector<Near> distances;
+std::vector<NearSample> Distances(const std::vector<PointM>& places, const PointM& from) {
+  std::vector<NearSample> distances;
   distances.reserve(places.size());
   for (const PointM& place : places) distances.emplace_back(DistanceM(place, from), distances.size());
   return distances;
@@ -67,9 +67,10 @@ FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const doubl
   FeatureMap map{
       .places = places, .vectors = std::size_t{1} << networks, .probability = {}, .heading_rad = heading_rad};
   for (std::size_t k = 0; k < places.size(); ++k) {
-    std::vector<Near> near = Distances(places, places[k]);
+    std::vector<NearSample> near = Distances(places, places[k]);
     if (!heading_rad.empty())
-      std::erase_if(near, [&](const Near& n) { return !FaceAlike(heading_rad[n.second], heading_rad[k]); });
+      std::erase_if(near,
+                    [&](const NearSample& n) { return !FaceAlike(heading_rad[n.second], heading_rad[k]); });
     const std::size_t count = std::min(nearest, near.size());
     std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(count));
     std::vector<double> mean(networks, 0.0);
@@ -87,9 +88,9 @@ std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const PointM& truth,
                                      std::span<const double> probability,
                                      const std::vector<std::size_t>& drawn,
                                      const std::vector<double>& windows_m, const KnownHeading& known) {
-  std::vector<Near> near = Distances(map.places, truth);
+  std::vector<NearSample> near = Distances(map.places, truth);
   if (!map.heading_rad.empty())
-    std::erase_if(near, [&](const Near& n) {
+    std::erase_if(near, [&](const NearSample& n) {
       return TurnBetween(map.heading_rad[n.second], known.heading_rad) > known.window_rad;
     });
   std::ranges::sort(near);

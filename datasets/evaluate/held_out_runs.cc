@@ -54,10 +54,10 @@ HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name
   return run;
 }
 
-using Place = std::pair<double, double>;
+using RunPlace = std::pair<double, double>;
 
 bool WasTrainedOn(const HeldOutRun& run, const LearnedNetworks& nets) {
-  std::set<Place> places;
+  std::set<RunPlace> places;
   for (std::size_t k = 0; k < run.x_m.size(); ++k) places.emplace(run.x_m[k], run.y_m[k]);
   bool any = false;
   for (std::size_t k = 0; k < nets.samples(); ++k) {

@@ -11,7 +11,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoReading = std::numeric_limits<double>::quiet_NaN();
 
 double Normal(double x, double sigma) {
   return std::exp(-x * x / (2 * sigma * sigma)) / (sigma * std::sqrt(2 * std::numbers::pi));
@@ -58,7 +58,7 @@ ScoredSensor Sensor(double opening_rad, const std::vector<double>& ranges) {
 TEST(BeamReader, MeetsTheCellsOfARayAtTheMiddleOfItsWayThroughThem) {
   const Occupancy map = ReadOccupancy(DrawnMap({"....", "..# ", "...."}));
   const BeamReader reader(map);
-  const ScoredReading reading = reader.Read(Sensor(0, {kNan}), 0, 0);
+  const ScoredReading reading = reader.Read(Sensor(0, {kNoReading}), 0, 0);
   ASSERT_EQ(reading.cells.size(), 4U);
   EXPECT_NEAR(reading.cells[0].distance_m, 0.25, 1e-12);
   EXPECT_NEAR(reading.cells[2].distance_m, 2, 1e-12);
@@ -75,7 +75,7 @@ TEST(BeamReader, MeetsTheCellsOfAConeInOrderOfDistance) {
   const Occupancy map = ReadOccupancy(DrawnMap(rows, 0.1));
   const BeamReader reader(map);
   for (int k = 0; k < 30; ++k) {
-    ScoredSensor sensor = Sensor(0.4, {kNan});
+    ScoredSensor sensor = Sensor(0.4, {kNoReading});
     sensor.max_range_m = 1.7;
     sensor.poses[0] = {rng.Uniform(-0.5, 4.5), rng.Uniform(-0.5, 4.5), rng.Uniform(-4, 4)};
     const ScoredReading reading = reader.Read(sensor, 0, 0);

@@ -47,7 +47,7 @@ void Mark(const CellBox& box, PointM at, std::vector<std::uint8_t>* cells) {
   if (box.Holds(column, row)) (*cells)[box.Index(column, row)] = 1;
 }
 
-bool InCone(const PoseM& from, double half_rad, double within_m, PointM at) {
+bool SeenInCone(const PoseM& from, double half_rad, double within_m, PointM at) {
   const double dx = at.x_m - from.x_m, dy = at.y_m - from.y_m;
   if (dx * dx + dy * dy > within_m * within_m) return false;
   return std::abs(WrapAngle(std::atan2(dy, dx) - from.heading_rad)) <= half_rad;
@@ -74,7 +74,7 @@ void MarkDue(const std::vector<Wall>& walls, const PoseM& beam, double half_rad,
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (nearest_m[w] > within_m) continue;
     ForPointsOf(walls[w], kSpacing * truth->box.cell_m, [&](PointM point) {
-      if (InCone(beam, half_rad, within_m, point)) Mark(truth->box, point, &truth->due);
+      if (SeenInCone(beam, half_rad, within_m, point)) Mark(truth->box, point, &truth->due);
     });
   }
 }
@@ -95,7 +95,7 @@ void FloodFrom(std::vector<std::pair<std::int64_t, std::int64_t>> open, MapTruth
 
 // Whether `is` holds of the cell or of one of the eight beside it.
 template <class Is>
-bool Near(std::int64_t column, std::int64_t row, const Is& is) {
+bool NearWall(std::int64_t column, std::int64_t row, const Is& is) {
   for (std::int64_t y = row - 1; y <= row + 1; ++y) {
     for (std::int64_t x = column - 1; x <= column + 1; ++x)
       if (is(x, y)) return true;
@@ -169,11 +169,11 @@ CellScore ScoreCells(const Occupancy& map, const MapTruth& truth) {
       const std::size_t cell = truth.box.Index(column, row);
       score.free += truth.free[cell];
       score.due += truth.due[cell];
-      if (truth.due[cell] != 0 && !Near(column, row, occupied)) {
+      if (truth.due[cell] != 0 && !NearWall(column, row, occupied)) {
         ++score.missed_occupied;
         score.missed_free += free(column, row) ? 1 : 0;
       }
-      if (!occupied(column, row) || Near(column, row, wall)) continue;
+      if (!occupied(column, row) || NearWall(column, row, wall)) continue;
       ++(truth.free[cell] != 0 ? score.false_occupied : score.beyond_walls);
     }
   }

@@ -11,7 +11,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoTruth = std::numeric_limits<double>::quiet_NaN();
 
 // One scan from the middle of a room of 6 by 6 m whose walls are the cells round it; the rays to the right
 // and upwards alone.
@@ -121,7 +121,7 @@ TEST(Occupancy, RefusesWhatDoesNotFit) {
   Blob map = DrawnMap({"#."});
   map.Put("map/grid/occupied", Array::Of<std::uint8_t>({1}, std::vector<std::uint8_t>{0}));
   EXPECT_THROW(ReadMostLikely(map), InputError);
-  map.Put("map/grid/probability", Array::Of<double>({1, 2}, std::vector<double>{1.5, kNan}));
+  map.Put("map/grid/probability", Array::Of<double>({1, 2}, std::vector<double>{1.5, kNoTruth}));
   EXPECT_THROW(ReadOccupancy(map), InputError);
   map.Put("map/grid/probability", Array::Vector<double>({0.5}));
   EXPECT_THROW(ReadOccupancy(map), InputError);

@@ -11,7 +11,7 @@
 namespace cairn::datasets {
 namespace {
 
-const MayMatch kAny = [](std::size_t, std::size_t) { return true; };
+const MayMatch kAnyPoint = [](std::size_t, std::size_t) { return true; };
 
 // Over all one-to-one partial matchings: every order of the estimates against the truth, pairs beyond the
 // cut-off dropped.
@@ -37,13 +37,13 @@ double GospaByEnumeration(const std::vector<PointM>& estimate, const std::vector
 }
 
 TEST(Gospa, IsKnownForSimpleSets) {
-  EXPECT_EQ(MatchPoints({}, {}, kAny).gospa_m, 0);
+  EXPECT_EQ(MatchPoints({}, {}, kAnyPoint).gospa_m, 0);
   // One missed: sqrt(c^2 / 2). One spurious: the same. Both: c.
-  EXPECT_NEAR(MatchPoints({}, {{0, 0}}, kAny).gospa_m, std::sqrt(4.5), 1e-12);
-  EXPECT_NEAR(MatchPoints({{0, 0}}, {}, kAny).gospa_m, std::sqrt(4.5), 1e-12);
-  EXPECT_NEAR(MatchPoints({{0, 0}}, {{100, 0}}, kAny).gospa_m, 3, 1e-12);
+  EXPECT_NEAR(MatchPoints({}, {{0, 0}}, kAnyPoint).gospa_m, std::sqrt(4.5), 1e-12);
+  EXPECT_NEAR(MatchPoints({{0, 0}}, {}, kAnyPoint).gospa_m, std::sqrt(4.5), 1e-12);
+  EXPECT_NEAR(MatchPoints({{0, 0}}, {{100, 0}}, kAnyPoint).gospa_m, 3, 1e-12);
   // Distances 1 and 2, one missed: sqrt(1 + 4 + 4.5).
-  const PointMatch match = MatchPoints({{0, 1}, {10, 2}}, {{0, 0}, {10, 0}, {50, 0}}, kAny);
+  const PointMatch match = MatchPoints({{0, 1}, {10, 2}}, {{0, 0}, {10, 0}, {50, 0}}, kAnyPoint);
   EXPECT_NEAR(match.gospa_m, std::sqrt(9.5), 1e-12);
   EXPECT_EQ(match.pairs, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 0}, {1, 1}}));
 }
@@ -55,28 +55,28 @@ TEST(Gospa, EqualsEnumeration) {
     for (auto* points : {&estimate, &truth}) {
       for (PointM& point : *points) point = {rng.Uniform(0, 8), rng.Uniform(0, 8)};
     }
-    EXPECT_NEAR(MatchPoints(estimate, truth, kAny).gospa_m, GospaByEnumeration(estimate, truth), 1e-12);
+    EXPECT_NEAR(MatchPoints(estimate, truth, kAnyPoint).gospa_m, GospaByEnumeration(estimate, truth), 1e-12);
   }
 }
 
 // A landmark 2.9 m off costs less than one dropped and missed: leaving out bad landmarks does not pay.
 TEST(Gospa, DroppingAMatchedPointNeverPays) {
   const std::vector<PointM> truth = {{0, 0}, {10, 0}};
-  const double with = MatchPoints({{0, 0}, {12.1, 0}}, truth, kAny).gospa_m;
-  const double without = MatchPoints({{0, 0}}, truth, kAny).gospa_m;
+  const double with = MatchPoints({{0, 0}, {12.1, 0}}, truth, kAnyPoint).gospa_m;
+  const double without = MatchPoints({{0, 0}}, truth, kAnyPoint).gospa_m;
   EXPECT_LT(with * with - without * without, 4.5);
-  EXPECT_LT(MatchPoints({{0, 0}, {11.9, 0}}, truth, kAny).gospa_m, without);
+  EXPECT_LT(MatchPoints({{0, 0}, {11.9, 0}}, truth, kAnyPoint).gospa_m, without);
 }
 
 // The nearest neighbour of both estimates is the same point; one must take the farther one.
 TEST(PointMatch, IsOneToOne) {
-  const PointMatch match = MatchPoints({{0, 0}, {0.5, 0}}, {{0.4, 0}, {2.0, 0}}, kAny);
+  const PointMatch match = MatchPoints({{0, 0}, {0.5, 0}}, {{0.4, 0}, {2.0, 0}}, kAnyPoint);
   EXPECT_EQ(match.pairs, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 0}, {1, 1}}));
 }
 
 TEST(PointMatch, TheCutOffItselfDoesNotMatch) {
-  EXPECT_TRUE(MatchPoints({{0, 0}}, {{3, 0}}, kAny).pairs.empty());
-  EXPECT_EQ(MatchPoints({{0, 0}}, {{2.999, 0}}, kAny).pairs.size(), 1U);
+  EXPECT_TRUE(MatchPoints({{0, 0}}, {{3, 0}}, kAnyPoint).pairs.empty());
+  EXPECT_EQ(MatchPoints({{0, 0}}, {{2.999, 0}}, kAnyPoint).pairs.size(), 1U);
 }
 
 TEST(PointMatch, KeepsToIdentities) {

@@ -14,7 +14,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRelationDegree_rad = std::numbers::pi / 180;
 
 // `pose` as seen from `from`.
 PoseM Seen(const PoseM& from, const PoseM& pose) {
@@ -87,7 +87,7 @@ RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& re
     }
     const PoseM error = Seen(relation.motion, Seen(*from, *to));
     const double translation_m = std::hypot(error.x_m, error.y_m);
-    const double rotation_deg = std::abs(error.heading_rad) / kDegree;
+    const double rotation_deg = std::abs(error.heading_rad) / kRelationDegree_rad;
     ++score.scored;
     score.translation_m += translation_m;
     score.rotation_deg += rotation_deg;

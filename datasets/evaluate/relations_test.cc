@@ -10,10 +10,10 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kPiOfRelations = std::numbers::pi;
 
 // 1 m a second along x for 10 s, then up.
-Track Corner() { return {{0, 10, 20}, {{0, 0, 0}, {10, 0, 0}, {10, 10, kPi / 2}}}; }
+Track Corner() { return {{0, 10, 20}, {{0, 0, 0}, {10, 0, 0}, {10, 10, kPiOfRelations / 2}}}; }
 
 TEST(Relations, ErrorsAreOfTheDifferenceOfRelativePoses) {
   const std::vector<Relation> relations{
@@ -23,10 +23,10 @@ TEST(Relations, ErrorsAreOfTheDifferenceOfRelativePoses) {
   const RelationScore score = ScoreRelations(Corner(), relations, 0);
   EXPECT_EQ(score.scored, 2);
   EXPECT_EQ(score.outside, 1);
-  const double heading = 0.1 * kPi;  // of the pose at 12 s
+  const double heading = 0.1 * kPiOfRelations;  // of the pose at 12 s
   EXPECT_NEAR(score.translation_m, 0.3 / 2, 1e-12);
   EXPECT_NEAR(score.translation_rms_m, 0.3 / std::sqrt(2), 1e-12);
-  EXPECT_NEAR(score.rotation_deg, (heading - 0.05) * 180 / kPi / 2, 1e-9);
+  EXPECT_NEAR(score.rotation_deg, (heading - 0.05) * 180 / kPiOfRelations / 2, 1e-9);
   EXPECT_NEAR(ScoreRelations(Corner(), {{101, 103, {2, 0, 0}}}, 100).translation_m, 0, 1e-12);
   ExpectContains(InputErrorOf([&] { ScoreRelations(Corner(), {{101, 103, {2, 0, 0}}}, 0); }),
                  "they go from 0 to 20 s, the first relation is of 101 s; --offset-s");
@@ -50,7 +50,7 @@ TEST(Relations, FilesAreReadAndBadLinesNamed) {
   const auto relations = ReadRelations(folder.Put("a.relations.gz", "# by hand\n1 2 0.5 -0.1 0 0 0 3.5\n"));
   ASSERT_EQ(relations.size(), 1U);
   EXPECT_EQ(relations[0].motion.y_m, -0.1);
-  EXPECT_NEAR(relations[0].motion.heading_rad, 3.5 - 2 * kPi, 1e-12);
+  EXPECT_NEAR(relations[0].motion.heading_rad, 3.5 - 2 * kPiOfRelations, 1e-12);
   const auto refusal = [&](const std::string& text) {
     const std::string file = folder.Put("b.relations", text);
     return InputErrorOf([&] { ReadRelations(file); });
@@ -67,12 +67,12 @@ TEST(Relations, PosesComeFromMapsTablesScansOrOdometry) {
   Blob blob({{"robots", Array::Texts({"a"})}});
   ExpectContains(InputErrorOf([&] { TrajectoryOf(blob, ""); }), "neither poses nor odometry");
   blob.PutVector<double>("robot/0/odometry/time_s", {1, 2, 2});
-  blob.PutVector<double>("robot/0/odometry/turn_rad", {0, kPi / 2, kPi / 2});
+  blob.PutVector<double>("robot/0/odometry/turn_rad", {0, kPiOfRelations / 2, kPiOfRelations / 2});
   blob.PutVector<double>("robot/0/odometry/forward_m", {0, 3, 0});
   const Track reckoned = TrajectoryOf(blob, "");
   EXPECT_EQ(reckoned.time_s, (std::vector<double>{1, 2}));
   EXPECT_NEAR(reckoned.poses[1].y_m, 3, 1e-12);
-  EXPECT_NEAR(reckoned.poses[1].heading_rad, kPi, 1e-12);
+  EXPECT_NEAR(reckoned.poses[1].heading_rad, kPiOfRelations, 1e-12);
   for (const char* column : {"time_s", "x_m", "y_m", "heading_rad"})
     blob.PutVector<double>("robot/0/laser/" + std::string(column), {7});
   EXPECT_EQ(TrajectoryOf(blob, "").poses[0].x_m, 7);

@@ -5,7 +5,7 @@
 namespace cairn::datasets {
 namespace {
 
-std::span<const double> ColumnOf(const Blob& blob, const std::string& name, std::size_t length) {
+std::span<const double> ScanColumn(const Blob& blob, const std::string& name, std::size_t length) {
   const auto column = blob.Get<double>(name);
   if (column.size() != length)
     throw InputError("'" + name + "' has " + std::to_string(column.size()) + " numbers, where " +
@@ -15,9 +15,9 @@ std::span<const double> ColumnOf(const Blob& blob, const std::string& name, std:
 
 std::vector<PoseM> PosesOf(const Blob& blob, const std::string& prefix, const std::string& kind,
                            std::size_t count) {
-  const auto x = ColumnOf(blob, prefix + kind + "x_m", count),
-             y = ColumnOf(blob, prefix + kind + "y_m", count),
-             heading = ColumnOf(blob, prefix + kind + "heading_rad", count);
+  const auto x = ScanColumn(blob, prefix + kind + "x_m", count),
+             y = ScanColumn(blob, prefix + kind + "y_m", count),
+             heading = ScanColumn(blob, prefix + kind + "heading_rad", count);
   std::vector<PoseM> poses;
   for (std::size_t i = 0; i < count; ++i) {
     if (!std::isfinite(x[i] + y[i] + heading[i]))
@@ -31,7 +31,7 @@ std::vector<PoseM> PosesOf(const Blob& blob, const std::string& prefix, const st
 void TakeRanges(const Blob& log, ScoredSensor* sensor) {
   const auto time = log.Get<double>(sensor->name + "time_s");
   const std::size_t beams = sensor->beams.size();
-  const auto range = ColumnOf(log, sensor->name + "range_m", time.size() * beams);
+  const auto range = ScanColumn(log, sensor->name + "range_m", time.size() * beams);
   const std::string turret = sensor->name + "turret_rad";
   std::size_t next = 0;
   for (const double time_s : sensor->time_s) {
@@ -41,7 +41,7 @@ void TakeRanges(const Blob& log, ScoredSensor* sensor) {
                        " s: was the map made from this log?");
     const auto row = range.subspan(next * beams, beams);
     sensor->range_m.insert(sensor->range_m.end(), row.begin(), row.end());
-    if (log.Has(turret)) sensor->turret_rad.push_back(ColumnOf(log, turret, time.size())[next]);
+    if (log.Has(turret)) sensor->turret_rad.push_back(ScanColumn(log, turret, time.size())[next]);
     ++next;
   }
 }

@@ -47,7 +47,7 @@ std::string ReductionText(const Score& score) {
   return text;
 }
 
-std::string Row(const WindowScore& score) {
+std::string WindowRow(const WindowScore& score) {
   const std::string window = WindowText(score.window_m);
   const std::string counts =
       Formatted("%-8s %7lld %9lld  ", window.c_str(), static_cast<long long>(score.truths),
@@ -98,7 +98,7 @@ std::string WindowScoresText(const std::vector<WindowScore>& scores) {
   text += Formatted("%-8s %7s %9s  %8s %12s  %-21s %10s  %-21s %5s", "window", "truths", "left out",
                     "prior m", "posterior m", "reduction [95%]", "post. m", "reduction [95%]", "sd %") +
           "\n";
-  for (const WindowScore& score : scores) text += Row(score);
+  for (const WindowScore& score : scores) text += WindowRow(score);
   return text;
 }
 

@@ -20,7 +20,7 @@ namespace report {
 namespace {
 
 constexpr double kVisibleErrorM = 0.01;
-constexpr double kText = 11, kMargin = 22;
+constexpr double kDrawMapText = 11, kMargin = 22;
 
 struct Legend {
   enum class Kind {
@@ -96,15 +96,15 @@ void DrawStart(PointM at, Rgb colour, Canvas& canvas) {
 double DrawLegend(const std::vector<Legend>& items, double width, Canvas* canvas) {
   using enum Legend::Kind;
   constexpr double kSwatchWidth = 30, kGap = 26, kRow = 24;
-  double x = kMargin, y = kMargin + kText;
+  double x = kMargin, y = kMargin + kDrawMapText;
   for (const Legend& item : items) {
-    const double needed = kSwatchWidth + 8 + Canvas::TextWidth(item.text, kText) + kGap;
+    const double needed = kSwatchWidth + 8 + Canvas::TextWidth(item.text, kDrawMapText) + kGap;
     if (x > kMargin && x + needed > width - kMargin) {
       x = kMargin;
       y += kRow;
     }
     if (canvas != nullptr) {
-      const double middle = y - kText / 2;
+      const double middle = y - kDrawMapText / 2;
       const PointM centre{x + kSwatchWidth / 2, middle};
       if (item.kind == kPath) canvas->Line({x, middle}, {x + kSwatchWidth, middle}, item.colour, 2);
       if (item.kind == kTruthPath) canvas->Line({x, middle}, {x + kSwatchWidth, middle}, item.colour, 5);
@@ -121,7 +121,7 @@ double DrawLegend(const std::vector<Legend>& items, double width, Canvas* canvas
       if (item.kind == kLoop) canvas->Dot(centre, 3, item.colour);
       if (item.kind == kStart) DrawStart(centre, item.colour, *canvas);
       if (item.kind == kTruthLandmark) canvas->Ring(centre, 8, item.colour, 2);
-      canvas->Text({x + kSwatchWidth + 8, y}, item.text, kInk, kText);
+      canvas->Text({x + kSwatchWidth + 8, y}, item.text, kInk, kDrawMapText);
     }
     x += needed;
   }
@@ -231,10 +231,10 @@ class MapPainter {
     for (const std::size_t k : NamedLandmarks(scene_)) {
       const MapLandmark& landmark = scene_.landmarks[k];
       labels.push_back(
-          {At(landmark.at), landmark.name, Canvas::TextWidth(landmark.name, kText), landmark.count});
+          {At(landmark.at), landmark.name, Canvas::TextWidth(landmark.name, kDrawMapText), landmark.count});
     }
-    for (const PlacedLabel& name : PlaceLabels(labels, frame_.panel(), kText, 6))
-      canvas_.Text(name.baseline, labels[name.label].text, kInk, kText, Align::kLeft, 2);
+    for (const PlacedLabel& name : PlaceLabels(labels, frame_.panel(), kDrawMapText, 6))
+      canvas_.Text(name.baseline, labels[name.label].text, kInk, kDrawMapText, Align::kLeft, 2);
   }
 
   void PaintStarts() {
@@ -255,13 +255,14 @@ class MapPainter {
     canvas_.Frame({p.left, p.top}, {right, bottom}, kLine, 1);
     const Box& box = frame_.box();
     for (const double x : Ticks(box.x_low_m, box.x_high_m, static_cast<int>(p.width / 120))) {
-      canvas_.Text({frame_.X(x), bottom + 20}, Short(x), kSoft, kText, Align::kMiddle);
+      canvas_.Text({frame_.X(x), bottom + 20}, Short(x), kSoft, kDrawMapText, Align::kMiddle);
     }
     for (const double y : Ticks(box.y_low_m, box.y_high_m, static_cast<int>(p.height / 90))) {
-      canvas_.Text({p.left - 8, frame_.Y(y) + kText / 2}, Short(y), kSoft, kText, Align::kRight);
+      canvas_.Text({p.left - 8, frame_.Y(y) + kDrawMapText / 2}, Short(y), kSoft, kDrawMapText,
+                   Align::kRight);
     }
-    canvas_.Text({p.left + p.width / 2, bottom + 44}, "x [m]", kSoft, kText, Align::kMiddle);
-    canvas_.Text({p.left + 8, p.top + 18}, "y [m]", kSoft, kText, Align::kLeft, 2);
+    canvas_.Text({p.left + p.width / 2, bottom + 44}, "x [m]", kSoft, kDrawMapText, Align::kMiddle);
+    canvas_.Text({p.left + 8, p.top + 18}, "y [m]", kSoft, kDrawMapText, Align::kLeft, 2);
     PaintScale(right, bottom);
   }
 
@@ -271,7 +272,7 @@ class MapPainter {
     canvas_.Fill({end - width - 10, y - 26}, {end + 10, y + 10}, kPaper);
     canvas_.Line({end - width, y}, {end, y}, kInk, 2);
     for (const double x : {end - width, end}) canvas_.Line({x, y - 6}, {x, y + 6}, kInk, 2);
-    canvas_.Text({end - width / 2, y - 10}, Short(bar_m) + " m", kInk, kText, Align::kMiddle);
+    canvas_.Text({end - width / 2, y - 10}, Short(bar_m) + " m", kInk, kDrawMapText, Align::kMiddle);
   }
 
   const Scene& scene_;
@@ -290,10 +291,10 @@ std::string Draw(const Scene& scene, const CellPicture* cells, int width_px) {
   const std::vector<Legend> legend = LegendOf(scene, cells != nullptr);
   const double legend_height = DrawLegend(legend, width_px, nullptr);
   const Box box = cells != nullptr ? BoxOf(cells->box) : BoundsOf(scene, false);
-  constexpr double kLeft = 70, kRight = 22, kBottom = 60;
-  Panel panel{kLeft, legend_height + 16, width_px - kLeft - kRight, 0};
+  constexpr double kDrawMapLeft = 70, kDrawMapRight = 22, kDrawMapBottom = 60;
+  Panel panel{kDrawMapLeft, legend_height + 16, width_px - kDrawMapLeft - kDrawMapRight, 0};
   panel.height = PanelHeight(box, panel.width, 0.25 * panel.width, 1.4 * panel.width);
-  Canvas canvas(width_px, static_cast<int>(std::ceil(panel.top + panel.height + kBottom)), kPaper);
+  Canvas canvas(width_px, static_cast<int>(std::ceil(panel.top + panel.height + kDrawMapBottom)), kPaper);
   const MapFrame frame(box, panel);
   MapPainter(scene, cells, canvas, frame).Paint();
   DrawLegend(legend, width_px, &canvas);

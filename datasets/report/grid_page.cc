@@ -19,9 +19,9 @@ namespace cairn::datasets::report {
 namespace {
 
 // More cells than a phone has pixels for are drawn as blocks.
-constexpr std::int64_t kMostCells = 3000, kMostCellsNarrow = 1000;
+constexpr std::int64_t kMostCellsOfPage = 3000, kMostCellsNarrow = 1000;
 
-Box BoxOf(const CellBox& cells) {
+Box PictureBox(const CellBox& cells) {
   return {cells.origin_x_m, cells.origin_x_m + static_cast<double>(cells.columns) * cells.cell_m,
           cells.origin_y_m, cells.origin_y_m + static_cast<double>(cells.rows) * cells.cell_m};
 }
@@ -29,15 +29,15 @@ Box BoxOf(const CellBox& cells) {
 // A layer with what lies on it.
 std::string LayerFigure(const CellPicture& picture, const std::string& label, const Scene& scene,
                         double width) {
-  const Box box = BoxOf(picture.box);
+  const Box box = PictureBox(picture.box);
   const double inner = width - MapMargins::kLeft - MapMargins::kRight;
   const double height = PanelHeight(box, inner, 90, std::max(0.9 * inner, 480.0));
   Svg svg(width, MapMargins::kTop + height + MapMargins::kBottom, label);
   const MapFrame frame(box, {MapMargins::kLeft, MapMargins::kTop, inner, height});
   MapCanvas canvas(svg, frame);
   canvas.Axes(true);
-  const CellPicture blocks = InBlocks(picture, width < kWideFigure ? kMostCellsNarrow : kMostCells);
-  canvas.Image(BoxOf(blocks.box), CellsPng(blocks));
+  const CellPicture blocks = InBlocks(picture, width < kWideFigure ? kMostCellsNarrow : kMostCellsOfPage);
+  canvas.Image(PictureBox(blocks.box), CellsPng(blocks));
   canvas.Walls(scene);
   canvas.Paths(scene.paths, "path");
   canvas.Starts(scene.paths);

@@ -11,9 +11,9 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr Rgb kPaper{255, 255, 255}, kInk{30, 34, 40}, kPale{176, 182, 190};
+constexpr Rgb kPlotPaper{255, 255, 255}, kPlotInk{30, 34, 40}, kPale{176, 182, 190};
 constexpr Rgb kEdge{198, 70, 40}, kWay{38, 104, 178};
-constexpr double kMargin = 24;
+constexpr double kPictureMargin = 24;
 constexpr float kOccupied = 0.05F;  // hits a sweep from which on a cell is drawn as occupied
 
 // A segment of `length` pixels about a point, at an angle of the world (y up).
@@ -43,9 +43,9 @@ void DrawHistogram(const LocalSnapshot& shot, double left, double top, double wi
     sin += shot.histogram[k] * std::sin(angle);
     cos += shot.histogram[k] * std::cos(angle);
     canvas->Text({at + width / sectors / 2, top + height + 16},
-                 Short(90 * static_cast<double>(k) / sectors, 1), kInk, 11, Align::kMiddle);
+                 Short(90 * static_cast<double>(k) / sectors, 1), kPlotInk, 11, Align::kMiddle);
   }
-  canvas->Line({left, top + height}, {left + width, top + height}, kInk, 1);
+  canvas->Line({left, top + height}, {left + width, top + height}, kPlotInk, 1);
   if (most <= 0) return;
   double peak = std::atan2(sin, cos) / (2 * std::numbers::pi);
   if (peak < 0) peak += 1;
@@ -53,11 +53,11 @@ void DrawHistogram(const LocalSnapshot& shot, double left, double top, double wi
 }
 
 // The box of a trace in its own frame.
-struct Span {
+struct Interval {
   double low_z = 0, high_z = 0, side_m = 1;
 };
-Span SpanOf(const LocalTrace& trace) {
-  Span span{trace.Z(0), trace.Z(trace.features.empty() ? 0 : trace.features.size() - 1), 1};
+Interval SpanOf(const LocalTrace& trace) {
+  Interval span{trace.Z(0), trace.Z(trace.features.empty() ? 0 : trace.features.size() - 1), 1};
   for (const LocalFeature& feature : trace.features) {
     for (const LocalSide* side : {&feature.left, &feature.right})
       if (side->HasEdge()) span.side_m = std::max(span.side_m, side->distance_high_m + 0.3);
@@ -87,7 +87,7 @@ void DrawSide(const LocalTrace& trace, std::size_t feature, const LocalSide& sid
 }
 
 void DrawTrace(const LocalTrace& trace, const Strip& strip, Rgb colour, Canvas* canvas) {
-  const Span span = SpanOf(trace);
+  const Interval span = SpanOf(trace);
   canvas->Line(strip.At(span.low_z, 0), strip.At(span.high_z, 0), colour, 1.2);
   for (std::size_t f = 0; f < trace.features.size(); ++f) {
     DrawSide(trace, f, trace.features[f].left, 1, strip, colour, canvas);
@@ -96,8 +96,8 @@ void DrawTrace(const LocalTrace& trace, const Strip& strip, Rgb colour, Canvas* 
 }
 
 void DrawScale(const Strip& strip, PointM at, Canvas* canvas) {
-  canvas->Line(at, {at.x_m + strip.per_m, at.y_m}, kInk, 2);
-  canvas->Text({at.x_m + strip.per_m + 6, at.y_m + 4}, "1 m", kInk, 12);
+  canvas->Line(at, {at.x_m + strip.per_m, at.y_m}, kPlotInk, 2);
+  canvas->Text({at.x_m + strip.per_m + 6, at.y_m + 4}, "1 m", kPlotInk, 12);
 }
 
 // The immediate trace of a snapshot: on each side of each row the nearest edge, and the nearest occupied
@@ -133,9 +133,9 @@ void DrawImmediate(const Superposed& shown, const Strip& strip, Canvas* canvas) 
       const Nearest& side = (sign > 0 ? left : right)[slice];
       if (side.edge_m < HUGE_VAL)
         Stroke(canvas, strip.At(z, shown.u_m + sign * side.edge_m), side.edge_rad, shot.cell_m * strip.per_m,
-               kInk, 2);
+               kPlotInk, 2);
       else if (side.occupied_m < HUGE_VAL)
-        canvas->Dot(strip.At(z, shown.u_m + sign * side.occupied_m), 3, kInk);
+        canvas->Dot(strip.At(z, shown.u_m + sign * side.occupied_m), 3, kPlotInk);
     }
   }
   const PointM robot = strip.At(shown.z_m, shown.u_m);
@@ -180,9 +180,10 @@ std::string LocalGridPng(const LocalSnapshot& shot) {
   const double pixel = std::max(6.0, std::floor(620.0 / static_cast<double>(shot.cells)));
   const double edge = pixel * static_cast<double>(shot.cells);
   const double histogram = 110;
-  Canvas canvas(static_cast<int>(edge + 2 * kMargin), static_cast<int>(edge + histogram + 4 * kMargin),
-                kPaper);
-  const double per_m = pixel / shot.cell_m, middle_x = kMargin + edge / 2, middle_y = kMargin + edge / 2;
+  Canvas canvas(static_cast<int>(edge + 2 * kPictureMargin),
+                static_cast<int>(edge + histogram + 4 * kPictureMargin), kPlotPaper);
+  const double per_m = pixel / shot.cell_m, middle_x = kPictureMargin + edge / 2,
+               middle_y = kPictureMargin + edge / 2;
   const auto at = [&](PointM p) { return PointM{middle_x + p.x_m * per_m, middle_y - p.y_m * per_m}; };
   const float most = *std::ranges::max_element(shot.occupancy);
   for (std::int64_t row = 0; row < shot.cells; ++row) {
@@ -198,23 +199,23 @@ std::string LocalGridPng(const LocalSnapshot& shot) {
   }
   for (const LocalEdge& line : shot.edges) canvas.Line(at(line.a), at(line.b), kEdge, 4);
   constexpr double kRobotRadiusM = 0.25;
-  canvas.Ring({middle_x, middle_y}, kRobotRadiusM * per_m, kInk, 2);
-  canvas.Frame({kMargin, kMargin}, {kMargin + edge, kMargin + edge}, kPale, 1);
-  DrawScale({0, 0, 0, per_m}, {kMargin, kMargin - 10}, &canvas);
-  DrawHistogram(shot, kMargin, edge + 2.5 * kMargin, edge, histogram, &canvas);
+  canvas.Ring({middle_x, middle_y}, kRobotRadiusM * per_m, kPlotInk, 2);
+  canvas.Frame({kPictureMargin, kPictureMargin}, {kPictureMargin + edge, kPictureMargin + edge}, kPale, 1);
+  DrawScale({0, 0, 0, per_m}, {kPictureMargin, kPictureMargin - 10}, &canvas);
+  DrawHistogram(shot, kPictureMargin, edge + 2.5 * kPictureMargin, edge, histogram, &canvas);
   return canvas.Png();
 }
 
 std::string TracePng(const LocalTrace& trace) {
-  const Span span = SpanOf(trace);
+  const Interval span = SpanOf(trace);
   const double length_m = std::max(span.high_z - span.low_z, 1.0);
   const double per_m = std::clamp(1300 / length_m, 30.0, 120.0);
   const double height = 2 * span.side_m * per_m;
-  Canvas canvas(static_cast<int>(length_m * per_m + 2 * kMargin), static_cast<int>(height + 3 * kMargin),
-                kPaper);
-  const Strip strip{kMargin, kMargin + height / 2, span.low_z, per_m};
-  DrawTrace(trace, strip, kInk, &canvas);
-  DrawScale(strip, {kMargin, height + 2 * kMargin}, &canvas);
+  Canvas canvas(static_cast<int>(length_m * per_m + 2 * kPictureMargin),
+                static_cast<int>(height + 3 * kPictureMargin), kPlotPaper);
+  const Strip strip{kPictureMargin, kPictureMargin + height / 2, span.low_z, per_m};
+  DrawTrace(trace, strip, kPlotInk, &canvas);
+  DrawScale(strip, {kPictureMargin, height + 2 * kPictureMargin}, &canvas);
   return canvas.Png();
 }
 
@@ -234,25 +235,26 @@ std::string SuperposedPng(const std::vector<Superposed>& shown) {
   double width = 0, height = 0;
   std::vector<std::pair<double, double>> sizes;  // low z, height
   for (const Superposed& one : shown) {
-    const Span span = SpanOf(one.trace);
+    const Interval span = SpanOf(one.trace);
     const double half = static_cast<double>(one.shot.cells / 2 + 1) * one.shot.cell_m;
     const double low = std::min(span.low_z, one.z_m - half), high = std::max(span.high_z, one.z_m + half);
     sizes.emplace_back(low, 2 * std::max(span.side_m, half + std::abs(one.u_m)) * kPerM);
     width = std::max(width, (high - low) * kPerM);
-    height += sizes.back().second + kMargin;
+    height += sizes.back().second + kPictureMargin;
   }
-  Canvas canvas(static_cast<int>(width + 2 * kMargin), static_cast<int>(height + 2 * kMargin), kPaper);
-  double top = kMargin;
+  Canvas canvas(static_cast<int>(width + 2 * kPictureMargin), static_cast<int>(height + 2 * kPictureMargin),
+                kPlotPaper);
+  double top = kPictureMargin;
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    const Strip strip{kMargin, top + sizes[i].second / 2, sizes[i].first, kPerM};
+    const Strip strip{kPictureMargin, top + sizes[i].second / 2, sizes[i].first, kPerM};
     DrawTrace(shown[i].trace, strip, kPale, &canvas);
     DrawImmediate(shown[i], strip, &canvas);
     const char letter = static_cast<char>('a' + i);
-    canvas.Text({kMargin, top + 14},
-                std::string("(") + letter + ") at " + Short(shown[i].shot.time_s, 0) + " s", kInk, 14);
-    top += sizes[i].second + kMargin;
+    canvas.Text({kPictureMargin, top + 14},
+                std::string("(") + letter + ") at " + Short(shown[i].shot.time_s, 0) + " s", kPlotInk, 14);
+    top += sizes[i].second + kPictureMargin;
   }
-  DrawScale({kMargin, 0, 0, kPerM}, {kMargin, height + 1.2 * kMargin}, &canvas);
+  DrawScale({kPictureMargin, 0, 0, kPerM}, {kPictureMargin, height + 1.2 * kPictureMargin}, &canvas);
   return canvas.Png();
 }
 

@@ -14,7 +14,7 @@ std::string PageOf(const Blob& result, const Blob* samples, const std::string& t
   return JobReportHtml({{.name = "where", .result = &result, .source = samples}}, title);
 }
 
-std::size_t Occurrences(const std::string& text, const std::string& what) {
+std::size_t OccurrencesOnPage(const std::string& text, const std::string& what) {
   std::size_t count = 0;
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
   return count;
@@ -31,7 +31,7 @@ TEST(LocalizationPage, ShowsErrorsAndBeliefsWhereTheSamplesAreGiven) {
   ExpectContains(html, "The robot in the middle, by its error on the way.");
   for (const char* section : {"Error by way travelled", "How sure", "What a robot believes"})
     ExpectContains(html, std::string("<h2>") + section + "</h2>");
-  EXPECT_EQ(Occurrences(html, "class=\"area r0\""), 2U) << "on a wide page and on a narrow one";
+  EXPECT_EQ(OccurrencesOnPage(html, "class=\"area r0\""), 2U) << "on a wide page and on a narrow one";
   EXPECT_EQ(html.find("nan"), std::string::npos);
   EXPECT_EQ(html, PageOf(LocalizationFile(), &samples, "a <b>"));
 }
@@ -83,11 +83,11 @@ TEST(LocalizedFigures, PlacesOnALineAreDrawnByWayOthersAsMaps) {
   const Blob samples = LocalizedSamples();
   const LocalizationScore score = EvaluateLocalization(result, samples);
   const std::string line = BeliefFigure(LocalizedSteps(result), &score, 0, 1040);
-  EXPECT_EQ(Occurrences(line, "<image"), 1U);
-  EXPECT_EQ(Occurrences(line, "class=\"truth-path\""), 1U);
+  EXPECT_EQ(OccurrencesOnPage(line, "<image"), 1U);
+  EXPECT_EQ(OccurrencesOnPage(line, "class=\"truth-path\""), 1U);
   result.PutVector<double>("place/y_m", {0, 2, 0, 1});
   const std::string maps = BeliefFigure(LocalizedSteps(result), &score, 0, 1040);
-  EXPECT_EQ(Occurrences(maps, "<image"), 3U);
+  EXPECT_EQ(OccurrencesOnPage(maps, "<image"), 3U);
   ExpectContains(maps, "1 sensed, 1 m: error 0.5 m");
 }
 

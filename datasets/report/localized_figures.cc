@@ -15,7 +15,7 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kLeft = 86, kChartHeight = 220;
+constexpr double kLocalizedFiguresLeft = 86, kChartHeight = 220;
 constexpr double kFlat = 6;         // a box so many times longer than it is high counts as a line
 constexpr std::size_t kBins = 150;  // of a belief, along the longer side of the places' box
 
@@ -66,7 +66,7 @@ Curve RootMeanSquare(const std::vector<LocalizedStep>& steps, const char* name, 
   return curve;
 }
 
-Box BoxOf(const LocalizedSteps& localized) {
+Box LocalizedBox(const LocalizedSteps& localized) {
   Box box{localized.places.front().x_m, localized.places.front().x_m, localized.places.front().y_m,
           localized.places.front().y_m};
   for (const PointM& p : localized.places) {
@@ -116,7 +116,7 @@ const char* AxisName(const Axis& axis) { return axis.y ? "y [m]" : "x [m]"; }
 std::string LineBelief(const LocalizedSteps& localized, const LocalizationScore* score,
                        const Traverse& traverse, const Axis& axis, double width) {
   constexpr double kHeight = 330;
-  const Panel p{kLeft, 10, width - kLeft - 10, kHeight};
+  const Panel p{kLocalizedFiguresLeft, 10, width - kLocalizedFiguresLeft - 10, kHeight};
   Svg svg(width, kHeight + 54, "Belief of one robot by way travelled");
   const double way_m = std::max(1e-3, localized.steps[traverse.end - 1].way_m);
   const auto steps = static_cast<double>(traverse.end - traverse.first);
@@ -196,8 +196,9 @@ void DrawMap(const LocalizedSteps& localized, const LocalizationScore* score, co
 // Six maps, at the start, at the end and between them, ever farther apart.
 std::string MapBeliefs(const LocalizedSteps& localized, const LocalizationScore* score,
                        const Traverse& traverse, Box box, double full_width) {
-  constexpr double kGap = 20, kTitle = 26, kNarrowest = 300;  // of a map
-  const auto columns = static_cast<std::size_t>(std::clamp(full_width / kNarrowest, 1.0, 3.0));
+  constexpr double kGap = 20, kTitle = 26, kLocalizedFiguresNarrowest = 300;  // of a map
+  const auto columns =
+      static_cast<std::size_t>(std::clamp(full_width / kLocalizedFiguresNarrowest, 1.0, 3.0));
   const std::size_t last = traverse.end - traverse.first - 1;
   std::vector<std::size_t> shown;
   for (const double share : {0.0, 0.05, 0.12, 0.25, 0.5, 1.0}) {
@@ -303,7 +304,7 @@ std::string LocalizationPng(const LocalizedSteps& localized, const LocalizationS
 std::string BeliefFigure(const LocalizedSteps& localized, const LocalizationScore* score,
                          std::size_t traverse, double width) {
   const Traverse of = TraversesOf(localized)[traverse];
-  const Box box = BoxOf(localized);
+  const Box box = LocalizedBox(localized);
   const double longer = std::max(box.width_m(), box.height_m()),
                shorter = std::min(box.width_m(), box.height_m());
   return longer >= kFlat * shorter ? LineBelief(localized, score, of, LongerSide(box), width)

@@ -11,9 +11,9 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kLeft = MapMargins::kLeft, kRight = MapMargins::kRight, kTop = MapMargins::kTop,
-                 kBottom = MapMargins::kBottom;
-constexpr double kNarrowest = 600;  // on which two maps stand side by side
+constexpr double kMapFiguresLeft = MapMargins::kLeft, kMapFiguresRight = MapMargins::kRight,
+                 kMapFiguresTop = MapMargins::kTop, kMapFiguresBottom = MapMargins::kBottom;
+constexpr double kMapFiguresNarrowest = 600;  // on which two maps stand side by side
 
 // To two significant digits: "0.034".
 std::string TwoDigits(double value) {
@@ -21,7 +21,7 @@ std::string TwoDigits(double value) {
   return Short(value, std::clamp(1 - static_cast<int>(std::floor(std::log10(value))), 0, 12));
 }
 
-double Outer(double panel_height) { return kTop + panel_height + kBottom; }
+double Outer(double panel_height) { return kMapFiguresTop + panel_height + kMapFiguresBottom; }
 
 Box BoxOf(const Grid& grid) {
   return {grid.origin.x_m, grid.origin.x_m + static_cast<double>(grid.columns) * grid.cell_m, grid.origin.y_m,
@@ -32,10 +32,10 @@ Box BoxOf(const Grid& grid) {
 
 std::string MapFigure(const Scene& scene, double width) {
   const Box box = BoundsOf(scene, false);
-  const double inner = width - kLeft - kRight;
+  const double inner = width - kMapFiguresLeft - kMapFiguresRight;
   const double height = PanelHeight(box, inner, 0.3 * inner, std::max(0.88 * inner, 460.0));
   Svg svg(width, Outer(height), "Map with the robots' paths");
-  const MapFrame frame(box, {kLeft, kTop, inner, height});
+  const MapFrame frame(box, {kMapFiguresLeft, kMapFiguresTop, inner, height});
   MapCanvas canvas(svg, frame);
   canvas.Axes(true);
   canvas.Walls(scene);
@@ -53,17 +53,19 @@ std::string MapFigure(const Scene& scene, double width) {
 std::string BeforeAfterFigure(const Scene& scene, double width) {
   if (scene.odometry.empty()) return {};
   constexpr double kGap = 44, kTitle = 22;
-  const bool beside = width >= kNarrowest;
+  const bool beside = width >= kMapFiguresNarrowest;
   const Box box = BoundsOf(scene, true);
-  const double inner = beside ? (width - kLeft - kRight - kGap) / 2 : width - kLeft - kRight;
+  const double inner = beside ? (width - kMapFiguresLeft - kMapFiguresRight - kGap) / 2
+                              : width - kMapFiguresLeft - kMapFiguresRight;
   const double height = PanelHeight(box, inner, 0.45 * inner, 1.28 * inner);
   const double pitch = kTitle + Outer(height);
   Svg svg(width, beside ? pitch : 2 * pitch, "Raw odometry and corrected paths");
   for (const bool corrected : {false, true}) {
-    const double left = kLeft + (corrected && beside ? inner + kGap : 0),
-                 top = kTop + kTitle + (corrected && !beside ? pitch : 0);
+    const double left = kMapFiguresLeft + (corrected && beside ? inner + kGap : 0),
+                 top = kMapFiguresTop + kTitle + (corrected && !beside ? pitch : 0);
     const MapFrame frame(box, {left, top, inner, height});
-    svg.Text(left, top - kTop - 2, corrected ? "corrected: most likely poses" : "raw odometry", "heading");
+    svg.Text(left, top - kMapFiguresTop - 2, corrected ? "corrected: most likely poses" : "raw odometry",
+             "heading");
     MapCanvas canvas(svg, frame);
     canvas.Axes(!corrected || !beside);
     canvas.Paths(corrected ? scene.paths : scene.odometry, "path");
@@ -81,16 +83,17 @@ std::string GridFigure(const Scene& scene, double width) {
   if (!scene.grid) return {};
   constexpr double kKey = 80;
   const Box box = BoundsOf(scene, false);
-  const double inner = width - kLeft - kRight - kKey;
+  const double inner = width - kMapFiguresLeft - kMapFiguresRight - kKey;
   const double height = PanelHeight(box, inner, 0.3 * inner, std::max(0.8 * inner, 420.0));
   Svg svg(width, Outer(height), "Probability of a landmark in each cell of the map");
-  const MapFrame frame(box, {kLeft, kTop, inner, height});
+  const MapFrame frame(box, {kMapFiguresLeft, kMapFiguresTop, inner, height});
   const double highest = HighestProbability(*scene.grid);
   MapCanvas canvas(svg, frame);
   canvas.Axes(true);
   canvas.Image(BoxOf(*scene.grid), GridPng(*scene.grid, highest));
   canvas.Finish();
-  const double x = kLeft + inner + 18, y = kTop + 10, key_height = std::min(height - 20, 260.0);
+  const double x = kMapFiguresLeft + inner + 18, y = kMapFiguresTop + 10,
+               key_height = std::min(height - 20, 260.0);
   svg.Image(x, y, 16, key_height, KeyPng(128));
   svg.Rect(x, y, 16, key_height, "frame");
   // The picture's strength goes with the root of the probability.

@@ -12,9 +12,9 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kText = 11, kGap = 18, kTitle = 30, kTicks = 34, kLeft = 48;
+constexpr double kPanelsText = 11, kGap = 18, kTitle = 30, kTicks = 34, kPanelsLeft = 48;
 constexpr double kFigureWidth = 1400, kWidest = 640;
-constexpr Rgb kRaw{120, 132, 144};
+constexpr Rgb kPanelRaw{120, 132, 144};
 
 class PanelPainter {
  public:
@@ -24,7 +24,7 @@ class PanelPainter {
   void Paint() {
     if (picture_.cells) PaintCells(*picture_.cells);
     if (picture_.density) PaintDensity(*picture_.density);
-    for (const auto& path : picture_.raw) Line(path, kRaw, 1.2);
+    for (const auto& path : picture_.raw) Line(path, kPanelRaw, 1.2);
     for (const PointM& at : Seen(picture_.truth)) canvas_.Ring(At(at), 6.5, kTruth, 1.5);
     for (std::size_t r = 0; r < picture_.paths.size(); ++r)
       Line(picture_.paths[r], kRobots[r % kRobotColours], 1.5);
@@ -100,14 +100,14 @@ class PanelPainter {
     for (const double x : xs) {
       canvas_.Line({frame_.X(x), bottom}, {frame_.X(x), bottom - 5}, kSoft, 1);
       const std::string unit = x == xs.back() ? " m" : "";
-      canvas_.Text({frame_.X(x), bottom + 15}, Short(x) + unit, kSoft, kText - 2, Align::kMiddle);
+      canvas_.Text({frame_.X(x), bottom + 15}, Short(x) + unit, kSoft, kPanelsText - 2, Align::kMiddle);
     }
     for (const double y : ys) {
       canvas_.Line({p.left, frame_.Y(y)}, {p.left + 5, frame_.Y(y)}, kSoft, 1);
       const std::string unit = y == ys.back() ? " m" : "";
-      canvas_.Text({p.left - 5, frame_.Y(y) + 4}, Short(y) + unit, kSoft, kText - 2, Align::kRight);
+      canvas_.Text({p.left - 5, frame_.Y(y) + 4}, Short(y) + unit, kSoft, kPanelsText - 2, Align::kRight);
     }
-    canvas_.Text({p.left, p.top - 9}, picture_.title, kInk, kText);
+    canvas_.Text({p.left, p.top - 9}, picture_.title, kInk, kPanelsText);
   }
 
   const PanelPicture& picture_;
@@ -147,7 +147,7 @@ std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
                       }});
     }
   }
-  if (any([](const auto& p) { return !p.raw.empty(); })) keys.push_back({"raw odometry", line(kRaw)});
+  if (any([](const auto& p) { return !p.raw.empty(); })) keys.push_back({"raw odometry", line(kPanelRaw)});
   if (any([](const auto& p) { return !p.marks.empty(); }))
     keys.push_back({"an observation there", [](Canvas& c, PointM at) { c.Ring(at, 4.5, kInk, 1.2); }});
   std::size_t robots = 0;
@@ -168,16 +168,16 @@ std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
 // In rows of a width; null only counts. Returns their height.
 double DrawKeys(const std::vector<Key>& keys, double width, double top, Canvas* canvas) {
   constexpr double kRow = 24, kAfterMark = 20, kBetween = 36;
-  double x = kLeft + 13, y = top + kRow / 2;
+  double x = kPanelsLeft + 13, y = top + kRow / 2;
   for (const Key& key : keys) {
-    const double needed = kAfterMark + Canvas::TextWidth(key.text, kText) + kBetween;
-    if (x + needed - kBetween > width && x > kLeft + 13) {
-      x = kLeft + 13;
+    const double needed = kAfterMark + Canvas::TextWidth(key.text, kPanelsText) + kBetween;
+    if (x + needed - kBetween > width && x > kPanelsLeft + 13) {
+      x = kPanelsLeft + 13;
       y += kRow;
     }
     if (canvas != nullptr) {
       key.draw(*canvas, {x, y});
-      canvas->Text({x + kAfterMark, y + 4}, key.text, kInk, kText);
+      canvas->Text({x + kAfterMark, y + 4}, key.text, kInk, kPanelsText);
     }
     x += needed;
   }
@@ -229,12 +229,12 @@ Box BoundsOf(const std::vector<PanelPicture>& panels) {
 
 std::string DrawPanels(const std::vector<PanelPicture>& panels, const Box& box, int columns) {
   CAIRN_DEMAND(columns > 0 && !panels.empty(), "something to draw");
-  const double width = std::min(kWidest, (kFigureWidth - columns * (kLeft + kGap)) / columns);
+  const double width = std::min(kWidest, (kFigureWidth - columns * (kPanelsLeft + kGap)) / columns);
   const double height = PanelHeight(box, width, 0.3 * width, 1.4 * width);
   const int rows = (static_cast<int>(panels.size()) + columns - 1) / columns;
   const double row_height = kTitle + height + kTicks;
   const std::vector<Key> keys = KeysOf(panels);
-  const double file_width = columns * (kLeft + width + kGap);
+  const double file_width = columns * (kPanelsLeft + width + kGap);
   const double keys_height = DrawKeys(keys, file_width, 0, nullptr);
   Canvas canvas(static_cast<int>(std::ceil(file_width)),
                 static_cast<int>(std::ceil(rows * row_height + keys_height)), kPaper);
@@ -242,7 +242,7 @@ std::string DrawPanels(const std::vector<PanelPicture>& panels, const Box& box, 
     const auto column = static_cast<double>(i % static_cast<std::size_t>(columns));
     const std::size_t row = i / static_cast<std::size_t>(columns);
     const double top = static_cast<double>(row) * row_height + kTitle;
-    const Panel panel{column * (kLeft + width + kGap) + kLeft, top, width, height};
+    const Panel panel{column * (kPanelsLeft + width + kGap) + kPanelsLeft, top, width, height};
     PanelPainter(panels[i], box, panel, canvas).Paint();
   }
   DrawKeys(keys, file_width, rows * row_height, &canvas);

@@ -7,7 +7,7 @@
 namespace cairn::datasets::report {
 namespace {
 
-cv::Mat Decoded(const std::string& png) {
+cv::Mat DecodedPanel(const std::string& png) {
   return cv::imdecode(std::vector<unsigned char>(png.begin(), png.end()), cv::IMREAD_COLOR);
 }
 
@@ -20,7 +20,7 @@ PanelPicture Belief() {
 }
 
 TEST(Panels, TheDarkerTheLikelierByTheRoot) {
-  const cv::Mat image = Decoded(DrawPanels({Belief()}, {0, 10, 0, 5}, 1));
+  const cv::Mat image = DecodedPanel(DrawPanels({Belief()}, {0, 10, 0, 5}, 1));
   ASSERT_FALSE(image.empty());
   const int y = image.rows / 2, left = image.cols / 4, right = 3 * image.cols / 4;
   const int dark = image.at<cv::Vec3b>(y, left)[2], light = image.at<cv::Vec3b>(y, right)[2];
@@ -30,9 +30,9 @@ TEST(Panels, TheDarkerTheLikelierByTheRoot) {
 
 TEST(Panels, PanelsStandInRowsOfColumns) {
   const Box box{0, 10, 0, 5};
-  const cv::Mat one = Decoded(DrawPanels({Belief()}, box, 2));
-  const cv::Mat two = Decoded(DrawPanels({Belief(), Belief()}, box, 2));
-  const cv::Mat three = Decoded(DrawPanels({Belief(), Belief(), Belief()}, box, 2));
+  const cv::Mat one = DecodedPanel(DrawPanels({Belief()}, box, 2));
+  const cv::Mat two = DecodedPanel(DrawPanels({Belief(), Belief()}, box, 2));
+  const cv::Mat three = DecodedPanel(DrawPanels({Belief(), Belief(), Belief()}, box, 2));
   EXPECT_EQ(one.size(), two.size());
   EXPECT_EQ(two.cols, three.cols);
   EXPECT_GT(three.rows, 1.5 * two.rows);
@@ -53,7 +53,7 @@ TEST(Panels, TheBoundsHoldWhatIsDrawnAndDensitiesWhereThereIsNothingElse) {
 TEST(Panels, CellsHaveTheirColours) {
   PanelPicture picture;
   picture.cells = CellPicture{{0, 0, 5, 2, 1}, {0, 0, 0, 255, 255, 255}};
-  const cv::Mat image = Decoded(DrawPanels({picture}, {0, 10, 0, 5}, 1));
+  const cv::Mat image = DecodedPanel(DrawPanels({picture}, {0, 10, 0, 5}, 1));
   const int y = image.rows / 2;
   EXPECT_EQ(image.at<cv::Vec3b>(y, image.cols / 4), cv::Vec3b(0, 0, 0));
   EXPECT_EQ(image.at<cv::Vec3b>(y, image.cols * 9 / 16), cv::Vec3b(255, 255, 255));

@@ -11,7 +11,8 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kLeft = 62, kTop = 30, kBottom = 44, kRight = 16, kKeyRow = 24, kText = 12;
+constexpr double kPlotsLeft = 62, kPlotsTop = 30, kPlotsBottom = 44, kPlotsRight = 16, kKeyRow = 24,
+                 kPlotsText = 12;
 
 struct Limits {
   double low = HUGE_VAL, high = -HUGE_VAL;
@@ -72,24 +73,24 @@ class Painter {
     if (panel_.height >= 60) {
       for (const double tick : Ticks(y_.low, y_.high, y_ticks)) {
         canvas_.Line({panel_.left, Y(tick)}, {panel_.left + panel_.width, Y(tick)}, kRaster, 1);
-        canvas_.Text({panel_.left - 6, Y(tick) + 4}, Short(tick, 3), kSoft, kText - 2, Align::kRight);
+        canvas_.Text({panel_.left - 6, Y(tick) + 4}, Short(tick, 3), kSoft, kPlotsText - 2, Align::kRight);
       }
     }
     canvas_.Frame({panel_.left, panel_.top}, {panel_.left + panel_.width, Bottom()}, kLine, 1);
-    canvas_.Text({panel_.left, panel_.top - 8}, plot_.title, kInk, kText);
+    canvas_.Text({panel_.left, panel_.top - 8}, plot_.title, kInk, kPlotsText);
     if (!plot_.y_label.empty())
-      canvas_.Text({panel_.left + panel_.width, panel_.top - 8}, plot_.y_label, kSoft, kText - 2,
+      canvas_.Text({panel_.left + panel_.width, panel_.top - 8}, plot_.y_label, kSoft, kPlotsText - 2,
                    Align::kRight);
     if (plot_.x_label.empty()) return;
-    canvas_.Text({panel_.left + panel_.width / 2, Bottom() + 32}, plot_.x_label, kSoft, kText - 1,
+    canvas_.Text({panel_.left + panel_.width / 2, Bottom() + 32}, plot_.x_label, kSoft, kPlotsText - 1,
                  Align::kMiddle);
     for (std::size_t k = 0; k < plot_.x_names.size(); ++k)
-      canvas_.Text({X(static_cast<double>(k)), Bottom() + 15}, plot_.x_names[k], kSoft, kText - 2,
+      canvas_.Text({X(static_cast<double>(k)), Bottom() + 15}, plot_.x_names[k], kSoft, kPlotsText - 2,
                    Align::kMiddle);
     if (!plot_.x_names.empty()) return;
     for (const double tick : Ticks(x_.low, x_.high, std::max(2, static_cast<int>(panel_.width / 60)))) {
       canvas_.Line({X(tick), Bottom()}, {X(tick), Bottom() - 4}, kSoft, 1);
-      canvas_.Text({X(tick), Bottom() + 15}, Short(tick), kSoft, kText - 2, Align::kMiddle);
+      canvas_.Text({X(tick), Bottom() + 15}, Short(tick), kSoft, kPlotsText - 2, Align::kMiddle);
     }
   }
 
@@ -149,17 +150,17 @@ std::vector<const PlotSeries*> KeysOf(const std::vector<Plot>& plots) {
 // In rows of a width; null only counts. Returns their height.
 double DrawKeys(const std::vector<const PlotSeries*>& keys, double width, double top, Canvas* canvas) {
   constexpr double kMark = 26, kBetween = 30;
-  double x = kLeft, y = top + kKeyRow / 2;
+  double x = kPlotsLeft, y = top + kKeyRow / 2;
   for (const PlotSeries* key : keys) {
-    const double needed = kMark + 8 + Canvas::TextWidth(key->name, kText) + kBetween;
-    if (x + needed - kBetween > width && x > kLeft) {
-      x = kLeft;
+    const double needed = kMark + 8 + Canvas::TextWidth(key->name, kPlotsText) + kBetween;
+    if (x + needed - kBetween > width && x > kPlotsLeft) {
+      x = kPlotsLeft;
       y += kKeyRow;
     }
     if (canvas != nullptr) {
       canvas->Line({x, y}, {x + (key->dashed ? 10 : kMark), y}, key->colour, 1.6);
       if (key->dashed) canvas->Line({x + 16, y}, {x + kMark, y}, key->colour, 1.6);
-      canvas->Text({x + kMark + 8, y + 4}, key->name, kInk, kText);
+      canvas->Text({x + kMark + 8, y + 4}, key->name, kInk, kPlotsText);
     }
     x += needed;
   }
@@ -178,15 +179,16 @@ std::string DrawPlots(const std::vector<Plot>& plots, const PlotLayout& layout) 
     bool labelled = false;
     for (std::size_t k = row * columns; k < std::min(plots.size(), (row + 1) * columns); ++k)
       labelled = labelled || !plots[k].x_label.empty();
-    tops.push_back(below + kTop);
-    below += kTop + layout.height + (labelled ? kBottom : 4);
+    tops.push_back(below + kPlotsTop);
+    below += kPlotsTop + layout.height + (labelled ? kPlotsBottom : 4);
   }
-  const double width = static_cast<double>(columns) * (kLeft + layout.width + kRight);
+  const double width = static_cast<double>(columns) * (kPlotsLeft + layout.width + kPlotsRight);
   const std::vector<const PlotSeries*> keys = KeysOf(plots);
   Canvas canvas(static_cast<int>(std::ceil(width)),
                 static_cast<int>(std::ceil(below + DrawKeys(keys, width, 0, nullptr))), kPaper);
   for (std::size_t k = 0; k < plots.size(); ++k) {
-    const double left = static_cast<double>(k % columns) * (kLeft + layout.width + kRight) + kLeft;
+    const double left =
+        static_cast<double>(k % columns) * (kPlotsLeft + layout.width + kPlotsRight) + kPlotsLeft;
     Painter(plots[k], {left, tops[k / columns], layout.width, layout.height}, &canvas).Paint();
   }
   DrawKeys(keys, width, below, &canvas);

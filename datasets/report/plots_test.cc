@@ -7,7 +7,7 @@
 namespace cairn::datasets::report {
 namespace {
 
-cv::Mat Decoded(const std::string& png) {
+cv::Mat DecodedPlot(const std::string& png) {
   return cv::imdecode(std::vector<unsigned char>(png.begin(), png.end()), cv::IMREAD_COLOR);
 }
 
@@ -33,7 +33,8 @@ Plot Flat(double y) {
 
 TEST(Plots, ACurveLiesWhereItsValueIs) {
   const PlotLayout layout{.columns = 1, .width = 300, .height = 200};
-  const cv::Mat low = Decoded(DrawPlots({Flat(2)}, layout)), high = Decoded(DrawPlots({Flat(7)}, layout));
+  const cv::Mat low = DecodedPlot(DrawPlots({Flat(2)}, layout)),
+                high = DecodedPlot(DrawPlots({Flat(7)}, layout));
   ASSERT_FALSE(low.empty());
   // Of the column in the middle of the plot; the legend lies farther left.
   const std::vector<int> low_rows = RedRows(low, 262), high_rows = RedRows(high, 262);
@@ -45,7 +46,7 @@ TEST(Plots, ACurveLiesWhereItsValueIs) {
 TEST(Plots, ABarSpansItsInterval) {
   Plot plot = Flat(5);
   plot.series[0].points = {{0, 5, {}}, {5, 5, std::pair(3.0, 8.0)}, {10, 5, {}}};
-  const cv::Mat image = Decoded(DrawPlots({plot}, {.columns = 1, .width = 300, .height = 200}));
+  const cv::Mat image = DecodedPlot(DrawPlots({plot}, {.columns = 1, .width = 300, .height = 200}));
   const std::vector<int> rows = RedRows(image, 62 + 150);
   ASSERT_FALSE(rows.empty());
   EXPECT_NEAR(rows.back() - rows.front(), 100, 3);
@@ -53,9 +54,9 @@ TEST(Plots, ABarSpansItsInterval) {
 
 TEST(Plots, StandInRowsOfColumns) {
   const PlotLayout layout{.columns = 2, .width = 100, .height = 80};
-  const cv::Mat one = Decoded(DrawPlots({Flat(1)}, layout)),
-                two = Decoded(DrawPlots({Flat(1), Flat(2)}, layout)),
-                three = Decoded(DrawPlots({Flat(1), Flat(2), Flat(3)}, layout));
+  const cv::Mat one = DecodedPlot(DrawPlots({Flat(1)}, layout)),
+                two = DecodedPlot(DrawPlots({Flat(1), Flat(2)}, layout)),
+                three = DecodedPlot(DrawPlots({Flat(1), Flat(2), Flat(3)}, layout));
   EXPECT_EQ(one.size(), two.size());
   EXPECT_EQ(two.cols, three.cols);
   EXPECT_GT(three.rows, two.rows + 80);

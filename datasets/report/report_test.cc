@@ -20,7 +20,7 @@
 namespace cairn::datasets::report {
 namespace {
 
-std::size_t CountOf(const std::string& text, const std::string& part) {
+std::size_t CountIn(const std::string& text, const std::string& part) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size()))
     ++count;
@@ -92,11 +92,11 @@ TEST_F(ReportOfALoop, IsOneBalancedPageThatLoadsNothing) {
   EXPECT_EQ(FirstUnbalancedTag(html), "");
   ExpectContains(html, "<title>Loop &lt;4&gt;</title>");
   for (const char* outside : {"http:", "https:", "src=", "@import", "<script", "<link"}) {
-    EXPECT_EQ(CountOf(html, outside), 0U) << outside;
+    EXPECT_EQ(CountIn(html, outside), 0U) << outside;
   }
-  EXPECT_EQ(CountOf(html, "url("), CountOf(html, "url(#"));
-  EXPECT_EQ(CountOf(html, "nan"), 0U);
-  EXPECT_EQ(CountOf(html, "=\"inf"), 0U);
+  EXPECT_EQ(CountIn(html, "url("), CountIn(html, "url(#"));
+  EXPECT_EQ(CountIn(html, "nan"), 0U);
+  EXPECT_EQ(CountIn(html, "=\"inf"), 0U);
 }
 
 TEST_F(ReportOfALoop, ShowsEverySection) {
@@ -111,11 +111,11 @@ TEST_F(ReportOfALoop, ShowsEverySection) {
   ExpectContains(html, "name: a &lt;b&gt; &amp; &quot;c&quot;");
   ExpectContains(html, "Cairn 1.2.3 with 3 workers");
   // On both drawings of the map, and in its legend.
-  EXPECT_EQ(CountOf(html, "class=\"truth-landmark\""), 2 * evaluation_.pairs.size() + 1);
+  EXPECT_EQ(CountIn(html, "class=\"truth-landmark\""), 2 * evaluation_.pairs.size() + 1);
 }
 
 TEST_F(ReportOfALoop, SaysThatARefinementWasRefused) {
-  EXPECT_EQ(CountOf(PageOf(result_, &log_, &evaluation_), "refinement"), 0U);
+  EXPECT_EQ(CountIn(PageOf(result_, &log_, &evaluation_), "refinement"), 0U);
   Blob refused = result_;
   refused.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   ExpectContains(
@@ -127,13 +127,13 @@ TEST_F(ReportOfALoop, SaysThatARefinementWasRefused) {
 TEST_F(ReportOfALoop, WithoutLogAndTruthLeavesOutWhatItDoesNotKnow) {
   const std::string html = PageOf(result_, nullptr, nullptr);
   EXPECT_EQ(FirstUnbalancedTag(html), "");
-  EXPECT_EQ(CountOf(html, "Before and after"), 0U);
-  EXPECT_EQ(CountOf(html, "class=\"truth"), 0U);
-  EXPECT_EQ(CountOf(html, "topology"), 0U);
+  EXPECT_EQ(CountIn(html, "Before and after"), 0U);
+  EXPECT_EQ(CountIn(html, "class=\"truth"), 0U);
+  EXPECT_EQ(CountIn(html, "topology"), 0U);
   ExpectContains(html, "<h2>Map</h2>");
   const Blob blind = log_.Without("truth/");
   const std::string with_log = PageOf(result_, &blind, nullptr);
-  EXPECT_EQ(CountOf(with_log, "class=\"truth"), 0U);
+  EXPECT_EQ(CountIn(with_log, "class=\"truth"), 0U);
   ExpectContains(with_log, "Before and after");
 }
 
@@ -289,9 +289,9 @@ TEST(Figures, AreEmptyWhereThereIsNothingToDraw) {
 // Four iterations: the first had no map, the second half the data; a line joins the last two alone.
 TEST(LikelihoodFigure, JoinsOnlyWhatCompares) {
   const std::string svg = LikelihoodFigure({{0, 1, 1}, {-9, 0.5, 1}, {-8, 1, 1}, {-7, 1, 1}}, 1000);
-  EXPECT_EQ(CountOf(svg, "class=\"curve\""), 1U);
-  EXPECT_EQ(CountOf(svg, "class=\"point part\""), 1U);
-  EXPECT_EQ(CountOf(svg, "class=\"point\""), 2U);
+  EXPECT_EQ(CountIn(svg, "class=\"curve\""), 1U);
+  EXPECT_EQ(CountIn(svg, "class=\"point part\""), 1U);
+  EXPECT_EQ(CountIn(svg, "class=\"point\""), 2U);
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ std::vector<std::size_t> Nearest(std::span<const double> values, std::span<const
   return nearest;
 }
 
-std::string PrefixOf(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
+std::string RunPrefix(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
 
 void AddStages(const BallRecipe& recipe, BallJob* ball) {
   for (const std::string& set : CorridorSets()) {
@@ -112,12 +112,12 @@ Blob ThreeDirections(const std::vector<Blob>& sets) {
   }
   const auto runs = sets[0].Texts("runs").size();
   for (std::size_t r = 0; r < runs; ++r) {
-    const auto x = sets[0].Get<double>("truth/" + PrefixOf(r) + "x_m");
+    const auto x = sets[0].Get<double>("truth/" + RunPrefix(r) + "x_m");
     std::vector<std::vector<float>> rows(x.size());
     for (const Blob& set : sets) {
-      const auto input = set.Get<float>(PrefixOf(r) + "input");
+      const auto input = set.Get<float>(RunPrefix(r) + "input");
       const std::size_t width = set.Texts("input_name").size();
-      const std::vector<std::size_t> nearest = Nearest(x, set.Get<double>("truth/" + PrefixOf(r) + "x_m"));
+      const std::vector<std::size_t> nearest = Nearest(x, set.Get<double>("truth/" + RunPrefix(r) + "x_m"));
       for (std::size_t k = 0; k < x.size(); ++k) {
         const auto first = input.begin() + static_cast<std::ptrdiff_t>(nearest[k] * width);
         rows[k].insert(rows[k].end(), first, first + static_cast<std::ptrdiff_t>(width));
@@ -125,7 +125,7 @@ Blob ThreeDirections(const std::vector<Blob>& sets) {
     }
     std::vector<float> values;
     for (const auto& row : rows) values.insert(values.end(), row.begin(), row.end());
-    joined.Put(PrefixOf(r) + "input",
+    joined.Put(RunPrefix(r) + "input",
                Array::Of<float>(
                    {static_cast<std::int64_t>(x.size()), static_cast<std::int64_t>(names.size())}, values));
   }

@@ -16,15 +16,15 @@ constexpr int kRuns = 7;  // three to train on, three to adapt on, one to test o
 // A sensation each 0.1 m or so, five times as often as where each counts by the power of 0.5.
 constexpr double kEveryM = 0.05, kTrust = 0.1;
 
-struct Row {
+struct AdaptRow {
   const char *key, *title;
 };
-constexpr Row kRows[] = {{"before", "before the change, networks and map of then"},
-                         {"stale", "after it, networks and map of before"},
-                         {"map", "networks of before, map by the robot's own labels"},
-                         {"adapted", "networks trained on with the robot's own labels"},
-                         {"anew", "networks trained anew with the robot's own labels"},
-                         {"labelled", "networks trained anew with the simulator's labels"}};
+constexpr AdaptRow kRows[] = {{"before", "before the change, networks and map of then"},
+                              {"stale", "after it, networks and map of before"},
+                              {"map", "networks of before, map by the robot's own labels"},
+                              {"adapted", "networks trained on with the robot's own labels"},
+                              {"anew", "networks trained anew with the robot's own labels"},
+                              {"labelled", "networks trained anew with the simulator's labels"}};
 
 std::string PrefixOf(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
 
@@ -210,7 +210,7 @@ std::vector<PaperFigure> AdaptFigures(const std::vector<AdaptScores>& scores) {
                       100 * kChangedShare, MeanOverSeeds(label_error).mean),
       .png = {}};
   figure.table.head = {"", "error reduction, percent", "more than stale"};
-  for (const Row& row : kRows) {
+  for (const AdaptRow& row : kRows) {
     std::vector<double> values, more;
     for (const AdaptScores& score : scores) {
       values.push_back(score.reduction.at(row.key));

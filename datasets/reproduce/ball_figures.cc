@@ -16,7 +16,7 @@ using report::Plot;
 using report::PlotPoint;
 using report::PlotSeries;
 
-constexpr double kFoundM = 1;
+constexpr double kFound_m = 1;
 const report::Rgb kLearned = report::kRobots[0], kDetected = report::kRobots[1],
                   kPerfect = report::kRobots[2], kThree = report::kRobots[3];
 
@@ -32,9 +32,9 @@ std::size_t WindowIndex(double window_m) {
   return static_cast<std::size_t>(std::ranges::find(BallWindows(), window_m) - BallWindows().begin());
 }
 
-class Figures {
+class BallPage {
  public:
-  explicit Figures(const std::vector<BallScores>& scores) : scores_(scores) {
+  explicit BallPage(const std::vector<BallScores>& scores) : scores_(scores) {
     for (const BallScores& score : scores_) {
       if (std::ranges::find(sets_, score.set) == sets_.end()) sets_.push_back(score.set);
     }
@@ -223,7 +223,7 @@ class Figures {
     for (std::size_t k = 0; k < rows; ++k) {
       const double error_m = ErrorAfter(set, stage, k).mean;
       if (std::isnan(error_m)) break;
-      if (error_m >= kFoundM)
+      if (error_m >= kFound_m)
         found = -1;
       else if (found < 0)
         found = static_cast<int>(k);
@@ -276,7 +276,7 @@ class Figures {
         const int found = FoundAfter(set, stage);
         cells.push_back(found < 0 ? "never" : Say("%.1f m", 0.5 * found));
         cells.push_back(
-            found <= 0 ? "" : Say("%.1f", found / std::log2(ErrorAfter(set, stage, 0).mean / kFoundM)));
+            found <= 0 ? "" : Say("%.1f", found / std::log2(ErrorAfter(set, stage, 0).mean / kFound_m)));
         figure.table.rows.push_back(std::move(cells));
       };
       add("BaLL, n = 4 for +-2 m", "locate", kLearned, false);
@@ -363,6 +363,8 @@ class Figures {
 
 }  // namespace
 
-std::vector<PaperFigure> BallFigures(const std::vector<BallScores>& scores) { return Figures(scores).Make(); }
+std::vector<PaperFigure> BallFigures(const std::vector<BallScores>& scores) {
+  return BallPage(scores).Make();
+}
 
 }  // namespace cairn::datasets

@@ -50,9 +50,9 @@ double ShareNear(const report::Grid& belief, const std::vector<PointM>& points) 
   return all > 0 ? near / all : 0;
 }
 
-class Figures {
+class LandmarkPage {
  public:
-  Figures(const LandmarkStudy& study, const std::map<std::string, Blob>& results)
+  LandmarkPage(const LandmarkStudy& study, const std::map<std::string, Blob>& results)
       : study_(study), results_(results), map_score_(Score("map", "first")) {}
 
   std::vector<PaperFigure> Make() {
@@ -443,7 +443,7 @@ class Figures {
 
 std::vector<PaperFigure> LandmarkFigures(const LandmarkStudy& study,
                                          const std::map<std::string, Blob>& results) {
-  return Figures(study, results).Make();
+  return LandmarkPage(study, results).Make();
 }
 
 }  // namespace cairn::datasets

@@ -124,22 +124,22 @@ WallCoverage CoverageOf(const std::vector<Scored>& scored) {
   return coverage;
 }
 
-std::string Share(double part_m, double of_m) {
+std::string WallShare(double part_m, double of_m) {
   return of_m > 0 ? Say("%.0f%% of %.0f m", 100 * part_m / of_m, of_m) : "-";
 }
 
 void AddCoverageRows(NumbersTable* table) {
   table->Add("metallic walls within 2 m, by edges", "", [](const auto& s) {
     const WallCoverage c = CoverageOf(s);
-    return Share(c.by_edges_m, c.wall_m);
+    return WallShare(c.by_edges_m, c.wall_m);
   });
   table->Add("by occupancy (hit by 10% of the sweeps)", "", [](const auto& s) {
     const WallCoverage c = CoverageOf(s);
-    return Share(c.by_hits_m, c.wall_m);
+    return WallShare(c.by_hits_m, c.wall_m);
   });
   table->Add("where occupancy has holes, by edges", "", [](const auto& s) {
     const WallCoverage c = CoverageOf(s);
-    return Share(c.by_either_m - c.by_hits_m, c.wall_m - c.by_hits_m);
+    return WallShare(c.by_either_m - c.by_hits_m, c.wall_m - c.by_hits_m);
   });
 }
 

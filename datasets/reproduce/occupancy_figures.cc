@@ -38,7 +38,7 @@ struct HallRow {
   HallScores defaults, evidence, likely, uncertain;
 };
 
-void Row(const std::string& name, const std::string& map, const HallScores& scores, PaperTable* table) {
+void TableRow(const std::string& name, const std::string& map, const HallScores& scores, PaperTable* table) {
   const double maps = std::max(scores.maps, 1);
   table->rows.push_back({name, map, Say("%d of %d", scores.doors_right, scores.maps),
                          Number(scores.false_occupied / maps, 1), Say("%.1f%%", 100 * scores.MissedShare()),
@@ -74,10 +74,10 @@ PaperFigure HallwayFigure(const OccupancyStudy& study, const StageResults& resul
     for (const bool closed : {false, true}) {
       const HallRow row = ScoreHalls(study, results, readings, closed);
       const std::string what = Say("n = %d, %s", readings, closed ? "closed" : "open");
-      Row(what, "log-odds", row.defaults, &table);
-      Row(what, "log-odds, chosen", row.evidence, &table);
-      Row(what, "most likely", row.likely, &table);
-      Row(what, "with uncertainty", row.uncertain, &table);
+      TableRow(what, "log-odds", row.defaults, &table);
+      TableRow(what, "log-odds, chosen", row.evidence, &table);
+      TableRow(what, "most likely", row.likely, &table);
+      TableRow(what, "with uncertainty", row.uncertain, &table);
       halls = row.evidence.maps;
       (closed ? forward_closed : forward_open) += row.uncertain.doors_right;
       if (closed) continue;

@@ -22,15 +22,15 @@ std::vector<Wall> SmoothWalls(const Blob& log) {
   return walls;
 }
 
-struct Shown {
+struct ShownWall {
   bool edge = false, hit = false;
 };
 
 // Within a cell of a place that is seen from the robot in the grids' frame.
-Shown ShownAt(const report::LocalSnapshot& shot, PointM at) {
+ShownWall ShownAt(const report::LocalSnapshot& shot, PointM at) {
   const auto column = std::lround(at.x_m / shot.cell_m) + shot.cells / 2,
              row = std::lround(at.y_m / shot.cell_m) + shot.cells / 2;
-  Shown shown;
+  ShownWall shown;
   for (std::int64_t j = row - 1; j <= row + 1; ++j) {
     for (std::int64_t i = column - 1; i <= column + 1; ++i) {
       if (i < 0 || j < 0 || i >= shot.cells || j >= shot.cells) continue;
@@ -59,7 +59,7 @@ WallCoverage CoverageAt(const report::LocalSnapshot& shot, const std::vector<Wal
       const double x = wall.a.x_m + share * (wall.b.x_m - wall.a.x_m) - here.x_m,
                    y = wall.a.y_m + share * (wall.b.y_m - wall.a.y_m) - here.y_m;
       if (std::hypot(x, y) > kReachM) continue;
-      const Shown shown = ShownAt(shot, {c * x - s * y, s * x + c * y});
+      const ShownWall shown = ShownAt(shot, {c * x - s * y, s * x + c * y});
       coverage.wall_m += length_m / steps;
       coverage.by_edges_m += shown.edge ? length_m / steps : 0;
       coverage.by_hits_m += shown.hit ? length_m / steps : 0;

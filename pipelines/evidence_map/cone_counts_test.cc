@@ -7,7 +7,7 @@
 namespace cairn::evidence_map {
 namespace {
 
-const double kNone = std::nan("");
+const double kNothing = std::nan("");
 const GridBox kGrid{-1, -1, 0.1, 30, 20};
 
 Totals Whole(const RangeScans& scans, const ConeModel& model, bool use_no_return = true) {
@@ -46,7 +46,7 @@ TEST(CountCones, GradedSaysLessOffTheAxisAndFarAway) {
 }
 
 TEST(CountCones, NoAnswerIsFreeAsFarAsTheSensorReachesOrSaysNothing) {
-  const RangeScans scans = OneBeam({{0.05, 0.05, 0}}, {kNone}, 0.5236, 1.2);
+  const RangeScans scans = OneBeam({{0.05, 0.05, 0}}, {kNothing}, 0.5236, 1.2);
   const Totals free = Whole(scans, {0.1, false});
   EXPECT_EQ(free.free[At(1.25, 0.05)], kWhole);
   EXPECT_EQ(free.free[At(1.35, 0.05)], 0);
@@ -55,7 +55,8 @@ TEST(CountCones, NoAnswerIsFreeAsFarAsTheSensorReachesOrSaysNothing) {
 }
 
 TEST(CountCones, PartsAddUpToTheWholeAndHeldOutScansSayNothing) {
-  RangeScans scans = OneBeam({{0.05, 0.05, 0}, {0.3, -0.4, 1.2}, {0.5, 0.2, 3}}, {1.5, 0.7, kNone}, 0.3, 2);
+  RangeScans scans =
+      OneBeam({{0.05, 0.05, 0}, {0.3, -0.4, 1.2}, {0.5, 0.2, 3}}, {1.5, 0.7, kNothing}, 0.3, 2);
   const Totals whole = Whole(scans, {0.1, true});
   Untroubled progress;
   Totals sum{std::vector<std::int64_t>(600), std::vector<std::int64_t>(600)};

@@ -9,7 +9,8 @@
 namespace cairn::forward_map {
 namespace {
 
-constexpr SensorModel kModel{.p_hit = 0.5, .p_rand = 0.05, .sigma_m = 0.1, .no_echo_m = 0.1, .z_max_m = 10};
+constexpr SensorModel kDynamicModel{
+    .p_hit = 0.5, .p_rand = 0.05, .sigma_m = 0.1, .no_echo_m = 0.1, .z_max_m = 10};
 const std::vector<Crossing> kBeam = {{0, 1}, {1, 3}};
 
 // A wall in cell 1; in cell 0 something that a beam met or passed, one reading a second.
@@ -20,7 +21,7 @@ double Nats(const std::vector<bool>& met) {
     readings.push_back({m ? 1.0 : 3.0, kBeam});
     time_s.push_back(static_cast<double>(time_s.size()));
   }
-  return CameAndWentNats(GainsOf(readings, {1, 1}, kModel), time_s, 0);
+  return CameAndWentNats(GainsOf(readings, {1, 1}, kDynamicModel), time_s, 0);
 }
 
 // A reading of the wall, the cell before it being occupied, was certainly not caught there; it was random

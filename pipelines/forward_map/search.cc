@@ -16,11 +16,11 @@ constexpr double kDepth = 2;
 constexpr std::size_t kCellsOfTick = 64;  // looked at between two ticks
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
 
-struct Proposal {
+struct Proposed {
   double gain;
   std::int32_t cell;
   // The largest gain first; of equal ones the first cell.
-  bool operator<(const Proposal& other) const {
+  bool operator<(const Proposed& other) const {
     return gain != other.gain ? gain < other.gain : cell > other.cell;
   }
 };
@@ -104,7 +104,7 @@ double MapSearch::Climb(const Tick& tick) {
   double sum = 0;
   for (bool gained = true; gained;) {
     gained = false;
-    std::vector<Proposal> proposals;
+    std::vector<Proposed> proposals;
     std::size_t looked_at = 0;
     for (const std::int32_t cell : Candidates()) {
       if (++looked_at % kCellsOfTick == 0) tick();
@@ -114,10 +114,10 @@ double MapSearch::Climb(const Tick& tick) {
     }
     // What a proposal gains now may differ from what it did when it was made: it is looked at again when its
     // turn comes, and goes back into the queue where another one is better.
-    std::priority_queue<Proposal> queue({}, std::move(proposals));
+    std::priority_queue<Proposed> queue({}, std::move(proposals));
     while (!queue.empty()) {
       if (++looked_at % kCellsOfTick == 0) tick();
-      const Proposal now{Look(queue.top().cell), queue.top().cell};
+      const Proposed now{Look(queue.top().cell), queue.top().cell};
       queue.pop();
       if (now.gain <= kLeastGain) continue;
       if (!queue.empty() && now < queue.top()) {
@@ -137,7 +137,7 @@ double MapSearch::Climb(const Tick& tick) {
 double MapSearch::FlipWithBestOf(std::int32_t cell, double gain, const std::vector<std::int32_t>& others) {
   if (others.empty()) return 0;
   Try(cell);
-  Proposal best{GainOf(others.front()), others.front()};
+  Proposed best{GainOf(others.front()), others.front()};
   for (const std::int32_t other : others) best = std::max(best, {GainOf(other), other});
   if (gain + best.gain > kLeastGain) {
     gains_->Keep(cell);

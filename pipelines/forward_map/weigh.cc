@@ -10,7 +10,7 @@ namespace cairn::forward_map {
 namespace {
 
 constexpr double kLeastHit = 0.02, kMostHit = 0.99, kLeastRandom = 1e-4, kMostRandom = 0.9;
-constexpr std::size_t kReadingsOfTick = 256;
+constexpr std::size_t kReadingsOfATick = 256;
 
 // visit(reading, cells of the obstacles in its beam, their distances).
 template <class Visit>
@@ -22,7 +22,7 @@ void ForEachExplained(const RangeScans& scans, std::size_t first, std::size_t en
   std::vector<double> distances_m;
   std::size_t readings = 0;
   ForEachReading(scans, first, end, box, model, no_echo, [&](const BeamOfScan& reading) {
-    if (readings++ % kReadingsOfTick == 0) progress.Tick();
+    if (readings++ % kReadingsOfATick == 0) progress.Tick();
     obstacles.clear();
     VisitBeam(
         box, reading.from, scans.opening_rad, ReachOf(reading.z_m, model),

@@ -25,11 +25,12 @@ RangeScans OneRay(double z_m) {
 }
 constexpr GridBox kRow{0, 0, 1, 6, 1};
 const std::vector<std::uint8_t> kObstacles = {0, 0, 1, 0, 1, 0};
-constexpr SensorModel kModel{.p_hit = 0.6, .p_rand = 0.1, .sigma_m = 0.1, .no_echo_m = 0.1, .z_max_m = 10};
+constexpr SensorModel kWeighModel{
+    .p_hit = 0.6, .p_rand = 0.1, .sigma_m = 0.1, .no_echo_m = 0.1, .z_max_m = 10};
 
 TEST(Weigh, OfOneRayIsTheModelByHand) {
   NoProgress progress;
-  const Evidence near = Weigh(OneRay(2.6), 0, 1, kRow, kObstacles, kModel, true, progress);
+  const Evidence near = Weigh(OneRay(2.6), 0, 1, kRow, kObstacles, kWeighModel, true, progress);
   const double floor = 0.01, hit = 0.9 * 0.6 * 3.989422804014327 * std::exp(-0.5);
   EXPECT_EQ(near.readings, 1);
   EXPECT_NEAR(near.log_likelihood, std::log(floor + hit), 1e-9);
@@ -37,12 +38,12 @@ TEST(Weigh, OfOneRayIsTheModelByHand) {
   EXPECT_NEAR(near.random, floor / (floor + hit), 1e-9);
   EXPECT_NEAR(near.squares_m2, near.hits * 0.01, 1e-9);
   EXPECT_EQ(near.misses, 0);
-  const Evidence far = Weigh(OneRay(4.5), 0, 1, kRow, kObstacles, kModel, true, progress);
+  const Evidence far = Weigh(OneRay(4.5), 0, 1, kRow, kObstacles, kWeighModel, true, progress);
   EXPECT_NEAR(far.misses, far.hits, 1e-12);  // passed the first
-  const Evidence none = Weigh(OneRay(std::nan("")), 0, 1, kRow, kObstacles, kModel, true, progress);
+  const Evidence none = Weigh(OneRay(std::nan("")), 0, 1, kRow, kObstacles, kWeighModel, true, progress);
   EXPECT_NEAR(none.log_likelihood, std::log(floor + 0.9 * 0.16 * 3.989422804014327), 1e-9);
   EXPECT_NEAR(none.misses, 2 * (1 - none.random), 1e-12);
-  EXPECT_EQ(Weigh(OneRay(std::nan("")), 0, 1, kRow, kObstacles, kModel, false, progress).readings, 0);
+  EXPECT_EQ(Weigh(OneRay(std::nan("")), 0, 1, kRow, kObstacles, kWeighModel, false, progress).readings, 0);
 }
 
 TEST(Weigh, OfSlicesAddsUp) {
@@ -63,7 +64,7 @@ TEST(Weigh, OfSlicesAddsUp) {
 
 TEST(ExplainAll, NamesTheMostLikelyCause) {
   NoProgress progress;
-  SensorModel model = kModel;
+  SensorModel model = kWeighModel;
   const auto cause = [&](double z_m, bool no_echo = true) {
     return ExplainAll(OneRay(z_m), kRow, kObstacles, model, no_echo, progress).front();
   };
@@ -81,14 +82,14 @@ TEST(ExplainAll, NamesTheMostLikelyCause) {
 // The M-step by hand, and that it climbs: EM's promise for the parameters, the map being as it is.
 TEST(Improved, IsTheMStepAndClimbs) {
   const SensorModel by_hand =
-      Improved(kModel, {.readings = 10, .random = 2, .hits = 6, .misses = 3, .squares_m2 = 0.24}, 0.01);
+      Improved(kWeighModel, {.readings = 10, .random = 2, .hits = 6, .misses = 3, .squares_m2 = 0.24}, 0.01);
   EXPECT_NEAR(by_hand.p_rand, 0.2, 1e-12);
   EXPECT_NEAR(by_hand.p_hit, 2.0 / 3, 1e-12);
   EXPECT_NEAR(by_hand.sigma_m, 0.2, 1e-12);
-  EXPECT_EQ(by_hand.no_echo_m, kModel.no_echo_m);
-  EXPECT_EQ(Improved(kModel, {.readings = 10, .hits = 6, .squares_m2 = 0}, 0.01).sigma_m, 0.01);
-  EXPECT_EQ(Improved(kModel, {}, 0.01), kModel);
-  SensorModel losing = kModel;
+  EXPECT_EQ(by_hand.no_echo_m, kWeighModel.no_echo_m);
+  EXPECT_EQ(Improved(kWeighModel, {.readings = 10, .hits = 6, .squares_m2 = 0}, 0.01).sigma_m, 0.01);
+  EXPECT_EQ(Improved(kWeighModel, {}, 0.01), kWeighModel);
+  SensorModel losing = kWeighModel;
   losing.p_lost = 0.2;
   const SensorModel of_losing = Improved(losing, {.readings = 10, .random = 2, .lost = 2}, 0.01);
   EXPECT_NEAR(of_losing.p_rand, 0.8 * 2 / 8, 1e-12);

@@ -20,8 +20,8 @@ BlobPtr Learn(const Blob& samples, const Options& options, const BlobPtr& parent
   return RunInProcess(LandmarkLearning(options, 7), inputs);
 }
 
-std::string Complaint(const Options& options, const Blob& parent,
-                      const Blob& samples = CorridorSamples().Make()) {
+std::string AncestryComplaint(const Options& options, const Blob& parent,
+                              const Blob& samples = CorridorSamples().Make()) {
   try {
     Learn(samples, options, std::make_shared<const Blob>(parent));
   } catch (const InputError& error) {
@@ -53,7 +53,7 @@ TEST_F(Ancestry, TwoHiddenLayersGoOnToo) {
              after = child->Get<double>("history/training_error_m");
   EXPECT_NEAR(after.front(), before.back(), 1e-6 * before.back());
   EXPECT_FALSE(child->at("networks/hidden_2_weight") == parent->at("networks/hidden_2_weight"));
-  EXPECT_NE(Complaint(kFew, *parent).find("2 networks of 6 and 3 hidden units"), std::string::npos);
+  EXPECT_NE(AncestryComplaint(kFew, *parent).find("2 networks of 6 and 3 hidden units"), std::string::npos);
 }
 
 // Other runs, another window: the map is the new runs', the normalisation is still the first run's.
@@ -93,27 +93,29 @@ TEST_F(Ancestry, IsRecordedFromTheFirstRunOn) {
 TEST_F(Ancestry, WeightsOfAnotherShapeAreRefused) {
   Options other = kFew;
   other.networks = 3;
-  EXPECT_EQ(Complaint(other, *parent_),
+  EXPECT_EQ(AncestryComplaint(other, *parent_),
             "the input 'weights': 2 networks of 6 hidden units over 5 inputs, where the options and the "
             "samples ask for "
             "3 networks of 6 hidden units over 5 inputs");
   other = kFew;
   other.hidden = 4;
-  EXPECT_NE(Complaint(other, *parent_).find("ask for 2 networks of 4 hidden units"), std::string::npos);
+  EXPECT_NE(AncestryComplaint(other, *parent_).find("ask for 2 networks of 4 hidden units"),
+            std::string::npos);
   other = kFew;
   other.hidden_2 = 4;
-  EXPECT_NE(Complaint(other, *parent_).find("ask for 2 networks of 6 and 4 hidden units"), std::string::npos);
+  EXPECT_NE(AncestryComplaint(other, *parent_).find("ask for 2 networks of 6 and 4 hidden units"),
+            std::string::npos);
   Blob renamed = samples_;
   renamed.Put("input_name", Array::Texts({"door", "lamp", "bin", "noise", "constant"}));
-  EXPECT_EQ(Complaint(kFew, *parent_, renamed),
+  EXPECT_EQ(AncestryComplaint(kFew, *parent_, renamed),
             "the input 'weights': its input 1 is 'light', not the samples' 'lamp'");
-  EXPECT_NE(Complaint(kFew, samples_).find("no networks in it"), std::string::npos);
+  EXPECT_NE(AncestryComplaint(kFew, samples_).find("no networks in it"), std::string::npos);
   Blob torn = *parent_;
   torn.PutVector<double>("networks/output_bias", {1.0});
-  EXPECT_EQ(Complaint(kFew, torn),
+  EXPECT_EQ(AncestryComplaint(kFew, torn),
             "the input 'weights': 'networks/output_bias' does not have the other arrays' shape");
   torn.PutVector<double>("networks/output_bias", {1.0, std::numeric_limits<double>::quiet_NaN()});
-  EXPECT_EQ(Complaint(kFew, torn),
+  EXPECT_EQ(AncestryComplaint(kFew, torn),
             "the input 'weights': 'networks/output_bias', entry 1 is not a finite number");
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 // Adds a row of `vectors` numbers, times `factor`.
 template <class Real>
-void AddRow(Real factor, const Real* from, int vectors, Real* to) {
+void AddScaledRow(Real factor, const Real* from, int vectors, Real* to) {
   for (int f = 0; f < vectors; ++f) to[f] += factor * from[f];
 }
 
@@ -24,8 +24,8 @@ std::vector<Real> Means(const Cells& cells, const std::vector<Real>& probability
   std::vector<Real> means(static_cast<std::size_t>(cells.size()) * width, Real(0));
   for (std::size_t k = 0; k < cells.of.size(); ++k) {
     const auto cell = static_cast<std::size_t>(cells.of[k]);
-    AddRow(Real(1) / static_cast<Real>(cells.count[cell]), &probability[k * width], vectors,
-           &means[cell * width]);
+    AddScaledRow(Real(1) / static_cast<Real>(cells.count[cell]), &probability[k * width], vectors,
+                 &means[cell * width]);
   }
   return means;
 }
@@ -77,8 +77,8 @@ CellShare<Real> SlopesOfCells(const Options& options, const Cells& cells, std::s
   std::vector<Real> d_probability(cells.of.size() * width, Real(0));
   for (std::size_t k = 0; k < cells.of.size(); ++k) {
     const auto cell = static_cast<std::size_t>(cells.of[k]);
-    AddRow(Real(1) / static_cast<Real>(cells.count[cell]), &share.d_probability[cell * width], vectors,
-           &d_probability[k * width]);
+    AddScaledRow(Real(1) / static_cast<Real>(cells.count[cell]), &share.d_probability[cell * width], vectors,
+                 &d_probability[k * width]);
   }
   return {share.posterior, OutputGradient(g, networks, d_probability)};
 }

@@ -18,7 +18,7 @@ BlobPtr Learn(const Options& options, std::map<std::string, BlobPtr> inputs) {
   return RunInProcess(LandmarkLearning(options, 7), inputs);
 }
 
-std::string Complaint(const Options& options, const std::map<std::string, BlobPtr>& inputs) {
+std::string ErrorTableComplaint(const Options& options, const std::map<std::string, BlobPtr>& inputs) {
   try {
     Learn(options, inputs);
   } catch (const InputError& error) {
@@ -100,22 +100,22 @@ TEST(ErrorTable, AWallMakesTheWayLonger) {
 
 TEST(ErrorTable, WhatCannotBeReachedOrReadIsRefused) {
   const Options travel{.error = "travel", .steps = 1}, table{.error = "table", .steps = 1};
-  EXPECT_NE(
-      Complaint(travel, {{"map", Ptr(Corridor(false))}}).find("no way leads there through the map from run"),
-      std::string::npos);
+  EXPECT_NE(ErrorTableComplaint(travel, {{"map", Ptr(Corridor(false))}})
+                .find("no way leads there through the map from run"),
+            std::string::npos);
   Blob far = Corridor(true);
   far.PutScalar("map/grid/origin_x_m", 10.0);
-  EXPECT_NE(Complaint(travel, {{"map", Ptr(far)}}).find("it lies in no free cell of the map"),
+  EXPECT_NE(ErrorTableComplaint(travel, {{"map", Ptr(far)}}).find("it lies in no free cell of the map"),
             std::string::npos);
-  EXPECT_EQ(Complaint(travel, {}), "error=travel needs the input 'map': --input map=FILE.h5");
-  EXPECT_EQ(Complaint(table, {}), "error=table needs the input 'errors': --input errors=FILE.h5");
-  EXPECT_EQ(Complaint({.steps = 1}, {{"map", Ptr(far)}}),
+  EXPECT_EQ(ErrorTableComplaint(travel, {}), "error=travel needs the input 'map': --input map=FILE.h5");
+  EXPECT_EQ(ErrorTableComplaint(table, {}), "error=table needs the input 'errors': --input errors=FILE.h5");
+  EXPECT_EQ(ErrorTableComplaint({.steps = 1}, {{"map", Ptr(far)}}),
             "the input 'map' is for error=travel, not error=distance");
   Blob bad = Table(1.0, [](double d) { return d == 3.0 ? -1.0 : d; });
-  EXPECT_EQ(Complaint(table, {{"errors", Ptr(bad)}}),
+  EXPECT_EQ(ErrorTableComplaint(table, {{"errors", Ptr(bad)}}),
             "the input 'errors': 'error', row 0, column 3 is not a number from 0 up");
   bad.PutVector<double>("place/y_m", {0.0});
-  EXPECT_NE(Complaint(table, {{"errors", Ptr(bad)}}).find("must be [P,P]"), std::string::npos);
+  EXPECT_NE(ErrorTableComplaint(table, {{"errors", Ptr(bad)}}).find("must be [P,P]"), std::string::npos);
 }
 
 }  // namespace

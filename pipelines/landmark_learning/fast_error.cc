@@ -50,12 +50,12 @@ void TurnRow(double p, int width, const Real* g, const Real* z, Real* n, Real* b
 // E and dE/dG of some features, by `multiply(h, weighted, believed)`, which adds the products with e B and
 // with B, each unless null. Where the belief is global B is one, and its product a sum over all samples.
 template <class Real>
-struct Products {
+struct ProductTables {
   int width;
   bool global;
   std::vector<Real> g, n, z, d;  // [samples][width]; g is what is given, d what comes out
 
-  Products(int samples, int features, bool is_global)
+  ProductTables(int samples, int features, bool is_global)
       : width(features),
         global(is_global),
         g(static_cast<std::size_t>(samples) * static_cast<std::size_t>(features), Real(0)),
@@ -120,7 +120,7 @@ ErrorShare<Real> ErrorOnLine(const Places& places, const Belief& belief, ErrorKi
     if (second && weighted != nullptr) second->Add(h, weighted, nullptr);
   };
   ErrorShare<Real> share{0.0, std::vector<Real>(probability.size())};
-  Products<double> products(places.size(), kLineFeatures, global);
+  ProductTables<double> products(places.size(), kLineFeatures, global);
   for (int f = 0; f < vectors; f += kLineFeatures) {
     const int features = std::min(kLineFeatures, vectors - f);
     CopyColumns(places.size(), features, &probability[static_cast<std::size_t>(f)], vectors,
@@ -137,7 +137,7 @@ ErrorShare<Real> ErrorInPlane(const Places& places, const std::vector<Real>& pro
                               const std::vector<double>& weight, const Range& truths) {
   TreeSums<Real> tree(places);
   const int width = WidthOf<Real>(vectors);
-  Products<Real> products(places.size(), width, true);
+  ProductTables<Real> products(places.size(), width, true);
   CopyColumns(places.size(), vectors, probability.data(), vectors, products.g.data(), width);
   ErrorShare<Real> share{0.0, std::vector<Real>(probability.size())};
   share.posterior = products.Error(

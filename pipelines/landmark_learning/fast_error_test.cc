@@ -14,7 +14,7 @@
 namespace cairn::landmark_learning {
 namespace {
 
-constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+constexpr double kWholeGrid = std::numeric_limits<double>::infinity();
 
 // Samples along a line in any order, some of them at one place.
 struct Line {
@@ -48,7 +48,7 @@ void ExpectSame(const ErrorShare<double>& fast, const ErrorShare<double>& slow, 
 
 // The pair kernel in double is itself held to the literal sum over triples (PosteriorError).
 TEST(ErrorOnLine, EqualsTheSumOverPairsForEveryErrorWindowAndBlock) {
-  for (const double reach : {0.4, 3.0, 11.0, kEverywhere}) {
+  for (const double reach : {0.4, 3.0, 11.0, kWholeGrid}) {
     for (const ErrorKind error : {ErrorKind::kDistance, ErrorKind::kSquaredDistance, ErrorKind::kAlong}) {
       if (error == ErrorKind::kAlong && std::isfinite(reach)) continue;
       for (const int networks : {1, 3, 5}) {
@@ -71,7 +71,7 @@ TEST(ErrorOnLine, SquaredDistancesInThePlaneAreExactWhereNothingIsKnown) {
   Line plane(150, 2, 5);
   Rng rng(9);
   for (double& y : plane.places.y_m) y = rng.Uniform(-20.0, 20.0);
-  const Belief belief{BeliefShape::kUniform, kEverywhere};
+  const Belief belief{BeliefShape::kUniform, kWholeGrid};
   const auto slow = ErrorOfTruths(Pairs(plane.places, plane.places, belief, ErrorKind::kSquaredDistance),
                                   plane.probability, plane.vectors, plane.weight, {0, 150});
   ExpectSame(ErrorOnLine(plane.places, belief, ErrorKind::kSquaredDistance, plane.probability, plane.vectors,
@@ -105,7 +105,7 @@ TEST(ErrorInPlane, IsWithinItsBoundOfTheSumOverPairs) {
       std::vector<double> g, weight(kCount, 1.0 / kCount);
       for (int i = 0; i < networks * kCount; ++i) g.push_back(std::pow(rng.Uniform(), 3));
       const auto probability = FeatureProbabilities(g, networks);
-      const Pairs pairs(places, places, {BeliefShape::kUniform, kEverywhere}, ErrorKind::kDistance);
+      const Pairs pairs(places, places, {BeliefShape::kUniform, kWholeGrid}, ErrorKind::kDistance);
       for (const Range& truths : {Range{0, kCount}, Range{100, 340}}) {
         const auto slow = ErrorOfTruths(pairs, probability, 1 << networks, weight, truths);
         const auto fast = ErrorInPlane(places, probability, 1 << networks, weight, truths);

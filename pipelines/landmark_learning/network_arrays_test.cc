@@ -14,7 +14,7 @@ Parameters<float> SomeParameters(const NetworkShape& shape) {
   return RandomParameters<float>(shape, 1.0, rng);
 }
 
-std::string Complaint(const Blob& file) {
+std::string NetworkArraysComplaint(const Blob& file) {
   try {
     NetworksIn(file);
   } catch (const InputError& error) {
@@ -59,7 +59,7 @@ TEST(NetworkArrays, OfShapesThatDoNotFitAreRefusedByName) {
     for (const std::int64_t length : shape) count *= length;
     Blob torn = file;
     torn.Put(name, Array::Of<double>(shape, std::vector<double>(static_cast<std::size_t>(count), 0.5)));
-    return Complaint(torn);
+    return NetworkArraysComplaint(torn);
   };
   EXPECT_EQ(with("networks/hidden_weight", {8, 3}),
             "'networks/hidden_weight' is not [networks, hidden, inputs]");
@@ -71,7 +71,7 @@ TEST(NetworkArrays, OfShapesThatDoNotFitAreRefusedByName) {
             "'networks/hidden_2_weight' does not have the other arrays' shape");
   EXPECT_EQ(with("networks/output_weight", {2, 4}),
             "'networks/output_weight' does not have the other arrays' shape");
-  EXPECT_NE(Complaint(file.Without("networks/hidden_2_bias")).find("networks/hidden_2_bias"),
+  EXPECT_NE(NetworkArraysComplaint(file.Without("networks/hidden_2_bias")).find("networks/hidden_2_bias"),
             std::string::npos);
 }
 

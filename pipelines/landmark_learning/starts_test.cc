@@ -25,7 +25,7 @@ BlobPtr Learn(const Options& options, int* rounds = nullptr) {
                       });
 }
 
-std::string Complaint(const Options& options) {
+std::string StartsComplaint(const Options& options) {
   try {
     Learn(options);
   } catch (const InputError& error) {
@@ -86,12 +86,12 @@ TEST(Starts, GoOnAsTheyWouldAlone) {
 }
 
 TEST(Starts, AreRefusedWhereTheyMeanNothing) {
-  EXPECT_EQ(Complaint({.steps = 30, .starts = 2, .sequential = true}),
+  EXPECT_EQ(StartsComplaint({.steps = 30, .starts = 2, .sequential = true}),
             "starts does not go with sequential, nor with method=conjugate");
-  EXPECT_NE(Complaint({.method = "conjugate", .steps = 30, .starts = 2}), "");
-  EXPECT_EQ(Complaint({.steps = 30, .starts = 2, .start_steps = 30}),
+  EXPECT_NE(StartsComplaint({.method = "conjugate", .steps = 30, .starts = 2}), "");
+  EXPECT_EQ(StartsComplaint({.steps = 30, .starts = 2, .start_steps = 30}),
             "start_steps = 30: starts are compared before the last of all steps, of which there are 30");
-  EXPECT_EQ(Complaint({.steps = 1, .starts = 2}).substr(0, 15), "start_steps = 1");
+  EXPECT_EQ(StartsComplaint({.steps = 1, .starts = 2}).substr(0, 15), "start_steps = 1");
 }
 
 }  // namespace

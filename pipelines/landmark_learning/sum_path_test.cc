@@ -59,7 +59,7 @@ TEST(PlanSum, ProjectsPlacesOntoTheLine) {
   }
 }
 
-std::string Complaint(const Options& options) {
+std::string SumPathComplaint(const Options& options) {
   try {
     PlanSum(options, Corridor(10, 0.1));
   } catch (const InputError& error) {
@@ -78,11 +78,11 @@ TEST(PlanSum, BeliefsThatLookAtHeadingsAreSummedOverPairs) {
 }
 
 TEST(PlanSum, RefusesToBeForcedWhereItCannot) {
-  EXPECT_EQ(Complaint({.window_m = 0.0, .sum = "tree"}), "");
-  EXPECT_EQ(Complaint({.window_m = 2.0, .sum = "tree"}),
+  EXPECT_EQ(SumPathComplaint({.window_m = 0.0, .sum = "tree"}), "");
+  EXPECT_EQ(SumPathComplaint({.window_m = 2.0, .sum = "tree"}),
             "sum = tree: it takes distances, and window_m = 0: nothing known before");
   EXPECT_EQ(
-      Complaint({.belief = "gaussian", .sum = "line"}),
+      SumPathComplaint({.belief = "gaussian", .sum = "line"}),
       "sum = line: it takes a uniform belief in samples that face whichever way, and distances, and errors "
       "along the way only where nothing is known before");
 }

@@ -10,7 +10,7 @@
 namespace cairn::landmark_map {
 namespace {
 
-MapRules Rules() {
+MapRules RulesOfContradictions() {
   MapRules rules;
   rules.types = 1;
   rules.observation_m = 0.3;
@@ -41,7 +41,7 @@ void ExpectContains(const std::string& text, const std::string& part) {
 
 TEST(RefuseTwoPlaces, NamesTheLandmarkAndBothPlaces) {
   try {
-    RefuseTwoPlaces(CountsAt(10.0, 6.0), Rules(), {"tower"});
+    RefuseTwoPlaces(CountsAt(10.0, 6.0), RulesOfContradictions(), {"tower"});
     FAIL();
   } catch (const InputError& error) {
     ExpectContains(error.what(), "'tower' stands in two places: 10 of its 16");
@@ -51,8 +51,8 @@ TEST(RefuseTwoPlaces, NamesTheLandmarkAndBothPlaces) {
 }
 
 TEST(RefuseTwoPlaces, AFewMisreadNamesAreNone) {
-  EXPECT_NO_THROW(RefuseTwoPlaces(CountsAt(100.0, 12.0), Rules(), {"tower"}));
-  EXPECT_NO_THROW(RefuseTwoPlaces(CountsAt(5.0, 3.0), Rules(), {"tower"}));
+  EXPECT_NO_THROW(RefuseTwoPlaces(CountsAt(100.0, 12.0), RulesOfContradictions(), {"tower"}));
+  EXPECT_NO_THROW(RefuseTwoPlaces(CountsAt(5.0, 3.0), RulesOfContradictions(), {"tower"}));
 }
 
 TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {

@@ -12,8 +12,8 @@ namespace cairn::landmark_map {
 namespace {
 
 // The first round of a log in several slices; the first `forward` task's partial.
-struct Round {
-  Round() {
+struct HandedRound {
+  HandedRound() {
     const Blob log = SquareLog{.laps = 6, .side_m = 20.0}.Make();
     step = pipeline.Start(MapInputs({{"log", std::make_shared<const Blob>(log)}}));
     for (const BlobPtr& blob : step.blobs) store[blob->ContentHash().Binary()] = blob;
@@ -50,13 +50,13 @@ struct Round {
 };
 
 TEST(HandedOver, WhatTheTaskBeforeGaveIsTaken) {
-  const Round round;
+  const HandedRound round;
   ASSERT_GT(round.step.plan.tasks_size(), 3);
   EXPECT_EQ(round.Complaint(*round.partials[0]), "");
 }
 
 TEST(HandedOver, AnotherNumberOfHeadingsIsRefused) {
-  const Round round;
+  const HandedRound round;
   Blob before = *round.partials[0];
   LayeredGrid alpha = LayeredGrid::LoadSparse("alpha/", before);
   alpha.layers.pop_back();
@@ -67,7 +67,7 @@ TEST(HandedOver, AnotherNumberOfHeadingsIsRefused) {
 }
 
 TEST(HandedOver, StepsThatAreNoneAreRefused) {
-  const Round round;
+  const HandedRound round;
   for (const std::int32_t end : {-1, 1000000}) {
     Blob before = *round.partials[0];
     before.PutScalar<std::int32_t>("end", end);
@@ -76,7 +76,7 @@ TEST(HandedOver, StepsThatAreNoneAreRefused) {
 }
 
 TEST(HandedOver, ABetaThatDoesNotLieWhereAlphaDoesIsRefused) {
-  const Round round;
+  const HandedRound round;
   // Of the first slice as a `backward` task: its alphas end where the `forward` task ended.
   const LayeredGrid alpha = LayeredGrid::LoadSparse("alpha/", *round.partials[0]);
   LayeredGrid beta;

@@ -15,7 +15,7 @@ constexpr double kLeastCount = 2.0;
 constexpr double kLeastRate = 0.1;  // seen in so many of the images that looked there
 constexpr double kTogether = 0.1;   // of its images show the other too: they are two
 constexpr double kNeeded = 0.02;    // of its sightings no other landmark could have
-constexpr std::int32_t kNone = -1;
+constexpr std::int32_t kNoLandmark = -1;
 
 double Distance(const Place& a, const Place& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
@@ -56,7 +56,7 @@ class ImageClusters {
  public:
   ImageClusters(const std::vector<Image>& images, const ImageRules& rules)
       : images_(images), rules_(rules), gate_m_(kGate * rules.sigma_m), view_(images) {
-    for (const Image& image : images) given_.emplace_back(image.seen.size(), kNone);
+    for (const Image& image : images) given_.emplace_back(image.seen.size(), kNoLandmark);
     shift_.resize(images.size());
   }
 
@@ -81,7 +81,7 @@ class ImageClusters {
       Place sum{};
       double n = 0;
       for (std::size_t s = 0; s < given_[i].size(); ++s) {
-        if (given_[i][s] == kNone) continue;
+        if (given_[i][s] == kNoLandmark) continue;
         const Place& to = places_[static_cast<std::size_t>(given_[i][s])];
         sum.x_m += to.x_m - images_[i].seen[s].x_m;
         sum.y_m += to.y_m - images_[i].seen[s].y_m;
@@ -99,7 +99,7 @@ class ImageClusters {
   void Pair(std::size_t i) {
     std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
     for (std::size_t s = 0; s < given_[i].size(); ++s) {
-      given_[i][s] = kNone;
+      given_[i][s] = kNoLandmark;
       for (std::size_t k = 0; k < places_.size(); ++k) {
         const double distance = Distance(Seen(i, s), places_[k]);
         if (distance <= gate_m_) pairs.emplace_back(distance, s, k);
@@ -108,7 +108,7 @@ class ImageClusters {
     std::ranges::sort(pairs);
     std::vector<std::size_t> taken;
     for (const auto& [distance, s, k] : pairs) {
-      if (given_[i][s] != kNone || std::ranges::find(taken, k) != taken.end()) continue;
+      if (given_[i][s] != kNoLandmark || std::ranges::find(taken, k) != taken.end()) continue;
       given_[i][s] = static_cast<std::int32_t>(k);
       taken.push_back(k);
     }
@@ -116,7 +116,7 @@ class ImageClusters {
 
   void Begin(std::size_t i) {
     for (std::size_t s = 0; s < given_[i].size(); ++s) {
-      if (given_[i][s] != kNone) continue;
+      if (given_[i][s] != kNoLandmark) continue;
       given_[i][s] = static_cast<std::int32_t>(places_.size());
       places_.push_back(Seen(i, s));
     }
@@ -127,7 +127,7 @@ class ImageClusters {
     count_.assign(places_.size(), 0.0);
     for (std::size_t i = 0; i < images_.size(); ++i) {
       for (std::size_t s = 0; s < given_[i].size(); ++s) {
-        if (given_[i][s] == kNone) continue;
+        if (given_[i][s] == kNoLandmark) continue;
         const auto k = static_cast<std::size_t>(given_[i][s]);
         sum[k].x_m += images_[i].seen[s].x_m;
         sum[k].y_m += images_[i].seen[s].y_m;
@@ -143,7 +143,7 @@ class ImageClusters {
   void Keep(const std::vector<bool>& keep) {
     std::vector<Place> places;
     std::vector<double> count;
-    std::vector<std::int32_t> now(places_.size(), kNone);
+    std::vector<std::int32_t> now(places_.size(), kNoLandmark);
     for (std::size_t k = 0; k < places_.size(); ++k) {
       if (!keep[k]) continue;
       now[k] = static_cast<std::int32_t>(places.size());
@@ -151,7 +151,7 @@ class ImageClusters {
       count.push_back(count_[k]);
     }
     for (auto& image : given_) {
-      for (std::int32_t& k : image) k = k == kNone ? kNone : now[static_cast<std::size_t>(k)];
+      for (std::int32_t& k : image) k = k == kNoLandmark ? kNoLandmark : now[static_cast<std::size_t>(k)];
     }
     places_ = places;
     count_ = count;
@@ -169,7 +169,7 @@ class ImageClusters {
   // The nearest landmark within the gate of a sighting that its image does not show yet.
   std::int32_t Free(std::size_t i, std::size_t s, const std::vector<bool>& keep) const {
     double nearest = gate_m_;
-    std::int32_t free = kNone;
+    std::int32_t free = kNoLandmark;
     for (std::size_t k = 0; k < places_.size(); ++k) {
       const auto index = static_cast<std::int32_t>(k);
       const double distance = Distance(Seen(i, s), places_[k]);
@@ -232,7 +232,7 @@ void ImageClusters::DropNeedless() {
     keep[k] = false;
     std::vector<std::int32_t> others;
     for (const auto& [i, s] : sightings) others.push_back(Free(i, s, keep));
-    const auto needing = static_cast<double>(std::ranges::count(others, kNone));
+    const auto needing = static_cast<double>(std::ranges::count(others, kNoLandmark));
     keep[k] = needing > kNeeded * static_cast<double>(sightings.size());
     if (keep[k]) continue;
     for (std::size_t n = 0; n < sightings.size(); ++n) {
@@ -266,7 +266,8 @@ ImageLandmarks ImageClusters::Result() const {
     auto& landmark = result.landmark.emplace_back();
     auto& probability = result.probability.emplace_back();
     for (std::size_t s = 0; s < given_[i].size(); ++s) {
-      landmark.push_back(given_[i][s] == kNone ? kNone : rank[static_cast<std::size_t>(given_[i][s])]);
+      landmark.push_back(given_[i][s] == kNoLandmark ? kNoLandmark
+                                                     : rank[static_cast<std::size_t>(given_[i][s])]);
       double chosen = 0.0, all = std::exp(-0.5 * kGate * kGate);
       for (std::size_t k = 0; k < places_.size(); ++k) {
         const double errors = Distance(Seen(i, s), places_[k]) / rules_.sigma_m;
@@ -274,8 +275,9 @@ ImageLandmarks ImageClusters::Result() const {
         all += likelihood;
         if (static_cast<std::int32_t>(k) == given_[i][s]) chosen = likelihood;
       }
-      probability.push_back(given_[i][s] == kNone ? std::exp(-0.5 * kGate * kGate) / all : chosen / all);
-      if (landmark.back() == kNone) continue;
+      probability.push_back(given_[i][s] == kNoLandmark ? std::exp(-0.5 * kGate * kGate) / all
+                                                        : chosen / all);
+      if (landmark.back() == kNoLandmark) continue;
       Landmark& l = result.landmarks[static_cast<std::size_t>(landmark.back())];
       const double dx = images_[i].seen[s].x_m - l.x_m, dy = images_[i].seen[s].y_m - l.y_m;
       l.covariance_m2[0] += dx * dx / l.count;

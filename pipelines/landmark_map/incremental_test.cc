@@ -14,7 +14,7 @@
 namespace cairn::landmark_map {
 namespace {
 
-BlobPtr Map(const Blob& log, const Options& options) {
+BlobPtr IncrementalMap(const Blob& log, const Options& options) {
   return RunInProcess(LandmarkMap(options), {{"log", std::make_shared<const Blob>(log)}});
 }
 
@@ -25,9 +25,9 @@ Options Incremental(std::int64_t observations = 0) {
 // How many of the poses of the first five corners are, to the bit, those of a log that ends there.
 std::size_t PosesThatStay(const Blob& log, Options options) {
   constexpr std::int64_t kObservations = 5;
-  const BlobPtr whole = Map(log, options);
+  const BlobPtr whole = IncrementalMap(log, options);
   options.prefix_observations = kObservations;
-  const BlobPtr part = Map(log, options);
+  const BlobPtr part = IncrementalMap(log, options);
   const double until_s = log.Get<double>("robot/0/observations/time_s")[kObservations - 1];
   const auto time_s = part->Get<double>("robot/0/poses/time_s");
   std::size_t same = 0;
@@ -60,7 +60,7 @@ Blob WithGoodOdometry(SquareLog log) {
 }
 
 TEST(Incremental, FindsTheCornersOfASquareWhereOdometryIsGood) {
-  const BlobPtr result = Map(WithGoodOdometry({.laps = 3, .side_m = 20.0}), Incremental());
+  const BlobPtr result = IncrementalMap(WithGoodOdometry({.laps = 3, .side_m = 20.0}), Incremental());
   const auto x = result->Get<double>("map/landmark_x_m"), y = result->Get<double>("map/landmark_y_m");
   ASSERT_EQ(x.size(), 4U);
   for (const auto& [corner_x, corner_y] : {std::pair(20.0, 0.0), {20.0, 20.0}, {0.0, 20.0}, {0.0, 0.0}}) {
@@ -78,15 +78,15 @@ TEST(Incremental, FindsTheCornersOfASquareWhereOdometryIsGood) {
 }
 
 TEST(Incremental, TakesRangesAndBearings) {
-  const BlobPtr result =
-      Map(WithGoodOdometry({.laps = 2, .side_m = 20.0, .ranged = true, .identified = true}), Incremental());
+  const BlobPtr result = IncrementalMap(
+      WithGoodOdometry({.laps = 2, .side_m = 20.0, .ranged = true, .identified = true}), Incremental());
   EXPECT_EQ(result->at("map/landmark_x_m").size(), 4);
 }
 
 TEST(Incremental, RefusesWhatOnePassCannotTake) {
   const auto complaint = [](const Blob& log, const Options& options, bool with_map) -> std::string {
     std::map<std::string, BlobPtr> inputs{{"log", std::make_shared<const Blob>(log)}};
-    if (with_map) inputs["map"] = Map(log, {.cell_m = 1.0, .starts = 1});
+    if (with_map) inputs["map"] = IncrementalMap(log, {.cell_m = 1.0, .starts = 1});
     try {
       RunInProcess(LandmarkMap(options), inputs);
     } catch (const InputError& error) {

@@ -13,7 +13,7 @@ namespace {
 
 KindRules Two() { return {2, {0.9, 0.1, 0.2, 0.8}}; }
 
-MapRules Rules() {
+MapRules RulesOfKinds() {
   MapRules rules;
   rules.grid = {1.0, 4};
   rules.kinds = Two();
@@ -46,7 +46,7 @@ TEST(KindPosterior, OfManyObservationsIsNoNan) { EXPECT_NEAR(KindPosterior({1e6,
 
 // 3 of 3 observations are at (5, 5), whatever they seemed.
 TEST(MapOf, SplitsWhatIsThereAmongTheKinds) {
-  const LayeredGrid map = MapOf(Counts(), Rules());
+  const LayeredGrid map = MapOf(Counts(), RulesOfKinds());
   ASSERT_EQ(map.layers.size(), 2U);
   EXPECT_NEAR(map.layers[0].At(5, 5), 0.081 / 0.113, 1e-9);
   EXPECT_NEAR(map.layers[1].At(5, 5), 0.032 / 0.113, 1e-9);
@@ -55,7 +55,7 @@ TEST(MapOf, SplitsWhatIsThereAmongTheKinds) {
 
 // P(seems 0) = 0.9 * P(is 0) + 0.2 * P(is 1), and half of a false observation's chance.
 TEST(PerceptionOf, KindsMayBeTakenForOneAnother) {
-  const MapRules rules = Rules();
+  const MapRules rules = RulesOfKinds();
   const LayeredGrid map = MapOf(Counts(), rules);
   const Perception perception = PerceptionOf(map, rules);
   const double eps = rules.false_rate_per_m2, is0 = map.layers[0].At(5, 5), is1 = map.layers[1].At(5, 5);
@@ -66,7 +66,7 @@ TEST(PerceptionOf, KindsMayBeTakenForOneAnother) {
 
 // A confusion that tells nothing must not change where landmarks are.
 TEST(PerceptionOf, KindsThatTellNothingLeaveTheMapAsItIs) {
-  MapRules deaf = Rules(), one = Rules();
+  MapRules deaf = RulesOfKinds(), one = RulesOfKinds();
   deaf.kinds.confusion = {0.5, 0.5, 0.5, 0.5};
   one.kinds = {};
   LayeredGrid together;
@@ -80,7 +80,7 @@ TEST(PerceptionOf, KindsThatTellNothingLeaveTheMapAsItIs) {
 }
 
 TEST(ExtractLandmarks, ALandmarkHasOneKind) {
-  const std::vector<Landmark> landmarks = ExtractLandmarks(Counts(), Rules());
+  const std::vector<Landmark> landmarks = ExtractLandmarks(Counts(), RulesOfKinds());
   ASSERT_EQ(landmarks.size(), 2U);
   for (const Landmark& l : landmarks) {
     EXPECT_EQ(l.kind, l.x_m < 10 ? 0 : 1);

@@ -12,7 +12,7 @@
 namespace cairn::landmark_map {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 // Logs of one kind: the least and the largest of each figure, and of the landmarks that were observed.
 struct Measured {
@@ -130,8 +130,8 @@ LogFigures FiguresOf(const Blob& log) {
   return {static_cast<double>(robot.at("observations/time_s").size()),
           way_m,
           MedianWayBetween(robot),
-          stated("noise/heading_drift_rad_per_m", kDegree),
-          stated("noise/heading_walk_rad_per_sqrt_m", kDegree),
+          stated("noise/heading_drift_rad_per_m", kDegree_rad),
+          stated("noise/heading_walk_rad_per_sqrt_m", kDegree_rad),
           stated("noise/forward_ratio", 1.0),
           stated("noise/turn_ratio", 1.0),
           stated("noise/press_m", 1.0)};

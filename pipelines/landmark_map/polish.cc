@@ -304,7 +304,7 @@ double Width(const Landmark& landmark) {
 }
 
 // A Gaussian of that mass around the landmark.
-void Spread(const Landmark& landmark, double sd_m, double mass, double cell_m, Layer* layer) {
+void SpreadMass(const Landmark& landmark, double sd_m, double mass, double cell_m, Layer* layer) {
   constexpr double kLeastSd = 0.5, kReach = 3.0;  // cells: narrower ones lose their mean; standard deviations
   const double sd = std::max(kLeastSd, sd_m / cell_m);
   const int reach = static_cast<int>(std::ceil(kReach * sd));
@@ -350,8 +350,8 @@ LayeredGrid CountsOf(const std::vector<Landmark>& landmarks, const MapRules& rul
   LayeredGrid counts = NoCounts(rules);
   for (const Landmark& landmark : landmarks) {
     const int layer = landmark.type < rules.types ? landmark.type : rules.types + landmark.kind;
-    Spread(landmark, Width(landmark), landmark.count, rules.grid.cell_m,
-           &counts.layers[static_cast<std::size_t>(layer)]);
+    SpreadMass(landmark, Width(landmark), landmark.count, rules.grid.cell_m,
+               &counts.layers[static_cast<std::size_t>(layer)]);
   }
   return counts;
 }
@@ -364,7 +364,8 @@ LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
   for (std::size_t k = 0; k < now.size(); ++k) {
     for (std::size_t l = 0; l < counts.layers.size(); ++l) {
       if (masses[k][l] > 0.0)
-        Spread(now[k], width_m.value_or(Width(now[k])), masses[k][l], rules.grid.cell_m, &counts.layers[l]);
+        SpreadMass(now[k], width_m.value_or(Width(now[k])), masses[k][l], rules.grid.cell_m,
+                   &counts.layers[l]);
     }
   }
   return counts;

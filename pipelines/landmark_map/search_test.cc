@@ -14,7 +14,7 @@ namespace {
 
 Landmark At(double x_m, double y_m, int type = 0) { return {x_m, y_m, {1, 0, 0, 1}, type, 3.0}; }
 
-Settings SomeSettings() {
+Settings SearchSettings() {
   Settings settings;
   settings.starts = 9;
   settings.places = std::exp(9.0);
@@ -23,7 +23,7 @@ Settings SomeSettings() {
 }
 
 TEST(StartingPoints, DriftsSpreadEvenlyOverTwoStandardDeviationsToEitherSideForEachOfTwoPrefixes) {
-  Settings settings = SomeSettings();
+  Settings settings = SearchSettings();
   settings.growth_start = 0.5;
   const std::vector<StartingPoint> points = StartingPoints(settings);
   const std::vector<double> drifts = {-0.02, -0.01, 0, 0.01, 0.02, -0.02, -0.01, 0, 0.01};
@@ -35,7 +35,7 @@ TEST(StartingPoints, DriftsSpreadEvenlyOverTwoStandardDeviationsToEitherSideForE
 }
 
 TEST(StartingPoints, OneStartsWhereOdometryIsAndSteadyOdometryLeavesTwo) {
-  Settings one = SomeSettings(), steady = SomeSettings();
+  Settings one = SearchSettings(), steady = SearchSettings();
   one.starts = 1;
   steady.noise.heading_drift_rad_per_m = 0.0;
   ASSERT_EQ(StartingPoints(one).size(), 1U);
@@ -68,14 +68,14 @@ Candidate RefitOf(int parent, Candidate candidate) {
 }
 
 TEST(ScoreOf, ALandmarkCostsTheLogarithmOfThePlacesForIt) {
-  EXPECT_NEAR(ScoreOf(Found(-50.0, 2, {}), SomeSettings()), -50.0 - 2 * 9.0, 1e-12);
+  EXPECT_NEAR(ScoreOf(Found(-50.0, 2, {}), SearchSettings()), -50.0 - 2 * 9.0, 1e-12);
 }
 
 // Three standard deviations under Student's t of four degrees of freedom: (1 + 9 / 4)^-2.5.
 TEST(ScoreOf, ADriftCostsWhatItsPriorSays) {
   Candidate candidate = Found(-50.0, 0, {});
   candidate.drift_rad_per_m = -0.03;
-  EXPECT_NEAR(ScoreOf(candidate, SomeSettings()), -50.0 - 2.5 * std::log(3.25), 1e-12);
+  EXPECT_NEAR(ScoreOf(candidate, SearchSettings()), -50.0 - 2.5 * std::log(3.25), 1e-12);
 }
 
 TEST(SameMap, HoldsWhereTheSameObservationsAreOfOneLandmark) {
@@ -104,7 +104,7 @@ TEST(Choose, TakesTheBestScoreAndSaysHowFarAheadOfAnotherMapItIsAndHowManyStarts
                                 Found(-45, 3, three),            // -72: the next different one
                                 RefitOf(2, Found(-51, 2, two)),  // counts as no start
                                 Failed("impossible")},
-                               SomeSettings());
+                               SearchSettings());
   EXPECT_EQ(choice.best, 2);
   ASSERT_TRUE(choice.lead_nats.has_value());
   EXPECT_NEAR(*choice.lead_nats, 4.0, 1e-12);
@@ -113,7 +113,7 @@ TEST(Choose, TakesTheBestScoreAndSaysHowFarAheadOfAnotherMapItIsAndHowManyStarts
 }
 
 TEST(Choose, OfEqualsTheFirstAndNoLeadWhereAllFoundTheSameMap) {
-  const Choice choice = Choose({Found(-50, 2, {0, 1, 1}), Found(-50, 2, {1, 0, 0})}, SomeSettings());
+  const Choice choice = Choose({Found(-50, 2, {0, 1, 1}), Found(-50, 2, {1, 0, 0})}, SearchSettings());
   EXPECT_EQ(choice.best, 0);
   EXPECT_FALSE(choice.lead_nats.has_value());
   EXPECT_EQ(choice.support, 2);
@@ -121,7 +121,7 @@ TEST(Choose, OfEqualsTheFirstAndNoLeadWhereAllFoundTheSameMap) {
 
 TEST(Choose, StartsThatAreAllImpossibleSayWhy) {
   try {
-    Choose({Failed("step 3: impossible"), Failed("step 4: impossible")}, SomeSettings());
+    Choose({Failed("step 3: impossible"), Failed("step 4: impossible")}, SearchSettings());
     FAIL();
   } catch (const InputError& e) {
     EXPECT_STREQ(e.what(), "step 3: impossible");
@@ -138,7 +138,7 @@ TEST(ProposalsAround, AreDriftsBetweenThoseTriedAndBeyondThemAndRefitsWithoutThe
     candidates.back().start.prefix = 0.5;
     candidates.back().landmarks[1] = rare;
   }
-  const std::vector<Proposal> inside = ProposalsAround(candidates, 2, SomeSettings());
+  const std::vector<Proposal> inside = ProposalsAround(candidates, 2, SearchSettings());
   ASSERT_EQ(inside.size(), 5U);
   EXPECT_NEAR(inside[0].start.drift_rad_per_m, -0.005, 1e-15);
   EXPECT_NEAR(inside[1].start.drift_rad_per_m, 0.005, 1e-15);
@@ -146,7 +146,7 @@ TEST(ProposalsAround, AreDriftsBetweenThoseTriedAndBeyondThemAndRefitsWithoutThe
   EXPECT_FALSE(inside[1].without.has_value());
   EXPECT_EQ(inside[2].without, 1U);
   EXPECT_EQ(inside[3].without, 0U);
-  const std::vector<Proposal> edge = ProposalsAround(candidates, 4, SomeSettings());
+  const std::vector<Proposal> edge = ProposalsAround(candidates, 4, SearchSettings());
   ASSERT_EQ(edge.size(), 6U);
   EXPECT_NEAR(edge[2].start.drift_rad_per_m, 0.03, 1e-15);
 }
@@ -154,7 +154,7 @@ TEST(ProposalsAround, AreDriftsBetweenThoseTriedAndBeyondThemAndRefitsWithoutThe
 // Of 10 starts, whose drifts lie a standard deviation apart and reach to two on either side: beyond those
 // three and four, each with both prefixes.
 TEST(ProposalsBeyond, AreDriftsUpToTwiceAsFarOnEitherSideForEachOfTwoPrefixes) {
-  Settings settings = SomeSettings();
+  Settings settings = SearchSettings();
   settings.starts = 10;
   settings.growth_start = 0.5;
   std::vector<Candidate> candidates;
@@ -177,7 +177,7 @@ TEST(ProposalsBeyond, AreDriftsUpToTwiceAsFarOnEitherSideForEachOfTwoPrefixes) {
   EXPECT_TRUE(ProposalsBeyond(candidates, settings, 5.0).empty()) << "odometry that does not drift";
 }
 
-BlobPtr Map(const Blob& log, const Options& options) {
+BlobPtr SearchedMap(const Blob& log, const Options& options) {
   return RunInProcess(LandmarkMap(options), {{"log", std::make_shared<const Blob>(log)}});
 }
 
@@ -186,8 +186,8 @@ BlobPtr Map(const Blob& log, const Options& options) {
 TEST(Search, FindsTheCornersWhereOneStartDoesNot) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0, .drift_rad_per_m = 0.01}.Make();
   log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.002);
-  EXPECT_NE(Map(log, {.cell_m = 1.0, .starts = 1})->Get<double>("map/landmark_x_m").size(), 4U);
-  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 10});
+  EXPECT_NE(SearchedMap(log, {.cell_m = 1.0, .starts = 1})->Get<double>("map/landmark_x_m").size(), 4U);
+  const BlobPtr found = SearchedMap(log, {.cell_m = 1.0, .starts = 10});
   EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
   const auto landmarks = found->Get<std::int32_t>("search/landmarks");
   ASSERT_GT(landmarks.size(), 10U) << "candidates around the best follow the ten";
@@ -200,7 +200,7 @@ TEST(Search, FindsTheCornersWhereOneStartDoesNot) {
 TEST(Search, ADriftFarOutsideItsPriorMustPay) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0, .drift_rad_per_m = 0.006}.Make();
   log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.006);
-  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 10});
+  const BlobPtr found = SearchedMap(log, {.cell_m = 1.0, .starts = 10});
   EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
   const auto landmarks = found->Get<std::int32_t>("search/landmarks");
   const auto score = found->Get<double>("search/score_nats"),
@@ -215,11 +215,11 @@ TEST(Search, ADriftFarOutsideItsPriorMustPay) {
 }
 
 TEST(Search, AResultSaysThatEmStartedOnceWhereNoSearchConfirmsWhichLandmarkIsWhich) {
-  const BlobPtr unnamed = Map(SquareLog{}.Make(), {.starts = 1});
+  const BlobPtr unnamed = SearchedMap(SquareLog{}.Make(), {.starts = 1});
   EXPECT_EQ(unnamed->Scalar<std::int32_t>("search/support"), 1);
   EXPECT_EQ(unnamed->Scalar<std::int32_t>("search/starts"), 1);
   EXPECT_FALSE(unnamed->Has("search/score_nats"));
-  EXPECT_FALSE(Map(SquareLog{.identified = true}.Make(), {})->Has("search/support"));
+  EXPECT_FALSE(SearchedMap(SquareLog{.identified = true}.Make(), {})->Has("search/support"));
 }
 
 TEST(Search, IsOnTheCoarseGridWhereAFineOneIsAskedFor) {
@@ -247,7 +247,7 @@ TEST(Search, AStartWithoutAPathIsLeftOut) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
   log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.02);
   log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 0.005);
-  const BlobPtr found = Map(log, {.cell_m = 1.0, .starts = 5, .drift_length_m = 0.01, .box_m = 44.0});
+  const BlobPtr found = SearchedMap(log, {.cell_m = 1.0, .starts = 5, .drift_length_m = 0.01, .box_m = 44.0});
   EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 4U);
   const auto score = found->Get<double>("search/score_nats");
   EXPECT_TRUE(std::isfinite(score[1]));

@@ -7,10 +7,10 @@
 namespace cairn::local_map {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn_rad = std::numbers::pi;
 
 TEST(AngleHistogram, OneAngleIsFoundExactlyWhereverItLies) {
-  for (const double period : {kPi, kPi / 2}) {
+  for (const double period : {kHalfTurn_rad, kHalfTurn_rad / 2}) {
     for (int k = -50; k <= 50; ++k) {
       const double angle = k * 0.1;
       AngleHistogram histogram;
@@ -26,10 +26,10 @@ TEST(AngleHistogram, OneAngleIsFoundExactlyWhereverItLies) {
 // By hand: period pi, bins of 22.5 degrees; 30 degrees is a third of the way from bin 1 to bin 2.
 TEST(AngleHistogram, TheTwoNearestBinsShareAnAngle) {
   AngleHistogram histogram;
-  histogram.Add(RadOf(30), kPi, 3);
+  histogram.Add(RadOf(30), kHalfTurn_rad, 3);
   EXPECT_NEAR(histogram.bin[1], 2, 1e-6);
   EXPECT_NEAR(histogram.bin[2], 1, 1e-6);
-  histogram.Add(RadOf(30 - 180), kPi, 3);
+  histogram.Add(RadOf(30 - 180), kHalfTurn_rad, 3);
   EXPECT_NEAR(histogram.bin[1], 4, 1e-6);
   EXPECT_NEAR(histogram.Total(), 6, 1e-6);
 }
@@ -37,8 +37,8 @@ TEST(AngleHistogram, TheTwoNearestBinsShareAnAngle) {
 TEST(AngleHistogram, WhatIsCommonToAllBinsDoesNotMoveThePeak) {
   AngleHistogram histogram;
   histogram.bin.fill(1);
-  histogram.Add(RadOf(27), kPi, 5);
-  const AnglePeak peak = PeakOf(histogram, kPi);
+  histogram.Add(RadOf(27), kHalfTurn_rad, 5);
+  const AnglePeak peak = PeakOf(histogram, kHalfTurn_rad);
   EXPECT_NEAR(DegOf(peak.angle_rad), 27, 1e-4);
   EXPECT_NEAR(peak.strength, 8.0 / 13, 1e-6);
 }
@@ -46,15 +46,15 @@ TEST(AngleHistogram, WhatIsCommonToAllBinsDoesNotMoveThePeak) {
 TEST(AngleHistogram, AllBinsAlikeArePeakOfThreeEighths) {
   AngleHistogram histogram;
   histogram.bin.fill(0.5F);
-  EXPECT_NEAR(PeakOf(histogram, kPi).strength, 3.0 / 8, 1e-6);
-  EXPECT_EQ(PeakOf({}, kPi).strength, 0);
+  EXPECT_NEAR(PeakOf(histogram, kHalfTurn_rad).strength, 3.0 / 8, 1e-6);
+  EXPECT_EQ(PeakOf({}, kHalfTurn_rad).strength, 0);
 }
 
 TEST(AngleHistogram, ShiftMovesTheMeanAndKeepsTheWeight) {
   AngleHistogram histogram;
-  histogram.Add(0.1, kPi / 2, 3);
-  histogram.Shift(-0.7, kPi / 2);
-  EXPECT_NEAR(ModuloAngle(PeakOf(histogram, kPi / 2).angle_rad + 0.6, kPi / 2), 0, 1e-6);
+  histogram.Add(0.1, kHalfTurn_rad / 2, 3);
+  histogram.Shift(-0.7, kHalfTurn_rad / 2);
+  EXPECT_NEAR(ModuloAngle(PeakOf(histogram, kHalfTurn_rad / 2).angle_rad + 0.6, kHalfTurn_rad / 2), 0, 1e-6);
   EXPECT_NEAR(histogram.Total(), 3, 1e-6);
 }
 

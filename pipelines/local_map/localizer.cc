@@ -28,7 +28,7 @@ bool IsBetter(const Held& held, const Position& at, double range_m) {
 }
 
 // The mean of what is held and of what matching says, each by how sure it is.
-void Approach(double match_m, double sd_m, double least_m, double* at_m, double* range_m) {
+void ApproachBy(double match_m, double sd_m, double least_m, double* at_m, double* range_m) {
   if (!std::isfinite(sd_m)) return;
   const double held = (*range_m / kSds) * (*range_m / kSds), noise = sd_m * sd_m;
   const double gain = held / (held + noise);
@@ -173,8 +173,8 @@ bool TraceLocalizer::CorrectWithCrossing(const LocalGrids& grids, const TraceGra
 void TraceLocalizer::Take(const Match& match, Held* held) const {
   if (!match.usable() || match.sides_after < options_.least_similarity) return;
   held->corrected = true;
-  Approach(match.z_m, match.sd_z_m, options_.least_m, &held->at.z_m, &held->range.z_m);
-  Approach(match.u_m, match.sd_u_m, options_.least_m, &held->at.u_m, &held->range.u_m);
+  ApproachBy(match.z_m, match.sd_z_m, options_.least_m, &held->at.z_m, &held->range.z_m);
+  ApproachBy(match.u_m, match.sd_u_m, options_.least_m, &held->at.u_m, &held->range.u_m);
 }
 
 // Over a wide range z cannot be told before u nor u before z: both are tried from a lattice of places, and

@@ -51,7 +51,7 @@ void Add(Profile& profile, const Profile& other, int sign) {
   for (int step = -profile.reach(); step <= profile.reach(); ++step) profile[step] += other[sign * step];
 }
 
-Peak Along(const Peak& peak, int sign) { return {sign * peak.at_m, peak.value, peak.sd_m, peak.inside}; }
+Peak AlongTrace(const Peak& peak, int sign) { return {sign * peak.at_m, peak.value, peak.sd_m, peak.inside}; }
 
 }  // namespace
 
@@ -87,8 +87,8 @@ PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, 
     best_z = PeakOf(z, options);
     best_u = PeakOf(u, options);
   }
-  return {MatchOf(first, {z, u, best_z, Along(best_u, quarter)}, options),
-          MatchOf(second, {u, z, best_u, Along(best_z, -quarter)}, options)};
+  return {MatchOf(first, {z, u, best_z, AlongTrace(best_u, quarter)}, options),
+          MatchOf(second, {u, z, best_u, AlongTrace(best_z, -quarter)}, options)};
 }
 
 }  // namespace cairn::local_map

@@ -9,7 +9,7 @@ namespace cairn::local_map {
 namespace {
 
 // A difference of two places of the local frame along a trace, and back.
-Position Along(int quarter, double dx, double dy) { return TraceFrame{quarter, {}}.At({dx, dy}, 1); }
+Position AlongQuarter(int quarter, double dx, double dy) { return TraceFrame{quarter, {}}.At({dx, dy}, 1); }
 Point Across(int quarter, const Position& by) { return TraceFrame{quarter, {}}.Local(by, 1); }
 
 // Knots of the way over which a trace was recorded.
@@ -34,7 +34,7 @@ Position PlaceOn(const Knot& knot, const std::vector<std::size_t>& own, const st
   }
   const Position there = trace.frame.At(nearest->dead, trace.trace.cell_m());
   const Position by =
-      Along(trace.frame.quarter, knot.at.x_m - nearest->at.x_m, knot.at.y_m - nearest->at.y_m);
+      AlongQuarter(trace.frame.quarter, knot.at.x_m - nearest->at.x_m, knot.at.y_m - nearest->at.y_m);
   return {there.z_m + by.z_m, there.u_m + by.u_m};
 }
 

@@ -7,7 +7,7 @@
 namespace cairn::local_map {
 namespace {
 
-constexpr double kQuarter_rad = std::numbers::pi / 2;
+constexpr double kTurn_rad = std::numbers::pi / 2;
 
 struct SideColumns {
   std::vector<float> angle_low, angle_high, distance_low, distance_high, cross;
@@ -156,9 +156,9 @@ void PutWalls(const std::string& prefix, const std::vector<Sweep>& sweeps, const
   const auto locked = walls.Get<std::uint8_t>("locked");
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     time.push_back(sweeps[s].time_s);
-    const double turned = std::remainder(continuous[s], kQuarter_rad);
+    const double turned = std::remainder(continuous[s], kTurn_rad);
     angle.push_back(locked[s] == 0 ? std::numeric_limits<double>::quiet_NaN()
-                    : turned < 0   ? turned + kQuarter_rad
+                    : turned < 0   ? turned + kTurn_rad
                                    : turned);
   }
   result->PutVector(prefix + "time_s", time);
@@ -191,7 +191,7 @@ void PutTraces(const Parts& parts, Blob* result) {
     last_s.push_back(sweeps[trace.end - 1].time_s);
     x.push_back(origin.x_m + by.x_m);
     y.push_back(origin.y_m + by.y_m);
-    direction.push_back(Wrapped(trace.frame.quarter * kQuarter_rad));
+    direction.push_back(Wrapped(trace.frame.quarter * kTurn_rad));
     first_z.push_back(trace.trace.first_z());
     features.push_back(static_cast<std::int64_t>(trace.trace.features().size()));
     for (const Feature& feature : trace.trace.features()) {

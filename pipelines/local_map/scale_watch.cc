@@ -8,7 +8,7 @@
 namespace cairn::local_map {
 namespace {
 
-constexpr double kQuarter_rad = std::numbers::pi / 2;
+constexpr double kRightAngle_rad = std::numbers::pi / 2;
 constexpr double kRay_rad = 0.05;  // of a beam without a cone from the axis
 constexpr double kMostCone_rad = 0.2;
 constexpr double kSameWall_m = 0.12;  // a distance that is further off the wall so far is of another thing
@@ -19,25 +19,25 @@ constexpr double kLeastApproaches = 5;
 constexpr double kUsualSd = 0.03;  // of a scale
 constexpr double kOutlier = 0.1;   // of a scale
 
-struct Reading {
+struct WallReading {
   double off_rad, distance_m;
 };
 
 // Along `quarter`, of the beam that points there best.
 std::optional<double> DistanceAlong(int quarter, const Pose& pose, const std::vector<ScaleWatch::Ring>& rings,
                                     std::span<const RingSweep> sweeps) {
-  std::optional<Reading> best;
+  std::optional<WallReading> best;
   for (std::size_t r = 0; r < rings.size(); ++r) {
     const ScaleWatch::Ring& ring = rings[r];
     const double most = ring.opening_rad > 0 ? std::min(ring.opening_rad / 2, kMostCone_rad) : kRay_rad;
     for (std::size_t b = 0; b < sweeps[r].range_m.size(); ++b) {
       const double range = sweeps[r].range_m[b];
       const Pose on_robot = Compose({0, 0, pose.heading_rad + sweeps[r].turret_rad}, ring.beams[b]);
-      const double off = std::abs(Wrapped(on_robot.heading_rad - quarter * kQuarter_rad));
+      const double off = std::abs(Wrapped(on_robot.heading_rad - quarter * kRightAngle_rad));
       if (off > most || (best && off >= best->off_rad) || !(range < ring.max_range_m)) continue;
-      const double c = std::cos(quarter * kQuarter_rad), s = std::sin(quarter * kQuarter_rad);
+      const double c = std::cos(quarter * kRightAngle_rad), s = std::sin(quarter * kRightAngle_rad);
       const double begins = c * on_robot.x_m + s * on_robot.y_m;
-      best = Reading{off, begins + (ring.opening_rad > 0 ? range : range * std::cos(off))};
+      best = WallReading{off, begins + (ring.opening_rad > 0 ? range : range * std::cos(off))};
     }
   }
   if (!best) return std::nullopt;
@@ -50,7 +50,7 @@ void ScaleWatch::Update(const Pose& pose, std::span<const RingSweep> sweeps) {
   for (int quarter = 0; quarter < 4; ++quarter) {
     const std::optional<double> distance = DistanceAlong(quarter, pose, rings_, sweeps);
     if (!distance) continue;
-    const double c = std::cos(quarter * kQuarter_rad), s = std::sin(quarter * kQuarter_rad);
+    const double c = std::cos(quarter * kRightAngle_rad), s = std::sin(quarter * kRightAngle_rad);
     const double along = c * pose.x_m + s * pose.y_m, aside = -s * pose.x_m + c * pose.y_m;
     Drive& drive = drives_[static_cast<std::size_t>(quarter)];
     if (!drive.along_m.empty()) {

@@ -53,7 +53,8 @@ double Between(double a, double b, double c, double d, double t) {
 
 // The cubic between whole_score(shift) at whole shifts, and edges across the way, which know fractions.
 template <class Score>
-Profile Along(const OnTrace& on, double range_m, const ScoreOptions& options, const Score& whole_score) {
+Profile ProfileAlong(const OnTrace& on, double range_m, const ScoreOptions& options,
+                     const Score& whole_score) {
   Profile profile(on.recorded.cell_m() / kFine, range_m);
   const double first = on.ShiftOf(on.at.z_m - profile.reach() * profile.step_m());
   const int low = static_cast<int>(std::floor(first)) - 1, count = 2 * profile.reach() / kFine + 5;
@@ -106,12 +107,13 @@ Total SidesScore(const OnTrace& on, int shift, double u_m, const ScoreOptions& o
 }
 
 Profile AlongProfile(const OnTrace& on, double range_m, const ScoreOptions& options) {
-  return Along(on, range_m, options,
-               [&](int shift) { return EdgeScore(on, shift, options) + WidthScore(on, shift, options); });
+  return ProfileAlong(on, range_m, options, [&](int shift) {
+    return EdgeScore(on, shift, options) + WidthScore(on, shift, options);
+  });
 }
 
 Profile AlongProfileAt(const OnTrace& on, double u_m, double range_m, const ScoreOptions& options) {
-  return Along(on, range_m, options, [&](int shift) {
+  return ProfileAlong(on, range_m, options, [&](int shift) {
     return EdgeScore(on, shift, options) + SidesScore(on, shift, u_m, options).sum;
   });
 }

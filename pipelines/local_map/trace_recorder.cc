@@ -16,7 +16,7 @@ bool Same(const Side& a, const Side& b, double cell_m) {
 }
 
 // Moves both ends by 1 / n of their differences: the mean of the intervals, once n counts them.
-void Approach(Interval& mean, const Interval& now, float offset, int n) {
+void MoveTowards(Interval& mean, const Interval& now, float offset, int n) {
   mean.low += (now.low + offset - mean.low) / static_cast<float>(n);
   mean.high += (now.high + offset - mean.high) / static_cast<float>(n);
 }
@@ -68,9 +68,9 @@ void TraceRecorder::Merge(Side& side, Votes& votes, const Side& now) const {
     if (side.known() && Same(side, now, trace_.cell_m())) {
       votes.along = std::min(votes.along + 1, options_.votes);
       const float turned = now.angle_rad.centre() - side.angle_rad.centre();
-      Approach(side.angle_rad, now.angle_rad, std::remainder(turned, std::numbers::pi_v<float>) - turned,
-               votes.along);
-      Approach(side.distance_m, now.distance_m, 0, votes.along);
+      MoveTowards(side.angle_rad, now.angle_rad, std::remainder(turned, std::numbers::pi_v<float>) - turned,
+                  votes.along);
+      MoveTowards(side.distance_m, now.distance_m, 0, votes.along);
     } else if (--votes.along < 0) {
       side.angle_rad = now.angle_rad;
       side.distance_m = now.distance_m;

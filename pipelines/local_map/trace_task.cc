@@ -11,10 +11,10 @@
 namespace cairn::local_map {
 namespace {
 
-constexpr int kQuarters = 4;
+constexpr int kOrientations = 4;
 
 void Keep(const LocalGrids& grids, ImmediateTrace* room, Surroundings* kept) {
-  for (int quarter = 0; quarter < kQuarters; ++quarter) {
+  for (int quarter = 0; quarter < kOrientations; ++quarter) {
     MakeImmediate(grids, quarter, *room);
     AppendFeatures(room->trace, &kept->features);
     kept->robot.insert(kept->robot.end(), {room->robot.z_m, room->robot.u_m});

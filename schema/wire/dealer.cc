@@ -7,9 +7,9 @@
 namespace cairn::wire {
 namespace {
 
-constexpr int kWatched = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
-                         ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                         ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+constexpr int kConnectionEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
+                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
 // What the ZAP handler of a service says of a key that it does not know (rfc.zeromq.org/spec/27).
 constexpr std::uint32_t kZapRefused = 400;
@@ -43,7 +43,7 @@ Status DealerSocket::Impl::Open() {
       socket.set(zmq::sockopt::curve_publickey, security->keys.public_key);
       socket.set(zmq::sockopt::curve_secretkey, security->keys.secret_key);
     }
-    monitor.emplace(context->zmq, socket, kWatched);
+    monitor.emplace(context->zmq, socket, kConnectionEvents);
     socket.connect(endpoint);
   } catch (const zmq::error_t& error) {
     return ZmqStatus(endpoint, error);

@@ -16,8 +16,8 @@ namespace cairn::wire {
 namespace {
 
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";  // fixed by ZAP, rfc.zeromq.org/spec/27
-constexpr int kWatched = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED |
-                         ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+constexpr int kAcceptEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED |
+                              ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 constexpr std::chrono::milliseconds kLookEvery{250};
 constexpr std::size_t kMostBuckets = 10'000;
 // At least what CURVE and ZMTP add to a frame: what is taken must not seem less than what came.
@@ -66,7 +66,7 @@ bool Bucket::Take(double now_s) {
 
 Doorman::Doorman(zmq::context_t& context, zmq::socket_t& router,
                  std::optional<std::filesystem::path> allow_list, const ConnectionLimits& limits)
-    : limits_(limits), monitor_(context, router, kWatched) {
+    : limits_(limits), monitor_(context, router, kAcceptEvents) {
   if (!allow_list) return;
   allow_list_.emplace(*allow_list);
   zap_ = zmq::socket_t(context, zmq::socket_type::rep);

@@ -29,7 +29,7 @@ Status Failure(const std::string& doing, int error) {
           "shared memory: " + doing + ": " + std::strerror(error)};
 }
 
-Status Corrupt(const std::string& why) { return {Code::kCorrupt, "shared memory: " + why}; }
+Status CorruptMemory(const std::string& why) { return {Code::kCorrupt, "shared memory: " + why}; }
 
 // Appends to a file, and remembers how long it is.
 class Writer {
@@ -87,11 +87,11 @@ struct Mapping {
 
 Result<Mapping> Map(const SharedMemory& memory) {
   // Else whoever wrote it could change it, or cut it off, under the reader.
-  if ((::fcntl(memory.descriptor(), F_GET_SEALS) & kSeals) != kSeals) return Corrupt("not sealed");
+  if ((::fcntl(memory.descriptor(), F_GET_SEALS) & kSeals) != kSeals) return CorruptMemory("not sealed");
   struct stat info{};
   if (::fstat(memory.descriptor(), &info) != 0) return Failure("cannot look at it", errno);
   const auto size = static_cast<std::size_t>(info.st_size);
-  if (size == 0) return Corrupt("empty");
+  if (size == 0) return CorruptMemory("empty");
   void* begin = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, memory.descriptor(), 0);
   if (begin == MAP_FAILED) return Failure("cannot map it", errno);
   std::shared_ptr<const void> owner(begin, [size](void* p) { ::munmap(p, size); });
@@ -100,7 +100,7 @@ Result<Mapping> Map(const SharedMemory& memory) {
 
 Result<wire::SharedBlobs> ReadIndex(Reader& reader) {
   const auto head = reader.Take(sizeof(Length));
-  if (!head) return Corrupt("too short");
+  if (!head) return CorruptMemory("too short");
   Length length = 0;
   std::memcpy(&length, head->data(), sizeof length);
   const auto bytes = reader.Take(std::min<Length>(length, Limits().envelope_bytes));
@@ -108,7 +108,7 @@ Result<wire::SharedBlobs> ReadIndex(Reader& reader) {
   wire::SharedBlobs index;
   if (!bytes || bytes->size() != length ||
       !index.ParseFromArray(bytes->data(), static_cast<int>(bytes->size())))
-    return Corrupt("its index cannot be read");
+    return CorruptMemory("its index cannot be read");
   return index;
 }
 
@@ -162,14 +162,14 @@ Result<std::vector<NamedBlob>> TakeSharedBlobs(int fd) {
       const auto frame = array < index.value().array_bytes_size()
                              ? reader.TakeAligned(index.value().array_bytes(array))
                              : std::nullopt;
-      if (!frame) return Corrupt("shorter than its index says");
+      if (!frame) return CorruptMemory("shorter than its index says");
       frames.push_back(*frame);
     }
     Result<NamedBlob> blob = DecodeBlob(meta, frames, mapping.value().owner);
     if (!blob.ok()) return blob.status();
     blobs.push_back(std::move(blob).value());
   }
-  if (array != index.value().array_bytes_size()) return Corrupt("its index names more than it holds");
+  if (array != index.value().array_bytes_size()) return CorruptMemory("its index names more than it holds");
   return blobs;
 }
 

@@ -12,11 +12,11 @@
 namespace cairn::conformance {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kMovedPi = std::numbers::pi;
 
 double Wrapped(double angle_rad) {
-  const double wrapped = std::remainder(angle_rad, 2 * kPi);
-  return wrapped <= -kPi ? kPi : wrapped;
+  const double wrapped = std::remainder(angle_rad, 2 * kMovedPi);
+  return wrapped <= -kMovedPi ? kMovedPi : wrapped;
 }
 
 std::string Last(const std::string& name) { return name.substr(name.rfind('/') + 1); }
@@ -69,7 +69,7 @@ class Mover {
  private:
   static bool IsOfGrid(const std::string& name) { return name.starts_with("map/grid/"); }
   bool HasGrid() const { return blob_.Has("map/grid/origin_x_m"); }
-  double angle() const { return motion_.angle_rad + quarters_ * kPi / 2; }
+  double angle() const { return motion_.angle_rad + quarters_ * kMovedPi / 2; }
 
   bool IsPosition(const std::string& x_name) const {
     const std::string base = x_name.substr(0, x_name.size() - 3);
@@ -186,7 +186,7 @@ double Farthest(const Array& a, const Array& b, bool angles) {
   for (std::size_t k = 0; k < left.size(); ++k) {
     const auto l = static_cast<double>(left[k]), r = static_cast<double>(right[k]);
     if (std::isnan(l) && std::isnan(r)) continue;
-    const double apart = l == r ? 0 : std::abs(angles ? std::remainder(l - r, 2 * kPi) : l - r);
+    const double apart = l == r ? 0 : std::abs(angles ? std::remainder(l - r, 2 * kMovedPi) : l - r);
     if (!(apart <= farthest)) farthest = apart;  // also where one of them is NaN
   }
   return farthest;
