@@ -25,6 +25,7 @@ set(CAIRN_TESTS "" CACHE STRING "Folders whose unit tests are built (schema;work
 set(CAIRN_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize takes them: address,undefined or thread")
 # A user's compiler may warn of what ours does not; our checks (deploy/test.sh --all, the sanitizers' presets) switch it on.
 option(CAIRN_WERROR "Warnings are errors" OFF)
+option(CAIRN_UNITY "Several sources are compiled at a time; OFF for tools that look at one alone (clang-tidy, mutate.py)" ON)
 
 find_program(CAIRN_CCACHE ccache)
 if(CAIRN_CCACHE)
@@ -34,7 +35,9 @@ endif()
 add_library(cairn_flags INTERFACE)
 add_library(cairn::flags ALIAS cairn_flags)
 target_compile_options(cairn_flags INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+  -Wall -Wextra -Wpedantic -Wnon-virtual-dtor
+  # Compiled together, a name in one source seems to shadow another's.
+  $<$<NOT:$<BOOL:${CAIRN_UNITY}>>:-Wshadow>
   $<$<BOOL:${CAIRN_WERROR}>:-Werror>
   # Same bits everywhere: no contraction behind our back, fma only where written.
   -ffp-contract=off

@@ -1,8 +1,13 @@
+# With CAIRN_UNITY the sources of a target are compiled so many at a time: most of what a compiler does with one of ours is
+# the standard library's templates, again for each file.
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 12)
+
 # cairn_library(NAME SOURCES … DEPS …): one target per folder, its sources listed.
 function(cairn_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC cairn::flags ${ARG_DEPS})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${CAIRN_UNITY})
   set_property(GLOBAL APPEND PROPERTY CAIRN_TARGETS ${name})
 endfunction()
 
@@ -17,8 +22,9 @@ function(cairn_program name)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
-# cairn_test(NAME SOURCES … DEPS … [LABELS …]): one GoogleTest program per folder, a ctest entry per test. In a
-# sanitizer's build the entries carry its name before theirs.
+# cairn_test(NAME [SEPARATE] SOURCES … DEPS … [LABELS …]): one GoogleTest program per folder, a ctest entry per test. In a
+# sanitizer's build the entries carry its name before theirs. SEPARATE: each source is compiled by itself, for helpers in
+# several of them have the same name.
 include(GoogleTest)
 # A limit is for tests that hang, not for slow machines: five times what a test may take on a loaded machine of two cores.
 set(CAIRN_TEST_LIMIT_S 1500)
@@ -29,9 +35,12 @@ function(cairn_test name)
   if(NOT BUILD_TESTING OR (CAIRN_TESTS AND NOT folder IN_LIST CAIRN_TESTS))
     return()
   endif()
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SEPARATE" "" "SOURCES;DEPS;LABELS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE cairn::flags ${ARG_DEPS} GTest::gtest GTest::gtest_main)
+  if(NOT ARG_SEPARATE)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ${CAIRN_UNITY})
+  endif()
   add_dependencies(cairn_unit_tests ${name})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)

@@ -5,13 +5,14 @@
 #   deploy/lint.sh --all      clang-tidy on all of them, which takes a while
 #   deploy/lint.sh --format   the format check of all files; --fix formats them
 #
-# clang-tidy reads build/release, which deploy/build.sh makes. A change of more than 30 sources is linted in part, the
-# same part each time, and says so.
+# clang-tidy reads the flags of a tree of its own, build/lint, in which each source is compiled by itself; of it only
+# generated headers are built. A change of more than 30 sources is linted in part, the same part each time, and says so.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root"
 most_sources=30
+tree=build/lint
 
 sources() { git ls-files -z -- '*.cc' '*.h' "$@"; }
 
@@ -26,18 +27,20 @@ base_commit() {
   git rev-parse --verify -q HEAD~1 || true
 }
 
-# Of the sources on stdin those that build/release compiles: clang-tidy knows no flags for the others (the fuzzers').
+# Of the sources on stdin those that CMake knows: clang-tidy knows no flags for the others (the fuzzers').
 compiled() {
   local file
   while IFS= read -r -d '' file; do
-    if grep -qF "\"file\": \"$root/$file\"" build/release/compile_commands.json; then printf '%s\0' "$file"; fi
+    if grep -qF "\"file\": \"$root/$file\"" "$tree/compile_commands.json"; then printf '%s\0' "$file"; fi
   done
 }
 
 tidy() {
-  [ -f build/release/compile_commands.json ] || fail "run deploy/build.sh first"
+  mkdir -p "$tree"
+  { cmake --preset release -B "$tree" -D CAIRN_UNITY=OFF && cmake --build "$tree" --target cairn_generated; } \
+    >"$tree/configure.log" 2>&1 || { cat "$tree/configure.log" >&2; fail "clang-tidy's tree could not be configured"; }
   # It counts the warnings that it keeps to itself on stderr; those lines are noise.
-  compiled | xargs -0 -r -n 1 -P "$(cairn_jobs)" clang-tidy-19 -p build/release --quiet --warnings-as-errors='*' \
+  compiled | xargs -0 -r -n 1 -P "$(cairn_jobs)" clang-tidy-19 -p "$tree" --quiet --warnings-as-errors='*' \
     2> >(grep -vE '^[0-9]+ warnings? generated\.$' >&2)
 }
 

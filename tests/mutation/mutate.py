@@ -9,7 +9,8 @@
   --kinds K…   of sign, bound, factor (all)
   --only ID…   these and no others
   --jobs N     at the same time (1)
-  --build DIR  a configured build; of it only the test program is built (build/release)
+  --build DIR  a build configured with -D CAIRN_UNITY=OFF (build/mutation, which is configured where it is not there); of it
+               only the test program is built
   --list       says what would be changed, and changes nothing
   --equivalent also those that equivalent.txt names, which are left out else
 
@@ -34,6 +35,7 @@ import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+OWN_BUILD = os.path.join(ROOT, "build", "mutation")
 
 # What is changed into what. The sources are formatted: an operator with a blank on either side has two operands.
 SWAPS = {
@@ -117,6 +119,11 @@ class Bench:
 
     def __init__(self, build, program):
         self.build, self.program = build, program
+        if build == OWN_BUILD and not os.path.exists(os.path.join(build, "CMakeCache.txt")):
+            command = ["cmake", "--preset", "release", "-B", build, "-D", "CAIRN_UNITY=OFF"]
+            made = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            if made.returncode != 0:
+                fail(f"{build} cannot be configured:\n{made.stderr[-4000:]}")
         made = subprocess.run(["cmake", "--build", build, "--target", program], capture_output=True, text=True)
         if made.returncode != 0:
             fail(f"{program} does not build:\n{made.stdout[-4000:]}{made.stderr[-4000:]}")
@@ -132,7 +139,7 @@ class Bench:
         """That file with that text, into `output` in the folder."""
         entry = self.compile.get(os.path.join(ROOT, file))
         if entry is None:
-            fail(f"{file} is not compiled in {self.build}")
+            fail(f"{file} is not compiled by itself in {self.build}: configure it with -D CAIRN_UNITY=OFF")
         source = os.path.join(folder, os.path.basename(file))
         open(source, "w").write(text)
         command = shlex.split(entry["command"])
@@ -252,7 +259,7 @@ def main():
     parser.add_argument("--kinds", nargs="+", choices=list(SWAPS))
     parser.add_argument("--only", nargs="+")
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--build", default=os.path.join(ROOT, "build/release"))
+    parser.add_argument("--build", default=OWN_BUILD)
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--equivalent", action="store_true")
     options = parser.parse_args()
