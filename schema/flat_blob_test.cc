@@ -11,7 +11,7 @@ namespace {
 
 using flat_testing::Flat;
 
-Blob Sample() {
+Blob FlatSample() {
   Blob blob;
   blob.PutVector<double>("a/time_s", {1, 2, 3});
   blob.Put("b", Array::Texts({"Grüße", ""}));
@@ -29,7 +29,7 @@ Status Check(std::string_view bytes, std::size_t part, const Hash& hash) {
 }
 
 TEST(FlatBlob, IsGoodHoweverItComesAndHasTheBytesThatItsHeadSays) {
-  for (const Blob& blob : {Sample(), Blob()}) {
+  for (const Blob& blob : {FlatSample(), Blob()}) {
     const std::string flat = Flat(blob);
     for (const std::size_t part : {1, 7, 64, 1000})
       EXPECT_TRUE(Check(flat, part, blob.ContentHash()).ok()) << part;
@@ -38,8 +38,8 @@ TEST(FlatBlob, IsGoodHoweverItComesAndHasTheBytesThatItsHeadSays) {
 }
 
 TEST(FlatBlob, AFlippedBitTruncationOrALongerOneIsRefusedAtEveryByte) {
-  const std::string flat = Flat(Sample());
-  const Hash hash = Sample().ContentHash();
+  const std::string flat = Flat(FlatSample());
+  const Hash hash = FlatSample().ContentHash();
   for (std::size_t i = 0; i < flat.size(); ++i) {
     std::string flipped = flat;
     flipped[i] = static_cast<char>(flipped[i] ^ 4);
@@ -53,9 +53,9 @@ TEST(FlatBlob, AFlippedBitTruncationOrALongerOneIsRefusedAtEveryByte) {
 // Nothing is kept for what a head announces.
 TEST(FlatBlob, AHeadThatPromisesWhatCannotBeIsRefused) {
   const auto refused = [](const std::function<void(wire::BlobMeta&)>& change) {
-    wire::BlobMeta meta = MetaOf(Sample().ContentHash(), Sample());
+    wire::BlobMeta meta = MetaOf(FlatSample().ContentHash(), FlatSample());
     change(meta);
-    const Status status = Check(FlatHead(meta), 64, Sample().ContentHash());
+    const Status status = Check(FlatHead(meta), 64, FlatSample().ContentHash());
     return !status.ok() && status.message().find("truncated") == std::string::npos;
   };
   EXPECT_FALSE(refused([](wire::BlobMeta&) {}));

@@ -23,12 +23,12 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kStartBytes = 8 << 20;
 constexpr std::size_t kPartBytes = 1 << 18;
 
-Status Named(const fs::path& path, const Status& status) {
+Status AboutFile(const fs::path& path, const Status& status) {
   return status.ok() ? status : Status(status.code(), path.string() + ": " + status.message());
 }
 
 // Returns errno, or 0.
-int WriteAll(int fd, std::span<const std::byte> bytes) {
+int WriteWhole(int fd, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(fd, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
@@ -44,10 +44,10 @@ Status Feed(const RegularFile& file, const fs::path& path, bool head_alone, Flat
   for (std::uint64_t at = 0; at < file.size() && !(head_alone && check.meta() != nullptr);) {
     const auto bytes = std::span(part).first(std::min<std::uint64_t>(part.size(), file.size() - at));
     if (const int error = file.ReadAt(bytes, at)) return SystemFailure(path, "cannot read", error);
-    if (Status good = check.Add(bytes); !good.ok()) return Named(path, good);
+    if (Status good = check.Add(bytes); !good.ok()) return AboutFile(path, good);
     at += bytes.size();
   }
-  return head_alone && check.meta() != nullptr ? Status::Ok() : Named(path, check.Finish());
+  return head_alone && check.meta() != nullptr ? Status::Ok() : AboutFile(path, check.Finish());
 }
 
 Result<Array> ReadArray(const RegularFile& file, const fs::path& path, const wire::ArrayMeta& meta,
@@ -55,7 +55,7 @@ Result<Array> ReadArray(const RegularFile& file, const fs::path& path, const wir
   const Shape shape(meta.shape().begin(), meta.shape().end());
   const auto type = static_cast<DType>(meta.type());
   const Result<std::size_t> size = BytesOfArray(type, meta.item_bytes(), shape);
-  if (!size.ok()) return Named(path, size.status());
+  if (!size.ok()) return AboutFile(path, size.status());
   if (at > file.size() || size.value() > file.size() - at)
     return Status(Code::kCorrupt, path.string() + ": not a flat blob: truncated");
   const std::shared_ptr<std::byte> bytes = AlignedBytes(size.value());
@@ -86,7 +86,7 @@ FlatFileWriter::~FlatFileWriter() {
 
 Status FlatFileWriter::Write(std::span<const std::byte> bytes) {
   if (Status good = check_->Add(bytes); !good.ok()) return good;
-  if (const int error = WriteAll(fd_, bytes)) return SystemFailure(temporary_, "cannot write", error);
+  if (const int error = WriteWhole(fd_, bytes)) return SystemFailure(temporary_, "cannot write", error);
   written_ += bytes.size();
   if (written_ - started_ < kStartBytes) return Status::Ok();
   // Where it cannot be begun, the sync does it all.

@@ -8,7 +8,7 @@
 namespace cairn::simulation {
 namespace {
 
-constexpr double kPatience_s = 300;  // once everything is healed
+constexpr double kUploadPatience_s = 300;  // once everything is healed
 
 }  // namespace
 
@@ -102,7 +102,8 @@ void UploaderModel::CheckThatTheyMove() {
   if (all_quiet && world_.shell().KeepsForClients())
     world_.checks.Fail("what no job took is kept, though its client is long gone");
   for (const auto& [peer, client] : clients_)
-    if (world_.healed() && !client.left.empty() && world_.schedule.now_s() - client.heard_s > kPatience_s)
+    if (world_.healed() && !client.left.empty() &&
+        world_.schedule.now_s() - client.heard_s > kUploadPatience_s)
       world_.checks.Fail(peer + " waits with its upload, and nobody says why");
 }
 
