@@ -16,7 +16,7 @@ constexpr double kPriorRounds_s = 0.2, kLeastSlowness = 0.5, kMostSlowness = 100
 constexpr double kNeverDone = 0.05;
 // By what factor the cost of a step and of all that follows may differ from what was said before.
 constexpr double kSamePlan = 1.25;
-constexpr double kLeast_s = 0.1;  // is told, as 0 says that nothing is known
+constexpr double kLeastShown_s = 0.1;  // is told, as 0 says that nothing is known
 
 double CostLater(const proto::Step& step) {
   double cost = 0;
@@ -133,7 +133,7 @@ void Eta::Look(const proto::Step& step, const Round& tasks, const Effort& effort
 }
 
 double Eta::Shown_s(double now_s) const {
-  return shows_ ? std::max(kLeast_s, shown_s_ - (now_s - looked_s_)) : 0;
+  return shows_ ? std::max(kLeastShown_s, shown_s_ - (now_s - looked_s_)) : 0;
 }
 
 }  // namespace cairn::coordinator

@@ -13,7 +13,7 @@ constexpr double kFirstSearchUs = 0.07, kSearchUs = 0.05, kWeighUs = 0.006, kCer
                  kExplainUs = 0.005;
 // What is usual: searches until nothing more is found, of several tiles and of one; rounds that weigh
 // parameters after the first search, and after each of the others.
-constexpr double kUsualSearches = 12, kUsualOfOne = 5, kFirstSteps = 3, kUsualSteps = 0.3;
+constexpr double kUsualSearches = 12, kUsualOfOne = 5, kUsualFirstSteps = 3, kUsualSteps = 0.3;
 
 Task& AddTask(const char* kind, double cost, proto::Step* plan) {
   Task& task = *plan->add_tasks();
@@ -166,7 +166,7 @@ void ExpectRest(std::int64_t rounds, bool estimate, proto::Step* plan) {
   const double searches = std::min(usual, static_cast<double>(rounds)) - std::max(1.0, done);
   double weighings =
       searches * (1 + (estimate ? kUsualSteps : 0)) + (schedule.phase == Phase::kSearch ? 1 : 0);
-  if (estimate && done <= 1) weighings += kFirstSteps - static_cast<double>(schedule.steps);
+  if (estimate && done <= 1) weighings += kUsualFirstSteps - static_cast<double>(schedule.steps);
   ExpectRounds(searches, searches * kSearchUs * crossings, tiles, plan);
   weighings = std::max(0.0, weighings);
   ExpectRounds(weighings, weighings * kWeighUs * crossings, 0, plan);

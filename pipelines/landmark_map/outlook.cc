@@ -7,7 +7,7 @@ namespace cairn::landmark_map {
 namespace {
 
 // What is usual: iterations on all data of the first robot and of all, of a refit; maps that are refined.
-constexpr std::int64_t kUsualIterations = 5, kJoinedIterations = 3;
+constexpr std::int64_t kIterationsToCome = 5, kJoinedToCome = 3;
 constexpr double kRefitIterations = 4.0, kFinerIterations = 4.0, kPolished = 0.7;
 constexpr const char* kCost = "cost";
 
@@ -123,7 +123,7 @@ void ExpectEm(const Options& options, const Schedule& now, const Carried& carrie
   Sum alone, all;
   for (Schedule s = now; !s.summarise;) {
     Options usual = options;
-    const std::int64_t iterations = s.robots < robots || robots == 1 ? kUsualIterations : kJoinedIterations;
+    const std::int64_t iterations = s.robots < robots || robots == 1 ? kIterationsToCome : kJoinedToCome;
     usual.iterations = std::min(options.iterations, std::max(iterations, s.settled + 1));
     const bool joined = s.robots > now.robots;  // the others have found themselves
     s = s.Next(usual, robots, 0.0, 0.0);

@@ -18,14 +18,14 @@ Carried OfRobots(std::size_t robots) {
   return carried;
 }
 
-proto::Step Expected(const Options& options, const Schedule& schedule, std::size_t robots = 1) {
+proto::Step Outlook(const Options& options, const Schedule& schedule, std::size_t robots = 1) {
   proto::Step plan;
   ExpectEm(options, schedule, OfRobots(robots), &plan);
   return plan;
 }
 
 TEST(ExpectEm, AnnouncesThePrefixUsualIterationsAndTheSummaries) {
-  const proto::Step plan = Expected({}, {.prefix = 0.25});
+  const proto::Step plan = Outlook({}, {.prefix = 0.25});
   ASSERT_EQ(plan.later_size(), 2);
   EXPECT_EQ(plan.later(0).rounds(), 2 + 5 - 1) << "half of the data, all of them, four more times";
   EXPECT_GT(plan.later(1).rounds(), 1) << "the summary, and perhaps again in the refined map";
@@ -44,21 +44,21 @@ TEST(ExpectEm, BeliefsGetNarrowerDownToASharpMaps) {
 }
 
 TEST(ExpectEm, NoMoreThanIsAllowedAndOneMoreWhereEmGoesOn) {
-  EXPECT_EQ(Expected({.iterations = 2}, {}).later(0).rounds(), 1);
-  EXPECT_EQ(Expected({.iterations = 50}, {.settled = 20}).later_size(), 1) << "the last one is under way";
+  EXPECT_EQ(Outlook({.iterations = 2}, {}).later(0).rounds(), 1);
+  EXPECT_EQ(Outlook({.iterations = 50}, {.settled = 20}).later_size(), 1) << "the last one is under way";
 }
 
 TEST(ExpectEm, RobotsThatJoinComeAfterTheFirst) {
-  const proto::Step plan = Expected({}, {}, 3);
+  const proto::Step plan = Outlook({}, {}, 3);
   EXPECT_EQ(plan.later(0).rounds(), 4);
   EXPECT_GT(plan.later(1).rounds(), 3 + 1);
   EXPECT_EQ(plan.later(1).width(), 3);
 }
 
 TEST(ExpectEm, NothingFollowsTheLastRound) {
-  EXPECT_EQ(Expected({}, {.summarise = true, .polished = true}).later_size(), 0);
-  EXPECT_EQ(Expected({.polish = false}, {.summarise = true}).later_size(), 0);
-  EXPECT_EQ(Expected({.incremental = true}, {}).later_size(), 0);
+  EXPECT_EQ(Outlook({}, {.summarise = true, .polished = true}).later_size(), 0);
+  EXPECT_EQ(Outlook({.polish = false}, {.summarise = true}).later_size(), 0);
+  EXPECT_EQ(Outlook({.incremental = true}, {}).later_size(), 0);
 }
 
 // Through the pipeline: the search's later waves were announced by no step.
