@@ -42,10 +42,10 @@ constexpr std::array<Measured, 5> kMeasured = {{
      14,
      20},  // museum
 }};
-constexpr double kBeyond = 0.1;  // so much below or above is as good as within
+constexpr double kLeeway = 0.1;  // so much below or above is as good as within
 
 bool Within(double value, double least, double most) {
-  return value >= (1.0 - kBeyond) * least && value <= (1.0 + kBeyond) * most;
+  return value >= (1.0 - kLeeway) * least && value <= (1.0 + kLeeway) * most;
 }
 
 std::string Text(double value) {
