@@ -272,7 +272,7 @@ void AwaitWorkers(coordinator::Client& client, unsigned count) {
 }
 
 void RunJob(coordinator::Client& client, const Arguments& a) {
-  const wire::JobInfo job = client.Submit(MakeJob(a), {}).value();
+  const wire::JobInfo job = client.Submit(MakeJob(a), std::map<std::string, BlobPtr>{}).value();
   while (true) {
     const wire::JobInfo info = client.Info(job.id()).value();
     if (info.state() == "done") break;

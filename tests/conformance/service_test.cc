@@ -181,7 +181,8 @@ TEST_F(TcpService, ABadJobIsRefusedAndABadInputFailsTheJobWithItsReason) {
   EXPECT_EQ(end.state(), "failed");
   EXPECT_TRUE(end.input_error());
   EXPECT_NE(end.reason().find("the log has no odometry"), std::string::npos) << end.reason();
-  EXPECT_EQ(client.Submit(proto::Job(), std::map<std::string, BlobPtr>{}).status().code(), Code::kRefused) << "a job without stages";
+  EXPECT_EQ(client.Submit(proto::Job(), std::map<std::string, BlobPtr>{}).status().code(), Code::kRefused)
+      << "a job without stages";
   EXPECT_FALSE(client.Info("nobody").ok());
 }
 
