@@ -97,6 +97,24 @@ TEST(Motion, SpreadsHeadingsByTheLegsError) {
   EXPECT_NEAR(side_variance, 100 * 0.005, 0.3);  // half of the error comes before the way
 }
 
+// A heading is an angle: however large its error, it varies no more than one that may be any (pi^2 / 3), and
+// no heading is ruled out.
+TEST(Motion, AnErrorOfManyTurnsLeavesAHeadingThatMayBeAny) {
+  for (const ErrorShape shape : {ErrorShape::kGaussian, ErrorShape::kTriangular}) {
+    const MotionKernel kernel({0.0, 0.0, 0.0, 0.0}, {20.0, 0.0}, 1.0, 36, shape);
+    LayeredGrid belief;
+    belief.layers.resize(36);
+    belief.layers[5] = Layer(Box{0, 0, 1, 1});
+    belief.layers[5].values[0] = 1.0;
+    const LayeredGrid turned = kernel.Forward(belief);
+    for (int c = 0; c < 36; ++c) EXPECT_GT(turned.layers[c].At(0, 0), 0.01 / 36) << c;
+    HalfTurn found;
+    kernel.Backward(belief, belief, &found);
+    EXPECT_LT(found.prior_rad2, std::numbers::pi * std::numbers::pi / 3);
+    EXPECT_LT(std::abs(found.mean_rad), 1e-9);
+  }
+}
+
 // Every layer's mass moved by `k` headings.
 LayeredGrid TurnedBy(const LayeredGrid& grid, int k) {
   LayeredGrid turned;
