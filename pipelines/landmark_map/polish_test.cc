@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
 
 namespace cairn::landmark_map {
@@ -224,6 +223,37 @@ TEST(Polish, FindsTheLeastThatASearchWithoutSlopesFinds) {
   }
 }
 
+// A robot that turns on the spot twice, by 1 and by 2 rad, as odometry has it with 5% of error. It sees one
+// landmark before and after, `off_rad` off, and in between another one. Least squares shares the misfit among
+// the two turns and the two sightings by their variances: the heading in between, and so where the other
+// landmark lies, is off by the first turn's share.
+TEST(Polish, AMisfitOfTurnsIsSharedByTheirVariances) {
+  Settings settings = SomeSettings();
+  settings.noise = {0.01, 0.0, 0.0, 0.02, 0.05};
+  settings.sighting = {.press_m = 0.3, .range_m = 0.3, .bearing_rad = 0.05};
+  constexpr double kOff_rad = 0.005, kRange_m = 100.0;
+  SettledPath path;
+  path.steps.time_s = {0.0, 1.0, 2.0};
+  path.steps.odo_x_m = path.x_m = path.steps.odo_y_m = path.y_m = {0.0, 0.0, 0.0};
+  path.steps.path_m = path.correction_rad = {0.0, 0.0, 0.0};
+  path.steps.turn_rad = {0.0, 1.0, 2.0};
+  path.steps.odo_heading_rad = {0.0, 1.0, 3.0};
+  path.steps.first_observation = {0, 1, 2, 3};
+  path.steps.observations = {{0, kRange_m, 0.0},
+                             {1, 0.0, kRange_m},
+                             {0, kRange_m * std::cos(kOff_rad), -kRange_m * std::sin(kOff_rad)}};
+  path.associated = {{0, 1, 0}, {1.0, 1.0, 1.0}};
+  path.odometry = OdometryFit::Of(settings.noise);
+  const auto polished = Polish(
+      {path}, settings, {{kRange_m, 0.0, {1, 0, 0, 1}, 0, 2.0}, {0.0, kRange_m, {1, 0, 0, 1}, 1, 1.0}});
+  ASSERT_EQ(polished.refused, "");
+  const double first = 0.05 * 0.05, second = 0.1 * 0.1, sighting = 0.05 * 0.05;
+  const double share = first / (first + second + 2.0 * sighting);
+  EXPECT_NEAR(polished.landmarks[1].x_m, -share * kOff_rad * kRange_m, 0.01 * share * kOff_rad * kRange_m);
+  EXPECT_NEAR(polished.landmarks[0].y_m, -sighting / (first + second + 2.0 * sighting) * kOff_rad * kRange_m,
+              0.01 * kOff_rad * kRange_m);
+}
+
 // Half of the drift's nominal width: 11 degrees a lap.
 TEST(Polish, FindsADriftThatIsLeft) {
   const auto polished = Polish({RoundAndRound(0.0025)}, SomeSettings(), Corners(0.6));
@@ -347,42 +377,6 @@ TEST(Polish, WhereObservationsWouldChangeTheirLandmarksThereIsNone) {
   }
   EXPECT_EQ(Polish({path}, SomeSettings(), Corners(0.0)).refused,
             "6 of 12 observations would then lie nearer to another landmark than to their own");
-}
-
-TEST(Recentred, KeepsTheMassAndMovesIt) {
-  const MapRules rules = SomeSettings().map;
-  const Landmark before = Corners(0.0)[0];
-  Landmark now = before;
-  now.x_m += 0.7;
-  LayeredGrid counts = NoCounts(rules);
-  counts.layers[0] = Layer(Box{19, -1, 3, 3});
-  counts.layers[0].Row(0)[20] = before.count;
-  const LayeredGrid moved = Recentred(counts, {before}, {now}, rules, 0.3);
-  EXPECT_NEAR(moved.Sum(), before.count, 1e-12);
-  const std::vector<Landmark> found = ExtractLandmarks(moved, rules);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_NEAR(found[0].x_m, now.x_m, 0.05);
-}
-
-// Corners on a grid of 3 m, whose cells are much larger than what the presses tell.
-TEST(Polish, TheResultsLandmarksAreNearerToTheTruthThanCells) {
-  const Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
-  const auto farthest = [&](bool polish) {
-    const BlobPtr result = RunInProcess(LandmarkMap({.cell_m = 3.0, .polish = polish, .starts = 1}),
-                                        {{"log", std::make_shared<const Blob>(log)}});
-    EXPECT_EQ(result->Scalar<std::uint8_t>("refinement/done"), polish ? 1 : 0);
-    EXPECT_EQ(result->Text("refinement/reason"), polish ? "" : "not tried: polish=false");
-    const auto x = result->Get<double>("map/landmark_x_m"), y = result->Get<double>("map/landmark_y_m");
-    double worst = 0;
-    for (const auto& corner : kCorners) {
-      double nearest = 100;
-      for (std::size_t k = 0; k < x.size(); ++k)
-        nearest = std::min(nearest, std::hypot(x[k] - corner[0], y[k] - corner[1]));
-      worst = std::max(worst, nearest);
-    }
-    return worst;
-  };
-  EXPECT_LT(farthest(true), 0.7 * farthest(false));
 }
 
 }  // namespace

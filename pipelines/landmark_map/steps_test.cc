@@ -72,6 +72,50 @@ TEST(MakeSteps, GathersSightingsOfOneFrameInTheOdometricFrame) {
   EXPECT_EQ(steps.row_observation, (std::vector<std::int32_t>{0, 0}));
 }
 
+// Sightings of a landmark at (3, 2.5), without error, after so many metres of the way.
+Blob RobotThatSeesALandmark(const std::vector<double>& after_m) {
+  const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a");
+  std::vector<double> range, bearing;
+  for (const double time_s : after_m) {  // a metre a second
+    const OdometricPose at = PoseAt(odometry, time_s);
+    const double dx = 3.0 - at.x_m, dy = 2.5 - at.y_m;
+    range.push_back(std::hypot(dx, dy));
+    bearing.push_back(std::atan2(dy, dx) - at.heading_rad);
+  }
+  return Robot(after_m, std::vector<std::int32_t>(after_m.size(), 1), range, bearing);
+}
+
+// However many sightings a frame gathers, from wherever: what is at a step points to where the landmark
+// stands.
+TEST(MakeSteps, SightingsWithoutErrorPointToTheirLandmarkFromTheStepThatGathersThem) {
+  const Blob robot = RobotThatSeesALandmark({0.3, 0.5, 1.0, 1.4, 1.7, 2.2, 2.9, 3.1, 3.6});
+  for (const double frame_m : {0.25, 0.75, 1.5, 3.5}) {
+    const RobotSteps steps = MakeSteps(robot, "a", {9.0, frame_m, 9.0, 2}, nullptr);
+    for (int s = 0; s < steps.size(); ++s) {
+      for (int k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k) {
+        EXPECT_NEAR(steps.odo_x_m[s] + steps.observations[k].x_m, 3.0, 1e-12) << frame_m << ' ' << s;
+        EXPECT_NEAR(steps.odo_y_m[s] + steps.observations[k].y_m, 2.5, 1e-12) << frame_m << ' ' << s;
+      }
+    }
+  }
+}
+
+// Five sightings, the turn of half pi between the second and the third: a frame holds frame_m of way or
+// frame_rad of turn, each alone.
+TEST(MakeSteps, AFrameIsSoMuchWayOrSoMuchTurn) {
+  const Blob robot = RobotThatSeesALandmark({0.5, 1.9, 2.1, 2.9, 3.1});
+  const auto rows = [&](double frame_m, double frame_rad) {
+    return MakeSteps(robot, "a", {9.0, frame_m, frame_rad, 2}, nullptr).row_observation;
+  };
+  using Rows = std::vector<std::int32_t>;
+  EXPECT_EQ(rows(0.15, 1e9), (Rows{0, 1, 2, 3, 4}));
+  EXPECT_EQ(rows(0.25, 1e9), (Rows{0, 1, 1, 2, 2}));
+  EXPECT_EQ(rows(2.5, 1e9), (Rows{0, 0, 0, 0, 1}));
+  EXPECT_EQ(rows(2.7, 1e9), (Rows{0, 0, 0, 0, 0}));
+  EXPECT_EQ(rows(1e9, 1.5), (Rows{0, 0, 1, 1, 1}));
+  EXPECT_EQ(rows(1e9, 1.6), (Rows{0, 0, 0, 0, 0}));
+}
+
 TEST(MakeSteps, ALateRobotBeginsWhereItSeesWhatTheFirstRobotSaw) {
   const std::vector<bool> shared = {false, true, false};
   const Blob robot = Robot({1.0, 3.0}, {0, 1}, {1, 1}, {0, 0});
