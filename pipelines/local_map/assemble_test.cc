@@ -80,6 +80,28 @@ TEST(Assemble, ALoopThatTellsUAloneMovesNothingAlongZ) {
   EXPECT_NEAR(assembly.knot[1].y_m, 0.1, 1e-3);
 }
 
+// A relation is of another place where it lies beyond the gate of 3 standard deviations, along z or along u,
+// which lie anyhow; legs hardly give way.
+TEST(Assemble, DropsARelationThatContradictsAlongEitherAxis) {
+  const std::vector<Leg> legs{{0, 1, {3, 2}, 1e-3, 1e-3}};
+  for (const double axis : {0.0, 0.7, 2.5, -1.2}) {
+    const double c = std::cos(axis), s = std::sin(axis);
+    const auto weight = [&](double z_m, double u_m) {
+      const Relation relation{0, 1, {3 + c * z_m - s * u_m, 2 + s * z_m + c * u_m}, axis, 0.05, 0.2, 1};
+      return Assemble({{0, 0}, {3, 2}}, legs, {relation}, {}).weight[0];
+    };
+    EXPECT_EQ(weight(0, 0), 1) << axis;
+    for (const double sign : {-1.0, 1.0}) {
+      EXPECT_EQ(weight(sign * 2.8 * 0.05, 0), 1) << axis;
+      EXPECT_EQ(weight(0, sign * 2.8 * 0.2), 1) << axis;
+      EXPECT_EQ(weight(sign * 3.2 * 0.05, 0), 0) << axis;
+      EXPECT_EQ(weight(0, sign * 3.2 * 0.2), 0) << axis;
+      EXPECT_EQ(weight(sign * 2.3 * 0.05, 2.3 * 0.2), 0) << axis;  // 3.25 together
+      EXPECT_EQ(weight(sign * 2.0 * 0.05, 2.0 * 0.2), 1) << axis;  // 2.83
+    }
+  }
+}
+
 TEST(Assemble, HoldsTheFirstKnotOfEachPart) {
   const std::vector<Leg> legs{{0, 1, {1, 0}, 0.1, 0.1}, {2, 3, {0, 1}, 0.1, 0.1}};
   const Assembly assembly = Assemble({{0, 0}, {1, 0}, {5, 5}, {5, 6}}, legs, {}, {});

@@ -86,16 +86,23 @@ TEST(OccupancyGrid, TurnsByItsHitsWithLittleLoss) {
   }
 }
 
-TEST(OccupancyGrid, CountsThatMeetInACellAddUp) {
-  OccupancyGrid grid(1, 3, 0.5, 0.08);
-  grid.NextSweep();
-  grid.Hit({1.6, 0.4});
-  grid.NextSweep();
-  grid.Hit({1.4, 0.4});
-  grid.Turn(std::atan2(0.4, 1.6) / 2);  // to (1.58, 0.59) and (1.34, 0.57)
-  EXPECT_NEAR(grid.Frequency(1, 1) + grid.Frequency(2, 1), 0.5 * 1.5, 1e-6);
-  grid.Turn(-0.3);  // both into (1, 0)
-  EXPECT_NEAR(grid.Frequency(1, 0) + grid.Frequency(2, 0), 0.5 * 1.5, 1e-6);
+// (1.6, 0.4) and (1.4, 0.4) turn into the cell (1, 1), whichever was hit first.
+TEST(OccupancyGrid, CountsThatMeetInACellAddUpAndTheLaterHitStays) {
+  for (const double later_m : {1.4, 1.6}) {
+    OccupancyGrid grid(1, 3, 0.5, 0.08);
+    grid.NextSweep();
+    grid.Hit({3.0 - later_m, 0.4});
+    grid.NextSweep();
+    grid.Hit({later_m, 0.4});
+    grid.NextSweep();
+    const double c = std::cos(0.5), s = std::sin(0.5);
+    grid.Turn(0.5);
+    EXPECT_NEAR(grid.Frequency(1, 1), 0.5 * (0.25 + 0.5), 1e-6) << later_m;
+    EXPECT_EQ(grid.Frequency(1, 0) + grid.Frequency(2, 0) + grid.Frequency(2, 1), 0) << later_m;
+    ASSERT_TRUE(grid.LastHit(1, 1));
+    EXPECT_NEAR(grid.LastHit(1, 1)->x_m, c * later_m - s * 0.4, 1e-6);
+    EXPECT_NEAR(grid.LastHit(1, 1)->y_m, s * later_m + c * 0.4, 1e-6);
+  }
 }
 
 }  // namespace
