@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace cairn::landmark_learning {
 namespace {
@@ -67,6 +69,35 @@ TEST(Conjugate, TurnsByPolakAndRibieresRule) {
   same.Turn(0.9, {2.0, 1.0}, 0.1);
   EXPECT_FLOAT_EQ(same.direction[0], -2.0F);
   EXPECT_FLOAT_EQ(same.direction[1], 0.75F * -2.0F - 1.0F);
+}
+
+// After a slope of -4 the next length is the one by which the error would fall as much were the line
+// straight, but never more than ten times as long or as short.
+TEST(Conjugate, TheNextLengthPromisesAsMuchAsTheLastOne) {
+  const auto longer = [](std::vector<double> gradient) {
+    Conjugate line;
+    line.Turn(1.0, {2.0, 0.0}, 0.1);
+    const double length = line.length, promised = length * line.slope;
+    line.Turn(1.0, gradient, 0.1);
+    return std::pair{line.length / length, line.length * line.slope / promised};
+  };
+  EXPECT_NEAR(longer({1.0, 0.0}).second, 1.0, 1e-6);
+  EXPECT_NEAR(longer({0.7, -0.1}).second, 1.0, 1e-6);
+  EXPECT_NEAR(longer({0.0, 3.0}).second, 1.0, 1e-6);
+  EXPECT_NEAR(longer({0.01, 0.0}).first, 10.0, 1e-6);
+  EXPECT_NEAR(longer({0.0, 40.0}).first, 0.1, 1e-6);
+}
+
+// Where the gradient vanishes there is no slope to tell how far to go next: the length stays.
+TEST(Conjugate, AFlatPlaceTellsNothingOfTheLength) {
+  Conjugate line;
+  line.Turn(1.0, {3.0, -4.0}, 0.1);
+  const double length = line.length;
+  line.Turn(1.0, {0.0, 0.0}, 0.1);
+  EXPECT_EQ(line.length, length);
+  line.Turn(1.0, {0.0, 0.0}, 0.1);
+  EXPECT_EQ(line.length, length);
+  EXPECT_EQ(line.direction, (std::vector<float>{0.0F, 0.0F}));
 }
 
 TEST(Conjugate, GivesUpWhereNothingIsLowerAfterSomeShorterTries) {

@@ -223,6 +223,25 @@ TEST(PosteriorError, FeaturesThatNameEveryPlaceLeaveNoError) {
   EXPECT_GT(world.Prior({BeliefShape::kUniform, kEverywhere}, {0, 8}), 0.5);
 }
 
+// A feature vector that no place is believed to have is never sensed: it has no part in the error, nor in the
+// slopes, which stay finite.
+TEST(PosteriorError, WhatIsNeverSensedHasNoPartInTheSlopes) {
+  World world(6, 3, 1);
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (std::size_t i = 0; i < 3; ++i) world.g[3 * k + i] = static_cast<double>((k >> i) & 1);
+  }
+  for (const ErrorRule& rule :
+       {ErrorRule(ErrorKind::kDistance), ErrorRule(ErrorKind::kPosteriorMass, 0.01)}) {
+    const auto share = world.All({BeliefShape::kUniform, kEverywhere}, rule);
+    EXPECT_NEAR(share.posterior, 0.0, 1e-12);
+    for (std::size_t i = 0; i < share.d_probability.size(); ++i) {
+      EXPECT_TRUE(std::isfinite(share.d_probability[i])) << i;
+      const bool sensed = i % 8 < 6;  // by one of six places
+      EXPECT_TRUE(sensed || share.d_probability[i] == 0.0) << i;
+    }
+  }
+}
+
 // A map of the very samples that were sensed is what training looks at.
 TEST(PosteriorError, InTheMapOfItsOwnSamplesIsTheTrainingsError) {
   const World world(120, 3, 13);
