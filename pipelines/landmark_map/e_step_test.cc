@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "pipelines/landmark_map/testing.h"
 #include "schema/rng.h"
@@ -294,8 +295,11 @@ TEST(EStep, AStartAnywhereHoldsEveryPlaceThatLeadsToTheFirstSighting) {
   perception.likelihood.layers = {Layer(Box{20, 10, 1, 1}), Layer()};
   perception.outside = {0.01, 0.01};
   EStepModel model = TinyModel(&perception);
-  for (const double way_error : {0.0, 0.1}) {
-    model.noise = {0.0, 0.0, 1.0, way_error, 0.0};
+  for (const auto& [way_error, walk] :
+       {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.4, 0.0}, {0.0, 0.1}, {0.0, 0.2}}) {
+    model.noise = {0.0, walk, 1.0, way_error, 0.0};
+    const double way_m = steps.path_m[1] + steps.path_m[2],
+                 astray_m = way_error * way_m + walk * std::pow(way_m, 1.5);
     const LayeredGrid start = UniformStart(model, {steps, 0, 4, "a"});
     EXPECT_NEAR(start.Sum(), 1.0, 1e-12);
     for (int c = 0; c < kHeadings; ++c) {
@@ -305,7 +309,9 @@ TEST(EStep, AStartAnywhereHoldsEveryPlaceThatLeadsToTheFirstSighting) {
       const double y = 10.0 - (std::sin(angle) * dx + std::cos(angle) * dy) / model.grid.cell_m;
       const Box& box = start.layers[static_cast<std::size_t>(c)].box;
       EXPECT_TRUE(box.Contains(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)))) << c;
-      EXPECT_LE(box.nx, way_error > 0.0 ? 7 : 4) << c;
+      // What lies next to it, and what lies within three standard deviations of the way: no more.
+      EXPECT_LE(box.nx, 2 + 2 * std::ceil(3.0 * astray_m / model.grid.cell_m)) << c;
+      EXPECT_GE(box.nx, 2 + 2 * std::floor(3.0 * astray_m / model.grid.cell_m)) << c;
     }
   }
   steps.observations[0].type = 1;  // which the map does not hold

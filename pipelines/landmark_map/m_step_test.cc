@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace cairn::landmark_map {
 namespace {
@@ -69,6 +71,36 @@ TEST(MapOf, AnIdentifiedLandmarkStandsInOnePlace) {
   EXPECT_DOUBLE_EQ(map.layers[1].Sum(), 1.0);
   EXPECT_TRUE(map.layers[0].box.empty());
   EXPECT_TRUE(map.layers[2].box.empty());
+}
+
+// An identified landmark and others of two kinds: where cells, radii and errors are all four times smaller,
+// and false observations as frequent a cell, map and perception are the same, cell by cell.
+TEST(MapOf, LengthsCountInCellsAlone) {
+  LayeredGrid counts = Points(3, 0, {{4, 4, 2}, {6, 9, 1}});
+  counts.layers[1] = Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {14, 15, 2}}).layers[0];
+  counts.layers[2] = Points(1, 0, {{6, 5, 3}, {9, 8, 2}, {13, 15, 0.5}}).layers[0];
+  const auto both = [&](double scale) {
+    MapRules rules = Rules(1);
+    rules.grid.cell_m *= scale;
+    rules.kinds = {2, {0.8, 0.2, 0.3, 0.7}};
+    rules.observation_m = 0.9 * scale;
+    rules.radius_m = 5.1 * scale;
+    rules.core_m = 2.1 * scale;
+    rules.false_rate_per_m2 = 0.002 / (scale * scale);
+    const LayeredGrid map = MapOf(counts, rules);
+    return std::pair{map, PerceptionOf(map, rules).likelihood};
+  };
+  const auto [map, perception] = both(1.0);
+  const auto [fine_map, fine_perception] = both(0.25);
+  for (std::size_t l = 0; l < 3; ++l) {
+    ASSERT_EQ(map.layers[l].box, fine_map.layers[l].box) << l;
+    ASSERT_EQ(perception.layers[l].box, fine_perception.layers[l].box) << l;
+    EXPECT_GT(map.layers[l].Max(), 0.1) << l;
+    for (std::size_t i = 0; i < map.layers[l].values.size(); ++i)
+      EXPECT_NEAR(map.layers[l].values[i], fine_map.layers[l].values[i], 1e-12);
+    for (std::size_t i = 0; i < perception.layers[l].values.size(); ++i)
+      EXPECT_NEAR(perception.layers[l].values[i], fine_perception.layers[l].values[i], 1e-12);
+  }
 }
 
 TEST(PerceptionOf, NoLandmarkEvidenceCountsWhatLiesBeyondTheCore) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace cairn::local_map {
@@ -47,7 +48,23 @@ TEST(AngleHistogram, AllBinsAlikeArePeakOfThreeEighths) {
   AngleHistogram histogram;
   histogram.bin.fill(0.5F);
   EXPECT_NEAR(PeakOf(histogram, kHalfTurn_rad).strength, 3.0 / 8, 1e-6);
+  EXPECT_TRUE(std::isfinite(PeakOf(histogram, kHalfTurn_rad).angle_rad));
   EXPECT_EQ(PeakOf({}, kHalfTurn_rad).strength, 0);
+}
+
+// However long ago its angles were added: all bins have decayed alike.
+TEST(AngleHistogram, ThePeakIsThatOfTheShapeAlone) {
+  AngleHistogram histogram;
+  histogram.bin.fill(0.1F);
+  histogram.Add(RadOf(50), kHalfTurn_rad, 3);
+  histogram.Add(RadOf(-70), kHalfTurn_rad, 2);
+  const AnglePeak before = PeakOf(histogram, kHalfTurn_rad);
+  for (int k = 0; k < 4; ++k) {
+    histogram.Scale(0.125);
+    const AnglePeak peak = PeakOf(histogram, kHalfTurn_rad);
+    EXPECT_NEAR(peak.angle_rad, before.angle_rad, 1e-6) << k;
+    EXPECT_NEAR(peak.strength, before.strength, 1e-6) << k;
+  }
 }
 
 TEST(AngleHistogram, ShiftMovesTheMeanAndKeepsTheWeight) {

@@ -170,6 +170,15 @@ TEST(LineFit, ACornerBelongsToBothWalls) {
   EXPECT_NEAR(std::abs(DegOf(ModuloAngle(edges[0].angle_rad - edges[1].angle_rad, std::numbers::pi))), 90, 1);
 }
 
+// A post stands before it: what is seen to its right belongs to the wall that was found to its left.
+TEST(LineFit, AWallBehindAPostIsOne) {
+  OccupancyGrid grid = Grid();
+  grid.NextSweep();
+  Row(&grid, {-1.2, 1}, 0, 2.41, 0.1);
+  const std::vector<Point> hits{{-1.2, 1}, {-0.9, 1}, {-0.6, 1}, {-0.3, 0.4}, {0.3, 1}, {0.7, 1}, {1.2, 1}};
+  EXPECT_EQ(Find(hits, grid).size(), 1U);
+}
+
 TEST(LineFit, NeverMoreEdgesThanThereIsRoomFor) {
   OccupancyGrid grid = Grid();
   grid.NextSweep();
