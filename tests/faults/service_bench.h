@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "coordinator/checkpoint_file.h"
 #include "coordinator/client.h"
 #include "pipelines/in_process.h"
 #include "schema/wire/testing.h"
@@ -112,6 +113,17 @@ class Faults : public ::testing::Test {
       if (entry.path().extension() == ".h5")
         newest = std::max<std::uint64_t>(newest, std::stoull(entry.path().stem()));
     return checkpoints / (std::to_string(newest) + ".h5");
+  }
+  // Waits until the store holds one of this round or of a later one; returns of which.
+  std::uint64_t AwaitCheckpoint(std::uint64_t round) {
+    std::uint64_t held = 0;
+    Await([&](const wire::JobInfo&) {
+      if (!fs::exists(Store() / "checkpoints" / job_)) return false;
+      const auto checkpoint = coordinator::ReadCheckpoint(NewestCheckpoint());
+      if (checkpoint.ok()) held = checkpoint.value().round();
+      return held >= round;
+    });
+    return held;
   }
   unsigned Connected() { return client_->List().value().workers; }
 
