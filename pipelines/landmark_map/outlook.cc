@@ -3,22 +3,29 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pipelines/landmark_map/beginning.h"
+
 namespace cairn::landmark_map {
 namespace {
 
 // What is usual: iterations on all data of the first robot and of all, of a refit; maps that are refined.
-constexpr std::int64_t kIterationsToCome = 5, kJoinedToCome = 3;
+constexpr std::int64_t kIterationsToCome = 5, kJoinedToCome = 5;
 constexpr double kRefitIterations = 4.0, kFinerIterations = 4.0, kPolished = 0.7;
 constexpr const char* kCost = "cost";
 
 // What a step of a robot takes in E-steps to come: beliefs get narrower from one to the next while the map
-// gets sharper, down to what they are in a sharp one.
+// gets sharper, down to what they are in a sharp one. But a robot that may start anywhere looks for itself in
+// the whole map each time.
 class StepCost {
  public:
-  StepCost(const Carried& carried, const Schedule& now) {
+  StepCost(const Options& options, const Carried& carried, const Schedule& now) {
     for (std::size_t r = 0; r < carried.work.size(); ++r) {
-      us_.push_back(kBackwardUs * carried.work[r] / StepsInUse(now, carried.step_counts[r]));
-      sharp_us_.push_back(std::min(us_[r], kBackwardUs * carried.sharp[r]));
+      const bool joined = r < static_cast<std::size_t>(now.robots);
+      const auto steps =
+          static_cast<double>(joined ? StepsInUse(now, carried.step_counts[r]) : carried.step_counts[r]);
+      us_.push_back(kBackwardUs * carried.work[r] / steps);
+      sharp_us_.push_back(StartsAnywhere(options, r) ? us_[r]
+                                                     : std::min(us_[r], kBackwardUs * carried.sharp[r]));
     }
   }
   double operator[](std::size_t robot) const { return us_[robot]; }
@@ -64,7 +71,7 @@ Sum AfterSearch(const Options& options, const Schedule& now, const State& state)
   const Carried carried = Carried::Load(state, robots);
   proto::Step rest;
   ExpectEm(options, now, carried, &rest);
-  return {1.0 + RoundsLater(rest), CostOf(now, StepCost(carried, now), carried) + CostLater(rest)};
+  return {1.0 + RoundsLater(rest), CostOf(now, StepCost(options, carried, now), carried) + CostLater(rest)};
 }
 
 // What an EM says of the rounds after the first robot's.
@@ -119,7 +126,7 @@ double Mean(const std::vector<double>& costs) {
 
 void ExpectEm(const Options& options, const Schedule& now, const Carried& carried, proto::Step* plan) {
   const auto robots = static_cast<std::int64_t>(carried.step_counts.size());
-  StepCost step_us(carried, now);
+  StepCost step_us(options, carried, now);
   Sum alone, all;
   for (Schedule s = now; !s.summarise;) {
     Options usual = options;

@@ -55,6 +55,16 @@ TEST(ExpectEm, RobotsThatJoinComeAfterTheFirst) {
   EXPECT_EQ(plan.later(1).width(), 3);
 }
 
+TEST(ExpectEm, ARobotThatMayStartAnywhereLooksForItselfInEachIteration) {
+  Carried carried = OfRobots(2);
+  carried.sharp = {0.0, 0.0};
+  proto::Step plan;
+  ExpectEm({.polish = false}, {}, carried, &plan);
+  ASSERT_EQ(plan.later_size(), 2);
+  const double each = (plan.later(1).cost() - 5 * kMStepUs) / plan.later(1).rounds();
+  EXPECT_NEAR(each, kBackwardUs * kWork, 0.05 * kBackwardUs * kWork) << "the first one knows where it starts";
+}
+
 TEST(ExpectEm, NothingFollowsTheLastRound) {
   EXPECT_EQ(Outlook({}, {.summarise = true, .polished = true}).later_size(), 0);
   EXPECT_EQ(Outlook({.polish = false}, {.summarise = true}).later_size(), 0);
