@@ -100,6 +100,22 @@ TEST(Conjugate, AFlatPlaceTellsNothingOfTheLength) {
   EXPECT_EQ(line.direction, (std::vector<float>{0.0F, 0.0F}));
 }
 
+// By hand: after (2, 0) the rule's direction for (-1, 1) is (-1, -1), along which the error stays as it is.
+// Then it is the gradient's, from which all begins anew.
+TEST(Conjugate, ADirectionThatDoesNotGoDownIsTheGradients) {
+  Conjugate line;
+  line.Turn(1.0, {2.0, 0.0}, 0.1);
+  Conjugate other = line;
+  line.Turn(0.9, {-1.0, 1.0}, 0.1);
+  EXPECT_EQ(line.direction, (std::vector<float>{1.0F, -1.0F}));
+  EXPECT_DOUBLE_EQ(line.slope, -2.0);
+  EXPECT_EQ(line.since_restart, 0);
+  other.Turn(0.9, {1.0, 2.0}, 0.1);  // beta = 3 / 4
+  EXPECT_EQ(other.since_restart, 1);
+  other.Turn(0.8, {0.5, 1.0}, 0.1);  // beta = 0: half as steep the same way
+  EXPECT_EQ(other.since_restart, 0);
+}
+
 TEST(Conjugate, GivesUpWhereNothingIsLowerAfterSomeShorterTries) {
   Conjugate line;
   for (std::int64_t failure = 0; failure < Conjugate::kMostFailures; ++failure) {
