@@ -10,10 +10,20 @@ set(CAIRN_LINKS_datasets
   "schema|schema/store|datasets(/.*)?|pipelines/image_features|Eigen3::.*|cairn::opencv_.*|ZLIB::.*|nlohmann_json::.*")
 set(CAIRN_LINKS_worker
   "schema(/.*)?|pipelines|worker(/.*)?|CLI11::.*|spdlog::.*|nlohmann_json::.*|Threads::Threads")
-set(CAIRN_LINKS_coordinator
-  "schema(/.*)?|coordinator(/(core|sim|shell))?|spdlog::.*|SQLite::.*|nlohmann_json::.*|Threads::Threads")
-set(CAIRN_LINKS_coordinator_cli
-  "${CAIRN_LINKS_coordinator}|coordinator/.*|datasets(/.*)?|CLI11::.*|yaml-cpp(::.*)?")
+# The client; then the folders of the service, each built on those before it.
+set(CAIRN_LINKS_coordinator "schema/wire")
+set(CAIRN_LINKS_coordinator_core "schema")
+set(CAIRN_LINKS_coordinator_store "schema(/.*)?|coordinator/core|SQLite::.*|Threads::Threads")
+set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store)")
+set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|Threads::Threads")
+set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")
+set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?|CLI11::.*")
+set(CAIRN_LINKS_coordinator_cli_job_file
+  "schema(/.*)?|coordinator|coordinator/(core|cli/common)|datasets|CLI11::.*|yaml-cpp(::.*)?|nlohmann_json::.*")
+set(CAIRN_LINKS_coordinator_cli_output
+  "schema(/.*)?|coordinator|coordinator/(store|cli/(common|job_file))|spdlog::.*|nlohmann_json::.*")
+set(CAIRN_LINKS_coordinator_cli_commands
+  "schema(/.*)?|coordinator|coordinator/(core|store|server|local|cli/(common|job_file|output))|datasets|CLI11::.*|nlohmann_json::.*")
 set(CAIRN_LINKS_tests ".*")
 
 

@@ -1,5 +1,5 @@
-// The client side of a coordinator's service (service.h): what `cairn submit`, `list`, `cancel` and the like
-// do.
+// The client side of a coordinator's service (server/service.h): what `cairn submit`, `list`, `cancel` and
+// the like do.
 #pragma once
 
 #include <cstddef>

@@ -25,7 +25,7 @@ struct Step {
 // Says that so many rounds are expected to follow those of `plan`, whose tasks cost so much all together (as
 // Task.cost: microseconds of a core) and run `width` side by side, 0: as many as there are workers. From
 // sizes and the State alone, never from clocks. The coordinator makes the time left of it
-// (coordinator/eta.h): what is not announced comes on top of what people are told.
+// (coordinator/core/eta.h): what is not announced comes on top of what people are told.
 void ExpectRounds(double rounds, double cost, double width, proto::Step* plan);
 
 // What a plan expects to follow it.

@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <new>
 
-#include "coordinator/cli/failure.h"
-#include "coordinator/cli/home.h"
-#include "coordinator/cli/invocation.h"
-#include "coordinator/cli/job_arguments.h"
-#include "coordinator/cli/output.h"
-#include "coordinator/cli/pipeline_text.h"
-#include "coordinator/cli/programs.h"
-#include "coordinator/cli/suggest.h"
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/home.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/programs.h"
+#include "coordinator/cli/common/suggest.h"
+#include "coordinator/cli/job_file/arguments.h"
+#include "coordinator/cli/output/output.h"
+#include "coordinator/cli/output/pipeline_text.h"
 #include "schema/process_limits.h"
 #include "schema/store/atomic_file.h"
 #include "schema/text.h"

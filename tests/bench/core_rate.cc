@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <deque>
 
-#include "coordinator/core.h"
+#include "coordinator/core/core.h"
 
 namespace cairn::bench {
 namespace {

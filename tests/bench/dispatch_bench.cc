@@ -25,7 +25,7 @@
 #include <thread>
 
 #include "coordinator/client.h"
-#include "coordinator/service.h"
+#include "coordinator/server/service.h"
 #include "schema/wire/poller.h"
 #include "schema/wire/testing.h"
 #include "worker/worker.h"

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/cli/loop_options.h"
+#include "coordinator/cli/commands/simulate/loop_options.h"
 #include "datasets/confidence.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/import_csv.h"

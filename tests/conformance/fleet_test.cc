@@ -8,7 +8,7 @@
 #include <fstream>
 #include <functional>
 
-#include "coordinator/embedded.h"
+#include "coordinator/local/embedded.h"
 #include "pipelines/in_process.h"
 #include "schema/numerics.h"
 #include "schema/rng.h"

@@ -1,5 +1,5 @@
 // The service for many machines over TCP with keys: real workers, real clients, and peers that mean harm.
-#include "coordinator/service.h"
+#include "coordinator/server/service.h"
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>

@@ -7,7 +7,7 @@
 #include <optional>
 #include <sstream>
 
-#include "coordinator/core.h"
+#include "coordinator/core/core.h"
 #include "schema/error.h"
 
 namespace cairn::eta {

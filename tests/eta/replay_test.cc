@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "coordinator/eta.h"
+#include "coordinator/core/eta.h"
 
 namespace cairn::eta {
 namespace {

@@ -1,5 +1,5 @@
 // RunEmbedded with real worker processes: what `cairn run` stands on.
-#include "coordinator/embedded.h"
+#include "coordinator/local/embedded.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

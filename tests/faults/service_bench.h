@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "coordinator/checkpoint_file.h"
 #include "coordinator/client.h"
+#include "coordinator/store/checkpoint_file.h"
 #include "pipelines/in_process.h"
 #include "schema/wire/testing.h"
 #include "tests/faults/process.h"

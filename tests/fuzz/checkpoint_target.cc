@@ -1,5 +1,5 @@
-#include "coordinator/checkpoint_file.h"
-#include "coordinator/core.h"
+#include "coordinator/core/core.h"
+#include "coordinator/store/checkpoint_file.h"
 #include "tests/fuzz/byte_source.h"
 #include "tests/fuzz/scramble.h"
 #include "tests/fuzz/targets.h"

@@ -6,8 +6,8 @@
 #include <set>
 #include <thread>
 
-#include "coordinator/hub.h"
-#include "coordinator/recovery.h"
+#include "coordinator/server/hub.h"
+#include "coordinator/store/recovery.h"
 #include "schema/flat_blob_testing.h"
 #include "tests/fuzz/byte_source.h"
 #include "tests/fuzz/frames.h"

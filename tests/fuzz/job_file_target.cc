@@ -1,6 +1,6 @@
 #include <array>
 
-#include "coordinator/cli/job_file.h"
+#include "coordinator/cli/job_file/job_file.h"
 #include "schema/error.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"

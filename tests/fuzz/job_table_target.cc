@@ -1,7 +1,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "coordinator/job_table.h"
+#include "coordinator/store/job_table.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"
 

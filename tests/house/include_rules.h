@@ -8,7 +8,9 @@
 namespace cairn::house {
 
 // What the sources of `folder` (and of the folders below it without a rule of their own) may include. An
-// entry that ends in '/' stands for all below it, one that ends in "/*" for the files right in it.
+// entry that ends in '/' stands for all below it, one that ends in "/*" for the files right in it. A test may
+// include whatever any folder of its house may: schema, pipelines, datasets, worker, coordinator or
+// coordinator/cli.
 struct Rule {
   std::string folder;
   std::vector<std::string> allowed;

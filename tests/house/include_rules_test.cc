@@ -41,12 +41,12 @@ TEST(IncludeRules, HoldInTheWholeTree) {
 
 TEST(IncludeRules, FindAPlantedIncludeWithItsLine) {
   const PlantedTree tree("worker/a.cc",
-                         "// one\n#include \"schema/blob.h\"\n#include \"coordinator/core.h\"\n");
+                         "// one\n#include \"schema/blob.h\"\n#include \"coordinator/core/core.h\"\n");
   const std::vector<Finding> findings = tree.Find();
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].file, "worker/a.cc");
   EXPECT_EQ(findings[0].line, 3);
-  EXPECT_EQ(findings[0].include, "coordinator/core.h");
+  EXPECT_EQ(findings[0].include, "coordinator/core/core.h");
 }
 
 struct Case {
@@ -78,9 +78,20 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"worker/a.cc", "\"pipelines/registry.h\"", true},
                     Case{"worker/a.cc", "\"pipelines/landmark_map/e_step.h\"", false},
                     Case{"coordinator/a.cc", "\"worker/worker.h\"", false},
-                    Case{"coordinator/a.cc", "\"datasets/csv.h\"", false},
-                    Case{"coordinator/cli/a.cc", "\"datasets/csv.h\"", true},
-                    Case{"coordinator/cli/a.cc", "\"pipelines/registry.h\"", false},
+                    Case{"coordinator/server/a.cc", "\"datasets/csv.h\"", false},
+                    Case{"coordinator/server/a_test.cc", "\"datasets/csv.h\"", false},
+                    Case{"coordinator/core/a.cc", "\"coordinator/store/folder.h\"", false},
+                    Case{"coordinator/core/a.cc", "\"schema/wire/socket.h\"", false},
+                    Case{"coordinator/core/a.cc", "<fstream>", false},
+                    Case{"coordinator/core/a_test.cc", "\"schema/wire/socket.h\"", true},
+                    Case{"coordinator/store/a.cc", "\"coordinator/core/core.h\"", true},
+                    Case{"coordinator/store/a.cc", "\"coordinator/server/hub.h\"", false},
+                    Case{"coordinator/store/a_test.cc", "\"coordinator/server/hub.h\"", true},
+                    Case{"coordinator/cli/commands/a.cc", "\"datasets/csv.h\"", true},
+                    Case{"coordinator/cli/output/a.cc", "\"datasets/csv.h\"", false},
+                    Case{"coordinator/cli/output/a_test.cc", "\"datasets/csv.h\"", true},
+                    Case{"coordinator/cli/commands/import/a.cc", "\"coordinator/cli/commands/run.h\"", false},
+                    Case{"coordinator/cli/commands/a.cc", "\"pipelines/registry.h\"", false},
                     Case{"coordinator/cli/a.cc", "<unheard/of.h>", false}));
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "coordinator/core.h"
+#include "coordinator/core/core.h"
 #include "tests/simulation/toy.h"
 
 namespace cairn::simulation {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "coordinator/core.h"
+#include "coordinator/core/core.h"
 #include "schema/rng.h"
 
 namespace cairn::simulation {

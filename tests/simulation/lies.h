@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/events.h"
+#include "coordinator/core/events.h"
 #include "tests/simulation/toy.h"
 
 namespace cairn::simulation {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "coordinator/events.h"
+#include "coordinator/core/events.h"
 
 namespace cairn::simulation {
 

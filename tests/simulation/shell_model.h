@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/core.h"
-#include "coordinator/uploads.h"
+#include "coordinator/core/core.h"
+#include "coordinator/core/uploads.h"
 #include "tests/simulation/store_model.h"
 #include "tests/simulation/toy.h"
 

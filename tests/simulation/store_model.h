@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/events.h"
-#include "coordinator/uploads.h"
+#include "coordinator/core/events.h"
+#include "coordinator/core/uploads.h"
 #include "tests/simulation/disk_model.h"
 
 namespace cairn::simulation {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "coordinator/round.h"
+#include "coordinator/core/round.h"
 #include "schema/rng.h"
 
 namespace cairn::simulation {

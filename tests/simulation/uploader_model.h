@@ -1,6 +1,6 @@
-// Clients that bring the inputs of their jobs in pieces (coordinator/uploads.h) and then hand them in: one
-// for each submission, over a connection of its own, which keeps the order. They are killed, stand still, and
-// cheat.
+// Clients that bring the inputs of their jobs in pieces (coordinator/core/uploads.h) and then hand them in:
+// one for each submission, over a connection of its own, which keeps the order. They are killed, stand still,
+// and cheat.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/events.h"
-#include "coordinator/uploads.h"
+#include "coordinator/core/events.h"
+#include "coordinator/core/uploads.h"
 
 namespace cairn::simulation {
 

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "coordinator/core.h"
+#include "coordinator/core/core.h"
 #include "tests/simulation/toy.h"
 
 namespace cairn::simulation {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "coordinator/fleet.h"
+#include "coordinator/core/fleet.h"
 #include "tests/simulation/world.h"
 
 namespace cairn::simulation {

@@ -1,0 +1,256 @@
+#include "datasets/evaluate/evaluate.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/result_file.h"
+#include "coordinator/cli/common/scalar.h"
+#include "datasets/evaluate/evaluate_features.h"
+#include "datasets/evaluate/evaluate_grid.h"
+#include "datasets/evaluate/evaluate_local.h"
+#include "datasets/evaluate/evaluate_localization.h"
+#include "datasets/evaluate/evaluate_networks.h"
+#include "datasets/evaluate/relations.h"
+
+namespace cairn::cli {
+namespace {
+
+struct EvaluateArguments {
+  bool changed = false;
+  std::string result;
+  std::string truth;
+  std::vector<std::string> features, holdout;
+  std::string against;
+  std::string relations, robot;
+  double offset_s = 0;
+  bool json = false;
+  std::optional<int> nearest;
+  std::optional<double> heading_window_deg;
+  std::optional<std::uint64_t> seed;
+};
+
+std::string ScoreOfMap(const EvaluateArguments& options, const Blob& log) {
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError(
+        "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
+  const datasets::Evaluation score =
+      datasets::Evaluate(ReadResult(options.result, "landmark_map", options.changed).blob, log);
+  return options.json ? datasets::EvaluationJson(score) + "\n" : datasets::EvaluationText(score);
+}
+
+datasets::ScoreOptions HowToScore(const EvaluateArguments& options) {
+  datasets::ScoreOptions how;
+  how.nearest = options.nearest.value_or(how.nearest);
+  how.heading_window_deg = options.heading_window_deg;
+  how.seed = options.seed.value_or(how.seed);
+  how.samples_name = options.truth;
+  return how;
+}
+
+std::string ScoreOfNetworks(const EvaluateArguments& options, const Blob& samples) {
+  datasets::ScoreOptions how = HowToScore(options);
+  how.map_name = ResultPath(options.result, "networks");
+  how.samples_name = options.truth;
+  const Blob networks = ReadResult(how.map_name, "networks", options.changed).blob;
+  const datasets::NetworkEvaluation score = datasets::EvaluateNetworks(networks, samples, how);
+  return options.json ? datasets::NetworkEvaluationJson(score) + "\n"
+                      : datasets::NetworkEvaluationText(score);
+}
+
+std::string ScoreOfFeatures(const EvaluateArguments& options) {
+  datasets::ScoreOptions how = HowToScore(options);
+  how.map_name = ResultPath(options.result, "samples");
+  const Blob samples = ReadResult(how.map_name, "samples", options.changed).blob;
+  std::optional<Blob> truth;
+  if (!options.truth.empty()) truth = ReadResult(options.truth, "samples", options.changed).blob;
+  const datasets::FeatureEvaluation score =
+      datasets::EvaluateFeatures(samples, truth ? &*truth : nullptr, options.features, options.holdout, how);
+  std::optional<datasets::Detection> detection;
+  if (!options.against.empty())
+    detection = datasets::CompareFeatures(samples, options.features.front(), options.against);
+  return options.json ? datasets::FeatureEvaluationJson(score, detection) + "\n"
+                      : datasets::FeatureEvaluationText(score, detection);
+}
+
+void CheckFeatureOptions(const EvaluateArguments& options) {
+  if (options.features.empty() && !(options.holdout.empty() && options.against.empty()))
+    throw InputError("--holdout and --against are for hand-made features: name one by --feature");
+  if (!options.against.empty() && options.features.size() != 1)
+    throw InputError("--against compares one feature with another");
+  if (!options.truth.empty() && !options.holdout.empty())
+    throw InputError("--truth and --holdout both say what is held out; one will do");
+  if (options.features.empty() && options.truth.empty())
+    throw InputError(
+        "--truth is needed (or --feature, for hand-made features of samples; or --relations, for poses)");
+}
+
+std::string ScoreOfLocalization(const EvaluateArguments& options, const Blob& samples) {
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
+  const datasets::LocalizationScore score = datasets::EvaluateLocalization(
+      ReadResult(options.result, "localization", options.changed).blob, samples);
+  return options.json ? datasets::LocalizationScoreJson(score) + "\n"
+                      : datasets::LocalizationScoreText(score);
+}
+
+// A folder counts as one where it holds that and no networks.
+bool IsLocalization(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "localization";
+  bool is = false;
+  for (const std::string& file : FilesOf(result)) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    if (kind == "networks") return false;
+    is |= kind == "localization";
+  }
+  return is;
+}
+
+std::string ScoreOnSamples(const EvaluateArguments& options, const Blob& samples) {
+  return IsLocalization(options.result) ? ScoreOfLocalization(options, samples)
+                                        : ScoreOfNetworks(options, samples);
+}
+
+// A folder counts as one where it holds a grid map and no landmark map.
+bool IsGridMap(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "grid_map";
+  bool is = false;
+  for (const std::string& file : FilesOf(result)) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    if (kind == "landmark_map") return false;
+    is |= kind == "grid_map";
+  }
+  return is;
+}
+
+std::string ScoreOfGrid(const EvaluateArguments& options, const BlobFile& truth) {
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
+  const Blob map = ReadResult(options.result, "grid_map", options.changed).blob;
+  const datasets::GridEvaluation score =
+      truth.kind == "log" ? datasets::EvaluateGrid(map, truth.blob) : datasets::CompareGrids(map, truth.blob);
+  return options.json ? datasets::GridEvaluationJson(score) + "\n" : datasets::GridEvaluationText(score);
+}
+
+// A folder counts as one where it holds that and no map that may have been made of it.
+bool IsLocalMap(const std::string& result) {
+  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "local_map";
+  const std::vector<std::string> files = FilesOf(result);
+  const auto is = [](const char* kind) {
+    return [kind](const std::string& file) { return Take(ListBlobFile(file)).kind == kind; };
+  };
+  return std::ranges::any_of(files, is("local_map")) && std::ranges::none_of(files, is("grid_map"));
+}
+
+std::string ScoreOfLocalMap(const EvaluateArguments& options, const Blob& log) {
+  if (options.nearest || options.seed || options.heading_window_deg)
+    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
+  const datasets::LocalEvaluation score =
+      datasets::EvaluateLocal(ReadResult(options.result, "local_map", options.changed).blob, log);
+  return options.json ? datasets::LocalEvaluationJson(score) + "\n" : datasets::LocalEvaluationText(score);
+}
+
+// A file of any kind that has poses, or those of a folder: of its landmark_map or local_map, else of its
+// grid_map.
+Blob PosesOf(const EvaluateArguments& options) {
+  const std::string& path = options.result;
+  if (std::filesystem::is_regular_file(path)) return ReadFile(path, options.changed).blob;
+  const std::vector<std::string> files = FilesOf(path);
+  for (const char* kind : {"landmark_map", "local_map"}) {
+    const auto is = [&](const std::string& file) { return Take(ListBlobFile(file)).kind == kind; };
+    if (std::ranges::any_of(files, is)) return ReadResult(path, kind, options.changed).blob;
+  }
+  return ReadResult(path, "grid_map", options.changed).blob;
+}
+
+std::string ScoreOfRelations(const EvaluateArguments& options) {
+  if (!options.truth.empty() || !options.features.empty())
+    throw InputError(
+        "--relations are what is held against the poses: neither --truth nor --feature goes with it");
+  const datasets::Track track = datasets::TrajectoryOf(PosesOf(options), options.robot);
+  const datasets::RelationScore score =
+      datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s);
+  return options.json ? datasets::RelationScoreJson(score) + "\n" : datasets::RelationScoreText(score);
+}
+
+// What the truth is says what is scored: the folder of a job may hold results of several kinds.
+int Evaluate(const EvaluateArguments& options, const Invocation&) {
+  if (!options.relations.empty()) {
+    std::fputs(ScoreOfRelations(options).c_str(), stdout);
+    return kExitDone;
+  }
+  CheckFeatureOptions(options);
+  if (!options.features.empty()) {
+    std::fputs(ScoreOfFeatures(options).c_str(), stdout);
+    return kExitDone;
+  }
+  const BlobFile truth = ReadFile(ResultPath(options.truth, "log"), options.changed);
+  std::string text;
+  if (truth.kind == "grid_map" || (truth.kind == "log" && IsGridMap(options.result)))
+    text = ScoreOfGrid(options, truth);
+  else if (truth.kind == "log" && IsLocalMap(options.result))
+    text = ScoreOfLocalMap(options, truth.blob);
+  else if (truth.kind == "log")
+    text = ScoreOfMap(options, truth.blob);
+  else if (truth.kind == "samples")
+    text = ScoreOnSamples(options, truth.blob);
+  else
+    throw InputError(options.truth + ": a " + truth.kind + ", where a log, samples or a grid_map are needed");
+  std::fputs(text.c_str(), stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddEvaluate(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<EvaluateArguments>(app, call, "evaluate", "Scores a result against ground truth",
+                                    "cairn evaluate result --truth log.h5 --json", Evaluate, &command);
+  command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
+  command->add_option(
+      "--truth", options->truth,
+      "For a landmark_map or a local_map a simulated log, or an imported one that has truth; for a grid_map "
+      "the log that it "
+      "is "
+      "made of, or another grid_map; for networks samples "
+      "of runs that they were not trained on; for a localization the samples that it is of; for hand-made "
+      "features samples of other runs");
+  command->add_option("--feature", options->features,
+                      "RESULT is samples: score this hand-made feature of them (again: several together)");
+  command->add_option("--holdout", options->holdout,
+                      "With --feature: the run to score on, the map being of the others (again: several); "
+                      "without it and --truth each run in turn");
+  command->add_option("--against", options->against,
+                      "With --feature: the feature that it should find; prints precision and recall");
+  CLI::Option* relations = command->add_option(
+      "--relations", options->relations,
+      "RESULT has poses, or is a log: score them by a relations file of the SLAM benchmark");
+  command
+      ->add_option("--offset-s", options->offset_s,
+                   "With --relations: what their clock says when that of the poses says 0")
+      ->needs(relations);
+  command
+      ->add_option("--robot", options->robot, "With --relations: whose poses, where there are several robots")
+      ->needs(relations);
+  command->add_flag("--json", options->json, "As JSON");
+  AddChangedFlag(*command, &options->changed);
+  command->add_option(
+      "--nearest", options->nearest,
+      "Networks, features: training samples, of which the features at a place are the mean (5)");
+  command
+      ->add_option(
+          "--heading-window-deg", options->heading_window_deg,
+          "Networks, features: what the robot knows of its heading, in samples that do not all face one "
+          "way; 180: nothing (what the networks were trained for; features: 180)")
+      ->check(CLI::Range(0.0, 180.0));
+  command
+      ->add_option("--seed", options->seed,
+                   "Networks, features: of the sampled features and of the intervals' bootstrap (1)")
+      ->check(CheckSeed);
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,111 @@
+#include "datasets/export.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/result_file.h"
+
+namespace cairn::cli {
+namespace {
+
+struct ExportArguments {
+  bool changed = false;
+  std::string format;  // set by the subcommand
+  std::string from;
+  std::string folder;
+  std::string log;               // g2o only
+  std::string mode = "trinary";  // ros only
+  bool force = false;
+};
+
+bool WantsGrid(const ExportArguments& options) {
+  return options.format == "ros" || options.format == "octomap";
+}
+
+// A file of any kind, or the folder's result: grids are asked of its grid_map where it has one, all else of
+// its landmark_map, or where it has none of its local_map.
+Blob ReadSource(const ExportArguments& options) {
+  if (std::filesystem::is_regular_file(options.from)) return ReadFile(options.from, options.changed).blob;
+  bool grids = false, landmarks = false, locals = false;
+  for (const std::string& file : FilesOf(options.from)) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    grids |= kind == "grid_map";
+    landmarks |= kind == "landmark_map";
+    locals |= kind == "local_map";
+  }
+  const bool takes_grid = WantsGrid(options) || options.format == "png";
+  const bool grid = grids && takes_grid && (WantsGrid(options) || !landmarks);
+  const char* path = locals && !landmarks ? "local_map" : "landmark_map";
+  return ReadResult(options.from, grid ? "grid_map" : path, options.changed).blob;
+}
+
+datasets::RosMode ModeOf(const std::string& mode) {
+  if (mode == "scale") return datasets::RosMode::kScale;
+  return mode == "raw" ? datasets::RosMode::kRaw : datasets::RosMode::kTrinary;
+}
+
+datasets::Written Write(const ExportArguments& options, const Blob& blob) {
+  if (options.format == "tum") return datasets::ExportTum(blob, options.folder, options.force);
+  if (options.format == "ros") {
+    return datasets::ExportRos(blob, options.folder, options.force, ModeOf(options.mode));
+  }
+  if (options.format == "octomap") return datasets::ExportOctomap(blob, options.folder, options.force);
+  if (options.format == "png") return datasets::ExportPng(blob, options.folder, options.force);
+  if (options.format == "csv") return datasets::ExportCsv(blob, options.folder, options.force);
+  if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder, options.force);
+  const Blob log = ReadResult(options.log, "log", options.changed).blob;
+  return datasets::ExportG2o(blob, &log, options.folder, options.force);
+}
+
+int Export(const ExportArguments& options, const Invocation&) {
+  const Blob source = ReadSource(options);
+  for (const std::string& file : Take(Write(options, source))) std::printf("%s\n", file.c_str());
+  if (WantsGrid(options) && source.Has("map/landmark_x_m")) {
+    std::fprintf(stderr,
+                 "note: a landmark map says nothing of free space: where no landmark is nothing is known. To "
+                 "plan ways make a grid map (evidence_map, forward_map)\n");
+  }
+  return kExitDone;
+}
+
+void AddFormat(CLI::App& parent, Invocation& call, const char* format, const char* help) {
+  CLI::App* command = nullptr;
+  const std::string example = "cairn export " + std::string(format) + " result exported";
+  const auto options =
+      AddCommand<ExportArguments>(parent, call, format, help, example.c_str(), Export, &command);
+  options->format = format;
+  command->add_option("RESULT", options->from, "A result file, or the folder given as --out")->required();
+  command->add_option("FOLDER", options->folder, "Where to write; made where it is missing")->required();
+  AddChangedFlag(*command, &options->changed);
+  command->add_flag("--force", options->force, "Replace files that are there already");
+  if (options->format == "ros") {
+    command
+        ->add_option("--mode", options->mode,
+                     "trinary: occupied, free or unknown; scale: shades of grey; raw: 0 to 100, unknown 255")
+        ->check(CLI::IsMember({"trinary", "scale", "raw"}))
+        ->capture_default_str();
+  }
+  if (options->format == "g2o") {
+    command->add_option("--log", options->log,
+                        "The log that the result was made from: adds its observations");
+  }
+}
+
+}  // namespace
+
+void AddExport(CLI::App& app, Invocation& call) {
+  CLI::App* parent = app.add_subcommand("export", "Writes maps and trajectories for other tools");
+  parent->require_subcommand(1);
+  parent->footer("Example:\n  cairn export tum result exported");
+  AddFormat(*parent, call, "tum", "Trajectories, a file a robot, as TUM's tools and evo read them");
+  AddFormat(*parent, call, "g2o", "Poses, landmarks and their edges as a graph");
+  AddFormat(*parent, call, "ros", "The map as map_server of ROS reads it: PGM and YAML");
+  AddFormat(*parent, call, "octomap", "The grid as a layer of an octree, as OctoMap reads it: .bt");
+  AddFormat(*parent, call, "png", "The map as a picture; of a grid map a pixel a cell");
+  AddFormat(*parent, call, "csv",
+            "Tables: of a log those that `import csv` reads, of a result poses and landmarks");
+}
+
+}  // namespace cairn::cli

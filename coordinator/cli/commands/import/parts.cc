@@ -1,0 +1,92 @@
+#include "coordinator/cli/commands/import/parts.h"
+
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/job_file/inputs.h"
+#include "coordinator/cli/output/plan_text.h"
+#include "datasets/text_file.h"
+#include "datasets/unit_doubts.h"
+#include "schema/store/blob_file.h"
+#include "schema/text.h"
+
+namespace cairn::cli {
+namespace {
+
+void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& counts) {
+  for (const auto& [reason, count] : counts) {
+    std::fprintf(stderr, "cairn: %s %lld: %s\n", verb, static_cast<long long>(count), reason.c_str());
+  }
+}
+
+void PrintLines(const char* what, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::fprintf(stderr, "cairn: %s: %s\n", what, line.c_str());
+}
+
+void AddFigure(CLI::App& command, const char* flag, std::optional<double>& field, const char* help) {
+  command.add_option(flag, field, help)
+      ->check(CLI::NonNegativeNumber)
+      ->group("Nominal figures (else estimated)");
+}
+
+}  // namespace
+
+int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
+                const char* kind) {
+  if (const Status texts = CheckTexts(blob); !texts.ok()) throw InputError(texts.message());
+  if (!report.unit_doubts.empty()) {
+    if (!output.units_are_right) RefuseUnits("", report.unit_doubts);
+    datasets::NoteUnitsAreRight(&blob);
+    PrintLines("warning", report.unit_doubts);
+  }
+  Check(WriteBlobFile(output.out, kind, blob));
+  if (output.json) {
+    const nlohmann::ordered_json json = {{"file", output.out},           {"kind", kind},
+                                         {"content", ContentText(blob)}, {"read", report.read},
+                                         {"skipped", report.skipped},    {"left_out", report.dropped},
+                                         {"warnings", report.warnings}};
+    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return kExitDone;
+  }
+  PrintLines("warning", report.warnings);
+  PrintCounts("read", report.read);
+  PrintCounts("skipped", report.skipped);
+  PrintCounts("left out", report.dropped);
+  std::printf("%s: %s\n", output.out.c_str(), ContentText(blob).c_str());
+  return kExitDone;
+}
+
+void AddTextLimit(CLI::App& command) {
+  command
+      .add_option_function<std::uint64_t>(
+          "--max-text-mb",
+          [](std::uint64_t mb) { datasets::SetTextLimits({.file_bytes = mb << 20, .line_bytes = mb << 14}); },
+          "What a text file may hold, unpacked (1024); a line of it a 64th of that")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
+}
+
+void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal) {
+  AddFigure(command, "--heading-drift-rad-per-m", nominal.heading_drift_rad_per_m,
+            "sd of a constant drift of the heading");
+  AddFigure(command, "--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m,
+            "sd of the heading's random walk");
+  AddFigure(command, "--forward-ratio", nominal.forward_ratio,
+            "sd of the way's error, a fraction of the way");
+  AddFigure(command, "--turn-ratio", nominal.turn_ratio, "sd of a turn's error, a fraction of the turn");
+}
+
+void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal) {
+  AddFigure(command, "--press-m", nominal.press_m,
+            "sd of the distance between robot and landmark at a press, an axis");
+  AddFigure(command, "--range-m", nominal.range_m, "sd of a range");
+  AddFigure(command, "--bearing-rad", nominal.bearing_rad, "sd of a bearing");
+  AddFigure(command, "--max-range-m", nominal.max_range_m,
+            "largest range of the sensor; larger ones are bad lines");
+  AddFigure(command, "--field-of-view-rad", nominal.field_of_view_rad,
+            "full angle that the sensor sees, centred ahead; bearings outside it are bad lines");
+}
+
+}  // namespace cairn::cli

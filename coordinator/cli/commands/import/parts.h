@@ -1,0 +1,47 @@
+// What the import commands have in common.
+#pragma once
+
+#include <string>
+
+#include "coordinator/cli/common/invocation.h"
+#include "datasets/log_rows.h"
+#include "schema/blob.h"
+
+namespace cairn::cli {
+
+struct ImportOutput {
+  std::string out;
+  bool force = false, json = false;
+  bool units_are_right = false;  // read in what no robot does
+};
+
+// Refuses what no robot does, unless somebody insists. Writes the file; says what was read, skipped and left
+// out, and what the file holds, for people or as JSON. Returns the exit code.
+int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
+                const char* kind = "log");
+
+// Options for the nominal figures of the odometry, and of a sensor that sees landmarks.
+void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal);
+void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal);
+
+inline constexpr char kUnitsAreRight[] = "--units-are-right";
+
+// --max-text-mb.
+void AddTextLimit(CLI::App& command);
+
+// --skip-bad, --units-are-right, --max-text-mb, --force, --json, OUT.h5.
+template <class Options>
+void AddOutput(CLI::App& command, Options& options) {
+  command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
+  command.add_flag(kUnitsAreRight, options.units_are_right,
+                   "Take in what no robot does (60 m/s, two turns a second), instead of asking for units");
+  AddTextLimit(command);
+  command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
+  command.add_flag("--json", options.json, "Say what was read, skipped and left out as JSON");
+  command.add_option("OUT.h5", options.out, "The file to write")->required();
+}
+
+// `cairn import carmen` and the other recorded range logs.
+void AddRangeImports(CLI::App& import, Invocation& call);
+
+}  // namespace cairn::cli

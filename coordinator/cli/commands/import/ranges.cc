@@ -1,0 +1,151 @@
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "coordinator/cli/commands/import/parts.h"
+#include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/output/path.h"
+#include "datasets/import_carmen.h"
+#include "datasets/import_ranges.h"
+#include "datasets/import_tum.h"
+#include "schema/error.h"
+
+namespace cairn::cli {
+namespace {
+
+struct CarmenOptions : ImportOutput {
+  datasets::CarmenImportOptions import;
+  std::vector<std::string> mounts;
+  bool corrected = false, raw = false;
+};
+
+// SENSOR=X,Y,DEGREES
+std::pair<std::string, datasets::PoseM> ParseMount(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  std::vector<double> numbers;
+  for (std::size_t at = equals; at != std::string::npos && at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at + 1), text.size());
+    const auto number = ToReal(text.substr(at + 1, end - at - 1));
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
+    at = end;
+  }
+  const std::string sensor = text.substr(0, std::min(equals, text.size()));
+  const bool known = sensor == "laser" || (sensor.size() == 6 && sensor.starts_with("laser") &&
+                                           sensor.back() >= '2' && sensor.back() <= '5');
+  if (numbers.size() != 3 || !known)
+    throw InputError("--mount " + text + ": what is meant is SENSOR=X,Y,DEGREES, such as laser2=-0.2,0,180");
+  return {sensor, {numbers[0], numbers[1], numbers[2] * std::numbers::pi / 180}};
+}
+
+int ImportCarmen(const CarmenOptions& options, const Invocation&) {
+  using Poses = datasets::CarmenImportOptions::Poses;
+  RefuseToReplaceInput(options.out, {options.import.path});
+  RefuseToOverwrite(options.out, options.force);
+  datasets::CarmenImportOptions import = options.import;
+  if (options.corrected) import.poses = Poses::kCorrected;
+  if (options.raw) import.poses = Poses::kRaw;
+  for (const std::string& mount : options.mounts) import.mounts.insert(ParseMount(mount));
+  Blob log;
+  const datasets::ImportReport report = datasets::ImportCarmen(import, &log);
+  return StoreImport(options, log, report);
+}
+
+void AddCarmen(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<CarmenOptions>(
+      import, call, "carmen", "Logs of CARMEN: lasers, sonars, odometry (docs/datasets.md)",
+      "cairn import carmen intel.log.gz intel.h5", ImportCarmen, &command);
+  datasets::CarmenImportOptions& log = options->import;
+  command->add_option("LOG", log.path, "The log, plain or gzipped")->required();
+  CLI::Option* corrected = command->add_flag("--corrected", options->corrected,
+                                             "Its poses were mended by a program (else detected)");
+  command->add_flag("--raw", options->raw, "Its poses are odometry")->excludes(corrected);
+  command->add_flag("--numbered", log.numbered, "Time is a line's number, not its time stamp");
+  command->add_flag("--named-markers", log.named_markers,
+                    "Markers of the same text are at the same landmark; else nothing tells landmarks apart");
+  command->add_option("--laser-first-deg", log.first_deg,
+                      "Where the first beam points; for messages that do not say it (-90)");
+  command->add_option("--laser-step-deg", log.step_deg, "Angle from beam to beam; likewise")
+      ->check(CLI::Range(1e-3, 180.0));
+  command->add_option("--laser-max-range-m", log.max_range_m, "Reach: from there on nothing was met")
+      ->check(CLI::Range(1e-3, 1e3));
+  command->add_option("--sonar-max-range-m", log.sonar_max_range_m, "The same of the sonars")
+      ->check(CLI::Range(1e-3, 1e3));
+  command->add_option(
+      "--mount", options->mounts,
+      "Where a laser sits, SENSOR=X,Y,DEGREES on the robot, for laser, laser2 (rear), … (again: "
+      "of several)");
+  AddOdometryFigures(*command, log.nominal);
+  AddOutput(*command, *options);
+}
+
+struct RangeOptions : ImportOutput {
+  datasets::RangeImportOptions import;
+};
+
+template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
+int ImportRanges(const RangeOptions& options, const Invocation&) {
+  RefuseToReplaceInput(options.out, {options.import.path});
+  RefuseToReplaceDataset(options.out, options.import.path);
+  RefuseToOverwrite(options.out, options.force);
+  Blob log;
+  const datasets::ImportReport report = Import(options.import, &log);
+  return StoreImport(options, log, report);
+}
+
+template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
+void AddRanges(CLI::App& import, Invocation& call, const char* name, const char* what, const char* source,
+               const char* example) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<RangeOptions>(import, call, name, what, example, ImportRanges<Import>, &command);
+  command->add_option(source, options->import.path, "What to read, plain or gzipped")->required();
+  AddOdometryFigures(*command, options->import.nominal);
+  AddOutput(*command, *options);
+}
+
+struct TumOptions : ImportOutput {
+  datasets::TumImportOptions import;
+};
+
+int ImportTum(const TumOptions& options, const Invocation&) {
+  RefuseToReplaceInput(options.out, options.import.files);
+  RefuseToOverwrite(options.out, options.force);
+  Blob poses;
+  const datasets::ImportReport report = datasets::ImportTum(options.import, &poses);
+  return StoreImport(options, poses, report, "poses");
+}
+
+void AddTum(CLI::App& import, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<TumOptions>(import, call, "tum", "Trajectories, a file a robot, as a table of poses",
+                             "cairn import tum trajectories/robot.tum poses.h5", ImportTum, &command);
+  command->validate_positionals();  // by their endings: any number of trajectories, then the file to write
+  command
+      ->add_option(
+          "FILE", options->import.files,
+          "Lines of 'time x y z qx qy qz qw' (as evo reads them) or 'time x y heading'; plain or gzipped")
+      ->required()
+      ->check([](const std::string& name) { return name.ends_with(".h5") ? "a trajectory is a text" : ""; });
+  command->add_option(
+      "--robot", options->import.robots,
+      "The robot's name, as the log has it (again: of each file; else named after the files)");
+  AddOutput(*command, *options);
+}
+
+}  // namespace
+
+void AddRangeImports(CLI::App& import, Invocation& call) {
+  AddCarmen(import, call);
+  AddRanges<datasets::ImportPioneer>(import, call, "pioneer",
+                                     "A Pioneer robot's sonars and laser (docs/datasets.md)", "FOLDER",
+                                     "cairn import pioneer run1 run1.h5");
+  AddRanges<datasets::ImportDpSlam>(import, call, "dpslam", "Laser logs of DP-SLAM (docs/datasets.md)", "LOG",
+                                    "cairn import dpslam loop5.log.gz loop5.h5");
+  AddRanges<datasets::ImportWean>(import, call, "wean", "Laser logs of Wean Hall (docs/datasets.md)", "LOG",
+                                  "cairn import wean robotdata1.log.gz wean1.h5");
+  AddTum(import, call);
+}
+
+}  // namespace cairn::cli

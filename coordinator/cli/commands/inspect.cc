@@ -1,0 +1,121 @@
+#include "datasets/inspect.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/result_file.h"
+#include "coordinator/cli/output/text_table.h"
+#include "datasets/recognize.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InspectArguments {
+  std::string file;
+  bool json = false;
+};
+
+// A file of Cairn's in a folder: its name and its kind.
+using Found = std::vector<std::pair<std::string, std::string>>;
+
+bool IsResult(const std::string& kind) {
+  return kind != "log" && kind != "samples" && kind != "poses" && kind != "errors";
+}
+
+// What a person can do with the files of a folder, in the order of doing it.
+std::vector<std::string> NextCommands(const std::string& folder, const Found& files) {
+  std::vector<std::string> commands = {"cairn inspect " + folder + "/" + files.front().first};
+  const bool results = std::ranges::any_of(files, [](const auto& file) { return IsResult(file.second); });
+  if (results) {
+    commands.push_back("cairn report " + folder);
+    commands.push_back("cairn export csv " + folder + " " + folder + "-tables");
+  } else {
+    commands.push_back("cairn pipelines");
+  }
+  return commands;
+}
+
+std::string Doubtful(const std::string& folder, bool unfinished) {
+  return unfinished
+             ? "'" + folder +
+                   "' is the --out folder of a run that is not finished; the same `cairn run` again goes "
+                   "on with it"
+             : "'" + folder + "' holds nothing that Cairn knows (docs/my-own-log.md says what it reads)";
+}
+
+int InspectFolder(const InspectArguments& options) {
+  Found files;
+  for (const std::string& file : FilesOf(options.file)) {
+    const Result<BlobFileInfo> info = ListBlobFile(file);
+    if (info.ok()) files.emplace_back(fs::path(file).filename().string(), info.value().kind);
+  }
+  const bool run = fs::is_directory(fs::path(options.file) / ".cairn");
+  std::string what;
+  std::vector<std::string> commands;
+  if (!files.empty()) {
+    what = run ? "the --out folder of a run" : "a folder of Cairn files";
+    commands = NextCommands(options.file, files);
+  } else if (const auto recognized = datasets::Recognize(options.file)) {
+    what = recognized->what;
+    commands = {recognized->command};
+  } else {
+    throw InputError(Doubtful(options.file, run));
+  }
+  if (options.json) {
+    nlohmann::ordered_json json = {{"folder", options.file}, {"what", what}};
+    json["files"] = nlohmann::ordered_json::array();
+    for (const auto& [name, kind] : files) json["files"].push_back({{"name", name}, {"kind", kind}});
+    json["commands"] = commands;
+    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    return kExitDone;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [name, kind] : files) rows.push_back({"  " + name, kind});
+  std::printf("%s: %s\n%s", options.file.c_str(), what.c_str(), TextTable(rows).c_str());
+  for (const std::string& command : commands) std::printf("try: %s\n", command.c_str());
+  return kExitDone;
+}
+
+// Of a text it says which command reads it.
+[[noreturn]] void RefuseForeign(const std::string& file, const Status& status) {
+  if (const auto recognized = datasets::Recognize(file))
+    throw InputError("'" + file + "' looks like " + recognized->what +
+                     "; read it in: " + recognized->command);
+  Throw(status);
+}
+
+int Inspect(const InspectArguments& options, const Invocation&) {
+  if (fs::is_directory(options.file)) return InspectFolder(options);
+  const Result<datasets::Inspection> inspection = datasets::Inspect(options.file);
+  if (!inspection.ok()) RefuseForeign(options.file, inspection.status());
+  if (inspection.value().changed) WarnOfChanged(options.file);
+  std::fputs(
+      (options.json ? datasets::InspectJson(inspection.value()) : datasets::InspectText(inspection.value()))
+          .c_str(),
+      stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddInspect(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<InspectArguments>(app, call, "inspect", "What is in a Cairn file, every checksum looked at",
+                                   "cairn inspect log.h5", Inspect, &command);
+  command
+      ->add_option(
+          "FILE", options->file,
+          "A log, a result, a checkpoint; of a folder: what it looks like, and which command reads it")
+      ->required();
+  command->add_flag("--json", options->json, "As JSON");
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,83 @@
+// What a job's owner tells it: pause, resume, cancel, retry, delete, priority.
+#include <cstdio>
+
+#include "coordinator/cli/commands/client_arguments.h"
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/output/job_text.h"
+
+namespace cairn::cli {
+namespace {
+
+struct JobCommandsArguments {
+  ClientArguments client;
+  std::string action;
+  std::vector<std::string> jobs;
+  int priority = 0;
+  bool json = false;
+};
+
+// All are told, whatever one of them answers; then the first refusal is the command's.
+int Tell(const JobCommandsArguments& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  cairn::Status refused;
+  for (const std::string& job : options.jobs) {
+    const Result<wire::JobInfo> info = client.Command(job, options.action, options.priority);
+    if (!info.ok()) {
+      if (refused.ok()) refused = info.status();
+    } else if (options.json) {
+      std::fputs(JobJson(info.value()).c_str(), stdout);
+    } else {
+      std::printf("%s is %s%s\n", job.c_str(), info.value().state().c_str(),
+                  info.value().reason().empty() ? "" : (": " + info.value().reason()).c_str());
+    }
+  }
+  Check(refused);
+  return kExitDone;
+}
+
+std::shared_ptr<JobCommandsArguments> AddTelling(CLI::App& app, Invocation& call, const char* name,
+                                                 const char* summary, const char* example,
+                                                 CLI::App** command) {
+  auto options = AddCommand<JobCommandsArguments>(app, call, name, summary, example, Tell, command);
+  options->action = name;
+  AddClientArguments(**command, options->client);
+  (*command)->add_flag("--json", options->json, "As JSON");
+  return options;
+}
+
+}  // namespace
+
+void AddJobCommands(CLI::App& app, Invocation& call) {
+  struct OfJobs {
+    const char* name;
+    const char* summary;
+    const char* example;
+  };
+  CLI::App* command = nullptr;
+  for (const OfJobs& of : {
+           OfJobs{"pause", "Hands out no more tasks of a job, until resume", "cairn pause 1-museum"},
+           OfJobs{"resume", "Goes on with a job that is paused", "cairn resume 1-museum"},
+           OfJobs{"cancel", "Ends a job for good; the results of stages that are done stay",
+                  "cairn cancel 1-museum"},
+           OfJobs{"retry", "Goes on with a job that has failed, from its last checkpoint",
+                  "cairn retry 1-museum"},
+           OfJobs{"delete", "Forgets jobs that have ended, their results and logs", "cairn delete 1-museum"},
+       }) {
+    const auto options = AddTelling(app, call, of.name, of.summary, of.example, &command);
+    command->add_option("JOB", options->jobs, "Ids, as submit and list say them")->required();
+  }
+  const auto options = AddTelling(
+      app, call, "priority", "Gives a job a larger or smaller share of the workers; each step doubles it",
+      "cairn priority 1-museum 2", &command);
+  command
+      ->add_option_function<std::string>(
+          "JOB", [options](const std::string& job) { options->jobs = {job}; },
+          "Its id, as submit and list say it")
+      ->required();
+  command->add_option("N", options->priority, "-10 to 10; jobs begin with 0")
+      ->required()
+      ->check(CLI::Range(-10, 10));
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,172 @@
+#include <fnmatch.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "coordinator/cli/commands/client_arguments.h"
+#include "coordinator/cli/commands/report.h"
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/stop_signal.h"
+#include "coordinator/cli/output/console.h"
+#include "coordinator/cli/output/job_text.h"
+#include "coordinator/cli/output/pages.h"
+#include "coordinator/cli/output/service_text.h"
+#include "schema/store/atomic_file.h"
+#include "schema/store/blob_file.h"
+#include "schema/store/result_kind.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct JobsArguments {
+  ClientArguments client;
+  std::string job;                // status
+  std::vector<std::string> jobs;  // results
+  std::string out;                // results
+  std::string state, name;        // list, results: only those
+  bool json = false;
+  bool force = false;  // results
+};
+
+// Those of the state and the name (a pattern, as of files) that are asked for.
+std::vector<wire::JobInfo> Chosen(const JobsArguments& options, const std::vector<wire::JobInfo>& jobs) {
+  std::vector<wire::JobInfo> chosen;
+  for (const wire::JobInfo& job : jobs)
+    if ((options.state.empty() || job.state() == options.state) &&
+        (options.name.empty() || fnmatch(options.name.c_str(), job.name().c_str(), 0) == 0))
+      chosen.push_back(job);
+  return chosen;
+}
+
+int List(const JobsArguments& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  coordinator::JobList list = Take(client.List());
+  list.jobs = Chosen(options, list.jobs);
+  if (options.json) {
+    std::fputs(JobsJson(list).c_str(), stdout);
+  } else {
+    std::printf("%s%u worker%s\n%s%s%s", JobTable(list.jobs).c_str(), list.workers,
+                list.workers == 1 ? "" : "s", StoreText(list.store).c_str(),
+                RefusedText(list.refused).c_str(), WarningText(list.warning).c_str());
+  }
+  return kExitDone;
+}
+
+int Status(const JobsArguments& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  if (options.job.empty()) {
+    const coordinator::JobList list = Take(client.List());
+    const std::vector<wire::WorkerInfo> workers = Take(client.Workers());
+    std::fputs((options.json ? ServiceJson(list, workers) : ServiceText(list, workers)).c_str(), stdout);
+    return kExitDone;
+  }
+  const wire::JobInfo info = Take(client.Info(options.job));
+  const coordinator::JobList list = Take(client.List());
+  if (options.json) {
+    std::fputs(JobJson(info, &list.store).c_str(), stdout);
+    return kExitDone;
+  }
+  std::fputs(JobText(info).c_str(), stdout);
+  if (const std::string waits = WaitText(info, list.workers); !waits.empty())
+    std::printf("%s\n", waits.c_str());
+  return kExitDone;
+}
+
+// A result as it was fetched before.
+bool Holds(const std::string& file, const Blob& result) {
+  const Result<BlobFile> there = ReadBlobFile(file, {.only = {}, .without = {"provenance/"}});
+  return there.ok() && there.value().blob.ContentHash() == result.Without("provenance/").ContentHash();
+}
+
+// A file a stage, and the pages of what came: the log, for raw odometry and truth, stays with who has it.
+// What is there already and is another is only replaced by force, and else none is written.
+void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder, bool force) {
+  const std::map<std::string, BlobPtr> results = Take(client.Results(job));
+  if (results.empty()) throw InputError("job " + job + " has no results yet");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
+  for (const auto& [stage, blob] : results) {
+    const std::string file = (folder / (stage + ".h5")).string();
+    if (!force && fs::exists(fs::symlink_status(file)) && !Holds(file, *blob))
+      throw InputError("'" + file + "' is there already, and is not this result (--force replaces it)");
+  }
+  std::vector<std::string> names;
+  for (const auto& [stage, blob] : results) names.push_back(stage);
+  if (!force) RefuseToReplaceForeignPages(folder.string(), names);
+  std::vector<ScoredStage> stages;
+  for (const auto& [stage, blob] : results) {
+    const std::string file = (folder / (stage + ".h5")).string();
+    const std::string kind = ResultKind(*blob);
+    Check(WriteBlobFile(file, kind, *blob));
+    std::printf("%s\n", file.c_str());
+    stages.push_back({.name = stage, .kind = kind, .result = blob});
+  }
+  SortByJob(&stages);
+  const WrittenPages written = WritePages(folder, stages);
+  RememberPages(folder.string(), names);
+  for (const std::string& picture : written.pictures)
+    if (!picture.empty()) std::printf("%s\n", picture.c_str());
+  if (!written.report.empty()) std::printf("%s\n", written.report.c_str());
+}
+
+// Of one job into --out itself; of many each into a folder of its own there.
+int Results(const JobsArguments& options, const Invocation&) {
+  coordinator::Client client = ConnectClient(options.client);
+  std::vector<std::string> jobs = options.jobs;
+  const bool by_name = !options.name.empty();
+  if (by_name == !jobs.empty()) throw InputError("name the jobs, or say --name PATTERN");
+  if (by_name)
+    for (const wire::JobInfo& job : Chosen(options, Take(client.List()).jobs))
+      if (job.state() == "done") jobs.push_back(job.id());
+  if (jobs.empty()) throw InputError("no job that is done is called '" + options.name + "'");
+  for (const std::string& job : jobs) {
+    const fs::path folder = options.out.empty()          ? fs::path(job)
+                            : by_name || jobs.size() > 1 ? fs::path(options.out) / job
+                                                         : fs::path(options.out);
+    Fetch(client, job, folder, options.force);
+  }
+  return kExitDone;
+}
+
+std::shared_ptr<JobsArguments> AddClientCommand(CLI::App& app, Invocation& call, const char* name,
+                                                const char* summary, const char* example,
+                                                int (*run)(const JobsArguments&, const Invocation&),
+                                                CLI::App** command) {
+  auto options = AddCommand<JobsArguments>(app, call, name, summary, example, run, command);
+  AddClientArguments(**command, options->client);
+  return options;
+}
+
+}  // namespace
+
+void AddJobs(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  auto options = AddClientCommand(app, call, "list", "All jobs of a coordinator",
+                                  "cairn list --state running --name 'tour-*'", List, &command);
+  command->add_option("--state", options->state, "Only these")
+      ->check(CLI::IsMember({"queued", "running", "paused", "done", "failed", "cancelled"}));
+  command->add_option("--name", options->name, "Only those whose name matches this pattern");
+  command->add_flag("--json", options->json, "As JSON");
+
+  options = AddClientCommand(app, call, "status", "How a job stands, or the service: jobs, workers, refusals",
+                             "cairn status\n  cairn status 1-museum --json", Status, &command);
+  command->add_option("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
+  command->add_flag("--json", options->json, "As JSON");
+
+  options = AddClientCommand(app, call, "results",
+                             "Fetches the results of a job, a file a stage, with pictures and a page",
+                             "cairn results 1-museum --out museum", Results, &command);
+  command->add_option("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
+  command->add_option("--name", options->name, "All that are done whose name matches this pattern");
+  command->add_option("--out", options->out, "Folder to write to (the job's id)");
+  command->add_flag("--force", options->force,
+                    "Replace files that are there already and hold something else");
+}
+
+}  // namespace cairn::cli

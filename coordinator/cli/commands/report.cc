@@ -1,0 +1,175 @@
+#include "coordinator/cli/commands/report.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/result_file.h"
+#include "coordinator/cli/common/suggest.h"
+#include "coordinator/cli/output/pages.h"
+#include "coordinator/cli/output/path.h"
+#include "datasets/report/report.h"
+#include "schema/store/atomic_file.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportArguments {
+  bool changed = false;
+  std::string result;
+  std::string log;
+  std::string out;
+  bool force = false;
+};
+
+bool HasTruth(const Blob& log) { return !log.Sub("truth/").fields().empty(); }
+
+bool HasTruePoses(const Blob& log) {
+  return std::ranges::any_of(log.Sub("truth/robot/").fields(),
+                             [](const auto& field) { return field.first.ends_with("/poses/time_s"); });
+}
+
+bool IsMap(const std::string& kind) {
+  return kind == "landmark_map" || kind == "grid_map" || kind == "local_map";
+}
+
+datasets::ReportedStage Reported(const ScoredStage& stage) {
+  return {.name = stage.name,
+          .result = stage.result.get(),
+          .source = stage.source.get(),
+          .evaluation = stage.evaluation ? &*stage.evaluation : nullptr,
+          .grid_evaluation = stage.grid_evaluation ? &*stage.grid_evaluation : nullptr,
+          .local_evaluation = stage.local_evaluation ? &*stage.local_evaluation : nullptr};
+}
+
+// The stage that people look for.
+std::size_t MainStage(const std::vector<ScoredStage>& stages) {
+  std::size_t main = stages.size() - 1;
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    if (IsMap(stages[i].kind)) main = i;
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    if (stages[i].kind == "landmark_map") main = i;
+  return main;
+}
+
+// Beside the result, where nothing else is said.
+std::string DefaultOut(const std::string& result) {
+  const fs::path folder = fs::is_directory(result) ? fs::path(result) : fs::path(result).parent_path();
+  return (folder / "report.html").string();
+}
+
+// Where in its job's chain a result stands.
+std::string StageOf(const Blob& result, const std::string& file) {
+  return result.Has("provenance/stage") ? result.Text("provenance/stage") : fs::path(file).stem().string();
+}
+
+// The number of the line of the job that names the stage: those of a job in their order.
+std::size_t OrderOf(const ScoredStage& stage) {
+  if (!stage.result->Has("provenance/job_yaml")) return 0;
+  return stage.result->Text("provenance/job_yaml").find("- name: \"" + stage.name + "\"");
+}
+
+// The results that a page can show: the file, or all that are right in the folder, those of a job in its
+// order.
+std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPtr& log) {
+  const bool folder = fs::is_directory(options.result);
+  std::vector<ScoredStage> stages;
+  std::vector<std::string> found;
+  for (const std::string& file :
+       folder ? FilesOf(options.result) : std::vector{ResultPath(options.result, "")}) {
+    const std::string kind = Take(ListBlobFile(file)).kind;
+    found.push_back(file + ", a " + kind);
+    if (!datasets::HasReport(kind)) continue;
+    const auto blob = std::make_shared<const Blob>(ReadFile(file, options.changed).blob);
+    const bool takes_log = kind != "networks" && kind != "samples";
+    stages.push_back(
+        {.name = StageOf(*blob, file), .kind = kind, .result = blob, .source = takes_log ? log : nullptr});
+    stages.back().Score();
+  }
+  if (stages.empty())
+    throw InputError("there is no result in '" + options.result + "' that has a page" +
+                     (found.empty() ? std::string() : ": there is " + Join(found)));
+  SortByJob(&stages);
+  return stages;
+}
+
+int Report(const ReportArguments& options, const Invocation&) {
+  if (!fs::exists(options.result)) throw InputError("there is no file or folder '" + options.result + "'");
+  const std::string out = options.out.empty() ? DefaultOut(options.result) : options.out;
+  RefuseToOverwrite(out, options.force);
+  BlobPtr log;
+  if (!options.log.empty()) {
+    BlobFile file = ReadFile(options.log, options.changed);
+    if (file.kind != "log" && file.kind != "samples")
+      throw InputError(options.log + ": a " + file.kind + ", where a log or samples are needed");
+    log = std::make_shared<const Blob>(std::move(file.blob));
+  }
+  const std::vector<ScoredStage> stages = ReadStages(options, log);
+  if (log && std::ranges::all_of(stages, [](const ScoredStage& stage) { return stage.source == nullptr; }))
+    throw InputError("--log: networks are not made from a log");
+  Check(WriteTextAtomically(out, PageOf(stages)));
+  RememberPage(out);
+  std::printf("%s\n", out.c_str());
+  return kExitDone;
+}
+
+}  // namespace
+
+void ScoredStage::Score() {
+  if (!source) return;
+  if (kind == "landmark_map" && HasTruth(*source)) evaluation = datasets::Evaluate(*result, *source);
+  if (kind == "grid_map") grid_evaluation = datasets::EvaluateGrid(*result, *source);
+  if (kind == "local_map" && HasTruePoses(*source))
+    local_evaluation = datasets::EvaluateLocal(*result, *source);
+}
+
+void SortByJob(std::vector<ScoredStage>* stages) { std::ranges::stable_sort(*stages, {}, OrderOf); }
+
+std::string PageOf(const std::vector<ScoredStage>& stages) {
+  std::vector<datasets::ReportedStage> reported;
+  for (const ScoredStage& stage : stages) {
+    if (datasets::HasReport(stage.kind)) reported.push_back(Reported(stage));
+  }
+  return reported.empty() ? "" : datasets::JobReportHtml(reported);
+}
+
+WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& stages) {
+  WrittenPages written;
+  fs::create_directories(dir);
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const ScoredStage& stage = stages[i];
+    written.pictures.emplace_back();
+    if (!datasets::HasReport(stage.kind)) continue;
+    const fs::path folder = i == MainStage(stages) ? dir : dir / stage.name;
+    fs::create_directories(folder);
+    written.pictures.back() = (folder / (IsMap(stage.kind) ? "map.png" : "picture.png")).string();
+    Check(WriteTextAtomically(written.pictures.back(), datasets::StagePicturePng(Reported(stage))));
+  }
+  const std::string page = PageOf(stages);
+  if (page.empty()) return written;
+  written.report = (dir / "report.html").string();
+  Check(WriteTextAtomically(written.report, page));
+  return written;
+}
+
+void AddReport(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options =
+      AddCommand<ReportArguments>(app, call, "report", "One self-contained HTML page about a job's results",
+                                  "cairn report result --log log.h5 --out page.html", Report, &command);
+  command
+      ->add_option("RESULT", options->result,
+                   "A result file, or the folder given as --out: all that is in it")
+      ->required();
+  command->add_option("--log", options->log,
+                      "The log that it was made from: adds raw odometry, and truth; of a "
+                      "localization the samples: adds errors; of a grid_map adds scores");
+  command->add_option("--out", options->out, "The page to write (report.html beside the result)");
+  AddChangedFlag(*command, &options->changed);
+  command->add_flag("--force", options->force, "Replace the page where it is there already");
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <cstdio>
+#include <thread>
+
+#include "coordinator/cli/commands/run_summary.h"
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/programs.h"
+#include "coordinator/cli/common/stop_signal.h"
+#include "coordinator/cli/job_file/arguments.h"
+#include "coordinator/cli/job_file/inputs.h"
+#include "coordinator/cli/output/console.h"
+#include "coordinator/cli/output/pages.h"
+#include "coordinator/cli/output/plan_text.h"
+#include "coordinator/core/job.h"
+#include "coordinator/local/embedded.h"
+#include "coordinator/local/private_folder.h"
+#include "schema/process_limits.h"
+
+namespace cairn::cli {
+namespace {
+
+struct RunArguments {
+  JobArguments job;
+  std::string out;
+  int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::uint64_t task_memory_mb = 0;
+  double checkpoint_interval_s = coordinator::EmbeddedOptions().checkpoint_interval_s;
+  std::uint64_t checkpoint_rounds = 0;
+  bool force = false;
+  bool dry_run = false;
+  bool json = false;
+};
+
+int ExitCode(coordinator::EmbeddedEnd end) {
+  using coordinator::EmbeddedEnd;
+  switch (end) {
+    case EmbeddedEnd::kDone:
+    case EmbeddedEnd::kAlreadyDone:
+      return kExitDone;
+    case EmbeddedEnd::kInputError:
+    case EmbeddedEnd::kConflict:
+    case EmbeddedEnd::kBusy:
+      return kExitBadInput;
+    case EmbeddedEnd::kStopped:
+      return kExitStopped;
+    case EmbeddedEnd::kFailed:
+    case EmbeddedEnd::kPaused:
+      break;
+  }
+  return kExitFailed;
+}
+
+void Explain(const coordinator::EmbeddedResult& result, const std::string& out) {
+  using coordinator::EmbeddedEnd;
+  std::string text = result.reason;
+  if (result.end == EmbeddedEnd::kStopped) text = "stopped; the same command again goes on from here";
+  if (result.end == EmbeddedEnd::kPaused) text += "; the same command again goes on from here";
+  if (result.end == EmbeddedEnd::kConflict) text += " (--force starts anew in " + out + ")";
+  std::fprintf(stderr, "cairn: %s\n", text.c_str());
+}
+
+// Plans the first stage as a real run would, in a folder of its own that is gone afterwards.
+int DryRun(const RunArguments& options, const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
+           const Catalog& catalog) {
+  Result<coordinator::PrivateFolder> folder = coordinator::PrivateFolder::Make();
+  if (!folder.ok()) Throw(folder.status());
+  coordinator::EmbeddedOptions embedded;
+  embedded.dir = (folder.value().path() / "plan").string();
+  embedded.worker_program = WorkerProgram();
+  embedded.plan_only = true;
+  embedded.log = [](coordinator::Severity, const std::string&) {};
+  const coordinator::EmbeddedResult planned =
+      coordinator::RunEmbedded(embedded, job, inputs, {}, StopOnSignals());
+  if (planned.end != coordinator::EmbeddedEnd::kStopped && planned.end != coordinator::EmbeddedEnd::kDone) {
+    Explain(planned, embedded.dir);
+    return ExitCode(planned.end);
+  }
+  const Plan plan{job, inputs, catalog, planned.info.note(), planned.expected};
+  std::fputs((options.json ? PlanJson(plan) : PlanText(plan)).c_str(), stdout);
+  return kExitDone;
+}
+
+std::vector<std::string> StageNames(const proto::Job& job) {
+  std::vector<std::string> names;
+  for (const proto::Stage& stage : job.stages()) names.push_back(stage.name());
+  return names;
+}
+
+int Run(const RunArguments& options, const Invocation& call) {
+  const auto workers = static_cast<std::uint64_t>(std::max(0, options.workers));
+  Check(PrepareProcess({.files = 48 + 4 * workers, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
+  const Catalog catalog = LoadCatalog();
+  ParsedJob parsed = ResolveJob(options.job, catalog);
+  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, options.job.units_are_right);
+  if (options.dry_run) return DryRun(options, parsed.job, inputs, catalog);
+  coordinator::EmbeddedOptions embedded;
+  embedded.dir = options.out.empty() ? parsed.job.name() : options.out;
+  embedded.workers = options.workers;
+  embedded.worker_program = WorkerProgram();
+  embedded.task_memory_mb = options.task_memory_mb;
+  embedded.checkpoint_interval_s = options.checkpoint_interval_s;
+  embedded.checkpoint_rounds = options.checkpoint_rounds;
+  embedded.force = options.force;
+  const std::vector<std::string> stages = StageNames(parsed.job);
+  if (!options.force) RefuseToReplaceForeignPages(embedded.dir, stages);
+  Console console(call);
+  embedded.log = console.Sink();
+  const coordinator::EmbeddedResult result = coordinator::RunEmbedded(
+      embedded, parsed.job, inputs,
+      [&](const coordinator::EmbeddedProgress& progress) { console.Progress(progress.info); },
+      StopOnSignals());
+  console.Clear();
+  const int code = ExitCode(result.end);
+  if (code != kExitDone) {
+    Explain(result, embedded.dir);
+    return code;
+  }
+  RunSummary summary = Summarize(parsed, embedded.dir, result.results);
+  RememberPages(embedded.dir, stages);
+  if (result.end == coordinator::EmbeddedEnd::kAlreadyDone)
+    summary.note = "finished already; nothing was run";
+  if (result.resumed) summary.note = "resumed where it was";
+  std::fputs(options.json ? summary.Json().c_str() : summary.Text().c_str(), stdout);
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddRun(CLI::App& app, Invocation& call) {
+  CLI::App* command = nullptr;
+  const auto options = AddCommand<RunArguments>(
+      app, call, "run", "Runs a job here, on workers of its own; the same command again resumes it",
+      "cairn run job.yaml --out result\n  cairn run landmark_map log.h5 --set cell_m=0.5 --out result "
+      "--workers 4",
+      Run, &command);
+  AddJobArguments(*command, options->job);
+  command->add_option("--out", options->out, "Folder of the results (the job's name)");
+  command->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
+      ->check(CLI::Range(1, 1024));
+  command
+      ->add_option(
+          "--task-memory-mb", options->task_memory_mb,
+          "Memory that a task may take beside its inputs; the job's own limit counts where it is lower")
+      ->check(CLI::Range(std::uint64_t{1}, coordinator::kMostTaskMemory_mb));
+  command
+      ->add_option("--checkpoint-interval", options->checkpoint_interval_s,
+                   "Seconds between checkpoints, from which a run that is killed goes on")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  command
+      ->add_option("--checkpoint-rounds", options->checkpoint_rounds,
+                   "A checkpoint every so many rounds, instead of by seconds (0: by seconds)")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}));
+  command->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
+  command->add_flag("--dry-run", options->dry_run,
+                    "Check everything, plan the first stage, print the plan with estimates, run nothing");
+  command->add_flag("--json", options->json, "The summary, or the plan, as JSON");
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,85 @@
+#include "coordinator/cli/commands/simulate/halls.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/output/path.h"
+#include "datasets/simulate_hall.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+struct SimulateHallsArguments {
+  datasets::SimulateHallwayOptions hall;  // of the other two the seed alone counts
+  std::string out;
+  bool force = false;
+};
+
+int Publish(const SimulateHallsArguments& options, const Blob& log) {
+  Check(WriteBlobFile(options.out, "log", log));
+  const auto range = log.Get<double>("robot/0/sonar/range_m");
+  const auto cause = log.Get<std::uint8_t>("truth/robot/0/sonar/cause");
+  const auto heard = std::ranges::count_if(range, [](double r) { return !std::isnan(r); });
+  const auto doors = log.at("truth/doors/open").size();
+  std::printf("%s: %zu sonar readings, %td echoes, %td through %s\n", options.out.c_str(), range.size(),
+              heard, std::ranges::count(cause, 2),
+              doors == 1 ? "the door" : (std::to_string(doors) + " doors").c_str());
+  return kExitDone;
+}
+
+template <class Simulate>
+int Run(const SimulateHallsArguments& options, const Simulate& simulate) {
+  RefuseToOverwrite(options.out, options.force);
+  return Publish(options, simulate());
+}
+
+int Hallway(const SimulateHallsArguments& options, const Invocation&) {
+  return Run(options, [&] { return datasets::SimulateHallway(options.hall); });
+}
+
+int NarrowDoors(const SimulateHallsArguments& options, const Invocation&) {
+  return Run(options, [&] { return datasets::SimulateNarrowDoors(options.hall.seed); });
+}
+
+int SmoothWall(const SimulateHallsArguments& options, const Invocation&) {
+  return Run(options, [&] { return datasets::SimulateSmoothWall(options.hall.seed); });
+}
+
+std::shared_ptr<SimulateHallsArguments> AddHall(CLI::App& simulate, Invocation& call, const char* name,
+                                                const char* summary, const char* example,
+                                                int (*run)(const SimulateHallsArguments&, const Invocation&),
+                                                CLI::App** app) {
+  const auto options = AddCommand<SimulateHallsArguments>(simulate, call, name, summary, example, run, app);
+  (*app)
+      ->add_option("--seed", options->hall.seed, "Same seed, same log")
+      ->check(CheckSeed)
+      ->capture_default_str();
+  (*app)->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
+  (*app)->add_option("OUT.h5", options->out, "The log to write")->required();
+  return options;
+}
+
+}  // namespace
+
+void AddSimulateHalls(CLI::App& simulate, Invocation& call) {
+  CLI::App* app = nullptr;
+  const auto hallway =
+      AddHall(simulate, call, "hallway", "24 sonars along a hall with a door that few readings get through",
+              "cairn simulate hallway --door-readings 3 --seed 1 hallway.h5", Hallway, &app);
+  app->add_option("--door-readings", hallway->hall.door_readings,
+                  "How many get through it, exactly; the others are bounced off its posts")
+      ->check(CLI::Range(1, 24))
+      ->capture_default_str();
+  app->add_flag("--closed", hallway->hall.closed, "The same hall and drive, the door closed");
+  AddHall(simulate, call, "narrow-doors", "24 sonars along a hall with two narrow doors; somebody walks past",
+          "cairn simulate narrow-doors --seed 1 doors.h5", NarrowDoors, &app);
+  AddHall(simulate, call, "smooth-wall",
+          "24 sonars along 50 m, one wall a mirror for sound; somebody walks behind the robot",
+          "cairn simulate smooth-wall --seed 1 smooth.h5", SmoothWall, &app);
+}
+
+}  // namespace cairn::cli

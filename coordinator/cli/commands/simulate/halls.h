@@ -1,0 +1,12 @@
+// `cairn simulate hallway`, `narrow-doors`, `smooth-wall`: sonar logs for occupancy maps; `office`: for local
+// ones.
+#pragma once
+
+#include "coordinator/cli/common/invocation.h"
+
+namespace cairn::cli {
+
+void AddSimulateHalls(CLI::App& simulate, Invocation& call);
+void AddSimulateOffice(CLI::App& simulate, Invocation& call);
+
+}  // namespace cairn::cli

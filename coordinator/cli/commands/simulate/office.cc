@@ -1,0 +1,55 @@
+#include <cstdio>
+
+#include "coordinator/cli/commands/simulate/halls.h"
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/output/path.h"
+#include "datasets/simulate_loop.h"
+#include "datasets/simulate_office.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+struct SimulateOfficeArguments {
+  datasets::SimulateOfficeOptions office;
+  bool nobody = false, force = false;
+  std::string out;
+};
+
+int Simulate(const SimulateOfficeArguments& options, const Invocation&) {
+  RefuseToOverwrite(options.out, options.force);
+  datasets::SimulateOfficeOptions office = options.office;
+  office.persons = !options.nobody;
+  const Blob log = datasets::SimulateOffice(office);
+  Check(WriteBlobFile(options.out, "log", log));
+  const auto time = log.Get<double>("robot/0/sonar/time_s");
+  double way_m = 0;
+  for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) way_m += forward;
+  std::printf("%s: %zu sweeps over %.0f s and %.0f m, odometry ends %.1f m off\n", options.out.c_str(),
+              time.size(), time.back(), way_m, datasets::FinalOdometricErrorM(log, 0));
+  return kExitDone;
+}
+
+}  // namespace
+
+void AddSimulateOffice(CLI::App& simulate, Invocation& call) {
+  CLI::App* app = nullptr;
+  const auto options = AddCommand<SimulateOfficeArguments>(
+      simulate, call, "office",
+      "Sonars and infra-red on a turret through rooms and a corridor with metallic walls, again and again",
+      "cairn simulate office --seed 1 office.h5", Simulate, &app);
+  datasets::SimulateOfficeOptions& office = options->office;
+  app->add_option("--minutes", office.minutes, "Of driving")
+      ->check(CLI::Range(1.0, 120.0))
+      ->capture_default_str();
+  app->add_flag("--moved", office.moved, "In the middle of the drive half of the furniture moves");
+  app->add_flag("--turned", office.turned, "One more room, at the corridor's end, turned by 30 degrees");
+  app->add_flag("--hints", office.hints, "Somebody marks the doorways that the robot drives through");
+  app->add_flag("--nobody", options->nobody, "The same drive, and nobody else in the office");
+  app->add_option("--seed", office.seed, "Same seed, same log")->check(CheckSeed)->capture_default_str();
+  app->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
+  app->add_option("OUT.h5", options->out, "The log to write")->required();
+}
+
+}  // namespace cairn::cli

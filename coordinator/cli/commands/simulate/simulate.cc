@@ -1,0 +1,131 @@
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "coordinator/cli/commands/simulate/halls.h"
+#include "coordinator/cli/commands/simulate/loop_options.h"
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/common/suggest.h"
+#include "coordinator/cli/output/path.h"
+#include "datasets/simulate_corridor.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::cli {
+namespace {
+
+struct SimulateArguments {
+  datasets::SimulateLoopOptions loop;
+  std::string out;
+  bool force = false;
+};
+
+int Simulate(const SimulateArguments& options, const Invocation&) {
+  RefuseToOverwrite(options.out, options.force);
+  const Blob log = datasets::SimulateLoop(options.loop);
+  Check(WriteBlobFile(options.out, "log", log));
+  std::printf("%s: %d robot%s, %zu landmarks in truth, odometry ends %.1f m off\n", options.out.c_str(),
+              options.loop.robots, options.loop.robots == 1 ? "" : "s",
+              log.Texts("truth/landmarks/name").size(), datasets::FinalOdometricErrorM(log, 0));
+  return kExitDone;
+}
+
+struct CorridorOptions {
+  datasets::SimulateCorridorOptions corridor;
+  std::string out, pictures;
+  bool force = false;
+};
+
+void WritePictures(const std::string& folder, const std::vector<datasets::CorridorPicture>& pictures) {
+  for (const datasets::CorridorPicture& picture : pictures) {
+    const std::string path = folder + "/" + picture.name + ".png";
+    std::ofstream file(path, std::ios::binary);
+    file << picture.png;
+    file.close();
+    if (!file) throw InputError("cannot write '" + path + "'");
+  }
+}
+
+int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
+  RefuseToOverwrite(options.out, options.force);
+  if (!options.pictures.empty() && !std::filesystem::is_directory(options.pictures))
+    throw InputError("there is no folder '" + options.pictures + "' to write pictures to");
+  std::vector<datasets::CorridorPicture> pictures;
+  const Blob samples =
+      datasets::SimulateCorridor(options.corridor, options.pictures.empty() ? nullptr : &pictures);
+  WritePictures(options.pictures, pictures);
+  Check(WriteBlobFile(options.out, "samples", samples));
+  std::printf("%s: %d run%s of %d snapshots, %zu inputs, features: %s\n", options.out.c_str(),
+              options.corridor.runs, options.corridor.runs == 1 ? "" : "s", options.corridor.snapshots,
+              samples.Texts("input_name").size(), Join(samples.Texts("feature_name")).c_str());
+  return kExitDone;
+}
+
+void AddCorridor(CLI::App* simulate, Invocation& call) {
+  CLI::App* app = nullptr;
+  const auto options = AddCommand<CorridorOptions>(
+      *simulate, call, "corridor",
+      "Samples of a camera and 24 sonars in an office corridor, with doors and ceiling lights as features",
+      "cairn simulate corridor --set d1 --seed 1 corridor.h5", SimulateCorridor, &app);
+  datasets::SimulateCorridorOptions& corridor = options->corridor;
+  app->add_option("--set", corridor.set, "Where the camera points: d1 outer wall, d2 inner wall, d3 ceiling")
+      ->check(CLI::IsMember(datasets::CorridorSets()))
+      ->capture_default_str();
+  app->add_option("--runs", corridor.runs, "Drives through the corridor")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app->add_option("--snapshots", corridor.snapshots, "Of a run, at even times")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
+  app->add_option("--length-m", corridor.length_m, "Of the corridor")
+      ->check(CLI::Range(30.0, 1000.0))
+      ->capture_default_str();
+  app->add_option("--label-error-m", corridor.label_error_m,
+                  "Error of the position labels, along and across: standard deviation")
+      ->check(CLI::Range(0.0, 5.0))
+      ->capture_default_str();
+  app->add_option("--seed", corridor.seed, "Same seed, same corridor and runs")
+      ->check(CheckSeed)
+      ->capture_default_str();
+  app->add_flag("--odometry", corridor.odometry,
+                "The file also holds what odometry makes of the way from each snapshot to the next");
+  app->add_flag("--both-ways", corridor.both_ways,
+                "Every other run comes back; the camera then points at the other wall");
+  app->add_option("--changed", corridor.changed,
+                  "Share of posters, boards, doors' paint and bins that others have replaced since")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app->add_flag("--images", corridor.images,
+                "The images themselves instead of 140 inputs (for image_features)");
+  app->add_option("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");
+  app->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
+  app->add_option("OUT.h5", options->out, "The samples to write")->required();
+}
+
+}  // namespace
+
+void AddSimulate(CLI::App& app, Invocation& call) {
+  CLI::App* simulate = app.add_subcommand("simulate", "Makes a synthetic log, with its ground truth inside");
+  simulate->require_subcommand(1);
+  simulate->footer("Example:\n  cairn simulate loop --difficulty base --robots 4 --seed 1 log.h5");
+  CLI::App* loop = nullptr;
+  const auto options = AddCommand<SimulateArguments>(
+      *simulate, call, "loop",
+      "Robots in corridors round a large cycle; a button is pressed at each junction",
+      "cairn simulate loop --difficulty paper --types 3 --confusion 0.1 --seed 7 log.h5", Simulate, &loop);
+  loop->add_option("--difficulty", options->loop.difficulty, "How hard (paper, base, hard, extreme, museum)")
+      ->check(CLI::IsMember(LoopDifficultyNames()))
+      ->capture_default_str();
+  AddLoopOptions(loop, &options->loop);
+  loop->add_option("--seed", options->loop.seed, "Same seed, same log")
+      ->check(CheckSeed)
+      ->capture_default_str();
+  loop->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
+  loop->add_option("OUT.h5", options->out, "The log to write")->required();
+  AddCorridor(simulate, call);
+  AddSimulateHalls(*simulate, call);
+  AddSimulateOffice(*simulate, call);
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,12 @@
+#include "coordinator/cli/common/invocation.h"
+
+namespace cairn::cli {
+
+// For `cairn --help` alone: `cairn worker …` becomes cairn-worker before the command line is parsed.
+void AddWorker(CLI::App& app, Invocation&) {
+  CLI::App* command =
+      app.add_subcommand("worker", "Computes tasks for a coordinator, here or on another machine");
+  command->footer("Example:\n  cairn worker --connect tcp://hub:7000 --key desk.key --server-key hub.pub");
+}
+
+}  // namespace cairn::cli

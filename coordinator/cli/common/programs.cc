@@ -1,0 +1,76 @@
+#include "coordinator/cli/common/programs.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "coordinator/cli/common/failure.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// All that comes out of a pipe until its other end is closed.
+std::string Drain(int fd) {
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (true) {
+    const ssize_t n = read(fd, buffer.data(), buffer.size());
+    if (n > 0)
+      text.append(buffer.data(), static_cast<std::size_t>(n));
+    else if (n == 0 || errno != EINTR)
+      return text;
+  }
+}
+
+std::string ProgramBesideThis(const std::string& name) {
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (error) throw WorldError("cannot find out where this program lies: " + error.message());
+  const fs::path program = self.parent_path() / name;
+  if (!fs::exists(program))
+    throw WorldError(name + " is missing; it belongs beside this program: " + program.string());
+  return program.string();
+}
+
+int WaitFor(pid_t pid) {
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+}  // namespace
+
+std::string WorkerProgram() { return ProgramBesideThis("cairn-worker"); }
+
+std::string ImagesProgram() { return ProgramBesideThis("cairn-images"); }
+
+std::string OutputOf(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw WorldError(std::string("no pipe: ") + std::strerror(errno));
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  pid_t pid = 0;
+  const int failed = posix_spawn(&pid, program.c_str(), &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  const std::string text = failed == 0 ? Drain(ends[0]) : "";
+  close(ends[0]);
+  if (failed != 0) throw WorldError(program + " cannot be run: " + std::strerror(failed));
+  if (WaitFor(pid) != 0) throw WorldError(program + " failed");
+  return text;
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,63 @@
+#include "coordinator/cli/common/result_file.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/suggest.h"
+
+namespace cairn::cli {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> FilesOf(const std::string& folder) {
+  if (!fs::is_directory(folder)) throw InputError("there is no file or folder '" + folder + "'");
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && entry.path().extension() == ".h5") files.push_back(entry.path().string());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::string ResultPath(const std::string& path, const std::string& kind) {
+  if (fs::is_regular_file(path)) return path;
+  std::vector<std::string> results;
+  for (const std::string& file : FilesOf(path)) {
+    if (Take(ListBlobFile(file)).kind == kind) results.push_back(file);
+  }
+  if (results.empty()) throw InputError("there is no " + kind + " in '" + path + "'");
+  if (results.size() > 1) throw InputError("which one of '" + path + "'? " + Join(results));
+  return results[0];
+}
+
+void AddChangedFlag(CLI::App& command, bool* changed_too) {
+  command.add_flag("--changed", *changed_too,
+                   "Take a result although another program has changed it since Cairn wrote it");
+}
+
+void WarnOfChanged(const std::string& path) {
+  std::fprintf(stderr, "cairn: warning: another program has changed %s since Cairn wrote it\n", path.c_str());
+}
+
+BlobFile ReadFile(const std::string& path, bool changed_too) {
+  BlobFile file = Take(ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true}));
+  if (!file.changed) return file;
+  if (!changed_too && file.kind != "log" && file.kind != "samples")
+    throw InputError(
+        path +
+        ": another program has changed it since Cairn wrote it, so it is not what Cairn computed; "
+        "--changed takes it as it is");
+  WarnOfChanged(path);
+  return file;
+}
+
+BlobFile ReadResult(const std::string& path, const std::string& kind, bool changed_too) {
+  const std::string file = ResultPath(path, kind);
+  BlobFile result = ReadFile(file, changed_too);
+  if (result.kind != kind) throw InputError(file + ": a " + result.kind + ", where a " + kind + " is needed");
+  return result;
+}
+
+}  // namespace cairn::cli

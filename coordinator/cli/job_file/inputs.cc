@@ -1,0 +1,111 @@
+#include "coordinator/cli/job_file/inputs.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/result_file.h"
+#include "datasets/unit_doubts.h"
+#include "schema/store/blob_file.h"
+#include "schema/store/blob_stream.h"
+
+namespace cairn::cli {
+
+namespace {
+
+bool IsNeededAs(const std::string& role, const proto::Job& job, const std::string& input) {
+  for (const proto::Stage& stage : job.stages()) {
+    const auto source = stage.inputs().find(role);
+    if (source != stage.inputs().end() && source->second == input) return true;
+  }
+  return false;
+}
+
+// Two roles have the name of the kind of file that they need; of others the pipeline knows.
+void RefuseOtherKind(const proto::Job& job, const std::string& name, const JobInput& input,
+                     const std::string& kind) {
+  for (const auto& [role, needed] : {std::pair{"log", "a log is"}, {"samples", "samples are"}}) {
+    if (kind != role && IsNeededAs(role, job, name))
+      throw InputError(input.where + ": " + input.path + ": " + (kind == "samples" ? "" : "a ") + kind +
+                       ", where " + needed + " needed");
+  }
+}
+
+using Doubts = std::vector<std::string>;
+
+Doubts DoubtsOf(const std::string& kind, const Blob& blob) {
+  const bool has_units = kind == "log" || kind == "samples" || kind == "poses";
+  return has_units ? datasets::UnitDoubtsOf(blob) : Doubts();
+}
+
+Status Named(const JobInput& input, const Status& status) {
+  return {status.code(), input.where + ": " + status.message()};
+}
+
+void Accept(const proto::Job& job, const std::string& name, const JobInput& input, const std::string& kind,
+            bool changed, const Doubts& doubts) {
+  if (changed) WarnOfChanged(input.path);  // the job knows it by its content
+  RefuseOtherKind(job, name, input, kind);
+  if (!doubts.empty()) RefuseUnits(input.where + ": " + input.path + ": ", doubts);
+}
+
+class FileBytes : public coordinator::InputBytes {
+ public:
+  static Result<std::unique_ptr<coordinator::InputBytes>> Open(const std::string& path,
+                                                               const wire::BlobMeta& meta) {
+    Result<store::ChildStream> stream = StreamArrays(path, meta);
+    if (!stream.ok()) return stream.status();
+    return std::unique_ptr<coordinator::InputBytes>(new FileBytes(std::move(stream).value()));
+  }
+  Status Read(std::span<std::byte> bytes) override { return stream_.Read(bytes); }
+
+ private:
+  explicit FileBytes(store::ChildStream stream) : stream_(std::move(stream)) {}
+  store::ChildStream stream_;
+};
+
+}  // namespace
+
+void RefuseUnits(const std::string& where, const std::vector<std::string>& doubts) {
+  constexpr std::size_t kMost = 4;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, doubts.size()); ++i)
+    text += (i == 0 ? "" : "; and ") + where + doubts[i];
+  if (doubts.size() > kMost) text += "; and " + std::to_string(doubts.size() - kMost) + " like these";
+  throw InputError(text + " (--units-are-right takes it as it is)");
+}
+
+std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed, bool units_are_right) {
+  std::map<std::string, BlobPtr> blobs;
+  for (const auto& [name, input] : parsed.inputs) {
+    Result<BlobFile> file = ReadBlobFileWithoutTruth(input.path, true);
+    if (!file.ok()) Throw(Named(input, file.status()));
+    const std::string& kind = file.value().kind;
+    Accept(parsed.job, name, input, kind, file.value().changed,
+           units_are_right ? Doubts() : DoubtsOf(kind, file.value().blob));
+    auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
+    (*parsed.job.mutable_input_blobs())[name] = blob->ContentHash().Binary();
+    blobs[name] = std::move(blob);
+  }
+  return blobs;
+}
+
+std::map<std::string, coordinator::Input> LookAtJobInputs(ParsedJob& parsed, bool units_are_right) {
+  std::map<std::string, coordinator::Input> inputs;
+  for (const auto& [name, input] : parsed.inputs) {
+    const Result<BlobFileFacts> looked =
+        LookAtBlobFileWithoutTruth(input.path, [units_are_right](const std::string& kind, const Blob& blob) {
+          return units_are_right ? Doubts() : DoubtsOf(kind, blob);
+        });
+    if (!looked.ok()) Throw(Named(input, looked.status()));
+    const BlobFileFacts& facts = looked.value();
+    Accept(parsed.job, name, input, facts.kind, facts.changed, facts.remarks);
+    (*parsed.job.mutable_input_blobs())[name] = facts.meta.hash();
+    inputs[name] = {facts.meta,
+                    [path = input.path, meta = facts.meta] { return FileBytes::Open(path, meta); }};
+  }
+  return inputs;
+}
+
+}  // namespace cairn::cli

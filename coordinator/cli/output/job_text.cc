@@ -1,0 +1,153 @@
+#include "coordinator/cli/output/job_text.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/output/progress_line.h"
+#include "coordinator/cli/output/text_table.h"
+#include "coordinator/store/use.h"
+
+namespace cairn::cli {
+namespace {
+
+nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
+  return {{"id", job.id()},
+          {"name", job.name()},
+          {"state", job.state()},
+          {"reason", job.reason()},
+          {"stage", job.stage()},
+          {"stages", job.stages()},
+          {"stage_name", job.stage_name()},
+          {"round", job.round()},
+          {"tasks", job.tasks()},
+          {"tasks_done", job.tasks_done()},
+          {"rounds_left", job.rounds_left()},
+          {"workers", job.workers()},
+          {"eta_s", job.eta_s() > 0 ? nlohmann::ordered_json(job.eta_s()) : nlohmann::ordered_json()},
+          {"note", job.note()},
+          {"seconds", job.seconds()},
+          {"priority", job.priority()},
+          {"retries", job.retries()},
+          {"failures", std::vector<std::string>(job.failures().begin(), job.failures().end())},
+          {"input_error", job.input_error()}};
+}
+
+nlohmann::ordered_json ToJson(const coordinator::StoreFacts& store) {
+  return {{"bytes", store.bytes}, {"limit_bytes", store.limit_bytes}};
+}
+
+// "1/2 landmarks"
+std::string StageText(const wire::JobInfo& job) {
+  const std::string name = job.stage_name().empty() ? "" : " " + job.stage_name();
+  return std::to_string(std::min(job.stage() + 1, job.stages())) + "/" + std::to_string(job.stages()) + name;
+}
+
+// Of the stage under way: nobody knows what the later ones will take.
+std::string LeftText(const wire::JobInfo& job) {
+  if (job.state() != "running") return "";
+  if (job.eta_s() <= 0) return "unknown";
+  const std::uint32_t later = job.stages() - std::min(job.stage() + 1, job.stages());
+  return "about " + Duration(job.eta_s()) +
+         (later == 0 ? ""
+                     : " of this stage, and " + std::to_string(later) +
+                           (later == 1 ? " stage more" : " stages more"));
+}
+
+}  // namespace
+
+std::string Dump(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
+  std::vector<std::vector<std::string>> rows = {
+      {"job", "name", "state", "stage", "round", "tasks", "workers", "time", "left", "note"}};
+  for (const wire::JobInfo& job : jobs)
+    rows.push_back(
+        {job.id(), job.name(), job.state(), StageText(job), std::to_string(job.round()),
+         job.tasks() > 0 ? std::to_string(job.tasks_done()) + "/" + std::to_string(job.tasks()) : "",
+         std::to_string(job.workers()), Duration(job.seconds()), job.eta_s() > 0 ? Duration(job.eta_s()) : "",
+         job.reason().empty() ? job.note() : job.reason()});
+  return TextTable(rows);
+}
+
+std::string JobText(const wire::JobInfo& job) {
+  std::string text;
+  const auto line = [&text](const char* what, const std::string& value) {
+    if (value.empty()) return;
+    char column[16];
+    std::snprintf(column, sizeof column, "%-9s", what);
+    text += column + value + "\n";
+  };
+  line("job", job.id());
+  line("name", job.name());
+  line("state", job.state());
+  line("reason", job.reason());
+  line("priority", job.priority() == 0 ? "" : std::to_string(job.priority()));
+  line("stage", std::to_string(std::min(job.stage() + 1, job.stages())) + " of " +
+                    std::to_string(job.stages()) + (job.stage_name().empty() ? "" : ", " + job.stage_name()));
+  line("round",
+       std::to_string(job.round()) + (job.rounds_left() == 0 || IsOver(job)
+                                          ? ""
+                                          : ", about " + std::to_string(job.rounds_left()) + " to do"));
+  if (job.tasks() > 0)
+    line("tasks", std::to_string(job.tasks_done()) + " of " + std::to_string(job.tasks()) + " in this round");
+  line("workers", IsOver(job) ? "" : std::to_string(job.workers()) + " at work on it");
+  line("time", Duration(job.seconds()));
+  line("left", LeftText(job));
+  line("note", job.note());
+  if (job.retries() > 0) line("retries", std::to_string(job.retries()) + " in all, the last:");
+  for (const std::string& failure : job.failures()) line("", failure);
+  return text;
+}
+
+std::string JobJson(const wire::JobInfo& job, const coordinator::StoreFacts* store) {
+  nlohmann::ordered_json json = ToJson(job);
+  if (store != nullptr) json["store"] = ToJson(*store);
+  return Dump(json);
+}
+
+std::string StoreText(const coordinator::StoreFacts& store) {
+  const std::string of =
+      store.limit_bytes == 0 ? "" : " of " + coordinator::BytesText(store.limit_bytes) + " allowed";
+  return "store    " + coordinator::BytesText(store.bytes) + of + "\n";
+}
+
+std::string WarningText(const std::string& warning) {
+  return warning.empty() ? "" : "warning  " + warning + "\n";
+}
+
+std::string RefusedText(const std::map<std::string, std::uint64_t>& refused) {
+  std::string text;
+  for (const auto& [kind, count] : refused)
+    text += (text.empty() ? "refused  " : ", ") + kind + " " + std::to_string(count);
+  return text.empty() ? "" : text + "\n";
+}
+
+std::string JobsJson(const coordinator::JobList& list) {
+  nlohmann::ordered_json json = {{"workers", list.workers},
+                                 {"refused", list.refused},
+                                 {"warning", list.warning},
+                                 {"store", ToJson(list.store)},
+                                 {"jobs", nlohmann::ordered_json::array()}};
+  for (const wire::JobInfo& job : list.jobs) json["jobs"].push_back(ToJson(job));
+  return Dump(json);
+}
+
+std::string WaitText(const wire::JobInfo& job, unsigned workers) {
+  if ((job.state() != "queued" && job.state() != "running") || workers > 0) return "";
+  return "waiting: no worker is connected (start 'cairn worker')";
+}
+
+bool IsOver(const wire::JobInfo& job) {
+  return job.state() == "done" || job.state() == "failed" || job.state() == "cancelled";
+}
+
+int ExitCodeOf(const wire::JobInfo& job) {
+  if (job.state() == "done") return kExitDone;
+  return job.input_error() ? kExitBadInput : kExitFailed;
+}
+
+}  // namespace cairn::cli

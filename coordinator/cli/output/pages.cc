@@ -1,0 +1,95 @@
+#include "coordinator/cli/output/pages.h"
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <span>
+
+#include "coordinator/cli/common/failure.h"
+#include "schema/hash.h"
+#include "schema/store/atomic_file.h"
+#include "schema/store/regular_file.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path RecordOf(const std::string& dir) { return fs::path(dir) / ".cairn-pages"; }
+
+// Within `dir`.
+std::vector<std::string> PagesOf(const std::vector<std::string>& stages) {
+  std::vector<std::string> pages;
+  for (const char* page : {"map.png", "picture.png", "report.html"}) {
+    pages.emplace_back(page);
+    for (const std::string& stage : stages) pages.push_back(stage + "/" + page);
+  }
+  return pages;
+}
+
+// Empty where there is none that can be read.
+std::string HashOfFile(const fs::path& path) {
+  const Result<RegularFile> file = RegularFile::Open(path);
+  if (!file.ok()) return "";
+  std::vector<std::byte> bytes(file.value().size());
+  if (file.value().ReadAt(bytes, 0) != 0) return "";
+  Hasher hasher;
+  hasher.Add(std::span<const std::byte>(bytes));
+  return hasher.Finish().Hex();
+}
+
+// Name -> hash. A record that is damaged says too little, never too much.
+std::map<std::string, std::string> ReadRecord(const std::string& dir) {
+  std::map<std::string, std::string> hashes;
+  std::ifstream record(RecordOf(dir));
+  for (std::string hash, name; record >> hash >> name;) hashes[name] = hash;
+  return hashes;
+}
+
+void WriteRecord(const std::string& dir, const std::map<std::string, std::string>& hashes) {
+  std::string lines;
+  for (const auto& [page, hash] : hashes) lines += hash + " " + page + "\n";
+  Check(WriteTextAtomically(RecordOf(dir), lines));
+}
+
+}  // namespace
+
+void RefuseToReplaceForeignPages(const std::string& dir, const std::vector<std::string>& stages) {
+  const bool from_before = !fs::exists(RecordOf(dir)) && fs::is_directory(fs::path(dir) / ".cairn");
+  if (from_before) return;  // a run of a version that kept no record
+  const std::map<std::string, std::string> known = ReadRecord(dir);
+  for (const std::string& page : PagesOf(stages)) {
+    const fs::path path = fs::path(dir) / page;
+    if (!fs::exists(fs::symlink_status(path))) continue;
+    const auto hash = known.find(page);
+    if (hash == known.end() || hash->second != HashOfFile(path))
+      throw InputError(
+          "'" + path.string() +
+          "' is there already, and is not what cairn wrote here: move it away, or say --force to "
+          "have it replaced");
+  }
+}
+
+void RememberPages(const std::string& dir, const std::vector<std::string>& stages) {
+  std::map<std::string, std::string> hashes;
+  for (const std::string& page : PagesOf(stages))
+    if (const std::string hash = HashOfFile(fs::path(dir) / page); !hash.empty()) hashes[page] = hash;
+  if (!hashes.empty()) WriteRecord(dir, hashes);
+}
+
+void RememberPage(const std::string& path) {
+  const std::string dir = fs::absolute(path).parent_path().string();
+  if (!fs::exists(RecordOf(dir))) return;
+  std::map<std::string, std::string> hashes = ReadRecord(dir);
+  hashes[fs::path(path).filename().string()] = HashOfFile(path);
+  WriteRecord(dir, hashes);
+}
+
+void RefuseToFill(const std::string& folder, bool force) {
+  if (force || !fs::is_directory(folder) || fs::is_empty(folder)) return;
+  if (!fs::is_directory(fs::path(folder) / "results"))
+    throw InputError("'" + folder +
+                     "' holds files of something else; name a new folder (--force writes there)");
+}
+
+}  // namespace cairn::cli

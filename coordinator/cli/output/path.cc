@@ -1,0 +1,40 @@
+#include "coordinator/cli/output/path.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "schema/error.h"
+
+namespace cairn::cli {
+
+void RefuseToReplaceInput(const std::string& path, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code ignored;  // of files that are not there: not the same
+    if (!input.empty() && std::filesystem::equivalent(path, input, ignored))
+      throw InputError("'" + path + "' is an input; it would be overwritten");
+  }
+}
+
+void RefuseToReplaceDataset(const std::string& path, const std::string& folder) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(folder)) return;  // which the import says
+  std::vector<std::string> inputs;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    for (const char* ending : {".dat", ".dat.gz", ".txt", ".txt.gz"}) {
+      if (name.ends_with(ending)) inputs.push_back(entry.path().string());
+    }
+  }
+  RefuseToReplaceInput(path, inputs);
+}
+
+void RefuseToOverwrite(const std::string& path, bool force) {
+  namespace fs = std::filesystem;
+  if (path.empty()) throw InputError("the name of the file to write is empty");
+  if (fs::is_directory(path)) throw InputError("'" + path + "' is a folder; a file is needed");
+  if (fs::exists(path) && !force) throw InputError("'" + path + "' is there already (--force replaces it)");
+  const fs::path folder = fs::absolute(path).parent_path();
+  if (!fs::is_directory(folder)) throw InputError("there is no folder '" + folder.string() + "' to write to");
+}
+
+}  // namespace cairn::cli

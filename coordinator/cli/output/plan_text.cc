@@ -1,0 +1,144 @@
+#include "coordinator/cli/output/plan_text.h"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace cairn::cli {
+namespace {
+
+std::string Decimal(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return {text, end};
+}
+
+std::string Megabytes(std::size_t bytes) {
+  return Decimal(std::round(static_cast<double>(bytes) / 1e4) / 100) + " MB";
+}
+
+std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
+  std::string text = "stage " + stage.name() + ": " + stage.pipeline() + "\n";
+  for (const InputSpec& input : pipeline.inputs) {
+    const auto source = stage.inputs().find(input.name);
+    if (source != stage.inputs().end()) text += "  " + input.name + ": " + source->second + "\n";
+  }
+  for (const OptionSpec& option : pipeline.options) {
+    const auto given = stage.options().find(option.name);
+    const bool is_default = given == stage.options().end();
+    text += "  " + option.name + " = " +
+            (is_default ? option.default_text + " (default)" : ValueText(given->second));
+    text += option.help.empty() ? "\n" : "   # " + option.help + "\n";
+  }
+  return text;
+}
+
+std::int64_t RowsOf(const Blob& blob, const std::string& name) {
+  return blob.Has(name) ? blob.at(name).size() : 0;
+}
+
+// Scans of all its range sensors: the groups that have beams.
+std::int64_t ScansOf(const Blob& blob, const std::string& robot) {
+  constexpr std::string_view kBeams = "/beam_x_m";
+  std::int64_t scans = 0;
+  for (const auto& [name, array] : blob.fields()) {
+    if (name.starts_with(robot) && name.ends_with(kBeams))
+      scans += RowsOf(blob, name.substr(0, name.size() - kBeams.size()) + "/time_s");
+  }
+  return scans;
+}
+
+// Of a log, or of a table of poses.
+std::string LogText(const Blob& blob, bool log) {
+  const std::int64_t robots = blob.at("robots").size();
+  std::int64_t controls = 0, observations = 0, scans = 0, poses = 0;
+  for (std::int64_t i = 0; i < robots; ++i) {
+    const std::string robot = "robot/" + std::to_string(i) + "/";
+    controls += RowsOf(blob, robot + "odometry/time_s");
+    observations += RowsOf(blob, robot + "observations/time_s");
+    scans += ScansOf(blob, robot);
+    poses += RowsOf(blob, robot + "poses/time_s");
+  }
+  std::string text = std::to_string(robots) + (robots == 1 ? " robot, " : " robots, ");
+  if (!log) return text + std::to_string(poses) + " poses";
+  text += std::to_string(controls) + " controls, " + std::to_string(observations) + " observations";
+  if (scans > 0) text += ", " + std::to_string(scans) + " range scans";
+  if (poses > 0) text += ", " + std::to_string(poses) + " poses";
+  return text;
+}
+
+std::string SamplesText(const Blob& blob) {
+  const std::int64_t runs = blob.at("runs").size(), inputs = blob.at("input_name").size();
+  std::int64_t samples = 0;
+  for (std::int64_t n = 0; n < runs; ++n) {
+    const std::string time = "run/" + std::to_string(n) + "/time_s";
+    if (blob.Has(time)) samples += blob.at(time).size();
+  }
+  return std::to_string(runs) + (runs == 1 ? " run, " : " runs, ") + std::to_string(samples) + " samples, " +
+         std::to_string(inputs) + (inputs == 1 ? " input" : " inputs");
+}
+
+}  // namespace
+
+std::string ValueText(const proto::Value& value) {
+  switch (value.kind_case()) {
+    case proto::Value::kI:
+      return std::to_string(value.i());
+    case proto::Value::kD:
+      return Decimal(value.d());
+    case proto::Value::kB:
+      return value.b() ? "true" : "false";
+    case proto::Value::kS:
+      return value.s();
+    case proto::Value::KIND_NOT_SET:
+      break;
+  }
+  return "";
+}
+
+std::string ContentText(const Blob& blob) {
+  if (blob.Has("robots") && blob.Has("robot/0/odometry/time_s")) return LogText(blob, true);
+  if (blob.Has("robots") && blob.Has("robot/0/poses/time_s")) return LogText(blob, false);
+  if (blob.Has("runs") && blob.Has("run/0/time_s") && blob.Has("input_name")) return SamplesText(blob);
+  if (blob.Has("place/x_m") && blob.Has("error")) {
+    const auto places = static_cast<std::size_t>(blob.at("place/x_m").size());
+    return "what it costs to take one of " + std::to_string(places) + " places for another";
+  }
+  return "";
+}
+
+std::string PlanText(const Plan& plan) {
+  const proto::Job& job = plan.job;
+  std::string text = "job " + job.name() + ", seed " + std::to_string(job.seed()) + "\n";
+  for (const auto& [name, blob] : plan.inputs) {
+    const std::string content = ContentText(*blob);
+    text += "input " + name + ": " + job.inputs().at(name) + " (" + (content.empty() ? "" : content + ", ") +
+            Megabytes(blob->ByteCount()) + ")\n";
+  }
+  for (const proto::Stage& stage : job.stages()) text += StageText(stage, plan.catalog.At(stage.pipeline()));
+  return text + "stage " + job.stages(0).name() + ", expected: " + plan.first_stage + "\n";
+}
+
+std::string PlanJson(const Plan& plan) {
+  const proto::Job& job = plan.job;
+  nlohmann::ordered_json json = {{"job", job.name()}, {"seed", job.seed()}};
+  for (const auto& [name, blob] : plan.inputs) {
+    json["inputs"][name] = {
+        {"path", job.inputs().at(name)}, {"bytes", blob->ByteCount()}, {"what", ContentText(*blob)}};
+  }
+  for (const proto::Stage& stage : job.stages()) {
+    nlohmann::ordered_json one = {{"name", stage.name()}, {"pipeline", stage.pipeline()}};
+    for (const auto& [name, source] : stage.inputs()) one["inputs"][name] = source;
+    for (const OptionSpec& option : plan.catalog.At(stage.pipeline()).options) {
+      const auto given = stage.options().find(option.name);
+      one["options"][option.name] =
+          given == stage.options().end() ? option.default_text : ValueText(given->second);
+    }
+    json["stages"].push_back(one);
+  }
+  json["expected"] = plan.expected;
+  json["note"] = plan.first_stage;
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,188 @@
+#include "coordinator/core/eta.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "coordinator/core/core_bench.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr double kSecond = 1e6;  // of cost
+
+// Tasks of a second each, side by side; `later` rounds of `later_s` each are expected to follow.
+proto::Step StepOf(int tasks, double later = 0, double later_s = 0, double width = 0) {
+  proto::Step step = TestStep(tasks);
+  for (proto::Task& task : *step.mutable_tasks()) task.set_cost(static_cast<std::uint64_t>(kSecond));
+  if (later > 0) {
+    proto::Phase& phase = *step.add_later();
+    phase.set_rounds(later);
+    phase.set_cost(later * later_s * kSecond);
+    phase.set_width(width);
+  }
+  return step;
+}
+
+// A stage whose tasks take just what they are said to.
+struct Stage {
+  explicit Stage(proto::Step of, double at_s = 0) : step(std::move(of)), tasks(Round::OfTasks(step)) {
+    eta.BeginRound(step, tasks, at_s);
+  }
+  void Look(double now_s) { eta.Look(step, tasks, effort, now_s); }
+  double Expected(double now_s) const { return eta.Expected_s(step, tasks, effort, now_s); }
+  void Finish(std::uint32_t task, double seconds = 1) {
+    tasks.Begin(task, 1);
+    tasks.Finish(task, H(task));
+    eta.NoteTask(kSecond, seconds);
+  }
+
+  proto::Step step;
+  Round tasks;
+  Effort effort{2, {}};
+  Eta eta;
+};
+
+TEST(Eta, IsTheWorkOfTheRoundAndOfAllThatFollowsByTheWorkersThereAre) {
+  Stage stage(StepOf(8, 3, 8));
+  EXPECT_NEAR(stage.Expected(0), 4 + 3 * 4, 1e-9);
+  stage.effort.workers = 4;
+  EXPECT_NEAR(stage.Expected(0), 2 + 3 * 2, 1e-9);
+}
+
+TEST(Eta, NoMoreWorkersThanAPhaseIsWideHelp) {
+  Stage stage(StepOf(8, 3, 8, 2));
+  stage.effort.workers = 100;
+  EXPECT_NEAR(stage.Expected(0), 1 + 3 * 4, 1e-9)
+      << "a task of a second, then rounds of two tasks side by side";
+}
+
+TEST(Eta, TasksThatWaitForEachOtherTakeTheirTimeOneAfterAnother) {
+  proto::Step step = StepOf(4);
+  for (int task = 1; task < 4; ++task)
+    step.mutable_tasks(task)->mutable_inputs(0)->set_task(static_cast<std::uint32_t>(task - 1));
+  EXPECT_NEAR(Stage(step).Expected(0), 4, 1e-9);
+}
+
+TEST(Eta, GoesByWhatTasksTook) {
+  Stage stage(StepOf(8, 3, 8));
+  for (std::uint32_t task = 0; task < 4; ++task) stage.Finish(task, 3);
+  EXPECT_NEAR(stage.Expected(6), 3 * (2 + 3 * 4), 0.5) << "each took three times its cost";
+}
+
+TEST(Eta, WhatRunsIsCountedForAsLongAsItRuns) {
+  Stage stage(StepOf(2));
+  for (const std::uint32_t task : {0U, 1U}) stage.tasks.Begin(task, 1);
+  stage.effort.running_s = {{0, 0.5}, {1, 0.5}};
+  EXPECT_NEAR(stage.Expected(0.5), 0.5, 1e-9);
+  stage.effort.running_s = {{0, 30}, {1, 30}};
+  EXPECT_GT(stage.Expected(30), 1) << "tasks that run for long make all tasks dearer, and are never done";
+}
+
+TEST(Eta, RoundsThatTakeLongerThanTheirTasksSaySo) {
+  Stage stage(StepOf(2, 10, 2));
+  stage.Look(0);
+  stage.Finish(0);
+  stage.Finish(1);
+  stage.eta.EndTasks(0, 3);  // two tasks of a second each, side by side on two workers
+  stage.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
+  EXPECT_NEAR(stage.Expected(3), 10 * 3, 5);
+}
+
+TEST(Eta, ADVANCETakesWhatItTookOrWhatItsStepSays) {
+  Stage stage(StepOf(2, 1, 2));
+  stage.eta.EndTasks(0, 1);
+  stage.eta.EndRound(5);
+  const double usual_s = 4;
+  stage.eta.BeginRound(stage.step, stage.tasks, 5);
+  EXPECT_NEAR(stage.Expected(5), 1 + usual_s + 1 + usual_s, 1e-9);
+  stage.step.set_advance_cost(10 * kSecond);
+  EXPECT_NEAR(stage.Expected(5), 1 + 10 + 1 + usual_s, 1e-9);
+  stage.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
+  EXPECT_NEAR(stage.Expected(8), 10 - 3 + 1 + usual_s, 1e-9);
+}
+
+TEST(Eta, ShownCountsDownBetweenLooks) {
+  Stage stage(StepOf(8, 3, 8));
+  EXPECT_EQ(stage.eta.Shown_s(0), 0) << "unknown";
+  stage.Look(0);
+  EXPECT_NEAR(stage.eta.Shown_s(0), 16, 1e-9);
+  EXPECT_NEAR(stage.eta.Shown_s(5), 11, 1e-9);
+  EXPECT_GT(stage.eta.Shown_s(100), 0) << "0 would be unknown";
+}
+
+TEST(Eta, ShownDoesNotJumpWhereThePlanIsTheSame) {
+  Stage stage(StepOf(100, 3, 100));
+  stage.Look(0);
+  double before_s = stage.eta.Shown_s(0), now_s = 0;
+  ASSERT_NEAR(before_s, 200, 1e-9);
+  for (std::uint32_t task = 0; task < 50; ++task) {
+    stage.Finish(task, 4);  // not the second that was expected
+    now_s += 2;
+    stage.Look(now_s);
+    const double share = 2 * (Eta::kShare + Eta::kYoung / now_s), counted_s = before_s - 2;
+    const double shown_s = stage.eta.Shown_s(now_s);
+    EXPECT_LE(shown_s, counted_s * std::exp(share) + 2 * Eta::kSlack + 1e-9) << now_s;
+    EXPECT_GE(shown_s, counted_s * std::exp(-share) - 2 * Eta::kSlack - 1e-9) << now_s;
+    before_s = shown_s;
+  }
+  EXPECT_NEAR(before_s, stage.Expected(now_s), 0.05 * before_s) << "in the end it is what is expected";
+}
+
+TEST(Eta, ShownJumpsWhereThePlanChangesOrTheWorkersDo) {
+  Stage stage(StepOf(8, 30, 8));
+  stage.Look(0);
+  EXPECT_NEAR(stage.eta.Shown_s(0), 124, 1e-9);
+  stage.effort.workers = 4;
+  stage.Look(0.1);
+  EXPECT_NEAR(stage.eta.Shown_s(0.1), 62, 1e-9);
+  stage.eta.BeginRound(StepOf(8, 5, 8), stage.tasks, 1);
+  stage.step = StepOf(8, 5, 8);
+  stage.Look(1);
+  EXPECT_NEAR(stage.eta.Shown_s(1), 12, 1e-9) << "30 rounds were announced, and are 5";
+}
+
+TEST(Eta, OfAStepThatIsAsAnnouncedDoesNotJump) {
+  Stage stage(StepOf(8, 3, 8));
+  stage.Look(0);
+  stage.step = StepOf(8, 2, 9);  // not quite
+  stage.eta.BeginRound(stage.step, stage.tasks, 1);
+  stage.Look(1);
+  EXPECT_LT(std::abs(stage.eta.Shown_s(1) - 15), 15 * (std::exp(2.02) - 1) + 0.5);
+  EXPECT_NE(stage.eta.Shown_s(1), 0);
+}
+
+// Through the core.
+TEST(Eta, IsToldOfARunningJobAndOfNoOther) {
+  Bench bench;
+  bench.Submit();
+  bench.Do(PersistDone{"a", 1});
+  EXPECT_EQ(bench.Info().eta_s(), 0) << "nobody works at it";
+  bench.Join("w");
+  bench.AnswerPlan(bench.Next(), StepOf(10));
+  bench.Advance(0.1);
+  EXPECT_NEAR(bench.Info().eta_s(), 10, 0.2);
+  bench.Do(PauseJob{"a", ""});
+  EXPECT_EQ(bench.Info().eta_s(), 0) << "paused";
+  bench.Advance(5);
+  bench.Do(ResumeJob{"a", ""});
+  bench.Advance(0.1);
+  EXPECT_GT(bench.Info().eta_s(), 1) << "goes on";
+}
+
+TEST(Eta, TwoJobsShareTheWorkers) {
+  Bench bench;
+  bench.Join("v");
+  bench.Join("w");
+  for (const char* id : {"a", "b"}) {
+    bench.Submit(id);
+    bench.Do(PersistDone{id, 1});
+  }
+  bench.AnswerPlan(bench.Next(), StepOf(10));
+  bench.AnswerPlan(bench.Next(), StepOf(10));
+  bench.Advance(0.1);
+  EXPECT_NEAR(bench.Info("a").eta_s(), 10, 0.5);
+}
+
+}  // namespace
+}  // namespace cairn::coordinator

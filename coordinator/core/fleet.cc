@@ -1,0 +1,186 @@
+#include "coordinator/core/fleet.h"
+
+#include <algorithm>
+
+namespace cairn::coordinator {
+namespace {
+
+// So that placing costs the same however large the fleet and the reduction are.
+constexpr std::size_t kWorkersLookedAt = 32, kInputsLookedAt = 64;
+
+}  // namespace
+
+bool SameTask(const wire::TaskKey& a, const wire::TaskKey& b) {
+  return a.task() == b.task() && a.round() == b.round() && a.stage() == b.stage() && a.kind() == b.kind() &&
+         a.job() == b.job();
+}
+
+bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b) {
+  return a.attempt() == b.attempt() && SameTask(a, b);
+}
+
+std::string WorkerName(const wire::Hello& hello) {
+  return "worker " + std::to_string(hello.pid()) + " on " + (hello.host().empty() ? "?" : hello.host());
+}
+
+const InHand* Worker::Find(const wire::TaskKey& key) const {
+  for (const InHand& task : in_hand)
+    if (SameAttempt(task.key, key)) return &task;
+  return nullptr;
+}
+
+bool Worker::Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s) {
+  for (InHand& task : in_hand) {
+    if (ticks <= task.ticks || !SameAttempt(task.key, key)) continue;
+    task.ticks = ticks;
+    moved_s = now_s;
+    return true;
+  }
+  return false;
+}
+
+void Fleet::Unfile(const Worker& worker) {
+  open_.erase({worker.in_hand.size(), worker.number});
+  loaded_.erase({worker.in_hand.size(), worker.number});
+  if (worker.Able()) --able_;
+}
+
+// Takes the worker out of the files, changes it, and files it anew.
+template <class Change>
+void Fleet::Refile(Worker& worker, const Change& change) {
+  Unfile(worker);
+  change();
+  if (worker.Able()) ++able_;
+  if (worker.HasRoom()) open_.insert({worker.in_hand.size(), worker.number});
+  if (worker.in_hand.size() >= 2) loaded_.insert({worker.in_hand.size(), worker.number});
+}
+
+Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now_s) {
+  const std::uint64_t number = next_number_++;
+  numbers_[peer] = number;
+  Worker& worker = workers_[number];
+  worker.number = number;
+  worker.peer = peer;
+  worker.hello = hello;
+  worker.heard_s = worker.moved_s = worker.head_s = now_s;
+  ++able_;  // so that Unfile finds it filed
+  Refile(worker, [] {});
+  return worker;
+}
+
+void Fleet::Remove(const std::string& peer) {
+  const auto it = numbers_.find(peer);
+  if (it == numbers_.end()) return;
+  Worker& worker = workers_.at(it->second);
+  Unfile(worker);
+  for (const Hash& blob : worker.has) {
+    const auto owners = owners_.find(blob);
+    owners->second.erase(worker.number);
+    if (owners->second.empty()) owners_.erase(owners);
+  }
+  workers_.erase(it->second);
+  numbers_.erase(it);
+}
+
+Worker* Fleet::Find(const std::string& peer) {
+  const auto it = numbers_.find(peer);
+  return it == numbers_.end() ? nullptr : &workers_.at(it->second);
+}
+
+Worker* Fleet::Find(std::uint64_t number) {
+  const auto it = workers_.find(number);
+  return it == workers_.end() ? nullptr : &it->second;
+}
+
+void Fleet::Give(Worker& worker, const wire::TaskKey& key, double now_s) {
+  if (worker.in_hand.empty()) worker.moved_s = worker.head_s = now_s;
+  Refile(worker, [&] { worker.in_hand.push_back({key, now_s, 0}); });
+}
+
+bool Fleet::Take(Worker& worker, const wire::TaskKey& key, double now_s) {
+  const auto it = std::find_if(worker.in_hand.begin(), worker.in_hand.end(),
+                               [&key](const InHand& task) { return SameAttempt(task.key, key); });
+  if (it == worker.in_hand.end()) return false;
+  if (it == worker.in_hand.begin()) worker.moved_s = worker.head_s = now_s;
+  Refile(worker, [&] { worker.in_hand.erase(it); });
+  return true;
+}
+
+void Fleet::SetHung(Worker& worker, bool hung) {
+  if (worker.hung != hung) Refile(worker, [&] { worker.hung = hung; });
+}
+
+void Fleet::SetDraining(Worker& worker) {
+  Refile(worker, [&] { worker.draining = true; });
+}
+
+void Fleet::NoteBlob(Worker& worker, const Hash& blob) {
+  if (worker.has.insert(blob).second) owners_[blob].insert(worker.number);
+}
+
+void Fleet::Forget(const std::vector<Hash>& dropped) {
+  for (const Hash& blob : dropped) {
+    const auto node = owners_.extract(blob);
+    if (node.empty()) continue;
+    for (const std::uint64_t number : node.mapped()) workers_.at(number).has.erase(blob);
+  }
+}
+
+Worker* Fleet::Place(std::span<const Hash> inputs, const std::set<std::uint64_t>& but) {
+  inputs = inputs.first(std::min(inputs.size(), kInputsLookedAt));
+  Worker* best = nullptr;
+  std::ptrdiff_t best_missing = 0;
+  std::size_t looked_at = 0;
+  for (auto it = open_.begin(); it != open_.end() && looked_at < kWorkersLookedAt; ++it) {
+    if (but.contains(it->second)) continue;
+    if (best != nullptr && it->first > best->in_hand.size()) break;
+    ++looked_at;
+    Worker& worker = workers_.at(it->second);
+    const auto missing = std::count_if(inputs.begin(), inputs.end(),
+                                       [&worker](const Hash& hash) { return !worker.has.contains(hash); });
+    if (best == nullptr || missing < best_missing) best = &worker, best_missing = missing;
+  }
+  return best;
+}
+
+Worker* Fleet::Idle(const std::set<std::uint64_t>& but) {
+  for (auto it = open_.begin(); it != open_.end() && it->first == 0; ++it)
+    if (!but.contains(it->second)) return &workers_.at(it->second);
+  return nullptr;
+}
+
+Worker* Fleet::Busiest() { return loaded_.empty() ? nullptr : &workers_.at(loaded_.rbegin()->second); }
+
+wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
+  wire::WorkerInfo info;
+  info.set_number(worker.number);
+  info.set_host(worker.hello.host());
+  info.set_pid(worker.hello.pid());
+  info.set_state(worker.draining          ? "draining"
+                 : worker.hung            ? "hung"
+                 : worker.in_hand.empty() ? "idle"
+                                          : "busy");
+  info.set_slots(worker.hello.slots());
+  info.set_in_hand(static_cast<std::uint32_t>(worker.in_hand.size()));
+  info.set_silent_s(now_s - worker.heard_s);
+  if (!worker.in_hand.empty()) info.set_task_s(now_s - worker.head_s);
+  return info;
+}
+
+std::string BuildDifference(const wire::Build& coordinators, const wire::Build& have) {
+  std::string text;
+  const auto compare = [&text](const char* what, const std::string& a, const std::string& b) {
+    if (a == b) return;
+    text +=
+        (text.empty() ? "" : "; ") + std::string(what) + " is '" + b + "', the coordinator's is '" + a + "'";
+  };
+  compare("version", coordinators.version(), have.version());
+  compare("compiler", coordinators.compiler(), have.compiler());
+  compare("flags", coordinators.flags(), have.flags());
+  compare("libc", coordinators.libc(), have.libc());
+  if (coordinators.numeric_self_test() != have.numeric_self_test())
+    text += std::string(text.empty() ? "" : "; ") + "its numeric self-test gives other bits";
+  return text;
+}
+
+}  // namespace cairn::coordinator

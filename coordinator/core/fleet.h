@@ -1,0 +1,100 @@
+// The workers that are connected and what each has in hand. A worker runs its tasks in the order in which it
+// got them, so that the first in hand is the one that runs.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/core/blob_ledger.h"
+#include "schema/wire.pb.h"
+
+namespace cairn::coordinator {
+
+bool SameTask(const wire::TaskKey& a, const wire::TaskKey& b);  // whatever the attempt
+bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b);
+
+std::string WorkerName(const wire::Hello& hello);  // for people
+
+struct InHand {
+  wire::TaskKey key;
+  double since_s = 0;  // when it was sent
+  std::uint64_t ticks = 0;
+};
+
+struct Worker {
+  std::uint64_t number = 0;  // by the order in which they were accepted
+  std::string peer;
+  wire::Hello hello;
+  double heard_s = 0;     // last sign of life
+  double moved_s = 0;     // last sign of progress: an answer, a tick, or its first task
+  double head_s = 0;      // when the first in hand came to be the first
+  bool hung = false;      // gets nothing until it moves again
+  bool draining = false;  // gets nothing any more, and leaves
+  std::vector<InHand> in_hand;
+  HashSet has;  // blobs that it was sent or made; it may have forgotten some
+
+  bool Able() const { return !hung && !draining; }
+  bool HasRoom() const { return in_hand.size() < hello.slots() && Able(); }
+  const InHand* Find(const wire::TaskKey& key) const;
+  // Ticks of what it has in hand. True where one moved.
+  bool Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s);
+};
+
+// No call but the loops over workers() costs more than the logarithm of their number.
+class Fleet {
+ public:
+  Worker& Add(const std::string& peer, const wire::Hello& hello, double now_s);
+  void Remove(const std::string& peer);
+  Worker* Find(const std::string& peer);
+  const Worker* Find(const std::string& peer) const { return const_cast<Fleet*>(this)->Find(peer); }
+  bool Knows(const std::string& peer) const { return numbers_.contains(peer); }
+  Worker* Find(std::uint64_t number);
+  std::size_t size() const { return workers_.size(); }
+  std::map<std::uint64_t, Worker>& workers() { return workers_; }  // by number
+  const std::map<std::uint64_t, Worker>& workers() const { return workers_; }
+
+  // What changes what a worker may get goes through here.
+  void Give(Worker& worker, const wire::TaskKey& key, double now_s);
+  // False where it did not have it.
+  bool Take(Worker& worker, const wire::TaskKey& key, double now_s);
+  void SetHung(Worker& worker, bool hung);
+  void SetDraining(Worker& worker);
+  void NoteBlob(Worker& worker, const Hash& blob);  // it was sent it, or made it
+  void Forget(const std::vector<Hash>& dropped);
+
+  bool AnyRoom() const { return !open_.empty(); }
+  std::size_t able() const { return able_; }  // workers that may get tasks now or later
+  // A worker that has room, the least in hand, and is none of `but`; of the first few equals the one that has
+  // most of the first of `inputs`. Null where there is none.
+  Worker* Place(std::span<const Hash> inputs, const std::set<std::uint64_t>& but = {});
+  Worker* Idle(const std::set<std::uint64_t>& but = {});  // that may get tasks and has none; null as above
+  Worker* Busiest();  // with the most in hand, at least two; null where there is none
+
+ private:
+  using ByLoad = std::set<std::pair<std::size_t, std::uint64_t>>;  // tasks in hand, number
+  template <class Change>
+  void Refile(Worker& worker, const Change& change);
+  void Unfile(const Worker& worker);
+
+  std::uint64_t next_number_ = 1;
+  std::map<std::uint64_t, Worker> workers_;
+  std::map<std::string, std::uint64_t> numbers_;  // by peer
+  std::size_t able_ = 0;
+  ByLoad open_;                                     // those that have room
+  ByLoad loaded_;                                   // those with two and more in hand
+  std::map<Hash, std::set<std::uint64_t>> owners_;  // workers by what they have
+};
+
+// All but the name of the task that runs.
+wire::WorkerInfo MakeInfo(const Worker& worker, double now_s);
+
+// What differs from the coordinator's build, for people; empty where nothing does.
+std::string BuildDifference(const wire::Build& coordinators, const wire::Build& have);
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,110 @@
+#include "coordinator/core/round.h"
+
+#include <gtest/gtest.h>
+
+#include "coordinator/core/core_bench.h"
+
+namespace cairn::coordinator {
+namespace {
+
+proto::Step Chain(int tasks) {
+  proto::Step step = TestStep(tasks);
+  for (int i = 1; i < tasks; ++i) {
+    proto::InputRef& input = *step.mutable_tasks(i)->add_inputs();
+    input.set_name("before");
+    input.set_task(static_cast<std::uint32_t>(i - 1));
+  }
+  return step;
+}
+
+TEST(Round, ReadyTasksComeByCostThenIndex) {
+  proto::Step step = TestStep(3);
+  step.mutable_tasks(1)->set_cost(5);
+  Round round = Round::OfTasks(step);
+  for (const std::uint32_t want : {1u, 0u, 2u}) {
+    ASSERT_EQ(round.NextReady(), want);
+    round.Begin(want, 1);
+  }
+  EXPECT_FALSE(round.HasReady());
+}
+
+TEST(Round, ATaskWaitsForThePartialsThatItNames) {
+  Round round = Round::OfTasks(Chain(3));
+  EXPECT_EQ(round.NextReady(), 0u);
+  round.Begin(0, 1);
+  EXPECT_FALSE(round.HasReady());
+  round.Finish(0, H(1));
+  EXPECT_EQ(round.NextReady(), 1u);
+  EXPECT_EQ(round.task(2).status, TaskStatus::kWaiting);
+}
+
+TEST(Round, NamingOnePartialTwiceWaitsOnce) {
+  proto::Step step = Chain(2);
+  *step.mutable_tasks(1)->add_inputs() = step.tasks(1).inputs(1);
+  Round round = Round::OfTasks(step);
+  round.Begin(0, 1);
+  round.Finish(0, H(1));
+  EXPECT_EQ(round.task(1).status, TaskStatus::kReady);
+}
+
+TEST(Round, WithdrawingTheLastAttemptMakesATaskReadyAgain) {
+  Round round = Round::OfTasks(TestStep(1));
+  EXPECT_EQ(round.Begin(0, 1), 1u);
+  EXPECT_EQ(round.Begin(0, 1), 2u);
+  EXPECT_TRUE(round.Withdraw(0, 1));
+  EXPECT_FALSE(round.HasReady());
+  EXPECT_FALSE(round.Withdraw(0, 1));
+  EXPECT_TRUE(round.Withdraw(0, 2));
+  EXPECT_TRUE(round.HasReady());
+  EXPECT_EQ(round.Begin(0, 1), 3u);
+}
+
+TEST(Round, AnAnswerFromBeforeARestartMayComeBeforeItsTaskIsReady) {
+  Round round = Round::OfTasks(Chain(2));
+  round.Finish(1, H(2));
+  round.Begin(0, 1);
+  round.Finish(0, H(1));
+  EXPECT_TRUE(round.AllDone());
+  EXPECT_FALSE(round.HasReady());
+}
+
+TEST(Round, AWithdrawnTaskThatIsAnsweredIsNoLongerReady) {
+  Round round = Round::OfTasks(TestStep(1));
+  round.Withdraw(0, round.Begin(0, 1));
+  round.Finish(0, H(1));
+  EXPECT_FALSE(round.HasReady());
+  EXPECT_EQ(round.done_count(), 1u);
+}
+
+TEST(CheckStep, NamesWhatIsWrong) {
+  EXPECT_EQ(CheckStep(Chain(3)), "");
+  proto::Step step = Chain(3);
+  step.mutable_tasks(1)->set_index(2);
+  EXPECT_NE(CheckStep(step).find("task 1 (toy)"), std::string::npos);
+  step = Chain(3);
+  step.mutable_tasks(1)->mutable_inputs(1)->set_task(1);
+  EXPECT_NE(CheckStep(step).find("not earlier"), std::string::npos);
+  step = Chain(3);
+  step.mutable_tasks(0)->mutable_inputs(0)->set_blob("short");
+  EXPECT_NE(CheckStep(step).find("'log' has no hash"), std::string::npos);
+  step = Chain(1);
+  step.set_result("short");
+  EXPECT_NE(CheckStep(step), "");
+  step = Chain(1);
+  (*step.mutable_state()->mutable_blobs())["map"] = "short";
+  EXPECT_NE(CheckStep(step).find("'map'"), std::string::npos);
+}
+
+TEST(HashOfStep, DoesNotDependOnTheOrderInWhichAMapWasFilled) {
+  proto::Step a, b;
+  for (int i = 0; i < 50; ++i) {
+    (*a.mutable_state()->mutable_blobs())["k" + std::to_string(i)] = H(1).Binary();
+    (*b.mutable_state()->mutable_blobs())["k" + std::to_string(49 - i)] = H(1).Binary();
+  }
+  EXPECT_EQ(HashOfStep(a), HashOfStep(b));
+  b.set_note("x");
+  EXPECT_NE(HashOfStep(a), HashOfStep(b));
+}
+
+}  // namespace
+}  // namespace cairn::coordinator

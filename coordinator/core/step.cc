@@ -1,0 +1,73 @@
+// What a coordinator may know of a step: its form, not its meaning.
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
+#include <cmath>
+#include <string>
+
+#include "coordinator/core/round.h"
+
+namespace cairn::coordinator {
+namespace {
+
+bool IsHash(const std::string& binary) { return binary.size() == sizeof(Hash::bytes); }
+
+constexpr int kMostPhases = 100;
+
+bool IsAmount(double value) { return value >= 0 && std::isfinite(value); }
+
+std::string CheckTask(const proto::Task& task, std::uint32_t place) {
+  const std::string name = "task " + std::to_string(place) + " (" + task.kind() + ")";
+  if (task.index() != place) return name + " says that its index is " + std::to_string(task.index());
+  for (const proto::InputRef& input : task.inputs()) {
+    if (input.has_task() && input.task() >= place)
+      return name + " reads the partial of a task that is not earlier";
+    if (!input.has_task() && !IsHash(input.blob()))
+      return name + ": its input '" + input.name() + "' has no hash";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string CheckStep(const proto::Step& step) {
+  for (int i = 0; i < step.tasks_size(); ++i) {
+    const std::string wrong = CheckTask(step.tasks(i), static_cast<std::uint32_t>(i));
+    if (!wrong.empty()) return wrong;
+  }
+  for (const auto& [name, hash] : step.state().blobs())
+    if (!IsHash(hash)) return "the state's blob '" + name + "' has no hash";
+  if (!IsAmount(step.advance_cost())) return "what its ADVANCE costs is no number";
+  if (step.later_size() > kMostPhases) return "it expects too many phases";
+  for (const proto::Phase& phase : step.later())
+    if (!IsAmount(phase.rounds()) || !IsAmount(phase.cost()) || !IsAmount(phase.width()))
+      return "what it expects to follow is no number";
+  if (!step.result().empty() && !IsHash(step.result())) return "the result has no hash";
+  return "";
+}
+
+std::set<Hash> BlobsOfStep(const proto::Step& step) {
+  std::set<Hash> hashes;
+  const auto add = [&](const std::string& binary) { hashes.insert(Hash::FromBinary(binary).value()); };
+  for (const auto& [name, hash] : step.state().blobs()) add(hash);
+  for (const proto::Task& task : step.tasks())
+    for (const proto::InputRef& input : task.inputs())
+      if (!input.has_task()) add(input.blob());
+  if (!step.result().empty()) add(step.result());
+  return hashes;
+}
+
+Hash HashOfMessage(const google::protobuf::Message& message) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);  // maps in the order of their keys
+    message.SerializeToCodedStream(&coded);
+  }
+  Hasher hasher;
+  hasher.Add(std::string_view(bytes));
+  return hasher.Finish();
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,198 @@
+// Handshake, beats, leases: who is there and whether it moves.
+#include <algorithm>
+#include <cstdio>
+
+#include "coordinator/core/core.h"
+
+namespace cairn::coordinator {
+namespace {
+
+// Without zeros that say nothing.
+std::string Number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+}  // namespace
+
+std::optional<wire::Refusal> Core::WhyRefused(const wire::Hello& hello) const {
+  using wire::RefusalKind;
+  if (hello.protocol() != options_.protocol)
+    return wire::Refusal{RefusalKind::kVersion, "it speaks protocol " + std::to_string(hello.protocol()) +
+                                                    ", here it is " + std::to_string(options_.protocol)};
+  if (hello.slots() == 0) return wire::Refusal{RefusalKind::kMalformed, "it offers no slots"};
+  const std::string difference = BuildDifference(options_.build, hello.build());
+  if (difference.empty()) return std::nullopt;
+  return wire::Refusal{RefusalKind::kBuild, difference};
+}
+
+void Core::On(const WorkerHello& event) {
+  const wire::Hello& hello = event.hello;
+  // A peer that says Hello again has forgotten its tasks; so do we, before its build is looked at anew.
+  bool draining = false;
+  if (Worker* known = fleet_.Find(event.peer)) {
+    draining = known->draining;
+    Lose(*known, WorkerName(known->hello) + " began anew", "");
+  }
+  if (std::optional<wire::Refusal> refusal = WhyRefused(hello)) {
+    Send send{event.peer, {}};
+    send.message.mutable_refuse()->set_reason(refusal->reason);
+    actions_.push_back(std::move(send));
+    refusal->reason = WorkerName(hello) + ": " + refusal->reason;
+    actions_.push_back(Refused{event.peer, std::move(*refusal)});
+    return;
+  }
+  Worker& worker = fleet_.Add(event.peer, hello, now_s_);
+  Send send{event.peer, {}};
+  send.message.mutable_welcome()->set_beat_s(options_.beat_s);
+  actions_.push_back(std::move(send));
+  Say(Report::kInfo, WorkerName(hello) + " joined");
+  if (draining) BeginDraining(worker);
+}
+
+Worker* Core::Heard(const std::string& peer) {
+  Worker* worker = fleet_.Find(peer);
+  if (worker != nullptr) {
+    worker->heard_s = now_s_;
+    return worker;
+  }
+  Send send{peer, {}};
+  send.message.mutable_stranger();
+  actions_.push_back(std::move(send));
+  return nullptr;
+}
+
+void Core::On(const WorkerBeat& event) {
+  Worker* worker = Heard(event.peer);
+  if (worker == nullptr) return;
+  const wire::Beat& beat = event.beat;
+  if (beat.tasks_size() == 0 && !beat.stuck()) fleet_.SetHung(*worker, false);
+  for (int i = 0; i < beat.tasks_size(); ++i) {
+    const wire::TaskKey& key = beat.tasks(i);
+    if (worker->Find(key) == nullptr) {  // our Cancel was lost, or has not reached it yet
+      Send send{worker->peer, {}};
+      *send.message.mutable_cancel()->mutable_key() = key;
+      actions_.push_back(std::move(send));
+    } else if (i < beat.ticks_size()) {
+      worker->Tick(key, beat.ticks(i), now_s_);
+    }
+  }
+  DropUnlisted(*worker, beat);
+  if (worker->draining) TellDrain(*worker);  // the first word may have been lost
+}
+
+// A message may get lost where a connection breaks and comes back before the lease is over.
+void Core::DropUnlisted(Worker& worker, const wire::Beat& beat) {
+  std::vector<wire::TaskKey> lost;
+  for (const InHand& task : worker.in_hand) {
+    if (now_s_ - task.since_s <= options_.unlisted_s) continue;
+    const bool listed = std::any_of(beat.tasks().begin(), beat.tasks().end(),
+                                    [&task](const wire::TaskKey& key) { return SameAttempt(key, task.key); });
+    if (!listed) lost.push_back(task.key);
+  }
+  for (const wire::TaskKey& key : lost) TakeBack(worker, key);
+}
+
+void Core::On(const WorkerBye& event) {
+  Worker* worker = fleet_.Find(event.peer);
+  if (worker == nullptr) return;
+  const std::string what = WorkerName(worker->hello) + " left";
+  Say(Report::kInfo, what);
+  Lose(*worker, what, "");
+}
+
+void Core::On(const WorkerLost& event) {
+  Worker* worker = fleet_.Find(event.peer);
+  if (worker == nullptr) return;
+  const std::string what = WorkerName(worker->hello) + " died";
+  Say(Report::kWarning, what);
+  Lose(*worker, what, what + " while it ran");
+}
+
+void Core::On(const DrainWorker& event) {
+  Worker* worker = fleet_.Find(event.peer);
+  if (worker == nullptr || worker->draining) return;
+  Say(Report::kInfo, WorkerName(worker->hello) + " finishes what it runs, and leaves");
+  BeginDraining(*worker);
+}
+
+// What it has queued goes elsewhere at once, nobody to blame.
+void Core::BeginDraining(Worker& worker) {
+  fleet_.SetDraining(worker);
+  while (worker.in_hand.size() > 1) TakeBack(worker, wire::TaskKey(worker.in_hand.back().key));
+  TellDrain(worker);
+}
+
+void Core::TellDrain(const Worker& worker) {
+  Send send{worker.peer, {}};
+  send.message.mutable_drain();
+  actions_.push_back(std::move(send));
+}
+
+void Core::Lose(Worker& worker, const std::string& what, const std::string& blame) {
+  const std::vector<InHand> tasks = worker.in_hand;
+  std::map<std::string, int> moved;  // tasks, by job
+  fleet_.Remove(worker.peer);
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const wire::TaskKey& key = tasks[i].key;
+    Job* job = JobOf(key);
+    if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) continue;
+    if (i == 0 && !blame.empty())
+      FailAttempt(*job, key.task(), blame);
+    else
+      ++moved[job->id];
+  }
+  for (const auto& [id, count] : moved)
+    Say(blame.empty() ? Report::kInfo : Report::kWarning, *FindJob(id),
+        what + ": " + std::to_string(count) + " of the tasks that it had " + (count == 1 ? "goes" : "go") +
+            " elsewhere");
+}
+
+void Core::GiveUp(Worker& worker, const std::string& why) {
+  Say(Report::kWarning, WorkerName(worker.hello) + " gets nothing until it moves: its task " + why);
+  fleet_.SetHung(worker, true);
+  const wire::TaskKey head = worker.in_hand.front().key;
+  Job* job = nullptr;  // of the head, which is taken last
+  while (!worker.in_hand.empty()) job = TakeBack(worker, wire::TaskKey(worker.in_hand.back().key));
+  if (job != nullptr) FailAttempt(*job, head.task(), "it " + why + " on " + WorkerName(worker.hello));
+}
+
+// It beats, but what it runs does not move, or runs for too long.
+std::string Core::WhyGiveUp(const Worker& worker) const {
+  if (worker.in_hand.empty()) return "";
+  const wire::TaskKey& key = worker.in_hand.front().key;
+  const double hung_s = key.kind() == wire::TaskKey::RUN ? options_.hung_s : options_.plan_hung_s;
+  if (now_s_ - worker.moved_s > hung_s)
+    return "did not move for " + std::to_string(static_cast<int>(now_s_ - worker.moved_s)) + " s";
+  const Job* job = FindJob(key.job());
+  if (job == nullptr) return "";
+  const bool own = job->spec.task_time_s() > 0;
+  const double limit_s = own ? job->spec.task_time_s() : options_.task_time_s;
+  if (limit_s <= 0 || now_s_ - worker.head_s <= limit_s) return "";
+  return "ran for more than " + Number(limit_s) + " s, " +
+         (own ? "its limit (task_time_s)" : "the coordinator's limit (--task-time-s)");
+}
+
+void Core::On(const Tick&) {
+  all_touched_ = true;
+  std::vector<std::string> silent;
+  std::vector<std::pair<std::string, std::string>> given_up;
+  for (const auto& [number, worker] : fleet_.workers()) {
+    if (now_s_ - worker.heard_s > options_.lease_s)
+      silent.push_back(worker.peer);
+    else if (const std::string why = WhyGiveUp(worker); !why.empty())
+      given_up.emplace_back(worker.peer, why);
+  }
+  for (const std::string& peer : silent) {
+    Worker& worker = *fleet_.Find(peer);
+    const std::string what = WorkerName(worker.hello) + " was not heard of for " +
+                             std::to_string(static_cast<int>(now_s_ - worker.heard_s)) + " s";
+    Say(Report::kWarning, what);
+    Lose(worker, what, what);
+  }
+  for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);
+  if (options_.keep_s > 0) DeleteTheOld();
+}
+
+}  // namespace cairn::coordinator

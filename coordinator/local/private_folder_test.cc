@@ -1,0 +1,83 @@
+#include "coordinator/local/private_folder.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "coordinator/server/hub_bench.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PrivateFolderTest : public testing::Test {
+ protected:
+  PrivateFolderTest() { ::setenv("TMPDIR", temp_.path().c_str(), 1); }
+  ~PrivateFolderTest() override { ::unsetenv("TMPDIR"); }
+
+  // Another process makes one and waits in it until it is killed.
+  fs::path MakeElsewhere() {
+    int ends[2];
+    EXPECT_EQ(::pipe(ends), 0);
+    child_ = ::fork();
+    if (child_ == 0) {
+      const Result<PrivateFolder> made = PrivateFolder::Make();
+      const std::string path = made.ok() ? made.value().path().string() : "";
+      std::ofstream(path + "/hub") << "a socket";
+      if (::write(ends[1], path.data(), path.size()) < 0) ::_exit(1);
+      for (;;) ::pause();
+    }
+    std::array<char, 4096> path{};
+    const ssize_t count = ::read(ends[0], path.data(), path.size());
+    ::close(ends[0]);
+    ::close(ends[1]);
+    return std::string(path.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  }
+  void KillIt() const {
+    ::kill(child_, SIGKILL);
+    ::waitpid(child_, nullptr, 0);
+  }
+
+  TempFolder temp_;
+  pid_t child_ = 0;
+};
+
+TEST_F(PrivateFolderTest, IsForThisUserAloneAndGoesWithItsObject) {
+  fs::path path;
+  {
+    const Result<PrivateFolder> folder = PrivateFolder::Make();
+    ASSERT_TRUE(folder.ok()) << folder.status().message();
+    path = folder.value().path();
+    EXPECT_EQ(path.parent_path(), temp_.path());
+    EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_all);
+  }
+  EXPECT_FALSE(fs::exists(path));
+}
+
+TEST_F(PrivateFolderTest, WhatAKilledProcessLeavesIsRemovedByTheNextAndNotBefore) {
+  const fs::path left = MakeElsewhere();
+  ASSERT_TRUE(fs::exists(left / "hub"));
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_TRUE(fs::exists(left / "hub")) << "its process lives";
+  KillIt();
+  EXPECT_TRUE(fs::exists(left / "hub"));
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST_F(PrivateFolderTest, OtherFoldersStayAndLinksAreNotFollowed) {
+  fs::create_directories(temp_.path() / "cairn-results");
+  fs::create_directories(temp_.path() / "elsewhere");
+  fs::create_directory_symlink(temp_.path() / "elsewhere", temp_.path() / "cairn-run-1-abcdef");
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_TRUE(fs::exists(temp_.path() / "cairn-results"));
+  EXPECT_TRUE(fs::exists(temp_.path() / "elsewhere"));
+}
+
+}  // namespace
+}  // namespace cairn::coordinator

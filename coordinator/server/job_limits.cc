@@ -1,0 +1,34 @@
+#include "coordinator/server/job_limits.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace cairn::coordinator {
+namespace {
+
+bool IsPlain(const std::string& text, std::size_t most_bytes) {
+  return text.size() <= most_bytes &&
+         std::none_of(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
+}
+
+}  // namespace
+
+std::string CheckLimits(const proto::Job& job, const wire::JobLimits& limits) {
+  const std::size_t most = limits.text_bytes;
+  if (job.ByteSizeLong() > limits.job_bytes)
+    return "the job is larger than " + std::to_string(limits.job_bytes) + " bytes";
+  if (job.stages_size() > limits.stages)
+    return "the job has more than " + std::to_string(limits.stages) + " stages";
+  bool plain = IsPlain(job.name(), most);
+  for (const auto& [name, path] : job.inputs()) plain = plain && IsPlain(name, most) && IsPlain(path, most);
+  for (const auto& [name, hash] : job.input_blobs()) plain = plain && IsPlain(name, most);
+  for (const proto::Stage& stage : job.stages()) {
+    plain = plain && IsPlain(stage.pipeline(), most);
+    for (const auto& [name, value] : stage.options())
+      plain = plain && IsPlain(name, most) && IsPlain(value.s(), most);
+  }
+  return plain ? ""
+               : "a text of the job has control characters, or more than " + std::to_string(most) + " bytes";
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,98 @@
+#include "coordinator/server/service.h"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "coordinator/server/address_lock.h"
+#include "coordinator/server/hub.h"
+#include "coordinator/server/zmq_transport.h"
+#include "coordinator/store/recovery.h"
+#include "schema/build_info.h"
+#include "schema/numerics.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr double kStep_s = 0.1;
+
+std::filesystem::path AllowListIn(const std::string& keys_dir) {
+  return std::filesystem::path(keys_dir) / "allowed";
+}
+
+// As many connections as the system allows this user.
+void RaiseFileLimit() {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &files);
+}
+
+constexpr double kPatience_s = 1.5;  // to save what is unsaved when it ends
+
+Result<std::optional<wire::ServerSecurity>> ReadSecurity(const std::string& keys_dir) {
+  if (keys_dir.empty()) return std::optional<wire::ServerSecurity>();
+  const std::filesystem::path dir = keys_dir;
+  Result<wire::KeyPair> keys = wire::ReadKeyPair(dir / "coordinator.key");
+  if (!keys.ok()) return keys.status();
+  return std::optional(wire::ServerSecurity{std::move(keys).value(), AllowListIn(keys_dir)});
+}
+
+std::vector<std::filesystem::path> ResultFilesIn(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    if (entry.path().extension() == ".h5") files.push_back(entry.path());
+  return files;
+}
+
+}  // namespace
+
+Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop) {
+  const Result<std::optional<wire::ServerSecurity>> security = ReadSecurity(options.keys_dir);
+  if (!security.ok()) return security.status();
+  const Result<StoreFolder> folder = StoreFolder::Open(options.store_dir);
+  if (!folder.ok()) return folder.status();
+  RaiseFileLimit();
+  const Result<AddressLock> address =
+      AddressLock::Take(options.listen, "store " + folder.value().dir().string());
+  if (!address.ok()) return address.status();
+  const Result<std::unique_ptr<Transport>> transport =
+      ListenZmq(options.listen, security.value(), options.sockets);
+  if (!transport.ok()) return transport.status();
+  Result<JobTable> table = OpenJobTable(folder.value(), log);
+  if (!table.ok()) return table.status();
+
+  HubOptions hub_options;
+  FixNumericsOfThread();
+  hub_options.core.build = ThisBuild();
+  hub_options.core.checkpoint_interval_s = options.checkpoint_interval_s;
+  hub_options.core.checkpoint_rounds = options.checkpoint_rounds;
+  hub_options.core.keep_s = options.keep_s;
+  hub_options.store_limit_bytes = options.store_limit_bytes;
+  hub_options.core.task_time_s = options.task_time_s;
+  hub_options.core.task_memory_mb = options.task_memory_mb;
+  hub_options.memory_bytes = options.memory_bytes;
+  hub_options.largest_input_bytes = options.sockets.limits.message_bytes;
+  if (!options.keys_dir.empty()) hub_options.allow_list = AllowListIn(options.keys_dir);
+  hub_options.result_path = [dir = folder.value().dir()](const std::string& job, const std::string& stage) {
+    return dir / "results" / job / (stage + ".h5");
+  };
+  hub_options.result_files = [dir = folder.value().dir()](const std::string& job) {
+    return ResultFilesIn(dir / "results" / job);
+  };
+  hub_options.results_folder = [dir = folder.value().dir()](const std::string& job) {
+    return dir / "results" / job;
+  };
+  folder.value().FinishForgetting(hub_options.results_folder);
+  Hub hub(folder.value(), *transport.value(), std::move(table).value(), std::move(hub_options), log);
+  log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
+  while (!stop) hub.Step(kStep_s);
+  if (!hub.Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
+  return Status::Ok();
+}
+
+}  // namespace cairn::coordinator

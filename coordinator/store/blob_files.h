@@ -1,0 +1,61 @@
+// Where a store's blobs lie on disk: each in a file of its own (an input as a flat blob, as it came), or,
+// where many small ones are written at once, together in a pack, so that saving a long round costs a file and
+// not one a partial.
+//
+// The event loop reads, the writing thread writes and removes.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "coordinator/store/folder.h"
+#include "schema/wire/codec.h"
+
+namespace cairn::coordinator {
+
+class BlobFiles {
+ public:
+  // Looks into the packs that are there; one that is damaged is set aside.
+  explicit BlobFiles(const StoreFolder& folder);
+
+  bool Has(const Hash& hash) const;
+  // kNotFound; kCorrupt where the file is damaged or its content is not what its name says.
+  Result<BlobPtr> Read(const Hash& hash);
+  // Whether Read would give it. Costs nothing for what lies in a pack: those were read when they were
+  // indexed.
+  Status Check(const Hash& hash) const;
+  // Appends to `written` those that lie on disk now, also where it fails on the way.
+  Status Write(const std::vector<wire::NamedBlob>& blobs, std::vector<Hash>& written);
+  // A pack goes with the last of its blobs. What cannot be removed is made up for by the next start.
+  void Remove(const std::vector<Hash>& hashes);
+  // Renames the file that holds it: with a pack, all of its blobs are gone.
+  void SetAside(const Hash& hash);
+  void RemoveAllBut(const std::set<Hash>& named);
+  // What a pack holds that somebody may need, without reading it where it is known; none: it cannot be read.
+  std::optional<std::vector<Hash>> InPack(const std::filesystem::path& pack) const;
+  // Packs that others have removed.
+  void ForgetGonePacks();
+
+ private:
+  void Index(const std::filesystem::path& pack, const std::vector<wire::NamedBlob>& blobs);
+  std::filesystem::path FileOf(const Hash& hash) const;
+  Result<BlobPtr> ReadPacked(const std::filesystem::path& pack, const Hash& hash);
+  Status WritePack(const std::vector<wire::NamedBlob>& blobs, std::vector<Hash>& written);
+
+  struct OpenPack {
+    std::filesystem::path path;
+    std::map<Hash, BlobPtr> blobs;
+  };
+  const StoreFolder& folder_;
+  std::deque<OpenPack> open_packs_;  // read last; of the thread that reads
+  mutable std::mutex mutex_;         // of what follows
+  std::map<std::filesystem::path, std::set<Hash>> packs_;
+  std::map<Hash, std::filesystem::path> pack_of_;
+};
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,185 @@
+#include "coordinator/store/folder.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <utility>
+
+#include "schema/store/atomic_file.h"
+#include "schema/store/seal.h"
+
+namespace cairn::coordinator {
+
+namespace fs = std::filesystem;
+
+namespace {
+constexpr const char* kGone = ".deleted";  // a job's folder of checkpoints, once the job is deleted
+}
+
+Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
+  std::error_code error;
+  const bool made = fs::create_directories(dir, error);
+  if (error) return SystemFailure(dir, "make the folder", error.value());
+  if (made) fs::permissions(dir, fs::perms::owner_all, error);
+  Result<StoreFolder> folder = OpenAsItIs(dir);
+  if (!folder.ok()) return folder;
+  if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
+    if (entry.is_directory()) RemoveLeftovers(entry.path());
+  // Of whom they came, nobody is there any more.
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.value().Uploads(), error)) {
+    std::error_code ignored;
+    fs::remove(entry.path(), ignored);
+  }
+  return folder;
+}
+
+Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
+  const fs::path lock_file = dir / "lock";
+  const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (lock < 0) return SystemFailure(lock_file, "open", errno);
+  StoreFolder folder(dir, lock);
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
+    return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
+  if (Status status = folder.CheckVersion(); !status.ok()) return status;
+  return folder;
+}
+
+StoreFolder::StoreFolder(StoreFolder&& other) noexcept
+    : dir_(std::move(other.dir_)), lock_(std::exchange(other.lock_, -1)) {}
+
+StoreFolder::~StoreFolder() {
+  if (lock_ >= 0) ::close(lock_);  // and with it the lock
+}
+
+Status StoreFolder::CheckVersion() const {
+  std::ifstream file(VersionFile());
+  int version = 0;
+  if (file && !(file >> version && version > 1))
+    return {Code::kCorrupt, VersionFile().string() + ": not the version of a store"};
+  if (version > kStoreVersion)
+    return {Code::kVersion, dir_.string() + ": a store of version " + std::to_string(version) +
+                                ", of a newer Cairn; this one knows version " +
+                                std::to_string(kStoreVersion)};
+  if (version > 0) return Status::Ok();
+  // Of version 1, or new. One seal tells that all files were written with seals: the others are damaged.
+  bool any = false;
+  for (const std::string& job : JobsWithCheckpoints())
+    for (const std::uint64_t number : CheckpointNumbers(job)) {
+      if (store::HasSeal(CheckpointFile(job, number))) return Status::Ok();
+      any = true;
+    }
+  if (!any) return Status::Ok();
+  return {Code::kVersion, dir_.string() + ": its files have no seals: they were written by an older Cairn, " +
+                              "which can finish these jobs; this one needs another folder"};
+}
+
+Status StoreFolder::MakeFolders() const {
+  int version = 0;
+  std::ifstream(VersionFile()) >> version;
+  if (version != kStoreVersion)
+    if (Status status = WriteTextAtomically(VersionFile(), std::to_string(kStoreVersion) + "\n");
+        !status.ok())
+      return status;
+  for (const fs::path& folder : {Blobs(), Checkpoints(), Uploads()}) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) return SystemFailure(folder, "make the folder", error.value());
+  }
+  return Status::Ok();
+}
+
+std::vector<std::uint64_t> StoreFolder::CheckpointNumbers(const std::string& job) const {
+  std::vector<std::uint64_t> numbers;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints() / job, error)) {
+    const std::string stem = entry.path().stem().string();
+    std::uint64_t number = 0;
+    const auto end = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+    if (entry.path().extension() == ".h5" && end.ec == std::errc() && end.ptr == stem.data() + stem.size())
+      numbers.push_back(number);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+std::vector<std::string> StoreFolder::JobsWithCheckpoints() const {
+  std::vector<std::string> jobs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints(), error))
+    if (entry.is_directory() && entry.path().extension() != kGone)
+      jobs.push_back(entry.path().filename().string());
+  std::sort(jobs.begin(), jobs.end());
+  return jobs;
+}
+
+std::vector<fs::path> StoreFolder::PackFiles() const {
+  std::vector<fs::path> packs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Blobs(), error))
+    if (entry.path().filename().string().starts_with("pack-") && entry.path().extension() == ".h5")
+      packs.push_back(entry.path());
+  std::sort(packs.begin(), packs.end());
+  return packs;
+}
+
+std::vector<Hash> StoreFolder::BlobsAlone() const {
+  std::vector<Hash> blobs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Blobs(), error)) {
+    const Result<Hash> hash = Hash::FromHex(entry.path().stem().string());
+    const bool is_blob = entry.path().extension() == ".h5" || entry.path().extension() == ".flat";
+    if (hash.ok() && is_blob) blobs.push_back(hash.value());
+  }
+  std::sort(blobs.begin(), blobs.end());
+  blobs.erase(std::unique(blobs.begin(), blobs.end()), blobs.end());
+  return blobs;
+}
+
+// The rename says that the job is gone; the rest is tidying up, which the next start does where this one
+// cannot.
+Status StoreFolder::Forget(const std::string& job, const fs::path& results) const {
+  const fs::path checkpoints = Checkpoints() / job, gone = Checkpoints() / (job + kGone);
+  std::error_code error;
+  if (fs::exists(checkpoints, error)) {
+    fs::rename(checkpoints, gone, error);
+    if (error) return SystemFailure(checkpoints, "rename", error.value());
+    if (Status status = SyncFolder(Checkpoints()); !status.ok()) {
+      fs::rename(gone, checkpoints, error);
+      return status;
+    }
+  }
+  if (!results.empty()) fs::remove_all(results, error);
+  if (!error) fs::remove_all(gone, error);
+  return Status::Ok();
+}
+
+void StoreFolder::FinishForgetting(const std::function<fs::path(const std::string& job)>& results_of) const {
+  std::vector<std::string> jobs;
+  std::error_code ignored;  // the next start tries again
+  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints(), ignored))
+    if (entry.path().extension() == kGone) jobs.push_back(entry.path().stem().string());
+  for (const std::string& job : jobs) static_cast<void>(Forget(job, results_of(job)));
+}
+
+Status StoreFolder::Clear() {
+  for (const fs::directory_entry& entry : fs::directory_iterator(dir_)) {
+    if (entry.path().filename() == "lock") continue;
+    std::error_code error;
+    fs::remove_all(entry.path(), error);
+    if (error) return SystemFailure(entry.path(), "remove", error.value());
+  }
+  return MakeFolders();
+}
+
+void SetAside(const fs::path& file) {
+  std::error_code ignored;  // where even this fails, the file stays and is found damaged again
+  fs::rename(file, file.string() + ".damaged", ignored);
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,166 @@
+#include "coordinator/store/recovery.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "coordinator/core/job.h"
+#include "coordinator/store/checkpoint_file.h"
+#include "coordinator/store/result_file.h"
+#include "schema/store/atomic_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<Hash> BlobsOf(const proto::Checkpoint& checkpoint) {
+  std::vector<Hash> blobs;
+  for (const std::string& blob : checkpoint.blobs()) blobs.push_back(Hash::FromBinary(blob).value());
+  return blobs;
+}
+
+bool IsInput(const proto::Job& job, const Hash& hash) {
+  return std::ranges::any_of(job.input_blobs(),
+                             [&](const auto& input) { return input.second == hash.Binary(); });
+}
+
+// Sets aside what is damaged of it; true where all that the store must have can be read.
+bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, InputsOf inputs,
+                  const JobLogSink& log) {
+  for (const Hash& hash : BlobsOf(checkpoint)) {
+    if (inputs == InputsOf::kUser && IsInput(checkpoint.job(), hash)) continue;
+    const Status blob = files.Check(hash);
+    if (blob.ok()) continue;
+    log(Severity::kWarning, checkpoint.job_id(), blob.message());
+    if (blob.code() == Code::kCorrupt) files.SetAside(hash);
+    return false;
+  }
+  return true;
+}
+
+// The newest that is good, from `numbers` (ascending), which loses it and all that were newer.
+std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles& files,
+                                            const std::string& job, std::vector<std::uint64_t>& numbers,
+                                            InputsOf inputs, const JobLogSink& log) {
+  while (!numbers.empty()) {
+    const fs::path path = folder.CheckpointFile(job, numbers.back());
+    numbers.pop_back();
+    Result<proto::Checkpoint> checkpoint = ReadCheckpoint(path);
+    if (checkpoint.ok() && checkpoint.value().job_id() == job &&
+        BlobsAreGood(files, checkpoint.value(), inputs, log))
+      return std::move(checkpoint).value();
+    const std::string why =
+        checkpoint.ok() ? "its blobs are missing or damaged" : checkpoint.status().message();
+    log(Severity::kWarning, job,
+        "set aside the checkpoint " + path.string() + ": " + why +
+            (numbers.empty() ? "" : "; the one before it is used"));
+    SetAside(path);
+  }
+  return std::nullopt;
+}
+
+// The record of a job that is done: all its stages have published what they gave.
+std::optional<proto::Checkpoint> RecordOfResults(const std::string& job, std::uint64_t number,
+                                                 const PublishedFiles& published) {
+  std::map<std::string, PublishedResult> results;  // by stage
+  for (const fs::path& path : published.of ? published.of(job) : std::vector<fs::path>())
+    if (Result<PublishedResult> result = ReadPublished(path); result.ok())
+      results[result.value().stage] = std::move(result).value();
+  if (results.empty()) return std::nullopt;
+  const proto::Job spec = results.begin()->second.job;
+  if (!CheckJob(spec).empty()) return std::nullopt;
+  proto::Checkpoint record;
+  record.set_job_id(job);
+  record.set_number(number);
+  record.set_order(NumberOfJob(job));
+  *record.mutable_job() = spec;
+  record.set_state(proto::JOB_DONE);
+  record.set_stage(static_cast<std::uint32_t>(spec.stages_size()));
+  record.set_ended_served_s(published.served_s);
+  for (const proto::Stage& stage : spec.stages()) {
+    const auto result = results.find(stage.name());
+    if (result == results.end() || HashOfJob(result->second.job) != HashOfJob(spec)) return std::nullopt;
+    record.add_results(result->second.hash.Binary());
+    record.set_seconds(record.seconds() + result->second.seconds);
+  }
+  return record;
+}
+
+std::optional<proto::Checkpoint> MakeOfResults(const StoreFolder& folder, const std::string& job,
+                                               std::uint64_t number, const PublishedFiles& published,
+                                               const JobLogSink& log) {
+  std::optional<proto::Checkpoint> record = RecordOfResults(job, number, published);
+  if (!record) return record;
+  log(Severity::kWarning, job,
+      "no checkpoint of it can be read, but all its results are there and whole: it is done");
+  if (const Status saved = WriteCheckpoint(folder.CheckpointFile(job, number), *record); !saved.ok())
+    log(Severity::kWarning, job, saved.message());  // the next start makes it of the results again
+  return record;
+}
+
+// A process that died may have left files that are there but whose folder was not synced: counted on, with
+// what came before them cleared away, they would be gone at the next power cut.
+void MakeDurable(const StoreFolder& folder, const JobLogSink& log) {
+  std::vector<fs::path> folders = {folder.Blobs(), folder.Checkpoints()};
+  for (const std::string& job : folder.JobsWithCheckpoints()) folders.push_back(folder.Checkpoints() / job);
+  for (const fs::path& path : folders)
+    if (const Status status = SyncFolder(path); !status.ok()) log(Severity::kError, "", status.message());
+}
+
+}  // namespace
+
+std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, InputsOf inputs,
+                                const PublishedFiles& published, const JobLogSink& log) {
+  MakeDurable(folder, log);
+  std::vector<RestoreJob> jobs;
+  std::set<Hash> named;
+  for (const std::string& job : folder.JobsWithCheckpoints()) {
+    std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
+    // Cut off before its first checkpoint was there: nobody was told that there is such a job.
+    std::error_code not_empty;
+    if (numbers.empty() && fs::remove(folder.Checkpoints() / job, not_empty)) continue;
+    const std::uint64_t next = numbers.empty() ? 1 : numbers.back() + 1;
+    std::optional<proto::Checkpoint> newest = TakeNewest(folder, files, job, numbers, inputs, log);
+    if (!newest) newest = MakeOfResults(folder, job, next, published, log);
+    if (!newest) {
+      log(Severity::kError, "", "job " + job + " has no checkpoint left that can be read; it is lost");
+      continue;
+    }
+    RestoreJob restore{std::move(*newest), {}};
+    const proto::JobState state = restore.checkpoint.state();
+    if (state == proto::JOB_DONE || state == proto::JOB_CANCELLED) {
+      restore.checkpoint.clear_blobs();  // needed before version 1 of checkpoints only
+      numbers.clear();
+    }
+    if (!numbers.empty())
+      if (const auto before = ReadCheckpoint(folder.CheckpointFile(job, numbers.back())); before.ok())
+        for (const Hash& hash : BlobsOf(before.value()))
+          if (files.Has(hash)) restore.previous_blobs.push_back(hash);
+    for (const Hash& hash : BlobsOf(restore.checkpoint)) named.insert(hash);
+    named.insert(restore.previous_blobs.begin(), restore.previous_blobs.end());
+    jobs.push_back(std::move(restore));
+  }
+  files.RemoveAllBut(named);
+  std::sort(jobs.begin(), jobs.end(), [](const RestoreJob& a, const RestoreJob& b) {
+    return std::tuple(a.checkpoint.order(), a.checkpoint.job_id()) <
+           std::tuple(b.checkpoint.order(), b.checkpoint.job_id());
+  });
+  return jobs;
+}
+
+Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
+  Result<JobTable> table = JobTable::Open(folder.JobTable());
+  if (table.ok() || table.status().code() != Code::kCorrupt) return table;
+  log(Severity::kWarning, "made the job table anew from the checkpoints: " + table.status().message());
+  SetAside(folder.JobTable());
+  std::error_code ignored;
+  fs::remove(folder.JobTable().string() + "-wal", ignored);
+  fs::remove(folder.JobTable().string() + "-shm", ignored);
+  return JobTable::Open(folder.JobTable());
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,36 @@
+// What a coordinator finds in its store when it starts.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "coordinator/core/events.h"
+#include "coordinator/store/blob_files.h"
+#include "coordinator/store/folder.h"
+#include "coordinator/store/job_table.h"
+#include "coordinator/store/log.h"
+
+namespace cairn::coordinator {
+
+// Who has the inputs of jobs: the store, or whoever starts a private run, who brings them along each time.
+enum class InputsOf { kStore, kUser };
+
+struct PublishedFiles {
+  std::function<std::vector<std::filesystem::path>(const std::string& job)>
+      of;               // its results; none: nobody knows
+  double served_s = 0;  // for how long the store has been served, in all: what is recovered ended no earlier
+};
+
+// The last good checkpoint of every job, in the order of submission. A damaged one, or one whose blobs are
+// missing or damaged, is named, renamed to FILE.damaged, and the one before is taken. Blobs that none of the
+// kept checkpoints names, and leftovers of interrupted writes, are removed. A job of which no checkpoint can
+// be read, but whose results are all there and whole, is done: its record is made of them, and written.
+std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, InputsOf inputs,
+                                const PublishedFiles& published, const JobLogSink& log);
+
+// The job table; one that cannot be read is set aside and begun anew.
+Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log);
+
+}  // namespace cairn::coordinator

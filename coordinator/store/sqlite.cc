@@ -1,0 +1,58 @@
+#include "coordinator/store/sqlite.h"
+
+#include <cerrno>
+
+#include "schema/store/atomic_file.h"
+
+namespace cairn::coordinator::sqlite {
+
+Status Failure(sqlite3* db) {
+  const int code = sqlite3_errcode(db) & 0xff;
+  const Code kind = code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ? Code::kCorrupt
+                    : code == SQLITE_FULL                                                   ? Code::kNoSpace
+                                                                                            : Code::kIo;
+  const char* name = sqlite3_db_filename(db, nullptr);
+  const std::string file = name == nullptr ? "job table" : name;
+  // SQLite calls all of these "disk I/O error", but for the first write that meets a full disk.
+  const bool at_disk = code == SQLITE_IOERR || code == SQLITE_FULL || code == SQLITE_CANTOPEN;
+  const int error = code == SQLITE_FULL && sqlite3_system_errno(db) == 0 ? ENOSPC : sqlite3_system_errno(db);
+  if (at_disk && error != 0) return SystemFailure(file, "cannot be written or read", error);
+  return {kind, file + ": " + sqlite3_errmsg(db)};
+}
+
+Result<Statement> Prepare(sqlite3* db, const char* sql) {
+  sqlite3_stmt* statement = nullptr;
+  if (sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) != SQLITE_OK) return Failure(db);
+  return Statement(statement);
+}
+
+Status Execute(sqlite3* db, const char* sql) {
+  return sqlite3_exec(db, sql, nullptr, nullptr, nullptr) == SQLITE_OK ? Status::Ok() : Failure(db);
+}
+
+Result<std::int64_t> Number(sqlite3* db, const char* sql) {
+  Result<Statement> prepared = Prepare(db, sql);
+  if (!prepared.ok()) return prepared.status();
+  if (sqlite3_step(prepared.value().get()) != SQLITE_ROW) return Failure(db);
+  return std::int64_t{sqlite3_column_int64(prepared.value().get(), 0)};
+}
+
+void Bind(sqlite3_stmt* statement, int place, const std::string& text) {
+  sqlite3_bind_text(statement, place, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
+}
+
+void Bind(sqlite3_stmt* statement, int place, std::uint64_t number) {
+  sqlite3_bind_int64(statement, place, static_cast<sqlite3_int64>(number));
+}
+
+std::string Text(sqlite3_stmt* statement, int column) {
+  const unsigned char* text = sqlite3_column_text(statement, column);
+  return text == nullptr ? "" : reinterpret_cast<const char*>(text);
+}
+
+std::uint64_t Unsigned(sqlite3_stmt* statement, int column) {
+  const sqlite3_int64 number = sqlite3_column_int64(statement, column);
+  return number > 0 ? static_cast<std::uint64_t>(number) : 0;
+}
+
+}  // namespace cairn::coordinator::sqlite

@@ -1,0 +1,329 @@
+// The parts of the store, each by itself.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+
+#include "coordinator/server/hub_bench.h"
+#include "coordinator/store/checkpoint_file.h"
+#include "coordinator/store/job_yaml.h"
+#include "coordinator/store/recovery.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+proto::Checkpoint SomeCheckpoint() {
+  proto::Checkpoint checkpoint;
+  checkpoint.set_job_id("a");
+  checkpoint.set_number(3);
+  checkpoint.mutable_job()->add_stages()->set_name("one");
+  (*checkpoint.mutable_step()->mutable_state()->mutable_scalars())["x"].set_d(0.1);
+  checkpoint.add_blobs(TextBlob("b").hash.Binary());
+  return checkpoint;
+}
+
+TEST(CheckpointFile, RoundTrips) {
+  TempFolder temp;
+  ASSERT_TRUE(WriteCheckpoint(temp.path() / "3.h5", SomeCheckpoint()).ok());
+  const auto read = ReadCheckpoint(temp.path() / "3.h5");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(HashOfMessage(read.value()), HashOfMessage(SomeCheckpoint()));
+}
+
+TEST(CheckpointFile, ATruncatedOneIsNeverTakenForGood) {
+  TempFolder temp;
+  ASSERT_TRUE(WriteCheckpoint(temp.path() / "3.h5", SomeCheckpoint()).ok());
+  const auto size = fs::file_size(temp.path() / "3.h5");
+  for (std::uintmax_t length = 0; length < size; length += 97) {
+    fs::copy_file(temp.path() / "3.h5", temp.path() / "cut.h5", fs::copy_options::overwrite_existing);
+    fs::resize_file(temp.path() / "cut.h5", length);
+    EXPECT_FALSE(ReadCheckpoint(temp.path() / "cut.h5").ok()) << length;
+  }
+}
+
+TEST(CheckpointFile, AFlippedByteNeverGivesAnotherCheckpoint) {
+  TempFolder temp;
+  ASSERT_TRUE(WriteCheckpoint(temp.path() / "3.h5", SomeCheckpoint()).ok());
+  std::ifstream in(temp.path() / "3.h5", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  int refused = 0;
+  for (std::size_t at = 0; at < bytes.size(); at += 13) {
+    std::string flipped = bytes;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
+    std::ofstream(temp.path() / "flip.h5", std::ios::binary) << flipped;
+    const auto read = ReadCheckpoint(temp.path() / "flip.h5");
+    if (!read.ok())
+      ++refused;
+    else  // a byte that means nothing
+      EXPECT_EQ(HashOfMessage(read.value()), HashOfMessage(SomeCheckpoint())) << at;
+  }
+  EXPECT_GT(refused, 0);
+}
+
+TEST(CheckpointFile, PartsThatDoNotFitTogetherAreRefused) {
+  TempFolder temp;
+  const auto refused = [&](const std::function<void(proto::Checkpoint&)>& change) {
+    proto::Checkpoint checkpoint = SomeCheckpoint();
+    change(checkpoint);
+    EXPECT_TRUE(WriteCheckpoint(temp.path() / "x.h5", checkpoint).ok());
+    return ReadCheckpoint(temp.path() / "x.h5").status().code() == Code::kCorrupt;
+  };
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.set_stage(1); }));
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.set_number(0); }));
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.add_blobs("short"); }));
+  EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.mutable_step()->add_tasks()->set_index(9); }));
+}
+
+TEST(StoreFolder, HasOneOwner) {
+  TempFolder temp;
+  {
+    const auto first = StoreFolder::Open(temp.path() / "s");
+    ASSERT_TRUE(first.ok());
+    EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kBusy);
+  }
+  EXPECT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+}
+
+// Of all files below a folder, but for the lock.
+std::map<std::string, std::string> Contents(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "lock") continue;
+    std::ifstream in(entry.path(), std::ios::binary);
+    contents[entry.path()] = std::string(std::istreambuf_iterator<char>(in), {});
+  }
+  return contents;
+}
+
+TEST(StoreFolder, ANewerVersionIsRefusedAndNotTouched) {
+  TempFolder temp;
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok()) << "its own version";
+  std::ofstream(temp.path() / "s" / "version") << kStoreVersion + 1 << "\n";
+  std::ofstream(temp.path() / "s" / "x.tmp") << "what a newer one may need";
+  const auto before = Contents(temp.path());
+  EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kVersion);
+  EXPECT_EQ(Contents(temp.path()), before);
+  std::ofstream(temp.path() / "s" / "version") << "two";
+  EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kCorrupt);
+}
+
+// coordinator/store/testdata/store_1 was written before files had seals: to set them aside as damaged would
+// lose the jobs.
+TEST(StoreFolder, OneFromBeforeThereWereSealsIsRefusedAndNotTouched) {
+  TempFolder temp;
+  fs::copy(fs::path(CAIRN_SOURCE_DIR) / "coordinator/store/testdata/store_1", temp.path(),
+           fs::copy_options::recursive);
+  const auto before = Contents(temp.path());
+  ASSERT_GE(before.size(), 8u);
+  const Status status = StoreFolder::Open(temp.path() / "store").status();
+  EXPECT_EQ(status.code(), Code::kVersion);
+  EXPECT_NE(status.message().find("no seals"), std::string::npos) << status.message();
+  EXPECT_EQ(Contents(temp.path()), before);
+}
+
+TEST(StoreFolder, OneOfVersion1WithSealsIsUpgraded) {
+  TempFolder temp;
+  const fs::path store = temp.path() / "s";
+  fs::create_directories(store / "checkpoints" / "a");
+  std::ofstream(store / "checkpoints" / "a" / "1.h5") << std::string(1000, 'x');  // damaged
+  ASSERT_TRUE(WriteCheckpoint(store / "checkpoints" / "a" / "3.h5", SomeCheckpoint()).ok());
+  ASSERT_TRUE(StoreFolder::Open(store).ok());
+  EXPECT_TRUE(fs::exists(store / "version"));
+  fs::remove(store / "checkpoints" / "a" / "3.h5");
+  EXPECT_TRUE(StoreFolder::Open(store).ok())
+      << "damaged files are no reason to refuse a store that says its version";
+}
+
+TEST(StoreFolder, ClearForgetsJobsAndKeepsTheLock) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  ASSERT_TRUE(folder.ok());
+  fs::create_directories(folder.value().Checkpoints() / "a");
+  ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 3), SomeCheckpoint()).ok());
+  EXPECT_EQ(folder.value().CheckpointNumbers("a"), std::vector<std::uint64_t>{3});
+  EXPECT_EQ(folder.value().JobsWithCheckpoints(), std::vector<std::string>{"a"});
+  ASSERT_TRUE(folder.value().Clear().ok());
+  EXPECT_TRUE(folder.value().JobsWithCheckpoints().empty());
+  EXPECT_TRUE(fs::exists(folder.value().dir() / "lock"));
+}
+
+TEST(Recovery, OfTheCheckpointBeforeOnlyBlobsThatAreThereAreKept) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  fs::create_directories(folder.value().Checkpoints() / "a");
+  const wire::NamedBlob b = TextBlob("b"), c = TextBlob("c");
+  for (const wire::NamedBlob& named : {b, c})
+    ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(named.hash), "blob", *named.blob).ok());
+  ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 3), SomeCheckpoint()).ok());
+  proto::Checkpoint before = SomeCheckpoint();  // its removal did not outlive a power cut, its blob's did
+  before.set_number(2);
+  before.add_blobs(c.hash.Binary());
+  before.add_blobs(TextBlob("gone").hash.Binary());
+  ASSERT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 2), before).ok());
+  BlobFiles files(folder.value());
+  const auto jobs = Recover(folder.value(), files, InputsOf::kStore, {},
+                            [](Severity, const std::string&, const std::string&) {});
+  ASSERT_EQ(jobs.size(), 1u);
+  EXPECT_EQ(jobs[0].checkpoint.number(), 3u);
+  EXPECT_EQ(jobs[0].previous_blobs, (std::vector{b.hash, c.hash}));
+}
+
+TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  BlobFiles files(folder.value());
+  BlobStore store(files, 10);
+  const wire::NamedBlob a = TextBlob("aaaaaaaa"), b = TextBlob("bbbbbbbb");
+  store.Put(a, 1);
+  store.Put(b, 1);
+  EXPECT_EQ(store.memory_bytes(), 16u) << "nothing is lost that is nowhere else";
+  EXPECT_EQ(store.TakeSpills(), std::vector<Hash>{a.hash});
+  EXPECT_TRUE(store.TakeSpills().empty());
+  ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(a.hash), "blob", *a.blob).ok());
+  store.MarkDurable({a.hash}, 2);
+  EXPECT_EQ(store.memory_bytes(), 8u);
+  ASSERT_NE(store.Get(a.hash), nullptr);
+  EXPECT_EQ(store.Get(a.hash)->ContentHash(), a.hash);
+}
+
+TEST(BlobStore, WhatIsGivenStaysWhateverIsDroppedAndNeverHasToBeWritten) {
+  const TempFolder temp;
+  const auto folder = StoreFolder::Open(temp.path() / "store");
+  BlobFiles files(folder.value());
+  BlobStore store(files, 1);
+  const wire::NamedBlob given = TextBlob("given");
+  store.Give(given);
+  store.Put(given, 1);
+  store.AddDurable(given.hash);
+  EXPECT_TRUE(store.Has(given.hash));
+  EXPECT_TRUE(store.Durable(given.hash));
+  EXPECT_TRUE(store.TakeSpills().empty());
+  EXPECT_EQ(store.memory_bytes(), 0u);
+  store.Drop({given.hash});
+  EXPECT_EQ(store.Get(given.hash), given.blob);
+}
+
+TEST(BlobStore, WhatWasWrittenBeforeADropDoesNotCountAfterwards) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  BlobFiles files(folder.value());
+  BlobStore store(files, 1000);
+  const wire::NamedBlob a = TextBlob("a");
+  store.Put(a, 1);
+  store.Drop({a.hash});  // its file will be removed
+  store.Put(a, 5);
+  store.MarkDurable({a.hash}, 3);
+  EXPECT_FALSE(store.Durable(a.hash));
+  store.MarkDurable({a.hash}, 5);
+  EXPECT_TRUE(store.Durable(a.hash));
+}
+
+TEST(BlobStore, AFileWithAnotherContentIsNotServed) {
+  TempFolder temp;
+  auto folder = StoreFolder::Open(temp.path() / "s");
+  BlobFiles files(folder.value());
+  BlobStore store(files, 1000);
+  const wire::NamedBlob a = TextBlob("a"), b = TextBlob("b");
+  ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(a.hash), "blob", *b.blob).ok());
+  store.AddDurable(a.hash);
+  EXPECT_EQ(store.Get(a.hash), nullptr);
+  EXPECT_EQ(files.Read(a.hash).status().code(), Code::kCorrupt);
+}
+
+TEST(JobTable, KeepsARowAJobAndTheTimeOfSubmission) {
+  TempFolder temp;
+  auto table = JobTable::Open(temp.path() / "jobs.sqlite");
+  ASSERT_TRUE(table.ok()) << table.status().message();
+  JobRow row;
+  row.info.set_id("1-a");
+  row.info.set_state("running");
+  row.info.set_round(7);
+  row.info.set_note("it's \"quoted\"; DROP TABLE jobs");
+  row.submitted_utc = row.updated_utc = "2024-01-01T00:00:00Z";
+  ASSERT_TRUE(table.value().Write(row).ok());
+  row.info.set_state("done");
+  row.submitted_utc = row.updated_utc = "2025-01-01T00:00:00Z";
+  ASSERT_TRUE(table.value().Write(row).ok());
+  const auto rows = table.value().Read();
+  ASSERT_TRUE(rows.ok());
+  ASSERT_EQ(rows.value().size(), 1u);
+  EXPECT_EQ(rows.value()[0].info.state(), "done");
+  EXPECT_EQ(rows.value()[0].info.round(), 7u);
+  EXPECT_EQ(rows.value()[0].info.note(), row.info.note());
+  EXPECT_EQ(rows.value()[0].submitted_utc, "2024-01-01T00:00:00Z");
+  EXPECT_EQ(rows.value()[0].updated_utc, "2025-01-01T00:00:00Z");
+}
+
+TEST(JobTable, OneOfVersion1IsUpgradedWithItsRows) {
+  TempFolder temp;
+  fs::copy(fs::path(CAIRN_SOURCE_DIR) / "coordinator/store/testdata/store_1/store/jobs.sqlite", temp.path());
+  for (int i = 0; i < 2; ++i) {
+    auto table = JobTable::Open(temp.path() / "jobs.sqlite");
+    ASSERT_TRUE(table.ok()) << table.status().message();
+    const auto rows = table.value().Read();
+    ASSERT_EQ(rows.value().size(), 3u);
+    EXPECT_EQ(rows.value()[1].info.id(), "2-under-way");
+    EXPECT_EQ(rows.value()[1].info.round(), 2u);
+    EXPECT_EQ(rows.value()[0].submitted_utc, "2026-11-21T11:17:58Z");
+    EXPECT_EQ(table.value().LastNumber().value(), 3u);
+  }
+}
+
+TEST(JobTable, ANewerOneIsRefusedAndNotTouched) {
+  TempFolder temp;
+  ASSERT_TRUE(JobTable::Open(temp.path() / "jobs.sqlite").ok());
+  {
+    std::fstream file(temp.path() / "jobs.sqlite", std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(60 + 3);  // the last byte of user_version, https://sqlite.org/fileformat.html
+    file.put(100);
+  }
+  const auto before = Contents(temp.path());
+  const Status status = JobTable::Open(temp.path() / "jobs.sqlite").status();
+  EXPECT_EQ(status.code(), Code::kVersion) << status.message();
+  EXPECT_EQ(Contents(temp.path()), before);
+}
+
+TEST(JobTable, RemembersTheHighestNumberThatWasRemoved) {
+  TempFolder temp;
+  {
+    auto table = JobTable::Open(temp.path() / "jobs.sqlite");
+    for (const char* id : {"3-a", "12-b", "7-c", "no-number"}) {
+      ASSERT_TRUE(table.value().NoteRemoval(id).ok());
+      ASSERT_TRUE(table.value().Remove(id).ok());
+    }
+  }
+  EXPECT_EQ(JobTable::Open(temp.path() / "jobs.sqlite").value().LastNumber().value(), 12u);
+}
+
+TEST(JobTable, AFileThatIsNoTableIsCorrupt) {
+  TempFolder temp;
+  std::ofstream(temp.path() / "jobs.sqlite") << std::string(4096, 'x');
+  EXPECT_EQ(JobTable::Open(temp.path() / "jobs.sqlite").status().code(), Code::kCorrupt);
+}
+
+TEST(JobYaml, IsAJobFile) {
+  proto::Job job;
+  job.set_name("a \"name\"");
+  job.set_seed(7);
+  (*job.mutable_inputs())["log"] = "dir/log.h5";
+  proto::Stage& stage = *job.add_stages();
+  stage.set_name("map");
+  stage.set_pipeline("landmark_map");
+  (*stage.mutable_inputs())["log"] = "log";
+  (*stage.mutable_options())["cell_m"].set_d(1);
+  (*stage.mutable_options())["count"].set_i(-3);
+  (*stage.mutable_options())["sharp"].set_b(true);
+  (*stage.mutable_options())["mode"].set_s("fast\n");
+  EXPECT_EQ(
+      JobAsYaml(job),
+      "name: \"a \\\"name\\\"\"\nseed: 7\ninputs:\n  log: \"dir/log.h5\"\nstages:\n  - name: \"map\"\n"
+      "    pipeline: \"landmark_map\"\n    log: \"log\"\n    options:\n      cell_m: 1.0\n      count: -3\n"
+      "      mode: \"fast\\x0a\"\n      sharp: true\n");
+}
+
+}  // namespace
+}  // namespace cairn::coordinator
