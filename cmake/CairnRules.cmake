@@ -6,8 +6,19 @@ set(CAIRN_LINKS_schema "Eigen3::.*|protobuf::.*|PkgConfig::CAIRN_XXHASH|cairn_pr
 set(CAIRN_LINKS_schema_store "schema|PkgConfig::CAIRN_HDF5")
 set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_ZMQ")
 set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?|Eigen3::.*|cairn::opencv_(core|imgproc)")
-set(CAIRN_LINKS_datasets
-  "schema|schema/store|datasets(/.*)?|pipelines/image_features|Eigen3::.*|cairn::opencv_.*|ZLIB::.*|nlohmann_json::.*")
+set(CAIRN_LINKS_datasets_common "schema(/store)?|ZLIB::.*")
+set(CAIRN_LINKS_datasets_inspect "schema/store|datasets/common|nlohmann_json::.*")
+set(CAIRN_LINKS_datasets_import "datasets/common|ZLIB::.*")
+set(CAIRN_LINKS_datasets_simulate "datasets/(common|simulate)")
+set(CAIRN_LINKS_datasets_simulate_corridor "datasets/(common|simulate)|pipelines/image_features")
+set(CAIRN_LINKS_datasets_evaluate "datasets/common|datasets/evaluate/.*|nlohmann_json::.*")
+set(CAIRN_LINKS_datasets_evaluate_matching "datasets/common")
+set(CAIRN_LINKS_datasets_evaluate_maps "datasets/common|datasets/evaluate/matching")
+set(CAIRN_LINKS_datasets_report
+  "schema/store|datasets/common|datasets/evaluate(/.*)?|cairn::opencv_(core|imgproc)")
+set(CAIRN_LINKS_datasets_export "schema/store|datasets/(common|evaluate/maps|report)|Eigen3::.*")
+set(CAIRN_LINKS_datasets_reproduce "datasets/(common|report)|datasets/(evaluate|simulate)(/.*)?")
+set(CAIRN_LINKS_datasets_images "datasets/import|cairn::opencv_(core|imgcodecs)")
 set(CAIRN_LINKS_worker
   "schema(/.*)?|pipelines|worker(/.*)?|CLI11::.*|spdlog::.*|nlohmann_json::.*|Threads::Threads")
 # The client; then the folders of the service, each built on those before it.
@@ -19,11 +30,15 @@ set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|
 set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")
 set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?|CLI11::.*")
 set(CAIRN_LINKS_coordinator_cli_job_file
-  "schema(/.*)?|coordinator|coordinator/(core|cli/common)|datasets|CLI11::.*|yaml-cpp(::.*)?|nlohmann_json::.*")
+  "schema(/.*)?|coordinator|coordinator/(core|cli/common)|datasets/common|CLI11::.*|yaml-cpp(::.*)?|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_output
   "schema(/.*)?|coordinator|coordinator/(store|cli/(common|job_file))|spdlog::.*|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands
-  "schema(/.*)?|coordinator|coordinator/(core|store|server|local|cli/(common|job_file|output))|datasets|CLI11::.*|nlohmann_json::.*")
+  "schema(/.*)?|coordinator|coordinator/(core|store|server|local|cli/(common|job_file|output))|datasets/.*|CLI11::.*|nlohmann_json::.*")
+set(CAIRN_LINKS_coordinator_cli_commands_import
+  "schema/store|coordinator/cli/(common|job_file|output)|datasets/(common|import)|CLI11::.*|nlohmann_json::.*")
+set(CAIRN_LINKS_coordinator_cli_commands_simulate
+  "schema/store|coordinator/cli/(common|output)|datasets/simulate(/.*)?|CLI11::.*")
 set(CAIRN_LINKS_tests ".*")
 
 

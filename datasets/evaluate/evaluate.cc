@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/confidence.h"
-#include "datasets/evaluate/align.h"
-#include "datasets/evaluate/associations.h"
+#include "datasets/common/confidence.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/made_from.h"
+#include "datasets/evaluate/matching/align.h"
+#include "datasets/evaluate/matching/associations.h"
 #include "datasets/evaluate/track.h"
 
 namespace cairn::datasets {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/point_match.h"
-#include "datasets/evaluate/similarity.h"
+#include "datasets/evaluate/matching/point_match.h"
+#include "datasets/evaluate/matching/similarity.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -38,7 +38,7 @@ struct Evaluation {
   std::optional<LandmarkScore> landmarks;   // none: the truth has no landmarks
   std::optional<double> trajectory_rmse_m;  // the worst robot's
   std::vector<RobotScore> robots;
-  std::optional<bool> topology_correct;  // associations.h; none: the truth has no associations
+  std::optional<bool> topology_correct;  // matching/associations.h; none: the truth has no associations
   // Where it has: observations that are truly of a landmark, and those of them that are in none of the map's;
   // observations that are in one, and those of them that are truly of another, or of nothing.
   std::int64_t observations = 0, unused = 0, associations = 0, wrong = 0;

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/evaluate/perfect_result.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 
 namespace cairn::datasets {
 

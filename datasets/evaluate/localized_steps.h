@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {

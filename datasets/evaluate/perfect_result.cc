@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "datasets/evaluate/associations.h"
+#include "datasets/evaluate/matching/associations.h"
 #include "datasets/evaluate/track.h"
 
 namespace cairn::datasets {

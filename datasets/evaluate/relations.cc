@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "datasets/array_text.h"
-#include "datasets/fields.h"
+#include "datasets/common/array_text.h"
+#include "datasets/common/fields.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {

@@ -1,9 +1,8 @@
-#include "datasets/import_images.h"
-
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "datasets/images/decode_image.h"
+#include "datasets/import/images.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 #include "datasets/report/scene.h"
 
 namespace cairn::datasets::report {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "datasets/png.h"
+#include "datasets/common/png.h"
 
 namespace cairn::datasets::report {
 namespace {

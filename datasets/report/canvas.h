@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 
 namespace cairn::datasets::report {
 

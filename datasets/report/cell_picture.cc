@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/png.h"
+#include "datasets/common/png.h"
 #include "datasets/report/palette.h"
 
 namespace cairn::datasets::report {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/occupancy.h"
+#include "datasets/evaluate/maps/occupancy.h"
 #include "datasets/report/canvas.h"
 #include "schema/blob.h"
 

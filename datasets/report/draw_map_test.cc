@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "datasets/evaluate/perfect_result.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets {

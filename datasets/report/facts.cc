@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "datasets/confidence.h"
+#include "datasets/common/confidence.h"
 #include "datasets/report/format.h"
 #include "datasets/report/parts.h"
 

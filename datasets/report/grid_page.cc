@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "datasets/evaluate/similarity.h"
+#include "datasets/evaluate/matching/similarity.h"
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/facts.h"
 #include "datasets/report/format.h"

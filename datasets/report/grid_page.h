@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "datasets/evaluate/evaluate_grid.h"
+#include "datasets/evaluate/grid.h"
 #include "datasets/report/scene.h"
 #include "schema/blob.h"
 

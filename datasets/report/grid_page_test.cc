@@ -8,7 +8,7 @@
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/palette.h"
 #include "datasets/report/report.h"
-#include "datasets/simulate_hall.h"
+#include "datasets/simulate/hall/hall.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {

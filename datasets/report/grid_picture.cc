@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/png.h"
+#include "datasets/common/png.h"
 
 namespace cairn::datasets::report {
 namespace {

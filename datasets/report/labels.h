@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 #include "datasets/report/axes.h"
 
 namespace cairn::datasets::report {

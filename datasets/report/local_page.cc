@@ -5,7 +5,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "datasets/evaluate/map_truth.h"
+#include "datasets/evaluate/maps/truth.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/report/facts.h"
 #include "datasets/report/figures.h"

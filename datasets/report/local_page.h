@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/evaluate_local.h"
+#include "datasets/evaluate/local.h"
 #include "datasets/report/local_pictures.h"
 #include "datasets/report/scene.h"
 #include "schema/blob.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/common/planar.h"
 #include "datasets/evaluate/track.h"
-#include "datasets/planar.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::report {

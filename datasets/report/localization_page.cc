@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/evaluate/evaluate_localization.h"
+#include "datasets/evaluate/localization.h"
 #include "datasets/evaluate/localized_steps.h"
 #include "datasets/report/facts.h"
 #include "datasets/report/format.h"

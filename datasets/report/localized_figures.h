@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "datasets/evaluate/evaluate_localization.h"
+#include "datasets/evaluate/localization.h"
 #include "datasets/evaluate/localized_steps.h"
 
 namespace cairn::datasets::report {

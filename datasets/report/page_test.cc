@@ -8,14 +8,14 @@
 #include <regex>
 #include <vector>
 
-#include "datasets/confidence.h"
+#include "datasets/common/confidence.h"
 #include "datasets/evaluate/perfect_result.h"
 #include "datasets/evaluate/testing_grid.h"
 #include "datasets/report/figures.h"
 #include "datasets/report/palette.h"
 #include "datasets/report/parts.h"
 #include "datasets/report/report.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/scene.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/evaluate/evaluate_grid.h"
-#include "datasets/evaluate/evaluate_local.h"
+#include "datasets/evaluate/grid.h"
+#include "datasets/evaluate/local.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {

@@ -14,7 +14,7 @@
 #include "datasets/report/grid_picture.h"
 #include "datasets/report/landmark_page.h"
 #include "datasets/report/scene.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {

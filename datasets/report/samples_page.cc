@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "datasets/png.h"
+#include "datasets/common/png.h"
 #include "datasets/report/axes.h"
 #include "datasets/report/facts.h"
 #include "datasets/report/figures.h"

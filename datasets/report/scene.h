@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/common/planar.h"
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/planar.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::report {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 
 namespace cairn::datasets::report {
 

@@ -8,7 +8,7 @@
 #include "datasets/reproduce/ball_variants.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/over_seeds.h"
-#include "datasets/simulate_corridor.h"
+#include "datasets/simulate/corridor/corridor.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {

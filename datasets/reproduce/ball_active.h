@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/evaluate_localization.h"
+#include "datasets/evaluate/localization.h"
 #include "datasets/reproduce/ball_study.h"
 #include "datasets/reproduce/paper_figure.h"
 

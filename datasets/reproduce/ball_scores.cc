@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/evaluate/evaluate_features.h"
-#include "datasets/evaluate/evaluate_networks.h"
+#include "datasets/common/planar.h"
+#include "datasets/evaluate/features.h"
 #include "datasets/evaluate/learned_networks.h"
-#include "datasets/planar.h"
+#include "datasets/evaluate/networks.h"
 
 namespace cairn::datasets {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/evaluate_localization.h"
+#include "datasets/evaluate/localization.h"
 #include "datasets/reproduce/ball_study.h"
 
 namespace cairn::datasets {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "datasets/simulate_corridor.h"
+#include "datasets/simulate/corridor/corridor.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {

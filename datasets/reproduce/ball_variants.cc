@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "datasets/evaluate/evaluate_networks.h"
+#include "datasets/evaluate/networks.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/over_seeds.h"
 #include "schema/error.h"

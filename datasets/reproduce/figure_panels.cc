@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "datasets/planar.h"
+#include "datasets/common/planar.h"
 
 namespace cairn::datasets {
 

@@ -6,11 +6,11 @@
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/landmarks.h"
-#include "datasets/evaluate/similarity.h"
+#include "datasets/evaluate/matching/similarity.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/reproduce/belief_view.h"
 #include "datasets/reproduce/figure_panels.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 
 namespace cairn::datasets {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "datasets/log_parts.h"
+#include "datasets/common/log_parts.h"
 #include "datasets/reproduce/study_inputs.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 
 namespace cairn::datasets {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "datasets/evaluate/evaluate_local.h"
+#include "datasets/evaluate/local.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/report/local_page.h"
 #include "datasets/reproduce/figure_panels.h"

@@ -1,7 +1,7 @@
 #include "datasets/reproduce/local_study.h"
 
 #include "datasets/reproduce/study_inputs.h"
-#include "datasets/simulate_office.h"
+#include "datasets/simulate/office/office.h"
 
 namespace cairn::datasets {
 

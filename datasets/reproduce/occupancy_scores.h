@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "datasets/evaluate/evaluate_grid.h"
+#include "datasets/evaluate/grid.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "datasets/reproduce/study_inputs.h"
-#include "datasets/simulate_hall.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/hall/hall.h"
+#include "datasets/simulate/loop.h"
 
 namespace cairn::datasets {
 namespace {

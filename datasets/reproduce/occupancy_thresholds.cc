@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "datasets/evaluate/evaluate_grid.h"
+#include "datasets/evaluate/grid.h"
 #include "datasets/report/palette.h"
 #include "datasets/report/plots.h"
 #include "datasets/reproduce/figure_panels.h"

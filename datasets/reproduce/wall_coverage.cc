@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/evaluate/map_truth.h"
+#include "datasets/evaluate/maps/truth.h"
 #include "datasets/report/local_page.h"
 
 namespace cairn::datasets {

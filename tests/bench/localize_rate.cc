@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
+#include "datasets/common/log_parts.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
-#include "datasets/log_parts.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
 #include "tests/bench/bench_main.h"

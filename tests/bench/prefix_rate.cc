@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "datasets/common/log_parts.h"
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/log_parts.h"
 #include "datasets/reproduce/landmark_study.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
 #include "tests/bench/bench_main.h"

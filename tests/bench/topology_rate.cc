@@ -18,10 +18,10 @@
 #include <vector>
 
 #include "coordinator/cli/commands/simulate/loop_options.h"
-#include "datasets/confidence.h"
+#include "datasets/common/confidence.h"
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/import_csv.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/import/csv.h"
+#include "datasets/simulate/loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"

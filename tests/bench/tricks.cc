@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "pipelines/common/motion.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "coordinator/client.h"
-#include "datasets/diff.h"
+#include "datasets/inspect/diff.h"
 #include "pipelines/in_process.h"
 #include "schema/numerics.h"
 #include "schema/rng.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/export.h"
+#include "datasets/export/export.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/report/report.h"
 #include "pipelines/in_process.h"

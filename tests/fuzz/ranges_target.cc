@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "datasets/evaluate/relations.h"
-#include "datasets/import_ranges.h"
-#include "datasets/import_tum.h"
+#include "datasets/import/ranges.h"
+#include "datasets/import/tum.h"
 #include "tests/fuzz/gzip.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "datasets/import_vectors.h"
+#include "datasets/import/vectors.h"
 #include "tests/fuzz/gzip.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "datasets/export.h"
+#include "datasets/export/export.h"
 #include "datasets/testing.h"
 #include "schema/rng.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
 #include "schema/error.h"

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/evaluate_features.h"
-#include "datasets/simulate_corridor.h"
+#include "datasets/evaluate/features.h"
+#include "datasets/simulate/corridor/corridor.h"
 
 namespace cairn {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/confidence.h"
+#include "datasets/common/confidence.h"
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"

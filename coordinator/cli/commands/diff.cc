@@ -1,4 +1,4 @@
-#include "datasets/diff.h"
+#include "datasets/inspect/diff.h"
 
 #include <cstdio>
 

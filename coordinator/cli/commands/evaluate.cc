@@ -9,11 +9,11 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/common/scalar.h"
-#include "datasets/evaluate/evaluate_features.h"
-#include "datasets/evaluate/evaluate_grid.h"
-#include "datasets/evaluate/evaluate_local.h"
-#include "datasets/evaluate/evaluate_localization.h"
-#include "datasets/evaluate/evaluate_networks.h"
+#include "datasets/evaluate/features.h"
+#include "datasets/evaluate/grid.h"
+#include "datasets/evaluate/local.h"
+#include "datasets/evaluate/localization.h"
+#include "datasets/evaluate/networks.h"
 #include "datasets/evaluate/relations.h"
 
 namespace cairn::cli {

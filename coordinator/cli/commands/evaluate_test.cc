@@ -7,8 +7,8 @@
 #include "datasets/evaluate/testing_grid.h"
 #include "datasets/evaluate/testing_localization.h"
 #include "datasets/evaluate/testing_networks.h"
-#include "datasets/simulate_hall.h"
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/hall/hall.h"
+#include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 #include "schema/store/blob_file.h"
 

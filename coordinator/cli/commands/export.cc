@@ -1,4 +1,4 @@
-#include "datasets/export.h"
+#include "datasets/export/export.h"
 
 #include <cstdio>
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "datasets/inspect.h"
+#include "datasets/inspect/inspect.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -9,7 +9,7 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/output/text_table.h"
-#include "datasets/recognize.h"
+#include "datasets/import/recognize.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {

@@ -5,7 +5,7 @@
 
 #include "coordinator/cli/commands/report.h"
 #include "coordinator/cli/common/failure.h"
-#include "datasets/confidence.h"
+#include "datasets/common/confidence.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {

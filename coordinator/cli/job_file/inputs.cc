@@ -6,7 +6,7 @@
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/result_file.h"
-#include "datasets/unit_doubts.h"
+#include "datasets/common/unit_doubts.h"
 #include "schema/store/blob_file.h"
 #include "schema/store/blob_stream.h"
 

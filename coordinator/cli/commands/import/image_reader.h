@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/import_images.h"
+#include "datasets/import/images.h"
 
 namespace cairn::cli {
 

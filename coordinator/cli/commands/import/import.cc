@@ -1,12 +1,12 @@
 #include "coordinator/cli/commands/import/image_reader.h"
 #include "coordinator/cli/commands/import/parts.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/import_csv.h"
-#include "datasets/import_errors.h"
-#include "datasets/import_images.h"
-#include "datasets/import_mrclam.h"
-#include "datasets/import_recorded.h"
-#include "datasets/import_vectors.h"
+#include "datasets/import/csv.h"
+#include "datasets/import/errors.h"
+#include "datasets/import/images.h"
+#include "datasets/import/mrclam.h"
+#include "datasets/import/recorded.h"
+#include "datasets/import/vectors.h"
 
 namespace cairn::cli {
 namespace {

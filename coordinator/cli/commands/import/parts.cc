@@ -8,8 +8,8 @@
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/job_file/inputs.h"
 #include "coordinator/cli/output/plan_text.h"
-#include "datasets/text_file.h"
-#include "datasets/unit_doubts.h"
+#include "datasets/common/text_file.h"
+#include "datasets/common/unit_doubts.h"
 #include "schema/store/blob_file.h"
 #include "schema/text.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "coordinator/cli/common/invocation.h"
-#include "datasets/log_rows.h"
+#include "datasets/import/log_rows.h"
 #include "schema/blob.h"
 
 namespace cairn::cli {

@@ -1,3 +1,5 @@
+#include "datasets/import/ranges.h"
+
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -5,9 +7,8 @@
 #include "coordinator/cli/commands/import/parts.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/import_carmen.h"
-#include "datasets/import_ranges.h"
-#include "datasets/import_tum.h"
+#include "datasets/import/carmen.h"
+#include "datasets/import/tum.h"
 #include "schema/error.h"
 
 namespace cairn::cli {

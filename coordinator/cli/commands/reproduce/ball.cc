@@ -18,7 +18,7 @@
 #include "datasets/reproduce/ball_adapt.h"
 #include "datasets/reproduce/ball_figures.h"
 #include "datasets/reproduce/ball_variants.h"
-#include "datasets/simulate_corridor.h"
+#include "datasets/simulate/corridor/corridor.h"
 #include "schema/store/blob_file.h"
 #include "schema/store/result_kind.h"
 

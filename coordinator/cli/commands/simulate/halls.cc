@@ -7,7 +7,7 @@
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/simulate_hall.h"
+#include "datasets/simulate/hall/hall.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {

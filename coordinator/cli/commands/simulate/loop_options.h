@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/simulate_loop.h"
+#include "datasets/simulate/loop.h"
 
 namespace cairn::cli {
 

@@ -1,11 +1,12 @@
+#include "datasets/simulate/office/office.h"
+
 #include <cstdio>
 
 #include "coordinator/cli/commands/simulate/halls.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/simulate_loop.h"
-#include "datasets/simulate_office.h"
+#include "datasets/simulate/loop.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {

@@ -9,7 +9,7 @@
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/simulate_corridor.h"
+#include "datasets/simulate/corridor/corridor.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {

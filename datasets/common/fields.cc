@@ -1,0 +1,95 @@
+#include "datasets/common/fields.h"
+
+#include <cmath>
+#include <optional>
+
+namespace cairn::datasets {
+namespace {
+
+std::string FieldName(std::size_t field) { return "field " + std::to_string(field + 1); }
+
+}  // namespace
+
+Fields::Fields(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t";
+  for (std::string_view rest = Trim(line); !rest.empty(); rest = Trim(rest)) {
+    fields_.push_back(rest.substr(0, rest.find_first_of(kBlanks)));
+    rest.remove_prefix(fields_.back().size());
+  }
+}
+
+std::string_view Fields::Text(std::size_t field) const {
+  if (field >= fields_.size())
+    throw LineError{"line cut short", "it has " + std::to_string(fields_.size()) + " fields"};
+  return fields_[field];
+}
+
+double Fields::Number(std::size_t field) const {
+  const char* reason = "";
+  const std::optional<double> number = ParseNumber(Text(field), &reason);
+  if (!number) throw LineError{reason, FieldName(field) + " is '" + std::string(Text(field)) + "'"};
+  return *number;
+}
+
+double Fields::Within(std::size_t field, double per, double most, const char* otherwise) const {
+  const double number = Number(field) / per;
+  if (std::abs(number) <= most) return number;
+  throw LineError{otherwise, FieldName(field) + " is '" + std::string(Text(field)) + "'"};
+}
+
+PoseM Fields::Pose(std::size_t first, double per_m) const {
+  constexpr double kMost_m = 1e7, kMost_rad = 1e6;
+  return {Within(first, per_m, kMost_m, "no place on Earth"),
+          Within(first + 1, per_m, kMost_m, "no place on Earth"),
+          Within(first + 2, 1, kMost_rad, "no heading")};
+}
+
+double Fields::Stamp(std::size_t field, double per_s) const {
+  constexpr double kMost_s = 4.2e9;
+  return Within(field, per_s, kMost_s, "no time stamp");
+}
+
+std::size_t Fields::Count(std::size_t field, std::size_t most) const {
+  const double number = Number(field);
+  if (!(number >= 0 && number <= static_cast<double>(most)) ||
+      number != static_cast<double>(static_cast<std::size_t>(number)))
+    throw LineError{"no count", FieldName(field) + " is '" + std::string(Text(field)) + "'; allowed: 0 to " +
+                                    std::to_string(most)};
+  return static_cast<std::size_t>(number);
+}
+
+std::vector<double> Fields::Ranges(std::size_t first, std::size_t count, double most_m) const {
+  std::vector<double> ranges;
+  ranges.reserve(count);
+  for (std::size_t beam = 0; beam < count; ++beam) {
+    ranges.push_back(Number(first + beam));
+    const std::string what = "beam " + std::to_string(beam) + " measures " + std::string(Text(first + beam));
+    if (ranges.back() < 0) throw LineError{"negative range", what};
+    if (ranges.back() > most_m) throw LineError{"beyond any sensor's reach", what};
+  }
+  return ranges;
+}
+
+void Fields::Need(std::size_t needed, const std::string& declared) const {
+  if (size() == needed) return;
+  throw LineError{
+      size() < needed ? "line cut short, or fewer values than it declares"
+                      : "more values than the line declares",
+      declared + " take " + std::to_string(needed) + " fields, there are " + std::to_string(size())};
+}
+
+void ForEachLine(const std::string& path, BadLines* bad,
+                 const std::function<void(const Fields&, std::size_t)>& read) {
+  const std::string text = ReadText(path);
+  for (Lines lines(text); lines.Next();) {
+    const Fields fields(lines.text());
+    if (fields.empty() || fields.Text(0).starts_with('#')) continue;
+    try {
+      read(fields, lines.number());
+    } catch (const LineError& error) {
+      bad->Add(path, lines.number(), error.reason, error.detail);
+    }
+  }
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,254 @@
+#include "datasets/common/unit_doubts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/common/array_text.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kFullTurn_rad = 2 * std::numbers::pi;
+constexpr double kTurnWindow_s = 0.5, kWayWindow_s = 1;
+constexpr double kLeastMoving_s = 5;  // to tell a mean from
+constexpr char kNoted[] = "units_are_right";
+
+constexpr char kDegrees[] = " in degrees? Cairn reads radians (of a CSV whose header says _deg, degrees)";
+constexpr char kMillimetres[] = " in millimetres? Cairn reads metres (of a CSV whose header says _mm, mm)";
+constexpr char kMilliseconds[] =
+    "are times in milliseconds? Cairn reads seconds (of a CSV whose header says _ms, ms)";
+
+std::string Few(double value) { return ShortNumber(value); }
+
+// The most that is moved within a window of time: up to which row, and over how long.
+struct Fastest {
+  std::size_t row = 0;
+  double sum = 0, seconds = 1;
+  double rate() const { return std::abs(sum) / seconds; }
+};
+
+// A row's move took the time since the row before; rows nearer than a window are looked at together, where
+// moves to and fro, as noise makes them, take each other back.
+template <class Move>
+Fastest FastestOver(std::span<const double> time_s, double window_s, const Move& move) {
+  constexpr double kRounding = 1 - 1e-6;
+  Fastest fastest;
+  double sum = 0;
+  std::size_t first = 1;  // of the moves in the window
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    sum += move(i);
+    while (first < i && time_s[i] - time_s[first] >= window_s * kRounding) sum -= move(first++);
+    const Fastest here{i, sum, std::max(window_s, time_s[i] - time_s[first - 1])};
+    if (here.rate() > fastest.rate()) fastest = here;
+  }
+  return fastest;
+}
+
+// What is moved in each window, one after the other, all together.
+template <class Move>
+double SumOver(std::span<const double> time_s, double window_s, const Move& move) {
+  double all = 0, sum = 0;
+  for (std::size_t i = 1, first = 0; i < time_s.size(); ++i) {
+    sum += move(i);
+    if (time_s[i] - time_s[first] < window_s && i + 1 < time_s.size()) continue;
+    all += std::abs(sum);
+    sum = 0;
+    first = i;
+  }
+  return all;
+}
+
+// Between rows; 0 where there are too few to tell.
+double MiddlePause(std::span<const double> time_s) {
+  std::vector<double> pauses;
+  for (std::size_t i = 1; i < time_s.size(); ++i)
+    if (time_s[i] > time_s[i - 1]) pauses.push_back(time_s[i] - time_s[i - 1]);
+  constexpr std::size_t kFew = 10;
+  if (pauses.size() < kFew) return 0;
+  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
+  std::ranges::nth_element(pauses, middle);
+  return *middle;
+}
+
+std::optional<UnitDoubt> DoubtTimes(std::span<const double> time_s) {
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    if (std::abs(time_s[i]) > kLatestTime_s)
+      return UnitDoubt{i, time_s[i],
+                       "a time of " + Few(time_s[i]) + " s lies beyond the year 2103: " + kMilliseconds};
+  }
+  return std::nullopt;
+}
+
+// `turn` and `way`: what a row adds; a way is at least 0. `turns` and `ways`: what they come of, for the
+// question.
+template <class Turn, class Way>
+std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& turn, const Way& way,
+                                    const char* turns, const char* ways) {
+  if (auto doubt = DoubtTimes(time_s)) return doubt;
+  double moving_s = 0, way_m = 0;
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    if (turn(i) == 0 && way(i) == 0) continue;
+    moving_s += time_s[i] - time_s[i - 1];
+    way_m += way(i);
+  }
+  const double turn_rad = SumOver(time_s, kTurnWindow_s, turn);
+  const auto doubt = [&](const Fastest& fastest, const std::string& moves, const char* unit,
+                         const std::string& but, const std::string& question) {
+    return UnitDoubt{fastest.row, time_s[fastest.row],
+                     moves + Few(std::abs(fastest.sum)) + " " + unit + " within " + Few(fastest.seconds) +
+                         " s, which is " + Few(fastest.rate()) + " " + unit + "/s; " + but + ": are " +
+                         question};
+  };
+  const auto most = [](double rate, const char* unit) {
+    return "no robot is believed to do more than " + Few(rate) + " " + unit;
+  };
+  const Fastest way_at = FastestOver(time_s, kWayWindow_s, way);
+  if (way_at.rate() > kMostSpeed_mps)
+    return doubt(way_at, "it goes ", "m", most(kMostSpeed_mps, "m/s"), std::string(ways) + kMillimetres);
+  const double pause_s = MiddlePause(time_s);
+  if (pause_s >= kMostPause_s && way_m > 0 && way_m < kLeastSpeed_mps * moving_s)
+    return UnitDoubt{0, time_s.front(),
+                     "its rows are " + Few(pause_s) + " s apart, and it goes " +
+                         Few(1000 * way_m / moving_s) + " mm/s: " + kMilliseconds};
+  const Fastest turn_at = FastestOver(time_s, kTurnWindow_s, turn);
+  if (turn_at.rate() > kMostTurn_radps)
+    return doubt(turn_at, "it turns by ", "rad", most(kMostTurn_radps, "rad/s"),
+                 std::string(turns) + kDegrees);
+  if (moving_s >= kLeastMoving_s && turn_rad > kMostMeanTurn_radps * moving_s)
+    return doubt(turn_at, "it turns by ", "rad",
+                 "and while it moves it turns by " + Few(turn_rad / moving_s) + " rad/s in the mean, where " +
+                     Few(kMostMeanTurn_radps) + " is much",
+                 std::string(turns) + kDegrees);
+  return std::nullopt;
+}
+
+bool AllFinite(std::span<const double> values) {
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
+}
+
+// A column of reals; empty where there is none of that length.
+std::span<const double> ColumnOf(const Blob& blob, const std::string& name, std::size_t rows) {
+  if (!blob.Has(name) || blob.at(name).type() != DType::kF64) return {};
+  const auto column = blob.Get<double>(name);
+  return column.size() == rows ? column : std::span<const double>();
+}
+
+std::vector<std::string> NamesIn(const Blob& blob, const char* name) {
+  return blob.Has(name) && blob.at(name).type() == DType::kText ? blob.Texts(name)
+                                                                : std::vector<std::string>();
+}
+
+class BlobDoubts {
+ public:
+  explicit BlobDoubts(const Blob& blob) : blob_(blob) {}
+
+  std::vector<std::string> Take() {
+    const std::vector<std::string> robots = NamesIn(blob_, "robots"), runs = NamesIn(blob_, "runs");
+    for (std::size_t n = 0; n < robots.size(); ++n) OfRobot("robot/" + std::to_string(n) + "/", robots[n]);
+    for (std::size_t n = 0; n < runs.size(); ++n)
+      OfPoses("run/" + std::to_string(n) + "/", "run '" + runs[n] + "'", "samples");
+    return std::move(doubts_);
+  }
+
+ private:
+  std::size_t RowsOf(const std::string& prefix) const {
+    const std::string name = prefix + "time_s";
+    return blob_.Has(name) ? static_cast<std::size_t>(blob_.at(name).size()) : 0;
+  }
+
+  void Add(const std::string& who, const std::string& table, const std::optional<UnitDoubt>& doubt) {
+    if (doubt) doubts_.push_back(DoubtText("", who, table, *doubt));
+  }
+
+  void OfRobot(const std::string& prefix, const std::string& name) {
+    const std::string who = "robot '" + name + "'";
+    const auto column = [&](const std::string& table, const char* what) {
+      return ColumnOf(blob_, prefix + table + what, RowsOf(prefix + table));
+    };
+    Add(who, "odometry",
+        DoubtControls(column("odometry/", "time_s"), column("odometry/", "turn_rad"),
+                      column("odometry/", "forward_m")));
+    const std::string most = "sensor/max_range_m";
+    for (const char* table : {"observations/", "sightings/"})
+      Add(who, std::string(table, std::char_traits<char>::length(table) - 1),
+          DoubtObservations(column(table, "time_s"), column(table, "range_m"), column(table, "bearing_rad"),
+                            blob_.Has(most)));
+    OfPoses(prefix + "poses/", who, "poses");
+    OfPoses("truth/" + prefix + "poses/", who, "true poses");
+  }
+
+  void OfPoses(const std::string& prefix, const std::string& who, const char* table) {
+    const auto column = [&](const char* name) { return ColumnOf(blob_, prefix + name, RowsOf(prefix)); };
+    Add(who, table, DoubtPoses(column("time_s"), column("x_m"), column("y_m"), column("heading_rad")));
+  }
+
+  const Blob& blob_;
+  std::vector<std::string> doubts_;
+};
+
+}  // namespace
+
+std::optional<UnitDoubt> DoubtControls(std::span<const double> time_s, std::span<const double> turn_rad,
+                                       std::span<const double> forward_m) {
+  if (turn_rad.size() != time_s.size() || forward_m.size() != time_s.size()) return std::nullopt;
+  if (!AllFinite(time_s) || !AllFinite(turn_rad) || !AllFinite(forward_m)) return std::nullopt;
+  return DoubtMoves(
+      time_s, [&](std::size_t i) { return turn_rad[i]; },
+      [&](std::size_t i) { return std::abs(forward_m[i]); }, "turns", "ways");
+}
+
+std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<const double> x_m,
+                                    std::span<const double> y_m, std::span<const double> heading_rad) {
+  if (x_m.size() != time_s.size() || y_m.size() != time_s.size()) return std::nullopt;
+  if (!AllFinite(time_s) || !AllFinite(x_m) || !AllFinite(y_m)) return std::nullopt;
+  const bool turns = heading_rad.size() == time_s.size() && AllFinite(heading_rad);
+  // The way from one heading to the next, the short one at ±pi and where a full turn begins anew.
+  const auto turn = [&](std::size_t i) {
+    if (!turns) return 0.0;
+    const double change = heading_rad[i] - heading_rad[i - 1];
+    const double other = change - std::copysign(kFullTurn_rad, change);
+    return std::abs(other) < std::abs(change) ? other : change;
+  };
+  const auto way = [&](std::size_t i) { return std::hypot(x_m[i] - x_m[i - 1], y_m[i] - y_m[i - 1]); };
+  return DoubtMoves(time_s, turn, way, "headings", "positions");
+}
+
+std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::span<const double> range_m,
+                                           std::span<const double> bearing_rad, bool range_is_known) {
+  if (range_m.size() != time_s.size() || bearing_rad.size() != time_s.size()) return std::nullopt;
+  constexpr double kRounding_rad = 0.01;
+  const auto worst = [&](std::span<const double> values, double most) -> std::optional<std::size_t> {
+    std::optional<std::size_t> row;
+    double largest = most;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!(std::abs(values[i]) > largest)) continue;
+      largest = std::abs(values[i]);
+      row = i;
+    }
+    return row;
+  };
+  if (const auto row = worst(bearing_rad, kFullTurn_rad + kRounding_rad))
+    return UnitDoubt{*row, time_s[*row],
+                     "bearings reach " + Few(bearing_rad[*row]) + ": are they" + kDegrees};
+  if (range_is_known) return std::nullopt;
+  if (const auto row = worst(range_m, kMostLandmarkRange_m))
+    return UnitDoubt{*row, time_s[*row],
+                     "ranges reach " + Few(range_m[*row]) + ": are they" + kMillimetres +
+                         "; of a sensor that sees so far say --max-range-m"};
+  return std::nullopt;
+}
+
+std::string DoubtText(const std::string& where, const std::string& who, const std::string& table,
+                      const UnitDoubt& doubt) {
+  return where + who + ", row " + std::to_string(doubt.row + 1) + " of its " + table + " (" +
+         Few(doubt.time_s) + " s): " + doubt.text;
+}
+
+void NoteUnitsAreRight(Blob* blob) { blob->PutScalar<std::uint8_t>(kNoted, 1); }
+
+std::vector<std::string> UnitDoubtsOf(const Blob& blob) {
+  return blob.Has(kNoted) ? std::vector<std::string>() : BlobDoubts(blob).Take();
+}
+
+}  // namespace cairn::datasets

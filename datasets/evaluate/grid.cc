@@ -1,0 +1,137 @@
+#include "datasets/evaluate/grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/evaluate/made_from.h"
+#include "datasets/evaluate/maps/doors.h"
+#include "datasets/evaluate/track.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kSamePosesM = 1e-4;  // poses this near to the true ones are in the truth's frame
+
+// The map's poses beside the true ones of the same times.
+std::vector<PointPair> PosePairs(const std::vector<ScoredSensor>& scans, const Blob& log) {
+  std::vector<PointPair> pairs;
+  for (const ScoredSensor& sensor : scans) {
+    const std::size_t end = sensor.name.find('/', std::string("robot/").size());
+    const Track truth = ReadTrack(log, "truth/" + sensor.name.substr(0, end) + "/poses/");
+    for (std::size_t i = 0; i < sensor.poses.size(); ++i) {
+      const auto at = PoseAt(truth, sensor.time_s[i]);
+      if (at) pairs.push_back({{at->x_m, at->y_m}, {sensor.poses[i].x_m, sensor.poses[i].y_m}});
+    }
+  }
+  return pairs;
+}
+
+struct DoorTruth {
+  Wall opening;
+  bool open = false;
+};
+
+std::vector<DoorTruth> ReadDoors(const Blob& log, const Similarity& to_map) {
+  if (!log.Has("truth/doors/x_m")) return {};
+  const std::vector<Wall> openings = ReadSegments(log, "truth/doors/", to_map);
+  const auto open = log.Get<std::uint8_t>("truth/doors/open");
+  if (open.size() != openings.size()) throw InputError("'truth/doors/': columns of different length");
+  std::vector<DoorTruth> doors;
+  for (std::size_t d = 0; d < openings.size(); ++d) {
+    if (!(DistanceM(openings[d].a, openings[d].b) > 0))
+      throw InputError("'truth/doors/', row " + std::to_string(d) + ": an opening of no width");
+    doors.push_back({openings[d], open[d] != 0});
+  }
+  return doors;
+}
+
+// The truth in the map's frame, and the map's scans.
+struct Ground {
+  std::vector<ScoredSensor> scans;
+  Similarity to_map;
+  std::optional<double> pose_rmse_m;
+  std::optional<MapTruth> walls;
+  std::vector<DoorTruth> doors;
+};
+
+Ground GroundOf(const Blob& map, const Blob& log) {
+  CheckMadeFrom(map, log);
+  Ground ground{
+      .scans = ReadScoredScans(map, log), .to_map = {}, .pose_rmse_m = {}, .walls = {}, .doors = {}};
+  const std::vector<PointPair> pairs = PosePairs(ground.scans, log);
+  if (!pairs.empty() && RmseM(pairs, ground.to_map) > kSamePosesM) ground.to_map = FitRigid(pairs);
+  if (!pairs.empty()) ground.pose_rmse_m = RmseM(pairs, ground.to_map);
+  if (log.Has("truth/walls/x_m")) {
+    const std::vector<Wall> walls = ReadSegments(log, "truth/walls/", ground.to_map);
+    ground.walls = TruthOfWalls(ReadOccupancy(map).box, walls, ground.scans);
+  }
+  ground.doors = ReadDoors(log, ground.to_map);
+  return ground;
+}
+
+// 1 from `log_odds` on, 0 below; unknown where the map says nothing.
+Occupancy CutAt(const Occupancy& map, double log_odds) {
+  Occupancy cut = map;
+  for (double& p : cut.probability) {
+    const double l = std::log(p / (1 - p));
+    if (!std::isnan(p)) p = std::abs(l) < kSaysNothingNats ? NAN : l >= log_odds ? 1 : 0;
+  }
+  return cut;
+}
+
+LayerScore ScoreLayer(const Occupancy& map, const std::optional<MapTruth>& truth,
+                      const std::vector<DoorTruth>& doors, const std::vector<ScoredSensor>& scans) {
+  LayerScore score;
+  if (truth) score.cells = ScoreCells(map, *truth);
+  for (const DoorTruth& door : doors) {
+    const double passage_m = PassageM(map, door.opening);
+    score.doors.push_back({door.open, passage_m, passage_m > kPassageM - 1e-9});
+  }
+  score.held_out = ScoreHeldOut(map, scans);
+  return score;
+}
+
+GridEvaluation GridScore(const Blob& map, const std::optional<MapTruth>& truth,
+                         const std::vector<DoorTruth>& doors, const std::vector<ScoredSensor>& scans) {
+  GridEvaluation evaluation;
+  const Occupancy probability = ReadOccupancy(map);
+  evaluation.cell_m = probability.box.cell_m;
+  evaluation.map = ScoreLayer(probability, truth, doors, scans);
+  if (HasMostLikely(map)) evaluation.most_likely = ScoreLayer(ReadMostLikely(map), truth, doors, scans);
+  if (map.Has("provenance/seconds_s")) evaluation.seconds = map.Scalar<double>("provenance/seconds_s");
+  return evaluation;
+}
+
+}  // namespace
+
+GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
+  const Ground ground = GroundOf(map, truth_log);
+  GridEvaluation evaluation = GridScore(map, ground.walls, ground.doors, ground.scans);
+  evaluation.to_map = ground.to_map;
+  evaluation.pose_rmse_m = ground.pose_rmse_m;
+  return evaluation;
+}
+
+std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_log,
+                                             const std::vector<double>& log_odds) {
+  const Ground ground = GroundOf(map, truth_log);
+  if (!ground.walls) throw InputError("the log's truth has no walls");
+  const Occupancy probability = ReadOccupancy(map);
+  std::vector<ThresholdScore> scores;
+  for (const double at : log_odds) {
+    const Occupancy cut = CutAt(probability, at);
+    ThresholdScore score{at, ScoreCells(cut, *ground.walls), true};
+    for (const DoorTruth& door : ground.doors) {
+      const bool open = PassageM(cut, door.opening) > kPassageM - 1e-9;
+      score.doors_right = score.doors_right && open == door.open;
+    }
+    scores.push_back(score);
+  }
+  return scores;
+}
+
+GridEvaluation CompareGrids(const Blob& map, const Blob& reference) {
+  return GridScore(map, TruthOfMap(ReadOccupancy(map).box, ReadOccupancy(reference)), {}, {});
+}
+
+}  // namespace cairn::datasets

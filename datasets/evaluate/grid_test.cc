@@ -1,0 +1,174 @@
+#include "datasets/evaluate/grid.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "datasets/evaluate/testing_grid.h"
+#include "datasets/simulate/hall/hall.h"
+#include "datasets/testing.h"
+
+namespace cairn::datasets {
+namespace {
+
+// A map whose cells are what the truth's walls say, made of the log's scans at its own poses.
+Blob PerfectMap(const Blob& log, double cell_m = 0.05) {
+  const auto columns = static_cast<std::size_t>(14 / cell_m), rows = static_cast<std::size_t>(7 / cell_m);
+  std::vector<std::string> drawn(rows, std::string(columns, '.'));
+  const auto x = log.Get<double>("truth/walls/x_m"), y = log.Get<double>("truth/walls/y_m");
+  for (std::size_t w = 0; w < x.size(); w += 2) {
+    for (int i = 0; i <= 2000; ++i) {
+      const double t = i / 2000.0;
+      const auto column = static_cast<std::size_t>((x[w] + t * (x[w + 1] - x[w]) + 2.8) / cell_m);
+      const auto row = static_cast<std::size_t>((y[w] + t * (y[w + 1] - y[w]) + 1.6) / cell_m);
+      drawn[rows - 1 - row][column] = '#';
+    }
+  }
+  Blob map = DrawnMap(drawn, cell_m, -2.8, -1.6);
+  const auto time = log.Get<double>("robot/0/sonar/time_s");
+  map.Put("robot/0/sonar/time_s", log.at("robot/0/sonar/time_s"));
+  for (const char* name : {"x_m", "y_m", "heading_rad"})
+    map.Put(std::string("robot/0/sonar/") + name, log.at(std::string("robot/0/poses/") + name).Rows(1, 75));
+  std::vector<std::uint8_t> held_out(time.size(), 0);
+  for (std::size_t s = 0; s < held_out.size(); ++s) held_out[s] = s % 10 == 9 ? 1 : 0;
+  map.PutVector("robot/0/sonar/held_out", held_out);
+  return map;
+}
+
+Blob Hallway(bool closed) { return SimulateHallway({.door_readings = 3, .closed = closed, .seed = 2}); }
+
+TEST(EvaluateGrid, APerfectMapMissesNothingAndKnowsItsDoor) {
+  for (const bool closed : {false, true}) {
+    const Blob log = Hallway(closed);
+    const GridEvaluation evaluation = EvaluateGrid(PerfectMap(log), log);
+    ASSERT_TRUE(evaluation.map.cells.has_value());
+    EXPECT_EQ(evaluation.map.cells->missed_occupied, 0);
+    EXPECT_EQ(evaluation.map.cells->false_occupied, 0);
+    EXPECT_EQ(evaluation.map.cells->beyond_walls, 0);
+    EXPECT_GT(evaluation.map.cells->due, 350);
+    ASSERT_EQ(evaluation.map.doors.size(), 1U);
+    EXPECT_EQ(evaluation.map.doors[0].truly_open, !closed);
+    EXPECT_EQ(evaluation.map.doors[0].open, !closed);
+    EXPECT_LT(*evaluation.pose_rmse_m, 1e-9);
+  }
+}
+
+// The map of the other hall says the contrary.
+TEST(EvaluateGrid, TheMapOfTheClosedHallDoesNotShowTheOpenDoor) {
+  const Blob log = Hallway(false);
+  Blob map = PerfectMap(Hallway(true));
+  EXPECT_FALSE(EvaluateGrid(map, log).map.doors[0].open);
+  EXPECT_GT(EvaluateGrid(map, log).map.cells->false_occupied, 3);  // the leaf
+}
+
+TEST(EvaluateGrid, ATrueMapPredictsReadingsBetterThanAFalseOneAndThatThanNone) {
+  const Blob log = Hallway(false);
+  const Blob right = PerfectMap(log),
+             other = PerfectMap(SimulateHallway({.door_readings = 3, .closed = false, .seed = 9}));
+  Blob wrong = right;
+  wrong.Put("map/grid/probability", other.at("map/grid/probability"));
+  Blob none = right;
+  none.Put("map/grid/probability",
+           Array::Of<double>(
+               right.at("map/grid/probability").shape(),
+               std::vector<double>(static_cast<std::size_t>(right.at("map/grid/probability").size()), 0.0)));
+  const auto score = [&](const Blob& map) {
+    return EvaluateGrid(map, log).map.held_out->log_likelihood_per_reading;
+  };
+  EXPECT_EQ(EvaluateGrid(right, log).map.held_out->readings, 7 * 24);
+  EXPECT_GT(score(right), score(wrong) + 0.3);
+  EXPECT_GT(score(wrong), score(none));
+}
+
+// A map in a frame of its own is laid over the truth by its poses.
+TEST(EvaluateGrid, AMapInAnotherFrameIsScoredAllTheSame) {
+  const Blob log = Hallway(false);
+  const Blob map = PerfectMap(log);
+  Blob moved = map;
+  moved.PutScalar("map/grid/origin_x_m", map.Scalar<double>("map/grid/origin_x_m") + 10);
+  moved.PutScalar("map/grid/origin_y_m", map.Scalar<double>("map/grid/origin_y_m") - 5);
+  for (const auto& [name, shift] : std::map<std::string, double>{{"x_m", 10}, {"y_m", -5}}) {
+    std::vector<double> values;
+    for (const double value : map.Get<double>("robot/0/sonar/" + name)) values.push_back(value + shift);
+    moved.PutVector("robot/0/sonar/" + name, values);
+  }
+  const GridEvaluation evaluation = EvaluateGrid(moved, log);
+  EXPECT_EQ(evaluation.map.cells->missed_occupied, 0);
+  EXPECT_EQ(evaluation.map.cells->false_occupied, 0);
+  EXPECT_TRUE(evaluation.map.doors[0].open);
+}
+
+// DrawnMap's and PerfectMap's cells are sure to 0.1 and 0.9: log-odds of 2.2 either way.
+TEST(ScoreByThreshold, FindsMoreWallsAndMoreFalseCellsTheLowerItIs) {
+  const Blob log = Hallway(false), map = PerfectMap(log);
+  const std::vector<ThresholdScore> scores = ScoreByThreshold(map, log, {-3, 0, 3});
+  ASSERT_EQ(scores.size(), 3U);
+  EXPECT_GT(scores[0].cells.false_occupied, 10000);
+  EXPECT_EQ(scores[0].cells.missed_occupied, 0);
+  EXPECT_FALSE(scores[0].doors_right);
+  EXPECT_EQ(scores[1].cells.false_occupied, 0);
+  EXPECT_EQ(scores[1].cells.missed_occupied, 0);
+  EXPECT_TRUE(scores[1].doors_right);
+  EXPECT_EQ(scores[2].cells.missed_occupied, scores[2].cells.due);
+  Blob unsure = map;
+  std::vector<double> halves(static_cast<std::size_t>(map.at("map/grid/probability").size()), 0.501);
+  unsure.Put("map/grid/probability", Array::Of<double>(map.at("map/grid/probability").shape(), halves));
+  for (const ThresholdScore& score : ScoreByThreshold(unsure, log, {-3, 0}))
+    EXPECT_EQ(score.cells.missed_occupied, score.cells.due);  // says nothing, at any threshold
+  ExpectContains(InputErrorOf([&] { ScoreByThreshold(map, log.Without("truth/walls/"), {0}); }), "no walls");
+}
+
+TEST(EvaluateGrid, SaysWhatItMeasuredAsTheIssueNamesIt) {
+  const Blob log = Hallway(false);
+  const auto json = nlohmann::json::parse(GridEvaluationJson(EvaluateGrid(PerfectMap(log), log)));
+  EXPECT_EQ(json["cells"]["false_occupied"], 0);
+  EXPECT_EQ(json["cells"]["missed_occupied"], 0);
+  EXPECT_EQ(json["door"]["open"], true);
+  EXPECT_TRUE(json["heldout"]["log_likelihood_per_reading"].is_number());
+  EXPECT_TRUE(json["most_likely"].is_null());
+  const std::string text = GridEvaluationText(EvaluateGrid(PerfectMap(log), log));
+  for (const char* name :
+       {"cells.false_occupied", "cells.missed_occupied", "door.open", "heldout.log_likelihood"})
+    ExpectContains(text, name);
+}
+
+TEST(EvaluateGrid, WithoutTruthOnlyReadingsAreScored) {
+  const Blob log = Hallway(false);
+  const GridEvaluation evaluation = EvaluateGrid(PerfectMap(log), log.Without("truth/"));
+  EXPECT_FALSE(evaluation.map.cells.has_value());
+  EXPECT_TRUE(evaluation.map.doors.empty());
+  EXPECT_TRUE(evaluation.map.held_out.has_value());
+  EXPECT_FALSE(evaluation.pose_rmse_m.has_value());
+}
+
+TEST(EvaluateGrid, RefusesAMapOfAnotherLog) {
+  const Blob log = Hallway(false);
+  const Blob map = PerfectMap(log);
+  const auto refused = [&](const Blob& m, const Blob& l) {
+    return InputErrorOf([&] { EvaluateGrid(m, l); });
+  };
+  ExpectContains(refused(map, SimulateHallway({.door_readings = 3, .closed = false, .seed = 3})),
+                 "was the map made from this log?");
+  ExpectContains(refused(map, log.Without("robot/0/sonar/")), "no 'robot/0/sonar/'");
+  ExpectContains(refused(map.Without("robot/"), log), "at which poses");
+  Blob named = map;
+  named.Put("log_hash", Array::Text("0123"));
+  ExpectContains(refused(named, log), "made from another log");
+  named.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
+  EXPECT_EQ(refused(named, log), "");
+  Blob bad = log;
+  bad.Put("truth/walls/x_m", Array::Vector<double>({1, 2, 3}));
+  ExpectContains(refused(map, bad), "two ends");
+}
+
+TEST(CompareGrids, AMapAgreesWithItself) {
+  const Blob map = PerfectMap(Hallway(false));
+  const GridEvaluation evaluation = CompareGrids(map, map);
+  EXPECT_EQ(evaluation.map.cells->missed_occupied, 0);
+  EXPECT_EQ(evaluation.map.cells->false_occupied, 0);
+  EXPECT_GT(evaluation.map.cells->due, 500);
+}
+
+}  // namespace
+}  // namespace cairn::datasets

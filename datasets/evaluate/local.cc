@@ -1,0 +1,351 @@
+#include "datasets/evaluate/local.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "datasets/evaluate/made_from.h"
+#include "datasets/evaluate/relations.h"
+#include "datasets/evaluate/track.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kErrorDegree_rad = std::numbers::pi / 180;
+constexpr double kWrongLoopM = 0.5, kRightAngleRad = 2 * kErrorDegree_rad;
+constexpr std::int32_t kLoop = 2;  // connections/kind
+
+template <class T>
+std::span<const T> Column(const Blob& blob, const std::string& name, std::size_t rows) {
+  if (!blob.Has(name)) throw InputError("not a local_map: '" + name + "' is missing");
+  const auto column = blob.Get<T>(name);
+  if (column.size() != rows)
+    throw InputError("'" + name + "' has " + std::to_string(column.size()) + " rows, where " +
+                     std::to_string(rows) + " are needed");
+  return column;
+}
+
+// Sums up distances.
+class ErrorSum {
+ public:
+  void Add(double error_m) {
+    ++sum_.poses;
+    sum_.rmse_m += error_m * error_m;
+    sum_.mean_m += error_m;
+    sum_.worst_m = std::max(sum_.worst_m, error_m);
+  }
+  PathError Error() const {
+    PathError error = sum_;
+    if (error.poses == 0) return error;
+    error.rmse_m = std::sqrt(error.rmse_m / static_cast<double>(error.poses));
+    error.mean_m /= static_cast<double>(error.poses);
+    return error;
+  }
+
+ private:
+  PathError sum_;
+};
+
+// A robot's path, the truth, and what odometry alone makes of it.
+struct Robot {
+  Track estimate, truth, odometry;
+};
+
+std::vector<Robot> ReadRobots(const Blob& result, const Blob& log) {
+  if (result.Texts("robots") != log.Texts("robots"))
+    throw InputError("the result's robots are not the log's: was it made from this log?");
+  std::vector<Robot> robots;
+  bool known = false;
+  for (std::size_t r = 0; r < log.Texts("robots").size(); ++r) {
+    const std::string prefix = "robot/" + std::to_string(r) + "/";
+    robots.push_back({ReadTrack(result, prefix + "poses/"), ReadTrack(log, "truth/" + prefix + "poses/"),
+                      DeadReckoned(log, prefix + "odometry/")});
+    known = known || !robots.back().truth.time_s.empty();
+  }
+  if (!known) throw InputError("the log has no true poses: nothing to evaluate against");
+  return robots;
+}
+
+struct PosePair {
+  PoseM ours, theirs;
+};
+
+// At the times of `estimate`, where the truth knows.
+std::vector<PosePair> Pairs(const Track& estimate, const Track& truth) {
+  std::vector<PosePair> pairs;
+  for (std::size_t i = 0; i < estimate.time_s.size(); ++i) {
+    if (const auto at = PoseAt(truth, estimate.time_s[i])) pairs.push_back({estimate.poses[i], *at});
+  }
+  return pairs;
+}
+
+Similarity FitPoses(const std::vector<PosePair>& pairs) {
+  std::vector<PointPair> points;
+  for (const PosePair& pair : pairs)
+    points.push_back({{pair.ours.x_m, pair.ours.y_m}, {pair.theirs.x_m, pair.theirs.y_m}});
+  return FitRigid(points);
+}
+
+void AddErrors(const std::vector<PosePair>& pairs, const Similarity& alignment, ErrorSum* sum) {
+  for (const PosePair& pair : pairs) {
+    const PoseM moved = alignment(pair.ours);
+    sum->Add(DistanceM({moved.x_m, moved.y_m}, {pair.theirs.x_m, pair.theirs.y_m}));
+  }
+}
+
+double HeadingRmseDeg(const std::vector<PosePair>& pairs, const Similarity& alignment) {
+  double squares = 0;
+  for (const PosePair& pair : pairs) {
+    const double off = WrapAngle(alignment(pair.ours).heading_rad - pair.theirs.heading_rad);
+    squares += off * off;
+  }
+  return std::sqrt(squares / static_cast<double>(pairs.size())) / kErrorDegree_rad;
+}
+
+void ScorePaths(const std::vector<Robot>& robots, LocalEvaluation* out) {
+  std::vector<PosePair> all;
+  ErrorSum path, odometry;
+  for (const Robot& robot : robots) {
+    const std::vector<PosePair> pairs = Pairs(robot.estimate, robot.truth);
+    all.insert(all.end(), pairs.begin(), pairs.end());
+    Track reckoned{robot.estimate.time_s, {}};
+    for (const double time_s : reckoned.time_s)
+      reckoned.poses.push_back(PoseAt(robot.odometry, time_s, HUGE_VAL).value_or(PoseM{}));
+    const std::vector<PosePair> dead = Pairs(reckoned, robot.truth);
+    AddErrors(dead, FitPoses(dead), &odometry);
+  }
+  if (all.empty()) throw InputError("no pose of the result is of a time at which the truth has one");
+  out->alignment = FitPoses(all);
+  AddErrors(all, out->alignment, &path);
+  out->path = path.Error();
+  out->odometry = odometry.Error();
+  out->heading_rmse_deg = HeadingRmseDeg(all, out->alignment);
+}
+
+// Where the truth has the traces' frames: x is z, y is u.
+class TrueFrames {
+ public:
+  TrueFrames(const Blob& result, const std::vector<Robot>& robots) {
+    const auto robot = result.Get<std::int32_t>("traces/robot");
+    const std::size_t n = robot.size();
+    const auto x = Column<double>(result, "traces/x_m", n), y = Column<double>(result, "traces/y_m", n),
+               direction = Column<double>(result, "traces/direction_rad", n),
+               first = Column<double>(result, "traces/first_s", n),
+               last = Column<double>(result, "traces/last_s", n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Robot& who = robots.at(static_cast<std::size_t>(robot[k]));
+      const PoseM origin{x[k], y[k], direction[k]};
+      frames_.push_back(Place(who, first[k], last[k], [&](std::size_t i) {
+        return std::optional(From(origin, who.estimate.poses[i]));
+      }));
+      odometric_.push_back(Place(who, first[k], last[k], [&](std::size_t i) {
+        return PoseAt(who.odometry, who.estimate.time_s[i], HUGE_VAL);
+      }));
+    }
+  }
+
+  std::size_t size() const { return frames_.size(); }
+  // None: the truth does not know where the trace was recorded.
+  std::optional<PointM> ToWorld(std::size_t trace, double z_m, double u_m) const {
+    const auto& frame = frames_.at(trace);
+    if (!frame) return std::nullopt;
+    return (*frame)(PointM{z_m, u_m});
+  }
+  // Where the robot is by what odometry alone says of its way since it recorded the trace.
+  std::optional<PointM> ByOdometry(std::size_t trace, const Robot& robot, double time_s) const {
+    const auto& frame = odometric_.at(trace);
+    const auto at = PoseAt(robot.odometry, time_s, HUGE_VAL);
+    if (!frame || !at) return std::nullopt;
+    return (*frame)(PointM{at->x_m, at->y_m});
+  }
+
+ private:
+  static PoseM From(const PoseM& origin, const PoseM& at) {
+    const double c = std::cos(origin.heading_rad), s = std::sin(origin.heading_rad);
+    const double dx = at.x_m - origin.x_m, dy = at.y_m - origin.y_m;
+    return {c * dx + s * dy, c * dy - s * dx, at.heading_rad - origin.heading_rad};
+  }
+
+  // The frame of `pose_of` each pose of the estimate. Turned as the path is, on average, and moved to where
+  // its middle is: a short way says little of its turn.
+  template <class PoseOf>
+  static std::optional<Similarity> Place(const Robot& robot, double first_s, double last_s,
+                                         const PoseOf& pose_of) {
+    double sin = 0, cos = 0;
+    PointM ours, theirs;
+    int count = 0;
+    for (std::size_t i = 0; i < robot.estimate.time_s.size(); ++i) {
+      const double time_s = robot.estimate.time_s[i];
+      if (time_s < first_s || time_s > last_s) continue;
+      const auto truth = PoseAt(robot.truth, time_s);
+      const std::optional<PoseM> at = pose_of(i);
+      if (!truth || !at) continue;
+      const double turn = truth->heading_rad - at->heading_rad;
+      sin += std::sin(turn);
+      cos += std::cos(turn);
+      ours.x_m += at->x_m;
+      ours.y_m += at->y_m;
+      theirs.x_m += truth->x_m;
+      theirs.y_m += truth->y_m;
+      ++count;
+    }
+    if (count == 0) return std::nullopt;
+    Similarity frame;
+    frame.angle_rad = std::atan2(sin, cos);
+    const PointM turned = frame(PointM{ours.x_m / count, ours.y_m / count});
+    frame.x_m = theirs.x_m / count - turned.x_m;
+    frame.y_m = theirs.y_m / count - turned.y_m;
+    return frame;
+  }
+
+  std::vector<std::optional<Similarity>> frames_, odometric_;
+};
+
+// How far the robot was from a place in a trace; none where the truth does not know.
+std::optional<double> OffM(const TrueFrames& frames, std::int32_t trace, double z_m, double u_m,
+                           const Track& truth, double time_s) {
+  if (trace < 0 || static_cast<std::size_t>(trace) >= frames.size())
+    throw InputError("there is no trace " + std::to_string(trace));
+  const auto there = frames.ToWorld(static_cast<std::size_t>(trace), z_m, u_m);
+  const auto at = PoseAt(truth, time_s);
+  if (!there || !at) return std::nullopt;
+  return DistanceM(*there, {at->x_m, at->y_m});
+}
+
+void ScorePositions(const Blob& result, const std::vector<Robot>& robots, const TrueFrames& frames,
+                    LocalEvaluation* out) {
+  ErrorSum sum, odometry;
+  std::int64_t corrections = 0;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const std::string prefix = "robot/" + std::to_string(r) + "/positions/";
+    if (!result.Has(prefix + "trace")) continue;
+    const auto trace = result.Get<std::int32_t>(prefix + "trace");
+    const auto time = Column<double>(result, prefix + "time_s", trace.size()),
+               z = Column<double>(result, prefix + "z_m", trace.size()),
+               u = Column<double>(result, prefix + "u_m", trace.size());
+    const auto corrected = Column<std::uint8_t>(result, prefix + "corrected", trace.size());
+    for (std::size_t i = 0; i < trace.size(); ++i) {
+      const auto off_m = OffM(frames, trace[i], z[i], u[i], robots[r].truth, time[i]);
+      if (!off_m) continue;
+      sum.Add(*off_m);
+      corrections += corrected[i];
+      const auto reckoned = frames.ByOdometry(static_cast<std::size_t>(trace[i]), robots[r], time[i]);
+      const auto truth = PoseAt(robots[r].truth, time[i]);
+      if (reckoned && truth) odometry.Add(DistanceM(*reckoned, {truth->x_m, truth->y_m}));
+    }
+  }
+  const PathError error = sum.Error();
+  if (error.poses == 0) return;
+  out->traces = error;
+  out->traces_odometry = odometry.Error();
+  out->corrected = static_cast<double>(corrections) / static_cast<double>(error.poses);
+}
+
+void ScoreLoops(const Blob& result, const std::vector<Robot>& robots, const TrueFrames& frames,
+                LoopScore* out) {
+  const auto kind = result.Get<std::int32_t>("connections/kind");
+  const auto from = Column<std::int32_t>(result, "connections/from", kind.size()),
+             to = Column<std::int32_t>(result, "connections/to", kind.size());
+  const auto z = Column<double>(result, "connections/from_z_m", kind.size()),
+             u = Column<double>(result, "connections/from_u_m", kind.size()),
+             to_s = Column<double>(result, "connections/to_s", kind.size());
+  const auto used = Column<std::uint8_t>(result, "connections/used", kind.size());
+  const auto robot = result.Get<std::int32_t>("traces/robot");
+  std::int64_t right = 0;
+  for (std::size_t k = 0; k < kind.size(); ++k) {
+    if (kind[k] != kLoop) continue;
+    if (to[k] < 0 || static_cast<std::size_t>(to[k]) >= robot.size())
+      throw InputError("there is no trace " + std::to_string(to[k]));
+    const Track& truth = robots.at(static_cast<std::size_t>(robot[static_cast<std::size_t>(to[k])])).truth;
+    const auto off_m = OffM(frames, from[k], z[k], u[k], truth, to_s[k]);
+    const bool wrong = off_m && *off_m > kWrongLoopM;
+    ++(used[k] ? out->found : out->rejected);
+    if (wrong) ++(used[k] ? out->wrong : out->rejected_wrong);
+    if (!used[k] || !off_m || wrong) continue;
+    ++right;
+    out->mean_m += *off_m;
+  }
+  if (right > 0) out->mean_m /= static_cast<double>(right);
+}
+
+double ModuloQuarter(double angle_rad) { return std::remainder(angle_rad, std::numbers::pi / 2); }
+
+struct WallSums {
+  std::int64_t scored = 0, within = 0, turned = 0, turned_found = 0, straight = 0, straight_told = 0;
+  double error_rad = 0, first_lock_s = 0;
+};
+
+void AddWalls(const Blob& result, const Blob& log, const std::string& prefix, const Robot& robot,
+              WallSums* sums) {
+  const std::string walls = prefix + "walls/";
+  if (!result.Has(walls + "time_s") || !log.Has("truth/" + walls + "time_s")) return;
+  const auto time = result.Get<double>(walls + "time_s");
+  const auto angle = Column<double>(result, walls + "angle_rad", time.size());
+  const auto locked = Column<std::uint8_t>(result, walls + "locked", time.size()),
+             other = Column<std::uint8_t>(result, walls + "other_area", time.size());
+  const auto true_time = log.Get<double>("truth/" + walls + "time_s");
+  const auto true_angle = Column<double>(log, "truth/" + walls + "angle_rad", true_time.size());
+  bool begun = false;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    const auto next = std::ranges::lower_bound(true_time, time[i]);
+    const auto truth = PoseAt(robot.truth, time[i]), reckoned = PoseAt(robot.odometry, time[i], HUGE_VAL);
+    if (next == true_time.end() || !truth || !reckoned) continue;
+    if (!begun && locked[i]) sums->first_lock_s = std::max(sums->first_lock_s, time[i] - time.front());
+    begun = begun || locked[i];
+    if (!begun) continue;
+    const double wall_rad = true_angle[static_cast<std::size_t>(next - true_time.begin())];
+    const bool turned = ModuloQuarter(wall_rad) != 0;
+    ++(turned ? sums->turned : sums->straight);
+    if (other[i]) ++(turned ? sums->turned_found : sums->straight_told);
+    if (turned || other[i] || std::isnan(angle[i])) continue;
+    const double expected = wall_rad + reckoned->heading_rad - truth->heading_rad;
+    const double off = std::abs(ModuloQuarter(angle[i] - expected));
+    ++sums->scored;
+    sums->error_rad += off;
+    sums->within += off < kRightAngleRad ? 1 : 0;
+  }
+}
+
+std::optional<WallScore> ScoreWalls(const Blob& result, const Blob& log, const std::vector<Robot>& robots) {
+  WallSums sums;
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    AddWalls(result, log, "robot/" + std::to_string(r) + "/", robots[r], &sums);
+  if (sums.scored == 0) return std::nullopt;
+  const auto share = [](std::int64_t part, std::int64_t of) -> std::optional<double> {
+    if (of == 0) return std::nullopt;
+    return static_cast<double>(part) / static_cast<double>(of);
+  };
+  WallScore score;
+  score.sweeps = sums.scored;
+  score.error_deg = sums.error_rad / static_cast<double>(sums.scored) / kErrorDegree_rad;
+  score.within_2_deg = *share(sums.within, sums.scored);
+  score.first_lock_s = sums.first_lock_s;
+  score.other_area_found = share(sums.turned_found, sums.turned);
+  score.other_area_false = share(sums.straight_told, sums.straight);
+  return score;
+}
+
+}  // namespace
+
+LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log) {
+  for (const char* name : {"robots", "traces/robot", "connections/kind"})
+    if (!result.Has(name)) throw InputError(std::string("not a local_map: '") + name + "' is missing");
+  CheckMadeFrom(result, log);
+  const std::vector<Robot> robots = ReadRobots(result, log);
+  LocalEvaluation out;
+  ScorePaths(robots, &out);
+  const TrueFrames frames(result, robots);
+  ScorePositions(result, robots, frames, &out);
+  ScoreLoops(result, robots, frames, &out.loops);
+  out.walls = ScoreWalls(result, log, robots);
+  out.trace_count = static_cast<std::int64_t>(frames.size());
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const std::string cuts = "robot/" + std::to_string(r) + "/cuts/time_s";
+    if (result.Has(cuts)) out.cuts += result.at(cuts).size();
+  }
+  if (result.Has("provenance/seconds_s")) out.seconds = result.Scalar<double>("provenance/seconds_s");
+  return out;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,63 @@
+// How wrong a localised robot is after so much way ([T98] section 5.2.4, figure 6; S. Thrun, Bayesian
+// landmark learning for mobile robot localization, Machine Learning 33, 1998).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/common/planar.h"
+#include "datasets/evaluate/reduction_interval.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// Over the traverses that got as far.
+struct MeanError {
+  double mean_m = 0;
+  std::optional<Interval> interval_95;  // Student's, over traverses; none of a single one
+};
+
+// After as many sensations, from none on.
+struct LocalizationRow {
+  std::int64_t sensations = 0, traverses = 0;
+  double way_m = 0;      // mean
+  MeanError believed;    // eq. 21: the mean over the belief of the distance to the true place
+  MeanError mean;        // of the belief's mean from the true place
+  MeanError mode;        // of its most likely place
+  double within_1m = 0;  // share of traverses whose mean is that near
+  double facing =
+      0;  // mean over the traverses of what is believed of facing as it does; where headings count
+};
+
+// Of one step of one traverse.
+struct LocalizationError {
+  std::size_t sensations = 0;
+  double way_m = 0;
+  PointM truth;
+  double believed_m = 0, mean_m = 0, mode_m = 0, facing = 0;  // as above
+};
+
+struct LocalizationScore {
+  std::int64_t traverses = 0, places = 0;
+  double window_m = 0;                      // of the belief at the start; 0: it knew nothing
+  std::vector<std::string> features, runs;  // that were localised in
+  bool against_truth = false;               // the samples' truth/; else their labels
+  std::string heading = {};  // known or unknown to the robot; empty where headings do not count
+  std::vector<LocalizationRow> rows;
+  // Way from which on the mean of `believed` stays under 1 m, over the rows of all traverses; none where it
+  // does not.
+  std::optional<double> under_1m_after_m;
+  std::vector<LocalizationError> steps;  // as in the result, one after the other
+};
+
+// `result`: of kind `localization`; `samples`: what it was made from. True places are `truth/run/N/x_m` and
+// `y_m` where they are there, else the labels `run/N/x_m`, `y_m`. Throws InputError that says so: other
+// samples, arrays that do not fit.
+LocalizationScore EvaluateLocalization(const Blob& result, const Blob& samples);
+
+std::string LocalizationScoreJson(const LocalizationScore& score, int indent = 2);
+std::string LocalizationScoreText(const LocalizationScore& score);
+
+}  // namespace cairn::datasets

@@ -1,0 +1,183 @@
+#include "datasets/evaluate/maps/truth.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kSpacing = 0.125;  // of points along a wall, in cells
+
+// `map` grown by whole cells until it holds all ends.
+CellBox Grown(const CellBox& map, const std::vector<Wall>& walls, MapTruth* truth) {
+  std::int64_t left = 0, low = 0, right = map.columns, high = map.rows;
+  for (const Wall& wall : walls) {
+    for (const PointM end : {wall.a, wall.b}) {
+      left = std::min(left, map.Column(end.x_m));
+      right = std::max(right, map.Column(end.x_m) + 1);
+      low = std::min(low, map.Row(end.y_m));
+      high = std::max(high, map.Row(end.y_m) + 1);
+    }
+  }
+  truth->offset_columns = -left;
+  truth->offset_rows = -low;
+  CellBox box = map;
+  box.origin_x_m += static_cast<double>(left) * map.cell_m;
+  box.origin_y_m += static_cast<double>(low) * map.cell_m;
+  box.columns = right - left;
+  box.rows = high - low;
+  constexpr std::int64_t kMostCells = 1'000'000'000;
+  if (box.columns > kMostCells / box.rows) throw InputError("the truth's walls lie too far from the map");
+  return box;
+}
+
+void ForPointsOf(const Wall& wall, double spacing_m, const std::function<void(PointM)>& visit) {
+  const auto steps = static_cast<int>(std::ceil(DistanceM(wall.a, wall.b) / spacing_m));
+  for (int i = 0; i <= steps; ++i) {
+    const double t = steps == 0 ? 0 : static_cast<double>(i) / steps;
+    visit({wall.a.x_m + t * (wall.b.x_m - wall.a.x_m), wall.a.y_m + t * (wall.b.y_m - wall.a.y_m)});
+  }
+}
+
+void Mark(const CellBox& box, PointM at, std::vector<std::uint8_t>* cells) {
+  const std::int64_t column = box.Column(at.x_m), row = box.Row(at.y_m);
+  if (box.Holds(column, row)) (*cells)[box.Index(column, row)] = 1;
+}
+
+bool SeenInCone(const PoseM& from, double half_rad, double within_m, PointM at) {
+  const double dx = at.x_m - from.x_m, dy = at.y_m - from.y_m;
+  if (dx * dx + dy * dy > within_m * within_m) return false;
+  return std::abs(WrapAngle(std::atan2(dy, dx) - from.heading_rad)) <= half_rad;
+}
+
+// The wall cells that a beam tells of.
+void MarkDue(const std::vector<Wall>& walls, const PoseM& beam, double half_rad, double reach_m,
+             MapTruth* truth) {
+  const PointM at{beam.x_m, beam.y_m};
+  std::vector<double> nearest_m;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Wall& wall : walls) {
+    nearest_m.push_back(NearestWallM({wall}, at, beam.heading_rad, half_rad));
+    nearest = std::min(nearest, nearest_m.back());
+  }
+  if (nearest > reach_m) return;
+  if (half_rad == 0) {
+    Mark(truth->box,
+         {at.x_m + nearest * std::cos(beam.heading_rad), at.y_m + nearest * std::sin(beam.heading_rad)},
+         &truth->due);
+    return;
+  }
+  const double within_m = nearest + truth->box.cell_m;
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (nearest_m[w] > within_m) continue;
+    ForPointsOf(walls[w], kSpacing * truth->box.cell_m, [&](PointM point) {
+      if (SeenInCone(beam, half_rad, within_m, point)) Mark(truth->box, point, &truth->due);
+    });
+  }
+}
+
+void FloodFrom(std::vector<std::pair<std::int64_t, std::int64_t>> open, MapTruth* truth) {
+  const CellBox& box = truth->box;
+  while (!open.empty()) {
+    const auto [column, row] = open.back();
+    open.pop_back();
+    if (!box.Holds(column, row)) continue;
+    const std::size_t cell = box.Index(column, row);
+    if (truth->wall[cell] != 0 || truth->free[cell] != 0) continue;
+    truth->free[cell] = 1;
+    for (const auto& [dx, dy] : std::array<std::pair<int, int>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}})
+      open.emplace_back(column + dx, row + dy);
+  }
+}
+
+// Whether `is` holds of the cell or of one of the eight beside it.
+template <class Is>
+bool NearWall(std::int64_t column, std::int64_t row, const Is& is) {
+  for (std::int64_t y = row - 1; y <= row + 1; ++y) {
+    for (std::int64_t x = column - 1; x <= column + 1; ++x)
+      if (is(x, y)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
+                      const std::vector<ScoredSensor>& scans) {
+  MapTruth truth;
+  truth.box = Grown(map, walls, &truth);
+  truth.wall = truth.due = truth.free = std::vector<std::uint8_t>(truth.box.cells(), 0);
+  for (const Wall& wall : walls)
+    ForPointsOf(wall, kSpacing * map.cell_m, [&](PointM at) { Mark(truth.box, at, &truth.wall); });
+  std::vector<std::pair<std::int64_t, std::int64_t>> way;
+  for (const ScoredSensor& sensor : scans) {
+    for (std::size_t scan = 0; scan < sensor.poses.size(); ++scan) {
+      way.emplace_back(truth.box.Column(sensor.poses[scan].x_m), truth.box.Row(sensor.poses[scan].y_m));
+      if (sensor.held_out[scan] != 0) continue;
+      for (std::size_t beam = 0; beam < sensor.beams.size(); ++beam)
+        MarkDue(walls, sensor.BeamPose(scan, beam), sensor.opening_rad / 2, sensor.max_range_m, &truth);
+    }
+  }
+  FloodFrom(std::move(way), &truth);
+  return truth;
+}
+
+MapTruth TruthOfMap(const CellBox& map, const Occupancy& reference) {
+  MapTruth truth;
+  truth.box = map;
+  truth.wall = truth.free = std::vector<std::uint8_t>(map.cells(), 0);
+  for (std::int64_t row = 0; row < map.rows; ++row) {
+    for (std::int64_t column = 0; column < map.columns; ++column) {
+      const PointM at = map.Centre(column, row);
+      const std::int64_t x = reference.box.Column(at.x_m), y = reference.box.Row(at.y_m);
+      truth.wall[map.Index(column, row)] = reference.IsOccupied(x, y) ? 1 : 0;
+      truth.free[map.Index(column, row)] = reference.IsFree(x, y) ? 1 : 0;
+    }
+  }
+  truth.due = truth.wall;
+  return truth;
+}
+
+std::vector<Wall> ReadSegments(const Blob& log, const std::string& prefix, const Similarity& to_map) {
+  const auto x = log.Get<double>(prefix + "x_m"), y = log.Get<double>(prefix + "y_m");
+  if (x.size() != y.size() || x.size() % 2 != 0) throw InputError("'" + prefix + "': each row has two ends");
+  std::vector<Wall> walls;
+  for (std::size_t i = 0; i < x.size(); i += 2) {
+    if (!std::isfinite(x[i] + y[i] + x[i + 1] + y[i + 1]))
+      throw InputError("'" + prefix + "', row " + std::to_string(i / 2) + ": an end is not of numbers");
+    walls.push_back({to_map(PointM{x[i], y[i]}), to_map(PointM{x[i + 1], y[i + 1]})});
+  }
+  return walls;
+}
+
+CellScore ScoreCells(const Occupancy& map, const MapTruth& truth) {
+  CellScore score;
+  const auto wall = [&](std::int64_t x, std::int64_t y) {
+    return truth.box.Holds(x, y) && truth.wall[truth.box.Index(x, y)] != 0;
+  };
+  const auto occupied = [&](std::int64_t x, std::int64_t y) {
+    return map.IsOccupied(x - truth.offset_columns, y - truth.offset_rows);
+  };
+  const auto free = [&](std::int64_t x, std::int64_t y) {
+    return map.IsFree(x - truth.offset_columns, y - truth.offset_rows);
+  };
+  for (std::int64_t row = 0; row < truth.box.rows; ++row) {
+    for (std::int64_t column = 0; column < truth.box.columns; ++column) {
+      const std::size_t cell = truth.box.Index(column, row);
+      score.free += truth.free[cell];
+      score.due += truth.due[cell];
+      if (truth.due[cell] != 0 && !NearWall(column, row, occupied)) {
+        ++score.missed_occupied;
+        score.missed_free += free(column, row) ? 1 : 0;
+      }
+      if (!occupied(column, row) || NearWall(column, row, wall)) continue;
+      ++(truth.free[cell] != 0 ? score.false_occupied : score.beyond_walls);
+    }
+  }
+  return score;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,173 @@
+#include "datasets/evaluate/matching/associations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+namespace cairn::datasets {
+namespace {
+
+std::string ObservationsOf(std::size_t robot) { return "robot/" + std::to_string(robot) + "/observations/"; }
+
+std::vector<std::int32_t> ReadIndices(const Blob& blob, const std::string& name, std::size_t rows,
+                                      std::size_t landmarks) {
+  const auto indices = blob.Get<std::int32_t>(name);
+  if (indices.size() != rows) {
+    throw InputError("'" + name + "' has " + std::to_string(indices.size()) + " rows; the log has " +
+                     std::to_string(rows) + " observations of this robot: was it made from this log?");
+  }
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (indices[i] < -1 || indices[i] >= static_cast<std::int64_t>(landmarks)) {
+      throw InputError("'" + name + "', row " + std::to_string(i) + ": landmark " +
+                       std::to_string(indices[i]) + " of " + std::to_string(landmarks));
+    }
+  }
+  return {indices.begin(), indices.end()};
+}
+
+std::size_t ObservationCount(const Blob& log, std::size_t robot) {
+  const std::string name = ObservationsOf(robot) + "time_s";
+  return log.Has(name) ? log.Get<double>(name).size() : 0;
+}
+
+}  // namespace
+
+Associations ReadMapAssociations(const Blob& result, const Blob& log, std::size_t landmarks) {
+  Associations associations(log.Texts("robots").size());
+  for (std::size_t r = 0; r < associations.size(); ++r) {
+    const std::size_t rows = ObservationCount(log, r);
+    const std::string name = ObservationsOf(r) + "map_landmark";
+    if (rows > 0 || result.Has(name)) associations[r] = ReadIndices(result, name, rows, landmarks);
+  }
+  return associations;
+}
+
+std::optional<Associations> ReadTrueAssociations(const Blob& log, std::size_t landmarks) {
+  Associations associations(log.Texts("robots").size());
+  bool complete = true;
+  for (std::size_t r = 0; r < associations.size(); ++r) {
+    const std::size_t rows = ObservationCount(log, r);
+    const std::string name = "truth/" + ObservationsOf(r) + "landmark";
+    if (log.Has(name))
+      associations[r] = ReadIndices(log, name, rows, landmarks);
+    else
+      complete = complete && rows == 0;
+  }
+  if (!complete) return std::nullopt;
+  return associations;
+}
+
+std::vector<std::vector<bool>> ReadLookedAt(const Blob& result, const Associations& map) {
+  std::vector<std::vector<bool>> looked_at;
+  for (std::size_t r = 0; r < map.size(); ++r) {
+    std::vector<bool>& of_robot = looked_at.emplace_back();
+    const std::string name = ObservationsOf(r) + "probability";
+    std::vector<double> probability(map[r].size(), 0.0);
+    if (result.Has(name)) {
+      const auto stored = result.Get<double>(name);
+      if (stored.size() != map[r].size()) {
+        throw InputError("'" + name + "' has " + std::to_string(stored.size()) + " rows for " +
+                         std::to_string(map[r].size()) + " observations");
+      }
+      probability.assign(stored.begin(), stored.end());
+    }
+    for (std::size_t i = 0; i < map[r].size(); ++i)
+      of_robot.push_back(map[r][i] >= 0 || probability[i] > 0.0);
+  }
+  return looked_at;
+}
+
+std::vector<std::vector<bool>> ReadPresses(const Blob& log, const Associations& map) {
+  std::vector<std::vector<bool>> presses;
+  for (std::size_t r = 0; r < map.size(); ++r) {
+    presses.emplace_back(map[r].size(), true);
+    const std::string name = ObservationsOf(r) + "range_m";
+    if (!log.Has(name)) continue;
+    const auto range = log.Get<double>(name);
+    for (std::size_t i = 0; i < std::min(range.size(), map[r].size()); ++i)
+      presses[r][i] = std::isnan(range[i]);
+  }
+  return presses;
+}
+
+namespace {
+
+struct OfTruth {
+  std::int64_t looked_at = 0, right = 0;  // observations; those in the map's landmark for it
+};
+
+// The true landmark of each of the map's; -1: it has no observation.
+std::vector<std::int32_t> TruthOfEach(const Associations& map, const Associations& truth,
+                                      std::size_t landmarks) {
+  std::vector<std::int32_t> truth_of(landmarks, -1);
+  for (const auto& [k, t] : MajorityPairs(map, truth, landmarks)) truth_of[k] = static_cast<std::int32_t>(t);
+  return truth_of;
+}
+
+bool EachOfAnother(std::vector<std::int32_t> truth_of) {
+  std::ranges::sort(truth_of);
+  return (truth_of.empty() || truth_of.front() >= 0) &&
+         std::ranges::adjacent_find(truth_of) == truth_of.end();
+}
+
+}  // namespace
+
+TopologyScore ScoreTopology(const Associations& map, const std::vector<std::vector<bool>>& looked_at,
+                            const std::vector<std::vector<bool>>& presses, const Associations& truth,
+                            std::size_t landmarks) {
+  constexpr std::int64_t kOneIn = 20;
+  const std::vector<std::int32_t> truth_of = TruthOfEach(map, truth, landmarks);
+  TopologyScore score;
+  std::map<std::int32_t, OfTruth> of_truth;
+  std::int64_t wrong_presses = 0, wrong_sightings = 0, sightings = 0;
+  for (std::size_t r = 0; r < map.size(); ++r) {
+    for (std::size_t i = 0; i < map[r].size(); ++i) {
+      const std::int32_t m = map[r][i], t = truth[r][i];
+      const bool right = m >= 0 && t >= 0 && truth_of[static_cast<std::size_t>(m)] == t;
+      const bool left_out = m < 0 && t >= 0 && looked_at[r][i];
+      score.associations += m >= 0 ? 1 : 0;
+      score.wrong += m >= 0 && !right ? 1 : 0;
+      if (presses[r][i]) {
+        wrong_presses += (m >= 0 && !right) || left_out ? 1 : 0;
+      } else if (m >= 0) {
+        ++sightings;
+        wrong_sightings += right ? 0 : 1;
+      }
+      if (t < 0) continue;
+      ++score.observations;
+      score.unused += m < 0 ? 1 : 0;
+      of_truth[t].looked_at += looked_at[r][i] ? 1 : 0;
+      of_truth[t].right += right ? 1 : 0;
+    }
+  }
+  score.correct = EachOfAnother(truth_of) && wrong_presses == 0 && kOneIn * wrong_sightings <= sightings &&
+                  std::ranges::all_of(of_truth, [](const auto& landmark) {
+                    return 2 * landmark.second.right > landmark.second.looked_at;
+                  });
+  return score;
+}
+
+IndexPairs MajorityPairs(const Associations& map, const Associations& truth, std::size_t landmarks) {
+  std::vector<std::map<std::int32_t, int>> votes(landmarks);
+  for (std::size_t r = 0; r < map.size(); ++r) {
+    for (std::size_t i = 0; i < map[r].size(); ++i) {
+      if (map[r][i] >= 0 && truth[r][i] >= 0) ++votes[static_cast<std::size_t>(map[r][i])][truth[r][i]];
+    }
+  }
+  IndexPairs pairs;
+  for (std::size_t k = 0; k < landmarks; ++k) {
+    int most = 0;
+    std::int32_t winner = -1;
+    for (const auto& [t, count] : votes[k]) {
+      if (count > most) {
+        most = count;
+        winner = t;
+      }
+    }
+    if (winner >= 0) pairs.emplace_back(k, static_cast<std::size_t>(winner));
+  }
+  return pairs;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,166 @@
+#include "datasets/export/export.h"
+
+#include <cmath>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "datasets/common/png.h"
+#include "datasets/testing.h"
+#include "datasets/testing_result.h"
+
+namespace cairn::datasets {
+namespace {
+
+std::vector<std::string> LinesOf(const std::string& path) {
+  std::istringstream stream(FileText(path));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<double> Numbers(const std::string& line, const std::string& tag) {
+  EXPECT_TRUE(line.starts_with(tag)) << line;
+  std::istringstream stream(line.substr(tag.size()));
+  std::vector<double> numbers;
+  for (double number = 0; stream >> number;) numbers.push_back(number);
+  return numbers;
+}
+
+void ExpectNear(const std::vector<double>& actual, const std::vector<double>& expected,
+                double tolerance = 1e-6) {
+  ASSERT_EQ(actual.size(), expected.size());
+  for (std::size_t i = 0; i < actual.size(); ++i) EXPECT_NEAR(actual[i], expected[i], tolerance) << i;
+}
+
+TEST(ExportTum, WritesTheMostLikelyPosesOfEachRobot) {
+  const TestFolder folder;
+  const auto files = ExportTum(SmallResult(), folder / "new/tum").value();
+  EXPECT_EQ(files, (std::vector<std::string>{folder / "new/tum/Rosa.tum", folder / "new/tum/a_b.tum"}));
+  const auto lines = LinesOf(files[0]);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_EQ(lines[0], "# time x y z qx qy qz qw");
+  EXPECT_EQ(lines[1], "1 0 0 0 0 0 0 1");
+  ExpectNear(Numbers(lines[2], ""), {2, 1, 0, 0, 0, 0, std::sqrt(0.5), std::sqrt(0.5)}, 1e-12);
+}
+
+TEST(Export, LeavesFilesAloneThatAreThereUnlessToldToReplaceThem) {
+  const TestFolder folder;
+  const std::string file = ExportCsv(SmallLog(), folder / "csv").value().at(0);
+  const auto before = LinesOf(file);
+  std::filesystem::remove(folder / "csv/observations.csv");
+  ExpectContains(InputErrorOf([&] { (void)ExportCsv(SmallLog(), folder / "csv", false); }),
+                 "odometry.csv' is there already");
+  EXPECT_FALSE(std::filesystem::exists(folder / "csv/observations.csv")) << "all or nothing";
+  EXPECT_TRUE(ExportCsv(SmallLog(), folder / "csv", true).ok());
+  EXPECT_EQ(LinesOf(file), before);
+}
+
+TEST(ExportTum, SaysWhereThereAreNoPoses) {
+  const TestFolder folder;
+  ExpectContains(InputErrorOf([&] { (void)ExportTum(SmallLog(), folder / "x"); }),
+                 "there are no poses in it");
+  EXPECT_FALSE(std::filesystem::exists(folder / "x"));
+}
+
+TEST(ExportG2o, WritesVerticesAndEdgesThatAgree) {
+  const TestFolder folder;
+  const Blob log = SmallLog();
+  const auto lines = LinesOf(ExportG2o(SmallResult(), &log, folder / "").value().at(0));
+  ASSERT_EQ(lines.size(), 6U + 2 + 1 + 4 + 2);
+  ExpectNear(Numbers(lines[1], "VERTEX_SE2 "), {1, 1, 0, M_PI / 2});
+  EXPECT_EQ(lines[6], "VERTEX_XY 6 2 0");
+  EXPECT_EQ(lines[8], "FIX 0");
+  // Mean of 0 and 0.04, plus the least variance.
+  const double information = 1 / (0.02 + 1e-6);
+  ExpectNear(Numbers(lines[9], "EDGE_SE2 "),
+             {0, 1, 1, 0, M_PI / 2, information, 0, 0, information, 0, information}, 1e-6);
+  // From (1, 0), heading up, to (1, 2): 2 m ahead.
+  const auto ahead = Numbers(lines[10], "EDGE_SE2 ");
+  ExpectNear({ahead.begin(), ahead.begin() + 5}, {1, 2, 2, 0, 3 - M_PI / 2});
+  // Range 2 m (sd 0.1) at 0.5 rad (sd 0.05, so 0.1 m across): a round ellipse.
+  ExpectNear(Numbers(lines[11], "EDGE_SE2_XY "), {0, 6, 2 * std::cos(0.5), 2 * std::sin(0.5), 100, 0, 100});
+  ExpectNear(Numbers(lines[12], "EDGE_SE2_XY "), {2, 7, 0, 0, 4, 0, 4});
+}
+
+TEST(ExportG2o, ALogOfAnotherRunIsRefused) {
+  const TestFolder folder;
+  Blob log = SmallLog();
+  log.PutVector<double>("robot/0/observations/time_s", {1});
+  ExpectContains(InputErrorOf([&] { (void)ExportG2o(SmallResult(), &log, folder / ""); }),
+                 "'robot/0/observations/time_s' has 1 rows where 3 are needed");
+  EXPECT_EQ(LinesOf(ExportG2o(SmallResult(), nullptr, folder / "").value().at(0)).size(), 6U + 2 + 1 + 4);
+}
+
+TEST(ExportRos, WritesAMapThatMapServerReads) {
+  const TestFolder folder;
+  ASSERT_TRUE(ExportRos(SmallResult(), folder / "").ok());
+  const std::string image = FileText(folder / "map.pgm");
+  const std::string header = "P5\n3 2\n255\n";
+  ASSERT_EQ(image.size(), header.size() + 6);
+  EXPECT_EQ(image.substr(0, header.size()), header);
+  // Joined layers: row 0 is (0, 0.9, 0.5), row 1 (0.7, 0, 0); the picture begins at the top. Extracted
+  // landmarks lie in the right cell of row 0 and the middle one of row 1. Nothing is free.
+  const std::vector<int> expected{0, 0, 205, 205, 0, 0};
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(static_cast<unsigned char>(image[header.size() + i]), expected[i]) << i;
+  EXPECT_EQ(FileText(folder / "map.yaml"),
+            "image: map.pgm\nmode: trinary\nresolution: 1.5\norigin: [-1, -0.5, 0]\nnegate: "
+            "0\noccupied_thresh: 0.65\n"
+            "free_thresh: 0.196\n");
+}
+
+TEST(ExportRos, SaysWhereThereIsNoGrid) {
+  const TestFolder folder;
+  ExpectContains(InputErrorOf([&] { (void)ExportRos(SmallLog(), folder / ""); }),
+                 "there is no grid map in it");
+}
+
+TEST(Png, OpenCvReadsBackTheSamePixels) {
+  std::vector<std::uint8_t> pixels(3 * 5 * 7);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * 37);
+  const std::string png = EncodePng(5, 7, pixels);
+  const cv::Mat image = cv::imdecode(std::vector<char>(png.begin(), png.end()), cv::IMREAD_COLOR);
+  ASSERT_EQ(image.cols, 5);
+  ASSERT_EQ(image.rows, 7);
+  for (std::size_t y = 0; y < 7; ++y) {
+    for (std::size_t x = 0; x < 5; ++x) {
+      const auto* rgb = &pixels[3 * (5 * y + x)];
+      EXPECT_EQ(image.at<cv::Vec3b>(static_cast<int>(y), static_cast<int>(x)),
+                cv::Vec3b(rgb[2], rgb[1], rgb[0]));
+    }
+  }
+}
+
+TEST(ExportPng, DrawsGridPathsAndLandmarks) {
+  const TestFolder folder;
+  const auto files = ExportPng(SmallResult(), folder / "").value();
+  const cv::Mat image = cv::imread(files.at(0));
+  EXPECT_EQ(image.cols, 1600);
+  const auto count = [&](const cv::Scalar& bgr) {
+    cv::Mat mask;
+    cv::inRange(image, bgr, bgr, mask);
+    return cv::countNonZero(mask);
+  };
+  EXPECT_GT(count({255, 255, 255}), 100000);  // free
+  EXPECT_GT(count({51, 39, 28}), 100);        // landmarks and the bar
+  EXPECT_GT(count({26, 96, 210}), 100);       // the second robot's path, over the first one's
+  EXPECT_GT(count({232, 184, 143}), 100);     // the likeliest cell
+}
+
+TEST(ExportPng, SaysWhereThereIsNothingToDraw) {
+  const TestFolder folder;
+  ExpectContains(InputErrorOf([&] { (void)ExportPng(Blob(), folder / ""); }),
+                 "there is neither a map nor a path");
+}
+
+TEST(Export, AFolderThatCannotBeMadeIsTheWorldsFault) {
+  const TestFolder folder;
+  folder.Put("file", "");
+  const Written written = ExportTum(SmallResult(), folder / "file/below");
+  ASSERT_FALSE(written.ok());
+  ExpectContains(written.status().message(), "file/below: cannot make the folder");
+}
+
+}  // namespace
+}  // namespace cairn::datasets

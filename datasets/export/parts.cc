@@ -1,0 +1,126 @@
+#include "datasets/export/parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <set>
+#include <system_error>
+
+#include "schema/store/atomic_file.h"
+
+namespace cairn::datasets {
+namespace {
+
+std::string FileName(const std::string& robot, std::size_t index, std::set<std::string>* taken) {
+  std::string name = robot;
+  for (char& c : name) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
+  }
+  if (name.empty() || !taken->insert(name).second) taken->insert(name += "_" + std::to_string(index));
+  return name;
+}
+
+void ReadPath(const Blob& blob, const std::string& prefix, Path* path) {
+  const auto times = blob.Get<double>(prefix + "time_s");
+  path->time_s.assign(times.begin(), times.end());
+  const std::string mode = blob.Has(prefix + "mode_x_m") ? prefix + "mode_" : prefix;
+  const auto x = Column<double>(blob, mode + "x_m", times.size()),
+             y = Column<double>(blob, mode + "y_m", times.size());
+  const auto heading = Column<double>(blob, mode + "heading_rad", times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) path->poses.push_back({x[i], y[i], heading[i]});
+  if (!blob.Has(prefix + "covariance")) return;
+  const auto covariance = Column<double>(blob, prefix + "covariance", 9 * times.size());
+  path->covariances.assign(covariance.begin(), covariance.end());
+}
+
+// The probability that a cell holds any landmark: the layers, which may be one, joined.
+Occupancy JoinedLayers(const Blob& blob) {
+  const Array& layers = blob.at("map/grid/probability");
+  const Shape& shape = layers.shape();
+  if (shape.size() != 3) throw InputError("'map/grid/probability' of a landmark map has no three axes");
+  Blob joined;  // read as any grid is, its place and values checked there
+  std::vector<double> none(static_cast<std::size_t>(shape[1] * shape[2]), 1.0);
+  const auto values = layers.As<double>();
+  for (std::size_t i = 0; i < values.size(); ++i) none[i % none.size()] *= 1 - values[i];
+  for (double& p : none) p = 1 - p;
+  joined.Put("map/grid/probability", Array::Of<double>({shape[1], shape[2]}, none));
+  for (const char* name : {"map/grid/origin_x_m", "map/grid/origin_y_m", "map/grid/cell_m"})
+    joined.Put(name, blob.at(name));
+  return ReadOccupancy(joined);
+}
+
+}  // namespace
+
+std::vector<Path> ReadPaths(const Blob& blob) {
+  std::vector<Path> paths;
+  std::set<std::string> taken;
+  const std::vector<std::string> robots = blob.Texts("robots");
+  for (std::size_t n = 0; n < robots.size(); ++n) {
+    const std::string prefix = "robot/" + std::to_string(n) + "/poses/";
+    const std::string found = blob.Has(prefix + "time_s") ? prefix : "truth/" + prefix;
+    if (!blob.Has(found + "time_s")) continue;
+    Path path{n, robots[n], FileName(robots[n], n, &taken), {}, {}, {}};
+    ReadPath(blob, found, &path);
+    paths.push_back(std::move(path));
+  }
+  if (paths.empty()) throw InputError("there are no poses in it");
+  return paths;
+}
+
+Occupancy ReadCells(const Blob& blob) {
+  if (!blob.Has("map/grid/probability") || blob.at("map/grid/probability").size() == 0)
+    throw InputError("there is no grid map in it (map/grid/probability)");
+  if (IsGridMap(blob)) return ReadOccupancy(blob);
+  Occupancy cells = JoinedLayers(blob);
+  for (double& p : cells.probability) {
+    if (!(p > 0.5)) p = std::numeric_limits<double>::quiet_NaN();
+  }
+  for (const MapLandmark& landmark : ReadMapLandmarks(blob)) {
+    const std::int64_t column = cells.box.Column(landmark.at.x_m), row = cells.box.Row(landmark.at.y_m);
+    if (cells.box.Holds(column, row)) cells.probability[cells.box.Index(column, row)] = 1;
+  }
+  return cells;
+}
+
+bool IsGridMap(const Blob& blob) {
+  return blob.Has("map/grid/probability") && blob.at("map/grid/probability").shape().size() == 2 &&
+         !blob.Has("map/landmark_x_m");
+}
+
+std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob) {
+  std::vector<MapLandmark> landmarks;
+  if (!blob.Has("map/landmark_x_m")) return landmarks;
+  const auto x = blob.Get<double>("map/landmark_x_m"), y = Column<double>(blob, "map/landmark_y_m", x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) landmarks.push_back({{x[k], y[k]}});
+  if (!blob.Has("map/landmark_covariance_m2")) return landmarks;
+  const auto covariance = Column<double>(blob, "map/landmark_covariance_m2", 4 * x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    landmarks[k].var_xx_m2 = covariance[4 * k];
+    landmarks[k].var_xy_m2 = covariance[4 * k + 1];
+    landmarks[k].var_yy_m2 = covariance[4 * k + 3];
+  }
+  return landmarks;
+}
+
+void FolderWriter::Write(const std::string& name, std::string text) {
+  files_.emplace_back((std::filesystem::path(folder_) / name).string(), std::move(text));
+}
+
+Written FolderWriter::Finish() {
+  for (const auto& [path, text] : files_) {
+    if (!replace_ && std::filesystem::exists(path))
+      throw InputError("'" + path + "' is there already (--force replaces it)");
+  }
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) return SystemFailure(folder_, "cannot make the folder", error.value());
+  std::vector<std::string> paths;
+  for (const auto& [path, text] : files_) {
+    if (Status status = WriteTextAtomically(path, text); !status.ok()) return status;
+    paths.push_back(path);
+  }
+  return paths;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,70 @@
+// What the exporters share.
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "datasets/common/planar.h"
+#include "datasets/evaluate/maps/occupancy.h"
+#include "datasets/export/export.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// A column of `length` elements; throws InputError where it is missing, of another type or another length.
+template <class T>
+std::span<const T> Column(const Blob& blob, const std::string& name, std::size_t length) {
+  const std::span<const T> column = blob.Get<T>(name);
+  if (column.size() != length) {
+    throw InputError("'" + name + "' has " + std::to_string(column.size()) + " rows where " +
+                     std::to_string(length) + " are needed");
+  }
+  return column;
+}
+
+// A robot's path, and where it has them the covariances of x, y, heading (9 numbers a pose).
+struct Path {
+  std::size_t index = 0;  // in `robots`
+  std::string robot;      // its name
+  std::string file;       // its name made fit for a file name, unlike the others'
+  std::vector<double> time_s;
+  std::vector<PoseM> poses;
+  std::vector<double> covariances;
+};
+
+// The most likely poses, else the means, else the true ones. Throws InputError where there are none, or where
+// columns are of different lengths.
+std::vector<Path> ReadPaths(const Blob& blob);
+
+// What other programs may take a cell to be. Of a grid map as ReadOccupancy says. A landmark map tells where
+// something stands and nothing of free space: known are the cells of its extracted landmarks, which are
+// occupied, and those that hold a landmark more likely than not; of all others nothing is. Throws InputError
+// where there is no grid.
+Occupancy ReadCells(const Blob& blob);
+// Whether it is a grid_map, and no landmark_map, which has a layer for each landmark.
+bool IsGridMap(const Blob& blob);
+
+struct MapLandmark {
+  PointM at;
+  double var_xx_m2 = 0, var_xy_m2 = 0, var_yy_m2 = 0;
+};
+std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob);  // empty where there are none
+
+// Files that are written into a folder, once all of them are known.
+class FolderWriter {
+ public:
+  FolderWriter(std::string folder, bool replace) : folder_(std::move(folder)), replace_(replace) {}
+  void Write(const std::string& name, std::string text);
+  // The paths, or the first failure. Throws InputError, and writes nothing, where one of the files is there
+  // already and none is to be replaced.
+  Written Finish();
+
+ private:
+  std::string folder_;
+  bool replace_;
+  std::vector<std::pair<std::string, std::string>> files_;  // path, text
+};
+
+}  // namespace cairn::datasets

@@ -1,0 +1,277 @@
+#include "datasets/import/csv.h"
+
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "datasets/import/csv_reader.h"
+#include "datasets/import/name_index.h"
+#include "datasets/import/pose_controls.h"
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+// Numbers with six digits after the point, as far as a message needs them.
+std::string Shown(double value) { return std::to_string(value); }
+
+class CsvImport {
+ public:
+  explicit CsvImport(const CsvImportOptions& options) : options_(options), bad_(options.skip_bad) {}
+
+  ImportReport Run(Blob* log) {
+    CheckNominal(options_.nominal);
+    if (options_.odometry.empty()) throw InputError("import csv needs an odometry file");
+    if (!options_.truth_associations.empty() && options_.truth_landmarks.empty()) {
+      throw InputError(options_.truth_associations +
+                       ": associations need a file of true landmarks beside them");
+    }
+    rows_.nominal = options_.nominal;
+    ReadOdometry();
+    if (!options_.truth_landmarks.empty()) ReadTruthLandmarks();
+    if (!options_.observations.empty()) ReadObservations();
+    if (!options_.truth_poses.empty()) ReadTruthPoses();
+    if (rows_.truth_landmarks) Associate();
+    SortLandmarks();
+    report_.skipped = bad_.counts();
+    *log = MakeLog(rows_, options_.odometry, &report_);
+    return report_;
+  }
+
+ private:
+  static constexpr std::size_t kRobot = 1;  // of all columns but those of the true landmarks
+  static constexpr std::string_view kOnlyRobot = "robot";
+
+  CsvReader Open(const std::string& path, const std::vector<std::vector<std::string>>& headers) {
+    CsvReader reader(path, headers, &bad_);
+    for (const std::string& column : reader.extra_columns()) {
+      report_.warnings.push_back(path + ": column '" + column + "' is left out");
+    }
+    if (!reader.Has(kRobot) && rows_.robots.size() > 1)
+      throw InputError(path + ":1: the header lacks 'robot'; odometry is of " +
+                       std::to_string(rows_.robots.size()) + " robots");
+    return reader;
+  }
+
+  // The robot that the line names, the only one where there is no such column, or null where the line is bad.
+  RobotRows* Robot(CsvReader* reader) {
+    if (!reader->Has(kRobot)) return rows_.robots.empty() ? nullptr : &rows_.robots.front();
+    const std::int32_t robot = robots_.Find(reader->Text(1));
+    if (robot < 0)
+      reader->Bad("unknown robot", "'" + std::string(reader->Text(1)) + "' has no odometry" +
+                                       (has_robots_ ? "" : "; its file has no column 'robot'"));
+    return robot < 0 ? nullptr : &rows_.robots[static_cast<std::size_t>(robot)];
+  }
+
+  // The robot that the line is of, a new one where nobody knows it.
+  RobotRows* RobotOrNew(CsvReader* reader) {
+    const std::string_view name = reader->Has(kRobot) ? reader->Text(kRobot) : kOnlyRobot;
+    if (name.empty()) {
+      reader->Bad("unknown robot", "the column is empty");
+      return nullptr;
+    }
+    const auto robot = static_cast<std::size_t>(robots_.FindOrAdd(name));
+    if (robot == rows_.robots.size()) rows_.robots.emplace_back().name = name;
+    return &rows_.robots[robot];
+  }
+
+  // Whether `time` goes on from the last one of the column; the line is bad where it does not.
+  static bool InOrder(double time, const std::vector<double>& times, CsvReader* reader) {
+    return times.empty() || InOrder(time, times.back(), reader);
+  }
+  static bool InOrder(double time, double last, CsvReader* reader) {
+    if (time >= last) return true;
+    reader->Bad("time runs backwards", Shown(time) + " after " + Shown(last));
+    return false;
+  }
+
+  void ReadOdometry() {
+    CsvReader reader = Open(options_.odometry, {{"time_s", "robot?", "turn_rad", "forward_m"},
+                                                {"time_s", "robot?", "v_mps", "omega_radps"},
+                                                {"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
+    has_robots_ = reader.Has(kRobot);
+    if (reader.header() == 2) return ReadOdometryPoses(&reader);
+    std::map<std::string, VelocityIntegrator> integrators;
+    std::map<std::string, double> last_times;
+    while (reader.Next()) {
+      const auto time = reader.Number(0), first = time ? reader.Number(2) : time,
+                 second = first ? reader.Number(3) : first;
+      RobotRows* robot = second ? RobotOrNew(&reader) : nullptr;
+      if (robot == nullptr) continue;
+      const auto last_time = last_times.try_emplace(robot->name, *time).first;
+      if (!InOrder(*time, last_time->second, &reader)) continue;
+      last_time->second = *time;
+      Odometry& odometry = robot->odometry;
+      odometry.from.file = options_.odometry;
+      if (reader.header() == 0)
+        odometry.Add(*time, *first, *second);
+      else
+        integrators[robot->name].Add(*time, *first, *second, &odometry);
+      odometry.from.line.resize(odometry.time_s.size(), reader.line());
+    }
+  }
+
+  void ReadOdometryPoses(CsvReader* reader) {
+    while (reader->Next()) {
+      const auto time = reader->Number(0), x = time ? reader->Number(2) : time, y = x ? reader->Number(3) : x,
+                 heading = y ? reader->Number(4) : y;
+      RobotRows* robot = heading ? RobotOrNew(reader) : nullptr;
+      if (robot == nullptr || !InOrder(*time, robot->odometry_poses.time_s, reader)) continue;
+      AddPose(*time, *x, *y, *heading, *reader, options_.odometry, &robot->odometry_poses);
+    }
+    for (RobotRows& robot : rows_.robots) {
+      const Poses& poses = robot.odometry_poses;
+      std::vector<TimedPose> track;
+      for (std::size_t i = 0; i < poses.time_s.size(); ++i)
+        track.push_back({poses.time_s[i], {poses.x_m[i], poses.y_m[i], WrapAngle(poses.heading_rad[i])}});
+      robot.odometry = ControlsOf(track);
+    }
+  }
+
+  static void AddPose(double time_s, double x_m, double y_m, double heading_rad, const CsvReader& reader,
+                      const std::string& path, Poses* poses) {
+    poses->time_s.push_back(time_s);
+    poses->x_m.push_back(x_m);
+    poses->y_m.push_back(y_m);
+    poses->heading_rad.push_back(heading_rad);
+    poses->from.file = path;
+    poses->from.line.push_back(reader.line());
+  }
+
+  void ReadTruthLandmarks() {
+    CsvReader reader = Open(options_.truth_landmarks, {{"landmark", "x_m", "y_m"}});
+    rows_.truth_landmarks.emplace();
+    while (reader.Next()) {
+      const auto x = reader.Number(1), y = x ? reader.Number(2) : x;
+      if (!y) continue;
+      if (reader.Text(0).empty() || truth_.Find(reader.Text(0)) >= 0) {
+        reader.Bad("landmark without a name of its own", "'" + std::string(reader.Text(0)) + "'");
+        continue;
+      }
+      truth_.FindOrAdd(reader.Text(0));
+      rows_.truth_landmarks->x_m.push_back(*x);
+      rows_.truth_landmarks->y_m.push_back(*y);
+    }
+    rows_.truth_landmarks->name = truth_.names();
+  }
+
+  // Whether the line may name this landmark; it is bad where it may not.
+  bool LandmarkIsKnown(std::string_view name, CsvReader* reader) {
+    if (name.empty() || !rows_.truth_landmarks || truth_.Find(name) >= 0) return true;
+    reader->Bad("unknown landmark", "'" + std::string(name) + "' is none of the true landmarks");
+    return false;
+  }
+
+  // Whether there is a pose to observe from; the line is bad where there is none.
+  static bool WhileDriving(double time, const std::vector<double>& controls, CsvReader* reader) {
+    const double first = controls.front(), last = controls.back();
+    if (time < first) reader->Bad("before the first control", Shown(time) + " before " + Shown(first));
+    if (time > last) reader->Bad("after the last control", Shown(time) + " after " + Shown(last));
+    return time >= first && time <= last;
+  }
+
+  // Range and bearing, both NaN for a press; false where the line is bad.
+  bool Measurement(CsvReader* reader, double* range, double* bearing) {
+    *range = *bearing = std::numeric_limits<double>::quiet_NaN();
+    if (reader->Text(3).empty() && reader->Text(4).empty()) return true;
+    if (reader->Text(3).empty() || reader->Text(4).empty()) {
+      reader->Bad("range or bearing alone", "give both, or neither for 'at the robot'");
+      return false;
+    }
+    const auto r = reader->Number(3), b = r ? reader->Number(4) : r;
+    if (!b) return false;
+    *range = *r;
+    *bearing = *b;
+    const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.nominal);
+    if (misreading) reader->Bad(misreading->reason, misreading->detail);
+    return !misreading;
+  }
+
+  void ReadObservations() {
+    CsvReader reader =
+        Open(options_.observations, {{"time_s", "robot?", "landmark", "range_m", "bearing_rad"}});
+    while (reader.Next()) {
+      const auto time = reader.Number(0);
+      double range = 0, bearing = 0;
+      if (!time || !Measurement(&reader, &range, &bearing)) continue;
+      RobotRows* robot = Robot(&reader);
+      if (robot == nullptr || !InOrder(*time, robot->observations.time_s, &reader)) continue;
+      if (!LandmarkIsKnown(reader.Text(2), &reader)) continue;
+      if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
+      const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
+      robot->observations.Add(*time, landmark, range, bearing);
+      robot->observations.from.file = options_.observations;
+      robot->observations.from.line.push_back(reader.line());
+    }
+  }
+
+  void ReadTruthPoses() {
+    CsvReader reader = Open(options_.truth_poses, {{"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
+    while (reader.Next()) {
+      const auto time = reader.Number(0), x = time ? reader.Number(2) : time, y = x ? reader.Number(3) : x;
+      const auto heading = y ? reader.Number(4) : y;
+      RobotRows* robot = heading ? Robot(&reader) : nullptr;
+      if (robot == nullptr || !InOrder(*time, robot->truth.time_s, &reader)) continue;
+      AddPose(*time, *x, *y, *heading, reader, options_.truth_poses, &robot->truth);
+    }
+  }
+
+  void Associate() {
+    if (options_.truth_associations.empty() && landmarks_.names().empty()) return;
+    for (RobotRows& robot : rows_.robots) {
+      for (const std::int32_t landmark : robot.observations.landmark) {
+        const bool by_name = options_.truth_associations.empty() && landmark >= 0;
+        robot.observations.truth_landmark.push_back(
+            by_name ? truth_.Find(landmarks_.names()[static_cast<std::size_t>(landmark)]) : -1);
+      }
+    }
+    if (!options_.truth_associations.empty()) ReadTruthAssociations();
+  }
+
+  void ReadTruthAssociations() {
+    // The next observation of each robot and time that has no association yet.
+    std::vector<std::multimap<double, std::size_t>> open(rows_.robots.size());
+    for (std::size_t n = 0; n < open.size(); ++n) {
+      const std::vector<double>& times = rows_.robots[n].observations.time_s;
+      for (std::size_t i = 0; i < times.size(); ++i) open[n].emplace(times[i], i);
+    }
+    CsvReader reader = Open(options_.truth_associations, {{"time_s", "robot?", "landmark"}});
+    while (reader.Next()) {
+      const auto time = reader.Number(0);
+      RobotRows* robot = time ? Robot(&reader) : nullptr;
+      if (robot == nullptr || !LandmarkIsKnown(reader.Text(2), &reader)) continue;
+      auto& unassociated = open[static_cast<std::size_t>(robot - rows_.robots.data())];
+      const auto next = unassociated.lower_bound(*time);
+      if (next == unassociated.end() || next->first != *time) {
+        reader.Bad("no such observation", "of robot '" + robot->name + "' at " + Shown(*time));
+        continue;
+      }
+      robot->observations.truth_landmark[next->second] = truth_.Find(reader.Text(2));
+      unassociated.erase(next);
+    }
+  }
+
+  void SortLandmarks() {
+    const std::vector<std::int32_t> renumbered = landmarks_.Sort();
+    rows_.landmarks = landmarks_.names();
+    for (RobotRows& robot : rows_.robots) {
+      for (std::int32_t& landmark : robot.observations.landmark) {
+        if (landmark >= 0) landmark = renumbered[static_cast<std::size_t>(landmark)];
+      }
+    }
+  }
+
+  const CsvImportOptions& options_;
+  BadLines bad_;
+  ImportReport report_;
+  LogRows rows_;
+  NameIndex robots_, landmarks_, truth_;
+  bool has_robots_ = true;  // odometry names them
+};
+
+}  // namespace
+
+ImportReport ImportCsv(const CsvImportOptions& options, Blob* log) { return CsvImport(options).Run(log); }
+
+}  // namespace cairn::datasets

@@ -1,0 +1,45 @@
+// `cairn import csv`: people's own logs. Files are plain or gzipped, with a header; columns stand in any
+// order, and others beside them are left alone; csv_reader.h says how a file may separate them and in which
+// units. Robots and landmarks are called by any name; `robot` may be left out in all files of one robot.
+// Times are of any clock, in order for each robot.
+//
+//   odometry            time_s,robot,turn_rad,forward_m    at the end of each control; first the turn, then
+//   the way
+//                    or time_s,robot,v_mps,omega_radps     holds until the robot's next row
+//                    or time_s,robot,x_m,y_m,heading_rad   dead reckoning: where the wheels say that it is
+//   observations        time_s,robot,landmark,range_m,bearing_rad
+//                         landmark empty: identity unknown; range and bearing empty: at the robot (a button
+//                         press)
+//   truth_poses         time_s,robot,x_m,y_m,heading_rad
+//   truth_landmarks     landmark,x_m,y_m
+//   truth_associations  time_s,robot,landmark              for the observations of that robot and time, in
+//   their order;
+//                         landmark empty: a false one. Observations without a row are false too
+#pragma once
+
+#include <string>
+
+#include "datasets/import/log_rows.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+struct CsvImportOptions {
+  std::string odometry;      // the only file that is needed; an empty name: no such file
+  std::string observations;  // without: the import warns
+  std::string truth_poses;
+  std::string truth_landmarks;     // without associations, truth is by the observations' own names
+  std::string truth_associations;  // needs truth_landmarks
+  bool skip_bad = false;   // skip bad lines and count them by reason, instead of stopping at the first
+  NominalFigures nominal;  // max_range_m and field_of_view_rad also refuse what lies beyond
+};
+
+// Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name
+// (numbers by value). Throws InputError "FILE:LINE: REASON: DETAIL". Bad are: not a number, not finite, wrong
+// number of columns, time runs backwards, unknown robot (none that odometry names), unknown landmark (none
+// that truth_landmarks names, where given), before the first control or after the last (a robot that stood
+// still there needs a row that says so), negative range, beyond the sensor's maximum, outside its field of
+// view, range or bearing alone, no such observation (associations).
+ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
+
+}  // namespace cairn::datasets

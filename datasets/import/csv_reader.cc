@@ -1,0 +1,200 @@
+#include "datasets/import/csv_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+// A column may be left out that ends in it.
+constexpr char kOptional = '?';
+
+std::string Bare(const std::string& column) {
+  return column.ends_with(kOptional) ? column.substr(0, column.size() - 1) : column;
+}
+
+std::string Join(const std::vector<std::string>& columns) {
+  std::string text;
+  for (const std::string& column : columns) {
+    const std::string comma = text.empty() ? "" : ",";
+    text += column.ends_with(kOptional) ? "[" + comma + Bare(column) + "]" : comma + column;
+  }
+  return text;
+}
+
+// An ending of a column's name, another that it may have instead, and how many of that make one of this.
+struct OtherUnit {
+  std::string_view unit, other;
+  double per;
+};
+
+constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
+constexpr std::array kOtherUnits = {
+    OtherUnit{"_m", "_mm", 1e3},
+    OtherUnit{"_m", "_cm", 1e2},
+    OtherUnit{"_s", "_ms", 1e3},
+    OtherUnit{"_s", "_us", 1e6},
+    OtherUnit{"_s", "_ns", 1e9},
+    OtherUnit{"_rad", "_deg", kDegreesPerRadian},
+    OtherUnit{"_mps", "_mmps", 1e3},
+    OtherUnit{"_mps", "_cmps", 1e2},
+    OtherUnit{"_radps", "_degps", kDegreesPerRadian},
+};
+
+// A column as a file may call it.
+struct Spelling {
+  std::string name;
+  double per = 1;
+};
+
+std::vector<Spelling> SpellingsOf(const std::string& column) {
+  std::vector<Spelling> spellings = {{Bare(column)}};
+  for (const OtherUnit& unit : kOtherUnits) {
+    std::string name = Bare(column);
+    if (!name.ends_with(unit.unit)) continue;
+    name.replace(name.size() - unit.unit.size(), unit.unit.size(), unit.other);
+    spellings.push_back({name, unit.per});
+  }
+  return spellings;
+}
+
+// What stands between the fields of a header.
+char SeparatorOf(std::string_view header) {
+  for (const char separator : {',', ';', '\t'})
+    if (header.find(separator) != std::string_view::npos) return separator;
+  return ',';
+}
+
+}  // namespace
+
+CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std::string>>& headers,
+                     BadLines* bad)
+    : path_(path), text_(std::make_unique<const std::string>(ReadText(path))), lines_(*text_), bad_(bad) {
+  if (!lines_.Next()) throw InputError(path + ": is empty; a header is needed: " + Join(headers[0]));
+  if (text_->starts_with("\xFF\xFE") || text_->starts_with("\xFE\xFF"))
+    throw InputError(path + ": is UTF-16; save it as UTF-8 (or as plain CSV)");
+  separator_ = SeparatorOf(lines_.text());
+  if (!Split()) throw InputError(path + ":1: the header has an open quote");
+  FindColumns(headers);
+}
+
+void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers) {
+  const auto spelling_of = [&](const std::string& column) -> std::optional<Spelling> {
+    for (Spelling& spelling : SpellingsOf(column))
+      if (std::ranges::count(fields_, spelling.name) > 0) return std::move(spelling);
+    return std::nullopt;
+  };
+  const auto may = [&](const std::string& column) {
+    return column.ends_with(kOptional) || spelling_of(column);
+  };
+  const auto fits =
+      std::ranges::find_if(headers, [&](const auto& set) { return std::ranges::all_of(set, may); });
+  if (fits == headers.end()) {
+    std::string allowed;
+    for (const auto& set : headers) allowed += (allowed.empty() ? "" : " or ") + Join(set);
+    throw InputError(path_ + ":1: the header lacks columns: it must have " + allowed + ", it has " +
+                     std::string(lines_.text()));
+  }
+  header_ = static_cast<std::size_t>(fits - headers.begin());
+  width_ = fields_.size();
+  for (const std::string& wanted : *fits) {
+    const Spelling column = spelling_of(wanted).value_or(Spelling{Bare(wanted)});
+    if (std::ranges::count(fields_, column.name) > 1)
+      throw InputError(path_ + ":1: the header has " + column.name + " twice");
+    const auto place = std::ranges::find(fields_, column.name);
+    places_.push_back(place == fields_.end() ? kMissing : static_cast<std::size_t>(place - fields_.begin()));
+    columns_.push_back(column.name);
+    per_unit_.push_back(column.per);
+  }
+  for (const std::string_view field : fields_) {
+    if (std::ranges::find(columns_, field) == columns_.end()) extra_.emplace_back(field);
+  }
+}
+
+void CsvReader::TakeExtraColumns() {
+  for (const std::string& column : extra_) {
+    if (column.empty()) throw InputError(path_ + ":1: the header has a column without a name");
+    if (std::ranges::count(extra_, column) > 1)
+      throw InputError(path_ + ":1: the header has " + column + " twice");
+    places_.push_back(static_cast<std::size_t>(std::ranges::find(fields_, column) - fields_.begin()));
+    per_unit_.push_back(1);
+  }
+  columns_.insert(columns_.end(), extra_.begin(), extra_.end());
+}
+
+bool CsvReader::Next() {
+  while (lines_.Next()) {
+    if (Trim(lines_.text()).empty()) continue;
+    if (!Split()) {
+      Bad("open quote", "a line break within quotes is not read");
+    } else if (fields_.size() != width_) {
+      Bad("wrong number of columns",
+          std::to_string(fields_.size()) + " where the header has " + std::to_string(width_));
+    } else {
+      return true;
+    }
+  }
+  return false;
+}
+
+// RFC 4180 but for line breaks within quotes.
+bool CsvReader::Split() {
+  fields_.clear();
+  std::string_view rest = lines_.text();
+  if (rest.find('"') == std::string_view::npos) {
+    for (std::size_t comma = 0; (comma = rest.find(separator_)) != std::string_view::npos;
+         rest.remove_prefix(comma + 1)) {
+      fields_.push_back(Trim(rest.substr(0, comma)));
+    }
+    fields_.push_back(Trim(rest));
+    return true;
+  }
+  unquoted_.assign(1, "");
+  bool quoted = false;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    if (rest[i] == '"' && quoted && i + 1 < rest.size() && rest[i + 1] == '"') {
+      unquoted_.back() += rest[i++];
+    } else if (rest[i] == '"') {
+      quoted = !quoted;
+    } else if (rest[i] == separator_ && !quoted) {
+      unquoted_.emplace_back();
+    } else {
+      unquoted_.back() += rest[i];
+    }
+  }
+  for (const std::string& field : unquoted_) fields_.push_back(Trim(field));
+  return !quoted;
+}
+
+std::optional<double> CsvReader::Number(std::size_t index) {
+  std::string_view text = Text(index);
+  std::string with_point;
+  const std::size_t mark = separator_ == ',' ? std::string_view::npos : text.find_first_of(".,");
+  if (mark != std::string_view::npos) {
+    const char decimal = text[mark];
+    if (decimal_ == 0) decimal_ = decimal;
+    if (decimal != decimal_) {
+      Bad("decimal commas and points in one file", columns_[index] + " is '" + std::string(text) + "'");
+      return std::nullopt;
+    }
+    with_point = text;
+    with_point[mark] = '.';
+    text = with_point;
+  }
+  const char* reason = "";
+  const std::optional<double> value = ParseNumber(text, &reason);
+  if (!value) {
+    Bad(reason, columns_[index] + " is '" + std::string(Text(index)) + "'");
+    return std::nullopt;
+  }
+  return *value / per_unit_[index];
+}
+
+void CsvReader::Bad(const std::string& reason, const std::string& detail) {
+  bad_->Add(path_, lines_.number(), reason, detail);
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,254 @@
+#include "datasets/import/csv.h"
+
+#include <cmath>
+#include <map>
+
+#include "datasets/import/csv_reader.h"
+#include "datasets/testing.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr char kOdometry[] =
+    "time_s,robot,turn_rad,forward_m\n1,Rosa,0,1\n1.5,Ugo,0.5,1\n2,Rosa,0.25,2\n3,Rosa,-0.25,0\n2.5,Ugo,0,"
+    "1\n";
+constexpr char kHeader[] = "time_s,robot,landmark,range_m,bearing_rad\n";
+
+class ImportCsvTest : public ImportTest {
+ protected:
+  CsvImportOptions options_;
+
+  void SetUp() override { options_.odometry = folder_.Put("odometry.csv", kOdometry); }
+  void PutObservations(const std::string& rows) {
+    options_.observations = folder_.Put("observations.csv", kHeader + rows);
+  }
+  ImportReport Import() { return ImportCsv(options_, &log_); }
+  std::string Failure() {
+    return InputErrorOf([this] { Import(); });
+  }
+};
+
+TEST_F(ImportCsvTest, PutsEveryColumnInItsPlace) {
+  PutObservations("1,Rosa,door,2.5,0.1\n2,Rosa,,,\n2,Ugo,arch,1,4\n3,Rosa,door,2,0\n");
+  const ImportReport report = Import();
+  EXPECT_EQ(log_.Texts("robots"), (std::vector<std::string>{"Rosa", "Ugo"}));
+  EXPECT_EQ(log_.Texts("landmarks"), (std::vector<std::string>{"arch", "door"}));
+  EXPECT_EQ(Column<double>("robot/0/odometry/time_s"), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(Column<double>("robot/0/odometry/turn_rad"), (std::vector<double>{0, 0.25, -0.25}));
+  EXPECT_EQ(Column<double>("robot/1/odometry/forward_m"), (std::vector<double>{1, 1}));
+  EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{1, -1, 1}));
+  EXPECT_EQ(Column<std::int32_t>("robot/1/observations/landmark"), (std::vector<std::int32_t>{0}));
+  EXPECT_TRUE(std::isnan(Column<double>("robot/0/observations/range_m")[1]));
+  EXPECT_TRUE(std::isnan(Column<double>("robot/0/observations/bearing_rad")[1]));
+  EXPECT_NEAR(Column<double>("robot/1/observations/bearing_rad")[0], 4 - 2 * M_PI, 1e-15);
+  EXPECT_EQ(report.robots, 2);
+  EXPECT_EQ(report.controls, 5);
+  EXPECT_EQ(report.observations, 4);
+  EXPECT_EQ(report.presses, 1);
+  EXPECT_EQ(report.landmarks, 2);
+  EXPECT_TRUE(report.warnings.empty());
+  EXPECT_FALSE(log_.Has("truth/landmarks/name"));
+}
+
+TEST_F(ImportCsvTest, IntegratesVelocities) {
+  options_.odometry =
+      folder_.Put("v.csv.gz", "omega_radps,robot,time_s,v_mps\n0.5,a,0,2\n0,a,1,1\n0,a,3,0\n");
+  PutObservations("0,a,,,\n");
+  Import();
+  EXPECT_EQ(Column<double>("robot/0/odometry/time_s"), (std::vector<double>{0, 1, 1, 3}));
+  EXPECT_EQ(Column<double>("robot/0/odometry/turn_rad"), (std::vector<double>{0, 0.25, 0.25, 0}));
+  EXPECT_EQ(Column<double>("robot/0/odometry/forward_m"), (std::vector<double>{0, 2, 0, 2}));
+}
+
+TEST_F(ImportCsvTest, OneRobotNeedsNoName) {
+  options_.odometry = folder_.Put("o.csv", "time_s,turn_rad,forward_m\n1,0,1\n2,0.5,1\n");
+  options_.observations = folder_.Put("s.csv", "time_s,landmark,range_m,bearing_rad\n1,door,2,0.1\n");
+  options_.truth_poses = folder_.Put("t.csv", "time_s,x_m,y_m,heading_deg\n1,5,6,90\n");
+  Import();
+  EXPECT_EQ(log_.Texts("robots"), std::vector<std::string>{"robot"});
+  EXPECT_EQ(Column<double>("robot/0/odometry/time_s"), (std::vector<double>{1, 2}));
+  EXPECT_EQ(Column<double>("robot/0/observations/range_m"), std::vector<double>{2});
+  EXPECT_NEAR(Column<double>("truth/robot/0/poses/heading_rad")[0], M_PI / 2, 1e-15);
+  options_.observations =
+      folder_.Put("s.csv", "time_s,robot,landmark,range_m,bearing_rad\n1,anna,door,2,0.1\n");
+  ExpectContains(Failure(), "s.csv:2: unknown robot: 'anna' has no odometry; its file has no column 'robot'");
+}
+
+TEST_F(ImportCsvTest, OfSeveralRobotsTheRobotIsNeeded) {
+  options_.observations = folder_.Put("s.csv", "time_s,landmark,range_m,bearing_rad\n2,door,2,0.1\n");
+  ExpectContains(Failure(), "s.csv:1: the header lacks 'robot'; odometry is of 2 robots");
+}
+
+// Dead reckoning by the controls leads where the poses lie, from the first one on.
+TEST_F(ImportCsvTest, TakesOdometryAsPoses) {
+  options_.odometry =
+      folder_.Put("o.csv", "time_s,x_m,y_m,heading_deg\n1,10,5,90\n2,10,6,90\n3,10,6,180\n4,8,6,180\n");
+  Import();
+  const auto turn = Column<double>("robot/0/odometry/turn_rad"),
+             forward = Column<double>("robot/0/odometry/forward_m");
+  double x = 10, y = 5, heading = M_PI / 2;
+  for (std::size_t i = 0; i < turn.size(); ++i) {
+    heading += turn[i];
+    x += forward[i] * std::cos(heading);
+    y += forward[i] * std::sin(heading);
+  }
+  EXPECT_NEAR(x, 8, 1e-9);
+  EXPECT_NEAR(y, 6, 1e-9);
+  EXPECT_NEAR(heading, M_PI, 1e-9);
+  EXPECT_EQ(Column<double>("robot/0/odometry/time_s").back(), 4);
+}
+
+TEST_F(ImportCsvTest, TruthIsByAssociationsInOrderOfTheirTime) {
+  PutObservations("1,Rosa,,2,0\n1,Rosa,,3,0\n2,Rosa,,,\n2,Ugo,,,\n");
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\nb,1,2\na,3,4\n");
+  options_.truth_associations =
+      folder_.Put("associations.csv", "time_s,robot,landmark\n1,Rosa,a\n2,Ugo,b\n1,Rosa,b\n");
+  options_.truth_poses = folder_.Put("poses.csv", "time_s,robot,x_m,y_m,heading_rad\n1,Ugo,5,6,-3.5\n");
+  Import();
+  EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"),
+            (std::vector<std::int32_t>{1, 0, -1}));
+  EXPECT_EQ(Column<std::int32_t>("truth/robot/1/observations/landmark"), (std::vector<std::int32_t>{0}));
+  EXPECT_EQ(log_.Texts("truth/landmarks/name"), (std::vector<std::string>{"b", "a"}));
+  EXPECT_EQ(Column<double>("truth/landmarks/y_m"), (std::vector<double>{2, 4}));
+  EXPECT_EQ(Column<double>("truth/robot/1/poses/x_m"), (std::vector<double>{5}));
+  EXPECT_NEAR(Column<double>("truth/robot/1/poses/heading_rad")[0], 2 * M_PI - 3.5, 1e-15);
+  EXPECT_TRUE(log_.Texts("landmarks").empty());
+}
+
+TEST_F(ImportCsvTest, WithoutAssociationsTruthIsByName) {
+  PutObservations("1,Rosa,a,2,0\n2,Rosa,,2,0\n");
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\nb,1,2\na,3,4\n");
+  Import();
+  EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{1, -1}));
+}
+
+TEST_F(ImportCsvTest, NominalFiguresComeAlong) {
+  options_.nominal.press_m = 0.3;
+  options_.nominal.max_range_m = 8;
+  Import();
+  EXPECT_EQ(log_.Scalar<double>("noise/press_m"), 0.3);
+  EXPECT_EQ(log_.Scalar<double>("sensor/max_range_m"), 8);
+  EXPECT_FALSE(log_.Has("noise/range_m"));
+}
+
+TEST_F(ImportCsvTest, ControlsOnlyWarn) {
+  const ImportReport report = Import();
+  ASSERT_EQ(report.warnings.size(), 1U);
+  ExpectContains(report.warnings[0], "controls only");
+  EXPECT_EQ(Column<double>("robot/0/observations/time_s").size(), 0U);
+}
+
+TEST_F(ImportCsvTest, ALogWithoutControlsIsRefused) {
+  options_.odometry = folder_.Put("empty.csv", "time_s,robot,turn_rad,forward_m\n");
+  ExpectContains(Failure(), "the log is empty: it has no controls");
+  options_.odometry = "";
+  ExpectContains(Failure(), "needs an odometry file");
+}
+
+TEST_F(ImportCsvTest, BadOdometryNamesFileLineAndReason) {
+  const auto failure = [&](const std::string& rows) {
+    options_.odometry = folder_.Put("o.csv", "time_s,robot,turn_rad,forward_m\n" + rows);
+    return Failure();
+  };
+  ExpectContains(failure("1,a,0,x\n"), "o.csv:2: not a number: forward_m is 'x'");
+  ExpectContains(failure("1,a,0,1\n2,a,nan,1\n"), "o.csv:3: not finite: turn_rad is 'nan'");
+  ExpectContains(failure("1,a,0,1\n2,b,0,1\n1.5,b,0,1\n"),
+                 "o.csv:4: time runs backwards: 1.500000 after 2.000000");
+  ExpectContains(failure("1,,0,1\n"), "o.csv:2: unknown robot");
+}
+
+TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
+  options_.nominal.max_range_m = 5;
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\ndoor,1,2\n");
+  const auto failure = [&](const std::string& rows) {
+    PutObservations(rows);
+    return Failure();
+  };
+  ExpectContains(failure("1,Rosa,,,\n1,Hugo,,,\n"),
+                 "observations.csv:3: unknown robot: 'Hugo' has no odometry");
+  ExpectContains(failure("1,Rosa,wall,,\n"), "observations.csv:2: unknown landmark: 'wall'");
+  ExpectContains(failure("0.5,Rosa,,,\n"),
+                 "observations.csv:2: before the first control: 0.500000 before 1.000000");
+  ExpectContains(failure("3.5,Rosa,,,\n"),
+                 "observations.csv:2: after the last control: 3.500000 after 3.000000");
+  ExpectContains(failure("2,Rosa,,,\n1,Rosa,,,\n"), "observations.csv:3: time runs backwards");
+  ExpectContains(failure("2,Rosa,,-1,0\n"), "observations.csv:2: negative range: -1.000000 m");
+  ExpectContains(failure("2,Rosa,,5.5,0\n"),
+                 "observations.csv:2: beyond the sensor's maximum: 5.500000 m of 5.000000 m");
+  options_.nominal.field_of_view_rad = 2;
+  ExpectContains(
+      failure("2,Rosa,,5,-1.1\n"),
+      "observations.csv:2: outside the sensor's field of view: -1.100000 rad, of at most 1.000000 rad");
+  ExpectContains(failure("2,Rosa,,5,\n"), "observations.csv:2: range or bearing alone");
+  ExpectContains(failure("2,Rosa,,,1\n"), "observations.csv:2: range or bearing alone");
+  ExpectContains(failure("2,Rosa,,inf,1\n"), "observations.csv:2: not finite");
+  ExpectContains(failure("2,Rosa\n"), "observations.csv:2: wrong number of columns");
+}
+
+TEST_F(ImportCsvTest, BadTruthNamesFileLineAndReason) {
+  PutObservations("1,Rosa,,,\n");
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\na,1,2\n");
+  const auto failure = [&](const std::string& rows) {
+    options_.truth_associations = folder_.Put("associations.csv", "time_s,robot,landmark\n" + rows);
+    return Failure();
+  };
+  ExpectContains(failure("2,Rosa,a\n"), "associations.csv:2: no such observation: of robot 'Rosa' at 2.0");
+  ExpectContains(failure("1,Rosa,a\n1,Rosa,a\n"), "associations.csv:3: no such observation");
+  ExpectContains(failure("1,Rosa,b\n"), "associations.csv:2: unknown landmark: 'b'");
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\na,1,2\na,1,2\n");
+  ExpectContains(Failure(), "landmarks.csv:3: landmark without a name of its own: 'a'");
+  options_.truth_landmarks = "";
+  ExpectContains(Failure(), "associations need a file of true landmarks");
+}
+
+TEST_F(ImportCsvTest, SkipBadCountsByReasonAndKeepsTheRest) {
+  options_.skip_bad = true;
+  PutObservations("0.5,Rosa,,,\n1,Rosa,,,\n0.9,Rosa,,,\nx,Rosa,,,\n1,Hugo,,,\n1,Rosa,,-1,0\n2,Rosa,,-2,0\n");
+  const ImportReport report = Import();
+  EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{{"before the first control", 1},
+                                                                 {"negative range", 2},
+                                                                 {"not a number", 1},
+                                                                 {"time runs backwards", 1},
+                                                                 {"unknown robot", 1}}));
+  EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1}));
+}
+
+TEST_F(ImportCsvTest, ColumnsLeftOutAreMentioned) {
+  options_.odometry = folder_.Put("o.csv", "time_s,robot,turn_rad,forward_m,mood\n1,a,0,1,good\n");
+  const ImportReport report = Import();
+  ASSERT_FALSE(report.warnings.empty());
+  ExpectContains(report.warnings[0], "o.csv: column 'mood' is left out");
+}
+
+// Real files of that form, made by a simulator of other hands: counts as its index states them.
+TEST(ImportCsvData, TakesTheTwentyLoops) {
+  if (DataFolder().empty()) GTEST_SKIP() << "CAIRN_DATA is not set";
+  const std::string folder = DataFolder() + "/loops-csv/";
+  BadLines bad(false);
+  CsvReader index(folder + "index.csv", {{"difficulty", "number", "controls", "presses"}}, &bad);
+  int logs = 0;
+  for (; index.Next(); ++logs) {
+    const std::string loop = folder + std::string(index.Text(0)) + "-" + std::string(index.Text(1)) + "/";
+    const CsvImportOptions options{loop + "odometry.csv.gz",
+                                   loop + "observations.csv",
+                                   loop + "truth_poses.csv.gz",
+                                   loop + "truth_landmarks.csv",
+                                   loop + "truth_associations.csv",
+                                   false,
+                                   {}};
+    Blob log;
+    const ImportReport report = ImportCsv(options, &log);
+    EXPECT_EQ(static_cast<double>(report.controls), index.Number(2).value()) << loop;
+    EXPECT_EQ(static_cast<double>(report.presses), index.Number(3).value()) << loop;
+    EXPECT_EQ(report.observations, report.presses) << loop;
+    for (const std::int32_t landmark : log.Get<std::int32_t>("truth/robot/0/observations/landmark")) {
+      EXPECT_GE(landmark, 0) << loop;
+    }
+    EXPECT_EQ(log.at("truth/robot/0/poses/x_m").size(), report.controls + 1) << loop;
+  }
+  EXPECT_EQ(logs, 20);
+}
+
+}  // namespace
+}  // namespace cairn::datasets

@@ -1,0 +1,219 @@
+#include "datasets/import/log_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/common/unit_doubts.h"
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kFullTurn = 2 * std::numbers::pi;
+
+using Figure = std::pair<const char*, const std::optional<double>*>;
+
+std::vector<Figure> Figures(const NominalFigures& nominal) {
+  return {{"noise/heading_drift_rad_per_m", &nominal.heading_drift_rad_per_m},
+          {"noise/heading_walk_rad_per_sqrt_m", &nominal.heading_walk_rad_per_sqrt_m},
+          {"noise/forward_ratio", &nominal.forward_ratio},
+          {"noise/turn_ratio", &nominal.turn_ratio},
+          {"noise/press_m", &nominal.press_m},
+          {"noise/range_m", &nominal.range_m},
+          {"noise/bearing_rad", &nominal.bearing_rad},
+          {"sensor/max_range_m", &nominal.max_range_m},
+          {"sensor/field_of_view_rad", &nominal.field_of_view_rad}};
+}
+
+std::vector<double> WithinATurn(std::vector<double> angles) {
+  for (double& angle : angles)
+    if (!std::isnan(angle)) angle = NormalizedAngle(angle);
+  return angles;
+}
+
+void PutOdometry(const std::string& prefix, const Odometry& odometry, Blob* log) {
+  log->PutVector(prefix + "odometry/time_s", odometry.time_s);
+  log->PutVector(prefix + "odometry/turn_rad", odometry.turn_rad);
+  log->PutVector(prefix + "odometry/forward_m", odometry.forward_m);
+}
+
+void PutObservations(const std::string& prefix, const char* which, const Observations& observations,
+                     Blob* log) {
+  log->PutVector(prefix + "time_s", observations.time_s);
+  log->PutVector(prefix + which, observations.landmark);
+  log->PutVector(prefix + "range_m", observations.range_m);
+  log->PutVector(prefix + "bearing_rad", WithinATurn(observations.bearing_rad));
+}
+
+void PutRanges(const std::string& prefix, const RangeRows& ranges, Blob* log) {
+  log->PutVector(prefix + "time_s", ranges.time_s);
+  const auto scans = static_cast<std::int64_t>(ranges.time_s.size());
+  const auto beams = static_cast<std::int64_t>(ranges.beam_x_m.size());
+  log->Put(prefix + "range_m", Array::Of<double>({scans, beams}, ranges.range_m));
+  log->PutVector(prefix + "beam_x_m", ranges.beam_x_m);
+  log->PutVector(prefix + "beam_y_m", ranges.beam_y_m);
+  log->PutVector(prefix + "beam_heading_rad", ranges.beam_heading_rad);
+  log->PutScalar(prefix + "opening_rad", ranges.opening_rad);
+  log->PutScalar(prefix + "max_range_m", ranges.max_range_m);
+}
+
+void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {
+  const std::string prefix = "robot/" + std::to_string(index) + "/";
+  PutOdometry(prefix, robot.odometry, log);
+  if (!robot.poses.time_s.empty()) PutPoses(prefix + "poses/", robot.poses, log);
+  for (const RangeRows& ranges : robot.ranges) PutRanges(prefix + ranges.sensor + "/", ranges, log);
+  PutObservations(prefix + "observations/", "landmark", robot.observations, log);
+  if (!robot.sightings.time_s.empty()) PutObservations(prefix + "sightings/", "robot", robot.sightings, log);
+  if (!robot.observations.truth_landmark.empty()) {
+    log->PutVector("truth/" + prefix + "observations/landmark", robot.observations.truth_landmark);
+  }
+  if (!robot.truth.time_s.empty()) PutPoses("truth/" + prefix + "poses/", robot.truth, log);
+}
+
+void Count(const RobotRows& robot, ImportReport* report) {
+  const auto size = [](const auto& column) { return static_cast<std::int64_t>(column.size()); };
+  report->controls += size(robot.odometry.time_s);
+  report->observations += size(robot.observations.time_s);
+  report->presses +=
+      std::ranges::count_if(robot.observations.range_m, [](double range) { return std::isnan(range); });
+  report->sightings += size(robot.sightings.time_s);
+  for (const RangeRows& ranges : robot.ranges) report->scans += size(ranges.time_s);
+}
+
+void Tell(const Origin& from, const std::string& who, const std::string& table,
+          const std::optional<UnitDoubt>& doubt, ImportReport* report) {
+  if (doubt) report->unit_doubts.push_back(DoubtText(from.Of(doubt->row), who, table, *doubt));
+}
+
+void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* report) {
+  const std::string who = "robot '" + robot.name + "'";
+  const Odometry& odometry = robot.odometry;
+  if (robot.odometry_poses.time_s.empty())
+    Tell(odometry.from, who, "odometry",
+         DoubtControls(odometry.time_s, odometry.turn_rad, odometry.forward_m), report);
+  DoubtPosesOf(robot.odometry_poses, who, "odometry", report);
+  for (const auto& [table, rows] :
+       {std::pair{"observations", &robot.observations}, std::pair{"sightings", &robot.sightings}})
+    Tell(rows->from, who, table,
+         DoubtObservations(rows->time_s, rows->range_m, rows->bearing_rad, range_is_known), report);
+  DoubtPosesOf(robot.poses, who, "poses", report);
+  DoubtPosesOf(robot.truth, who, "true poses", report);
+}
+
+}  // namespace
+
+std::string Origin::Of(std::size_t row) const {
+  return row < line.size() ? file + ":" + std::to_string(line[row]) + ": " : "";
+}
+
+void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table,
+                  ImportReport* report) {
+  Tell(poses.from, who, table, DoubtPoses(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad), report);
+}
+
+void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob) {
+  blob->PutVector(prefix + "time_s", poses.time_s);
+  blob->PutVector(prefix + "x_m", poses.x_m);
+  blob->PutVector(prefix + "y_m", poses.y_m);
+  blob->PutVector(prefix + "heading_rad", WithinATurn(poses.heading_rad));
+}
+
+void Odometry::Add(double time, double turn, double forward) {
+  time_s.push_back(time);
+  turn_rad.push_back(turn);
+  forward_m.push_back(forward);
+}
+
+void Observations::Add(double time, std::int32_t which, double range, double bearing) {
+  time_s.push_back(time);
+  landmark.push_back(which);
+  range_m.push_back(range);
+  bearing_rad.push_back(bearing);
+}
+
+void VelocityIntegrator::Add(double time_s, double v_mps, double omega_radps, Odometry* odometry) {
+  if (!begun_) odometry->Add(time_s, 0, 0);
+  const double seconds = begun_ ? time_s - time_s_ : 0;
+  if (seconds > 0) {
+    const double turn = omega_radps_ * seconds, forward = v_mps_ * seconds;
+    const bool both = turn != 0 && forward != 0;
+    odometry->Add(time_s, both ? turn / 2 : turn, forward);
+    if (both) odometry->Add(time_s, turn / 2, 0);
+    largest_gap_s_ = std::max(largest_gap_s_, seconds);
+  }
+  begun_ = true;
+  time_s_ = time_s;
+  v_mps_ = v_mps;
+  omega_radps_ = omega_radps;
+}
+
+void CheckNominal(const NominalFigures& nominal) {
+  for (const auto& [name, figure] : Figures(nominal)) {
+    if (*figure && !(std::isfinite(**figure) && **figure >= 0)) {
+      throw InputError(std::string(name) + ": a nominal figure must be a number of at least 0");
+    }
+  }
+  if (nominal.max_range_m == 0.0)
+    throw InputError("sensor/max_range_m: a sensor that sees nothing; allowed: a number above 0");
+  // With room for a full turn that is written in a few digits.
+  const double field = nominal.field_of_view_rad.value_or(kFullTurn);
+  if (field == 0 || field > kFullTurn + 0.01)
+    throw InputError("sensor/field_of_view_rad: " + std::to_string(field) +
+                     " is no field of view; allowed: above 0, up to a full turn (6.2832)");
+}
+
+std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal) {
+  if (range_m < 0) return Misreading{"negative range", std::to_string(range_m) + " m"};
+  if (nominal.max_range_m && range_m > *nominal.max_range_m)
+    return Misreading{
+        "beyond the sensor's maximum",
+        std::to_string(range_m) + " m of " + std::to_string(*nominal.max_range_m) + " m" +
+            (range_m > 100 * *nominal.max_range_m ? ": are ranges in millimetres? Cairn reads metres" : "")};
+  constexpr double kRounding_rad = 1e-9;
+  const double within = std::abs(NormalizedAngle(bearing_rad));
+  if (nominal.field_of_view_rad && within > *nominal.field_of_view_rad / 2 + kRounding_rad)
+    return Misreading{
+        "outside the sensor's field of view",
+        std::to_string(bearing_rad) + " rad, of at most " + std::to_string(*nominal.field_of_view_rad / 2) +
+            " rad to either side" +
+            (std::abs(bearing_rad) > kFullTurn + 0.01 ? ": are bearings in degrees? Cairn reads radians"
+                                                      : "")};
+  return std::nullopt;
+}
+
+Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report) {
+  Blob log;
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < rows.robots.size(); ++n) {
+    names.push_back(rows.robots[n].name);
+    DoubtUnits(rows.robots[n], rows.nominal.max_range_m.has_value(), report);
+    PutRobot(rows.robots[n], n, &log);
+    Count(rows.robots[n], report);
+  }
+  if (report->controls == 0) throw InputError(source + ": the log is empty: it has no controls");
+  if (report->observations == 0 && report->scans == 0)
+    report->warnings.emplace_back("the log has controls only: nothing can be mapped from it");
+  report->robots = static_cast<std::int64_t>(names.size());
+  report->landmarks = static_cast<std::int64_t>(rows.landmarks.size());
+  log.Put("robots", Array::Texts(names));
+  log.Put("landmarks", Array::Texts(rows.landmarks));
+  if (rows.truth_landmarks) {
+    log.Put("truth/landmarks/name", Array::Texts(rows.truth_landmarks->name));
+    log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);
+    log.PutVector("truth/landmarks/y_m", rows.truth_landmarks->y_m);
+  }
+  for (const auto& [name, figure] : Figures(rows.nominal)) {
+    if (*figure) log.PutScalar<double>(name, **figure);
+  }
+  return log;
+}
+
+double NormalizedAngle(double angle_rad) {
+  constexpr double kPi = std::numbers::pi;
+  if (angle_rad > -kPi && angle_rad <= kPi) return angle_rad;
+  const double wrapped = std::remainder(angle_rad, 2 * kPi);
+  return wrapped <= -kPi ? kPi : wrapped;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,136 @@
+// A log while it is read, and what importers have in common.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// Nominal figures of a robot and its sensor, as a data sheet gives them; schema/FORMAT.md, `noise/` and
+// `sensor/`. What is missing is left to the pipeline.
+struct NominalFigures {
+  std::optional<double> heading_drift_rad_per_m;
+  std::optional<double> heading_walk_rad_per_sqrt_m;
+  std::optional<double> forward_ratio;
+  std::optional<double> turn_ratio;
+  std::optional<double> press_m;
+  std::optional<double> range_m;
+  std::optional<double> bearing_rad;
+  std::optional<double> max_range_m;
+  std::optional<double> field_of_view_rad;
+};
+
+// What was taken in, and what was not.
+struct ImportReport {
+  std::int64_t robots = 0;
+  std::int64_t controls = 0;
+  std::int64_t observations = 0;  // presses among them
+  std::int64_t presses = 0;
+  std::int64_t sightings = 0;
+  std::int64_t landmarks = 0;                   // with identities
+  std::int64_t scans = 0;                       // of range sensors
+  std::map<std::string, std::int64_t> read;     // what was taken in, by kind; importers of one kind say none
+  std::map<std::string, std::int64_t> skipped;  // bad lines, by reason; only with skip_bad
+  std::map<std::string, std::int64_t> dropped;  // good lines that no log has a place for, by reason
+  std::vector<std::string> warnings;
+  std::vector<std::string>
+      unit_doubts;  // what no robot does (common/unit_doubts.h): whoever reads it in shall look
+};
+
+// The file and the lines that rows come from, for messages; importers that do not keep it leave it empty.
+struct Origin {
+  std::string file;
+  std::vector<std::size_t> line;          // of each row
+  std::string Of(std::size_t row) const;  // "odometry.csv:7: ", or nothing
+};
+
+// Angles as they were read: the log has them within a turn. Columns as in schema/FORMAT.md.
+struct Odometry {
+  std::vector<double> time_s, turn_rad, forward_m;
+  Origin from;
+  void Add(double time, double turn, double forward);
+};
+struct Observations {
+  std::vector<double> time_s, range_m, bearing_rad;
+  std::vector<std::int32_t> landmark;        // of a sighting: the robot
+  std::vector<std::int32_t> truth_landmark;  // empty: there is no truth
+  Origin from;
+  void Add(double time, std::int32_t which, double range, double bearing);
+};
+struct Poses {
+  std::vector<double> time_s, x_m, y_m, heading_rad;
+  Origin from;
+};
+// A range sensor on its robot, and its scans.
+struct RangeRows {
+  std::string sensor;  // "laser", "laser2", "sonar"
+  std::vector<double> beam_x_m, beam_y_m, beam_heading_rad;
+  double opening_rad = 0, max_range_m = 0;
+  std::vector<double> time_s, range_m;  // range_m: a row of all beams for each scan
+};
+struct RobotRows {
+  std::string name;
+  Odometry odometry;
+  Poses odometry_poses;  // that the odometry was made of, for unit_doubts; empty: it was not made of poses
+  Poses poses;           // as the log's maker mended them; empty: there are none
+  std::vector<RangeRows> ranges;
+  Observations observations;
+  Observations sightings;  // of other robots
+  Poses truth;
+};
+struct TruthLandmarks {
+  std::vector<std::string> name;
+  std::vector<double> x_m, y_m;
+};
+struct LogRows {
+  std::vector<RobotRows> robots;
+  std::vector<std::string> landmarks;
+  std::optional<TruthLandmarks> truth_landmarks;
+  NominalFigures nominal;
+};
+
+// Velocities, each of which holds until the next one's time, as controls. An interval's way lies along the
+// heading in its middle: half of its turn comes before the way and half after it, so an interval that does
+// both becomes two rows of the same time, (turn/2, forward) and (turn/2, 0). The first velocity begins the
+// log with an empty control.
+class VelocityIntegrator {
+ public:
+  // `time` may repeat (the later velocity then counts) but not run backwards.
+  void Add(double time_s, double v_mps, double omega_radps, Odometry* odometry);
+  double largest_gap_s() const { return largest_gap_s_; }
+
+ private:
+  bool begun_ = false;
+  double time_s_ = 0, v_mps_ = 0, omega_radps_ = 0, largest_gap_s_ = 0;
+};
+
+// Throws InputError that names the figure, and what is allowed, where one is negative or not finite; where
+// the sensor's range is zero, or its field of view is zero or more than a full turn.
+void CheckNominal(const NominalFigures& nominal);
+
+// Why no such sensor can have measured this, as the reason and the detail of a bad line.
+struct Misreading {
+  std::string reason, detail;
+};
+// Nothing where it can. `bearing_rad` as it was read.
+std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal);
+
+// Puts `prefix`time_s, x_m, y_m, heading_rad; headings within a turn.
+void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob);
+
+// What of the poses no robot does, into the report. `who`: "robot 'anna'"; `table`: "true poses".
+void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table, ImportReport* report);
+
+// The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, its doubts
+// about units, and its warning where nothing was observed. Throws InputError for a log without controls.
+Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report);
+
+// Wraps into (-pi, pi]; a value that lies there stays as it is to the bit.
+double NormalizedAngle(double angle_rad);
+
+}  // namespace cairn::datasets

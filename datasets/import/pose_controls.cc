@@ -1,0 +1,55 @@
+#include "datasets/import/pose_controls.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace cairn::datasets {
+namespace {
+
+// A turn, a way and a turn; the way in the direction of the heading or against it.
+struct Leg {
+  double before_rad = 0, forward_m = 0, after_rad = 0;
+};
+
+Leg LegTo(const PoseM& from, const PoseM& to) {
+  constexpr double kPi = std::numbers::pi;
+  const double turn = WrapAngle(to.heading_rad - from.heading_rad);
+  const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
+  const double middle = from.heading_rad + turn / 2;
+  const double along = dx * std::cos(middle) + dy * std::sin(middle);
+  const double aside = dy * std::cos(middle) - dx * std::sin(middle);
+  if (std::abs(aside) <= kMostAsideM) {
+    // In place it only turns: what is less than that along the way waits too.
+    if (turn != 0 && std::abs(along) <= kMostAsideM) return {turn, 0, 0};
+    return {turn / 2, along, turn / 2};
+  }
+  double before = WrapAngle(std::atan2(dy, dx) - from.heading_rad), forward = std::hypot(dx, dy);
+  if (std::abs(before) > kPi / 2) {
+    before = WrapAngle(before + kPi);
+    forward = -forward;
+  }
+  return {before, forward, WrapAngle(turn - before)};
+}
+
+}  // namespace
+
+Odometry ControlsOf(const std::vector<TimedPose>& poses) {
+  Odometry odometry;
+  if (poses.empty()) return odometry;
+  odometry.Add(poses[0].time_s, 0, 0);
+  PoseM reckoned = poses[0].pose;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Leg leg = LegTo(reckoned, poses[i].pose);
+    const bool still = leg.before_rad == 0 && leg.forward_m == 0 && leg.after_rad == 0;
+    if (still && i + 1 < poses.size()) continue;
+    const double halt_s = poses[i - 1].time_s;  // a move began no sooner than the pose before
+    if (odometry.time_s.back() < halt_s) odometry.Add(halt_s, 0, 0);
+    odometry.Add(poses[i].time_s, leg.before_rad, leg.forward_m);
+    if (leg.after_rad != 0) odometry.Add(poses[i].time_s, leg.after_rad, 0);
+    reckoned = Apply(Apply(reckoned, {leg.before_rad, leg.forward_m}), {leg.after_rad, 0});
+    reckoned.heading_rad = poses[i].pose.heading_rad;
+  }
+  return odometry;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,51 @@
+// What importers of recorded range logs share: from lines with time stamps, poses and scans to a robot's
+// rows, with times in order and a pose for each scan.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/common/planar.h"
+#include "datasets/common/text_file.h"
+#include "datasets/import/log_rows.h"
+
+namespace cairn::datasets {
+
+// A line of the log that counts. A scan's ranges are as read: those of 0, and those at its sensor's reach or
+// beyond, are taken for no answer.
+struct RangeEvent {
+  std::size_t line = 0;
+  double stamp_s = 0;
+  std::optional<PoseM> odometry;   // where the robot was, as its odometry says
+  std::optional<PoseM> corrected;  // where it was, as the log's maker found out
+  std::optional<PoseM> truth;
+  std::optional<std::size_t> sensor;  // of a scan: index into RangeLog::sensors
+  std::vector<double> range_m;
+  std::optional<std::string> mark;  // what a person said of the place: a press
+};
+
+struct RangeLog {
+  std::string path, robot = "robot";
+  std::vector<RangeRows> sensors;  // their geometry; scans are filled in
+  std::vector<RangeEvent> events;  // in the order of lines
+  bool numbered = false;           // do not use the time stamps
+  bool marks_are_names = false;    // marks of the same text are of one landmark
+};
+
+// Beams of a laser from right to left about its middle, at `ahead_m` on the robot.
+RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg, double ahead_m,
+                   double max_range_m);
+
+// A log of one robot (schema/FORMAT.md). Where the stamps do not tell the scans apart (or `numbered`), time
+// is the number of the event. Else events are put in the order of their stamps; one that is more than a
+// second behind the latest before it, or that has no stamp above 0, is out of place: if it is odometry alone
+// it is left out and counted, else the line is bad ("time runs backwards"). At a scan's time its own pose
+// counts, and a scan that has another pose than the one before at the same time counts a microsecond later,
+// so that the pose of each is found at its time. Scans and marks without a pose of their own that lie outside
+// the odometry's time are left out and counted. Without odometry the corrected poses give the controls.
+ImportReport MakeRangeLog(RangeLog ranges, const NominalFigures& nominal, BadLines* bad, ImportReport report,
+                          Blob* log);
+
+}  // namespace cairn::datasets

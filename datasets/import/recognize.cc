@@ -1,0 +1,153 @@
+#include "datasets/import/recognize.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "datasets/common/text_file.h"
+
+namespace cairn::datasets {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct GzipClose {
+  void operator()(gzFile_s* file) const { gzclose(file); }
+};
+
+// The first few lines, gunzipped where need be.
+std::string BeginningOf(const std::string& path) {
+  const std::unique_ptr<gzFile_s, GzipClose> file(gzopen(path.c_str(), "rb"));
+  if (!file) return {};
+  std::array<char, 1 << 16> text{};
+  const int count = gzread(file.get(), text.data(), text.size());
+  return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "";
+}
+
+// As a shell takes it.
+std::string Quoted(const std::string& path) {
+  const bool plain = std::ranges::all_of(path, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c >= 0x80 ||
+           std::string_view("/._-+,:=@%").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain && !path.empty()) return path;
+  std::string quoted = "'";
+  for (const char c : path) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+bool HasColumns(std::string_view header, std::initializer_list<const char*> columns) {
+  return std::ranges::all_of(columns, [&](const char* column) { return header.find(column) != header.npos; });
+}
+
+std::optional<Recognized> RecognizeTable(const std::string& path, std::string_view header) {
+  const std::string file = Quoted(path);
+  const bool pose = HasColumns(header, {"x_", "y_", "time_"});
+  if (HasColumns(header, {"time_", "landmark", "range_"}))
+    return Recognized{"a table of observations",
+                      "cairn import csv --odometry ODOMETRY.csv --observations " + file + " log.h5"};
+  if (HasColumns(header, {"time_", "turn_", "forward_"}) || HasColumns(header, {"time_", "v_", "omega_"}))
+    return Recognized{"a table of odometry",
+                      "cairn import csv --odometry " + file + " --observations OBSERVATIONS.csv log.h5"};
+  if (pose && HasColumns(header, {"image"}))
+    return Recognized{"a table of images and where they were taken",
+                      "cairn import images FOLDER " + file + " images.h5"};
+  if (!pose) return std::nullopt;
+  return Recognized{"a table of poses", "cairn import vectors " + file +
+                                            " samples.h5 where other columns are sensor readings, or "
+                                            "cairn import csv --odometry " +
+                                            file + " log.h5 where it is odometry"};
+}
+
+bool IsNumbers(std::string_view line, std::size_t count) {
+  std::size_t numbers = 0;
+  while (!(line = Trim(line)).empty()) {
+    const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+    const char* reason = "";
+    if (!ParseNumber(word, &reason)) return false;
+    ++numbers;
+    line.remove_prefix(word.size());
+  }
+  return numbers == count;
+}
+
+std::optional<Recognized> RecognizeFile(const std::string& path) {
+  const std::string text = BeginningOf(path), file = Quoted(path);
+  Lines lines(text);
+  while (lines.Next()) {
+    const std::string_view line = lines.text(), word = line.substr(0, line.find(' '));
+    if (Trim(line).empty() || line.starts_with('#')) continue;
+    if (line.find("time_") != line.npos) return RecognizeTable(path, line);
+    constexpr std::array kCarmen = {"PARAM", "ODOM",      "FLASER",      "RLASER", "ROBOTLASER1",
+                                    "SYNC",  "RAWLASER1", "ROBOTLASER2", "TRUEPOS"};
+    if (std::ranges::find(kCarmen, word) != kCarmen.end())
+      return Recognized{"a CARMEN log", "cairn import carmen " + file + " log.h5"};
+    if (word == "Odometry" || word == "Laser")
+      return Recognized{"a laser log of DP-SLAM", "cairn import dpslam " + file + " log.h5"};
+    if (word == "O" || word == "L")
+      return Recognized{"a laser log of Wean Hall", "cairn import wean " + file + " log.h5"};
+    if (IsNumbers(line, 8))
+      return Recognized{"a trajectory of the TUM format", "cairn import tum " + file + " poses.h5"};
+    return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+bool IsImageName(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  constexpr std::array kImages = {".png", ".jpg", ".jpeg", ".ppm"};
+  return std::ranges::find(kImages, ending) != kImages.end();
+}
+
+std::optional<Recognized> RecognizeFolder(const std::string& path) {
+  const std::string folder = Quoted(path);
+  const auto has = [&](const char* name) { return !FindFile(path, name).empty(); };
+  if (has("Barcodes.dat"))
+    return Recognized{"a folder of MR.CLAM logs", "cairn import mrclam " + folder + " log.h5"};
+  if (has("od.txt") && has("sonar.txt"))
+    return Recognized{"a run of the Pioneer robot", "cairn import pioneer " + folder + " log.h5"};
+  if (has("robot4_motors.txt"))
+    return Recognized{"the LEGO robot's logs", "cairn import lego-robot " + folder + " log.h5"};
+  if (has("trees/time.txt"))
+    return Recognized{"the Victoria Park dataset", "cairn import victoria-park " + folder + " log.h5"};
+  if (has("odometry.csv"))
+    return Recognized{
+        "a folder of CSV tables",
+        "cairn import csv --odometry " + Quoted(FindFile(path, "odometry.csv")) +
+            (has("observations.csv") ? " --observations " + Quoted(FindFile(path, "observations.csv")) : "") +
+            " log.h5"};
+  std::vector<std::string> files;
+  std::error_code error;
+  std::size_t images = 0;
+  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
+    if (IsImageName(entry->path())) ++images;
+    if (entry->is_regular_file(error)) files.push_back(entry->path().string());
+  }
+  if (images > 1)
+    return Recognized{"a folder of " + std::to_string(images) + " images",
+                      "cairn import images " + folder + " POSES.csv images.h5"};
+  std::ranges::sort(files);
+  constexpr std::size_t kMostLooked = 50;
+  for (std::size_t i = 0; i < std::min(kMostLooked, files.size()); ++i) {
+    if (auto found = RecognizeFile(files[i])) {
+      found->what = "a folder with " + found->what + ", " + fs::path(files[i]).filename().string();
+      return found;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Recognized> Recognize(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return RecognizeFolder(path);
+  return fs::is_regular_file(path, error) ? RecognizeFile(path) : std::nullopt;
+}
+
+}  // namespace cairn::datasets

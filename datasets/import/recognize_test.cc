@@ -1,0 +1,53 @@
+#include "datasets/import/recognize.h"
+
+#include <filesystem>
+
+#include "datasets/testing.h"
+
+namespace cairn::datasets {
+namespace {
+
+std::string CommandOf(const std::string& path) {
+  const auto recognized = Recognize(path);
+  return recognized ? recognized->command : "";
+}
+
+TEST(Recognize, TellsFilesByTheirFirstLine) {
+  const TestFolder folder;
+  const auto command = [&](const char* name, const char* text) { return CommandOf(folder.Put(name, text)); };
+  ExpectContains(command("a.log.gz", "# CARMEN\nPARAM robot_front_laser_max 80 0 h 0\n"),
+                 "cairn import carmen /");
+  ExpectContains(command("b.log", "Odometry 0 0 0\nLaser 1 2\n"), "cairn import dpslam");
+  ExpectContains(command("c.log", "L -94 -139 -1 -88 -164 -1 66\n"), "cairn import wean");
+  ExpectContains(command("d.txt", "1 0 0 0 0 0 0 1\n"), "cairn import tum");
+  ExpectContains(command("e.csv", "time_s;turn_deg;forward_mm\n"), "cairn import csv --odometry");
+  ExpectContains(command("f.csv", "time_s,landmark,range_m,bearing_rad\n"), "--observations /");
+  ExpectContains(command("g.csv", "time_s,x_m,y_m,heading_rad,sonar\n"), "cairn import vectors");
+  ExpectContains(command("it's.csv", "image,time_s,x_m,y_m\n"), "it'\\''s.csv' images.h5");
+  EXPECT_EQ(command("h.txt", "Dear diary\n"), "");
+  EXPECT_EQ(command("i.txt", ""), "");
+  EXPECT_EQ(CommandOf(folder / "none"), "");
+}
+
+TEST(Recognize, TellsFoldersByTheirFiles) {
+  const auto command = [](std::initializer_list<const char*> files) {
+    const TestFolder folder;
+    for (const char* file : files) {
+      const std::string path = folder / file;
+      std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+      folder.Put(file, "x\n");
+    }
+    return CommandOf(folder / "");
+  };
+  ExpectContains(command({"Barcodes.dat", "Robot1_Odometry.dat.gz"}), "cairn import mrclam");
+  ExpectContains(command({"od.txt", "sonar.txt.gz"}), "cairn import pioneer");
+  ExpectContains(command({"robot4_motors.txt"}), "cairn import lego-robot");
+  ExpectContains(command({"trees/time.txt.gz"}), "cairn import victoria-park");
+  ExpectContains(command({"odometry.csv.gz", "observations.csv"}), "observations.csv log.h5");
+  ExpectContains(command({"a.png", "b.png"}), "cairn import images");
+  EXPECT_EQ(command({"diary.txt"}), "");
+  EXPECT_EQ(command({}), "");
+}
+
+}  // namespace
+}  // namespace cairn::datasets

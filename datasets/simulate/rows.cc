@@ -1,0 +1,63 @@
+#include "datasets/simulate/rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cairn::datasets {
+
+double ToMilli(double value) { return std::round(value * 1e3) / 1e3; }
+double ToMicro(double value) { return std::round(value * 1e6) / 1e6; }
+double ToNanoAngle(double angle_rad) { return std::min(std::round(angle_rad * 1e9) / 1e9, 3.141592653); }
+
+std::vector<double> Milli(std::vector<double> times_s) {
+  for (double& time : times_s) time = ToMilli(time);
+  return times_s;
+}
+
+void PutOdometry(const std::string& robot, const Drive& drive, const OdometryDraw& odometry, Blob& log) {
+  std::vector<double> time, turn, forward;
+  for (std::size_t i = 0; i < odometry.controls.size(); ++i) {
+    time.push_back(ToMilli(drive.times_s[i]));
+    turn.push_back(odometry.controls[i].turn_rad);
+    forward.push_back(odometry.controls[i].forward_m);
+  }
+  log.PutVector(robot + "/odometry/time_s", time);
+  log.PutVector(robot + "/odometry/turn_rad", turn);
+  log.PutVector(robot + "/odometry/forward_m", forward);
+}
+
+void PutNoise(const OdometryNoise& noise, Blob& log) {
+  log.PutScalar("noise/heading_drift_rad_per_m", noise.heading_drift_rad_per_m);
+  log.PutScalar("noise/heading_walk_rad_per_sqrt_m", noise.heading_walk_rad_per_sqrt_m);
+  log.PutScalar("noise/forward_ratio", noise.forward_ratio);
+  log.PutScalar("noise/turn_ratio", noise.turn_ratio);
+}
+
+void PutNoObservations(const std::string& robot, Blob& log) {
+  log.Put("landmarks", Array::Texts({}));
+  for (const char* name : {"time_s", "range_m", "bearing_rad"})
+    log.PutVector<double>(robot + "/observations/" + name, {});
+  log.PutVector<std::int32_t>(robot + "/observations/landmark", {});
+}
+
+void PutPoses(const std::string& prefix, const Drive& drive, Blob& log) {
+  std::vector<double> time, x, y, heading;
+  const auto add = [&](double time_s, const PoseM& pose) {
+    time.push_back(ToMilli(time_s));
+    x.push_back(ToMicro(pose.x_m));
+    y.push_back(ToMicro(pose.y_m));
+    heading.push_back(ToNanoAngle(pose.heading_rad));
+  };
+  PoseM pose = drive.start;
+  add(0, pose);
+  for (std::size_t i = 0; i < drive.controls.size(); ++i) {
+    pose = Apply(pose, drive.controls[i]);
+    add(drive.times_s[i], pose);
+  }
+  log.PutVector(prefix + "time_s", time);
+  log.PutVector(prefix + "x_m", x);
+  log.PutVector(prefix + "y_m", y);
+  log.PutVector(prefix + "heading_rad", heading);
+}
+
+}  // namespace cairn::datasets
