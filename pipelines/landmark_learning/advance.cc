@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/result.h"
 #include "pipelines/landmark_learning/round_sum.h"
-#include "pipelines/landmark_learning/some_networks.h"
 #include "pipelines/landmark_learning/starts.h"
 
 namespace cairn::landmark_learning {

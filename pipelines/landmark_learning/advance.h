@@ -1,8 +1,8 @@
 // How a round ends: what its tasks found goes into the weights, and the next round begins.
 #pragma once
 
+#include "pipelines/landmark_learning/data/training_data.h"
 #include "pipelines/landmark_learning/training.h"
-#include "pipelines/landmark_learning/training_data.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_learning {

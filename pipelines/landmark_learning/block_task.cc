@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipelines/landmark_learning/fast_error.h"
-#include "pipelines/landmark_learning/features.h"
-#include "pipelines/landmark_learning/posterior_error.h"
-#include "pipelines/landmark_learning/some_networks.h"
+#include "pipelines/landmark_learning/error_sum/fast_error.h"
+#include "pipelines/landmark_learning/error_sum/features.h"
+#include "pipelines/landmark_learning/error_sum/posterior_error.h"
+#include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/sum_path.h"
 
 namespace cairn::landmark_learning {

@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "pipelines/landmark_learning/input_noise.h"
-#include "pipelines/landmark_learning/networks.h"
+#include "pipelines/landmark_learning/data/training_data.h"
+#include "pipelines/landmark_learning/networks/input_noise.h"
+#include "pipelines/landmark_learning/networks/networks.h"
 #include "pipelines/landmark_learning/options.h"
-#include "pipelines/landmark_learning/training_data.h"
 
 namespace cairn::landmark_learning {
 

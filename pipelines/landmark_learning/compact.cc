@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
-#include "pipelines/landmark_learning/features.h"
-#include "pipelines/landmark_learning/posterior_error.h"
+#include "pipelines/landmark_learning/error_sum/features.h"
+#include "pipelines/landmark_learning/error_sum/posterior_error.h"
 #include "pipelines/landmark_learning/sum_path.h"
 
 namespace cairn::landmark_learning {

@@ -5,8 +5,8 @@
 //
 //   E = sum_c P(c) sum_f M[c,f] N[c,f] / Z[c,f],   P(c) = sum of P(a) over the samples in c,
 //
-// over cells as posterior_error.h is over samples, and dE/dG[k] = dE/dM[c] / n_c. A belief is uniform over
-// the cells that hold samples, however many.
+// over cells as error_sum/posterior_error.h is over samples, and dE/dG[k] = dE/dM[c] / n_c. A belief is
+// uniform over the cells that hold samples, however many.
 #pragma once
 
 #include <cstdint>

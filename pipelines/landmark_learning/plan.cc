@@ -4,10 +4,10 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "pipelines/landmark_learning/batch.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/compact.h"
-#include "pipelines/landmark_learning/features.h"
+#include "pipelines/landmark_learning/error_sum/features.h"
+#include "pipelines/landmark_learning/optimizer/batch.h"
 
 namespace cairn::landmark_learning {
 namespace {

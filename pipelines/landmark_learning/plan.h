@@ -1,9 +1,9 @@
 // The tasks of a round, whatever its phase, and every few steps a look at the held-out run beside them.
 #pragma once
 
+#include "pipelines/landmark_learning/data/training_data.h"
 #include "pipelines/landmark_learning/sum_path.h"
 #include "pipelines/landmark_learning/training.h"
-#include "pipelines/landmark_learning/training_data.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_learning {

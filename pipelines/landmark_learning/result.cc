@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "pipelines/landmark_learning/ancestry.h"
-#include "pipelines/landmark_learning/network_arrays.h"
+#include "pipelines/landmark_learning/data/ancestry.h"
+#include "pipelines/landmark_learning/networks/arrays.h"
 #include "pipelines/landmark_learning/options_text.h"
 
 namespace cairn::landmark_learning {

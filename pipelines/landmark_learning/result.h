@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "pipelines/landmark_learning/data/training_data.h"
 #include "pipelines/landmark_learning/training.h"
-#include "pipelines/landmark_learning/training_data.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_learning {

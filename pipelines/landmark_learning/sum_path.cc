@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "pipelines/landmark_learning/far_field.h"
-#include "pipelines/landmark_learning/line_sums.h"
+#include "pipelines/landmark_learning/error_sum/far_field.h"
+#include "pipelines/landmark_learning/error_sum/line_sums.h"
 #include "schema/error.h"
 
 namespace cairn::landmark_learning {

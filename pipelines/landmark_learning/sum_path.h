@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "pipelines/landmark_learning/error_sum/pairs.h"
 #include "pipelines/landmark_learning/options.h"
-#include "pipelines/landmark_learning/pairs.h"
 
 namespace cairn::landmark_learning {
 

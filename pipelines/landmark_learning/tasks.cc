@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_learning/batch.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/compact.h"
-#include "pipelines/landmark_learning/patterns.h"
-#include "pipelines/landmark_learning/some_networks.h"
+#include "pipelines/landmark_learning/networks/some_networks.h"
+#include "pipelines/landmark_learning/optimizer/batch.h"
+#include "pipelines/landmark_learning/optimizer/patterns.h"
 #include "pipelines/landmark_learning/training.h"
 
 namespace cairn::landmark_learning {

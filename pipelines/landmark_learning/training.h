@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_learning/conjugate.h"
-#include "pipelines/landmark_learning/descent.h"
 #include "pipelines/landmark_learning/history.h"
-#include "pipelines/landmark_learning/networks.h"
+#include "pipelines/landmark_learning/networks/networks.h"
+#include "pipelines/landmark_learning/optimizer/conjugate.h"
+#include "pipelines/landmark_learning/optimizer/descent.h"
 #include "pipelines/landmark_learning/options.h"
 
 namespace cairn::landmark_learning {

@@ -1,8 +1,8 @@
 // P(xi*): how much each true position counts ([T98] eq. 23).
 #pragma once
 
+#include "pipelines/landmark_learning/data/training_data.h"
 #include "pipelines/landmark_learning/options.h"
-#include "pipelines/landmark_learning/training_data.h"
 
 namespace cairn::landmark_learning {
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/speculation.h"
-#include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/outlook.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
-#include "pipelines/landmark_map/work.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <set>
 
-#include "pipelines/landmark_map/work.h"
+#include "pipelines/landmark_map/model/work.h"
 
 namespace cairn::landmark_map {
 namespace {

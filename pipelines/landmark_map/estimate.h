@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/landmark_map/model/steps.h"
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/landmark_map/round.h"
-#include "pipelines/landmark_map/steps.h"
 
 namespace cairn::landmark_map {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "pipelines/landmark_map/m_step.h"
+#include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/model/m_step.h"
 #include "pipelines/landmark_map/plan.h"
-#include "pipelines/landmark_map/summary.h"
 
 namespace cairn::landmark_map {
 

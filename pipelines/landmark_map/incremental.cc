@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
-#include "pipelines/landmark_map/m_step.h"
+#include "pipelines/landmark_map/model/e_step.h"
+#include "pipelines/landmark_map/model/m_step.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"

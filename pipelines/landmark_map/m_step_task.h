@@ -1,9 +1,9 @@
 // The M-step as a task, so that those of several candidate starts run side by side.
 #pragma once
 
-#include "pipelines/landmark_map/m_step.h"
+#include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/model/m_step.h"
 #include "pipelines/landmark_map/partial.h"
-#include "pipelines/landmark_map/summary.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

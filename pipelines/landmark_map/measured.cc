@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "pipelines/landmark_map/sensing.h"
+#include "pipelines/landmark_map/model/sensing.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -7,8 +7,8 @@
 
 namespace cairn::landmark_map {
 
-// Microseconds of a core a cell (work.h): of a forward task, and of a backward one, which goes forward first;
-// of an M-step.
+// Microseconds of a core a cell (model/work.h): of a forward task, and of a backward one, which goes forward
+// first; of an M-step.
 inline constexpr double kForwardUs = 0.004, kBackwardUs = 0.009, kMStepUs = 800.0;
 // Least squares, a step of all robots.
 inline constexpr double kPolishUs = 100.0;

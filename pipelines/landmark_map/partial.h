@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipelines/landmark_map/e_step.h"
-#include "pipelines/landmark_map/odometry_fit.h"
+#include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/model/e_step.h"
+#include "pipelines/landmark_map/model/odometry_fit.h"
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/landmark_map/speculation.h"
-#include "pipelines/landmark_map/summary.h"
 
 namespace cairn::landmark_map {
 

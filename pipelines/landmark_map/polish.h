@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/odometry_fit.h"
+#include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/model/odometry_fit.h"
+#include "pipelines/landmark_map/model/steps.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/plan.h"
-#include "pipelines/landmark_map/steps.h"
-#include "pipelines/landmark_map/summary.h"
 
 namespace cairn::landmark_map {
 

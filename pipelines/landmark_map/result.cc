@@ -9,7 +9,7 @@
 
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/given_map.h"
-#include "pipelines/landmark_map/image_landmarks.h"
+#include "pipelines/landmark_map/landmarks/image_landmarks.h"
 
 namespace cairn::landmark_map {
 namespace {

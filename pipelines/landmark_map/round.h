@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/odometry_fit.h"
+#include "pipelines/landmark_map/model/odometry_fit.h"
 #include "pipelines/landmark_map/plan.h"
 #include "pipelines/pipeline.h"
 
@@ -18,7 +18,7 @@ struct Carried {
   std::map<std::string, std::string> blobs;  // name -> hash: settings, steps/N
   std::vector<std::int64_t> step_counts;     // per robot
   std::vector<OdometryFit> odometry;         // per robot
-  std::vector<double> work;                  // per robot, expected of its next E-step (work.h)
+  std::vector<double> work;                  // per robot, expected of its next E-step (model/work.h)
   std::vector<double> sharp;                 // per robot, expected of a step once the map is sharp
   std::vector<std::int64_t> overlap;         // per robot: steps by which guesses overlap (speculation.h)
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/landmark_map/landmarks/summary.h"
 #include "pipelines/landmark_map/plan.h"
-#include "pipelines/landmark_map/summary.h"
 
 namespace cairn::landmark_map {
 

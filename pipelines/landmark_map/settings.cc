@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pipelines/common/odometry.h"
-#include "pipelines/landmark_map/sensing.h"
+#include "pipelines/landmark_map/model/sensing.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -1,12 +1,12 @@
 // What Start decides from the log and the options.
 #pragma once
 
-#include "pipelines/landmark_map/e_step.h"
-#include "pipelines/landmark_map/false_landmarks.h"
-#include "pipelines/landmark_map/m_step.h"
+#include "pipelines/landmark_map/landmarks/false_landmarks.h"
+#include "pipelines/landmark_map/model/e_step.h"
+#include "pipelines/landmark_map/model/m_step.h"
+#include "pipelines/landmark_map/model/sighting.h"
+#include "pipelines/landmark_map/model/steps.h"
 #include "pipelines/landmark_map/options.h"
-#include "pipelines/landmark_map/sighting.h"
-#include "pipelines/landmark_map/steps.h"
 #include "schema/blob.h"
 
 namespace cairn::landmark_map {

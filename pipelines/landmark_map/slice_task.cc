@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "pipelines/landmark_map/beginning.h"
-#include "pipelines/landmark_map/e_step.h"
 #include "pipelines/landmark_map/estimate.h"
+#include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/speculation.h"

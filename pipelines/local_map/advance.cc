@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <string>
 
-#include "pipelines/local_map/corrected_path.h"
-#include "pipelines/local_map/follow_task.h"
+#include "pipelines/local_map/path/corrected_path.h"
+#include "pipelines/local_map/path/scale_watch.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
-#include "pipelines/local_map/scale_watch.h"
+#include "pipelines/local_map/tasks/follow_task.h"
 
 namespace cairn::local_map {
 namespace {

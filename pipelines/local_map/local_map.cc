@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "pipelines/local_map/advance.h"
-#include "pipelines/local_map/follow_task.h"
-#include "pipelines/local_map/orientation_task.h"
 #include "pipelines/local_map/plan.h"
-#include "pipelines/local_map/sweep_reader.h"
+#include "pipelines/local_map/tasks/follow_task.h"
+#include "pipelines/local_map/tasks/orientation_task.h"
+#include "pipelines/local_map/tasks/sweep_reader.h"
 #include "schema/error.h"
 
 namespace cairn::local_map {

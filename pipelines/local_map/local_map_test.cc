@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "pipelines/in_process.h"
-#include "pipelines/local_map/testing_corridor.h"
+#include "pipelines/local_map/testing/corridor.h"
 
 namespace cairn::local_map {
 namespace {

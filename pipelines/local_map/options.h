@@ -5,14 +5,14 @@
 #include <string>
 
 #include "pipelines/common/options.h"
-#include "pipelines/local_map/assemble.h"
-#include "pipelines/local_map/grid_options.h"
-#include "pipelines/local_map/knots.h"
-#include "pipelines/local_map/localizer.h"
-#include "pipelines/local_map/orientation_track.h"
-#include "pipelines/local_map/pairs.h"
-#include "pipelines/local_map/runs.h"
-#include "pipelines/local_map/trace_task.h"
+#include "pipelines/local_map/grids/grid_options.h"
+#include "pipelines/local_map/path/assemble.h"
+#include "pipelines/local_map/path/knots.h"
+#include "pipelines/local_map/path/localizer.h"
+#include "pipelines/local_map/path/orientation_track.h"
+#include "pipelines/local_map/path/pairs.h"
+#include "pipelines/local_map/path/runs.h"
+#include "pipelines/local_map/tasks/trace_task.h"
 
 namespace cairn::local_map {
 

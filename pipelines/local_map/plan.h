@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pipelines/local_map/options.h"
-#include "pipelines/local_map/runs.h"
+#include "pipelines/local_map/path/runs.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::local_map {

@@ -105,14 +105,6 @@ void AddLoops(const Parts& parts, ConnectionColumns* c) {
 
 }  // namespace
 
-std::int32_t TraceAt(const Parts& parts, std::size_t robot, std::size_t sweep) {
-  std::int32_t found = -1;
-  for (std::size_t t = 0; t < parts.traces.size(); ++t)
-    if (parts.traces[t].robot == robot && parts.traces[t].first <= sweep)
-      found = static_cast<std::int32_t>(t);
-  return found;
-}
-
 Blob WallsBlob(const OrientationTrack& track, const Blob* before) {
   std::vector<double> angle, strength;
   std::vector<std::uint8_t> other, locked;
@@ -164,18 +156,6 @@ void PutWalls(const std::string& prefix, const std::vector<Sweep>& sweeps, const
   result->PutVector(prefix + "time_s", time);
   result->PutVector(prefix + "angle_rad", angle);
   for (const char* name : {"strength", "locked", "other_area"}) result->Put(prefix + name, walls.at(name));
-}
-
-Point MovedBy(const RecordedTrace& trace, const std::vector<Knot>& knots) {
-  Point sum;
-  double count = 0;
-  for (const Knot& knot : knots) {
-    if (knot.robot != trace.robot || knot.sweep < trace.first || knot.sweep >= trace.end) continue;
-    sum.x_m += knot.at.x_m - knot.dead.x_m;
-    sum.y_m += knot.at.y_m - knot.dead.y_m;
-    ++count;
-  }
-  return count > 0 ? Point{sum.x_m / count, sum.y_m / count} : Point{};
 }
 
 void PutTraces(const Parts& parts, Blob* result) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipelines/landmark_learning/network_arrays.h"
+#include "pipelines/landmark_learning/networks/arrays.h"
 #include "pipelines/landmark_learning/training.h"
 
 namespace cairn::localization {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_learning/networks.h"
+#include "pipelines/landmark_learning/networks/networks.h"
 #include "pipelines/localization/place_index.h"
 #include "schema/blob.h"
 

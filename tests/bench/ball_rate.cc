@@ -18,11 +18,11 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/landmark_learning/fast_error.h"
-#include "pipelines/landmark_learning/features.h"
-#include "pipelines/landmark_learning/lanes.h"
-#include "pipelines/landmark_learning/networks.h"
-#include "pipelines/landmark_learning/posterior_error.h"
+#include "pipelines/landmark_learning/error_sum/fast_error.h"
+#include "pipelines/landmark_learning/error_sum/features.h"
+#include "pipelines/landmark_learning/error_sum/lanes.h"
+#include "pipelines/landmark_learning/error_sum/posterior_error.h"
+#include "pipelines/landmark_learning/networks/networks.h"
 #include "schema/rng.h"
 #include "tests/bench/bench_main.h"
 

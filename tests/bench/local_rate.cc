@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/local_map/local_grids.h"
-#include "pipelines/local_map/testing_room.h"
+#include "pipelines/local_map/grids/local_grids.h"
+#include "pipelines/local_map/testing/room.h"
 #include "tests/bench/bench_main.h"
 
 namespace cairn::local_map {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pipelines/common/odometry.h"
-#include "pipelines/local_map/local_grids.h"
+#include "pipelines/local_map/grids/local_grids.h"
 #include "schema/store/blob_file.h"
 #include "tests/bench/bench_main.h"
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "pipelines/local_map/find_on.h"
+#include "pipelines/local_map/traces/find_on.h"
 #include "tests/bench/trace_errors.h"
 #include "tests/bench/trace_world.h"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "pipelines/local_map/find_on.h"
+#include "pipelines/local_map/traces/find_on.h"
 
 namespace cairn::local_map {
 

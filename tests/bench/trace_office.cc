@@ -8,8 +8,8 @@
 #include <cstdlib>
 
 #include "pipelines/common/odometry.h"
-#include "pipelines/local_map/find_on.h"
-#include "pipelines/local_map/trace_recorder.h"
+#include "pipelines/local_map/traces/find_on.h"
+#include "pipelines/local_map/traces/recorder.h"
 #include "schema/rng.h"
 #include "schema/store/blob_file.h"
 #include "tests/bench/bench_main.h"

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "pipelines/local_map/find_on.h"
+#include "pipelines/local_map/traces/find_on.h"
 #include "tests/bench/bench_main.h"
 #include "tests/bench/trace_world.h"
 

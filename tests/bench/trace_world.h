@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "pipelines/local_map/correlation.h"
-#include "pipelines/local_map/testing_drive.h"
-#include "pipelines/local_map/trace_recorder.h"
+#include "pipelines/local_map/testing/drive.h"
+#include "pipelines/local_map/traces/correlation.h"
+#include "pipelines/local_map/traces/recorder.h"
 
 namespace cairn::local_map {
 

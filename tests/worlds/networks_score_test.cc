@@ -3,9 +3,9 @@
 
 #include "datasets/evaluate/feature_map.h"
 #include "datasets/evaluate/learned_networks.h"
-#include "pipelines/landmark_learning/features.h"
-#include "pipelines/landmark_learning/networks.h"
-#include "pipelines/landmark_learning/posterior_error.h"
+#include "pipelines/landmark_learning/error_sum/features.h"
+#include "pipelines/landmark_learning/error_sum/posterior_error.h"
+#include "pipelines/landmark_learning/networks/networks.h"
 
 namespace cairn {
 namespace {

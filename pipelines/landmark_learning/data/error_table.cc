@@ -1,0 +1,102 @@
+#include "pipelines/landmark_learning/data/error_table.h"
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "pipelines/landmark_learning/data/free_cells.h"
+
+namespace cairn::landmark_learning {
+namespace {
+
+void RefuseTooMany(std::int64_t rows, const char* what) {
+  if (rows > kMostTableRows)
+    throw InputError(std::string(what) + ": " + std::to_string(rows) +
+                     " places; allowed: " + std::to_string(kMostTableRows) + " at most");
+}
+
+std::size_t Nearest(double x_m, double y_m, std::span<const double> xs, std::span<const double> ys) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < xs.size(); ++p) {
+    const double dx = xs[p] - x_m, dy = ys[p] - y_m, square = dx * dx + dy * dy;
+    if (square >= least) continue;
+    least = square;
+    nearest = p;
+  }
+  return nearest;
+}
+
+// Calls f(set, sample) for the samples of both sets.
+template <class F>
+void ForEachSample(TrainingData* data, const F& f) {
+  for (SampleSet* set : {&data->training, &data->held_out}) {
+    set->places.row.resize(static_cast<std::size_t>(set->size()));
+    for (std::size_t k = 0; k < set->places.row.size(); ++k) f(*set, k);
+  }
+}
+
+void PutTable(const Array& table, TrainingData* data) {
+  data->training.places.table = table;
+  data->held_out.places.table = table;
+}
+
+std::string NameOf(const TrainingData& data, const SampleSet& set, std::size_t k) {
+  char place[80];
+  std::snprintf(place, sizeof place, "at (%.3f, %.3f) m", set.places.x_m[k], set.places.y_m[k]);
+  return "run '" + data.runs[static_cast<std::size_t>(set.run[k])] + "', the sample " + place;
+}
+
+}  // namespace
+
+void AttachTable(const Blob& errors, TrainingData* data) {
+  if (!errors.Has("error")) throw InputError("the input 'errors': no table in it ('error' is missing)");
+  const auto x = errors.Get<double>("place/x_m"), y = errors.Get<double>("place/y_m");
+  const auto values = errors.Get<double>("error");
+  const auto rows = static_cast<std::int64_t>(x.size());
+  if (rows == 0 || y.size() != x.size() || errors.at("error").shape() != Shape{rows, rows})
+    throw InputError("the input 'errors': 'error' must be [P,P], 'place/x_m' and 'place/y_m' [P]");
+  RefuseTooMany(rows, "the input 'errors'");
+  std::vector<float> table;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i]) || values[i] < 0.0)
+      throw InputError("the input 'errors': 'error', row " + std::to_string(i / x.size()) + ", column " +
+                       std::to_string(i % x.size()) + " is not a number from 0 up");
+    table.push_back(static_cast<float>(values[i]));
+  }
+  ForEachSample(data, [&](SampleSet& set, std::size_t k) {
+    set.places.row[k] = static_cast<std::int32_t>(Nearest(set.places.x_m[k], set.places.y_m[k], x, y));
+  });
+  PutTable(Array::Of<float>({rows, rows}, table), data);
+}
+
+void AttachTravel(const Blob& map, TrainingData* data) {
+  const FreeCells cells = FreeCells::Of(map);
+  std::map<std::size_t, std::int32_t> row_of;  // cell -> row
+  std::vector<std::size_t> cell_of;            // the reverse
+  std::vector<std::string> name_of;            // the first sample of each
+  ForEachSample(data, [&](SampleSet& set, std::size_t k) {
+    const auto cell = cells.At(set.places.x_m[k], set.places.y_m[k]);
+    if (!cell) throw InputError(NameOf(*data, set, k) + ": it lies in no free cell of the map");
+    const auto [place, is_new] = row_of.try_emplace(*cell, static_cast<std::int32_t>(cell_of.size()));
+    if (is_new) {
+      cell_of.push_back(*cell);
+      name_of.push_back(NameOf(*data, set, k));
+    }
+    set.places.row[k] = place->second;
+  });
+  const auto rows = static_cast<std::int64_t>(cell_of.size());
+  RefuseTooMany(rows, "the map has too small cells for so many samples");
+  std::vector<float> table;
+  for (std::size_t from = 0; from < cell_of.size(); ++from) {
+    const std::vector<double> ways = cells.WaysFrom(cell_of[from]);
+    for (std::size_t to = 0; to < cell_of.size(); ++to) {
+      if (std::isinf(ways[cell_of[to]]))
+        throw InputError(name_of[to] + ": no way leads there through the map from " + name_of[from]);
+      table.push_back(static_cast<float>(ways[cell_of[to]]));
+    }
+  }
+  PutTable(Array::Of<float>({rows, rows}, table), data);
+}
+
+}  // namespace cairn::landmark_learning

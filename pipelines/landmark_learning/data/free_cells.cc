@@ -1,0 +1,79 @@
+#include "pipelines/landmark_learning/data/free_cells.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <utility>
+
+namespace cairn::landmark_learning {
+namespace {
+
+constexpr int kSteps[16][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},  {1, 1}, {1, -1}, {-1, 1}, {-1, -1},
+                               {2, 1}, {2, -1}, {-2, 1}, {-2, -1}, {1, 2}, {1, -2}, {-1, 2}, {-1, -2}};
+
+}  // namespace
+
+FreeCells FreeCells::Of(const Blob& map) {
+  if (!map.Has("map/grid/probability"))
+    throw InputError("the input 'map': no occupancy map in it ('map/grid/probability' is missing)");
+  const Shape& shape = map.at("map/grid/probability").shape();
+  if (shape.size() != 2 || shape[0] < 1 || shape[1] < 1)
+    throw InputError(
+        "the input 'map': 'map/grid/probability' must be [rows,columns]; a landmark map is no such map");
+  FreeCells cells;
+  cells.rows_ = shape[0];
+  cells.columns_ = shape[1];
+  cells.origin_x_m_ = map.Scalar<double>("map/grid/origin_x_m");
+  cells.origin_y_m_ = map.Scalar<double>("map/grid/origin_y_m");
+  cells.cell_m_ = map.Scalar<double>("map/grid/cell_m");
+  if (!(cells.cell_m_ > 0.0) || !std::isfinite(cells.cell_m_) || !std::isfinite(cells.origin_x_m_) ||
+      !std::isfinite(cells.origin_y_m_))
+    throw InputError("the input 'map': 'map/grid/cell_m' must be above 0, the origin finite");
+  for (const double p : map.Get<double>("map/grid/probability")) cells.free_.push_back(!(p >= 0.5));
+  return cells;
+}
+
+std::optional<std::size_t> FreeCells::At(double x_m, double y_m) const {
+  const double x = std::floor((x_m - origin_x_m_) / cell_m_), y = std::floor((y_m - origin_y_m_) / cell_m_);
+  if (!(x >= 0.0 && y >= 0.0 && x < static_cast<double>(columns_) && y < static_cast<double>(rows_)))
+    return {};
+  const auto column = static_cast<std::int64_t>(x), row = static_cast<std::int64_t>(y);
+  if (!IsFree(column, row)) return {};
+  return static_cast<std::size_t>(row * columns_ + column);
+}
+
+// All cells that the straight step touches must be free: it cuts no corner.
+bool FreeCells::CanStep(std::int64_t x, std::int64_t y, int dx, int dy) const {
+  if (!IsFree(x + dx, y + dy)) return false;
+  if (dx == 0 || dy == 0) return true;
+  const int sx = dx > 0 ? 1 : -1, sy = dy > 0 ? 1 : -1;
+  if (dx == sx && dy == sy) return IsFree(x + sx, y) && IsFree(x, y + sy);
+  if (dx != sx) return IsFree(x + sx, y) && IsFree(x + sx, y + sy);
+  return IsFree(x, y + sy) && IsFree(x + sx, y + sy);
+}
+
+std::vector<double> FreeCells::WaysFrom(std::size_t cell) const {
+  std::vector<double> way(free_.size(), std::numeric_limits<double>::infinity());
+  using Reached = std::pair<double, std::size_t>;
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;
+  way[cell] = 0.0;
+  open.push({0.0, cell});
+  while (!open.empty()) {
+    const auto [so_far, at] = open.top();
+    open.pop();
+    if (so_far > way[at]) continue;
+    const auto x = static_cast<std::int64_t>(at) % columns_, y = static_cast<std::int64_t>(at) / columns_;
+    for (const auto& [dx, dy] : kSteps) {
+      if (!CanStep(x, y, dx, dy)) continue;
+      const auto to = static_cast<std::size_t>((y + dy) * columns_ + x + dx);
+      const double there = so_far + cell_m_ * std::sqrt(static_cast<double>(dx * dx + dy * dy));
+      if (there >= way[to]) continue;
+      way[to] = there;
+      open.push({there, to});
+    }
+  }
+  return way;
+}
+
+}  // namespace cairn::landmark_learning

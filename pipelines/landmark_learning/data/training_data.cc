@@ -1,0 +1,259 @@
+#include "pipelines/landmark_learning/data/training_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "schema/error.h"
+
+namespace cairn::landmark_learning {
+namespace {
+
+// Before they are sorted: the inputs as they were sensed.
+struct RawRun {
+  Places places;
+  std::vector<double> weight;   // empty: the file has none
+  std::vector<double> heading;  // the same
+  std::vector<float> inputs;
+};
+
+template <class T>
+std::vector<T> Column(const Blob& samples, const std::string& run, const std::string& prefix,
+                      const char* name) {
+  const auto values = samples.Get<T>(prefix + name);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (!std::isfinite(static_cast<double>(values[k])))
+      throw InputError("run '" + run + "', sample " + std::to_string(k) + ": '" + name +
+                       "' is not a finite number");
+  }
+  return {values.begin(), values.end()};
+}
+
+// The same snapshot twice would be told apart from itself. (A robot that stands still has times of its own.)
+void RefuseDuplicates(const Places& places, const std::vector<double>& time_s, const std::string& run) {
+  for (std::size_t k = 1; k < time_s.size() && k < places.x_m.size(); ++k) {
+    if (time_s[k] == time_s[k - 1] && places.x_m[k] == places.x_m[k - 1] &&
+        places.y_m[k] == places.y_m[k - 1])
+      throw InputError("run '" + run + "', samples " + std::to_string(k - 1) + " and " + std::to_string(k) +
+                       ": the same time and place, a duplicate");
+  }
+}
+
+RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, std::size_t inputs) {
+  const std::string prefix = "run/" + std::to_string(index) + "/";
+  RawRun raw;
+  raw.places.x_m = Column<double>(samples, run, prefix, "x_m");
+  raw.places.y_m = Column<double>(samples, run, prefix, "y_m");
+  const auto rows = samples.Get<float>(prefix + "input");
+  const std::size_t count = raw.places.x_m.size();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!std::isfinite(rows[i])) {
+      throw InputError("run '" + run + "', sample " + std::to_string(i / inputs) + ": input " +
+                       std::to_string(i % inputs) + " is not a finite number");
+    }
+  }
+  if (raw.places.y_m.size() != count || rows.size() != count * inputs) {
+    throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
+                     " x_m, " + std::to_string(raw.places.y_m.size()) + " y_m, " +
+                     std::to_string(rows.size()) + " numbers in " + std::to_string(inputs) + " inputs");
+  }
+  if (count < 2)
+    throw InputError("run '" + run + "' has " + std::to_string(count) + " samples; two are the least");
+  if (samples.Has(prefix + "weight")) {
+    raw.weight = Column<double>(samples, run, prefix, "weight");
+    const auto bad = std::ranges::find_if(raw.weight, [](double w) { return w < 0.0; });
+    if (raw.weight.size() != count || bad != raw.weight.end())
+      throw InputError(
+          "run '" + run + "': 'weight' must be a number from 0 up for each of its " + std::to_string(count) +
+          " samples" +
+          (bad == raw.weight.end() ? "" : "; sample " + std::to_string(bad - raw.weight.begin())));
+  }
+  if (samples.Has(prefix + "heading_rad")) {
+    raw.heading = Column<double>(samples, run, prefix, "heading_rad");
+    if (raw.heading.size() != count)
+      throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
+                       " x_m, " + std::to_string(raw.heading.size()) + " heading_rad");
+  }
+  RefuseDuplicates(raw.places, Column<double>(samples, run, prefix, "time_s"), run);
+  raw.inputs.assign(rows.begin(), rows.end());
+  double along = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k > 0)
+      along +=
+          std::hypot(raw.places.x_m[k] - raw.places.x_m[k - 1], raw.places.y_m[k] - raw.places.y_m[k - 1]);
+    raw.places.along_m.push_back(along);
+  }
+  return raw;
+}
+
+// A set that is still in the making.
+struct RawSet {
+  Places places;
+  std::vector<std::int32_t> run;
+  std::vector<float> inputs;
+  std::vector<double> weight, heading;  // of fewer samples where a run has none
+};
+
+void Append(const RawRun& raw, std::size_t run, RawSet* set) {
+  const auto add = [](const auto& from, auto* to) { to->insert(to->end(), from.begin(), from.end()); };
+  add(raw.places.x_m, &set->places.x_m);
+  add(raw.places.y_m, &set->places.y_m);
+  add(raw.places.along_m, &set->places.along_m);
+  add(raw.inputs, &set->inputs);
+  add(raw.weight, &set->weight);
+  add(raw.heading, &set->heading);
+  set->run.insert(set->run.end(), raw.places.x_m.size(), static_cast<std::int32_t>(run));
+}
+
+double Extent(const std::vector<double>& values) {
+  if (values.empty()) return 0.0;
+  const auto [low, high] = std::ranges::minmax_element(values);
+  return *high - *low;
+}
+
+RawSet Sorted(const RawSet& set, std::size_t inputs) {
+  const std::vector<double>& along =
+      Extent(set.places.x_m) >= Extent(set.places.y_m) ? set.places.x_m : set.places.y_m;
+  std::vector<std::size_t> order(along.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return along[k]; });
+  RawSet sorted;
+  for (const std::size_t k : order) {
+    sorted.places.x_m.push_back(set.places.x_m[k]);
+    sorted.places.y_m.push_back(set.places.y_m[k]);
+    sorted.places.along_m.push_back(set.places.along_m[k]);
+    sorted.run.push_back(set.run[k]);
+    if (set.weight.size() == order.size()) sorted.weight.push_back(set.weight[k]);
+    if (set.heading.size() == order.size()) sorted.heading.push_back(set.heading[k]);
+    const float* row = &set.inputs[k * inputs];
+    sorted.inputs.insert(sorted.inputs.end(), row, row + inputs);
+  }
+  return sorted;
+}
+
+// Into the places, where beliefs look for them.
+void PutDirections(SampleSet* set) {
+  for (const double heading : set->heading_rad) {
+    set->places.cos_heading.push_back(std::cos(heading));
+    set->places.sin_heading.push_back(std::sin(heading));
+  }
+}
+
+SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vector<double>& scale) {
+  for (std::size_t i = 0; i < set.inputs.size(); ++i) {
+    const std::size_t input = i % mean.size();
+    set.inputs[i] = static_cast<float>((set.inputs[i] - mean[input]) / scale[input]);
+  }
+  const std::int64_t samples = set.places.size();
+  std::vector<double> weight(static_cast<std::size_t>(samples), 1.0 / static_cast<double>(samples));
+  SampleSet normalised{
+      std::move(set.places), std::move(set.run),
+      std::move(weight),     Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs),
+      std::move(set.weight), std::move(set.heading)};
+  PutDirections(&normalised);
+  return normalised;
+}
+
+void FindNorm(const RawSet& set, std::size_t inputs, std::vector<double>* mean, std::vector<double>* scale) {
+  const auto count = static_cast<double>(set.places.size());
+  std::vector<double> sum(inputs, 0.0), squares(inputs, 0.0);
+  for (std::size_t i = 0; i < set.inputs.size(); ++i) sum[i % inputs] += set.inputs[i];
+  for (const double s : sum) mean->push_back(s / count);
+  for (std::size_t i = 0; i < set.inputs.size(); ++i) {
+    const double d = set.inputs[i] - (*mean)[i % inputs];
+    squares[i % inputs] += d * d;
+  }
+  for (const double s : squares) scale->push_back(s > 0.0 ? std::sqrt(s / count) : 1.0);
+}
+
+void Store(const SampleSet& set, const std::string& prefix, Blob* blob) {
+  blob->PutVector(prefix + "x_m", set.places.x_m);
+  blob->PutVector(prefix + "y_m", set.places.y_m);
+  blob->PutVector(prefix + "along_m", set.places.along_m);
+  blob->PutVector(prefix + "run", set.run);
+  blob->PutVector(prefix + "weight", set.weight);
+  blob->PutVector(prefix + "row", set.places.row);
+  blob->Put(prefix + "table", set.places.table);
+  blob->Put(prefix + "input", set.input);
+  blob->PutVector(prefix + "heading_rad", set.heading_rad);
+}
+
+template <class T>
+std::vector<T> Taken(const Blob& blob, const std::string& name) {
+  const auto values = blob.Get<T>(name);
+  return {values.begin(), values.end()};
+}
+
+SampleSet Load(const std::string& prefix, const Blob& blob) {
+  SampleSet set{{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
+                 Taken<double>(blob, prefix + "along_m"), Taken<std::int32_t>(blob, prefix + "row"),
+                 blob.at(prefix + "table")},
+                Taken<std::int32_t>(blob, prefix + "run"),
+                Taken<double>(blob, prefix + "weight"),
+                blob.at(prefix + "input"),
+                {},
+                Taken<double>(blob, prefix + "heading_rad")};
+  PutDirections(&set);
+  return set;
+}
+
+void RefuseStrangers(const std::vector<std::string>& runs, const std::string& holdout,
+                     const std::vector<std::string>& unseen) {
+  const auto refuse = [&](const char* option, const std::string& run) {
+    if (std::ranges::count(runs, run) == 0)
+      throw InputError(option + (": there is no run '" + run) + "' among the samples");
+  };
+  if (!holdout.empty()) refuse("holdout", holdout);
+  for (const std::string& run : unseen) {
+    refuse("unseen", run);
+    if (run == holdout) throw InputError("unseen: '" + run + "' is held out: it decides when to stop");
+  }
+}
+
+}  // namespace
+
+TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, const InputNorm* given,
+                              const std::vector<std::string>& unseen) {
+  TrainingData data;
+  const std::vector<std::string> all = samples.Texts("runs");
+  RefuseStrangers(all, holdout, unseen);
+  data.input_names = samples.Texts("input_name");
+  const std::size_t inputs = data.input_names.size();
+  if (inputs == 0)
+    throw InputError("the samples have no inputs; of images `cairn run image_features` makes some");
+  RawSet training, held_out;
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    if (std::ranges::count(unseen, all[r]) > 0) continue;
+    Append(ReadRun(samples, all[r], r, inputs), data.runs.size(),
+           !holdout.empty() && all[r] == holdout ? &held_out : &training);
+    data.runs.push_back(all[r]);
+  }
+  if (training.places.size() == 0) throw InputError("no run is left to train on");
+  if (given != nullptr) {
+    data.mean = given->mean;
+    data.scale = given->scale;
+  } else {
+    FindNorm(training, inputs, &data.mean, &data.scale);
+  }
+  data.training = Normalised(Sorted(training, inputs), data.mean, data.scale);
+  data.held_out = Normalised(Sorted(held_out, inputs), data.mean, data.scale);
+  return data;
+}
+
+Blob TrainingData::ToBlob() const {
+  Blob blob;
+  blob.Put("runs", Array::Texts(runs));
+  blob.Put("input_name", Array::Texts(input_names));
+  blob.PutVector("mean", mean);
+  blob.PutVector("scale", scale);
+  Store(training, "training/", &blob);
+  Store(held_out, "held_out/", &blob);
+  return blob;
+}
+
+TrainingData TrainingData::FromBlob(const Blob& blob) {
+  return {blob.Texts("runs"),           blob.Texts("input_name"), Taken<double>(blob, "mean"),
+          Taken<double>(blob, "scale"), Load("training/", blob),  Load("held_out/", blob)};
+}
+
+}  // namespace cairn::landmark_learning

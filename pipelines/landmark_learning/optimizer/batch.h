@@ -1,0 +1,19 @@
+// Mini-batches: which true positions a step takes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipelines/landmark_learning/error_sum/pairs.h"
+
+namespace cairn::landmark_learning {
+
+inline constexpr int kStretch = 64;  // truths side by side: they share the samples in their reach
+
+// Stretches of truths, drawn without replacement and sorted; together `batch` truths or a little more, all of
+// `count` where `batch` is 0 or as large. The same for one seed and step, whoever draws.
+std::vector<Range> DrawnStretches(int count, std::int64_t batch, std::uint64_t seed, std::int64_t step);
+
+int TruthsIn(const std::vector<Range>& stretches);
+
+}  // namespace cairn::landmark_learning

@@ -1,0 +1,46 @@
+// What people want of a posterior: poses, landmarks, and which observation was of which landmark.
+#pragma once
+
+#include <vector>
+
+#include "pipelines/common/layered_grid.h"
+#include "pipelines/landmark_map/model/m_step.h"
+
+namespace cairn::landmark_map {
+
+// One belief in numbers. Heading is the correction of the odometric one, in (-pi, pi].
+struct PoseSummary {
+  double x_m, y_m, heading_rad;  // mean (heading: circular)
+  double covariance[9];          // x, y, heading
+  double mode_x_m, mode_y_m,
+      mode_heading_rad;  // the most likely cell, refined by the mean over its neighbours
+};
+PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid);
+
+// A landmark drawn from the expected counts.
+struct Landmark {
+  double x_m, y_m;
+  double covariance_m2[4];
+  int type;      // layer of the map; without identity: the first of those layers
+  double count;  // expected number of observations of it
+  int kind = 0;  // without identity: the most likely one
+};
+
+// Identified landmarks: one a type, the mean around the mode. Others: peaks of the counts, strongest first,
+// each taking what lies within core_m of it; one with less than half an observation is none.
+std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules& rules);
+
+// Takes a landmark out of the counts, all within core_m of it, and returns how much it took of each layer. A
+// landmark without identity may have been taken for one of another kind.
+std::vector<double> LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts);
+
+// For one observation whose landmark stands where `where` says (mass one): the landmark that is most likely
+// meant, and its probability; index -1 where it is more likely none of them (further than reach_m from all).
+struct Association {
+  int landmark = -1;
+  double probability = 0.0;
+};
+Association Associate(const Layer& where, int type, const std::vector<Landmark>& landmarks, double cell_m,
+                      double reach_m);
+
+}  // namespace cairn::landmark_map

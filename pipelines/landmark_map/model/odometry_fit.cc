@@ -1,0 +1,128 @@
+#include "pipelines/landmark_map/model/odometry_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr double kLargestChange = 2.0;     // of a width in one M-step
+constexpr double kLeastShare = 1.0 / 3.0;  // of the nominal width
+
+void Add(const WidthEvidence& from, double weight, WidthEvidence* to) {
+  to->squares += weight * from.squares;
+  to->known += weight * from.known;
+}
+
+double Squared(double x) { return x * x; }
+
+// One kind of width of all robots: where it stands in a fit, and its evidence.
+void FitWidth(const std::vector<LegSums>& sums, const WidthEvidence& (LegSums::*evidence)() const,
+              double OdometryFit::* width, double nominal, std::vector<OdometryFit>* fits) {
+  double squares = kPriorLegs * Squared(nominal), known = kPriorLegs;
+  for (std::size_t r = 0; r < sums.size(); ++r) {
+    squares += (sums[r].*evidence)().squares * Squared((*fits)[r].*width);
+    known += (sums[r].*evidence)().known;
+  }
+  const double mean_square = squares / known;
+  for (std::size_t r = 0; r < sums.size(); ++r) {
+    double& now = (*fits)[r].*width;
+    const double own = (sums[r].*evidence)().squares * Squared(now) + kPriorLegs * mean_square;
+    const double fitted = std::sqrt(own / ((sums[r].*evidence)().known + kPriorLegs));
+    now = std::max(kLeastShare * nominal, std::clamp(fitted, now / kLargestChange, now * kLargestChange));
+  }
+}
+
+}  // namespace
+
+MotionNoise OdometryFit::Widths(MotionNoise nominal) const {
+  nominal.heading_walk_rad_per_sqrt_m = heading_walk_rad_per_sqrt_m;
+  nominal.turn_ratio = turn_ratio;
+  return nominal;
+}
+
+void LegSums::AddHeading(double heading_rad, double next_path_m) {
+  if (any_) {
+    turned_rad_ += std::remainder(first_rad_ - heading_rad, 2.0 * std::numbers::pi);
+    path_m_ += next_path_m;
+  } else {
+    last_rad_ = heading_rad;
+  }
+  first_rad_ = heading_rad;
+  any_ = true;
+}
+
+// For an error e ~ N(0, v) whose posterior has mean m and variance s the data have told 1 - s / v of it, and
+// v is right where m^2 / v adds up to the same: D. MacKay, Bayesian Interpolation, Neural Computation 4,
+// 1992. EM proper has the same fixed points but hardly moves where s is nearly v, as it is where a leg's
+// error is below the grid's step. Where several places are possible s exceeds v: an error that is large, if
+// of unknown sign. Both halves of a leg's turn count, of which the E-step looks at the first.
+void LegSums::AddLeg(const Leg& leg, const HalfTurn& posterior, const MotionNoise& widths) {
+  const double variance = posterior.prior_rad2;
+  const double all = Squared(ErrorOf(leg, widths).heading_rad);
+  if (!(variance > 0.0) || !(all > 0.0)) return;
+  const double share = posterior.variance_rad2 / variance;
+  constexpr double kHalves = 2.0;
+  const WidthEvidence evidence{
+      kHalves * (Squared(posterior.mean_rad) / variance + std::max(0.0, share - 1.0)),
+      kHalves * (1.0 - std::min(1.0, share))};
+  Add(evidence, Squared(widths.heading_walk_rad_per_sqrt_m) * leg.path_m / all, &walk_);
+  Add(evidence, Squared(widths.turn_ratio * leg.turn_rad) / all, &turn_);
+}
+
+void LegSums::Join(const LegSums& earlier, double link_path_m) {
+  if (!any_) {
+    *this = earlier;
+    return;
+  }
+  AddHeading(earlier.last_rad_, link_path_m);
+  turned_rad_ += earlier.turned_rad_;
+  path_m_ += earlier.path_m_;
+  first_rad_ = earlier.first_rad_;
+  Add(earlier.walk_, 1.0, &walk_);
+  Add(earlier.turn_, 1.0, &turn_);
+}
+
+void LegSums::Store(const std::string& prefix, Blob* blob) const {
+  blob->PutScalar<double>(prefix + "turned_rad", turned_rad_);
+  blob->PutScalar<double>(prefix + "path_m", path_m_);
+  blob->PutScalar<double>(prefix + "first_rad", first_rad_);
+  blob->PutScalar<double>(prefix + "last_rad", last_rad_);
+  blob->PutVector<double>(prefix + "walk", {walk_.squares, walk_.known});
+  blob->PutVector<double>(prefix + "turn", {turn_.squares, turn_.known});
+}
+
+LegSums LegSums::Load(const std::string& prefix, const Blob& blob) {
+  const auto evidence = [&](const char* name) {
+    const auto values = blob.Get<double>(prefix + name);
+    if (values.size() != 2) throw InputError("'" + prefix + name + "' is not a pair");
+    return WidthEvidence{values[0], values[1]};
+  };
+  LegSums sums;
+  sums.any_ = true;
+  sums.turned_rad_ = blob.Scalar<double>(prefix + "turned_rad");
+  sums.path_m_ = blob.Scalar<double>(prefix + "path_m");
+  sums.first_rad_ = blob.Scalar<double>(prefix + "first_rad");
+  sums.last_rad_ = blob.Scalar<double>(prefix + "last_rad");
+  sums.walk_ = evidence("walk");
+  sums.turn_ = evidence("turn");
+  return sums;
+}
+
+double DriftOf(const LegSums& sums, const MotionNoise& nominal, double so_far) {
+  const double path_m = sums.path_m();
+  if (!(path_m > 0.0)) return so_far;
+  const double prior = Squared(nominal.heading_drift_rad_per_m);
+  const double evidence = Squared(nominal.heading_walk_rad_per_sqrt_m) / path_m;
+  if (!(prior + evidence > 0.0)) return so_far;
+  return (so_far - sums.turned_rad() / path_m) * prior / (prior + evidence);
+}
+
+void FitWidths(const std::vector<LegSums>& sums, const MotionNoise& nominal, std::vector<OdometryFit>* fits) {
+  FitWidth(sums, &LegSums::walk, &OdometryFit::heading_walk_rad_per_sqrt_m,
+           nominal.heading_walk_rad_per_sqrt_m, fits);
+  FitWidth(sums, &LegSums::turn, &OdometryFit::turn_ratio, nominal.turn_ratio, fits);
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,273 @@
+#include "pipelines/landmark_map/model/steps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipelines/common/odometry.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+struct Sighting {
+  OdometricPose at;
+  std::size_t row;
+  std::int32_t type;
+  double range_m, bearing_rad;  // NaN: at the robot
+  bool press() const { return std::isnan(range_m); }
+};
+
+[[noreturn]] void Refuse(const std::string& robot, std::size_t row, const std::string& why) {
+  throw InputError("robot '" + robot + "', observation " + std::to_string(row) + ": " + why);
+}
+
+// For each row, the layer of the landmark.
+std::vector<std::int32_t> ReadTypes(const Blob& robot, const std::string& name, const StepRules& rules) {
+  const auto landmark = robot.Get<std::int32_t>("observations/landmark");
+  std::vector<std::int32_t> types(landmark.size(), rules.types);
+  if (rules.kinds > 1) {
+    const auto kind = robot.Get<std::int32_t>("observations/type");
+    if (kind.size() != landmark.size())
+      throw InputError("robot '" + name + "': observation arrays differ in length");
+    for (std::size_t i = 0; i < kind.size(); ++i) {
+      if (kind[i] < 0 || kind[i] >= rules.kinds) Refuse(name, i, "a type that the log does not list");
+      types[i] += kind[i];
+    }
+  }
+  for (std::size_t i = 0; i < landmark.size(); ++i) {
+    if (landmark[i] < -1 || landmark[i] >= rules.types)
+      Refuse(name, i, "a landmark that the log does not list");
+    if (landmark[i] >= 0) types[i] = landmark[i];
+  }
+  return types;
+}
+
+std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, const Odometry& odometry,
+                                    const StepRules& rules) {
+  const auto time = robot.Get<double>("observations/time_s");
+  const std::vector<std::int32_t> types = ReadTypes(robot, name, rules);
+  const auto range = robot.Get<double>("observations/range_m");
+  const auto bearing = robot.Get<double>("observations/bearing_rad");
+  if (types.size() != time.size() || range.size() != time.size() || bearing.size() != time.size()) {
+    throw InputError("robot '" + name + "': observation arrays differ in length");
+  }
+  std::vector<Sighting> sightings;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (!std::isfinite(time[i])) Refuse(name, i, "its time is not a number");
+    if (i > 0 && time[i] < time[i - 1]) Refuse(name, i, "time runs backwards");
+    if (std::isnan(range[i]) != std::isnan(bearing[i]))
+      Refuse(name, i, "range without bearing, or the reverse");
+    if (std::isinf(range[i]) || std::isinf(bearing[i]) || range[i] < 0)
+      Refuse(name, i, "not a range and bearing");
+    constexpr double kSlack_s = 1.0;  // sensors and odometry seldom stop in the same instant
+    if (time[i] < odometry.time_s.front() - kSlack_s) Refuse(name, i, "before the first control");
+    if (time[i] > odometry.time_s.back() + kSlack_s) Refuse(name, i, "after the last control");
+    sightings.push_back({PoseAt(odometry, time[i]), i, types[i], range[i], bearing[i]});
+  }
+  return sightings;
+}
+
+Observation Turned(const Observation& o, double angle) {
+  const double cosine = std::cos(angle), sine = std::sin(angle);
+  return {o.type, cosine * o.x_m - sine * o.y_m, sine * o.x_m + cosine * o.y_m};
+}
+
+// Where steps stand: the progress along the track at which each sighting is gathered, and the splits of long
+// legs.
+class StepPlanner {
+ public:
+  StepPlanner(const Odometry& odometry, const StepRules& rules) : odometry_(odometry), rules_(rules) {}
+
+  // From sighting `begin` on; the first step is the one that gathers it (`late`) or stands at the track's
+  // start.
+  void Plan(const std::vector<Sighting>& sightings, std::size_t begin, bool late, RobotSteps* steps) {
+    steps_ = steps;
+    if (!late) AddStep(PoseOf(odometry_, 0));
+    for (std::size_t i = begin; i < sightings.size();) i = AddFrame(sightings, i);
+    const bool all = rules_.until_s >= odometry_.time_s.back();
+    MoveTo(all ? PoseOf(odometry_, odometry_.time_s.size() - 1) : PoseAt(odometry_, rules_.until_s));
+    steps_->first_observation.push_back(static_cast<std::int32_t>(steps_->observations.size()));
+  }
+
+ private:
+  // Progress in units of frames: a way of frame_m or a turn of frame_rad is one.
+  double Progress(const OdometricPose& pose) const {
+    return pose.path_m / rules_.frame_m + pose.turn_rad / rules_.frame_rad;
+  }
+
+  void AddStep(const OdometricPose& pose) {
+    const bool first = steps_->time_s.empty();
+    steps_->time_s.push_back(pose.time_s);
+    steps_->odo_x_m.push_back(pose.x_m);
+    steps_->odo_y_m.push_back(pose.y_m);
+    steps_->odo_heading_rad.push_back(pose.heading_rad);
+    steps_->path_m.push_back(first ? 0.0 : pose.path_m - last_.path_m);
+    steps_->turn_rad.push_back(first ? 0.0 : pose.turn_rad - last_.turn_rad);
+    steps_->first_observation.push_back(static_cast<std::int32_t>(steps_->observations.size()));
+    last_ = pose;
+  }
+
+  // A step at `pose`, with others before it where the way there is too long; none where the robot has not
+  // moved.
+  void MoveTo(const OdometricPose& pose) {
+    if (steps_->time_s.empty()) return AddStep(pose);
+    const double way = pose.path_m - last_.path_m;
+    const int parts = std::max(1, static_cast<int>(std::ceil(way / rules_.max_leg_m)));
+    const double start = last_.path_m;
+    for (int k = 1; k < parts; ++k) AddStep(PoseAtPath(odometry_, start + way * k / parts));
+    if (way > 0 || pose.turn_rad > last_.turn_rad) AddStep(pose);
+  }
+
+  // Gathers the sightings from `begin` on that share a frame; returns the first that does not.
+  std::size_t AddFrame(const std::vector<Sighting>& sightings, std::size_t begin) {
+    std::size_t end = begin + 1;
+    if (sightings[begin].press()) {
+      MoveTo(sightings[begin].at);
+    } else {
+      const double reach = Progress(sightings[begin].at) + 1.0;
+      while (end < sightings.size() && !sightings[end].press() && Progress(sightings[end].at) < reach) ++end;
+      MoveTo(sightings[begin + (end - begin) / 2].at);
+    }
+    AddObservations(sightings, begin, end);
+    return end;
+  }
+
+  // Means of the vectors to each identified landmark; of unidentified ones those nearest to the step, one
+  // image's.
+  void AddObservations(const std::vector<Sighting>& sightings, std::size_t begin, std::size_t end) {
+    const auto first = static_cast<std::int32_t>(steps_->observations.size());
+    std::vector<int> counts;
+    const double shown_s = sightings[begin + (end - begin) / 2].at.time_s;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Sighting& seen = sightings[i];
+      const bool unknown = seen.type >= rules_.types;
+      if (unknown && !seen.press() && seen.at.time_s != shown_s) continue;
+      std::int32_t k = first;
+      const auto known = static_cast<std::int32_t>(steps_->observations.size());
+      while (k < known && (unknown || steps_->observations[k].type != seen.type)) ++k;
+      if (k == known) {
+        steps_->observations.push_back({seen.type, 0.0, 0.0});
+        counts.push_back(0);
+      }
+      Accumulate(seen, &steps_->observations[k], ++counts[k - first]);
+      steps_->row_observation[i] = k;
+    }
+  }
+
+  void Accumulate(const Sighting& seen, Observation* observation, int count) const {
+    if (seen.press()) return;  // the vector is zero
+    const double angle = seen.at.heading_rad + seen.bearing_rad;
+    const double x = seen.at.x_m - last_.x_m + seen.range_m * std::cos(angle);
+    const double y = seen.at.y_m - last_.y_m + seen.range_m * std::sin(angle);
+    observation->x_m += (x - observation->x_m) / count;
+    observation->y_m += (y - observation->y_m) / count;
+  }
+
+  const Odometry& odometry_;
+  const StepRules& rules_;
+  RobotSteps* steps_ = nullptr;
+  OdometricPose last_{};
+};
+
+}  // namespace
+
+Leg RobotSteps::LegTo(int step) const {
+  if (step == 0) return {};
+  return {odo_x_m[step] - odo_x_m[step - 1], odo_y_m[step] - odo_y_m[step - 1], path_m[step], turn_rad[step]};
+}
+
+std::vector<double> RobotSteps::WaySoFar() const {
+  std::vector<double> way(path_m.size(), 0.0);
+  for (std::size_t s = 1; s < way.size(); ++s) way[s] = way[s - 1] + path_m[s];
+  return way;
+}
+
+RobotSteps RobotSteps::WithoutDrift(double drift_rad_per_m) const {
+  RobotSteps steps = *this;
+  if (drift_rad_per_m == 0.0) return steps;
+  const std::vector<double> way = WaySoFar();
+  for (int s = 0; s < size(); ++s) {
+    const double turn = -drift_rad_per_m * way[s];
+    steps.odo_heading_rad[s] += turn;
+    if (s > 0) {
+      const Leg leg = LegTo(s);
+      const Observation moved = Turned({0, leg.dx_m, leg.dy_m}, turn + 0.5 * drift_rad_per_m * leg.path_m);
+      steps.odo_x_m[s] = steps.odo_x_m[s - 1] + moved.x_m;
+      steps.odo_y_m[s] = steps.odo_y_m[s - 1] + moved.y_m;
+    }
+    for (int k = first_observation[s]; k < first_observation[s + 1]; ++k) {
+      steps.observations[k] = Turned(observations[k], turn);
+    }
+  }
+  return steps;
+}
+
+RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
+                     const std::vector<bool>* shared) {
+  const Odometry whole = Integrate(robot, name);
+  std::vector<Sighting> sightings = ReadSightings(robot, name, whole, rules);
+  RobotSteps steps;
+  steps.row_observation.assign(sightings.size(), -1);
+  const Odometry odometry = Until(whole, rules.until_s);
+  while (!sightings.empty() && sightings.back().at.time_s > rules.until_s) sightings.pop_back();
+  for (Sighting& seen : sightings) seen.at = PoseAt(odometry, seen.at.time_s);
+  std::size_t begin = 0;
+  if (shared != nullptr) {
+    while (begin < sightings.size() && !(*shared)[static_cast<std::size_t>(sightings[begin].type)]) ++begin;
+    if (begin == sightings.size()) {
+      throw InputError("robot '" + name +
+                       "' has seen nothing that the first robot saw too: it cannot be placed");
+    }
+  }
+  StepPlanner(odometry, rules).Plan(sightings, begin, shared != nullptr, &steps);
+  return steps;
+}
+
+Blob RobotSteps::ToBlob() const {
+  Blob blob;
+  blob.PutVector("time_s", time_s);
+  blob.PutVector("odo_x_m", odo_x_m);
+  blob.PutVector("odo_y_m", odo_y_m);
+  blob.PutVector("odo_heading_rad", odo_heading_rad);
+  blob.PutVector("path_m", path_m);
+  blob.PutVector("turn_rad", turn_rad);
+  blob.PutVector("first_observation", first_observation);
+  blob.PutVector("row_observation", row_observation);
+  std::vector<std::int32_t> type;
+  std::vector<double> x, y;
+  for (const Observation& o : observations) {
+    type.push_back(o.type);
+    x.push_back(o.x_m);
+    y.push_back(o.y_m);
+  }
+  blob.PutVector("observation/type", type);
+  blob.PutVector("observation/x_m", x);
+  blob.PutVector("observation/y_m", y);
+  return blob;
+}
+
+RobotSteps RobotSteps::FromBlob(const Blob& blob) {
+  const auto reals = [&](const char* name) {
+    const auto values = blob.Get<double>(name);
+    return std::vector<double>(values.begin(), values.end());
+  };
+  const auto integers = [&](const char* name) {
+    const auto values = blob.Get<std::int32_t>(name);
+    return std::vector<std::int32_t>(values.begin(), values.end());
+  };
+  RobotSteps steps{reals("time_s"),
+                   reals("odo_x_m"),
+                   reals("odo_y_m"),
+                   reals("odo_heading_rad"),
+                   reals("path_m"),
+                   reals("turn_rad"),
+                   integers("first_observation"),
+                   {},
+                   integers("row_observation")};
+  const auto type = blob.Get<std::int32_t>("observation/type");
+  const auto x = blob.Get<double>("observation/x_m");
+  const auto y = blob.Get<double>("observation/y_m");
+  for (std::size_t i = 0; i < type.size(); ++i) steps.observations.push_back({type[i], x[i], y[i]});
+  return steps;
+}
+
+}  // namespace cairn::landmark_map

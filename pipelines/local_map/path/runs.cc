@@ -1,0 +1,217 @@
+#include "pipelines/local_map/path/runs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "schema/error.h"
+
+namespace cairn::local_map {
+namespace {
+
+// Times of controls are off by some; what is less than this is no jump, however short the time.
+constexpr double kLeastJump_m = 0.7, kLeastJump_rad = 1.6;
+
+std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
+
+// Of a robot whose log has poses only: the turn at once, then the way.
+Odometry OfPoses(const Blob& log, const std::string& prefix, const std::string& name) {
+  const auto time = log.Get<double>(prefix + "time_s"), x = log.Get<double>(prefix + "x_m");
+  const auto y = log.Get<double>(prefix + "y_m"), heading = log.Get<double>(prefix + "heading_rad");
+  if (time.empty() || x.size() != time.size() || y.size() != time.size() || heading.size() != time.size())
+    throw InputError("robot '" + name + "': " + prefix + " is empty or its arrays differ in length");
+  Odometry path;
+  double path_m = 0, turned = 0, unwrapped = heading[0];
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    const std::string at = "robot '" + name + "', pose " + std::to_string(i) + ": ";
+    if (!std::isfinite(time[i]) || !std::isfinite(x[i]) || !std::isfinite(y[i]) || !std::isfinite(heading[i]))
+      throw InputError(at + "not a number");
+    if (i > 0) {
+      if (time[i] < time[i - 1]) throw InputError(at + "time runs backwards");
+      const double turn = Wrapped(heading[i] - heading[i - 1]);
+      unwrapped += turn;
+      turned += std::abs(turn);
+      path_m += std::hypot(x[i] - x[i - 1], y[i] - y[i - 1]);
+    }
+    path.time_s.push_back(time[i]);
+    path.x_m.push_back(x[i]);
+    path.y_m.push_back(y[i]);
+    path.heading_rad.push_back(unwrapped);
+    path.path_m.push_back(path_m);
+    path.turn_rad.push_back(turned);
+  }
+  return path;
+}
+
+Blob PosesOf(const std::vector<std::string>& names, const std::vector<Odometry>& robots) {
+  Blob poses;
+  poses.Put("robots", Array::Texts(names));
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const std::string prefix = Prefix(r) + "poses/";
+    poses.PutVector(prefix + "time_s", robots[r].time_s);
+    poses.PutVector(prefix + "x_m", robots[r].x_m);
+    poses.PutVector(prefix + "y_m", robots[r].y_m);
+    poses.PutVector(prefix + "heading_rad", robots[r].heading_rad);
+  }
+  return poses;
+}
+
+struct Reading {
+  double time_s;
+  std::size_t sensor;  // of the robot's
+  std::int64_t scan;   // of the log's
+};
+
+std::vector<Reading> ReadingsOf(const PosedScans& scans, const RobotRuns& runs) {
+  std::vector<Reading> readings;
+  for (std::size_t k = 0; k < runs.sensors.size(); ++k) {
+    const RangeScans& sensor = scans.sensors[runs.sensors[k]];
+    for (std::size_t s = 0; s < sensor.scans(); ++s) readings.push_back({sensor.time_s[s], k, sensor.row[s]});
+  }
+  std::ranges::stable_sort(readings, {}, &Reading::time_s);
+  return readings;
+}
+
+void AddSweep(const Odometry& odometry, double time_s, RobotRuns* runs) {
+  const OdometricPose at = PoseAt(odometry, time_s);
+  runs->sweeps.push_back({time_s, {at.x_m, at.y_m, at.heading_rad}, at.path_m, 0, false});
+  runs->scan.insert(runs->scan.end(), runs->sensors.size(), -1);
+}
+
+void AddSweeps(const std::vector<Reading>& readings, const Odometry& odometry, RobotRuns* runs) {
+  const std::size_t sensors = runs->sensors.size();
+  for (const Reading& reading : readings) {
+    const bool has_sweep = !runs->sweeps.empty();
+    const bool taken = has_sweep && runs->scan[runs->scan.size() - sensors + reading.sensor] >= 0;
+    if (!has_sweep || taken || reading.time_s - runs->sweeps.back().time_s > kTogether_s)
+      AddSweep(odometry, reading.time_s, runs);
+    runs->scan[runs->scan.size() - sensors + reading.sensor] = reading.scan;
+  }
+}
+
+void CutSweeps(const std::vector<double>& jumps, double gap_s, RobotRuns* runs) {
+  std::int32_t run = 0;
+  std::size_t next = 0;
+  for (std::size_t s = 1; s < runs->sweeps.size(); ++s) {
+    const double before_s = runs->sweeps[s - 1].time_s, time_s = runs->sweeps[s].time_s;
+    while (next < jumps.size() && jumps[next] <= before_s) ++next;  // no sweep was before it
+    const bool jumped = next < jumps.size() && jumps[next] <= time_s;
+    if (jumped || time_s - before_s > gap_s) {
+      runs->cuts.push_back({before_s, jumped ? "jump" : "gap"});
+      ++run;
+    }
+    runs->sweeps[s].run = run;
+    runs->sweeps[s].jumped = jumped;
+  }
+}
+
+// More than a robot can do in that time.
+bool IsJump(const OdometricPose& from, const OdometricPose& to, const RunOptions& options) {
+  const double duration_s = to.time_s - from.time_s;
+  return std::hypot(to.x_m - from.x_m, to.y_m - from.y_m) >
+             std::max(kLeastJump_m, options.jump_mps * duration_s) ||
+         std::abs(to.heading_rad - from.heading_rad) >
+             std::max(kLeastJump_rad, options.jump_radps * duration_s);
+}
+
+}  // namespace
+
+Odometry WithoutJumps(Odometry odometry, const RunOptions& options, std::vector<double>* jumps) {
+  const Odometry raw = odometry;
+  double turn = 0, path = 0, turned = 0;  // that were taken out so far
+  const std::size_t count = raw.time_s.size();
+  for (std::size_t i = 1, end = 1; i < count; i = end) {
+    // Controls of one moment are one motion: to where it went, and to where the robot then faces.
+    for (end = i + 1; end < count && raw.time_s[end] == raw.time_s[i]; ++end) {
+    }
+    const bool jumped = IsJump(PoseOf(raw, i - 1), PoseOf(raw, end - 1), options);
+    if (jumped) {
+      jumps->push_back(raw.time_s[i]);
+      turn += raw.heading_rad[end - 1] - raw.heading_rad[i - 1];
+      path += raw.path_m[end - 1] - raw.path_m[i - 1];
+      turned += raw.turn_rad[end - 1] - raw.turn_rad[i - 1];
+    }
+    const double c = std::cos(turn), s = std::sin(turn);
+    for (std::size_t k = i; k < end; ++k) {
+      // After a jump the path goes on from where it was, on the heading that it had.
+      const double dx = jumped ? 0 : raw.x_m[k] - raw.x_m[k - 1],
+                   dy = jumped ? 0 : raw.y_m[k] - raw.y_m[k - 1];
+      odometry.x_m[k] = odometry.x_m[k - 1] + c * dx + s * dy;
+      odometry.y_m[k] = odometry.y_m[k - 1] - s * dx + c * dy;
+      odometry.heading_rad[k] = jumped ? odometry.heading_rad[i - 1] : raw.heading_rad[k] - turn;
+      odometry.path_m[k] = jumped ? odometry.path_m[i - 1] : raw.path_m[k] - path;
+      odometry.turn_rad[k] = jumped ? odometry.turn_rad[i - 1] : raw.turn_rad[k] - turned;
+    }
+  }
+  return odometry;
+}
+
+DeadReckoning ReckonAll(const Blob& log, const RunOptions& options) {
+  const std::vector<std::string> names = log.Texts("robots");
+  DeadReckoning reckoning;
+  for (std::size_t r = 0; r < names.size(); ++r) {
+    const std::string prefix = Prefix(r), odometry = prefix + "odometry/time_s";
+    const bool moves = log.Has(odometry) && log.at(odometry).size() > 0;
+    if (!moves && !log.Has(prefix + "poses/time_s"))
+      throw InputError("robot '" + names[r] + "' has neither odometry nor poses: where it was is not known");
+    const Odometry raw =
+        moves ? Integrate(log.Sub(prefix), names[r]) : OfPoses(log, prefix + "poses/", names[r]);
+    reckoning.robots.push_back(WithoutJumps(raw, options, &reckoning.jumps.emplace_back()));
+  }
+  reckoning.poses = PosesOf(names, reckoning.robots);
+  return reckoning;
+}
+
+std::vector<RobotRuns> RunsOf(const PosedScans& scans, const DeadReckoning& reckoning,
+                              const RunOptions& options) {
+  std::vector<RobotRuns> robots(reckoning.robots.size());
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    for (std::size_t k = 0; k < scans.sensors.size(); ++k)
+      if (scans.sensors[k].name.starts_with(Prefix(r))) robots[r].sensors.push_back(k);
+    AddSweeps(ReadingsOf(scans, robots[r]), reckoning.robots[r], &robots[r]);
+    CutSweeps(reckoning.jumps[r], options.gap_s, &robots[r]);
+  }
+  return robots;
+}
+
+Blob RowsOf(const RobotRuns& runs) {
+  std::vector<double> time, path;
+  std::vector<std::int32_t> run;
+  std::vector<std::uint8_t> jumped;
+  for (const Sweep& sweep : runs.sweeps) {
+    time.push_back(sweep.time_s);
+    path.push_back(sweep.path_m);
+    run.push_back(sweep.run);
+    jumped.push_back(sweep.jumped ? 1 : 0);
+  }
+  Blob blob;
+  blob.PutVector("time_s", time);
+  blob.PutVector("path_m", path);
+  blob.PutVector("run", run);
+  blob.PutVector("jumped", jumped);
+  const auto count = static_cast<std::int64_t>(runs.sweeps.size());
+  blob.Put("scan",
+           Array::Of<std::int64_t>({count, static_cast<std::int64_t>(runs.sensors.size())}, runs.scan));
+  return WithPoses(std::move(blob), runs.sweeps);
+}
+
+Blob WithPoses(Blob rows, const std::vector<Sweep>& sweeps) {
+  std::vector<double> pose;
+  for (const Sweep& sweep : sweeps)
+    pose.insert(pose.end(), {sweep.pose.x_m, sweep.pose.y_m, sweep.pose.heading_rad});
+  rows.Put("pose", Array::Of<double>({static_cast<std::int64_t>(sweeps.size()), 3}, pose));
+  return rows;
+}
+
+std::vector<Sweep> SweepsOf(const Blob& rows) {
+  const auto time = rows.Get<double>("time_s"), pose = rows.Get<double>("pose");
+  const auto path = rows.Get<double>("path_m");
+  const auto run = rows.Get<std::int32_t>("run");
+  const auto jumped = rows.Get<std::uint8_t>("jumped");
+  std::vector<Sweep> sweeps;
+  for (std::size_t s = 0; s < time.size(); ++s)
+    sweeps.push_back(
+        {time[s], {pose[3 * s], pose[3 * s + 1], pose[3 * s + 2]}, path[s], run[s], jumped[s] != 0});
+  return sweeps;
+}
+
+}  // namespace cairn::local_map

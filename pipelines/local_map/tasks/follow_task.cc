@@ -1,0 +1,154 @@
+#include "pipelines/local_map/tasks/follow_task.h"
+
+#include <algorithm>
+
+namespace cairn::local_map {
+namespace {
+
+constexpr double kTurnSd_m = 0.02, kCutSd_m = 0.5, kLoopSd_m = 0.03;  // of connections
+
+struct Columns {
+  std::vector<double> time_s, z_m, u_m, range_z_m, range_u_m;
+  std::vector<std::int32_t> trace;
+  std::vector<std::uint8_t> corrected;
+
+  void Add(double time, std::size_t of, const Held& held) {
+    time_s.push_back(time);
+    trace.push_back(static_cast<std::int32_t>(of));
+    z_m.push_back(held.at.z_m);
+    u_m.push_back(held.at.u_m);
+    range_z_m.push_back(held.range.z_m);
+    range_u_m.push_back(held.range.u_m);
+    corrected.push_back(held.corrected ? 1 : 0);
+  }
+  Blob ToBlob() const {
+    Blob blob;
+    blob.PutVector("time_s", time_s);
+    blob.PutVector("trace", trace);
+    blob.PutVector("z_m", z_m);
+    blob.PutVector("u_m", u_m);
+    blob.PutVector("range_z_m", range_z_m);
+    blob.PutVector("range_u_m", range_u_m);
+    blob.PutVector("corrected", corrected);
+    return blob;
+  }
+};
+
+Connection Connect(const Parts& parts, std::size_t from, std::size_t to, double sd_m) {
+  const RecordedTrace &a = parts.traces[from], &b = parts.traces[to];
+  const Point moved_a = MovedBy(a, parts.knots), moved_b = MovedBy(b, parts.knots);
+  const Point origin = b.frame.Local({}, b.trace.cell_m());
+  const Point seen{origin.x_m + moved_b.x_m - moved_a.x_m, origin.y_m + moved_b.y_m - moved_a.y_m};
+  return {static_cast<int>(from), static_cast<int>(to), (b.frame.quarter - a.frame.quarter + 4) % 4,
+          a.frame.At(seen, a.trace.cell_m()), sd_m};
+}
+
+// The graph as it grows: numbers of traces here and there.
+class Growing {
+ public:
+  Growing(std::size_t robot, const std::vector<RecordedTrace>& traces,
+          const std::vector<Connection>& connections)
+      : traces_(traces), connections_(connections), here_(traces.size(), -1) {
+    for (std::size_t t = 0; t < traces.size(); ++t)
+      if (traces[t].robot == robot) next_.push_back(t);
+    std::ranges::reverse(next_);
+  }
+  std::size_t left() const { return next_.size(); }
+  const TraceGraph& graph() const { return graph_; }
+  std::size_t TraceOf(std::size_t node) const { return there_[node]; }
+
+  // Adds the traces whose recording ended before this sweep.
+  void GrowUntil(std::size_t sweep, const LocalGrids& grids, const Range& range, TraceLocalizer* localizer) {
+    while (!next_.empty() && traces_[next_.back()].end <= sweep) {
+      const std::size_t t = next_.back();
+      next_.pop_back();
+      const RecordedTrace& trace = traces_[t];
+      here_[t] = graph_.Add(trace.trace, trace.frame.quarter);
+      there_.push_back(t);
+      for (Connection connection : connections_) {
+        const auto from = static_cast<std::size_t>(connection.from),
+                   to = static_cast<std::size_t>(connection.to);
+        if ((from != t && to != t) || here_[from] < 0 || here_[to] < 0) continue;
+        connection.from = here_[from];
+        connection.to = here_[to];
+        graph_.Connect(connection);
+      }
+      const Position at = trace.frame.At({grids.pose().x_m, grids.pose().y_m}, trace.trace.cell_m());
+      localizer->Begin(here_[t], at, range);
+    }
+  }
+
+ private:
+  const std::vector<RecordedTrace>& traces_;
+  const std::vector<Connection>& connections_;
+  std::vector<int> here_;           // of each trace its node; -1: not yet
+  std::vector<std::size_t> there_;  // of each node its trace
+  std::vector<std::size_t> next_;   // the last comes first
+  TraceGraph graph_;
+};
+
+}  // namespace
+
+std::vector<Connection> ConnectionsOf(const Parts& parts) {
+  std::vector<Connection> connections;
+  for (std::size_t t = 1; t < parts.traces.size(); ++t) {
+    const RecordedTrace &before = parts.traces[t - 1], &now = parts.traces[t];
+    if (before.robot != now.robot) continue;
+    const std::vector<Sweep>& sweeps = parts.sweeps[now.robot];
+    const bool cut = sweeps[before.end - 1].run != sweeps[now.first].run;
+    connections.push_back(Connect(parts, t - 1, t, cut ? kCutSd_m : kTurnSd_m));
+  }
+  for (const Loop& loop : parts.loops) {
+    const std::int32_t to = TraceAt(parts, parts.knots[loop.knot].robot, parts.knots[loop.knot].sweep);
+    if (!loop.used || to < 0 || static_cast<std::size_t>(to) == loop.trace) continue;
+    connections.push_back(Connect(parts, loop.trace, static_cast<std::size_t>(to), kLoopSd_m));
+  }
+  return connections;
+}
+
+Blob ConnectionsBlob(const std::vector<Connection>& connections) {
+  std::vector<std::int32_t> of;
+  std::vector<double> origin;
+  for (const Connection& c : connections) {
+    of.insert(of.end(), {c.from, c.to, c.quarter});
+    origin.insert(origin.end(), {c.origin.z_m, c.origin.u_m, c.sd_m});
+  }
+  Blob blob;
+  blob.PutVector("of", of);
+  blob.PutVector("origin", origin);
+  return blob;
+}
+
+std::vector<Connection> ConnectionsOfBlob(const Blob& blob) {
+  const auto of = blob.Get<std::int32_t>("of");
+  const auto origin = blob.Get<double>("origin");
+  std::vector<Connection> connections;
+  for (std::size_t c = 0; c + 3 <= of.size(); c += 3)
+    connections.push_back({of[c], of[c + 1], of[c + 2], {origin[c], origin[c + 1]}, origin[c + 2]});
+  return connections;
+}
+
+Blob Follow(SweepReader& sweeps, std::size_t robot, const std::vector<RecordedTrace>& traces,
+            const std::vector<Connection>& connections, const std::vector<double>& moved_m,
+            const GridOptions& grid, const LocalizerOptions& options, Progress& progress) {
+  GridOptions aligned = grid;
+  aligned.align = false;
+  LocalGrids grids(aligned, sweeps.rings());
+  Growing growing(robot, traces, connections);
+  TraceLocalizer localizer(grids, options, growing.left());
+  Columns columns;
+  const Range fresh{options.least_m, options.least_m};
+  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+    if (s % 20 == 0) progress.Tick();
+    grids.Update(sweeps.pose(s), sweeps.Read(s));
+    localizer.Update(grids, growing.graph(), moved_m[s]);
+    for (std::size_t n = 0; n < growing.graph().size(); ++n) {
+      const std::optional<Held>& held = localizer.held(static_cast<int>(n));
+      if (held && held->active) columns.Add(sweeps.time_s(s), growing.TraceOf(n), *held);
+    }
+    growing.GrowUntil(s + 1, grids, fresh, &localizer);
+  }
+  return columns.ToBlob();
+}
+
+}  // namespace cairn::local_map
