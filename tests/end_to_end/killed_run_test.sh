@@ -76,6 +76,4 @@ same_bits whole pieces
 redone=$((total + used - whole))
 printf 'undisturbed %d.%02d s of processor time; killed %d times, %d hundredths done again, %d a kill\n' \
   $((whole / 100)) $((whole % 100)) "$fine_kills" "$redone" $((redone / fine_kills))
-# A checkpoint comes after a second at the earliest, when a short round ends: up to a second's work of both workers before
-# it, and as much of a round. Without a checkpoint it would be a third of the job, here some eight seconds.
-[ "$redone" -lt $((2 * 2 * 100 * fine_kills)) ] || die "a killed run does much more than a second's work again"
+[ "$redone" -lt $((120 * fine_kills)) ] || die "a killed run does much more than a second's work again"
