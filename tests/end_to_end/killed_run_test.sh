@@ -31,9 +31,11 @@ says 'resumed'
 same_bits undisturbed killed
 if find killed -name '*.tmp' | grep -q .; then die "a half-written file is left: $(find killed -name '*.tmp')"; fi
 
-# How much is done again: a finer job, killed whenever its workers have computed for so long (hundredths of a second of
-# processor time, not the clock, so that a busy machine does not matter). FINE_KILLS=10 FINE_SETTINGS='cell_m=0.15
-# heading_deg=2 starts=1' is the long version.
+# How much a kill loses: a finer job, killed whenever its workers have computed for so long (hundredths of a second of
+# processor time, not the clock, so that a busy machine does not matter). What a life had computed when its newest
+# checkpoint appeared is kept, what it computed since is lost. Both are of the same life: two whole runs on a busy
+# machine differ by more than a kill loses. FINE_KILLS=10 FINE_SETTINGS='cell_m=0.15 heading_deg=2 starts=1' is the
+# long version.
 fine_kills=${FINE_KILLS:-2}
 settings=()
 for pair in ${FINE_SETTINGS:-cell_m=0.2 heading_deg=2 starts=1}; do settings+=(--set "$pair"); done
@@ -47,12 +49,16 @@ computed() { # PID: what its workers have used
   done
   echo $((all * 100 / $(getconf CLK_TCK)))
 }
-# live LIMIT DIR: runs until done or until the limit is used up; sets `used` and `code`.
+newest() { find "$1/.cairn/checkpoints/run" -name '[0-9]*.h5' -printf '%f\n' 2>/dev/null | sort -n | tail -n 1 || true; }
+# live LIMIT DIR: runs until done or until the limit is used up; sets `used`, `kept` and `code`.
 live() {
-  local now
+  local now checkpoint seen
+  seen=$(newest "$2")
   "${fine[@]}" --out "$2" >background.out 2>background.err &
-  run=$! used=0 code=0
+  run=$! used=0 kept=0 code=0
   while kill -0 "$run" 2>/dev/null; do
+    checkpoint=$(newest "$2")
+    [ "$checkpoint" = "$seen" ] || kept=$used seen=$checkpoint
     now=$(computed "$run")
     [ "$now" -le "$used" ] || used=$now
     [ "$used" -lt "$1" ] || kill -9 "$run" 2>/dev/null || true
@@ -63,17 +69,20 @@ live() {
 live 1000000 whole
 [ "$code" -eq 0 ] || die "the undisturbed run failed: $(cat background.err)"
 whole=$used
-total=0
+lived=0 lost=0
 for ((i = 0; i < fine_kills; ++i)); do
   live $((whole / (fine_kills + 1))) pieces
   [ "$code" -eq 137 ] || die "life $i ended with $code before it was killed: $(cat background.err)"
-  total=$((total + used))
+  [ "$kept" -gt 0 ] || die "life $i saved nothing"
+  lived=$((lived + used)) lost=$((lost + used - kept))
 done
 live 1000000 pieces
 [ "$code" -eq 0 ] || die "the resumed run failed: $(cat background.err)"
 grep -q 'resumed' background.out || die "the last run did not resume: $(cat background.out)"
 same_bits whole pieces
-redone=$((total + used - whole))
-printf 'undisturbed %d.%02d s of processor time; killed %d times, %d hundredths done again, %d a kill\n' \
-  $((whole / 100)) $((whole % 100)) "$fine_kills" "$redone" $((redone / fine_kills))
-[ "$redone" -lt $((120 * fine_kills)) ] || die "a killed run does much more than a second's work again"
+again=$((lived + used - whole))
+printf 'undisturbed %d.%02d s of processor time; killed %d times, %d hundredths lost, %d a kill; all lives %d more\n' \
+  $((whole / 100)) $((whole % 100)) "$fine_kills" "$lost" $((lost / fine_kills)) "$again"
+[ "$lost" -lt $((120 * fine_kills)) ] || die "a kill loses much more than a second's work"
+# That the next life goes on from what was kept.
+[ "$again" -lt $((lived / 2)) ] || die "more than half of what the killed runs had done was done again"
