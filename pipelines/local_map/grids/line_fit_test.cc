@@ -102,6 +102,37 @@ TEST(LineFit, TwoHitsOrACurveAreNoCandidate) {
   EXPECT_EQ(Find({{-0.5, 1}, {0, 1.01}, {0.5, 1}}, grid).size(), 1U);
 }
 
+// The sd that an edge states is that of its angle: over many walls of about fourteen noisy hits, the errors'
+// squares are on average n / (n - 2) of the stated variance, for the spread is taken about a line that was
+// fitted to the hits.
+TEST(LineFit, AnEdgesSdIsThatOfItsAngle) {
+  Rng rng(7);
+  double squares = 0;
+  int walls = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    OccupancyGrid grid = Grid();
+    grid.NextSweep();
+    const double angle = rng.Uniform(-1.5, 1.5);
+    const Point a{0.8 * std::sin(angle) - std::cos(angle), -0.8 * std::cos(angle) - std::sin(angle)};
+    std::vector<Point> hits;
+    for (double at = 0; at < 2.1; at += 0.15) {
+      const double off = 0.02 * rng.Normal();
+      hits.push_back({a.x_m + at * std::cos(angle) - off * std::sin(angle),
+                      a.y_m + at * std::sin(angle) + off * std::cos(angle)});
+      grid.Hit(hits.back());
+    }
+    for (const Edge& edge : Find(hits, grid)) {
+      if (edge.LengthM() < 1.8) continue;  // a piece of the wall
+      const double error = ModuloAngle(edge.angle_rad - angle, std::numbers::pi) / edge.sd_rad;
+      squares += error * error;
+      ++walls;
+    }
+  }
+  ASSERT_GT(walls, 900);
+  // n = 14; a centimetre is taken for the least spread, beside which the hits have 2 cm.
+  EXPECT_NEAR(squares / walls, 14.0 / 12 * 4 / (4 + 1), 0.15);
+}
+
 // Step 3: the candidate grows over occupied cells, and gives up what lies behind a hole.
 TEST(LineFit, AnEdgeGrowsAndShrinksByTheGrid) {
   OccupancyGrid grid = Grid();
