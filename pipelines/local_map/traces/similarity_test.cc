@@ -103,6 +103,15 @@ TEST(Schemes, AverageIsSpoiledByFurnitureThatTheOthersResist) {
   EXPECT_EQ(trimmed.mean(), 1);
 }
 
+// By hand: seven are known, and three tenths of them are two: the -1 of the left side, the -0.5 of the right
+// one. What is left of both sides counts.
+TEST(Schemes, TrimmedDropsTheWorstOfBothSidesAndCountsTheRestOfBoth) {
+  std::array<float, 4> left{1, 0.5F, -1, 0.75F}, right{0.25F, -0.5F, 0, 1};
+  const Total trimmed = TotalOf(left, right, Scheme::kTrimmed, 0.3);
+  EXPECT_EQ(trimmed.known, 3 + 2);
+  EXPECT_EQ(trimmed.sum, 1 + 0.5 + 0.75 + 0.25 + 1);
+}
+
 TEST(Schemes, BestSideIgnoresASideThatDoesNotFitWhereTheOtherDoes) {
   std::array<float, 3> left{0.5F, 0.5F, 0.5F}, right{-1, -1, 0};
   EXPECT_NEAR(TotalOf(left, right, Scheme::kBestSide, 0).sum, 1.5, 1e-6);
