@@ -65,6 +65,18 @@ TEST(Correct, RefusesWhatLiesBeyondTheRange) {
   EXPECT_FALSE(match.usable());
 }
 
+// Of the left wall eight features lie where they were recorded, a similarity of 1, and eight lie 2 m off, 33
+// standard deviations, one of -1: as much speaks against the place as for it.
+TEST(Correct, RefusesWhatIsAsUnlikeAsItIsAlike) {
+  const HandWorld before{{{-99, 1}}, {}, {}, {}}, half_gone{{{-99, 1}, {0, 3}}, {}, {}, {}};
+  const EdgeTrace recorded = HandTrace(before, {}, -50, 90);
+  const ImmediateTrace now{HandTrace(half_gone, {}, -8, 8), {}};
+  const Match match = Correct(recorded, now, {}, {0.5, 0.5}, kMatchOptions);
+  EXPECT_EQ(match.known, 16);
+  EXPECT_EQ(match.sides_after, 0);
+  EXPECT_EQ(match.verdict, Verdict::kRefused);
+}
+
 TEST(Correct, AllocatesNothing) {
   const EdgeTrace recorded = HandTrace(Corridor(), {}, -15, 45);
   const ImmediateTrace now = SeenFrom(Corridor(), {1, 0.1});
