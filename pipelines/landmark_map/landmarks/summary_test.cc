@@ -154,6 +154,22 @@ TEST(ExtractLandmarks, ANarrowPeakThatIsNoLandmarkHidesNoOther) {
   EXPECT_NEAR(landmarks[0].count, 0.7, 1e-9);
 }
 
+// Of a core of five cells: (3, 4) and (-3, -4) lie five cells off, on its rim, which belongs to it as in
+// ExtractLandmarks; (4, 4) lies beyond.
+TEST(LeaveOut, TakesAllThatTheLandmarkCountedTheRimOfItsCoreToo) {
+  MapRules rules;
+  rules.grid = {1.0, 4};
+  rules.core_m = 5.0;
+  LayeredGrid counts = Counts({{0, 0, 2.0}, {3, 4, 1.0}, {-3, -4, 1.0}, {4, 4, 0.25}});
+  const std::vector<Landmark> landmarks = ExtractLandmarks(counts, rules);
+  ASSERT_EQ(landmarks.size(), 1U);
+  EXPECT_EQ(landmarks[0].count, 2.0 + 1.0 + 1.0);
+  const std::vector<double> taken = LeaveOut(landmarks[0], rules, &counts);
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0], landmarks[0].count);
+  EXPECT_EQ(counts.Sum(), 0.25);
+}
+
 TEST(Associate, TakesTheNearestLandmarkOfTheTypeWithinReach) {
   const std::vector<Landmark> landmarks = {{0, 0, {}, 0, 1}, {4, 0, {}, 0, 1}, {4, 0.5, {}, 1, 1}};
   Layer where(Box{0, 0, 6, 1});
