@@ -261,6 +261,15 @@ TEST(Polish, FindsADriftThatIsLeft) {
   EXPECT_LT(Farthest(polished.landmarks), 0.1);
 }
 
+// All went round the same square; what is left of their drifts differs from robot to robot.
+TEST(Polish, FindsADriftOfItsOwnForEachRobot) {
+  const auto polished =
+      Polish({RoundAndRound(0.0025), RoundAndRound(-0.0025), RoundAndRound(0.001), RoundAndRound(-0.002)},
+             SomeSettings(), Corners(0.6));
+  ASSERT_EQ(polished.refused, "");
+  EXPECT_LT(Farthest(polished.landmarks), 0.1);
+}
+
 TEST(Polish, AnObservationThatBelongsElsewhereHardlyCounts) {
   SettledPath path = RoundAndRound(0.0);
   path.associated.landmark[6] = 0;  // 20 m off
