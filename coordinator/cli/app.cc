@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -27,7 +28,7 @@ void Complain(std::string problem) {
   std::fprintf(stderr, "cairn: %s\n", problem.c_str());
 }
 
-void AddCommands(CLI::App& app, Invocation& call) {
+void AddCommands(Command app, Invocation& call) {
   AddRun(app, call);
   AddCoordinator(app, call);
   AddSimulate(app, call);
@@ -209,7 +210,7 @@ int ParseAndRun(int argc, char** argv) {
   Invocation call;
   app.add_flag("--log-json", call.log_json, "Logs as JSON lines on stderr");
   app.add_flag("-v,--verbose", call.verbose, "Say more about what happens");
-  AddCommands(app, call);
+  AddCommands(Command(&app), call);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

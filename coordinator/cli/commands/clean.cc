@@ -58,17 +58,16 @@ int Clean(const CleanArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddClean(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddClean(Command app, Invocation& call) {
+  Command command;
   const auto options =
       AddCommand<CleanArguments>(app, call, "clean", "Removes from a coordinator's store what nobody needs",
                                  "cairn clean --dry-run\n  cairn clean --damaged", Clean, &command);
-  AddClientArguments(*command, options->client);
-  command->add_option("--store", options->store,
-                      "A store that no coordinator has at the moment, by its folder");
-  command->add_flag("--damaged", options->clean.damaged, "Also what was set aside as damaged");
-  command->add_flag("--dry-run", options->clean.dry_run, "Only say what would be removed");
-  command->add_flag("--json", options->json, "As JSON");
+  AddClientArguments(command, options->client);
+  command.Add("--store", options->store, "A store that no coordinator has at the moment, by its folder");
+  command.AddFlag("--damaged", options->clean.damaged, "Also what was set aside as damaged");
+  command.AddFlag("--dry-run", options->clean.dry_run, "Only say what would be removed");
+  command.AddFlag("--json", options->json, "As JSON");
 }
 
 }  // namespace cairn::cli

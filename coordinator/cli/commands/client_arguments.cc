@@ -6,13 +6,13 @@
 
 namespace cairn::cli {
 
-void AddClientArguments(CLI::App& command, ClientArguments& arguments) {
-  command.add_option(
+void AddClientArguments(Command command, ClientArguments& arguments) {
+  command.Add(
       "--connect", arguments.connect,
       "The coordinator: ipc://PATH or tcp://HOST:PORT ($CAIRN_COORDINATOR, else the one in ~/.cairn)");
-  command.add_option("--key", arguments.key, "This client's key pair (tcp: ~/.config/cairn/client.key)");
-  command.add_option("--server-key", arguments.server_key,
-                     "The coordinator's public key (tcp: ~/.config/cairn/coordinator.pub)");
+  command.Add("--key", arguments.key, "This client's key pair (tcp: ~/.config/cairn/client.key)");
+  command.Add("--server-key", arguments.server_key,
+              "The coordinator's public key (tcp: ~/.config/cairn/coordinator.pub)");
 }
 
 coordinator::Client ConnectClient(const ClientArguments& arguments) {

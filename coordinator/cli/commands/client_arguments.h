@@ -1,9 +1,9 @@
 // How a client finds its coordinator.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
+#include "coordinator/cli/common/command.h"
 #include "coordinator/client.h"
 
 namespace cairn::cli {
@@ -14,7 +14,7 @@ struct ClientArguments {
   std::string server_key;  // .pub of the coordinator; tcp only
 };
 
-void AddClientArguments(CLI::App& command, ClientArguments& arguments);
+void AddClientArguments(Command command, ClientArguments& arguments);
 
 // Throws InputError or WorldError.
 coordinator::Client ConnectClient(const ClientArguments& arguments);

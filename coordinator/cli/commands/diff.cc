@@ -26,15 +26,15 @@ int Diff(const DiffArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddDiff(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddDiff(Command app, Invocation& call) {
+  Command command;
   const auto options = AddCommand<DiffArguments>(
       app, call, "diff",
       "Are two files or folders the same, bit for bit, and where not (seconds and hosts aside)",
       "cairn diff one-worker five-workers", Diff, &command);
-  command->add_option("A", options->a, "A file, or a folder of them")->required();
-  command->add_option("B", options->b, "Another")->required();
-  command->add_flag("--json", options->json, "As JSON");
+  command.Add("A", options->a, "A file, or a folder of them").Required();
+  command.Add("B", options->b, "Another").Required();
+  command.AddFlag("--json", options->json, "As JSON");
 }
 
 }  // namespace cairn::cli

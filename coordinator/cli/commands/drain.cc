@@ -36,15 +36,14 @@ int Drain(const DrainArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddDrain(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddDrain(Command app, Invocation& call) {
+  Command command;
   auto options = AddCommand<DrainArguments>(app, call, "drain", "Lets workers finish what they run, and end",
                                             "cairn drain 3", Drain, &command);
-  AddClientArguments(*command, options->client);
-  command->add_option("WORKER", options->workers, "Their numbers, as status shows them")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--all", options->all, "All that are connected");
-  command->add_flag("--json", options->json, "As JSON");
+  AddClientArguments(command, options->client);
+  command.Add("WORKER", options->workers, "Their numbers, as status shows them").Positive();
+  command.AddFlag("--all", options->all, "All that are connected");
+  command.AddFlag("--json", options->json, "As JSON");
 }
 
 }  // namespace cairn::cli

@@ -205,13 +205,13 @@ int Evaluate(const EvaluateArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddEvaluate(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddEvaluate(Command app, Invocation& call) {
+  Command command;
   const auto options =
       AddCommand<EvaluateArguments>(app, call, "evaluate", "Scores a result against ground truth",
                                     "cairn evaluate result --truth log.h5 --json", Evaluate, &command);
-  command->add_option("RESULT", options->result, "A result file, or the folder given as --out")->required();
-  command->add_option(
+  command.Add("RESULT", options->result, "A result file, or the folder given as --out").Required();
+  command.Add(
       "--truth", options->truth,
       "For a landmark_map or a local_map a simulated log, or an imported one that has truth; for a grid_map "
       "the log that it "
@@ -219,38 +219,35 @@ void AddEvaluate(CLI::App& app, Invocation& call) {
       "made of, or another grid_map; for networks samples "
       "of runs that they were not trained on; for a localization the samples that it is of; for hand-made "
       "features samples of other runs");
-  command->add_option("--feature", options->features,
-                      "RESULT is samples: score this hand-made feature of them (again: several together)");
-  command->add_option("--holdout", options->holdout,
-                      "With --feature: the run to score on, the map being of the others (again: several); "
-                      "without it and --truth each run in turn");
-  command->add_option("--against", options->against,
-                      "With --feature: the feature that it should find; prints precision and recall");
-  CLI::Option* relations = command->add_option(
-      "--relations", options->relations,
-      "RESULT has poses, or is a log: score them by a relations file of the SLAM benchmark");
+  command.Add("--feature", options->features,
+              "RESULT is samples: score this hand-made feature of them (again: several together)");
+  command.Add("--holdout", options->holdout,
+              "With --feature: the run to score on, the map being of the others (again: several); "
+              "without it and --truth each run in turn");
+  command.Add("--against", options->against,
+              "With --feature: the feature that it should find; prints precision and recall");
+  const Argument relations =
+      command.Add("--relations", options->relations,
+                  "RESULT has poses, or is a log: score them by a relations file of the SLAM benchmark");
   command
-      ->add_option("--offset-s", options->offset_s,
-                   "With --relations: what their clock says when that of the poses says 0")
-      ->needs(relations);
+      .Add("--offset-s", options->offset_s,
+           "With --relations: what their clock says when that of the poses says 0")
+      .Needs(relations);
+  command.Add("--robot", options->robot, "With --relations: whose poses, where there are several robots")
+      .Needs(relations);
+  command.AddFlag("--json", options->json, "As JSON");
+  AddChangedFlag(command, &options->changed);
+  command.Add("--nearest", options->nearest,
+              "Networks, features: training samples, of which the features at a place are the mean (5)");
   command
-      ->add_option("--robot", options->robot, "With --relations: whose poses, where there are several robots")
-      ->needs(relations);
-  command->add_flag("--json", options->json, "As JSON");
-  AddChangedFlag(*command, &options->changed);
-  command->add_option(
-      "--nearest", options->nearest,
-      "Networks, features: training samples, of which the features at a place are the mean (5)");
+      .Add("--heading-window-deg", options->heading_window_deg,
+           "Networks, features: what the robot knows of its heading, in samples that do not all face one "
+           "way; 180: nothing (what the networks were trained for; features: 180)")
+      .Within(0.0, 180.0);
   command
-      ->add_option(
-          "--heading-window-deg", options->heading_window_deg,
-          "Networks, features: what the robot knows of its heading, in samples that do not all face one "
-          "way; 180: nothing (what the networks were trained for; features: 180)")
-      ->check(CLI::Range(0.0, 180.0));
-  command
-      ->add_option("--seed", options->seed,
-                   "Networks, features: of the sampled features and of the intervals' bootstrap (1)")
-      ->check(CheckSeed);
+      .Add("--seed", options->seed,
+           "Networks, features: of the sampled features and of the intervals' bootstrap (1)")
+      .Check(CheckSeed);
 }
 
 }  // namespace cairn::cli

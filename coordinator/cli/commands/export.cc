@@ -70,41 +70,40 @@ int Export(const ExportArguments& options, const Invocation&) {
   return kExitDone;
 }
 
-void AddFormat(CLI::App& parent, Invocation& call, const char* format, const char* help) {
-  CLI::App* command = nullptr;
+void AddFormat(Command parent, Invocation& call, const char* format, const char* help) {
+  Command command;
   const std::string example = "cairn export " + std::string(format) + " result exported";
   const auto options =
       AddCommand<ExportArguments>(parent, call, format, help, example.c_str(), Export, &command);
   options->format = format;
-  command->add_option("RESULT", options->from, "A result file, or the folder given as --out")->required();
-  command->add_option("FOLDER", options->folder, "Where to write; made where it is missing")->required();
-  AddChangedFlag(*command, &options->changed);
-  command->add_flag("--force", options->force, "Replace files that are there already");
+  command.Add("RESULT", options->from, "A result file, or the folder given as --out").Required();
+  command.Add("FOLDER", options->folder, "Where to write; made where it is missing").Required();
+  AddChangedFlag(command, &options->changed);
+  command.AddFlag("--force", options->force, "Replace files that are there already");
   if (options->format == "ros") {
     command
-        ->add_option("--mode", options->mode,
-                     "trinary: occupied, free or unknown; scale: shades of grey; raw: 0 to 100, unknown 255")
-        ->check(CLI::IsMember({"trinary", "scale", "raw"}))
-        ->capture_default_str();
+        .Add("--mode", options->mode,
+             "trinary: occupied, free or unknown; scale: shades of grey; raw: 0 to 100, unknown 255")
+        .OneOf({"trinary", "scale", "raw"})
+        .ShowDefault();
   }
   if (options->format == "g2o") {
-    command->add_option("--log", options->log,
-                        "The log that the result was made from: adds its observations");
+    command.Add("--log", options->log, "The log that the result was made from: adds its observations");
   }
 }
 
 }  // namespace
 
-void AddExport(CLI::App& app, Invocation& call) {
-  CLI::App* parent = app.add_subcommand("export", "Writes maps and trajectories for other tools");
-  parent->require_subcommand(1);
-  parent->footer("Example:\n  cairn export tum result exported");
-  AddFormat(*parent, call, "tum", "Trajectories, a file a robot, as TUM's tools and evo read them");
-  AddFormat(*parent, call, "g2o", "Poses, landmarks and their edges as a graph");
-  AddFormat(*parent, call, "ros", "The map as map_server of ROS reads it: PGM and YAML");
-  AddFormat(*parent, call, "octomap", "The grid as a layer of an octree, as OctoMap reads it: .bt");
-  AddFormat(*parent, call, "png", "The map as a picture; of a grid map a pixel a cell");
-  AddFormat(*parent, call, "csv",
+void AddExport(Command app, Invocation& call) {
+  Command parent = app.AddCommand("export", "Writes maps and trajectories for other tools");
+  parent.NeedsCommand();
+  parent.Footer("Example:\n  cairn export tum result exported");
+  AddFormat(parent, call, "tum", "Trajectories, a file a robot, as TUM's tools and evo read them");
+  AddFormat(parent, call, "g2o", "Poses, landmarks and their edges as a graph");
+  AddFormat(parent, call, "ros", "The map as map_server of ROS reads it: PGM and YAML");
+  AddFormat(parent, call, "octomap", "The grid as a layer of an octree, as OctoMap reads it: .bt");
+  AddFormat(parent, call, "png", "The map as a picture; of a grid map a pixel a cell");
+  AddFormat(parent, call, "csv",
             "Tables: of a log those that `import csv` reads, of a result poses and landmarks");
 }
 

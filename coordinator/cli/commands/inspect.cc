@@ -105,17 +105,16 @@ int Inspect(const InspectArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddInspect(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddInspect(Command app, Invocation& call) {
+  Command command;
   const auto options =
       AddCommand<InspectArguments>(app, call, "inspect", "What is in a Cairn file, every checksum looked at",
                                    "cairn inspect log.h5", Inspect, &command);
   command
-      ->add_option(
-          "FILE", options->file,
-          "A log, a result, a checkpoint; of a folder: what it looks like, and which command reads it")
-      ->required();
-  command->add_flag("--json", options->json, "As JSON");
+      .Add("FILE", options->file,
+           "A log, a result, a checkpoint; of a folder: what it looks like, and which command reads it")
+      .Required();
+  command.AddFlag("--json", options->json, "As JSON");
 }
 
 }  // namespace cairn::cli

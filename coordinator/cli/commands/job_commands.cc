@@ -36,25 +36,24 @@ int Tell(const JobCommandsArguments& options, const Invocation&) {
   return kExitDone;
 }
 
-std::shared_ptr<JobCommandsArguments> AddTelling(CLI::App& app, Invocation& call, const char* name,
-                                                 const char* summary, const char* example,
-                                                 CLI::App** command) {
+std::shared_ptr<JobCommandsArguments> AddTelling(Command app, Invocation& call, const char* name,
+                                                 const char* summary, const char* example, Command* command) {
   auto options = AddCommand<JobCommandsArguments>(app, call, name, summary, example, Tell, command);
   options->action = name;
-  AddClientArguments(**command, options->client);
-  (*command)->add_flag("--json", options->json, "As JSON");
+  AddClientArguments(*command, options->client);
+  command->AddFlag("--json", options->json, "As JSON");
   return options;
 }
 
 }  // namespace
 
-void AddJobCommands(CLI::App& app, Invocation& call) {
+void AddJobCommands(Command app, Invocation& call) {
   struct OfJobs {
     const char* name;
     const char* summary;
     const char* example;
   };
-  CLI::App* command = nullptr;
+  Command command;
   for (const OfJobs& of : {
            OfJobs{"pause", "Hands out no more tasks of a job, until resume", "cairn pause 1-museum"},
            OfJobs{"resume", "Goes on with a job that is paused", "cairn resume 1-museum"},
@@ -65,19 +64,17 @@ void AddJobCommands(CLI::App& app, Invocation& call) {
            OfJobs{"delete", "Forgets jobs that have ended, their results and logs", "cairn delete 1-museum"},
        }) {
     const auto options = AddTelling(app, call, of.name, of.summary, of.example, &command);
-    command->add_option("JOB", options->jobs, "Ids, as submit and list say them")->required();
+    command.Add("JOB", options->jobs, "Ids, as submit and list say them").Required();
   }
   const auto options = AddTelling(
       app, call, "priority", "Gives a job a larger or smaller share of the workers; each step doubles it",
       "cairn priority 1-museum 2", &command);
   command
-      ->add_option_function<std::string>(
+      .AddTaking<std::string>(
           "JOB", [options](const std::string& job) { options->jobs = {job}; },
           "Its id, as submit and list say it")
-      ->required();
-  command->add_option("N", options->priority, "-10 to 10; jobs begin with 0")
-      ->required()
-      ->check(CLI::Range(-10, 10));
+      .Required();
+  command.Add("N", options->priority, "-10 to 10; jobs begin with 0").Required().Within(-10, 10);
 }
 
 }  // namespace cairn::cli

@@ -134,39 +134,38 @@ int Results(const JobsArguments& options, const Invocation&) {
   return kExitDone;
 }
 
-std::shared_ptr<JobsArguments> AddClientCommand(CLI::App& app, Invocation& call, const char* name,
+std::shared_ptr<JobsArguments> AddClientCommand(Command app, Invocation& call, const char* name,
                                                 const char* summary, const char* example,
                                                 int (*run)(const JobsArguments&, const Invocation&),
-                                                CLI::App** command) {
+                                                Command* command) {
   auto options = AddCommand<JobsArguments>(app, call, name, summary, example, run, command);
-  AddClientArguments(**command, options->client);
+  AddClientArguments(*command, options->client);
   return options;
 }
 
 }  // namespace
 
-void AddJobs(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddJobs(Command app, Invocation& call) {
+  Command command;
   auto options = AddClientCommand(app, call, "list", "All jobs of a coordinator",
                                   "cairn list --state running --name 'tour-*'", List, &command);
-  command->add_option("--state", options->state, "Only these")
-      ->check(CLI::IsMember({"queued", "running", "paused", "done", "failed", "cancelled"}));
-  command->add_option("--name", options->name, "Only those whose name matches this pattern");
-  command->add_flag("--json", options->json, "As JSON");
+  command.Add("--state", options->state, "Only these")
+      .OneOf({"queued", "running", "paused", "done", "failed", "cancelled"});
+  command.Add("--name", options->name, "Only those whose name matches this pattern");
+  command.AddFlag("--json", options->json, "As JSON");
 
   options = AddClientCommand(app, call, "status", "How a job stands, or the service: jobs, workers, refusals",
                              "cairn status\n  cairn status 1-museum --json", Status, &command);
-  command->add_option("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
-  command->add_flag("--json", options->json, "As JSON");
+  command.Add("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
+  command.AddFlag("--json", options->json, "As JSON");
 
   options = AddClientCommand(app, call, "results",
                              "Fetches the results of a job, a file a stage, with pictures and a page",
                              "cairn results 1-museum --out museum", Results, &command);
-  command->add_option("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
-  command->add_option("--name", options->name, "All that are done whose name matches this pattern");
-  command->add_option("--out", options->out, "Folder to write to (the job's id)");
-  command->add_flag("--force", options->force,
-                    "Replace files that are there already and hold something else");
+  command.Add("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
+  command.Add("--name", options->name, "All that are done whose name matches this pattern");
+  command.Add("--out", options->out, "Folder to write to (the job's id)");
+  command.AddFlag("--force", options->force, "Replace files that are there already and hold something else");
 }
 
 }  // namespace cairn::cli

@@ -113,35 +113,34 @@ int Revoke(const KeysArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddKeys(CLI::App& app, Invocation& call) {
-  CLI::App* keys =
-      app.add_subcommand("keys", "Key pairs, and who may connect, for a fleet that listens on TCP");
-  keys->footer("Example:\n  cairn keys new coordinator\n  cairn keys allow desk.pub --as worker");
-  keys->require_subcommand(1);
-  CLI::App* command = nullptr;
+void AddKeys(Command app, Invocation& call) {
+  Command keys = app.AddCommand("keys", "Key pairs, and who may connect, for a fleet that listens on TCP");
+  keys.Footer("Example:\n  cairn keys new coordinator\n  cairn keys allow desk.pub --as worker");
+  keys.NeedsCommand();
+  Command command;
   const auto add = [&](const char* name, const char* summary, const char* example,
                        int (*run)(const KeysArguments&, const Invocation&)) {
-    auto options = AddCommand<KeysArguments>(*keys, call, name, summary, example, run, &command);
-    command->add_option("--dir", options->dir, "Folder of keys ($XDG_CONFIG_HOME/cairn, or ~/.config/cairn)");
+    auto options = AddCommand<KeysArguments>(keys, call, name, summary, example, run, &command);
+    command.Add("--dir", options->dir, "Folder of keys ($XDG_CONFIG_HOME/cairn, or ~/.config/cairn)");
     return options;
   };
   auto options = add("new", "Makes a key pair: NAME.key stays here, NAME.pub is handed out",
                      "cairn keys new coordinator", New);
-  command->add_option("NAME", options->name, "coordinator, worker, client or what you like")->required();
+  command.Add("NAME", options->name, "coordinator, worker, client or what you like").Required();
 
   options = add("show", "The keys that are here, and those that are allowed", "cairn keys show", Show);
-  command->add_option("NAME", options->name, "Prints the public key of this pair alone");
-  command->add_flag("--json", options->json, "As JSON");
+  command.Add("NAME", options->name, "Prints the public key of this pair alone");
+  command.AddFlag("--json", options->json, "As JSON");
 
   options = add("allow", "Lets a key connect to the coordinator of this folder",
                 "cairn keys allow desk.pub --as worker,viewer --name desk", Allow);
-  command->add_option("KEY", options->key, "A public key, or the .pub file that holds it")->required();
-  command->add_option("--as", options->roles, "worker, submitter, viewer; several with commas")->required();
-  command->add_option("--name", options->name, "What to call it (the file's name)");
+  command.Add("KEY", options->key, "A public key, or the .pub file that holds it").Required();
+  command.Add("--as", options->roles, "worker, submitter, viewer; several with commas").Required();
+  command.Add("--name", options->name, "What to call it (the file's name)");
 
   options = add("revoke", "Takes a key off the list; it is refused at its next message",
                 "cairn keys revoke desk", Revoke);
-  command->add_option("KEY", options->key, "A public key, a .pub file, or a name on the list")->required();
+  command.Add("KEY", options->key, "A public key, a .pub file, or a name on the list").Required();
 }
 
 }  // namespace cairn::cli

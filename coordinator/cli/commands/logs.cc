@@ -54,15 +54,15 @@ int Logs(const LogsArguments& options, const Invocation& call) {
 
 }  // namespace
 
-void AddLogs(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddLogs(Command app, Invocation& call) {
+  Command command;
   auto options = AddCommand<LogsArguments>(
       app, call, "logs", "What happened to a job: rounds, failed attempts and why, lost workers, commands",
       "cairn logs 1-museum\n  cairn logs 1-museum --follow --json", Logs, &command);
-  AddClientArguments(*command, options->client);
-  command->add_option("JOB", options->job, "Its id, as submit and list say it")->required();
-  command->add_flag("-f,--follow", options->follow, "Goes on with what happens, until the job has ended");
-  command->add_flag("--json", options->json, "A line of JSON each");
+  AddClientArguments(command, options->client);
+  command.Add("JOB", options->job, "Its id, as submit and list say it").Required();
+  command.AddFlag("-f,--follow", options->follow, "Goes on with what happens, until the job has ended");
+  command.AddFlag("--json", options->json, "A line of JSON each");
 }
 
 }  // namespace cairn::cli

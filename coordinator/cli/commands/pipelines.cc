@@ -27,13 +27,13 @@ int Pipelines(const PipelinesArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddPipelines(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddPipelines(Command app, Invocation& call) {
+  Command command;
   const auto options = AddCommand<PipelinesArguments>(
       app, call, "pipelines", "Which pipelines there are, and the options of one",
       "cairn pipelines\n  cairn pipelines landmark_map", Pipelines, &command);
-  command->add_option("PIPELINE", options->pipeline, "All options of this one: unit, range, default, effect");
-  command->add_flag("--json", options->json, "As JSON, always with all options");
+  command.Add("PIPELINE", options->pipeline, "All options of this one: unit, range, default, effect");
+  command.AddFlag("--json", options->json, "As JSON, always with all options");
 }
 
 }  // namespace cairn::cli

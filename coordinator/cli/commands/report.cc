@@ -155,21 +155,19 @@ WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& sta
   return written;
 }
 
-void AddReport(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddReport(Command app, Invocation& call) {
+  Command command;
   const auto options =
       AddCommand<ReportArguments>(app, call, "report", "One self-contained HTML page about a job's results",
                                   "cairn report result --log log.h5 --out page.html", Report, &command);
-  command
-      ->add_option("RESULT", options->result,
-                   "A result file, or the folder given as --out: all that is in it")
-      ->required();
-  command->add_option("--log", options->log,
-                      "The log that it was made from: adds raw odometry, and truth; of a "
-                      "localization the samples: adds errors; of a grid_map adds scores");
-  command->add_option("--out", options->out, "The page to write (report.html beside the result)");
-  AddChangedFlag(*command, &options->changed);
-  command->add_flag("--force", options->force, "Replace the page where it is there already");
+  command.Add("RESULT", options->result, "A result file, or the folder given as --out: all that is in it")
+      .Required();
+  command.Add("--log", options->log,
+              "The log that it was made from: adds raw odometry, and truth; of a "
+              "localization the samples: adds errors; of a grid_map adds scores");
+  command.Add("--out", options->out, "The page to write (report.html beside the result)");
+  AddChangedFlag(command, &options->changed);
+  command.AddFlag("--force", options->force, "Replace the page where it is there already");
 }
 
 }  // namespace cairn::cli

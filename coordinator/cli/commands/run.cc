@@ -127,35 +127,33 @@ int Run(const RunArguments& options, const Invocation& call) {
 
 }  // namespace
 
-void AddRun(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddRun(Command app, Invocation& call) {
+  Command command;
   const auto options = AddCommand<RunArguments>(
       app, call, "run", "Runs a job here, on workers of its own; the same command again resumes it",
       "cairn run job.yaml --out result\n  cairn run landmark_map log.h5 --set cell_m=0.5 --out result "
       "--workers 4",
       Run, &command);
-  AddJobArguments(*command, options->job);
-  command->add_option("--out", options->out, "Folder of the results (the job's name)");
-  command->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
-      ->check(CLI::Range(1, 1024));
+  AddJobArguments(command, options->job);
+  command.Add("--out", options->out, "Folder of the results (the job's name)");
+  command.Add("--workers", options->workers, "Worker processes (as many as there are cores)").Within(1, 1024);
   command
-      ->add_option(
-          "--task-memory-mb", options->task_memory_mb,
-          "Memory that a task may take beside its inputs; the job's own limit counts where it is lower")
-      ->check(CLI::Range(std::uint64_t{1}, coordinator::kMostTaskMemory_mb));
+      .Add("--task-memory-mb", options->task_memory_mb,
+           "Memory that a task may take beside its inputs; the job's own limit counts where it is lower")
+      .Within(std::uint64_t{1}, coordinator::kMostTaskMemory_mb);
   command
-      ->add_option("--checkpoint-interval", options->checkpoint_interval_s,
-                   "Seconds between checkpoints, from which a run that is killed goes on")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
+      .Add("--checkpoint-interval", options->checkpoint_interval_s,
+           "Seconds between checkpoints, from which a run that is killed goes on")
+      .Within(0.0, 3600.0)
+      .ShowDefault();
   command
-      ->add_option("--checkpoint-rounds", options->checkpoint_rounds,
-                   "A checkpoint every so many rounds, instead of by seconds (0: by seconds)")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}));
-  command->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
-  command->add_flag("--dry-run", options->dry_run,
-                    "Check everything, plan the first stage, print the plan with estimates, run nothing");
-  command->add_flag("--json", options->json, "The summary, or the plan, as JSON");
+      .Add("--checkpoint-rounds", options->checkpoint_rounds,
+           "A checkpoint every so many rounds, instead of by seconds (0: by seconds)")
+      .Within(std::uint64_t{0}, std::uint64_t{1'000'000'000});
+  command.AddFlag("--force", options->force, "Forget what an earlier run left in the folder");
+  command.AddFlag("--dry-run", options->dry_run,
+                  "Check everything, plan the first stage, print the plan with estimates, run nothing");
+  command.AddFlag("--json", options->json, "The summary, or the plan, as JSON");
 }
 
 }  // namespace cairn::cli

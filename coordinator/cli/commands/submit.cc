@@ -115,21 +115,21 @@ int Submit(const SubmitArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddSubmit(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddSubmit(Command app, Invocation& call) {
+  Command command;
   const auto options = AddCommand<SubmitArguments>(
       app, call, "submit", "Hands a job and its inputs to a coordinator",
       "cairn submit job.yaml\n  cairn submit landmark_map --each 'logs/*.h5' --priority -1", Submit,
       &command);
-  AddClientArguments(*command, options->client);
-  AddJobArguments(*command, options->arguments);
-  command->add_option("--each", options->each,
-                      "A job for each file that matches this pattern, in place of the one that is named");
+  AddClientArguments(command, options->client);
+  AddJobArguments(command, options->arguments);
+  command.Add("--each", options->each,
+              "A job for each file that matches this pattern, in place of the one that is named");
   command
-      ->add_option("--priority", options->priority,
-                   "-10 to 10; each step doubles its share of the workers (the job file's, or 0)")
-      ->check(CLI::Range(-10, 10));
-  command->add_flag("--json", options->json, "As JSON");
+      .Add("--priority", options->priority,
+           "-10 to 10; each step doubles its share of the workers (the job file's, or 0)")
+      .Within(-10, 10);
+  command.AddFlag("--json", options->json, "As JSON");
 }
 
 }  // namespace cairn::cli

@@ -140,14 +140,14 @@ int Watch(const WatchArguments& options, const Invocation& call) {
 
 }  // namespace
 
-void AddWatch(CLI::App& app, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddWatch(Command app, Invocation& call) {
+  Command command;
   const auto options =
       AddCommand<WatchArguments>(app, call, "watch", "Follows jobs to their ends, and ends as they do",
                                  "cairn watch 1-museum", Watch, &command);
-  AddClientArguments(*command, options->client);
-  command->add_option("JOB", options->jobs, "Ids (all that are not over; where none is, the last)");
-  command->add_flag("--json", options->json, "How they ended, as JSON");
+  AddClientArguments(command, options->client);
+  command.Add("JOB", options->jobs, "Ids (all that are not over; where none is, the last)");
+  command.AddFlag("--json", options->json, "How they ended, as JSON");
 }
 
 }  // namespace cairn::cli

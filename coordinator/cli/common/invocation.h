@@ -1,8 +1,11 @@
 // What a command line asks for, and how a command ends.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
+#include <string>
+
+#include "coordinator/cli/common/command.h"
 
 namespace cairn::cli {
 
@@ -20,36 +23,36 @@ struct Invocation {
 
 // A command's options live as long as its subcommand.
 template <class Options>
-std::shared_ptr<Options> AddCommand(CLI::App& app, Invocation& call, const char* name, const char* summary,
+std::shared_ptr<Options> AddCommand(Command app, Invocation& call, const char* name, const char* summary,
                                     const char* example, int (*run)(const Options&, const Invocation&),
-                                    CLI::App** command) {
+                                    Command* command) {
   auto options = std::make_shared<Options>();
-  *command = app.add_subcommand(name, summary);
-  (*command)->footer(std::string("Example:\n  ") + example);
-  (*command)->callback(
+  *command = app.AddCommand(name, summary);
+  command->Footer(std::string("Example:\n  ") + example);
+  command->WhenGiven(
       [options, &call, run] { call.run = [options, &call, run] { return run(*options, call); }; });
   return options;
 }
 
 // Each adds its command to `app`.
-void AddRun(CLI::App& app, Invocation& call);
-void AddCoordinator(CLI::App& app, Invocation& call);
-void AddWorker(CLI::App& app, Invocation& call);
-void AddSubmit(CLI::App& app, Invocation& call);
-void AddJobs(CLI::App& app, Invocation& call);         // list, status, watch, results
-void AddJobCommands(CLI::App& app, Invocation& call);  // pause, resume, cancel, retry, delete, priority
-void AddWatch(CLI::App& app, Invocation& call);
-void AddLogs(CLI::App& app, Invocation& call);
-void AddDrain(CLI::App& app, Invocation& call);
-void AddClean(CLI::App& app, Invocation& call);
-void AddImport(CLI::App& app, Invocation& call);
-void AddSimulate(CLI::App& app, Invocation& call);
-void AddInspect(CLI::App& app, Invocation& call);
-void AddEvaluate(CLI::App& app, Invocation& call);
-void AddExport(CLI::App& app, Invocation& call);
-void AddReport(CLI::App& app, Invocation& call);
-void AddReproduce(CLI::App& app, Invocation& call);
-void AddDiff(CLI::App& app, Invocation& call);
-void AddKeys(CLI::App& app, Invocation& call);
+void AddRun(Command app, Invocation& call);
+void AddCoordinator(Command app, Invocation& call);
+void AddWorker(Command app, Invocation& call);
+void AddSubmit(Command app, Invocation& call);
+void AddJobs(Command app, Invocation& call);         // list, status, watch, results
+void AddJobCommands(Command app, Invocation& call);  // pause, resume, cancel, retry, delete, priority
+void AddWatch(Command app, Invocation& call);
+void AddLogs(Command app, Invocation& call);
+void AddDrain(Command app, Invocation& call);
+void AddClean(Command app, Invocation& call);
+void AddImport(Command app, Invocation& call);
+void AddSimulate(Command app, Invocation& call);
+void AddInspect(Command app, Invocation& call);
+void AddEvaluate(Command app, Invocation& call);
+void AddExport(Command app, Invocation& call);
+void AddReport(Command app, Invocation& call);
+void AddReproduce(Command app, Invocation& call);
+void AddDiff(Command app, Invocation& call);
+void AddKeys(Command app, Invocation& call);
 
 }  // namespace cairn::cli

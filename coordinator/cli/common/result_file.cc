@@ -32,9 +32,9 @@ std::string ResultPath(const std::string& path, const std::string& kind) {
   return results[0];
 }
 
-void AddChangedFlag(CLI::App& command, bool* changed_too) {
-  command.add_flag("--changed", *changed_too,
-                   "Take a result although another program has changed it since Cairn wrote it");
+void AddChangedFlag(Command command, bool* changed_too) {
+  command.AddFlag("--changed", *changed_too,
+                  "Take a result although another program has changed it since Cairn wrote it");
 }
 
 void WarnOfChanged(const std::string& path) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/cli/common/command.h"
 #include "coordinator/cli/common/invocation.h"
 #include "schema/store/blob_file.h"
 
@@ -17,7 +18,7 @@ std::vector<std::string> FilesOf(const std::string& folder);
 std::string ResultPath(const std::string& path, const std::string& kind);
 
 // Of evaluate, report and export: what they say of a result would be taken for Cairn's.
-void AddChangedFlag(CLI::App& command, bool* changed_too);
+void AddChangedFlag(Command command, bool* changed_too);
 
 // Reads it whole. Where another program has changed what Cairn wrote, it says so on stderr; throws InputError
 // of a result (not a log, not samples, which are people's own to change) unless `changed_too`.

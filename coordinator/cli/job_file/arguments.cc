@@ -80,24 +80,19 @@ const std::string& MainInput(const PipelineSpec& pipeline) {
 
 bool IsJobFile(const std::string& what) { return what.ends_with(".yaml") || what.ends_with(".yml"); }
 
-void AddJobArguments(CLI::App& command, JobArguments& arguments) {
-  command.add_option("JOB.yaml|PIPELINE", arguments.what, "A job file, or the name of a pipeline")
-      ->required();
-  command.add_option("FILE.h5", arguments.file,
-                     "What the pipeline reads (a log, samples), where a pipeline is named");
-  command.add_option("--set", arguments.settings, "An option of the pipeline, key=value; again for another")
-      ->type_size(1)
-      ->allow_extra_args(false);
+void AddJobArguments(Command command, JobArguments& arguments) {
+  command.Add("JOB.yaml|PIPELINE", arguments.what, "A job file, or the name of a pipeline").Required();
+  command.Add("FILE.h5", arguments.file,
+              "What the pipeline reads (a log, samples), where a pipeline is named");
+  command.Add("--set", arguments.settings, "An option of the pipeline, key=value; again for another")
+      .OneEachTime();
   command
-      .add_option("--input", arguments.inputs,
-                  "Another input of the pipeline, name=FILE (map=first/landmark_map.h5); again for another")
-      ->type_size(1)
-      ->allow_extra_args(false);
-  command.add_flag("--units-are-right", arguments.units_are_right,
-                   "Take a log of what no robot does, instead of asking for its units");
-  command.add_option("--seed", arguments.seed, "Seed, where a pipeline is named")
-      ->check(CheckSeed)
-      ->capture_default_str();
+      .Add("--input", arguments.inputs,
+           "Another input of the pipeline, name=FILE (map=first/landmark_map.h5); again for another")
+      .OneEachTime();
+  command.AddFlag("--units-are-right", arguments.units_are_right,
+                  "Take a log of what no robot does, instead of asking for its units");
+  command.Add("--seed", arguments.seed, "Seed, where a pipeline is named").Check(CheckSeed).ShowDefault();
 }
 
 namespace {

@@ -2,11 +2,11 @@
 // the file that it reads.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "coordinator/cli/common/command.h"
 #include "coordinator/cli/job_file/catalog.h"
 #include "coordinator/cli/job_file/job_file.h"
 
@@ -26,7 +26,7 @@ const std::string& MainInput(const PipelineSpec& pipeline);
 
 bool IsJobFile(const std::string& what);
 
-void AddJobArguments(CLI::App& command, JobArguments& arguments);
+void AddJobArguments(Command command, JobArguments& arguments);
 
 // Reads the job file; or makes a job of one stage, both with the pipeline's name. Throws InputError that
 // names the argument, or file and line, and what is allowed.

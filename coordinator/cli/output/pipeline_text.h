@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/cli/common/command.h"
 #include "coordinator/cli/job_file/catalog.h"
 
 namespace CLI {
@@ -15,7 +16,7 @@ namespace cairn::cli {
 struct Invocation;
 
 // Adds the command.
-void AddPipelines(CLI::App& app, Invocation& call);
+void AddPipelines(Command app, Invocation& call);
 
 // A line each.
 std::string PipelineList(const std::vector<PipelineSpec>& pipelines);

@@ -92,136 +92,132 @@ int ImportImages(const ImagesOptions& options, const Invocation&) {
   return StoreImport(options, samples, report, "samples");
 }
 
-void AddNominal(CLI::App& command, datasets::NominalFigures& nominal) {
+void AddNominal(Command command, datasets::NominalFigures& nominal) {
   AddOdometryFigures(command, nominal);
   AddSensorFigures(command, nominal);
 }
 
-void AddCsv(CLI::App& import, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddCsv(Command import, Invocation& call) {
+  Command command;
   const auto options = AddCommand<CsvOptions>(
       import, call, "csv", "Your own logs, plain or gzipped (docs/my-own-log.md)",
       "cairn import csv --odometry odometry.csv --observations observations.csv log.h5", ImportCsv, &command);
   datasets::CsvImportOptions& files = options->import;
   command
-      ->add_option("--odometry", files.odometry,
-                   "time_s,robot,turn_rad,forward_m or time_s,robot,v_mps,omega_radps")
-      ->required();
-  command->add_option("--observations", files.observations, "time_s,robot,landmark,range_m,bearing_rad");
-  command->add_option("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
-  command->add_option("--truth-landmarks", files.truth_landmarks, "landmark,x_m,y_m");
-  command->add_option("--truth-associations", files.truth_associations, "time_s,robot,landmark");
-  AddNominal(*command, files.nominal);
-  AddOutput(*command, *options);
+      .Add("--odometry", files.odometry, "time_s,robot,turn_rad,forward_m or time_s,robot,v_mps,omega_radps")
+      .Required();
+  command.Add("--observations", files.observations, "time_s,robot,landmark,range_m,bearing_rad");
+  command.Add("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
+  command.Add("--truth-landmarks", files.truth_landmarks, "landmark,x_m,y_m");
+  command.Add("--truth-associations", files.truth_associations, "time_s,robot,landmark");
+  AddNominal(command, files.nominal);
+  AddOutput(command, *options);
 }
 
-void AddMrclam(CLI::App& import, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddMrclam(Command import, Invocation& call) {
+  Command command;
   const auto options =
       AddCommand<MrclamOptions>(import, call, "mrclam", "UTIAS multi-robot logs (docs/datasets.md)",
                                 "cairn import mrclam MRCLAM_Dataset6 mrclam6.h5", ImportMrclam, &command);
-  command->add_option("FOLDER", options->import.folder, "One dataset: its .dat files, plain or gzipped")
-      ->required();
-  command->add_flag("--withhold-identities", options->import.withhold_identities,
-                    "Do not tell which landmark an observation is of; the truth still does");
-  command->add_flag("--robots-as-clutter", options->import.robots_as_clutter,
-                    "Robots that are seen become observations of nothing, instead of sightings of robots");
-  AddNominal(*command, options->import.nominal);
-  AddOutput(*command, *options);
+  command.Add("FOLDER", options->import.folder, "One dataset: its .dat files, plain or gzipped").Required();
+  command.AddFlag("--withhold-identities", options->import.withhold_identities,
+                  "Do not tell which landmark an observation is of; the truth still does");
+  command.AddFlag("--robots-as-clutter", options->import.robots_as_clutter,
+                  "Robots that are seen become observations of nothing, instead of sightings of robots");
+  AddNominal(command, options->import.nominal);
+  AddOutput(command, *options);
 }
 
-void AddVectors(CLI::App& import, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddVectors(Command import, Invocation& call) {
+  Command command;
   const auto options = AddCommand<VectorsOptions>(
       import, call, "vectors", "Any sensor's vectors with their poses, a file a run (docs/datasets.md)",
       "cairn import vectors monday.csv tuesday.csv.gz samples.h5", ImportVectors, &command);
-  command->validate_positionals();  // by their endings: any number of runs, then the one to write
+  command.PlaceByChecks();  // by their endings: any number of runs, then the one to write
   command
-      ->add_option("RUN.csv", options->import.runs,
-                   "A run, plain or gzipped: time_s,x_m,y_m[,heading_rad], any other column an input")
-      ->required()
-      ->check([](const std::string& name) { return name.ends_with(".h5") ? "a run is a CSV file" : ""; });
-  AddOutput(*command, *options);
+      .Add("RUN.csv", options->import.runs,
+           "A run, plain or gzipped: time_s,x_m,y_m[,heading_rad], any other column an input")
+      .Required()
+      .Check([](const std::string& name) { return name.ends_with(".h5") ? "a run is a CSV file" : ""; });
+  AddOutput(command, *options);
 }
 
-void AddErrors(CLI::App& import, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddErrors(Command import, Invocation& call) {
+  Command command;
   const auto options = AddCommand<ErrorsOptions>(
       import, call, "errors", "What it costs to take one place for another (docs/datasets.md)",
       "cairn import errors costs.csv errors.h5", ImportErrors, &command);
   command
-      ->add_option("TABLE.csv", options->import.file,
-                   "A row for each true place: x_m,y_m, then a column for each believed one, in the order of "
-                   "the rows")
-      ->required();
-  command->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
-  command->add_option("OUT.h5", options->out, "The file to write")->required();
+      .Add("TABLE.csv", options->import.file,
+           "A row for each true place: x_m,y_m, then a column for each believed one, in the order of "
+           "the rows")
+      .Required();
+  command.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  command.Add("OUT.h5", options->out, "The file to write").Required();
 }
 
-void AddImages(CLI::App& import, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddImages(Command import, Invocation& call) {
+  Command command;
   const auto options = AddCommand<ImagesOptions>(
       import, call, "images", "A folder of images with a table of poses (docs/datasets.md)",
       "cairn import images snapshots poses.csv images.h5", ImportImages, &command);
-  command->validate_positionals();  // by their endings: one table or two, then the file to write
-  command->add_option("FOLDER", options->import.folder, "PNG, JPEG and PPM images")->required();
+  command.PlaceByChecks();  // by their endings: one table or two, then the file to write
+  command.Add("FOLDER", options->import.folder, "PNG, JPEG and PPM images").Required();
   command
-      ->add_option("TABLE.csv", options->tables,
-                   "Poses: image,time_s,x_m,y_m[,heading_rad][,run], any other column an input; or a track, "
-                   "with --times. Then, where there are, ranges: time_s[,run], any other column an input")
-      ->required()
-      ->expected(1, 2)
-      ->check([](const std::string& name) { return name.ends_with(".h5") ? "a table is a CSV file" : ""; });
-  command->add_option("--times", options->import.times,
-                      "image,time_s[,run] for images whose poses are those of a track: "
-                      "time_s,x_m,y_m[,heading_rad][,run]");
+      .Add("TABLE.csv", options->tables,
+           "Poses: image,time_s,x_m,y_m[,heading_rad][,run], any other column an input; or a track, "
+           "with --times. Then, where there are, ranges: time_s[,run], any other column an input")
+      .Required()
+      .Words(1, 2)
+      .Check([](const std::string& name) { return name.ends_with(".h5") ? "a table is a CSV file" : ""; });
+  const Argument times = command.Add("--times", options->import.times,
+                                     "image,time_s[,run] for images whose poses are those of a track: "
+                                     "time_s,x_m,y_m[,heading_rad][,run]");
+  command.Add("--smooth-s", options->import.smooth_s, "Take the mean of the track over so many seconds")
+      .NotNegative()
+      .Needs(times);
   command
-      ->add_option("--smooth-s", options->import.smooth_s, "Take the mean of the track over so many seconds")
-      ->check(CLI::NonNegativeNumber)
-      ->needs("--times");
+      .Add("--most-gap-s", options->import.most_gap_s,
+           "How far rows of a track may lie apart, and ranges from an image")
+      .NotNegative()
+      .ShowDefault();
   command
-      ->add_option("--most-gap-s", options->import.most_gap_s,
-                   "How far rows of a track may lie apart, and ranges from an image")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--most-side", options->most_side,
-                   "Larger images are made smaller by a whole number, so that no side has more pixels")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  AddOutput(*command, *options);
+      .Add("--most-side", options->most_side,
+           "Larger images are made smaller by a whole number, so that no side has more pixels")
+      .Within(1, 100000)
+      .ShowDefault();
+  AddOutput(command, *options);
 }
 
 template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
-void AddRecorded(CLI::App& import, Invocation& call, const char* name, const char* what,
-                 const char* example) {
-  CLI::App* command = nullptr;
+void AddRecorded(Command import, Invocation& call, const char* name, const char* what, const char* example) {
+  Command command;
   const auto options =
       AddCommand<RecordedOptions>(import, call, name, what, example, ImportRecorded<Import>, &command);
-  command->add_option("FOLDER", options->import.folder, "Its files, plain or gzipped")->required();
-  AddNominal(*command, options->import.nominal);
-  AddOutput(*command, *options);
+  command.Add("FOLDER", options->import.folder, "Its files, plain or gzipped").Required();
+  AddNominal(command, options->import.nominal);
+  AddOutput(command, *options);
 }
 
 }  // namespace
 
-void AddImport(CLI::App& app, Invocation& call) {
-  CLI::App* import = app.add_subcommand("import", "Reads real logs into Cairn's format");
-  import->require_subcommand(1);
-  import->footer(
+void AddImport(Command app, Invocation& call) {
+  Command import = app.AddCommand("import", "Reads real logs into Cairn's format");
+  import.NeedsCommand();
+  import.Footer(
       "Example:\n  cairn import csv --odometry odometry.csv --observations observations.csv log.h5");
-  AddCsv(*import, call);
-  AddMrclam(*import, call);
-  AddVectors(*import, call);
-  AddImages(*import, call);
-  AddErrors(*import, call);
-  AddRecorded<datasets::ImportLegoRobot>(*import, call, "lego-robot",
+  AddCsv(import, call);
+  AddMrclam(import, call);
+  AddVectors(import, call);
+  AddImages(import, call);
+  AddErrors(import, call);
+  AddRecorded<datasets::ImportLegoRobot>(import, call, "lego-robot",
                                          "The LEGO robot among six poles (docs/datasets.md)",
                                          "cairn import lego-robot lego-robot lego.h5");
-  AddRecorded<datasets::ImportVictoriaPark>(*import, call, "victoria-park",
+  AddRecorded<datasets::ImportVictoriaPark>(import, call, "victoria-park",
                                             "Victoria Park, Sydney: a car among trees (docs/datasets.md)",
                                             "cairn import victoria-park victoria-park park.h5");
-  AddRangeImports(*import, call);
+  AddRangeImports(import, call);
 }
 
 }  // namespace cairn::cli

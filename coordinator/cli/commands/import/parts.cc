@@ -26,10 +26,8 @@ void PrintLines(const char* what, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) std::fprintf(stderr, "cairn: %s: %s\n", what, line.c_str());
 }
 
-void AddFigure(CLI::App& command, const char* flag, std::optional<double>& field, const char* help) {
-  command.add_option(flag, field, help)
-      ->check(CLI::NonNegativeNumber)
-      ->group("Nominal figures (else estimated)");
+void AddFigure(Command command, const char* flag, std::optional<double>& field, const char* help) {
+  command.Add(flag, field, help).NotNegative().Heading("Nominal figures (else estimated)");
 }
 
 }  // namespace
@@ -59,16 +57,16 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
   return kExitDone;
 }
 
-void AddTextLimit(CLI::App& command) {
+void AddTextLimit(Command command) {
   command
-      .add_option_function<std::uint64_t>(
+      .AddTaking<std::uint64_t>(
           "--max-text-mb",
           [](std::uint64_t mb) { datasets::SetTextLimits({.file_bytes = mb << 20, .line_bytes = mb << 14}); },
           "What a text file may hold, unpacked (1024); a line of it a 64th of that")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 30));
+      .Within(std::uint64_t{1}, std::uint64_t{1} << 30);
 }
 
-void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal) {
+void AddOdometryFigures(Command command, datasets::NominalFigures& nominal) {
   AddFigure(command, "--heading-drift-rad-per-m", nominal.heading_drift_rad_per_m,
             "sd of a constant drift of the heading");
   AddFigure(command, "--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m,
@@ -78,7 +76,7 @@ void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal) {
   AddFigure(command, "--turn-ratio", nominal.turn_ratio, "sd of a turn's error, a fraction of the turn");
 }
 
-void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal) {
+void AddSensorFigures(Command command, datasets::NominalFigures& nominal) {
   AddFigure(command, "--press-m", nominal.press_m,
             "sd of the distance between robot and landmark at a press, an axis");
   AddFigure(command, "--range-m", nominal.range_m, "sd of a range");

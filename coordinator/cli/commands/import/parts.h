@@ -21,27 +21,27 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
                 const char* kind = "log");
 
 // Options for the nominal figures of the odometry, and of a sensor that sees landmarks.
-void AddOdometryFigures(CLI::App& command, datasets::NominalFigures& nominal);
-void AddSensorFigures(CLI::App& command, datasets::NominalFigures& nominal);
+void AddOdometryFigures(Command command, datasets::NominalFigures& nominal);
+void AddSensorFigures(Command command, datasets::NominalFigures& nominal);
 
 inline constexpr char kUnitsAreRight[] = "--units-are-right";
 
 // --max-text-mb.
-void AddTextLimit(CLI::App& command);
+void AddTextLimit(Command command);
 
 // --skip-bad, --units-are-right, --max-text-mb, --force, --json, OUT.h5.
 template <class Options>
-void AddOutput(CLI::App& command, Options& options) {
-  command.add_flag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
-  command.add_flag(kUnitsAreRight, options.units_are_right,
-                   "Take in what no robot does (60 m/s, two turns a second), instead of asking for units");
+void AddOutput(Command command, Options& options) {
+  command.AddFlag("--skip-bad", options.import.skip_bad, "Skip bad lines and count them, by reason");
+  command.AddFlag(kUnitsAreRight, options.units_are_right,
+                  "Take in what no robot does (60 m/s, two turns a second), instead of asking for units");
   AddTextLimit(command);
-  command.add_flag("--force", options.force, "Replace OUT.h5 where it is there already");
-  command.add_flag("--json", options.json, "Say what was read, skipped and left out as JSON");
-  command.add_option("OUT.h5", options.out, "The file to write")->required();
+  command.AddFlag("--force", options.force, "Replace OUT.h5 where it is there already");
+  command.AddFlag("--json", options.json, "Say what was read, skipped and left out as JSON");
+  command.Add("OUT.h5", options.out, "The file to write").Required();
 }
 
 // `cairn import carmen` and the other recorded range logs.
-void AddRangeImports(CLI::App& import, Invocation& call);
+void AddRangeImports(Command import, Invocation& call);
 
 }  // namespace cairn::cli

@@ -51,33 +51,30 @@ int ImportCarmen(const CarmenOptions& options, const Invocation&) {
   return StoreImport(options, log, report);
 }
 
-void AddCarmen(CLI::App& import, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddCarmen(Command import, Invocation& call) {
+  Command command;
   const auto options = AddCommand<CarmenOptions>(
       import, call, "carmen", "Logs of CARMEN: lasers, sonars, odometry (docs/datasets.md)",
       "cairn import carmen intel.log.gz intel.h5", ImportCarmen, &command);
   datasets::CarmenImportOptions& log = options->import;
-  command->add_option("LOG", log.path, "The log, plain or gzipped")->required();
-  CLI::Option* corrected = command->add_flag("--corrected", options->corrected,
+  command.Add("LOG", log.path, "The log, plain or gzipped").Required();
+  const Argument corrected = command.AddFlag("--corrected", options->corrected,
                                              "Its poses were mended by a program (else detected)");
-  command->add_flag("--raw", options->raw, "Its poses are odometry")->excludes(corrected);
-  command->add_flag("--numbered", log.numbered, "Time is a line's number, not its time stamp");
-  command->add_flag("--named-markers", log.named_markers,
-                    "Markers of the same text are at the same landmark; else nothing tells landmarks apart");
-  command->add_option("--laser-first-deg", log.first_deg,
-                      "Where the first beam points; for messages that do not say it (-90)");
-  command->add_option("--laser-step-deg", log.step_deg, "Angle from beam to beam; likewise")
-      ->check(CLI::Range(1e-3, 180.0));
-  command->add_option("--laser-max-range-m", log.max_range_m, "Reach: from there on nothing was met")
-      ->check(CLI::Range(1e-3, 1e3));
-  command->add_option("--sonar-max-range-m", log.sonar_max_range_m, "The same of the sonars")
-      ->check(CLI::Range(1e-3, 1e3));
-  command->add_option(
-      "--mount", options->mounts,
-      "Where a laser sits, SENSOR=X,Y,DEGREES on the robot, for laser, laser2 (rear), … (again: "
-      "of several)");
-  AddOdometryFigures(*command, log.nominal);
-  AddOutput(*command, *options);
+  command.AddFlag("--raw", options->raw, "Its poses are odometry").Excludes(corrected);
+  command.AddFlag("--numbered", log.numbered, "Time is a line's number, not its time stamp");
+  command.AddFlag("--named-markers", log.named_markers,
+                  "Markers of the same text are at the same landmark; else nothing tells landmarks apart");
+  command.Add("--laser-first-deg", log.first_deg,
+              "Where the first beam points; for messages that do not say it (-90)");
+  command.Add("--laser-step-deg", log.step_deg, "Angle from beam to beam; likewise").Within(1e-3, 180.0);
+  command.Add("--laser-max-range-m", log.max_range_m, "Reach: from there on nothing was met")
+      .Within(1e-3, 1e3);
+  command.Add("--sonar-max-range-m", log.sonar_max_range_m, "The same of the sonars").Within(1e-3, 1e3);
+  command.Add("--mount", options->mounts,
+              "Where a laser sits, SENSOR=X,Y,DEGREES on the robot, for laser, laser2 (rear), … (again: "
+              "of several)");
+  AddOdometryFigures(command, log.nominal);
+  AddOutput(command, *options);
 }
 
 struct RangeOptions : ImportOutput {
@@ -95,14 +92,14 @@ int ImportRanges(const RangeOptions& options, const Invocation&) {
 }
 
 template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
-void AddRanges(CLI::App& import, Invocation& call, const char* name, const char* what, const char* source,
+void AddRanges(Command import, Invocation& call, const char* name, const char* what, const char* source,
                const char* example) {
-  CLI::App* command = nullptr;
+  Command command;
   const auto options =
       AddCommand<RangeOptions>(import, call, name, what, example, ImportRanges<Import>, &command);
-  command->add_option(source, options->import.path, "What to read, plain or gzipped")->required();
-  AddOdometryFigures(*command, options->import.nominal);
-  AddOutput(*command, *options);
+  command.Add(source, options->import.path, "What to read, plain or gzipped").Required();
+  AddOdometryFigures(command, options->import.nominal);
+  AddOutput(command, *options);
 }
 
 struct TumOptions : ImportOutput {
@@ -117,27 +114,25 @@ int ImportTum(const TumOptions& options, const Invocation&) {
   return StoreImport(options, poses, report, "poses");
 }
 
-void AddTum(CLI::App& import, Invocation& call) {
-  CLI::App* command = nullptr;
+void AddTum(Command import, Invocation& call) {
+  Command command;
   const auto options =
       AddCommand<TumOptions>(import, call, "tum", "Trajectories, a file a robot, as a table of poses",
                              "cairn import tum trajectories/robot.tum poses.h5", ImportTum, &command);
-  command->validate_positionals();  // by their endings: any number of trajectories, then the file to write
+  command.PlaceByChecks();  // by their endings: any number of trajectories, then the file to write
   command
-      ->add_option(
-          "FILE", options->import.files,
-          "Lines of 'time x y z qx qy qz qw' (as evo reads them) or 'time x y heading'; plain or gzipped")
-      ->required()
-      ->check([](const std::string& name) { return name.ends_with(".h5") ? "a trajectory is a text" : ""; });
-  command->add_option(
-      "--robot", options->import.robots,
-      "The robot's name, as the log has it (again: of each file; else named after the files)");
-  AddOutput(*command, *options);
+      .Add("FILE", options->import.files,
+           "Lines of 'time x y z qx qy qz qw' (as evo reads them) or 'time x y heading'; plain or gzipped")
+      .Required()
+      .Check([](const std::string& name) { return name.ends_with(".h5") ? "a trajectory is a text" : ""; });
+  command.Add("--robot", options->import.robots,
+              "The robot's name, as the log has it (again: of each file; else named after the files)");
+  AddOutput(command, *options);
 }
 
 }  // namespace
 
-void AddRangeImports(CLI::App& import, Invocation& call) {
+void AddRangeImports(Command import, Invocation& call) {
   AddCarmen(import, call);
   AddRanges<datasets::ImportPioneer>(import, call, "pioneer",
                                      "A Pioneer robot's sonars and laser (docs/datasets.md)", "FOLDER",

@@ -246,33 +246,28 @@ int Ball(const ReproduceBallArguments& options, const Invocation& call) {
 
 }  // namespace
 
-void AddReproduceBall(CLI::App& reproduce, Invocation& call) {
-  CLI::App* ball = nullptr;
+void AddReproduceBall(Command reproduce, Invocation& call) {
+  Command ball;
   const auto options = AddCommand<ReproduceBallArguments>(
       reproduce, call, "ball", "Table 3 and figures 3 to 8 on learned landmarks, from simulated corridors",
       "cairn reproduce ball --seeds 5 --out ball", Ball, &ball);
-  ball->add_option(
-          "--study", options->study,
-          "paper: its table and figures; sensors: error reduction without each group of sensors; active: "
-          "a camera that is pointed where it pays; adapt: going on after the corridor has changed; ways: "
-          "ways to "
-          "train, hidden units and layers")
-      ->check(CLI::IsMember({"paper", "sensors", "active", "adapt", "ways"}))
-      ->capture_default_str();
-  ball->add_option("--out", options->out,
-                   "Folder of page, pictures, samples (inputs/) and results (results/)")
-      ->capture_default_str();
-  ball->add_option("--seed", options->seed, "The first corridor's")->check(CheckSeed)->capture_default_str();
-  ball->add_option("--seeds", options->seeds, "Corridors, over which intervals are taken")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  ball->add_option("--steps", options->steps, "Gradient steps of each training")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  ball->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
-      ->check(CLI::Range(1, 1024));
-  ball->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
-  ball->add_flag("--json", options->json, "Pictures, claims, tables and measured figures as JSON");
+  ball.Add("--study", options->study,
+           "paper: its table and figures; sensors: error reduction without each group of sensors; active: "
+           "a camera that is pointed where it pays; adapt: going on after the corridor has changed; ways: "
+           "ways to "
+           "train, hidden units and layers")
+      .OneOf({"paper", "sensors", "active", "adapt", "ways"})
+      .ShowDefault();
+  ball.Add("--out", options->out, "Folder of page, pictures, samples (inputs/) and results (results/)")
+      .ShowDefault();
+  ball.Add("--seed", options->seed, "The first corridor's").Check(CheckSeed).ShowDefault();
+  ball.Add("--seeds", options->seeds, "Corridors, over which intervals are taken")
+      .Within(1, 1000)
+      .ShowDefault();
+  ball.Add("--steps", options->steps, "Gradient steps of each training").Within(1, 1'000'000).ShowDefault();
+  ball.Add("--workers", options->workers, "Worker processes (as many as there are cores)").Within(1, 1024);
+  ball.AddFlag("--force", options->force, "Forget what an earlier run left in the folder");
+  ball.AddFlag("--json", options->json, "Pictures, claims, tables and measured figures as JSON");
 }
 
 }  // namespace cairn::cli

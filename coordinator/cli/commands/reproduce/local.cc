@@ -31,22 +31,21 @@ int Local(const ReproduceLocalArguments& options, const Invocation& call) {
 
 }  // namespace
 
-void AddReproduceLocal(CLI::App& reproduce, Invocation& call) {
-  CLI::App* app = nullptr;
+void AddReproduceLocal(Command reproduce, Invocation& call) {
+  Command app;
   const auto options = AddCommand<ReproduceLocalArguments>(
       reproduce, call, "local", "Figures 2 to 4 on local grids and edge traces, from simulated offices",
       "cairn reproduce local --seeds 5 --out local", Local, &app);
-  app->add_option("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
-      ->capture_default_str();
-  app->add_option("--seed", options->seed, "The first office's")->check(CheckSeed)->capture_default_str();
-  app->add_option("--seeds", options->seeds,
-                  "Offices of each kind: as it stands, furniture that moves, a room turned")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
-      ->check(CLI::Range(1, 1024));
-  app->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
-  app->add_flag("--json", options->json, "Pictures, claims, tables and measured figures as JSON");
+  app.Add("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
+      .ShowDefault();
+  app.Add("--seed", options->seed, "The first office's").Check(CheckSeed).ShowDefault();
+  app.Add("--seeds", options->seeds,
+          "Offices of each kind: as it stands, furniture that moves, a room turned")
+      .Within(1, 1000)
+      .ShowDefault();
+  app.Add("--workers", options->workers, "Worker processes (as many as there are cores)").Within(1, 1024);
+  app.AddFlag("--force", options->force, "Forget what an earlier run left in the folder");
+  app.AddFlag("--json", options->json, "Pictures, claims, tables and measured figures as JSON");
 }
 
 }  // namespace cairn::cli

@@ -48,27 +48,24 @@ int Occupancy(const ReproduceOccupancyArguments& options, const Invocation& call
 
 }  // namespace
 
-void AddReproduceOccupancy(CLI::App& reproduce, Invocation& call) {
-  CLI::App* app = nullptr;
+void AddReproduceOccupancy(Command reproduce, Invocation& call) {
+  Command app;
   const auto options = AddCommand<ReproduceOccupancyArguments>(
       reproduce, call, "occupancy",
       "Figures 1 to 5 on occupancy grids, from simulated sonar; the chain after landmark_map",
       "cairn reproduce occupancy --seeds 5 --out occupancy", Occupancy, &app);
-  app->add_option("--study", options->study,
-                  "paper: its figures; curve: walls found against doors found, by evidence_map's parameters")
-      ->check(CLI::IsMember({"paper", "curve"}))
-      ->capture_default_str();
-  app->add_option("--log", options->log, "Also maps of this log, scored on readings that are held out");
-  app->add_option("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
-      ->capture_default_str();
-  app->add_option("--seed", options->seed, "The first hallway's")->check(CheckSeed)->capture_default_str();
-  app->add_option("--seeds", options->seeds, "Hallways of each kind")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
-      ->check(CLI::Range(1, 1024));
-  app->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
-  app->add_flag("--json", options->json, "Pictures, claims, tables and measured figures as JSON");
+  app.Add("--study", options->study,
+          "paper: its figures; curve: walls found against doors found, by evidence_map's parameters")
+      .OneOf({"paper", "curve"})
+      .ShowDefault();
+  app.Add("--log", options->log, "Also maps of this log, scored on readings that are held out");
+  app.Add("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
+      .ShowDefault();
+  app.Add("--seed", options->seed, "The first hallway's").Check(CheckSeed).ShowDefault();
+  app.Add("--seeds", options->seeds, "Hallways of each kind").Within(1, 1000).ShowDefault();
+  app.Add("--workers", options->workers, "Worker processes (as many as there are cores)").Within(1, 1024);
+  app.AddFlag("--force", options->force, "Forget what an earlier run left in the folder");
+  app.AddFlag("--json", options->json, "Pictures, claims, tables and measured figures as JSON");
 }
 
 }  // namespace cairn::cli

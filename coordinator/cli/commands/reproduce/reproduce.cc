@@ -126,27 +126,24 @@ void PublishPage(const std::string& out, const std::string& title, const std::st
   std::fputs(Facts(figures, page, json).c_str(), stdout);
 }
 
-void AddReproduce(CLI::App& app, Invocation& call) {
-  CLI::App* reproduce = app.add_subcommand("reproduce", "The papers' figures, beside their claims");
-  reproduce->require_subcommand(1);
-  reproduce->footer("Example:\n  cairn reproduce landmarks --out figures");
-  CLI::App* landmarks = nullptr;
+void AddReproduce(Command app, Invocation& call) {
+  Command reproduce = app.AddCommand("reproduce", "The papers' figures, beside their claims");
+  reproduce.NeedsCommand();
+  reproduce.Footer("Example:\n  cairn reproduce landmarks --out figures");
+  Command landmarks;
   const auto options = AddCommand<ReproduceArguments>(
-      *reproduce, call, "landmarks", "Figures 1 to 3, 5 to 14 and 18 on landmark maps, from simulated data",
+      reproduce, call, "landmarks", "Figures 1 to 3, 5 to 14 and 18 on landmark maps, from simulated data",
       "cairn reproduce landmarks --out figures", Landmarks, &landmarks);
-  landmarks
-      ->add_option("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
-      ->capture_default_str();
-  landmarks->add_option("--seed", options->seed, "Of the simulated worlds")
-      ->check(CheckSeed)
-      ->capture_default_str();
-  landmarks->add_option("--workers", options->workers, "Worker processes (as many as there are cores)")
-      ->check(CLI::Range(1, 1024));
-  landmarks->add_flag("--force", options->force, "Forget what an earlier run left in the folder");
-  landmarks->add_flag("--json", options->json, "Pictures, claims and measured figures as JSON");
-  AddReproduceBall(*reproduce, call);
-  AddReproduceOccupancy(*reproduce, call);
-  AddReproduceLocal(*reproduce, call);
+  landmarks.Add("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
+      .ShowDefault();
+  landmarks.Add("--seed", options->seed, "Of the simulated worlds").Check(CheckSeed).ShowDefault();
+  landmarks.Add("--workers", options->workers, "Worker processes (as many as there are cores)")
+      .Within(1, 1024);
+  landmarks.AddFlag("--force", options->force, "Forget what an earlier run left in the folder");
+  landmarks.AddFlag("--json", options->json, "Pictures, claims and measured figures as JSON");
+  AddReproduceBall(reproduce, call);
+  AddReproduceOccupancy(reproduce, call);
+  AddReproduceLocal(reproduce, call);
 }
 
 }  // namespace cairn::cli

@@ -35,8 +35,8 @@ int ExplainUndone(const coordinator::EmbeddedResult& run);
 void PublishPage(const std::string& out, const std::string& title, const std::string& lead,
                  const std::vector<datasets::PaperFigure>& figures, bool json);
 
-void AddReproduceBall(CLI::App& reproduce, Invocation& call);
-void AddReproduceLocal(CLI::App& reproduce, Invocation& call);
-void AddReproduceOccupancy(CLI::App& reproduce, Invocation& call);
+void AddReproduceBall(Command reproduce, Invocation& call);
+void AddReproduceLocal(Command reproduce, Invocation& call);
+void AddReproduceOccupancy(Command reproduce, Invocation& call);
 
 }  // namespace cairn::cli

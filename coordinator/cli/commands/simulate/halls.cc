@@ -49,32 +49,29 @@ int SmoothWall(const SimulateHallsArguments& options, const Invocation&) {
   return Run(options, [&] { return datasets::SimulateSmoothWall(options.hall.seed); });
 }
 
-std::shared_ptr<SimulateHallsArguments> AddHall(CLI::App& simulate, Invocation& call, const char* name,
+std::shared_ptr<SimulateHallsArguments> AddHall(Command simulate, Invocation& call, const char* name,
                                                 const char* summary, const char* example,
                                                 int (*run)(const SimulateHallsArguments&, const Invocation&),
-                                                CLI::App** app) {
+                                                Command* app) {
   const auto options = AddCommand<SimulateHallsArguments>(simulate, call, name, summary, example, run, app);
-  (*app)
-      ->add_option("--seed", options->hall.seed, "Same seed, same log")
-      ->check(CheckSeed)
-      ->capture_default_str();
-  (*app)->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
-  (*app)->add_option("OUT.h5", options->out, "The log to write")->required();
+  app->Add("--seed", options->hall.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
+  app->AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  app->Add("OUT.h5", options->out, "The log to write").Required();
   return options;
 }
 
 }  // namespace
 
-void AddSimulateHalls(CLI::App& simulate, Invocation& call) {
-  CLI::App* app = nullptr;
+void AddSimulateHalls(Command simulate, Invocation& call) {
+  Command app;
   const auto hallway =
       AddHall(simulate, call, "hallway", "24 sonars along a hall with a door that few readings get through",
               "cairn simulate hallway --door-readings 3 --seed 1 hallway.h5", Hallway, &app);
-  app->add_option("--door-readings", hallway->hall.door_readings,
-                  "How many get through it, exactly; the others are bounced off its posts")
-      ->check(CLI::Range(1, 24))
-      ->capture_default_str();
-  app->add_flag("--closed", hallway->hall.closed, "The same hall and drive, the door closed");
+  app.Add("--door-readings", hallway->hall.door_readings,
+          "How many get through it, exactly; the others are bounced off its posts")
+      .Within(1, 24)
+      .ShowDefault();
+  app.AddFlag("--closed", hallway->hall.closed, "The same hall and drive, the door closed");
   AddHall(simulate, call, "narrow-doors", "24 sonars along a hall with two narrow doors; somebody walks past",
           "cairn simulate narrow-doors --seed 1 doors.h5", NarrowDoors, &app);
   AddHall(simulate, call, "smooth-wall",

@@ -6,7 +6,7 @@
 
 namespace cairn::cli {
 
-void AddSimulateHalls(CLI::App& simulate, Invocation& call);
-void AddSimulateOffice(CLI::App& simulate, Invocation& call);
+void AddSimulateHalls(Command simulate, Invocation& call);
+void AddSimulateOffice(Command simulate, Invocation& call);
 
 }  // namespace cairn::cli

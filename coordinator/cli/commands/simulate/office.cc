@@ -34,23 +34,21 @@ int Simulate(const SimulateOfficeArguments& options, const Invocation&) {
 
 }  // namespace
 
-void AddSimulateOffice(CLI::App& simulate, Invocation& call) {
-  CLI::App* app = nullptr;
+void AddSimulateOffice(Command simulate, Invocation& call) {
+  Command app;
   const auto options = AddCommand<SimulateOfficeArguments>(
       simulate, call, "office",
       "Sonars and infra-red on a turret through rooms and a corridor with metallic walls, again and again",
       "cairn simulate office --seed 1 office.h5", Simulate, &app);
   datasets::SimulateOfficeOptions& office = options->office;
-  app->add_option("--minutes", office.minutes, "Of driving")
-      ->check(CLI::Range(1.0, 120.0))
-      ->capture_default_str();
-  app->add_flag("--moved", office.moved, "In the middle of the drive half of the furniture moves");
-  app->add_flag("--turned", office.turned, "One more room, at the corridor's end, turned by 30 degrees");
-  app->add_flag("--hints", office.hints, "Somebody marks the doorways that the robot drives through");
-  app->add_flag("--nobody", options->nobody, "The same drive, and nobody else in the office");
-  app->add_option("--seed", office.seed, "Same seed, same log")->check(CheckSeed)->capture_default_str();
-  app->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
-  app->add_option("OUT.h5", options->out, "The log to write")->required();
+  app.Add("--minutes", office.minutes, "Of driving").Within(1.0, 120.0).ShowDefault();
+  app.AddFlag("--moved", office.moved, "In the middle of the drive half of the furniture moves");
+  app.AddFlag("--turned", office.turned, "One more room, at the corridor's end, turned by 30 degrees");
+  app.AddFlag("--hints", office.hints, "Somebody marks the doorways that the robot drives through");
+  app.AddFlag("--nobody", options->nobody, "The same drive, and nobody else in the office");
+  app.Add("--seed", office.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
+  app.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  app.Add("OUT.h5", options->out, "The log to write").Required();
 }
 
 }  // namespace cairn::cli

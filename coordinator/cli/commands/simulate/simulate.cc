@@ -62,70 +62,59 @@ int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
   return kExitDone;
 }
 
-void AddCorridor(CLI::App* simulate, Invocation& call) {
-  CLI::App* app = nullptr;
+void AddCorridor(Command simulate, Invocation& call) {
+  Command app;
   const auto options = AddCommand<CorridorOptions>(
-      *simulate, call, "corridor",
+      simulate, call, "corridor",
       "Samples of a camera and 24 sonars in an office corridor, with doors and ceiling lights as features",
       "cairn simulate corridor --set d1 --seed 1 corridor.h5", SimulateCorridor, &app);
   datasets::SimulateCorridorOptions& corridor = options->corridor;
-  app->add_option("--set", corridor.set, "Where the camera points: d1 outer wall, d2 inner wall, d3 ceiling")
-      ->check(CLI::IsMember(datasets::CorridorSets()))
-      ->capture_default_str();
-  app->add_option("--runs", corridor.runs, "Drives through the corridor")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app->add_option("--snapshots", corridor.snapshots, "Of a run, at even times")
-      ->check(CLI::Range(2, 100000))
-      ->capture_default_str();
-  app->add_option("--length-m", corridor.length_m, "Of the corridor")
-      ->check(CLI::Range(30.0, 1000.0))
-      ->capture_default_str();
-  app->add_option("--label-error-m", corridor.label_error_m,
-                  "Error of the position labels, along and across: standard deviation")
-      ->check(CLI::Range(0.0, 5.0))
-      ->capture_default_str();
-  app->add_option("--seed", corridor.seed, "Same seed, same corridor and runs")
-      ->check(CheckSeed)
-      ->capture_default_str();
-  app->add_flag("--odometry", corridor.odometry,
-                "The file also holds what odometry makes of the way from each snapshot to the next");
-  app->add_flag("--both-ways", corridor.both_ways,
-                "Every other run comes back; the camera then points at the other wall");
-  app->add_option("--changed", corridor.changed,
-                  "Share of posters, boards, doors' paint and bins that others have replaced since")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  app->add_flag("--images", corridor.images,
-                "The images themselves instead of 140 inputs (for image_features)");
-  app->add_option("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");
-  app->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
-  app->add_option("OUT.h5", options->out, "The samples to write")->required();
+  app.Add("--set", corridor.set, "Where the camera points: d1 outer wall, d2 inner wall, d3 ceiling")
+      .OneOf(datasets::CorridorSets())
+      .ShowDefault();
+  app.Add("--runs", corridor.runs, "Drives through the corridor").Within(1, 64).ShowDefault();
+  app.Add("--snapshots", corridor.snapshots, "Of a run, at even times").Within(2, 100000).ShowDefault();
+  app.Add("--length-m", corridor.length_m, "Of the corridor").Within(30.0, 1000.0).ShowDefault();
+  app.Add("--label-error-m", corridor.label_error_m,
+          "Error of the position labels, along and across: standard deviation")
+      .Within(0.0, 5.0)
+      .ShowDefault();
+  app.Add("--seed", corridor.seed, "Same seed, same corridor and runs").Check(CheckSeed).ShowDefault();
+  app.AddFlag("--odometry", corridor.odometry,
+              "The file also holds what odometry makes of the way from each snapshot to the next");
+  app.AddFlag("--both-ways", corridor.both_ways,
+              "Every other run comes back; the camera then points at the other wall");
+  app.Add("--changed", corridor.changed,
+          "Share of posters, boards, doors' paint and bins that others have replaced since")
+      .Within(0.0, 1.0)
+      .ShowDefault();
+  app.AddFlag("--images", corridor.images,
+              "The images themselves instead of 140 inputs (for image_features)");
+  app.Add("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");
+  app.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  app.Add("OUT.h5", options->out, "The samples to write").Required();
 }
 
 }  // namespace
 
-void AddSimulate(CLI::App& app, Invocation& call) {
-  CLI::App* simulate = app.add_subcommand("simulate", "Makes a synthetic log, with its ground truth inside");
-  simulate->require_subcommand(1);
-  simulate->footer("Example:\n  cairn simulate loop --difficulty base --robots 4 --seed 1 log.h5");
-  CLI::App* loop = nullptr;
+void AddSimulate(Command app, Invocation& call) {
+  Command simulate = app.AddCommand("simulate", "Makes a synthetic log, with its ground truth inside");
+  simulate.NeedsCommand();
+  simulate.Footer("Example:\n  cairn simulate loop --difficulty base --robots 4 --seed 1 log.h5");
+  Command loop;
   const auto options = AddCommand<SimulateArguments>(
-      *simulate, call, "loop",
-      "Robots in corridors round a large cycle; a button is pressed at each junction",
+      simulate, call, "loop", "Robots in corridors round a large cycle; a button is pressed at each junction",
       "cairn simulate loop --difficulty paper --types 3 --confusion 0.1 --seed 7 log.h5", Simulate, &loop);
-  loop->add_option("--difficulty", options->loop.difficulty, "How hard (paper, base, hard, extreme, museum)")
-      ->check(CLI::IsMember(LoopDifficultyNames()))
-      ->capture_default_str();
+  loop.Add("--difficulty", options->loop.difficulty, "How hard (paper, base, hard, extreme, museum)")
+      .OneOf(LoopDifficultyNames())
+      .ShowDefault();
   AddLoopOptions(loop, &options->loop);
-  loop->add_option("--seed", options->loop.seed, "Same seed, same log")
-      ->check(CheckSeed)
-      ->capture_default_str();
-  loop->add_flag("--force", options->force, "Replace OUT.h5 where it is there already");
-  loop->add_option("OUT.h5", options->out, "The log to write")->required();
+  loop.Add("--seed", options->loop.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
+  loop.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  loop.Add("OUT.h5", options->out, "The log to write").Required();
   AddCorridor(simulate, call);
-  AddSimulateHalls(*simulate, call);
-  AddSimulateOffice(*simulate, call);
+  AddSimulateHalls(simulate, call);
+  AddSimulateOffice(simulate, call);
 }
 
 }  // namespace cairn::cli

@@ -1,0 +1,80 @@
+#include "coordinator/cli/common/command.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <optional>
+
+namespace cairn::cli {
+
+Argument Argument::Required() const { return Argument(option_->required()); }
+Argument Argument::ShowDefault() const { return Argument(option_->capture_default_str()); }
+Argument Argument::Positive() const { return Argument(option_->check(CLI::PositiveNumber)); }
+Argument Argument::NotNegative() const { return Argument(option_->check(CLI::NonNegativeNumber)); }
+Argument Argument::ExistingFolder() const { return Argument(option_->check(CLI::ExistingDirectory)); }
+Argument Argument::OneEachTime() const { return Argument(option_->type_size(1)->allow_extra_args(false)); }
+Argument Argument::Needs(Argument other) const { return Argument(option_->needs(other.option_)); }
+Argument Argument::Excludes(Argument other) const { return Argument(option_->excludes(other.option_)); }
+Argument Argument::Heading(const std::string& heading) const { return Argument(option_->group(heading)); }
+Argument Argument::Words(int least, int most) const { return Argument(option_->expected(least, most)); }
+
+Argument Argument::OneOf(std::vector<std::string> words) const {
+  return Argument(option_->check(CLI::IsMember(std::move(words))));
+}
+
+Argument Argument::Check(std::function<std::string(const std::string&)> wrong) const {
+  return Argument(option_->check(std::move(wrong)));
+}
+
+template <class T>
+Argument Argument::Within(T least, T most) const {
+  return Argument(option_->check(CLI::Range(least, most)));
+}
+template Argument Argument::Within(int, int) const;
+template Argument Argument::Within(double, double) const;
+template Argument Argument::Within(std::uint64_t, std::uint64_t) const;
+
+Command Command::AddCommand(const std::string& name, const std::string& summary) const {
+  return Command(app_->add_subcommand(name, summary));
+}
+
+void Command::NeedsCommand() const { app_->require_subcommand(1); }
+void Command::PlaceByChecks() const { app_->validate_positionals(); }
+void Command::Footer(const std::string& text) const { app_->footer(text); }
+void Command::WhenGiven(std::function<void()> call) const { app_->callback(std::move(call)); }
+
+template <class T>
+Argument Command::Add(const std::string& names, T& value, const std::string& meaning) const {
+  return Argument(app_->add_option(names, value, meaning));
+}
+
+template <class T>
+Argument Command::AddTaking(const std::string& names, std::function<void(const T&)> take,
+                            const std::string& meaning) const {
+  return Argument(app_->add_option_function<T>(names, std::move(take), meaning));
+}
+
+Argument Command::AddFlag(const std::string& names, bool& value, const std::string& meaning) const {
+  return Argument(app_->add_flag(names, value, meaning));
+}
+
+#define CAIRN_ARGUMENT(...) \
+  template Argument Command::Add(const std::string&, __VA_ARGS__&, const std::string&) const
+CAIRN_ARGUMENT(std::string);
+CAIRN_ARGUMENT(std::vector<std::string>);
+CAIRN_ARGUMENT(int);
+CAIRN_ARGUMENT(double);
+CAIRN_ARGUMENT(std::uint64_t);
+CAIRN_ARGUMENT(std::vector<std::uint64_t>);
+CAIRN_ARGUMENT(std::optional<int>);
+CAIRN_ARGUMENT(std::optional<double>);
+CAIRN_ARGUMENT(std::optional<std::uint64_t>);
+#undef CAIRN_ARGUMENT
+
+template Argument Command::AddTaking(const std::string&, std::function<void(const std::string&)>,
+                                     const std::string&) const;
+template Argument Command::AddTaking(const std::string&, std::function<void(const double&)>,
+                                     const std::string&) const;
+template Argument Command::AddTaking(const std::string&, std::function<void(const std::uint64_t&)>,
+                                     const std::string&) const;
+
+}  // namespace cairn::cli
