@@ -39,6 +39,9 @@ target_compile_options(cairn_flags INTERFACE
   # Compiled together, a name in one source seems to shadow another's.
   $<$<NOT:$<BOOL:${CAIRN_UNITY}>>:-Wshadow>
   $<$<BOOL:${CAIRN_WERROR}>:-Werror>
+  # GCC tidies its memory less often: a tenth of its time, for a fifth more memory.
+  $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=300>
+  $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=262144>
   # Same bits everywhere: no contraction behind our back, fma only where written.
   -ffp-contract=off
   $<$<BOOL:${CAIRN_MARCH}>:-march=${CAIRN_MARCH}>)

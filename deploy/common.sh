@@ -6,7 +6,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cairn_jobs() {
   local cores gigabytes
   cores=$(nproc)
-  gigabytes=$(awk '/MemAvailable/ {print int($2 / 1200000)}' /proc/meminfo)
+  gigabytes=$(awk '/MemAvailable/ {print int($2 / 1500000)}' /proc/meminfo)
   ((gigabytes < 1)) && gigabytes=1
   echo $((cores < gigabytes ? cores : gigabytes))
 }
