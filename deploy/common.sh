@@ -2,7 +2,7 @@
 # shellcheck shell=bash
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-# One compiler takes up to 1.2 GB: as many as there are cores, fewer where memory is short.
+# One compiler takes up to 1.3 GB: as many as there are cores, fewer where memory is short.
 cairn_jobs() {
   local cores gigabytes
   cores=$(nproc)
