@@ -118,7 +118,7 @@ TEST(LandmarkMap, ASecondRobotIsPlacedInTheFirstOnesMapAndTimesIncrease) {
   const Blob second = SquareLog{.laps = 2, .ranged = true, .identified = true, .seed = 2}.Make();
   log.Put("robots", Array::Texts({"one", "two"}));
   log.PutAll("robot/1/", second.Sub("robot/0/"));
-  const BlobPtr result = Map(log, {});
+  const BlobPtr result = Map(log, {.cell_m = 1.0, .heading_deg = 10.0});
   ExpectSquare(*result, 10.0, 0.5);
   for (const char* robot : {"robot/0/", "robot/1/"}) {
     const auto time = result->Get<double>(std::string(robot) + "poses/time_s");

@@ -223,7 +223,7 @@ TEST(Search, AResultSaysThatEmStartedOnceWhereNoSearchConfirmsWhichLandmarkIsWhi
 }
 
 TEST(Search, IsOnTheCoarseGridWhereAFineOneIsAskedFor) {
-  const Blob log = SquareLog{.laps = 3, .side_m = 60.0}.Make();
+  const Blob log = SquareLog{.laps = 3, .side_m = 30.0}.Make();
   const Options options{.cell_m = 0.25, .heading_deg = 2.5};
   const std::string coarse = Resolve({}, log).ToBlob().ContentHash().Binary();
   const std::string fine = Resolve(options, log).ToBlob().ContentHash().Binary();
