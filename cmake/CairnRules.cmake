@@ -45,15 +45,15 @@ set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|
 set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")
 set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?|CLI11::.*")
 set(CAIRN_LINKS_coordinator_cli_job_file
-  "schema(/.*)?|coordinator|coordinator/(core|cli/common)|datasets/common|CLI11::.*|yaml-cpp(::.*)?|nlohmann_json::.*")
+  "schema(/.*)?|coordinator|coordinator/(core|cli/common)|datasets/common|yaml-cpp(::.*)?|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_output
   "schema(/.*)?|coordinator|coordinator/(store|cli/(common|job_file))|spdlog::.*|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands
-  "schema(/.*)?|coordinator|coordinator/(core|store|server|local|cli/(common|job_file|output))|datasets/.*|CLI11::.*|nlohmann_json::.*")
+  "schema(/.*)?|coordinator|coordinator/(core|store|server|local|cli/(common|job_file|output))|datasets/.*|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_import
-  "schema/store|coordinator/cli/(common|job_file|output)|datasets/(common|import)|CLI11::.*|nlohmann_json::.*")
+  "schema/store|coordinator/cli/(common|job_file|output)|datasets/(common|import)|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_simulate
-  "schema/store|coordinator/cli/(common|output)|datasets/simulate(/.*)?|CLI11::.*")
+  "schema/store|coordinator/cli/(common|output)|datasets/simulate(/.*)?")
 set(CAIRN_LINKS_tests ".*")
 
 
