@@ -9,12 +9,15 @@ std::string Step::Share(Blob blob) {
   return hash;
 }
 
-void ExpectRounds(double rounds, double cost, double width, proto::Step* plan) {
+void ExpectRounds(double rounds, double cost, double width, proto::Step* plan, double least, double most) {
   if (!(rounds > 0)) return;
   proto::Phase& phase = *plan->add_later();
   phase.set_rounds(rounds);
   phase.set_cost(cost);
   phase.set_width(width);
+  if (least == 1 && most == 1) return;
+  phase.set_least(least);
+  phase.set_most(most);
 }
 
 double RoundsLater(const proto::Step& plan) {

@@ -26,7 +26,10 @@ struct Step {
 // Task.cost: microseconds of a core) and run `width` side by side, 0: as many as there are workers. From
 // sizes and the State alone, never from clocks. The coordinator makes the time left of it
 // (coordinator/core/eta.h): what is not announced comes on top of what people are told.
-void ExpectRounds(double rounds, double cost, double width, proto::Step* plan);
+// Where the data decide how much comes, it is so many times as much, `least` to `most`, and people are told a
+// span.
+void ExpectRounds(double rounds, double cost, double width, proto::Step* plan, double least = 1,
+                  double most = 1);
 
 // What a plan expects to follow it.
 double RoundsLater(const proto::Step& plan);

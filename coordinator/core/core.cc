@@ -73,7 +73,11 @@ std::map<std::string, std::uint32_t> CountWorkers(const Fleet& fleet) {
 // Of what nobody works at nobody can tell when it is done.
 wire::JobInfo WithWorkers(wire::JobInfo info, std::uint32_t workers) {
   info.set_workers(workers);
-  if (workers == 0) info.clear_eta_s();
+  if (workers == 0) {
+    info.clear_eta_s();
+    info.clear_eta_least_s();
+    info.clear_eta_most_s();
+  }
   return info;
 }
 

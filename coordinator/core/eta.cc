@@ -86,7 +86,7 @@ double Eta::Run_s(double cost, double chain, const Effort& effort, double pace) 
   return Slowness() * pace * std::max(cost / std::max(1.0, effort.workers), chain);
 }
 
-double Eta::Expected_s(const proto::Step& step, const Round& tasks, const Effort& effort,
+TimeLeft Eta::Expected(const proto::Step& step, const Round& tasks, const Effort& effort,
                        double now_s) const {
   const bool runs = tasks.kind() == wire::TaskKey::RUN;
   const double pace = Pace(tasks, runs ? effort : Effort{});
@@ -110,30 +110,40 @@ double Eta::Expected_s(const proto::Step& step, const Round& tasks, const Effort
   } else {
     left_s = std::max(advance_s - (now_s - tasks_ended_s_), kNeverDone * advance_s);
   }
+  TimeLeft left{left_s, left_s, left_s};
   for (const proto::Phase& phase : step.later()) {
     const double chain = phase.width() > 0 ? phase.cost() / phase.width() : 0;
-    left_s += Run_s(phase.cost(), chain, effort, pace) + phase.rounds() * usual_s;
+    const double phase_s = Run_s(phase.cost(), chain, effort, pace) + phase.rounds() * usual_s;
+    left.least_s += (phase.most() > 0 ? phase.least() : 1) * phase_s;
+    left.expected_s += phase_s;
+    left.most_s += (phase.most() > 0 ? phase.most() : 1) * phase_s;
   }
-  return left_s;
+  return left;
 }
 
 void Eta::Look(const proto::Step& step, const Round& tasks, const Effort& effort, double now_s) {
-  const double expected_s = Expected_s(step, tasks, effort, now_s);
+  const TimeLeft expected = Expected(step, tasks, effort, now_s);
   const bool jumps = jumps_ || !shows_ || !Alike(effort.workers, workers_);
   const double since_s = now_s - looked_s_, down_s = std::max(0.0, shown_s_ - since_s);
   const double share = since_s * (kShare + kYoung / std::max(now_s - began_s_, 1e-3)),
                slack_s = kSlack * since_s;
-  shown_s_ =
-      jumps ? expected_s
-            : std::clamp(expected_s, down_s * std::exp(-share) - slack_s, down_s * std::exp(share) + slack_s);
+  shown_s_ = jumps ? expected.expected_s
+                   : std::clamp(expected.expected_s, down_s * std::exp(-share) - slack_s,
+                                down_s * std::exp(share) + slack_s);
   jumps_ = false;
+  if (expected.expected_s > 0) {
+    least_ = expected.least_s / expected.expected_s;
+    most_ = expected.most_s / expected.expected_s;
+  }
   workers_ = effort.workers;
   looked_s_ = now_s;
   shows_ = true;
 }
 
-double Eta::Shown_s(double now_s) const {
-  return shows_ ? std::max(kLeastShown_s, shown_s_ - (now_s - looked_s_)) : 0;
+TimeLeft Eta::Shown(double now_s) const {
+  if (!shows_) return {};
+  const double shown_s = std::max(kLeastShown_s, shown_s_ - (now_s - looked_s_));
+  return {std::max(kLeastShown_s, least_ * shown_s), shown_s, most_ * shown_s};
 }
 
 }  // namespace cairn::coordinator

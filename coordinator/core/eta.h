@@ -21,6 +21,12 @@ struct Effort {
   std::map<std::uint32_t, double> running_s;  // its tasks that run, for how long
 };
 
+// A span where the data decide what work is to come (Phase.least, Phase.most), else three times the same. 0:
+// unknown.
+struct TimeLeft {
+  double least_s = 0, expected_s = 0, most_s = 0;
+};
+
 class Eta {
  public:
   // A stage begins, or a job goes on: nothing is under way, and what was shown no longer counts.
@@ -38,15 +44,15 @@ class Eta {
   void EndRound(double now_s);
 
   // What it takes from now on, as far as that is known now; `tasks` are those of the step, or its ADVANCE.
-  double Expected_s(const proto::Step& step, const Round& tasks, const Effort& effort, double now_s) const;
+  TimeLeft Expected(const proto::Step& step, const Round& tasks, const Effort& effort, double now_s) const;
   // Whether it is time to look again.
   bool IsDue(double now_s) const { return jumps_ || !shows_ || now_s - looked_s_ >= kLook_s; }
   void Look(const proto::Step& step, const Round& tasks, const Effort& effort, double now_s);
   // What people are told: of the last look, counted down. Between two looks it counts down, and moves towards
   // what is expected then by at most kShare + kYoung / (seconds since the stage began) of itself, and kSlack
   // s, in a second; but where the plan has changed (another step than was expected, other workers) it is what
-  // is expected. 0: unknown.
-  double Shown_s(double now_s) const;
+  // is expected. The span's ends are as many times that as they were at the last look.
+  TimeLeft Shown(double now_s) const;
 
   static constexpr double kLook_s = 0.5, kShare = 0.02, kYoung = 2, kSlack = 0.5;
 
@@ -70,6 +76,7 @@ class Eta {
   bool shows_ = false;        // there was a look
   bool jumps_ = false;        // at the next one
   double shown_s_ = 0, looked_s_ = 0;
+  double least_ = 1, most_ = 1;  // times what is shown
 };
 
 }  // namespace cairn::coordinator

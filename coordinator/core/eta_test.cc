@@ -30,7 +30,7 @@ struct Stage {
     eta.BeginRound(step, tasks, at_s);
   }
   void Look(double now_s) { eta.Look(step, tasks, effort, now_s); }
-  double Expected(double now_s) const { return eta.Expected_s(step, tasks, effort, now_s); }
+  double Expected(double now_s) const { return eta.Expected(step, tasks, effort, now_s).expected_s; }
   void Finish(std::uint32_t task, double seconds = 1) {
     tasks.Begin(task, 1);
     tasks.Finish(task, H(task));
@@ -104,24 +104,38 @@ TEST(Eta, ADVANCETakesWhatItTookOrWhatItsStepSays) {
 
 TEST(Eta, ShownCountsDownBetweenLooks) {
   Stage stage(StepOf(8, 3, 8));
-  EXPECT_EQ(stage.eta.Shown_s(0), 0) << "unknown";
+  EXPECT_EQ(stage.eta.Shown(0).expected_s, 0) << "unknown";
   stage.Look(0);
-  EXPECT_NEAR(stage.eta.Shown_s(0), 16, 1e-9);
-  EXPECT_NEAR(stage.eta.Shown_s(5), 11, 1e-9);
-  EXPECT_GT(stage.eta.Shown_s(100), 0) << "0 would be unknown";
+  EXPECT_NEAR(stage.eta.Shown(0).expected_s, 16, 1e-9);
+  EXPECT_NEAR(stage.eta.Shown(5).expected_s, 11, 1e-9);
+  EXPECT_GT(stage.eta.Shown(100).expected_s, 0) << "0 would be unknown";
+}
+
+TEST(Eta, IsASpanWhereTheDataDecideWhatIsToCome) {
+  Stage stage(StepOf(8, 3, 8));
+  stage.step.mutable_later(0)->set_least(0.5);
+  stage.step.mutable_later(0)->set_most(4);
+  const TimeLeft left = stage.eta.Expected(stage.step, stage.tasks, stage.effort, 0);
+  EXPECT_NEAR(left.least_s, 4 + 0.5 * 12, 1e-9);
+  EXPECT_NEAR(left.expected_s, 4 + 12, 1e-9);
+  EXPECT_NEAR(left.most_s, 4 + 4 * 12, 1e-9);
+  stage.Look(0);
+  EXPECT_NEAR(stage.eta.Shown(0).most_s, 52, 1e-9);
+  EXPECT_NEAR(stage.eta.Shown(8).most_s, 26, 1e-9) << "counts down as the figure does";
+  EXPECT_NEAR(stage.eta.Shown(8).least_s, 5, 1e-9);
 }
 
 TEST(Eta, ShownDoesNotJumpWhereThePlanIsTheSame) {
   Stage stage(StepOf(100, 3, 100));
   stage.Look(0);
-  double before_s = stage.eta.Shown_s(0), now_s = 0;
+  double before_s = stage.eta.Shown(0).expected_s, now_s = 0;
   ASSERT_NEAR(before_s, 200, 1e-9);
   for (std::uint32_t task = 0; task < 50; ++task) {
     stage.Finish(task, 4);  // not the second that was expected
     now_s += 2;
     stage.Look(now_s);
     const double share = 2 * (Eta::kShare + Eta::kYoung / now_s), counted_s = before_s - 2;
-    const double shown_s = stage.eta.Shown_s(now_s);
+    const double shown_s = stage.eta.Shown(now_s).expected_s;
     EXPECT_LE(shown_s, counted_s * std::exp(share) + 2 * Eta::kSlack + 1e-9) << now_s;
     EXPECT_GE(shown_s, counted_s * std::exp(-share) - 2 * Eta::kSlack - 1e-9) << now_s;
     before_s = shown_s;
@@ -132,14 +146,14 @@ TEST(Eta, ShownDoesNotJumpWhereThePlanIsTheSame) {
 TEST(Eta, ShownJumpsWhereThePlanChangesOrTheWorkersDo) {
   Stage stage(StepOf(8, 30, 8));
   stage.Look(0);
-  EXPECT_NEAR(stage.eta.Shown_s(0), 124, 1e-9);
+  EXPECT_NEAR(stage.eta.Shown(0).expected_s, 124, 1e-9);
   stage.effort.workers = 4;
   stage.Look(0.1);
-  EXPECT_NEAR(stage.eta.Shown_s(0.1), 62, 1e-9);
+  EXPECT_NEAR(stage.eta.Shown(0.1).expected_s, 62, 1e-9);
   stage.eta.BeginRound(StepOf(8, 5, 8), stage.tasks, 1);
   stage.step = StepOf(8, 5, 8);
   stage.Look(1);
-  EXPECT_NEAR(stage.eta.Shown_s(1), 12, 1e-9) << "30 rounds were announced, and are 5";
+  EXPECT_NEAR(stage.eta.Shown(1).expected_s, 12, 1e-9) << "30 rounds were announced, and are 5";
 }
 
 TEST(Eta, OfAStepThatIsAsAnnouncedDoesNotJump) {
@@ -148,8 +162,8 @@ TEST(Eta, OfAStepThatIsAsAnnouncedDoesNotJump) {
   stage.step = StepOf(8, 2, 9);  // not quite
   stage.eta.BeginRound(stage.step, stage.tasks, 1);
   stage.Look(1);
-  EXPECT_LT(std::abs(stage.eta.Shown_s(1) - 15), 15 * (std::exp(2.02) - 1) + 0.5);
-  EXPECT_NE(stage.eta.Shown_s(1), 0);
+  EXPECT_LT(std::abs(stage.eta.Shown(1).expected_s - 15), 15 * (std::exp(2.02) - 1) + 0.5);
+  EXPECT_NE(stage.eta.Shown(1).expected_s, 0);
 }
 
 // Through the core.

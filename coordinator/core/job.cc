@@ -222,7 +222,12 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_stages(job.StageCount());
   if (info.stage() < info.stages())
     info.set_stage_name(job.spec.stages(static_cast<int>(info.stage())).name());
-  if (job.Running()) info.set_eta_s(job.eta.Shown_s(now_s));
+  if (job.Running()) {
+    const TimeLeft left = job.eta.Shown(now_s);
+    info.set_eta_s(left.expected_s);
+    info.set_eta_least_s(left.least_s);
+    info.set_eta_most_s(left.most_s);
+  }
   info.set_round(job.round);
   info.set_input_error(job.input_error);
   info.set_priority(job.spec.priority());

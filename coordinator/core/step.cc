@@ -40,7 +40,8 @@ std::string CheckStep(const proto::Step& step) {
   if (!IsAmount(step.advance_cost())) return "what its ADVANCE costs is no number";
   if (step.later_size() > kMostPhases) return "it expects too many phases";
   for (const proto::Phase& phase : step.later())
-    if (!IsAmount(phase.rounds()) || !IsAmount(phase.cost()) || !IsAmount(phase.width()))
+    if (!IsAmount(phase.rounds()) || !IsAmount(phase.cost()) || !IsAmount(phase.width()) ||
+        !IsAmount(phase.least()) || !IsAmount(phase.most()))
       return "what it expects to follow is no number";
   if (!step.result().empty() && !IsHash(step.result())) return "the result has no hash";
   return "";

@@ -13,6 +13,13 @@ constexpr std::int64_t kIterationsToCome = 5, kJoinedToCome = 5;
 constexpr double kRefitIterations = 4.0, kFinerIterations = 4.0, kPolished = 0.7;
 constexpr const char* kCost = "cost";
 
+// How much of what is usual there may be, at least and at most: of a search's iterations, of those on all
+// data that follow it, of all robots' once the first one's map is known.
+struct Range {
+  double least = 1.0, most = 1.0;
+};
+constexpr Range kOfIterations{0.5, 3.0}, kOfLast{0.5, 5.0}, kOfRobots{0.5, 4.0};
+
 // What a step of a robot takes in E-steps to come: beliefs get narrower from one to the next while the map
 // gets sharper, down to what they are in a sharp one. But a robot that may start anywhere looks for itself in
 // the whole map each time.
@@ -90,9 +97,11 @@ double RefinedBy(const State& state) {
 // starts further out, refits.
 struct NewCandidates {
   double waves = 0.0, near = 0.0, beyond = 0.0, refits = 0.0;
+  Range range;
 };
 
-// The first wave comes always; how often others do is what simulated loops show.
+// The first wave comes always; how often others do is what simulated loops show. At most it is a wave and a
+// half more.
 NewCandidates Usual(const Options& options, const std::vector<cairn::Step>& steps) {
   std::int64_t waves = 0, beyond = 0;
   for (const cairn::Step& step : steps) {
@@ -103,9 +112,9 @@ NewCandidates Usual(const Options& options, const std::vector<cairn::Step>& step
     beyond = std::max(beyond, ScalarOf(state, kBeyond));
   }
   if (waves >= options.waves) return {};
-  if (waves == 0) return {1.1, 3.0, 0.0, 8.0};
-  if (beyond > 0) return {0.1, 0.0, 0.1 * static_cast<double>(beyond), 0.0};
-  return {0.05, 0.15, 0.0, 0.4};
+  if (waves == 0) return {1.1, 3.0, 0.0, 8.0, {0.5, 3.0}};
+  if (beyond > 0) return {0.1, 0.0, 0.1 * static_cast<double>(beyond), 0.0, {0.0, 15.0}};
+  return {0.05, 0.15, 0.0, 0.4, {0.0, 30.0}};
 }
 
 // Starts near the best map lose the robot less than the others do.
@@ -155,7 +164,8 @@ void ExpectEm(const Options& options, const Schedule& now, const Carried& carrie
   plan->clear_later();
   if (options.incremental) return;
   ExpectRounds(alone.rounds, alone.cost, 1.0, plan);
-  ExpectRounds(all.rounds, all.cost, static_cast<double>(robots), plan);
+  const Range range = robots > 1 ? kOfRobots : Range{};
+  ExpectRounds(all.rounds, all.cost, static_cast<double>(robots), plan, range.least, range.most);
 }
 
 SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::Step>& steps) {
@@ -184,6 +194,8 @@ SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::St
   new_cost_ = to_come.near * CostNear(started) + to_come.beyond * Mean(started) +
               to_come.refits * kRefitIterations * e_step;
   new_rounds_ *= to_come.waves;
+  new_least_ = to_come.range.least;
+  new_most_ = to_come.range.most;
   new_width_ = to_come.waves > 0.0 ? (to_come.near + to_come.beyond + to_come.refits) / to_come.waves : 0.0;
   if (finer <= 0.0) return;
   last_rounds_ += kFinerIterations;
@@ -192,9 +204,9 @@ SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::St
 
 void SearchOutlook::Announce(proto::Step* plan) const {
   plan->clear_later();
-  ExpectRounds(rounds_, cost_, width_, plan);
-  ExpectRounds(new_rounds_, new_cost_, new_width_, plan);
-  ExpectRounds(last_rounds_, last_cost_, 1.0, plan);
+  ExpectRounds(rounds_, cost_, width_, plan, kOfIterations.least, kOfIterations.most);
+  ExpectRounds(new_rounds_, new_cost_, new_width_, plan, new_least_, new_most_);
+  ExpectRounds(last_rounds_, last_cost_, 1.0, plan, kOfLast.least, kOfLast.most);
 }
 
 void CountCost(const State& before, cairn::Step* step) {

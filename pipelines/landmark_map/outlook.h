@@ -34,7 +34,7 @@ class SearchOutlook {
 
  private:
   double rounds_ = 0.0, cost_ = 0.0, width_ = 0.0;  // of those that there are
-  double new_rounds_ = 0.0, new_cost_ = 0.0, new_width_ = 0.0;
+  double new_rounds_ = 0.0, new_cost_ = 0.0, new_width_ = 0.0, new_least_ = 1.0, new_most_ = 1.0;
   double last_rounds_ = 0.0, last_cost_ = 0.0;
 };
 

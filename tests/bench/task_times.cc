@@ -1,9 +1,9 @@
 // How long the tasks of a job are (processor time), and how much memory it takes: runs a stage in this
 // process and prints a line a round and one of all.
 //   task_times PIPELINE LOG.h5 [key=value …] [trace=FILE] [input:NAME=FILE.h5 …]
-// A trace is what coordinator/eta_trace_test.cc replays, a line each: `start SECONDS`; of each round `round
-// COST SECONDS` of its ADVANCE, `later ROUNDS COST WIDTH` of each phase that its step expects to follow,
-// `task KIND COST SECONDS` with the tasks whose partials it reads.
+// A trace is what tests/eta replays, a line each: `start SECONDS`; of each round `round
+// COST SECONDS` of its ADVANCE, `later ROUNDS COST WIDTH LEAST MOST` of each phase that its step expects to
+// follow, `task KIND COST SECONDS` with the tasks whose partials it reads.
 #include <sys/resource.h>
 #include <time.h>
 
@@ -93,7 +93,8 @@ class Timed : public Pipeline {
   void Trace(double advance_s) const {
     std::fprintf(trace_, "round %.0f %.4f\n", round_.plan.advance_cost(), advance_s);
     for (const proto::Phase& phase : round_.plan.later())
-      std::fprintf(trace_, "later %.3g %.3g %.3g\n", phase.rounds(), phase.cost(), phase.width());
+      std::fprintf(trace_, "later %.3g %.3g %.3g %.3g %.3g\n", phase.rounds(), phase.cost(), phase.width(),
+                   phase.least(), phase.most());
     for (const Task& task : round_.plan.tasks()) {
       std::fprintf(trace_, "task %s %llu %.4f", task.kind().c_str(),
                    static_cast<unsigned long long>(task.cost()), round_.seconds[task.index()]);

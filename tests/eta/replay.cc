@@ -1,5 +1,6 @@
 #include "tests/eta/replay.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <fstream>
@@ -63,7 +64,8 @@ class Replayer {
         }
         if (now_s_ >= looked_s + kLook_s && core_.FindJob("job")->Running()) {
           looked_s = now_s_;
-          said.push_back({now_s_, core_.Find("job")->eta_s(), 0});
+          const wire::JobInfo info = *core_.Find("job");
+          said.push_back({now_s_, info.eta_s(), info.eta_least_s(), info.eta_most_s(), 0});
         }
       }
       AnswerWhatIsDone();
@@ -263,6 +265,10 @@ Trace ReadTrace(const std::string& path) {
       phase.set_rounds(line.Next<double>());
       phase.set_cost(line.Next<double>());
       phase.set_width(line.Next<double>());
+      if (const std::optional<double> least = line.Maybe<double>()) {
+        phase.set_least(*least);
+        phase.set_most(line.Next<double>());
+      }
     } else if (word == "times") {
       times = line.Next<int>();
     } else if (word == "task") {
@@ -276,10 +282,15 @@ Trace ReadTrace(const std::string& path) {
 
 std::vector<Said> Replay(const Trace& trace, const Fleet& fleet) { return Replayer(trace, fleet).Run(fleet); }
 
+double Nearest(const Said& said) {
+  return said.IsSpan() ? std::clamp(said.true_s, said.least_s, said.most_s) : said.said_s;
+}
+
 bool IsNear(const Said& said) {
   if (said.said_s <= 0) return false;
-  if (std::abs(said.said_s - said.true_s) <= kSlack_s) return true;
-  return said.said_s <= kMostOff * said.true_s && said.true_s <= kMostOff * said.said_s;
+  const double said_s = Nearest(said);
+  if (std::abs(said_s - said.true_s) <= kSlack_s) return true;
+  return said_s <= kMostOff * said.true_s && said.true_s <= kMostOff * said_s;
 }
 
 }  // namespace cairn::eta

@@ -26,8 +26,12 @@ Trace ReadTrace(const std::string& path);
 // A moment of the job.
 struct Said {
   double at_s = 0;
-  double said_s = 0;  // 0: unknown
+  double said_s = 0;               // 0: unknown
+  double least_s = 0, most_s = 0;  // the span that it is in
   double true_s = 0;
+
+  // Whether a span is told and no figure (LeftText in coordinator/cli/output/progress_line.h).
+  bool IsSpan() const { return most_s > 2 * least_s; }
 };
 
 struct Fleet {
@@ -41,8 +45,9 @@ struct Fleet {
 // What is said every half second from the job's submission to its end.
 std::vector<Said> Replay(const Trace& trace, const Fleet& fleet = {});
 
-// Whether it is at most twice off, or by two seconds.
+// Whether it, or what is true lies outside of its span, is at most twice off, or by two seconds.
 inline constexpr double kMostOff = 2, kSlack_s = 2;
+double Nearest(const Said& said);  // of what is told, to what is true
 bool IsNear(const Said& said);
 
 }  // namespace cairn::eta

@@ -24,8 +24,8 @@ constexpr int kMostJumps = 5;
 
 std::string Text(const Said& said, const Said& last) {
   char text[160];
-  std::snprintf(text, sizeof text, "after %.1f of %.1f s: about %.1f s left, true %.1f s", said.at_s,
-                last.at_s + last.true_s, said.said_s, said.true_s);
+  std::snprintf(text, sizeof text, "after %.1f of %.1f s: about %.1f s (%.1f to %.1f) left, true %.1f s",
+                said.at_s, last.at_s + last.true_s, said.said_s, said.least_s, said.most_s, said.true_s);
   return text;
 }
 
@@ -55,6 +55,20 @@ TEST_P(OfEachTrace, IsOfAJobOfTenSecondsOrMore) { EXPECT_GT(SecondsOf(Replay(tra
 TEST_P(OfEachTrace, IsNeverMoreThanTwiceOffAfterTheFirstQuarter) {
   for (const int workers : {1, 2, 4})
     ExpectNear(Replay(trace_, {.workers = workers}), 0, std::to_string(workers) + " workers");
+}
+
+// A span that holds everything would be near all that is true.
+TEST_P(OfEachTrace, IsAFigureButInASearchWhereItIsASpanThatSaysSomething) {
+  const bool searches = GetParam().stem().string().starts_with("landmark_map");
+  constexpr double kWidest = 12;
+  std::vector<double> widths;
+  for (const Said& one : Replay(trace_)) {
+    if (one.said_s > 0 && one.IsSpan()) widths.push_back(one.most_s / one.least_s);
+  }
+  EXPECT_EQ(!widths.empty(), searches);
+  if (widths.empty()) return;
+  std::ranges::sort(widths);
+  EXPECT_LT(widths[widths.size() / 2], kWidest) << "the most by the least, in the middle of all looks";
 }
 
 TEST_P(OfEachTrace, WorkersThatComeAndGoChangeThePlanAtOnce) {

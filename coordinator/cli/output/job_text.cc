@@ -12,6 +12,10 @@
 namespace cairn::cli {
 namespace {
 
+nlohmann::ordered_json NullIfUnknown(double seconds) {
+  return seconds > 0 ? nlohmann::ordered_json(seconds) : nlohmann::ordered_json();
+}
+
 nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
   return {{"id", job.id()},
           {"name", job.name()},
@@ -25,7 +29,9 @@ nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
           {"tasks_done", job.tasks_done()},
           {"rounds_left", job.rounds_left()},
           {"workers", job.workers()},
-          {"eta_s", job.eta_s() > 0 ? nlohmann::ordered_json(job.eta_s()) : nlohmann::ordered_json()},
+          {"eta_s", NullIfUnknown(job.eta_s())},
+          {"eta_least_s", NullIfUnknown(job.eta_least_s())},
+          {"eta_most_s", NullIfUnknown(job.eta_most_s())},
           {"note", job.note()},
           {"seconds", job.seconds()},
           {"priority", job.priority()},
@@ -45,11 +51,11 @@ std::string StageText(const wire::JobInfo& job) {
 }
 
 // Of the stage under way: nobody knows what the later ones will take.
-std::string LeftText(const wire::JobInfo& job) {
+std::string LeftLine(const wire::JobInfo& job) {
   if (job.state() != "running") return "";
   if (job.eta_s() <= 0) return "unknown";
   const std::uint32_t later = job.stages() - std::min(job.stage() + 1, job.stages());
-  return "about " + Duration(job.eta_s()) +
+  return "about " + LeftText(job) +
          (later == 0 ? ""
                      : " of this stage, and " + std::to_string(later) +
                            (later == 1 ? " stage more" : " stages more"));
@@ -68,7 +74,7 @@ std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
     rows.push_back(
         {job.id(), job.name(), job.state(), StageText(job), std::to_string(job.round()),
          job.tasks() > 0 ? std::to_string(job.tasks_done()) + "/" + std::to_string(job.tasks()) : "",
-         std::to_string(job.workers()), Duration(job.seconds()), job.eta_s() > 0 ? Duration(job.eta_s()) : "",
+         std::to_string(job.workers()), Duration(job.seconds()), LeftText(job),
          job.reason().empty() ? job.note() : job.reason()});
   return TextTable(rows);
 }
@@ -96,7 +102,7 @@ std::string JobText(const wire::JobInfo& job) {
     line("tasks", std::to_string(job.tasks_done()) + " of " + std::to_string(job.tasks()) + " in this round");
   line("workers", IsOver(job) ? "" : std::to_string(job.workers()) + " at work on it");
   line("time", Duration(job.seconds()));
-  line("left", LeftText(job));
+  line("left", LeftLine(job));
   line("note", job.note());
   if (job.retries() > 0) line("retries", std::to_string(job.retries()) + " in all, the last:");
   for (const std::string& failure : job.failures()) line("", failure);

@@ -76,6 +76,7 @@ TEST(JobText, JsonHoldsTheSame) {
   ASSERT_EQ(json.at("failures").size(), 1u);
   EXPECT_EQ(json.at("id"), "1-museum");
   EXPECT_TRUE(json.at("eta_s").is_null()) << "unknown";
+  EXPECT_TRUE(json.at("eta_most_s").is_null());
   EXPECT_EQ(json.at("workers"), 0);
 }
 

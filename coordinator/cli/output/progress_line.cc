@@ -41,6 +41,13 @@ std::string Duration(double seconds) {
   return text;
 }
 
+std::string LeftText(const wire::JobInfo& info) {
+  constexpr double kSpan = 2;  // narrower ones are told as a figure
+  if (info.eta_s() <= 0) return "";
+  if (info.eta_most_s() <= kSpan * info.eta_least_s()) return Duration(info.eta_s());
+  return Duration(info.eta_least_s()) + " to " + Duration(info.eta_most_s());
+}
+
 double PartDone(const wire::JobInfo& info) {
   if (info.rounds_left() == 0) return -1;
   const double done = static_cast<double>(info.round()) + RoundPart(info);
@@ -54,7 +61,7 @@ std::string ProgressLine(const wire::JobInfo& info, int width) {
   if (info.stages() > 1) line += " " + info.stage_name();
   const double part = PartDone(info);
   if (part >= 0) line += " " + Bar(part);
-  if (info.eta_s() > 0) line += " about " + Duration(info.eta_s()) + " left,";
+  if (info.eta_s() > 0) line += " about " + LeftText(info) + " left,";
   line += " " + std::to_string(info.tasks_done()) + "/" + std::to_string(info.tasks()) + " tasks";
   if (!info.note().empty()) line += ", " + info.note();
   return Cut(line, width);

@@ -10,6 +10,10 @@ namespace cairn::cli {
 // "1:05", "2:03:00".
 std::string Duration(double seconds);
 
+// What is left of its stage: "0:10", or "0:05 to 0:40" where the data decide what work is to come; nothing
+// where it is unknown.
+std::string LeftText(const wire::JobInfo& info);
+
 // The part of a stage that is done, from 0 to 1; below 0 where it cannot be said.
 double PartDone(const wire::JobInfo& info);
 

@@ -39,6 +39,19 @@ TEST(ProgressLine, SaysStageTasksAndWhatIsLeft) {
             "museum 1/2 landmarks [##########----------] about 0:10 left, 10/20 tasks, iteration 3");
 }
 
+TEST(LeftText, IsASpanWhereTheDataDecideWhatIsToCome) {
+  wire::JobInfo info = Info();
+  EXPECT_EQ(LeftText(info), "") << "unknown";
+  info.set_eta_s(10);
+  info.set_eta_least_s(8);
+  info.set_eta_most_s(15);
+  EXPECT_EQ(LeftText(info), "0:10") << "narrow";
+  info.set_eta_least_s(5);
+  info.set_eta_most_s(65);
+  EXPECT_EQ(LeftText(info), "0:05 to 1:05");
+  EXPECT_NE(ProgressLine(info, 200).find(" about 0:05 to 1:05 left,"), std::string::npos);
+}
+
 TEST(ProgressLine, TheOnlyStageNeedsNoName) {
   wire::JobInfo info = Info();
   info.set_stages(1);
