@@ -42,6 +42,7 @@ class CsvImport {
  private:
   static constexpr std::size_t kRobot = 1;  // of all columns but those of the true landmarks
   static constexpr std::string_view kOnlyRobot = "robot";
+  static constexpr std::size_t kMostRobots = 1000;  // each is a group in the file, and they cost their square
 
   CsvReader Open(const std::string& path, const std::vector<std::vector<std::string>>& headers) {
     CsvReader reader(path, headers, &bad_);
@@ -72,6 +73,9 @@ class CsvImport {
       return nullptr;
     }
     const auto robot = static_cast<std::size_t>(robots_.FindOrAdd(name));
+    if (robot >= kMostRobots)
+      throw InputError(options_.odometry + ": names more than " + std::to_string(kMostRobots) +
+                       " robots: is its column 'robot' something else?");
     if (robot == rows_.robots.size()) rows_.robots.emplace_back().name = name;
     return &rows_.robots[robot];
   }

@@ -80,6 +80,14 @@ TEST_F(ImportCsvTest, OfSeveralRobotsTheRobotIsNeeded) {
   ExpectContains(Failure(), "s.csv:1: the header lacks 'robot'; odometry is of 2 robots");
 }
 
+TEST_F(ImportCsvTest, MoreRobotsThanAFleetHasAreRefused) {
+  std::string rows;
+  for (int robot = 0; robot <= 1000; ++robot)
+    rows += std::to_string(robot) + ",r" + std::to_string(robot) + ",0,1\n";
+  options_.odometry = folder_.Put("o.csv", "time_s,robot,turn_rad,forward_m\n" + rows);
+  ExpectContains(Failure(), "o.csv: names more than 1000 robots: is its column 'robot' something else?");
+}
+
 // Dead reckoning by the controls leads where the poses lie, from the first one on.
 TEST_F(ImportCsvTest, TakesOdometryAsPoses) {
   options_.odometry =
