@@ -37,7 +37,7 @@ double Fields::Within(std::size_t field, double per, double most, const char* ot
   throw LineError{otherwise, FieldName(field) + " is '" + std::string(Text(field)) + "'"};
 }
 
-PoseM Fields::Pose(std::size_t first, double per_m) const {
+Pose Fields::PoseAt(std::size_t first, double per_m) const {
   constexpr double kMost_m = 1e7, kMost_rad = 1e6;
   return {Within(first, per_m, kMost_m, "no place on Earth"),
           Within(first + 1, per_m, kMost_m, "no place on Earth"),

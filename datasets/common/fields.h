@@ -27,7 +27,7 @@ class Fields {
   double Number(std::size_t field) const;
   // A pose x, y, heading, `per_m` units of length a metre; beyond 10,000 km or a million radians "no place on
   // Earth", "no heading".
-  PoseM Pose(std::size_t first, double per_m = 1) const;
+  Pose PoseAt(std::size_t first, double per_m = 1) const;
   // A time, `per_s` units a second; beyond 4.2e9 s (Unix time of 2103), where a double has no microseconds,
   // "no time stamp".
   double Stamp(std::size_t field, double per_s = 1) const;

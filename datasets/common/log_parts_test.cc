@@ -11,7 +11,7 @@
 namespace cairn::datasets {
 namespace {
 
-PoseM DeadReckoned(const Blob& log, PoseM pose) {
+Pose DeadReckoned(const Blob& log, Pose pose) {
   const auto turn = log.Get<double>("robot/0/odometry/turn_rad");
   const auto forward = log.Get<double>("robot/0/odometry/forward_m");
   for (std::size_t i = 0; i < turn.size(); ++i) pose = Apply(pose, {turn[i], forward[i]});
@@ -32,8 +32,8 @@ TEST(LogParts, RobotsKeepTheirDataAndTruthUnderNewNumbers) {
 TEST(LogParts, AReversedDriveLeadsBackToItsStart) {
   const Blob log = SimulateLoop({.difficulty = "paper", .seed = 4});
   const Blob back = Reversed(log, 0);
-  const PoseM start{3.0, -2.0, 0.7};
-  const PoseM there = DeadReckoned(log, start), again = DeadReckoned(back, there);
+  const Pose start{3.0, -2.0, 0.7};
+  const Pose there = DeadReckoned(log, start), again = DeadReckoned(back, there);
   EXPECT_GT(std::hypot(there.x_m - start.x_m, there.y_m - start.y_m), 1.0);
   EXPECT_NEAR(again.x_m, start.x_m, 1e-9);
   EXPECT_NEAR(again.y_m, start.y_m, 1e-9);
@@ -45,7 +45,7 @@ TEST(LogParts, AReversedDriveLeadsBackToItsStart) {
 // The pose at the n-th last observation is that of the reversed log's n-th.
 TEST(LogParts, AReversedDrivePassesItsObservationsWhereTheyWereMade) {
   const Blob log = SimulateLoop({.difficulty = "paper", .seed = 4});
-  const auto at = [](const Blob& b, std::size_t observation, PoseM pose) {
+  const auto at = [](const Blob& b, std::size_t observation, Pose pose) {
     const auto time = b.Get<double>("robot/0/odometry/time_s"),
                turn = b.Get<double>("robot/0/odometry/turn_rad"),
                forward = b.Get<double>("robot/0/odometry/forward_m");
@@ -55,10 +55,10 @@ TEST(LogParts, AReversedDrivePassesItsObservationsWhereTheyWereMade) {
     return pose;
   };
   const std::size_t seen = log.Get<double>("robot/0/observations/time_s").size();
-  const PoseM end = DeadReckoned(log, {});
+  const Pose end = DeadReckoned(log, {});
   const Blob back = Reversed(log, 0);
   for (const std::size_t n : {std::size_t{0}, seen / 2, seen - 2}) {
-    const PoseM there = at(log, n, {}), here = at(back, seen - 1 - n, end);
+    const Pose there = at(log, n, {}), here = at(back, seen - 1 - n, end);
     EXPECT_NEAR(there.x_m, here.x_m, 1e-6) << n;
     EXPECT_NEAR(there.y_m, here.y_m, 1e-6) << n;
   }

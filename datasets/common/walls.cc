@@ -7,9 +7,9 @@
 namespace cairn::datasets {
 namespace {
 
-double Cross(PointM u, PointM v) { return u.x_m * v.y_m - u.y_m * v.x_m; }
-PointM Minus(PointM a, PointM b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
-PointM Between(PointM a, PointM b, double t) {
+double Cross(Point u, Point v) { return u.x_m * v.y_m - u.y_m * v.x_m; }
+Point Minus(Point a, Point b) { return {a.x_m - b.x_m, a.y_m - b.y_m}; }
+Point Between(Point a, Point b, double t) {
   return {a.x_m + t * (b.x_m - a.x_m), a.y_m + t * (b.y_m - a.y_m)};
 }
 
@@ -26,22 +26,22 @@ void CutTo(double at_a, double at_b, Part& part) {
 }
 
 // Of the perpendicular from the origin to a line through a along ab: the share of ab.
-double FootOn(PointM a, PointM ab) {
+double FootOn(Point a, Point ab) {
   return -(a.x_m * ab.x_m + a.y_m * ab.y_m) / std::max(ab.x_m * ab.x_m + ab.y_m * ab.y_m, 1e-18);
 }
 
 }  // namespace
 
-Part Inside(PointM a, PointM b, std::span<const PointM> corners) {
+Part Inside(Point a, Point b, std::span<const Point> corners) {
   Part part;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const PointM corner = corners[i], side = Minus(corners[(i + 1) % corners.size()], corner);
+    const Point corner = corners[i], side = Minus(corners[(i + 1) % corners.size()], corner);
     CutTo(Cross(side, Minus(a, corner)), Cross(side, Minus(b, corner)), part);
   }
   return part;
 }
 
-void AddOutside(PointM a, PointM b, std::vector<Part> inside, std::vector<Wall>& walls) {
+void AddOutside(Point a, Point b, std::vector<Part> inside, std::vector<Wall>& walls) {
   std::sort(inside.begin(), inside.end(), [](const Part& p, const Part& q) { return p.from < q.from; });
   inside.push_back({1, 1});
   double done = 0;
@@ -51,41 +51,40 @@ void AddOutside(PointM a, PointM b, std::vector<Part> inside, std::vector<Wall>&
   }
 }
 
-Cone::Cone(PointM from, double heading_rad, double half_opening_rad)
+Cone::Cone(Point from, double heading_rad, double half_opening_rad)
     : from_(from),
       right_{std::cos(heading_rad - half_opening_rad), std::sin(heading_rad - half_opening_rad)},
       middle_{std::cos(heading_rad), std::sin(heading_rad)},
       left_{std::cos(heading_rad + half_opening_rad), std::sin(heading_rad + half_opening_rad)} {}
 
-std::optional<PointM> Cone::Nearest(const Wall& wall) const {
+std::optional<Point> Cone::Nearest(const Wall& wall) const {
   // Rounding must not close a cone without opening.
   constexpr double kSlackM = 1e-9;
-  const PointM a = Minus(wall.a, from_), b = Minus(wall.b, from_), ab = Minus(b, a);
+  const Point a = Minus(wall.a, from_), b = Minus(wall.b, from_), ab = Minus(b, a);
   Part seen;
   CutTo(Cross(right_, a) + kSlackM, Cross(right_, b) + kSlackM, seen);
   CutTo(Cross(a, left_) + kSlackM, Cross(b, left_) + kSlackM, seen);
-  const auto ahead = [&](PointM p) { return p.x_m * middle_.x_m + p.y_m * middle_.y_m; };
+  const auto ahead = [&](Point p) { return p.x_m * middle_.x_m + p.y_m * middle_.y_m; };
   CutTo(ahead(a), ahead(b), seen);
   if (seen.from >= seen.to) return std::nullopt;
   return Between(a, b, std::clamp(FootOn(a, ab), seen.from, seen.to));
 }
 
-double DistanceToM(const Wall& wall, PointM from) {
-  const PointM a = Minus(wall.a, from), b = Minus(wall.b, from);
+double DistanceToM(const Wall& wall, Point from) {
+  const Point a = Minus(wall.a, from), b = Minus(wall.b, from);
   return DistanceM({}, Between(a, b, std::clamp(FootOn(a, Minus(b, a)), 0.0, 1.0)));
 }
 
-bool Crosses(const Wall& wall, PointM from, PointM to) {
+bool Crosses(const Wall& wall, Point from, Point to) {
   constexpr double kEnd = 1e-6;  // of the way
-  const PointM way = Minus(to, from), along = Minus(wall.b, wall.a), a = Minus(wall.a, from);
+  const Point way = Minus(to, from), along = Minus(wall.b, wall.a), a = Minus(wall.a, from);
   const double turn = Cross(way, along);
   if (turn == 0) return false;
   const double on_way = Cross(a, along) / turn, on_wall = Cross(a, way) / turn;
   return on_way > kEnd && on_way < 1 - kEnd && on_wall >= 0 && on_wall <= 1;
 }
 
-double NearestWallM(const std::vector<Wall>& walls, PointM from, double heading_rad,
-                    double half_opening_rad) {
+double NearestWallM(const std::vector<Wall>& walls, Point from, double heading_rad, double half_opening_rad) {
   const Cone cone(from, heading_rad, half_opening_rad);
   double nearest = std::numeric_limits<double>::infinity();
   for (const Wall& wall : walls) {

@@ -108,7 +108,7 @@ class Evaluator {
       const Track estimate = ReadTrack(result_, poses, "mode_");
       CheckTimes(r, estimate.time_s);
       const Track truth = ReadTrack(log_, "truth/" + poses);
-      std::vector<std::pair<PoseM, PoseM>> pairs;
+      std::vector<std::pair<Pose, Pose>> pairs;
       for (std::size_t i = 0; i < estimate.time_s.size(); ++i) {
         const auto at = PoseAt(truth, estimate.time_s[i]);
         if (at) pairs.emplace_back(estimate.poses[i], *at);
@@ -167,9 +167,9 @@ class Evaluator {
   }
 
   PointMatch Match() const {
-    std::vector<PointM> moved;
+    std::vector<Point> moved;
     moved.reserve(extracted_.size());
-    for (const PointM& point : extracted_) moved.push_back(out_.alignment(point));
+    for (const Point& point : extracted_) moved.push_back(out_.alignment(point));
     return MatchPoints(moved, true_, MayMatchIdentity());
   }
 
@@ -181,7 +181,7 @@ class Evaluator {
       if (pairs.empty()) continue;
       double squares = 0, heading_squares = 0;
       for (const auto& [ours, theirs] : pairs) {
-        const PoseM moved = out_.alignment(ours);
+        const Pose moved = out_.alignment(ours);
         const double distance = DistanceM({moved.x_m, moved.y_m}, {theirs.x_m, theirs.y_m});
         const double turn = WrapAngle(moved.heading_rad - theirs.heading_rad);
         squares += distance * distance;
@@ -215,12 +215,12 @@ class Evaluator {
   const Blob& log_;
   Evaluation out_;
   bool has_landmarks_ = false;
-  std::vector<PointM> extracted_, all_true_, true_;
+  std::vector<Point> extracted_, all_true_, true_;
   std::vector<std::size_t> true_index_;  // of true_, into all_true_
   std::vector<std::int32_t> identity_;   // of extracted_, into all_true_; kNoTruth
   Associations map_associations_;
   std::optional<Associations> truth_associations_;
-  std::vector<std::vector<std::pair<PoseM, PoseM>>> pose_pairs_;  // of each robot: estimate, truth
+  std::vector<std::vector<std::pair<Pose, Pose>>> pose_pairs_;  // of each robot: estimate, truth
 };
 
 // Later observations count as false ones: a result of a prefix is held against what the prefix shows.

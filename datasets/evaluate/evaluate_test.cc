@@ -41,7 +41,7 @@ Blob Moved(Blob result, const Similarity& motion, int robots) {
   const auto move = [&](const std::string& x_name, const std::string& y_name) {
     std::vector<double> x = Column(result, x_name), y = Column(result, y_name);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const PointM at = motion(PointM{x[i], y[i]});
+      const Point at = motion(Point{x[i], y[i]});
       x[i] = at.x_m;
       y[i] = at.y_m;
     }

@@ -11,10 +11,10 @@ namespace {
 
 using NearSample = std::pair<double, std::size_t>;  // distance, index: ties go to the first
 
-std::vector<NearSample> Distances(const std::vector<PointM>& places, const PointM& from) {
+std::vector<NearSample> Distances(const std::vector<Point>& places, const Point& from) {
   std::vector<NearSample> distances;
   distances.reserve(places.size());
-  for (const PointM& place : places) distances.emplace_back(DistanceM(place, from), distances.size());
+  for (const Point& place : places) distances.emplace_back(DistanceM(place, from), distances.size());
   return distances;
 }
 
@@ -60,7 +60,7 @@ std::vector<double> FeatureProbabilities(std::span<const double> g) {
   return probability;
 }
 
-FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const double> output,
+FeatureMap MapByNearest(const std::vector<Point>& places, std::span<const double> output,
                         std::size_t networks, std::size_t nearest, const std::vector<double>& heading_rad) {
   CAIRN_DEMAND(nearest >= 1 && nearest <= places.size(), "no such number of nearest samples");
   CAIRN_DEMAND(heading_rad.empty() || heading_rad.size() == places.size(), "a heading for each place");
@@ -84,7 +84,7 @@ FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const doubl
   return map;
 }
 
-std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const PointM& truth,
+std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const Point& truth,
                                      std::span<const double> probability,
                                      const std::vector<std::size_t>& drawn,
                                      const std::vector<double>& windows_m, const KnownHeading& known) {

@@ -12,7 +12,7 @@ namespace cairn::datasets {
 
 // P(f | xi) at the places of the training samples.
 struct FeatureMap {
-  std::vector<PointM> places;
+  std::vector<Point> places;
   std::size_t vectors = 1;               // 2^n; bit i of f is f_i
   std::vector<double> probability;       // [places][vectors]
   std::vector<double> heading_rad = {};  // of the places; empty where headings do not count
@@ -25,7 +25,7 @@ std::vector<double> FeatureProbabilities(std::span<const double> g);
 // among them ([T98] section 5.1.6); of samples equally far away the first ones. `output`: [places][networks];
 // 1 <= nearest <= places. `heading_rad`: empty, or of each place; only samples that face like xi then count,
 // all of them where they are fewer than `nearest`. Costs O(places^2).
-FeatureMap MapByNearest(const std::vector<PointM>& places, std::span<const double> output,
+FeatureMap MapByNearest(const std::vector<Point>& places, std::span<const double> output,
                         std::size_t networks, std::size_t nearest,
                         const std::vector<double>& heading_rad = {});
 
@@ -46,7 +46,7 @@ struct WindowError {
 // `windows_m`: half-widths, ascending. `probability`: P(f | s) of the sample, [vectors]. Where the map holds
 // f for impossible anywhere in the window the belief stays what it was: E(f) is the prior error. O(places
 // (log places + vectors)) for all windows together. `known` counts where the map has headings.
-std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const PointM& truth,
+std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const Point& truth,
                                      std::span<const double> probability,
                                      const std::vector<std::size_t>& drawn,
                                      const std::vector<double>& windows_m, const KnownHeading& known = {});

@@ -21,7 +21,7 @@ TEST(FeatureProbabilities, AreProductsWithBitIForNetworkI) {
 // Samples at 0, 1, 3, 7 m: the two nearest of each are {0, 1}, {1, 0}, {3, 1}, {7, 3}. At 5 m 3 and 7 are as
 // near.
 TEST(MapByNearest, AveragesEachNetworkOverTheNearestByHand) {
-  const std::vector<PointM> places = {{0, 0}, {1, 0}, {3, 0}, {7, 0}};
+  const std::vector<Point> places = {{0, 0}, {1, 0}, {3, 0}, {7, 0}};
   const std::vector<double> g = {0.0, 0.2, 0.6, 1.0};
   const FeatureMap map = MapByNearest(places, g, 1, 2);
   const std::vector<double> mean = {0.1, 0.1, 0.4, 0.8};
@@ -49,7 +49,7 @@ TEST(MapByNearest, PrefersTheFirstOfSamplesThatAreEquallyNear) {
 // There and back, and one sideways: nearest are those of the ones that face alike, all of them where they are
 // too few.
 TEST(MapByNearest, TakesSamplesThatFaceAlikeWhereHeadingsCount) {
-  const std::vector<PointM> places = {{0, 0}, {0.1, 0}, {1, 0}, {1.1, 0}, {2, 0}};
+  const std::vector<Point> places = {{0, 0}, {0.1, 0}, {1, 0}, {1.1, 0}, {2, 0}};
   const std::vector<double> g = {0.0, 1.0, 0.2, 0.6, 0.4}, heading_rad = {0.0, 3.1, 0.2, -3.1, 1.4};
   const FeatureMap map = MapByNearest(places, g, 1, 2, heading_rad);
   const std::vector<double> mean = {0.1, 0.8, 0.1, 0.8, 0.3};
@@ -114,7 +114,7 @@ TEST(ErrorsInMap, AFeatureThatTheMapRulesOutLeavesTheBeliefAsItWas) {
 }
 
 // [T98] eq. 42 as it is printed, but for the map: three nested sums, normalised for each f anew.
-double LiteralM(const FeatureMap& map, const PointM& truth, const std::vector<double>& p, double window_m) {
+double LiteralM(const FeatureMap& map, const Point& truth, const std::vector<double>& p, double window_m) {
   double sum = 0;
   for (std::size_t k = 0; k < map.places.size(); ++k) {
     const double e = std::hypot(map.places[k].x_m - truth.x_m, map.places[k].y_m - truth.y_m);
@@ -122,7 +122,7 @@ double LiteralM(const FeatureMap& map, const PointM& truth, const std::vector<do
     for (std::size_t f = 0; f < map.vectors; ++f) {
       double all = 0;
       for (std::size_t j = 0; j < map.places.size(); ++j) {
-        const PointM& other = map.places[j];
+        const Point& other = map.places[j];
         if (std::hypot(other.x_m - truth.x_m, other.y_m - truth.y_m) <= window_m)
           all += map.probability[j * map.vectors + f];
       }
@@ -136,14 +136,14 @@ TEST(ErrorsInMap, EqualsTheLiteralSumInRandomWorlds) {
   Rng rng(3);
   int compared = 0;
   for (int world = 0; world < 20; ++world) {
-    std::vector<PointM> places;
+    std::vector<Point> places;
     std::vector<double> g;
     for (int k = 0; k < 30; ++k) {
       places.push_back({rng.Uniform(0, 20), rng.Uniform(0, 5)});
       for (int i = 0; i < 3; ++i) g.push_back(rng.Uniform());
     }
     const FeatureMap map = MapByNearest(places, g, 3, 4);
-    const PointM truth{rng.Uniform(0, 20), rng.Uniform(0, 5)};
+    const Point truth{rng.Uniform(0, 20), rng.Uniform(0, 5)};
     const auto p = FeatureProbabilities(std::vector<double>{rng.Uniform(), rng.Uniform(), rng.Uniform()});
     const std::vector<double> windows_m = {2, 5, 100};
     const auto errors = ErrorsInMap(map, truth, p, {}, windows_m);

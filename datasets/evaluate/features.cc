@@ -59,7 +59,7 @@ Fold FoldOfTwoFiles(const std::vector<FeatureRun>& runs, const std::vector<Featu
 // Returns whether headings count.
 bool AddTruthsOf(const Fold& fold, std::size_t features, const ScoreOptions& options,
                  std::vector<Truth>* truths) {
-  std::vector<PointM> places;
+  std::vector<Point> places;
   std::vector<double> output;
   ScoredHeadings headings{{}, {}, 0, options.heading_window_deg.value_or(180)};
   for (const FeatureRun* run : fold.map) {

@@ -48,11 +48,11 @@ bool MarkByIdentity(const Blob& log, std::size_t r, const std::vector<std::int32
 
 }  // namespace
 
-std::vector<PointM> ReadPoints(const Blob& blob, const std::string& x_name, const std::string& y_name) {
+std::vector<Point> ReadPoints(const Blob& blob, const std::string& x_name, const std::string& y_name) {
   const auto x = blob.Get<double>(x_name);
   const auto y = blob.Get<double>(y_name);
   if (x.size() != y.size()) throw InputError("'" + x_name + "' and '" + y_name + "' differ in length");
-  std::vector<PointM> points;
+  std::vector<Point> points;
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!std::isfinite(x[i] + y[i])) {
       throw InputError("'" + x_name + "', row " + std::to_string(i) + ": the position is not finite");

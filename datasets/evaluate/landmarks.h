@@ -13,7 +13,7 @@ namespace cairn::datasets {
 inline constexpr std::int32_t kNoTruth = -1;
 
 // Throws InputError where a column is missing, they differ in length or a value is not finite.
-std::vector<PointM> ReadPoints(const Blob& blob, const std::string& x_name, const std::string& y_name);
+std::vector<Point> ReadPoints(const Blob& blob, const std::string& x_name, const std::string& y_name);
 
 // Which of the log's true landmarks count as observed: those that truth/robot/N/observations/landmark names;
 // for a robot without it, those that its observations name; all of them where neither tells. Indices must be

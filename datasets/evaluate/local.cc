@@ -68,7 +68,7 @@ std::vector<Robot> ReadRobots(const Blob& result, const Blob& log) {
 }
 
 struct PosePair {
-  PoseM ours, theirs;
+  Pose ours, theirs;
 };
 
 // At the times of `estimate`, where the truth knows.
@@ -89,7 +89,7 @@ Similarity FitPoses(const std::vector<PosePair>& pairs) {
 
 void AddErrors(const std::vector<PosePair>& pairs, const Similarity& alignment, ErrorSum* sum) {
   for (const PosePair& pair : pairs) {
-    const PoseM moved = alignment(pair.ours);
+    const Pose moved = alignment(pair.ours);
     sum->Add(DistanceM({moved.x_m, moved.y_m}, {pair.theirs.x_m, pair.theirs.y_m}));
   }
 }
@@ -111,7 +111,7 @@ void ScorePaths(const std::vector<Robot>& robots, LocalEvaluation* out) {
     all.insert(all.end(), pairs.begin(), pairs.end());
     Track reckoned{robot.estimate.time_s, {}};
     for (const double time_s : reckoned.time_s)
-      reckoned.poses.push_back(PoseAt(robot.odometry, time_s, HUGE_VAL).value_or(PoseM{}));
+      reckoned.poses.push_back(PoseAt(robot.odometry, time_s, HUGE_VAL).value_or(Pose{}));
     const std::vector<PosePair> dead = Pairs(reckoned, robot.truth);
     AddErrors(dead, FitPoses(dead), &odometry);
   }
@@ -135,7 +135,7 @@ class TrueFrames {
                last = Column<double>(result, "traces/last_s", n);
     for (std::size_t k = 0; k < n; ++k) {
       const Robot& who = robots.at(static_cast<std::size_t>(robot[k]));
-      const PoseM origin{x[k], y[k], direction[k]};
+      const Pose origin{x[k], y[k], direction[k]};
       frames_.push_back(Place(who, first[k], last[k], [&](std::size_t i) {
         return std::optional(From(origin, who.estimate.poses[i]));
       }));
@@ -147,21 +147,21 @@ class TrueFrames {
 
   std::size_t size() const { return frames_.size(); }
   // None: the truth does not know where the trace was recorded.
-  std::optional<PointM> ToWorld(std::size_t trace, double z_m, double u_m) const {
+  std::optional<Point> ToWorld(std::size_t trace, double z_m, double u_m) const {
     const auto& frame = frames_.at(trace);
     if (!frame) return std::nullopt;
-    return (*frame)(PointM{z_m, u_m});
+    return (*frame)(Point{z_m, u_m});
   }
   // Where the robot is by what odometry alone says of its way since it recorded the trace.
-  std::optional<PointM> ByOdometry(std::size_t trace, const Robot& robot, double time_s) const {
+  std::optional<Point> ByOdometry(std::size_t trace, const Robot& robot, double time_s) const {
     const auto& frame = odometric_.at(trace);
     const auto at = PoseAt(robot.odometry, time_s, HUGE_VAL);
     if (!frame || !at) return std::nullopt;
-    return (*frame)(PointM{at->x_m, at->y_m});
+    return (*frame)(Point{at->x_m, at->y_m});
   }
 
  private:
-  static PoseM From(const PoseM& origin, const PoseM& at) {
+  static Pose From(const Pose& origin, const Pose& at) {
     const double c = std::cos(origin.heading_rad), s = std::sin(origin.heading_rad);
     const double dx = at.x_m - origin.x_m, dy = at.y_m - origin.y_m;
     return {c * dx + s * dy, c * dy - s * dx, at.heading_rad - origin.heading_rad};
@@ -173,13 +173,13 @@ class TrueFrames {
   static std::optional<Similarity> Place(const Robot& robot, double first_s, double last_s,
                                          const PoseOf& pose_of) {
     double sin = 0, cos = 0;
-    PointM ours, theirs;
+    Point ours, theirs;
     int count = 0;
     for (std::size_t i = 0; i < robot.estimate.time_s.size(); ++i) {
       const double time_s = robot.estimate.time_s[i];
       if (time_s < first_s || time_s > last_s) continue;
       const auto truth = PoseAt(robot.truth, time_s);
-      const std::optional<PoseM> at = pose_of(i);
+      const std::optional<Pose> at = pose_of(i);
       if (!truth || !at) continue;
       const double turn = truth->heading_rad - at->heading_rad;
       sin += std::sin(turn);
@@ -193,7 +193,7 @@ class TrueFrames {
     if (count == 0) return std::nullopt;
     Similarity frame;
     frame.angle_rad = std::atan2(sin, cos);
-    const PointM turned = frame(PointM{ours.x_m / count, ours.y_m / count});
+    const Point turned = frame(Point{ours.x_m / count, ours.y_m / count});
     frame.x_m = theirs.x_m / count - turned.x_m;
     frame.y_m = theirs.y_m / count - turned.y_m;
     return frame;

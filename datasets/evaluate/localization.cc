@@ -59,7 +59,7 @@ class LocalizationEvaluator {
     return visited;
   }
 
-  PointM TrueAt(std::int32_t run, std::int32_t sample) const {
+  Point TrueAt(std::int32_t run, std::int32_t sample) const {
     const std::string of_run = "run/" + std::to_string(run) + "/",
                       prefix = (HasTruth() ? "truth/" : "") + of_run;
     const auto x = samples_.Get<double>(prefix + "x_m"), y = samples_.Get<double>(prefix + "y_m");
@@ -70,7 +70,7 @@ class LocalizationEvaluator {
   }
 
   // Eq. 21.
-  double BelievedError(const LocalizedStep& step, const PointM& truth) const {
+  double BelievedError(const LocalizedStep& step, const Point& truth) const {
     double error = 0;
     for (std::size_t i = step.first; i < step.end; ++i) {
       const auto place = static_cast<std::size_t>(localized_.place[i]);
@@ -97,7 +97,7 @@ class LocalizationEvaluator {
 
   void ReadErrors() {
     for (const LocalizedStep& step : localized_.steps) {
-      const PointM truth = TrueAt(step.run, step.sample);
+      const Point truth = TrueAt(step.run, step.sample);
       steps_.push_back({step.sensations, step.way_m, truth, BelievedError(step, truth),
                         DistanceM(step.mean, truth), DistanceM(step.mode, truth), BelievedFacing(step)});
     }

@@ -35,7 +35,7 @@ struct LocalizationRow {
 struct LocalizationError {
   std::size_t sensations = 0;
   double way_m = 0;
-  PointM truth;
+  Point truth;
   double believed_m = 0, mean_m = 0, mode_m = 0, facing = 0;  // as above
 };
 

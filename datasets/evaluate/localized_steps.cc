@@ -6,10 +6,10 @@
 namespace cairn::datasets {
 namespace {
 
-std::vector<PointM> Points(const Blob& file, const std::string& x_name, const std::string& y_name) {
+std::vector<Point> Points(const Blob& file, const std::string& x_name, const std::string& y_name) {
   const auto x = file.Get<double>(x_name), y = file.Get<double>(y_name);
   if (x.size() != y.size()) throw InputError("'" + x_name + "' and '" + y_name + "' are not of one length");
-  std::vector<PointM> points;
+  std::vector<Point> points;
   for (std::size_t k = 0; k < x.size(); ++k) points.push_back({x[k], y[k]});
   return points;
 }
@@ -28,8 +28,8 @@ LocalizedSteps::LocalizedSteps(const Blob& result) {
   }
   place = result.Get<std::int32_t>("belief/place");
   probability = result.Get<float>("belief/probability");
-  const std::vector<PointM> means = Points(result, "step/mean_x_m", "step/mean_y_m"),
-                            modes = Points(result, "step/mode_x_m", "step/mode_y_m");
+  const std::vector<Point> means = Points(result, "step/mean_x_m", "step/mean_y_m"),
+                           modes = Points(result, "step/mode_x_m", "step/mode_y_m");
   const auto traverse = result.Get<std::int32_t>("step/traverse"), run = result.Get<std::int32_t>("step/run"),
              sample = result.Get<std::int32_t>("step/sample");
   const auto way = result.Get<double>("step/way_m"), spread = result.Get<double>("step/spread_m");

@@ -14,7 +14,7 @@ struct LocalizedStep {
   std::int32_t traverse = 0, run = 0, sample = 0;
   std::size_t sensations = 0;  // so far on this traverse
   double way_m = 0, spread_m = 0;
-  PointM mean, mode;
+  Point mean, mode;
   std::size_t first = 0, end = 0;  // of its belief's entries
 };
 
@@ -24,7 +24,7 @@ struct LocalizedSteps {
   explicit LocalizedSteps(const Blob& result);
 
   std::vector<LocalizedStep> steps;
-  std::vector<PointM> places;
+  std::vector<Point> places;
   std::span<const double> heading_rad;  // of each place; empty where headings do not count
   std::span<const std::int32_t> place;  // of each entry, an index into `places`
   std::span<const float> probability;   // of each entry

@@ -9,8 +9,8 @@
 namespace cairn::datasets {
 namespace {
 
-std::vector<PointM> PlacesOf(const LearnedNetworks& nets) {
-  std::vector<PointM> places;
+std::vector<Point> PlacesOf(const LearnedNetworks& nets) {
+  std::vector<Point> places;
   for (std::size_t k = 0; k < nets.samples(); ++k) places.push_back({nets.x_m[k], nets.y_m[k]});
   return places;
 }

@@ -11,7 +11,7 @@ namespace {
 
 void PutPoses(const std::string& prefix, const Track& track, Blob& result) {
   std::vector<double> x, y, heading;
-  for (const PoseM& pose : track.poses) {
+  for (const Pose& pose : track.poses) {
     x.push_back(pose.x_m);
     y.push_back(pose.y_m);
     heading.push_back(pose.heading_rad);

@@ -17,7 +17,7 @@ namespace {
 constexpr double kRelationDegree_rad = std::numbers::pi / 180;
 
 // `pose` as seen from `from`.
-PoseM Seen(const PoseM& from, const PoseM& pose) {
+Pose Seen(const Pose& from, const Pose& pose) {
   const double c = std::cos(from.heading_rad), s = std::sin(from.heading_rad);
   const double dx = pose.x_m - from.x_m, dy = pose.y_m - from.y_m;
   return {c * dx + s * dy, c * dy - s * dx, WrapAngle(pose.heading_rad - from.heading_rad)};
@@ -43,7 +43,7 @@ Track DeadReckoned(const Blob& blob, const std::string& prefix) {
   if (turn.size() != time.size() || forward.size() != time.size())
     throw InputError("'" + prefix + "': columns of different length");
   Track track;
-  PoseM pose;
+  Pose pose;
   for (std::size_t i = 0; i < time.size(); ++i) {
     pose = Apply(pose, {turn[i], forward[i]});
     const std::string row = "'" + prefix + "', row " + std::to_string(i) + ": ";
@@ -66,7 +66,7 @@ std::vector<Relation> ReadRelations(const std::string& path) {
     if (line.size() != kValues)
       throw LineError{"wrong number of values",
                       std::to_string(line.size()) + " where 'time time x y z roll pitch yaw' are needed"};
-    const PoseM motion = line.Pose(2);  // whose third number is z
+    const Pose motion = line.PoseAt(2);  // whose third number is z
     for (const std::size_t tilt : {5, 6}) static_cast<void>(line.Number(tilt));
     relations.push_back({line.Stamp(0), line.Stamp(1), {motion.x_m, motion.y_m, WrapAngle(line.Number(7))}});
   });
@@ -85,7 +85,7 @@ RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& re
       ++score.outside;
       continue;
     }
-    const PoseM error = Seen(relation.motion, Seen(*from, *to));
+    const Pose error = Seen(relation.motion, Seen(*from, *to));
     const double translation_m = std::hypot(error.x_m, error.y_m);
     const double rotation_deg = std::abs(error.heading_rad) / kRelationDegree_rad;
     ++score.scored;

@@ -16,7 +16,7 @@ namespace cairn::datasets {
 
 struct Relation {
   double from_s = 0, to_s = 0;
-  PoseM motion;  // the pose at `to_s` as seen from that at `from_s`
+  Pose motion;  // the pose at `to_s` as seen from that at `from_s`
 };
 
 // Lines of 'time time x y z roll pitch yaw', plain or gzipped; z, roll and pitch are forgotten. Throws

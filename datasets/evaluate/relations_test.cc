@@ -34,7 +34,7 @@ TEST(Relations, ErrorsAreOfTheDifferenceOfRelativePoses) {
 
 TEST(Relations, TheFrameOfTheTrackDoesNotMatter) {
   Track turned = Corner();
-  for (PoseM& pose : turned.poses) {
+  for (Pose& pose : turned.poses) {
     const double c = std::cos(2.0), s = std::sin(2.0);
     pose = {c * pose.x_m - s * pose.y_m + 5, s * pose.x_m + c * pose.y_m - 7,
             WrapAngle(pose.heading_rad + 2)};

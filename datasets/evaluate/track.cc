@@ -25,7 +25,7 @@ Track ReadTrack(const Blob& blob, const std::string& prefix, const std::string& 
   return track;
 }
 
-std::optional<PoseM> PoseAt(const Track& track, double time_s, double max_gap_s) {
+std::optional<Pose> PoseAt(const Track& track, double time_s, double max_gap_s) {
   const auto after = std::lower_bound(track.time_s.begin(), track.time_s.end(), time_s);
   if (after == track.time_s.end()) return std::nullopt;
   const auto i = static_cast<std::size_t>(after - track.time_s.begin());
@@ -34,10 +34,10 @@ std::optional<PoseM> PoseAt(const Track& track, double time_s, double max_gap_s)
   const double gap_s = track.time_s[i] - track.time_s[i - 1];
   if (gap_s > max_gap_s) return std::nullopt;
   const double share = (time_s - track.time_s[i - 1]) / gap_s;
-  const PoseM &a = track.poses[i - 1], &b = track.poses[i];
+  const Pose &a = track.poses[i - 1], &b = track.poses[i];
   const double turn = WrapAngle(b.heading_rad - a.heading_rad);
-  return PoseM{a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
-               WrapAngle(a.heading_rad + share * turn)};
+  return Pose{a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
+              WrapAngle(a.heading_rad + share * turn)};
 }
 
 }  // namespace cairn::datasets

@@ -29,8 +29,8 @@ Eigen::Matrix3d CovarianceOf(const Path& path, std::size_t i) {
 }
 
 std::string EdgeBetween(const Path& path, std::size_t i, std::size_t first_id) {
-  const PoseM& a = path.poses[i];
-  const PoseM& b = path.poses[i + 1];
+  const Pose& a = path.poses[i];
+  const Pose& b = path.poses[i + 1];
   const Eigen::Vector2d way = Rotation(-a.heading_rad) * Eigen::Vector2d(b.x_m - a.x_m, b.y_m - a.y_m);
   Eigen::Matrix3d to_frame = Eigen::Matrix3d::Identity();
   to_frame.topLeftCorner<2, 2>() = Rotation(-a.heading_rad);
@@ -92,7 +92,7 @@ Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder
   for (const Path& path : paths) {
     for (std::size_t i = 0; i + 1 < path.poses.size(); ++i) edges += EdgeBetween(path, i, id);
     if (log != nullptr) edges += LandmarkEdges(result, *log, path, id, poses, landmarks.size());
-    for (const PoseM& pose : path.poses) {
+    for (const Pose& pose : path.poses) {
       vertices += "VERTEX_SE2 " + std::to_string(id++) + " " + NumberText(pose.x_m) + " " +
                   NumberText(pose.y_m) + " " + NumberText(pose.heading_rad) + "\n";
     }

@@ -30,7 +30,7 @@ struct Path {
   std::string robot;      // its name
   std::string file;       // its name made fit for a file name, unlike the others'
   std::vector<double> time_s;
-  std::vector<PoseM> poses;
+  std::vector<Pose> poses;
   std::vector<double> covariances;
 };
 
@@ -47,7 +47,7 @@ Occupancy ReadCells(const Blob& blob);
 bool IsGridMap(const Blob& blob);
 
 struct MapLandmark {
-  PointM at;
+  Point at;
   double var_xx_m2 = 0, var_xy_m2 = 0, var_yy_m2 = 0;
 };
 std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob);  // empty where there are none

@@ -12,7 +12,7 @@ Written ExportTum(const Blob& blob, const std::string& folder, bool replace) {
   for (const Path& path : paths) {
     std::string text = "# time x y z qx qy qz qw\n";
     for (std::size_t i = 0; i < path.poses.size(); ++i) {
-      const PoseM& pose = path.poses[i];
+      const Pose& pose = path.poses[i];
       text += NumberText(path.time_s[i]) + " " + NumberText(pose.x_m) + " " + NumberText(pose.y_m) +
               " 0 0 0 " + NumberText(std::sin(pose.heading_rad / 2)) + " " +
               NumberText(std::cos(pose.heading_rad / 2)) + "\n";

@@ -69,7 +69,7 @@ class CarmenImport {
   }
 
   // Where a laser sits on the robot.
-  PoseM MountOf(const CarmenSource& source) const {
+  Pose MountOf(const CarmenSource& source) const {
     const auto given = options_.mounts.find(SensorName(source));
     if (given != options_.mounts.end()) return given->second;
     const bool rear = source.laser == kRear;
@@ -119,7 +119,7 @@ class CarmenImport {
     if (fan.guessed && !source.step_rad)
       report_.warnings.push_back(source.message + ": its " + std::to_string(source.beams) +
                                  " beams are taken to span 180 degrees");
-    const PoseM mount = MountOf(source);
+    const Pose mount = MountOf(source);
     const double first = source.start_rad.value_or(fan.first_deg * kDegree);
     const double step = source.step_rad.value_or(fan.step_deg * kDegree);
     for (std::size_t beam = 0; beam < source.beams; ++beam) {
@@ -137,7 +137,7 @@ class CarmenImport {
     rows.opening_rad = carmen_.sonar.cone_rad;
     rows.max_range_m =
         options_.sonar_max_range_m.value_or(carmen_.PositiveParam("robot_sonar_max").value_or(kSonarReach_m));
-    for (const PoseM& offset : carmen_.sonar.offsets) {
+    for (const Pose& offset : carmen_.sonar.offsets) {
       rows.beam_x_m.push_back(offset.x_m);
       rows.beam_y_m.push_back(offset.y_m);
       rows.beam_heading_rad.push_back(NormalizedAngle(offset.heading_rad));

@@ -28,7 +28,7 @@ struct CarmenImportOptions {
   std::optional<double> first_deg, step_deg;
   std::optional<double> max_range_m;        // else as the message says, as PARAM says, 50 m
   std::optional<double> sonar_max_range_m;  // else as PARAM says, 5 m
-  std::map<std::string, PoseM> mounts;      // where a laser sits on the robot, for "laser", "laser2", …
+  std::map<std::string, Pose> mounts;       // where a laser sits on the robot, for "laser", "laser2", …
 };
 
 // Writes a `log` (schema/FORMAT.md) of one robot: lasers as `laser` (in front), `laser2` (at the rear) to

@@ -99,8 +99,8 @@ CarmenScan ParseScan(const Fields& line, CarmenForm form) {
   NeedEnd(line, end, declared);
   scan.range_m = line.Ranges(at + 1, beams, kMostRange_m);
   if (posed) {
-    scan.laser = line.Pose(poses);
-    scan.robot = line.Pose(poses + 3);
+    scan.laser = line.PoseAt(poses);
+    scan.robot = line.PoseAt(poses + 3);
   }
   scan.stamp_s = line.Stamp(end);
   return scan;
@@ -115,14 +115,14 @@ CarmenSonar ParseSonar(const Fields& line) {
   if (sonars == 0) throw LineError{"no count", "the scan has no sonars"};
   NeedEnd(line, 3 + 4 * sonars, std::to_string(sonars) + " sonars");
   scan.range_m = line.Ranges(3, sonars, kMostRange_m);
-  for (std::size_t s = 0; s < sonars; ++s) scan.offsets.push_back(line.Pose(3 + sonars + 3 * s));
+  for (std::size_t s = 0; s < sonars; ++s) scan.offsets.push_back(line.PoseAt(3 + sonars + 3 * s));
   scan.stamp_s = line.Stamp(3 + 4 * sonars);
   return scan;
 }
 
 CarmenPose ParsePose(const Fields& line) {
   NeedEnd(line, 7, "six values");
-  return {line.Stamp(7), line.Pose(1)};
+  return {line.Stamp(7), line.PoseAt(1)};
 }
 
 }  // namespace cairn::datasets

@@ -35,16 +35,16 @@ struct CarmenScan {
   double stamp_s = 0;
   std::vector<double> range_m;
   std::optional<double> start_rad, step_rad, max_range_m;  // of the messages that have them
-  std::optional<PoseM> laser, robot;
+  std::optional<Pose> laser, robot;
 };
 struct CarmenSonar {
   double stamp_s = 0, cone_rad = 0;
   std::vector<double> range_m;
-  std::vector<PoseM> offsets;
+  std::vector<Pose> offsets;
 };
 struct CarmenPose {
   double stamp_s = 0;
-  PoseM pose;
+  Pose pose;
 };
 
 // These throw LineError.

@@ -90,7 +90,7 @@ class Reader {
     if (first.offsets.empty()) first = scan;
     NeedAsMany(scan.offsets.size(), first.offsets.size());
     for (std::size_t s = 0; s < scan.offsets.size(); ++s) {
-      const PoseM moved = Relative(first.offsets[s], scan.offsets[s]);
+      const Pose moved = Relative(first.offsets[s], scan.offsets[s]);
       if (std::hypot(moved.x_m, moved.y_m) > kSamePlace_m || std::abs(moved.heading_rad) > kSameAngle)
         throw LineError{"other geometry than the sensor's first scan",
                         "sonar " + std::to_string(s) + " has moved"};

@@ -20,12 +20,12 @@ struct CarmenSource {
   std::size_t laser = 0;  // 0: in front, 1: at the rear, 2, 3, …
   std::size_t beams = 0, scans = 0;
   std::optional<double> start_rad, step_rad, max_range_m;  // of the messages that have them
-  std::vector<PoseM> mounts;  // the laser's pose as seen from the robot's, by each scan that tells
+  std::vector<Pose> mounts;  // the laser's pose as seen from the robot's, by each scan that tells
 };
 
 struct CarmenEvent {
-  RangeEvent event;            // of a scan: `sensor` is the source, or kCarmenSonar
-  std::optional<PoseM> laser;  // the pose of the laser, of the messages that have it
+  RangeEvent event;           // of a scan: `sensor` is the source, or kCarmenSonar
+  std::optional<Pose> laser;  // the pose of the laser, of the messages that have it
 };
 inline constexpr std::size_t kCarmenSonar = static_cast<std::size_t>(-1);
 

@@ -8,9 +8,9 @@ namespace cairn::datasets {
 namespace {
 
 template <class Value>
-double Median(const std::vector<PoseM>& mounts, const Value& value) {
+double Median(const std::vector<Pose>& mounts, const Value& value) {
   std::vector<double> values;
-  for (const PoseM& mount : mounts) values.push_back(value(mount));
+  for (const Pose& mount : mounts) values.push_back(value(mount));
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
@@ -32,38 +32,38 @@ double StepOf(std::size_t beams) {
 
 }  // namespace
 
-PoseM Relative(const PoseM& from, const PoseM& pose) {
+Pose Relative(const Pose& from, const Pose& pose) {
   const double c = std::cos(from.heading_rad), s = std::sin(from.heading_rad);
   const double dx = pose.x_m - from.x_m, dy = pose.y_m - from.y_m;
   return {c * dx + s * dy, c * dy - s * dx, WrapAngle(pose.heading_rad - from.heading_rad)};
 }
 
-PoseM RobotUnder(const PoseM& laser, const PoseM& mount) {
+Pose RobotUnder(const Pose& laser, const Pose& mount) {
   const double heading = WrapAngle(laser.heading_rad - mount.heading_rad);
   const double c = std::cos(heading), s = std::sin(heading);
   return {laser.x_m - c * mount.x_m + s * mount.y_m, laser.y_m - s * mount.x_m - c * mount.y_m, heading};
 }
 
-PoseM MedianMount(const std::vector<PoseM>& mounts) {
+Pose MedianMount(const std::vector<Pose>& mounts) {
   const double first = mounts.front().heading_rad;
-  const double turn = Median(mounts, [&](const PoseM& m) { return WrapAngle(m.heading_rad - first); });
-  return {Median(mounts, [](const PoseM& m) { return m.x_m; }),
-          Median(mounts, [](const PoseM& m) { return m.y_m; }), WrapAngle(first + turn)};
+  const double turn = Median(mounts, [&](const Pose& m) { return WrapAngle(m.heading_rad - first); });
+  return {Median(mounts, [](const Pose& m) { return m.x_m; }),
+          Median(mounts, [](const Pose& m) { return m.y_m; }), WrapAngle(first + turn)};
 }
 
-bool MovesApart(const std::vector<PoseM>& mounts) {
+bool MovesApart(const std::vector<Pose>& mounts) {
   constexpr double kApart_m = 0.05, kApart_rad = 2 * std::numbers::pi / 180;
   if (mounts.empty()) return false;
-  const PoseM middle = MedianMount(mounts);
-  return std::ranges::any_of(mounts, [&](const PoseM& mount) {
+  const Pose middle = MedianMount(mounts);
+  return std::ranges::any_of(mounts, [&](const Pose& mount) {
     return DistanceM({mount.x_m, mount.y_m}, {middle.x_m, middle.y_m}) > kApart_m ||
            std::abs(WrapAngle(mount.heading_rad - middle.heading_rad)) > kApart_rad;
   });
 }
 
-bool AllAlike(const std::vector<PoseM>& mounts) {
+bool AllAlike(const std::vector<Pose>& mounts) {
   return std::ranges::all_of(mounts,
-                             [](const PoseM& m) { return m.x_m == 0 && m.y_m == 0 && m.heading_rad == 0; });
+                             [](const Pose& m) { return m.x_m == 0 && m.y_m == 0 && m.heading_rad == 0; });
 }
 
 BeamFan FanOf(std::size_t beams, std::optional<double> first_deg, std::optional<double> step_deg,

@@ -11,20 +11,20 @@
 namespace cairn::datasets {
 
 // A pose as seen from another.
-PoseM Relative(const PoseM& from, const PoseM& pose);
+Pose Relative(const Pose& from, const Pose& pose);
 
 // The robot's pose where its laser, mounted so, is at `laser`.
-PoseM RobotUnder(const PoseM& laser, const PoseM& mount);
+Pose RobotUnder(const Pose& laser, const Pose& mount);
 
 // The median of each coordinate (heading: about the first one). `mounts` is not empty.
-PoseM MedianMount(const std::vector<PoseM>& mounts);
+Pose MedianMount(const std::vector<Pose>& mounts);
 
 // Whether they differ more than rounding can (5 cm or 2 degrees off their median): the laser's poses were
 // mended and the robot's were not, as a laser does not move on its robot.
-bool MovesApart(const std::vector<PoseM>& mounts);
+bool MovesApart(const std::vector<Pose>& mounts);
 
 // Whether laser and robot have the same pose throughout: the log does not tell them apart.
-bool AllAlike(const std::vector<PoseM>& mounts);
+bool AllAlike(const std::vector<Pose>& mounts);
 
 // Beams from right to left, in the laser's frame.
 struct BeamFan {

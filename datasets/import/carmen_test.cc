@@ -263,11 +263,11 @@ TEST(ImportCarmenData, HoldsWhatIsKnownOfIt) {
     const Track track = ReadTrack(log, "robot/0/poses/");
     EXPECT_EQ(std::ranges::adjacent_find(track.time_s, std::ranges::greater_equal()), track.time_s.end());
     double way_m = 0;
-    std::optional<PoseM> before;
+    std::optional<Pose> before;
     for (const double time : log.Get<double>("robot/0/laser/time_s")) {
       const auto found = std::ranges::lower_bound(track.time_s, time);
       ASSERT_TRUE(found != track.time_s.end() && *found == time) << "each scan has a row of its own";
-      const PoseM pose = track.poses[static_cast<std::size_t>(found - track.time_s.begin())];
+      const Pose pose = track.poses[static_cast<std::size_t>(found - track.time_s.begin())];
       if (before) way_m += std::hypot(pose.x_m - before->x_m, pose.y_m - before->y_m);
       before = pose;
     }
@@ -289,7 +289,7 @@ TEST(ImportCarmenData, RawAndCorrectedIntelLogsAgree) {
   double way_m = 0;
   for (const double forward : raw.Get<double>("robot/0/odometry/forward_m")) way_m += std::abs(forward);
   EXPECT_NEAR(way_m, 501.1, 0.5);
-  const PoseM end = TrajectoryOf(raw, "").poses.back();
+  const Pose end = TrajectoryOf(raw, "").poses.back();
   EXPECT_NEAR(end.x_m, -29.9, 0.05) << "as seen from the first scan, so its README";
   EXPECT_NEAR(end.y_m, -55.1, 0.05);
   const auto a = raw.Get<double>("robot/0/laser/range_m"), b = corrected.Get<double>("robot/0/laser/range_m");

@@ -18,7 +18,7 @@ class DpSlamLines {
   void Read(const Fields& line, std::size_t number) {
     if (line.Text(0) == "Odometry") {
       line.Need(4, "the pose of the odometry");
-      pose_ = line.Pose(1);
+      pose_ = line.PoseAt(1);
       return;
     }
     if (line.Text(0) != "Laser")
@@ -39,7 +39,7 @@ class DpSlamLines {
 
  private:
   RangeLog* log_;
-  std::optional<PoseM> pose_;  // which no scan has used yet
+  std::optional<Pose> pose_;  // which no scan has used yet
 };
 
 }  // namespace

@@ -6,13 +6,10 @@
 #include <numbers>
 
 #include "datasets/import/name_index.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 namespace {
-
-struct Pose {
-  double x_m = 0, y_m = 0, heading_rad = 0;
-};
 
 // Where the controls up to and including row `end` lead.
 Pose EndOf(const Odometry& odometry, std::size_t end) {

@@ -83,7 +83,7 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
   PioneerTable poses(options.path, "od.txt", &bad), sonars(options.path, "sonar.txt", &bad),
       lasers(options.path, "laser.txt", &bad);
   const auto pose_rows = poses.Rows(3, [](const Fields& f) {
-    const PoseM pose = f.Pose(1, kMillimetresOfMetre);
+    const Pose pose = f.PoseAt(1, kMillimetresOfMetre);
     return std::vector{pose.x_m, pose.y_m, pose.heading_rad * kTenthOfDegree};
   });
   const auto ranges = [](const Fields& f) {
@@ -107,7 +107,7 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
       bad.Add(poses.path(), pose->line, "another time than in sonar.txt and laser.txt", "");
       continue;
     }
-    const PoseM at{pose->values[0], pose->values[1], WrapAngle(pose->values[2])};
+    const Pose at{pose->values[0], pose->values[1], WrapAngle(pose->values[2])};
     for (std::size_t sensor = 0; sensor < 2; ++sensor) {
       RangeEvent event{pose->line, pose->time_s, at, {}, {}, sensor, {}, {}};
       event.range_m = sensor == 0 ? sonar->values : laser->values;

@@ -11,7 +11,7 @@ struct Leg {
   double before_rad = 0, forward_m = 0, after_rad = 0;
 };
 
-Leg LegTo(const PoseM& from, const PoseM& to) {
+Leg LegTo(const Pose& from, const Pose& to) {
   constexpr double kPi = std::numbers::pi;
   const double turn = WrapAngle(to.heading_rad - from.heading_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
@@ -37,7 +37,7 @@ Odometry ControlsOf(const std::vector<TimedPose>& poses) {
   Odometry odometry;
   if (poses.empty()) return odometry;
   odometry.Add(poses[0].time_s, 0, 0);
-  PoseM reckoned = poses[0].pose;
+  Pose reckoned = poses[0].pose;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Leg leg = LegTo(reckoned, poses[i].pose);
     const bool still = leg.before_rad == 0 && leg.forward_m == 0 && leg.after_rad == 0;

@@ -10,7 +10,7 @@ namespace cairn::datasets {
 
 struct TimedPose {
   double time_s = 0;
-  PoseM pose;
+  Pose pose;
 };
 
 // How far, in position, dead reckoning by the controls may lie from a pose, in metres; headings have no

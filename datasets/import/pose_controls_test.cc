@@ -13,8 +13,8 @@ namespace {
 constexpr double kPiOfPoses = std::numbers::pi;
 
 // Where dead reckoning is after all controls up to `time_s`.
-PoseM Reckon(const Odometry& odometry, const PoseM& start, double time_s) {
-  PoseM pose = start;
+Pose Reckon(const Odometry& odometry, const Pose& start, double time_s) {
+  Pose pose = start;
   for (std::size_t i = 0; i < odometry.time_s.size() && odometry.time_s[i] <= time_s; ++i)
     pose = Apply(pose, {odometry.turn_rad[i], odometry.forward_m[i]});
   return pose;
@@ -42,7 +42,7 @@ TEST(ControlsOf, ReckoningStaysByThePosesHoweverJittery) {
   Rng rng(7, 0, 0);
   std::vector<TimedPose> poses{{0, {3, -2, 1}}};
   for (int i = 1; i < 3000; ++i) {
-    PoseM pose = poses.back().pose;
+    Pose pose = poses.back().pose;
     const int phase = i / 100 % 4;  // drives, turns in place, backs up, is carried aside
     if (phase == 0) pose = Apply(pose, {0.03 * rng.Normal(), 0.05});
     if (phase == 1) pose.heading_rad = WrapAngle(pose.heading_rad + 0.1);
@@ -56,7 +56,7 @@ TEST(ControlsOf, ReckoningStaysByThePosesHoweverJittery) {
   double turned = 0;
   for (std::size_t i = 0; i < odometry.turn_rad.size(); ++i) turned += std::abs(odometry.turn_rad[i]);
   for (std::size_t i = 0; i < poses.size(); i += 10) {
-    const PoseM at = Reckon(odometry, poses[0].pose, poses[i].time_s);
+    const Pose at = Reckon(odometry, poses[0].pose, poses[i].time_s);
     EXPECT_LE(std::hypot(at.x_m - poses[i].pose.x_m, at.y_m - poses[i].pose.y_m),
               std::sqrt(2) * kMostAsideM + 1e-9)
         << i;
@@ -67,7 +67,7 @@ TEST(ControlsOf, ReckoningStaysByThePosesHoweverJittery) {
 }
 
 TEST(ControlsOf, AHaltHasItsEndOnly) {
-  const PoseM here{1, 1, 0};
+  const Pose here{1, 1, 0};
   const Odometry odometry = ControlsOf({{0, here}, {1, here}, {2, here}, {3, {2, 1, 0}}, {4, {2, 1, 0}}});
   EXPECT_EQ(odometry.time_s, (std::vector<double>{0, 2, 3, 4}));
   EXPECT_EQ(odometry.forward_m, (std::vector<double>{0, 0, 1, 0}));

@@ -18,7 +18,7 @@ constexpr double kMostLate_s = 1, kTick_s = 1e-6;
 
 using Events = std::vector<RangeEvent>;
 
-bool SamePose(const std::optional<PoseM>& a, const std::optional<PoseM>& b) {
+bool SamePose(const std::optional<Pose>& a, const std::optional<Pose>& b) {
   if (!a || !b) return !a && !b;
   return a->x_m == b->x_m && a->y_m == b->y_m && a->heading_rad == b->heading_rad;
 }
@@ -100,7 +100,7 @@ void TellTimesApart(ImportReport* report, Events* events) {
 }
 
 // The poses of `which`; of those at one time the last.
-std::vector<TimedPose> TrackOf(const Events& events, std::optional<PoseM> RangeEvent::* which) {
+std::vector<TimedPose> TrackOf(const Events& events, std::optional<Pose> RangeEvent::* which) {
   std::vector<TimedPose> track;
   for (const RangeEvent& event : events) {
     if (!(event.*which)) continue;

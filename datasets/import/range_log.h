@@ -18,9 +18,9 @@ namespace cairn::datasets {
 struct RangeEvent {
   std::size_t line = 0;
   double stamp_s = 0;
-  std::optional<PoseM> odometry;   // where the robot was, as its odometry says
-  std::optional<PoseM> corrected;  // where it was, as the log's maker found out
-  std::optional<PoseM> truth;
+  std::optional<Pose> odometry;   // where the robot was, as its odometry says
+  std::optional<Pose> corrected;  // where it was, as the log's maker found out
+  std::optional<Pose> truth;
   std::optional<std::size_t> sensor;  // of a scan: index into RangeLog::sensors
   std::vector<double> range_m;
   std::optional<std::string> mark;  // what a person said of the place: a press

@@ -42,7 +42,7 @@ void AddPose(const Fields& line, std::size_t number, Poses* poses, Tilt* tilt) {
   if (line.size() != kTum && line.size() != kPlanar)
     throw LineError{"wrong number of values", std::to_string(line.size()) + " where 8 (or 4) are needed"};
   const double time = line.Stamp(0);
-  const PoseM at = line.Pose(1);
+  const Pose at = line.PoseAt(1);
   const double heading = line.size() == kTum ? HeadingOf(line, tilt) : at.heading_rad;
   if (!poses->time_s.empty() && time <= poses->time_s.back())
     throw LineError{"time does not run forward",

@@ -25,7 +25,7 @@ RangeEvent EventOf(const Fields& line, std::size_t number) {
   } else {
     throw LineError{"unknown message", "'" + std::string(line.Text(0).substr(0, 40)) + "'"};
   }
-  event.odometry = line.Pose(1, kCentimetres);
+  event.odometry = line.PoseAt(1, kCentimetres);
   event.stamp_s = line.Stamp(line.size() - 1);
   return event;
 }

@@ -24,7 +24,7 @@ int Fixed(double value) {
   return static_cast<int>(std::lround(std::clamp(value, -kFarPixels, kFarPixels) * kFine * (1 << kShift)));
 }
 
-cv::Point Fixed(PointM at) { return {Fixed(at.x_m), Fixed(at.y_m)}; }
+cv::Point Fixed(Point at) { return {Fixed(at.x_m), Fixed(at.y_m)}; }
 
 int Thickness(double width) { return std::max(1, static_cast<int>(std::lround(width * kFine))); }
 
@@ -37,37 +37,37 @@ int FontThickness(double height) { return std::max(1, static_cast<int>(std::lrou
 Canvas::Canvas(int width, int height, Rgb paper)
     : image_(height * kFine, width * kFine, CV_8UC3, Colour(paper)), paper_(paper) {}
 
-void Canvas::Line(PointM from, PointM to, Rgb colour, double width) {
+void Canvas::Line(Point from, Point to, Rgb colour, double width) {
   cv::line(image_, Fixed(from), Fixed(to), Colour(colour), Thickness(width), cv::LINE_AA, kShift);
 }
 
-void Canvas::Polyline(const std::vector<PointM>& points, Rgb colour, double width) {
+void Canvas::Polyline(const std::vector<Point>& points, Rgb colour, double width) {
   std::vector<cv::Point> fixed;
   fixed.reserve(points.size());
-  for (const PointM& point : points) fixed.push_back(Fixed(point));
+  for (const Point& point : points) fixed.push_back(Fixed(point));
   cv::polylines(image_, fixed, false, Colour(colour), Thickness(width), cv::LINE_AA, kShift);
 }
 
-void Canvas::Fill(PointM low, PointM high, Rgb colour) {
+void Canvas::Fill(Point low, Point high, Rgb colour) {
   const auto pixel = [](double value) { return static_cast<int>(std::lround(value * kFine)); };
   const cv::Rect rect(cv::Point(pixel(low.x_m), pixel(low.y_m)), cv::Point(pixel(high.x_m), pixel(high.y_m)));
   const cv::Rect seen = rect & cv::Rect(0, 0, image_.cols, image_.rows);
   if (!seen.empty()) image_(seen).setTo(Colour(colour));
 }
 
-void Canvas::Frame(PointM low, PointM high, Rgb colour, double width) {
+void Canvas::Frame(Point low, Point high, Rgb colour, double width) {
   cv::rectangle(image_, Fixed(low), Fixed(high), Colour(colour), Thickness(width), cv::LINE_AA, kShift);
 }
 
-void Canvas::Dot(PointM centre, double radius, Rgb colour) {
+void Canvas::Dot(Point centre, double radius, Rgb colour) {
   cv::circle(image_, Fixed(centre), Fixed(radius), Colour(colour), cv::FILLED, cv::LINE_AA, kShift);
 }
 
-void Canvas::Ring(PointM centre, double radius, Rgb colour, double width) {
+void Canvas::Ring(Point centre, double radius, Rgb colour, double width) {
   cv::circle(image_, Fixed(centre), Fixed(radius), Colour(colour), Thickness(width), cv::LINE_AA, kShift);
 }
 
-void Canvas::Ellipse(PointM centre, double major, double minor, double degrees, Rgb colour, double width) {
+void Canvas::Ellipse(Point centre, double major, double minor, double degrees, Rgb colour, double width) {
   const cv::Size axes(Fixed(major), Fixed(minor));
   // Only a square round it is copied to be blended.
   const int reach = static_cast<int>(std::ceil(std::min(std::max(major, minor) + 2, kFarPixels) * kFine));
@@ -83,7 +83,7 @@ void Canvas::Ellipse(PointM centre, double major, double minor, double degrees, 
   cv::ellipse(below, at, axes, degrees, 0, 360, Colour(colour), Thickness(width), cv::LINE_AA, kShift);
 }
 
-void Canvas::Text(PointM at, const std::string& text, Rgb colour, double height, Align align, double halo) {
+void Canvas::Text(Point at, const std::string& text, Rgb colour, double height, Align align, double halo) {
   const double width = TextWidth(text, height);
   const double shift = align == Align::kLeft ? 0 : align == Align::kMiddle ? width / 2 : width;
   const cv::Point origin(static_cast<int>(std::lround((at.x_m - shift) * kFine)),

@@ -19,17 +19,17 @@ class Canvas {
  public:
   Canvas(int width, int height, Rgb paper);
 
-  void Line(PointM from, PointM to, Rgb colour, double width);
-  void Polyline(const std::vector<PointM>& points, Rgb colour, double width);
-  void Fill(PointM low, PointM high, Rgb colour);  // the rectangle between two corners
-  void Frame(PointM low, PointM high, Rgb colour, double width);
-  void Dot(PointM centre, double radius, Rgb colour);
-  void Ring(PointM centre, double radius, Rgb colour, double width);
+  void Line(Point from, Point to, Rgb colour, double width);
+  void Polyline(const std::vector<Point>& points, Rgb colour, double width);
+  void Fill(Point low, Point high, Rgb colour);  // the rectangle between two corners
+  void Frame(Point low, Point high, Rgb colour, double width);
+  void Dot(Point centre, double radius, Rgb colour);
+  void Ring(Point centre, double radius, Rgb colour, double width);
   // Semi-axes and the angle of the major one, clockwise; filled at a sixth of its strength.
-  void Ellipse(PointM centre, double major, double minor, double degrees, Rgb colour, double width);
+  void Ellipse(Point centre, double major, double minor, double degrees, Rgb colour, double width);
   // At the baseline; `halo` > 0 draws so many pixels of paper round the letters. ASCII only: others become
   // '?'.
-  void Text(PointM at, const std::string& text, Rgb colour, double height, Align align = Align::kLeft,
+  void Text(Point at, const std::string& text, Rgb colour, double height, Align align = Align::kLeft,
             double halo = 0);
   static double TextWidth(const std::string& text, double height);
 

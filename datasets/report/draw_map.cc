@@ -87,7 +87,7 @@ std::vector<Legend> LegendOf(const Scene& scene, bool cells) {
   return items;
 }
 
-void DrawStart(PointM at, Rgb colour, Canvas& canvas) {
+void DrawStart(Point at, Rgb colour, Canvas& canvas) {
   canvas.Dot(at, 8, kPaper);
   canvas.Dot(at, 6.5, colour);
 }
@@ -105,7 +105,7 @@ double DrawLegend(const std::vector<Legend>& items, double width, Canvas* canvas
     }
     if (canvas != nullptr) {
       const double middle = y - kDrawMapText / 2;
-      const PointM centre{x + kSwatchWidth / 2, middle};
+      const Point centre{x + kSwatchWidth / 2, middle};
       if (item.kind == kPath) canvas->Line({x, middle}, {x + kSwatchWidth, middle}, item.colour, 2);
       if (item.kind == kTruthPath) canvas->Line({x, middle}, {x + kSwatchWidth, middle}, item.colour, 5);
       if (item.kind == kLandmark) canvas->Ellipse(centre, 13, 8, 0, kSoft, 0.5);
@@ -139,7 +139,7 @@ class MapPainter {
     if (scene_.grid) PaintGrid(*scene_.grid);
     PaintRaster();
     for (const auto& [a, b] : scene_.truth_walls) canvas_.Line(At(a), At(b), kWall, 1.5);
-    for (const PointM& edge : scene_.edges) canvas_.Dot(At(edge), 1.6, kInk);
+    for (const Point& edge : scene_.edges) canvas_.Dot(At(edge), 1.6, kInk);
     for (const Path& path : scene_.truth_paths) PaintPath(path, kTruePathGrey, 5);
     for (const Path& path : scene_.odometry_below) PaintPath(path, kRaw, 1);
     for (const Path& path : scene_.paths) PaintPath(path, kRobots[path.index % kRobotColours], 1.5);
@@ -148,25 +148,25 @@ class MapPainter {
       canvas_.Dot(At(loop.from), 2.4, loop.used ? kGood : kBad);
     }
     for (const auto& [ours, theirs] : scene_.error_lines) canvas_.Line(At(ours), At(theirs), kBad, 2);
-    for (const PointM& point : scene_.truth_landmarks) canvas_.Ring(At(point), 9, kTruth, 2);
+    for (const Point& point : scene_.truth_landmarks) canvas_.Ring(At(point), 9, kTruth, 2);
     PaintLandmarks();
     PaintStarts();
     PaintFrame();
   }
 
  private:
-  PointM At(PointM point) const { return {frame_.X(point.x_m), frame_.Y(point.y_m)}; }
+  Point At(Point point) const { return {frame_.X(point.x_m), frame_.Y(point.y_m)}; }
 
-  std::vector<PointM> At(const std::vector<PointM>& points) const {
-    std::vector<PointM> pixels;
+  std::vector<Point> At(const std::vector<Point>& points) const {
+    std::vector<Point> pixels;
     pixels.reserve(points.size());
-    for (const PointM& point : points) pixels.push_back(At(point));
+    for (const Point& point : points) pixels.push_back(At(point));
     return pixels;
   }
 
   // A path's single places are dots.
   void PaintPath(const Path& path, Rgb colour, double width) {
-    for (const std::vector<PointM>& piece : Pieces(path)) {
+    for (const std::vector<Point>& piece : Pieces(path)) {
       if (piece.size() == 1) canvas_.Dot(At(piece[0]), width / 2, colour);
       canvas_.Polyline(At(piece), colour, width);
     }
@@ -176,8 +176,8 @@ class MapPainter {
     const CellBox& box = picture.box;
     for (std::int64_t row = 0; row < box.rows; ++row) {
       for (std::int64_t column = 0; column < box.columns; ++column) {
-        const PointM low{box.origin_x_m + static_cast<double>(column) * box.cell_m,
-                         box.origin_y_m + static_cast<double>(row) * box.cell_m};
+        const Point low{box.origin_x_m + static_cast<double>(column) * box.cell_m,
+                        box.origin_y_m + static_cast<double>(row) * box.cell_m};
         canvas_.Fill(At({low.x_m, low.y_m + box.cell_m}), At({low.x_m + box.cell_m, low.y_m}),
                      picture.At(column, row));
       }
@@ -219,7 +219,7 @@ class MapPainter {
       if (major > 5) canvas_.Ellipse(At(landmark.at), major, std::max(minor, 1.0), degrees, kSoft, 0.5);
     }
     for (const MapLandmark& landmark : scene_.landmarks) {
-      const PointM at = At(landmark.at);
+      const Point at = At(landmark.at);
       canvas_.Dot(at, 5.2, kPaper);
       canvas_.Dot(at, 4, landmark.spurious ? kBad : kInk);
     }

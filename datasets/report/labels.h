@@ -11,7 +11,7 @@ namespace cairn::datasets::report {
 
 // The name of a point at `at`, all in pixels, y downwards.
 struct Label {
-  PointM at;
+  Point at;
   std::string text;
   double width = 0;   // of its text
   double weight = 0;  // where two want one place the heavier gets it
@@ -19,7 +19,7 @@ struct Label {
 
 struct PlacedLabel {
   std::size_t label = 0;  // which
-  PointM baseline;        // where its text begins
+  Point baseline;         // where its text begins
 };
 
 // Each name beside its point, where it covers neither another name nor another point and lies in the panel;

@@ -84,8 +84,8 @@ class Frame {
   Panel p_;
 };
 
-std::vector<PointM> ToPixels(const Frame& frame, const std::vector<ChartPoint>& points) {
-  std::vector<PointM> pixels;
+std::vector<Point> ToPixels(const Frame& frame, const std::vector<ChartPoint>& points) {
+  std::vector<Point> pixels;
   for (const ChartPoint& p : points) pixels.push_back({frame.X(p.x), frame.Y(p.y)});
   return pixels;
 }
@@ -129,7 +129,7 @@ bool Draw(const LineChart& chart, const Panel& panel, Svg* svg) {
   for (std::size_t c = 0; c < curves.size(); ++c)
     svg->Polygon(ToPixels(frame, areas[c]), "area " + Colour(chart.curves[c]));
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    const std::vector<PointM> pixels = ToPixels(frame, curves[c]);
+    const std::vector<Point> pixels = ToPixels(frame, curves[c]);
     if (pixels.size() == 1)
       svg->Circle(pixels[0].x_m, pixels[0].y_m, 3, "start " + Colour(chart.curves[c]));
     else

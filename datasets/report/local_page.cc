@@ -167,15 +167,15 @@ std::vector<Path> OdometryFrom(const LocalResult& local, const std::vector<std::
   for (std::size_t r = 0; r < odometry.size(); ++r) {
     const Track& track = local.paths[r];
     if (track.time_s.empty()) continue;
-    const PoseM from = PoseAt(odometry[r], track.time_s.front(), HUGE_VAL).value_or(PoseM{}),
-                to = track.poses.front();
+    const Pose from = PoseAt(odometry[r], track.time_s.front(), HUGE_VAL).value_or(Pose{}),
+               to = track.poses.front();
     Similarity move;
     move.angle_rad = to.heading_rad - from.heading_rad;
-    const PointM turned = move(PointM{from.x_m, from.y_m});
+    const Point turned = move(Point{from.x_m, from.y_m});
     move.x_m = to.x_m - turned.x_m;
     move.y_m = to.y_m - turned.y_m;
     Path path{.robot = robots[r], .index = r, .points = {}};
-    for (const PoseM& pose : odometry[r].poses) path.points.push_back(move(PointM{pose.x_m, pose.y_m}));
+    for (const Pose& pose : odometry[r].poses) path.points.push_back(move(Point{pose.x_m, pose.y_m}));
     paths.push_back(std::move(path));
   }
   return paths;
@@ -201,7 +201,7 @@ Scene SceneOf(const Blob& result, const LocalResult& local, const Blob* log,
   const std::vector<std::string> robots = result.Texts("robots");
   for (std::size_t r = 0; r < local.paths.size(); ++r) {
     Path path{.robot = robots.at(r), .index = r, .points = {}};
-    for (const PoseM& pose : local.paths[r].poses) path.points.push_back({pose.x_m, pose.y_m});
+    for (const Pose& pose : local.paths[r].poses) path.points.push_back({pose.x_m, pose.y_m});
     path.breaks = CutsOf(result, r, local.paths[r]);
     scene.paths.push_back(std::move(path));
   }
@@ -231,7 +231,7 @@ Scene SceneOf(const Blob& result, const LocalResult& local, const Blob* log,
   for (std::size_t r = 0; r < local.paths.size(); ++r) {
     const Track truth = ReadTrack(*log, "truth/robot/" + std::to_string(r) + "/poses/");
     Path path{.robot = robots[r], .index = r, .points = {}, .breaks = BreaksOf(truth.time_s)};
-    for (const PoseM& pose : truth.poses) path.points.push_back(to_result(PointM{pose.x_m, pose.y_m}));
+    for (const Pose& pose : truth.poses) path.points.push_back(to_result(Point{pose.x_m, pose.y_m}));
     if (!path.points.empty()) scene.truth_paths.push_back(std::move(path));
   }
   return scene;

@@ -17,7 +17,7 @@ constexpr double kPictureMargin = 24;
 constexpr float kOccupied = 0.05F;  // hits a sweep from which on a cell is drawn as occupied
 
 // A segment of `length` pixels about a point, at an angle of the world (y up).
-void Stroke(Canvas* canvas, PointM at, double angle_rad, double length, Rgb colour, double width) {
+void Stroke(Canvas* canvas, Point at, double angle_rad, double length, Rgb colour, double width) {
   const double dx = length / 2 * std::cos(angle_rad), dy = -length / 2 * std::sin(angle_rad);
   canvas->Line({at.x_m - dx, at.y_m - dy}, {at.x_m + dx, at.y_m + dy}, colour, width);
 }
@@ -68,20 +68,20 @@ Interval SpanOf(const LocalTrace& trace) {
 // Where z and u of a trace lie in a picture: z from left to right, u upwards.
 struct Strip {
   double left = 0, middle = 0, low_z = 0, per_m = 50;
-  PointM At(double z_m, double u_m) const { return {left + (z_m - low_z) * per_m, middle - u_m * per_m}; }
+  Point At(double z_m, double u_m) const { return {left + (z_m - low_z) * per_m, middle - u_m * per_m}; }
 };
 
 void DrawSide(const LocalTrace& trace, std::size_t feature, const LocalSide& side, double sign,
               const Strip& strip, Rgb colour, Canvas* canvas) {
   if (!side.HasEdge()) return;
   const double z = trace.Z(feature);
-  const PointM low = strip.At(z, sign * side.distance_low_m), high = strip.At(z, sign * side.distance_high_m);
+  const Point low = strip.At(z, sign * side.distance_low_m), high = strip.At(z, sign * side.distance_high_m);
   canvas->Line(low, high, colour, side.occupied ? 2 : 1);
   canvas->Dot(low, side.occupied ? 2.6 : 1.7, colour);
   canvas->Dot(high, side.occupied ? 2.6 : 1.7, colour);
   // "Only large intervals of edge orientation are shown" (figure 3).
   if (side.angle_high_rad - side.angle_low_rad < std::numbers::pi / 8) return;
-  const PointM middle{low.x_m, (low.y_m + high.y_m) / 2};
+  const Point middle{low.x_m, (low.y_m + high.y_m) / 2};
   for (const double angle : {side.angle_low_rad, side.angle_high_rad})
     Stroke(canvas, middle, angle, 0.3 * strip.per_m, kEdge, 1.4);
 }
@@ -95,7 +95,7 @@ void DrawTrace(const LocalTrace& trace, const Strip& strip, Rgb colour, Canvas* 
   }
 }
 
-void DrawScale(const Strip& strip, PointM at, Canvas* canvas) {
+void DrawScale(const Strip& strip, Point at, Canvas* canvas) {
   canvas->Line(at, {at.x_m + strip.per_m, at.y_m}, kPlotInk, 2);
   canvas->Text({at.x_m + strip.per_m + 6, at.y_m + 4}, "1 m", kPlotInk, 12);
 }
@@ -114,7 +114,7 @@ void DrawImmediate(const Superposed& shown, const Strip& strip, Canvas* canvas) 
   const double c = std::cos(shown.turn_rad), s = std::sin(shown.turn_rad);
   for (std::int64_t row = 0; row < shot.cells; ++row) {
     for (std::int64_t column = 0; column < shot.cells; ++column) {
-      const PointM at = shot.Centre(column, row);
+      const Point at = shot.Centre(column, row);
       const double z = c * at.x_m - s * at.y_m, u = s * at.x_m + c * at.y_m;
       const auto slice = std::lround((z + half) / shot.cell_m);
       if (slice < 0 || slice >= shot.cells || std::abs(u) < shot.cell_m / 2) continue;
@@ -138,7 +138,7 @@ void DrawImmediate(const Superposed& shown, const Strip& strip, Canvas* canvas) 
         canvas->Dot(strip.At(z, shown.u_m + sign * side.occupied_m), 3, kPlotInk);
     }
   }
-  const PointM robot = strip.At(shown.z_m, shown.u_m);
+  const Point robot = strip.At(shown.z_m, shown.u_m);
   canvas->Line({robot.x_m - 7, robot.y_m}, {robot.x_m + 7, robot.y_m}, kEdge, 2);
   canvas->Line({robot.x_m, robot.y_m - 7}, {robot.x_m, robot.y_m + 7}, kEdge, 2);
   const double frame = half * strip.per_m;
@@ -184,11 +184,11 @@ std::string LocalGridPng(const LocalSnapshot& shot) {
                 static_cast<int>(edge + histogram + 4 * kPictureMargin), kPlotPaper);
   const double per_m = pixel / shot.cell_m, middle_x = kPictureMargin + edge / 2,
                middle_y = kPictureMargin + edge / 2;
-  const auto at = [&](PointM p) { return PointM{middle_x + p.x_m * per_m, middle_y - p.y_m * per_m}; };
+  const auto at = [&](Point p) { return Point{middle_x + p.x_m * per_m, middle_y - p.y_m * per_m}; };
   const float most = *std::ranges::max_element(shot.occupancy);
   for (std::int64_t row = 0; row < shot.cells; ++row) {
     for (std::int64_t column = 0; column < shot.cells; ++column) {
-      const PointM centre = at(shot.Centre(column, row));
+      const Point centre = at(shot.Centre(column, row));
       const std::size_t i = shot.Index(column, row);
       const double share = most > 0 ? std::sqrt(shot.occupancy[i] / most) : 0;
       if (share > 0.02)

@@ -149,12 +149,12 @@ std::vector<LocalPosition> ReadPositions(const Blob& result, const std::string& 
 
 }  // namespace
 
-PointM LocalTrace::ToWorld(double z_m, double u_m) const {
+Point LocalTrace::ToWorld(double z_m, double u_m) const {
   const double c = std::cos(frame.heading_rad), s = std::sin(frame.heading_rad);
   return {frame.x_m + c * z_m - s * u_m, frame.y_m + s * z_m + c * u_m};
 }
 
-PointM LocalSnapshot::Centre(std::int64_t column, std::int64_t row) const {
+Point LocalSnapshot::Centre(std::int64_t column, std::int64_t row) const {
   return {static_cast<double>(column - cells / 2) * cell_m, static_cast<double>(row - cells / 2) * cell_m};
 }
 

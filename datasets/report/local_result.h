@@ -24,7 +24,7 @@ struct LocalFeature {
 struct LocalTrace {
   std::size_t robot = 0;
   double first_s = 0, last_s = 0;
-  PoseM frame;  // in the assembled world: z is along it, u to its left
+  Pose frame;  // in the assembled world: z is along it, u to its left
   std::int64_t first_z = 0;
   double cell_m = 0;
   std::vector<LocalFeature> features;
@@ -32,11 +32,11 @@ struct LocalTrace {
   double Z(std::size_t feature) const {
     return static_cast<double>(first_z + static_cast<std::int64_t>(feature)) * cell_m;
   }
-  PointM ToWorld(double z_m, double u_m) const;
+  Point ToWorld(double z_m, double u_m) const;
 };
 
 struct LocalEdge {
-  PointM a, b;  // from the robot, in the grids' frame
+  Point a, b;  // from the robot, in the grids' frame
 };
 
 // The local grids at a time, the robot in the central cell.
@@ -50,7 +50,7 @@ struct LocalSnapshot {
   std::vector<LocalEdge> edges;
 
   // A cell's centre from the robot's.
-  PointM Centre(std::int64_t column, std::int64_t row) const;
+  Point Centre(std::int64_t column, std::int64_t row) const;
   std::size_t Index(std::int64_t column, std::int64_t row) const;
 };
 

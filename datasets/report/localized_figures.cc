@@ -69,7 +69,7 @@ Curve RootMeanSquare(const std::vector<LocalizedStep>& steps, const char* name, 
 Box LocalizedBox(const LocalizedSteps& localized) {
   Box box{localized.places.front().x_m, localized.places.front().x_m, localized.places.front().y_m,
           localized.places.front().y_m};
-  for (const PointM& p : localized.places) {
+  for (const Point& p : localized.places) {
     box = {std::min(box.x_low_m, p.x_m), std::max(box.x_high_m, p.x_m), std::min(box.y_low_m, p.y_m),
            std::max(box.y_high_m, p.y_m)};
   }
@@ -80,7 +80,7 @@ Box LocalizedBox(const LocalizedSteps& localized) {
 struct Axis {
   bool y = false;
   double low = 0, length = 1;
-  double At(const PointM& p) const { return y ? p.y_m : p.x_m; }
+  double At(const Point& p) const { return y ? p.y_m : p.x_m; }
 };
 
 Axis LongerSide(const Box& box) {
@@ -99,7 +99,7 @@ Grid Beliefs(const LocalizedSteps& localized, const Traverse& traverse, const Ax
   for (std::size_t column = 0; column < columns; ++column) {
     const LocalizedStep& step = localized.steps[traverse.first + column];
     for (std::size_t i = step.first; i < step.end; ++i) {
-      const PointM& place = localized.places[static_cast<std::size_t>(localized.place[i])];
+      const Point& place = localized.places[static_cast<std::size_t>(localized.place[i])];
       const double at = (axis.At(place) - axis.low) / axis.length * static_cast<double>(rows - 1);
       const auto below = std::min(rows - 2, static_cast<std::size_t>(std::max(0.0, at)));
       const double share = std::clamp(at - static_cast<double>(below), 0.0, 1.0);
@@ -130,7 +130,7 @@ std::string LineBelief(const LocalizedSteps& localized, const LocalizationScore*
   const double half_bin = 0.5 * p.height / static_cast<double>(grid.rows - 1);
   svg.Image(p.left - 0.5 * step_width, p.top - half_bin, p.width + step_width, p.height + 2 * half_bin,
             GridPng(grid, HighestProbability(grid)));
-  std::vector<PointM> truth, mean;
+  std::vector<Point> truth, mean;
   for (std::size_t k = traverse.first; k < traverse.end; ++k) {
     const LocalizedStep& step = localized.steps[k];
     if (score != nullptr) truth.push_back({x(step.way_m), y(axis.At(score->steps[k].truth))});
@@ -158,7 +158,7 @@ Grid BeliefInPlane(const LocalizedSteps& localized, const LocalizedStep& step, c
   grid.rows = static_cast<std::int64_t>(box.height_m() / grid.cell_m) + 2;
   grid.probability.assign(static_cast<std::size_t>(grid.columns * grid.rows), 0.0);
   for (std::size_t i = step.first; i < step.end; ++i) {
-    const PointM& place = localized.places[static_cast<std::size_t>(localized.place[i])];
+    const Point& place = localized.places[static_cast<std::size_t>(localized.place[i])];
     const auto column = static_cast<std::int64_t>((place.x_m - grid.origin.x_m) / grid.cell_m);
     const auto row = static_cast<std::int64_t>((place.y_m - grid.origin.y_m) / grid.cell_m);
     grid.probability[static_cast<std::size_t>(row * grid.columns + column)] += localized.probability[i];
@@ -179,7 +179,7 @@ void DrawMap(const LocalizedSteps& localized, const LocalizationScore* score, co
              static_cast<double>(grid.rows) * grid.cell_m * frame.pixels_per_m(),
              GridPng(grid, HighestProbability(grid)));
   if (score != nullptr) {
-    std::vector<PointM> truth;
+    std::vector<Point> truth;
     for (std::size_t k = traverse.first; k <= at; ++k)
       truth.push_back({frame.X(score->steps[k].truth.x_m), frame.Y(score->steps[k].truth.y_m)});
     svg->Polyline(truth, "truth-path");

@@ -81,9 +81,9 @@ void MapCanvas::Image(const Box& box, std::string_view png) {
 
 void MapCanvas::Paths(const std::vector<Path>& paths, const char* kind) {
   for (const Path& path : paths) {
-    for (const std::vector<PointM>& piece : Pieces(path)) {
-      std::vector<PointM> pixels;
-      for (const PointM& point : piece) pixels.push_back(At(point));
+    for (const std::vector<Point>& piece : Pieces(path)) {
+      std::vector<Point> pixels;
+      for (const Point& point : piece) pixels.push_back(At(point));
       svg_.Polyline(pixels, RobotClass(kind, path.index));
       if (pixels.size() == 1)
         svg_.Circle(pixels[0].x_m, pixels[0].y_m, 1.2,
@@ -95,43 +95,43 @@ void MapCanvas::Paths(const std::vector<Path>& paths, const char* kind) {
 void MapCanvas::Starts(const std::vector<Path>& paths) {
   for (const Path& path : paths) {
     if (path.points.empty()) continue;
-    const PointM at = At(path.points.front());
+    const Point at = At(path.points.front());
     svg_.Circle(at.x_m, at.y_m, 5, RobotClass("start", path.index), path.robot + ": start");
   }
 }
 
 void MapCanvas::Marks(const std::vector<Path>& marks) {
   for (const Path& path : marks) {
-    for (const PointM& point : path.points) {
-      const PointM at = At(point);
+    for (const Point& point : path.points) {
+      const Point at = At(point);
       svg_.Circle(at.x_m, at.y_m, 2.6, RobotClass("mark", path.index));
     }
   }
 }
 
-void MapCanvas::Line(PointM from, PointM to, const char* style_class) {
-  const PointM a = At(from), b = At(to);
+void MapCanvas::Line(Point from, Point to, const char* style_class) {
+  const Point a = At(from), b = At(to);
   svg_.Line(a.x_m, a.y_m, b.x_m, b.y_m, style_class);
 }
 
 void MapCanvas::Truth(const Scene& scene) {
   for (const auto& [ours, theirs] : scene.error_lines) Line(ours, theirs, "miss");
-  for (const PointM& point : scene.truth_landmarks) {
-    const PointM at = At(point);
+  for (const Point& point : scene.truth_landmarks) {
+    const Point at = At(point);
     svg_.Circle(at.x_m, at.y_m, 7, "truth-landmark");
   }
 }
 
 void MapCanvas::Walls(const Scene& scene) {
   for (const auto& [a, b] : scene.truth_walls) Line(a, b, "wall");
-  std::vector<PointM> pixels;
-  for (const PointM& point : scene.edges) pixels.push_back(At(point));
+  std::vector<Point> pixels;
+  for (const Point& point : scene.edges) pixels.push_back(At(point));
   svg_.Dots(pixels, "edge");
 }
 
 void MapCanvas::Loops(const Scene& scene) {
   for (const Scene::Loop& loop : scene.loops) {
-    const PointM at = At(loop.from);
+    const Point at = At(loop.from);
     if (!loop.used) Line(loop.from, loop.to, "miss");
     svg_.Circle(at.x_m, at.y_m, 2.4, loop.used ? "loop" : "loop spurious");
   }
@@ -140,7 +140,7 @@ void MapCanvas::Loops(const Scene& scene) {
 void MapCanvas::Landmarks(const Scene& scene, bool with_names) {
   const double radius = scene.landmarks.size() > kCrowd ? 2 : 3.2;
   for (const MapLandmark& landmark : scene.landmarks) {
-    const PointM at = At(landmark.at);
+    const Point at = At(landmark.at);
     const EllipseM& e = landmark.ellipse;
     const double major = e.major_m * frame_.pixels_per_m(), minor = e.minor_m * frame_.pixels_per_m();
     if (major >= kLeastEllipsePixels) {

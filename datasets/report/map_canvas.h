@@ -35,8 +35,8 @@ class MapCanvas {
   void Landmarks(const Scene& scene, bool with_names);
 
  private:
-  PointM At(PointM point) const { return {frame_.X(point.x_m), frame_.Y(point.y_m)}; }
-  void Line(PointM from, PointM to, const char* style_class);
+  Point At(Point point) const { return {frame_.X(point.x_m), frame_.Y(point.y_m)}; }
+  void Line(Point from, Point to, const char* style_class);
   void Names(const Scene& scene);
 
   Svg& svg_;

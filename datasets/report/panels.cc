@@ -25,13 +25,13 @@ class PanelPainter {
     if (picture_.cells) PaintCells(*picture_.cells);
     if (picture_.density) PaintDensity(*picture_.density);
     for (const auto& path : picture_.raw) Line(path, kPanelRaw, 1.2);
-    for (const PointM& at : Seen(picture_.truth)) canvas_.Ring(At(at), 6.5, kTruth, 1.5);
+    for (const Point& at : Seen(picture_.truth)) canvas_.Ring(At(at), 6.5, kTruth, 1.5);
     for (std::size_t r = 0; r < picture_.paths.size(); ++r)
       Line(picture_.paths[r], kRobots[r % kRobotColours], 1.5);
-    for (const PointM& at : Seen(picture_.marks)) canvas_.Ring(At(at), 4.5, kInk, 1.2);
+    for (const Point& at : Seen(picture_.marks)) canvas_.Ring(At(at), 4.5, kInk, 1.2);
     const bool small = picture_.density && picture_.paths.empty();  // a belief shows beside it
     const double dot = small ? 2 : 3.5;
-    for (const PointM& at : Seen(picture_.landmarks)) {
+    for (const Point& at : Seen(picture_.landmarks)) {
       if (!small) canvas_.Dot(At(at), dot + 1, kPaper);
       canvas_.Dot(At(at), dot, kInk);
     }
@@ -40,28 +40,28 @@ class PanelPainter {
   }
 
  private:
-  PointM At(PointM p) const { return {frame_.X(p.x_m), frame_.Y(p.y_m)}; }
-  bool Inside(PointM p) const {
+  Point At(Point p) const { return {frame_.X(p.x_m), frame_.Y(p.y_m)}; }
+  bool Inside(Point p) const {
     const Panel& panel = frame_.panel();
-    const PointM at = At(p);
+    const Point at = At(p);
     return at.x_m >= panel.left && at.x_m <= panel.left + panel.width && at.y_m >= panel.top &&
            at.y_m <= panel.top + panel.height;
   }
-  std::vector<PointM> Seen(const std::vector<PointM>& points) const {
-    std::vector<PointM> seen;
-    std::ranges::copy_if(points, std::back_inserter(seen), [this](PointM p) { return Inside(p); });
+  std::vector<Point> Seen(const std::vector<Point>& points) const {
+    std::vector<Point> seen;
+    std::ranges::copy_if(points, std::back_inserter(seen), [this](Point p) { return Inside(p); });
     return seen;
   }
-  void Line(const std::vector<PointM>& points, Rgb colour, double width) {
-    std::vector<PointM> pixels;
-    for (const PointM& p : points) pixels.push_back(At(p));
+  void Line(const std::vector<Point>& points, Rgb colour, double width) {
+    std::vector<Point> pixels;
+    for (const Point& p : points) pixels.push_back(At(p));
     canvas_.Polyline(pixels, colour, width);
   }
 
   // What of the panel the cell [x, x + edge) x [y, y + edge) covers.
   void FillCell(double x_m, double y_m, double edge_m, Rgb colour) {
     const Panel& panel = frame_.panel();
-    PointM low = At({x_m, y_m + edge_m}), high = At({x_m + edge_m, y_m});
+    Point low = At({x_m, y_m + edge_m}), high = At({x_m + edge_m, y_m});
     low = {std::max(low.x_m, panel.left), std::max(low.y_m, panel.top)};
     high = {std::min(high.x_m, panel.left + panel.width), std::min(high.y_m, panel.top + panel.height)};
     if (low.x_m < high.x_m && low.y_m < high.y_m) canvas_.Fill(low, high, colour);
@@ -117,19 +117,18 @@ class PanelPainter {
 
 struct Key {
   std::string text;
-  std::function<void(Canvas&, PointM)> draw;  // around a point
+  std::function<void(Canvas&, Point)> draw;  // around a point
 };
 
 std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
   const auto any = [&](auto has) { return std::ranges::any_of(panels, has); };
   const auto line = [](Rgb colour) {
-    return
-        [colour](Canvas& c, PointM at) { c.Line({at.x_m - 13, at.y_m}, {at.x_m + 13, at.y_m}, colour, 2); };
+    return [colour](Canvas& c, Point at) { c.Line({at.x_m - 13, at.y_m}, {at.x_m + 13, at.y_m}, colour, 2); };
   };
   std::vector<Key> keys;
   const auto dense = std::ranges::find_if(panels, [](const auto& p) { return p.density.has_value(); });
   if (dense != panels.end()) {
-    keys.push_back({dense->density_name + ", the darker the likelier", [](Canvas& c, PointM at) {
+    keys.push_back({dense->density_name + ", the darker the likelier", [](Canvas& c, Point at) {
                       for (int i = 0; i < 26; ++i)
                         c.Fill({at.x_m - 13 + i, at.y_m - 6}, {at.x_m - 12 + i, at.y_m + 6},
                                Mix(kPaper, kDensity, (i + 1) / 26.0));
@@ -141,7 +140,7 @@ std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
                                        {"occupied", kBlack},
                                        {"nothing known", kUnknown}}) {
       const Rgb filled = colour;
-      keys.push_back({text, [filled](Canvas& c, PointM at) {
+      keys.push_back({text, [filled](Canvas& c, Point at) {
                         c.Fill({at.x_m - 13, at.y_m - 6}, {at.x_m + 13, at.y_m + 6}, filled);
                         c.Frame({at.x_m - 13, at.y_m - 6}, {at.x_m + 13, at.y_m + 6}, kLine, 1);
                       }});
@@ -149,7 +148,7 @@ std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
   }
   if (any([](const auto& p) { return !p.raw.empty(); })) keys.push_back({"raw odometry", line(kPanelRaw)});
   if (any([](const auto& p) { return !p.marks.empty(); }))
-    keys.push_back({"an observation there", [](Canvas& c, PointM at) { c.Ring(at, 4.5, kInk, 1.2); }});
+    keys.push_back({"an observation there", [](Canvas& c, Point at) { c.Ring(at, 4.5, kInk, 1.2); }});
   std::size_t robots = 0;
   for (const PanelPicture& p : panels) robots = std::max(robots, p.paths.size());
   for (std::size_t r = 0; r < robots; ++r) {
@@ -157,11 +156,11 @@ std::vector<Key> KeysOf(const std::vector<PanelPicture>& panels) {
     keys.push_back({name, line(kRobots[r % kRobotColours])});
   }
   if (any([](const auto& p) { return !p.landmarks.empty(); }))
-    keys.push_back({"landmark of the map", [](Canvas& c, PointM at) { c.Dot(at, 3.5, kInk); }});
+    keys.push_back({"landmark of the map", [](Canvas& c, Point at) { c.Dot(at, 3.5, kInk); }});
   if (any([](const auto& p) { return !p.truth.empty(); }))
-    keys.push_back({"true landmark", [](Canvas& c, PointM at) { c.Ring(at, 6.5, kTruth, 1.5); }});
+    keys.push_back({"true landmark", [](Canvas& c, Point at) { c.Ring(at, 6.5, kTruth, 1.5); }});
   if (any([](const auto& p) { return p.robot.has_value(); }))
-    keys.push_back({"true place of the robot", [](Canvas& c, PointM at) { c.Ring(at, 9, kBad, 2); }});
+    keys.push_back({"true place of the robot", [](Canvas& c, Point at) { c.Ring(at, 9, kBad, 2); }});
   return keys;
 }
 
@@ -184,7 +183,7 @@ double DrawKeys(const std::vector<Key>& keys, double width, double top, Canvas* 
   return y + kRow - top;
 }
 
-void Stretch(PointM p, Box* box) {
+void Stretch(Point p, Box* box) {
   box->x_low_m = std::min(box->x_low_m, p.x_m);
   box->x_high_m = std::max(box->x_high_m, p.x_m);
   box->y_low_m = std::min(box->y_low_m, p.y_m);
@@ -209,11 +208,11 @@ Box BoundsOf(const std::vector<PanelPicture>& panels) {
   Box box{HUGE_VAL, -HUGE_VAL, HUGE_VAL, -HUGE_VAL};
   for (const PanelPicture& p : panels) {
     for (const auto* points : {&p.marks, &p.landmarks, &p.truth}) {
-      for (const PointM& at : *points) Stretch(at, &box);
+      for (const Point& at : *points) Stretch(at, &box);
     }
     for (const auto* paths : {&p.raw, &p.paths}) {
       for (const auto& path : *paths) {
-        for (const PointM& at : path) Stretch(at, &box);
+        for (const Point& at : path) Stretch(at, &box);
       }
     }
     if (p.robot) Stretch(*p.robot, &box);

@@ -13,15 +13,15 @@ namespace cairn::datasets::report {
 
 struct PanelPicture {
   std::string title;
-  std::optional<CellPicture> cells;        // below all else
-  std::optional<Grid> density;             // the darker, the more
-  std::string density_name = "belief";     // what it is of, for the legend
-  std::vector<std::vector<PointM>> raw;    // raw odometry
-  std::vector<std::vector<PointM>> paths;  // estimated, one a robot
-  std::vector<PointM> marks;               // where raw odometry has the robot when it observes something
-  std::vector<PointM> landmarks;           // of the map
-  std::vector<PointM> truth;               // true landmarks
-  std::optional<PointM> robot;             // where the robot truly is
+  std::optional<CellPicture> cells;       // below all else
+  std::optional<Grid> density;            // the darker, the more
+  std::string density_name = "belief";    // what it is of, for the legend
+  std::vector<std::vector<Point>> raw;    // raw odometry
+  std::vector<std::vector<Point>> paths;  // estimated, one a robot
+  std::vector<Point> marks;               // where raw odometry has the robot when it observes something
+  std::vector<Point> landmarks;           // of the map
+  std::vector<Point> truth;               // true landmarks
+  std::optional<Point> robot;             // where the robot truly is
 };
 
 // Round all that is drawn but densities (those too where there is nothing else), at least 1 m wide.

@@ -95,7 +95,7 @@ class Painter {
   }
 
   void PaintSeries(const PlotSeries& series) {
-    std::vector<PointM> line;
+    std::vector<Point> line;
     for (const PlotPoint& point : series.points) {
       if (!std::isfinite(point.y)) continue;
       const double x = X(point.x);
@@ -107,18 +107,18 @@ class Painter {
     }
     if (!series.dashed) canvas_.Polyline(line, series.colour, 1.6);
     for (std::size_t k = 1; series.dashed && k < line.size(); ++k) Dash(line[k - 1], line[k], series.colour);
-    for (const PointM& at : line) {
+    for (const Point& at : line) {
       if (series.dots) canvas_.Dot(at, 3, series.colour);
     }
   }
 
   // Dashes go on along the whole curve.
-  void Dash(PointM from, PointM to, Rgb colour) {
+  void Dash(Point from, Point to, Rgb colour) {
     constexpr double kOn = 6, kPeriod = 10;
     const double length = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
     const auto at = [&](double way) {
-      return PointM{from.x_m + (to.x_m - from.x_m) * way / length,
-                    from.y_m + (to.y_m - from.y_m) * way / length};
+      return Point{from.x_m + (to.x_m - from.x_m) * way / length,
+                   from.y_m + (to.y_m - from.y_m) * way / length};
     };
     for (double way = 0; way < length;) {
       const double phase = std::fmod(dashed_ + way, kPeriod);

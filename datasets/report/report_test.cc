@@ -171,7 +171,7 @@ TEST_F(ReportOfALoop, SceneLaysTruthOverAMovedResult) {
     const auto x = moved.Get<double>(x_name), y = moved.Get<double>(y_name);
     std::vector<double> moved_x, moved_y;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const PointM at = motion(PointM{x[i], y[i]});
+      const Point at = motion(Point{x[i], y[i]});
       moved_x.push_back(at.x_m);
       moved_y.push_back(at.y_m);
     }

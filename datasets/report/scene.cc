@@ -15,7 +15,7 @@ constexpr double kChiSquared95 = 5.991464547107979;
 
 Path ToPath(const Track& track, const std::string& robot, std::size_t index) {
   Path path{.robot = robot, .index = index, .points = {}};
-  for (const PoseM& pose : track.poses) path.points.push_back({pose.x_m, pose.y_m});
+  for (const Pose& pose : track.poses) path.points.push_back({pose.x_m, pose.y_m});
   return path;
 }
 
@@ -41,7 +41,7 @@ class SceneMaker {
   }
 
  private:
-  PointM FromTruth(PointM truth) const { return Inverse(evaluation_->alignment)(truth); }
+  Point FromTruth(Point truth) const { return Inverse(evaluation_->alignment)(truth); }
 
   // Of the observations at the robot itself.
   std::vector<double> PressTimes(const std::string& observations) const {
@@ -64,7 +64,7 @@ class SceneMaker {
       throw InputError("'" + robot + "odometry/': columns of different length");
     const std::vector<double> marks = PressTimes(robot + "observations/");
     Path path{.robot = name, .index = r, .points = {}}, at_marks = path;
-    PoseM pose = track.poses.front();
+    Pose pose = track.poses.front();
     path.points.push_back({pose.x_m, pose.y_m});
     std::size_t next_mark = 0;
     for (std::size_t i = 0; i < time.size(); ++i) {
@@ -85,7 +85,7 @@ class SceneMaker {
     Path path = ToPath(truth, name, r);
     if (path.points.empty()) return;
     path.breaks = BreaksOf(truth.time_s);
-    for (PointM& point : path.points) point = FromTruth(point);
+    for (Point& point : path.points) point = FromTruth(point);
     scene_.truth_paths.push_back(std::move(path));
   }
 
@@ -122,7 +122,7 @@ class SceneMaker {
     }
     for (const auto& [k, t] : evaluation_->pairs) {
       MapLandmark& landmark = scene_.landmarks.at(static_cast<std::size_t>(k));
-      const PointM at = FromTruth(truth.at(static_cast<std::size_t>(t)));
+      const Point at = FromTruth(truth.at(static_cast<std::size_t>(t)));
       landmark.spurious = false;
       landmark.error_m = DistanceM(landmark.at, at);
       scene_.error_lines.emplace_back(landmark.at, at);
@@ -158,7 +158,7 @@ class SceneMaker {
 
 class Bounds {
  public:
-  void Add(PointM point) {
+  void Add(Point point) {
     if (!(std::abs(point.x_m) <= kFarthest_m && std::abs(point.y_m) <= kFarthest_m))
       throw InputError("a position of (" + Short(point.x_m) + ", " + Short(point.y_m) +
                        ") m is no place on a map");
@@ -169,7 +169,7 @@ class Bounds {
   }
   void Add(const std::vector<Path>& paths) {
     for (const Path& path : paths) {
-      for (const PointM& point : path.points) Add(point);
+      for (const Point& point : path.points) Add(point);
     }
   }
   bool empty() const { return box_.x_low_m > box_.x_high_m; }
@@ -187,8 +187,8 @@ class Bounds {
 
 }  // namespace
 
-std::vector<std::vector<PointM>> Pieces(const Path& path) {
-  std::vector<std::vector<PointM>> pieces;
+std::vector<std::vector<Point>> Pieces(const Path& path) {
+  std::vector<std::vector<Point>> pieces;
   std::size_t first = 0;
   const auto cut = [&](std::size_t end) {
     const auto begin = path.points.begin();
@@ -242,8 +242,8 @@ Box BoundsOf(const Scene& scene, bool with_odometry) {
   bounds.Add(scene.truth_paths);
   if (with_odometry) bounds.Add(scene.odometry);
   for (const MapLandmark& landmark : scene.landmarks) bounds.Add(landmark.at);
-  for (const PointM& point : scene.truth_landmarks) bounds.Add(point);
-  for (const PointM& point : scene.edges) bounds.Add(point);
+  for (const Point& point : scene.truth_landmarks) bounds.Add(point);
+  for (const Point& point : scene.edges) bounds.Add(point);
   for (const auto& [a, b] : scene.truth_walls) {
     bounds.Add(a);
     bounds.Add(b);
@@ -257,7 +257,7 @@ Box BoundsOf(const Scene& scene, bool with_odometry) {
   return bounds.Padded();
 }
 
-EllipseM EllipseOf(PointM centre, const std::array<double, 4>& covariance_m2) {
+EllipseM EllipseOf(Point centre, const std::array<double, 4>& covariance_m2) {
   const double a = covariance_m2[0], b = (covariance_m2[1] + covariance_m2[2]) / 2, d = covariance_m2[3];
   const double middle = (a + d) / 2, spread = std::hypot((a - d) / 2, b);
   EllipseM ellipse;

@@ -16,26 +16,26 @@ namespace cairn::datasets::report {
 struct Path {
   std::string robot;
   std::size_t index = 0;  // of the robot: its colour
-  std::vector<PointM> points;
+  std::vector<Point> points;
   std::vector<std::size_t> breaks =
       {};  // points before which nothing is known of the way: no line leads to them
 };
 
 // The stretches between a path's breaks. One of a single point is a place, and no way.
-std::vector<std::vector<PointM>> Pieces(const Path& path);
+std::vector<std::vector<Point>> Pieces(const Path& path);
 
 // Where the time to the one before is longer than a second and four times what is usual among them: a
 // receiver that lost its satellites, a recording that paused.
 std::vector<std::size_t> BreaksOf(std::span<const double> time_s);
 
 struct EllipseM {
-  PointM centre;
+  Point centre;
   double major_m = 0, minor_m = 0;  // semi-axes of the 95% region
   double angle_rad = 0;             // of the major one, from x
 };
 
 struct MapLandmark {
-  PointM at;
+  Point at;
   EllipseM ellipse;
   double count = 0;               // expected observations
   std::string name;               // its identity's, else its number
@@ -45,7 +45,7 @@ struct MapLandmark {
 };
 
 struct Grid {
-  PointM origin;  // lower left corner
+  Point origin;  // lower left corner
   double cell_m = 1;
   std::int64_t columns = 0, rows = 0;
   std::vector<double> probability;  // [rows][columns], the largest over the landmark types
@@ -64,12 +64,12 @@ struct Scene {
   std::vector<Path> odometry_marks;  // where it puts the robot at each observation without a range
   std::vector<Path> truth_paths;     // empty without an evaluation
   std::vector<MapLandmark> landmarks;
-  std::vector<PointM> truth_landmarks;                 // those that were observed
-  std::vector<std::pair<PointM, PointM>> error_lines;  // (extracted, true), matched
-  std::vector<std::pair<PointM, PointM>> truth_walls;  // both ends of each
-  std::vector<PointM> edges;                           // where walls were met
+  std::vector<Point> truth_landmarks;                // those that were observed
+  std::vector<std::pair<Point, Point>> error_lines;  // (extracted, true), matched
+  std::vector<std::pair<Point, Point>> truth_walls;  // both ends of each
+  std::vector<Point> edges;                          // where walls were met
   struct Loop {
-    PointM from, to;
+    Point from, to;
     bool used = true;  // the path follows it
   };
   std::vector<Loop> loops;
@@ -95,6 +95,6 @@ Box BoundsOf(const Scene& scene, bool with_odometry);
 
 // Semi-axes of the region that holds 95% of a normal distribution of this covariance (row-major, m2):
 // chi-squared with two degrees of freedom, 5.991.
-EllipseM EllipseOf(PointM centre, const std::array<double, 4>& covariance_m2);
+EllipseM EllipseOf(Point centre, const std::array<double, 4>& covariance_m2);
 
 }  // namespace cairn::datasets::report

@@ -37,10 +37,10 @@ void Svg::Line(double x1, double y1, double x2, double y2, std::string_view styl
           Attribute("y2", y2) + "/>\n";
 }
 
-void Svg::Polyline(const std::vector<PointM>& points, std::string_view style_class) {
+void Svg::Polyline(const std::vector<Point>& points, std::string_view style_class) {
   if (points.size() < 2) return;
   out_ += "<polyline" + Class(style_class) + " points=\"";
-  const PointM* drawn = nullptr;
+  const Point* drawn = nullptr;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (drawn != nullptr && i + 1 < points.size() && DistanceM(*drawn, points[i]) < kMergedPixels) continue;
     drawn = &points[i];
@@ -50,18 +50,18 @@ void Svg::Polyline(const std::vector<PointM>& points, std::string_view style_cla
   out_ += "/>\n";
 }
 
-void Svg::Polygon(const std::vector<PointM>& corners, std::string_view style_class) {
+void Svg::Polygon(const std::vector<Point>& corners, std::string_view style_class) {
   if (corners.size() < 3) return;
   out_ += "<polygon" + Class(style_class) + " points=\"";
-  for (const PointM& corner : corners) out_ += Short(corner.x_m, 1) + "," + Short(corner.y_m, 1) + " ";
+  for (const Point& corner : corners) out_ += Short(corner.x_m, 1) + "," + Short(corner.y_m, 1) + " ";
   out_.back() = '"';
   out_ += "/>\n";
 }
 
-void Svg::Dots(const std::vector<PointM>& points, std::string_view style_class) {
+void Svg::Dots(const std::vector<Point>& points, std::string_view style_class) {
   if (points.empty()) return;
   out_ += "<path" + Class(style_class) + " d=\"";
-  for (const PointM& at : points) out_ += "M" + Short(at.x_m, 1) + " " + Short(at.y_m, 1) + "h0";
+  for (const Point& at : points) out_ += "M" + Short(at.x_m, 1) + " " + Short(at.y_m, 1) + "h0";
   out_ += "\"/>\n";
 }
 

@@ -16,11 +16,11 @@ class Svg {
 
   void Line(double x1, double y1, double x2, double y2, std::string_view style_class);
   // Points in pixels; those nearer than half a pixel to the one before are left out, but for the last.
-  void Polyline(const std::vector<PointM>& points, std::string_view style_class);
+  void Polyline(const std::vector<Point>& points, std::string_view style_class);
   // A filled area; nothing of fewer than three corners.
-  void Polygon(const std::vector<PointM>& corners, std::string_view style_class);
+  void Polygon(const std::vector<Point>& corners, std::string_view style_class);
   // Points in pixels, as one element: the style's stroke is as wide as they are.
-  void Dots(const std::vector<PointM>& points, std::string_view style_class);
+  void Dots(const std::vector<Point>& points, std::string_view style_class);
   // `tip`, where not empty, is shown when the pointer rests on it.
   void Circle(double x, double y, double radius, std::string_view style_class, std::string_view tip = "");
   void Ellipse(double x, double y, double major, double minor, double degrees, std::string_view style_class);

@@ -84,7 +84,7 @@ double LabelError(const Blob& labelled) {
     const auto true_x = labelled.Get<double>("truth/" + PrefixOf(r) + "x_m"),
                true_y = labelled.Get<double>("truth/" + PrefixOf(r) + "y_m");
     for (std::size_t k = 0; k < x.size(); ++k, ++count)
-      sum += DistanceM(PointM{x[k], y[k]}, PointM{true_x[k], true_y[k]});
+      sum += DistanceM(Point{x[k], y[k]}, Point{true_x[k], true_y[k]});
   }
   return sum / static_cast<double>(count);
 }

@@ -86,7 +86,7 @@ std::vector<BeliefRow> BeliefOf(const BallJob& ball, const Blob& located, double
       const auto k = static_cast<std::size_t>(place[entry]);
       const auto bin = static_cast<int>(std::clamp(x[k] / length_m, 0.0, 0.9999) * kBeliefBins);
       row.density[static_cast<std::size_t>(bin)] += probability[entry];
-      row.error_m += probability[entry] * DistanceM(PointM{x[k], y[k]}, PointM{true_x[at], true_y[at]});
+      row.error_m += probability[entry] * DistanceM(Point{x[k], y[k]}, Point{true_x[at], true_y[at]});
     }
     rows.push_back(std::move(row));
   }

@@ -47,7 +47,7 @@ report::Grid BeliefView::At(std::size_t step) const {
   return grid;
 }
 
-PointM CentreOf(const report::Grid& grid, std::size_t cell) {
+Point CentreOf(const report::Grid& grid, std::size_t cell) {
   const auto columns = static_cast<std::size_t>(grid.columns);
   const auto column = static_cast<double>(cell % columns);
   const std::size_t row = cell / columns;
@@ -58,7 +58,7 @@ PointM CentreOf(const report::Grid& grid, std::size_t cell) {
 double SpreadM(const report::Grid& grid) {
   double mass = 0, x = 0, y = 0, square = 0;
   for (std::size_t i = 0; i < grid.probability.size(); ++i) {
-    const PointM at = CentreOf(grid, i);
+    const Point at = CentreOf(grid, i);
     const double p = grid.probability[i];
     mass += p;
     x += p * at.x_m;
@@ -68,7 +68,7 @@ double SpreadM(const report::Grid& grid) {
   return std::sqrt(std::max(0.0, square / mass - (x * x + y * y) / (mass * mass)));
 }
 
-double ShareWithin(const report::Grid& grid, PointM centre, double radius_m) {
+double ShareWithin(const report::Grid& grid, Point centre, double radius_m) {
   double all = 0, within = 0;
   for (std::size_t i = 0; i < grid.probability.size(); ++i) {
     all += grid.probability[i];
@@ -81,7 +81,7 @@ int PlacesWithShare(report::Grid grid, double radius_m, double share) {
   double all = 0;
   for (const double p : grid.probability) all += p;
   for (int places = 0;; ++places) {
-    const PointM peak = MostLikely(grid);
+    const Point peak = MostLikely(grid);
     double within = 0;
     for (std::size_t i = 0; i < grid.probability.size(); ++i) {
       if (DistanceM(CentreOf(grid, i), peak) > radius_m) continue;
@@ -92,7 +92,7 @@ int PlacesWithShare(report::Grid grid, double radius_m, double share) {
   }
 }
 
-PointM MostLikely(const report::Grid& grid) {
+Point MostLikely(const report::Grid& grid) {
   CAIRN_DEMAND(!grid.probability.empty(), "a cell");
   const auto best = std::ranges::max_element(grid.probability) - grid.probability.begin();
   return CentreOf(grid, static_cast<std::size_t>(best));

@@ -29,19 +29,19 @@ class BeliefView {
 };
 
 // The centre of a cell, counted row by row.
-PointM CentreOf(const report::Grid& grid, std::size_t cell);
+Point CentreOf(const report::Grid& grid, std::size_t cell);
 
 // Root of the mean squared distance from the mean; NaN where the grid is empty.
 double SpreadM(const report::Grid& grid);
 
 // The share of a grid's mass within `radius_m` of a point; 0 where the grid is empty.
-double ShareWithin(const report::Grid& grid, PointM centre, double radius_m);
+double ShareWithin(const report::Grid& grid, Point centre, double radius_m);
 
 // How many separate places hold at least `share` of a grid's mass each: the most likely cell with all that
 // lies within `radius_m` of it is one place, then the most likely of what is left, and so on.
 int PlacesWithShare(report::Grid grid, double radius_m, double share);
 
 // The centre of the cell that holds most.
-PointM MostLikely(const report::Grid& grid);
+Point MostLikely(const report::Grid& grid);
 
 }  // namespace cairn::datasets

@@ -12,7 +12,7 @@ using report::PanelPicture;
 namespace {
 
 struct RawPath {
-  std::vector<PointM> path, marks;  // where odometry has the robot, all along and at its observations
+  std::vector<Point> path, marks;  // where odometry has the robot, all along and at its observations
 };
 
 RawPath RawPathOf(const Blob& log, std::size_t robot, double until_s) {
@@ -22,7 +22,7 @@ RawPath RawPathOf(const Blob& log, std::size_t robot, double until_s) {
              forward = log.Get<double>(prefix + "odometry/forward_m"),
              seen = log.Get<double>(prefix + "observations/time_s");
   RawPath raw{{{0, 0}}, {}};
-  PoseM pose;
+  Pose pose;
   std::size_t mark = 0;
   for (std::size_t i = 0; i < time.size() && time[i] <= until_s; ++i) {
     pose = Apply(pose, {turn[i], forward[i]});

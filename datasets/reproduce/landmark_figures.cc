@@ -29,7 +29,7 @@ double OdometryRmseM(const Blob& log, int robot, double until_s) {
              forward = log.Get<double>(prefix + "forward_m");
   const Track truth = ReadTrack(log, "truth/robot/" + std::to_string(robot) + "/poses/");
   std::vector<PointPair> pairs;
-  PoseM pose;
+  Pose pose;
   for (std::size_t i = 0; i < time.size() && time[i] <= until_s; ++i) {
     pose = Apply(pose, {turn[i], forward[i]});
     if (const auto there = PoseAt(truth, time[i]))
@@ -39,12 +39,12 @@ double OdometryRmseM(const Blob& log, int robot, double until_s) {
 }
 
 // The share of a belief within kNearM of any of the points.
-double ShareNear(const report::Grid& belief, const std::vector<PointM>& points) {
+double ShareNear(const report::Grid& belief, const std::vector<Point>& points) {
   double all = 0, near = 0;
   for (std::size_t i = 0; i < belief.probability.size(); ++i) {
-    const PointM at = CentreOf(belief, i);
+    const Point at = CentreOf(belief, i);
     all += belief.probability[i];
-    if (std::ranges::any_of(points, [&](PointM p) { return DistanceM(at, p) <= kNearM; }))
+    if (std::ranges::any_of(points, [&](Point p) { return DistanceM(at, p) <= kNearM; }))
       near += belief.probability[i];
   }
   return all > 0 ? near / all : 0;
@@ -91,11 +91,11 @@ class LandmarkPage {
   }
 
   // The true place of a robot in the frame of a map of the first log.
-  PointM TruePlace(const Evaluation& map, const Blob& log, std::size_t robot, double time_s) const {
+  Point TruePlace(const Evaluation& map, const Blob& log, std::size_t robot, double time_s) const {
     const Track truth = ReadTrack(log, "truth/robot/" + std::to_string(robot) + "/poses/");
     const auto pose = PoseAt(truth, time_s);
     if (!pose) throw InputError("the log does not say where the robot truly is at an observation");
-    return Inverse(map.alignment)(PointM{pose->x_m, pose->y_m});
+    return Inverse(map.alignment)(Point{pose->x_m, pose->y_m});
   }
 
   // With the landmarks of the map in which a robot was looked for.
@@ -144,7 +144,7 @@ class LandmarkPage {
     const report::Grid belief = beliefs.At(0);
     double on_ring = 0, all = 0;
     for (std::size_t i = 0; i < belief.probability.size(); ++i) {
-      const PointM at = CentreOf(belief, i);
+      const Point at = CentreOf(belief, i);
       const double left = DistanceM(at, {-kBetweenM / 2, 0}), right = DistanceM(at, {kBetweenM / 2, 0});
       all += belief.probability[i];
       if (std::abs(left - kSeenAtM) < 1 || std::abs(right - kSeenAtM) < 1) on_ring += belief.probability[i];
@@ -176,7 +176,7 @@ class LandmarkPage {
     BetaTables tables;
     for (std::size_t n = 0; n < std::min(count, seen.size()); ++n) {
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
-      const PointM truth = TruePlace(score, Input("first"), 0, forth[forth.size() - 1 - n]);
+      const Point truth = TruePlace(score, Input("first"), 0, forth[forth.size() - 1 - n]);
       tables.there.push_back(ShareWithin(belief, truth, kNearM));
       tables.spread_m.push_back(SpreadM(belief));
       tables.most_places = std::max(tables.most_places, PlacesWithShare(belief, 2 * kNearM, 0.1));
@@ -400,7 +400,7 @@ class LandmarkPage {
     double first = 0, at_landmarks = 0, known = 0;  // after one observation, and after four
     for (std::size_t n = 0; n < std::min<std::size_t>(6, seen.size()); ++n) {
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
-      const PointM truth = TruePlace(em_map, log, 0, seen[n]);
+      const Point truth = TruePlace(em_map, log, 0, seen[n]);
       const double there = ShareWithin(belief, truth, kNearM);
       measured += Say(" %.0f%%", 100 * there);
       PanelPicture panel = BeliefPanel(

@@ -92,7 +92,7 @@ TEST(BeliefView, GivesEachStepsBeliefInMetres) {
   EXPECT_EQ(beliefs.StepAt(0.0), 0U);
   EXPECT_EQ(beliefs.StepAt(2.9), 0U);
   EXPECT_EQ(beliefs.StepAt(3.0), 1U);
-  const PointM first = MostLikely(beliefs.At(0));
+  const Point first = MostLikely(beliefs.At(0));
   EXPECT_EQ(first.x_m, 1.0);
   EXPECT_EQ(first.y_m, 0.5);
   EXPECT_EQ(MostLikely(beliefs.At(1)).x_m, 0.5);

@@ -19,12 +19,12 @@ PaperFigure CrossingFigure(const OccupancyStudy& study, const StageResults& resu
   AddGridPanels("", maps, &panels);
   const std::vector<ScoredSensor> scans = ReadScoredScans(*maps.forward, log);
   const auto in_overlap = [&](const Occupancy& map, int* cells, int* occupied) {
-    const PoseM first = scans[0].BeamPose(0, 0), second = scans[0].BeamPose(1, 0);
+    const Pose first = scans[0].BeamPose(0, 0), second = scans[0].BeamPose(1, 0);
     const double half = scans[0].opening_rad / 2;
     for (std::int64_t row = 0; row < map.box.rows; ++row) {
       for (std::int64_t column = 0; column < map.box.columns; ++column) {
-        const PointM at = map.box.Centre(column, row);
-        const auto within = [&](const PoseM& beam, double low_m, double high_m) {
+        const Point at = map.box.Centre(column, row);
+        const auto within = [&](const Pose& beam, double low_m, double high_m) {
           const double dx = at.x_m - beam.x_m, dy = at.y_m - beam.y_m, away = std::hypot(dx, dy);
           const double off = WrapAngle(std::atan2(dy, dx) - beam.heading_rad);
           return away > low_m && away < high_m && std::abs(off) < half;

@@ -5,7 +5,7 @@
 namespace cairn::datasets {
 namespace {
 
-bool OccupiedNear(const Occupancy& map, PointM at) {
+bool OccupiedNear(const Occupancy& map, Point at) {
   const std::int64_t column = map.box.Column(at.x_m), row = map.box.Row(at.y_m);
   for (std::int64_t y = row - 1; y <= row + 1; ++y) {
     for (std::int64_t x = column - 1; x <= column + 1; ++x)
@@ -20,7 +20,7 @@ double WallFound(const Occupancy& map, const Wall& wall, double from_m, double t
   double points = 0, found = 0;
   const double step = map.box.cell_m / 2 / DistanceM(wall.a, wall.b);
   for (double t = 0; t <= 1; t += step) {
-    const PointM at{wall.a.x_m + t * (wall.b.x_m - wall.a.x_m), wall.a.y_m + t * (wall.b.y_m - wall.a.y_m)};
+    const Point at{wall.a.x_m + t * (wall.b.x_m - wall.a.x_m), wall.a.y_m + t * (wall.b.y_m - wall.a.y_m)};
     if (at.x_m < from_m || at.x_m > to_m) continue;
     points += 1;
     found += OccupiedNear(map, at) ? 1 : 0;

@@ -27,7 +27,7 @@ struct ShownWall {
 };
 
 // Within a cell of a place that is seen from the robot in the grids' frame.
-ShownWall ShownAt(const report::LocalSnapshot& shot, PointM at) {
+ShownWall ShownAt(const report::LocalSnapshot& shot, Point at) {
   const auto column = std::lround(at.x_m / shot.cell_m) + shot.cells / 2,
              row = std::lround(at.y_m / shot.cell_m) + shot.cells / 2;
   ShownWall shown;
@@ -42,9 +42,9 @@ ShownWall ShownAt(const report::LocalSnapshot& shot, PointM at) {
   return shown;
 }
 
-WallCoverage CoverageAt(const report::LocalSnapshot& shot, const std::vector<Wall>& walls, const PoseM& robot,
+WallCoverage CoverageAt(const report::LocalSnapshot& shot, const std::vector<Wall>& walls, const Pose& robot,
                         double odometric_heading_rad) {
-  const PointM here{robot.x_m, robot.y_m};
+  const Point here{robot.x_m, robot.y_m};
   WallCoverage coverage;
   const bool between =
       std::ranges::any_of(walls, [&](const Wall& w) { return DistanceToM(w, here) < kBetweenM; });

@@ -14,7 +14,7 @@ constexpr double kTurnRateRadps = 0.8;
 constexpr double kSpeedJitter = 0.03;
 constexpr double kStraightRad = 0.6;  // a smaller change of heading counts as straight on
 
-double HeadingTo(PointM from, PointM to) { return std::atan2(to.y_m - from.y_m, to.x_m - from.x_m); }
+double HeadingTo(Point from, Point to) { return std::atan2(to.y_m - from.y_m, to.x_m - from.x_m); }
 
 // Chooses corridors.
 class Tour {
@@ -88,7 +88,7 @@ class Driver {
 
   // Takes the corner on an arc (an about turn on the spot), then goes straight, in equal steps, to end on
   // `target`.
-  void GoTo(PointM target) {
+  void GoTo(Point target) {
     TurnOnTheSpot(target);
     const double arc_rad = step_m_ / kTurnRadiusM;
     while (std::abs(ErrorTo(target)) > arc_rad) Do({std::copysign(arc_rad, ErrorTo(target)), step_m_});
@@ -98,11 +98,11 @@ class Driver {
   }
 
  private:
-  double ErrorTo(PointM target) const {
+  double ErrorTo(Point target) const {
     return WrapAngle(HeadingTo({pose_.x_m, pose_.y_m}, target) - pose_.heading_rad);
   }
 
-  void TurnOnTheSpot(PointM target) {
+  void TurnOnTheSpot(Point target) {
     const double turn = ErrorTo(target);
     if (std::abs(turn) < kAboutTurnRad) return;
     const auto steps = static_cast<int>(std::ceil(std::abs(turn) / kSpotTurnRad));
@@ -121,7 +121,7 @@ class Driver {
   Drive& drive_;
   double step_m_;
   Rng& rng_;
-  PoseM pose_;
+  Pose pose_;
   double time_s_ = 0;
 };
 
@@ -130,7 +130,7 @@ class Driver {
 Drive DrawDrive(const CorridorWorld& world, const DriveOptions& options, Rng& rng) {
   Drive drive;
   Tour tour(world, rng);
-  const PointM a = world.nodes[tour.from()], b = world.nodes[tour.to()];
+  const Point a = world.nodes[tour.from()], b = world.nodes[tour.to()];
   const double share = rng.Uniform(0.1, 0.6);
   drive.start = {a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m), HeadingTo(a, b)};
   Driver driver(drive, options.step_m, rng);

@@ -17,7 +17,7 @@ struct Press {
 };
 
 struct Drive {
-  PoseM start;
+  Pose start;
   std::vector<Control> controls;
   std::vector<double> times_s;  // end of each control; the drive starts at 0
   std::vector<Press> presses;

@@ -10,7 +10,7 @@ namespace {
 constexpr double kNoEcho = std::numeric_limits<double>::infinity();
 
 struct Sonar {
-  PointM at;
+  Point at;
   double heading_rad = 0, half_opening_rad = 0;
   Cone InView() const { return {at, heading_rad, half_opening_rad}; }
   Cone Axis() const { return {at, heading_rad, 0}; }
@@ -19,20 +19,20 @@ struct Sonar {
 // The sonar, and the foot of the perpendicular from it, on the other side of a line.
 struct Mirrored {
   Sonar sonar;
-  PointM foot;
+  Point foot;
 };
 
 Mirrored MirrorIn(const Wall& wall, const Sonar& sonar) {
   const double length = DistanceM(wall.a, wall.b);
-  const PointM u{(wall.b.x_m - wall.a.x_m) / length, (wall.b.y_m - wall.a.y_m) / length};
+  const Point u{(wall.b.x_m - wall.a.x_m) / length, (wall.b.y_m - wall.a.y_m) / length};
   const double along = (sonar.at.x_m - wall.a.x_m) * u.x_m + (sonar.at.y_m - wall.a.y_m) * u.y_m;
-  const PointM foot{wall.a.x_m + along * u.x_m, wall.a.y_m + along * u.y_m};
+  const Point foot{wall.a.x_m + along * u.x_m, wall.a.y_m + along * u.y_m};
   const double heading = 2 * std::atan2(u.y_m, u.x_m) - sonar.heading_rad;
   return {{{2 * foot.x_m - sonar.at.x_m, 2 * foot.y_m - sonar.at.y_m}, heading, sonar.half_opening_rad},
           foot};
 }
 
-bool FacesFoot(const Sonar& sonar, const Wall& wall, PointM foot) {
+bool FacesFoot(const Sonar& sonar, const Wall& wall, Point foot) {
   const double length = DistanceM(wall.a, wall.b);
   if (DistanceM(wall.a, foot) > length || DistanceM(wall.b, foot) > length) return false;
   const double bearing = std::atan2(foot.y_m - sonar.at.y_m, foot.x_m - sonar.at.x_m);
@@ -40,18 +40,18 @@ bool FacesFoot(const Sonar& sonar, const Wall& wall, PointM foot) {
 }
 
 // On which side of a line: positive to its left.
-double SideOf(const Wall& line, PointM p) {
+double SideOf(const Wall& line, Point p) {
   return (line.b.x_m - line.a.x_m) * (p.y_m - line.a.y_m) - (line.b.y_m - line.a.y_m) * (p.x_m - line.a.x_m);
 }
 
-bool OnSideOf(const Wall& line, PointM side, const Wall& wall) {
+bool OnSideOf(const Wall& line, Point side, const Wall& wall) {
   const double sign = std::copysign(1.0, SideOf(line, side));
   constexpr double kSlack = 1e-6;
   return sign * SideOf(line, wall.a) >= -kSlack && sign * SideOf(line, wall.b) >= -kSlack;
 }
 
 // The point of a disc that is nearest within the cone lies in the direction nearest to its centre.
-double PersonM(const Sonar& sonar, PointM person) {
+double PersonM(const Sonar& sonar, Point person) {
   const double distance = DistanceM(sonar.at, person);
   if (distance <= kPersonRadiusM) return 0;
   const double off =
@@ -62,7 +62,7 @@ double PersonM(const Sonar& sonar, PointM person) {
   return distance * std::cos(beside) - std::sqrt(kPersonRadiusM * kPersonRadiusM - across * across);
 }
 
-bool PlainAnswers(const Wall& wall, PointM from, double range_m, const Luck& luck) {
+bool PlainAnswers(const Wall& wall, Point from, double range_m, const Luck& luck) {
   const double off_m = std::abs(SideOf(wall, from)) / DistanceM(wall.a, wall.b);
   const double angle = std::acos(std::min(1.0, off_m / std::max(range_m, 1e-9)));
   return luck.oblique < std::exp(-angle * angle / (2 * kPlainRad * kPlainRad));
@@ -83,24 +83,24 @@ class Listener {
     }
   }
 
-  void TakePerson(PointM person) { Take(PersonM(sonar_, person), person, Cause::kPerson); }
+  void TakePerson(Point person) { Take(PersonM(sonar_, person), person, Cause::kPerson); }
 
   double range_m() const { return range_m_; }
   Cause cause() const { return cause_; }
 
  private:
-  bool Hears(PointM point) const {
+  bool Hears(Point point) const {
     return std::ranges::none_of(around_,
                                 [&](const Obstacle& other) { return Crosses(other.wall, sonar_.at, point); });
   }
 
-  void Take(double range_m, PointM point, Cause of) {
+  void Take(double range_m, Point point, Cause of) {
     if (!(range_m < range_m_) || !Hears(point)) return;
     range_m_ = range_m;
     cause_ = of;
   }
 
-  PointM World(PointM seen) const { return {sonar_.at.x_m + seen.x_m, sonar_.at.y_m + seen.y_m}; }
+  Point World(Point seen) const { return {sonar_.at.x_m + seen.x_m, sonar_.at.y_m + seen.y_m}; }
 
   void TakeWall(const Obstacle& obstacle) {
     const auto seen = cone_.Nearest(obstacle.wall);
@@ -157,13 +157,13 @@ Luck DrawLuck(const RangeRing& ring, Rng& rng) {
   return luck;
 }
 
-Sounding Listen(const std::vector<Obstacle>& around, const RangeRing& ring, const PoseM& ring_pose, int beam,
-                std::span<const PointM> persons, const Luck& luck) {
-  const PoseM from = ring.BeamPose(ring_pose, beam);
+Sounding Listen(const std::vector<Obstacle>& around, const RangeRing& ring, const Pose& ring_pose, int beam,
+                std::span<const Point> persons, const Luck& luck) {
+  const Pose from = ring.BeamPose(ring_pose, beam);
   const Sonar sonar{{from.x_m, from.y_m}, from.heading_rad, ring.opening_rad / 2};
   Listener listener(around, ring, sonar, luck);
   listener.TakeAll();
-  for (const PointM person : persons) listener.TakePerson(person);
+  for (const Point person : persons) listener.TakePerson(person);
   const double range_m = listener.range_m() + luck.noise_m;
   const bool lost = luck.lost && listener.cause() != Cause::kBeyondDoor;
   if (lost || !(range_m <= ring.max_range_m))

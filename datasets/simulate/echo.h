@@ -48,7 +48,7 @@ inline constexpr double kPersonRadiusM = 0.25;
 // One beam of a ring whose centre and heading are `ring_pose`. A mirror answers where its foot of the
 // perpendicular lies in the cone; else most of the sound that hits it along the beam's axis is thrown on.
 // Nothing is heard through a wall. To rings without sound all surfaces are rough.
-Sounding Listen(const std::vector<Obstacle>& around, const RangeRing& ring, const PoseM& ring_pose, int beam,
-                std::span<const PointM> persons, const Luck& luck);
+Sounding Listen(const std::vector<Obstacle>& around, const RangeRing& ring, const Pose& ring_pose, int beam,
+                std::span<const Point> persons, const Luck& luck);
 
 }  // namespace cairn::datasets

@@ -144,7 +144,7 @@ std::vector<int> DrawTypes(const CorridorWorld& world, const SimulateLoopOptions
 
 void PutLandmarks(const CorridorWorld& world, const std::vector<int>& types, bool identities, Blob& log) {
   std::vector<double> x, y;
-  for (const PointM& node : world.nodes) {
+  for (const Point& node : world.nodes) {
     x.push_back(ToMicro(node.x_m));
     y.push_back(ToMicro(node.y_m));
   }
@@ -241,7 +241,7 @@ double FinalOdometricErrorM(const Blob& log, int robot) {
   if (x.empty() || y.size() != x.size() || heading.size() != x.size() || turn.size() != forward.size()) {
     throw InputError(prefix + ": columns of odometry or true poses differ in length, or are empty");
   }
-  PoseM pose{x[0], y[0], heading[0]};
+  Pose pose{x[0], y[0], heading[0]};
   for (std::size_t i = 0; i < turn.size(); ++i) pose = Apply(pose, {turn[i], forward[i]});
   return DistanceM({pose.x_m, pose.y_m}, {x.back(), y.back()});
 }

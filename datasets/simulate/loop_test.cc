@@ -34,7 +34,7 @@ double TruePathM(const Blob& log, const std::string& robot) {
   return length;
 }
 
-double SegmentDistanceM(PointM p, PointM a, PointM b) {
+double SegmentDistanceM(Point p, Point a, Point b) {
   const double ab_x = b.x_m - a.x_m, ab_y = b.y_m - a.y_m;
   const double along = ((p.x_m - a.x_m) * ab_x + (p.y_m - a.y_m) * ab_y) / (ab_x * ab_x + ab_y * ab_y);
   const double t = std::clamp(along, 0.0, 1.0);

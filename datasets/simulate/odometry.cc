@@ -39,8 +39,8 @@ OdometryDraw Measure(const Drive& drive, const Errors& errors, double drift_fact
     draw.controls.push_back(
         {Quantise(errors.controls[i].turn_rad + drift), Quantise(errors.controls[i].forward_m)});
   }
-  const PoseM end = DeadReckon(drive.start, draw.controls);
-  const PoseM true_end = DeadReckon(drive.start, drive.controls);
+  const Pose end = DeadReckon(drive.start, draw.controls);
+  const Pose true_end = DeadReckon(drive.start, drive.controls);
   draw.final_error_m = DistanceM({end.x_m, end.y_m}, {true_end.x_m, true_end.y_m});
   return draw;
 }
@@ -75,8 +75,8 @@ bool FitDrift(const Drive& drive, const Errors& errors, const ErrorRange& range,
 
 }  // namespace
 
-PoseM DeadReckon(const PoseM& start, const std::vector<Control>& controls) {
-  PoseM pose = start;
+Pose DeadReckon(const Pose& start, const std::vector<Control>& controls) {
+  Pose pose = start;
   for (const Control& control : controls) pose = Apply(pose, control);
   return pose;
 }

@@ -32,7 +32,7 @@ struct OdometryDraw {
 };
 
 // Where the controls lead from `start`.
-PoseM DeadReckon(const PoseM& start, const std::vector<Control>& controls);
+Pose DeadReckon(const Pose& start, const std::vector<Control>& controls);
 
 // Draws the errors anew until the final error lies in `range`, a hundred times; after that it looks for a
 // factor of each draw's drift that puts it there. Nothing where a thousand draws do not fit.

@@ -42,13 +42,13 @@ void PutNoObservations(const std::string& robot, Blob& log) {
 
 void PutPoses(const std::string& prefix, const Drive& drive, Blob& log) {
   std::vector<double> time, x, y, heading;
-  const auto add = [&](double time_s, const PoseM& pose) {
+  const auto add = [&](double time_s, const Pose& pose) {
     time.push_back(ToMilli(time_s));
     x.push_back(ToMicro(pose.x_m));
     y.push_back(ToMicro(pose.y_m));
     heading.push_back(ToNanoAngle(pose.heading_rad));
   };
-  PoseM pose = drive.start;
+  Pose pose = drive.start;
   add(0, pose);
   for (std::size_t i = 0; i < drive.controls.size(); ++i) {
     pose = Apply(pose, drive.controls[i]);

@@ -18,7 +18,7 @@ class Sensor {
   Sensor(const Drive& drive, const CorridorWorld& world, const std::vector<int>& types,
          const LoopSensing& sensing, Rng& rng)
       : drive_(drive), world_(world), types_(types), sensing_(sensing), rng_(rng) {
-    PoseM pose = drive.start;
+    Pose pose = drive.start;
     for (const Control& control : drive.controls) poses_.push_back(pose = Apply(pose, control));
   }
 
@@ -60,10 +60,8 @@ class Sensor {
       std::size_t control = 0;
       while (control + 1 < drive_.controls.size() && (way_m -= drive_.controls[control].forward_m) > 0)
         ++control;
-      const PoseM& at = poses_[control];
-      const auto near = [&](PointM node) {
-        return DistanceM(node, {at.x_m, at.y_m}) < kFalsePressClearanceM;
-      };
+      const Pose& at = poses_[control];
+      const auto near = [&](Point node) { return DistanceM(node, {at.x_m, at.y_m}) < kFalsePressClearanceM; };
       if (std::none_of(world_.nodes.begin(), world_.nodes.end(), near)) return control;
     }
   }
@@ -86,8 +84,8 @@ class Sensor {
   }
 
   void Look(std::size_t control, std::size_t node, const std::vector<Wall>& walls) {
-    const PoseM& pose = poses_[control];
-    const PointM from{pose.x_m, pose.y_m}, to = world_.nodes[node];
+    const Pose& pose = poses_[control];
+    const Point from{pose.x_m, pose.y_m}, to = world_.nodes[node];
     const double range_m = DistanceM(from, to);
     if (range_m > kSightMaxRangeM) return;
     const double heading = std::atan2(to.y_m - from.y_m, to.x_m - from.x_m);
@@ -121,7 +119,7 @@ class Sensor {
   const std::vector<int>& types_;
   const LoopSensing& sensing_;
   Rng& rng_;
-  std::vector<PoseM> poses_;  // at each control's end
+  std::vector<Pose> poses_;  // at each control's end
   std::vector<Sensed> sensed_, false_;
 };
 

@@ -24,7 +24,7 @@ struct TruePoses {
         x(log.Get<double>("truth/robot/0/poses/x_m")),
         y(log.Get<double>("truth/robot/0/poses/y_m")),
         heading(log.Get<double>("truth/robot/0/poses/heading_rad")) {}
-  PoseM At(double time_s) const {
+  Pose At(double time_s) const {
     const auto at = std::lower_bound(time.begin(), time.end(), time_s) - time.begin();
     const auto i = static_cast<std::size_t>(at);
     return {x[i], y[i], heading[i]};
@@ -32,9 +32,9 @@ struct TruePoses {
   std::span<const double> time, x, y, heading;
 };
 
-std::vector<PointM> Landmarks(const Blob& log) {
+std::vector<Point> Landmarks(const Blob& log) {
   const auto x = log.Get<double>("truth/landmarks/x_m"), y = log.Get<double>("truth/landmarks/y_m");
-  std::vector<PointM> points;
+  std::vector<Point> points;
   for (std::size_t i = 0; i < x.size(); ++i) points.push_back({x[i], y[i]});
   return points;
 }
@@ -44,7 +44,7 @@ TEST(Sense, WhatIsSensedChangesNeitherDriveNorOdometry) {
              other = Simulate({.sensor = "range-bearing", .false_rate = 0.1, .types = 3});
   for (const char* part : {"robot/0/odometry/", "truth/robot/0/poses/"})
     EXPECT_EQ(plain.Sub(part).ContentHash(), other.Sub(part).ContentHash()) << part;
-  const std::vector<PointM> there = Landmarks(plain), here = Landmarks(other);
+  const std::vector<Point> there = Landmarks(plain), here = Landmarks(other);
   ASSERT_EQ(there.size(), here.size());
   for (std::size_t i = 0; i < here.size(); ++i) EXPECT_EQ(DistanceM(there[i], here[i]), 0);
 }
@@ -54,7 +54,7 @@ TEST(Sense, FalsePressesAreTheirShareAndClearOfLandmarks) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Blob log = Simulate({.false_rate = 0.2}, seed);
     const TruePoses poses(log);
-    const std::vector<PointM> landmarks = Landmarks(log);
+    const std::vector<Point> landmarks = Landmarks(log);
     const auto truth = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
     const auto time = log.Get<double>("robot/0/observations/time_s");
     EXPECT_TRUE(std::is_sorted(time.begin(), time.end()));
@@ -62,8 +62,8 @@ TEST(Sense, FalsePressesAreTheirShareAndClearOfLandmarks) {
       ++all;
       if (truth[i] >= 0) continue;
       ++lies;
-      const PoseM at = poses.At(time[i]);
-      for (const PointM& landmark : landmarks)
+      const Pose at = poses.At(time[i]);
+      for (const Point& landmark : landmarks)
         EXPECT_GE(DistanceM(landmark, {at.x_m, at.y_m}), kFalsePressClearanceM - 1e-6);
     }
     EXPECT_NEAR(log.Scalar<double>("noise/false_ratio"), 0.2, 0.1);
@@ -119,7 +119,7 @@ TEST(Sense, TypesAreMistakenAsOftenAsIsSaid) {
 TEST(Sense, RangesAndBearingsPointAtTheLandmark) {
   const Blob log = Simulate({.sensor = "range-bearing"});
   const TruePoses poses(log);
-  const std::vector<PointM> landmarks = Landmarks(log);
+  const std::vector<Point> landmarks = Landmarks(log);
   const auto truth = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
   const auto time = log.Get<double>("robot/0/observations/time_s"),
              range = log.Get<double>("robot/0/observations/range_m"),
@@ -127,8 +127,8 @@ TEST(Sense, RangesAndBearingsPointAtTheLandmark) {
   double range_squares = 0, bearing_squares = 0;
   int far = 0;
   for (std::size_t i = 0; i < time.size(); ++i) {
-    const PoseM at = poses.At(time[i]);
-    const PointM to = landmarks[static_cast<std::size_t>(truth[i])];
+    const Pose at = poses.At(time[i]);
+    const Point to = landmarks[static_cast<std::size_t>(truth[i])];
     const double true_m = DistanceM({at.x_m, at.y_m}, to);
     range_squares += (range[i] - true_m) * (range[i] - true_m);
     EXPECT_LE(range[i], log.Scalar<double>("sensor/max_range_m"));

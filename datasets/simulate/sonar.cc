@@ -7,8 +7,8 @@
 namespace cairn::datasets {
 namespace {
 
-double Echo(const RangeRing& ring, const PoseM& robot, int beam, const std::vector<Wall>& walls, Rng& rng) {
-  const PoseM from = ring.BeamPose(robot, beam);
+double Echo(const RangeRing& ring, const Pose& robot, int beam, const std::vector<Wall>& walls, Rng& rng) {
+  const Pose from = ring.BeamPose(robot, beam);
   const double range_m = NearestWallM(walls, {from.x_m, from.y_m}, from.heading_rad, ring.opening_rad / 2) +
                          ring.sd_m * rng.Normal();
   const bool lost = rng.Uniform() < ring.dropouts;
@@ -20,7 +20,7 @@ double Echo(const RangeRing& ring, const PoseM& robot, int beam, const std::vect
 
 double RangeRing::Heading(int beam) const { return WrapAngle(beam * 2 * std::numbers::pi / beams); }
 
-PoseM RangeRing::BeamPose(const PoseM& ring, int beam) const {
+Pose RangeRing::BeamPose(const Pose& ring, int beam) const {
   const double heading = ring.heading_rad + Heading(beam);
   return {ring.x_m + radius_m * std::cos(heading), ring.y_m + radius_m * std::sin(heading), heading};
 }
@@ -48,7 +48,7 @@ void PutSonar(const std::string& robot, const Drive& drive, const std::vector<do
               const std::vector<Wall>& walls, Rng& rng, Blob& log) {
   const RangeRing ring;
   std::vector<double> ranges;
-  PoseM pose = drive.start;
+  Pose pose = drive.start;
   for (const Control& control : drive.controls) {
     pose = Apply(pose, control);
     for (int beam = 0; beam < ring.beams; ++beam) ranges.push_back(Echo(ring, pose, beam, walls, rng));
@@ -59,7 +59,7 @@ void PutSonar(const std::string& robot, const Drive& drive, const std::vector<do
 void PutSegments(const std::string& prefix, const std::vector<Wall>& segments, Blob& log) {
   std::vector<double> x, y;
   for (const Wall& segment : segments) {
-    for (const PointM end : {segment.a, segment.b}) {
+    for (const Point end : {segment.a, segment.b}) {
       x.push_back(std::round(end.x_m * 1e6) / 1e6);
       y.push_back(std::round(end.y_m * 1e6) / 1e6);
     }

@@ -26,7 +26,7 @@ struct RangeRing {
 
   double Heading(int beam) const;
   // Of a beam, where the ring's centre is and the way it is turned are given.
-  PoseM BeamPose(const PoseM& ring, int beam) const;
+  Pose BeamPose(const Pose& ring, int beam) const;
 };
 
 // Puts `robot`/sonar/… (schema/FORMAT.md, range scans): `ranges_m` scan by scan, NaN where no echo came.

@@ -12,11 +12,11 @@
 namespace cairn::datasets {
 
 struct Reading {
-  PointM from;
+  Point from;
   double heading_rad = 0, range_m = 0;
   int cause = 0;
   double time_s = 0;
-  PointM End() const {
+  Point End() const {
     return {from.x_m + range_m * std::cos(heading_rad), from.y_m + range_m * std::sin(heading_rad)};
   }
 };

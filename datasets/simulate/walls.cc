@@ -7,15 +7,15 @@ namespace cairn::datasets {
 namespace {
 
 // A rectangle as its corners, counter-clockwise.
-using Corridor = std::array<PointM, 4>;
+using Corridor = std::array<Point, 4>;
 
-Corridor CorridorAlong(PointM a, PointM b) {
+Corridor CorridorAlong(Point a, Point b) {
   const double length = DistanceM(a, b), h = kCorridorHalfWidthM;
-  const PointM u{(b.x_m - a.x_m) / length * h, (b.y_m - a.y_m) / length * h};
-  return {PointM{a.x_m - u.x_m + u.y_m, a.y_m - u.y_m - u.x_m},
-          PointM{b.x_m + u.x_m + u.y_m, b.y_m + u.y_m - u.x_m},
-          PointM{b.x_m + u.x_m - u.y_m, b.y_m + u.y_m + u.x_m},
-          PointM{a.x_m - u.x_m - u.y_m, a.y_m - u.y_m + u.x_m}};
+  const Point u{(b.x_m - a.x_m) / length * h, (b.y_m - a.y_m) / length * h};
+  return {Point{a.x_m - u.x_m + u.y_m, a.y_m - u.y_m - u.x_m},
+          Point{b.x_m + u.x_m + u.y_m, b.y_m + u.y_m - u.x_m},
+          Point{b.x_m + u.x_m - u.y_m, b.y_m + u.y_m + u.x_m},
+          Point{a.x_m - u.x_m - u.y_m, a.y_m - u.y_m + u.x_m}};
 }
 
 }  // namespace
@@ -26,7 +26,7 @@ std::vector<Wall> WallsOf(const CorridorWorld& world) {
   std::vector<Wall> walls;
   for (std::size_t i = 0; i < corridors.size(); ++i) {
     for (std::size_t side = 0; side < 4; ++side) {
-      const PointM a = corridors[i][side], b = corridors[i][(side + 1) % 4];
+      const Point a = corridors[i][side], b = corridors[i][(side + 1) % 4];
       std::vector<Part> inside;
       for (std::size_t k = 0; k < corridors.size(); ++k) {
         if (k == i) continue;

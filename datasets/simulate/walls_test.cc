@@ -22,9 +22,9 @@ CorridorWorld Loop(std::uint64_t seed) {
 CorridorWorld Straight() { return {{{0, 0}, {10, 0}}, {"a", "b"}, {{1}, {0}}, 0}; }
 
 // Shares nothing with the code under test: is a point within some corridor, its rectangle turned to its axis?
-bool Free(const CorridorWorld& world, PointM p) {
+bool Free(const CorridorWorld& world, Point p) {
   for (const auto& [i, k] : world.Edges()) {
-    const PointM a = world.nodes[i], b = world.nodes[k];
+    const Point a = world.nodes[i], b = world.nodes[k];
     const double heading = std::atan2(b.y_m - a.y_m, b.x_m - a.x_m);
     const double dx = p.x_m - a.x_m, dy = p.y_m - a.y_m;
     const double along = std::cos(heading) * dx + std::sin(heading) * dy;
@@ -38,7 +38,7 @@ bool Free(const CorridorWorld& world, PointM p) {
 
 constexpr double kMarchM = 0.005;
 
-double March(const CorridorWorld& world, PointM from, double heading, double most_m) {
+double March(const CorridorWorld& world, Point from, double heading, double most_m) {
   for (double way = 0; way < most_m; way += kMarchM) {
     if (!Free(world, {from.x_m + way * std::cos(heading), from.y_m + way * std::sin(heading)})) return way;
   }
@@ -72,7 +72,7 @@ TEST(Walls, RaysAgreeWithMarchingThroughTheCorridors) {
     const std::vector<Wall> walls = WallsOf(world);
     Rng rng(seed, 7);
     while (rays < static_cast<int>(40 * seed)) {
-      const PointM from{rng.Uniform(0, 90), rng.Uniform(0, 90)};
+      const Point from{rng.Uniform(0, 90), rng.Uniform(0, 90)};
       if (!Free(world, from)) continue;
       const double heading = rng.Uniform(-3, 3);
       EXPECT_NEAR(std::min(20.0, NearestWallM(walls, from, heading, 0)), March(world, from, heading, 20),
@@ -89,7 +89,7 @@ TEST(Walls, ConesAreTheLeastOfTheirRays) {
   const std::vector<Wall> walls = WallsOf(world);
   Rng rng(3, 8);
   for (int i = 0; i < 50; ++i) {
-    const PointM node = world.nodes[rng.Below(world.nodes.size())];
+    const Point node = world.nodes[rng.Below(world.nodes.size())];
     const double heading = rng.Uniform(-3, 3), half = 0.13;
     double least = 1e9;
     for (int k = -1000; k <= 1000; ++k)
@@ -123,7 +123,7 @@ TEST(Sonar, RangesAgreeWithAnIndependentRayCastOfTheTrueWorld) {
   for (std::size_t s = 0; s < scans; s += 263) {
     for (std::size_t b = 0; b < beams; ++b) {
       const double h = heading[s + 1], c = std::cos(h), n = std::sin(h);
-      const PointM at{x[s + 1] + c * mount_x[b] - n * mount_y[b], y[s + 1] + n * mount_x[b] + c * mount_y[b]};
+      const Point at{x[s + 1] + c * mount_x[b] - n * mount_y[b], y[s + 1] + n * mount_x[b] + c * mount_y[b]};
       double true_m = 1e9;
       for (int k = -5; k <= 5; ++k)
         true_m = std::min(true_m, March(world, at, h + mount[b] + half * k / 5, most + 1));

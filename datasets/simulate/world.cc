@@ -29,7 +29,7 @@ class LoopBuilder {
   // Places round the cycle, counter-clockwise from the lower left corner.
   static constexpr std::size_t kBottom = 1, kRight = 5, kTop = 7, kLeft = 11;
 
-  std::size_t AddNode(PointM at, const std::string& kind) {
+  std::size_t AddNode(Point at, const std::string& kind) {
     const auto before = std::count_if(world_.names.begin(), world_.names.end(),
                                       [&](const std::string& name) { return name.starts_with(kind); });
     world_.nodes.push_back(at);
@@ -71,8 +71,8 @@ class LoopBuilder {
     for (std::size_t i = 0; i < world_.cycle_nodes; ++i) Join(i, (i + 1) % world_.cycle_nodes);
   }
 
-  std::size_t AddBranch(std::size_t from, PointM way, const std::string& kind) {
-    const PointM at = world_.nodes[from];
+  std::size_t AddBranch(std::size_t from, Point way, const std::string& kind) {
+    const Point at = world_.nodes[from];
     const std::size_t end = AddNode({at.x_m + way.x_m, at.y_m + way.y_m}, kind);
     Join(from, end);
     return end;
@@ -90,7 +90,7 @@ class LoopBuilder {
       for (std::size_t i = 0; i < 3; ++i) {
         const bool in_loop = side == loop_side && (i == loop_first || i == loop_first + 1);
         const double length_m = in_loop ? loop_length_m : rng_.Uniform(10, 20);
-        const PointM way{rng_.Uniform(-kBendM, kBendM), sign * length_m};
+        const Point way{rng_.Uniform(-kBendM, kBendM), sign * length_m};
         const std::size_t end = AddBranch(first + i, way, in_loop ? "corner" : "dead end");
         if (in_loop) loop_ends.push_back(end);
       }
@@ -118,7 +118,7 @@ std::vector<std::pair<std::size_t, std::size_t>> CorridorWorld::Edges() const {
 
 CorridorWorld MakeLoopWorld(double box_m, Rng& rng) {
   CorridorWorld world = LoopBuilder(rng).Build();
-  for (PointM& node : world.nodes) {
+  for (Point& node : world.nodes) {
     node.x_m *= box_m / kLoopBoxM;
     node.y_m *= box_m / kLoopBoxM;
   }

@@ -14,7 +14,7 @@ namespace cairn::datasets {
 
 // Nodes are landmarks. An edge is a straight corridor between two nodes, mostly along an axis.
 struct CorridorWorld {
-  std::vector<PointM> nodes;
+  std::vector<Point> nodes;
   std::vector<std::string> names;                    // of the nodes: "corner 0", "junction 3", "dead end 1"
   std::vector<std::vector<std::size_t>> neighbours;  // of each node, in increasing order
   std::size_t cycle_nodes = 0;                       // the first nodes are the big cycle, in order round it

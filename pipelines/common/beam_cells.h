@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pipelines/common/grid_box.h"
-#include "pipelines/common/pose.h"
+#include "schema/geometry.h"
 
 namespace cairn {
 

@@ -65,7 +65,7 @@ TEST(BeamCells, OfAConeAreThoseWhoseCentreIsInItByDistanceAndItsAxis) {
   for (std::int64_t cell = 0; cell < box.cells(); ++cell) {
     const double dx = box.CentreX(cell % box.columns) - from.x_m,
                  dy = box.CentreY(cell / box.columns) - from.y_m;
-    if (std::hypot(dx, dy) <= kLengthM && std::abs(Wrapped(std::atan2(dy, dx) - 0.4)) <= kOpeningRad / 2)
+    if (std::hypot(dx, dy) <= kLengthM && std::abs(WrapAngle(std::atan2(dy, dx) - 0.4)) <= kOpeningRad / 2)
       expected.insert(cell);
   }
   ASSERT_GT(expected.size(), 20U);

@@ -80,7 +80,7 @@ std::optional<Pose> PoseTrack::At(double time_s) const {
   }
   return Part(
       moved, part,
-      {after.x_m - arrived.x_m, after.y_m - arrived.y_m, Wrapped(after.heading_rad - arrived.heading_rad)});
+      {after.x_m - arrived.x_m, after.y_m - arrived.y_m, WrapAngle(after.heading_rad - arrived.heading_rad)});
 }
 
 }  // namespace cairn

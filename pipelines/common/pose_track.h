@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pipelines/common/odometry.h"
-#include "pipelines/common/pose.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn {
 

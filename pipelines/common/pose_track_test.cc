@@ -33,7 +33,7 @@ void ExpectPose(const std::optional<Pose>& pose, const Pose& expected) {
   ASSERT_TRUE(pose.has_value());
   EXPECT_NEAR(pose->x_m, expected.x_m, 1e-12);
   EXPECT_NEAR(pose->y_m, expected.y_m, 1e-12);
-  EXPECT_NEAR(Wrapped(pose->heading_rad - expected.heading_rad), 0, 1e-12);
+  EXPECT_NEAR(WrapAngle(pose->heading_rad - expected.heading_rad), 0, 1e-12);
 }
 
 TEST(PoseTrack, WithoutPosesIsDeadReckoning) {

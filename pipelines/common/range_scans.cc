@@ -230,7 +230,7 @@ void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result) {
     for (const Pose& pose : sensor.pose) {
       x.push_back(pose.x_m);
       y.push_back(pose.y_m);
-      heading.push_back(Wrapped(pose.heading_rad));
+      heading.push_back(WrapAngle(pose.heading_rad));
     }
     result->PutVector(sensor.name + "time_s", sensor.time_s);
     result->PutVector(sensor.name + "x_m", x);

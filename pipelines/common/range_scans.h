@@ -7,8 +7,8 @@
 
 #include "pipelines/common/grid_box.h"
 #include "pipelines/common/options.h"
-#include "pipelines/common/pose.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn {
 

@@ -62,7 +62,7 @@ Counts CountCones(const RangeScans& scans, const GridBox& grid, const ConeModel&
       for (const BeamCell& at : cells) {
         const std::int64_t i = at.cell % grid.columns, j = at.cell / grid.columns;
         const double dx = grid.CentreX(i) - from.x_m, dy = grid.CentreY(j) - from.y_m;
-        const double angle = Wrapped(std::atan2(dy, dx) - from.heading_rad);
+        const double angle = WrapAngle(std::atan2(dy, dx) - from.heading_rad);
         const std::int64_t in_window = (j - counts.first_row) * box.columns + i - counts.first_column;
         cone.Add(at, angle, range_m, answered, static_cast<std::size_t>(in_window), &counts);
       }

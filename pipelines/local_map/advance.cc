@@ -158,7 +158,7 @@ class Turn {
       const auto r = static_cast<std::size_t>(partial->Scalar<std::int64_t>("robot"));
       const auto last = static_cast<std::size_t>(partial->Scalar<std::int64_t>("last"));
       of.push_back(static_cast<std::int32_t>(r));
-      frame.push_back(Wrapped(inputs_.Get(WallsName(r))->Get<double>("angle_rad")[last]));
+      frame.push_back(WrapAngle(inputs_.Get(WallsName(r))->Get<double>("angle_rad")[last]));
     }
     Share(kSnapshots, JoinSnapshots(snapshots, of, frame));
     const auto knots = static_cast<std::int64_t>(robot.size() / (2 * kQuarters));

@@ -134,7 +134,7 @@ void PutPoses(const std::string& prefix, const std::vector<Sweep>& sweeps, Blob*
     time.push_back(sweep.time_s);
     x.push_back(sweep.pose.x_m);
     y.push_back(sweep.pose.y_m);
-    heading.push_back(Wrapped(sweep.pose.heading_rad));
+    heading.push_back(WrapAngle(sweep.pose.heading_rad));
   }
   result->PutVector(prefix + "time_s", time);
   result->PutVector(prefix + "x_m", x);
@@ -171,7 +171,7 @@ void PutTraces(const Parts& parts, Blob* result) {
     last_s.push_back(sweeps[trace.end - 1].time_s);
     x.push_back(origin.x_m + by.x_m);
     y.push_back(origin.y_m + by.y_m);
-    direction.push_back(Wrapped(trace.frame.quarter * kTurn_rad));
+    direction.push_back(WrapAngle(trace.frame.quarter * kTurn_rad));
     first_z.push_back(trace.trace.first_z());
     features.push_back(static_cast<std::int64_t>(trace.trace.features().size()));
     for (const Feature& feature : trace.trace.features()) {

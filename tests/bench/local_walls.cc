@@ -65,7 +65,7 @@ double ToWallM(const TrueWall& wall, Point p) {
   const double x = wall.b.x_m - wall.a.x_m, y = wall.b.y_m - wall.a.y_m;
   const double along = ((p.x_m - wall.a.x_m) * x + (p.y_m - wall.a.y_m) * y) / std::max(x * x + y * y, 1e-12);
   const double at = std::clamp(along, 0.0, 1.0);
-  return DistanceM(p, {wall.a.x_m + at * x, wall.a.y_m + at * y});
+  return FastDistanceM(p, {wall.a.x_m + at * x, wall.a.y_m + at * y});
 }
 
 // The walls as they lie in the grids' frame at one moment, and what the grids have there.
@@ -103,7 +103,7 @@ class Moment {
   static constexpr double kNearM = 0.2, kStepM = 0.1;
 
   void JudgeWall(const TrueWall& wall, Found* found) const {
-    const double length = DistanceM(wall.a, wall.b);
+    const double length = FastDistanceM(wall.a, wall.b);
     const double angle = std::atan2(wall.b.y_m - wall.a.y_m, wall.b.x_m - wall.a.x_m);
     for (double at = kStepM / 2; at < length; at += kStepM) {
       const double share = at / length;
@@ -126,13 +126,13 @@ class Moment {
   }
   bool OnEdge(Point p, double angle_rad) const {
     return std::any_of(edges_.begin(), edges_.end(), [&](const CellEdge& edge) {
-      return DistanceM(edge.at, p) <= kNearM &&
+      return FastDistanceM(edge.at, p) <= kNearM &&
              std::abs(DegOf(ModuloAngle(edge.angle_rad - angle_rad, std::numbers::pi))) <= 15;
     });
   }
   bool OnOccupied(Point p) const {
     return std::any_of(occupied_.begin(), occupied_.end(),
-                       [&](Point hit) { return DistanceM(hit, p) <= kNearM; });
+                       [&](Point hit) { return FastDistanceM(hit, p) <= kNearM; });
   }
   bool NearAnyWall(Point p) const {
     return std::any_of(walls_.begin(), walls_.end(),

@@ -27,7 +27,7 @@
 namespace cairn {
 namespace {
 
-using datasets::PoseM;
+using Pose;
 
 constexpr std::size_t kShown = 6;  // observations
 constexpr std::size_t kAsked = 4;  // the fifth
@@ -83,7 +83,7 @@ std::vector<Off> PosesOff(const Blob& found, const Blob& log, std::size_t robot,
   for (std::size_t n = 0; n < std::min(kShown, seen_s.size()); ++n) {
     const auto ours = datasets::PoseAt(poses, seen_s[n]), theirs = datasets::PoseAt(truth, seen_s[n]);
     if (!ours || !theirs) continue;
-    const PoseM moved = alignment(*ours);
+    const Pose moved = alignment(*ours);
     off[n] = {std::hypot(moved.x_m - theirs->x_m, moved.y_m - theirs->y_m),
               std::abs(datasets::WrapAngle(moved.heading_rad - theirs->heading_rad))};
   }

@@ -61,7 +61,7 @@ TEST(NetworksScore, TrainingAndEvaluationComputeTheSameOutputs) {
 
 TEST(NetworksScore, TrainingAndEvaluationComputeTheSameErrorsInAMap) {
   Rng rng(6);
-  std::vector<datasets::PointM> places;
+  std::vector<Point> places;
   learning::Places samples, truths;
   std::vector<double> output, at_truths;
   for (int k = 0; k < 150; ++k) {

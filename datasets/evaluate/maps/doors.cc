@@ -46,7 +46,7 @@ class Passage {
     double along_m, across_m;  // across: behind the opening, seen with its first end to the right
   };
   Place PlaceOf(const Cell& cell) const {
-    const PointM at = map_.box.Centre(cell.first, cell.second);
+    const Point at = map_.box.Centre(cell.first, cell.second);
     const double dx = at.x_m - door_.a.x_m, dy = at.y_m - door_.a.y_m;
     return {dx * along_.x_m + dy * along_.y_m, dy * along_.x_m - dx * along_.y_m};
   }
@@ -54,7 +54,7 @@ class Passage {
   // Cells of the strip.
   void CollectFree() {
     const double reach_m = width_m_ + 2 * kThroughM + 2 * map_.box.cell_m;
-    const PointM middle{(door_.a.x_m + door_.b.x_m) / 2, (door_.a.y_m + door_.b.y_m) / 2};
+    const Point middle{(door_.a.x_m + door_.b.x_m) / 2, (door_.a.y_m + door_.b.y_m) / 2};
     for (std::int64_t row = map_.box.Row(middle.y_m - reach_m); row <= map_.box.Row(middle.y_m + reach_m);
          ++row) {
       for (std::int64_t column = map_.box.Column(middle.x_m - reach_m);
@@ -94,7 +94,7 @@ class Passage {
   const Occupancy& map_;
   Wall door_;
   double width_m_;
-  PointM along_;
+  Point along_;
   std::set<Cell> free_;
 };
 

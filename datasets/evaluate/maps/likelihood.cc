@@ -19,7 +19,7 @@ double Normal(double x_m, double sigma_m) {
   return std::exp(-0.5 * u * u) / (sigma_m * std::sqrt(2 * std::numbers::pi));
 }
 
-bool InCone(const PoseM& from, double half_rad, double reach_m, PointM at) {
+bool InCone(const Pose& from, double half_rad, double reach_m, Point at) {
   const double dx = at.x_m - from.x_m, dy = at.y_m - from.y_m, distance = std::hypot(dx, dy);
   const double along = dx * std::cos(from.heading_rad) + dy * std::sin(from.heading_rad);
   return distance <= reach_m && along >= std::cos(half_rad) * distance;
@@ -90,7 +90,7 @@ ScoredReading BeamReader::Read(const ScoredSensor& sensor, std::size_t scan, std
   reading.z_m = reading.echo ? z_m : sensor.max_range_m;
   const double reach_m =
       std::min(sensor.max_range_m, reading.z_m + (reading.echo ? kFarthestSd * kWidestSigmaM : 0));
-  const PoseM from = sensor.BeamPose(scan, beam);
+  const Pose from = sensor.BeamPose(scan, beam);
   if (sensor.opening_rad > 0) AddCone(from, sensor.opening_rad / 2, reach_m, &reading);
   AddRay(from, sensor.opening_rad / 2, reach_m, &reading);
   std::ranges::stable_sort(reading.cells, {}, &MetCell::distance_m);
@@ -104,7 +104,7 @@ void BeamReader::Add(std::int64_t column, std::int64_t row, double distance_m, S
 }
 
 // Row by row: in each the centres between the cone's two edges.
-void BeamReader::AddCone(const PoseM& from, double half_rad, double reach_m, ScoredReading* reading) const {
+void BeamReader::AddCone(const Pose& from, double half_rad, double reach_m, ScoredReading* reading) const {
   const CellBox& box = map_.box;
   double low = 0, high = 0, left = 0, right = 0;
   for (const double off : {-half_rad, 0.0, half_rad}) {
@@ -120,7 +120,7 @@ void BeamReader::AddCone(const PoseM& from, double half_rad, double reach_m, Sco
   for (std::int64_t row = std::max<std::int64_t>(0, box.Row(from.y_m + low)); row <= last_row; ++row) {
     for (std::int64_t column = std::max<std::int64_t>(0, box.Column(from.x_m + left)); column <= last_column;
          ++column) {
-      const PointM at = box.Centre(column, row);
+      const Point at = box.Centre(column, row);
       if (InCone(from, half_rad, reach_m, at)) Add(column, row, DistanceM({from.x_m, from.y_m}, at), reading);
     }
   }
@@ -128,7 +128,7 @@ void BeamReader::AddCone(const PoseM& from, double half_rad, double reach_m, Sco
 
 // Where the ray crosses the borders of columns and of rows, in order: between two of them it is in one cell.
 // Of a cone's axis only cells whose centre the cone misses.
-void BeamReader::AddRay(const PoseM& from, double half_rad, double reach_m, ScoredReading* reading) const {
+void BeamReader::AddRay(const Pose& from, double half_rad, double reach_m, ScoredReading* reading) const {
   const CellBox& box = map_.box;
   const double ux = std::cos(from.heading_rad), uy = std::sin(from.heading_rad);
   std::vector<double> borders{0, reach_m};

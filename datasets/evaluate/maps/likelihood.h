@@ -47,8 +47,8 @@ class BeamReader {
   double unknown_probability() const { return unknown_; }
 
  private:
-  void AddCone(const PoseM& from, double half_rad, double reach_m, ScoredReading* reading) const;
-  void AddRay(const PoseM& from, double half_rad, double reach_m, ScoredReading* reading) const;
+  void AddCone(const Pose& from, double half_rad, double reach_m, ScoredReading* reading) const;
+  void AddRay(const Pose& from, double half_rad, double reach_m, ScoredReading* reading) const;
   void Add(std::int64_t column, std::int64_t row, double distance_m, ScoredReading* reading) const;
 
   const Occupancy& map_;

@@ -27,7 +27,7 @@ struct CellBox {
   std::size_t Index(std::int64_t column, std::int64_t row) const {
     return static_cast<std::size_t>(row * columns + column);
   }
-  PointM Centre(std::int64_t column, std::int64_t row) const {
+  Point Centre(std::int64_t column, std::int64_t row) const {
     return {origin_x_m + (static_cast<double>(column) + 0.5) * cell_m,
             origin_y_m + (static_cast<double>(row) + 0.5) * cell_m};
   }

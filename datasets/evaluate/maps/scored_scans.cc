@@ -13,12 +13,12 @@ std::span<const double> ScanColumn(const Blob& blob, const std::string& name, st
   return column;
 }
 
-std::vector<PoseM> PosesOf(const Blob& blob, const std::string& prefix, const std::string& kind,
-                           std::size_t count) {
+std::vector<Pose> PosesOf(const Blob& blob, const std::string& prefix, const std::string& kind,
+                          std::size_t count) {
   const auto x = ScanColumn(blob, prefix + kind + "x_m", count),
              y = ScanColumn(blob, prefix + kind + "y_m", count),
              heading = ScanColumn(blob, prefix + kind + "heading_rad", count);
-  std::vector<PoseM> poses;
+  std::vector<Pose> poses;
   for (std::size_t i = 0; i < count; ++i) {
     if (!std::isfinite(x[i] + y[i] + heading[i]))
       throw InputError("'" + prefix + "', row " + std::to_string(i) + ": a pose is not of numbers");
@@ -67,8 +67,8 @@ ScoredSensor ReadSensor(const Blob& map, const Blob& log, const std::string& nam
 
 }  // namespace
 
-PoseM ScoredSensor::BeamPose(std::size_t scan, std::size_t beam) const {
-  const PoseM &robot = poses[scan], &mount = beams[beam];
+Pose ScoredSensor::BeamPose(std::size_t scan, std::size_t beam) const {
+  const Pose &robot = poses[scan], &mount = beams[beam];
   const double heading = robot.heading_rad + (turret_rad.empty() ? 0 : turret_rad[scan]);
   const double c = std::cos(heading), s = std::sin(heading);
   return {robot.x_m + c * mount.x_m - s * mount.y_m, robot.y_m + s * mount.x_m + c * mount.y_m,

@@ -14,14 +14,14 @@ namespace cairn::datasets {
 struct ScoredSensor {
   std::string name;  // "robot/0/sonar/"
   double opening_rad = 0, max_range_m = 0;
-  std::vector<PoseM> beams;            // on the robot
+  std::vector<Pose> beams;             // on the robot
   std::vector<double> time_s;          // of each scan
   std::vector<double> turret_rad;      // by which the beams were turned; empty: not
-  std::vector<PoseM> poses;            // of the robot at each scan
+  std::vector<Pose> poses;             // of the robot at each scan
   std::vector<std::uint8_t> held_out;  // 1: the map does not know of this scan
   std::vector<double> range_m;         // [scans][beams]; NaN: no echo
 
-  PoseM BeamPose(std::size_t scan, std::size_t beam) const;
+  Pose BeamPose(std::size_t scan, std::size_t beam) const;
 };
 
 // The sensors that `map` (a grid_map) says it was made of: its poses, the log's readings of the same times.

@@ -15,7 +15,7 @@ constexpr double kSpacing = 0.125;  // of points along a wall, in cells
 CellBox Grown(const CellBox& map, const std::vector<Wall>& walls, MapTruth* truth) {
   std::int64_t left = 0, low = 0, right = map.columns, high = map.rows;
   for (const Wall& wall : walls) {
-    for (const PointM end : {wall.a, wall.b}) {
+    for (const Point end : {wall.a, wall.b}) {
       left = std::min(left, map.Column(end.x_m));
       right = std::max(right, map.Column(end.x_m) + 1);
       low = std::min(low, map.Row(end.y_m));
@@ -34,7 +34,7 @@ CellBox Grown(const CellBox& map, const std::vector<Wall>& walls, MapTruth* trut
   return box;
 }
 
-void ForPointsOf(const Wall& wall, double spacing_m, const std::function<void(PointM)>& visit) {
+void ForPointsOf(const Wall& wall, double spacing_m, const std::function<void(Point)>& visit) {
   const auto steps = static_cast<int>(std::ceil(DistanceM(wall.a, wall.b) / spacing_m));
   for (int i = 0; i <= steps; ++i) {
     const double t = steps == 0 ? 0 : static_cast<double>(i) / steps;
@@ -42,21 +42,21 @@ void ForPointsOf(const Wall& wall, double spacing_m, const std::function<void(Po
   }
 }
 
-void Mark(const CellBox& box, PointM at, std::vector<std::uint8_t>* cells) {
+void Mark(const CellBox& box, Point at, std::vector<std::uint8_t>* cells) {
   const std::int64_t column = box.Column(at.x_m), row = box.Row(at.y_m);
   if (box.Holds(column, row)) (*cells)[box.Index(column, row)] = 1;
 }
 
-bool SeenInCone(const PoseM& from, double half_rad, double within_m, PointM at) {
+bool SeenInCone(const Pose& from, double half_rad, double within_m, Point at) {
   const double dx = at.x_m - from.x_m, dy = at.y_m - from.y_m;
   if (dx * dx + dy * dy > within_m * within_m) return false;
   return std::abs(WrapAngle(std::atan2(dy, dx) - from.heading_rad)) <= half_rad;
 }
 
 // The wall cells that a beam tells of.
-void MarkDue(const std::vector<Wall>& walls, const PoseM& beam, double half_rad, double reach_m,
+void MarkDue(const std::vector<Wall>& walls, const Pose& beam, double half_rad, double reach_m,
              MapTruth* truth) {
-  const PointM at{beam.x_m, beam.y_m};
+  const Point at{beam.x_m, beam.y_m};
   std::vector<double> nearest_m;
   double nearest = std::numeric_limits<double>::infinity();
   for (const Wall& wall : walls) {
@@ -73,7 +73,7 @@ void MarkDue(const std::vector<Wall>& walls, const PoseM& beam, double half_rad,
   const double within_m = nearest + truth->box.cell_m;
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (nearest_m[w] > within_m) continue;
-    ForPointsOf(walls[w], kSpacing * truth->box.cell_m, [&](PointM point) {
+    ForPointsOf(walls[w], kSpacing * truth->box.cell_m, [&](Point point) {
       if (SeenInCone(beam, half_rad, within_m, point)) Mark(truth->box, point, &truth->due);
     });
   }
@@ -111,7 +111,7 @@ MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
   truth.box = Grown(map, walls, &truth);
   truth.wall = truth.due = truth.free = std::vector<std::uint8_t>(truth.box.cells(), 0);
   for (const Wall& wall : walls)
-    ForPointsOf(wall, kSpacing * map.cell_m, [&](PointM at) { Mark(truth.box, at, &truth.wall); });
+    ForPointsOf(wall, kSpacing * map.cell_m, [&](Point at) { Mark(truth.box, at, &truth.wall); });
   std::vector<std::pair<std::int64_t, std::int64_t>> way;
   for (const ScoredSensor& sensor : scans) {
     for (std::size_t scan = 0; scan < sensor.poses.size(); ++scan) {
@@ -131,7 +131,7 @@ MapTruth TruthOfMap(const CellBox& map, const Occupancy& reference) {
   truth.wall = truth.free = std::vector<std::uint8_t>(map.cells(), 0);
   for (std::int64_t row = 0; row < map.rows; ++row) {
     for (std::int64_t column = 0; column < map.columns; ++column) {
-      const PointM at = map.Centre(column, row);
+      const Point at = map.Centre(column, row);
       const std::int64_t x = reference.box.Column(at.x_m), y = reference.box.Row(at.y_m);
       truth.wall[map.Index(column, row)] = reference.IsOccupied(x, y) ? 1 : 0;
       truth.free[map.Index(column, row)] = reference.IsFree(x, y) ? 1 : 0;
@@ -148,7 +148,7 @@ std::vector<Wall> ReadSegments(const Blob& log, const std::string& prefix, const
   for (std::size_t i = 0; i < x.size(); i += 2) {
     if (!std::isfinite(x[i] + y[i] + x[i + 1] + y[i + 1]))
       throw InputError("'" + prefix + "', row " + std::to_string(i / 2) + ": an end is not of numbers");
-    walls.push_back({to_map(PointM{x[i], y[i]}), to_map(PointM{x[i + 1], y[i + 1]})});
+    walls.push_back({to_map(Point{x[i], y[i]}), to_map(Point{x[i + 1], y[i + 1]})});
   }
   return walls;
 }

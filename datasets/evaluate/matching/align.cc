@@ -25,7 +25,7 @@ struct Start {
 
 class Search {
  public:
-  Search(const std::vector<PointM>& estimate, const std::vector<PointM>& truth, const MayMatch& may_match)
+  Search(const std::vector<Point>& estimate, const std::vector<Point>& truth, const MayMatch& may_match)
       : estimate_(estimate), truth_(truth), may_match_(may_match) {}
 
   Similarity Run(const IndexPairs& guess) {
@@ -47,7 +47,7 @@ class Search {
   double NearestCost(const Similarity& motion) const {
     double cost = 0;
     for (std::size_t e = 0; e < estimate_.size(); ++e) {
-      const PointM at = motion(estimate_[e]);
+      const Point at = motion(estimate_[e]);
       double nearest = kCutOffM * kCutOffM;
       for (std::size_t t = 0; t < truth_.size(); ++t) {
         const double dx = at.x_m - truth_[t].x_m, dy = at.y_m - truth_[t].y_m;
@@ -66,7 +66,7 @@ class Search {
     starts_.resize(kImproved);
   }
 
-  static IndexPairs Baselines(const std::vector<PointM>& points, bool both_ways) {
+  static IndexPairs Baselines(const std::vector<Point>& points, bool both_ways) {
     IndexPairs pairs;
     for (std::size_t i = 0; i < points.size(); ++i) {
       for (std::size_t j = both_ways ? 0 : i + 1; j < points.size(); ++j) {
@@ -113,14 +113,14 @@ class Search {
   }
 
   PointMatch MatchMoved(const Similarity& motion) const {
-    std::vector<PointM> moved;
+    std::vector<Point> moved;
     moved.reserve(estimate_.size());
-    for (const PointM& point : estimate_) moved.push_back(motion(point));
+    for (const Point& point : estimate_) moved.push_back(motion(point));
     return MatchPoints(moved, truth_, may_match_);
   }
 
-  const std::vector<PointM>& estimate_;
-  const std::vector<PointM>& truth_;
+  const std::vector<Point>& estimate_;
+  const std::vector<Point>& truth_;
   const MayMatch& may_match_;
   std::vector<Start> starts_;
   std::size_t found_ = 0;
@@ -128,14 +128,14 @@ class Search {
 
 }  // namespace
 
-std::vector<PointPair> PairUp(const std::vector<PointM>& estimate, const std::vector<PointM>& truth,
+std::vector<PointPair> PairUp(const std::vector<Point>& estimate, const std::vector<Point>& truth,
                               const IndexPairs& pairs) {
   std::vector<PointPair> points;
   for (const auto& [e, t] : pairs) points.push_back({estimate[e], truth[t]});
   return points;
 }
 
-Similarity SearchRigid(const std::vector<PointM>& estimate, const std::vector<PointM>& truth,
+Similarity SearchRigid(const std::vector<Point>& estimate, const std::vector<Point>& truth,
                        const MayMatch& may_match, const IndexPairs& guess) {
   return Search(estimate, truth, may_match).Run(guess);
 }

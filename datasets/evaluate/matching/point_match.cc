@@ -10,7 +10,7 @@ namespace {
 
 // Square cost matrix: with alpha = 2 a pair at the cut-off costs as much as one missed and one spurious
 // point, so capped pairs and padding say the same.
-std::vector<std::vector<double>> Costs(const std::vector<PointM>& estimate, const std::vector<PointM>& truth,
+std::vector<std::vector<double>> Costs(const std::vector<Point>& estimate, const std::vector<Point>& truth,
                                        const MayMatch& may_match, double cut_off_m) {
   const std::size_t size = std::max(estimate.size(), truth.size());
   const double unmatched = cut_off_m * cut_off_m / 2;
@@ -26,7 +26,7 @@ std::vector<std::vector<double>> Costs(const std::vector<PointM>& estimate, cons
 
 }  // namespace
 
-PointMatch MatchPoints(const std::vector<PointM>& estimate, const std::vector<PointM>& truth,
+PointMatch MatchPoints(const std::vector<Point>& estimate, const std::vector<Point>& truth,
                        const MayMatch& may_match, double cut_off_m) {
   const auto costs = Costs(estimate, truth, may_match, cut_off_m);
   const std::vector<std::size_t> column_of = AssignOptimally(costs);

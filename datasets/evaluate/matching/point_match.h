@@ -25,7 +25,7 @@ using MayMatch = std::function<bool(std::size_t estimate, std::size_t truth)>;
 //   gospa = sqrt(sum over matched of d^2 + (c^2 / 2) (missed + spurious)),
 // A. S. Rahmathullah, A. F. Garcia-Fernandez and L. Svensson, Generalized optimal sub-pattern assignment
 // metric, FUSION 2017, eq. 1 with p = 2 and alpha = 2.
-PointMatch MatchPoints(const std::vector<PointM>& estimate, const std::vector<PointM>& truth,
+PointMatch MatchPoints(const std::vector<Point>& estimate, const std::vector<Point>& truth,
                        const MayMatch& may_match, double cut_off_m = kCutOffM);
 
 }  // namespace cairn::datasets

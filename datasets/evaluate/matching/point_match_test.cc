@@ -15,7 +15,7 @@ const MayMatch kAnyPoint = [](std::size_t, std::size_t) { return true; };
 
 // Over all one-to-one partial matchings: every order of the estimates against the truth, pairs beyond the
 // cut-off dropped.
-double GospaByEnumeration(const std::vector<PointM>& estimate, const std::vector<PointM>& truth) {
+double GospaByEnumeration(const std::vector<Point>& estimate, const std::vector<Point>& truth) {
   const std::size_t size = std::max(estimate.size(), truth.size());
   std::vector<std::size_t> order(size);
   std::iota(order.begin(), order.end(), 0U);
@@ -51,9 +51,9 @@ TEST(Gospa, IsKnownForSimpleSets) {
 TEST(Gospa, EqualsEnumeration) {
   Rng rng(5);
   for (int trial = 0; trial < 60; ++trial) {
-    std::vector<PointM> estimate(rng.Below(7)), truth(rng.Below(7));
+    std::vector<Point> estimate(rng.Below(7)), truth(rng.Below(7));
     for (auto* points : {&estimate, &truth}) {
-      for (PointM& point : *points) point = {rng.Uniform(0, 8), rng.Uniform(0, 8)};
+      for (Point& point : *points) point = {rng.Uniform(0, 8), rng.Uniform(0, 8)};
     }
     EXPECT_NEAR(MatchPoints(estimate, truth, kAnyPoint).gospa_m, GospaByEnumeration(estimate, truth), 1e-12);
   }
@@ -61,7 +61,7 @@ TEST(Gospa, EqualsEnumeration) {
 
 // A landmark 2.9 m off costs less than one dropped and missed: leaving out bad landmarks does not pay.
 TEST(Gospa, DroppingAMatchedPointNeverPays) {
-  const std::vector<PointM> truth = {{0, 0}, {10, 0}};
+  const std::vector<Point> truth = {{0, 0}, {10, 0}};
   const double with = MatchPoints({{0, 0}, {12.1, 0}}, truth, kAnyPoint).gospa_m;
   const double without = MatchPoints({{0, 0}}, truth, kAnyPoint).gospa_m;
   EXPECT_LT(with * with - without * without, 4.5);

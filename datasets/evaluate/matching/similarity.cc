@@ -7,7 +7,7 @@ namespace cairn::datasets {
 namespace {
 
 struct Moments {
-  PointM from, to;         // means
+  Point from, to;          // means
   double dot = 0;          // sum of <from, to> about the means
   double cross = 0;        // sum of from x to
   double from_square = 0;  // sum of |from|^2
@@ -40,7 +40,7 @@ Similarity Fit(const std::vector<PointPair>& pairs, bool with_scale) {
   const double size = std::hypot(m.dot, m.cross);
   if (size > 0) fit.angle_rad = std::atan2(m.cross, m.dot);
   if (with_scale && size > 0) fit.scale = size / m.from_square;
-  const PointM turned = fit(m.from);
+  const Point turned = fit(m.from);
   fit.x_m = m.to.x_m - turned.x_m;
   fit.y_m = m.to.y_m - turned.y_m;
   return fit;
@@ -48,13 +48,13 @@ Similarity Fit(const std::vector<PointPair>& pairs, bool with_scale) {
 
 }  // namespace
 
-PointM Similarity::operator()(PointM from) const {
+Point Similarity::operator()(Point from) const {
   const double c = scale * std::cos(angle_rad), s = scale * std::sin(angle_rad);
   return {c * from.x_m - s * from.y_m + x_m, s * from.x_m + c * from.y_m + y_m};
 }
 
-PoseM Similarity::operator()(const PoseM& from) const {
-  const PointM at = (*this)(PointM{from.x_m, from.y_m});
+Pose Similarity::operator()(const Pose& from) const {
+  const Point at = (*this)(Point{from.x_m, from.y_m});
   return {at.x_m, at.y_m, WrapAngle(from.heading_rad + angle_rad)};
 }
 
@@ -64,7 +64,7 @@ Similarity FitSimilarity(const std::vector<PointPair>& pairs) { return Fit(pairs
 
 Similarity Inverse(const Similarity& there) {
   Similarity back{1 / there.scale, -there.angle_rad, 0, 0};
-  const PointM origin = back(PointM{there.x_m, there.y_m});
+  const Point origin = back(Point{there.x_m, there.y_m});
   back.x_m = -origin.x_m;
   back.y_m = -origin.y_m;
   return back;

@@ -14,16 +14,16 @@ struct Similarity {
   double x_m = 0;
   double y_m = 0;
 
-  PointM operator()(PointM from) const;
-  PoseM operator()(const PoseM& from) const;
+  Point operator()(Point from) const;
+  Pose operator()(const Pose& from) const;
 };
 
 // The way back.
 Similarity Inverse(const Similarity& there);
 
 struct PointPair {
-  PointM from;
-  PointM to;
+  Point from;
+  Point to;
 };
 
 // The rotation and shift, never a reflection, with the least sum of squared distances between the transformed

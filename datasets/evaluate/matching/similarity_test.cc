@@ -16,8 +16,8 @@ std::vector<PointPair> NoisyPairs(std::uint64_t seed, std::size_t count, double 
   const Similarity motion{1.3, 2.1, -4, 7};
   std::vector<PointPair> pairs;
   for (std::size_t i = 0; i < count; ++i) {
-    const PointM from{rng.Uniform(-50, 50), rng.Uniform(-50, 50)};
-    const PointM to = motion(from);
+    const Point from{rng.Uniform(-50, 50), rng.Uniform(-50, 50)};
+    const Point to = motion(from);
     pairs.push_back({from, {to.x_m + noise_m * rng.Normal(), to.y_m + noise_m * rng.Normal()}});
   }
   return pairs;
@@ -25,10 +25,10 @@ std::vector<PointPair> NoisyPairs(std::uint64_t seed, std::size_t count, double 
 
 TEST(Similarity, TurnsScalesAndShiftsByHand) {
   const Similarity motion{2, std::numbers::pi / 2, 10, 20};
-  const PointM at = motion(PointM{1, 0});
+  const Point at = motion(Point{1, 0});
   EXPECT_NEAR(at.x_m, 10, 1e-12);
   EXPECT_NEAR(at.y_m, 22, 1e-12);
-  const PoseM pose = motion(PoseM{1, 0, std::numbers::pi});
+  const Pose pose = motion(Pose{1, 0, std::numbers::pi});
   EXPECT_NEAR(pose.heading_rad, -std::numbers::pi / 2, 1e-12);
 }
 
@@ -91,7 +91,7 @@ TEST(Similarity, FewPointsFixWhatTheyCan) {
 
 TEST(Similarity, TheInverseLeadsBack) {
   const Similarity there{2.5, 0.7, 3, -4};
-  const PointM back = Inverse(there)(there(PointM{-1, 6}));
+  const Point back = Inverse(there)(there(Point{-1, 6}));
   EXPECT_NEAR(back.x_m, -1, 1e-12);
   EXPECT_NEAR(back.y_m, 6, 1e-12);
 }

@@ -84,7 +84,7 @@ constexpr double kOdometryShare = 0.02, kWheelShare = 0.02, kDriftRadPerM = 0.00
 void AddOdometry(const std::vector<Snapshot>& snapshots, Rng rng, SampleRun* run) {
   const double wheels = 1 + kWheelShare * rng.Normal(), drift = kDriftRadPerM * rng.Normal();
   for (std::size_t k = 0; k < snapshots.size(); ++k) {
-    const PoseM from = snapshots[k > 0 ? k - 1 : 0].pose, to = snapshots[k].pose;
+    const Pose from = snapshots[k > 0 ? k - 1 : 0].pose, to = snapshots[k].pose;
     const double turn = WrapAngle(to.heading_rad - from.heading_rad),
                  way_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
     const double c = std::cos(to.heading_rad), s = std::sin(to.heading_rad);

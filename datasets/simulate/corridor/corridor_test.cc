@@ -121,7 +121,7 @@ TEST(SimulateCorridor, GivesOdometryThatErrsALittle) {
     ASSERT_EQ(turn.size(), x.size());
     EXPECT_EQ(turn[0], 0.0);
     EXPECT_EQ(forward[0], 0.0);
-    PoseM pose{x[0], y[0], heading[0]};
+    Pose pose{x[0], y[0], heading[0]};
     for (std::size_t k = 1; k < x.size(); ++k) {
       const double faces = heading[k - 1] + turn[k];
       EXPECT_NEAR(x[k - 1] + forward[k] * std::cos(faces) - left[k] * std::sin(faces), x[k], 0.1);

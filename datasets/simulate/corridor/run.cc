@@ -104,7 +104,7 @@ void Drive(double length_m, int snapshots, const std::vector<Swerve>& swerves, R
 // What was drawn for a drive from the near end, seen from the far one.
 void TurnRound(double length_m, Run* run) {
   for (Snapshot& snapshot : run->snapshots) {
-    const PoseM pose = snapshot.pose;
+    const Pose pose = snapshot.pose;
     snapshot.pose = {length_m - pose.x_m, -pose.y_m, WrapAngle(pose.heading_rad + std::numbers::pi)};
   }
   for (Person& person : run->people) {

@@ -21,7 +21,7 @@ struct Person {
 
 struct Snapshot {
   double time_s = 0;
-  PoseM pose;
+  Pose pose;
 };
 
 struct Run {

@@ -28,14 +28,14 @@ constexpr int kMostDraws = 100;
 constexpr std::uint64_t kPlanStream = 0, kDriveStream = 1, kLuckStream = 2, kOdometryStream = 3;
 
 // Where somebody is at a time when the robot is there.
-using Walker = std::function<std::optional<PointM>(double time_s, const PoseM& robot)>;
+using Walker = std::function<std::optional<Point>(double time_s, const Pose& robot)>;
 
 struct Visit {
   HallPlan plan;
   Drive drive;
-  std::vector<PoseM> poses;  // at each control's end, where the robot listens
-  std::vector<Luck> luck;    // of each scan's readings
-  Walker walker;             // may be empty
+  std::vector<Pose> poses;  // at each control's end, where the robot listens
+  std::vector<Luck> luck;   // of each scan's readings
+  Walker walker;            // may be empty
 };
 
 // Along x, weaving by a few degrees.
@@ -61,7 +61,7 @@ Visit DrawVisit(HallPlan plan, double from_x_m, int steps, double step_m, std::u
   const auto substream = static_cast<std::uint32_t>(draw);
   Rng drive_rng(seed, kDriveStream, substream), luck_rng(seed, kLuckStream, substream);
   Visit visit{std::move(plan), DrawWeave(from_x_m, steps, step_m, drive_rng), {}, {}, {}};
-  PoseM pose = visit.drive.start;
+  Pose pose = visit.drive.start;
   for (const Control& control : visit.drive.controls) {
     visit.poses.push_back(pose = Apply(pose, control));
     for (int beam = 0; beam < kSonars; ++beam) visit.luck.push_back(DrawLuck({}, luck_rng));
@@ -74,8 +74,8 @@ std::vector<Sounding> ListenAll(const Visit& visit, const Hall& hall) {
   const RangeRing ring;
   std::vector<Sounding> heard;
   for (std::size_t scan = 0; scan < visit.poses.size(); ++scan) {
-    const PoseM& pose = visit.poses[scan];
-    std::vector<PointM> persons;
+    const Pose& pose = visit.poses[scan];
+    std::vector<Point> persons;
     if (visit.walker) {
       if (const auto at = visit.walker(visit.drive.times_s[scan], pose)) persons.push_back(*at);
     }
@@ -184,11 +184,11 @@ Blob SimulateNarrowDoors(std::uint64_t seed) {
         {x + rng.Uniform(-0.5, 0.5), rng.Uniform(0.65, 0.75), rng.Uniform(1.8, 2.2), 2, true});
   Visit visit = DrawVisit(plan, 0, 110, 0.11, seed);
   const double meets_s = rng.Uniform(12, 18), beside_m = -rng.Uniform(0.7, 0.85);
-  visit.walker = [plan, meets_s, beside_m](double time_s, const PoseM&) -> std::optional<PointM> {
+  visit.walker = [plan, meets_s, beside_m](double time_s, const Pose&) -> std::optional<Point> {
     constexpr double kWalkMps = 1;
     const double x = kHallSpeedMps * meets_s - kWalkMps * (time_s - meets_s);
     if (x < plan.from_x_m + kPersonRadiusM || x > plan.to_x_m - kPersonRadiusM) return std::nullopt;
-    return PointM{x, beside_m};
+    return Point{x, beside_m};
   };
   return LogOf(visit, seed);
 }
@@ -200,9 +200,9 @@ Blob SimulateSmoothWall(std::uint64_t seed) {
     plan.doors.push_back({x, rng.Uniform(0.65, 0.8), rng.Uniform(1.8, 3), 2, true});
   Visit visit = DrawVisit(plan, 0, 320, 0.15, seed);
   const double behind_m = rng.Uniform(1.2, 1.5), phase = rng.Uniform(0, 2 * std::numbers::pi);
-  visit.walker = [behind_m, phase](double time_s, const PoseM& robot) -> std::optional<PointM> {
-    return PointM{robot.x_m - behind_m + 0.15 * std::sin(0.9 * time_s),
-                  robot.y_m + 0.35 * std::sin(0.25 * time_s + phase)};
+  visit.walker = [behind_m, phase](double time_s, const Pose& robot) -> std::optional<Point> {
+    return Point{robot.x_m - behind_m + 0.15 * std::sin(0.9 * time_s),
+                 robot.y_m + 0.35 * std::sin(0.25 * time_s + phase)};
   };
   return LogOf(visit, seed);
 }

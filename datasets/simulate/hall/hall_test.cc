@@ -28,8 +28,8 @@ double NearestPointM(const std::vector<Wall>& walls, const Reading& reading) {
     const int steps = static_cast<int>(DistanceM(wall.a, wall.b) / 0.004) + 1;
     for (int i = 0; i <= steps; ++i) {
       const double t = static_cast<double>(i) / steps;
-      const PointM to{wall.a.x_m + t * (wall.b.x_m - wall.a.x_m) - reading.from.x_m,
-                      wall.a.y_m + t * (wall.b.y_m - wall.a.y_m) - reading.from.y_m};
+      const Point to{wall.a.x_m + t * (wall.b.x_m - wall.a.x_m) - reading.from.x_m,
+                     wall.a.y_m + t * (wall.b.y_m - wall.a.y_m) - reading.from.y_m};
       const double off = WrapAngle(std::atan2(to.y_m, to.x_m) - reading.heading_rad);
       if (std::abs(off) <= kSonarOpeningRad / 2) nearest = std::min(nearest, std::hypot(to.x_m, to.y_m));
     }

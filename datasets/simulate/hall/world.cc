@@ -7,13 +7,13 @@ namespace cairn::datasets {
 Hall BuildHall(const HallPlan& plan) {
   Hall hall;
   const double low = -plan.below_m, high = plan.above_m;
-  const PointM a{plan.from_x_m, low}, b{plan.to_x_m, low}, c{plan.to_x_m, high}, d{plan.from_x_m, high};
+  const Point a{plan.from_x_m, low}, b{plan.to_x_m, low}, c{plan.to_x_m, high}, d{plan.from_x_m, high};
   (plan.smooth_below ? hall.smooth : hall.rough).push_back({a, b});
   hall.rough.push_back({b, c});
   hall.rough.push_back({d, a});
   double done_x = plan.from_x_m;
   for (const DoorPlan& door : plan.doors) {
-    const PointM left{door.centre_x_m - door.width_m / 2, high},
+    const Point left{door.centre_x_m - door.width_m / 2, high},
         right{door.centre_x_m + door.width_m / 2, high};
     hall.rough.push_back({{done_x, high}, left});
     done_x = right.x_m;

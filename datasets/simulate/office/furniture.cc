@@ -15,7 +15,7 @@ constexpr double kSideBoardM = 0.35;
 
 // A shelf against the wall from `a`, `length_m` long in the direction `angle_rad`, the room to its left.
 // Where the wall is too short none.
-void AddShelf(std::size_t place, PointM a, double length_m, double angle_rad, Rng& rng,
+void AddShelf(std::size_t place, Point a, double length_m, double angle_rad, Rng& rng,
               std::vector<Piece>* pieces) {
   const double shelf_m = rng.Uniform(0.8, 1.8), depth_m = rng.Uniform(0.3, 0.5), at = rng.Uniform();
   const double free_m = length_m - 2 * kCornerM - shelf_m;
@@ -80,7 +80,7 @@ std::vector<Piece> DrawCabinets(const Office& office, Rng& rng) {
     const double x = rng.Uniform(office.from_x_m + 1, office.to_x_m - 3);
     bool clear = true;
     for (const Room& room : office.rooms) {
-      const PointM door = room.ToWorld({room.door_x_m, 0});
+      const Point door = room.ToWorld({room.door_x_m, 0});
       clear = clear && (door.y_m * side < 0 || std::abs(door.x_m - x) > length_m / 2 + room.door_width_m);
     }
     const double y = side * (office.half_width_m - kSideBoardM / 2);
@@ -91,7 +91,7 @@ std::vector<Piece> DrawCabinets(const Office& office, Rng& rng) {
 
 void AddSides(const Piece& piece, const Room& room, std::vector<Obstacle>* obstacles) {
   const double c = std::cos(piece.angle_rad), s = std::sin(piece.angle_rad);
-  std::array<PointM, 4> corners;
+  std::array<Point, 4> corners;
   constexpr std::array<double, 4> kAlong{-0.5, 0.5, 0.5, -0.5}, kAcross{-0.5, -0.5, 0.5, 0.5};
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const double along = kAlong[i] * piece.length_m, across = kAcross[i] * piece.depth_m;

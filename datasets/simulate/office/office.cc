@@ -115,7 +115,7 @@ void PutTurret(const std::string& sensor, const std::vector<double>& times_s, Bl
 }
 
 // Those that may be heard. The way by a mirror is no shorter than the straight one.
-std::vector<Obstacle> Near(const std::vector<Obstacle>& all, const PoseM& at, double reach_m) {
+std::vector<Obstacle> Near(const std::vector<Obstacle>& all, const Pose& at, double reach_m) {
   std::vector<Obstacle> near;
   for (const Obstacle& obstacle : all)
     if (DistanceToM(obstacle.wall, {at.x_m, at.y_m}) < reach_m) near.push_back(obstacle);
@@ -129,8 +129,8 @@ void PutRing(const RangeRing& ring, const Surroundings& around, const Tour& tour
   std::vector<std::uint8_t> causes;
   for (std::size_t scan = 0; scan < tour.poses.size(); ++scan) {
     const double time_s = tour.drive.times_s[scan];
-    const std::vector<PointM> persons = PersonsAt(walks, time_s);
-    PoseM pose = tour.poses[scan];
+    const std::vector<Point> persons = PersonsAt(walks, time_s);
+    Pose pose = tour.poses[scan];
     pose.heading_rad += TurretRad(ToMilli(time_s));
     const std::vector<Obstacle> near =
         Near(time_s < around.moved_s ? before : after, pose, ring.radius_m + ring.max_range_m + 1);
@@ -184,7 +184,7 @@ void PutSurroundings(const Surroundings& around, const Office& office, Blob& log
 void PutPersons(const std::vector<Walk>& walks, const Tour& tour, Blob& log) {
   std::vector<double> time, x, y;
   for (const double time_s : tour.drive.times_s) {
-    for (const PointM at : PersonsAt(walks, time_s)) {
+    for (const Point at : PersonsAt(walks, time_s)) {
       time.push_back(ToMilli(time_s));
       x.push_back(ToMicro(at.x_m));
       y.push_back(ToMicro(at.y_m));
@@ -197,7 +197,7 @@ void PutPersons(const std::vector<Walk>& walks, const Tour& tour, Blob& log) {
 
 void PutWallsAbout(const Office& office, const Tour& tour, Blob& log) {
   std::vector<double> angle;
-  for (const PoseM& pose : tour.poses) angle.push_back(office.WallsRad({pose.x_m, pose.y_m}));
+  for (const Pose& pose : tour.poses) angle.push_back(office.WallsRad({pose.x_m, pose.y_m}));
   log.PutVector("truth/robot/0/walls/time_s", Milli(tour.drive.times_s));
   log.PutVector("truth/robot/0/walls/angle_rad", angle);
 }

@@ -45,7 +45,7 @@ std::vector<Wall> At(const Standing& all, double time_s) {
   return walls;
 }
 
-double DistanceToM(const std::vector<Wall>& walls, PointM at) {
+double DistanceToM(const std::vector<Wall>& walls, Point at) {
   double nearest_m = std::numeric_limits<double>::infinity();
   // Five cones all round.
   for (const double heading : {0.0, 1.3, 2.6, 3.9, 5.2})
@@ -54,7 +54,7 @@ double DistanceToM(const std::vector<Wall>& walls, PointM at) {
 }
 
 struct Path {
-  std::vector<PointM> at;
+  std::vector<Point> at;
   std::vector<double> heading_rad, time_s;
 };
 Path TruePath(const Blob& log) {
@@ -171,7 +171,7 @@ TEST(SimulateOffice, VisitsAllRoomsMoreThanOnceInTenMinutes) {
     const Path path = TruePath(SimulateOffice({.seed = seed}));
     std::set<std::pair<int, int>> before, again;
     std::pair<int, int> last{99, 99};
-    for (const PointM& at : path.at) {
+    for (const Point& at : path.at) {
       if (std::abs(at.y_m) < 2) {
         last = {99, 99};
         continue;

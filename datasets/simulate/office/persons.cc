@@ -13,14 +13,14 @@ constexpr double kBesideM = 0.75;  // of the corridor's axis
 constexpr double kRobotRadiusM = 0.25;
 constexpr double kComesFromM = 2;
 
-std::optional<PointM> At(const Walk& walk, double time_s) {
+std::optional<Point> At(const Walk& walk, double time_s) {
   if (walk.empty() || time_s < walk.front().time_s || time_s > walk.back().time_s) return std::nullopt;
   const auto after = std::ranges::find_if(walk, [&](const TimedPoint& p) { return p.time_s >= time_s; });
   if (after == walk.begin()) return after->at;
   const auto before = after - 1;
   const double share = (time_s - before->time_s) / (after->time_s - before->time_s);
-  return PointM{before->at.x_m + share * (after->at.x_m - before->at.x_m),
-                before->at.y_m + share * (after->at.y_m - before->at.y_m)};
+  return Point{before->at.x_m + share * (after->at.x_m - before->at.x_m),
+               before->at.y_m + share * (after->at.y_m - before->at.y_m)};
 }
 
 // From one end of the corridor to the other; who looks stops near where the robot is when they are there.
@@ -43,8 +43,8 @@ Walk DrawPassing(const Office& office, const Tour& tour, double time_s, Rng& rng
 
 Walk InTheWay(const Stop& stop) {
   constexpr double kWalkMps = 1;
-  const PointM away{stop.person.x_m + kComesFromM * std::cos(stop.heading_rad),
-                    stop.person.y_m + kComesFromM * std::sin(stop.heading_rad)};
+  const Point away{stop.person.x_m + kComesFromM * std::cos(stop.heading_rad),
+                   stop.person.y_m + kComesFromM * std::sin(stop.heading_rad)};
   const double walk_s = kComesFromM / kWalkMps;
   return {{stop.from_s - walk_s, away},
           {stop.from_s, stop.person},
@@ -55,7 +55,7 @@ Walk InTheWay(const Stop& stop) {
 bool RunsIntoRobot(const Walk& walk, const Tour& tour) {
   for (std::size_t i = 0; i < tour.poses.size(); ++i) {
     const auto at = At(walk, tour.drive.times_s[i]);
-    const PoseM& robot = tour.poses[i];
+    const Pose& robot = tour.poses[i];
     if (at && DistanceM(*at, {robot.x_m, robot.y_m}) < kRobotRadiusM + kPersonRadiusM) return true;
   }
   return false;
@@ -75,8 +75,8 @@ std::vector<Walk> DrawWalks(const Office& office, const Tour& tour, Rng& rng) {
   return walks;
 }
 
-std::vector<PointM> PersonsAt(const std::vector<Walk>& walks, double time_s) {
-  std::vector<PointM> persons;
+std::vector<Point> PersonsAt(const std::vector<Walk>& walks, double time_s) {
+  std::vector<Point> persons;
   for (const Walk& walk : walks) {
     if (const auto at = At(walk, time_s)) persons.push_back(*at);
   }

@@ -10,7 +10,7 @@ namespace cairn::datasets::office {
 
 struct TimedPoint {
   double time_s = 0;
-  PointM at;
+  Point at;
 };
 // From one of these to the next, straight on; before the first and after the last they are not there.
 using Walk = std::vector<TimedPoint>;
@@ -19,6 +19,6 @@ using Walk = std::vector<TimedPoint>;
 std::vector<Walk> DrawWalks(const Office& office, const Tour& tour, Rng& rng);
 
 // Where they all are.
-std::vector<PointM> PersonsAt(const std::vector<Walk>& walks, double time_s);
+std::vector<Point> PersonsAt(const std::vector<Walk>& walks, double time_s);
 
 }  // namespace cairn::datasets::office

@@ -19,7 +19,7 @@ constexpr double kBeforeTurnedM = 1.7;  // from the other rooms to the turned on
 using Gaps = std::vector<std::pair<double, double>>;  // from, to: metres along a wall
 
 // The wall from a to b but for its gaps.
-void AddWall(PointM a, PointM b, const Gaps& gaps, Surface surface, std::vector<Obstacle>* obstacles) {
+void AddWall(Point a, Point b, const Gaps& gaps, Surface surface, std::vector<Obstacle>* obstacles) {
   const double length_m = DistanceM(a, b);
   std::vector<Part> open;
   for (const auto& [from_m, to_m] : gaps) open.push_back({from_m / length_m, to_m / length_m});
@@ -38,8 +38,8 @@ Gaps DoorOf(const Room& room) {
 }
 
 void AddRoom(const Room& room, std::vector<Obstacle>* obstacles) {
-  const PointM a = room.ToWorld({0, 0}), b = room.ToWorld({room.width_m, 0});
-  const PointM c = room.ToWorld({room.width_m, room.depth_m}), d = room.ToWorld({0, room.depth_m});
+  const Point a = room.ToWorld({0, 0}), b = room.ToWorld({room.width_m, 0});
+  const Point c = room.ToWorld({room.width_m, room.depth_m}), d = room.ToWorld({0, room.depth_m});
   AddWall(a, b, DoorOf(room), Surface::kPlain, obstacles);
   AddWall(b, c, InnerDoor(room.next.has_value()), Surface::kPlain, obstacles);
   AddWall(c, d, {}, Surface::kPlain, obstacles);
@@ -69,7 +69,7 @@ void AddCorridor(const Office& office, std::vector<Obstacle>* obstacles) {
     Gaps gaps;
     for (const Room& room : office.rooms) {
       if (office.turned && &room == &office.rooms.back()) continue;
-      const PointM door = room.ToWorld({room.door_x_m, 0});
+      const Point door = room.ToWorld({room.door_x_m, 0});
       if (door.y_m * side < 0) continue;
       const double at_m = door.x_m - office.from_x_m;
       gaps.emplace_back(at_m - room.door_width_m / 2, at_m + room.door_width_m / 2);
@@ -115,7 +115,7 @@ void AddSide(bool above, double length_m, Office* office, Rng& rng) {
     Room room;
     room.width_m = widths[static_cast<std::size_t>(i)];
     room.depth_m = rng.Uniform(4.0, 5.2);
-    room.frame = above ? PoseM{done_m, y, 0} : PoseM{length_m - done_m, -y, std::numbers::pi};
+    room.frame = above ? Pose{done_m, y, 0} : Pose{length_m - done_m, -y, std::numbers::pi};
     DrawDoor(office->rooms, &room, rng);
     done_m += room.width_m + kThickM;
     if (i == 0) room.next = office->rooms.size() + 1;
@@ -141,25 +141,25 @@ void AddTurned(Office* office, Rng& rng) {
 
 }  // namespace
 
-PointM Room::ToWorld(PointM local) const {
+Point Room::ToWorld(Point local) const {
   const double c = std::cos(frame.heading_rad), s = std::sin(frame.heading_rad);
   return {frame.x_m + c * local.x_m - s * local.y_m, frame.y_m + s * local.x_m + c * local.y_m};
 }
 
-PointM Room::ToLocal(PointM world) const {
+Point Room::ToLocal(Point world) const {
   const double c = std::cos(frame.heading_rad), s = std::sin(frame.heading_rad);
   const double x = world.x_m - frame.x_m, y = world.y_m - frame.y_m;
   return {c * x + s * y, -s * x + c * y};
 }
 
-PointM Room::Before(double corridor_half_width_m) const {
+Point Room::Before(double corridor_half_width_m) const {
   const bool square = std::abs(std::sin(frame.heading_rad)) < 0.1;
   return ToWorld({door_x_m, square ? -kThickM - corridor_half_width_m : 0});
 }
 
-double Office::WallsRad(PointM at) const {
+double Office::WallsRad(Point at) const {
   if (!turned) return 0;
-  const PointM local = rooms.back().ToLocal(at);
+  const Point local = rooms.back().ToLocal(at);
   const bool inside =
       local.y_m > 0 && local.y_m < rooms.back().depth_m && local.x_m > 0 && local.x_m < rooms.back().width_m;
   return inside ? kTurnedRad : 0;

@@ -17,24 +17,24 @@ inline constexpr double kLaneM = 1.1;  // from a room's walls to the way that a 
 
 // A box on the floor.
 struct Piece {
-  PointM centre;
+  Point centre;
   double length_m = 1, depth_m = 0.4, angle_rad = 0;
   std::size_t place = 0;  // at which wall of its room, or in the middle: one of kPlaces
 };
 
 // In its own frame a room lies at x from 0 to width_m and y from 0 to depth_m, the corridor below it.
 struct Room {
-  PoseM frame;
+  Pose frame;
   double width_m = 5, depth_m = 4.5;
   double door_x_m = 2.5, door_width_m = 1;  // to the corridor
   std::optional<std::size_t> next;          // to which there is a door in the wall at width_m, at y = kLaneM
   bool door_from_last = false;              // there is one in the wall at 0
   std::vector<Piece> furniture;
 
-  PointM ToWorld(PointM local) const;
-  PointM ToLocal(PointM world) const;
+  Point ToWorld(Point local) const;
+  Point ToLocal(Point world) const;
   // Where one stands in the corridor, before its door.
-  PointM Before(double corridor_half_width_m) const;
+  Point Before(double corridor_half_width_m) const;
 };
 
 // The corridor lies along x, its axis at y = 0.
@@ -46,7 +46,7 @@ struct Office {
   bool turned = false;          // the last room lies at the corridor's end, turned by kTurnedRad
 
   // Direction of the walls about a place, modulo pi/2.
-  double WallsRad(PointM at) const;
+  double WallsRad(Point at) const;
 };
 
 inline constexpr double kTurnedRad = 0.5235987755982988;  // 30 degrees

@@ -35,7 +35,7 @@ class Pilot {
   }
 
   // Near `target`: turns on the spot, then straight on, with a stop where somebody is in the way.
-  void GoTo(PointM target) {
+  void GoTo(Point target) {
     target.x_m += OffLane();
     target.y_m += OffLane();
     Turn(WrapAngle(std::atan2(target.y_m - pose_.y_m, target.x_m - pose_.x_m) - pose_.heading_rad));
@@ -61,8 +61,8 @@ class Pilot {
 
   void StopFor(double seconds) {
     if (over()) return;
-    const PointM person{pose_.x_m + kAheadM * std::cos(pose_.heading_rad),
-                        pose_.y_m + kAheadM * std::sin(pose_.heading_rad)};
+    const Point person{pose_.x_m + kAheadM * std::cos(pose_.heading_rad),
+                       pose_.y_m + kAheadM * std::sin(pose_.heading_rad)};
     tour_->stops.push_back({time_s_, time_s_ + seconds, person, pose_.heading_rad});
     Stand(seconds);
   }
@@ -80,7 +80,7 @@ class Pilot {
   Tour* tour_;
   double end_s_;
   Rng& rng_;
-  PoseM pose_;
+  Pose pose_;
   double time_s_ = 0;
 };
 
@@ -116,7 +116,7 @@ class Visitor {
   }
 
   // Where the way in meets the lane along the near wall.
-  static PointM DoorLane(const Room& room) { return room.ToWorld({room.door_x_m, kLaneM}); }
+  static Point DoorLane(const Room& room) { return room.ToWorld({room.door_x_m, kLaneM}); }
 
   void Leave(const Room& room) {
     pilot_->GoTo(DoorLane(room));
@@ -127,9 +127,9 @@ class Visitor {
   // Once round along the walls, either way.
   void Circle(const Room& room) {
     const double right = room.width_m - kLaneM, far = room.depth_m - kLaneM;
-    std::vector<PointM> corners{{kLaneM, kLaneM}, {kLaneM, far}, {right, far}, {right, kLaneM}};
+    std::vector<Point> corners{{kLaneM, kLaneM}, {kLaneM, far}, {right, far}, {right, kLaneM}};
     if (rng_.Below(2) == 1) std::reverse(corners.begin(), corners.end());
-    for (const PointM corner : corners) pilot_->GoTo(room.ToWorld(corner));
+    for (const Point corner : corners) pilot_->GoTo(room.ToWorld(corner));
   }
 
   const Office& office_;

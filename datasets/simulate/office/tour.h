@@ -14,13 +14,13 @@ inline constexpr double kTickS = 0.2;  // of a control, after which the robot li
 // Somebody stands in the way, and the robot before them.
 struct Stop {
   double from_s = 0, to_s = 0;
-  PointM person;
+  Point person;
   double heading_rad = 0;  // the robot's: they come and go along it
 };
 
 struct Tour {
-  Drive drive;               // a control every kTickS, some of them of standing
-  std::vector<PoseM> poses;  // at the end of each
+  Drive drive;              // a control every kTickS, some of them of standing
+  std::vector<Pose> poses;  // at the end of each
   std::vector<Stop> stops;
   std::vector<double> doorways_s;  // when it was in a doorway
   double moved_s = 0;              // when it had waited for the furniture to be moved; 0: it had not

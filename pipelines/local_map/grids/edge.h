@@ -11,7 +11,7 @@ struct Edge {
   double sd_rad = 1;     // of that angle, were the hits' errors independent
   int hits = 0;          // that it was fitted to
 
-  double LengthM() const { return DistanceM(a, b); }
+  double LengthM() const { return FastDistanceM(a, b); }
 };
 
 }  // namespace cairn::local_map

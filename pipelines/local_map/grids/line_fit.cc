@@ -14,7 +14,7 @@ struct Along {
   Point a;
   double ux, uy, length_m;
 
-  Along(Point from, Point to) : a(from), length_m(DistanceM(from, to)) {
+  Along(Point from, Point to) : a(from), length_m(FastDistanceM(from, to)) {
     ux = length_m > 0 ? (to.x_m - from.x_m) / length_m : 1;
     uy = length_m > 0 ? (to.y_m - from.y_m) / length_m : 0;
   }

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "pipelines/common/pose.h"
 #include "pipelines/local_map/grids/edge_grid.h"
 #include "pipelines/local_map/grids/grid_options.h"
 #include "pipelines/local_map/grids/line_fit.h"
 #include "pipelines/local_map/grids/occupancy_grid.h"
 #include "pipelines/local_map/grids/ring.h"
 #include "pipelines/local_map/grids/wall_orientation.h"
+#include "schema/geometry.h"
 
 namespace cairn::local_map {
 

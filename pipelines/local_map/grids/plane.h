@@ -6,14 +6,12 @@
 #include <cstdint>
 #include <numbers>
 
+#include "schema/geometry.h"
+
 namespace cairn::local_map {
 
-struct Point {
-  double x_m = 0, y_m = 0;
-};
-
 // std::hypot takes several times as long, for lengths near the ends of what a double holds.
-inline double DistanceM(Point a, Point b) {
+inline double FastDistanceM(Point a, Point b) {
   const double x = b.x_m - a.x_m, y = b.y_m - a.y_m;
   return std::sqrt(x * x + y * y);
 }

@@ -14,8 +14,8 @@ bool IsClosed(const std::vector<Pose>& beams) {
   if (beams.size() < 3) return false;
   double widest = 0;
   for (std::size_t b = 1; b < beams.size(); ++b)
-    widest = std::max(widest, std::abs(Wrapped(beams[b].heading_rad - beams[b - 1].heading_rad)));
-  return std::abs(Wrapped(beams.front().heading_rad - beams.back().heading_rad)) <= 2 * widest;
+    widest = std::max(widest, std::abs(WrapAngle(beams[b].heading_rad - beams[b - 1].heading_rad)));
+  return std::abs(WrapAngle(beams.front().heading_rad - beams.back().heading_rad)) <= 2 * widest;
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ SensorRing::SensorRing(const std::vector<Pose>& beams, double opening_rad, doubl
     const Pose &beam = beams[b], &next = beams[(b + 1) % beams.size()];
     const double c = std::cos(beam.heading_rad), s = std::sin(beam.heading_rad);
     beams_.push_back({beam.x_m, beam.y_m, c, s, beam.x_m * c + beam.y_m * s,
-                      Wrapped(next.heading_rad - beam.heading_rad)});
+                      WrapAngle(next.heading_rad - beam.heading_rad)});
   }
   const std::size_t groups =
       sectors == 0 ? beams.size() : std::min(beams.size(), static_cast<std::size_t>(sectors));

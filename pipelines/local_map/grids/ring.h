@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "pipelines/common/pose.h"
 #include "pipelines/local_map/grids/plane.h"
+#include "schema/geometry.h"
 
 namespace cairn::local_map {
 

@@ -27,7 +27,7 @@ Odometry OfPoses(const Blob& log, const std::string& prefix, const std::string& 
       throw InputError(at + "not a number");
     if (i > 0) {
       if (time[i] < time[i - 1]) throw InputError(at + "time runs backwards");
-      const double turn = Wrapped(heading[i] - heading[i - 1]);
+      const double turn = WrapAngle(heading[i] - heading[i - 1]);
       unwrapped += turn;
       turned += std::abs(turn);
       path_m += std::hypot(x[i] - x[i - 1], y[i] - y[i - 1]);

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "pipelines/common/odometry.h"
-#include "pipelines/common/pose.h"
 #include "pipelines/common/range_scans.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::local_map {
 

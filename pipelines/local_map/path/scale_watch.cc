@@ -33,7 +33,7 @@ std::optional<double> DistanceAlong(int quarter, const Pose& pose, const std::ve
     for (std::size_t b = 0; b < sweeps[r].range_m.size(); ++b) {
       const double range = sweeps[r].range_m[b];
       const Pose on_robot = Compose({0, 0, pose.heading_rad + sweeps[r].turret_rad}, ring.beams[b]);
-      const double off = std::abs(Wrapped(on_robot.heading_rad - quarter * kRightAngle_rad));
+      const double off = std::abs(WrapAngle(on_robot.heading_rad - quarter * kRightAngle_rad));
       if (off > most || (best && off >= best->off_rad) || !(range < ring.max_range_m)) continue;
       const double c = std::cos(quarter * kRightAngle_rad), s = std::sin(quarter * kRightAngle_rad);
       const double begins = c * on_robot.x_m + s * on_robot.y_m;

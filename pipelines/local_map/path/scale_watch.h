@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "pipelines/common/pose.h"
 #include "pipelines/local_map/grids/ring.h"
+#include "schema/geometry.h"
 
 namespace cairn::local_map {
 

@@ -17,7 +17,7 @@ int SectorsOf(const std::vector<Pose>& beams, double opening_rad, std::int64_t r
   if (opening_rad > 0 || beams.size() < 2) return 0;
   double view_rad = 0;
   for (std::size_t b = 1; b < beams.size(); ++b)
-    view_rad += std::abs(Wrapped(beams[b].heading_rad - beams[b - 1].heading_rad));
+    view_rad += std::abs(WrapAngle(beams[b].heading_rad - beams[b - 1].heading_rad));
   const auto sectors =
       static_cast<int>(std::lround(static_cast<double>(ring_beams) * view_rad / (2 * std::numbers::pi)));
   return sectors < static_cast<int>(beams.size()) ? std::max(sectors, 1) : 0;

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "pipelines/common/pose.h"
 #include "pipelines/common/range_scans.h"
 #include "pipelines/local_map/grids/ring.h"
 #include "pipelines/local_map/path/scale_watch.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::local_map {
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/common/pose.h"
 #include "pipelines/local_map/grids/plane.h"
 #include "pipelines/local_map/grids/ring.h"
+#include "schema/geometry.h"
 #include "schema/rng.h"
 
 namespace cairn::local_map {

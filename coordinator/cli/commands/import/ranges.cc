@@ -21,7 +21,7 @@ struct CarmenOptions : ImportOutput {
 };
 
 // SENSOR=X,Y,DEGREES
-std::pair<std::string, datasets::PoseM> ParseMount(const std::string& text) {
+std::pair<std::string, Pose> ParseMount(const std::string& text) {
   const std::size_t equals = text.find('=');
   std::vector<double> numbers;
   for (std::size_t at = equals; at != std::string::npos && at < text.size();) {

@@ -1,4 +1,4 @@
-// A pose in the plane, x ahead at heading 0, headings counter-clockwise.
+// Points and poses in the plane: metres, x ahead at heading 0, headings in radians counter-clockwise from x.
 #pragma once
 
 #include <cmath>
@@ -6,9 +6,21 @@
 
 namespace cairn {
 
+struct Point {
+  double x_m = 0, y_m = 0;
+};
+
 struct Pose {
   double x_m = 0, y_m = 0, heading_rad = 0;
 };
+
+inline double DistanceM(Point a, Point b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+
+// Into (-pi, pi].
+inline double WrapAngle(double angle_rad) {
+  const double wrapped = std::remainder(angle_rad, 2 * std::numbers::pi);
+  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
+}
 
 // T_world_b of T_world_a and T_a_b. The heading is not wrapped.
 inline Pose Compose(const Pose& a, const Pose& b) {
@@ -22,8 +34,5 @@ inline Pose Between(const Pose& a, const Pose& b) {
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
   return {c * dx + s * dy, -s * dx + c * dy, b.heading_rad - a.heading_rad};
 }
-
-// Into [-pi, pi].
-inline double Wrapped(double angle_rad) { return std::remainder(angle_rad, 2 * std::numbers::pi); }
 
 }  // namespace cairn

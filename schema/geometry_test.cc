@@ -1,0 +1,37 @@
+#include "schema/geometry.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace cairn {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(Geometry, AnglesAreWrappedToTheHalfOpenTurn) {
+  EXPECT_DOUBLE_EQ(WrapAngle(0.5), 0.5);
+  EXPECT_DOUBLE_EQ(WrapAngle(kPi), kPi);
+  EXPECT_DOUBLE_EQ(WrapAngle(-kPi), kPi) << "the one end only";
+  EXPECT_DOUBLE_EQ(WrapAngle(1.5 * kPi), -0.5 * kPi);
+  EXPECT_NEAR(WrapAngle(0.25 - 20 * kPi), 0.25, 1e-12);
+}
+
+TEST(Geometry, AheadIsXAndTurnsAreCounterClockwise) {
+  const Pose left = Compose({1, 2, kPi / 2}, {3, 1, kPi / 4});
+  EXPECT_NEAR(left.x_m, 0, 1e-12);
+  EXPECT_NEAR(left.y_m, 5, 1e-12);
+  EXPECT_NEAR(left.heading_rad, 0.75 * kPi, 1e-12);
+}
+
+TEST(Geometry, BetweenUndoesCompose) {
+  const Pose a{1, -2, 0.7}, b{-3, 0.5, 2.9}, back = Compose(a, Between(a, b));
+  EXPECT_NEAR(back.x_m, b.x_m, 1e-12);
+  EXPECT_NEAR(back.y_m, b.y_m, 1e-12);
+  EXPECT_NEAR(back.heading_rad, b.heading_rad, 1e-12);
+}
+
+TEST(Geometry, DistancesAreEuclidean) { EXPECT_DOUBLE_EQ(DistanceM({1, 1}, {4, 5}), 5); }
+
+}  // namespace
+}  // namespace cairn
