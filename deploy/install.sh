@@ -17,6 +17,7 @@ build_packages=(
   libprotobuf-dev libeigen3-dev libzmq3-dev cppzmq-dev libhdf5-dev libsqlite3-dev libxxhash-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
   libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
+  patch # Simulation.PlantedBugsApply
 )
 arm64_packages=(g++-aarch64-linux-gnu qemu-user)
 dev_packages=(

@@ -24,6 +24,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+command -v patch >/dev/null || { echo "needs patch: apt-get install patch" >&2; exit 2; }
 [ ${#patches[@]} -gt 0 ] || patches=("$root"/tests/simulation/bugs/*.patch)
 
 copy=$scratch/sources build=$scratch/build sim=$scratch/build/bin/cairn-sim
