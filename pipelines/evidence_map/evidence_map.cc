@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "pipelines/common/task_builder.h"
 #include "pipelines/evidence_map/cone_counts.h"
 #include "pipelines/evidence_map/log_odds.h"
 #include "pipelines/evidence_map/ray_counts.h"
@@ -35,28 +36,22 @@ double WorkOf(const RangeScans& scans, std::size_t scan, double cell_m) {
   return cells;
 }
 
-void AddInput(const char* name, const std::string& blob, Task* task) {
-  proto::InputRef& input = *task->add_inputs();
-  input.set_name(name);
-  input.set_blob(blob);
-}
-
 // Its scans in a blob of their own: no worker fetches more for a task than that needs, nor waits for more.
-void AddTask(const std::string& sensor, const Blob& scans, std::size_t first, std::size_t count, double cost,
-             Step* step) {
-  Task& task = *step->plan.add_tasks();
-  task.set_index(static_cast<std::uint32_t>(step->plan.tasks_size() - 1));
-  task.set_kind("counts");
-  task.set_cost(static_cast<std::uint64_t>(std::max(1.0, cost)));
+void AddTask(const std::string& log, const std::string& sensor, const Blob& scans, std::size_t first,
+             std::size_t count, double cost, Step* step) {
   Blob rows;
   for (const auto& [name, array] : scans.fields())
     rows.Put(name, array.Rows(static_cast<std::int64_t>(first), static_cast<std::int64_t>(count)));
-  AddInput("sensor", sensor, &task);
-  AddInput("scans", step->Share(std::move(rows)), &task);
+  const std::string of_task = step->Share(std::move(rows));
+  TaskBuilder("counts", cost, &step->plan)
+      .ReadHash("sensor", sensor)
+      .ReadHash("scans", of_task)
+      .Read("grid")
+      .ReadHash("log", log);
 }
 
 // Time slices of about equal work.
-void AddTasks(const RangeScans& scans, const GridBox& grid, Step* step) {
+void AddTasks(const std::string& log, const RangeScans& scans, const GridBox& grid, Step* step) {
   std::vector<double> work;
   double all = 0;
   for (std::size_t s = 0; s < scans.scans(); ++s) all += work.emplace_back(WorkOf(scans, s, grid.cell_m));
@@ -70,7 +65,7 @@ void AddTasks(const RangeScans& scans, const GridBox& grid, Step* step) {
     if ((sum < of_a_task || (s + 1) % kScansTogether != 0) && s + 1 < scans.scans()) continue;
     const double cost =
         (scans.opening_rad > 0 ? kConeUs : kRayUs) * sum + kMapUs * static_cast<double>(grid.cells());
-    AddTask(sensor, rows, first, s + 1 - first, cost, step);
+    AddTask(log, sensor, rows, first, s + 1 - first, cost, step);
     first = s + 1;
     sum = 0;
   }
@@ -123,12 +118,8 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
   auto& blobs = *step.plan.mutable_state()->mutable_blobs();
   blobs["grid"] = step.Share(std::move(box));
   blobs["scan poses"] = step.Share(std::move(poses));
-  for (const RangeScans& sensor : scans.sensors) AddTasks(sensor, grid, &step);
   const std::string log_hash = log->ContentHash().Binary();
-  for (Task& task : *step.plan.mutable_tasks()) {
-    AddInput("grid", blobs["grid"], &task);
-    AddInput("log", log_hash, &task);
-  }
+  for (const RangeScans& sensor : scans.sensors) AddTasks(log_hash, sensor, grid, &step);
   step.plan.set_advance_cost(static_cast<double>(grid.cells()) *
                              (kAddedUs * step.plan.tasks_size() + kResultUs));
   step.plan.set_note(NoteOf(scans, grid));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pipelines/common/task_builder.h"
+
 namespace cairn::forward_map {
 namespace {
 
@@ -15,35 +17,14 @@ constexpr double kFirstSearchUs = 0.07, kSearchUs = 0.05, kWeighUs = 0.006, kCer
 // parameters after the first search, and after each of the others.
 constexpr double kUsualSearches = 12, kUsualOfOne = 5, kUsualFirstSteps = 3, kUsualSteps = 0.3;
 
-Task& AddTask(const char* kind, double cost, proto::Step* plan) {
-  Task& task = *plan->add_tasks();
-  task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
-  task.set_kind(kind);
-  task.set_cost(static_cast<std::uint64_t>(std::max(1.0, cost)));
-  return task;
-}
-
-void SetParam(Task& task, const char* name, std::int64_t value) {
-  (*task.mutable_params())[name].set_i(value);
-}
-
-proto::InputRef& AddInput(const std::string& name, const std::string& as, const State& state, Task& task) {
-  proto::InputRef& input = *task.add_inputs();
-  input.set_name(as);
-  input.set_blob(state.blobs().at(name));
-  return input;
-}
-
 double CrossingsIn(const State& state) { return state.scalars().at(kCrossings).d(); }
 
 double SearchUs(const Schedule& schedule) { return schedule.searches <= 1 ? kFirstSearchUs : kSearchUs; }
 
-void AddAllScans(std::int64_t sensors, const State& state, Task& task) {
-  SetParam(task, kSensors, sensors);
-  AddInput(kLogBlob, kLogBlob, state, task);
+void ReadAllScans(std::int64_t sensors, TaskBuilder* task) {
+  task->Set(kSensors, sensors).Read(kLogBlob);
   for (std::int64_t k = 0; k < sensors; ++k) {
-    AddInput(SensorBlobName(k), SensorBlobName(k), state, task);
-    AddInput(ScansBlobName(k), ScansBlobName(k), state, task);
+    task->Read(SensorBlobName(k)).Read(ScansBlobName(k));
   }
 }
 
@@ -52,12 +33,9 @@ void PlanTiles(const char* kind, double us, const Schedule& schedule, std::int64
   const std::int64_t tiles = plan->state().scalars().at(TilesKey(split)).i();
   const double cost = us * CrossingsIn(plan->state()) / static_cast<double>(tiles);
   for (std::int64_t tile = 0; tile < tiles; ++tile) {
-    Task& task = AddTask(kind, cost, plan);
-    SetParam(task, "tile", tile);
-    SetParam(task, "searches", schedule.searches);
-    AddInput(kMapBlob, kMapBlob, plan->state(), task);
-    AddInput(TilesBlob(split), "tiles", plan->state(), task);
-    AddAllScans(SensorsIn(plan->state()), plan->state(), task);
+    TaskBuilder task(kind, cost, plan);
+    task.Set("tile", tile).Set("searches", schedule.searches).Read(kMapBlob).Read("tiles", TilesBlob(split));
+    ReadAllScans(SensorsIn(plan->state()), &task);
   }
 }
 
@@ -71,16 +49,12 @@ void PlanWeighing(const Schedule& schedule, proto::Step* plan) {
     const std::int64_t of_slice = state.scalars().at(SliceKey(k)).i();
     for (std::int64_t first = 0; first < scans; first += of_slice) {
       const double part = static_cast<double>(std::min(of_slice, scans - first)) / all;
-      Task& task = AddTask("weigh", kWeighUs * CrossingsIn(state) * part, plan);
-      SetParam(task, "sensor", k);
-      SetParam(task, "taken", schedule.taken);
-      AddInput(kMapBlob, kMapBlob, state, task);
-      if (schedule.taken > 0) AddInput(kProposalsBlob, kProposalsBlob, state, task);
-      AddInput(kLogBlob, kLogBlob, state, task);
-      AddInput(SensorBlobName(k), "sensor", state, task);
-      proto::InputRef& rows = AddInput(ScansBlobName(k), "scans", state, task);
-      rows.set_first_row(first);
-      rows.set_row_count(std::min(of_slice, scans - first));
+      TaskBuilder task("weigh", kWeighUs * CrossingsIn(state) * part, plan);
+      task.Set("sensor", k).Set("taken", schedule.taken).Read(kMapBlob);
+      if (schedule.taken > 0) task.Read(kProposalsBlob);
+      task.Read(kLogBlob)
+          .Read("sensor", SensorBlobName(k))
+          .Read("scans", ScansBlobName(k), {first, std::min(of_slice, scans - first)});
     }
   }
 }
@@ -89,12 +63,12 @@ void PlanExplaining(proto::Step* plan) {
   for (std::int64_t k = 0; k < SensorsIn(plan->state()); ++k) {
     const double cost =
         kExplainUs * CrossingsIn(plan->state()) / static_cast<double>(SensorsIn(plan->state()));
-    Task& task = AddTask("explain", cost, plan);
-    SetParam(task, "sensor", k);
-    AddInput(kMapBlob, kMapBlob, plan->state(), task);
-    AddInput(kLogBlob, kLogBlob, plan->state(), task);
-    AddInput(SensorBlobName(k), "sensor", plan->state(), task);
-    AddInput(ScansBlobName(k), "scans", plan->state(), task);
+    TaskBuilder("explain", cost, plan)
+        .Set("sensor", k)
+        .Read(kMapBlob)
+        .Read(kLogBlob)
+        .Read("sensor", SensorBlobName(k))
+        .Read("scans", ScansBlobName(k));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "pipelines/common/task_builder.h"
 #include "pipelines/image_features/band_features.h"
 
 namespace cairn::image_features {
@@ -45,16 +46,9 @@ ImageShape ShapeOf(const Options& options, const Blob& samples, const std::strin
 void AddTasks(const std::string& blob, const ImageShape& shape, proto::Step* plan) {
   const std::int64_t block = std::max<std::int64_t>(1, kBytesOfATask / shape.bytes());
   for (std::int64_t first = 0; first < shape.samples; first += block) {
-    Task& task = *plan->add_tasks();
-    task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
-    task.set_kind("features");
-    proto::InputRef& input = *task.add_inputs();
-    input.set_name("images");
-    input.set_blob(blob);
-    input.set_first_row(first);
-    input.set_row_count(std::min(block, shape.samples - first));
-    task.set_cost(static_cast<std::uint64_t>(
-        std::max(1.0, kByteUs * static_cast<double>(input.row_count() * shape.bytes()))));
+    const std::int64_t count = std::min(block, shape.samples - first);
+    TaskBuilder("features", kByteUs * static_cast<double>(count * shape.bytes()), plan)
+        .ReadHash("images", blob, {first, count});
   }
 }
 

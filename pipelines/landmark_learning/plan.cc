@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "pipelines/common/task_builder.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/compact.h"
 #include "pipelines/landmark_learning/error_sum/features.h"
@@ -16,35 +17,24 @@ namespace {
 constexpr double kFlopsPerUs = 4e4;
 
 // A task of so many flops, with the blobs of the State that it reads.
-Task& Add(const char* kind, double flops, std::initializer_list<const char*> blobs, proto::Step* plan) {
-  Task& task = *plan->add_tasks();
-  task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
-  task.set_kind(kind);
-  task.set_cost(static_cast<std::uint64_t>(std::max(1.0, flops / kFlopsPerUs)));
-  for (const char* name : blobs) {
-    proto::InputRef& input = *task.add_inputs();
-    input.set_name(name);
-    input.set_blob(plan->state().blobs().at(name));
-  }
+TaskBuilder Add(const char* kind, double flops, std::initializer_list<const char*> blobs, proto::Step* plan) {
+  TaskBuilder task(kind, flops / kFlopsPerUs, plan);
+  for (const char* name : blobs) task.Read(name);
   return task;
 }
 
-void Set(const char* name, std::int64_t value, Task* task) { (*task->mutable_params())[name].set_i(value); }
-
-void SetBlock(const Range& block, Task* task) {
-  Set("first", block.first, task);
-  Set("end", block.end, task);
+void SetBlock(const Range& block, TaskBuilder* task) {
+  task->Set("first", block.first).Set("end", block.end);
 }
 
 double VectorsOf(int networks) { return static_cast<double>(FeatureVectors(networks)); }
 
-void SetLearning(const Learning& learning, Task* task) {
-  Set("learns", learning.first, task);
-  Set("in_use", learning.end, task);
+void SetLearning(const Learning& learning, TaskBuilder* task) {
+  task->Set("learns", learning.first).Set("in_use", learning.end);
 }
 
 // The path that is planned, so that no task plans it again.
-void SetSum(const SumPlan& sum, Task* task) { (*task->mutable_params())["sum"].set_s(sum.Name()); }
+void SetSum(const SumPlan& sum, TaskBuilder* task) { task->Set("sum", sum.Name()); }
 
 }  // namespace
 
@@ -83,11 +73,11 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
   const double of_truth = StepFlops(t.learning.end) / data_.training.size();
   for (const Range& block : blocks) {
     const double truths = all ? block.size() : block.size() * kStretch;
-    Task& task = Add(kind, of_truth * truths, {"data", "parameters"}, plan);
+    TaskBuilder task = Add(kind, of_truth * truths, {"data", "parameters"}, plan);
     SetBlock(block, &task);
     SetLearning(t.learning, &task);
     SetSum(sum_, &task);
-    Set("step", t.steps, &task);
+    task.Set("step", t.steps);
   }
 }
 
@@ -117,11 +107,11 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
   const auto add = [&](const char* kind, const std::vector<Range>& blocks, double flops,
                        std::initializer_list<const char*> blobs) {
     for (const Range& block : blocks) {
-      Task& task = Add(kind, flops / static_cast<double>(blocks.size()), blobs, plan);
+      TaskBuilder task = Add(kind, flops / static_cast<double>(blocks.size()), blobs, plan);
       SetBlock(block, &task);
       SetLearning(t.learning, &task);
       SetSum(sum_, &task);
-      Set("step", t.steps, &task);
+      task.Set("step", t.steps);
     }
   };
   if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), forward, {"data", "parameters"});
@@ -145,18 +135,18 @@ void Planner::PlanSearch(proto::Step* plan) const {
   for (std::size_t length = 0; length < Conjugate::kTried.size(); ++length) {
     for (const Range& block : TrainingBlocks(static_cast<int>(options_.networks))) {
       const double flops = SearchFlops() * block.size() / data_.training.size();
-      Task& task = Add("search", flops, {"data", "parameters", "training"}, plan);
+      TaskBuilder task = Add("search", flops, {"data", "parameters", "training"}, plan);
       SetBlock(block, &task);
-      Set("length", static_cast<std::int64_t>(length), &task);
+      task.Set("length", static_cast<std::int64_t>(length));
     }
   }
 }
 
 void Planner::PlanFit(proto::Step* plan) const {
   for (std::int64_t network = 0; network < options_.networks; ++network) {
-    Task& task = Add("fit", FitFlops() / static_cast<double>(options_.networks),
-                     {"data", "parameters", "slopes"}, plan);
-    Set("network", network, &task);
+    TaskBuilder task = Add("fit", FitFlops() / static_cast<double>(options_.networks),
+                           {"data", "parameters", "slopes"}, plan);
+    task.Set("network", network);
   }
 }
 
@@ -176,7 +166,7 @@ void Planner::Plan(const Training& training, Step* step) const {
     if (FindsSlopes(training.phase) && Validates(training.steps)) {
       const double flops = ValidateFlops(training.learning.end);
       for (const Range& block : Blocks(data_.held_out.size(), flops)) {
-        Task& task =
+        TaskBuilder task =
             Add("validate", flops * block.size() / data_.held_out.size(), {"data", "parameters"}, &plan);
         SetBlock(block, &task);
         SetLearning(training.learning, &task);

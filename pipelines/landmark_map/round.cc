@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/common/task_builder.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/outlook.h"
@@ -65,13 +66,9 @@ class RoundPlanner {
 
   // From the partials of all robots' `backward` tasks.
   void AddMStep(std::size_t robots) {
-    Task& task = *plan_->add_tasks();
-    task.set_index(static_cast<std::uint32_t>(plan_->tasks_size() - 1));
-    task.set_kind("m_step");
-    task.set_cost(static_cast<std::uint64_t>(kMStepUs));
-    (*task.mutable_params())["robots"].set_i(static_cast<std::int64_t>(robots));
-    AddBlob("settings", "settings", &task);
-    for (std::size_t i = 0; i < backward_.size(); ++i) AddPartial(PartialInput(i), backward_[i], &task);
+    TaskBuilder task("m_step", kMStepUs, plan_);
+    task.Set("robots", robots).Read("settings");
+    for (std::size_t i = 0; i < backward_.size(); ++i) task.ReadPartial(PartialInput(i), backward_[i]);
   }
 
  private:
@@ -84,31 +81,22 @@ class RoundPlanner {
 
   std::int64_t AddTask(const char* kind, const OfRobot& of, int slice, std::int64_t before, std::int64_t beta,
                        std::int64_t guess) {
-    const std::int64_t index = plan_->tasks_size();
-    Task& task = *plan_->add_tasks();
-    task.set_index(static_cast<std::uint32_t>(index));
-    task.set_kind(kind);
-    task.set_cost(static_cast<std::uint64_t>(std::max(1.0, UsOf(kind, of, slice))));
-    auto& params = *task.mutable_params();
-    params["robot"].set_i(static_cast<std::int64_t>(of.robot));
-    params["name"].set_s(of.name);
-    params["count"].set_i(of.count);
-    params["work"].set_d(1e6 * options_.slice_mcells);
-    params["overlap"].set_i(carried_.overlap[of.robot]);
-    params["slice"].set_i(slice);
+    TaskBuilder task(kind, UsOf(kind, of, slice), plan_);
+    task.Set("robot", of.robot).Set("name", of.name).Set("count", of.count);
+    task.Set("work", 1e6 * options_.slice_mcells)
+        .Set("overlap", carried_.overlap[of.robot])
+        .Set("slice", slice);
     VisitOdometry(carried_.odometry[of.robot],
-                  [&](const char* figure, double value) { params[figure].set_d(value); });
-    params["summarise"].set_b(schedule_.summarise);
-    params["joint"].set_b(schedule_.robots > 1);
-    AddBlob("settings", "settings", &task);
-    AddBlob("steps", "steps/" + std::to_string(of.robot), &task);
-    if (plan_->state().blobs().contains("perception")) AddBlob("perception", "perception", &task);
-    if (schedule_.summarise) AddBlob("landmarks", "landmarks", &task);
-    if (!of.guessed.empty()) AddBlob("guesses", kGuesses + std::to_string(of.robot), &task);
-    if (before != kNone) AddPartial("before", before, &task);
-    if (beta != kNone) AddPartial("beta", beta, &task);
-    if (guess != kNone) AddPartial("guess", guess, &task);
-    return index;
+                  [&](const char* figure, double value) { task.Set(figure, value); });
+    task.Set("summarise", schedule_.summarise).Set("joint", schedule_.robots > 1);
+    task.Read("settings").Read("steps", "steps/" + std::to_string(of.robot));
+    if (plan_->state().blobs().contains("perception")) task.Read("perception");
+    if (schedule_.summarise) task.Read("landmarks");
+    if (!of.guessed.empty()) task.Read("guesses", kGuesses + std::to_string(of.robot));
+    if (before != kNone) task.ReadPartial("before", before);
+    if (beta != kNone) task.ReadPartial("beta", beta);
+    if (guess != kNone) task.ReadPartial("guess", guess);
+    return task.index();
   }
 
   // Slices are filled one after the other: of those in reserve nothing is expected.
@@ -118,18 +106,6 @@ class RoundPlanner {
         kind == "incremental" ? cells : std::clamp(cells - slice * slice_cells, 0.0, slice_cells);
     const bool map = plan_->state().blobs().contains("perception");
     return here * (kind == "backward" ? kBackwardUs : kForwardUs) * (map ? 1.0 : kWithoutMap);
-  }
-
-  void AddBlob(const char* name, const std::string& key, Task* task) {
-    proto::InputRef& input = *task->add_inputs();
-    input.set_name(name);
-    input.set_blob(plan_->state().blobs().at(key));
-  }
-
-  static void AddPartial(const std::string& name, std::int64_t index, Task* task) {
-    proto::InputRef& input = *task->add_inputs();
-    input.set_name(name);
-    input.set_task(static_cast<std::uint32_t>(index));
   }
 
   const Options& options_;

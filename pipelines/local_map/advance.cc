@@ -129,14 +129,13 @@ class Turn {
   void PlanSegments(std::size_t r, const std::vector<Sweep>& sweeps, const char* kind) {
     const std::vector<std::size_t> knots = KnotsOf(sweeps, options_.knots);
     for (const Stretch& segment : SegmentsOf(r, sweeps, options_)) {
-      Task& task = AddSweepTask(kind, std::string(kind) == "walls" ? kWallsUs : kTracesUs, segment,
-                                PathName(r), &step_.plan);
+      TaskBuilder task = AddSweepTask(kind, std::string(kind) == "walls" ? kWallsUs : kTracesUs, segment,
+                                      PathName(r), &step_.plan);
       if (kind == std::string("walls")) continue;
       const auto first = std::ranges::lower_bound(knots, segment.own);
       const auto last = std::ranges::lower_bound(knots, segment.end);
       if (first == last) continue;
-      AddRows("knots", KnotsName(r), static_cast<std::size_t>(first - knots.begin()),
-              static_cast<std::size_t>(last - first), state(), &task);
+      task.Read("knots", KnotsName(r), {first - knots.begin(), last - first});
     }
   }
 
@@ -215,13 +214,13 @@ class Turn {
       std::size_t end = first;
       while (end < pairs.size() && static_cast<std::size_t>(pairs[end].knot) < knot + kKnotsOfTask) ++end;
       const auto last = static_cast<std::size_t>(pairs[end - 1].knot);
-      Task& task = *step_.plan.add_tasks();
-      task.set_index(static_cast<std::uint32_t>(step_.plan.tasks_size() - 1));
-      task.set_kind("pairs");
-      task.set_cost(static_cast<std::uint64_t>(PairUs(round) * static_cast<double>(end - first)));
-      AddStateInput("traces", kTraces, state(), &task);
-      AddRows("surroundings", kSurroundings, knot, last + 1 - knot, state(), &task);
-      AddRows("pairs", kPairs, first, end - first, state(), &task);
+      const auto rows = [](std::size_t from, std::size_t to) {
+        return BlobRows{static_cast<std::int64_t>(from), static_cast<std::int64_t>(to - from)};
+      };
+      TaskBuilder("pairs", PairUs(round) * static_cast<double>(end - first), &step_.plan)
+          .Read("traces", kTraces)
+          .Read("surroundings", kSurroundings, rows(knot, last + 1))
+          .Read("pairs", kPairs, rows(first, end));
       first = end;
     }
     ExpectRest("pairs", options_, round, Sweeps(), static_cast<double>(pairs.size()), &step_.plan);
@@ -307,10 +306,9 @@ class Turn {
     SetPhase("follow");
     for (std::size_t r = 0; r < robots_; ++r) {
       if (all_[r].sweeps.empty()) continue;
-      Task& task =
-          AddSweepTask("follow", kFollowUs, {r, 0, 0, all_[r].sweeps.size()}, PathName(r), &step_.plan);
-      AddStateInput("traces", kTraces, state(), &task);
-      AddStateInput("connections", kConnections, state(), &task);
+      AddSweepTask("follow", kFollowUs, {r, 0, 0, all_[r].sweeps.size()}, PathName(r), &step_.plan)
+          .Read("traces", kTraces)
+          .Read("connections", kConnections);
     }
     ExpectRest("follow", options_, 0, Sweeps(), 0, &step_.plan);
   }

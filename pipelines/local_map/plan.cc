@@ -23,34 +23,16 @@ std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& swe
   return segments;
 }
 
-proto::InputRef& AddStateInput(const char* name, const std::string& blob_name, const State& state,
-                               Task* task) {
-  proto::InputRef& input = *task->add_inputs();
-  input.set_name(name);
-  input.set_blob(state.blobs().at(blob_name));
-  return input;
-}
-
-void AddRows(const char* name, const std::string& blob_name, std::size_t first, std::size_t count,
-             const State& state, Task* task) {
-  proto::InputRef& input = AddStateInput(name, blob_name, state, task);
-  input.set_first_row(static_cast<std::int64_t>(first));
-  input.set_row_count(static_cast<std::int64_t>(count));
-}
-
-Task& AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch, const std::string& rows_name,
-                   proto::Step* plan) {
-  Task& task = *plan->add_tasks();
-  task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
-  task.set_kind(kind);
-  task.set_cost(static_cast<std::uint64_t>(us_of_sweep * static_cast<double>(stretch.end - stretch.first)));
-  auto& params = *task.mutable_params();
-  params["robot"].set_i(static_cast<std::int64_t>(stretch.robot));
-  params["first"].set_i(static_cast<std::int64_t>(stretch.first));
-  params["own"].set_i(static_cast<std::int64_t>(stretch.own - stretch.first));
-  AddStateInput("log", kLogInput, plan->state(), &task);
-  AddStateInput("rings", RingsName(stretch.robot), plan->state(), &task);
-  AddRows("rows", rows_name, stretch.first, stretch.end - stretch.first, plan->state(), &task);
+TaskBuilder AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch,
+                         const std::string& rows_name, proto::Step* plan) {
+  const auto count = static_cast<std::int64_t>(stretch.end - stretch.first);
+  TaskBuilder task(kind, us_of_sweep * static_cast<double>(count), plan);
+  task.Set("robot", stretch.robot)
+      .Set("first", stretch.first)
+      .Set("own", stretch.own - stretch.first)
+      .Read(kLogInput)
+      .Read("rings", RingsName(stretch.robot))
+      .Read("rows", rows_name, {static_cast<std::int64_t>(stretch.first), count});
   return task;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/common/task_builder.h"
 #include "pipelines/local_map/options.h"
 #include "pipelines/local_map/path/runs.h"
 #include "pipelines/pipeline.h"
@@ -41,13 +42,7 @@ void ExpectRest(const std::string& kind, const Options& options, std::int64_t ro
                 double pairs, proto::Step* plan);
 
 // A task that reads sweeps [first, end) of the rows `rows_name` of the state.
-Task& AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch, const std::string& rows_name,
-                   proto::Step* plan);
-
-// The input of a task that is a blob of the state; or some rows of it, one at least.
-proto::InputRef& AddStateInput(const char* name, const std::string& blob_name, const State& state,
-                               Task* task);
-void AddRows(const char* name, const std::string& blob_name, std::size_t first, std::size_t count,
-             const State& state, Task* task);
+TaskBuilder AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch,
+                         const std::string& rows_name, proto::Step* plan);
 
 }  // namespace cairn::local_map

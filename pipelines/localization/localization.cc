@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pipelines/common/task_builder.h"
 #include "pipelines/localization/result.h"
 #include "pipelines/localization/space.h"
 #include "pipelines/localization/traverse.h"
@@ -41,28 +42,14 @@ double TraverseCost(const Options& options, const Source& source, std::size_t pl
   return of_place * PlacesOfTraverse(options, source, places);
 }
 
-// A State's task of `kind` that reads the named blobs of it.
-void AddTask(const char* kind, const Range& range, double cost, const std::vector<const char*>& blobs,
-             proto::Step* plan) {
-  Task& task = *plan->add_tasks();
-  task.set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
-  task.set_kind(kind);
-  task.set_cost(static_cast<std::uint64_t>(std::max(1.0, cost)));
-  (*task.mutable_params())["first"].set_i(static_cast<std::int64_t>(range.first));
-  (*task.mutable_params())["end"].set_i(static_cast<std::int64_t>(range.end));
-  for (const char* name : blobs) {
-    proto::InputRef& input = *task.add_inputs();
-    input.set_name(name);
-    input.set_blob(plan->state().blobs().at(name));
-  }
-}
-
 // Of `count` things, which cost so much each.
 void AddTasks(const char* kind, std::size_t count, std::size_t of_task, double each,
               const std::vector<const char*>& blobs, proto::Step* plan) {
   for (std::size_t first = 0; first < count; first += of_task) {
-    const Range range{first, std::min(count, first + of_task)};
-    AddTask(kind, range, each * static_cast<double>(range.end - range.first), blobs, plan);
+    const std::size_t end = std::min(count, first + of_task);
+    TaskBuilder task(kind, each * static_cast<double>(end - first), plan);
+    task.Set("first", first).Set("end", end);
+    for (const char* name : blobs) task.Read(name);
   }
 }
 

@@ -1,0 +1,35 @@
+#include "pipelines/common/task_builder.h"
+
+#include <algorithm>
+
+namespace cairn {
+
+TaskBuilder::TaskBuilder(std::string_view kind, double cost, proto::Step* plan)
+    : plan_(plan), task_(plan->add_tasks()) {
+  task_->set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
+  task_->set_kind(std::string(kind));
+  task_->set_cost(static_cast<std::uint64_t>(std::max(1.0, cost)));
+}
+
+TaskBuilder& TaskBuilder::Read(const std::string& as, const std::string& blob, BlobRows rows) {
+  return ReadHash(as, plan_->state().blobs().at(blob), rows);
+}
+
+TaskBuilder& TaskBuilder::ReadHash(const std::string& as, const std::string& hash, BlobRows rows) {
+  proto::InputRef& input = *task_->add_inputs();
+  input.set_name(as);
+  input.set_blob(hash);
+  if (rows.count == 0) return *this;
+  input.set_first_row(rows.first);
+  input.set_row_count(rows.count);
+  return *this;
+}
+
+TaskBuilder& TaskBuilder::ReadPartial(const std::string& as, std::int64_t task) {
+  proto::InputRef& input = *task_->add_inputs();
+  input.set_name(as);
+  input.set_task(static_cast<std::uint32_t>(task));
+  return *this;
+}
+
+}  // namespace cairn
