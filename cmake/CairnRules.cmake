@@ -26,7 +26,7 @@ set(CAIRN_LINKS_datasets_inspect "schema/store|datasets/common|nlohmann_json::.*
 set(CAIRN_LINKS_datasets_import "datasets/common|ZLIB::.*")
 set(CAIRN_LINKS_datasets_simulate "datasets/(common|simulate)")
 set(CAIRN_LINKS_datasets_simulate_corridor "datasets/(common|simulate)|pipelines/image_features")
-set(CAIRN_LINKS_datasets_evaluate "datasets/common|datasets/evaluate/.*|nlohmann_json::.*")
+set(CAIRN_LINKS_datasets_evaluate "datasets/common|datasets/evaluate/.*|fmt::fmt|nlohmann_json::.*")
 set(CAIRN_LINKS_datasets_evaluate_matching "datasets/common")
 set(CAIRN_LINKS_datasets_evaluate_maps "datasets/common|datasets/evaluate/matching")
 set(CAIRN_LINKS_datasets_report

@@ -16,7 +16,7 @@ build_packages=(
   g++ cmake ninja-build pkg-config protobuf-compiler
   libprotobuf-dev libeigen3-dev libzmq3-dev cppzmq-dev libhdf5-dev libsqlite3-dev libxxhash-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
-  libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
+  libfmt-dev libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
   patch # Simulation.PlantedBugsApply
 )
 arm64_packages=(g++-aarch64-linux-gnu qemu-user)

@@ -1,5 +1,7 @@
 #include "datasets/evaluate/evaluate.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -241,11 +243,78 @@ Blob TruthUntil(const Blob& log, double until_s) {
   return cut;
 }
 
+void AddLandmarks(const std::optional<LandmarkScore>& score, Scores* scores) {
+  if (!score) {
+    for (const char* name :
+         {"found", "missed", "spurious", "within_3m", "rmse_m", "rmse_similarity_m", "gospa_m"})
+      scores->AddForPrograms(std::string("landmarks.") + name, {});
+    scores->AddForPeople("landmarks", "unknown: the truth has none");
+    return;
+  }
+  scores->Add("landmarks.found", score->found, fmt::format(" of {} observed", score->found + score->missed));
+  scores->Add("landmarks.missed", score->missed);
+  scores->Add("landmarks.spurious", score->spurious);
+  scores->Add("landmarks.within_3m", score->within_3m);
+  scores->Add("landmarks.rmse_m", OrNone(score->rmse_m));
+  scores->Add("landmarks.rmse_similarity_m", OrNone(score->rmse_similarity_m));
+  scores->Add("landmarks.gospa_m", score->gospa_m);
+}
+
+void AddTrajectories(const Evaluation& evaluation, Scores* scores) {
+  scores->Add("trajectory.rmse_m", OrNone(evaluation.trajectory_rmse_m),
+              evaluation.trajectory_rmse_m ? ", the worst robot" : "");
+  std::vector<Scores> robots;
+  for (const RobotScore& robot : evaluation.robots) {
+    Scores& row = robots.emplace_back();
+    row.Add("name", robot.name);
+    row.Add("rmse_m", OrNone(robot.rmse_m));
+    row.Add("heading_rmse_rad", OrNone(robot.heading_rmse_rad));
+    row.Add("poses", robot.poses);
+  }
+  scores->AddRows("trajectory.robots", std::move(robots));
+}
+
+void AddTopology(const Evaluation& evaluation, Scores* scores) {
+  const bool known = evaluation.topology_correct.has_value();
+  const auto count = [&](std::int64_t n) { return known ? ScoreValue(n) : ScoreValue(); };
+  const auto add = [&](const char* name, std::int64_t n, const char* all_name, std::int64_t all,
+                       const char* of) {
+    const std::string path = std::string("topology.") + name;
+    const ScoreValue share = known ? ShareOf(n, all) : ScoreValue();
+    scores->AddForPrograms(std::string("topology.") + all_name, count(all));
+    scores->AddForPrograms(path, count(n));
+    scores->AddForPrograms(path + "_share", share);
+    if (!known) return;
+    std::string words = fmt::format("{} of {} {}", n, all, of);
+    if (all > 0) words += fmt::format(" ({:.1f}%)", 100 * std::get<Share>(share).value);
+    scores->AddForPeople(path, words);
+  };
+  scores->Add("topology.correct", OrNone(evaluation.topology_correct));
+  add("wrong", evaluation.wrong, "associations", evaluation.associations, "associations");
+  add("unused", evaluation.unused, "observations", evaluation.observations, "observations of landmarks");
+}
+
 }  // namespace
 
 Evaluation Evaluate(const Blob& result, const Blob& truth_log) {
   if (!result.Has("until_s")) return Evaluator(result, truth_log).Run();
   return Evaluator(result, TruthUntil(truth_log, result.Scalar<double>("until_s"))).Run();
+}
+
+Scores ScoresOf(const Evaluation& evaluation) {
+  Scores scores;
+  AddLandmarks(evaluation.landmarks, &scores);
+  AddTrajectories(evaluation, &scores);
+  AddTopology(evaluation, &scores);
+  scores.Add("iterations", evaluation.iterations);
+  scores.Add("seconds", OrNone(evaluation.seconds));
+  if (!evaluation.refinement_refused.empty()) scores.Add("refinement", evaluation.refinement_refused);
+  scores.Add("alignment.on", evaluation.aligned_on);
+  scores.AddForPrograms("alignment.angle_rad", evaluation.alignment.angle_rad);
+  scores.AddForPrograms("alignment.x_m", evaluation.alignment.x_m);
+  scores.AddForPrograms("alignment.y_m", evaluation.alignment.y_m);
+  scores.AddForPrograms("alignment.scale_if_fitted", evaluation.scale);
+  return scores;
 }
 
 }  // namespace cairn::datasets

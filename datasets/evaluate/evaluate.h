@@ -8,6 +8,7 @@
 
 #include "datasets/evaluate/matching/point_match.h"
 #include "datasets/evaluate/matching/similarity.h"
+#include "datasets/evaluate/scores.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -63,11 +64,7 @@ struct Evaluation {
 // log whose content, truth aside, is not what the result was made from, no truth.
 Evaluation Evaluate(const Blob& result, const Blob& truth_log);
 
-// {"landmarks": {"found": …}, "trajectory": {…}, "topology": {"correct": …, "wrong": …, "unused": …},
-// "iterations": …, "seconds": …, "alignment": {…}}, as one line or indented; null stands for what there is
-// none of.
-std::string EvaluationJson(const Evaluation& evaluation, int indent = 2);
-// The same for people, a line each.
-std::string EvaluationText(const Evaluation& evaluation);
+// As the page docs/evaluate.md has them.
+Scores ScoresOf(const Evaluation& evaluation);
 
 }  // namespace cairn::datasets

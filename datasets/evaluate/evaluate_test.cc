@@ -237,11 +237,11 @@ TEST(Evaluate, ObservationsThatTheMapDoesNotUseAreUnusedNotWrong) {
   EXPECT_EQ(e.topology_correct, true);
   EXPECT_EQ(e.observations, 8);
   EXPECT_EQ(e.unused, 3);
-  const auto json = nlohmann::json::parse(EvaluationJson(e));
+  const auto json = nlohmann::json::parse(ScoresOf(e).ToJson());
   EXPECT_EQ(json.at("topology").at("unused"), 3);
   EXPECT_EQ(json.at("topology").at("unused_share"), 0.375);
-  EXPECT_NE(EvaluationText(e).find("3 of 8 observations of landmarks (37.5%)"), std::string::npos)
-      << EvaluationText(e);
+  EXPECT_NE(ScoresOf(e).ToText().find("3 of 8 observations of landmarks (37.5%)"), std::string::npos)
+      << ScoresOf(e).ToText();
   // Looked at, and held to be false.
   result.PutVector("robot/0/observations/probability", std::vector<double>{1, 1, 1, 1, 1, 0.9, 0.9, 0.9});
   EXPECT_EQ(Evaluate(result, log).topology_correct, false);
@@ -302,7 +302,7 @@ TEST(Evaluate, SaysWhatIsWrongWithItsInput) {
 
 TEST(EvaluationJson, HasEveryFieldAndNullWhereThereIsNoTruth) {
   const Blob log = SquareLog().Without("truth/robot/0/poses/");
-  const auto json = nlohmann::json::parse(EvaluationJson(Evaluate(PerfectLandmarkMap(log), log)));
+  const auto json = nlohmann::json::parse(ScoresOf(Evaluate(PerfectLandmarkMap(log), log)).ToJson());
   for (const char* name :
        {"found", "missed", "spurious", "within_3m", "rmse_m", "rmse_similarity_m", "gospa_m"}) {
     EXPECT_TRUE(json.at("landmarks").at(name).is_number()) << name;
@@ -322,16 +322,17 @@ TEST(EvaluationJson, HasEveryFieldAndNullWhereThereIsNoTruth) {
 TEST(EvaluationText, SaysThatARefinementWasRefused) {
   const Blob log = SquareLog();
   Blob result = PerfectLandmarkMap(log);
-  EXPECT_EQ(EvaluationText(Evaluate(result, log)).find("refinement"), std::string::npos);
+  EXPECT_EQ(ScoresOf(Evaluate(result, log)).ToText().find("refinement"), std::string::npos);
   result.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   const Evaluation evaluation = Evaluate(result, log);
-  EXPECT_NE(EvaluationText(evaluation).find("refused: the least squares has no solution"), std::string::npos);
-  EXPECT_EQ(nlohmann::json::parse(EvaluationJson(evaluation)).at("refinement"),
+  EXPECT_NE(ScoresOf(evaluation).ToText().find("refused: the least squares has no solution"),
+            std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(ScoresOf(evaluation).ToJson()).at("refinement"),
             "refused: the least squares has no solution");
 }
 
 TEST(EvaluationText, SaysTheMainThings) {
-  const std::string text = EvaluationText(Evaluate(PerfectLandmarkMap(SquareLog()), SquareLog()));
+  const std::string text = ScoresOf(Evaluate(PerfectLandmarkMap(SquareLog()), SquareLog())).ToText();
   EXPECT_NE(text.find("4 of 4 observed"), std::string::npos);
   EXPECT_NE(text.find("topology.correct                yes"), std::string::npos);
 }

@@ -1,5 +1,7 @@
 #include "datasets/evaluate/features.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -85,6 +87,23 @@ std::optional<double> DetectionShare(std::int64_t part, std::int64_t rest) {
   return static_cast<double>(part) / static_cast<double>(part + rest);
 }
 
+Scores ScoresOfDetection(const Detection& d) {
+  const auto share = [](const std::optional<double>& value) {
+    return value ? ScoreValue(Share{*value}) : ScoreValue();
+  };
+  Scores scores;
+  scores.Add("detector", d.detector);
+  scores.Add("truth", d.truth);
+  scores.Add("precision", share(d.precision()));
+  scores.Add("recall", share(d.recall()),
+             fmt::format(", of {} samples", d.both + d.only_detected + d.only_true + d.neither));
+  scores.AddForPrograms("both", d.both);
+  scores.AddForPrograms("only_detected", d.only_detected);
+  scores.AddForPrograms("only_true", d.only_true);
+  scores.AddForPrograms("neither", d.neither);
+  return scores;
+}
+
 }  // namespace
 
 FeatureEvaluation EvaluateFeatures(const Blob& samples, const Blob* truth,
@@ -138,6 +157,21 @@ Detection CompareFeatures(const Blob& samples, const std::string& detector, cons
     }
   }
   return detection;
+}
+
+Scores ScoresOf(const FeatureEvaluation& evaluation, const std::optional<Detection>& detection) {
+  Scores scores;
+  scores.Add("features", evaluation.features, ", made by hand");
+  AddMapOptions(evaluation.options, evaluation.headings, &scores);
+  scores.Add("in_turn", evaluation.in_turn, evaluation.in_turn ? ", each run was held out once" : "");
+  AddRuns(evaluation.runs, &scores);
+  if (evaluation.in_turn)
+    scores.AddForPrograms("map_runs", evaluation.map_runs);
+  else
+    scores.Add("map_runs", evaluation.map_runs);
+  if (detection) scores.AddGroup("detection", ScoresOfDetection(*detection));
+  AddWindows(evaluation.windows, &scores);
+  return scores;
 }
 
 }  // namespace cairn::datasets

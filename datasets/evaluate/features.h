@@ -43,10 +43,7 @@ struct Detection {
 // Throws InputError as ReadFeatureRuns does.
 Detection CompareFeatures(const Blob& samples, const std::string& detector, const std::string& truth);
 
-// As NetworkEvaluationJson and …Text; with `detection` also its figures.
-std::string FeatureEvaluationJson(const FeatureEvaluation& evaluation,
-                                  const std::optional<Detection>& detection, int indent = 2);
-std::string FeatureEvaluationText(const FeatureEvaluation& evaluation,
-                                  const std::optional<Detection>& detection);
+// As those of networks; with `detection` also its figures.
+Scores ScoresOf(const FeatureEvaluation& evaluation, const std::optional<Detection>& detection = {});
 
 }  // namespace cairn::datasets

@@ -111,8 +111,10 @@ TEST(EvaluateFeatures, CountsWhatADetectorFinds) {
   EXPECT_EQ(*d.recall(), 0.5);
   EXPECT_EQ(Detection{}.precision(), std::nullopt);
   const auto e = EvaluateFeatures(TwoHalves(), nullptr, {"never"}, {}, Nearest(1));
-  EXPECT_EQ(nlohmann::json::parse(FeatureEvaluationJson(e, d))["detection"]["precision"], 0.5);
-  ExpectContains(FeatureEvaluationText(e, d), "precision 50.0%, recall 50.0%, of 4 samples");
+  EXPECT_EQ(nlohmann::json::parse(ScoresOf(e, d).ToJson())["detection"]["precision"], 0.5);
+  ExpectContains(ScoresOf(e, d).ToText(),
+                 "detection.precision             50.0%\n"
+                 "detection.recall                50.0%, of 4 samples\n");
 }
 
 TEST(EvaluateFeatures, SayWhatIsWrong) {

@@ -1,5 +1,7 @@
 #include "datasets/evaluate/grid.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -102,6 +104,67 @@ GridEvaluation GridScore(const Blob& map, const std::optional<MapTruth>& truth,
   return evaluation;
 }
 
+void AddCells(const std::optional<CellScore>& cells, Scores* scores) {
+  if (!cells) {
+    scores->Add("cells", {}, "unknown: the truth has no walls");
+    return;
+  }
+  scores->Add("cells.false_occupied", cells->false_occupied, fmt::format(" of {} free", cells->free));
+  scores->AddForPrograms("cells.free", cells->free);
+  scores->Add("cells.missed_occupied", cells->missed_occupied,
+              fmt::format(" of {} due, {} of them held to be free", cells->due, cells->missed_free));
+  scores->AddForPrograms("cells.missed_free", cells->missed_free);
+  scores->AddForPrograms("cells.due", cells->due);
+  scores->Add("cells.occupied_beyond_walls", cells->beyond_walls);
+}
+
+void AddDoors(const std::vector<DoorScore>& doors, Scores* scores) {
+  if (doors.empty()) {
+    scores->AddForPrograms("door.open", {});
+    scores->AddRowsForPrograms("door.each", {});
+    return;
+  }
+  scores->Add("door.open", std::ranges::all_of(doors, &DoorScore::open), ", of all of them");
+  std::vector<Scores> each;
+  for (const DoorScore& door : doors) {
+    Scores& row = each.emplace_back();
+    row.Add("open", door.open);
+    row.Add("passage_m", door.passage_m);
+    row.Add("truly_open", door.truly_open);
+  }
+  scores->AddRows("door.each", std::move(each));
+}
+
+void AddHeldOut(const std::optional<HeldOutScore>& score, Scores* scores) {
+  if (!score) {
+    scores->Add("heldout.log_likelihood_per_reading", {}, "unknown: nothing was held out");
+    scores->AddForPrograms("heldout.readings", std::int64_t{0});
+    scores->AddRowsForPrograms("heldout.sensors", {});
+    return;
+  }
+  scores->Add("heldout.log_likelihood_per_reading", score->log_likelihood_per_reading, " nat");
+  scores->Add("heldout.readings", score->readings);
+  std::vector<Scores> sensors;
+  for (const SensorLikelihood& sensor : score->sensors) {
+    Scores& row = sensors.emplace_back();
+    row.Add("name", sensor.name);
+    row.Add("readings", sensor.readings);
+    row.Add("log_likelihood_per_reading", sensor.log_likelihood / static_cast<double>(sensor.readings));
+    row.Add("p_hit", sensor.model.p_hit);
+    row.Add("p_rand", sensor.model.p_rand);
+    row.Add("sigma_m", sensor.model.sigma_m);
+  }
+  scores->AddRows("heldout.sensors", std::move(sensors));
+}
+
+Scores ScoresOfLayer(const LayerScore& layer) {
+  Scores scores;
+  AddCells(layer.cells, &scores);
+  AddDoors(layer.doors, &scores);
+  AddHeldOut(layer.held_out, &scores);
+  return scores;
+}
+
 }  // namespace
 
 GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
@@ -132,6 +195,21 @@ std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_
 
 GridEvaluation CompareGrids(const Blob& map, const Blob& reference) {
   return GridScore(map, TruthOfMap(ReadOccupancy(map).box, ReadOccupancy(reference)), {}, {});
+}
+
+Scores ScoresOf(const GridEvaluation& evaluation) {
+  Scores scores = ScoresOfLayer(evaluation.map);
+  if (evaluation.most_likely)
+    scores.AddGroup("most_likely", ScoresOfLayer(*evaluation.most_likely));
+  else
+    scores.AddForPrograms("most_likely", {});
+  scores.AddForPrograms("cell_m", evaluation.cell_m);
+  if (evaluation.pose_rmse_m)
+    scores.Add("pose_rmse_m", *evaluation.pose_rmse_m);
+  else
+    scores.AddForPrograms("pose_rmse_m", {});
+  scores.Add("seconds", OrNone(evaluation.seconds));
+  return scores;
 }
 
 }  // namespace cairn::datasets

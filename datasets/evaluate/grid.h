@@ -8,6 +8,7 @@
 
 #include "datasets/evaluate/maps/likelihood.h"
 #include "datasets/evaluate/maps/truth.h"
+#include "datasets/evaluate/scores.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -53,7 +54,6 @@ std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_
 // Against another map of the same place, in the same frame.
 GridEvaluation CompareGrids(const Blob& map, const Blob& reference);
 
-std::string GridEvaluationJson(const GridEvaluation& evaluation, int indent = 2);
-std::string GridEvaluationText(const GridEvaluation& evaluation);
+Scores ScoresOf(const GridEvaluation& evaluation);
 
 }  // namespace cairn::datasets

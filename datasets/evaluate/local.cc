@@ -1,5 +1,7 @@
 #include "datasets/evaluate/local.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -326,6 +328,45 @@ std::optional<WallScore> ScoreWalls(const Blob& result, const Blob& log, const s
   return score;
 }
 
+void AddPath(const LocalEvaluation& score, Scores* scores) {
+  const auto add = [&](const std::string& prefix, const PathError& error) {
+    scores->Add(prefix + "rmse_m", error.rmse_m);
+    scores->Add(prefix + "mean_m", error.mean_m);
+    scores->Add(prefix + "worst_m", error.worst_m);
+  };
+  add("trajectory.", score.path);
+  scores->Add("trajectory.heading_rmse_deg", score.heading_rmse_deg);
+  add("trajectory.odometry_", score.odometry);
+  if (score.traces) {
+    add("trajectory.in_trace_", *score.traces);
+    scores->Add("trajectory.in_trace_odometry_mean_m", score.traces_odometry.mean_m);
+    scores->Add("trajectory.in_trace_corrected", Share{score.corrected}, " of the sweeps");
+  } else {
+    for (const char* name : {"rmse_m", "mean_m", "worst_m", "odometry_mean_m", "corrected"})
+      scores->AddForPrograms(std::string("trajectory.in_trace_") + name, {});
+  }
+  scores->AddForPrograms("trajectory.poses", score.path.poses);
+}
+
+void AddWalls(const std::optional<WallScore>& walls, Scores* scores) {
+  if (!walls) {
+    scores->AddForPrograms("wall_orientation", {});
+    return;
+  }
+  const auto share = [](const std::optional<double>& value) {
+    return value ? ScoreValue(Share{*value}) : ScoreValue();
+  };
+  scores->Add("wall_orientation.error_deg", walls->error_deg, " on average");
+  scores->Add("wall_orientation.within_2_deg", Share{walls->within_2_deg},
+              " of the sweeps after the first lock");
+  scores->Add("wall_orientation.first_lock_s", walls->first_lock_s);
+  scores->AddForPrograms("wall_orientation.sweeps", walls->sweeps);
+  scores->Add("wall_orientation.other_area_found", share(walls->other_area_found),
+              walls->other_area_found ? " of the sweeps in turned areas" : "no area is turned");
+  scores->Add("wall_orientation.other_area_false", share(walls->other_area_false),
+              walls->other_area_false ? " of the other sweeps" : "no area is turned");
+}
+
 }  // namespace
 
 LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log) {
@@ -346,6 +387,25 @@ LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log) {
   }
   if (result.Has("provenance/seconds_s")) out.seconds = result.Scalar<double>("provenance/seconds_s");
   return out;
+}
+
+Scores ScoresOf(const LocalEvaluation& score) {
+  Scores scores;
+  AddPath(score, &scores);
+  AddWalls(score.walls, &scores);
+  scores.Add("loops.found", score.loops.found, fmt::format(", {} of them wrong", score.loops.wrong));
+  scores.AddForPrograms("loops.wrong", score.loops.wrong);
+  scores.Add("loops.mean_m", score.loops.mean_m, " off those that are right");
+  scores.Add("loops.rejected", score.loops.rejected,
+             fmt::format(", {} of them wrong", score.loops.rejected_wrong));
+  scores.AddForPrograms("loops.rejected_wrong", score.loops.rejected_wrong);
+  scores.Add("traces", score.trace_count);
+  scores.Add("cuts", score.cuts);
+  scores.Add("seconds", OrNone(score.seconds));
+  scores.AddForPrograms("alignment.angle_rad", score.alignment.angle_rad);
+  scores.AddForPrograms("alignment.x_m", score.alignment.x_m);
+  scores.AddForPrograms("alignment.y_m", score.alignment.y_m);
+  return scores;
 }
 
 }  // namespace cairn::datasets

@@ -8,6 +8,7 @@
 
 #include "datasets/common/planar.h"
 #include "datasets/evaluate/matching/similarity.h"
+#include "datasets/evaluate/scores.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -55,7 +56,6 @@ struct LocalEvaluation {
 // another log, no true poses.
 LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log);
 
-std::string LocalEvaluationJson(const LocalEvaluation& score, int indent = 2);
-std::string LocalEvaluationText(const LocalEvaluation& score);
+Scores ScoresOf(const LocalEvaluation& evaluation);
 
 }  // namespace cairn::datasets

@@ -186,15 +186,13 @@ TEST(EvaluateLocal, OdometryIsHeldAgainstTheFramesOfTracesToo) {
 
 TEST(EvaluateLocal, JsonHasTheNamesThatAreWrittenOf) {
   const Blob log = Log();
-  const auto json = nlohmann::json::parse(LocalEvaluationJson(EvaluateLocal(Result(log), log)));
+  const auto json = nlohmann::json::parse(ScoresOf(EvaluateLocal(Result(log), log)).ToJson());
   for (const char* name : {"/trajectory/rmse_m", "/trajectory/odometry_rmse_m", "/trajectory/mean_m",
                            "/wall_orientation/error_deg", "/loops/found", "/loops/wrong"})
     EXPECT_TRUE(json.at(nlohmann::json::json_pointer(name)).is_number()) << name;
   EXPECT_TRUE(json["trajectory"]["in_trace_mean_m"].is_null());
-  const std::string text = LocalEvaluationText(EvaluateLocal(Result(log), log));
-  EXPECT_NE(text.find("loops.found                     2, 1 of them wrong, 1 more rejected"),
-            std::string::npos)
-      << text;
+  const std::string text = ScoresOf(EvaluateLocal(Result(log), log)).ToText();
+  EXPECT_NE(text.find("loops.found                       2, 1 of them wrong\n"), std::string::npos) << text;
 }
 
 TEST(EvaluateLocal, RefusesWhatDoesNotFit) {

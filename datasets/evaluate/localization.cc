@@ -1,5 +1,7 @@
 #include "datasets/evaluate/localization.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -151,10 +153,64 @@ class LocalizationEvaluator {
   std::vector<LocalizationError> steps_;
 };
 
+// For people not every row: the first ones, then fewer and fewer.
+bool IsShown(const LocalizationScore& score, std::size_t row) {
+  return row <= 4 || (row <= 20 && row % 2 == 0) || row == 19 || row % 10 == 0 ||
+         row + 1 == score.rows.size();
+}
+
+void AddError(const std::string& name, const MeanError& error, Scores* row) {
+  const auto& interval = error.interval_95;
+  row->Add(name + ".mean_m", error.mean_m,
+           interval ? fmt::format(" +-{:.3f}", interval->high - error.mean_m) : "");
+  row->AddForPrograms(name + ".mean_m_95", OrNone(interval));
+}
+
+Scores ScoresOfRow(const LocalizationScore& score, std::size_t k) {
+  const LocalizationRow& row = score.rows[k];
+  Scores scores;
+  if (!IsShown(score, k)) scores.LeaveToPrograms();
+  scores.Add("sensations", row.sensations);
+  scores.Add("way_m", row.way_m);
+  scores.Add("traverses", row.traverses);
+  AddError("error", row.believed, &scores);
+  AddError("error_of_mean", row.mean, &scores);
+  AddError("error_of_mode", row.mode, &scores);
+  scores.Add("within_1m", Share{row.within_1m});
+  if (score.heading.empty())
+    scores.AddForPrograms("facing", {});
+  else
+    scores.Add("facing", Share{row.facing});
+  return scores;
+}
+
 }  // namespace
 
 LocalizationScore EvaluateLocalization(const Blob& result, const Blob& samples) {
   return LocalizationEvaluator(result, samples).Run();
+}
+
+Scores ScoresOf(const LocalizationScore& score) {
+  Scores scores;
+  scores.Add("traverses", score.traverses);
+  scores.Add("runs", score.runs);
+  scores.Add("features", score.features);
+  scores.Add("places", score.places);
+  scores.Add(
+      "window_m", score.window_m > 0 ? ScoreValue(score.window_m) : ScoreValue(),
+      score.window_m > 0 ? ": as well the position was known at the start" : "nothing known at the start");
+  if (score.heading.empty())
+    scores.AddForPrograms("heading", {});
+  else
+    scores.Add("heading", score.heading, " to the robot");
+  scores.Add("against", std::string(score.against_truth ? "truth" : "labels"),
+             score.against_truth ? " of the samples" : " of the samples, which have errors of their own");
+  scores.Add("under_1m_after_m", OrNone(score.under_1m_after_m),
+             score.under_1m_after_m ? "" : "not by the end");
+  std::vector<Scores> rows;
+  for (std::size_t k = 0; k < score.rows.size(); ++k) rows.push_back(ScoresOfRow(score, k));
+  scores.AddRows("rows", std::move(rows));
+  return scores;
 }
 
 }  // namespace cairn::datasets

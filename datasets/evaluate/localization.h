@@ -9,6 +9,7 @@
 
 #include "datasets/common/planar.h"
 #include "datasets/evaluate/reduction_interval.h"
+#include "datasets/evaluate/scores.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -57,7 +58,6 @@ struct LocalizationScore {
 // samples, arrays that do not fit.
 LocalizationScore EvaluateLocalization(const Blob& result, const Blob& samples);
 
-std::string LocalizationScoreJson(const LocalizationScore& score, int indent = 2);
-std::string LocalizationScoreText(const LocalizationScore& score);
+Scores ScoresOf(const LocalizationScore& score);
 
 }  // namespace cairn::datasets

@@ -55,20 +55,20 @@ TEST(EvaluateLocalization, SaysHowMuchIsBelievedOfFacingAsItDoes) {
   const LocalizationScore score = EvaluateLocalization(result, samples);
   EXPECT_NEAR(score.rows[0].facing, 0.5, 1e-6);
   EXPECT_NEAR(score.rows[1].facing, (0.5 + 1) / 2, 1e-6);
-  ExpectContains(LocalizationScoreText(score), "nothing known at the start; its heading unknown");
-  EXPECT_NEAR(nlohmann::json::parse(LocalizationScoreJson(score))["rows"][1]["facing"].get<double>(), 0.75,
-              1e-6);
+  ExpectContains(ScoresOf(score).ToText(), "nothing known at the start\n");
+  ExpectContains(ScoresOf(score).ToText(), "heading                         unknown to the robot\n");
+  EXPECT_NEAR(nlohmann::json::parse(ScoresOf(score).ToJson())["rows"][1]["facing"].get<double>(), 0.75, 1e-6);
   result.PutVector<double>("place/heading_rad", {0, 3.1});
   ExpectContains(InputErrorOf([&] { EvaluateLocalization(result, samples); }), "place/heading_rad");
 }
 
 TEST(EvaluateLocalization, PrintsForPeopleAndPrograms) {
   const LocalizationScore score = EvaluateLocalization(LocalizationFile(), LocalizedSamples());
-  const auto json = nlohmann::json::parse(LocalizationScoreJson(score));
+  const auto json = nlohmann::json::parse(ScoresOf(score).ToJson());
   EXPECT_NEAR(json["rows"][1]["error"]["mean_m"].get<double>(), 0.25, 1e-6);
   EXPECT_TRUE(json["window_m"].is_null());
   EXPECT_EQ(json["rows"][2]["error"]["mean_m_95"], nullptr);
-  ExpectContains(LocalizationScoreText(score), "under 1 m  after 1.0 m");
+  ExpectContains(ScoresOf(score).ToText(), "under_1m_after_m                1.000 m\n");
 }
 
 TEST(EvaluateLocalization, RefusesWhatDoesNotFit) {

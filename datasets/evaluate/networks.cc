@@ -57,4 +57,23 @@ NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples, co
   return out;
 }
 
+Scores ScoresOf(const NetworkEvaluation& evaluation) {
+  Scores scores;
+  scores.Add("networks", evaluation.networks);
+  scores.Add("training_samples", evaluation.training_samples);
+  AddWindow("trained_window_m", evaluation.trained_window_m, &scores);
+  AddMapOptions(evaluation.options, evaluation.headings, &scores);
+  AddRuns(evaluation.runs, &scores);
+  if (evaluation.trained_on.empty())
+    scores.AddForPrograms("trained_on", evaluation.trained_on);
+  else
+    scores.Add("trained_on", evaluation.trained_on, ": left out, as trained on");
+  if (evaluation.stopped_by.empty())
+    scores.AddForPrograms("stopped_by", evaluation.stopped_by);
+  else
+    scores.Add("stopped_by", evaluation.stopped_by, ": not wholly unseen, as training stopped by it");
+  AddWindows(evaluation.windows, &scores);
+  return scores;
+}
+
 }  // namespace cairn::datasets

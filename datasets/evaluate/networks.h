@@ -34,10 +34,7 @@ struct NetworkEvaluation {
 NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
                                    const ScoreOptions& options = {});
 
-// {"networks": …, "windows": [{"window_m": …, "prior_error_m": …, "posterior_error_m": …, "error_reduction":
-// …, "error_reduction_95": [low, high], …}, …]}; null: there is none, or a window that is global.
-std::string NetworkEvaluationJson(const NetworkEvaluation& evaluation, int indent = 2);
-// The same for people: a row for each window.
-std::string NetworkEvaluationText(const NetworkEvaluation& evaluation);
+// A row for each window; null: there is none, or a window that is global.
+Scores ScoresOf(const NetworkEvaluation& evaluation);
 
 }  // namespace cairn::datasets

@@ -178,11 +178,12 @@ TEST(EvaluateNetworks, AWindowThatReachesNobodyHasNoScore) {
   EXPECT_EQ(In(e, 1).left_out, 2);
   EXPECT_FALSE(In(e, 1).soft.error_reduction);
   EXPECT_FALSE(In(e, 1).soft.interval_95);
-  const auto json = nlohmann::json::parse(NetworkEvaluationJson(e));
+  const auto json = nlohmann::json::parse(ScoresOf(e).ToJson());
   EXPECT_TRUE(json["windows"][0]["prior_error_m"].is_null());
   EXPECT_TRUE(json["windows"][0]["posterior_error_m"].is_null());
   EXPECT_TRUE(json["windows"][0]["sampled"]["posterior_error_m"].is_null());
-  ExpectContains(NetworkEvaluationText(e), "no training sample is that near");
+  ExpectContains(ScoresOf(e).ToText(),
+                 "1.000     0       2         unknown        unknown            unknown ");
 }
 
 TEST(EvaluateNetworks, ARunOfManySamplesIsCutIntoTenBlocks) {
@@ -202,7 +203,7 @@ TEST(EvaluateNetworks, RunsThatWereTrainedOnAreLeftOut) {
   ASSERT_EQ(e.runs.size(), 1U);
   EXPECT_EQ(e.runs[0].name, "other");
   EXPECT_EQ(In(e, kGlobal).truths, 2);
-  ExpectContains(NetworkEvaluationText(e), "left out, as trained on: trained");
+  ExpectContains(ScoresOf(e).ToText(), "trained: left out, as trained on");
   ExpectContains(InputErrorOf([&] { EvaluateNetworks(nets, SamplesFile({trained})); }),
                  "the networks were trained on every run");
   // Another run that happens to have the name.
@@ -217,7 +218,7 @@ TEST(EvaluateNetworks, ARunThatDecidedWhenToStopCountsWithACaution) {
   const NetworkEvaluation e = EvaluateNetworks(nets, FivePlaces());
   EXPECT_EQ(e.stopped_by, std::vector<std::string>{"back"});
   EXPECT_EQ(e.runs.size(), 2U);
-  ExpectContains(NetworkEvaluationText(e), "not wholly unseen, as training stopped by it: back");
+  ExpectContains(ScoresOf(e).ToText(), "back: not wholly unseen, as training stopped by it");
   EXPECT_TRUE(EvaluateNetworks(NetworksThatNameEveryPlace(), FivePlaces()).stopped_by.empty());
 }
 
@@ -225,7 +226,7 @@ TEST(EvaluateNetworks, IsTheSameEveryTimeAndSamplesBySeed) {
   const Blob nets =
       NetworksFile({{.slope = 1, .weight = 2, .bias = -1}}, {0, 1, 2, 3, 4}, {.1F, .3F, .5F, .6F, .8F});
   const auto score = [&](std::uint64_t seed) {
-    return NetworkEvaluationJson(EvaluateNetworks(nets, FivePlaces(), {.nearest = 2, .seed = seed}));
+    return ScoresOf(EvaluateNetworks(nets, FivePlaces(), {.nearest = 2, .seed = seed})).ToJson();
   };
   EXPECT_EQ(score(1), score(1));
   EXPECT_NE(score(1), score(2));
@@ -233,7 +234,7 @@ TEST(EvaluateNetworks, IsTheSameEveryTimeAndSamplesBySeed) {
 
 TEST(EvaluateNetworks, JsonHasEveryField) {
   const auto json = nlohmann::json::parse(
-      NetworkEvaluationJson(EvaluateNetworks(NetworksThatNameEveryPlace(), FivePlaces(), {.nearest = 2})));
+      ScoresOf(EvaluateNetworks(NetworksThatNameEveryPlace(), FivePlaces(), {.nearest = 2})).ToJson());
   EXPECT_EQ(json["networks"], 4);
   EXPECT_EQ(json["nearest"], 2);
   EXPECT_EQ(json["trained_window_m"], 2.0);
@@ -271,10 +272,9 @@ TEST(EvaluateNetworks, LooksAtHeadingsWhereSamplesDoNotAllFaceOneWay) {
                 .windows.back()
                 .prior_error_m,
             does_not_know.windows.back().prior_error_m);
-  ExpectContains(NetworkEvaluationText(knows),
-                 "that face alike; the robot knows its heading to within 90 degrees");
-  ExpectContains(NetworkEvaluationText(does_not_know), "the robot does not know its heading");
-  ExpectContains(NetworkEvaluationJson(knows), "\"heading_window_deg\": 90");
+  ExpectContains(ScoresOf(knows).ToText(), "90.00 degrees: the robot knows its heading as well");
+  ExpectContains(ScoresOf(does_not_know).ToText(), "the robot does not know its heading");
+  ExpectContains(ScoresOf(knows).ToJson(), "\"heading_window_deg\": 90");
   ExpectContains(InputErrorOf([&] { EvaluateNetworks(nets, FivePlaces(), {.nearest = 1}); }),
                  "--heading-window-deg 180 leaves them out");
 }

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "datasets/common/array_text.h"
@@ -120,26 +118,15 @@ Track TrajectoryOf(const Blob& blob, const std::string& robot) {
   throw InputError("there are neither poses nor odometry of the robot in it");
 }
 
-std::string RelationScoreJson(const RelationScore& score) {
-  const nlohmann::ordered_json json = {{"relations",
-                                        {{"translation_m", score.translation_m},
-                                         {"rotation_deg", score.rotation_deg},
-                                         {"translation_rms_m", score.translation_rms_m},
-                                         {"rotation_rms_deg", score.rotation_rms_deg},
-                                         {"scored", score.scored},
-                                         {"outside", score.outside}}}};
-  return json.dump(2);
-}
-
-std::string RelationScoreText(const RelationScore& score) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "relations.translation_m         %.3f m on average, %.3f m rms\n"
-                "relations.rotation_deg          %.2f degrees on average, %.2f degrees rms\n"
-                "relations.scored                %lld of %lld\n",
-                score.translation_m, score.translation_rms_m, score.rotation_deg, score.rotation_rms_deg,
-                static_cast<long long>(score.scored), static_cast<long long>(score.scored + score.outside));
-  return text;
+Scores ScoresOf(const RelationScore& score) {
+  Scores scores;
+  scores.Add("relations.translation_m", score.translation_m, " on average");
+  scores.Add("relations.rotation_deg", score.rotation_deg, " on average");
+  scores.Add("relations.translation_rms_m", score.translation_rms_m);
+  scores.Add("relations.rotation_rms_deg", score.rotation_rms_deg);
+  scores.Add("relations.scored", score.scored);
+  scores.Add("relations.outside", score.outside, " the time of the poses");
+  return scores;
 }
 
 }  // namespace cairn::datasets

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/common/planar.h"
+#include "datasets/evaluate/scores.h"
 #include "datasets/evaluate/track.h"
 #include "schema/blob.h"
 
@@ -43,8 +44,6 @@ RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& re
 // robot's. Throws InputError: no such robot, several and no name, nothing of all these.
 Track TrajectoryOf(const Blob& blob, const std::string& robot);
 
-// {"relations": {"translation_m": …}}; for people a line each.
-std::string RelationScoreJson(const RelationScore& score);
-std::string RelationScoreText(const RelationScore& score);
+Scores ScoresOf(const RelationScore& score);
 
 }  // namespace cairn::datasets

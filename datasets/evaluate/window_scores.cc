@@ -1,5 +1,7 @@
 #include "datasets/evaluate/window_scores.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -112,6 +114,32 @@ WindowScore ScoreWindow(const std::vector<Truth>& truths, std::size_t window, co
   return score;
 }
 
+void AddReduction(const std::string& prefix, const Score& score, Scores* row) {
+  const auto& reduction = score.error_reduction;
+  const auto& interval = score.interval_95;
+  row->Add(prefix + "error_reduction", reduction ? ScoreValue(Share{*reduction}) : ScoreValue(),
+           reduction && interval ? fmt::format(" [{:.1f}, {:.1f}]", 100 * interval->low, 100 * interval->high)
+                                 : "");
+  row->AddForPrograms(prefix + "error_reduction_95", OrNone(interval));
+}
+
+Scores ScoresOfWindow(const WindowScore& window) {
+  const auto if_any = [&](auto value) { return window.truths > 0 ? ScoreValue(value) : ScoreValue(); };
+  Scores row;
+  AddWindow("window_m", window.window_m, &row);
+  row.Add("truths", window.truths);
+  row.Add("left_out", window.left_out);
+  row.Add("prior_error_m", if_any(window.prior_error_m));
+  row.Add("posterior_error_m", if_any(window.soft.posterior_error_m));
+  AddReduction("", window.soft, &row);
+  row.AddForPrograms("sampled.posterior_error_m", if_any(window.sampled.posterior_error_m));
+  AddReduction("sampled.", window.sampled, &row);
+  row.Add("sampled.error_reduction_sd", if_any(Share{window.sampled_sd}));
+  row.AddForPrograms("interval_over", window.interval_over);
+  row.AddForPrograms("clusters", window.clusters);
+  return row;
+}
+
 }  // namespace
 
 void CheckNearest(const ScoreOptions& options, std::size_t training_samples) {
@@ -152,6 +180,52 @@ std::vector<WindowScore> ScoreWindows(const std::vector<Truth>& truths, const Sc
   for (std::size_t w = 0; w < options.windows_m.size(); ++w)
     scores.push_back(ScoreWindow(truths, w, options));
   return scores;
+}
+
+void AddWindow(const std::string& name, double window_m, Scores* scores) {
+  if (std::isinf(window_m))
+    scores->Add(name, {}, "global");
+  else
+    scores->Add(name, window_m);
+}
+
+void AddMapOptions(const ScoreOptions& options, bool headings, Scores* scores) {
+  if (headings) {
+    const double window_deg = options.heading_window_deg.value_or(180);
+    scores->Add(
+        "heading_window_deg", window_deg,
+        window_deg < 180 ? ": the robot knows its heading as well" : ": the robot does not know its heading");
+  } else {
+    scores->AddForPrograms("heading_window_deg", {});
+  }
+  scores->Add("nearest", std::int64_t{options.nearest},
+              headings ? " training samples that face alike make P(f | place)"
+                       : " training samples make P(f | place)");
+  scores->AddForPrograms("samplings", std::int64_t{options.samplings});
+  scores->AddForPrograms("seed", options.seed);
+}
+
+void AddRuns(const std::vector<RunSize>& runs, Scores* scores) {
+  std::vector<Scores> rows;
+  for (const RunSize& run : runs) {
+    Scores& row = rows.emplace_back();
+    row.Add("name", run.name);
+    row.Add("samples", run.samples);
+  }
+  scores->AddRows("runs", std::move(rows));
+}
+
+void AddWindows(const std::vector<WindowScore>& windows, Scores* scores) {
+  const WindowScore& widest = windows.back();
+  scores->AddForPeople(
+      "95% intervals",
+      fmt::format("by a bootstrap over {} {}", widest.clusters,
+                  widest.interval_over == "runs" ? "runs"
+                                                 : "blocks of consecutive samples: one run does not say "
+                                                   "how runs differ"));
+  std::vector<Scores> rows;
+  for (const WindowScore& window : windows) rows.push_back(ScoresOfWindow(window));
+  scores->AddRows("windows", std::move(rows));
 }
 
 }  // namespace cairn::datasets

@@ -12,6 +12,7 @@
 
 #include "datasets/evaluate/feature_map.h"
 #include "datasets/evaluate/reduction_interval.h"
+#include "datasets/evaluate/scores.h"
 
 namespace cairn::datasets {
 
@@ -88,5 +89,12 @@ void AddTruths(const FeatureMap& map, const SensedRun& run, const ScoreOptions& 
 // One for each window. Intervals are taken over runs where at least two have truths that count, else over ten
 // blocks of consecutive samples. Truths of a run stand together.
 std::vector<WindowScore> ScoreWindows(const std::vector<Truth>& truths, const ScoreOptions& options);
+
+// What is known of the position beforehand; where it is global, nothing.
+void AddWindow(const std::string& name, double window_m, Scores* scores);
+// What the map of features was made with, the runs that were held out, a row for each window.
+void AddMapOptions(const ScoreOptions& options, bool headings, Scores* scores);
+void AddRuns(const std::vector<RunSize>& runs, Scores* scores);
+void AddWindows(const std::vector<WindowScore>& windows, Scores* scores);
 
 }  // namespace cairn::datasets

@@ -33,13 +33,11 @@ struct EvaluateArguments {
   std::optional<std::uint64_t> seed;
 };
 
-std::string ScoreOfMap(const EvaluateArguments& options, const Blob& log) {
+datasets::Scores ScoreOfMap(const EvaluateArguments& options, const Blob& log) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError(
         "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
-  const datasets::Evaluation score =
-      datasets::Evaluate(ReadResult(options.result, "landmark_map", options.changed).blob, log);
-  return options.json ? datasets::EvaluationJson(score) + "\n" : datasets::EvaluationText(score);
+  return ScoresOf(datasets::Evaluate(ReadResult(options.result, "landmark_map", options.changed).blob, log));
 }
 
 datasets::ScoreOptions HowToScore(const EvaluateArguments& options) {
@@ -51,17 +49,15 @@ datasets::ScoreOptions HowToScore(const EvaluateArguments& options) {
   return how;
 }
 
-std::string ScoreOfNetworks(const EvaluateArguments& options, const Blob& samples) {
+datasets::Scores ScoreOfNetworks(const EvaluateArguments& options, const Blob& samples) {
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, "networks");
   how.samples_name = options.truth;
   const Blob networks = ReadResult(how.map_name, "networks", options.changed).blob;
-  const datasets::NetworkEvaluation score = datasets::EvaluateNetworks(networks, samples, how);
-  return options.json ? datasets::NetworkEvaluationJson(score) + "\n"
-                      : datasets::NetworkEvaluationText(score);
+  return ScoresOf(datasets::EvaluateNetworks(networks, samples, how));
 }
 
-std::string ScoreOfFeatures(const EvaluateArguments& options) {
+datasets::Scores ScoreOfFeatures(const EvaluateArguments& options) {
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, "samples");
   const Blob samples = ReadResult(how.map_name, "samples", options.changed).blob;
@@ -72,8 +68,7 @@ std::string ScoreOfFeatures(const EvaluateArguments& options) {
   std::optional<datasets::Detection> detection;
   if (!options.against.empty())
     detection = datasets::CompareFeatures(samples, options.features.front(), options.against);
-  return options.json ? datasets::FeatureEvaluationJson(score, detection) + "\n"
-                      : datasets::FeatureEvaluationText(score, detection);
+  return ScoresOf(score, detection);
 }
 
 void CheckFeatureOptions(const EvaluateArguments& options) {
@@ -88,13 +83,11 @@ void CheckFeatureOptions(const EvaluateArguments& options) {
         "--truth is needed (or --feature, for hand-made features of samples; or --relations, for poses)");
 }
 
-std::string ScoreOfLocalization(const EvaluateArguments& options, const Blob& samples) {
+datasets::Scores ScoreOfLocalization(const EvaluateArguments& options, const Blob& samples) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
-  const datasets::LocalizationScore score = datasets::EvaluateLocalization(
-      ReadResult(options.result, "localization", options.changed).blob, samples);
-  return options.json ? datasets::LocalizationScoreJson(score) + "\n"
-                      : datasets::LocalizationScoreText(score);
+  return ScoresOf(datasets::EvaluateLocalization(
+      ReadResult(options.result, "localization", options.changed).blob, samples));
 }
 
 // A folder counts as one where it holds that and no networks.
@@ -109,7 +102,7 @@ bool IsLocalization(const std::string& result) {
   return is;
 }
 
-std::string ScoreOnSamples(const EvaluateArguments& options, const Blob& samples) {
+datasets::Scores ScoreOnSamples(const EvaluateArguments& options, const Blob& samples) {
   return IsLocalization(options.result) ? ScoreOfLocalization(options, samples)
                                         : ScoreOfNetworks(options, samples);
 }
@@ -126,13 +119,12 @@ bool IsGridMap(const std::string& result) {
   return is;
 }
 
-std::string ScoreOfGrid(const EvaluateArguments& options, const BlobFile& truth) {
+datasets::Scores ScoreOfGrid(const EvaluateArguments& options, const BlobFile& truth) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
   const Blob map = ReadResult(options.result, "grid_map", options.changed).blob;
-  const datasets::GridEvaluation score =
-      truth.kind == "log" ? datasets::EvaluateGrid(map, truth.blob) : datasets::CompareGrids(map, truth.blob);
-  return options.json ? datasets::GridEvaluationJson(score) + "\n" : datasets::GridEvaluationText(score);
+  return ScoresOf(truth.kind == "log" ? datasets::EvaluateGrid(map, truth.blob)
+                                      : datasets::CompareGrids(map, truth.blob));
 }
 
 // A folder counts as one where it holds that and no map that may have been made of it.
@@ -145,12 +137,11 @@ bool IsLocalMap(const std::string& result) {
   return std::ranges::any_of(files, is("local_map")) && std::ranges::none_of(files, is("grid_map"));
 }
 
-std::string ScoreOfLocalMap(const EvaluateArguments& options, const Blob& log) {
+datasets::Scores ScoreOfLocalMap(const EvaluateArguments& options, const Blob& log) {
   if (options.nearest || options.seed || options.heading_window_deg)
     throw InputError("--nearest, --seed and --heading-window-deg are for networks");
-  const datasets::LocalEvaluation score =
-      datasets::EvaluateLocal(ReadResult(options.result, "local_map", options.changed).blob, log);
-  return options.json ? datasets::LocalEvaluationJson(score) + "\n" : datasets::LocalEvaluationText(score);
+  return ScoresOf(
+      datasets::EvaluateLocal(ReadResult(options.result, "local_map", options.changed).blob, log));
 }
 
 // A file of any kind that has poses, or those of a folder: of its landmark_map or local_map, else of its
@@ -166,40 +157,32 @@ Blob PosesOf(const EvaluateArguments& options) {
   return ReadResult(path, "grid_map", options.changed).blob;
 }
 
-std::string ScoreOfRelations(const EvaluateArguments& options) {
+datasets::Scores ScoreOfRelations(const EvaluateArguments& options) {
   if (!options.truth.empty() || !options.features.empty())
     throw InputError(
         "--relations are what is held against the poses: neither --truth nor --feature goes with it");
   const datasets::Track track = datasets::TrajectoryOf(PosesOf(options), options.robot);
-  const datasets::RelationScore score =
-      datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s);
-  return options.json ? datasets::RelationScoreJson(score) + "\n" : datasets::RelationScoreText(score);
+  return ScoresOf(
+      datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s));
 }
 
 // What the truth is says what is scored: the folder of a job may hold results of several kinds.
-int Evaluate(const EvaluateArguments& options, const Invocation&) {
-  if (!options.relations.empty()) {
-    std::fputs(ScoreOfRelations(options).c_str(), stdout);
-    return kExitDone;
-  }
+datasets::Scores ScoreOf(const EvaluateArguments& options) {
+  if (!options.relations.empty()) return ScoreOfRelations(options);
   CheckFeatureOptions(options);
-  if (!options.features.empty()) {
-    std::fputs(ScoreOfFeatures(options).c_str(), stdout);
-    return kExitDone;
-  }
+  if (!options.features.empty()) return ScoreOfFeatures(options);
   const BlobFile truth = ReadFile(ResultPath(options.truth, "log"), options.changed);
-  std::string text;
   if (truth.kind == "grid_map" || (truth.kind == "log" && IsGridMap(options.result)))
-    text = ScoreOfGrid(options, truth);
-  else if (truth.kind == "log" && IsLocalMap(options.result))
-    text = ScoreOfLocalMap(options, truth.blob);
-  else if (truth.kind == "log")
-    text = ScoreOfMap(options, truth.blob);
-  else if (truth.kind == "samples")
-    text = ScoreOnSamples(options, truth.blob);
-  else
-    throw InputError(options.truth + ": a " + truth.kind + ", where a log, samples or a grid_map are needed");
-  std::fputs(text.c_str(), stdout);
+    return ScoreOfGrid(options, truth);
+  if (truth.kind == "log" && IsLocalMap(options.result)) return ScoreOfLocalMap(options, truth.blob);
+  if (truth.kind == "log") return ScoreOfMap(options, truth.blob);
+  if (truth.kind == "samples") return ScoreOnSamples(options, truth.blob);
+  throw InputError(options.truth + ": a " + truth.kind + ", where a log, samples or a grid_map are needed");
+}
+
+int Evaluate(const EvaluateArguments& options, const Invocation&) {
+  const datasets::Scores scores = ScoreOf(options);
+  std::fputs((options.json ? scores.ToJson() + "\n" : scores.ToText()).c_str(), stdout);
   return kExitDone;
 }
 

@@ -134,8 +134,8 @@ TEST_F(EvaluateCommand, ScoresHandMadeFeatures) {
   const Said held_out =
       Evaluate({lights, "--feature", "detected", "--holdout", "b", "--nearest", "1", "--against", "light"});
   ASSERT_EQ(held_out.code, kExitDone) << held_out.complaint;
-  ExpectContains(held_out.out, "held out   2 samples of b\n");
-  ExpectContains(held_out.out, "precision 100.0%, recall 100.0%");
+  ExpectContains(held_out.out, "name  samples\n  b     2\n");
+  ExpectContains(held_out.out, "detection.recall                100.0%, of 4 samples");
 }
 
 TEST_F(EvaluateCommand, RefusesFeaturesThatAreNotThere) {

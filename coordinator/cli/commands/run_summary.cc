@@ -70,7 +70,7 @@ nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& repo
   if (stage.log_likelihood) json["log_likelihood"] = *stage.log_likelihood;
   json["evaluation"] = nullptr;
   if (stage.evaluation) {
-    json["evaluation"] = nlohmann::ordered_json::parse(datasets::EvaluationJson(*stage.evaluation));
+    json["evaluation"] = nlohmann::ordered_json::parse(datasets::ScoresOf(*stage.evaluation).ToJson());
   }
   return json;
 }
@@ -85,7 +85,7 @@ std::string FoundText(const StageSummary& stage) {
   std::string text = line + ("confidence " + stage.confidence) + "\n";
   if (!stage.refinement_refused.empty()) text += "refinement " + stage.refinement_refused + "\n";
   if (stage.evaluation)
-    text += "\nagainst the log's ground truth:\n" + datasets::EvaluationText(*stage.evaluation);
+    text += "\nagainst the log's ground truth:\n" + datasets::ScoresOf(*stage.evaluation).ToText();
   return text;
 }
 
