@@ -31,6 +31,7 @@ set(CAIRN_LINKS_datasets_evaluate_matching "datasets/common")
 set(CAIRN_LINKS_datasets_evaluate_maps "datasets/common|datasets/evaluate/matching")
 set(CAIRN_LINKS_datasets_report
   "schema/store|datasets/common|datasets/evaluate(/.*)?|cairn::opencv_(core|imgproc)")
+set(CAIRN_LINKS_datasets_kinds "schema|datasets/(common|evaluate|report)|fmt::fmt")
 set(CAIRN_LINKS_datasets_export "schema/store|datasets/(common|evaluate/maps|report)|Eigen3::.*")
 set(CAIRN_LINKS_datasets_reproduce "datasets/(common|report)|datasets/(evaluate|simulate)(/.*)?")
 set(CAIRN_LINKS_datasets_images "datasets/import|cairn::opencv_(core|imgcodecs)")

@@ -4,7 +4,7 @@
 #include "coordinator/server/hub.h"
 #include "coordinator/store/printable.h"
 #include "coordinator/store/result_file.h"
-#include "schema/store/result_kind.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -42,7 +42,7 @@ void Hub::Do(const Persist& persist) {
       return Handle(
           PersistFailed{checkpoint.job_id(), checkpoint.number(), "a result cannot be read back from disk"});
     work.results.push_back(
-        {options_.result_path(checkpoint.job_id(), stage.name()), ResultKind(*blob), publish.stage, blob});
+        {options_.result_path(checkpoint.job_id(), stage.name()), KindOf(*blob), publish.stage, blob});
   }
   writer_.Add(std::move(work));
 }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "coordinator/store/job_yaml.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
-#include "schema/store/result_kind.h"
 
 namespace cairn::coordinator {
 
@@ -62,7 +62,7 @@ Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std
            Array::Of<std::uint8_t>({static_cast<std::int64_t>(job.size())},
                                    std::span(reinterpret_cast<const std::uint8_t*>(job.data()), job.size())));
   text("provenance/stage", plan.name());
-  text("provenance/kind", ResultKind(result));
+  text("provenance/kind", KindOf(result));
   text("provenance/version", build.version());
   text("provenance/build", build.compiler() + "; " + build.flags() + "; " + build.libc());
   text("provenance/finished_utc", finished_utc);

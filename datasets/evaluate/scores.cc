@@ -178,9 +178,8 @@ std::string Scores::Table(const std::vector<Scores>& rows) {
   return text;
 }
 
-std::string Scores::ToText() const {
-  constexpr std::size_t kNarrowest = 32;
-  std::size_t width = kNarrowest;
+std::string Scores::ToText(std::size_t narrowest) const {
+  std::size_t width = narrowest;
   for (const Entry& entry : entries_) {
     if (entry.for_people) width = std::max(width, NameForPeople(entry.name).size() + 1);
   }

@@ -48,7 +48,8 @@ class Scores {
   // {"landmarks": {"rmse_m": …}, …}, as one line (`indent` -1) or indented.
   std::string ToJson(int indent = 2) const;
   // A line each: name, value, unit, words. Angles in radians are in degrees here.
-  std::string ToText() const;
+  // The names' column has so many characters at least.
+  std::string ToText(std::size_t narrowest = 32) const;
 
  private:
   struct Entry {

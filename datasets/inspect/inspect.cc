@@ -6,6 +6,7 @@
 #include "datasets/common/array_text.h"
 #include "datasets/common/confidence.h"
 #include "datasets/common/unit_doubts.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::datasets {
 namespace {
@@ -230,8 +231,8 @@ Result<Inspection> Inspect(const std::string& path) {
   Inspection inspection{
       info.value().kind, info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {}, {}};
   inspection.changed = file.value().changed;
-  if (const std::string& kind = inspection.kind; kind == "log" || kind == "samples" || kind == "poses")
-    inspection.unit_doubts = UnitDoubtsOf(blob);
+  const Kind* kind = FindKind(inspection.kind);
+  if (kind != nullptr && kind->has_units) inspection.unit_doubts = UnitDoubtsOf(blob);
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

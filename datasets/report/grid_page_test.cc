@@ -5,9 +5,9 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "datasets/evaluate/testing_grid.h"
+#include "datasets/kinds/job_report.h"
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/palette.h"
-#include "datasets/report/report.h"
 #include "datasets/simulate/hall/hall.h"
 #include "datasets/testing.h"
 
@@ -32,10 +32,14 @@ Blob WithAllLayers() {
   return map;
 }
 
-std::string PageOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
-                   const std::string& title) {
-  return JobReportHtml({{.name = "map", .result = &map, .source = log, .grid_evaluation = evaluation}},
-                       title);
+std::string GridPageOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
+                       const std::string& title) {
+  return JobReportHtml(
+      {{.name = "map",
+        .result = &map,
+        .source = log,
+        .evaluated = evaluation != nullptr ? std::optional<Evaluated>(*evaluation) : std::nullopt}},
+      title);
 }
 
 TEST(CellPicture, IsBlackWhereOccupiedWhiteWhereFreeGreyWhereUnknown) {
@@ -83,7 +87,7 @@ TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
 }
 
 TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
-  const std::string page = PageOf(WithAllLayers(), nullptr, nullptr, "corridor");
+  const std::string page = GridPageOf(WithAllLayers(), nullptr, nullptr, "corridor");
   for (const char* part : {"<title>corridor", "1.5 by 1 m in cells of 0.5 m, of 2 scans; 1 scan left out",
                            "Most likely map", "What the data say of each cell", "Convergence", "cut short",
                            "model/p_hit", "0.625", "class=\"path r0\""})
@@ -95,7 +99,7 @@ TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
 }
 
 TEST(GridPage, OfAPlainMapLeavesOutWhatItLacks) {
-  const std::string page = PageOf(DrawnMap({"#.", ".."}), nullptr, nullptr, "plain");
+  const std::string page = GridPageOf(DrawnMap({"#.", ".."}), nullptr, nullptr, "plain");
   ASSERT_NE(page.find("</html>"), std::string::npos);
   for (const char* absent :
        {"Most likely map", "What the data say", "Convergence", "cut short", "Parameters"})
@@ -108,7 +112,7 @@ TEST(GridPage, ShowsScoresAndTheTrueWalls) {
   GridEvaluation evaluation;
   evaluation.map.cells = CellScore{7, 100, 3, 2, 50, 0};
   evaluation.map.doors = {{true, 0.5, true}};
-  const std::string page = PageOf(map, &log, &evaluation, "scored");
+  const std::string page = GridPageOf(map, &log, &evaluation, "scored");
   for (const char* part : {"false obstacles", "3 of 50", "1 of 1", "class=\"wall\"", "true wall</li>"})
     ExpectContains(page, part);
 }
@@ -116,7 +120,7 @@ TEST(GridPage, ShowsScoresAndTheTrueWalls) {
 TEST(GridPage, RefusesArraysThatDoNotFit) {
   Blob map = WithAllLayers();
   map.Put("map/grid/log_odds_difference", Array::Vector<double>({1, 2}));
-  ExpectContains(InputErrorOf([&] { PageOf(map, nullptr, nullptr, "bad"); }), "another shape");
+  ExpectContains(InputErrorOf([&] { GridPageOf(map, nullptr, nullptr, "bad"); }), "another shape");
 }
 
 }  // namespace

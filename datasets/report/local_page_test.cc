@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "datasets/kinds/job_report.h"
 #include "datasets/report/draw_map.h"
-#include "datasets/report/report.h"
 
 namespace cairn::datasets::report {
 namespace {

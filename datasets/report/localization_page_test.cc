@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "datasets/evaluate/testing_localization.h"
+#include "datasets/kinds/job_report.h"
 #include "datasets/report/localized_figures.h"
-#include "datasets/report/report.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {

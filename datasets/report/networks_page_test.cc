@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "datasets/report/report.h"
+#include "datasets/kinds/job_report.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {

@@ -11,10 +11,10 @@
 #include "datasets/common/confidence.h"
 #include "datasets/evaluate/perfect_result.h"
 #include "datasets/evaluate/testing_grid.h"
+#include "datasets/kinds/job_report.h"
 #include "datasets/report/figures.h"
 #include "datasets/report/palette.h"
 #include "datasets/report/parts.h"
-#include "datasets/report/report.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 
@@ -98,7 +98,7 @@ class Page : public ::testing::Test {
  protected:
   std::string HtmlOf(const Blob& map) const {
     const Evaluation evaluation = Evaluate(map, log_);
-    return JobReportHtml({{.name = "landmarks", .result = &map, .source = &log_, .evaluation = &evaluation}});
+    return JobReportHtml({{.name = "landmarks", .result = &map, .source = &log_, .evaluated = evaluation}});
   }
 
   Blob log_ = SimulateLoop({.difficulty = "paper", .robots = 1, .seed = 4});
@@ -370,9 +370,9 @@ TEST(StagePicture, IsThereForEveryKindThatHasAPage) {
   Blob other;
   other.PutScalar("number", 1.0);
   ExpectContains(InputErrorOf([&] { StagePicturePng({.name = "odd", .result = &other}); }),
-                 "no picture of a result");
+                 "neither page nor picture of a result");
   ExpectContains(InputErrorOf([&] { JobReportHtml({{.name = "odd", .result = &other}}); }),
-                 "no page of a result");
+                 "neither page nor picture of a result");
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/export/export.h"
+#include "datasets/kinds/job_report.h"
 #include "datasets/report/draw_map.h"
-#include "datasets/report/report.h"
 #include "pipelines/in_process.h"
 #include "schema/numerics.h"
 #include "tests/conformance/cases.h"

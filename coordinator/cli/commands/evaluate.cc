@@ -1,5 +1,3 @@
-#include "datasets/evaluate/evaluate.h"
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -9,12 +7,11 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/common/suggest.h"
 #include "datasets/evaluate/features.h"
-#include "datasets/evaluate/grid.h"
-#include "datasets/evaluate/local.h"
-#include "datasets/evaluate/localization.h"
-#include "datasets/evaluate/networks.h"
 #include "datasets/evaluate/relations.h"
+#include "datasets/kinds/result_kinds.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::cli {
 namespace {
@@ -33,13 +30,6 @@ struct EvaluateArguments {
   std::optional<std::uint64_t> seed;
 };
 
-datasets::Scores ScoreOfMap(const EvaluateArguments& options, const Blob& log) {
-  if (options.nearest || options.seed || options.heading_window_deg)
-    throw InputError(
-        "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
-  return ScoresOf(datasets::Evaluate(ReadResult(options.result, "landmark_map", options.changed).blob, log));
-}
-
 datasets::ScoreOptions HowToScore(const EvaluateArguments& options) {
   datasets::ScoreOptions how;
   how.nearest = options.nearest.value_or(how.nearest);
@@ -47,14 +37,6 @@ datasets::ScoreOptions HowToScore(const EvaluateArguments& options) {
   how.seed = options.seed.value_or(how.seed);
   how.samples_name = options.truth;
   return how;
-}
-
-datasets::Scores ScoreOfNetworks(const EvaluateArguments& options, const Blob& samples) {
-  datasets::ScoreOptions how = HowToScore(options);
-  how.map_name = ResultPath(options.result, "networks");
-  how.samples_name = options.truth;
-  const Blob networks = ReadResult(how.map_name, "networks", options.changed).blob;
-  return ScoresOf(datasets::EvaluateNetworks(networks, samples, how));
 }
 
 datasets::Scores ScoreOfFeatures(const EvaluateArguments& options) {
@@ -83,101 +65,60 @@ void CheckFeatureOptions(const EvaluateArguments& options) {
         "--truth is needed (or --feature, for hand-made features of samples; or --relations, for poses)");
 }
 
-datasets::Scores ScoreOfLocalization(const EvaluateArguments& options, const Blob& samples) {
-  if (options.nearest || options.seed || options.heading_window_deg)
-    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
-  return ScoresOf(datasets::EvaluateLocalization(
-      ReadResult(options.result, "localization", options.changed).blob, samples));
+std::vector<std::string> KindsIn(const std::string& result) {
+  std::vector<std::string> kinds;
+  for (const std::string& file :
+       std::filesystem::is_regular_file(result) ? std::vector{result} : FilesOf(result))
+    kinds.push_back(Take(ListBlobFile(file)).kind);
+  return kinds;
 }
 
-// A folder counts as one where it holds that and no networks.
-bool IsLocalization(const std::string& result) {
-  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "localization";
-  bool is = false;
-  for (const std::string& file : FilesOf(result)) {
-    const std::string kind = Take(ListBlobFile(file)).kind;
-    if (kind == "networks") return false;
-    is |= kind == "localization";
+// What the truth is says what is scored: the folder of a job may hold results of several kinds, of which the
+// first in the table counts.
+const datasets::ResultKind& KindToScore(const std::string& result, const std::string& truth,
+                                        const std::string& truth_kind) {
+  std::vector<std::string> fitting;
+  const std::vector<std::string> there = KindsIn(result);
+  for (const datasets::ResultKind& row : datasets::ResultKinds()) {
+    if (row.made_of != truth_kind && !(row.compares && row.name == truth_kind)) continue;
+    fitting.emplace_back(row.name);
+    if (std::ranges::find(there, row.name) != there.end()) return row;
   }
-  return is;
+  if (fitting.empty())
+    throw InputError(truth + ": " + WithArticle(truth_kind) +
+                     ", where a log, samples or a grid_map are needed");
+  throw InputError(result + ": " + (there.empty() ? "no result" : WithArticle(Join(there))) + ", where " +
+                   Join(fitting) + " can be held against " + WithArticle(truth_kind));
 }
 
-datasets::Scores ScoreOnSamples(const EvaluateArguments& options, const Blob& samples) {
-  return IsLocalization(options.result) ? ScoreOfLocalization(options, samples)
-                                        : ScoreOfNetworks(options, samples);
-}
-
-// A folder counts as one where it holds a grid map and no landmark map.
-bool IsGridMap(const std::string& result) {
-  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "grid_map";
-  bool is = false;
-  for (const std::string& file : FilesOf(result)) {
-    const std::string kind = Take(ListBlobFile(file)).kind;
-    if (kind == "landmark_map") return false;
-    is |= kind == "grid_map";
-  }
-  return is;
-}
-
-datasets::Scores ScoreOfGrid(const EvaluateArguments& options, const BlobFile& truth) {
-  if (options.nearest || options.seed || options.heading_window_deg)
-    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
-  const Blob map = ReadResult(options.result, "grid_map", options.changed).blob;
-  return ScoresOf(truth.kind == "log" ? datasets::EvaluateGrid(map, truth.blob)
-                                      : datasets::CompareGrids(map, truth.blob));
-}
-
-// A folder counts as one where it holds that and no map that may have been made of it.
-bool IsLocalMap(const std::string& result) {
-  if (std::filesystem::is_regular_file(result)) return Take(ListBlobFile(result)).kind == "local_map";
-  const std::vector<std::string> files = FilesOf(result);
-  const auto is = [](const char* kind) {
-    return [kind](const std::string& file) { return Take(ListBlobFile(file)).kind == kind; };
-  };
-  return std::ranges::any_of(files, is("local_map")) && std::ranges::none_of(files, is("grid_map"));
-}
-
-datasets::Scores ScoreOfLocalMap(const EvaluateArguments& options, const Blob& log) {
-  if (options.nearest || options.seed || options.heading_window_deg)
-    throw InputError("--nearest, --seed and --heading-window-deg are for networks");
-  return ScoresOf(
-      datasets::EvaluateLocal(ReadResult(options.result, "local_map", options.changed).blob, log));
-}
-
-// A file of any kind that has poses, or those of a folder: of its landmark_map or local_map, else of its
-// grid_map.
-Blob PosesOf(const EvaluateArguments& options) {
-  const std::string& path = options.result;
-  if (std::filesystem::is_regular_file(path)) return ReadFile(path, options.changed).blob;
-  const std::vector<std::string> files = FilesOf(path);
-  for (const char* kind : {"landmark_map", "local_map"}) {
-    const auto is = [&](const std::string& file) { return Take(ListBlobFile(file)).kind == kind; };
-    if (std::ranges::any_of(files, is)) return ReadResult(path, kind, options.changed).blob;
-  }
-  return ReadResult(path, "grid_map", options.changed).blob;
+datasets::Scores ScoreOfResult(const EvaluateArguments& options, const BlobFile& truth) {
+  const datasets::ResultKind& row = KindToScore(options.result, options.truth, truth.kind);
+  if (!row.takes_score_options && (options.nearest || options.seed || options.heading_window_deg))
+    throw InputError(
+        "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
+  const std::string kind(row.name);
+  datasets::ScoreOptions how = HowToScore(options);
+  how.map_name = ResultPath(options.result, kind);
+  return ScoresOf(row.evaluate(ReadResult(how.map_name, kind, options.changed).blob, truth.blob, how));
 }
 
 datasets::Scores ScoreOfRelations(const EvaluateArguments& options) {
   if (!options.truth.empty() || !options.features.empty())
     throw InputError(
         "--relations are what is held against the poses: neither --truth nor --feature goes with it");
-  const datasets::Track track = datasets::TrajectoryOf(PosesOf(options), options.robot);
+  const Blob poses =
+      ReadFirstOf(options.result, {"landmark_map", "local_map", "grid_map"}, options.changed).blob;
+  const datasets::Track track = datasets::TrajectoryOf(poses, options.robot);
   return ScoresOf(
       datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s));
 }
 
-// What the truth is says what is scored: the folder of a job may hold results of several kinds.
 datasets::Scores ScoreOf(const EvaluateArguments& options) {
   if (!options.relations.empty()) return ScoreOfRelations(options);
   CheckFeatureOptions(options);
   if (!options.features.empty()) return ScoreOfFeatures(options);
   const BlobFile truth = ReadFile(ResultPath(options.truth, "log"), options.changed);
-  if (truth.kind == "grid_map" || (truth.kind == "log" && IsGridMap(options.result)))
-    return ScoreOfGrid(options, truth);
-  if (truth.kind == "log" && IsLocalMap(options.result)) return ScoreOfLocalMap(options, truth.blob);
-  if (truth.kind == "log") return ScoreOfMap(options, truth.blob);
-  if (truth.kind == "samples") return ScoreOnSamples(options, truth.blob);
-  throw InputError(options.truth + ": a " + truth.kind + ", where a log, samples or a grid_map are needed");
+  return ScoreOfResult(options, truth);
 }
 
 int Evaluate(const EvaluateArguments& options, const Invocation&) {

@@ -4,6 +4,7 @@
 
 #include "coordinator/cli/app.h"
 #include "coordinator/cli/common/invocation.h"
+#include "datasets/evaluate/perfect_result.h"
 #include "datasets/evaluate/testing_grid.h"
 #include "datasets/evaluate/testing_localization.h"
 #include "datasets/evaluate/testing_networks.h"
@@ -104,10 +105,13 @@ TEST_F(EvaluateCommand, ScoresAGridMapOnItsLogAndAgainstAnother) {
 TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {
   const std::string log = folder_ / "log.h5";
   Write("log.h5", "log", datasets::SimulateLoop({.seed = 3}));
-  Refuses({networks_, "--truth", log}, "networks.h5: a networks, where a landmark_map is needed");
-  Refuses({log, "--truth", samples_}, "log.h5: a log, where a networks is needed");
-  Refuses({networks_, "--truth", networks_}, "a networks, where a log, samples or a grid_map are needed");
-  Refuses({log, "--truth", log, "--nearest", "3"},
+  Refuses({networks_, "--truth", log},
+          "networks.h5: networks, where landmark_map, grid_map, local_map can be held against a log");
+  Refuses({log, "--truth", samples_},
+          "log.h5: a log, where networks, localization can be held against samples");
+  Refuses({networks_, "--truth", networks_}, "networks, where a log, samples or a grid_map are needed");
+  Write("map.h5", "landmark_map", datasets::PerfectLandmarkMap(datasets::SimulateLoop({.seed = 3})));
+  Refuses({folder_ / "map.h5", "--truth", log, "--nearest", "3"},
           "--nearest, --seed and --heading-window-deg are for networks");
   Refuses({networks_, "--truth", samples_}, "nearest: 5; allowed: from 1 to 2");
   Refuses({networks_, "--truth", samples_, "--seed", "-1"}, "seed");
@@ -144,7 +148,7 @@ TEST_F(EvaluateCommand, RefusesFeaturesThatAreNotThere) {
   Refuses({lights, "--feature", "door", "--nearest", "1"},
           "lights.h5: no feature 'door'; there are 'light', 'detected'");
   Refuses({samples_, "--feature", "door"}, "samples.h5: there are no hand-made features");
-  Refuses({networks_, "--feature", "light"}, "a networks, where a samples is needed");
+  Refuses({networks_, "--feature", "light"}, "networks, where samples are needed");
   Refuses({lights, "--feature", "light", "--truth", lights, "--nearest", "1"}, "none is held out");
   Refuses({lights, "--feature", "light", "--truth", lights, "--holdout", "b"}, "one will do");
   Refuses({lights, "--feature", "light", "--holdout", "z", "--nearest", "1"}, "no run 'z'");

@@ -1,7 +1,6 @@
 #include "datasets/export/export.h"
 
 #include <cstdio>
-#include <filesystem>
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
@@ -24,21 +23,13 @@ bool WantsGrid(const ExportArguments& options) {
   return options.format == "ros" || options.format == "octomap";
 }
 
-// A file of any kind, or the folder's result: grids are asked of its grid_map where it has one, all else of
-// its landmark_map, or where it has none of its local_map.
+// Grids are asked of a folder's grid_map where it has one, all else of its landmark_map, or where it has none
+// of its local_map.
 Blob ReadSource(const ExportArguments& options) {
-  if (std::filesystem::is_regular_file(options.from)) return ReadFile(options.from, options.changed).blob;
-  bool grids = false, landmarks = false, locals = false;
-  for (const std::string& file : FilesOf(options.from)) {
-    const std::string kind = Take(ListBlobFile(file)).kind;
-    grids |= kind == "grid_map";
-    landmarks |= kind == "landmark_map";
-    locals |= kind == "local_map";
-  }
-  const bool takes_grid = WantsGrid(options) || options.format == "png";
-  const bool grid = grids && takes_grid && (WantsGrid(options) || !landmarks);
-  const char* path = locals && !landmarks ? "local_map" : "landmark_map";
-  return ReadResult(options.from, grid ? "grid_map" : path, options.changed).blob;
+  std::vector<std::string> kinds = {"local_map", "landmark_map"};
+  if (WantsGrid(options)) kinds = {"grid_map", "landmark_map", "local_map"};
+  if (options.format == "png") kinds = {"landmark_map", "grid_map", "local_map"};
+  return ReadFirstOf(options.from, kinds, options.changed).blob;
 }
 
 datasets::RosMode ModeOf(const std::string& mode) {

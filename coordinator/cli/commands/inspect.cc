@@ -10,6 +10,7 @@
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/output/text_table.h"
 #include "datasets/import/recognize.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -26,7 +27,8 @@ struct InspectArguments {
 using Found = std::vector<std::pair<std::string, std::string>>;
 
 bool IsResult(const std::string& kind) {
-  return kind != "log" && kind != "samples" && kind != "poses" && kind != "errors";
+  const Kind* known = FindKind(kind);
+  return known == nullptr || !known->is_given;
 }
 
 // What a person can do with the files of a folder, in the order of doing it.

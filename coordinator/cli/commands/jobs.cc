@@ -14,9 +14,9 @@
 #include "coordinator/cli/output/job_text.h"
 #include "coordinator/cli/output/pages.h"
 #include "coordinator/cli/output/service_text.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
-#include "schema/store/result_kind.h"
 
 namespace cairn::cli {
 namespace {
@@ -102,7 +102,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   std::vector<ScoredStage> stages;
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
-    const std::string kind = ResultKind(*blob);
+    const std::string kind = KindOf(*blob);
     Check(WriteBlobFile(file, kind, *blob));
     std::printf("%s\n", file.c_str());
     stages.push_back({.name = stage, .kind = kind, .result = blob});

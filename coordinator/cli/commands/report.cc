@@ -9,7 +9,8 @@
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/pages.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/report/report.h"
+#include "datasets/kinds/job_report.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
@@ -25,33 +26,26 @@ struct ReportArguments {
   bool force = false;
 };
 
-bool HasTruth(const Blob& log) { return !log.Sub("truth/").fields().empty(); }
-
-bool HasTruePoses(const Blob& log) {
-  return std::ranges::any_of(log.Sub("truth/robot/").fields(),
-                             [](const auto& field) { return field.first.ends_with("/poses/time_s"); });
-}
-
-bool IsMap(const std::string& kind) {
-  return kind == "landmark_map" || kind == "grid_map" || kind == "local_map";
-}
-
 datasets::ReportedStage Reported(const ScoredStage& stage) {
   return {.name = stage.name,
           .result = stage.result.get(),
           .source = stage.source.get(),
-          .evaluation = stage.evaluation ? &*stage.evaluation : nullptr,
-          .grid_evaluation = stage.grid_evaluation ? &*stage.grid_evaluation : nullptr,
-          .local_evaluation = stage.local_evaluation ? &*stage.local_evaluation : nullptr};
+          .evaluated = stage.evaluated};
 }
 
-// The stage that people look for.
+bool IsMap(const ScoredStage& stage) {
+  const datasets::ResultKind* kind = datasets::FindResultKind(stage.kind);
+  return kind != nullptr && kind->is_map;
+}
+
+// The stage that people look for: the last of the first kind of map in the table, else the last.
 std::size_t MainStage(const std::vector<ScoredStage>& stages) {
+  const auto is_main = [&](std::size_t i) { return stages[i].kind == datasets::ResultKinds().front().name; };
   std::size_t main = stages.size() - 1;
   for (std::size_t i = 0; i < stages.size(); ++i)
-    if (IsMap(stages[i].kind)) main = i;
+    if (IsMap(stages[i])) main = i;
   for (std::size_t i = 0; i < stages.size(); ++i)
-    if (stages[i].kind == "landmark_map") main = i;
+    if (is_main(i)) main = i;
   return main;
 }
 
@@ -81,12 +75,14 @@ std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPt
   for (const std::string& file :
        folder ? FilesOf(options.result) : std::vector{ResultPath(options.result, "")}) {
     const std::string kind = Take(ListBlobFile(file)).kind;
-    found.push_back(file + ", a " + kind);
-    if (!datasets::HasReport(kind)) continue;
+    found.push_back(file + ", " + WithArticle(kind));
+    const datasets::ResultKind* row = datasets::FindResultKind(kind);
+    if (row == nullptr) continue;
     const auto blob = std::make_shared<const Blob>(ReadFile(file, options.changed).blob);
-    const bool takes_log = kind != "networks" && kind != "samples";
-    stages.push_back(
-        {.name = StageOf(*blob, file), .kind = kind, .result = blob, .source = takes_log ? log : nullptr});
+    stages.push_back({.name = StageOf(*blob, file),
+                      .kind = kind,
+                      .result = blob,
+                      .source = row->page_takes_source ? log : nullptr});
     stages.back().Score();
   }
   if (stages.empty())
@@ -103,8 +99,9 @@ int Report(const ReportArguments& options, const Invocation&) {
   BlobPtr log;
   if (!options.log.empty()) {
     BlobFile file = ReadFile(options.log, options.changed);
-    if (file.kind != "log" && file.kind != "samples")
-      throw InputError(options.log + ": a " + file.kind + ", where a log or samples are needed");
+    const auto is_source = [&](const datasets::ResultKind& row) { return row.made_of == file.kind; };
+    if (std::ranges::none_of(datasets::ResultKinds(), is_source))
+      throw InputError(options.log + ": " + WithArticle(file.kind) + ", where a log or samples are needed");
     log = std::make_shared<const Blob>(std::move(file.blob));
   }
   const std::vector<ScoredStage> stages = ReadStages(options, log);
@@ -119,11 +116,9 @@ int Report(const ReportArguments& options, const Invocation&) {
 }  // namespace
 
 void ScoredStage::Score() {
-  if (!source) return;
-  if (kind == "landmark_map" && HasTruth(*source)) evaluation = datasets::Evaluate(*result, *source);
-  if (kind == "grid_map") grid_evaluation = datasets::EvaluateGrid(*result, *source);
-  if (kind == "local_map" && HasTruePoses(*source))
-    local_evaluation = datasets::EvaluateLocal(*result, *source);
+  const datasets::ResultKind* row = datasets::FindResultKind(kind);
+  if (source && row != nullptr && row->has_truth != nullptr && row->has_truth(*source))
+    evaluated = row->evaluate(*result, *source, {});
 }
 
 void SortByJob(std::vector<ScoredStage>* stages) { std::ranges::stable_sort(*stages, {}, OrderOf); }
@@ -131,7 +126,7 @@ void SortByJob(std::vector<ScoredStage>* stages) { std::ranges::stable_sort(*sta
 std::string PageOf(const std::vector<ScoredStage>& stages) {
   std::vector<datasets::ReportedStage> reported;
   for (const ScoredStage& stage : stages) {
-    if (datasets::HasReport(stage.kind)) reported.push_back(Reported(stage));
+    if (datasets::FindResultKind(stage.kind) != nullptr) reported.push_back(Reported(stage));
   }
   return reported.empty() ? "" : datasets::JobReportHtml(reported);
 }
@@ -142,10 +137,10 @@ WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& sta
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const ScoredStage& stage = stages[i];
     written.pictures.emplace_back();
-    if (!datasets::HasReport(stage.kind)) continue;
+    if (datasets::FindResultKind(stage.kind) == nullptr) continue;
     const fs::path folder = i == MainStage(stages) ? dir : dir / stage.name;
     fs::create_directories(folder);
-    written.pictures.back() = (folder / (IsMap(stage.kind) ? "map.png" : "picture.png")).string();
+    written.pictures.back() = (folder / (IsMap(stage) ? "map.png" : "picture.png")).string();
     Check(WriteTextAtomically(written.pictures.back(), datasets::StagePicturePng(Reported(stage))));
   }
   const std::string page = PageOf(stages);

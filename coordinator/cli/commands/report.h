@@ -7,9 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/evaluate.h"
-#include "datasets/evaluate/grid.h"
-#include "datasets/evaluate/local.h"
+#include "datasets/kinds/result_kinds.h"
 #include "schema/blob.h"
 
 namespace cairn::cli {
@@ -19,13 +17,10 @@ struct ScoredStage {
   std::string name, kind;
   BlobPtr result, source = nullptr;  // the log or the samples; may be null
 
-  // Fills in what follows, where the source holds what it takes. Throws InputError where it is not the
-  // result's.
-  void Score();
+  std::optional<datasets::Evaluated> evaluated = {};
 
-  std::optional<datasets::Evaluation> evaluation = {};
-  std::optional<datasets::GridEvaluation> grid_evaluation = {};
-  std::optional<datasets::LocalEvaluation> local_evaluation = {};
+  // Fills it in, where the source holds what it takes. Throws InputError where it is not the result's.
+  void Score();
 };
 
 // In the order of their job, as their provenance tells it.

@@ -1,11 +1,10 @@
 #include "coordinator/cli/commands/run_summary.h"
 
-#include <cstdio>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/cli/commands/report.h"
 #include "coordinator/cli/common/failure.h"
-#include "datasets/common/confidence.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -44,55 +43,38 @@ class Sources {
 
 StageSummary Summary(const ScoredStage& stage, const std::string& file, const std::string& picture) {
   StageSummary summary{.stage = stage.name, .kind = stage.kind, .result = file, .picture = picture};
-  if (stage.kind != "landmark_map") return summary;
-  const Blob& map = *stage.result;
-  summary.landmarks = map.at("map/landmark_x_m").size();
-  const auto likelihood = map.Get<double>("history/log_likelihood");
-  summary.iterations = static_cast<std::int64_t>(likelihood.size());
-  if (!likelihood.empty()) summary.log_likelihood = likelihood.back();
-  summary.confidence = datasets::ConfidenceText(map);
-  if (datasets::RefinementRefused(map)) summary.refinement_refused = datasets::NotRefined(map);
-  summary.evaluation = stage.evaluation;
+  const datasets::ResultKind* row = datasets::FindResultKind(stage.kind);
+  if (row == nullptr) return summary;
+  summary.is_map = row->is_map;
+  if (row->summary == nullptr) return summary;
+  summary.found = row->summary(*stage.result);
+  if (stage.evaluated) summary.evaluation = ScoresOf(*stage.evaluated);
   return summary;
 }
 
 nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& report) {
   nlohmann::ordered_json json = {{"stage", stage.stage}, {"kind", stage.kind}, {"result", stage.result}};
   if (!stage.picture.empty()) json["picture"] = stage.picture;
-  if (stage.kind != "landmark_map") return json;
+  if (!stage.found) return json;
   json["map"] = stage.result;
   json["report"] = report;
-  json["landmarks"] = stage.landmarks;
-  json["iterations"] = stage.iterations;
-  json["confidence"] = stage.confidence;
-  if (!stage.refinement_refused.empty()) json["refinement"] = stage.refinement_refused;
-  json["log_likelihood"] = nullptr;
-  if (stage.log_likelihood) json["log_likelihood"] = *stage.log_likelihood;
+  json.update(nlohmann::ordered_json::parse(stage.found->ToJson()));
   json["evaluation"] = nullptr;
-  if (stage.evaluation) {
-    json["evaluation"] = nlohmann::ordered_json::parse(datasets::ScoresOf(*stage.evaluation).ToJson());
-  }
+  if (stage.evaluation) json["evaluation"] = nlohmann::ordered_json::parse(stage.evaluation->ToJson());
   return json;
 }
 
-// Of a landmark map: what was found, how sure it is, how good it is.
+// What was found, how sure it is, how good it is.
 std::string FoundText(const StageSummary& stage) {
-  char line[160];
-  std::snprintf(line, sizeof line, "found     %lld landmark%s in %lld iteration%s, log-likelihood %.1f\n",
-                static_cast<long long>(stage.landmarks), stage.landmarks == 1 ? "" : "s",
-                static_cast<long long>(stage.iterations), stage.iterations == 1 ? "" : "s",
-                stage.log_likelihood.value_or(0));
-  std::string text = line + ("confidence " + stage.confidence) + "\n";
-  if (!stage.refinement_refused.empty()) text += "refinement " + stage.refinement_refused + "\n";
-  if (stage.evaluation)
-    text += "\nagainst the log's ground truth:\n" + datasets::ScoresOf(*stage.evaluation).ToText();
+  constexpr std::size_t kColumn = 10;
+  std::string text = stage.found->ToText(kColumn);
+  if (stage.evaluation) text += "\nagainst the log's ground truth:\n" + stage.evaluation->ToText();
   return text;
 }
 
 std::string ResultLines(const StageSummary& stage) {
-  const bool map = stage.kind == "landmark_map" || stage.kind == "grid_map" || stage.kind == "local_map";
-  std::string text = (map ? "map       " : "result    ") + stage.result + "\n";
-  if (!stage.picture.empty()) text += "picture   " + stage.picture + "\n";
+  std::string text = (stage.is_map ? "map        " : "result     ") + stage.result + "\n";
+  if (!stage.picture.empty()) text += "picture    " + stage.picture + "\n";
   return text;
 }
 
@@ -125,13 +107,13 @@ RunSummary Summarize(const ParsedJob& parsed, const std::string& dir,
 std::string RunSummary::Text() const {
   std::string text = note.empty() ? "" : note + "\n";
   for (const StageSummary& stage : stages) text += ResultLines(stage);
-  if (!report.empty()) text += "report    " + report + "\n";
+  if (!report.empty()) text += "report     " + report + "\n";
   for (const auto& [stage, why] : unscored) text += "not scored: " + stage + ": " + why + "\n";
-  std::size_t maps = 0;
-  for (const StageSummary& stage : stages) maps += stage.kind == "landmark_map" ? 1 : 0;
+  const auto finders =
+      std::ranges::count_if(stages, [](const StageSummary& s) { return s.found.has_value(); });
   for (const StageSummary& stage : stages) {
-    if (stage.kind != "landmark_map") continue;
-    if (maps > 1) text += "\n" + stage.stage + "\n";
+    if (!stage.found) continue;
+    if (finders > 1) text += "\n" + stage.stage + "\n";
     text += FoundText(stage);
   }
   return text;

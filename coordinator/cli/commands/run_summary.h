@@ -8,20 +8,16 @@
 #include <vector>
 
 #include "coordinator/cli/job_file/job_file.h"
-#include "datasets/evaluate/evaluate.h"
+#include "datasets/evaluate/scores.h"
 
 namespace cairn::cli {
 
 // Of one stage.
 struct StageSummary {
   std::string stage, kind, result, picture;  // the last two are paths; no picture: empty
-  // What follows is of a landmark_map only.
-  std::string confidence = {};          // in words
-  std::string refinement_refused = {};  // why; empty: it was not
-  std::int64_t landmarks = 0;
-  std::int64_t iterations = 0;
-  std::optional<double> log_likelihood = {};
-  std::optional<datasets::Evaluation> evaluation = {};  // where its log has truth
+  bool is_map = false;
+  std::optional<datasets::Scores> found = {};       // what it says of itself; none: nothing
+  std::optional<datasets::Scores> evaluation = {};  // where its source has truth
 };
 
 struct RunSummary {

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/suggest.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::cli {
 
@@ -44,7 +46,8 @@ void WarnOfChanged(const std::string& path) {
 BlobFile ReadFile(const std::string& path, bool changed_too) {
   BlobFile file = Take(ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true}));
   if (!file.changed) return file;
-  if (!changed_too && file.kind != "log" && file.kind != "samples")
+  const Kind* kind = FindKind(file.kind);
+  if (!changed_too && (kind == nullptr || !kind->is_given))
     throw InputError(
         path +
         ": another program has changed it since Cairn wrote it, so it is not what Cairn computed; "
@@ -56,8 +59,18 @@ BlobFile ReadFile(const std::string& path, bool changed_too) {
 BlobFile ReadResult(const std::string& path, const std::string& kind, bool changed_too) {
   const std::string file = ResultPath(path, kind);
   BlobFile result = ReadFile(file, changed_too);
-  if (result.kind != kind) throw InputError(file + ": a " + result.kind + ", where a " + kind + " is needed");
+  if (result.kind != kind)
+    throw InputError(file + ": " + WithArticle(result.kind) + ", where " + IsNeeded(kind));
   return result;
+}
+
+BlobFile ReadFirstOf(const std::string& path, const std::vector<std::string>& kinds, bool changed_too) {
+  if (fs::is_regular_file(path)) return ReadFile(path, changed_too);
+  std::set<std::string> there;
+  for (const std::string& file : FilesOf(path)) there.insert(Take(ListBlobFile(file)).kind);
+  const auto first =
+      std::ranges::find_if(kinds, [&](const std::string& kind) { return there.contains(kind); });
+  return ReadResult(path, first == kinds.end() ? kinds.back() : *first, changed_too);
 }
 
 }  // namespace cairn::cli

@@ -7,6 +7,7 @@
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/result_file.h"
 #include "datasets/common/unit_doubts.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
 #include "schema/store/blob_stream.h"
 
@@ -25,18 +26,18 @@ bool IsNeededAs(const std::string& role, const proto::Job& job, const std::strin
 // Two roles have the name of the kind of file that they need; of others the pipeline knows.
 void RefuseOtherKind(const proto::Job& job, const std::string& name, const JobInput& input,
                      const std::string& kind) {
-  for (const auto& [role, needed] : {std::pair{"log", "a log is"}, {"samples", "samples are"}}) {
+  for (const char* role : {"log", "samples"}) {
     if (kind != role && IsNeededAs(role, job, name))
-      throw InputError(input.where + ": " + input.path + ": " + (kind == "samples" ? "" : "a ") + kind +
-                       ", where " + needed + " needed");
+      throw InputError(input.where + ": " + input.path + ": " + WithArticle(kind) + ", where " +
+                       IsNeeded(role));
   }
 }
 
 using Doubts = std::vector<std::string>;
 
 Doubts DoubtsOf(const std::string& kind, const Blob& blob) {
-  const bool has_units = kind == "log" || kind == "samples" || kind == "poses";
-  return has_units ? datasets::UnitDoubtsOf(blob) : Doubts();
+  const Kind* known = FindKind(kind);
+  return known != nullptr && known->has_units ? datasets::UnitDoubtsOf(blob) : Doubts();
 }
 
 Status Named(const JobInput& input, const Status& status) {

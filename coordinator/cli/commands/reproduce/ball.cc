@@ -19,8 +19,8 @@
 #include "datasets/reproduce/ball_figures.h"
 #include "datasets/reproduce/ball_variants.h"
 #include "datasets/simulate/corridor/corridor.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
-#include "schema/store/result_kind.h"
 
 namespace cairn::cli {
 namespace {
@@ -132,7 +132,7 @@ class StudyRun {
     fs::create_directories(folder);
     for (const auto& [name, blob] : ball.inputs) {
       const std::string file = ball.name + "_" + name + ".h5";
-      Check(WriteBlobFile((folder / file).string(), ResultKind(blob), blob));
+      Check(WriteBlobFile((folder / file).string(), KindOf(blob), blob));
     }
   }
 

@@ -1,4 +1,4 @@
-#include "datasets/report/report.h"
+#include "datasets/kinds/job_report.h"
 
 #include <gtest/gtest.h>
 
@@ -77,7 +77,12 @@ Blob FullResult(const Blob& log) {
 
 std::string PageOf(const Blob& result, const Blob* log, const Evaluation* evaluation,
                    const std::string& title = "") {
-  return JobReportHtml({{.name = "map", .result = &result, .source = log, .evaluation = evaluation}}, title);
+  return JobReportHtml(
+      {{.name = "map",
+        .result = &result,
+        .source = log,
+        .evaluated = evaluation != nullptr ? std::optional<Evaluated>(*evaluation) : std::nullopt}},
+      title);
 }
 
 class ReportOfALoop : public ::testing::Test {

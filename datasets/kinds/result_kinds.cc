@@ -1,0 +1,133 @@
+#include "datasets/kinds/result_kinds.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "datasets/common/confidence.h"
+#include "datasets/report/draw_map.h"
+#include "datasets/report/grid_page.h"
+#include "datasets/report/landmark_page.h"
+#include "datasets/report/local_page.h"
+#include "datasets/report/localization_page.h"
+#include "datasets/report/networks_page.h"
+#include "datasets/report/samples_page.h"
+
+namespace cairn::datasets {
+namespace {
+
+// Null where the stage was not evaluated.
+template <class T>
+const T* EvaluationOf(const ReportedStage& stage) {
+  return stage.evaluated ? &std::get<T>(*stage.evaluated) : nullptr;
+}
+
+bool HasTruth(const Blob& log) { return !log.Sub("truth/").fields().empty(); }
+
+bool HasTruePoses(const Blob& log) {
+  return std::ranges::any_of(log.Sub("truth/robot/").fields(),
+                             [](const auto& field) { return field.first.ends_with("/poses/time_s"); });
+}
+
+Evaluated EvaluateGridOf(const Blob& map, const Blob& truth, const ScoreOptions&) {
+  return truth.Has("map/grid/probability") ? CompareGrids(map, truth) : EvaluateGrid(map, truth);
+}
+
+Scores SummaryOfLandmarkMap(const Blob& map) {
+  const auto landmarks = static_cast<std::int64_t>(map.at("map/landmark_x_m").size());
+  const auto likelihood = map.Get<double>("history/log_likelihood");
+  const auto iterations = static_cast<std::int64_t>(likelihood.size());
+  Scores scores;
+  scores.AddForPeople("found",
+                      fmt::format("{} landmark{} in {} iteration{}, log-likelihood {:.1f}", landmarks,
+                                  landmarks == 1 ? "" : "s", iterations, iterations == 1 ? "" : "s",
+                                  likelihood.empty() ? 0.0 : likelihood.back()));
+  scores.AddForPrograms("landmarks", landmarks);
+  scores.AddForPrograms("iterations", iterations);
+  scores.Add("confidence", ConfidenceText(map));
+  if (RefinementRefused(map)) scores.Add("refinement", NotRefined(map));
+  scores.AddForPrograms("log_likelihood",
+                        likelihood.empty() ? ScoreValue() : ScoreValue(double{likelihood.back()}));
+  return scores;
+}
+
+constexpr ResultKind kResultKinds[] = {
+    {.name = "landmark_map",
+     .is_map = true,
+     .made_of = "log",
+     .has_truth = HasTruth,
+     .evaluate = [](const Blob& map, const Blob& log, const ScoreOptions&) -> Evaluated {
+       return Evaluate(map, log);
+     },
+     .page =
+         [](const ReportedStage& s) {
+           return report::LandmarkMapHtml(*s.result, s.source, EvaluationOf<Evaluation>(s));
+         },
+     .picture =
+         [](const ReportedStage& s, int width_px) {
+           return DrawMapPng(*s.result, s.source, EvaluationOf<Evaluation>(s), width_px);
+         },
+     .summary = SummaryOfLandmarkMap},
+    {.name = "grid_map",
+     .is_map = true,
+     .made_of = "log",
+     .has_truth = [](const Blob&) { return true; },  // readings that were held out
+     .evaluate = EvaluateGridOf,
+     .compares = true,
+     .page =
+         [](const ReportedStage& s) {
+           return report::GridMapHtml(*s.result, s.source, EvaluationOf<GridEvaluation>(s));
+         },
+     .picture =
+         [](const ReportedStage& s, int width_px) {
+           return DrawGridPng(*s.result, s.source, EvaluationOf<GridEvaluation>(s), width_px);
+         }},
+    {.name = "local_map",
+     .is_map = true,
+     .made_of = "log",
+     .has_truth = HasTruePoses,
+     .evaluate = [](const Blob& map, const Blob& log, const ScoreOptions&) -> Evaluated {
+       return EvaluateLocal(map, log);
+     },
+     .page =
+         [](const ReportedStage& s) {
+           return report::LocalHtml(*s.result, s.source, EvaluationOf<LocalEvaluation>(s));
+         },
+     .picture =
+         [](const ReportedStage& s, int width_px) {
+           return DrawScenePng(report::LocalSceneOf(*s.result, s.source, EvaluationOf<LocalEvaluation>(s)),
+                               width_px);
+         }},
+    {.name = "networks",
+     .made_of = "samples",
+     .evaluate = [](const Blob& networks, const Blob& samples, const ScoreOptions& options) -> Evaluated {
+       return EvaluateNetworks(networks, samples, options);
+     },
+     .takes_score_options = true,
+     .page_takes_source = false,
+     .page = [](const ReportedStage& s) { return report::NetworksHtml(*s.result); },
+     .picture = [](const ReportedStage& s, int) { return report::NetworksPng(*s.result); }},
+    {.name = "localization",
+     .made_of = "samples",
+     .evaluate = [](const Blob& result, const Blob& samples, const ScoreOptions&) -> Evaluated {
+       return EvaluateLocalization(result, samples);
+     },
+     .page = [](const ReportedStage& s) { return report::LocalizationHtml(*s.result, s.source); },
+     .picture = [](const ReportedStage& s, int) { return report::LocalizationPng(*s.result, s.source); }},
+    {.name = "samples",
+     .page_takes_source = false,
+     .page = [](const ReportedStage& s) { return report::SamplesHtml(*s.result); },
+     .picture = [](const ReportedStage& s,
+                   int width_px) { return DrawScenePng(report::SamplesSceneOf(*s.result), width_px); }},
+};
+
+}  // namespace
+
+std::span<const ResultKind> ResultKinds() { return kResultKinds; }
+
+const ResultKind* FindResultKind(std::string_view name) {
+  const ResultKind* kind = std::ranges::find(kResultKinds, name, &ResultKind::name);
+  return kind == std::end(kResultKinds) ? nullptr : kind;
+}
+
+}  // namespace cairn::datasets
