@@ -210,7 +210,8 @@ Scene Crowd(int count, double apart_m, bool identified) {
   Scene scene;
   for (int k = 0; k < count; ++k) {
     MapLandmark landmark;
-    landmark.at = {apart_m * (k % 8), apart_m * (k / 8)};
+    const int row = k / 8;
+    landmark.at = {apart_m * (k % 8), apart_m * row};
     landmark.count = k;
     landmark.name = (identified ? "tree " : "") + std::to_string(k);
     landmark.identified = identified;

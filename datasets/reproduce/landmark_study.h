@@ -1,4 +1,4 @@
-// What `cairn reproduce landmarks` runs: the logs and the job behind the figures of S. Thrun, W. Burgard, D.
+// What `cairn-reproduce landmarks` runs: the logs and the job behind the figures of S. Thrun, W. Burgard, D.
 // Fox, A Probabilistic Approach to Concurrent Mapping and Localization for Mobile Robots, Machine Learning
 // 31, 1998, on simulated data.
 #pragma once

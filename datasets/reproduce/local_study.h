@@ -1,4 +1,4 @@
-// What `cairn reproduce local` runs: simulated offices and their local maps, for the figures of E. Dedieu and
+// What `cairn-reproduce local` runs: simulated offices and their local maps, for the figures of E. Dedieu and
 // J. del R. Millán, Efficient occupancy grids for variable resolution map building, 1998 ([DM98]).
 #pragma once
 

@@ -27,7 +27,8 @@ const Kind* FindKind(std::string_view name) {
 }
 
 std::string KindOf(const Blob& blob) {
-  const Kind* kind = std::ranges::find_if(kKinds, [&](const Kind& k) { return blob.Has(std::string(k.mark)); });
+  const Kind* kind =
+      std::ranges::find_if(kKinds, [&](const Kind& k) { return blob.Has(std::string(k.mark)); });
   return std::string(kind == std::end(kKinds) ? "result" : kind->name);
 }
 

@@ -11,7 +11,8 @@ namespace cairn {
 
 struct Kind {
   std::string_view name;
-  std::string_view mark;   // an array that each file of the kind has, and no file of a kind above it in the table
+  std::string_view
+      mark;  // an array that each file of the kind has, and no file of a kind above it in the table
   bool is_plural = false;  // as a word
   bool is_given = false;   // people make it, and may change it; else a pipeline does: it is a result
   bool has_units = false;  // times, distances and angles as somebody wrote them: their units may be wrong
@@ -19,11 +20,12 @@ struct Kind {
 
 std::span<const Kind> Kinds();
 
-// Null where there is none of that name: of a file of a newer Cairn, or of a pipeline that has a kind of its own.
+// Null where there is none of that name: of a file of a newer Cairn, or of a pipeline that has a kind of its
+// own.
 const Kind* FindKind(std::string_view name);
 
-// The kind that a blob is of, by the arrays that it has; "result" where it is of none. The blob itself says it, so
-// that a coordinator, which knows no pipeline, and a client, which fetches results, store the same.
+// The kind that a blob is of, by the arrays that it has; "result" where it is of none. The blob itself says
+// it, so that a coordinator, which knows no pipeline, and a client, which fetches results, store the same.
 std::string KindOf(const Blob& blob);
 
 // "a log", "samples"; "a log is needed", "samples are needed".

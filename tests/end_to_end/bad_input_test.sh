@@ -173,7 +173,7 @@ refuses "no folder 'nowhere'" cairn simulate corridor --pictures nowhere no.h5
 refuses 'there already' cairn simulate corridor log.h5
 refuses 'minutes.*0' cairn simulate office --minutes 0 no.h5
 refuses 'minutes.*nan' cairn simulate office --minutes nan no.h5
-refuses 'seeds.*0' cairn reproduce local --seeds 0
+refuses 'seeds.*0' cairn-reproduce local --seeds 0
 [ ! -e no.h5 ] || die "a simulation that was refused left a file"
 exits 0 cairn simulate loop --difficulty base --seed 7 another.h5
 refuses 'made from another log' cairn evaluate done --truth another.h5

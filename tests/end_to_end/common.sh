@@ -71,7 +71,8 @@ until_true() {
 }
 
 # example COMMAND…: the lines after "Example:" in its help.
-example() { cairn "$@" --help | awk 'on && /^  / {sub(/^  /, ""); print} /^Example:/ {on = 1}'; }
+examples_in() { awk 'on && /^  / {sub(/^  /, ""); print} /^Example:/ {on = 1}'; }
+example() { cairn "$@" --help | examples_in; }
 
 # A job of a few seconds, the same in every test.
 simulate() { cairn simulate loop --difficulty paper --seed "${2:-7}" "$1" >/dev/null; }

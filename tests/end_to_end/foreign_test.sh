@@ -140,5 +140,5 @@ mkdir own && printf 'mine' >own/report.html
 refuses "own/report.html' is there already" again own
 [ "$(ls own)" = report.html ] || die "a run that was refused left something"
 mkdir study && printf 'mine' >study/index.html
-refuses "'study' holds files of something else" cairn reproduce landmarks --out study
+refuses "'study' holds files of something else" cairn-reproduce landmarks --out study
 [ "$(cat study/index.html)" = mine ] || die "the user's page was replaced"

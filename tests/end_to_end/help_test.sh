@@ -76,10 +76,13 @@ for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallwa
   runs "${words[@]}"
 done
 
+exits 0 cairn-reproduce help
+says '^Subcommands:'
+refuses "there is no command 'landmark'; did you mean 'landmarks'" cairn-reproduce landmark
 # The papers' figures take minutes of processor time: each has a test of its own, which runs its example.
-for figures in $(cairn reproduce --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}'); do
-  grep -qF "(example reproduce $figures)" "$CAIRN_SOURCE"/tests/end_to_end/reproduce*_test.sh ||
-    die "no test runs the example of cairn reproduce $figures"
+for figures in $(cairn-reproduce --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}'); do
+  grep -qF "(cairn-reproduce $figures --help | examples_in)" "$CAIRN_SOURCE"/tests/end_to_end/reproduce*_test.sh ||
+    die "no test runs the example of cairn-reproduce $figures"
 done
 
 # Those of the service: a job is submitted, paused, gone on with and cancelled before there is a worker; a second one is

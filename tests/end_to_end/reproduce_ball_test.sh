@@ -3,8 +3,8 @@
 # give the same numbers by hand, a second call computes nothing anew.
 source "$(dirname "$0")/common.sh"
 
-line=$(example reproduce ball)
-[ "$line" = 'cairn reproduce ball --seeds 5 --out ball' ] || die "its example is another: $line"
+line=$(cairn-reproduce ball --help | examples_in)
+[ "$line" = 'cairn-reproduce ball --seeds 5 --out ball' ] || die "its example is another: $line"
 # Not five corridors, which take a quarter of an hour.
 exits 0 ${line/--seeds 5/--seeds 1 --seed 7 --steps 30} --json
 grep -q '</html>' ball/index.html || die "the page is cut off"
@@ -24,7 +24,7 @@ exits 0 cairn evaluate ball/results/d2_7/locate.h5 --truth ball/inputs/d2_7_samp
 grep -q 'traverses  35 of d2 run 4; nothing known' stdout || die "35 robots in the held-out run are missing"
 
 before=$(stat -c '%i %Y' ball/results/d1_7/n1_w1.h5)
-exits 0 cairn reproduce ball --seeds 1 --seed 7 --steps 30 --out ball
+exits 0 cairn-reproduce ball --seeds 1 --seed 7 --steps 30 --out ball
 [ "$before" = "$(stat -c '%i %Y' ball/results/d1_7/n1_w1.h5)" ] || die "a finished result was computed again"
-refuses 'force' cairn reproduce ball --seeds 1 --seed 7 --steps 31 --out ball
-refuses 'seeds' cairn reproduce ball --seeds 0 --out ball
+refuses 'force' cairn-reproduce ball --seeds 1 --seed 7 --steps 31 --out ball
+refuses 'seeds' cairn-reproduce ball --seeds 0 --out ball

@@ -27,9 +27,9 @@ twice() {
   [ "$before" = "$(stat -c '%i %Y' "$result")" ] || die "a finished result was computed again: $result"
 }
 
-line=$(example reproduce occupancy)
-[ "$line" = 'cairn reproduce occupancy --seeds 5 --out occupancy' ] || die "its example is another: $line"
+line=$(cairn-reproduce occupancy --help | examples_in)
+[ "$line" = 'cairn-reproduce occupancy --seeds 5 --out occupancy' ] || die "its example is another: $line"
 twice occupancy ${line/--seeds 5/--seeds 1}
-line=$(example reproduce local)
-[ "$line" = 'cairn reproduce local --seeds 5 --out local' ] || die "its example is another: $line"
+line=$(cairn-reproduce local --help | examples_in)
+[ "$line" = 'cairn-reproduce local --seeds 5 --out local' ] || die "its example is another: $line"
 twice local ${line/--seeds 5/--seeds 1}

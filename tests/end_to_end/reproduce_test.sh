@@ -2,8 +2,8 @@
 # The papers' figures from one command: every picture of the page is there, and a second call computes nothing anew.
 source "$(dirname "$0")/common.sh"
 
-line=$(example reproduce landmarks)
-[ "$line" = 'cairn reproduce landmarks --out figures' ] || die "its example is another: $line"
+line=$(cairn-reproduce landmarks --help | examples_in)
+[ "$line" = 'cairn-reproduce landmarks --out figures' ] || die "its example is another: $line"
 exits 0 $line --json
 number=$(grep -c '"file": "figure\|"file": "forward' stdout)
 [ "$number" -ge 12 ] || die "only $number figures"
@@ -30,6 +30,6 @@ exits 0 cairn evaluate figures/results/map.h5 --truth figures/inputs/first.h5 --
 [ "$(number correct stdout)" = true ] || die "evaluate says the map is wrong"
 
 before=$(stat -c '%i %Y' figures/results/map.h5)
-exits 0 cairn reproduce landmarks --out figures
+exits 0 cairn-reproduce landmarks --out figures
 [ "$before" = "$(stat -c '%i %Y' figures/results/map.h5)" ] || die "a finished result was computed again"
-refuses 'force' cairn reproduce landmarks --out figures --seed 8
+refuses 'force' cairn-reproduce landmarks --out figures --seed 8

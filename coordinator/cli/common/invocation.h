@@ -51,7 +51,6 @@ void AddInspect(Command app, Invocation& call);
 void AddEvaluate(Command app, Invocation& call);
 void AddExport(Command app, Invocation& call);
 void AddReport(Command app, Invocation& call);
-void AddReproduce(Command app, Invocation& call);
 void AddDiff(Command app, Invocation& call);
 void AddKeys(Command app, Invocation& call);
 

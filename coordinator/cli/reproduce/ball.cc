@@ -7,13 +7,13 @@
 #include <optional>
 #include <thread>
 
-#include "coordinator/cli/commands/reproduce/reproduce.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/programs.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/common/stop_signal.h"
 #include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/pages.h"
+#include "coordinator/cli/reproduce/reproduce.h"
 #include "datasets/reproduce/ball_active.h"
 #include "datasets/reproduce/ball_adapt.h"
 #include "datasets/reproduce/ball_figures.h"
@@ -250,7 +250,7 @@ void AddReproduceBall(Command reproduce, Invocation& call) {
   Command ball;
   const auto options = AddCommand<ReproduceBallArguments>(
       reproduce, call, "ball", "Table 3 and figures 3 to 8 on learned landmarks, from simulated corridors",
-      "cairn reproduce ball --seeds 5 --out ball", Ball, &ball);
+      "cairn-reproduce ball --seeds 5 --out ball", Ball, &ball);
   ball.Add("--study", options->study,
            "paper: its table and figures; sensors: error reduction without each group of sensors; active: "
            "a camera that is pointed where it pays; adapt: going on after the corridor has changed; ways: "

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <thread>
 
-#include "coordinator/cli/commands/reproduce/reproduce.h"
 #include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/reproduce/reproduce.h"
 #include "datasets/reproduce/local_figures.h"
 
 namespace cairn::cli {
@@ -35,7 +35,7 @@ void AddReproduceLocal(Command reproduce, Invocation& call) {
   Command app;
   const auto options = AddCommand<ReproduceLocalArguments>(
       reproduce, call, "local", "Figures 2 to 4 on local grids and edge traces, from simulated offices",
-      "cairn reproduce local --seeds 5 --out local", Local, &app);
+      "cairn-reproduce local --seeds 5 --out local", Local, &app);
   app.Add("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
       .ShowDefault();
   app.Add("--seed", options->seed, "The first office's").Check(CheckSeed).ShowDefault();

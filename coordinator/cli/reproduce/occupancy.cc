@@ -2,9 +2,9 @@
 #include <optional>
 #include <thread>
 
-#include "coordinator/cli/commands/reproduce/reproduce.h"
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/reproduce/reproduce.h"
 #include "datasets/reproduce/occupancy_figures.h"
 
 namespace cairn::cli {
@@ -53,7 +53,7 @@ void AddReproduceOccupancy(Command reproduce, Invocation& call) {
   const auto options = AddCommand<ReproduceOccupancyArguments>(
       reproduce, call, "occupancy",
       "Figures 1 to 5 on occupancy grids, from simulated sonar; the chain after landmark_map",
-      "cairn reproduce occupancy --seeds 5 --out occupancy", Occupancy, &app);
+      "cairn-reproduce occupancy --seeds 5 --out occupancy", Occupancy, &app);
   app.Add("--study", options->study,
           "paper: its figures; curve: walls found against doors found, by evidence_map's parameters")
       .OneOf({"paper", "curve"})

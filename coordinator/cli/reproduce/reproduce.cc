@@ -1,4 +1,4 @@
-#include "coordinator/cli/commands/reproduce/reproduce.h"
+#include "coordinator/cli/reproduce/reproduce.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -127,13 +127,10 @@ void PublishPage(const std::string& out, const std::string& title, const std::st
 }
 
 void AddReproduce(Command app, Invocation& call) {
-  Command reproduce = app.AddCommand("reproduce", "The papers' figures, beside their claims");
-  reproduce.NeedsCommand();
-  reproduce.Footer("Example:\n  cairn reproduce landmarks --out figures");
   Command landmarks;
   const auto options = AddCommand<ReproduceArguments>(
-      reproduce, call, "landmarks", "Figures 1 to 3, 5 to 14 and 18 on landmark maps, from simulated data",
-      "cairn reproduce landmarks --out figures", Landmarks, &landmarks);
+      app, call, "landmarks", "Figures 1 to 3, 5 to 14 and 18 on landmark maps, from simulated data",
+      "cairn-reproduce landmarks --out figures", Landmarks, &landmarks);
   landmarks.Add("--out", options->out, "Folder of page, pictures, logs (inputs/) and results (results/)")
       .ShowDefault();
   landmarks.Add("--seed", options->seed, "Of the simulated worlds").Check(CheckSeed).ShowDefault();
@@ -141,9 +138,9 @@ void AddReproduce(Command app, Invocation& call) {
       .Within(1, 1024);
   landmarks.AddFlag("--force", options->force, "Forget what an earlier run left in the folder");
   landmarks.AddFlag("--json", options->json, "Pictures, claims and measured figures as JSON");
-  AddReproduceBall(reproduce, call);
-  AddReproduceOccupancy(reproduce, call);
-  AddReproduceLocal(reproduce, call);
+  AddReproduceBall(app, call);
+  AddReproduceOccupancy(app, call);
+  AddReproduceLocal(app, call);
 }
 
 }  // namespace cairn::cli

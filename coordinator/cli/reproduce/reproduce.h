@@ -1,4 +1,4 @@
-// What the commands under `cairn reproduce` share: a job run embedded, and the page that comes of its
+// What the commands under `cairn-reproduce` share: a job run embedded, and the page that comes of its
 // results.
 #pragma once
 
@@ -35,6 +35,8 @@ int ExplainUndone(const coordinator::EmbeddedResult& run);
 void PublishPage(const std::string& out, const std::string& title, const std::string& lead,
                  const std::vector<datasets::PaperFigure>& figures, bool json);
 
+// The commands of cairn-reproduce.
+void AddReproduce(Command app, Invocation& call);
 void AddReproduceBall(Command reproduce, Invocation& call);
 void AddReproduceLocal(Command reproduce, Invocation& call);
 void AddReproduceOccupancy(Command reproduce, Invocation& call);
