@@ -92,6 +92,23 @@ TEST(EvaluateLocalization, RefusesWhatDoesNotFit) {
   Blob nowhere = LocalizationFile();
   nowhere.PutVector<std::int32_t>("belief/place", std::vector<std::int32_t>(12, 7));
   EXPECT_EQ(complaint(nowhere, LocalizedSamples()), "'belief/place' names a place that is not there");
+  // Beliefs that are none.
+  for (const std::vector<std::int64_t>& entries : {std::vector<std::int64_t>{0, 0, 0, 0, 0},
+                                                   {4, 2, 1, -4, 1},
+                                                   {4, 2, 1, 5, 0},
+                                                   {4, 2, 1, 4, 1LL << 40}}) {
+    Blob unsure = LocalizationFile();
+    unsure.PutVector("step/entries", entries);
+    ExpectContains(complaint(unsure, LocalizedSamples()), "'step/entries' do not fit");
+  }
+  for (const float p : {0.0F, -1.0F, 3.0F, std::nanf("")}) {
+    Blob unsure = LocalizationFile();
+    unsure.PutVector("belief/probability", std::vector<float>(12, p));
+    ExpectContains(complaint(unsure, LocalizedSamples()), "does not sum to 1");
+  }
+  Blob lost = LocalizationFile();
+  lost.PutVector<double>("place/x_m", {0, 1, std::nan(""), 3});
+  ExpectContains(complaint(lost, LocalizedSamples()), "holds what is no number");
   EXPECT_EQ(complaint(LocalizedSamples(), LocalizedSamples()),
             "not a localization: 'step/traverse' is missing");
 }

@@ -1,6 +1,7 @@
 #include "datasets/evaluate/localized_steps.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace cairn::datasets {
@@ -39,19 +40,36 @@ LocalizedSteps::LocalizedSteps(const Blob& result) {
     if (size != traverse.size()) throw InputError("the arrays of 'step/' are not of one length");
   }
   if (traverse.empty()) throw InputError("there are no steps");
+  CheckBelief(entries);
   std::size_t entry = 0;
   for (std::size_t k = 0; k < traverse.size(); ++k) {
     const bool begins = k == 0 || traverse[k] != traverse[k - 1];
-    const auto count = static_cast<std::size_t>(std::max<std::int64_t>(0, entries[k]));
-    if (count > place.size() - entry || place.size() != probability.size())
-      throw InputError("'belief/place', 'belief/probability' and 'step/entries' do not fit");
+    const auto count = static_cast<std::size_t>(entries[k]);
     steps.push_back({traverse[k], run[k], sample[k], begins ? 0 : steps.back().sensations + 1, way[k],
                      spread[k], means[k], modes[k], entry, entry + count});
     entry += count;
   }
+}
+
+// Each step believes in something, and in all with probability 1.
+void LocalizedSteps::CheckBelief(std::span<const std::int64_t> entries) const {
   if (std::ranges::any_of(
           place, [&](std::int32_t p) { return p < 0 || static_cast<std::size_t>(p) >= places.size(); }))
     throw InputError("'belief/place' names a place that is not there");
+  if (std::ranges::any_of(places, [](Point p) { return !std::isfinite(p.x_m + p.y_m); }))
+    throw InputError("'place/x_m' or 'place/y_m' holds what is no number");
+  std::size_t entry = 0;
+  for (const std::int64_t count : entries) {
+    if (count < 1 || place.size() != probability.size() ||
+        static_cast<std::size_t>(count) > place.size() - entry)
+      throw InputError("'belief/place', 'belief/probability' and 'step/entries' do not fit");
+    double sum = 0;
+    for (const float p : probability.subspan(entry, static_cast<std::size_t>(count)))
+      sum += p >= 0 ? static_cast<double>(p) : std::nan("");
+    constexpr double kOff = 1e-3;  // of single precision
+    if (!(std::abs(sum - 1) < kOff)) throw InputError("'belief/probability' of a step does not sum to 1");
+    entry += static_cast<std::size_t>(count);
+  }
 }
 
 }  // namespace cairn::datasets

@@ -20,7 +20,8 @@ struct LocalizedStep {
 
 // Lives as long as the result.
 struct LocalizedSteps {
-  // Throws InputError: no localization, arrays that do not fit each other, no steps.
+  // Throws InputError: no localization, arrays that do not fit each other, no steps, a place that is no
+  // number, a belief that does not sum to 1.
   explicit LocalizedSteps(const Blob& result);
 
   std::vector<LocalizedStep> steps;
@@ -28,6 +29,9 @@ struct LocalizedSteps {
   std::span<const double> heading_rad;  // of each place; empty where headings do not count
   std::span<const std::int32_t> place;  // of each entry, an index into `places`
   std::span<const float> probability;   // of each entry
+
+ private:
+  void CheckBelief(std::span<const std::int64_t> entries) const;
 };
 
 }  // namespace cairn::datasets

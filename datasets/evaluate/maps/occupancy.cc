@@ -16,7 +16,8 @@ void DemandShape(const Blob& map, const char* name, const Shape& shape) {
 
 CellBox BoxOf(const Blob& map) {
   const Shape& shape = map.at(kProbability).shape();
-  if (shape.size() != 2) throw InputError(std::string("'") + kProbability + "' is not of rows and columns");
+  if (shape.size() != 2 || shape[0] == 0 || shape[1] == 0)
+    throw InputError(std::string("'") + kProbability + "' is not of rows and columns");
   CellBox box{map.Scalar<double>("map/grid/origin_x_m"), map.Scalar<double>("map/grid/origin_y_m"),
               map.Scalar<double>("map/grid/cell_m"), shape[1], shape[0]};
   if (!(box.cell_m > 0) || !std::isfinite(box.cell_m + box.origin_x_m + box.origin_y_m))

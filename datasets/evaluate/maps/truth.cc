@@ -29,15 +29,29 @@ CellBox Grown(const CellBox& map, const std::vector<Wall>& walls, MapTruth* trut
   box.origin_y_m += static_cast<double>(low) * map.cell_m;
   box.columns = right - left;
   box.rows = high - low;
-  constexpr std::int64_t kMostCells = 1'000'000'000;
+  constexpr std::int64_t kMostCells = 200'000'000;
   if (box.columns > kMostCells / box.rows) throw InputError("the truth's walls lie too far from the map");
   return box;
 }
 
-void ForPointsOf(const Wall& wall, double spacing_m, const std::function<void(Point)>& visit) {
-  const auto steps = static_cast<int>(std::ceil(DistanceM(wall.a, wall.b) / spacing_m));
-  for (int i = 0; i <= steps; ++i) {
-    const double t = steps == 0 ? 0 : static_cast<double>(i) / steps;
+// Points along the wall, as far apart; of those a few farther from `near` than `within_m` too, most are left
+// out.
+void ForPointsOf(const Wall& wall, double spacing_m, Point near, double within_m,
+                 const std::function<void(Point)>& visit) {
+  const double length_m = DistanceM(wall.a, wall.b);
+  const auto steps = static_cast<std::int64_t>(std::ceil(length_m / spacing_m));
+  std::int64_t first = 0, last = steps;
+  if (steps > 0 && std::isfinite(within_m)) {
+    const double along = ((near.x_m - wall.a.x_m) * (wall.b.x_m - wall.a.x_m) +
+                          (near.y_m - wall.a.y_m) * (wall.b.y_m - wall.a.y_m)) /
+                         (length_m * length_m);
+    const double reach = within_m / length_m, of_steps = static_cast<double>(steps);
+    first = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor((along - reach) * of_steps)) - 1);
+    last =
+        std::min<std::int64_t>(steps, static_cast<std::int64_t>(std::ceil((along + reach) * of_steps)) + 1);
+  }
+  for (std::int64_t i = first; i <= last; ++i) {
+    const double t = steps == 0 ? 0 : static_cast<double>(i) / static_cast<double>(steps);
     visit({wall.a.x_m + t * (wall.b.x_m - wall.a.x_m), wall.a.y_m + t * (wall.b.y_m - wall.a.y_m)});
   }
 }
@@ -73,7 +87,7 @@ void MarkDue(const std::vector<Wall>& walls, const Pose& beam, double half_rad, 
   const double within_m = nearest + truth->box.cell_m;
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (nearest_m[w] > within_m) continue;
-    ForPointsOf(walls[w], kSpacing * truth->box.cell_m, [&](Point point) {
+    ForPointsOf(walls[w], kSpacing * truth->box.cell_m, at, within_m, [&](Point point) {
       if (SeenInCone(beam, half_rad, within_m, point)) Mark(truth->box, point, &truth->due);
     });
   }
@@ -111,7 +125,8 @@ MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
   truth.box = Grown(map, walls, &truth);
   truth.wall = truth.due = truth.free = std::vector<std::uint8_t>(truth.box.cells(), 0);
   for (const Wall& wall : walls)
-    ForPointsOf(wall, kSpacing * map.cell_m, [&](Point at) { Mark(truth.box, at, &truth.wall); });
+    ForPointsOf(wall, kSpacing * map.cell_m, {}, std::numeric_limits<double>::infinity(),
+                [&](Point at) { Mark(truth.box, at, &truth.wall); });
   std::vector<std::pair<std::int64_t, std::int64_t>> way;
   for (const ScoredSensor& sensor : scans) {
     for (std::size_t scan = 0; scan < sensor.poses.size(); ++scan) {

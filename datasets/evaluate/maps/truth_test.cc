@@ -49,6 +49,32 @@ TEST(MapTruth, AConeTellsOfTheWallThatIsAtMostACellBehindItsNearestPoint) {
   for (const int row : {3, 4, 5}) EXPECT_EQ(truth.due[truth.box.Index(7, row)], 1) << row;
 }
 
+// A wall of 100 km: as if it ended where no beam reaches. The points on it are looked at where a beam may see
+// them.
+TEST(MapTruth, WallsLongerThanAnyBeamTellOfTheSame) {
+  const Occupancy map = ReadOccupancy(DrawnMap(std::vector<std::string>(9, std::string(9, ' '))));
+  std::vector<ScoredSensor> scans = OneScan(std::numbers::pi / 6);
+  scans[0].beams = {{0, 0, 0}};
+  scans[0].range_m = {3};
+  const MapTruth once = TruthOfWalls(map.box, {{{7.5, -50'000}, {7.5, 50'000}}}, scans);
+  EXPECT_EQ(std::ranges::count(once.due, 1), 3);
+  for (const int row : {3, 4, 5})
+    EXPECT_EQ(once.due[once.box.Index(7 + once.offset_columns, row + once.offset_rows)], 1) << row;
+}
+
+TEST(MapTruth, WhatLiesFartherThanAnyMapReachesIsRefused) {
+  Occupancy map = ReadOccupancy(DrawnMap(std::vector<std::string>(9, std::string(9, ' '))));
+  for (const double far_m : {1e9, 1.7e18, 1e300}) {
+    EXPECT_THROW(TruthOfWalls(map.box, {{{0, 0}, {far_m, 0}}, {{0, 0}, {0, -far_m}}}, OneScan()), InputError)
+        << far_m;
+  }
+  map.box.cell_m = 1e-300;
+  EXPECT_THROW(TruthOfWalls(map.box, kRoom, OneScan()), InputError);
+  Blob empty = DrawnMap({" "});
+  empty.Put("map/grid/probability", Array::Of<double>({0, 3}, std::vector<double>()));
+  EXPECT_THROW(ReadOccupancy(empty), InputError);
+}
+
 TEST(MapTruth, HeldOutScansTellOfNothing) {
   const Occupancy map = ReadOccupancy(DrawnMap(std::vector<std::string>(9, std::string(9, ' '))));
   std::vector<ScoredSensor> scans = OneScan();
