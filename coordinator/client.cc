@@ -327,6 +327,8 @@ Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job,
 
 Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {
   if (job.empty()) return Status(Code::kNotFound, "which job?");
+  // A service that does not answer at all is not waited for as one that sends much.
+  if (const Result<wire::JobInfo> info = Info(job); !info.ok()) return info.status();
   // How much will come is not known before: as for a gigabyte.
   Result<wire::Message> answer = Query(job, "results", options_.timeout_s + 1e9 / kSlowestBytesPerS);
   if (!answer.ok()) return answer.status();

@@ -99,17 +99,12 @@ double Job::ExpectedSeconds(std::uint32_t task) const {
   return run_pace.Expect(cost);
 }
 
-namespace {
-
-// It becomes part of a file name.
 bool IsPlainName(const std::string& name) {
   return !name.empty() && name.size() <= 100 && name[0] != '.' &&
          std::all_of(name.begin(), name.end(), [](unsigned char c) {
            return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
          });
 }
-
-}  // namespace
 
 std::string CheckJob(const proto::Job& job) {
   if (job.stages_size() == 0) return "the job has no stages";

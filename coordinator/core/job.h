@@ -146,6 +146,9 @@ inline constexpr std::uint64_t kMostTaskMemory_mb = 1'000'000'000;
 // ", at round 5 of stage 'landmarks', which has 3 of its 12 tasks done": where a job goes on.
 std::string Whereabouts(const Job& job);
 
+// Whether a job or a stage may have the name: it becomes part of a file's.
+bool IsPlainName(const std::string& name);
+
 // What is wrong with a job's chain of stages or its settings, for people; empty where nothing is.
 std::string CheckJob(const proto::Job& job);
 

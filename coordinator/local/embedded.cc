@@ -50,11 +50,13 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-std::set<std::string> ReadLines(const fs::path& path) {
-  std::set<std::string> lines;
+// A line each. What is no stage's name, but a path out of the folder, say, was not written here.
+std::set<std::string> ReadStages(const fs::path& path) {
+  std::set<std::string> stages;
   std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) lines.insert(line);
-  return lines;
+  for (std::string line; std::getline(file, line);)
+    if (IsPlainName(line)) stages.insert(line);
+  return stages;
 }
 
 // The figures that a plan's State carries for people.
@@ -95,6 +97,7 @@ class Run {
   std::optional<EmbeddedResult> LookAtEarlierRun();
   std::string WhatIsWrongWithResults() const;
   wire::SharedMemory ShareInputs() const;
+  void KillTheLost(WorkerPool& workers);
   void Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
             const std::atomic<bool>& stop);
   EmbeddedResult Outcome() const;
@@ -108,18 +111,20 @@ class Run {
   std::optional<PrivateFolder> socket_folder_;
   std::unique_ptr<Transport> transport_;
   std::unique_ptr<Hub> hub_;
+  std::map<std::int64_t, double> seen_s_;  // pid -> when the worker was last in the fleet
   bool resumed_ = false;
   std::optional<EmbeddedResult> trouble_;  // that ends the run, whatever the job's state
 };
 
 // Forgets earlier runs. Their results stay until the new run has one of its own: it may yet be refused.
 Status Run::Clear() {
-  std::set<std::string> stages = ReadLines(ReplacedFile());
+  std::set<std::string> stages = ReadStages(ReplacedFile());
   for (const proto::Stage& stage : job_.stages()) stages.insert(stage.name());
   for (const std::string& job : folder_.JobsWithCheckpoints())
     for (const std::uint64_t number : folder_.CheckpointNumbers(job))
       if (const auto checkpoint = ReadCheckpoint(folder_.CheckpointFile(job, number)); checkpoint.ok())
-        for (const proto::Stage& stage : checkpoint.value().job().stages()) stages.insert(stage.name());
+        for (const proto::Stage& stage : checkpoint.value().job().stages())
+          if (IsPlainName(stage.name())) stages.insert(stage.name());
   if (const Status status = folder_.Clear(); !status.ok()) return status;
   std::string lines;
   for (const std::string& stage : stages) lines += stage + "\n";
@@ -129,7 +134,7 @@ Status Run::Clear() {
 // The new run has a result: what it replaces goes, all together, with the pictures that were made of it.
 void Run::RemoveReplaced() {
   if (Known()->stage == 0 || !fs::exists(ReplacedFile())) return;
-  std::set<std::string> stages = ReadLines(ReplacedFile());
+  std::set<std::string> stages = ReadStages(ReplacedFile());
   std::vector<fs::path> files;
   for (const char* page : {"map.png", "picture.png", "report.html"}) {
     files.push_back(fs::path(options_.dir) / page);
@@ -155,7 +160,7 @@ bool Run::EarlierRunIsWorthless() const {
 }
 
 std::vector<fs::path> Run::PublishedByThisRun() const {
-  const std::set<std::string> replaced = ReadLines(ReplacedFile());
+  const std::set<std::string> replaced = ReadStages(ReplacedFile());
   std::vector<fs::path> files;
   for (const proto::Stage& stage : job_.stages())
     if (!replaced.contains(stage.name()) && fs::exists(ResultFile(stage.name())))
@@ -209,7 +214,7 @@ std::string Run::WhatIsWrongWithResults() const {
 std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
   const Job* known = Known();
   if (known == nullptr) {
-    const std::set<std::string> replaced = ReadLines(ReplacedFile());
+    const std::set<std::string> replaced = ReadStages(ReplacedFile());
     for (const proto::Stage& stage : job_.stages())
       if (fs::exists(ResultFile(stage.name())) && !replaced.contains(stage.name()))
         return End(EmbeddedEnd::kConflict,
@@ -273,6 +278,17 @@ EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_pr
   return trouble_ ? *trouble_ : Outcome();
 }
 
+// A worker of one's own that was not heard of for so long that the fleet has given it up (stopped, say) is
+// replaced.
+void Run::KillTheLost(WorkerPool& workers) {
+  constexpr double kLost_s = 2;
+  std::set<std::int64_t> here;
+  for (const auto& [number, worker] : hub_->core().fleet().workers()) here.insert(worker.hello.pid());
+  for (const std::int64_t pid : here) seen_s_[pid] = Now();
+  for (const auto& [pid, seen_s] : seen_s_)
+    if (Now() - seen_s > kLost_s) workers.Kill(pid);
+}
+
 void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
                const std::atomic<bool>& stop) {
   double told_s = 0;
@@ -284,7 +300,9 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
     told_s = Now();
     if (on_progress)
       on_progress({MakeInfo(*Known(), told_s), static_cast<unsigned>(hub_->core().fleet().size())});
+    KillTheLost(workers);
     for (const WorkerPool::Death& death : workers.Reap()) {
+      seen_s_.erase(death.pid);
       hub_->TellDead(death.pid);
       // Whom nobody here has refused (its connection broke at a bad moment) may fare better the next time.
       if (death.refused && !hub_->last_refusal().empty()) trouble_ = Refused();
@@ -342,7 +360,11 @@ EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
   std::error_code error;
   fs::create_directories(options.dir, error);
   if (error) return NoFolder(SystemFailure(options.dir, "cannot make the folder", error.value()));
-  Result<StoreFolder> folder = StoreFolder::Open(fs::path(options.dir) / ".cairn");
+  const fs::path store = fs::path(options.dir) / ".cairn";
+  if (fs::is_symlink(fs::symlink_status(store, error)))
+    return End(EmbeddedEnd::kConflict,
+               store.string() + " is a link; a run keeps what it needs in its own folder");
+  Result<StoreFolder> folder = StoreFolder::Open(store);
   if (!folder.ok()) return NoFolder(folder.status());
   RemoveLeftovers(options.dir);
   return Run(options, std::move(job), std::move(named), std::move(folder).value()).Do(on_progress, stop);

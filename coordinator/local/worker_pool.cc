@@ -52,7 +52,7 @@ Result<pid_t> WorkerPool::Spawn() const {
   if (::getppid() != parent) ::_exit(kExitCannotExec);  // it died before that took hold
   if (inputs_fd >= 0) ::fcntl(inputs_fd, F_SETFD, 0);
   ::setpgid(0, 0);  // Ctrl-C on the terminal is for the parent, which ends its workers in good order
-  const int log = ::open(log_file, O_WRONLY | O_CREAT | O_APPEND, 0600);
+  const int log = ::open(log_file, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0600);
   if (log >= 0) {
     ::dup2(log, STDOUT_FILENO);
     ::dup2(log, STDERR_FILENO);
@@ -74,6 +74,11 @@ std::vector<WorkerPool::Death> WorkerPool::Reap() {
     if (const Result<pid_t> pid = Spawn(); pid.ok()) place.pid = pid.value();
   }
   return deaths;
+}
+
+void WorkerPool::Kill(std::int64_t pid) const {
+  if (std::ranges::any_of(places_, [pid](const Place& place) { return place.pid == pid; }))
+    ::kill(static_cast<pid_t>(pid), SIGKILL);
 }
 
 bool WorkerPool::AllGone() const {

@@ -37,6 +37,8 @@ class WorkerPool {
   };
   // Those that have died since the last call; they were started again while their turns last.
   std::vector<Death> Reap();
+  // Nothing where it is none of these any more.
+  void Kill(std::int64_t pid) const;
   bool AllGone() const;  // and none is started again
   // Waits for them to end by themselves for up to `patience_s`, then kills.
   void End(double patience_s);

@@ -122,7 +122,9 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
   std::uint64_t bytes = BytesOf(work.blobs);
   for (const ResultToWrite& result : work.results) bytes += result.blob->ByteCount();
   // A record alone always fits, and so does what a cancelled job leaves: it makes room.
-  if (bytes > 0 && checkpoint.state() != proto::JOB_CANCELLED) done.status = use_.Reserve(bytes);
+  done.status = folder_.IsStillThere();
+  if (done.status.ok() && bytes > 0 && checkpoint.state() != proto::JOB_CANCELLED)
+    done.status = use_.Reserve(bytes);
   if (done.status.ok()) done.status = files_.Write(work.blobs, done.written);
   for (const ResultToWrite& result : work.results) {
     if (done.status.ok()) done.status = MakeFolder(result.path.parent_path());
@@ -145,7 +147,8 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
 
 DiskDone DiskWriter::Do(const WriteBlobsWork& work) const {
   DiskDone done;
-  done.status = use_.Reserve(BytesOf(work.blobs));
+  done.status = folder_.IsStillThere();
+  if (done.status.ok()) done.status = use_.Reserve(BytesOf(work.blobs));
   if (done.status.ok()) done.status = files_.Write(work.blobs, done.written);
   return done;
 }
@@ -188,7 +191,8 @@ DiskDone DiskWriter::Do(const CleanWork& work) const {
 DiskDone DiskWriter::Do(const ForgetWork& work) {
   DiskDone done;
   done.job = work.job;
-  done.status = table_.NoteRemoval(work.job);
+  done.status = folder_.IsStillThere();
+  if (done.status.ok()) done.status = table_.NoteRemoval(work.job);
   if (done.status.ok()) done.status = folder_.Forget(work.job, work.results);
   if (done.status.ok())
     static_cast<void>(table_.Remove(work.job));  // a row too many: the next start's to remove

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,7 +35,7 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   // Of whom they came, nobody is there any more.
   for (const fs::directory_entry& entry : fs::directory_iterator(folder.value().Uploads(), error)) {
     std::error_code ignored;
-    fs::remove(entry.path(), ignored);
+    if (entry.path().extension() == ".part") fs::remove(entry.path(), ignored);
   }
   return folder;
 }
@@ -44,6 +45,8 @@ Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
   const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock < 0) return SystemFailure(lock_file, "open", errno);
   StoreFolder folder(dir, lock);
+  if (folder.IsForeign())
+    return Status(Code::kCorrupt, dir.string() + " holds files of something else, and no store");
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
   if (Status status = folder.CheckVersion(); !status.ok()) return status;
@@ -55,6 +58,26 @@ StoreFolder::StoreFolder(StoreFolder&& other) noexcept
 
 StoreFolder::~StoreFolder() {
   if (lock_ >= 0) ::close(lock_);  // and with it the lock
+}
+
+// Each store has a version but those of version 1, which have a table of jobs. New ones hold nothing.
+bool StoreFolder::IsForeign() const {
+  std::error_code error;
+  if (fs::exists(VersionFile(), error) || fs::exists(JobTable(), error)) return false;
+  const std::vector<fs::path> leftovers = Leftovers(dir_);
+  for (const fs::directory_entry& entry : fs::directory_iterator(dir_, error))
+    if (entry.path().filename() != "lock" && std::ranges::find(leftovers, entry.path()) == leftovers.end())
+      return true;
+  return false;
+}
+
+Status StoreFolder::IsStillThere() const {
+  struct stat held{}, named{};
+  const fs::path lock_file = dir_ / "lock";
+  if (::fstat(lock_, &held) == 0 && ::stat(lock_file.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
+      held.st_ino == named.st_ino)
+    return Status::Ok();
+  return {Code::kIo, "the store was moved or removed while it was in use"};
 }
 
 Status StoreFolder::CheckVersion() const {
@@ -168,11 +191,13 @@ void StoreFolder::FinishForgetting(const std::function<fs::path(const std::strin
 }
 
 Status StoreFolder::Clear() {
-  for (const fs::directory_entry& entry : fs::directory_iterator(dir_)) {
-    if (entry.path().filename() == "lock") continue;
+  std::vector<fs::path> own = {Blobs(), Checkpoints(), Uploads(), ServedFile()};
+  for (const char* ending : {"", "-wal", "-shm", "-journal", ".damaged"})
+    own.push_back(JobTable().string() + ending);
+  for (const fs::path& path : own) {
     std::error_code error;
-    fs::remove_all(entry.path(), error);
-    if (error) return SystemFailure(entry.path(), "remove", error.value());
+    fs::remove_all(path, error);
+    if (error) return SystemFailure(path, "remove", error.value());
   }
   return MakeFolders();
 }

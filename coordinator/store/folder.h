@@ -17,8 +17,9 @@ inline constexpr int kStoreVersion = 3;
 
 class StoreFolder {
  public:
-  // Makes it where it does not exist, with mode 0700, and locks it until the object goes. kBusy: another has
-  // it. kVersion: it is of a newer version, or from before files had seals; then nothing in it is touched.
+  // Makes it where it does not exist, with mode 0700, and locks it until the object goes. kCorrupt: a folder
+  // that holds something, but no store. kBusy: another has it. kVersion: it is of a newer version, or from
+  // before files had seals; then nothing in it is touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
@@ -49,11 +50,15 @@ class StoreFolder {
   Status Forget(const std::string& job, const std::filesystem::path& results) const;
   // `results_of`: the folder of a job's results.
   void FinishForgetting(const std::function<std::filesystem::path(const std::string& job)>& results_of) const;
-  // Forgets all jobs: everything but the lock.
+  // Forgets all jobs. What is none of a store's stays.
   Status Clear();
+  // Not Ok: what is called dir() is no more the folder that was opened; it was removed, or moved. Nothing may
+  // be written there: nobody would find it.
+  Status IsStillThere() const;
 
  private:
   StoreFolder(std::filesystem::path dir, int lock) : dir_(std::move(dir)), lock_(lock) {}
+  bool IsForeign() const;
   Status CheckVersion() const;
   Status MakeFolders() const;
 

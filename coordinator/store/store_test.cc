@@ -125,10 +125,60 @@ TEST(StoreFolder, OneFromBeforeThereWereSealsIsRefusedAndNotTouched) {
   EXPECT_EQ(Contents(temp.path()), before);
 }
 
+// A folder called `uploads` is nothing rare.
+TEST(StoreFolder, AFolderThatHoldsSomethingElseIsRefusedAndNotTouched) {
+  TempFolder temp;
+  const fs::path folder = temp.path() / "home";
+  for (const char* below : {"uploads", "blobs", "checkpoints/thesis"}) fs::create_directories(folder / below);
+  std::ofstream(folder / "uploads" / "1.part") << "mine";
+  std::ofstream(folder / "blobs" / "86c939568204c39f723a34a4e9b96aef.h5") << "mine";
+  std::ofstream(folder / "checkpoints" / "thesis" / "1.h5") << "mine";
+  const auto before = Contents(folder);
+  const Status status = StoreFolder::Open(folder).status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_NE(status.message().find("no store"), std::string::npos) << status.message();
+  EXPECT_EQ(Contents(folder), before);
+}
+
+TEST(StoreFolder, WhatIsNotTheStoresStaysInIt) {
+  TempFolder temp;
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+  std::ofstream(temp.path() / "s" / "uploads" / "notes.txt") << "mine";
+  std::ofstream(temp.path() / "s" / "uploads" / "3.part") << "half an upload";
+  std::ofstream(temp.path() / "s" / "thesis.txt") << "mine";
+  fs::create_directory(temp.path() / "elsewhere");
+  std::ofstream(temp.path() / "elsewhere" / "thesis.txt") << "mine";
+  Result<StoreFolder> folder = StoreFolder::Open(temp.path() / "s");
+  ASSERT_TRUE(folder.ok());
+  EXPECT_TRUE(fs::exists(temp.path() / "s" / "uploads" / "notes.txt"));
+  EXPECT_FALSE(fs::exists(temp.path() / "s" / "uploads" / "3.part"));
+  fs::remove_all(temp.path() / "s" / "blobs");
+  fs::create_directory_symlink(temp.path() / "elsewhere", temp.path() / "s" / "blobs");
+  ASSERT_TRUE(folder.value().Clear().ok());
+  EXPECT_TRUE(fs::exists(temp.path() / "s" / "thesis.txt"));
+  EXPECT_TRUE(fs::exists(temp.path() / "elsewhere" / "thesis.txt"));
+  EXPECT_FALSE(fs::is_symlink(temp.path() / "s" / "blobs"));
+}
+
+TEST(StoreFolder, SeesThatItWasMovedOrRemoved) {
+  TempFolder temp;
+  const Result<StoreFolder> folder = StoreFolder::Open(temp.path() / "s");
+  ASSERT_TRUE(folder.ok());
+  EXPECT_TRUE(folder.value().IsStillThere().ok());
+  fs::rename(temp.path() / "s", temp.path() / "moved");
+  EXPECT_EQ(folder.value().IsStillThere().code(), Code::kIo);
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok()) << "another one of that name";
+  EXPECT_EQ(folder.value().IsStillThere().code(), Code::kIo);
+  fs::remove_all(temp.path() / "s");
+  fs::rename(temp.path() / "moved", temp.path() / "s");
+  EXPECT_TRUE(folder.value().IsStillThere().ok());
+}
+
 TEST(StoreFolder, OneOfVersion1WithSealsIsUpgraded) {
   TempFolder temp;
   const fs::path store = temp.path() / "s";
   fs::create_directories(store / "checkpoints" / "a");
+  std::ofstream(store / "jobs.sqlite");
   std::ofstream(store / "checkpoints" / "a" / "1.h5") << std::string(1000, 'x');  // damaged
   ASSERT_TRUE(WriteCheckpoint(store / "checkpoints" / "a" / "3.h5", SomeCheckpoint()).ok());
   ASSERT_TRUE(StoreFolder::Open(store).ok());

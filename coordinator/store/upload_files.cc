@@ -8,7 +8,8 @@ namespace cairn::coordinator {
 
 Status UploadFiles::Do(const OpenUpload& open) {
   File& file = files_[open.id];
-  file.status = use_.Reserve(open.bytes);
+  file.status = folder_.IsStillThere();
+  if (file.status.ok()) file.status = use_.Reserve(open.bytes);
   if (!file.status.ok()) return file.status;
   Result<FlatFileWriter> writer =
       FlatFileWriter::Create(folder_.Uploads() / (std::to_string(open.id) + ".part"), open.hash);

@@ -95,7 +95,7 @@ TEST(EvaluateLocalization, RefusesWhatDoesNotFit) {
   // Beliefs that are none.
   for (const std::vector<std::int64_t>& entries : {std::vector<std::int64_t>{0, 0, 0, 0, 0},
                                                    {4, 2, 1, -4, 1},
-                                                   {4, 2, 1, 5, 0},
+                                                   {4, 2, 1, 4, 0},
                                                    {4, 2, 1, 4, 1LL << 40}}) {
     Blob unsure = LocalizationFile();
     unsure.PutVector("step/entries", entries);

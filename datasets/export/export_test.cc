@@ -63,6 +63,20 @@ TEST(ExportTum, SaysWhereThereAreNoPoses) {
   EXPECT_FALSE(std::filesystem::exists(folder / "x"));
 }
 
+TEST(Export, WhatIsNoNumberIsRefusedByName) {
+  const TestFolder folder;
+  for (const char* name : {"robot/0/poses/mode_x_m", "robot/0/poses/covariance", "map/landmark_y_m"}) {
+    Blob result = SmallResult();
+    const auto values = result.Get<double>(name);
+    std::vector<double> bad(values.begin(), values.end());
+    bad[1] = std::nan("");
+    result.Put(name, Array::Of<double>(result.at(name).shape(), bad));
+    ExpectContains(
+        InputErrorOf([&] { static_cast<void>(ExportG2o(result, nullptr, folder / "out", false)); }),
+        std::string("'") + name + "' holds nan at 1");
+  }
+}
+
 TEST(ExportG2o, WritesVerticesAndEdgesThatAgree) {
   const TestFolder folder;
   const Blob log = SmallLog();

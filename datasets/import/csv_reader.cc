@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <numbers>
 
 #include "schema/error.h"
@@ -81,6 +82,12 @@ CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std:
   FindColumns(headers);
 }
 
+std::map<std::string_view, std::size_t> PlacesOf(const std::vector<std::string>& names) {
+  std::map<std::string_view, std::size_t> places;
+  for (std::size_t k = 0; k < names.size(); ++k) places.emplace(names[k], k);
+  return places;
+}
+
 void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers) {
   const auto spelling_of = [&](const std::string& column) -> std::optional<Spelling> {
     for (Spelling& spelling : SpellingsOf(column))
@@ -115,11 +122,14 @@ void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers
 }
 
 void CsvReader::TakeExtraColumns() {
-  for (const std::string& column : extra_) {
+  std::map<std::string_view, std::size_t> places;
+  for (std::size_t k = 0; k < fields_.size(); ++k) places.emplace(fields_[k], k);
+  const std::map<std::string_view, std::size_t> once = PlacesOf(extra_);
+  for (std::size_t k = 0; k < extra_.size(); ++k) {
+    const std::string& column = extra_[k];
     if (column.empty()) throw InputError(path_ + ":1: the header has a column without a name");
-    if (std::ranges::count(extra_, column) > 1)
-      throw InputError(path_ + ":1: the header has " + column + " twice");
-    places_.push_back(static_cast<std::size_t>(std::ranges::find(fields_, column) - fields_.begin()));
+    if (once.at(column) != k) throw InputError(path_ + ":1: the header has " + column + " twice");
+    places_.push_back(places.at(column));
     per_unit_.push_back(1);
   }
   columns_.insert(columns_.end(), extra_.begin(), extra_.end());

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@
 #include "datasets/common/text_file.h"
 
 namespace cairn::datasets {
+
+// Of each name where it stands first; the names live as long.
+std::map<std::string_view, std::size_t> PlacesOf(const std::vector<std::string>& names);
 
 class CsvReader {
  public:

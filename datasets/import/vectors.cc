@@ -112,15 +112,16 @@ class VectorsImport {
     }
     if (has_heading && !has_heading_) RefuseColumn(path, "heading_rad", true);
     if (!has_heading && has_heading_) RefuseColumn(path, "heading_rad", false);
+    const auto known = PlacesOf(samples_.input_name), places = PlacesOf(names);
     for (const std::string& name : inputs) {
-      if (std::ranges::count(samples_.input_name, name) == 0) RefuseColumn(path, name, true);
+      if (!known.contains(name)) RefuseColumn(path, name, true);
     }
     std::vector<std::size_t> columns;
     const std::size_t first = has_heading ? kPoseAndHeading.size() : kPose.size();
     for (const std::string& name : samples_.input_name) {
-      const auto place = std::ranges::find(names, name);
-      if (place == names.end()) RefuseColumn(path, name, false);
-      columns.push_back(first + static_cast<std::size_t>(place - names.begin()));
+      const auto place = places.find(name);
+      if (place == places.end()) RefuseColumn(path, name, false);
+      columns.push_back(first + place->second);
     }
     return columns;
   }

@@ -56,9 +56,9 @@ std::set<std::string> FilesBelow(const std::string& path) try {
   for (auto it = fs::recursive_directory_iterator(path); it != fs::recursive_directory_iterator(); ++it) {
     const bool hidden = it->path().filename().string().starts_with('.');
     if (hidden && it->is_directory()) it.disable_recursion_pending();
-    if (!hidden && it->is_regular_file() && it->path().extension() == ".h5") {
-      files.insert(fs::relative(it->path(), path).string());
-    }
+    // By the name that it has here, wherever that leads; what is no file is found out where it is read.
+    if (!hidden && !it->is_directory() && it->path().extension() == ".h5")
+      files.insert(it->path().lexically_relative(path).string());
   }
   return files;
 } catch (const fs::filesystem_error& error) {

@@ -107,6 +107,20 @@ TEST_F(DiffPathsTest, FoldersAreComparedFileByFileWithoutTheirStores) {
   EXPECT_EQ(json["differing"][1]["arrays"][0]["first_index"], std::vector<int>{1});
 }
 
+TEST_F(DiffPathsTest, LinksCountByTheirNameAndWhatIsNoFileIsNotPassedOver) {
+  Put("c/n.h5", SmallResult());
+  for (const char* folder : {"a", "b"}) {
+    std::filesystem::create_directories(folder_ / folder);
+    std::filesystem::create_symlink("../c/n.h5", std::filesystem::path(folder_ / folder) / "n.h5");
+  }
+  const Difference difference = DiffPaths(folder_ / "a", folder_ / "b").value();
+  EXPECT_TRUE(difference.same());
+  EXPECT_EQ(difference.files, 1);
+  for (const char* folder : {"a", "b"})
+    std::filesystem::create_symlink("nowhere", std::filesystem::path(folder_ / folder) / "gone.h5");
+  EXPECT_FALSE(DiffPaths(folder_ / "a", folder_ / "b").ok());
+}
+
 TEST_F(DiffPathsTest, NothingToCompareIsNotTheSame) {
   std::filesystem::create_directories(folder_ / "a");
   std::filesystem::create_directories(folder_ / "b");

@@ -8,6 +8,7 @@
 
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/draw_map.h"
+#include "datasets/testing.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -127,6 +128,21 @@ TEST(LocalPage, PicturesAreDrawnWhereThereIsLittleToSee) {
   EXPECT_TRUE(IsPng(LocalGridPng(local.snapshots[0])));
   EXPECT_EQ(RichestOf({}), nullptr);
   EXPECT_EQ(LongestOf({}), nullptr);
+}
+
+TEST(LocalPage, RefusesWhatNoPictureCouldShow) {
+  const Blob good = Result();
+  for (const auto& [name, value] :
+       {std::pair("features/left/distance_high_m", 1e9F), {"features/right/distance_low_m", -1.F}}) {
+    Blob bad = good;
+    bad.PutVector(name, std::vector<float>(good.Get<float>(name).size(), value));
+    ExpectContains(InputErrorOf([&] { PageOf(bad, nullptr); }), std::string("'") + name + "' holds");
+  }
+  for (const double cell_m : {-1.0, 0.0, 1e6, std::nan("")}) {
+    Blob bad = good;
+    bad.PutScalar("cell_m", cell_m);
+    ExpectContains(InputErrorOf([&] { PageOf(bad, nullptr); }), "'cell_m' is");
+  }
 }
 
 TEST(LocalPage, RefusesArraysThatDoNotFit) {

@@ -58,9 +58,11 @@ struct Interval {
 };
 Interval SpanOf(const LocalTrace& trace) {
   Interval span{trace.Z(0), trace.Z(trace.features.empty() ? 0 : trace.features.size() - 1), 1};
+  constexpr double kWidest_m = 20;  // what is farther off is cut
   for (const LocalFeature& feature : trace.features) {
     for (const LocalSide* side : {&feature.left, &feature.right})
-      if (side->HasEdge()) span.side_m = std::max(span.side_m, side->distance_high_m + 0.3);
+      if (side->HasEdge())
+        span.side_m = std::clamp(side->distance_high_m + 0.3, span.side_m, std::max(span.side_m, kWidest_m));
   }
   return span;
 }

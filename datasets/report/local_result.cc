@@ -41,6 +41,13 @@ std::vector<LocalSide> ReadSides(const Blob& result, const std::string& prefix) 
              near = Column<float>(result, prefix + "distance_low_m", n),
              far = Column<float>(result, prefix + "distance_high_m", n);
   const auto occupied = Column<std::uint8_t>(result, prefix + "occupied", n);
+  constexpr float kFarthest_m = 1000;  // no sensor of a robot sees as far
+  for (const auto& [name, column] :
+       {std::pair(prefix + "distance_low_m", near), {prefix + "distance_high_m", far}})
+    for (const float distance_m : column)
+      if (distance_m < 0 || distance_m > kFarthest_m)  // not a number: no edge
+        throw InputError("'" + name + "' holds " + std::to_string(distance_m) +
+                         ", which is no distance of an edge");
   std::vector<LocalSide> sides;
   for (std::size_t i = 0; i < n; ++i) sides.push_back({low[i], high[i], near[i], far[i], occupied[i] != 0});
   return sides;
@@ -168,6 +175,9 @@ LocalResult ReadLocalResult(const Blob& result) {
   LocalResult read;
   const std::size_t robots = result.Texts("robots").size();
   read.cell_m = result.Scalar<double>("cell_m");
+  constexpr double kLargest_m = 10;
+  if (!(read.cell_m > 0 && read.cell_m <= kLargest_m))
+    throw InputError("'cell_m' is " + std::to_string(read.cell_m) + ", which is no cell's edge");
   read.traces = ReadTraces(result, robots, read.cell_m);
   read.connections = ReadConnections(result, read.traces.size());
   read.snapshots = ReadSnapshots(result, robots, read.cell_m);

@@ -216,16 +216,30 @@ Handle AccessInOrder(const Open& open) {
   return access;
 }
 
-herr_t CollectDatasets(hid_t, const char* name, const H5O_info_t* info, void* data) {
-  if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
-  return 0;
-}
+// What a file's links lead to.
+struct Links {
+  std::vector<std::string> datasets;
+  std::string refused;  // the first link of which Cairn cannot say what it means, and why
+};
 
-// The first link that leads out of the file.
-herr_t FindLinkOut(hid_t, const char* name, const H5L_info_t* info, void* data) {
-  if (info->type == H5L_TYPE_HARD || info->type == H5L_TYPE_SOFT) return 0;
-  *static_cast<std::string*>(data) = name;
-  return 1;
+// A group is visited once, by one of its names: what stands under another of them would be passed over.
+herr_t LookAtLink(hid_t file, const char* name, const H5L_info_t* info, void* data) {
+  Links& links = *static_cast<Links*>(data);
+  const std::string quoted = std::string("'") + name + "' is a ";
+  H5O_info_t object;
+  if (info->type == H5L_TYPE_SOFT) {
+    links.refused = quoted + "soft link; Cairn reads what stands there itself";
+  } else if (info->type != H5L_TYPE_HARD) {
+    links.refused = quoted + "link to another file (an external link); Cairn reads none but this one";
+  } else if (H5Oget_info_by_name2(file, name, &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
+    return -1;
+  } else if (object.rc > 1) {
+    links.refused =
+        quoted + "second name of what has another in this file (a hard link); Cairn reads what has one";
+  } else if (object.type == H5O_TYPE_DATASET) {
+    links.datasets.emplace_back(name);
+  }
+  return links.refused.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -253,18 +267,12 @@ bool IsMarkedSealed(hid_t file) {
 }
 
 Result<std::vector<std::string>> DatasetNames(hid_t file) {
-  std::string out;
-  if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, FindLinkOut, &out) < 0)
+  Links links;
+  if (H5Lvisit(file, H5_INDEX_NAME, H5_ITER_INC, LookAtLink, &links) < 0)
     return Corrupt("damaged: " + LastCause().text);
-  if (!out.empty())
-    return Corrupt("'" + out +
-                   "' is a link to another file (an external link); Cairn reads none but this one");
-  std::vector<std::string> names;
-  if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, CollectDatasets, &names, H5O_INFO_BASIC) < 0) {
-    return Corrupt("damaged: " + LastCause().text);
-  }
-  std::ranges::sort(names);
-  return names;
+  if (!links.refused.empty()) return Corrupt(links.refused);
+  std::ranges::sort(links.datasets);
+  return std::move(links).datasets;
 }
 
 Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name) {

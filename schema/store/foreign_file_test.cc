@@ -85,6 +85,17 @@ TEST_F(ForeignFile, AnExternalLinkBringsNoOtherFileIn) {
   ExpectRefused("'types/robots' is a link to another file");
 }
 
+// HDF5 visits an object by one of its names: what stands under the other would be missing without a word.
+TEST_F(ForeignFile, ASecondNameIsRefusedForCairnWouldReadOneOfThem) {
+  ASSERT_GE(H5Lcreate_hard(file_.get(), "types", file_.get(), "aaa", H5P_DEFAULT, H5P_DEFAULT), 0);
+  ExpectRefused("'aaa' is a second name of what has another in this file (a hard link)");
+}
+
+TEST_F(ForeignFile, ASoftLinkIsRefused) {
+  ASSERT_GE(H5Lcreate_soft("/types", file_.get(), "aaa", H5P_DEFAULT, H5P_DEFAULT), 0);
+  ExpectRefused("'aaa' is a soft link");
+}
+
 // A filter that this test registers stands for one whose library HDF5 would look for.
 TEST_F(ForeignFile, AFilterThatIsNotHdf5sOwnIsNotLoaded) {
   constexpr H5Z_filter_t kForeign = 32015;

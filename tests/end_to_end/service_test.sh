@@ -105,8 +105,29 @@ same_bits tuesday both/"$tuesday"
 refuses "no job that is done is called 'nobody'" cairn results --name nobody
 refuses 'name the jobs' cairn results
 grep -q 'listening on' coordinator.log || die "the coordinator does not say where it listens"
+kill -STOP "$coordinator"
+exits 1 cairn results "$monday" --out late
+grep -qE 'does not answer|no service listens' stderr || die "no word on a service that stands still: $(cat stderr)"
+kill -CONT "$coordinator"
 kill -TERM "$coordinator"
 wait "$coordinator" || die "the coordinator did not end in good order"
+
+# A store that is moved away takes nothing in any more, for nobody would find it; back in its place it does.
+(CAIRN_HOME=$work/moving exec cairn coordinator) 2>moving.log &
+coordinator=$!
+export CAIRN_HOME=$work/moving
+until_true 10 grep -q 'listening on' moving.log
+exits 0 cairn submit landmark_map log.h5 --seed 1
+mv moving/store moved
+for _ in 1 2; do
+  refuses 'the store was moved or removed.*the job was not taken' cairn submit landmark_map log.h5 --seed 2
+done
+[ ! -e moving/store ] || die "it made its store anew: $(find moving/store)"
+mv moved moving/store
+exits 0 cairn submit landmark_map log.h5 --seed 2
+kill -TERM "$coordinator"
+wait "$coordinator" || die "the coordinator did not end in good order"
+export CAIRN_HOME=$work/home
 
 # A store of a newer Cairn, and one from before files had seals, are refused with the reason and left as they are.
 echo 1000 >home/store/version

@@ -137,6 +137,36 @@ TEST_F(Embedded, ForceKeepsTheOldResultsUntilThereIsANewOne) {
   EXPECT_TRUE(fs::exists(fs::path(options_.dir) / "other.h5"));
 }
 
+// Who hands on a result folder must not choose what goes from the next person's disk.
+TEST_F(Embedded, WhatItReplacesLiesInItsOwnFolder) {
+  const fs::path victim = folder_.path() / "victim";
+  fs::create_directories(victim);
+  fs::create_directories(fs::path(options_.dir) / ".cairn");
+  for (const char* name : {"thesis.h5", "report.html"}) std::ofstream(victim / name) << "mine";
+  std::ofstream(fs::path(options_.dir) / ".cairn" / "version") << "3\n";
+  std::ofstream(fs::path(options_.dir) / ".cairn" / "replaced") << "../victim\n../victim/thesis\n"
+                                                                << victim.string() << "\n";
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_TRUE(fs::exists(victim / "thesis.h5"));
+  EXPECT_TRUE(fs::exists(victim / "report.html"));
+}
+
+TEST_F(Embedded, ALinkInPlaceOfItsFolderIsRefused) {
+  const fs::path victim = folder_.path() / "victim";
+  fs::create_directories(victim / "sub");
+  fs::create_directories(options_.dir);
+  std::ofstream(victim / "thesis.txt") << "mine";
+  fs::create_directory_symlink(victim, fs::path(options_.dir) / ".cairn");
+  options_.force = true;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
+  EXPECT_TRUE(fs::exists(victim / "thesis.txt"));
+  EXPECT_TRUE(fs::exists(victim / "sub"));
+  fs::remove(fs::path(options_.dir) / ".cairn");
+  fs::rename(victim, fs::path(options_.dir) / ".cairn");
+  EXPECT_EQ(Run().end, EmbeddedEnd::kInputError) << "a folder of that name with something else in it";
+  EXPECT_TRUE(fs::exists(fs::path(options_.dir) / ".cairn" / "thesis.txt"));
+}
+
 TEST_F(Embedded, AResultFileOfSomebodyElseIsNotOverwritten) {
   fs::create_directories(options_.dir);
   std::ofstream(fs::path(options_.dir) / "toy.h5") << "mine";
@@ -226,6 +256,22 @@ TEST_F(Embedded, AWorkerThatDiesIsStartedAgainAndTheBitsAreTheSame) {
   ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason;
   EXPECT_TRUE(killed);
   EXPECT_NE(lines_.find("died"), std::string::npos) << lines_;
+  EXPECT_EQ(Have(), Want());
+  EXPECT_TRUE(Children().empty());
+}
+
+TEST_F(Embedded, AWorkerThatStandsStillIsReplaced) {
+  SetOption("rounds", 200);
+  options_.workers = 1;
+  bool stopped = false;
+  on_progress_ = [&](const EmbeddedProgress& progress) {
+    if (progress.info.round() < 3 || std::exchange(stopped, true)) return;
+    ASSERT_EQ(Children().size(), 1u);
+    ::kill(Children()[0], SIGSTOP);
+  };
+  const EmbeddedResult result = Run();
+  ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason;
+  EXPECT_TRUE(stopped);
   EXPECT_EQ(Have(), Want());
   EXPECT_TRUE(Children().empty());
 }

@@ -28,11 +28,11 @@ int Diff(const DiffArguments& options, const Invocation&) {
 
 void AddDiff(Command app, Invocation& call) {
   Command command;
-  const auto options = AddCommand<DiffArguments>(
-      app, call, "diff",
-      "Are two files or folders the same, bit for bit, and where not (seconds and hosts aside)",
-      "cairn diff one-worker five-workers", Diff, &command);
-  command.Add("A", options->a, "A file, or a folder of them").Required();
+  const auto options = AddCommand<DiffArguments>(app, call, "diff",
+                                                 "Are two Cairn files, or those of two folders, the same, "
+                                                 "bit for bit, and where not (seconds and hosts aside)",
+                                                 "cairn diff one-worker five-workers", Diff, &command);
+  command.Add("A", options->a, "A Cairn file (.h5), or a folder of them").Required();
   command.Add("B", options->b, "Another").Required();
   command.AddFlag("--json", options->json, "As JSON");
 }
