@@ -1,4 +1,4 @@
-// Which pipelines there are. A new one adds one line to registry.cc.
+// Which pipelines there are: those that pipelines/CMakeLists.txt lists.
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,7 @@
 // forward_map.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pipelines/evidence_map/options.h"
@@ -23,5 +24,10 @@ class EvidenceMap : public Pipeline {
  private:
   Options options_;
 };
+
+// For the registry.
+using PipelineType = EvidenceMap;
+inline constexpr char kSummary[] = "occupancy of each cell by itself: log-odds and inverse sensor models";
+inline constexpr std::array kInputRoles = {"log", "poses?"};
 
 }  // namespace cairn::evidence_map

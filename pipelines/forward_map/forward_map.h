@@ -2,6 +2,7 @@
 // ([T01]), section 3.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pipelines/forward_map/options.h"
@@ -22,5 +23,10 @@ class ForwardMap : public Pipeline {
  private:
   Options options_;
 };
+
+// For the registry.
+using PipelineType = ForwardMap;
+inline constexpr char kSummary[] = "occupancy maps by EM over forward sensor models, with uncertainty";
+inline constexpr std::array kInputRoles = {"log", "poses?"};
 
 }  // namespace cairn::forward_map

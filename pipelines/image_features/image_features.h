@@ -2,6 +2,7 @@
 // Learning 33, 1998, section 5.1.3.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pipelines/image_features/options.h"
@@ -22,5 +23,10 @@ class ImageFeatures : public Pipeline {
  private:
   Options options_;
 };
+
+// For the registry.
+using PipelineType = ImageFeatures;
+inline constexpr char kSummary[] = "what networks see of images: brightness, colour, texture of bands";
+inline constexpr std::array kInputRoles = {"samples"};
 
 }  // namespace cairn::image_features

@@ -2,6 +2,7 @@
 // Machine Learning 33, 1998 ([T98] in the comments).
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pipelines/landmark_learning/options.h"
@@ -25,5 +26,10 @@ class LandmarkLearning : public Pipeline {
   Options options_;
   std::uint64_t seed_;
 };
+
+// For the registry.
+using PipelineType = LandmarkLearning;
+inline constexpr char kSummary[] = "networks that extract the features which localise best (BaLL)";
+inline constexpr std::array kInputRoles = {"samples", "weights?", "map?", "errors?"};
 
 }  // namespace cairn::landmark_learning

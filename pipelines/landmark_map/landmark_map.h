@@ -3,6 +3,7 @@
 // the comments).
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pipelines/landmark_map/incremental.h"
@@ -37,5 +38,10 @@ class LandmarkMap : public Pipeline {
 
   Options options_;
 };
+
+// For the registry.
+using PipelineType = LandmarkMap;
+inline constexpr char kSummary[] = "landmark maps and trajectories by EM over alpha-beta";
+inline constexpr std::array kInputRoles = {"log", "map?"};
 
 }  // namespace cairn::landmark_map

@@ -2,6 +2,7 @@
 // Variable Resolution Map Building, 1998 ([DM98]).
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pipelines/local_map/options.h"
@@ -21,5 +22,10 @@ class LocalMap : public Pipeline {
  private:
   Options options_;
 };
+
+// For the registry.
+using PipelineType = LocalMap;
+inline constexpr char kSummary[] = "local grids, edge traces, and a path put together from their graph";
+inline constexpr std::array kInputRoles = {"log"};
 
 }  // namespace cairn::local_map

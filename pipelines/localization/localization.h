@@ -2,6 +2,7 @@
 // Mobile Robot Localization, Machine Learning 33, 1998), sections 2, 5.1.6 and 5.2.4.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pipelines/localization/options.h"
@@ -23,5 +24,10 @@ class Localization : public Pipeline {
   Options options_;
   std::uint64_t seed_;
 };
+
+// For the registry.
+using PipelineType = Localization;
+inline constexpr char kSummary[] = "where robots are, by learned or hand-made features";
+inline constexpr std::array kInputRoles = {"samples", "networks?", "networks_2?", "networks_3?"};
 
 }  // namespace cairn::localization

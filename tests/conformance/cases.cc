@@ -314,8 +314,24 @@ Case LocalMap() {
   return c;
 }
 
-// The cases of a registered pipeline, named after it. A new pipeline adds its branch.
-std::vector<Case> FixturesOf(const std::string& pipeline) {
+// Of a pipeline that has no branch below: its first input is a log of everything that logs hold, or samples.
+Case OfAnyPipeline(const PipelineInfo& info) {
+  Case c{.name = info.name, .stage = {}, .inputs = {}, .rounds = 1, .tasks = 1};
+  if (info.inputs.front() == "log") {
+    Blob log = SquareLog(Sensor::kRangeBearing, 2, 3);
+    log.PutAll("robot/0/laser/", Room{.scans = 60}.Log().Sub("robot/0/laser/"));
+    c.inputs["log"] = Share(std::move(log));
+  } else if (info.inputs.front() == "samples") {
+    c = Localization(info.name, "soft", "grid");
+    c.stage.clear_options();
+    c.rounds = c.tasks = 1;
+  }
+  return c;
+}
+
+// The cases of a registered pipeline, named after it; one that wants more than OfAnyPipeline adds its branch.
+std::vector<Case> FixturesOf(const PipelineInfo& info) {
+  const std::string& pipeline = info.name;
   if (pipeline == "toy") {
     Case c{.name = "toy", .stage = {}, .inputs = {{"log", Share(testing::ToyLog(60))}}};
     SetInteger(c.stage, "slices", 6);
@@ -347,7 +363,7 @@ std::vector<Case> FixturesOf(const std::string& pipeline) {
   if (pipeline == "localization")
     return {Localization("localization_samples", "sampled", "samples"),
             Localization("localization_grid", "soft", "grid"), LocalizationBothWays()};
-  return {{.name = pipeline, .stage = {}, .inputs = {}}};
+  return {OfAnyPipeline(info)};
 }
 
 }  // namespace
@@ -368,7 +384,7 @@ std::vector<PipelineInfo> ListAll() {
 std::vector<Case> AllCases() {
   std::vector<Case> cases;
   for (const PipelineInfo& info : ListAll()) {
-    for (Case& c : FixturesOf(info.name)) {
+    for (Case& c : FixturesOf(info)) {
       c.stage.set_name("stage");
       c.stage.set_pipeline(info.name);
       for (const auto& [name, blob] : c.inputs) (*c.stage.mutable_inputs())[name] = name;

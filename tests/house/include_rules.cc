@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <map>
 #include <regex>
 #include <string_view>
 
@@ -55,6 +56,20 @@ std::string_view HouseOf(const std::string& file) {
   return best;
 }
 
+// Of a method's folder that has no rule of its own: it includes no other's. `pipelines`: the rule of those
+// above.
+const Rule* RuleOfMethod(const std::string& file, const Rule* pipelines) {
+  static std::map<std::string, Rule> rules;
+  const std::string folder = fs::path(file).parent_path().string();
+  if (folder == "pipelines") return pipelines;
+  const auto [rule, is_new] = rules.try_emplace(folder);
+  if (is_new)
+    rule->second = {folder,
+                    {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/", folder + "/"},
+                    true};
+  return &rule->second;
+}
+
 // The rule of the longest folder that holds `file`; none: null.
 const Rule* RuleOf(const std::string& file) {
   const Rule* best = nullptr;
@@ -62,7 +77,7 @@ const Rule* RuleOf(const std::string& file) {
     if (!file.starts_with(rule.folder + "/")) continue;
     if (best == nullptr || rule.folder.size() > best->folder.size()) best = &rule;
   }
-  return best;
+  return best != nullptr && best->folder == "pipelines" ? RuleOfMethod(file, best) : best;
 }
 
 bool AnyMatches(const Rule& rule, const std::string& include) {
@@ -116,16 +131,6 @@ const std::vector<Rule>& Rules() {
        false},
       {"pipelines", {"schema/*", "schema/kinds/", "pipelines/"}, true},
       {"pipelines/common", {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/"}, true},
-      {"pipelines/evidence_map",
-       {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/", "pipelines/evidence_map/"},
-       true},
-      {"pipelines/forward_map",
-       {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/", "pipelines/forward_map/"},
-       true},
-      {"pipelines/image_features",
-       {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/",
-        "pipelines/image_features/"},
-       true},
       {"pipelines/landmark_learning",
        {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/",
         "pipelines/landmark_learning/"},
@@ -156,9 +161,6 @@ const std::vector<Rule>& Rules() {
       {"pipelines/landmark_map/landmarks",
        {"schema/*", "schema/kinds/", "pipelines/common/", "pipelines/landmark_map/model/",
         "pipelines/landmark_map/landmarks/"},
-       true},
-      {"pipelines/local_map",
-       {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/", "pipelines/local_map/"},
        true},
       {"pipelines/local_map/grids",
        {"schema/*", "schema/kinds/", "pipelines/common/", "pipelines/local_map/grids/"},

@@ -1,0 +1,70 @@
+#include "pipelines/driven_cells/driven_cells.h"
+
+#include <limits>
+#include <set>
+
+#include "pipelines/common/task_builder.h"
+
+namespace cairn::driven_cells {
+namespace {
+
+constexpr double kBytesPerCell = 8;
+// Microseconds of a core: a pose; a cell of the result.
+constexpr double kPoseUs = 0.1, kCellUs = 0.01;
+
+}  // namespace
+
+Step DrivenCells::Start(const Inputs& inputs) const {
+  const BlobPtr log = inputs.Get("log");
+  const PosedScans scans = ReadRangeScans(*log, nullptr, options_.grid);
+  const GridBox grid = GridOf(scans, options_.grid, kBytesPerCell);
+  Step step;
+  Blob box, poses;
+  PutGridBox("", grid, &box);
+  PutScanPoses(scans, *log, &poses);
+  auto& blobs = *step.plan.mutable_state()->mutable_blobs();
+  blobs["grid"] = step.Share(std::move(box));
+  blobs["scan poses"] = step.Share(std::move(poses));
+  for (const RangeScans& sensor : scans.sensors)
+    TaskBuilder("drive", kPoseUs * static_cast<double>(sensor.scans()), &step.plan)
+        .Set("sensor", sensor.name)
+        .Read("grid")
+        .Read("scan poses");
+  step.plan.set_advance_cost(kCellUs * static_cast<double>(grid.cells()));
+  return step;
+}
+
+Blob DrivenCells::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  const Blob poses = inputs.Get("scan poses")->Sub(task.params().at("sensor").s());
+  const auto x = poses.Get<double>("x_m"), y = poses.Get<double>("y_m");
+  std::set<std::int64_t> driven;  // in order, whatever the order of the poses
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const std::int64_t column = grid.ColumnOf(x[k]), row = grid.RowOf(y[k]);
+    if (grid.Holds(column, row)) driven.insert(row * grid.columns + column);
+    progress.Tick();
+  }
+  Blob partial;
+  partial.PutVector("cell", std::vector<std::int64_t>(driven.begin(), driven.end()));
+  return partial;
+}
+
+Step DrivenCells::Advance(const State&, Partials& partials, const Inputs& inputs) const {
+  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  std::vector<double> probability(static_cast<std::size_t>(grid.cells()),
+                                  std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t k = 0; k < partials.size(); ++k)
+    for (const std::int64_t cell : partials.Get(k)->Get<std::int64_t>("cell"))
+      probability[static_cast<std::size_t>(cell)] = options_.p_occupied;
+  Blob result;
+  result.Put("map/grid/probability", Array::Of<double>({grid.rows, grid.columns}, probability));
+  result.PutScalar("map/grid/origin_x_m", grid.origin_x_m);
+  result.PutScalar("map/grid/origin_y_m", grid.origin_y_m);
+  result.PutScalar("map/grid/cell_m", grid.cell_m);
+  result.PutAll("", *inputs.Get("scan poses"));
+  Step step;
+  step.plan.set_result(step.Share(std::move(result)));
+  return step;
+}
+
+}  // namespace cairn::driven_cells
