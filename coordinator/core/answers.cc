@@ -1,5 +1,4 @@
-// Answers and failures of tasks. The first answer to a task counts, of whoever was given it; a second one
-// must be the same.
+// Answers to tasks. The first one to a task counts, of whoever was given it; a second one must be the same.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,8 +8,6 @@
 
 namespace cairn::coordinator {
 namespace {
-
-constexpr std::size_t kFailuresKept = 20;
 
 std::string Seconds(double seconds) {
   char text[32];
@@ -203,48 +200,6 @@ void Core::EndStage(Job& job, const Hash& result) {
   ledger_.Release(job.holds.partials);
   BeginAgain(job);
   WantSave(job, true);
-}
-
-void Core::On(const TaskFailed& event) {
-  Worker* worker = Heard(event.peer);
-  if (worker == nullptr) return;
-  const wire::TaskKey& key = event.failed.key();
-  fleet_.SetHung(*worker, false);
-  worker->moved_s = now_s_;
-  // Numbers of attempts begin again after a restart: only what this worker was given here counts.
-  if (!fleet_.Take(*worker, key, now_s_)) return RefuseAnswer(*worker, key);
-  Job* job = JobOf(key);
-  if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return;
-  if (event.failed.input_error())
-    return FailJob(*job, job->TaskName(key.task()) + ": " + event.failed.message(), true);
-  FailAttempt(*job, key.task(), event.failed.message());
-}
-
-// Its transport checks what it carries: whoever sends a malformed answer is broken, or computes what is. In
-// the first case one worker alone must not use up a task's attempts; in the second others come to the same.
-void Core::Shun(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong) {
-  if (!job.tasks.Withdraw(key.task(), key.attempt())) return;
-  const std::string who = WorkerName(worker.hello);
-  std::erase_if(job.shunned, [this](std::uint64_t number) { return fleet_.Find(number) == nullptr; });
-  if (job.shunned.insert(worker.number).second)
-    Say(Report::kWarning, who + " gets no more tasks of " + job.id + " where there are others: " + wrong);
-  std::vector<wire::TaskKey> queued;
-  for (const InHand& task : worker.in_hand)
-    if (task.key.job() == job.id) queued.push_back(task.key);
-  for (const wire::TaskKey& other : queued) TakeBack(worker, other);
-  FailAttempt(job, key.task(), wrong + ", by " + who);
-}
-
-void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& why) {
-  if (job.Ended() || job.tasks.task(task).status == TaskStatus::kDone) return;
-  const std::string name = job.TaskName(task);
-  const int failures = job.tasks.Blame(task);
-  job.failures.push_back(name + ": " + why);
-  if (job.failures.size() > kFailuresKept) job.failures.erase(job.failures.begin());
-  job.facts.back().set_retries(job.facts.back().retries() + 1);
-  if (failures >= options_.max_failures)
-    return FailJob(job, name + " failed " + std::to_string(failures) + " times, last: " + why, false);
-  Say(Report::kWarning, job, name + ": " + why + "; it is tried again");
 }
 
 }  // namespace cairn::coordinator

@@ -116,12 +116,14 @@ class Core {
   void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,
                      const Worker& worker);
   void Count(Job& job, const wire::Done& done, const Worker& worker);
-  // The attempt at `task` has failed, by its worker's fault.
-  void Shun(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
-  void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
   void BeginRound(Job& job, const proto::Step& step);
   void EndStage(Job& job, const Hash& result);
   void EndRoundFacts(Job& job);
+
+  // retries.cc
+  // The attempt at `task` has failed, by its worker's fault.
+  void Shun(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
+  void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
 
   // dispatch.cc
   void Dispatch();
