@@ -189,8 +189,20 @@ void Hub::TakeDurable(const std::string& job, std::uint64_t number) {
   WriteRow(job);
 }
 
+Status Hub::ForUsers(const Status& status) const {
+  const std::string store = folder_.dir().string() + "/";
+  if (status.ok() || options_.given_inputs || status.message().find(store) == std::string::npos)
+    return status;  // a private run's store is its user's own
+  log_(Severity::kWarning, status.message());
+  std::string message = status.message();
+  for (std::size_t at = 0; (at = message.find(store, at)) != std::string::npos;)
+    message.replace(at, store.size(), "store/");
+  return {status.code(), message};
+}
+
 void Hub::TakeDiskDone() {
-  for (const DiskDone& done : writer_.TakeDone()) {
+  for (DiskDone& done : writer_.TakeDone()) {
+    done.status = ForUsers(done.status);
     blobs_.MarkDurable(done.written, done.ticket);
     if (done.upload != 0) {
       TakeUploadDone(done);

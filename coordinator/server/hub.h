@@ -74,6 +74,8 @@ class Hub {
   void Handle(const Event& event);
   void Receive(Incoming& incoming);
   void Take(const std::string& peer, wire::Envelope& envelope, const std::vector<wire::NamedBlob>& blobs);
+  // As users may read it: what is wrong in the store, but not where that lies, which the log says.
+  Status ForUsers(const Status& status) const;
   void TakeDiskDone();
   void TakeDurable(const std::string& job, std::uint64_t number);
 

@@ -216,7 +216,7 @@ void Hub::AddResults(const std::string& job, wire::Message& reply) {
     if (!std::filesystem::exists(path)) continue;
     Result<BlobFile> file = ReadStoredFile(path);
     if (!file.ok()) {
-      reply.envelope.mutable_reply()->set_message(file.status().message());
+      reply.envelope.mutable_reply()->set_message(ForUsers(file.status()).message());
       continue;
     }
     reply.envelope.mutable_reply()->add_names(stage.name());
