@@ -35,4 +35,18 @@ inline Pose Between(const Pose& a, const Pose& b) {
   return {c * dx + s * dy, -s * dx + c * dy, b.heading_rad - a.heading_rad};
 }
 
+// `pose` as seen from `from`: Between, its heading wrapped.
+inline Pose Relative(const Pose& from, const Pose& pose) {
+  Pose seen = Between(from, pose);
+  seen.heading_rad = WrapAngle(seen.heading_rad);
+  return seen;
+}
+
+// The pose a `share` of the way from a to b: its position on the line, its heading along the shorter arc,
+// wrapped.
+inline Pose Interpolate(const Pose& a, const Pose& b, double share) {
+  return {a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
+          WrapAngle(a.heading_rad + share * WrapAngle(b.heading_rad - a.heading_rad))};
+}
+
 }  // namespace cairn

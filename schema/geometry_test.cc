@@ -31,6 +31,19 @@ TEST(Geometry, BetweenUndoesCompose) {
   EXPECT_NEAR(back.heading_rad, b.heading_rad, 1e-12);
 }
 
+TEST(Geometry, RelativeIsBetweenWithAWrappedHeading) {
+  const Pose seen = Relative({1, 1, 3}, {1, 3, -3});
+  EXPECT_NEAR(seen.heading_rad, 2 * kPi - 6, 1e-12);
+  EXPECT_NEAR(std::hypot(seen.x_m, seen.y_m), 2, 1e-12);
+}
+
+TEST(Geometry, InterpolationTurnsTheShorterWay) {
+  const Pose middle = Interpolate({0, 0, kPi - 0.1}, {2, 4, -kPi + 0.3}, 0.5);
+  EXPECT_NEAR(middle.x_m, 1, 1e-12);
+  EXPECT_NEAR(middle.y_m, 2, 1e-12);
+  EXPECT_NEAR(middle.heading_rad, -kPi + 0.1, 1e-12);
+}
+
 TEST(Geometry, DistancesAreEuclidean) { EXPECT_DOUBLE_EQ(DistanceM({1, 1}, {4, 5}), 5); }
 
 }  // namespace

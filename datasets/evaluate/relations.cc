@@ -14,13 +14,6 @@ namespace {
 
 constexpr double kRelationDegree_rad = std::numbers::pi / 180;
 
-// `pose` as seen from `from`.
-Pose Seen(const Pose& from, const Pose& pose) {
-  const double c = std::cos(from.heading_rad), s = std::sin(from.heading_rad);
-  const double dx = pose.x_m - from.x_m, dy = pose.y_m - from.y_m;
-  return {c * dx + s * dy, c * dy - s * dx, WrapAngle(pose.heading_rad - from.heading_rad)};
-}
-
 std::size_t RobotOf(const Blob& blob, const std::string& robot) {
   const std::vector<std::string> robots = blob.Texts("robots");
   if (robot.empty() && robots.size() == 1) return 0;
@@ -83,7 +76,7 @@ RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& re
       ++score.outside;
       continue;
     }
-    const Pose error = Seen(relation.motion, Seen(*from, *to));
+    const Pose error = Relative(relation.motion, Relative(*from, *to));
     const double translation_m = std::hypot(error.x_m, error.y_m);
     const double rotation_deg = std::abs(error.heading_rad) / kRelationDegree_rad;
     ++score.scored;

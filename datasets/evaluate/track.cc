@@ -34,10 +34,7 @@ std::optional<Pose> PoseAt(const Track& track, double time_s, double max_gap_s) 
   const double gap_s = track.time_s[i] - track.time_s[i - 1];
   if (gap_s > max_gap_s) return std::nullopt;
   const double share = (time_s - track.time_s[i - 1]) / gap_s;
-  const Pose &a = track.poses[i - 1], &b = track.poses[i];
-  const double turn = WrapAngle(b.heading_rad - a.heading_rad);
-  return Pose{a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
-              WrapAngle(a.heading_rad + share * turn)};
+  return Interpolate(track.poses[i - 1], track.poses[i], share);
 }
 
 }  // namespace cairn::datasets

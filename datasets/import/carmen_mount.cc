@@ -32,12 +32,6 @@ double StepOf(std::size_t beams) {
 
 }  // namespace
 
-Pose Relative(const Pose& from, const Pose& pose) {
-  const double c = std::cos(from.heading_rad), s = std::sin(from.heading_rad);
-  const double dx = pose.x_m - from.x_m, dy = pose.y_m - from.y_m;
-  return {c * dx + s * dy, c * dy - s * dx, WrapAngle(pose.heading_rad - from.heading_rad)};
-}
-
 Pose RobotUnder(const Pose& laser, const Pose& mount) {
   const double heading = WrapAngle(laser.heading_rad - mount.heading_rad);
   const double c = std::cos(heading), s = std::sin(heading);

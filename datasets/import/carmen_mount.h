@@ -10,9 +10,6 @@
 
 namespace cairn::datasets {
 
-// A pose as seen from another.
-Pose Relative(const Pose& from, const Pose& pose);
-
 // The robot's pose where its laser, mounted so, is at `laser`.
 Pose RobotUnder(const Pose& laser, const Pose& mount);
 

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/given_map.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
+#include "schema/geometry.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -18,11 +18,6 @@ namespace {
 struct Row {
   double time_s, x_m, y_m, heading_rad, covariance[9], mode_x_m, mode_y_m, mode_heading_rad;
 };
-
-double Wrap(double angle) {
-  const double wrapped = std::remainder(angle, 2.0 * std::numbers::pi);
-  return wrapped <= -std::numbers::pi ? std::numbers::pi : wrapped;
-}
 
 // A pose and a heading correction at a step.
 struct Anchor {
@@ -41,7 +36,7 @@ Anchor Carry(const RobotSteps& steps, int s, const Anchor& anchor, const Odometr
 Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b, const OdometricPose& at,
                double part) {
   Anchor middle = a;
-  const double turn = Wrap(b.correction_rad - a.correction_rad);
+  const double turn = WrapAngle(b.correction_rad - a.correction_rad);
   middle.correction_rad = a.correction_rad + part * turn;
   const Anchor from = Carry(steps, s, {a.x_m, a.y_m, a.correction_rad + 0.5 * part * turn}, at);
   const Anchor to = Carry(steps, s + 1, {b.x_m, b.y_m, b.correction_rad - 0.5 * (1.0 - part) * turn}, at);
@@ -127,8 +122,8 @@ class PathWriter {
       mean = Drifting(mean_.at(anchor), anchor, turn, at);
       mode = Drifting(mode_.at(anchor), anchor, turn, at);
     }
-    Row row{at.time_s, mean.x_m, mean.y_m, Wrap(at.heading_rad + mean.correction_rad),
-            {},        mode.x_m, mode.y_m, Wrap(at.heading_rad + mode.correction_rad)};
+    Row row{at.time_s, mean.x_m, mean.y_m, WrapAngle(at.heading_rad + mean.correction_rad),
+            {},        mode.x_m, mode.y_m, WrapAngle(at.heading_rad + mode.correction_rad)};
     for (int k = 0; k < 9; ++k) {
       row.covariance[k] =
           covariance_[9 * anchor + k] + part * (covariance_[9 * next + k] - covariance_[9 * anchor + k]);
@@ -273,12 +268,12 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules,
   result->PutVector("map/landmark_type", kind);
 }
 
-// Of the last M-step's counts; where there was none, the given map.
 // A given map that no iteration has touched.
 bool IsGivenMap(const Inputs& inputs, const LayeredGrid& counts) {
   return inputs.Has("map") && counts.cells() == 0;
 }
 
+// Of the last M-step's counts; where there was none, the given map.
 LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs,
                      const LayeredGrid& counts) {
   if (IsGivenMap(inputs, counts)) return ReadGivenMap(*inputs.Get("map"), log, settings).map;
