@@ -252,7 +252,8 @@ TEST_F(ClientTest, QueriesCarryTheirActionAndResultsTheirNames) {
   const auto results = client.Results("j");
   ASSERT_TRUE(results.ok());
   EXPECT_EQ(results.value().at("grid")->Scalar<double>("v"), 2);
-  EXPECT_EQ(actions, (std::vector<std::string>{"status ", "status j", "cancel j", "resume j", "results j"}));
+  EXPECT_EQ(actions, (std::vector<std::string>{"status ", "status j", "cancel j", "resume j", "status j",
+                                               "results j"}));
 }
 
 TEST_F(ClientTest, ARefusalCarriesTheReasonAndAnUnknownJobIsNotFound) {
@@ -301,6 +302,7 @@ TEST_F(ClientTest, AnAnswerThatIsNoReplyIsAnotherVersion) {
 TEST_F(ClientTest, AResultThatTheServiceCannotReadIsNotLeftOutInSilence) {
   FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
     wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->add_jobs()->set_id("j");
     reply.envelope.mutable_reply()->set_message("landmarks.h5: wrong checksum");
     return reply;
   });
@@ -312,10 +314,23 @@ TEST_F(ClientTest, AResultThatTheServiceCannotReadIsNotLeftOutInSilence) {
 TEST_F(ClientTest, ResultsWithoutAllTheirNamesAreCorrupt) {
   FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
     wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->add_jobs()->set_id("j");
     reply.blobs = {wire::NameBlob(Number(1))};
     return reply;
   });
   EXPECT_EQ(Connect().Results("j").status().code(), Code::kCorrupt);
+}
+
+// Much may be on its way; a service that says nothing at all is waited for as in any other question.
+TEST_F(ClientTest, ResultsOfAServiceThatStandsStillAreNotWaitedForLong) {
+  int asked = 0;
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) -> std::optional<wire::Message> {
+    ++asked;
+    EXPECT_EQ(question.envelope.query().action(), "status");
+    return std::nullopt;
+  });
+  EXPECT_EQ(Connect(0.2).Results("j").status().code(), Code::kIo);
+  EXPECT_EQ(asked, 1);
 }
 
 // A result becomes a file of its name.
