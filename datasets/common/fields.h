@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/common/text_file.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "datasets/common/planar.h"
+#include "datasets/common/control.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/simulate/loop.h"
 

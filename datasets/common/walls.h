@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "datasets/common/planar.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/evaluate/matching/similarity.h"
 #include "datasets/evaluate/scores.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/evaluate/reduction_interval.h"
 #include "datasets/evaluate/scores.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

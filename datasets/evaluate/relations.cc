@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "datasets/common/array_text.h"
+#include "datasets/common/control.h"
 #include "datasets/common/fields.h"
 #include "schema/error.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

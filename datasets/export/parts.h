@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/evaluate/maps/occupancy.h"
 #include "datasets/export/export.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

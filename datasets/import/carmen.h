@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "datasets/common/planar.h"
 #include "datasets/import/log_rows.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "datasets/common/fields.h"
-#include "datasets/common/planar.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/common/control.h"
+
 namespace cairn::datasets {
 namespace {
 

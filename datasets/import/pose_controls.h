@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/import/log_rows.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/common/control.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {

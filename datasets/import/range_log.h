@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/common/text_file.h"
 #include "datasets/import/log_rows.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/report/scene.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::report {
 

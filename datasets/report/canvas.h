@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::report {
 

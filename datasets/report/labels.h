@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/report/axes.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::report {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/evaluate/track.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::report {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/scene.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::report {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/common/control.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/report/format.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/evaluate/evaluate.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::report {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/common/planar.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::report {
 

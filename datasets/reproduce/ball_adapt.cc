@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "datasets/common/planar.h"
 #include "datasets/evaluate/learned_networks.h"
 #include "datasets/evaluate/networks.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/over_seeds.h"
 #include "datasets/simulate/corridor/corridor.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 namespace {

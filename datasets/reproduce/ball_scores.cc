@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/common/planar.h"
 #include "datasets/evaluate/features.h"
 #include "datasets/evaluate/learned_networks.h"
 #include "datasets/evaluate/networks.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "datasets/common/planar.h"
+#include "datasets/common/control.h"
 
 namespace cairn::datasets {
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/common/control.h"
+
 namespace cairn::datasets {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "datasets/common/planar.h"
+#include "datasets/common/control.h"
 #include "datasets/simulate/world.h"
 #include "schema/rng.h"
 

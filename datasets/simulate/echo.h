@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/common/walls.h"
 #include "datasets/simulate/sonar.h"
+#include "schema/geometry.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {

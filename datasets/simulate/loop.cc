@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "datasets/common/control.h"
 #include "datasets/simulate/rows.h"
 #include "datasets/simulate/sonar.h"
 #include "datasets/simulate/walls.h"

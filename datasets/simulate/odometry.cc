@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "datasets/common/control.h"
+
 namespace cairn::datasets {
 namespace {
 

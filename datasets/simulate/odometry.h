@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "datasets/common/control.h"
 #include "datasets/simulate/drive.h"
 #include "schema/rng.h"
 

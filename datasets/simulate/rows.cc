@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/common/control.h"
+
 namespace cairn::datasets {
 
 double ToMilli(double value) { return std::round(value * 1e3) / 1e3; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/common/control.h"
 #include "datasets/simulate/walls.h"
 #include "schema/error.h"
 

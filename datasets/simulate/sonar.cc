@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "datasets/common/control.h"
+
 namespace cairn::datasets {
 namespace {
 

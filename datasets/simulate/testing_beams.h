@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/common/walls.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"datasets/simulate/corridor/a.cc", "\"pipelines/image_features/band_features.h\"",
                          true},
                     Case{"datasets/simulate/a.cc", "\"pipelines/image_features/band_features.h\"", false},
-                    Case{"datasets/import/a.cc", "\"datasets/common/planar.h\"", true},
+                    Case{"datasets/import/a.cc", "\"datasets/common/control.h\"", true},
                     Case{"datasets/import/a.cc", "\"datasets/simulate/loop.h\"", false},
                     Case{"datasets/import/a_test.cc", "\"datasets/simulate/loop.h\"", true},
                     Case{"datasets/evaluate/a.cc", "\"datasets/simulate/loop.h\"", false},

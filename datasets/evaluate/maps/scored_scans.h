@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/common/planar.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

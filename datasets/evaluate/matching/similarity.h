@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "datasets/common/planar.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

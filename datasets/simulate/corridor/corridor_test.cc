@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/common/planar.h"
 #include "datasets/testing.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 namespace {

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/simulate/corridor/world.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets::corridor {
 

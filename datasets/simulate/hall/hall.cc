@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/common/control.h"
 #include "datasets/simulate/echo.h"
 #include "datasets/simulate/hall/world.h"
 #include "datasets/simulate/loop.h"

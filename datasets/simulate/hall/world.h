@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/common/walls.h"
 #include "datasets/simulate/echo.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/common/control.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/simulate/odometry.h"
 #include "datasets/simulate/office/persons.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/common/planar.h"
 #include "datasets/simulate/echo.h"
+#include "schema/geometry.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets::office {

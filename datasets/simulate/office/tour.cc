@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "datasets/common/control.h"
+
 namespace cairn::datasets::office {
 namespace {
 

@@ -1,4 +1,4 @@
-#include "datasets/common/planar.h"
+#include "datasets/common/control.h"
 
 #include <cmath>
 
