@@ -133,7 +133,7 @@ TEST(LocalPage, PicturesAreDrawnWhereThereIsLittleToSee) {
 TEST(LocalPage, RefusesWhatNoPictureCouldShow) {
   const Blob good = Result();
   for (const auto& [name, value] :
-       {std::pair("features/left/distance_high_m", 1e9F), {"features/right/distance_low_m", -1.F}}) {
+       {std::pair("features/left/distance_high_m", 1e9F), {"features/right/distance_low_m", -1e9F}}) {
     Blob bad = good;
     bad.PutVector(name, std::vector<float>(good.Get<float>(name).size(), value));
     ExpectContains(InputErrorOf([&] { PageOf(bad, nullptr); }), std::string("'") + name + "' holds");

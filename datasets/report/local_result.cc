@@ -45,7 +45,7 @@ std::vector<LocalSide> ReadSides(const Blob& result, const std::string& prefix) 
   for (const auto& [name, column] :
        {std::pair(prefix + "distance_low_m", near), {prefix + "distance_high_m", far}})
     for (const float distance_m : column)
-      if (distance_m < 0 || distance_m > kFarthest_m)  // not a number: no edge
+      if (std::abs(distance_m) > kFarthest_m)  // not a number: no edge
         throw InputError("'" + name + "' holds " + std::to_string(distance_m) +
                          ", which is no distance of an edge");
   std::vector<LocalSide> sides;
