@@ -178,7 +178,7 @@ TEST(StoreFolder, OneOfVersion1WithSealsIsUpgraded) {
   TempFolder temp;
   const fs::path store = temp.path() / "s";
   fs::create_directories(store / "checkpoints" / "a");
-  std::ofstream(store / "jobs.sqlite");
+  std::ofstream(store / "jobs.sqlite") << "";
   std::ofstream(store / "checkpoints" / "a" / "1.h5") << std::string(1000, 'x');  // damaged
   ASSERT_TRUE(WriteCheckpoint(store / "checkpoints" / "a" / "3.h5", SomeCheckpoint()).ok());
   ASSERT_TRUE(StoreFolder::Open(store).ok());

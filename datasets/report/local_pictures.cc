@@ -110,7 +110,8 @@ struct Nearest {
 
 void DrawImmediate(const Superposed& shown, const Strip& strip, Canvas* canvas) {
   const LocalSnapshot& shot = shown.shot;
-  const auto half = static_cast<double>(shot.cells / 2) * shot.cell_m;
+  const auto half_cells = shot.cells / 2;
+  const auto half = static_cast<double>(half_cells) * shot.cell_m;
   const auto rows = static_cast<std::size_t>(shot.cells);
   std::vector<Nearest> left(rows), right(rows);
   const double c = std::cos(shown.turn_rad), s = std::sin(shown.turn_rad);
@@ -238,7 +239,8 @@ std::string SuperposedPng(const std::vector<Superposed>& shown) {
   std::vector<std::pair<double, double>> sizes;  // low z, height
   for (const Superposed& one : shown) {
     const Interval span = SpanOf(one.trace);
-    const double half = static_cast<double>(one.shot.cells / 2 + 1) * one.shot.cell_m;
+    const auto half_cells = one.shot.cells / 2 + 1;
+    const double half = static_cast<double>(half_cells) * one.shot.cell_m;
     const double low = std::min(span.low_z, one.z_m - half), high = std::max(span.high_z, one.z_m + half);
     sizes.emplace_back(low, 2 * std::max(span.side_m, half + std::abs(one.u_m)) * kPerM);
     width = std::max(width, (high - low) * kPerM);

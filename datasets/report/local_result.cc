@@ -162,7 +162,8 @@ Point LocalTrace::ToWorld(double z_m, double u_m) const {
 }
 
 Point LocalSnapshot::Centre(std::int64_t column, std::int64_t row) const {
-  return {static_cast<double>(column - cells / 2) * cell_m, static_cast<double>(row - cells / 2) * cell_m};
+  const auto middle = cells / 2;
+  return {static_cast<double>(column - middle) * cell_m, static_cast<double>(row - middle) * cell_m};
 }
 
 std::size_t LocalSnapshot::Index(std::int64_t column, std::int64_t row) const {
