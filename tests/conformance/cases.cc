@@ -319,7 +319,8 @@ Case OfAnyPipeline(const PipelineInfo& info) {
   Case c{.name = info.name, .stage = {}, .inputs = {}, .rounds = 1, .tasks = 1};
   if (info.inputs.front() == "log") {
     Blob log = SquareLog(Sensor::kRangeBearing, 2, 3);
-    log.PutAll("robot/0/laser/", Room{.scans = 60}.Log().Sub("robot/0/laser/"));
+    const Blob room = Room{.scans = 60}.Log();
+    for (const char* group : {"robot/0/laser/", "robot/0/poses/"}) log.PutAll(group, room.Sub(group));
     c.inputs["log"] = Share(std::move(log));
   } else if (info.inputs.front() == "samples") {
     c = Localization(info.name, "soft", "grid");
