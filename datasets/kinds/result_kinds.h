@@ -6,12 +6,25 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "datasets/evaluate/evaluated.h"
+#include "datasets/evaluate/evaluate.h"
+#include "datasets/evaluate/grid.h"
+#include "datasets/evaluate/local.h"
+#include "datasets/evaluate/localization.h"
+#include "datasets/evaluate/networks.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
+
+// What evaluating a result of any kind gives.
+using Evaluated =
+    std::variant<Evaluation, GridEvaluation, LocalEvaluation, LocalizationScore, NetworkEvaluation>;
+
+inline Scores ScoresOf(const Evaluated& evaluated) {
+  return std::visit([](const auto& evaluation) { return ScoresOf(evaluation); }, evaluated);
+}
 
 // A stage of a job on its page: its result, what it was made from, and how good it is. `source` (the log,
 // with or without truth; of networks and of a localization the samples) may be null: without a log there is
