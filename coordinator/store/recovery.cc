@@ -68,8 +68,10 @@ std::optional<proto::Checkpoint> RecordOfResults(const std::string& job, std::ui
                                                  const PublishedFiles& published) {
   std::map<std::string, PublishedResult> results;  // by stage
   for (const fs::path& path : published.of ? published.of(job) : std::vector<fs::path>())
-    if (Result<PublishedResult> result = ReadPublished(path); result.ok())
-      results[result.value().stage] = std::move(result).value();
+    if (Result<PublishedResult> result = ReadPublished(path); result.ok()) {
+      const std::string stage = result.value().stage;
+      results[stage] = std::move(result).value();
+    }
   if (results.empty()) return std::nullopt;
   const proto::Job spec = results.begin()->second.job;
   if (!CheckJob(spec).empty()) return std::nullopt;
