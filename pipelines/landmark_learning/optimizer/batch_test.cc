@@ -28,7 +28,8 @@ TEST(DrawnStretches, TakeEveryTruthEquallyOftenAndNoneTwiceInAStep) {
     }
     EXPECT_LE(last, kCount);
   }
-  for (const int times : taken) EXPECT_NEAR(times, kSteps * 4 / 16, 120);  // four standard deviations
+  const int expected = kSteps * 4 / 16;
+  for (const int times : taken) EXPECT_NEAR(times, expected, 120);  // four standard deviations
 }
 
 TEST(DrawnStretches, DependOnSeedAndStepAlone) {
