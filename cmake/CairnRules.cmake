@@ -2,7 +2,7 @@
 # table against every #include line; this one stops a wrong link line when the build is configured.
 #
 # CAIRN_LINKS_<folder>: regular expressions of folders of our own, and of targets of others.
-set(CAIRN_LINKS_schema "Eigen3::.*|protobuf::.*|PkgConfig::CAIRN_XXHASH|cairn_proto")
+set(CAIRN_LINKS_schema "Eigen3::.*|fmt::fmt|protobuf::.*|PkgConfig::CAIRN_XXHASH|cairn_proto")
 set(CAIRN_LINKS_schema_store "schema|PkgConfig::CAIRN_HDF5")
 set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_ZMQ")
 set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?")

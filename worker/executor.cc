@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "schema/kinds/kind.h"
 #include "schema/numerics.h"
 #include "schema/text.h"
 
@@ -42,6 +43,16 @@ class TaskInputs : public Inputs {
       inputs.blobs_[ref.name()] = Rows(Find(task, ref.blob()), ref);
     }
     return inputs;
+  }
+  // People give what a stage begins with: a pipeline may rely on the form of what is there.
+  void Check() const {
+    for (const auto& [name, blob] : blobs_) {
+      try {
+        CheckKind(*blob, FindKind(name) != nullptr ? name : KindOf(*blob));
+      } catch (const InputError& error) {
+        throw InputError("input '" + name + "': " + error.what());
+      }
+    }
   }
   bool Has(const std::string& name) const override { return blobs_.contains(name); }
   BlobPtr Get(const std::string& name) const override {
@@ -145,8 +156,11 @@ wire::Message Executor::Compute(TaskInHand& task) {
   const wire::Assign& assign = task.assign;
   const Pipeline& pipeline = PipelineOf(assign);
   switch (assign.key().kind()) {
-    case wire::TaskKey::START:
-      return DoneWithStep(assign.key(), pipeline.Start(TaskInputs::OfPlan(task)));
+    case wire::TaskKey::START: {
+      const TaskInputs inputs = TaskInputs::OfPlan(task);
+      inputs.Check();
+      return DoneWithStep(assign.key(), pipeline.Start(inputs));
+    }
     case wire::TaskKey::ADVANCE: {
       FetchedPartials partials(desk_, task);
       return DoneWithStep(assign.key(), pipeline.Advance(assign.state(), partials, TaskInputs::OfPlan(task)));

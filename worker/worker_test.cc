@@ -75,6 +75,36 @@ TEST(Worker, AWholeStageEqualsTheInProcessRunner) {
   }
 }
 
+// By the name that the pipeline gives it, or else by the kind that it is of (schema/kinds/kind.h).
+TEST(Worker, ChecksTheFormOfWhatAStageBeginsWith) {
+  Rig rig(testing::MakeToy);
+  rig.Begin();
+  wire::Assign assign;
+  assign.mutable_stage()->set_pipeline("toy");
+  assign.mutable_key()->set_kind(wire::TaskKey::START);
+  Blob bad = testing::ToyLog(3), map;
+  bad.Put("robots", Array::Texts({"anna"}));
+  bad.PutVector<double>("robot/0/odometry/time_s", {0, 1, 2});
+  bad.PutVector<double>("robot/0/odometry/turn_rad", {0, 1});
+  map.PutVector<double>("map/landmark_x_m", {0, 2e9});
+  const Hash good = rig.Keep(testing::ToyLog(3)), bad_log = rig.Keep(bad), far = rig.Keep(map);
+  const auto failure = [&](const Hash& log, const Hash& of_map) {
+    (*assign.mutable_inputs())["log"] = log.Binary();
+    (*assign.mutable_inputs())["map"] = of_map.Binary();
+    rig.Assign(assign);
+    const wire::Message answer = rig.Serve();
+    EXPECT_EQ(answer.envelope.has_done(), !answer.envelope.has_failed());
+    EXPECT_EQ(answer.envelope.failed().input_error(), answer.envelope.has_failed());
+    return answer.envelope.failed().message();
+  };
+  EXPECT_EQ(failure(good, good), "");
+  EXPECT_EQ(failure(bad_log, good),
+            "input 'log': 'robot/0/odometry/turn_rad' has the shape [2], where [C] is needed: C is 3 by "
+            "'robot/0/odometry/time_s'");
+  EXPECT_EQ(failure(good, far),
+            "input 'map': 'map/landmark_x_m', entry 1: 2000000000, where -1e+09 to 1e+09 is needed");
+}
+
 TEST(Worker, KeepsInputsAndItsOwnPartials) {
   Rig rig(AddIndex);
   rig.Begin();

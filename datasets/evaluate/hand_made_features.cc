@@ -30,39 +30,18 @@ std::vector<std::size_t> ColumnsOf(const std::vector<std::string>& features,
   return columns;
 }
 
-[[noreturn]] void RefuseRow(const std::string& run, std::size_t row, const std::string& why) {
-  throw InputError("run '" + run + "', row " + std::to_string(row) + ": " + why);
-}
-
 FeatureRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
                    const std::vector<std::string>& names, const std::vector<std::size_t>& columns) {
   const std::string prefix = "run/" + std::to_string(number) + "/";
   const auto x = file.Get<double>(prefix + "x_m"), y = file.Get<double>(prefix + "y_m");
   const auto feature = file.Get<float>(prefix + "feature");
-  if (x.size() != y.size() ||
-      file.at(prefix + "feature").shape() !=
-          Shape{static_cast<std::int64_t>(x.size()), static_cast<std::int64_t>(names.size())})
-    throw InputError("run '" + name +
-                     "': x_m, y_m and feature do not have the same number of rows, or a row " +
-                     "not one feature for each name");
   FeatureRun run{name, number, {x.begin(), x.end()}, {y.begin(), y.end()}, {}, {}};
   if (file.Has(prefix + "heading_rad")) {
     const auto heading = file.Get<double>(prefix + "heading_rad");
-    if (heading.size() != x.size())
-      throw InputError("run '" + name + "': x_m and heading_rad do not have the same number of rows");
     run.heading_rad.assign(heading.begin(), heading.end());
   }
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    if (!std::isfinite(x[k]) || !std::isfinite(y[k])) RefuseRow(name, k, "its position is no number");
-    if (!run.heading_rad.empty() && !std::isfinite(run.heading_rad[k]))
-      RefuseRow(name, k, "its heading is no number");
-    for (const std::size_t column : columns) {
-      const double value = feature[k * names.size() + column];
-      if (!(value >= 0 && value <= 1))
-        RefuseRow(name, k, "feature '" + names[column] + "' is no probability");
-      run.output.push_back(value);
-    }
-  }
+  for (std::size_t k = 0; k < x.size(); ++k)
+    for (const std::size_t column : columns) run.output.push_back(feature[k * names.size() + column]);
   return run;
 }
 

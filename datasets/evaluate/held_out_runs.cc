@@ -19,38 +19,14 @@ void CheckInputs(const std::vector<std::string>& names, const LearnedNetworks& n
   }
 }
 
-template <class T>
-void CheckNumbers(std::span<const T> values, const HeldOutRun& run, const std::string& array,
-                  const std::vector<std::string>& columns) {
-  const auto bad = std::ranges::find_if(values, [](T value) { return !std::isfinite(value); });
-  if (bad == values.end()) return;
-  const auto at = static_cast<std::size_t>(bad - values.begin());
-  throw InputError("run '" + run.name + "', row " + std::to_string(at / columns.size()) + ": " + array +
-                   " '" + columns[at % columns.size()] + "' is no number");
-}
-
-HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
-                   const std::vector<std::string>& inputs) {
+HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name) {
   const std::string prefix = "run/" + std::to_string(number) + "/";
   HeldOutRun run{.name = name,
                  .number = number,
                  .x_m = file.Get<double>(prefix + "x_m"),
                  .y_m = file.Get<double>(prefix + "y_m"),
                  .input = file.Get<float>(prefix + "input")};
-  const auto rows = static_cast<std::int64_t>(run.x_m.size());
-  if (run.y_m.size() != run.x_m.size() ||
-      file.at(prefix + "input").shape() != Shape{rows, static_cast<std::int64_t>(inputs.size())})
-    throw InputError("run '" + name + "': x_m, y_m and input do not have the same number of rows, or a row " +
-                     "not one input for each name");
-  if (file.Has(prefix + "heading_rad")) {
-    run.heading_rad = file.Get<double>(prefix + "heading_rad");
-    if (run.heading_rad.size() != run.x_m.size())
-      throw InputError("run '" + name + "': x_m and heading_rad do not have the same number of rows");
-    CheckNumbers(run.heading_rad, run, "position", {"heading_rad"});
-  }
-  CheckNumbers(run.x_m, run, "position", {"x_m"});
-  CheckNumbers(run.y_m, run, "position", {"y_m"});
-  CheckNumbers(run.input, run, "input", inputs);
+  if (file.Has(prefix + "heading_rad")) run.heading_rad = file.Get<double>(prefix + "heading_rad");
   return run;
 }
 
@@ -77,11 +53,11 @@ bool DecidedWhenToStop(const std::string& name, const LearnedNetworks& nets) {
 }  // namespace
 
 HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
-  const std::vector<std::string> inputs = file.Texts("input_name"), names = file.Texts("runs");
-  CheckInputs(inputs, nets);
+  const std::vector<std::string> names = file.Texts("runs");
+  CheckInputs(file.Texts("input_name"), nets);
   HeldOutRuns held_out;
   for (std::size_t r = 0; r < names.size(); ++r) {
-    HeldOutRun run = ReadRun(file, r, names[r], inputs);
+    HeldOutRun run = ReadRun(file, r, names[r]);
     if (run.x_m.empty()) continue;
     if (DecidedWhenToStop(names[r], nets)) held_out.stopped_by.push_back(names[r]);
     if (WasTrainedOn(run, nets))

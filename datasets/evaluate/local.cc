@@ -18,16 +18,6 @@ constexpr double kErrorDegree_rad = std::numbers::pi / 180;
 constexpr double kWrongLoopM = 0.5, kRightAngleRad = 2 * kErrorDegree_rad;
 constexpr std::int32_t kLoop = 2;  // connections/kind
 
-template <class T>
-std::span<const T> Column(const Blob& blob, const std::string& name, std::size_t rows) {
-  if (!blob.Has(name)) throw InputError("not a local_map: '" + name + "' is missing");
-  const auto column = blob.Get<T>(name);
-  if (column.size() != rows)
-    throw InputError("'" + name + "' has " + std::to_string(column.size()) + " rows, where " +
-                     std::to_string(rows) + " are needed");
-  return column;
-}
-
 // Sums up distances.
 class ErrorSum {
  public:
@@ -131,10 +121,9 @@ class TrueFrames {
   TrueFrames(const Blob& result, const std::vector<Robot>& robots) {
     const auto robot = result.Get<std::int32_t>("traces/robot");
     const std::size_t n = robot.size();
-    const auto x = Column<double>(result, "traces/x_m", n), y = Column<double>(result, "traces/y_m", n),
-               direction = Column<double>(result, "traces/direction_rad", n),
-               first = Column<double>(result, "traces/first_s", n),
-               last = Column<double>(result, "traces/last_s", n);
+    const auto x = result.Get<double>("traces/x_m"), y = result.Get<double>("traces/y_m"),
+               direction = result.Get<double>("traces/direction_rad"),
+               first = result.Get<double>("traces/first_s"), last = result.Get<double>("traces/last_s");
     for (std::size_t k = 0; k < n; ++k) {
       const Robot& who = robots.at(static_cast<std::size_t>(robot[k]));
       const Pose origin{x[k], y[k], direction[k]};
@@ -207,8 +196,6 @@ class TrueFrames {
 // How far the robot was from a place in a trace; none where the truth does not know.
 std::optional<double> OffM(const TrueFrames& frames, std::int32_t trace, double z_m, double u_m,
                            const Track& truth, double time_s) {
-  if (trace < 0 || static_cast<std::size_t>(trace) >= frames.size())
-    throw InputError("there is no trace " + std::to_string(trace));
   const auto there = frames.ToWorld(static_cast<std::size_t>(trace), z_m, u_m);
   const auto at = PoseAt(truth, time_s);
   if (!there || !at) return std::nullopt;
@@ -223,10 +210,9 @@ void ScorePositions(const Blob& result, const std::vector<Robot>& robots, const 
     const std::string prefix = "robot/" + std::to_string(r) + "/positions/";
     if (!result.Has(prefix + "trace")) continue;
     const auto trace = result.Get<std::int32_t>(prefix + "trace");
-    const auto time = Column<double>(result, prefix + "time_s", trace.size()),
-               z = Column<double>(result, prefix + "z_m", trace.size()),
-               u = Column<double>(result, prefix + "u_m", trace.size());
-    const auto corrected = Column<std::uint8_t>(result, prefix + "corrected", trace.size());
+    const auto time = result.Get<double>(prefix + "time_s"), z = result.Get<double>(prefix + "z_m"),
+               u = result.Get<double>(prefix + "u_m");
+    const auto corrected = result.Get<std::uint8_t>(prefix + "corrected");
     for (std::size_t i = 0; i < trace.size(); ++i) {
       const auto off_m = OffM(frames, trace[i], z[i], u[i], robots[r].truth, time[i]);
       if (!off_m) continue;
@@ -247,18 +233,15 @@ void ScorePositions(const Blob& result, const std::vector<Robot>& robots, const 
 void ScoreLoops(const Blob& result, const std::vector<Robot>& robots, const TrueFrames& frames,
                 LoopScore* out) {
   const auto kind = result.Get<std::int32_t>("connections/kind");
-  const auto from = Column<std::int32_t>(result, "connections/from", kind.size()),
-             to = Column<std::int32_t>(result, "connections/to", kind.size());
-  const auto z = Column<double>(result, "connections/from_z_m", kind.size()),
-             u = Column<double>(result, "connections/from_u_m", kind.size()),
-             to_s = Column<double>(result, "connections/to_s", kind.size());
-  const auto used = Column<std::uint8_t>(result, "connections/used", kind.size());
+  const auto from = result.Get<std::int32_t>("connections/from"),
+             to = result.Get<std::int32_t>("connections/to");
+  const auto z = result.Get<double>("connections/from_z_m"), u = result.Get<double>("connections/from_u_m"),
+             to_s = result.Get<double>("connections/to_s");
+  const auto used = result.Get<std::uint8_t>("connections/used");
   const auto robot = result.Get<std::int32_t>("traces/robot");
   std::int64_t right = 0;
   for (std::size_t k = 0; k < kind.size(); ++k) {
     if (kind[k] != kLoop) continue;
-    if (to[k] < 0 || static_cast<std::size_t>(to[k]) >= robot.size())
-      throw InputError("there is no trace " + std::to_string(to[k]));
     const Track& truth = robots.at(static_cast<std::size_t>(robot[static_cast<std::size_t>(to[k])])).truth;
     const auto off_m = OffM(frames, from[k], z[k], u[k], truth, to_s[k]);
     const bool wrong = off_m && *off_m > kWrongLoopM;
@@ -283,11 +266,11 @@ void AddWalls(const Blob& result, const Blob& log, const std::string& prefix, co
   const std::string walls = prefix + "walls/";
   if (!result.Has(walls + "time_s") || !log.Has("truth/" + walls + "time_s")) return;
   const auto time = result.Get<double>(walls + "time_s");
-  const auto angle = Column<double>(result, walls + "angle_rad", time.size());
-  const auto locked = Column<std::uint8_t>(result, walls + "locked", time.size()),
-             other = Column<std::uint8_t>(result, walls + "other_area", time.size());
+  const auto angle = result.Get<double>(walls + "angle_rad");
+  const auto locked = result.Get<std::uint8_t>(walls + "locked"),
+             other = result.Get<std::uint8_t>(walls + "other_area");
   const auto true_time = log.Get<double>("truth/" + walls + "time_s");
-  const auto true_angle = Column<double>(log, "truth/" + walls + "angle_rad", true_time.size());
+  const auto true_angle = log.Get<double>("truth/" + walls + "angle_rad");
   bool begun = false;
   for (std::size_t i = 0; i < time.size(); ++i) {
     const auto next = std::ranges::lower_bound(true_time, time[i]);

@@ -83,7 +83,7 @@ TEST(OutputsOf, PassTwoHiddenLayers) {
   file.Put("networks/hidden_2_weight", Array::Of<double>({1, 3, 2}, std::vector<double>{1, 2, 3, 4, 5, 6}));
   file.Put("networks/hidden_2_bias", Array::Of<double>({1, 3}, std::vector<double>{-1, -2, -3}));
   const auto refused = [&] { return InputErrorOf([&] { ReadLearnedNetworks(file); }); };
-  ExpectContains(refused(), "'networks/output_weight' has the shape [1,1], where [1,3] fits");
+  ExpectContains(refused(), "'networks/output_weight' is not of the last hidden layer");
   file.Put("networks/output_weight", Array::Of<double>({1, 3}, std::vector<double>{0.7, -0.8, 0.9}));
   file.PutVector("networks/output_bias", std::vector<double>{0.3});
   const std::vector<double> g = OutputsOf(ReadLearnedNetworks(file), std::vector<float>{2});
@@ -92,8 +92,6 @@ TEST(OutputsOf, PassTwoHiddenLayers) {
   ASSERT_EQ(g.size(), 1U);
   EXPECT_NEAR(g[0], s(0.3 + 0.7 * s(a + 2 * b - 1) - 0.8 * s(3 * a + 4 * b - 2) + 0.9 * s(5 * a + 6 * b - 3)),
               1e-15);
-  file.Put("networks/hidden_2_weight", Array::Of<double>({3, 2}, std::vector<double>{1, 2, 3, 4, 5, 6}));
-  ExpectContains(refused(), "[networks,hidden_2,hidden]");
 }
 
 TEST(EvaluateNetworks, NetworksThatTellNothingReduceNothing) {
@@ -280,40 +278,17 @@ TEST(EvaluateNetworks, LooksAtHeadingsWhereSamplesDoNotAllFaceOneWay) {
 }
 
 // What is wrong with the networks' file, and what is said of it.
-TEST(EvaluateNetworks, RefusesNetworksThatDoNotFitTogether) {
-  const double nan = std::nan("");
+TEST(EvaluateNetworks, RefusesNetworksThatAreNotWhole) {
   const Blob good = NetworksThatTellNothing();
-  const auto refused = [&](const std::string& name, const Array& array) {
+  const auto refused = [&](const std::vector<std::string>& names, const Shape& shape) {
     Blob bad = good;
-    bad.Put(name, array);
+    for (const std::string& name : names)
+      bad.Put(name, Array::Of<double>(shape, std::vector<double>(static_cast<std::size_t>(shape[0]), 0)));
     return InputErrorOf([&] { EvaluateNetworks(bad, FivePlaces()); });
   };
-  const auto doubles = [](const Shape& shape, const std::vector<double>& v) {
-    return Array::Of<double>(shape, v);
-  };
-  ExpectContains(refused("networks/hidden_weight", doubles({1}, {0})), "[networks,hidden,inputs]");
-  ExpectContains(refused("networks/hidden_weight", doubles({0, 1, 1}, {})), "each at least 1");
-  ExpectContains(refused("networks/hidden_weight", doubles({13, 1, 1}, std::vector<double>(13, 0))),
-                 "12 at most");
-  ExpectContains(refused("networks/hidden_weight", doubles({1, 2, 1}, {0, 0})),
-                 "'networks/hidden_bias' has the shape [1,1], where [1,2] fits");
-  ExpectContains(refused("networks/output_weight", doubles({1, 2}, {0, 0})), "'networks/output_weight'");
-  ExpectContains(refused("networks/output_bias", doubles({2}, {0, 0})), "'networks/output_bias'");
-  ExpectContains(refused("networks/input_mean", doubles({2}, {0, 0})), "'networks/input_mean'");
-  ExpectContains(refused("networks/input_scale", doubles({1}, {0})), "entry 0 is not above 0");
-  ExpectContains(refused("networks/input_name", Array::Texts({"a", "b"})), "'networks/input_name'");
-  ExpectContains(refused("networks/output_bias", doubles({1}, {nan})),
-                 "'networks/output_bias': entry 0 is no number");
-  ExpectContains(refused("networks/output_bias", Array::Of<float>({1}, std::vector<float>{0})),
-                 "networks/output_bias");
-  ExpectContains(refused("map/x_m", doubles({0}, {})), "no training samples");
-  ExpectContains(refused("map/y_m", doubles({2}, {0, 0})), "'map/y_m'");
-  ExpectContains(refused("map/x_m", doubles({5}, {0, 1, nan, 3, 4})), "'map/x_m': entry 2 is no number");
-  ExpectContains(refused("map/output", Array::Of<float>({5, 2}, std::vector<float>(10, 0))), "'map/output'");
-  ExpectContains(refused("map/output", Array::Of<float>({5, 1}, std::vector<float>{0, 0, 0, 0, 2})),
-                 "entry 4 is no probability");
-  ExpectContains(refused("map/run", Array::Vector(std::vector<std::int32_t>{0, 0, 1, 0, 0})), "entry 2 is 1");
-  ExpectContains(refused("window_m", Array::Scalar(nan)), "'window_m'");
+  ExpectContains(refused({"networks/hidden_weight"}, {0, 1, 1}), "0 networks; allowed: 1 to 12");
+  ExpectContains(refused({"networks/hidden_weight"}, {13, 1, 1}), "13 networks; allowed: 1 to 12");
+  ExpectContains(refused({"map/x_m"}, {0}), "no training samples");
   for (const auto& [name, array] : good.fields()) {
     if (name == "window_m" || name == "map/along_m") continue;
     const Blob without = good.Without(name);
@@ -327,20 +302,10 @@ TEST(EvaluateNetworks, RefusesSamplesThatTheNetworksCannotTake) {
     bad.Put(name, array);
     return InputErrorOf([&] { EvaluateNetworks(NetworksThatTellNothing(), bad); });
   };
-  const auto floats = [](const Shape& shape, const std::vector<float>& v) {
-    return Array::Of<float>(shape, v);
-  };
   ExpectContains(refused("input_name", Array::Texts({"input0", "more"})),
                  "the samples: 2 inputs, the networks have 1");
   ExpectContains(refused("input_name", Array::Texts({"sonar"})),
                  "the samples: input 0 is 'sonar', in the networks 'input0'");
-  ExpectContains(refused("run/1/input", floats({3, 1}, {0, 1, std::nanf("")})),
-                 "run 'back', row 2: input 'input0' is no number");
-  ExpectContains(refused("run/1/input", floats({2, 1}, {0, 1})), "run 'back': ");
-  ExpectContains(refused("run/1/input", floats({3, 2}, {0, 1, 2, 3, 4, 5})), "run 'back': ");
-  ExpectContains(refused("run/0/y_m", Array::Vector(std::vector<double>{0})), "run 'there': ");
-  ExpectContains(refused("run/0/x_m", Array::Vector(std::vector<double>{0, 1, 2, 3, INFINITY})),
-                 "run 'there', row 4: position 'x_m' is no number");
   const auto empty = [](const std::vector<RunByHand>& runs) {
     return InputErrorOf([&] { EvaluateNetworks(NetworksThatTellNothing(), SamplesFile(runs)); });
   };

@@ -18,7 +18,7 @@ struct Track {
 };
 
 // Columns `<prefix>time_s`, `<prefix><field>x_m`, `…y_m`, `…heading_rad`; an empty track where there is no
-// time_s. Throws InputError where columns differ in length, a value is not finite or a time runs backwards.
+// time_s.
 Track ReadTrack(const Blob& blob, const std::string& prefix, const std::string& field = "");
 
 // The pose at `time_s`: position interpolated linearly, heading along the shorter arc. Nothing before the

@@ -39,9 +39,9 @@ class CsvExport {
     for (std::size_t n = 0; n < robots_.size(); ++n) {
       const std::string prefix = Prefix("", n) + "observations/";
       const auto time = blob_.Get<double>(prefix + "time_s");
-      const auto range = Column<double>(blob_, prefix + "range_m", time.size());
-      const auto bearing = Column<double>(blob_, prefix + "bearing_rad", time.size());
-      const auto landmark = Column<std::int32_t>(blob_, prefix + "landmark", time.size());
+      const auto range = blob_.Get<double>(prefix + "range_m");
+      const auto bearing = blob_.Get<double>(prefix + "bearing_rad");
+      const auto landmark = blob_.Get<std::int32_t>(prefix + "landmark");
       for (std::size_t i = 0; i < time.size(); ++i) {
         rows += NumberText(time[i]) + "," + Field(robots_[n]) + "," + Name(landmarks, landmark[i]) + "," +
                 Number(range[i]) + "," + Number(bearing[i]) + "\n";
@@ -92,7 +92,7 @@ class CsvExport {
     std::vector<std::span<const double>> columns;
     columns.reserve(names.size());
     for (const std::string& name : names) {
-      columns.push_back(Column<double>(blob_, prefix + name, time.size()));
+      columns.push_back(blob_.Get<double>(prefix + name));
     }
     std::string rows;
     for (std::size_t i = 0; i < time.size(); ++i) {
@@ -107,8 +107,8 @@ class CsvExport {
     Table("truth_poses.csv", {"x_m", "y_m", "heading_rad"}, "truth/", "poses/");
     if (!blob_.Has("truth/landmarks/name")) return;
     const std::vector<std::string> names = blob_.Texts("truth/landmarks/name");
-    const auto x = Column<double>(blob_, "truth/landmarks/x_m", names.size());
-    const auto y = Column<double>(blob_, "truth/landmarks/y_m", names.size());
+    const auto x = blob_.Get<double>("truth/landmarks/x_m");
+    const auto y = blob_.Get<double>("truth/landmarks/y_m");
     std::string rows;
     for (std::size_t k = 0; k < names.size(); ++k) {
       rows += Field(names[k]) + "," + NumberText(x[k]) + "," + NumberText(y[k]) + "\n";
@@ -125,7 +125,7 @@ class CsvExport {
       if (!blob_.Has(name)) continue;
       any = true;
       const auto time = blob_.Get<double>(Prefix("", n) + "observations/time_s");
-      const auto landmark = Column<std::int32_t>(blob_, name, time.size());
+      const auto landmark = blob_.Get<std::int32_t>(name);
       for (std::size_t i = 0; i < landmark.size(); ++i) {
         rows += NumberText(time[i]) + "," + Field(robots_[n]) + "," + Name(names, landmark[i]) + "\n";
       }
@@ -140,11 +140,11 @@ class CsvExport {
     std::vector<std::int32_t> identities(landmarks.size(), -1);
     std::vector<double> counts(landmarks.size(), NAN);
     if (blob_.Has("map/landmark_identity")) {
-      const auto column = Column<std::int32_t>(blob_, "map/landmark_identity", landmarks.size());
+      const auto column = blob_.Get<std::int32_t>("map/landmark_identity");
       identities.assign(column.begin(), column.end());
     }
     if (blob_.Has("map/landmark_count")) {
-      const auto column = Column<double>(blob_, "map/landmark_count", landmarks.size());
+      const auto column = blob_.Get<double>("map/landmark_count");
       counts.assign(column.begin(), column.end());
     }
     std::string rows;
@@ -167,7 +167,7 @@ class CsvExport {
       const std::string prefix = Prefix("", n) + "observations/";
       if (!blob_.Has(prefix + "map_landmark")) continue;
       const auto landmark = blob_.Get<std::int32_t>(prefix + "map_landmark");
-      const auto probability = Column<double>(blob_, prefix + "probability", landmark.size());
+      const auto probability = blob_.Get<double>(prefix + "probability");
       for (std::size_t i = 0; i < landmark.size(); ++i) {
         rows += Field(robots_[n]) + "," + std::to_string(i) + "," +
                 (landmark[i] < 0 ? "" : std::to_string(landmark[i])) + "," + Number(probability[i]) + "\n";

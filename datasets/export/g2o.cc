@@ -64,9 +64,12 @@ std::string LandmarkEdges(const Blob& result, const Blob& log, const Path& path,
   const std::string prefix = "robot/" + std::to_string(path.index) + "/observations/";
   if (!result.Has(prefix + "map_landmark")) return {};
   const auto landmark = result.Get<std::int32_t>(prefix + "map_landmark");
-  const auto time = Column<double>(log, prefix + "time_s", landmark.size());
-  const auto range = Column<double>(log, prefix + "range_m", landmark.size());
-  const auto bearing = Column<double>(log, prefix + "bearing_rad", landmark.size());
+  const auto time = log.Get<double>(prefix + "time_s");
+  const auto range = log.Get<double>(prefix + "range_m");
+  const auto bearing = log.Get<double>(prefix + "bearing_rad");
+  if (time.size() != landmark.size())
+    throw InputError("'" + prefix + "' has " + std::to_string(time.size()) + " rows in the log, " +
+                     std::to_string(landmark.size()) + " in the result: was it made from this log?");
   std::string text;
   for (std::size_t i = 0; i < time.size(); ++i) {
     if (landmark[i] < 0 || static_cast<std::size_t>(landmark[i]) >= landmarks) continue;

@@ -22,29 +22,15 @@ std::string FileName(const std::string& robot, std::size_t index, std::set<std::
   return name;
 }
 
-// What others read must be numbers: some read `nan` as a name, or as zero.
-void CheckNumbers(const std::string& name, std::span<const double> values) {
-  const auto bad = std::ranges::find_if_not(values, [](double v) { return std::isfinite(v); });
-  if (bad != values.end())
-    throw InputError("'" + name + "' holds " + std::to_string(*bad) + " at " +
-                     std::to_string(bad - values.begin()) + ", which other programs do not read");
-}
-
 void ReadPath(const Blob& blob, const std::string& prefix, Path* path) {
   const auto times = blob.Get<double>(prefix + "time_s");
   path->time_s.assign(times.begin(), times.end());
   const std::string mode = blob.Has(prefix + "mode_x_m") ? prefix + "mode_" : prefix;
-  const auto x = Column<double>(blob, mode + "x_m", times.size()),
-             y = Column<double>(blob, mode + "y_m", times.size());
-  const auto heading = Column<double>(blob, mode + "heading_rad", times.size());
-  CheckNumbers(prefix + "time_s", times);
-  CheckNumbers(mode + "x_m", x);
-  CheckNumbers(mode + "y_m", y);
-  CheckNumbers(mode + "heading_rad", heading);
+  const auto x = blob.Get<double>(mode + "x_m"), y = blob.Get<double>(mode + "y_m");
+  const auto heading = blob.Get<double>(mode + "heading_rad");
   for (std::size_t i = 0; i < times.size(); ++i) path->poses.push_back({x[i], y[i], heading[i]});
   if (!blob.Has(prefix + "covariance")) return;
-  const auto covariance = Column<double>(blob, prefix + "covariance", 9 * times.size());
-  CheckNumbers(prefix + "covariance", covariance);
+  const auto covariance = blob.Get<double>(prefix + "covariance");
   path->covariances.assign(covariance.begin(), covariance.end());
 }
 
@@ -52,7 +38,6 @@ void ReadPath(const Blob& blob, const std::string& prefix, Path* path) {
 Occupancy JoinedLayers(const Blob& blob) {
   const Array& layers = blob.at("map/grid/probability");
   const Shape& shape = layers.shape();
-  if (shape.size() != 3) throw InputError("'map/grid/probability' of a landmark map has no three axes");
   Blob joined;  // read as any grid is, its place and values checked there
   std::vector<double> none(static_cast<std::size_t>(shape[1] * shape[2]), 1.0);
   const auto values = layers.As<double>();
@@ -105,13 +90,10 @@ bool IsGridMap(const Blob& blob) {
 std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob) {
   std::vector<MapLandmark> landmarks;
   if (!blob.Has("map/landmark_x_m")) return landmarks;
-  const auto x = blob.Get<double>("map/landmark_x_m"), y = Column<double>(blob, "map/landmark_y_m", x.size());
-  CheckNumbers("map/landmark_x_m", x);
-  CheckNumbers("map/landmark_y_m", y);
+  const auto x = blob.Get<double>("map/landmark_x_m"), y = blob.Get<double>("map/landmark_y_m");
   for (std::size_t k = 0; k < x.size(); ++k) landmarks.push_back({{x[k], y[k]}});
   if (!blob.Has("map/landmark_covariance_m2")) return landmarks;
-  const auto covariance = Column<double>(blob, "map/landmark_covariance_m2", 4 * x.size());
-  CheckNumbers("map/landmark_covariance_m2", covariance);
+  const auto covariance = blob.Get<double>("map/landmark_covariance_m2");
   for (std::size_t k = 0; k < x.size(); ++k) {
     landmarks[k].var_xx_m2 = covariance[4 * k];
     landmarks[k].var_xy_m2 = covariance[4 * k + 1];

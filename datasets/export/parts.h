@@ -13,17 +13,6 @@
 
 namespace cairn::datasets {
 
-// A column of `length` elements; throws InputError where it is missing, of another type or another length.
-template <class T>
-std::span<const T> Column(const Blob& blob, const std::string& name, std::size_t length) {
-  const std::span<const T> column = blob.Get<T>(name);
-  if (column.size() != length) {
-    throw InputError("'" + name + "' has " + std::to_string(column.size()) + " rows where " +
-                     std::to_string(length) + " are needed");
-  }
-  return column;
-}
-
 // A robot's path, and where it has them the covariances of x, y, heading (9 numbers a pose).
 struct Path {
   std::size_t index = 0;  // in `robots`
@@ -34,8 +23,7 @@ struct Path {
   std::vector<double> covariances;
 };
 
-// The most likely poses, else the means, else the true ones. Throws InputError where there are none, or where
-// columns are of different lengths.
+// The most likely poses, else the means, else the true ones. Throws InputError where there are none.
 std::vector<Path> ReadPaths(const Blob& blob);
 
 // What other programs may take a cell to be. Of a grid map as ReadOccupancy says. A landmark map tells where

@@ -232,6 +232,11 @@ Result<Inspection> Inspect(const std::string& path) {
       info.value().kind, info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {}, {}};
   inspection.changed = file.value().changed;
   const Kind* kind = FindKind(inspection.kind);
+  try {
+    CheckKind(blob, inspection.kind);
+  } catch (const InputError& error) {
+    inspection.wrong = error.what();
+  }
   if (kind != nullptr && kind->has_units) inspection.unit_doubts = UnitDoubtsOf(blob);
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));

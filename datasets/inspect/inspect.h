@@ -29,6 +29,8 @@ struct Inspection {
       unit_doubts;  // what no robot does, of a log, samples or poses (common/unit_doubts.h)
   std::vector<DatasetSummary> datasets;
   bool changed = false;  // by another program, since Cairn wrote it
+  std::string wrong =
+      {};  // the first array that is not as its kind's should be; empty: all are (kinds/kind.h)
 };
 
 // Reads the file whole, so that every checksum is looked at; fails as ReadBlobFile does.

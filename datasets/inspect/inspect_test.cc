@@ -125,6 +125,15 @@ TEST(Inspect, ForgivesAFileThatIsNotAsItsKindSays) {
   EXPECT_EQ(Inspected(Blob(), "").datasets.size(), 0U);
 }
 
+TEST(Inspect, SaysWhatIsNotAsItsKindShouldBe) {
+  Blob log = SmallLog();
+  EXPECT_EQ(Inspected(log, "log").wrong, "");
+  log.PutVector<double>("robot/0/odometry/turn_rad", {0, 0});
+  const Inspection inspection = Inspected(log, "log");
+  ExpectContains(InspectText(inspection), "WRONG: 'robot/0/odometry/turn_rad' has the shape [2], where ");
+  ExpectContains(nlohmann::json::parse(InspectJson(inspection))["wrong"], "robot/0/odometry/turn_rad");
+}
+
 TEST(Inspect, LongTextsTakeOneLine) {
   Blob blob;
   blob.Put("job", Array::Text("{\n" + std::string(66, 'x') + "é, and more}"));

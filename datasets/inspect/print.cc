@@ -50,6 +50,7 @@ std::string InspectText(const Inspection& inspection) {
                      inspection.hash + "\n";
   if (inspection.changed)
     text += "CHANGED by another program since Cairn wrote it: not what Cairn computed\n";
+  if (!inspection.wrong.empty()) text += "WRONG: " + inspection.wrong + "; no other command takes it\n";
   std::size_t name_width = 0, fact_width = 0;
   for (const auto& [name, fact] : inspection.facts) fact_width = std::max(fact_width, name.size());
   for (const DatasetSummary& dataset : inspection.datasets)
@@ -77,6 +78,7 @@ std::string InspectJson(const Inspection& inspection) {
                             {"format", inspection.format},
                             {"content", inspection.hash},
                             {"changed", inspection.changed},
+                            {"wrong", inspection.wrong},
                             {"facts", facts},
                             {"unit_doubts", inspection.unit_doubts},
                             {"datasets", datasets}};

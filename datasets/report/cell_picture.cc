@@ -34,8 +34,6 @@ std::optional<CellPicture> OfDynamic(const Blob& map) {
   if (!map.Has(kName)) return std::nullopt;
   const Occupancy occupancy = ReadOccupancy(map);
   const auto dynamic = map.Get<std::uint8_t>(kName);
-  if (dynamic.size() != occupancy.probability.size())
-    throw InputError(std::string("'") + kName + "' has another shape than the map");
   CellPicture picture{occupancy.box, {}};
   for (std::size_t cell = 0; cell < dynamic.size(); ++cell) {
     const Rgb still = Mix(kPaper, OfProbability(occupancy.probability[cell]), 0.5);

@@ -240,9 +240,6 @@ std::vector<Iteration> Iterations(const Blob& result) {
   const auto values = result.Get<double>("history/log_likelihood");
   const auto prefix = result.Get<double>("history/prefix");
   const auto robots = result.Get<std::int64_t>("history/robots");
-  if (prefix.size() != values.size() || robots.size() != values.size()) {
-    throw InputError("the columns of 'history/' differ in length");
-  }
   for (std::size_t i = 0; i < values.size(); ++i) iterations.push_back({values[i], prefix[i], robots[i]});
   return iterations;
 }
@@ -258,11 +255,6 @@ std::vector<RoundTime> RoundTimes(const Blob& result) {
   if (result.Has("provenance/round/rounds")) {
     const auto stored = result.Get<std::int64_t>("provenance/round/rounds");
     counts.assign(stored.begin(), stored.end());
-    if (counts.size() != seconds.size())
-      throw InputError("the columns of 'provenance/round/' differ in length");
-  }
-  if (compute.size() != seconds.size() || tasks.size() != seconds.size() || notes.size() != seconds.size()) {
-    throw InputError("the columns of 'provenance/round/' differ in length");
   }
   for (std::size_t i = 0; i < seconds.size(); ++i)
     rounds.push_back({notes[i], seconds[i], compute[i], tasks[i], counts.empty() ? 1 : counts[i]});

@@ -32,10 +32,10 @@ std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluatio
 // A table of the landmarks.
 std::string LandmarksTableHtml(const Scene& scene);
 
-// From the history; empty where it has none. Throws InputError where its columns differ in length.
+// From the history; empty where it has none.
 std::vector<Iteration> Iterations(const Blob& result);
 
-// From the provenance; empty where it has no rounds. Throws InputError where its columns differ in length.
+// From the provenance; empty where it has no rounds.
 std::vector<RoundTime> RoundTimes(const Blob& result);
 
 // Version, workers, seconds and the resolved job, where the provenance tells them.

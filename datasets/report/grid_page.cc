@@ -219,7 +219,6 @@ Scene GridSceneOf(const Blob& map, const Blob* log, const GridEvaluation* evalua
     const std::string sensor = name.substr(0, name.size() - kLast.size());
     const std::size_t robot = std::strtoul(name.c_str() + kFirst.size(), nullptr, 10);
     const auto x = map.Get<double>(sensor + "x_m"), y = map.Get<double>(sensor + "y_m");
-    if (x.size() != y.size()) throw InputError("'" + sensor + "': columns of different length");
     Path& path = paths[robot];
     if (x.size() <= path.points.size()) continue;
     path = {

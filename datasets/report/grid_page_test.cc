@@ -72,8 +72,6 @@ TEST(CellPicture, ShowsWhatMoved) {
   EXPECT_GT(went[2], went[0] + 100);
   EXPECT_GT(passed[0], passed[2] + 100);
   EXPECT_GT(image.at<cv::Vec3b>(1, 1)[0], 200);
-  map.PutVector<std::uint8_t>("map/grid/dynamic", {1});
-  EXPECT_THROW(PictureOf(map, MapLayer::kDynamic), InputError);
 }
 
 TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
@@ -115,12 +113,6 @@ TEST(GridPage, ShowsScoresAndTheTrueWalls) {
   const std::string page = GridPageOf(map, &log, &evaluation, "scored");
   for (const char* part : {"false obstacles", "3 of 50", "1 of 1", "class=\"wall\"", "true wall</li>"})
     ExpectContains(page, part);
-}
-
-TEST(GridPage, RefusesArraysThatDoNotFit) {
-  Blob map = WithAllLayers();
-  map.Put("map/grid/log_odds_difference", Array::Vector<double>({1, 2}));
-  ExpectContains(InputErrorOf([&] { GridPageOf(map, nullptr, nullptr, "bad"); }), "another shape");
 }
 
 }  // namespace

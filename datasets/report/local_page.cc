@@ -64,7 +64,6 @@ std::string WallsHtml(const Blob& result, const Blob* log, std::size_t robot) {
   const std::string walls = "robot/" + std::to_string(robot) + "/walls/";
   if (!result.Has(walls + "time_s")) return "";
   const auto time = result.Get<double>(walls + "time_s"), angle = result.Get<double>(walls + "angle_rad");
-  if (time.size() != angle.size()) throw InputError("'" + walls + "': columns of different length");
   Curve found{.name = "found", .points = {}, .colour = 0}, truth{.name = "true", .points = {}, .colour = 1};
   for (std::size_t i = 0; i < time.size(); ++i)
     if (std::isfinite(angle[i])) AddUnwrapped(time[i], angle[i], &found.points);

@@ -9,6 +9,7 @@
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/testing.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -136,12 +137,13 @@ TEST(LocalPage, RefusesWhatNoPictureCouldShow) {
        {std::pair("features/left/distance_high_m", 1e9F), {"features/right/distance_low_m", -1e9F}}) {
     Blob bad = good;
     bad.PutVector(name, std::vector<float>(good.Get<float>(name).size(), value));
-    ExpectContains(InputErrorOf([&] { PageOf(bad, nullptr); }), std::string("'") + name + "' holds");
+    ExpectContains(InputErrorOf([&] { CheckKind(bad, "local_map"); }),
+                   std::string("'") + name + "', entry 0");
   }
   for (const double cell_m : {-1.0, 0.0, 1e6, std::nan("")}) {
     Blob bad = good;
     bad.PutScalar("cell_m", cell_m);
-    ExpectContains(InputErrorOf([&] { PageOf(bad, nullptr); }), "'cell_m' is");
+    ExpectContains(InputErrorOf([&] { CheckKind(bad, "local_map"); }), "'cell_m': ");
   }
 }
 
@@ -151,17 +153,17 @@ TEST(LocalPage, RefusesArraysThatDoNotFit) {
        {"traces/x_m", "connections/from_z_m", "snapshots/robot", "robot/0/positions/u_m"}) {
     Blob bad = Result();
     bad.PutVector<double>(shortened, {});
-    EXPECT_THROW(ReadLocalResult(bad), InputError) << shortened;
+    EXPECT_THROW(CheckKind(bad, "local_map"), InputError) << shortened;
   }
   Blob bad = Result();
   bad.PutVector<std::int64_t>("traces/features", {5});
-  EXPECT_THROW(ReadLocalResult(bad), InputError);
+  EXPECT_THROW(CheckKind(bad, "local_map"), InputError);
   bad = Result();
   bad.PutVector<std::int64_t>("snapshots/edges", {-1});
-  EXPECT_THROW(ReadLocalResult(bad), InputError);
+  EXPECT_THROW(CheckKind(bad, "local_map"), InputError);
   bad = Result();
   bad.PutVector<std::int32_t>("connections/to", {1});
-  EXPECT_THROW(ReadLocalResult(bad), InputError);
+  EXPECT_THROW(CheckKind(bad, "local_map"), InputError);
 }
 
 }  // namespace

@@ -63,9 +63,6 @@ TEST(LocalizationPage, RefusesWhatIsNoLocalizationAndOtherSamples) {
   ExpectContains(InputErrorOf([&] { LocalizationHtml(LocalizationFile(), &other); }),
                  "made from other samples");
   ExpectContains(InputErrorOf([&] { LocalizationHtml(other, nullptr); }), "not a localization");
-  Blob cut = LocalizationFile();
-  cut.PutVector<std::int64_t>("step/entries", {4, 2, 1, 4, 2});
-  ExpectContains(InputErrorOf([&] { LocalizationHtml(cut, nullptr); }), "do not fit");
 }
 
 TEST(LocalizedFigures, AnExampleIsTheOneInTheMiddleAndTheWorst) {

@@ -42,8 +42,6 @@ TrainingHistory HistoryOf(const Blob& result) {
   TrainingHistory h{Column(result, "history/training_error_m"), Column(result, "history/validation_error_m"),
                     Column(result, "history/gradient_norm"), result.Scalar<double>("prior_error_m"),
                     result.Scalar<double>("validation_prior_error_m")};
-  if (h.validation.size() != h.steps() || h.norm.size() != h.steps())
-    throw InputError("the columns of 'history/' differ in length");
   return h;
 }
 
@@ -78,8 +76,7 @@ std::vector<std::vector<ChartPoint>> OutputsAlongRun(const Blob& result) {
   const auto run = result.Get<std::int32_t>("map/run");
   const auto along = result.Get<double>("map/along_m");
   const auto output = result.Get<float>("map/output");
-  if (run.empty() || along.size() != run.size() || output.size() % run.size() != 0)
-    throw InputError("the arrays of 'map/' differ in length");
+  if (run.empty()) throw InputError("'map/run' is empty: there is nothing to draw");
   const std::size_t networks = output.size() / run.size();
   std::vector<std::size_t> order;
   const std::int32_t first = *std::ranges::min_element(run);
@@ -154,9 +151,6 @@ std::string Ancestry(const Blob& result) {
   const auto steps = result.Get<std::int64_t>("ancestry/steps");
   const auto errors = Column(result, "ancestry/training_error_m"),
              priors = Column(result, "ancestry/prior_error_m");
-  if (options.size() != hashes.size() || steps.size() != hashes.size() || errors.size() != hashes.size() ||
-      priors.size() != hashes.size())
-    throw InputError("the columns of 'ancestry/' differ in length");
   std::string rows = RowHtml({"result", "steps", "error reduction", "options"}, "th");
   for (std::size_t i = 0; i < hashes.size(); ++i) {
     rows += RowHtml(

@@ -73,17 +73,9 @@ TEST(NetworksPage, NamesWarningsAndTheRunsBefore) {
   const std::string html = NetworksHtml(result);
   ExpectContains(html, "<li>step 3: network 1 is saturated</li>");
   ExpectContains(html, "<td>01234567</td><td>77</td><td>75%</td><td>rate=0.5</td>");
-  result.PutVector<std::int64_t>("ancestry/steps", {77, 78});
-  ExpectContains(InputErrorOf([&] { NetworksHtml(result); }), "ancestry/");
 }
 
-TEST(NetworksPage, RefusesArraysThatDoNotFitEachOther) {
-  Blob result = Learned();
-  result.PutVector<double>("history/gradient_norm", {1.0});
-  ExpectContains(InputErrorOf([&] { NetworksHtml(result); }), "history/");
-  result = Learned();
-  result.PutVector<double>("map/along_m", {1.0});
-  ExpectContains(InputErrorOf([&] { NetworksHtml(result); }), "map/");
+TEST(NetworksPage, SaysWhatIsMissing) {
   ExpectContains(InputErrorOf([&] { NetworksHtml(Learned().Without("window_m")); }), "window_m");
 }
 

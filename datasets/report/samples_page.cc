@@ -89,7 +89,6 @@ Scene SamplesSceneOf(const Blob& samples) {
   const std::vector<std::string> runs = samples.Texts("runs");
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const auto x = samples.Get<double>(RunPrefix(r) + "x_m"), y = samples.Get<double>(RunPrefix(r) + "y_m");
-    if (x.size() != y.size()) throw InputError("'" + RunPrefix(r) + "': columns of different length");
     Path path{.robot = runs[r], .index = r, .points = {}};
     for (std::size_t k = 0; k < x.size(); ++k) path.points.push_back({x[k], y[k]});
     scene.paths.push_back(std::move(path));

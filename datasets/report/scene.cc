@@ -48,7 +48,6 @@ class SceneMaker {
   std::vector<double> PressTimes(const std::string& observations) const {
     const auto time = log_->Get<double>(observations + "time_s");
     const auto range = log_->Get<double>(observations + "range_m");
-    if (range.size() != time.size()) throw InputError("'" + observations + "': columns of different length");
     std::vector<double> presses;
     for (std::size_t i = 0; i < time.size(); ++i) {
       if (std::isnan(range[i])) presses.push_back(time[i]);
@@ -61,8 +60,6 @@ class SceneMaker {
     const auto time = log_->Get<double>(robot + "odometry/time_s");
     const auto turn = log_->Get<double>(robot + "odometry/turn_rad");
     const auto forward = log_->Get<double>(robot + "odometry/forward_m");
-    if (turn.size() != time.size() || forward.size() != time.size())
-      throw InputError("'" + robot + "odometry/': columns of different length");
     const std::vector<double> marks = PressTimes(robot + "observations/");
     Path path{.robot = name, .index = r, .points = {}}, at_marks = path;
     Pose pose = track.poses.front();
@@ -96,17 +93,13 @@ class SceneMaker {
     const auto count = result_.Get<double>("map/landmark_count");
     const auto identity = result_.Get<std::int32_t>("map/landmark_identity");
     const std::vector<std::string> names = result_.Texts("landmarks");
-    if (covariance.size() != 4 * points.size() || count.size() != points.size() ||
-        identity.size() != points.size()) {
-      throw InputError("the map's landmark columns differ in length");
-    }
     for (std::size_t k = 0; k < points.size(); ++k) {
       MapLandmark landmark;
       landmark.at = points[k];
       landmark.ellipse = EllipseOf(points[k], {covariance[4 * k], covariance[4 * k + 1],
                                                covariance[4 * k + 2], covariance[4 * k + 3]});
       landmark.count = count[k];
-      const bool known = identity[k] >= 0 && identity[k] < static_cast<std::int64_t>(names.size());
+      const bool known = identity[k] >= 0;
       landmark.identified = known;
       landmark.name = known ? names[static_cast<std::size_t>(identity[k])] : std::to_string(k);
       landmark.spurious = evaluation_ != nullptr && evaluation_->landmarks.has_value();
@@ -134,9 +127,6 @@ class SceneMaker {
     const Array& array = result_.at("map/grid/probability");
     if (array.shape().size() != 3 || array.size() == 0) return;
     const auto values = array.As<double>();
-    for (const double p : values)
-      if (p < 0.0 || p > 1.0)  // not a number: nothing is known there
-        throw InputError("'map/grid/probability' holds " + Short(p) + ", which is no probability");
     Grid grid;
     grid.origin = {result_.Scalar<double>("map/grid/origin_x_m"),
                    result_.Scalar<double>("map/grid/origin_y_m")};

@@ -2,19 +2,35 @@
 
 #include <algorithm>
 
+#include "schema/kinds/tables.h"
+
 namespace cairn {
 namespace {
 
 constexpr Kind kKinds[] = {
-    {.name = "landmark_map", .mark = "map/landmark_x_m"},
-    {.name = "grid_map", .mark = "map/grid/probability"},
-    {.name = "networks", .mark = "networks/hidden_weight", .is_plural = true},
-    {.name = "localization", .mark = "belief/place"},
-    {.name = "local_map", .mark = "traces/first_z"},
-    {.name = "log", .mark = "robot/0/odometry/time_s", .is_given = true, .has_units = true},
-    {.name = "poses", .mark = "robot/0/poses/time_s", .is_plural = true, .is_given = true, .has_units = true},
-    {.name = "samples", .mark = "run/0/input", .is_plural = true, .is_given = true, .has_units = true},
-    {.name = "errors", .mark = "error", .is_plural = true, .is_given = true},
+    {.name = "landmark_map", .mark = "map/landmark_x_m", .arrays = LandmarkMapArrays},
+    {.name = "grid_map", .mark = "map/grid/probability", .arrays = GridMapArrays},
+    {.name = "networks", .mark = "networks/hidden_weight", .is_plural = true, .arrays = NetworkArrays},
+    {.name = "localization", .mark = "belief/place", .arrays = LocalizationArrays},
+    {.name = "local_map", .mark = "traces/first_z", .arrays = LocalMapArrays},
+    {.name = "log",
+     .mark = "robot/0/odometry/time_s",
+     .is_given = true,
+     .has_units = true,
+     .arrays = LogArrays},
+    {.name = "poses",
+     .mark = "robot/0/poses/time_s",
+     .is_plural = true,
+     .is_given = true,
+     .has_units = true,
+     .arrays = PoseArrays},
+    {.name = "samples",
+     .mark = "run/0/input",
+     .is_plural = true,
+     .is_given = true,
+     .has_units = true,
+     .arrays = SamplesArrays},
+    {.name = "errors", .mark = "error", .is_plural = true, .is_given = true, .arrays = ErrorArrays},
 };
 
 }  // namespace
@@ -30,6 +46,11 @@ std::string KindOf(const Blob& blob) {
   const Kind* kind =
       std::ranges::find_if(kKinds, [&](const Kind& k) { return blob.Has(std::string(k.mark)); });
   return std::string(kind == std::end(kKinds) ? "result" : kind->name);
+}
+
+void CheckKind(const Blob& blob, std::string_view name) {
+  if (const Kind* kind = FindKind(name)) CheckArrays(blob, kind->arrays());
+  CheckArrays(blob, ProvenanceArrays());
 }
 
 std::string WithArticle(std::string_view name) {

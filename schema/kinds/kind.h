@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "schema/blob.h"
+#include "schema/kinds/array_spec.h"
 
 namespace cairn {
 
@@ -16,6 +17,7 @@ struct Kind {
   bool is_plural = false;  // as a word
   bool is_given = false;   // people make it, and may change it; else a pipeline does: it is a result
   bool has_units = false;  // times, distances and angles as somebody wrote them: their units may be wrong
+  std::span<const ArraySpec> (*arrays)() = nullptr;  // that its section of schema/FORMAT.md lists
 };
 
 std::span<const Kind> Kinds();
@@ -27,6 +29,12 @@ const Kind* FindKind(std::string_view name);
 // The kind that a blob is of, by the arrays that it has; "result" where it is of none. The blob itself says
 // it, so that a coordinator, which knows no pipeline, and a client, which fetches results, store the same.
 std::string KindOf(const Blob& blob);
+
+// Checks what is there of the kind's arrays, and of the provenance: their types, that their shapes fit each
+// other, and that they hold what they may. Of a kind that is not known, the provenance alone. Whoever reads a
+// file of somebody else's calls it once; after it arrays of one length are of one length, and indices lie
+// within what they name. Throws InputError that names the array, the entry and what is allowed.
+void CheckKind(const Blob& blob, std::string_view kind);
 
 // "a log", "samples"; "a log is needed", "samples are needed".
 std::string WithArticle(std::string_view kind);

@@ -2,8 +2,70 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "schema/kinds/tables.h"
+
 namespace cairn {
 namespace {
+
+// "shape type" of each array that the section of FORMAT.md named `heading` lists.
+std::map<std::string, std::string> ListedIn(const std::string& heading) {
+  std::map<std::string, std::string> listed;
+  std::ifstream page(CAIRN_FORMAT_MD);
+  bool is_in = false;
+  const std::regex row(R"(\| (`.+`) \| \[(.*?)\] \| (\w+) \|.*)"), name("`([^`]+)`");
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("## ")) is_in = line.starts_with("## `" + heading + "`");
+    std::smatch cells;
+    if (!is_in || !std::regex_match(line, cells, row)) continue;
+    const std::string names = cells[1];
+    std::string folder;  // of the row's first name; the others may leave it out
+    for (std::sregex_iterator at(names.begin(), names.end(), name), end; at != end; ++at) {
+      const std::string one = (*at)[1];
+      if (folder.empty()) folder = one.substr(0, one.rfind('/') + 1);
+      const bool is_whole = one.find('/') != std::string::npos || folder.empty();
+      listed[is_whole ? one : folder + one] = cells[2].str() + " " + cells[3].str();
+    }
+  }
+  return listed;
+}
+
+std::map<std::string, std::string> KnownOf(std::span<const ArraySpec> specs) {
+  std::map<std::string, std::string> known;
+  for (const ArraySpec& spec : specs) {
+    std::string type = DTypeName(spec.type);  // "float64", where the page says f64
+    for (const auto& [name, letter] : {std::pair("float", "f"), {"uint", "u"}, {"int", "i"}})
+      type = std::regex_replace(type, std::regex(name), letter);
+    EXPECT_TRUE(known.emplace(spec.name, std::string(spec.shape) + " " + type).second) << spec.name;
+  }
+  return known;
+}
+
+TEST(Kinds, HaveTheArraysThatFormatMdLists) {
+  for (const Kind& kind : Kinds())
+    EXPECT_EQ(ListedIn(std::string(kind.name)), KnownOf(kind.arrays())) << kind.name;
+  EXPECT_EQ(ListedIn("provenance"), KnownOf(ProvenanceArrays()));
+}
+
+// What an array refers to is listed too, and its mark.
+TEST(Kinds, ReferToArraysThatTheyHave) {
+  for (const Kind& kind : Kinds()) {
+    std::set<std::string_view> names;
+    for (const ArraySpec& spec : kind.arrays()) names.insert(spec.name);
+    for (const ArraySpec& spec : kind.arrays()) {
+      for (const std::string_view of : {spec.values.index_into, spec.values.rows_of})
+        EXPECT_TRUE(of.empty() || names.contains(of)) << spec.name;
+    }
+    const std::string mark = std::regex_replace(std::string(kind.mark), std::regex("/0/"), "/N/");
+    EXPECT_TRUE(names.contains(mark)) << kind.name;
+  }
+}
 
 TEST(KindOf, GoesByTheArraysThatAKindMustHave) {
   Blob blob;

@@ -213,7 +213,7 @@ Case ImageFeatures() {
 
 Case Localization(const std::string& name, const char* sensing, const char* belief) {
   Blob samples = localization::CorridorWithFeatures().Make();
-  samples.PutVector<double>("truth/run/0/x_m", {1.0});
+  samples.PutVector("truth/run/0/x_m", std::vector<double>(samples.Get<double>("run/0/time_s").size(), 1.0));
   Case c{.name = name, .stage = {}, .inputs = {{"samples", Share(std::move(samples))}}};
   SetInteger(c.stage, "traverses", 9);
   Set(c.stage, "way_m", 5.0);
@@ -227,7 +227,8 @@ Case Localization(const std::string& name, const char* sensing, const char* beli
 Case LocalizationBothWays() {
   Case c = Localization("localization_both_ways", "soft", "grid");
   Blob samples = localization::CorridorWithFeatures{.runs = 4, .both_ways = true}.Make();
-  samples.PutVector<double>("truth/run/0/heading_rad", {1.0});
+  samples.PutVector("truth/run/0/heading_rad",
+                    std::vector<double>(samples.Get<double>("run/0/time_s").size(), 1.0));
   c.inputs["samples"] = Share(std::move(samples));
   (*c.stage.mutable_options())["heading"].set_s("unknown");
   return c;
@@ -284,7 +285,7 @@ Case TrainingOn(const std::string& error) {
 Case EvidenceMap() {
   Blob log = Room{.scans = 600, .beams = 180}.Log();
   log.PutAll("robot/0/sonar/", Room{.opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
-  log.PutVector<double>("truth/walls/x_m", {1.0});
+  log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, {1.0, 2.0}));
   Case c{.name = "evidence_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}, .rounds = 1};
   Set(c.stage, "cell_m", 0.01);
   Set(c.stage, "heldout", 0.1);
@@ -295,7 +296,7 @@ Case EvidenceMap() {
 Case ForwardMap(const std::string& name, double tile_mcrossings) {
   Blob log = Room{}.Log();
   log.PutAll("robot/0/sonar/", Room{.opening_rad = 0.26, .seed = 2}.Log().Sub("robot/0/sonar/"));
-  log.PutVector<double>("truth/walls/x_m", {1.0});
+  log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, {1.0, 2.0}));
   Case c{.name = name, .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
   Set(c.stage, "cell_m", 0.1);
   Set(c.stage, "heldout", 0.2);
@@ -308,7 +309,7 @@ Case ForwardMap(const std::string& name, double tile_mcrossings) {
 Case LocalMap() {
   Blob log = Room{.scans = 300}.Log();
   log.PutAll("robot/0/sonar/", Room{.scans = 300, .opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
-  log.PutVector<double>("truth/walls/x_m", {1.0});
+  log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, {1.0, 2.0}));
   Case c{.name = "local_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
   SetInteger(c.stage, "segment_sweeps", 100);
   return c;

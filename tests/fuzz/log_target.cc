@@ -8,6 +8,7 @@
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/draw_map.h"
 #include "pipelines/in_process.h"
+#include "schema/kinds/kind.h"
 #include "schema/numerics.h"
 #include "tests/conformance/cases.h"
 #include "tests/fuzz/byte_source.h"
@@ -82,16 +83,18 @@ Outcome RunLog(std::span<const std::uint8_t> bytes) {
       const OtherLog input(good.c, std::make_shared<const Blob>(log.Without("truth/")));
       conformance::Make(good.c.stage, good.c.seed)->Start(input);
     });
-  if (what == 1) accepted = Accepts([&] { datasets::Evaluate(*good.result, log); });
+  const bool fits = Accepts([&] { CheckKind(log, "log"); });  // as commands do that read one
+  if (what == 1) accepted = fits && Accepts([&] { datasets::Evaluate(*good.result, log); });
   if (what == 2)
-    accepted = Accepts(
-        [&] { datasets::JobReportHtml({{.name = "map", .result = good.result.get(), .source = &log}}); });
+    accepted = fits && Accepts([&] {
+                 datasets::JobReportHtml({{.name = "map", .result = good.result.get(), .source = &log}});
+               });
   if (what == 3)
-    accepted = Accepts([&] {
-      Ignore(datasets::ExportCsv(log, Folder()));
-      Ignore(datasets::ExportTum(log, Folder()));
-      Ignore(datasets::ExportG2o(*good.result, &log, Folder()));
-    });
+    accepted = fits && Accepts([&] {
+                 Ignore(datasets::ExportCsv(log, Folder()));
+                 Ignore(datasets::ExportTum(log, Folder()));
+                 Ignore(datasets::ExportG2o(*good.result, &log, Folder()));
+               });
   return accepted ? Outcome::kAccepted : Outcome::kRefused;
 }
 
@@ -101,6 +104,7 @@ Outcome RunResult(std::span<const std::uint8_t> bytes) {
   const std::size_t what = source.Below(4);
   const Blob result = Scrambled(*good.result, &source);
   bool accepted = false;
+  if (!Accepts([&] { CheckKind(result, "landmark_map"); })) return Outcome::kRefused;
   if (what == 0) accepted = Accepts([&] { datasets::Evaluate(result, *good.log); });
   if (what == 1)
     accepted = Accepts(

@@ -164,6 +164,11 @@ TEST_F(EvaluateCommand, NamesTheFileThatIsBad) {
   bad.PutVector("networks/output_bias", std::vector<double>{0, 0});
   Write("bad.h5", "networks", bad);
   Refuses({folder_ / "bad.h5", "--truth", samples_}, "bad.h5: 'networks/output_bias' has the shape [2]");
+  Blob backwards = datasets::SamplesFile({{"a", {0, 1}, {5, 6}}, {"b", {0.5}, {5}}});
+  backwards.PutVector<double>("run/0/time_s", {1, 0});
+  Write("backwards.h5", "samples", backwards);
+  Refuses({networks_, "--truth", folder_ / "backwards.h5"},
+          "backwards.h5: 'run/0/time_s', entry 1: 0 after 1");
 }
 
 }  // namespace

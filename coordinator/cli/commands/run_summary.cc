@@ -5,6 +5,7 @@
 
 #include "coordinator/cli/commands/report.h"
 #include "coordinator/cli/common/failure.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -26,19 +27,32 @@ class Sources {
     }
     return nullptr;
   }
+  // Why none of them tells how good a result is; empty: they may.
+  const std::string& wrong_truth() const { return wrong_truth_; }
 
  private:
   BlobPtr Named(const std::string& name) {
     BlobPtr& blob = known_[name];
     const auto input = parsed_.inputs.find(name);
-    if (!blob && input != parsed_.inputs.end())
-      blob = std::make_shared<const Blob>(
-          Take(ReadBlobFile(input->second.path, {.only = {}, .without = {}, .changed_too = true})).blob);
+    if (!blob && input != parsed_.inputs.end()) blob = std::make_shared<const Blob>(Read(input->second.path));
     return blob;
+  }
+
+  // What the job took in of it has been checked; its truth has not.
+  Blob Read(const std::string& path) {
+    BlobFile file = Take(ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true}));
+    try {
+      CheckKind(file.blob, file.kind);
+      return std::move(file.blob);
+    } catch (const InputError& error) {
+      wrong_truth_ = error.what();
+      return file.blob.Without("truth/");
+    }
   }
 
   const ParsedJob& parsed_;
   std::map<std::string, BlobPtr> known_;
+  std::string wrong_truth_;
 };
 
 StageSummary Summary(const ScoredStage& stage, const std::string& file, const std::string& picture) {
@@ -91,6 +105,7 @@ RunSummary Summarize(const ParsedJob& parsed, const std::string& dir,
     stages.push_back(
         {.name = stage.name(), .kind = result.kind, .result = blob, .source = sources.Of(stage)});
     sources.Add(stage.name(), blob);
+    if (!sources.wrong_truth().empty()) summary.unscored[stage.name()] = sources.wrong_truth();
     try {
       stages.back().Score();
     } catch (const InputError& error) {  // the run is done all the same

@@ -45,6 +45,11 @@ void WarnOfChanged(const std::string& path) {
 
 BlobFile ReadFile(const std::string& path, bool changed_too) {
   BlobFile file = Take(ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true}));
+  try {
+    CheckKind(file.blob, file.kind);
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what());
+  }
   if (!file.changed) return file;
   const Kind* kind = FindKind(file.kind);
   if (!changed_too && (kind == nullptr || !kind->is_given))

@@ -20,8 +20,9 @@ std::string ResultPath(const std::string& path, const std::string& kind);
 // Of evaluate, report and export: what they say of a result would be taken for Cairn's.
 void AddChangedFlag(Command command, bool* changed_too);
 
-// Reads it whole. Where another program has changed what Cairn wrote, it says so on stderr; throws InputError
-// of a result (not a log, not samples, which are people's own to change) unless `changed_too`.
+// Reads it whole, and checks the arrays of its kind (schema/kinds/kind.h): throws InputError where they do
+// not fit. Where another program has changed what Cairn wrote, it says so on stderr; throws InputError of a
+// result (not a log, not samples, which are people's own to change) unless `changed_too`.
 BlobFile ReadFile(const std::string& path, bool changed_too = false);
 BlobFile ReadResult(const std::string& path, const std::string& kind, bool changed_too = false);
 

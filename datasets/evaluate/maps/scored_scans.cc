@@ -5,25 +5,11 @@
 namespace cairn::datasets {
 namespace {
 
-std::span<const double> ScanColumn(const Blob& blob, const std::string& name, std::size_t length) {
-  const auto column = blob.Get<double>(name);
-  if (column.size() != length)
-    throw InputError("'" + name + "' has " + std::to_string(column.size()) + " numbers, where " +
-                     std::to_string(length) + " are needed");
-  return column;
-}
-
-std::vector<Pose> PosesOf(const Blob& blob, const std::string& prefix, const std::string& kind,
-                          std::size_t count) {
-  const auto x = ScanColumn(blob, prefix + kind + "x_m", count),
-             y = ScanColumn(blob, prefix + kind + "y_m", count),
-             heading = ScanColumn(blob, prefix + kind + "heading_rad", count);
+std::vector<Pose> PosesOf(const Blob& blob, const std::string& prefix) {
+  const auto x = blob.Get<double>(prefix + "x_m"), y = blob.Get<double>(prefix + "y_m"),
+             heading = blob.Get<double>(prefix + "heading_rad");
   std::vector<Pose> poses;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!std::isfinite(x[i] + y[i] + heading[i]))
-      throw InputError("'" + prefix + "', row " + std::to_string(i) + ": a pose is not of numbers");
-    poses.push_back({x[i], y[i], heading[i]});
-  }
+  for (std::size_t i = 0; i < x.size(); ++i) poses.push_back({x[i], y[i], heading[i]});
   return poses;
 }
 
@@ -31,7 +17,7 @@ std::vector<Pose> PosesOf(const Blob& blob, const std::string& prefix, const std
 void TakeRanges(const Blob& log, ScoredSensor* sensor) {
   const auto time = log.Get<double>(sensor->name + "time_s");
   const std::size_t beams = sensor->beams.size();
-  const auto range = ScanColumn(log, sensor->name + "range_m", time.size() * beams);
+  const auto range = log.Get<double>(sensor->name + "range_m");
   const std::string turret = sensor->name + "turret_rad";
   std::size_t next = 0;
   for (const double time_s : sensor->time_s) {
@@ -41,7 +27,7 @@ void TakeRanges(const Blob& log, ScoredSensor* sensor) {
                        " s: was the map made from this log?");
     const auto row = range.subspan(next * beams, beams);
     sensor->range_m.insert(sensor->range_m.end(), row.begin(), row.end());
-    if (log.Has(turret)) sensor->turret_rad.push_back(ScanColumn(log, turret, time.size())[next]);
+    if (log.Has(turret)) sensor->turret_rad.push_back(log.Get<double>(turret)[next]);
     ++next;
   }
 }
@@ -53,13 +39,11 @@ ScoredSensor ReadSensor(const Blob& map, const Blob& log, const std::string& nam
   sensor.name = name;
   sensor.opening_rad = log.Scalar<double>(name + "opening_rad");
   sensor.max_range_m = log.Scalar<double>(name + "max_range_m");
-  sensor.beams = PosesOf(log, name, "beam_", log.Get<double>(name + "beam_x_m").size());
+  sensor.beams = PosesOf(log, name + "beam_");
   const auto time = map.Get<double>(name + "time_s");
   sensor.time_s.assign(time.begin(), time.end());
-  sensor.poses = PosesOf(map, name, "", time.size());
+  sensor.poses = PosesOf(map, name);
   const auto held_out = map.Get<std::uint8_t>(name + "held_out");
-  if (held_out.size() != time.size())
-    throw InputError("'" + name + "held_out' and its time_s differ in length");
   sensor.held_out.assign(held_out.begin(), held_out.end());
   TakeRanges(log, &sensor);
   return sensor;

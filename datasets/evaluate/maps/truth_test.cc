@@ -145,10 +145,6 @@ TEST(Occupancy, WhereTheDataSayNothingNothingIsKnown) {
 
 TEST(Occupancy, RefusesWhatDoesNotFit) {
   Blob map = DrawnMap({"#."});
-  map.Put("map/grid/occupied", Array::Of<std::uint8_t>({1}, std::vector<std::uint8_t>{0}));
-  EXPECT_THROW(ReadMostLikely(map), InputError);
-  map.Put("map/grid/probability", Array::Of<double>({1, 2}, std::vector<double>{1.5, kNoTruth}));
-  EXPECT_THROW(ReadOccupancy(map), InputError);
   map.Put("map/grid/probability", Array::Vector<double>({0.5}));
   EXPECT_THROW(ReadOccupancy(map), InputError);
 }
