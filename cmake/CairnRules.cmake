@@ -13,6 +13,8 @@ foreach(folder IN ITEMS data optimizer)
 endforeach()
 set(CAIRN_LINKS_pipelines_landmark_map_model "pipelines")
 set(CAIRN_LINKS_pipelines_landmark_map_landmarks "pipelines|pipelines/landmark_map/model")
+set(CAIRN_LINKS_pipelines_landmark_map_state "pipelines|pipelines/landmark_map/(model|landmarks)")
+set(CAIRN_LINKS_pipelines_landmark_map_refinement "pipelines/landmark_map/state")
 set(CAIRN_LINKS_pipelines_local_map_grids "pipelines")
 set(CAIRN_LINKS_pipelines_local_map_traces "pipelines|pipelines/local_map/grids")
 set(CAIRN_LINKS_pipelines_local_map_path "pipelines|pipelines/local_map/(grids|traces)")
@@ -21,16 +23,26 @@ set(CAIRN_LINKS_pipelines_localization "pipelines|pipelines/landmark_learning(/n
 set(CAIRN_LINKS_datasets_common "schema(/store)?|ZLIB::.*")
 set(CAIRN_LINKS_datasets_inspect "schema/store|datasets/common|nlohmann_json::.*")
 set(CAIRN_LINKS_datasets_import "datasets/common|ZLIB::.*")
+set(CAIRN_LINKS_datasets_import_recorded "datasets/(common|import)")
 set(CAIRN_LINKS_datasets_simulate "datasets/(common|simulate)")
 set(CAIRN_LINKS_datasets_simulate_corridor "datasets/(common|simulate)|pipelines/image_features")
-set(CAIRN_LINKS_datasets_evaluate "datasets/common|datasets/evaluate/.*|fmt::fmt|nlohmann_json::.*")
+set(CAIRN_LINKS_datasets_evaluate "datasets/common|datasets/evaluate/(maps|matching)|fmt::fmt|nlohmann_json::.*")
 set(CAIRN_LINKS_datasets_evaluate_matching "datasets/common")
 set(CAIRN_LINKS_datasets_evaluate_maps "datasets/common|datasets/evaluate/matching")
+set(CAIRN_LINKS_datasets_evaluate_learning "datasets/evaluate|fmt::fmt")
+set(CAIRN_LINKS_datasets_evaluate_testing "datasets/evaluate")
 set(CAIRN_LINKS_datasets_report
-  "schema/store|datasets/common|datasets/evaluate(/.*)?|cairn::opencv_(core|imgproc)")
-set(CAIRN_LINKS_datasets_kinds "schema|datasets/(common|evaluate|report)|fmt::fmt")
+  "schema/store|datasets/common|datasets/evaluate(/(maps|matching))?|datasets/report/drawing")
+set(CAIRN_LINKS_datasets_report_drawing "datasets/common|cairn::opencv_(core|imgproc)")
+set(CAIRN_LINKS_datasets_report_pages "datasets/report|datasets/evaluate(/learning)?")
+set(CAIRN_LINKS_datasets_kinds "schema|datasets/common|datasets/evaluate/learning|datasets/report/pages|fmt::fmt")
 set(CAIRN_LINKS_datasets_export "schema/store|datasets/(common|evaluate/maps|report)|Eigen3::.*")
-set(CAIRN_LINKS_datasets_reproduce "datasets/(common|report)|datasets/(evaluate|simulate)(/.*)?")
+set(CAIRN_LINKS_datasets_reproduce "datasets/(common|simulate)|datasets/report(/drawing)?")
+set(CAIRN_LINKS_datasets_reproduce_landmarks "datasets/(evaluate|reproduce)")
+set(CAIRN_LINKS_datasets_reproduce_occupancy "datasets/reproduce|datasets/evaluate/maps|datasets/simulate/hall")
+set(CAIRN_LINKS_datasets_reproduce_local
+  "datasets/reproduce/occupancy|datasets/evaluate/maps|datasets/report/pages|datasets/simulate/(hall|office)")
+set(CAIRN_LINKS_datasets_reproduce_ball "datasets/reproduce|datasets/evaluate/learning|datasets/simulate/corridor")
 set(CAIRN_LINKS_datasets_images "datasets/import|cairn::opencv_(core|imgcodecs)")
 set(CAIRN_LINKS_worker
   "schema(/.*)?|pipelines|worker(/.*)?|CLI11::.*|spdlog::.*|nlohmann_json::.*|Threads::Threads")
@@ -49,11 +61,11 @@ set(CAIRN_LINKS_coordinator_cli_output
 set(CAIRN_LINKS_coordinator_cli_commands
   "schema(/.*)?|coordinator|coordinator/(core|store|server|local|cli/(common|job_file|output))|datasets/.*|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_import
-  "schema/store|coordinator/cli/(common|job_file|output)|datasets/(common|import)|nlohmann_json::.*")
+  "schema/store|coordinator/cli/(common|job_file|output)|datasets/import/recorded|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_simulate
   "schema/store|coordinator/cli/(common|output)|datasets/simulate(/.*)?")
 set(CAIRN_LINKS_coordinator_cli_reproduce
-  "schema/store|coordinator/local|coordinator/cli|coordinator/cli/(common|output)|datasets/reproduce|datasets/simulate/corridor|nlohmann_json::.*")
+  "schema/store|coordinator/local|coordinator/cli|coordinator/cli/(common|output)|datasets/reproduce/.*|datasets/simulate/corridor|nlohmann_json::.*")
 set(CAIRN_LINKS_tests ".*")
 
 

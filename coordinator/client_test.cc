@@ -8,7 +8,7 @@
 
 #include "schema/flat_blob_testing.h"
 #include "schema/wire/poller.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 
 namespace cairn::coordinator {
 namespace {

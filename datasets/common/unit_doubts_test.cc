@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "datasets/common/text_file.h"
-#include "datasets/import/carmen.h"
 #include "datasets/import/csv.h"
-#include "datasets/import/mrclam.h"
-#include "datasets/import/ranges.h"
-#include "datasets/import/recorded.h"
+#include "datasets/import/recorded/carmen.h"
+#include "datasets/import/recorded/mrclam.h"
+#include "datasets/import/recorded/ranges.h"
+#include "datasets/import/recorded/recorded.h"
 #include "datasets/import/tum.h"
 #include "datasets/import/vectors.h"
 #include "datasets/simulate/hall/hall.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/evaluate/perfect_result.h"
+#include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/import/csv.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "datasets/evaluate/perfect_result.h"
+#include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/simulate/loop.h"
 #include "schema/rng.h"
 

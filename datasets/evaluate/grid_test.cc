@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "datasets/evaluate/testing_grid.h"
+#include "datasets/evaluate/testing/grid.h"
 #include "datasets/simulate/hall/hall.h"
 #include "datasets/testing.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/import/carmen.h"
+#include "datasets/import/recorded/carmen.h"
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"
 

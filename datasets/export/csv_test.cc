@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "datasets/export/export.h"
-#include "datasets/import/mrclam.h"
+#include "datasets/import/recorded/mrclam.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"

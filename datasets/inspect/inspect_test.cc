@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "datasets/common/samples.h"
-#include "datasets/evaluate/testing_grid.h"
+#include "datasets/evaluate/testing/grid.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"

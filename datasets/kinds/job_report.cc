@@ -1,8 +1,8 @@
 #include "datasets/kinds/job_report.h"
 
-#include "datasets/report/facts.h"
-#include "datasets/report/format.h"
-#include "datasets/report/parts.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/parts.h"
 #include "schema/kinds/kind.h"
 
 namespace cairn::datasets {

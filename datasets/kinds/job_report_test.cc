@@ -6,13 +6,13 @@
 #include <set>
 #include <vector>
 
-#include "datasets/evaluate/perfect_result.h"
-#include "datasets/report/axes.h"
-#include "datasets/report/base64.h"
+#include "datasets/evaluate/testing/perfect_result.h"
+#include "datasets/report/drawing/axes.h"
+#include "datasets/report/drawing/base64.h"
+#include "datasets/report/drawing/format.h"
 #include "datasets/report/figures.h"
-#include "datasets/report/format.h"
 #include "datasets/report/grid_picture.h"
-#include "datasets/report/landmark_page.h"
+#include "datasets/report/pages/landmark_page.h"
 #include "datasets/report/scene.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"

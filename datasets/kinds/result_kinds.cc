@@ -6,12 +6,12 @@
 
 #include "datasets/common/confidence.h"
 #include "datasets/report/draw_map.h"
-#include "datasets/report/grid_page.h"
-#include "datasets/report/landmark_page.h"
-#include "datasets/report/local_page.h"
-#include "datasets/report/localization_page.h"
-#include "datasets/report/networks_page.h"
-#include "datasets/report/samples_page.h"
+#include "datasets/report/pages/grid_page.h"
+#include "datasets/report/pages/landmark_page.h"
+#include "datasets/report/pages/local_page.h"
+#include "datasets/report/pages/localization_page.h"
+#include "datasets/report/pages/networks_page.h"
+#include "datasets/report/pages/samples_page.h"
 
 namespace cairn::datasets {
 namespace {

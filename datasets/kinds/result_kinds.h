@@ -11,9 +11,9 @@
 
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/grid.h"
+#include "datasets/evaluate/learning/localization.h"
+#include "datasets/evaluate/learning/networks.h"
 #include "datasets/evaluate/local.h"
-#include "datasets/evaluate/localization.h"
-#include "datasets/evaluate/networks.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "datasets/evaluate/perfect_result.h"
+#include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/simulate/loop.h"
 #include "schema/kinds/kind.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "datasets/common/png.h"
-#include "datasets/report/palette.h"
+#include "datasets/report/drawing/palette.h"
 
 namespace cairn::datasets::report {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/evaluate/maps/occupancy.h"
-#include "datasets/report/canvas.h"
+#include "datasets/report/drawing/canvas.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::report {

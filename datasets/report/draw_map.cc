@@ -4,15 +4,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/report/axes.h"
-#include "datasets/report/canvas.h"
 #include "datasets/report/cell_picture.h"
+#include "datasets/report/drawing/axes.h"
+#include "datasets/report/drawing/canvas.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/drawing/labels.h"
+#include "datasets/report/drawing/palette.h"
 #include "datasets/report/figures.h"
-#include "datasets/report/format.h"
-#include "datasets/report/grid_page.h"
 #include "datasets/report/grid_picture.h"
-#include "datasets/report/labels.h"
-#include "datasets/report/palette.h"
 #include "datasets/report/scene.h"
 
 namespace cairn::datasets {

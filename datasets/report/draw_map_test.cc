@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "datasets/evaluate/perfect_result.h"
+#include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 

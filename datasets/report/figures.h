@@ -8,8 +8,6 @@
 
 namespace cairn::datasets::report {
 
-inline constexpr std::size_t kRobotColours = 8;  // robots beyond them begin again
-
 // The map: paths, landmarks with their 95% regions, walls, and truth where the scene has it. Names are where
 // they cover neither each other nor a landmark.
 std::string MapFigure(const Scene& scene, double width);

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/report/figures.h"
-#include "datasets/report/format.h"
-#include "datasets/report/labels.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/drawing/labels.h"
+#include "datasets/report/drawing/palette.h"
 
 namespace cairn::datasets::report {
 namespace {

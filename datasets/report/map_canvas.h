@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/report/axes.h"
+#include "datasets/report/drawing/axes.h"
+#include "datasets/report/drawing/svg.h"
 #include "datasets/report/scene.h"
-#include "datasets/report/svg.h"
 
 namespace cairn::datasets::report {
 

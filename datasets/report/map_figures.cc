@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/report/axes.h"
+#include "datasets/report/drawing/axes.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/drawing/svg.h"
 #include "datasets/report/figures.h"
-#include "datasets/report/format.h"
 #include "datasets/report/grid_picture.h"
 #include "datasets/report/map_canvas.h"
-#include "datasets/report/svg.h"
 
 namespace cairn::datasets::report {
 namespace {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+#include <map>
 
 #include "datasets/common/control.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
-#include "datasets/report/format.h"
+#include "datasets/report/drawing/format.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -225,6 +227,34 @@ std::string RobotTitle(const std::string& name) {
 
 Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation) {
   return SceneMaker(result, log, evaluation).Make();
+}
+
+Scene GridSceneOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation) {
+  Scene scene;
+  const std::vector<std::string> robots =
+      map.Has("robots") ? map.Texts("robots") : std::vector<std::string>{};
+  std::map<std::size_t, Path> paths;
+  for (const auto& [name, array] : map.fields()) {
+    constexpr std::string_view kFirst = "robot/", kLast = "held_out";
+    if (!name.starts_with(kFirst) || !name.ends_with(kLast)) continue;
+    const std::string sensor = name.substr(0, name.size() - kLast.size());
+    const std::size_t robot = std::strtoul(name.c_str() + kFirst.size(), nullptr, 10);
+    const auto x = map.Get<double>(sensor + "x_m"), y = map.Get<double>(sensor + "y_m");
+    Path& path = paths[robot];
+    if (x.size() <= path.points.size()) continue;
+    path = {
+        .robot = robot < robots.size() ? robots[robot] : std::to_string(robot), .index = robot, .points = {}};
+    for (std::size_t i = 0; i < x.size(); ++i) path.points.push_back({x[i], y[i]});
+    if (!map.Has(sensor + "time_s")) continue;
+    const auto time = map.Get<double>(sensor + "time_s");
+    if (time.size() == x.size()) path.breaks = BreaksOf(time);
+  }
+  for (auto& [robot, path] : paths) scene.paths.push_back(std::move(path));
+  if (log != nullptr && evaluation != nullptr && log->Has("truth/walls/x_m")) {
+    for (const Wall& wall : ReadSegments(*log, "truth/walls/", evaluation->to_map))
+      scene.truth_walls.emplace_back(wall.a, wall.b);
+  }
+  return scene;
 }
 
 Box BoundsOf(const Scene& scene, bool with_odometry) {

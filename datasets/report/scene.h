@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "datasets/evaluate/evaluate.h"
+#include "datasets/evaluate/grid.h"
+#include "datasets/report/drawing/axes.h"
 #include "schema/blob.h"
 #include "schema/geometry.h"
 
@@ -51,12 +53,6 @@ struct Grid {
   std::vector<double> probability;  // [rows][columns], the largest over the landmark types
 };
 
-struct Box {
-  double x_low_m = 0, x_high_m = 0, y_low_m = 0, y_high_m = 0;
-  double width_m() const { return x_high_m - x_low_m; }
-  double height_m() const { return y_high_m - y_low_m; }
-};
-
 struct Scene {
   std::vector<Path> paths;           // most likely poses
   std::vector<Path> odometry;        // dead reckoning from each path's first pose; empty without a log
@@ -88,6 +84,10 @@ std::string RobotTitle(const std::string& name);
 // `log` and `evaluation` may be null; truth is drawn where both are there, laid over the result by the
 // inverse of the evaluation's alignment. Throws InputError where the result lacks what a landmark_map has.
 Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation);
+
+// What lies on a grid map: where each robot was when it scanned (of its sensor of most scans) and, with both
+// `log` and `evaluation`, the true walls.
+Scene GridSceneOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation);
 
 // Round the paths, landmarks and true landmarks; with `with_odometry` the dead reckoning too. At least 1 m
 // wide. Throws InputError where a position is not a number, or farther than any place on earth.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/report/panels.h"
+#include "datasets/reproduce/panels.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "datasets/report/format.h"
-#include "datasets/report/style.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/pages/style.h"
 #include "datasets/reproduce/paper_figure.h"
 
 namespace cairn::datasets {

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "pipelines/landmark_map/model/work.h"
-#include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
-#include "pipelines/landmark_map/speculation.h"
+#include "pipelines/landmark_map/state/partial.h"
+#include "pipelines/landmark_map/state/speculation.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/given_map.h"
-#include "pipelines/landmark_map/plan.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/state/given_map.h"
+#include "pipelines/landmark_map/state/schedule.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

@@ -5,9 +5,9 @@
 
 #include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/outlook.h"
-#include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/state/partial.h"
 
 namespace cairn::landmark_map {
 namespace {

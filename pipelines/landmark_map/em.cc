@@ -7,15 +7,15 @@
 #include <vector>
 
 #include "pipelines/landmark_map/candidates.h"
-#include "pipelines/landmark_map/contradictions.h"
-#include "pipelines/landmark_map/given_map.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
-#include "pipelines/landmark_map/partial.h"
-#include "pipelines/landmark_map/polish.h"
+#include "pipelines/landmark_map/refinement/contradictions.h"
+#include "pipelines/landmark_map/refinement/polish.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
-#include "pipelines/landmark_map/speculation.h"
+#include "pipelines/landmark_map/state/given_map.h"
+#include "pipelines/landmark_map/state/partial.h"
+#include "pipelines/landmark_map/state/speculation.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pipelines/landmark_map/model/steps.h"
-#include "pipelines/landmark_map/plan.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/state/schedule.h"
 
 namespace cairn::landmark_map {
 

@@ -9,9 +9,9 @@
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/model/m_step.h"
-#include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/state/partial.h"
 
 namespace cairn::landmark_map {
 namespace {

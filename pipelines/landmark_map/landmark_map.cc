@@ -14,7 +14,7 @@
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/outlook.h"
-#include "pipelines/landmark_map/polish.h"
+#include "pipelines/landmark_map/refinement/polish.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
 #include "pipelines/landmark_map/slice_task.h"

@@ -8,7 +8,7 @@
 
 #include "pipelines/landmark_map/incremental.h"
 #include "pipelines/landmark_map/options.h"
-#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/state/schedule.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

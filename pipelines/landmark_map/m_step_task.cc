@@ -3,7 +3,7 @@
 #include <string>
 
 #include "pipelines/landmark_map/estimate.h"
-#include "pipelines/landmark_map/settings.h"
+#include "pipelines/landmark_map/state/settings.h"
 
 namespace cairn::landmark_map {
 

@@ -3,7 +3,7 @@
 
 #include "pipelines/landmark_map/landmarks/summary.h"
 #include "pipelines/landmark_map/model/m_step.h"
-#include "pipelines/landmark_map/partial.h"
+#include "pipelines/landmark_map/state/partial.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "pipelines/common/odometry.h"
-#include "pipelines/landmark_map/given_map.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
+#include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
 
 namespace cairn::landmark_map {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/partial.h"
-#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/state/partial.h"
+#include "pipelines/landmark_map/state/schedule.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

@@ -7,7 +7,7 @@
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/outlook.h"
-#include "pipelines/landmark_map/speculation.h"
+#include "pipelines/landmark_map/state/speculation.h"
 
 namespace cairn::landmark_map {
 namespace {

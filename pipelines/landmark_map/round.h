@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pipelines/landmark_map/model/odometry_fit.h"
-#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/state/schedule.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

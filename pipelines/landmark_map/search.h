@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pipelines/landmark_map/landmarks/summary.h"
-#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/state/schedule.h"
 
 namespace cairn::landmark_map {
 

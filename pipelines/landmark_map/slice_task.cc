@@ -11,9 +11,9 @@
 #include "pipelines/landmark_map/beginning.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/model/e_step.h"
-#include "pipelines/landmark_map/partial.h"
 #include "pipelines/landmark_map/round.h"
-#include "pipelines/landmark_map/speculation.h"
+#include "pipelines/landmark_map/state/partial.h"
+#include "pipelines/landmark_map/state/speculation.h"
 
 namespace cairn::landmark_map {
 namespace {

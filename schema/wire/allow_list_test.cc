@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "schema/wire/keys.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 
 namespace cairn::wire {
 namespace {

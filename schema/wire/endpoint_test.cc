@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 
 namespace cairn::wire {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 
 namespace cairn::wire {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 
 namespace cairn::wire {
 namespace {

@@ -11,8 +11,8 @@
 #include <zmq.hpp>
 
 #include "schema/wire/poller.h"
-#include "schema/wire/raw_peer.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
+#include "schema/wire/testing/raw_peer.h"
 
 namespace cairn::wire {
 namespace {

@@ -16,7 +16,7 @@
 
 #include "schema/wire/poller.h"
 #include "schema/wire/socket.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 
 namespace cairn::bench {
 namespace {

@@ -27,7 +27,7 @@
 #include "coordinator/client.h"
 #include "coordinator/server/service.h"
 #include "schema/wire/poller.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 #include "worker/worker.h"
 #include "worker/zmq_transport.h"
 

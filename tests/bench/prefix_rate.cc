@@ -11,7 +11,7 @@
 
 #include "datasets/common/log_parts.h"
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/reproduce/landmark_study.h"
+#include "datasets/reproduce/landmarks/study.h"
 #include "datasets/simulate/loop.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"

@@ -14,7 +14,7 @@
 
 #include "schema/wire/poller.h"
 #include "schema/wire/socket.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 #include "tests/bench/blob_rates.h"
 #include "worker/worker.h"
 #include "worker/zmq_transport.h"

@@ -13,7 +13,7 @@
 #include "schema/numerics.h"
 #include "schema/rng.h"
 #include "schema/store/blob_file.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 #include "tests/conformance/cases.h"
 
 namespace cairn::conformance {

@@ -14,7 +14,7 @@
 #include "coordinator/client.h"
 #include "pipelines/in_process.h"
 #include "schema/numerics.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 #include "tests/conformance/cases.h"
 #include "tests/conformance/process.h"
 

@@ -14,7 +14,7 @@
 #include "schema/numerics.h"
 #include "schema/wire/poller.h"
 #include "schema/wire/socket.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 #include "tests/conformance/cases.h"
 #include "tests/conformance/process.h"
 

@@ -16,7 +16,7 @@
 
 #include "pipelines/in_process.h"
 #include "schema/store/blob_file.h"
-#include "schema/wire/testing.h"
+#include "schema/wire/testing/private_folder.h"
 #include "worker/testing/toy_pipeline.h"
 
 namespace cairn::faults {

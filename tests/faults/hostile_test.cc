@@ -7,7 +7,7 @@
 
 #include "schema/build_info.h"
 #include "schema/numerics.h"
-#include "schema/wire/raw_peer.h"
+#include "schema/wire/testing/raw_peer.h"
 #include "tests/faults/service_bench.h"
 
 namespace cairn::faults {

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "datasets/import/carmen.h"
+#include "datasets/import/recorded/carmen.h"
 #include "tests/fuzz/gzip.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"

@@ -1,7 +1,7 @@
 #include <array>
 #include <string_view>
 
-#include "datasets/import/mrclam.h"
+#include "datasets/import/recorded/mrclam.h"
 #include "tests/fuzz/gzip.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"

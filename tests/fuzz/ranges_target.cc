@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "datasets/evaluate/relations.h"
-#include "datasets/import/ranges.h"
+#include "datasets/import/recorded/ranges.h"
 #include "datasets/import/tum.h"
 #include "tests/fuzz/gzip.h"
 #include "tests/fuzz/scratch.h"

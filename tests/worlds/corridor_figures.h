@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/features.h"
+#include "datasets/evaluate/learning/features.h"
 #include "datasets/simulate/corridor/corridor.h"
 
 namespace cairn {

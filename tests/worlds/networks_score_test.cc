@@ -1,8 +1,8 @@
 // What evaluates networks shares no code with what trains them: both must come to the same numbers.
 #include <gtest/gtest.h>
 
-#include "datasets/evaluate/feature_map.h"
-#include "datasets/evaluate/learned_networks.h"
+#include "datasets/evaluate/learning/feature_map.h"
+#include "datasets/evaluate/learning/learned_networks.h"
 #include "pipelines/landmark_learning/error_sum/features.h"
 #include "pipelines/landmark_learning/error_sum/posterior_error.h"
 #include "pipelines/landmark_learning/networks/networks.h"

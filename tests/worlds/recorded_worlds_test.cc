@@ -5,8 +5,8 @@
 #include <string>
 
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/import/mrclam.h"
-#include "datasets/import/recorded.h"
+#include "datasets/import/recorded/mrclam.h"
+#include "datasets/import/recorded/recorded.h"
 #include "pipelines/in_process.h"
 #include "pipelines/registry.h"
 #include "tests/bench/stage_option.h"

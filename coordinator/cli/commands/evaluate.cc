@@ -8,7 +8,7 @@
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/common/suggest.h"
-#include "datasets/evaluate/features.h"
+#include "datasets/evaluate/learning/features.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/kinds/result_kinds.h"
 #include "schema/kinds/kind.h"

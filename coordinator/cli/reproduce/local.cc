@@ -3,7 +3,7 @@
 
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/reproduce/reproduce.h"
-#include "datasets/reproduce/local_figures.h"
+#include "datasets/reproduce/local/figures.h"
 
 namespace cairn::cli {
 namespace {

@@ -5,7 +5,7 @@
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/reproduce/reproduce.h"
-#include "datasets/reproduce/occupancy_figures.h"
+#include "datasets/reproduce/occupancy/figures.h"
 
 namespace cairn::cli {
 namespace {

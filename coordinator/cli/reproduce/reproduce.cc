@@ -14,7 +14,7 @@
 #include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/pages.h"
 #include "coordinator/local/embedded.h"
-#include "datasets/reproduce/landmark_figures.h"
+#include "datasets/reproduce/landmarks/figures.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "datasets/evaluate/testing_grid.h"
+#include "datasets/evaluate/testing/grid.h"
 
 namespace cairn::datasets {
 namespace {

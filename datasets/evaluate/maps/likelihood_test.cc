@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/evaluate/testing_grid.h"
+#include "datasets/evaluate/testing/grid.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {

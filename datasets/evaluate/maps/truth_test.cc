@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/evaluate/testing_grid.h"
+#include "datasets/evaluate/testing/grid.h"
 
 namespace cairn::datasets {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pipelines/landmark_map/settings.h"
+#include "pipelines/landmark_map/state/settings.h"
 #include "pipelines/landmark_map/testing.h"
 
 namespace cairn::landmark_map {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pipelines/landmark_map/plan.h"
+#include "pipelines/landmark_map/state/schedule.h"
 #include "pipelines/landmark_map/testing.h"
 
 namespace cairn::landmark_map {

@@ -4,8 +4,8 @@
 #include "datasets/import/csv.h"
 #include "datasets/import/errors.h"
 #include "datasets/import/images.h"
-#include "datasets/import/mrclam.h"
-#include "datasets/import/recorded.h"
+#include "datasets/import/recorded/mrclam.h"
+#include "datasets/import/recorded/recorded.h"
 #include "datasets/import/vectors.h"
 
 namespace cairn::cli {

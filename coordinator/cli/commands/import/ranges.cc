@@ -1,4 +1,4 @@
-#include "datasets/import/ranges.h"
+#include "datasets/import/recorded/ranges.h"
 
 #include <cmath>
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include "coordinator/cli/commands/import/parts.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/import/carmen.h"
+#include "datasets/import/recorded/carmen.h"
 #include "datasets/import/tum.h"
 #include "schema/error.h"
 

@@ -1,0 +1,73 @@
+#include "datasets/evaluate/learning/held_out_runs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace cairn::datasets {
+namespace {
+
+void CheckInputs(const std::vector<std::string>& names, const LearnedNetworks& nets) {
+  if (names.size() != nets.inputs)
+    throw InputError(std::to_string(names.size()) + " inputs, the networks have " +
+                     std::to_string(nets.inputs));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] != nets.input_name[i])
+      throw InputError("input " + std::to_string(i) + " is '" + names[i] + "', in the networks '" +
+                       nets.input_name[i] + "'");
+  }
+}
+
+HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name) {
+  const std::string prefix = "run/" + std::to_string(number) + "/";
+  HeldOutRun run{.name = name,
+                 .number = number,
+                 .x_m = file.Get<double>(prefix + "x_m"),
+                 .y_m = file.Get<double>(prefix + "y_m"),
+                 .input = file.Get<float>(prefix + "input")};
+  if (file.Has(prefix + "heading_rad")) run.heading_rad = file.Get<double>(prefix + "heading_rad");
+  return run;
+}
+
+using RunPlace = std::pair<double, double>;
+
+bool WasTrainedOn(const HeldOutRun& run, const LearnedNetworks& nets) {
+  std::set<RunPlace> places;
+  for (std::size_t k = 0; k < run.x_m.size(); ++k) places.emplace(run.x_m[k], run.y_m[k]);
+  bool any = false;
+  for (std::size_t k = 0; k < nets.samples(); ++k) {
+    if (nets.runs[static_cast<std::size_t>(nets.run[k])] != run.name) continue;
+    if (!places.contains({nets.x_m[k], nets.y_m[k]})) return false;
+    any = true;
+  }
+  return any;
+}
+
+bool DecidedWhenToStop(const std::string& name, const LearnedNetworks& nets) {
+  const auto named = std::ranges::find(nets.runs, name);
+  return named != nets.runs.end() &&
+         std::ranges::count(nets.run, static_cast<std::int32_t>(named - nets.runs.begin())) == 0;
+}
+
+}  // namespace
+
+HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
+  const std::vector<std::string> names = file.Texts("runs");
+  CheckInputs(file.Texts("input_name"), nets);
+  HeldOutRuns held_out;
+  for (std::size_t r = 0; r < names.size(); ++r) {
+    HeldOutRun run = ReadRun(file, r, names[r]);
+    if (run.x_m.empty()) continue;
+    if (DecidedWhenToStop(names[r], nets)) held_out.stopped_by.push_back(names[r]);
+    if (WasTrainedOn(run, nets))
+      held_out.trained_on.push_back(names[r]);
+    else
+      held_out.runs.push_back(std::move(run));
+  }
+  if (held_out.runs.empty() && held_out.trained_on.empty()) throw InputError("there are no samples");
+  if (held_out.runs.empty()) throw InputError("the networks were trained on every run: none is held out");
+  return held_out;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,209 @@
+#include "datasets/import/recorded/range_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "datasets/import/name_index.h"
+#include "datasets/import/pose_controls.h"
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kMostLate_s = 1, kTick_s = 1e-6;
+
+using Events = std::vector<RangeEvent>;
+
+bool SamePose(const std::optional<Pose>& a, const std::optional<Pose>& b) {
+  if (!a || !b) return !a && !b;
+  return a->x_m == b->x_m && a->y_m == b->y_m && a->heading_rad == b->heading_rad;
+}
+
+bool HasPose(const RangeEvent& event) { return event.odometry || event.corrected; }
+bool IsPosedScan(const RangeEvent& event) { return event.sensor && HasPose(event); }
+bool IsPoseAlone(const RangeEvent& event) { return !event.sensor && !event.mark; }
+
+// More than half of a sensor's scans have a stamp of their own (without scans: of the poses).
+bool StampsTellApart(const Events& events) {
+  const bool scans = std::ranges::any_of(events, [](const RangeEvent& e) { return e.sensor.has_value(); });
+  std::set<std::pair<std::size_t, double>> stamps;
+  std::size_t count = 0;
+  for (const RangeEvent& event : events) {
+    if (scans && !event.sensor) continue;
+    ++count;
+    stamps.emplace(event.sensor.value_or(0), event.stamp_s);
+  }
+  return 2 * stamps.size() > count;
+}
+
+void Number(Events* events) {
+  for (std::size_t i = 0; i < events->size(); ++i) (*events)[i].stamp_s = static_cast<double>(i);
+}
+
+// Takes out what is out of place.
+void DropLate(const std::string& path, BadLines* bad, ImportReport* report, Events* events) {
+  double latest_s = -std::numeric_limits<double>::infinity();
+  std::erase_if(*events, [&](const RangeEvent& event) {
+    const bool late = event.stamp_s < latest_s - kMostLate_s;
+    if (IsPoseAlone(event) && (late || event.stamp_s <= 0)) {
+      ++report->dropped[late && event.stamp_s > 0 ? "pose whose time stamp is more than 1 s behind"
+                                                  : "pose without a time stamp above 0"];
+      return true;
+    }
+    if (late)
+      bad->Add(path, event.line, "time runs backwards",
+               std::to_string(event.stamp_s) + " after " + std::to_string(latest_s));
+    else
+      latest_s = std::max(latest_s, event.stamp_s);
+    return late;
+  });
+}
+
+// Events of one stamp, from `first` to `end`: their times, of which the first is `time_s`. Returns the last.
+double SpreadScans(Events::iterator first, Events::iterator end, double time_s, std::int64_t* repeats) {
+  const RangeEvent* before = nullptr;
+  const bool scans = std::any_of(first, end, IsPosedScan);
+  double scan_s = time_s;
+  for (auto event = first; event != end; ++event) {
+    event->stamp_s = time_s;
+    if (!IsPosedScan(*event)) {
+      if (scans) event->odometry = event->corrected = std::nullopt;
+      continue;
+    }
+    const bool same = before == nullptr || (SamePose(before->odometry, event->odometry) &&
+                                            SamePose(before->corrected, event->corrected));
+    if (!same) scan_s += kTick_s;
+    *repeats += same ? 0 : 1;
+    event->stamp_s = scan_s;
+    before = &*event;
+  }
+  return scan_s;
+}
+
+// One pose at one time.
+void TellTimesApart(ImportReport* report, Events* events) {
+  std::int64_t repeats = 0;
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (auto first = events->begin(); first != events->end();) {
+    const double stamp_s = first->stamp_s;
+    const auto end = std::find_if(first, events->end(), [&](const auto& e) { return e.stamp_s != stamp_s; });
+    last_s = SpreadScans(first, end, stamp_s > last_s ? stamp_s : last_s + kTick_s, &repeats);
+    first = end;
+  }
+  if (repeats > 0)
+    report->warnings.push_back(std::to_string(repeats) +
+                               " scans repeat the time of the scan before: they count a microsecond later");
+}
+
+// The poses of `which`; of those at one time the last.
+std::vector<TimedPose> TrackOf(const Events& events, std::optional<Pose> RangeEvent::* which) {
+  std::vector<TimedPose> track;
+  for (const RangeEvent& event : events) {
+    if (!(event.*which)) continue;
+    const TimedPose pose{event.stamp_s, *(event.*which)};
+    if (!track.empty() && track.back().time_s == pose.time_s)
+      track.back() = pose;
+    else
+      track.push_back(pose);
+  }
+  return track;
+}
+
+Poses PosesOf(const std::vector<TimedPose>& track) {
+  Poses poses;
+  for (const TimedPose& at : track) {
+    poses.time_s.push_back(at.time_s);
+    poses.x_m.push_back(at.pose.x_m);
+    poses.y_m.push_back(at.pose.y_m);
+    poses.heading_rad.push_back(at.pose.heading_rad);
+  }
+  return poses;
+}
+
+void AddScan(const RangeEvent& event, ImportReport* report, RangeRows* sensor) {
+  CAIRN_DEMAND(event.range_m.size() == sensor->beam_x_m.size(), "a scan of other beams than its sensor's");
+  sensor->time_s.push_back(event.stamp_s);
+  for (const double range : event.range_m) {
+    const bool answered = range > 0 && range < sensor->max_range_m;
+    if (!answered) ++report->read["readings of " + sensor->sensor + " without an answer within its reach"];
+    sensor->range_m.push_back(answered ? range : std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+// Puts the events in order, at times that tell them apart.
+void Order(RangeLog* log, BadLines* bad, ImportReport* report) {
+  if (log->numbered || !StampsTellApart(log->events)) {
+    if (!log->numbered)
+      report->warnings.emplace_back("the time stamps do not tell the scans apart: time is the line's number");
+    Number(&log->events);
+  } else {
+    DropLate(log->path, bad, report, &log->events);
+    std::ranges::stable_sort(log->events, {}, &RangeEvent::stamp_s);
+  }
+  TellTimesApart(report, &log->events);
+}
+
+// Scans and marks, those aside of the odometry's time left out.
+void AddSensed(RangeLog* log, double first_s, double last_s, ImportReport* report, LogRows* rows) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  RobotRows& robot = rows->robots.front();
+  NameIndex names;
+  for (const RangeEvent& event : log->events) {
+    if (IsPoseAlone(event)) continue;
+    if (event.stamp_s < first_s || event.stamp_s > last_s) {
+      ++report
+            ->dropped[event.sensor ? "scan outside the odometry's time" : "mark outside the odometry's time"];
+      continue;
+    }
+    if (event.sensor) AddScan(event, report, &log->sensors[*event.sensor]);
+    const std::int32_t landmark = event.mark && log->marks_are_names ? names.FindOrAdd(*event.mark) : -1;
+    if (event.mark) robot.observations.Add(event.stamp_s, landmark, kNan, kNan);
+  }
+  rows->landmarks = names.names();
+  for (RangeRows& sensor : log->sensors) {
+    if (!sensor.time_s.empty()) robot.ranges.push_back(std::move(sensor));
+  }
+}
+
+}  // namespace
+
+RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg, double ahead_m,
+                   double max_range_m) {
+  RangeRows rows;
+  rows.sensor = sensor;
+  rows.max_range_m = max_range_m;
+  constexpr double kRight_deg = -90;
+  for (std::size_t beam = 0; beam < beams; ++beam) {
+    const double at_deg = kRight_deg + static_cast<double>(beam) * step_deg;
+    rows.beam_x_m.push_back(ahead_m);
+    rows.beam_y_m.push_back(0);
+    rows.beam_heading_rad.push_back(at_deg * std::numbers::pi / 180);
+  }
+  return rows;
+}
+
+ImportReport MakeRangeLog(RangeLog ranges, const NominalFigures& nominal, BadLines* bad, ImportReport report,
+                          Blob* log) {
+  Order(&ranges, bad, &report);
+  const std::vector<TimedPose> corrected = TrackOf(ranges.events, &RangeEvent::corrected);
+  std::vector<TimedPose> odometry = TrackOf(ranges.events, &RangeEvent::odometry);
+  if (odometry.empty()) odometry = corrected;
+  if (odometry.empty()) throw InputError(ranges.path + ": there is neither odometry nor a pose in it");
+  LogRows rows;
+  rows.nominal = nominal;
+  RobotRows& robot = rows.robots.emplace_back();
+  robot.name = ranges.robot;
+  robot.odometry = ControlsOf(odometry);
+  robot.poses = PosesOf(corrected);
+  robot.truth = PosesOf(TrackOf(ranges.events, &RangeEvent::truth));
+  AddSensed(&ranges, odometry.front().time_s, odometry.back().time_s, &report, &rows);
+  report.skipped = bad->counts();
+  *log = MakeLog(rows, ranges.path, &report);
+  return report;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,273 @@
+#include "datasets/report/pages/facts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "datasets/common/confidence.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/drawing/palette.h"
+#include "datasets/report/pages/parts.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+std::string RobotPrefix(std::size_t r) { return "robot/" + std::to_string(r) + "/"; }
+
+std::string Metres(const std::optional<double>& value, int digits = 2) {
+  return value ? Grouped(*value, digits) + " m" : "–";
+}
+
+struct LogFacts {
+  double way_m = 0;
+  double seconds = 0;
+  std::int64_t controls = 0;
+  std::int64_t observations = 0;
+};
+
+LogFacts FactsOf(const Blob& log, std::size_t r) {
+  LogFacts facts;
+  const std::string robot = RobotPrefix(r);
+  for (const double forward : log.Get<double>(robot + "odometry/forward_m")) facts.way_m += std::abs(forward);
+  const auto time = log.Get<double>(robot + "odometry/time_s");
+  if (!time.empty()) facts.seconds = time.back() - time.front();
+  facts.controls = static_cast<std::int64_t>(time.size());
+  facts.observations = log.at(robot + "observations/time_s").size();
+  return facts;
+}
+
+// What stands in double quotes from `at` on, as a job's YAML has it.
+std::string Unquoted(std::string_view line, std::size_t at) {
+  std::string text;
+  for (++at; at < line.size() && line[at] != '"'; ++at) {
+    if (line[at] == '\\' && at + 1 < line.size()) ++at;
+    text += line[at];
+  }
+  return text;
+}
+
+// A file's name without its folder and its ending.
+std::string StemOf(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/'), begin = slash == std::string::npos ? 0 : slash + 1;
+  const std::size_t dot = path.find_last_of('.');
+  return path.substr(begin, dot == std::string::npos || dot <= begin ? std::string::npos : dot - begin);
+}
+
+// The job's name, and its input files by name.
+struct JobNames {
+  std::string name;
+  std::map<std::string, std::string> inputs;
+};
+
+// Of the YAML that the coordinator writes: `name: "…"` and, under `inputs:`, lines of `  log: "…"`.
+JobNames NamesIn(const std::string& yaml) {
+  JobNames names;
+  bool inputs = false;
+  std::istringstream lines(yaml);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t colon = line.find(':'), quote = line.find('"');
+    if (!line.starts_with(' ')) inputs = line.starts_with("inputs:");
+    if (colon == std::string::npos || quote == std::string::npos || quote < colon) continue;
+    if (line.starts_with("name:")) names.name = Unquoted(line, quote);
+    if (inputs && line.starts_with("  ")) names.inputs[line.substr(2, colon - 2)] = Unquoted(line, quote);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string LeadHtml(const Blob& result, const Blob* log) {
+  const std::size_t robots = result.Texts("robots").size();
+  std::string text = Count(static_cast<std::int64_t>(robots), "robot");
+  if (log != nullptr) {
+    LogFacts sum;
+    for (std::size_t r = 0; r < robots; ++r) {
+      const LogFacts facts = FactsOf(*log, r);
+      sum.way_m += facts.way_m;
+      sum.seconds += facts.seconds;
+      sum.observations += facts.observations;
+    }
+    text += ", " + Grouped(sum.way_m) + " m of odometry in " + Duration(sum.seconds) + " of driving, " +
+            Count(sum.observations, "landmark observation");
+  }
+  text += ". The map has " + Count(result.at("map/landmark_x_m").size(), "landmark") + ".";
+  if (RefinementRefused(result))
+    text += " Its refinement was " + NotRefined(result) + "; the landmarks stand where EM left them.";
+  return text;
+}
+
+std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {
+  std::string tiles;
+  if (evaluation != nullptr && evaluation->landmarks) {
+    const LandmarkScore& score = *evaluation->landmarks;
+    const bool all = score.missed == 0 && score.spurious == 0;
+    tiles +=
+        TileHtml(std::to_string(score.found) + " of " + std::to_string(score.found + score.missed),
+                 "landmarks found" + (score.spurious > 0 ? ", " + std::to_string(score.spurious) + " spurious"
+                                                         : std::string()),
+                 all ? "good" : "");
+    tiles += TileHtml(Metres(score.rmse_m), "landmark error, RMSE");
+  } else {
+    tiles += TileHtml(std::to_string(result.at("map/landmark_x_m").size()), "landmarks in the map");
+  }
+  if (evaluation != nullptr && evaluation->trajectory_rmse_m) {
+    tiles += TileHtml(Metres(evaluation->trajectory_rmse_m), evaluation->robots.size() > 1
+                                                                 ? "trajectory error, RMSE, worst robot"
+                                                                 : "trajectory error, RMSE");
+  }
+  if (evaluation != nullptr && evaluation->topology_correct) {
+    const bool correct = *evaluation->topology_correct;
+    tiles += TileHtml(correct ? "right" : "wrong", "topology", correct ? "good" : "bad");
+  }
+  if (result.Has("history/log_likelihood")) {
+    tiles += TileHtml(std::to_string(result.at("history/log_likelihood").size()), "iterations");
+  }
+  if (result.Has("provenance/seconds_s")) {
+    tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
+  }
+  return "<div class=\"tiles\">\n" + tiles + "</div>\n";
+}
+
+std::string ConfidenceHtml(const Blob& result) {
+  return "<p class=\"confidence\">Confidence: <b>" + Escape(ConfidenceText(result)) + "</b>.</p>\n";
+}
+
+std::string TitleOf(const Blob& result) {
+  if (!result.Has("provenance/job_yaml") || result.at("provenance/job_yaml").type() != DType::kText)
+    return {};
+  const JobNames names = NamesIn(result.Text("provenance/job_yaml"));
+  // The log, or what else it is of; networks and tables of errors that a job reads beside it are none of
+  // these.
+  std::string of;
+  for (const char* input : {"log", "samples"}) {
+    const auto found = names.inputs.find(input);
+    if (found != names.inputs.end() && of.empty()) of = StemOf(found->second);
+  }
+  if (of.empty() && names.inputs.size() == 1) of = StemOf(names.inputs.begin()->second);
+  constexpr std::size_t kMostNamed = 3;
+  if (of.empty() && names.inputs.size() <= kMostNamed) {
+    for (const auto& [name, path] : names.inputs) of += (of.empty() ? "" : ", ") + StemOf(path);
+  }
+  if (of.empty() || of == names.name) return names.name;
+  return names.name.empty() ? of : of + ": " + names.name;
+}
+
+std::string LegendHtml(const Scene& scene) {
+  std::vector<LegendEntry> entries;
+  const auto line = [](const std::string& style_class) {
+    return "<line class=\"" + style_class + "\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>";
+  };
+  const auto dot = [](const std::string& style_class, const char* radius) {
+    return "<circle class=\"" + style_class + "\" cx=\"13\" cy=\"7\" r=\"" + radius + "\"/>";
+  };
+  for (const Path& path : scene.paths)
+    entries.push_back({line("path r" + std::to_string(path.index % kRobotColours)), RobotTitle(path.robot)});
+  if (!scene.paths.empty()) entries.push_back({dot("start", "5"), "start"});
+  if (!scene.odometry_below.empty()) entries.push_back({line("raw-path"), "odometry alone"});
+  if (!scene.landmarks.empty()) {
+    entries.push_back(
+        {"<ellipse class=\"ellipse\" cx=\"13\" cy=\"7\" rx=\"11\" ry=\"6\"/>" + dot("landmark", "3.2"),
+         "landmark and its 95% region"});
+  }
+  if (!scene.edges.empty())
+    entries.push_back(
+        {"<path class=\"edge\" d=\"M5 7h0M11 7h0M17 7h0M22 7h0\"/>", "edge that traces found occupied"});
+  if (std::ranges::any_of(scene.loops, [](const Scene::Loop& l) { return l.used; }))
+    entries.push_back({dot("loop", "2.4"), "loop that the path follows"});
+  if (std::ranges::any_of(scene.loops, [](const Scene::Loop& l) { return !l.used; }))
+    entries.push_back({line("miss"), "loop that others contradict"});
+  if (!scene.truth_walls.empty()) entries.push_back({line("wall"), "true wall"});
+  if (!scene.truth_landmarks.empty()) entries.push_back({dot("truth-landmark", "5.6"), "true landmark"});
+  if (!scene.error_lines.empty()) entries.push_back({line("miss"), "error"});
+  if (!scene.truth_paths.empty()) {
+    const bool gaps =
+        std::ranges::any_of(scene.truth_paths, [](const Path& path) { return !path.breaks.empty(); });
+    entries.push_back({line("truth-path"), gaps ? "true path, where it is known" : "true path"});
+  }
+  if (std::ranges::any_of(scene.landmarks, [](const MapLandmark& landmark) { return landmark.spurious; }))
+    entries.push_back({dot("landmark spurious", "3.2"), "spurious landmark"});
+  return LegendHtml(entries);
+}
+
+std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluation* evaluation) {
+  const std::vector<std::string> names = result.Texts("robots");
+  std::vector<std::string> head = {"robot", "poses"};
+  if (log != nullptr) head.insert(head.end(), {"way", "time", "controls", "observations"});
+  if (evaluation != nullptr) head.insert(head.end(), {"position RMSE", "heading RMSE"});
+  std::string rows = RowHtml(head, "th");
+  for (std::size_t r = 0; r < names.size(); ++r) {
+    const auto poses = static_cast<double>(result.at(RobotPrefix(r) + "poses/time_s").size());
+    std::vector<std::string> cells = {RobotTitle(names[r]), Grouped(poses)};
+    if (log != nullptr) {
+      const LogFacts facts = FactsOf(*log, r);
+      cells.insert(cells.end(), {Grouped(facts.way_m) + " m", Duration(facts.seconds),
+                                 Grouped(static_cast<double>(facts.controls)),
+                                 Grouped(static_cast<double>(facts.observations))});
+    }
+    if (evaluation != nullptr) {
+      const RobotScore& score = evaluation->robots.at(r);
+      const auto& heading = score.heading_rmse_rad;
+      cells.push_back(Metres(score.rmse_m));
+      cells.push_back(heading ? Grouped(*heading * 57.29577951308232, 1) + "°" : "–");
+    }
+    rows += RowHtml(cells);
+  }
+  return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+}
+
+std::string LandmarksTableHtml(const Scene& scene) {
+  const bool scored = !scene.truth_landmarks.empty();
+  constexpr std::size_t kMostUnfolded = 30;
+  std::vector<std::string> head = {"landmark", "x", "y", "95% within", "observations"};
+  if (scored) head.emplace_back("error");
+  std::string rows = RowHtml(head, "th");
+  for (const MapLandmark& landmark : scene.landmarks) {
+    std::vector<std::string> cells = {landmark.name, Grouped(landmark.at.x_m, 2) + " m",
+                                      Grouped(landmark.at.y_m, 2) + " m", Metres(landmark.ellipse.major_m),
+                                      Grouped(landmark.count, 1)};
+    if (scored) cells.push_back(landmark.spurious ? "spurious" : Metres(landmark.error_m));
+    rows += RowHtml(cells);
+  }
+  const std::string table = "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+  if (scene.landmarks.size() <= kMostUnfolded) return table;
+  return "<details><summary>All " + Grouped(static_cast<double>(scene.landmarks.size())) + "</summary>\n" +
+         table + "</details>\n";
+}
+
+std::vector<Iteration> Iterations(const Blob& result) {
+  std::vector<Iteration> iterations;
+  if (!result.Has("history/log_likelihood")) return iterations;
+  const auto values = result.Get<double>("history/log_likelihood");
+  const auto prefix = result.Get<double>("history/prefix");
+  const auto robots = result.Get<std::int64_t>("history/robots");
+  for (std::size_t i = 0; i < values.size(); ++i) iterations.push_back({values[i], prefix[i], robots[i]});
+  return iterations;
+}
+
+std::vector<RoundTime> RoundTimes(const Blob& result) {
+  std::vector<RoundTime> rounds;
+  if (!result.Has("provenance/round/seconds_s")) return rounds;
+  const auto seconds = result.Get<double>("provenance/round/seconds_s");
+  const auto compute = result.Get<double>("provenance/round/compute_s");
+  const auto tasks = result.Get<std::int64_t>("provenance/round/tasks");
+  const std::vector<std::string> notes = result.Texts("provenance/round/note");
+  std::vector<std::int64_t> counts;  // older files: each row is a round
+  if (result.Has("provenance/round/rounds")) {
+    const auto stored = result.Get<std::int64_t>("provenance/round/rounds");
+    counts.assign(stored.begin(), stored.end());
+  }
+  for (std::size_t i = 0; i < seconds.size(); ++i)
+    rounds.push_back({notes[i], seconds[i], compute[i], tasks[i], counts.empty() ? 1 : counts[i]});
+  return rounds;
+}
+
+std::string ProvenanceHtml(const Blob& result) {
+  std::string text;
+  if (result.Has("provenance/job_yaml")) {
+    text += "<pre>" + Escape(result.Text("provenance/job_yaml")) + "</pre>\n";
+  }
+  return text;
+}
+
+}  // namespace cairn::datasets::report

@@ -1,0 +1,235 @@
+#include "datasets/report/pages/grid_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "datasets/evaluate/matching/similarity.h"
+#include "datasets/report/cell_picture.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/drawing/palette.h"
+#include "datasets/report/map_canvas.h"
+#include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/line_chart.h"
+#include "datasets/report/pages/parts.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+// More cells than a phone has pixels for are drawn as blocks.
+constexpr std::int64_t kMostCellsOfPage = 3000, kMostCellsNarrow = 1000;
+
+Box PictureBox(const CellBox& cells) {
+  return {cells.origin_x_m, cells.origin_x_m + static_cast<double>(cells.columns) * cells.cell_m,
+          cells.origin_y_m, cells.origin_y_m + static_cast<double>(cells.rows) * cells.cell_m};
+}
+
+// A layer with what lies on it.
+std::string LayerFigure(const CellPicture& picture, const std::string& label, const Scene& scene,
+                        double width) {
+  const Box box = PictureBox(picture.box);
+  const double inner = width - MapMargins::kLeft - MapMargins::kRight;
+  const double height = PanelHeight(box, inner, 90, std::max(0.9 * inner, 480.0));
+  Svg svg(width, MapMargins::kTop + height + MapMargins::kBottom, label);
+  const MapFrame frame(box, {MapMargins::kLeft, MapMargins::kTop, inner, height});
+  MapCanvas canvas(svg, frame);
+  canvas.Axes(true);
+  const CellPicture blocks = InBlocks(picture, width < kWideFigure ? kMostCellsNarrow : kMostCellsOfPage);
+  canvas.Image(PictureBox(blocks.box), CellsPng(blocks));
+  canvas.Walls(scene);
+  canvas.Paths(scene.paths, "path");
+  canvas.Starts(scene.paths);
+  canvas.Finish();
+  return svg.Finish();
+}
+
+std::string LayerHtml(const Blob& map, MapLayer layer, const std::string& label, const Scene& scene,
+                      const std::vector<LegendEntry>& legend, const std::string& caption) {
+  const auto picture = PictureOf(map, layer);
+  if (!picture) return {};
+  return LegendHtml(legend) +
+         FigureHtml([&](double width) { return LayerFigure(*picture, label, scene, width); }, caption);
+}
+
+LegendEntry Swatch(Rgb colour, const std::string& text) {
+  return {"<rect class=\"swatch\" x=\"1\" y=\"1\" width=\"24\" height=\"12\" fill=\"" + Hex(colour) + "\"/>",
+          text};
+}
+
+// The scale of probabilities, and what is not on it.
+std::vector<LegendEntry> ProbabilityLegend() {
+  std::vector<LegendEntry> legend;
+  for (const auto& [p, text] :
+       {std::pair{0.0, "free"}, {0.25, "0.25"}, {0.5, "0.5"}, {0.75, "0.75"}, {1.0, "occupied"}})
+    legend.push_back(Swatch(OfProbability(p), text));
+  legend.push_back(Swatch(kUnknown, "nothing known"));
+  return legend;
+}
+
+std::vector<LegendEntry> DifferenceLegend() {
+  std::vector<LegendEntry> legend;
+  for (const double nats : {-kFullColourNats, -1.0, 1.0, kFullColourNats}) {
+    const bool full = std::abs(nats) >= kFullColourNats;
+    legend.push_back(Swatch(OfDifference(nats),
+                            Short(nats) +
+                                (full ? " nat or " + std::string(nats < 0 ? "less" : "more") : " nat") +
+                                (nats < 0 ? ", free" : ", occupied")));
+  }
+  legend.push_back(Swatch(kSaysNothing, "the data do not tell"));
+  return legend;
+}
+
+void AddPaths(const Scene& scene, std::vector<LegendEntry>* legend) {
+  for (const Path& path : scene.paths)
+    legend->push_back({"<line class=\"path r" + std::to_string(path.index % kRobotColours) +
+                           "\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>",
+                       "where " + RobotTitle(path.robot) + " scanned"});
+  if (!scene.truth_walls.empty())
+    legend->push_back({"<line class=\"wall\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>", "true wall"});
+}
+
+std::string HistoryHtml(const Blob& map) {
+  if (!map.Has("history/log_likelihood")) return {};
+  const auto values = map.Get<double>("history/log_likelihood");
+  // The empty map is so much less likely than any other that beside it the others' curve is flat.
+  const bool from_empty = values.size() > 2 && map.Has("history/occupied") &&
+                          map.at("history/occupied").size() > 0 &&
+                          map.Get<std::int64_t>("history/occupied")[0] == 0;
+  Curve curve;
+  for (std::size_t round = from_empty ? 1 : 0; round < values.size(); ++round)
+    curve.points.push_back({static_cast<double>(round), values[round]});
+  const std::string left_out =
+      from_empty ? " Round 0, left out, is of the empty map: " + Grouped(values[0]) + " nat." : "";
+  return ChartHtml(
+      {"Log-likelihood", "round", "log p(data | map) [nat]", {curve}},
+      "Of the data, each time that a map or parameters of the sensors were taken over." + left_out);
+}
+
+std::string CellTiles(const LayerScore& score, const std::string& of) {
+  std::string tiles;
+  if (score.cells) {
+    tiles += TileHtml(Grouped(static_cast<double>(score.cells->false_occupied)), "false obstacles" + of);
+    tiles += TileHtml(Grouped(static_cast<double>(score.cells->missed_occupied)) + " of " +
+                          Grouped(static_cast<double>(score.cells->due)),
+                      "wall cells missed" + of);
+  }
+  std::int64_t right = 0;
+  for (const DoorScore& door : score.doors) right += door.open == door.truly_open ? 1 : 0;
+  if (!score.doors.empty()) {
+    const auto doors = static_cast<std::int64_t>(score.doors.size());
+    tiles += TileHtml(std::to_string(right) + " of " + std::to_string(doors), "doors right" + of,
+                      right == doors ? "good" : "bad");
+  }
+  if (score.held_out)
+    tiles += TileHtml(Short(score.held_out->log_likelihood_per_reading, 3) + " nat",
+                      "log-likelihood of a held-out reading" + of);
+  return tiles;
+}
+
+struct ScanCount {
+  std::int64_t scans = 0, held_out = 0;
+};
+ScanCount CountScans(const Blob& map) {
+  ScanCount count;
+  for (const auto& [name, array] : map.fields()) {
+    if (!name.starts_with("robot/") || !name.ends_with("/held_out")) continue;
+    for (const std::uint8_t held_out : map.Get<std::uint8_t>(name)) {
+      ++count.scans;
+      count.held_out += held_out;
+    }
+  }
+  return count;
+}
+
+std::string Lead(const Blob& map) {
+  const CellBox box = ReadOccupancy(map).box;
+  const ScanCount count = CountScans(map);
+  std::string text = Short(static_cast<double>(box.columns) * box.cell_m) + " by " +
+                     Short(static_cast<double>(box.rows) * box.cell_m) + " m in cells of " +
+                     Short(box.cell_m, 4) + " m";
+  if (count.scans > 0) text += ", of " + Count(count.scans - count.held_out, "scan");
+  if (count.held_out > 0) text += "; " + Count(count.held_out, "scan") + " left out, to score it with";
+  return "<p class=\"lead\">" + Escape(text + ".") + "</p>\n";
+}
+
+std::string Tiles(const Blob& map, const GridEvaluation* evaluation) {
+  std::string tiles;
+  if (evaluation != nullptr) {
+    tiles += CellTiles(evaluation->map, "");
+    if (evaluation->most_likely) tiles += CellTiles(*evaluation->most_likely, ", most likely map");
+  }
+  if (map.Has("history/log_likelihood"))
+    tiles += TileHtml(std::to_string(map.at("history/log_likelihood").size()), "rounds");
+  if (map.Has("search/cut_short") && map.Scalar<std::uint8_t>("search/cut_short") != 0)
+    tiles += TileHtml("cut short", "the search, by the option rounds", "bad");
+  if (map.Has("provenance/seconds_s"))
+    tiles += TileHtml(Duration(map.Scalar<double>("provenance/seconds_s")), "wall time");
+  return tiles.empty() ? "" : "<div class=\"tiles\">\n" + tiles + "</div>\n";
+}
+
+// Every single number that the result gives beside its map: parameters as given or estimated.
+std::string Parameters(const Blob& map) {
+  std::string rows;
+  for (const auto& [name, array] : map.fields()) {
+    if (array.size() != 1 || name.starts_with("map/") || name.starts_with("provenance/") ||
+        name.starts_with("history/"))
+      continue;
+    if (array.type() == DType::kF64) rows += RowHtml({name, Short(array.As<double>()[0], 5)});
+    if (array.type() == DType::kI64) rows += RowHtml({name, std::to_string(array.As<std::int64_t>()[0])});
+    if (array.type() == DType::kI32) rows += RowHtml({name, std::to_string(array.As<std::int32_t>()[0])});
+  }
+  return rows.empty() ? ""
+                      : "<div class=\"scroll\"><table>\n" + RowHtml({"parameter", "value"}, "th") + rows +
+                            "</table></div>\n";
+}
+
+// Cells of each kind that the dynamic layer marks.
+std::string MovedHtml(const Blob& map) {
+  const auto picture = PictureOf(map, MapLayer::kDynamic);
+  if (!picture) return {};
+  std::int64_t passed = 0, went = 0;
+  for (const std::uint8_t kind : map.Get<std::uint8_t>("map/grid/dynamic")) {
+    passed += kind == 1 ? 1 : 0;
+    went += kind == 2 ? 1 : 0;
+  }
+  if (passed + went == 0) return "<p>Nothing here: no cell is marked.</p>\n";
+  const std::vector<LegendEntry> legend{
+      Swatch(kForOccupied,
+             "an obstacle of the map through which beams passed before or after: " + Count(went, "cell")),
+      Swatch(kForFree,
+             "free, but a reading may have ended here that nothing explains: " + Count(passed, "cell"))};
+  return LayerHtml(
+      map, MapLayer::kDynamic, "Readings that the map does not explain", {}, legend,
+      "Somebody who passed leaves such cells, and so do readings that are wrong. A sonar's reading ended "
+      "somewhere on its arc, and the whole arc is marked: most of these cells were free all the time.");
+}
+
+}  // namespace
+
+std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation) {
+  const Scene scene = GridSceneOf(map, log, evaluation);
+  std::vector<LegendEntry> legend = ProbabilityLegend();
+  AddPaths(scene, &legend);
+  std::string html = Lead(map) + Tiles(map, evaluation);
+  html += SectionHtml("Map",
+                      LayerHtml(map, MapLayer::kProbability, "Occupancy probability", scene, legend,
+                                "The darker, the likelier occupied; the lines are where scans were taken."));
+  html += SectionHtml(
+      "Most likely map",
+      LayerHtml(
+          map, MapLayer::kMostLikely, "Most likely map", {},
+          {Swatch(kPaper, "free"), Swatch(kBlack, "occupied"), Swatch(kUnknown, "nothing known")},
+          "The map under which the data are likeliest: a cell is free unless they speak for an obstacle, "
+          "however little they say; how sure that is shows the map above."));
+  html += SectionHtml(
+      "What the data say of each cell",
+      LayerHtml(map, MapLayer::kDifference, "Log-likelihood difference by cell", {}, DifferenceLegend(),
+                "log p(data | cell occupied) - log p(data | cell free), all other cells as in the most "
+                "likely map."));
+  html += SectionHtml("Readings that the map does not explain", MovedHtml(map));
+  html += SectionHtml("Convergence", HistoryHtml(map));
+  html += SectionHtml("Parameters", Parameters(map));
+  return html + SectionHtml("Time", TimeHtml(RoundTimes(map)));
+}
+
+}  // namespace cairn::datasets::report

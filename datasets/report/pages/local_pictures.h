@@ -1,0 +1,33 @@
+// The pictures of E. Dedieu and J. del R. Millán, Efficient occupancy grids for variable resolution map
+// building, 1998 ([DM98]), figures 2 to 4. All return the bytes of a PNG.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/report/pages/local_result.h"
+
+namespace cairn::datasets::report {
+
+// Figure 2: hit frequency in shades, a line in each cell that has a dominant orientation, the edges of the
+// last sweep, and below the histogram of wall orientations with its peak.
+std::string LocalGridPng(const LocalSnapshot& shot);
+
+// Figure 3: the way of the robot, and left and right of it the intervals of distance, bold where occupied;
+// short lines where orientations differ.
+std::string TracePng(const LocalTrace& trace);
+
+// Figure 4: what the local grids show at a time, over a trace that was recorded before.
+struct Superposed {
+  LocalSnapshot shot;
+  LocalTrace trace;
+  double z_m = 0, u_m = 0;  // where the robot was put in the trace
+  double turn_rad = 0;      // from the grids' frame to the trace's
+};
+// The best of a result: snapshots at which matching had corrected a position in an earlier trace, those with
+// most edges first; two at most. `odometry`: dead reckoning of each robot.
+std::vector<Superposed> Superpositions(const LocalResult& result, const std::vector<Track>& odometry);
+std::string SuperposedPng(const std::vector<Superposed>& shown);
+
+}  // namespace cairn::datasets::report

@@ -1,0 +1,196 @@
+#include "datasets/report/pages/networks_page.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <vector>
+
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/drawing/palette.h"
+#include "datasets/report/drawing/plots.h"
+#include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/line_chart.h"
+#include "datasets/report/pages/parts.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+std::string Percent(double share) { return Short(100 * share, 1) + "%"; }
+
+struct TrainingHistory {
+  std::vector<double> error, validation, norm;
+  double prior = 0, validation_prior = 0;
+
+  std::size_t steps() const { return error.size(); }
+  double Reduction() const { return error.empty() ? 0 : 1 - error.back() / prior; }
+  // The best that the held-out run saw; NaN where none was held out.
+  double BestHeldOut() const {
+    double best = NAN;
+    for (const double e : validation)
+      if (std::isfinite(e) && !(e >= best)) best = e;
+    return 1 - best / validation_prior;
+  }
+};
+
+std::vector<double> Column(const Blob& result, const std::string& name) {
+  const auto values = result.Get<double>(name);
+  return {values.begin(), values.end()};
+}
+
+TrainingHistory HistoryOf(const Blob& result) {
+  TrainingHistory h{Column(result, "history/training_error_m"), Column(result, "history/validation_error_m"),
+                    Column(result, "history/gradient_norm"), result.Scalar<double>("prior_error_m"),
+                    result.Scalar<double>("validation_prior_error_m")};
+  return h;
+}
+
+// By step, from 1.
+std::vector<ChartPoint> ByStep(const std::vector<double>& values, double scale = 1, double offset = 0) {
+  std::vector<ChartPoint> points;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    points.push_back({static_cast<double>(i + 1), offset + scale * values[i]});
+  return points;
+}
+
+std::string TrainingHtml(const TrainingHistory& h) {
+  std::vector<Curve> reductions{{"trained on", ByStep(h.error, -100 / h.prior, 100), 0}};
+  std::vector<Curve> errors{{"trained on", ByStep(h.error), 0}};
+  if (std::isfinite(h.validation_prior)) {
+    reductions.push_back({"held out", ByStep(h.validation, -100 / h.validation_prior, 100), 1});
+    errors.push_back({"held out", ByStep(h.validation), 1});
+  }
+  const std::string caption =
+      "Before each step. Of mini-batches the error is that of the truths drawn; where networks come one "
+      "after "
+      "another, that of those in use.";
+  return ChartHtml({"Error reduction", "step", "error reduction [%]", reductions}, caption) +
+         ChartHtml({"Posterior error", "step", "E posterior [m]", errors}, "") +
+         ChartHtml({"Gradient", "step", "norm of the gradient", {{"trained on", ByStep(h.norm), 0}}, true},
+                   "");
+}
+
+}  // namespace
+
+std::vector<std::vector<ChartPoint>> OutputsAlongRun(const Blob& result) {
+  const auto run = result.Get<std::int32_t>("map/run");
+  const auto along = result.Get<double>("map/along_m");
+  const auto output = result.Get<float>("map/output");
+  if (run.empty()) throw InputError("'map/run' is empty: there is nothing to draw");
+  const std::size_t networks = output.size() / run.size();
+  std::vector<std::size_t> order;
+  const std::int32_t first = *std::ranges::min_element(run);
+  for (std::size_t k = 0; k < run.size(); ++k)
+    if (run[k] == first) order.push_back(k);
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return along[k]; });
+  std::vector<std::vector<ChartPoint>> outputs(networks);
+  for (std::size_t n = 0; n < networks; ++n) {
+    for (const std::size_t k : order) outputs[n].push_back({along[k], output[k * networks + n]});
+  }
+  return outputs;
+}
+
+namespace {
+
+std::string OutputsHtml(const Blob& result) {
+  std::string html;
+  const auto outputs = OutputsAlongRun(result);
+  for (std::size_t n = 0; n < outputs.size(); ++n) {
+    html += ChartHtml({"Network " + std::to_string(n),
+                       "way travelled [m]",
+                       "P(f = 1)",
+                       {Curve{"", outputs[n], static_cast<int>(n)}}},
+                      "", 150);
+  }
+  return html.empty()
+             ? ""
+             : "<p>Of the first run among those trained on: how likely each network's feature is.</p>\n" +
+                   html;
+}
+
+// Of each network, layer by layer.
+std::string HiddenUnits(const Blob& result) {
+  std::string units;
+  for (const char* name : {"networks/hidden_bias", "networks/hidden_2_bias"}) {
+    if (result.Has(name))
+      units += (units.empty() ? "" : " + ") + std::to_string(result.at(name).shape().back());
+  }
+  return units;
+}
+
+std::string Tiles(const Blob& result, const TrainingHistory& h) {
+  const double window_m = result.Scalar<double>("window_m");
+  const double held_out = h.BestHeldOut();
+  std::string tiles =
+      TileHtml(std::to_string(result.at("networks/output_bias").size()), "networks") +
+      TileHtml(HiddenUnits(result), "hidden units of each") +
+      TileHtml(window_m > 0 ? "±" + Short(window_m) + " m" : "global", "uncertainty trained for") +
+      TileHtml(Percent(h.Reduction()), "error reduction, runs trained on");
+  if (std::isfinite(held_out))
+    tiles += TileHtml(Percent(held_out), "the best on the held-out run, which chose it");
+  if (result.Has("starts/chosen"))
+    tiles += TileHtml(std::to_string(result.Scalar<std::int64_t>("starts/chosen")) + " of " +
+                          std::to_string(result.at("starts/error_m").size()),
+                      "start (from 0 on) that went on");
+  tiles += TileHtml(Grouped(static_cast<double>(h.steps())), "steps");
+  if (result.Has("provenance/seconds_s"))
+    tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
+  return "<div class=\"tiles\">\n" + tiles + "</div>\n";
+}
+
+std::string Warnings(const Blob& result) {
+  if (!result.Has("warnings")) return "";
+  std::string items;
+  for (const std::string& warning : result.Texts("warnings")) items += "<li>" + Escape(warning) + "</li>\n";
+  return "<ul class=\"bad\">\n" + items + "</ul>\n";
+}
+
+std::string Ancestry(const Blob& result) {
+  if (!result.Has("ancestry/hash")) return "";
+  const auto hashes = result.Texts("ancestry/hash"), options = result.Texts("ancestry/options");
+  const auto steps = result.Get<std::int64_t>("ancestry/steps");
+  const auto errors = Column(result, "ancestry/training_error_m"),
+             priors = Column(result, "ancestry/prior_error_m");
+  std::string rows = RowHtml({"result", "steps", "error reduction", "options"}, "th");
+  for (std::size_t i = 0; i < hashes.size(); ++i) {
+    rows += RowHtml(
+        {hashes[i].substr(0, 8), std::to_string(steps[i]), Percent(1 - errors[i] / priors[i]), options[i]});
+  }
+  return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+}
+
+}  // namespace
+
+std::string NetworksHtml(const Blob& result) {
+  const TrainingHistory h = HistoryOf(result);
+  const auto samples = result.at("map/x_m").size();
+  std::string html = "<p class=\"lead\">" + Count(samples, "sample") + " of " +
+                     Count(result.at("networks/input_mean").size(), "input") + " trained on.</p>\n";
+  html += Tiles(result, h);
+  html += SectionHtml("Warnings", Warnings(result));
+  html += SectionHtml("Training", TrainingHtml(h));
+  html += SectionHtml("What the networks see", OutputsHtml(result));
+  html += SectionHtml("Time", TimeHtml(RoundTimes(result)));
+  return html + SectionHtml("Before this run", Ancestry(result));
+}
+
+std::string NetworksPng(const Blob& result) {
+  std::vector<Plot> plots;
+  for (const auto& output : OutputsAlongRun(result)) {
+    Plot plot;
+    plot.title = "network " + std::to_string(plots.size());
+    plot.y_label = "P(f = 1)";
+    plot.y_low = 0;
+    plot.y_high = 1;
+    PlotSeries series;
+    for (const ChartPoint& at : output) series.points.push_back({at.x, at.y, std::nullopt});
+    series.colour = kRobots[plots.size() % kRobotColours];
+    plot.series.push_back(std::move(series));
+    plots.push_back(std::move(plot));
+  }
+  if (plots.empty()) throw InputError("there are no networks in it to draw");
+  plots.back().x_label = "way travelled in the first run [m]";
+  return DrawPlots(plots, {.columns = 1, .width = 900, .height = 110});
+}
+
+}  // namespace cairn::datasets::report

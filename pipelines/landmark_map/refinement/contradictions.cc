@@ -1,0 +1,83 @@
+#include "pipelines/landmark_map/refinement/contradictions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace cairn::landmark_map {
+namespace {
+
+// The landmarks that a layer of counts would hold if it could hold several.
+std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
+  MapRules several = rules;
+  several.types = 0;
+  several.kinds = {};
+  several.core_m = std::max(5.0 * rules.observation_m, 3.0 * rules.grid.cell_m);
+  LayeredGrid layer;
+  layer.layers.push_back(count);
+  std::vector<Landmark> places = ExtractLandmarks(layer, several);
+  std::ranges::stable_sort(places, std::ranges::greater{}, &Landmark::count);
+  return places;
+}
+
+}  // namespace
+
+void RefuseTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
+                     const std::vector<std::string>& names) {
+  constexpr double kShare = 0.25, kLeast = 4.0;
+  for (int type = 0; type < rules.types; ++type) {
+    const Layer& count = counts.layers[static_cast<std::size_t>(type)];
+    if (count.Sum() < 2.0 * kLeast) continue;
+    const std::vector<Landmark> places = Places(count, rules);
+    if (places.size() < 2 || places[1].count < std::max(kLeast, kShare * count.Sum())) continue;
+    char text[256];
+    std::snprintf(
+        text, sizeof text,
+        "' stands in two places: %.0f of its %.0f observations are around (%.2f, %.2f) m, %.0f around "
+        "(%.2f, %.2f) m; were identities mixed up?",
+        places[0].count, count.Sum(), places[0].x_m, places[0].y_m, places[1].count, places[1].x_m,
+        places[1].y_m);
+    throw InputError("the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text);
+  }
+}
+
+void RefuseStrangers(const RoundSum& sum, const Perception& perception, const std::vector<RobotSteps>& steps,
+                     const std::vector<std::string>& robots) {
+  for (std::size_t r = 1; r < robots.size(); ++r) {
+    double all_false = 0.0, count = 0.0;
+    for (const Observation& seen : steps[r].observations) {
+      const auto type = static_cast<std::size_t>(seen.type);
+      if (perception.likelihood.layers[type].box.empty()) continue;
+      all_false += std::log(perception.outside[type]);
+      ++count;
+    }
+    const double gain = sum.log_likelihood_of(r) - all_false;
+    if (gain > kLeastGain * count) continue;
+    char text[256];
+    std::snprintf(
+        text, sizeof text,
+        "' fits nowhere into the first robot's map: its %.0f observations are %.1f nats likelier there "
+        "than if every one were false; was it ever where the first robot was?",
+        count, gain);
+    throw InputError("robot '" + robots[r] + text);
+  }
+}
+
+void RefuseSpoiltMap(const RoundSum& sum, const Blob& history, double places, std::size_t observations) {
+  const auto robots = history.Get<std::int64_t>("robots");
+  const auto likelihoods = history.Get<double>("log_likelihood");
+  const auto joined = std::ranges::find_if(robots, [](std::int64_t count) { return count > 1; });
+  if (joined == robots.begin() || joined == robots.end()) return;
+  const double alone = likelihoods[static_cast<std::size_t>(joined - robots.begin() - 1)];
+  const double lost = alone - sum.log_likelihood_of(0);
+  if (lost <= std::max(std::log(places), kMostLoss * static_cast<double>(observations))) return;
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "the robots contradict each other: in the map of all, what the first robot saw is %.1f nats less "
+      "likely than in its own; was one of them somewhere else?",
+      lost);
+  throw InputError(text);
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,249 @@
+#include "pipelines/landmark_map/state/partial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace cairn::landmark_map {
+
+Blob ToBlob(const std::vector<Landmark>& landmarks) {
+  std::vector<double> x, y, covariance, count;
+  std::vector<std::int32_t> type, kind;
+  for (const Landmark& l : landmarks) {
+    x.push_back(l.x_m);
+    y.push_back(l.y_m);
+    covariance.insert(covariance.end(), l.covariance_m2, l.covariance_m2 + 4);
+    type.push_back(l.type);
+    kind.push_back(l.kind);
+    count.push_back(l.count);
+  }
+  Blob blob;
+  blob.PutVector("x_m", x);
+  blob.PutVector("y_m", y);
+  blob.Put("covariance_m2", Array::Of<double>({static_cast<std::int64_t>(x.size()), 2, 2}, covariance));
+  blob.PutVector("type", type);
+  blob.PutVector("kind", kind);
+  blob.PutVector("count", count);
+  return blob;
+}
+
+std::vector<Landmark> LandmarksFromBlob(const Blob& blob) {
+  const auto x = blob.Get<double>("x_m"), y = blob.Get<double>("y_m"), v = blob.Get<double>("covariance_m2"),
+             count = blob.Get<double>("count");
+  const auto type = blob.Get<std::int32_t>("type"), kind = blob.Get<std::int32_t>("kind");
+  std::vector<Landmark> landmarks;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    landmarks.push_back(
+        {x[i], y[i], {v[4 * i], v[4 * i + 1], v[4 * i + 2], v[4 * i + 3]}, type[i], count[i], kind[i]});
+  }
+  return landmarks;
+}
+
+PartialBuilder::PartialBuilder(const Settings& settings, const Slice& slice, int robot,
+                               const std::vector<Landmark>* landmarks, LayeredGrid no_counts)
+    : settings_(settings),
+      slice_(slice),
+      robot_(robot),
+      landmarks_(landmarks),
+      counts_(std::move(no_counts)) {
+  if (landmarks_ == nullptr) return;
+  const RobotSteps& steps = slice.steps;
+  const auto seen =
+      static_cast<std::size_t>(steps.first_observation[slice.end] - steps.first_observation[slice.first]);
+  poses_.resize(static_cast<std::size_t>(slice.end - slice.first));
+  association_.assign(seen, -1);
+  association_probability_.assign(seen, 0.0);
+}
+
+void PartialBuilder::KeepBeliefs() { beliefs_.layers.resize(poses_.size()); }
+
+void PartialBuilder::Add(int step, const LayeredGrid& belief) {
+  const RobotSteps& steps = slice_.steps;
+  for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
+    Count(steps.observations[k], settings_.map.grid, belief, &counts_);
+  }
+  legs_.AddHeading(HeadingOf(belief), step + 1 < slice_.end ? slice_.steps.path_m[step + 1] : 0.0);
+  if (landmarks_ == nullptr) return;
+  const auto at = static_cast<std::size_t>(step - slice_.first);
+  poses_[at] = Summarise(belief, settings_.map.grid);
+  if (!beliefs_.layers.empty()) beliefs_.layers[at] = SumOverLayers(belief);
+  AddAssociations(step, belief);
+}
+
+// How far from its landmark an observation may lie.
+double PartialBuilder::ReachOf(int type) const {
+  const MapRules& rules = settings_.map;
+  constexpr double kAnywhere = 1e9;  // names do not lie, unless the log says so
+  if (type >= rules.types) return std::max(1.5 * rules.core_m, 4.0 * rules.observation_m);
+  return settings_.detection.false_ratio > 0.0 ? std::max(2.0 * rules.core_m, 5.0 * rules.observation_m)
+                                               : kAnywhere;
+}
+
+void PartialBuilder::AddAssociations(int step, const LayeredGrid& belief) {
+  const RobotSteps& steps = slice_.steps;
+  const MapRules& rules = settings_.map;
+  for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
+    const Observation& seen = steps.observations[k];
+    LayeredGrid where;
+    where.layers.resize(static_cast<std::size_t>(seen.type) + 1);
+    Count(seen, rules.grid, belief, &where);
+    const double reach = ReachOf(seen.type);
+    const Association a = Associate(where.layers[seen.type], std::min(seen.type, rules.types), *landmarks_,
+                                    rules.grid.cell_m, reach);
+    const auto at = static_cast<std::size_t>(k - steps.first_observation[slice_.first]);
+    association_[at] = a.landmark;
+    association_probability_[at] = a.probability;
+  }
+}
+
+double PartialBuilder::HeadingOf(const LayeredGrid& belief) const {
+  const double angle = 2.0 * std::numbers::pi / settings_.map.grid.headings;
+  double cosine = 0, sine = 0;
+  for (std::size_t c = 0; c < belief.layers.size(); ++c) {
+    const double mass = belief.layers[c].Sum();
+    cosine += mass * std::cos(c * angle);
+    sine += mass * std::sin(c * angle);
+  }
+  return std::atan2(sine, cosine);
+}
+
+void PartialBuilder::AddLeg(int step, const HalfTurn& posterior) {
+  legs_.AddLeg(slice_.steps.LegTo(step), posterior, settings_.noise);
+}
+
+Blob PartialBuilder::Finish(const Alphas& alphas) const {
+  Blob partial;
+  counts_.Store("counts/", &partial);
+  partial.PutScalar<double>("log_likelihood", alphas.log_likelihood);
+  partial.PutScalar<double>("work", alphas.work);
+  legs_.Store("legs/", &partial);
+  partial.PutScalar<double>("first_path_m", slice_.steps.path_m[slice_.first]);
+  partial.PutScalar<std::int32_t>("robot", robot_);
+  partial.PutScalar<std::int32_t>("first", slice_.first);
+  if (landmarks_ == nullptr) return partial;
+  const auto n = static_cast<std::int64_t>(poses_.size());
+  const auto put = [&](const char* name, auto get) {
+    std::vector<double> values;
+    for (const PoseSummary& pose : poses_) values.push_back(get(pose));
+    partial.PutVector(std::string("pose/") + name, values);
+  };
+  put("x_m", [](const PoseSummary& p) { return p.x_m; });
+  put("y_m", [](const PoseSummary& p) { return p.y_m; });
+  put("heading_rad", [](const PoseSummary& p) { return p.heading_rad; });
+  put("mode_x_m", [](const PoseSummary& p) { return p.mode_x_m; });
+  put("mode_y_m", [](const PoseSummary& p) { return p.mode_y_m; });
+  put("mode_heading_rad", [](const PoseSummary& p) { return p.mode_heading_rad; });
+  std::vector<double> covariance;
+  for (const PoseSummary& p : poses_) covariance.insert(covariance.end(), p.covariance, p.covariance + 9);
+  partial.Put("pose/covariance", Array::Of<double>({n, 3, 3}, covariance));
+  partial.PutVector("association/landmark", association_);
+  partial.PutVector("association/probability", association_probability_);
+  if (!beliefs_.layers.empty()) beliefs_.StoreSparse("belief/", &partial);
+  return partial;
+}
+
+std::vector<double> Joined(const std::vector<Blob>& summaries, const char* name) {
+  std::vector<double> all;
+  for (const Blob& summary : summaries) {
+    const auto values = summary.Get<double>(name);
+    all.insert(all.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+Associated AssociatedIn(const std::vector<Blob>& summaries) {
+  Associated all{{}, Joined(summaries, "association/probability")};
+  for (const Blob& summary : summaries) {
+    const auto values = summary.Get<std::int32_t>("association/landmark");
+    all.landmark.insert(all.landmark.end(), values.begin(), values.end());
+  }
+  return all;
+}
+
+namespace {
+
+std::string OfRobot(const char* what, std::size_t robot) {
+  return what + ("/" + std::to_string(robot)) + "/";
+}
+
+}  // namespace
+
+RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
+    : counts_(std::move(no_counts)),
+      log_likelihood_of_(robots, 0.0),
+      work_(robots, 0.0),
+      legs_(robots),
+      first_path_m_(robots, 0.0),
+      summaries_(robots),
+      guessed_(robots, 0),
+      confirmed_(robots, 0),
+      guesses_(robots) {}
+
+void RoundSum::Add(const Blob& partial) {
+  if (!partial.Has("log_likelihood")) return;
+  const LayeredGrid counts = LayeredGrid::Load("counts/", partial);
+  for (std::size_t type = 0; type < counts.layers.size(); ++type) {
+    counts_.layers[type].Cover(counts.layers[type].box);
+    counts_.layers[type].AddShifted(counts.layers[type], 0, 0, 1.0);
+  }
+  log_likelihood_ += partial.Scalar<double>("log_likelihood");
+  const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
+  log_likelihood_of_[robot] += partial.Scalar<double>("log_likelihood");
+  work_[robot] += partial.Scalar<double>("work");
+  legs_[robot].Join(LegSums::Load("legs/", partial), first_path_m_[robot]);
+  first_path_m_[robot] = partial.Scalar<double>("first_path_m");
+  if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
+  if (partial.Has("confirmed")) {
+    ++guessed_[robot];
+    confirmed_[robot] += partial.Scalar<std::int32_t>("confirmed");
+  }
+  Guesses& guesses =
+      guesses_[robot];  // the last slice comes first, and what it holds is for the one after it
+  if (!guesses.warm.empty() && partial.Has("warm/box"))
+    guesses.warm.front() = LayeredGrid::LoadSparse("warm/", partial);
+  guesses.first.insert(guesses.first.begin(), partial.Scalar<std::int32_t>("first"));
+  guesses.warm.insert(guesses.warm.begin(), LayeredGrid());
+}
+
+Blob RoundSum::ToBlob() const {
+  Blob blob;
+  counts_.Store("counts/", &blob);
+  blob.PutScalar<double>("log_likelihood", log_likelihood_);
+  blob.PutVector("log_likelihood_of", log_likelihood_of_);
+  blob.PutVector("work", work_);
+  blob.PutVector("guessed", guessed_);
+  blob.PutVector("confirmed", confirmed_);
+  for (std::size_t r = 0; r < legs_.size(); ++r) {
+    legs_[r].Store(OfRobot("legs", r), &blob);
+    blob.PutAll(OfRobot("guesses", r), guesses_[r].ToBlob());
+  }
+  return blob;
+}
+
+RoundSum RoundSum::FromBlob(const Blob& blob, std::size_t robots) {
+  RoundSum sum(LayeredGrid::Load("counts/", blob), robots);
+  const auto get = [&]<class T>(const char* name, std::vector<T>* values) {
+    const auto stored = blob.Get<T>(name);
+    if (stored.size() != robots) throw InputError(std::string("'") + name + "' is not of as many robots");
+    values->assign(stored.begin(), stored.end());
+  };
+  sum.log_likelihood_ = blob.Scalar<double>("log_likelihood");
+  get("log_likelihood_of", &sum.log_likelihood_of_);
+  get("work", &sum.work_);
+  get("guessed", &sum.guessed_);
+  get("confirmed", &sum.confirmed_);
+  for (std::size_t r = 0; r < robots; ++r) {
+    sum.legs_[r] = LegSums::Load(OfRobot("legs", r), blob);
+    sum.guesses_[r] = Guesses::FromBlob(blob.Sub(OfRobot("guesses", r)));
+  }
+  return sum;
+}
+
+std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {
+  std::vector<Blob> summaries = summaries_[robot];
+  std::ranges::sort(summaries, {}, [](const Blob& b) { return b.Scalar<std::int32_t>("first"); });
+  return summaries;
+}
+
+}  // namespace cairn::landmark_map

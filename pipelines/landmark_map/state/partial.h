@@ -1,0 +1,97 @@
+// What a backward task returns, built step by step, and the sum of all of a round's.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/model/e_step.h"
+#include "pipelines/landmark_map/model/odometry_fit.h"
+#include "pipelines/landmark_map/state/schedule.h"
+#include "pipelines/landmark_map/state/speculation.h"
+
+namespace cairn::landmark_map {
+
+Blob ToBlob(const std::vector<Landmark>& landmarks);
+std::vector<Landmark> LandmarksFromBlob(const Blob& blob);
+
+// Fields: counts/…, legs/…, log_likelihood, work, robot, first, first_path_m (way to the slice's first step);
+// with landmarks also pose/… (a row a step), association/… (a row an observation of the slice) and, where
+// they are kept, belief/… (a layer a step, added up over headings).
+class PartialBuilder {
+ public:
+  // `landmarks`: nullptr where no summary is wanted.
+  PartialBuilder(const Settings& settings, const Slice& slice, int robot,
+                 const std::vector<Landmark>* landmarks, LayeredGrid no_counts);
+  // Beliefs too are part of the summary.
+  void KeepBeliefs();
+  // The belief of a step; the last step comes first.
+  void Add(int step, const LayeredGrid& belief);
+  // The leg that leads to a step, after the step's belief.
+  void AddLeg(int step, const HalfTurn& posterior);
+  Blob Finish(const Alphas& alphas) const;
+  const LayeredGrid& counts() const { return counts_; }
+
+ private:
+  double ReachOf(int type) const;
+  void AddAssociations(int step, const LayeredGrid& belief);
+  double HeadingOf(const LayeredGrid& belief) const;
+
+  const Settings& settings_;
+  const Slice& slice_;
+  int robot_;
+  const std::vector<Landmark>* landmarks_;
+  LayeredGrid counts_;
+  std::vector<PoseSummary> poses_;         // [end - first]
+  LayeredGrid beliefs_;                    // [end - first], or empty where they are not kept
+  std::vector<std::int32_t> association_;  // per observation of the slice
+  std::vector<double> association_probability_;
+  LegSums legs_;
+};
+
+// An array of summaries, one after the other.
+std::vector<double> Joined(const std::vector<Blob>& summaries, const char* name);
+
+// Which landmark each observation of a robot's steps is of.
+struct Associated {
+  std::vector<std::int32_t> landmark;
+  std::vector<double> probability;
+};
+Associated AssociatedIn(const std::vector<Blob>& summaries);
+
+// Adds up partials, which must come in task order. Counts, likelihood and legs add; summaries are kept, but
+// not stored.
+class RoundSum {
+ public:
+  RoundSum(LayeredGrid no_counts, std::size_t robots);
+  // Partials of tasks other than `backward`, and of empty slices, are passed over.
+  void Add(const Blob& partial);
+  Blob ToBlob() const;
+  static RoundSum FromBlob(const Blob& blob, std::size_t robots);
+
+  const LayeredGrid& counts() const { return counts_; }
+  double log_likelihood() const { return log_likelihood_; }
+  double log_likelihood_of(std::size_t robot) const { return log_likelihood_of_[robot]; }
+  double WorkOf(std::size_t robot) const { return work_[robot]; }
+  const std::vector<LegSums>& legs() const { return legs_; }  // per robot
+  // Of a robot's slices, what the next round may guess from.
+  const Guesses& GuessesOf(std::size_t robot) const { return guesses_[robot]; }
+  // Slices that were guessed, and those of them that were guessed right.
+  std::int64_t guessed(std::size_t robot) const { return guessed_[robot]; }
+  std::int64_t confirmed(std::size_t robot) const { return confirmed_[robot]; }
+  // The partials of one robot that hold summaries, in the order of steps.
+  std::vector<Blob> SummariesOf(std::size_t robot) const;
+
+ private:
+  LayeredGrid counts_;
+  double log_likelihood_ = 0.0;
+  std::vector<double> log_likelihood_of_;
+  std::vector<double> work_;
+  std::vector<LegSums> legs_;
+  std::vector<double> first_path_m_;  // per robot: way to the earliest step so far
+  std::vector<std::vector<Blob>> summaries_;
+  std::vector<std::int64_t> guessed_, confirmed_;  // per robot
+  std::vector<Guesses> guesses_;                   // per robot
+};
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,49 @@
+#include "pipelines/landmark_map/state/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cairn::landmark_map {
+
+void Schedule::Store(State* state) const {
+  auto& scalars = *state->mutable_scalars();
+  scalars["iteration"].set_i(iteration);
+  scalars["prefix"].set_d(prefix);
+  scalars["robots"].set_i(robots);
+  scalars["settled"].set_i(settled);
+  scalars["log_likelihood"].set_d(log_likelihood);
+  scalars["summarise"].set_b(summarise);
+  scalars["growth"].set_d(growth);
+  scalars["polished"].set_b(polished);
+}
+
+Schedule Schedule::Load(const State& state) {
+  const auto& scalars = state.scalars();
+  return {scalars.at("iteration").i(), scalars.at("prefix").d(),         scalars.at("robots").i(),
+          scalars.at("settled").i(),   scalars.at("log_likelihood").d(), scalars.at("summarise").b(),
+          scalars.at("growth").d(),    scalars.at("polished").b()};
+}
+
+Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
+                        double observations) const {
+  Schedule next = *this;
+  ++next.iteration;
+  next.log_likelihood = log_likelihood_now;
+  if (prefix < 1.0) {
+    next.prefix = std::min(1.0, prefix * growth);
+    return next;
+  }
+  ++next.settled;
+  const double change = std::abs(log_likelihood_now - log_likelihood);
+  const bool converged = settled > 0 && change < options.tolerance * observations;
+  if (next.settled < options.iterations && !converged) return next;
+  if (robots < all_robots) {
+    next.robots = all_robots;
+    next.settled = 0;
+  } else {
+    next.summarise = true;
+  }
+  return next;
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,66 @@
+#include "pipelines/landmark_map/state/schedule.h"
+
+#include <gtest/gtest.h>
+
+#include "pipelines/landmark_map/round.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+TEST(Schedule, IsWhatItWasAfterTheState) {
+  const Schedule schedule{3, 0.4, 2, 1, -12.5, true, 1.3};
+  State state;
+  schedule.Store(&state);
+  const Schedule again = Schedule::Load(state);
+  EXPECT_EQ(again.iteration, 3);
+  EXPECT_EQ(again.prefix, 0.4);
+  EXPECT_EQ(again.robots, 2);
+  EXPECT_EQ(again.settled, 1);
+  EXPECT_EQ(again.log_likelihood, -12.5);
+  EXPECT_TRUE(again.summarise);
+  EXPECT_EQ(again.growth, 1.3);
+}
+
+TEST(Schedule, ThePrefixGrowsToAllThenIterationsCountThenTheOtherRobotsJoinThenItEnds) {
+  const Options options{.iterations = 2, .tolerance = 0.0};
+  Schedule s;
+  s.prefix = 0.3;
+  double likelihood = -100.0;
+  const auto next = [&] { return s = s.Next(options, 3, likelihood += 1.0, 100.0); };
+  EXPECT_DOUBLE_EQ(next().prefix, 0.6);
+  EXPECT_DOUBLE_EQ(next().prefix, 1.0);
+  EXPECT_EQ(s.settled, 0);
+  EXPECT_EQ(next().settled, 1);
+  EXPECT_EQ(s.robots, 1);
+  EXPECT_EQ(next().robots, 3);
+  EXPECT_EQ(s.settled, 0);
+  next();
+  EXPECT_FALSE(s.summarise);
+  EXPECT_TRUE(next().summarise);
+  EXPECT_EQ(s.iteration, 6);
+}
+
+TEST(Schedule, AnIterationThatChangesLittleEndsThem) {
+  const Options options{.iterations = 50, .tolerance = 1e-3};
+  Schedule s;
+  constexpr double kObservations = 20.0;
+  s = s.Next(options, 1, -100.0, kObservations);
+  s = s.Next(options, 1, -90.0, kObservations);
+  EXPECT_FALSE(s.summarise);
+  s = s.Next(options, 1, -89.975, kObservations);
+  EXPECT_FALSE(s.summarise);
+  s = s.Next(options, 1, -89.96, kObservations);
+  EXPECT_TRUE(s.summarise);
+}
+
+TEST(StepsInUse, AtLeastOneAndAllForTheSummary) {
+  Schedule s;
+  s.prefix = 0.05;
+  EXPECT_EQ(StepsInUse(s, 10), 1);
+  EXPECT_EQ(StepsInUse(s, 101), 6);
+  s.summarise = true;
+  EXPECT_EQ(StepsInUse(s, 101), 101);
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map

@@ -1,0 +1,144 @@
+#include "pipelines/landmark_map/state/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "pipelines/landmark_map/testing.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+Blob TypedLog(std::vector<double> confusion) {
+  Blob log = SquareLog{}.Make();
+  log.Put("types", Array::Texts({"door", "lamp"}));
+  log.PutVector("robot/0/observations/type",
+                std::vector<std::int32_t>(log.at("robot/0/observations/time_s").size(), 0));
+  if (!confusion.empty()) log.Put("noise/type_confusion", Array::Of<double>({2, 2}, confusion));
+  return log;
+}
+
+// One hundredth is spread evenly; without a figure one tenth is.
+TEST(Resolve, TypesAreTakenForOneAnotherAsTheLogSays) {
+  const KindRules stated = Resolve({}, TypedLog({1.0, 0.0, 0.3, 0.7})).map.kinds;
+  EXPECT_EQ(stated.count, 2);
+  EXPECT_DOUBLE_EQ(stated.Seems(0, 0), 0.995);
+  EXPECT_DOUBLE_EQ(stated.Seems(1, 0), 0.005);
+  EXPECT_DOUBLE_EQ(stated.Seems(0, 1), 0.302);
+  EXPECT_DOUBLE_EQ(Resolve({}, TypedLog({})).map.kinds.Seems(1, 1), 0.95);
+  const Settings settings = Resolve({}, TypedLog({0.9, 0.1, 0.3, 0.7}));
+  EXPECT_EQ(Settings::FromBlob(settings.ToBlob()).ToBlob().ContentHash(), settings.ToBlob().ContentHash());
+}
+
+TEST(Resolve, TypesThatMakeNoSenseAreRefused) {
+  for (const std::vector<double>& wrong : std::vector<std::vector<double>>{
+           {0.9, 0.2, 0.3, 0.7}, {1.5, -0.5, 0.3, 0.7}, {std::nan(""), 1, 0.3, 0.7}}) {
+    EXPECT_THROW(Resolve({}, TypedLog(wrong)), InputError);
+  }
+  Blob three = TypedLog({});
+  three.PutVector<double>("noise/type_confusion", {1, 0, 0});
+  EXPECT_THROW(Resolve({}, three), InputError);
+  Blob many = TypedLog({});
+  many.Put("types", Array::Texts(std::vector<std::string>(257, "x")));
+  EXPECT_THROW(Resolve({}, many), InputError);
+  EXPECT_THROW(Resolve({.model = "exact"}, TypedLog({})), InputError);
+}
+
+// A press at every corner: two thirds of a side, rounded to 1, 2 or 5 times a power of ten.
+TEST(Resolve, ReachOfLandmarksWithoutIdentityFollowsTheLogsScale) {
+  for (const double side_m : {20.0, 200.0}) {
+    const MapRules rules = Resolve({}, SquareLog{.laps = 2, .side_m = side_m}.Make()).map;
+    EXPECT_DOUBLE_EQ(rules.radius_m, side_m / 2.0);
+    EXPECT_DOUBLE_EQ(rules.core_m, side_m / 8.0);
+  }
+}
+
+TEST(Resolve, WhatOneSightingCannotTellApartIsOneLandmark) {
+  const Blob log = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true}.Make();
+  const MapRules rules = Resolve({}, log).map;
+  EXPECT_DOUBLE_EQ(rules.radius_m, 4.0 * rules.observation_m);
+  EXPECT_DOUBLE_EQ(rules.core_m, rules.radius_m);
+  EXPECT_LT(rules.radius_m, 5.0);
+  EXPECT_EQ(Resolve({.radius_m = 7.0, .core_m = 1.5}, log).map.radius_m, 7.0);
+}
+
+TEST(Resolve, SightingsWithoutIdentityGrowThePrefixMoreCarefully) {
+  EXPECT_LT(Resolve({}, SquareLog{.ranged = true}.Make()).growth_factor,
+            Resolve({}, SquareLog{.ranged = true, .identified = true}.Make()).growth_factor);
+  EXPECT_EQ(Resolve({.growth_factor = 3.0}, SquareLog{.ranged = true}.Make()).growth_factor, 3.0);
+}
+
+// 50 m to a side: a 90th is 0.5 m.
+TEST(Resolve, ACellIsNoLargerThanWhatASightingWithoutIdentityErrsBy) {
+  Blob exact = SquareLog{.laps = 1, .side_m = 50.0, .ranged = true}.Make(), vague = exact;
+  for (const auto& [log, range_m] : {std::pair{&exact, 0.01}, std::pair{&vague, 3.0}}) {
+    log->PutScalar<double>("noise/range_m", range_m);
+    log->PutScalar<double>("noise/bearing_rad", 1e-4);
+  }
+  EXPECT_DOUBLE_EQ(Resolve({}, exact).map.grid.cell_m, 0.1) << "a fifth is as much as the time allows";
+  EXPECT_DOUBLE_EQ(Resolve({}, vague).map.grid.cell_m, 0.5);
+  EXPECT_DOUBLE_EQ(Resolve({.cell_m = 2.0}, exact).map.grid.cell_m, 2.0);
+  exact.PutScalar<double>("noise/heading_drift_rad_per_m", 0.001);
+  EXPECT_DOUBLE_EQ(Resolve({}, exact).map.grid.cell_m, 0.5) << "the search needs a coarse grid";
+  EXPECT_DOUBLE_EQ(Resolve({}, SquareLog{.laps = 1, .side_m = 50.0}.Make()).map.grid.cell_m, 0.5);
+}
+
+TEST(Resolve, TheFrameIsLooseWhereSeveralRobotsSeeAtADistance) {
+  for (const bool ranged : {false, true}) {
+    Blob log = SquareLog{.ranged = ranged}.Make();
+    EXPECT_FALSE(Resolve({}, log).loose_frame);
+    log.Put("robots", Array::Texts({"one", "two"}));
+    log.PutAll("robot/1/", log.Sub("robot/0/"));
+    EXPECT_EQ(Resolve({}, log).loose_frame, ranged);
+  }
+}
+
+TEST(Resolve, LegsAreAsLongAsTheGridBearsOrAsLongAsOneSays) {
+  const Blob log = SquareLog{.laps = 2, .side_m = 20.0}.Make();
+  const double most_m[] = {20.0, 0.5};
+  int steps[2];
+  for (int i = 0; i < 2; ++i) {
+    const Settings settings = Resolve({.cell_m = 1.0, .max_leg_m = most_m[i]}, log);
+    EXPECT_EQ(settings.steps.max_leg_m, most_m[i]);
+    const RobotSteps made = MakeSteps(log.Sub("robot/0/"), "rover", settings.steps, nullptr);
+    for (const double way : made.path_m) EXPECT_LE(way, most_m[i] + 1e-9);
+    steps[i] = made.size();
+  }
+  EXPECT_GT(steps[1], 10 * steps[0]);
+  EXPECT_DOUBLE_EQ(Resolve({.cell_m = 1.0, .heading_deg = 5.0}, log).steps.max_leg_m,
+                   180.0 / (5.0 * std::numbers::pi));
+  EXPECT_THROW(Resolve({.cell_m = 1.0, .max_leg_m = 0.05}, log), InputError);
+}
+
+TEST(Resolve, WholeTablesNeedABox) {
+  const Blob log = SquareLog{}.Make();
+  EXPECT_THROW(Resolve({.tables = "whole"}, log), InputError);
+  EXPECT_TRUE(Resolve({.tables = "whole", .box_m = 40.0}, log).whole_tables);
+}
+
+// Five standard deviations of drift, of which each of ten starts leaves a standard deviation open.
+TEST(Resolve, ManyStartsLeaveLessOfTheDriftUnknown) {
+  Blob log = SquareLog{}.Make();
+  EXPECT_EQ(Resolve({.cell_m = 1.0, .starts = 10}, log).noise.drift_length_m, 150.0)
+      << "nobody knows how much";
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.002);
+  const double one = Resolve({.cell_m = 1.0, .starts = 1}, log).noise.drift_length_m;
+  EXPECT_EQ(one, 150.0);
+  EXPECT_NEAR(Resolve({.cell_m = 1.0, .starts = 10}, log).noise.drift_length_m, one / 12.0, 1e-9);
+  EXPECT_NEAR(Resolve({.cell_m = 1.0, .starts = 18}, log).noise.drift_length_m, one / 48.0, 1e-9);
+}
+
+// 25 m of way at 5 degrees a root of a metre are 25 degrees.
+TEST(Resolve, TheFirstIterationUsesTheWayOnWhichOdometryCanBeTrusted) {
+  Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.0);
+  log.PutScalar<double>("noise/turn_ratio", 0.0);
+  log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 5.0 * std::numbers::pi / 180.0);
+  EXPECT_NEAR(Resolve({.cell_m = 1.0}, log).growth_start, 23.04 / 240.0, 1.0 / 240.0);
+  log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 0.01);
+  EXPECT_EQ(Resolve({.cell_m = 1.0}, log).growth_start, 1.0);
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map
