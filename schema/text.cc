@@ -113,4 +113,31 @@ std::string Escaped(std::string_view text) {
   return shown;
 }
 
+std::string Printable(const std::string& text, std::size_t most_bytes) {
+  std::string safe;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t bytes = Utf8Bytes(text, at);
+    if (at + std::max<std::size_t>(bytes, 1) > most_bytes) return safe + "…";
+    const auto c = static_cast<unsigned char>(text[at]);
+    if (bytes == 0)
+      safe += '?';
+    else if (bytes == 1)
+      safe += c < 0x20 || c == 0x7f ? ' ' : text[at];
+    else
+      safe.append(text, at, bytes);
+    at += std::max<std::size_t>(bytes, 1);
+  }
+  return safe;
+}
+
+std::string BytesText(std::uint64_t bytes) {
+  constexpr std::array kUnits = {"B", "kB", "MB", "GB", "TB"};
+  auto value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", value, kUnits[unit]);
+  return text.data();
+}
+
 }  // namespace cairn

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -33,5 +34,12 @@ Status CheckTexts(const Blob& blob);
 // byte that is no UTF-8 as \xff. Within JSON, where neither can stand unescaped but DEL and C1, it stays
 // JSON.
 std::string Escaped(std::string_view text);
+
+// What others wrote, made fit for a log, a terminal and a message: no control characters, nothing but whole
+// characters of UTF-8 (else '?'), at most `most_bytes` and a '…'.
+std::string Printable(const std::string& text, std::size_t most_bytes);
+
+// "1.5 GB", for people.
+std::string BytesText(std::uint64_t bytes);
 
 }  // namespace cairn

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <utility>
 
-#include "coordinator/store/printable.h"
 #include "coordinator/store/recovery.h"
 #include "coordinator/store/served_file.h"
+#include "schema/text.h"
 #include "schema/wire/keys.h"
 
 namespace cairn::coordinator {

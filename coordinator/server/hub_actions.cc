@@ -2,9 +2,9 @@
 #include <utility>
 
 #include "coordinator/server/hub.h"
-#include "coordinator/store/printable.h"
 #include "coordinator/store/result_file.h"
 #include "schema/kinds/kind.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 namespace {

@@ -1,6 +1,6 @@
 #include "coordinator/server/refusals.h"
 
-#include "coordinator/store/printable.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 namespace {

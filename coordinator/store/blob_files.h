@@ -5,6 +5,7 @@
 // The event loop reads, the writing thread writes and removes.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -13,7 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "coordinator/core/uploads.h"
 #include "coordinator/store/folder.h"
+#include "schema/store/flat_file.h"
 #include "schema/wire/codec.h"
 
 namespace cairn::coordinator {
@@ -56,6 +59,28 @@ class BlobFiles {
   mutable std::mutex mutex_;         // of what follows
   std::map<std::filesystem::path, std::set<Hash>> packs_;
   std::map<Hash, std::filesystem::path> pack_of_;
+};
+
+// The files of inputs that are on their way into a store (core/uploads.h). For the thread that writes.
+class UploadFiles {
+ public:
+  UploadFiles(const StoreFolder& folder, StoreUse& use) : folder_(folder), use_(use) {}
+
+  // Each fails as schema/store/flat_file.h says, and for good: what follows of the same upload fails too,
+  // with the first reason. kNoSpace also by the store's limit.
+  Status Do(const OpenUpload& open);
+  Status Do(const WritePiece& piece);
+  // Whole: its blob is durable. In any case nothing else is left of it.
+  Status Do(const CloseUpload& close);
+
+ private:
+  struct File {
+    std::optional<FlatFileWriter> writer;  // none: it has failed
+    Status status;
+  };
+  const StoreFolder& folder_;
+  StoreUse& use_;
+  std::map<std::uint64_t, File> files_;  // by the upload's number
 };
 
 }  // namespace cairn::coordinator

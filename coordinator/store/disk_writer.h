@@ -21,8 +21,6 @@
 #include "coordinator/store/cleaner.h"
 #include "coordinator/store/folder.h"
 #include "coordinator/store/job_table.h"
-#include "coordinator/store/upload_files.h"
-#include "coordinator/store/use.h"
 #include "schema/blob.h"
 #include "schema/checkpoint.pb.h"
 #include "schema/wire/codec.h"

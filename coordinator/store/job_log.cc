@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "coordinator/store/printable.h"
 #include "coordinator/store/sqlite.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 

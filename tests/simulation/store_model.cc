@@ -120,7 +120,7 @@ DiskOutcome StoreModel::Perform(const WriteWork& work, WriteDone& done) {
   return DiskOutcome::kOk;
 }
 
-// upload_files.cc: what has failed once goes on failing.
+// UploadFiles: what has failed once goes on failing.
 DiskOutcome StoreModel::PerformUpload(const coordinator::UploadAction& action, WriteDone& done) {
   const auto outcome_of = [&](std::uint64_t id, DiskOutcome outcome) {
     if (outcome == DiskOutcome::kFailed) failed_uploads_.insert(id);

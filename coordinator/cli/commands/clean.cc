@@ -8,7 +8,7 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/output/job_text.h"
 #include "coordinator/store/cleaner.h"
-#include "coordinator/store/use.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -50,7 +50,7 @@ int Clean(const CleanArguments& options, const Invocation&) {
   for (const wire::Cleaned& kind : cleaned.removed)
     std::printf("%s %llu %s, %s\n", options.clean.dry_run ? "would remove" : "removed",
                 static_cast<unsigned long long>(kind.files()), kind.what().c_str(),
-                coordinator::BytesText(kind.bytes()).c_str());
+                BytesText(kind.bytes()).c_str());
   if (cleaned.removed.empty()) std::printf("nothing to remove\n");
   if (!cleaned.note.empty()) std::printf("%s\n", cleaned.note.c_str());
   return kExitDone;

@@ -7,7 +7,7 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/output/progress_line.h"
 #include "coordinator/cli/output/text_table.h"
-#include "coordinator/store/use.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -116,9 +116,8 @@ std::string JobJson(const wire::JobInfo& job, const coordinator::StoreFacts* sto
 }
 
 std::string StoreText(const coordinator::StoreFacts& store) {
-  const std::string of =
-      store.limit_bytes == 0 ? "" : " of " + coordinator::BytesText(store.limit_bytes) + " allowed";
-  return "store    " + coordinator::BytesText(store.bytes) + of + "\n";
+  const std::string of = store.limit_bytes == 0 ? "" : " of " + BytesText(store.limit_bytes) + " allowed";
+  return "store    " + BytesText(store.bytes) + of + "\n";
 }
 
 std::string WarningText(const std::string& warning) {
