@@ -211,7 +211,9 @@ class Checker {
                          allowed.least < 0 ? " or -1 for none," : "");
     const char* const or_nan = allowed.may_be_nan ? " or NaN" : "";
     const double greatest = std::numeric_limits<double>::max();
-    if (allowed.least == Above0().least) return fmt::format("a number above 0{} is", or_nan);
+    const std::string to_most = most < greatest ? fmt::format(" to {:g}", most) : "";
+    if (allowed.least == Above0().least)
+      return fmt::format("a number above 0{}{} is", to_most.empty() ? "" : "," + to_most, or_nan);
     if (allowed.least > -greatest && most < greatest)
       return fmt::format("{:g} to {:g}{} is", allowed.least, most, or_nan);
     if (allowed.least > -greatest) return fmt::format("{:g} or more{} is", allowed.least, or_nan);

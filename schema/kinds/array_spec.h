@@ -40,6 +40,9 @@ constexpr Values Finite() { return {}; }
 constexpr Values Rising() { return {.rises = true}; }
 constexpr Values Between(double least, double most) { return {.least = least, .most = most}; }
 constexpr Values From(double least) { return {.least = least}; }
+// What is measured or assumed: no length, spread or ratio of a robot's is larger.
+constexpr Values NotNegative() { return Between(0, 1e9); }
+constexpr Values Positive() { return Between(std::numeric_limits<double>::denorm_min(), 1e9); }
 constexpr Values Above0() { return {.least = std::numeric_limits<double>::denorm_min()}; }
 constexpr Values Share() { return {.least = 0, .most = 1, .slack = 1e-9}; }
 constexpr Values YesNo() { return Between(0, 1); }

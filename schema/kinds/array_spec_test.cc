@@ -21,7 +21,7 @@ constexpr ArraySpec kToy[] = {
     {"walls/x_m", "W,2", DType::kF64, Place()},
     {"parts/rows", "Q", DType::kI64, RowsOf("part/share")},
     {"part/share", "S", DType::kF32, Share()},
-    {"cell_m", "", DType::kF64, Above0()},
+    {"cell_m", "", DType::kF64, Positive()},
     {"share", "V", DType::kF64, Share()},
     {"likelihood", "I", DType::kF64, Free()},
 };
@@ -103,8 +103,10 @@ TEST(CheckArrays, RefusesValuesThatMayNotBe) {
   EXPECT_EQ(With<std::int32_t>("robot/1/friend", {-2}),
             "'robot/1/friend': -2, where a row of 'robots', which has 2, or -1 for none, is needed");
   EXPECT_EQ(With<float>("part/share", {0, 1.5F, 1}), "'part/share', entry 1: 1.5, where 0 to 1 is needed");
-  EXPECT_EQ(With<double>("cell_m", {0}), "'cell_m': 0, where a number above 0 is needed");
-  EXPECT_EQ(With<double>("cell_m", {HUGE_VAL}), "'cell_m': inf, where a number above 0 is needed");
+  EXPECT_EQ(With<double>("cell_m", {0}), "'cell_m': 0, where a number above 0, to 1e+09 is needed");
+  EXPECT_EQ(With<double>("cell_m", {HUGE_VAL}), "'cell_m': inf, where a number above 0, to 1e+09 is needed");
+  EXPECT_EQ(With<double>("cell_m", {1e300}), "'cell_m': 1e+300, where a number above 0, to 1e+09 is needed")
+      << "workers died of it";
   Blob ranges = Good();
   ranges.Put("robot/0/laser2/range_m", Array::Of<double>({1, 1}, std::vector<double>{-1}));
   EXPECT_EQ(WhyNot(ranges), "'robot/0/laser2/range_m': -1, where 0 or more or NaN is needed");

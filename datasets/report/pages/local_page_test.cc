@@ -127,6 +127,10 @@ TEST(LocalPage, PicturesAreDrawnWhereThereIsLittleToSee) {
   local.snapshots[0].histogram.assign(8, 0);
   local.snapshots[0].occupancy.assign(9, 0);
   EXPECT_TRUE(IsPng(LocalGridPng(local.snapshots[0])));
+  // An edge of which a distance is given and nothing else.
+  Blob lone = Result();
+  lone.PutVector<float>("features/left/distance_low_m", {1, 1, -1, 1});
+  for (const LocalTrace& trace : ReadLocalResult(lone).traces) EXPECT_TRUE(IsPng(TracePng(trace)));
   EXPECT_EQ(RichestOf({}), nullptr);
   EXPECT_EQ(LongestOf({}), nullptr);
 }

@@ -1,6 +1,7 @@
 // What there is to draw of a `local_map`, as its arrays have it (schema/FORMAT.md).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,11 +12,13 @@
 
 namespace cairn::datasets::report {
 
-// NaN: no edge there.
+// NaN: no edge there, as where only some of its numbers are given.
 struct LocalSide {
   double angle_low_rad = 0, angle_high_rad = 0, distance_low_m = 0, distance_high_m = 0;
   bool occupied = false;
-  bool HasEdge() const { return distance_low_m == distance_low_m; }
+  bool HasEdge() const {
+    return !std::isnan(angle_low_rad + angle_high_rad + distance_low_m + distance_high_m);
+  }
 };
 struct LocalFeature {
   LocalSide left, right;
