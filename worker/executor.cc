@@ -48,7 +48,10 @@ class TaskInputs : public Inputs {
   void Check() const {
     for (const auto& [name, blob] : blobs_) {
       try {
-        CheckKind(*blob, FindKind(name) != nullptr ? name : KindOf(*blob));
+        // As what it is, and as what is read of it: a local_map may stand for poses.
+        const std::string kind = KindOf(*blob);
+        CheckKind(*blob, kind);
+        if (name != kind && FindKind(name) != nullptr) CheckKind(*blob, name);
       } catch (const InputError& error) {
         throw InputError("input '" + name + "': " + error.what());
       }

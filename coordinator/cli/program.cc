@@ -135,6 +135,15 @@ int ParseAndRun(const Program& program, int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {
+    // Of `cairn help nosuch` too.
+    const std::string word = argc > 1 ? argv[1] : "-";
+    const std::vector<std::string> commands = CommandNames(app);
+    const bool known = std::ranges::find(commands, word) != commands.end();
+    if (!word.starts_with('-') && (!known || !UnknownSubcommand(app, word, argc, argv).empty())) {
+      Complain(known ? UnknownSubcommand(app, word, argc, argv)
+                     : "there is no command '" + word + "'" + Suggest(word, commands));
+      return kExitBadInput;
+    }
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
     return UsageError(app, error, argc, argv);

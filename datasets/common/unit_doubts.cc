@@ -12,10 +12,13 @@ namespace {
 constexpr double kFullTurn_rad = 2 * std::numbers::pi;
 constexpr double kTurnWindow_s = 0.5, kWayWindow_s = 1;
 constexpr double kLeastMoving_s = 5;  // to tell a mean from
+constexpr double kLeastGoing_s = 20;
 constexpr char kNoted[] = "units_are_right";
 
 constexpr char kDegrees[] = " in degrees? Cairn reads radians (of a CSV whose header says _deg, degrees)";
 constexpr char kMillimetres[] = " in millimetres? Cairn reads metres (of a CSV whose header says _mm, mm)";
+constexpr char kCentimetres[] = " in centimetres? Cairn reads metres (of a CSV whose header says _cm, cm)";
+constexpr char kNotMillimetres[] = " in metres, under a header that says _mm?";
 constexpr char kMilliseconds[] =
     "are times in milliseconds? Cairn reads seconds (of a CSV whose header says _ms, ms)";
 
@@ -86,10 +89,11 @@ template <class Turn, class Way>
 std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& turn, const Way& way,
                                     const char* turns, const char* ways) {
   if (auto doubt = DoubtTimes(time_s)) return doubt;
-  double moving_s = 0, way_m = 0;
+  double moving_s = 0, going_s = 0, way_m = 0;
   for (std::size_t i = 1; i < time_s.size(); ++i) {
     if (turn(i) == 0 && way(i) == 0) continue;
     moving_s += time_s[i] - time_s[i - 1];
+    if (way(i) != 0) going_s += time_s[i] - time_s[i - 1];
     way_m += way(i);
   }
   const double turn_rad = SumOver(time_s, kTurnWindow_s, turn);
@@ -106,11 +110,20 @@ std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& 
   const Fastest way_at = FastestOver(time_s, kWayWindow_s, way);
   if (way_at.rate() > kMostSpeed_mps)
     return doubt(way_at, "it goes ", "m", most(kMostSpeed_mps, "m/s"), std::string(ways) + kMillimetres);
+  if (going_s >= kLeastGoing_s && way_m > kMostMeanSpeed_mps * going_s)
+    return doubt(way_at, "it goes ", "m",
+                 "and where it goes it does " + Few(way_m / going_s) + " m/s in the mean, where " +
+                     Few(kMostMeanSpeed_mps) + " is much",
+                 std::string(ways) + kCentimetres);
   const double pause_s = MiddlePause(time_s);
   if (pause_s >= kMostPause_s && way_m > 0 && way_m < kLeastSpeed_mps * moving_s)
     return UnitDoubt{0, time_s.front(),
                      "its rows are " + Few(pause_s) + " s apart, and it goes " +
                          Few(1000 * way_m / moving_s) + " mm/s: " + kMilliseconds};
+  if (going_s >= kLeastGoing_s && way_m < kLeastMeanSpeed_mps * going_s)
+    return UnitDoubt{0, time_s.front(),
+                     "where it goes it does " + Few(1000 * way_m / going_s) + " mm/s in the mean: are " +
+                         std::string(ways) + kNotMillimetres};
   const Fastest turn_at = FastestOver(time_s, kTurnWindow_s, turn);
   if (turn_at.rate() > kMostTurn_radps)
     return doubt(turn_at, "it turns by ", "rad", most(kMostTurn_radps, "rad/s"),

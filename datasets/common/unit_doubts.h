@@ -14,9 +14,11 @@
 
 namespace cairn::datasets {
 
-inline constexpr double kMostTurn_radps = 12.6;      // over half a second and more: two turns a second
-inline constexpr double kMostMeanTurn_radps = 2;     // of all the time in which it moves
-inline constexpr double kMostSpeed_mps = 60;         // over a second and more
+inline constexpr double kMostTurn_radps = 12.6;   // over half a second and more: two turns a second
+inline constexpr double kMostMeanTurn_radps = 2;  // of all the time in which it moves
+inline constexpr double kMostSpeed_mps = 60;      // over a second and more
+inline constexpr double kMostMeanSpeed_mps = 40;  // of all the time in which it goes anywhere
+inline constexpr double kLeastMeanSpeed_mps = 0.002;
 inline constexpr double kMostLandmarkRange_m = 300;  // where no largest range was given
 inline constexpr double kLatestTime_s = 4.2e9;       // Unix time of 2103
 inline constexpr double kMostPause_s = 10;           // between rows in the middle, of a robot that …

@@ -167,6 +167,12 @@ TEST_F(UnitsOfFiles, WaysInMillimetresAreNamedWithTheirLine) {
   ExpectContains(Only(Carmen({.way = 1000})), "in millimetres?");
 }
 
+TEST_F(UnitsOfFiles, WaysThatNobodyDrivesOnAverageAreInDoubt) {
+  ExpectContains(Only(Csv({.way = 150})), "is much: are ways in centimetres?");
+  ExpectContains(Only(Csv({.way = 1e-3})),
+                 "it does 0.3 mm/s in the mean: are ways in metres, under a header that says _mm?");
+}
+
 TEST_F(UnitsOfFiles, TurnsAndHeadingsInDegreesAreNamedWithTheirLine) {
   ExpectContains(Only(Csv({.turn = 1 / kUnitDegree_rad})), "odometry.csv:");
   ExpectContains(Only(Csv({.turn = 1 / kUnitDegree_rad})),

@@ -171,7 +171,10 @@ class CsvImport {
   static bool WhileDriving(double time, const std::vector<double>& controls, CsvReader* reader) {
     const double first = controls.front(), last = controls.back();
     if (time < first) reader->Bad("before the first control", Shown(time) + " before " + Shown(first));
-    if (time > last) reader->Bad("after the last control", Shown(time) + " after " + Shown(last));
+    if (time > last)
+      reader->Bad("after the last control",
+                  Shown(time) + " after " + Shown(last) +
+                      (time > 100 * last && last > 0 ? "; is it in milliseconds?" : ""));
     return time >= first && time <= last;
   }
 

@@ -180,6 +180,7 @@ TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
                  "observations.csv:2: before the first control: 0.500000 before 1.000000");
   ExpectContains(failure("3.5,Rosa,,,\n"),
                  "observations.csv:2: after the last control: 3.500000 after 3.000000");
+  ExpectContains(failure("3500,Rosa,,,\n"), "3500.000000 after 3.000000; is it in milliseconds?");
   ExpectContains(failure("2,Rosa,,,\n1,Rosa,,,\n"), "observations.csv:3: time runs backwards");
   ExpectContains(failure("2,Rosa,,-1,0\n"), "observations.csv:2: negative range: -1.000000 m");
   ExpectContains(failure("2,Rosa,,5.5,0\n"),

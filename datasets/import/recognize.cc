@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -41,6 +42,8 @@ std::string Quoted(const std::string& path) {
   return quoted + "'";
 }
 
+constexpr const char* kRelations = "relations of the SLAM benchmark";
+
 bool HasColumns(std::string_view header, std::initializer_list<const char*> columns) {
   return std::ranges::all_of(columns, [&](const char* column) { return header.find(column) != header.npos; });
 }
@@ -64,16 +67,18 @@ std::optional<Recognized> RecognizeTable(const std::string& path, std::string_vi
                                             file + " log.h5 where it is odometry"};
 }
 
-bool IsNumbers(std::string_view line, std::size_t count) {
-  std::size_t numbers = 0;
+// The numbers of a line, where it has `count` and nothing else; else none.
+std::vector<double> NumbersOf(std::string_view line, std::size_t count) {
+  std::vector<double> numbers;
   while (!(line = Trim(line)).empty()) {
     const std::string_view word = line.substr(0, line.find_first_of(" \t"));
     const char* reason = "";
-    if (!ParseNumber(word, &reason)) return false;
-    ++numbers;
+    const auto number = ParseNumber(word, &reason);
+    if (!number) return {};
+    numbers.push_back(*number);
     line.remove_prefix(word.size());
   }
-  return numbers == count;
+  return numbers.size() == count ? numbers : std::vector<double>{};
 }
 
 std::optional<Recognized> RecognizeFile(const std::string& path) {
@@ -91,9 +96,13 @@ std::optional<Recognized> RecognizeFile(const std::string& path) {
       return Recognized{"a laser log of DP-SLAM", "cairn import dpslam " + file + " log.h5"};
     if (word == "O" || word == "L")
       return Recognized{"a laser log of Wean Hall", "cairn import wean " + file + " log.h5"};
-    if (IsNumbers(line, 8))
+    const std::vector<double> numbers = NumbersOf(line, 8);
+    if (numbers.empty()) return std::nullopt;
+    // The last four are a quaternion, or z, roll, pitch and yaw of a motion.
+    const double length = std::hypot(std::hypot(numbers[4], numbers[5]), std::hypot(numbers[6], numbers[7]));
+    if (std::abs(length - 1) < 0.01)
       return Recognized{"a trajectory of the TUM format", "cairn import tum " + file + " poses.h5"};
-    return std::nullopt;
+    return Recognized{kRelations, "cairn evaluate RESULT --relations " + file};
   }
   return std::nullopt;
 }
@@ -134,7 +143,7 @@ std::optional<Recognized> RecognizeFolder(const std::string& path) {
   std::ranges::sort(files);
   constexpr std::size_t kMostLooked = 50;
   for (std::size_t i = 0; i < std::min(kMostLooked, files.size()); ++i) {
-    if (auto found = RecognizeFile(files[i])) {
+    if (auto found = RecognizeFile(files[i]); found && found->what != kRelations) {
       found->what = "a folder with " + found->what + ", " + fs::path(files[i]).filename().string();
       return found;
     }

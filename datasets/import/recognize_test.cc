@@ -20,6 +20,7 @@ TEST(Recognize, TellsFilesByTheirFirstLine) {
   ExpectContains(command("b.log", "Odometry 0 0 0\nLaser 1 2\n"), "cairn import dpslam");
   ExpectContains(command("c.log", "L -94 -139 -1 -88 -164 -1 66\n"), "cairn import wean");
   ExpectContains(command("d.txt", "1 0 0 0 0 0 0 1\n"), "cairn import tum");
+  ExpectContains(command("r.txt", "1216.6 1217.5 0.408 -0.016 0 0 0 -0.0696\n"), "--relations /");
   ExpectContains(command("e.csv", "time_s;turn_deg;forward_mm\n"), "cairn import csv --odometry");
   ExpectContains(command("f.csv", "time_s,landmark,range_m,bearing_rad\n"), "--observations /");
   ExpectContains(command("g.csv", "time_s,x_m,y_m,heading_rad,sonar\n"), "cairn import vectors");
@@ -45,6 +46,10 @@ TEST(Recognize, TellsFoldersByTheirFiles) {
   ExpectContains(command({"trees/time.txt.gz"}), "cairn import victoria-park");
   ExpectContains(command({"odometry.csv.gz", "observations.csv"}), "observations.csv log.h5");
   ExpectContains(command({"a.png", "b.png"}), "cairn import images");
+  const TestFolder benchmark;
+  benchmark.Put("fr079.relations", "1216.6 1217.5 0.408 -0.016 0 0 0 -0.0696\n");
+  benchmark.Put("freiburg.log", "FLASER 1 2\n");
+  ExpectContains(CommandOf(benchmark / ""), "cairn import carmen");
   EXPECT_EQ(command({"diary.txt"}), "");
   EXPECT_EQ(command({}), "");
 }

@@ -63,7 +63,8 @@ std::vector<Legend> LegendOf(const Scene& scene, bool cells) {
   for (const Path& path : scene.paths) {
     items.push_back({kPath, RobotTitle(path.robot), kRobots[path.index % kRobotColours]});
   }
-  if (!scene.paths.empty()) items.push_back({kStart, "start", items.front().colour});
+  if (!scene.paths.empty())
+    items.push_back({kStart, "start", kRobots[scene.paths.front().index % kRobotColours]});
   if (!scene.odometry_below.empty()) items.push_back({kPath, "odometry alone", kRaw});
   if (!scene.edges.empty()) items.push_back({kEdge, "edge that traces found occupied", kInk});
   const auto used = [](const Scene::Loop& loop) { return loop.used; };

@@ -22,8 +22,8 @@ int Count(const cv::Mat& image, const cv::Scalar& bgr) {
   return cv::countNonZero(mask);
 }
 
-const cv::Scalar kTruePath(225, 219, 214), kSecondRobot(26, 96, 210), kThirdRobot(92, 134, 22),
-    kBad(30, 38, 179);
+const cv::Scalar kTruePath(225, 219, 214), kFirstRobot(181, 111, 31), kSecondRobot(26, 96, 210),
+    kThirdRobot(92, 134, 22), kBad(30, 38, 179);
 
 TEST(DrawMap, ShowsPathsAndTruthAtTheAskedWidth) {
   const Blob log = SimulateLoop({.difficulty = "paper", .robots = 2, .seed = 2});
@@ -38,6 +38,21 @@ TEST(DrawMap, ShowsPathsAndTruthAtTheAskedWidth) {
   const cv::Mat with_truth = Decoded(DrawMapPng(result, &log, &evaluation, 900));
   EXPECT_GT(Count(with_truth, kTruePath), 100);
   EXPECT_EQ(Count(with_truth, kBad), 0) << "nothing is wrong";
+}
+
+TEST(DrawMap, TheLegendsStartHasTheFirstRobotsColourBesideAGridToo) {
+  const Blob log = SimulateLoop({.difficulty = "paper", .robots = 2, .seed = 2});
+  Blob result = PerfectLandmarkMap(log);
+  result.Put("map/grid/probability", Array::Of<double>({1, 2, 2}, std::vector<double>{0, 1, 0, 0.5}));
+  result.PutScalar("map/grid/origin_x_m", 0.0);
+  result.PutScalar("map/grid/origin_y_m", 0.0);
+  result.PutScalar("map/grid/cell_m", 1.0);
+  const cv::Mat image = Decoded(DrawMapPng(result, nullptr, nullptr, 900));
+  // Both robots' lines are as long there, and the start is a dot of the first.
+  const cv::Mat legend = image.rowRange(0, 48);
+  const int first = Count(legend, kFirstRobot), second = Count(legend, kSecondRobot);
+  EXPECT_GT(second, 10);
+  EXPECT_GT(first, second + 10);
 }
 
 TEST(DrawMap, MarksWhatIsWrong) {

@@ -72,12 +72,14 @@ const char* RightOrWrong(const Evaluation& score) {
 }
 
 std::string ScoreText(const Evaluation& score) {
-  return Say(
-      "topology %s, %lld of %lld landmarks found, %lld spurious, landmark error %.2f m, path error %.2f m",
-      RightOrWrong(score), static_cast<long long>(score.landmarks->found),
-      static_cast<long long>(score.landmarks->found + score.landmarks->missed),
-      static_cast<long long>(score.landmarks->spurious), score.landmarks->rmse_m.value_or(NAN),
-      score.trajectory_rmse_m.value_or(NAN));
+  const auto metres = [](std::optional<double> error_m) {
+    return error_m ? Say("%.2f m", *error_m) : "unknown";
+  };
+  return Say("topology %s, %lld of %lld landmarks found, %lld spurious, landmark error %s, path error %s",
+             RightOrWrong(score), static_cast<long long>(score.landmarks->found),
+             static_cast<long long>(score.landmarks->found + score.landmarks->missed),
+             static_cast<long long>(score.landmarks->spurious), metres(score.landmarks->rmse_m).c_str(),
+             metres(score.trajectory_rmse_m).c_str());
 }
 
 }  // namespace cairn::datasets

@@ -111,6 +111,16 @@ if /usr/bin/python3 -c 'import h5py' 2>/dev/null; then
   /usr/bin/python3 -c 'import h5py
 with h5py.File("edited.h5", "r+") as f: f["robot/0/observations/map_landmark"][0] = -1'
   refuses 'another program has changed it' cairn evaluate edited.h5 --truth log.h5
+  # An array of another length: seen by whoever reads it.
+  /usr/bin/python3 -c 'import h5py
+with h5py.File("edited.h5", "r+") as f:
+  del f["robot/0/poses/x_m"]
+  f["robot/0/poses/x_m"] = [1.0]'
+  exits 2 cairn inspect edited.h5
+  says "^WRONG: 'robot/0/poses/.*where .* is needed"
+  says "^cairn: edited.h5: 'robot/0/poses/"
+  exits 2 cairn export tum edited.h5 exported --changed
+  says "^cairn: edited.h5: 'robot/0/poses/"
 fi
 
 # A gzip bomb is stopped while it is unpacked.

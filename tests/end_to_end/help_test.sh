@@ -15,6 +15,8 @@ says '^landmark_map +log'
 exits 0 cairn run landmark_map --help
 says '^  cell_m='
 says '^      .*from .* to .* m'
+refuses "there is no command 'rnu'; did you mean 'run'" cairn help rnu
+refuses "export: there is no 'foo'" cairn help export foo
 exits 0 cairn help run landmark_map
 refuses "there is no pipeline 'landmrk_map'; did you mean 'landmark_map'" cairn run landmrk_map --help
 for command in $commands; do

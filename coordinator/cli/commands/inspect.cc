@@ -102,6 +102,8 @@ int Inspect(const InspectArguments& options, const Invocation&) {
       (options.json ? datasets::InspectJson(inspection.value()) : datasets::InspectText(inspection.value()))
           .c_str(),
       stdout);
+  if (const std::string& wrong = inspection.value().wrong; !wrong.empty())
+    throw InputError(options.file + ": " + wrong);
   return kExitDone;
 }
 

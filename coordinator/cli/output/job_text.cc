@@ -72,7 +72,7 @@ std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
       {"job", "name", "state", "stage", "round", "tasks", "workers", "time", "left", "note"}};
   for (const wire::JobInfo& job : jobs)
     rows.push_back(
-        {job.id(), job.name(), job.state(), StageText(job), std::to_string(job.round()),
+        {job.id(), job.name(), job.state(), StageText(job), IsOver(job) ? "" : std::to_string(job.round()),
          job.tasks() > 0 ? std::to_string(job.tasks_done()) + "/" + std::to_string(job.tasks()) : "",
          std::to_string(job.workers()), Duration(job.seconds()), LeftText(job),
          job.reason().empty() ? job.note() : job.reason()});
@@ -95,9 +95,10 @@ std::string JobText(const wire::JobInfo& job) {
   line("stage", std::to_string(std::min(job.stage() + 1, job.stages())) + " of " +
                     std::to_string(job.stages()) + (job.stage_name().empty() ? "" : ", " + job.stage_name()));
   line("round",
-       std::to_string(job.round()) + (job.rounds_left() == 0 || IsOver(job)
-                                          ? ""
-                                          : ", about " + std::to_string(job.rounds_left()) + " to do"));
+       IsOver(job)
+           ? ""
+           : std::to_string(job.round()) +
+                 (job.rounds_left() == 0 ? "" : ", about " + std::to_string(job.rounds_left()) + " to do"));
   if (job.tasks() > 0)
     line("tasks", std::to_string(job.tasks_done()) + " of " + std::to_string(job.tasks()) + " in this round");
   line("workers", IsOver(job) ? "" : std::to_string(job.workers()) + " at work on it");

@@ -10,6 +10,7 @@
 
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/model/sensing.h"
+#include "schema/kinds/array_spec.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -235,6 +236,12 @@ void RefuseHugeGrids(const Options& options, const Settings& settings, double ex
   }
 }
 
+bool HasScans(const Blob& log) {
+  return std::ranges::any_of(kRangeSensors, [&](std::string_view sensor) {
+    return log.Has("robot/0/" + std::string(sensor) + "/range_m");
+  });
+}
+
 }  // namespace
 
 double DriftStep(int starts) {
@@ -277,7 +284,10 @@ Settings Resolve(const Options& options, const Blob& log) {
   const double extent = Extent(odometry);
   const Sensing sensing = LookAt(log, robots);
   if (sensing.observations == 0)
-    throw InputError("the log has controls only: without observations there is no map");
+    throw InputError(
+        HasScans(log) ? "the log has range scans and no observations of landmarks: evidence_map, forward_map "
+                        "and local_map make maps of scans"
+                      : "the log has controls only: without observations there is no map");
 
   if (options.model == "exact" && sensing.ranged > 0) {
     throw InputError("model exact is for button presses; this log has ranges and bearings: take robust");

@@ -129,6 +129,24 @@ TEST(Resolve, ManyStartsLeaveLessOfTheDriftUnknown) {
   EXPECT_NEAR(Resolve({.cell_m = 1.0, .starts = 18}, log).noise.drift_length_m, one / 48.0, 1e-9);
 }
 
+TEST(Resolve, ALogOfScansIsSentToThePipelinesThatTakeThem) {
+  Blob log = SquareLog{}.Make();
+  for (const char* column : {"time_s", "range_m", "bearing_rad"})
+    log.PutVector<double>(std::string("robot/0/observations/") + column, {});
+  log.PutVector<std::int32_t>("robot/0/observations/landmark", {});
+  const auto why = [&] {
+    try {
+      Resolve({}, log);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(why().find("controls only"), std::string::npos) << why();
+  log.Put("robot/0/laser/range_m", Array::Of<double>({1, 1}, {1.0}));
+  EXPECT_NE(why().find("evidence_map"), std::string::npos) << why();
+}
+
 // 25 m of way at 5 degrees a root of a metre are 25 degrees.
 TEST(Resolve, TheFirstIterationUsesTheWayOnWhichOdometryCanBeTrusted) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();

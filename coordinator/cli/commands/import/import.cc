@@ -104,7 +104,9 @@ void AddCsv(Command import, Invocation& call) {
       "cairn import csv --odometry odometry.csv --observations observations.csv log.h5", ImportCsv, &command);
   datasets::CsvImportOptions& files = options->import;
   command
-      .Add("--odometry", files.odometry, "time_s,robot,turn_rad,forward_m or time_s,robot,v_mps,omega_radps")
+      .Add("--odometry", files.odometry,
+           "time_s,robot,turn_rad,forward_m or time_s,robot,v_mps,omega_radps or "
+           "time_s,robot,x_m,y_m,heading_rad; also in _ms, _mm, _deg and the like")
       .Required();
   command.Add("--observations", files.observations, "time_s,robot,landmark,range_m,bearing_rad");
   command.Add("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
