@@ -122,7 +122,16 @@ Status SystemFailure(const std::filesystem::path& path, const std::string& doing
           path.string() + ": " + doing + ": " + cause};
 }
 
+bool IsNoFile(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+         !std::filesystem::is_directory(status);
+}
+
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  if (IsNoFile(path))
+    return {Code::kRefused, path.string() + ": is a device, a pipe or a socket; a file is needed"};
   const std::filesystem::path temporary = TemporaryFor(path);
   int error = WriteSynced(temporary, bytes);
   if (error == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;

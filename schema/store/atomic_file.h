@@ -14,9 +14,12 @@ namespace cairn {
 
 // Replaces `path` by `bytes`. On any failure nothing new is left behind, and a file that was there before
 // stays as it was. The Status names the file and the cause: kNotFound (the folder), kNoSpace, kRefused, kIo.
-// A process that is killed in between leaves at most a hidden ".NAME.PID-N.tmp", which nothing reads.
+// What is no file (IsNoFile) is not replaced: kRefused. A process that is killed in between leaves at most a hidden ".NAME.PID-N.tmp", which nothing reads.
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
+
+// There is a device, a pipe or a socket, perhaps by a link: a rename would put a file in its place.
+bool IsNoFile(const std::filesystem::path& path);
 
 // So that what was renamed or removed in it stays so.
 Status SyncFolder(const std::filesystem::path& folder);

@@ -3,6 +3,7 @@
 #include <hdf5.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -131,6 +132,19 @@ TEST(BlobFileFaults, WhatHdf5CannotOpenIsSaidWithHdf5sCause) {
   const std::string message = ReadBlobFile(folder / "a.h5").status().message();
   EXPECT_NE(message.find("a.h5: damaged: "), std::string::npos) << message;
   EXPECT_EQ(message.find("unknown cause"), std::string::npos) << message;
+}
+
+TEST(BlobFileFaults, APipeOrADeviceIsNotReplacedByAFile) {
+  const TempFolder folder;
+  const std::filesystem::path pipe = folder / "pipe", link = folder / "link";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::create_symlink(pipe, link);
+  for (const auto& path : {pipe, link, std::filesystem::path("/dev/null")})
+    EXPECT_EQ(WriteTextAtomically(path, "text").code(), Code::kRefused) << path;
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  std::filesystem::create_symlink(folder / "to come", folder / "dangling");
+  EXPECT_TRUE(WriteTextAtomically(folder / "dangling", "text").ok());
 }
 
 TEST(BlobFileFaults, OtherFilesAreRefusedByName) {

@@ -80,6 +80,10 @@ for file in fifo.h5 /dev/zero; do
   done
 done
 
+refuses 'fifo.h5. is a device, a pipe or a socket' cairn simulate loop --seed 1 fifo.h5 --force
+refuses 'fifo.h5. is a device, a pipe or a socket' cairn report result --out fifo.h5 --force
+[ -p fifo.h5 ] || die "a file was put in a pipe's place"
+
 # A 0 that turned into a -1, which Fletcher-32 takes for the same.
 for command in 'inspect' 'evaluate --truth log.h5' 'report --out page.html' 'diff result/landmark_map.h5'; do
   # shellcheck disable=SC2086

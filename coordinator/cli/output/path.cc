@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "schema/error.h"
+#include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
 
@@ -32,6 +33,7 @@ void RefuseToOverwrite(const std::string& path, bool force) {
   namespace fs = std::filesystem;
   if (path.empty()) throw InputError("the name of the file to write is empty");
   if (fs::is_directory(path)) throw InputError("'" + path + "' is a folder; a file is needed");
+  if (IsNoFile(path)) throw InputError("'" + path + "' is a device, a pipe or a socket; a file is needed");
   if (fs::exists(path) && !force) throw InputError("'" + path + "' is there already (--force replaces it)");
   const fs::path folder = fs::absolute(path).parent_path();
   if (!fs::is_directory(folder)) throw InputError("there is no folder '" + folder.string() + "' to write to");
