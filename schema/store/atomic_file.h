@@ -14,7 +14,8 @@ namespace cairn {
 
 // Replaces `path` by `bytes`. On any failure nothing new is left behind, and a file that was there before
 // stays as it was. The Status names the file and the cause: kNotFound (the folder), kNoSpace, kRefused, kIo.
-// What is no file (IsNoFile) is not replaced: kRefused. A process that is killed in between leaves at most a hidden ".NAME.PID-N.tmp", which nothing reads.
+// What is no file (IsNoFile) is not replaced: kRefused. A process that is killed in between leaves at most a
+// hidden ".NAME.PID-N.tmp", which nothing reads.
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
 
