@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/options.h"
 #include "pipelines/landmark_map/search.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

@@ -1,7 +1,7 @@
 // EM of one map, an iteration at a time: what follows an E-step.
 #pragma once
 
-#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

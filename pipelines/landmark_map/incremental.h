@@ -3,7 +3,7 @@
 // was believed to be, is never revised.
 #pragma once
 
-#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "pipelines/landmark_map/incremental.h"
-#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "pipelines/landmark_map/state/schedule.h"
 #include "pipelines/pipeline.h"
 

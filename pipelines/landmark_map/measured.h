@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "schema/blob.h"
 
 namespace cairn::landmark_map {

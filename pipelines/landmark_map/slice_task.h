@@ -2,7 +2,7 @@
 // leave it, but for those at its ends.
 #pragma once
 
-#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_map {

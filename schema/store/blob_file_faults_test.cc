@@ -139,7 +139,7 @@ TEST(BlobFileFaults, APipeOrADeviceIsNotReplacedByAFile) {
   const std::filesystem::path pipe = folder / "pipe", link = folder / "link";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   std::filesystem::create_symlink(pipe, link);
-  for (const auto& path : {pipe, link, std::filesystem::path("/dev/null")})
+  for (const auto& path : {pipe, link})
     EXPECT_EQ(WriteTextAtomically(path, "text").code(), Code::kRefused) << path;
   EXPECT_TRUE(std::filesystem::is_fifo(pipe));
   EXPECT_TRUE(std::filesystem::is_symlink(link));

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "pipelines/landmark_map/state/settings.h"
 #include "pipelines/pipeline.h"
 

@@ -6,7 +6,7 @@
 #include "pipelines/landmark_map/model/m_step.h"
 #include "pipelines/landmark_map/model/sighting.h"
 #include "pipelines/landmark_map/model/steps.h"
-#include "pipelines/landmark_map/options.h"
+#include "pipelines/landmark_map/state/options.h"
 #include "schema/blob.h"
 
 namespace cairn::landmark_map {
