@@ -136,6 +136,27 @@ std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& 
   return std::nullopt;
 }
 
+// A half turn in radians, taken for degrees.
+constexpr double kDegreesOfPi_rad = std::numbers::pi * std::numbers::pi / 180;
+
+// The row of the largest bearing where all are so small that they may be radians which somebody called
+// degrees, and differ.
+std::optional<std::size_t> RadiansUnderDegrees(std::span<const double> bearing_rad) {
+  constexpr std::size_t kFew = 20;
+  constexpr double kLeastSpread_rad = 0.1 * kDegreesOfPi_rad;
+  std::size_t count = 0, largest = 0;
+  double most = 0, least = 0;
+  for (std::size_t i = 0; i < bearing_rad.size(); ++i) {
+    if (std::isnan(bearing_rad[i])) continue;
+    ++count;
+    most = std::max(most, bearing_rad[i]);
+    least = std::min(least, bearing_rad[i]);
+    if (!(std::abs(bearing_rad[i]) <= std::abs(bearing_rad[largest]))) largest = i;
+  }
+  const bool small = std::max(most, -least) <= kDegreesOfPi_rad;
+  return count >= kFew && small && most - least > kLeastSpread_rad ? std::optional(largest) : std::nullopt;
+}
+
 bool AllFinite(std::span<const double> values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
@@ -183,10 +204,13 @@ class BlobDoubts {
         DoubtControls(column("odometry/", "time_s"), column("odometry/", "turn_rad"),
                       column("odometry/", "forward_m")));
     const std::string most = "sensor/max_range_m";
-    for (const char* table : {"observations/", "sightings/"})
-      Add(who, std::string(table, std::char_traits<char>::length(table) - 1),
-          DoubtObservations(column(table, "time_s"), column(table, "range_m"), column(table, "bearing_rad"),
+    for (const std::string table : {"observations", "sightings"}) {
+      const std::string rows = table + "/";
+      Add(who, table,
+          DoubtObservations(column(rows, "time_s"), column(rows, "range_m"), column(rows, "bearing_rad"),
                             blob_.Has(most)));
+      Add(who, table, DoubtClock(column("odometry/", "time_s"), column(rows, "time_s")));
+    }
     OfPoses(prefix + "poses/", who, "poses");
     OfPoses("truth/" + prefix + "poses/", who, "true poses");
   }
@@ -244,12 +268,28 @@ std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::
   if (const auto row = worst(bearing_rad, kFullTurn_rad + kRounding_rad))
     return UnitDoubt{*row, time_s[*row],
                      "bearings reach " + Few(bearing_rad[*row]) + ": are they" + kDegrees};
+  if (const auto row = RadiansUnderDegrees(bearing_rad))
+    return UnitDoubt{*row, time_s[*row],
+                     "all bearings lie within " + Few(kDegreesOfPi_rad * 180 / std::numbers::pi) +
+                         " degrees of ahead: are they in radians, under a header that says _deg?"};
   if (range_is_known) return std::nullopt;
   if (const auto row = worst(range_m, kMostLandmarkRange_m))
     return UnitDoubt{*row, time_s[*row],
                      "ranges reach " + Few(range_m[*row]) + ": are they" + kMillimetres +
                          "; of a sensor that sees so far say --max-range-m"};
   return std::nullopt;
+}
+
+std::optional<UnitDoubt> DoubtClock(std::span<const double> odometry_time_s, std::span<const double> time_s) {
+  constexpr std::size_t kFew = 20;
+  constexpr double kLeastShare = 1.0 / 500;
+  if (time_s.size() < kFew || odometry_time_s.empty()) return std::nullopt;
+  const double all_s = odometry_time_s.back() - odometry_time_s.front();
+  const double seen_s = time_s.back() - odometry_time_s.front();
+  if (!(seen_s >= 0 && seen_s < kLeastShare * all_s)) return std::nullopt;
+  return UnitDoubt{time_s.size() - 1, time_s.back(),
+                   "all of them come within the first " + Few(seen_s) + " s of " + Few(all_s) +
+                       " s of odometry: are their times in seconds, under a header that says _ms?"};
 }
 
 std::string DoubtText(const std::string& where, const std::string& who, const std::string& table,

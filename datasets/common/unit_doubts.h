@@ -41,6 +41,9 @@ std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<co
 std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::span<const double> range_m,
                                            std::span<const double> bearing_rad, bool range_is_known);
 
+// Of what a robot saw against when it drove.
+std::optional<UnitDoubt> DoubtClock(std::span<const double> odometry_time_s, std::span<const double> time_s);
+
 // "odometry.csv:7: robot 'anna', row 6 of its odometry (0.5 s): it turns by …"; `where`: "", or as shown.
 std::string DoubtText(const std::string& where, const std::string& who, const std::string& table,
                       const UnitDoubt& doubt);

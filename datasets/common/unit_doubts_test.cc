@@ -198,6 +198,41 @@ TEST_F(UnitsOfFiles, RangesInMillimetresAreNamedUnlessTheSensorIsKnown) {
   EXPECT_FALSE(DoubtObservations(time, range, bearing, true));
 }
 
+TEST(UnitDoubts, BearingsInRadiansUnderAHeaderThatSaysDegreesAreInDoubt) {
+  std::vector<double> time, range, narrow, radians;
+  for (int i = 0; i < 30; ++i) {
+    time.push_back(i);
+    range.push_back(3);
+    narrow.push_back(0.001 * (i % 3));                // of a sensor that looks straight ahead
+    radians.push_back((0.1 * i - 1.5) / 180 * M_PI);  // -1.5 to 1.4 rad, taken for degrees
+  }
+  const auto doubt = DoubtObservations(time, range, radians, true);
+  ASSERT_TRUE(doubt);
+  EXPECT_EQ(doubt->row, 0U);
+  ExpectContains(doubt->text, "are they in radians, under a header that says _deg?");
+  EXPECT_FALSE(DoubtObservations(time, range, narrow, true));
+  radians.back() = 0.06;
+  EXPECT_FALSE(DoubtObservations(time, range, radians, true)) << "one is more than a half turn would be";
+  radians.resize(10);
+  EXPECT_FALSE(DoubtObservations(std::span(time).first(10), std::span(range).first(10), radians, true));
+}
+
+TEST(UnitDoubts, ObservationsThatAllComeInTheFirstMomentAreInDoubt) {
+  std::vector<double> odometry, seconds_as_ms, early;
+  for (int i = 0; i <= 600; ++i) odometry.push_back(100 + i);
+  for (int i = 0; i < 30; ++i) {
+    seconds_as_ms.push_back(100 + 0.02 * i);
+    early.push_back(100 + 0.2 * i);
+  }
+  const auto doubt = DoubtClock(odometry, seconds_as_ms);
+  ASSERT_TRUE(doubt);
+  EXPECT_EQ(doubt->row, 29U);
+  ExpectContains(doubt->text, "within the first 0.58 s of 600 s of odometry");
+  EXPECT_FALSE(DoubtClock(odometry, early));
+  EXPECT_FALSE(DoubtClock(odometry, std::span(seconds_as_ms).first(10)));
+  EXPECT_FALSE(DoubtClock({}, seconds_as_ms));
+}
+
 TEST(UnitDoubts, TurnsOfTwoRadiansInATenthOfASecondAreInDoubtAndInASecondTheyAreNot) {
   std::vector<double> fast = {0}, slow = {0}, turn = {0}, zero = {0};
   for (int i = 1; i < 10; ++i) {

@@ -67,16 +67,17 @@ class CsvImport {
 
   // The robot that the line is of, a new one where nobody knows it.
   RobotRows* RobotOrNew(CsvReader* reader) {
-    const std::string_view name = reader->Has(kRobot) ? reader->Text(kRobot) : kOnlyRobot;
-    if (name.empty()) {
+    const auto name = reader->Has(kRobot) ? reader->Name(kRobot) : std::optional(kOnlyRobot);
+    if (!name) return nullptr;
+    if (name->empty()) {
       reader->Bad("unknown robot", "the column is empty");
       return nullptr;
     }
-    const auto robot = static_cast<std::size_t>(robots_.FindOrAdd(name));
+    const auto robot = static_cast<std::size_t>(robots_.FindOrAdd(*name));
     if (robot >= kMostRobots)
       throw InputError(options_.odometry + ": names more than " + std::to_string(kMostRobots) +
                        " robots: is its column 'robot' something else?");
-    if (robot == rows_.robots.size()) rows_.robots.emplace_back().name = name;
+    if (robot == rows_.robots.size()) rows_.robots.emplace_back().name = *name;
     return &rows_.robots[robot];
   }
 
@@ -122,25 +123,10 @@ class CsvImport {
                  heading = y ? reader->Number(4) : y;
       RobotRows* robot = heading ? RobotOrNew(reader) : nullptr;
       if (robot == nullptr || !InOrder(*time, robot->odometry_poses.time_s, reader)) continue;
-      AddPose(*time, *x, *y, *heading, *reader, options_.odometry, &robot->odometry_poses);
+      robot->odometry_poses.from.file = options_.odometry;
+      robot->odometry_poses.Add(*time, *x, *y, *heading, reader->line());
     }
-    for (RobotRows& robot : rows_.robots) {
-      const Poses& poses = robot.odometry_poses;
-      std::vector<TimedPose> track;
-      for (std::size_t i = 0; i < poses.time_s.size(); ++i)
-        track.push_back({poses.time_s[i], {poses.x_m[i], poses.y_m[i], WrapAngle(poses.heading_rad[i])}});
-      robot.odometry = ControlsOf(track);
-    }
-  }
-
-  static void AddPose(double time_s, double x_m, double y_m, double heading_rad, const CsvReader& reader,
-                      const std::string& path, Poses* poses) {
-    poses->time_s.push_back(time_s);
-    poses->x_m.push_back(x_m);
-    poses->y_m.push_back(y_m);
-    poses->heading_rad.push_back(heading_rad);
-    poses->from.file = path;
-    poses->from.line.push_back(reader.line());
+    for (RobotRows& robot : rows_.robots) robot.odometry = ControlsOf(TrackOf(robot.odometry_poses));
   }
 
   void ReadTruthLandmarks() {
@@ -148,7 +134,7 @@ class CsvImport {
     rows_.truth_landmarks.emplace();
     while (reader.Next()) {
       const auto x = reader.Number(1), y = x ? reader.Number(2) : x;
-      if (!y) continue;
+      if (!y || !reader.Name(0)) continue;
       if (reader.Text(0).empty() || truth_.Find(reader.Text(0)) >= 0) {
         reader.Bad("landmark without a name of its own", "'" + std::string(reader.Text(0)) + "'");
         continue;
@@ -204,7 +190,7 @@ class CsvImport {
       if (!time || !Measurement(&reader, &range, &bearing)) continue;
       RobotRows* robot = Robot(&reader);
       if (robot == nullptr || !InOrder(*time, robot->observations.time_s, &reader)) continue;
-      if (!LandmarkIsKnown(reader.Text(2), &reader)) continue;
+      if (!reader.Name(2) || !LandmarkIsKnown(reader.Text(2), &reader)) continue;
       if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
       const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
       robot->observations.Add(*time, landmark, range, bearing);
@@ -220,7 +206,8 @@ class CsvImport {
       const auto heading = y ? reader.Number(4) : y;
       RobotRows* robot = heading ? Robot(&reader) : nullptr;
       if (robot == nullptr || !InOrder(*time, robot->truth.time_s, &reader)) continue;
-      AddPose(*time, *x, *y, *heading, reader, options_.truth_poses, &robot->truth);
+      robot->truth.from.file = options_.truth_poses;
+      robot->truth.Add(*time, *x, *y, *heading, reader.line());
     }
   }
 

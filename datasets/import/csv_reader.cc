@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "schema/error.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -177,6 +178,14 @@ bool CsvReader::Split() {
   }
   for (const std::string& field : unquoted_) fields_.push_back(Trim(field));
   return !quoted;
+}
+
+std::optional<std::string_view> CsvReader::Name(std::size_t index) {
+  const std::string wrong = WhatIsWrongWithName(Text(index));
+  if (wrong.empty()) return Text(index);
+  constexpr std::size_t kShown = 40;
+  Bad("a name that " + wrong, columns_[index] + " is '" + Printable(std::string(Text(index)), kShown) + "'");
+  return std::nullopt;
 }
 
 std::optional<double> CsvReader::Number(std::size_t index) {

@@ -42,6 +42,8 @@ class CsvReader {
   std::string_view Text(std::size_t index) const {
     return Has(index) ? fields_[places_[index]] : std::string_view();
   }
+  // The same of a column of names (schema/text.h); nothing where it can be none, and the line is bad.
+  std::optional<std::string_view> Name(std::size_t index);
   // The number in a column, in the unit that was asked for; nothing where it is none, and the line is bad.
   std::optional<double> Number(std::size_t index);
   // Calls the line bad.

@@ -195,6 +195,23 @@ TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
   ExpectContains(failure("2,Rosa\n"), "observations.csv:2: wrong number of columns");
 }
 
+TEST_F(ImportCsvTest, NamesThatCanBeNoneAreBadLines) {
+  const std::string long_name(257, 'x');
+  PutObservations("1,Rosa,L\x1b[31m,1,0\n2,Rosa,a,1,0\n2,Rosa,\xff,1,0\n3,Rosa," + long_name + ",1,0\n");
+  ExpectContains(Failure(), "observations.csv:2: a name that has control characters: landmark is 'L");
+  options_.skip_bad = true;
+  const ImportReport report = Import();
+  EXPECT_EQ(report.observations, 1);
+  EXPECT_EQ(report.skipped.at("a name that is not UTF-8"), 1);
+  EXPECT_EQ(report.skipped.at("a name that is longer than 256 bytes"), 1);
+  options_.skip_bad = false;
+  options_.odometry = folder_.Put("odometry.csv", "time_s,robot,turn_rad,forward_m\n1,a\x01,0,1\n");
+  ExpectContains(Failure(), "odometry.csv:2: a name that has control characters: robot is 'a");
+  options_.odometry = folder_.Put("odometry.csv", kOdometry);
+  options_.truth_landmarks = folder_.Put("t.csv", "landmark,x_m,y_m\n\x7f,1,1\n");
+  ExpectContains(Failure(), "t.csv:2: a name that has control characters");
+}
+
 TEST_F(ImportCsvTest, BadTruthNamesFileLineAndReason) {
   PutObservations("1,Rosa,,,\n");
   options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\na,1,2\n");

@@ -94,9 +94,11 @@ void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* repor
          DoubtControls(odometry.time_s, odometry.turn_rad, odometry.forward_m), report);
   DoubtPosesOf(robot.odometry_poses, who, "odometry", report);
   for (const auto& [table, rows] :
-       {std::pair{"observations", &robot.observations}, std::pair{"sightings", &robot.sightings}})
+       {std::pair{"observations", &robot.observations}, std::pair{"sightings", &robot.sightings}}) {
     Tell(rows->from, who, table,
          DoubtObservations(rows->time_s, rows->range_m, rows->bearing_rad, range_is_known), report);
+    Tell(rows->from, who, table, DoubtClock(odometry.time_s, rows->time_s), report);
+  }
   DoubtPosesOf(robot.poses, who, "poses", report);
   DoubtPosesOf(robot.truth, who, "true poses", report);
 }
@@ -123,6 +125,19 @@ void Odometry::Add(double time, double turn, double forward) {
   time_s.push_back(time);
   turn_rad.push_back(turn);
   forward_m.push_back(forward);
+}
+
+void Poses::Add(double time, double x, double y, double heading, std::size_t line) {
+  time_s.push_back(time);
+  x_m.push_back(x);
+  y_m.push_back(y);
+  heading_rad.push_back(heading);
+  from.line.push_back(line);
+}
+
+void Poses::RemoveLast() {
+  for (std::vector<double>* column : {&time_s, &x_m, &y_m, &heading_rad}) column->pop_back();
+  from.line.pop_back();
 }
 
 void Observations::Add(double time, std::int32_t which, double range, double bearing) {

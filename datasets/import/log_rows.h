@@ -65,6 +65,8 @@ struct Observations {
 struct Poses {
   std::vector<double> time_s, x_m, y_m, heading_rad;
   Origin from;
+  void Add(double time, double x, double y, double heading, std::size_t line);
+  void RemoveLast();
 };
 // A range sensor on its robot, and its scans.
 struct RangeRows {

@@ -54,4 +54,11 @@ Odometry ControlsOf(const std::vector<TimedPose>& poses) {
   return odometry;
 }
 
+std::vector<TimedPose> TrackOf(const Poses& poses) {
+  std::vector<TimedPose> track;
+  for (std::size_t i = 0; i < poses.time_s.size(); ++i)
+    track.push_back({poses.time_s[i], {poses.x_m[i], poses.y_m[i], WrapAngle(poses.heading_rad[i])}});
+  return track;
+}
+
 }  // namespace cairn::datasets

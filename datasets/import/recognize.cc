@@ -88,6 +88,9 @@ std::optional<Recognized> RecognizeFile(const std::string& path) {
     const std::string_view line = lines.text(), word = line.substr(0, line.find(' '));
     if (Trim(line).empty() || line.starts_with('#')) continue;
     if (line.find("time_") != line.npos) return RecognizeTable(path, line);
+    if (HasColumns(line, {"x_", "y_"}) && line.find_first_of(",;\t") != line.npos)
+      return Recognized{"a table of what it costs to take one place for another",
+                        "cairn import errors " + file + " errors.h5"};
     constexpr std::array kCarmen = {"PARAM", "ODOM",      "FLASER",      "RLASER", "ROBOTLASER1",
                                     "SYNC",  "RAWLASER1", "ROBOTLASER2", "TRUEPOS"};
     if (std::ranges::find(kCarmen, word) != kCarmen.end())
@@ -96,6 +99,9 @@ std::optional<Recognized> RecognizeFile(const std::string& path) {
       return Recognized{"a laser log of DP-SLAM", "cairn import dpslam " + file + " log.h5"};
     if (word == "O" || word == "L")
       return Recognized{"a laser log of Wean Hall", "cairn import wean " + file + " log.h5"};
+    if (!NumbersOf(line, 4).empty())
+      return Recognized{"a trajectory of times and poses in the plane",
+                        "cairn import tum " + file + " poses.h5"};
     const std::vector<double> numbers = NumbersOf(line, 8);
     if (numbers.empty()) return std::nullopt;
     // The last four are a quaternion, or z, roll, pitch and yaw of a motion.

@@ -20,6 +20,9 @@ TEST(Recognize, TellsFilesByTheirFirstLine) {
   ExpectContains(command("b.log", "Odometry 0 0 0\nLaser 1 2\n"), "cairn import dpslam");
   ExpectContains(command("c.log", "L -94 -139 -1 -88 -164 -1 66\n"), "cairn import wean");
   ExpectContains(command("d.txt", "1 0 0 0 0 0 0 1\n"), "cairn import tum");
+  ExpectContains(command("p.txt", "# timestamp x y theta\n976052890.244 0.6 -0.03 -0.35\n"),
+                 "cairn import tum");
+  ExpectContains(command("costs.csv", "x_m,y_m,a,b\n0,0,0,2\n1,0,2,0\n"), "cairn import errors");
   ExpectContains(command("r.txt", "1216.6 1217.5 0.408 -0.016 0 0 0 -0.0696\n"), "--relations /");
   ExpectContains(command("e.csv", "time_s;turn_deg;forward_mm\n"), "cairn import csv --odometry");
   ExpectContains(command("f.csv", "time_s,landmark,range_m,bearing_rad\n"), "--observations /");

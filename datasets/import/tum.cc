@@ -47,11 +47,7 @@ void AddPose(const Fields& line, std::size_t number, Poses* poses, Tilt* tilt) {
   if (!poses->time_s.empty() && time <= poses->time_s.back())
     throw LineError{"time does not run forward",
                     std::to_string(time) + " after " + std::to_string(poses->time_s.back())};
-  poses->time_s.push_back(time);
-  poses->x_m.push_back(at.x_m);
-  poses->y_m.push_back(at.y_m);
-  poses->heading_rad.push_back(heading);
-  poses->from.line.push_back(number);
+  poses->Add(time, at.x_m, at.y_m, heading, number);
 }
 
 void WarnOfTilt(const std::string& path, const Tilt& tilt, ImportReport* report) {

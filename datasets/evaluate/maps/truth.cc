@@ -29,8 +29,12 @@ CellBox Grown(const CellBox& map, const std::vector<Wall>& walls, MapTruth* trut
   box.origin_y_m += static_cast<double>(low) * map.cell_m;
   box.columns = right - left;
   box.rows = high - low;
-  constexpr std::int64_t kMostCells = 200'000'000;
-  if (box.columns > kMostCells / box.rows) throw InputError("the truth's walls lie too far from the map");
+  constexpr std::int64_t kMostCells = 100'000'000;  // 300 MB
+  if (box.columns > kMostCells / box.rows)
+    throw InputError("map and true walls, laid over each other by the true poses, take " +
+                     std::to_string(box.columns) + " x " + std::to_string(box.rows) +
+                     " cells; allowed: " + std::to_string(kMostCells) +
+                     " all together. Is a true pose or a wall far from where it should be?");
   return box;
 }
 
@@ -93,17 +97,28 @@ void MarkDue(const std::vector<Wall>& walls, const Pose& beam, double half_rad, 
   }
 }
 
-void FloodFrom(std::vector<std::pair<std::int64_t, std::int64_t>> open, MapTruth* truth) {
+// Marks as free what is reached from these cells without crossing a wall, ring after ring: a ring is all that
+// is held.
+void FloodFrom(const std::vector<std::pair<std::int64_t, std::int64_t>>& starts, MapTruth* truth) {
   const CellBox& box = truth->box;
-  while (!open.empty()) {
-    const auto [column, row] = open.back();
-    open.pop_back();
-    if (!box.Holds(column, row)) continue;
+  std::vector<std::pair<std::int64_t, std::int64_t>> ring, next;
+  const auto reach = [&](std::int64_t column, std::int64_t row) {
+    if (!box.Holds(column, row)) return;
     const std::size_t cell = box.Index(column, row);
-    if (truth->wall[cell] != 0 || truth->free[cell] != 0) continue;
+    if (truth->wall[cell] != 0 || truth->free[cell] != 0) return;
     truth->free[cell] = 1;
-    for (const auto& [dx, dy] : std::array<std::pair<int, int>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}})
-      open.emplace_back(column + dx, row + dy);
+    next.emplace_back(column, row);
+  };
+  for (const auto& [column, row] : starts) reach(column, row);
+  while (!next.empty()) {
+    ring.swap(next);
+    next.clear();
+    for (const auto& [column, row] : ring) {
+      reach(column + 1, row);
+      reach(column - 1, row);
+      reach(column, row + 1);
+      reach(column, row - 1);
+    }
   }
 }
 
@@ -136,7 +151,7 @@ MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
         MarkDue(walls, sensor.BeamPose(scan, beam), sensor.opening_rad / 2, sensor.max_range_m, &truth);
     }
   }
-  FloodFrom(std::move(way), &truth);
+  FloodFrom(way, &truth);
   return truth;
 }
 

@@ -24,6 +24,7 @@ class LetteredFile {
     Lines lines(text_);
     while (lines.Next()) {
       if (Trim(lines.text()).empty()) continue;
+      line_.push_back(lines.number());
       std::vector<double>& row = rows.emplace_back();
       if (!Parse(lines, &row)) {
         row.clear();
@@ -34,6 +35,8 @@ class LetteredFile {
     }
     return rows;
   }
+
+  const std::vector<std::size_t>& line() const { return line_; }  // of each row
 
  private:
   bool Parse(const Lines& lines, std::vector<double>* row) {
@@ -55,6 +58,7 @@ class LetteredFile {
 
   std::string path_, text_;
   BadLines* bad_;
+  std::vector<std::size_t> line_;
 };
 
 // Ticks to controls; returns the time of each row. One that repeats the time before counts as a millisecond
@@ -63,7 +67,9 @@ std::vector<double> ReadMotors(const std::string& path, BadLines* bad, Odometry*
   constexpr double kRepeat_s = 1e-3, kMostRepeats = 5;
   std::vector<double> times;
   double left = 0.0, right = 0.0;
-  for (const std::vector<double>& row : LetteredFile(path, bad).Rows(6, false)) {
+  LetteredFile file(path, bad);
+  odometry->from.file = path;
+  for (const std::vector<double>& row : file.Rows(6, false)) {
     if (row.empty()) {
       times.push_back(times.empty() ? 0.0 : times.back());
       continue;
@@ -71,7 +77,7 @@ std::vector<double> ReadMotors(const std::string& path, BadLines* bad, Odometry*
     double time = row[0] * kSeconds;
     if (!times.empty() && time <= times.back()) {
       if (row[0] * kSeconds < times.back() - kMostRepeats * kRepeat_s)
-        throw InputError(path + ": time runs backwards in row " + std::to_string(times.size() + 1));
+        throw InputError(path + ":" + std::to_string(file.line()[times.size()]) + ": time runs backwards");
       time = times.back() + kRepeat_s;
     }
     if (odometry->time_s.empty()) {
@@ -84,6 +90,7 @@ std::vector<double> ReadMotors(const std::string& path, BadLines* bad, Odometry*
     }
     left = row[1];
     right = row[5];
+    odometry->from.line.resize(odometry->time_s.size(), file.line()[times.size()]);
     times.push_back(time);
   }
   return times;
@@ -91,12 +98,15 @@ std::vector<double> ReadMotors(const std::string& path, BadLines* bad, Odometry*
 
 void ReadPoles(const std::string& path, BadLines* bad, const std::vector<double>& times,
                Observations* observations) {
-  const auto rows = LetteredFile(path, bad).Rows(0, true);
+  LetteredFile file(path, bad);
+  const auto rows = file.Rows(0, true);
+  observations->from.file = path;
   if (rows.size() > times.size()) throw InputError(path + ": it has more rows than robot4_motors.txt");
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t k = 0; k + 1 < rows[i].size(); k += 2) {
       const double ahead = rows[i][k] * kMetres + kScannerAhead_m, aside = rows[i][k + 1] * kMetres;
       observations->Add(times[i], -1, std::hypot(ahead, aside), std::atan2(aside, ahead));
+      observations->from.line.push_back(file.line()[i]);
     }
   }
 }
@@ -104,9 +114,12 @@ void ReadPoles(const std::string& path, BadLines* bad, const std::vector<double>
 void ReadReference(const std::string& path, BadLines* bad, const std::vector<double>& times, Poses* truth) {
   constexpr double kStep_m = 0.02;
   if (path.empty()) return;
-  const auto rows = LetteredFile(path, bad).Rows(3, false);
+  LetteredFile file(path, bad);
+  const auto rows = file.Rows(3, false);
+  truth->from.file = path;
   for (std::size_t i = 0; i < std::min(rows.size(), times.size()); ++i) {
     if (rows[i].empty()) continue;
+    truth->from.line.push_back(file.line()[i]);
     truth->time_s.push_back(times[i]);
     truth->x_m.push_back(rows[i][1] * kMetres);
     truth->y_m.push_back(rows[i][2] * kMetres);

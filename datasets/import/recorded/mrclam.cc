@@ -137,6 +137,7 @@ class MrclamImport {
       integrator.Add(reader[0], reader[1], reader[2], &robot->odometry);
       robot->odometry.from.line.resize(robot->odometry.time_s.size(), reader.line());
     }
+    if (robot->odometry.time_s.empty()) throw InputError(path + ": there is no odometry in it");
     constexpr double kLongGapS = 2;
     if (integrator.largest_gap_s() > kLongGapS) {
       report_.warnings.push_back(path + ": a gap of " + std::to_string(integrator.largest_gap_s()) +
@@ -152,7 +153,6 @@ class MrclamImport {
 
   void ReadMeasurements(int observer, RobotRows* robot) {
     const std::string path = Need(Robot(observer, "Measurement"));
-    if (robot->odometry.time_s.empty()) return;
     DatReader reader(path, 4, &bad_);
     robot->observations.from.file = robot->sightings.from.file = path;
     while (reader.Next()) {
@@ -170,6 +170,9 @@ class MrclamImport {
           rows->from.line.resize(rows->time_s.size(), reader.line());
       }
     }
+    if (robot->observations.time_s.empty() && robot->sightings.time_s.empty())
+      report_.warnings.push_back(path + ": nothing of it can be used: robot '" + robot->name +
+                                 "' observes nothing");
   }
 
   void Take(int subject, DatReader* reader, RobotRows* robot) {
@@ -203,11 +206,7 @@ class MrclamImport {
     robot->truth.from.file = path;
     while (reader.Next()) {
       if (!reader.InOrder()) continue;
-      robot->truth.from.line.push_back(reader.line());
-      robot->truth.time_s.push_back(reader[0]);
-      robot->truth.x_m.push_back(reader[1]);
-      robot->truth.y_m.push_back(reader[2]);
-      robot->truth.heading_rad.push_back(reader[3]);
+      robot->truth.Add(reader[0], reader[1], reader[2], reader[3], reader.line());
     }
   }
 

@@ -119,10 +119,21 @@ TEST_F(ImportMrclamTest, AFileThatIsMissingIsNamed) {
   ExpectContains(Failure(), "there is no Robot5_Odometry.dat(.gz) in it");
 }
 
+TEST_F(ImportMrclamTest, AFileWithNothingInItIsNotPassedOver) {
+  folder_.Put("Robot1_Measurement.dat", "# time subject range bearing\n\n");
+  const ImportReport report = Import();
+  EXPECT_TRUE(std::ranges::any_of(report.warnings, [](const std::string& warning) {
+    return warning.find("Robot1_Measurement.dat: nothing of it can be used: robot '1' observes nothing") !=
+           std::string::npos;
+  }));
+  folder_.Put("Robot1_Odometry.dat", "");
+  ExpectContains(Failure(), "Robot1_Odometry.dat: there is no odometry in it");
+}
+
 TEST_F(ImportMrclamTest, TruthThatIsThereInPartIsWarnedOf) {
   const ImportReport report = Import();
-  ASSERT_EQ(report.warnings.size(), 1U);
-  ExpectContains(report.warnings[0], "what is not there: Robot2_Groundtruth.dat");
+  ASSERT_EQ(report.warnings.size(), 2U);  // the other: that robot 2 saw nothing
+  ExpectContains(report.warnings[1], "what is not there: Robot2_Groundtruth.dat");
 }
 
 TEST_F(ImportMrclamTest, AFolderThatIsNoneIsRefused) {

@@ -100,26 +100,14 @@ void TellTimesApart(ImportReport* report, Events* events) {
 }
 
 // The poses of `which`; of those at one time the last.
-std::vector<TimedPose> TrackOf(const Events& events, std::optional<Pose> RangeEvent::* which) {
-  std::vector<TimedPose> track;
-  for (const RangeEvent& event : events) {
-    if (!(event.*which)) continue;
-    const TimedPose pose{event.stamp_s, *(event.*which)};
-    if (!track.empty() && track.back().time_s == pose.time_s)
-      track.back() = pose;
-    else
-      track.push_back(pose);
-  }
-  return track;
-}
-
-Poses PosesOf(const std::vector<TimedPose>& track) {
+Poses PosesOf(const RangeLog& log, std::optional<Pose> RangeEvent::* which) {
   Poses poses;
-  for (const TimedPose& at : track) {
-    poses.time_s.push_back(at.time_s);
-    poses.x_m.push_back(at.pose.x_m);
-    poses.y_m.push_back(at.pose.y_m);
-    poses.heading_rad.push_back(at.pose.heading_rad);
+  poses.from.file = log.path;
+  for (const RangeEvent& event : log.events) {
+    if (!(event.*which)) continue;
+    const Pose& pose = *(event.*which);
+    if (!poses.time_s.empty() && poses.time_s.back() == event.stamp_s) poses.RemoveLast();
+    poses.Add(event.stamp_s, pose.x_m, pose.y_m, pose.heading_rad, event.line);
   }
   return poses;
 }
@@ -189,18 +177,20 @@ RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg
 ImportReport MakeRangeLog(RangeLog ranges, const NominalFigures& nominal, BadLines* bad, ImportReport report,
                           Blob* log) {
   Order(&ranges, bad, &report);
-  const std::vector<TimedPose> corrected = TrackOf(ranges.events, &RangeEvent::corrected);
-  std::vector<TimedPose> odometry = TrackOf(ranges.events, &RangeEvent::odometry);
-  if (odometry.empty()) odometry = corrected;
-  if (odometry.empty()) throw InputError(ranges.path + ": there is neither odometry nor a pose in it");
+  const Poses corrected = PosesOf(ranges, &RangeEvent::corrected);
+  Poses odometry = PosesOf(ranges, &RangeEvent::odometry);
+  if (odometry.time_s.empty()) odometry = corrected;
+  if (odometry.time_s.empty()) throw InputError(ranges.path + ": there is neither odometry nor a pose in it");
+  const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
   LogRows rows;
   rows.nominal = nominal;
   RobotRows& robot = rows.robots.emplace_back();
   robot.name = ranges.robot;
-  robot.odometry = ControlsOf(odometry);
-  robot.poses = PosesOf(corrected);
-  robot.truth = PosesOf(TrackOf(ranges.events, &RangeEvent::truth));
-  AddSensed(&ranges, odometry.front().time_s, odometry.back().time_s, &report, &rows);
+  robot.odometry = ControlsOf(TrackOf(odometry));
+  robot.odometry_poses = std::move(odometry);
+  robot.poses = corrected;
+  robot.truth = PosesOf(ranges, &RangeEvent::truth);
+  AddSensed(&ranges, first_s, last_s, &report, &rows);
   report.skipped = bad->counts();
   *log = MakeLog(rows, ranges.path, &report);
   return report;

@@ -61,6 +61,20 @@ TEST_F(ImportRecordedTest, LegoBadLinesAreNamedOrCounted) {
   ExpectContains(InputErrorOf([&] { ImportLegoRobot(options_, &log_); }), "there is no robot4_motors.txt");
 }
 
+// Rows keep their lines, so that a doubt names them.
+TEST_F(ImportRecordedTest, WhatNoRobotDoesIsNamedWithFileAndLine) {
+  PutLego();
+  folder_.Put("robot4_motors.txt", "M 1000 0 0 0 0 0\n\nM 1100 0 0 0 0 0\nM 3100 999999 0 0 0 999999\n");
+  const auto lego = ImportLegoRobot(options_, &log_).unit_doubts;
+  ASSERT_FALSE(lego.empty());
+  ExpectContains(lego[0], "robot4_motors.txt:4: robot 'lego'");
+  PutPark();
+  folder_.Put("trees/speed.txt", "2\n2000\n2000\n");
+  const auto park = ImportVictoriaPark(options_, &log_).unit_doubts;
+  ASSERT_FALSE(park.empty());
+  ExpectContains(park[0], "time.txt:3: robot 'car'");
+}
+
 TEST_F(ImportRecordedTest, VictoriaParkTellsTreesFromTheRearAxleAndGpsByTheTreesClock) {
   PutPark();
   const ImportReport report = ImportVictoriaPark(options_, &log_);

@@ -36,26 +36,34 @@ class VictoriaImport {
   std::string Find(const std::string& name) const { return FindFile(options_.folder, name); }
   std::string Need(const std::string& name) const { return NeedFile(options_.folder, name); }
 
-  std::vector<double> Column(const std::string& name) {
+  std::vector<double> Column(const std::string& name, Origin* from = nullptr) {
     std::vector<double> column;
-    DatReader reader(Need(name), 1, &bad_);
-    while (reader.Next()) column.push_back(reader[0]);
+    const std::string path = Need(name);
+    DatReader reader(path, 1, &bad_);
+    if (from != nullptr) from->file = path;
+    while (reader.Next()) {
+      column.push_back(reader[0]);
+      if (from != nullptr) from->line.push_back(reader.line());
+    }
     return column;
   }
 
   // The left rear wheel's speed and the steering angle as those of the rear axle's middle.
   void ReadControls(Odometry* odometry) {
-    const std::vector<double> time = Column("trees/time.txt"), speed = Column("trees/speed.txt"),
+    Origin at;
+    const std::vector<double> time = Column("trees/time.txt", &at), speed = Column("trees/speed.txt"),
                               steering = Column("trees/steering.txt");
     if (time.size() != speed.size() || time.size() != steering.size())
       throw InputError(options_.folder + "/trees: time, speed and steering differ in length");
     if (!std::ranges::is_sorted(time))
       throw InputError(options_.folder + "/trees/time.txt: time runs backwards");
     VelocityIntegrator integrator;
+    odometry->from.file = at.file;
     for (std::size_t i = 0; i < time.size(); ++i) {
       const double tangent = std::tan(steering[i]);
       const double middle_mps = speed[i] / (1.0 - tangent * kLeftWheel_m / kWheelBase_m);
       integrator.Add(1e-3 * time[i], middle_mps, middle_mps * tangent / kWheelBase_m, odometry);
+      odometry->from.line.resize(odometry->time_s.size(), at.line[i]);
     }
   }
 
@@ -63,8 +71,10 @@ class VictoriaImport {
   void ReadTrees(RobotRows* robot) {
     if (robot->odometry.time_s.empty()) return;
     const std::vector<double> time = Column("trees/lasersampling.txt");
-    DatReader range(Need("trees/ObservationDistance.txt"), kTreesAScan, &bad_);
+    const std::string path = Need("trees/ObservationDistance.txt");
+    DatReader range(path, kTreesAScan, &bad_);
     DatReader angle(Need("trees/ObservationAngle.txt"), kTreesAScan, &bad_);
+    robot->observations.from.file = path;
     for (const double time_ms : time) {
       if (!range.Next() || !angle.Next())
         throw InputError(options_.folder + "/trees: fewer rows of trees than laser scans");
@@ -74,6 +84,7 @@ class VictoriaImport {
         continue;
       }
       for (std::size_t k = 0; k < kTreesAScan; ++k) AddTree(time_s, range[k], angle[k], &robot->observations);
+      robot->observations.from.line.resize(robot->observations.time_s.size(), range.line());
     }
   }
 
@@ -91,8 +102,10 @@ class VictoriaImport {
     const std::string path = Find("GPS.txt");
     if (path.empty()) return;
     DatReader reader(path, 3, &bad_);
+    truth->from.file = path;
     while (reader.Next()) {
       if (!reader.InOrder()) continue;
+      truth->from.line.push_back(reader.line());
       truth->time_s.push_back(reader[0] + kGpsBehind_s);
       truth->x_m.push_back(reader[2]);  // east
       truth->y_m.push_back(reader[1]);  // north: told from the turns of the odometry

@@ -10,6 +10,7 @@
 #include "coordinator/cli/output/plan_text.h"
 #include "datasets/common/text_file.h"
 #include "datasets/common/unit_doubts.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
 #include "schema/text.h"
 
@@ -35,11 +36,10 @@ void AddFigure(Command command, const char* flag, std::optional<double>& field, 
 int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
                 const char* kind) {
   if (const Status texts = CheckTexts(blob); !texts.ok()) throw InputError(texts.message());
-  if (!report.unit_doubts.empty()) {
-    if (!output.units_are_right) RefuseUnits("", report.unit_doubts);
-    datasets::NoteUnitsAreRight(&blob);
-    PrintLines("warning", report.unit_doubts);
-  }
+  if (!report.unit_doubts.empty() && !output.units_are_right) RefuseUnits("", report.unit_doubts);
+  CheckKind(blob, kind);
+  if (!report.unit_doubts.empty()) datasets::NoteUnitsAreRight(&blob);
+  PrintLines("warning", report.unit_doubts);
   Check(WriteBlobFile(output.out, kind, blob));
   if (output.json) {
     const nlohmann::ordered_json json = {{"file", output.out},           {"kind", kind},
