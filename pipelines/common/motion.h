@@ -66,6 +66,9 @@ class MotionKernel {
   // used again, by one thread.
   void KeepStencils() { kept_.resize(static_cast<std::size_t>(headings_)); }
 
+  // Multiplications that Forward does a cell; Backward does about as many.
+  int TapsACell() const { return 2 * static_cast<int>(half_turn_.weights.size()) + StencilOf(0).size; }
+
  private:
   LayeredGrid TurnForward(const LayeredGrid& belief) const;
   HalfTurn FirstHalfTurn(const LayeredGrid& belief, const LayeredGrid& middle) const;

@@ -11,12 +11,11 @@ namespace cairn::landmark_map {
 namespace {
 
 constexpr double kCellMb = sizeof(double) / 1e6;
-// As measured over searches, of cells of 1 m and 5 degrees; of finer ones, whose kernels are larger, less.
-constexpr double kCellsPerSecond = 120e6;
 // What EM does, of simulated worlds: its iterations on all data until the first robot has settled, those of
 // all robots, in each of which those that start anywhere look for themselves, and the rounds at the end.
 constexpr double kUsualIterations = 5.0, kJoinedIterations = 4.0, kLastRounds = 2.0;
 constexpr double kUsualWaves = 1.0, kRefits = 8.0, kNewStarts = 3.0;  // of the search; candidates a wave
+constexpr double kTask_s = 2e-3;                                      // of each, whatever its size
 constexpr double kProgramMb = 40.0;  // a worker that has done nothing yet, and its copy of the log
 constexpr double kCacheMb = 512.0;   // what a worker keeps of blobs at most (--cache-mb)
 
@@ -48,18 +47,26 @@ Slices CutIntoSlices(const OpenLoop& loop, double slice_work) {
   return slices;
 }
 
-// What is seen at a range and bearing tells a robot where it may start; a press leaves every place of the
-// map.
-bool Presses(const RobotSteps& steps) {
-  return std::ranges::all_of(steps.observations,
-                             [](const Observation& o) { return o.x_m == 0 && o.y_m == 0; });
+// The cells under each heading where a robot may start that may be anywhere: a landmark that it sees first,
+// at a range and bearing and by name, tells where, else every place of the map may be.
+double PlacesWhereLost(const RobotSteps& steps, const Settings& settings, double map_cells) {
+  if (steps.observations.empty()) return map_cells;
+  const Observation& first = steps.observations[0];
+  if (first.x_m == 0 && first.y_m == 0) return map_cells;
+  constexpr double kReach = 7.0;  // standard deviations to both sides, of the landmark and of the sighting
+  const bool named = first.type < settings.map.types;
+  const double table =
+      named ? 2.0 * kReach * settings.map.observation_m / settings.map.grid.cell_m : std::sqrt(map_cells);
+  return CellsWhereLost(steps, settings.Model(nullptr), table);
 }
 
-// A robot that may be anywhere: every heading of the whole map, and a slice holds a step at least.
-Slices SlicesWhereLost(double map_cells, const Settings& settings, double slice_work) {
-  const double step = map_cells * settings.map.grid.headings;
-  const double all = kStepsLost * step, tables = std::clamp(slice_work, step, all);
-  return {tables, step, all / tables * step, all / tables * map_cells};
+double StepsLost(const RobotSteps& steps) { return std::min(kStepsLost, static_cast<double>(steps.size())); }
+
+// A robot that may be anywhere: every heading of these places, and a slice holds a step at least.
+Slices SlicesWhereLost(double places, const RobotSteps& steps, const Settings& settings, double slice_work) {
+  const double step = places * settings.map.grid.headings;
+  const double all = StepsLost(steps) * step, tables = std::clamp(slice_work, step, all);
+  return {tables, step, all / tables * step, all / tables * places};
 }
 
 double TaskMb(const Slices& slices, double counts) {
@@ -92,6 +99,7 @@ Box BoxOf(const LayeredGrid& grid) {
 // Steps that EM of the first robot looks at from such a start on, after the first round.
 double VisitsFrom(Schedule schedule, const Options& options, int steps) {
   double visits = 0.0;
+  if (schedule.summarise) return visits;  // the first round is the last one
   while (schedule.prefix < 1.0) {
     schedule = schedule.Next(options, 1, 0.0, 0.0);
     visits += StepsInUse(schedule, steps);
@@ -103,16 +111,16 @@ double WavesOf(const Options& options, const std::vector<cairn::Step>& starts) {
   return starts.size() < 2 ? 0.0 : std::min(kUsualWaves, static_cast<double>(options.waves));
 }
 
-// Cells that the candidates of the search move, or the only start.
-double WorkOfSearch(const Options& options, const RobotSteps& robot, double first_round, double step_cells,
-                    const std::vector<cairn::Step>& starts) {
+// Seconds of the candidates of the search, or of the only start.
+double SecondsOfSearch(const Options& options, const RobotSteps& robot, double first_round_s, double step_s,
+                       const std::vector<cairn::Step>& starts) {
   const auto count = static_cast<double>(starts.size());
   double visits = 0.0;
   for (const cairn::Step& start : starts)
     visits += VisitsFrom(Schedule::Load(start.plan.state()), options, robot.size());
-  const double all = first_round + visits * step_cells;
+  const double all = first_round_s + visits * step_s;
   return all + WavesOf(options, starts) *
-                   (kNewStarts / count * all + kRefits * kUsualIterations * robot.size() * step_cells);
+                   (kNewStarts / count * all + kRefits * kUsualIterations * robot.size() * step_s);
 }
 
 double MStepMb(const Box& box, bool identified, const MapRules& rules) {
@@ -135,8 +143,11 @@ void Estimate::Store(State* state) const {
 
 Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
                      const std::vector<cairn::Step>& starts, const Perception* given) {
-  const int used = StepsInUse(Schedule{.prefix = settings.growth_start}, robots[0].size());
-  const OpenLoop first = ReckonOpenLoop(robots[0], settings.Model(nullptr), used);
+  const EStepModel model = settings.Model(nullptr);
+  int used = 0;  // steps, in the first round of some start
+  for (const cairn::Step& start : starts)
+    used = std::max(used, StepsInUse(Schedule::Load(start.plan.state()), robots[0].size()));
+  const OpenLoop first = ReckonOpenLoop(robots[0], model, used);
   const std::set<std::int32_t> types = TypesSeen(robots);
   Box reach;
   for (const Box& box : first.boxes) reach = Union(reach, box);
@@ -148,29 +159,34 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
     estimate.cells += Carried::Load(start.plan.state(), robots.size()).work[0];
     estimate.tasks += start.plan.tasks_size();
   }
-  estimate.rounds = (1.0 + RoundsLater(starts[0].plan)) * (1.0 + WavesOf(options, starts));
-  double work = WorkOfSearch(options, robots[0], estimate.cells,
-                             WorkOfStep(robots[0], settings.Model(nullptr)), starts);
+  const bool only_round = options.iterations == 0;
+  estimate.rounds = only_round ? 1.0 : (1.0 + RoundsLater(starts[0].plan)) * (1.0 + WavesOf(options, starts));
+  const auto step_s = [&](const RobotSteps& robot) {
+    return 1e-9 * CellNanoseconds(robot, model, true) * WorkOfStep(robot, model);
+  };
+  estimate.seconds =
+      SecondsOfSearch(options, robots[0], 1e-9 * CellNanoseconds(robots[0], model, false) * estimate.cells,
+                      step_s(robots[0]), starts);
   const double joined = std::min(kJoinedIterations, 1.0 + static_cast<double>(options.iterations));
-  for (std::size_t r = 0; r < robots.size(); ++r) {
+  for (std::size_t r = 0; r < robots.size() && !only_round; ++r) {
     const double rounds = kLastRounds + (r > 0 ? joined : 0.0);
-    work += rounds * robots[r].size() * WorkOfStep(robots[r], settings.Model(nullptr));
+    estimate.seconds += rounds * (robots[r].size() * step_s(robots[r]) + kTask_s);
   }
   const Slices slices = CutIntoSlices(first, slice_work);
   estimate.task_mb = TaskMb(slices, counts);
   const auto candidates = static_cast<double>(starts.size());
-  double partials = candidates * PartialsMb(slices, layers);
-  const std::size_t lost_robots = robots.size() - (options.start == "anywhere" ? 0 : 1);
-  if (lost_robots > 0 && Presses(robots[0])) {
-    const double map = static_cast<double>(
-        (given != nullptr ? BoxOf(given->likelihood) : GrownByRadius(reach, settings.map)).cells());
-    const Slices lost = SlicesWhereLost(map, settings, slice_work);
+  double partials = candidates * PartialsMb(slices, layers), partials_where_lost = 0.0;
+  const auto map = static_cast<double>(
+      (given != nullptr ? BoxOf(given->likelihood) : GrownByRadius(reach, settings.map)).cells());
+  for (std::size_t r = options.start == "anywhere" ? 0 : 1; r < robots.size(); ++r) {
+    const Slices lost =
+        SlicesWhereLost(PlacesWhereLost(robots[r], settings, map), robots[r], settings, slice_work);
     estimate.task_mb = std::max(estimate.task_mb, TaskMb(lost, counts));
-    const auto others = static_cast<double>(lost_robots);
-    work += others * joined * kStepsLost * lost.step;
-    partials = std::max(partials, others * PartialsMb(lost, layers));
+    estimate.seconds +=
+        1e-9 * CellNanoseconds(robots[r], model, false) * joined * StepsLost(robots[r]) * lost.step;
+    partials_where_lost += PartialsMb(lost, layers);
   }
-  estimate.seconds = work / kCellsPerSecond;
+  partials = std::max(partials, partials_where_lost);
   double m_step = 0.0;
   for (const std::int32_t type : types) m_step += MStepMb(reach, type < settings.map.types, settings.map);
   estimate.task_mb = std::max(estimate.task_mb, m_step);

@@ -45,6 +45,13 @@ TEST(Estimate, CountsEveryStartAndWhatComesAfterThem) {
   EXPECT_GT(seconds({.starts = 10}), 1.5 * ten);
 }
 
+TEST(Estimate, AnOnlyRoundIsOverAllSteps) {
+  const auto whole = Expected({.cell_m = 1.0, .iterations = 0, .growth_start = 1.0});
+  const auto grown = Expected({.cell_m = 1.0, .iterations = 0, .growth_start = 0.05});
+  EXPECT_EQ(grown, whole) << "the share of the first iteration is that of an iteration";
+  EXPECT_EQ(whole.at("rounds"), 1.0);
+}
+
 TEST(Estimate, ATaskOverWhatIsAllowedIsRefusedAtTheStartWithBothFigures) {
   const double needed = Expected({.cell_m = 0.25}).at("task_mb");
   try {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What `cairn run --dry-run` expects against what the run then takes: seconds of all workers' processor time, and the
-# largest resident set of its only worker. estimates.sh [NAME LOG.h5 KEY=VALUE…]: that job, else some of its own (one
-# where CAIRN_DATA names a folder that holds mrclam6). CAIRN_BIN: the folder of the programs.
+# largest resident set of its only worker. estimates.sh [NAME LOG.h5 KEY=VALUE…]: that job, else some of its own (three
+# where CAIRN_DATA names a folder that holds mrclam6 and victoria-park). CAIRN_BIN: the folder of the programs.
 set -euo pipefail
 PATH=${CAIRN_BIN:-$(cd "$(dirname "$0")/../.." && pwd)/build/release/bin}:$PATH
 work=$(mktemp -d)
@@ -45,8 +45,17 @@ cairn simulate loop --difficulty base --robots 4 --seed 1 four.h5 >/dev/null
 cairn simulate loop --difficulty base --seed 1 one.h5 >/dev/null
 measure base-1m one.h5 cell_m=1
 measure base-four four.h5
+for r in {1..300}; do printf '%s\n' "0,r$r,0.1,1" "1,r$r,0.1,1" "2,r$r,0.1,1" "3,r$r,0.1,1"; done |
+  cat <(echo time_s,robot,turn_rad,forward_m) - >odometry.csv
+for r in {1..300}; do printf '%s\n' "2,r$r,$r,1,0" "3,r$r,,,"; done |
+  cat <(echo time_s,robot,landmark,range_m,bearing_rad) - >observations.csv
+cairn import csv --odometry odometry.csv --observations observations.csv many.h5 >/dev/null
+measure 300-robots many.h5
 measure base-0.25m-2deg one.h5 cell_m=0.25 heading_deg=2 starts=1
 if [ -n "${CAIRN_DATA:-}" ]; then
   cairn import mrclam "$CAIRN_DATA/mrclam6" mrclam6.h5 >/dev/null
   measure mrclam-6 mrclam6.h5
+  cairn import victoria-park "$CAIRN_DATA/victoria-park" park.h5 >/dev/null 2>&1
+  measure victoria-park park.h5
+  measure park-5m-once park.h5 cell_m=5 iterations=0
 fi

@@ -157,7 +157,16 @@ void Mask(const LayeredGrid& alpha, LayeredGrid* message) {
   }
 }
 
-// By how many cells odometry may have led a robot astray from step 0 to `step`, at most.
+}  // namespace
+
+LayeredGrid DiracStart(const GridSpec& grid) {
+  LayeredGrid belief;
+  belief.layers.resize(static_cast<std::size_t>(grid.headings));
+  belief.layers[0] = Layer(Box{0, 0, 1, 1});
+  belief.layers[0].values[0] = 1.0;
+  return belief;
+}
+
 int MarginOfWay(const EStepModel& model, const RobotSteps& steps, int step) {
   constexpr double kReach = 3.0;  // standard deviations
   Leg way;
@@ -168,16 +177,6 @@ int MarginOfWay(const EStepModel& model, const RobotSteps& steps, int step) {
   const LegError error = ErrorOf(way, model.noise);
   const double astray_m = std::min(2.0, kReach * error.heading_rad) * way.path_m + kReach * error.along_m;
   return static_cast<int>(std::ceil(astray_m / model.grid.cell_m));
-}
-
-}  // namespace
-
-LayeredGrid DiracStart(const GridSpec& grid) {
-  LayeredGrid belief;
-  belief.layers.resize(static_cast<std::size_t>(grid.headings));
-  belief.layers[0] = Layer(Box{0, 0, 1, 1});
-  belief.layers[0].values[0] = 1.0;
-  return belief;
 }
 
 LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {

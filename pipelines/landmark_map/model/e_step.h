@@ -70,6 +70,10 @@ struct Frontier {
 LayeredGrid DiracStart(const GridSpec& grid);
 LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 
+// By how many cells odometry may have led a robot astray from step 0 to `step`, at most: so much wider than
+// the places that see the observation is UniformStart.
+int MarginOfWay(const EStepModel& model, const RobotSteps& steps, int step);
+
 // eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start. Throws InputError
 // that names robot, step and observation where the evidence is impossible under the model.
 Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress);

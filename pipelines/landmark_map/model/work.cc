@@ -116,6 +116,28 @@ double WorkOfStep(const RobotSteps& steps, const EStepModel& model) {
   return kStepCells + kBlur * MeanCellsInAMap(steps, model);
 }
 
+double CellNanoseconds(const RobotSteps& steps, const EStepModel& model, bool in_cache) {
+  constexpr double kAlways_ns = 4.0, kCached_ns = 0.35, kUncached_ns = 1.0;  // the latter of a tap
+  constexpr double kObservation = 4.0;                                       // taps: a bilinear shift
+  const int legs = steps.size() - 1;
+  double taps = 0.0;
+  for (int s = 1; s <= legs; ++s) {
+    const Leg leg = steps.LegTo(s);
+    taps += MotionKernel(leg, ErrorOf(leg, model.noise), model.grid.cell_m, model.grid.headings, model.shape)
+                .TapsACell();
+  }
+  const double seen = static_cast<double>(steps.observations.size()) / steps.size();
+  return kAlways_ns +
+         (in_cache ? kCached_ns : kUncached_ns) * (taps / std::max(1, legs) + kObservation * seen);
+}
+
+double CellsWhereLost(const RobotSteps& steps, const EStepModel& model, double table_cells) {
+  int step = 0;
+  while (step + 1 < steps.size() && steps.first_observation[step + 1] == 0) ++step;
+  const double edge = table_cells + 2.0 * MarginOfWay(model, steps, step) + 1.0;
+  return edge * edge;
+}
+
 double WorkWhereLost(int count, const EStepModel& model) {
   double map = 0.0;
   for (const Layer& layer : model.perception->likelihood.layers) {

@@ -40,6 +40,15 @@ inline constexpr double kStepsLost = 6.0;
 // kStepsLost times.
 double WorkWhereLost(int count, const EStepModel& model);
 
+// Nanoseconds that a cell takes over forward and backward pass, on one core of a 2020s server: by the taps of
+// the legs' kernels and the observations of a step. `in_cache`: the tables of a sharp map; those of the first
+// round are larger than caches are.
+double CellNanoseconds(const RobotSteps& steps, const EStepModel& model, bool in_cache);
+
+// Cells under each heading from which a robot that may start anywhere may come to see what it observes first,
+// in a map whose likelihood table of that is an edge of `table_cells`.
+double CellsWhereLost(const RobotSteps& steps, const EStepModel& model, double table_cells);
+
 // How many time slices to provide for `work` in slices of `slice_work`: one where it fits, else more than
 // should be needed, for where a slice ends is seen only when it is run; what is not needed is left empty.
 int SlicesFor(double work, double slice_work, int count);

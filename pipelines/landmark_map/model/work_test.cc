@@ -35,6 +35,27 @@ TEST(ReckonOpenLoop, AgreeWithWhatAPassWithoutAMapMovesToAFactorOfTwo) {
   }
 }
 
+TEST(CellNanoseconds, WiderErrorsAndMoreObservationsCostMore) {
+  World world(Options{.cell_m = 1.0});
+  const EStepModel model = world.settings.Model(nullptr);
+  const double usual = CellNanoseconds(world.steps, model, true);
+  EXPECT_GT(CellNanoseconds(world.steps, model, false), usual);
+  const World noisy(Options{.cell_m = 1.0, .noise_scale = 5.0});
+  EXPECT_GT(CellNanoseconds(noisy.steps, noisy.settings.Model(nullptr), true), usual);
+  world.steps.observations.resize(4 * world.steps.observations.size());
+  EXPECT_GT(CellNanoseconds(world.steps, model, true), usual);
+}
+
+TEST(CellsWhereLost, AreTheTableAndTheWayToTheFirstObservationOnBothSides) {
+  World world(Options{.cell_m = 1.0});
+  const EStepModel model = world.settings.Model(nullptr);
+  int step = 0;
+  while (world.steps.first_observation[step + 1] == 0) ++step;
+  const double edge = 10.0 + 2.0 * MarginOfWay(model, world.steps, step) + 1.0;
+  EXPECT_EQ(CellsWhereLost(world.steps, model, 10.0), edge * edge);
+  EXPECT_GT(step, 0);
+}
+
 TEST(ReckonOpenLoop, NoBoxIsLargerThanTheOneThatIsAllowed) {
   const World wide(Options{.cell_m = 0.5}), narrow(Options{.cell_m = 0.5, .box_m = 2.0});
   const auto all = ReckonOpenLoop(wide.steps, wide.settings.Model(nullptr), wide.steps.size()).cells;
