@@ -82,8 +82,11 @@ int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char
   } else if (const std::string flag = UnknownFlag(app, known ? word : "", argc, argv); !flag.empty()) {
     Complain(flag + " (" + app.get_name() + " " + (known ? word + " " : "") + "--help lists them)");
   } else {
-    Complain(std::string(error.what()) + " (" + app.get_name() + " " + (known ? word + " " : "") +
-             "--help says more)");
+    // Where there may be several inputs the ending tells which name is the output's.
+    const std::string said = error.what();
+    const bool output = said == "OUT.h5 is required";
+    Complain(said + (output ? ": the file to write, whose name ends in .h5" : "") + " (" + app.get_name() +
+             " " + (known ? word + " " : "") + "--help says more)");
   }
   return kExitBadInput;
 }

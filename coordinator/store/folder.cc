@@ -42,12 +42,12 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
 }
 
 Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
+  if (IsForeign(dir))
+    return Status(Code::kCorrupt, dir.string() + " holds files of something else, and no store");
   const fs::path lock_file = dir / "lock";
   const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock < 0) return SystemFailure(lock_file, "open", errno);
   StoreFolder folder(dir, lock);
-  if (folder.IsForeign())
-    return Status(Code::kCorrupt, dir.string() + " holds files of something else, and no store");
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
   if (Status status = folder.CheckVersion(); !status.ok()) return status;
@@ -55,18 +55,19 @@ Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
 }
 
 StoreFolder::StoreFolder(StoreFolder&& other) noexcept
-    : dir_(std::move(other.dir_)), lock_(std::exchange(other.lock_, -1)) {}
+    : dir_(std::move(other.dir_)), lock_(std::exchange(other.lock_, kNoLock)) {}
 
 StoreFolder::~StoreFolder() {
   if (lock_ >= 0) ::close(lock_);  // and with it the lock
 }
 
 // Each store has a version but those of version 1, which have a table of jobs. New ones hold nothing.
-bool StoreFolder::IsForeign() const {
+bool StoreFolder::IsForeign(const fs::path& dir) {
+  const StoreFolder folder(dir, kNoLock);
   std::error_code error;
-  if (fs::exists(VersionFile(), error) || fs::exists(JobTable(), error)) return false;
-  const std::vector<fs::path> leftovers = Leftovers(dir_);
-  for (const fs::directory_entry& entry : fs::directory_iterator(dir_, error))
+  if (fs::exists(folder.VersionFile(), error) || fs::exists(folder.JobTable(), error)) return false;
+  const std::vector<fs::path> leftovers = Leftovers(dir);
+  for (const fs::directory_entry& entry : fs::directory_iterator(dir, error))
     if (entry.path().filename() != "lock" && std::ranges::find(leftovers, entry.path()) == leftovers.end())
       return true;
   return false;

@@ -59,12 +59,13 @@ class StoreFolder {
 
  private:
   StoreFolder(std::filesystem::path dir, int lock) : dir_(std::move(dir)), lock_(lock) {}
-  bool IsForeign() const;
+  static constexpr int kNoLock = -1;
+  static bool IsForeign(const std::filesystem::path& dir);
   Status CheckVersion() const;
   Status MakeFolders() const;
 
   std::filesystem::path dir_;
-  int lock_ = -1;  // file descriptor
+  int lock_ = kNoLock;  // file descriptor
 };
 
 // Renames a damaged file so that it is never read again but can be looked at: FILE.damaged.

@@ -138,6 +138,7 @@ TEST(StoreFolder, AFolderThatHoldsSomethingElseIsRefusedAndNotTouched) {
   EXPECT_EQ(status.code(), Code::kCorrupt);
   EXPECT_NE(status.message().find("no store"), std::string::npos) << status.message();
   EXPECT_EQ(Contents(folder), before);
+  EXPECT_FALSE(fs::exists(folder / "lock"));
 }
 
 TEST(StoreFolder, WhatIsNotTheStoresStaysInIt) {

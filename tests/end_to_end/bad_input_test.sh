@@ -90,7 +90,7 @@ vectors '2,0,0,5' '1,1,0,6' >tuesday.csv
 refuses_import 'tuesday.csv:3: time runs backwards' cairn import vectors monday.csv tuesday.csv log.h5
 vectors '1,0,0,5' >tuesday.csv
 refuses_import 'tuesday.csv:2: a run has two samples or more' cairn import vectors monday.csv tuesday.csv log.h5
-refuses_import "OUT.h5 is required" cairn import vectors monday.csv tuesday.csv
+refuses_import "OUT.h5 is required: the file to write, whose name ends in .h5" cairn import vectors monday.csv tuesday.csv
 ln -s monday.csv monday.h5
 refuses "'monday.h5' is an input" cairn import vectors monday.csv monday.h5 --force
 rm monday.h5
