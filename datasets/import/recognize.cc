@@ -119,7 +119,23 @@ bool IsImageName(const fs::path& path) {
   return std::ranges::find(kImages, ending) != kImages.end();
 }
 
-std::optional<Recognized> RecognizeFolder(const std::string& path) {
+// Of these files or folders the first that is a log, else the first that is anything.
+std::optional<Recognized> FirstOf(std::vector<std::string> paths,
+                                  std::optional<Recognized> (*recognize)(const std::string&)) {
+  std::ranges::sort(paths);
+  constexpr std::size_t kMostLooked = 50;
+  std::optional<Recognized> first;
+  for (std::size_t i = 0; i < std::min(kMostLooked, paths.size()); ++i) {
+    auto found = recognize(paths[i]);
+    if (!found || found->what == kRelations) continue;
+    found->what = "a folder with " + found->what + ", " + fs::path(paths[i]).filename().string();
+    if (found->command.ends_with(" log.h5")) return found;
+    if (!first) first = std::move(found);
+  }
+  return first;
+}
+
+std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
   const std::string folder = Quoted(path);
   const auto has = [&](const char* name) { return !FindFile(path, name).empty(); };
   if (has("Barcodes.dat"))
@@ -146,15 +162,17 @@ std::optional<Recognized> RecognizeFolder(const std::string& path) {
   if (images > 1)
     return Recognized{"a folder of " + std::to_string(images) + " images",
                       "cairn import images " + folder + " POSES.csv images.h5"};
-  std::ranges::sort(files);
-  constexpr std::size_t kMostLooked = 50;
-  for (std::size_t i = 0; i < std::min(kMostLooked, files.size()); ++i) {
-    if (auto found = RecognizeFile(files[i]); found && found->what != kRelations) {
-      found->what = "a folder with " + found->what + ", " + fs::path(files[i]).filename().string();
-      return found;
-    }
-  }
-  return std::nullopt;
+  return FirstOf(std::move(files), RecognizeFile);
+}
+
+// Itself, or where that is nothing the folders in it: a collection of logs.
+std::optional<Recognized> RecognizeFolder(const std::string& path) {
+  if (auto found = RecognizeOneFolder(path)) return found;
+  std::vector<std::string> folders;
+  std::error_code error;
+  for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_directory(error)) folders.push_back(entry->path().string());
+  return FirstOf(std::move(folders), RecognizeOneFolder);
 }
 
 }  // namespace

@@ -53,6 +53,9 @@ TEST(Recognize, TellsFoldersByTheirFiles) {
   benchmark.Put("fr079.relations", "1216.6 1217.5 0.408 -0.016 0 0 0 -0.0696\n");
   benchmark.Put("freiburg.log", "FLASER 1 2\n");
   ExpectContains(CommandOf(benchmark / ""), "cairn import carmen");
+  benchmark.Put("a-poses.txt", "976052890.244 0.6 -0.03 -0.35\n");
+  ExpectContains(CommandOf(benchmark / ""), "freiburg.log");  // the log before what goes with it
+  ExpectContains(command({"README", "base-01/odometry.csv", "base-02/odometry.csv"}), "base-01/odometry.csv");
   EXPECT_EQ(command({"diary.txt"}), "");
   EXPECT_EQ(command({}), "");
 }
