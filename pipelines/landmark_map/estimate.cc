@@ -47,14 +47,14 @@ Slices CutIntoSlices(const OpenLoop& loop, double slice_work) {
   return slices;
 }
 
-// The cells under each heading where a robot may start that may be anywhere: a landmark that it sees first,
-// at a range and bearing and by name, tells where, else every place of the map may be.
+// The cells under each heading where a robot may start that may be anywhere: the first landmark that it
+// observes tells where if it has a name, and its way up to there; else every place of the map may be.
 double PlacesWhereLost(const RobotSteps& steps, const Settings& settings, double map_cells) {
   if (steps.observations.empty()) return map_cells;
   const Observation& first = steps.observations[0];
-  if (first.x_m == 0 && first.y_m == 0) return map_cells;
+  const bool named = first.type < settings.map.types, pressed = first.x_m == 0 && first.y_m == 0;
+  if (pressed && !named) return map_cells;
   constexpr double kReach = 7.0;  // standard deviations to both sides, of the landmark and of the sighting
-  const bool named = first.type < settings.map.types;
   const double table =
       named ? 2.0 * kReach * settings.map.observation_m / settings.map.grid.cell_m : std::sqrt(map_cells);
   return CellsWhereLost(steps, settings.Model(nullptr), table);

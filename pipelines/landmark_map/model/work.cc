@@ -117,8 +117,9 @@ double WorkOfStep(const RobotSteps& steps, const EStepModel& model) {
 }
 
 double CellNanoseconds(const RobotSteps& steps, const EStepModel& model, bool in_cache) {
-  constexpr double kAlways_ns = 4.0, kCached_ns = 0.35, kUncached_ns = 1.0;  // the latter of a tap
-  constexpr double kObservation = 4.0;                                       // taps: a bilinear shift
+  constexpr double kAlways_ns = 4.0;                       // scaling, pruning, products
+  constexpr double kCached_ns = 0.35, kUncached_ns = 1.0;  // of a tap
+  constexpr double kObservation = 4.0;                     // taps: a bilinear shift
   const int legs = steps.size() - 1;
   double taps = 0.0;
   for (int s = 1; s <= legs; ++s) {
