@@ -1,4 +1,4 @@
-# Which folder may link what: the table of folders as CMake sees it. tests/house/include_rules_test.cc holds the same
+# Which folder may link what: the table of folders as CMake sees it. tests/layering/include_rules_test.cc holds the same
 # table against every #include line; this one stops a wrong link line when the build is configured.
 #
 # CAIRN_LINKS_<folder>: regular expressions of folders of our own, and of targets of others.

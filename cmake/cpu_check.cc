@@ -7,7 +7,7 @@
 namespace {
 
 // Priority 101 is the earliest that programs may use: static constructors of the program come after it.
-[[gnu::constructor(101)]] void RefuseOlderCpu() {
+[[gnu::constructor(101)]] void CheckCpu() {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
     return;

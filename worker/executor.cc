@@ -17,27 +17,27 @@ namespace {
 
 class TaskProgress : public Progress {
  public:
-  explicit TaskProgress(TaskInHand& task) : task_(task) {}
+  explicit TaskProgress(AssignedTask& task) : task_(task) {}
   void Tick() override {
     task_.ticks.fetch_add(1, std::memory_order_relaxed);
     if (task_.cancelled.load(std::memory_order_relaxed)) throw Cancelled{};
   }
 
  private:
-  TaskInHand& task_;
+  AssignedTask& task_;
 };
 
 class TaskInputs : public Inputs {
  public:
   // Of START and ADVANCE: the stage's inputs, and the state's blobs, which come before an input of the same
   // name.
-  static TaskInputs OfPlan(const TaskInHand& task) {
+  static TaskInputs OfPlan(const AssignedTask& task) {
     TaskInputs inputs;
     for (const auto& [name, hash] : task.assign.inputs()) inputs.blobs_[name] = Find(task, hash);
     for (const auto& [name, hash] : task.assign.state().blobs()) inputs.blobs_[name] = Find(task, hash);
     return inputs;
   }
-  static TaskInputs OfRun(const TaskInHand& task) {
+  static TaskInputs OfRun(const AssignedTask& task) {
     TaskInputs inputs;
     for (const proto::InputRef& ref : task.assign.task().inputs()) {
       inputs.blobs_[ref.name()] = Rows(Find(task, ref.blob()), ref);
@@ -65,7 +65,7 @@ class TaskInputs : public Inputs {
   }
 
  private:
-  static BlobPtr Find(const TaskInHand& task, const std::string& binary) {
+  static BlobPtr Find(const AssignedTask& task, const std::string& binary) {
     return task.blobs.at(Hash::FromBinary(binary).value());
   }
   static BlobPtr Rows(const BlobPtr& blob, const proto::InputRef& ref) {
@@ -86,12 +86,12 @@ class TaskInputs : public Inputs {
 
 class FetchedPartials : public Partials {
  public:
-  FetchedPartials(Desk& desk, TaskInHand& task) : desk_(desk), task_(task) {}
+  FetchedPartials(TaskQueue& queue, AssignedTask& task) : queue_(queue), task_(task) {}
   std::size_t size() const override { return task_.partials.size(); }
   // Made elsewhere, and the task's to read: neither its coming nor its going counts as the task's memory.
   BlobPtr Get(std::size_t index) override {
     const TaskMemory::Pause pause;
-    BlobPtr partial = desk_.AwaitPartial(task_, index);
+    BlobPtr partial = queue_.AwaitPartial(task_, index);
     const Blob* const blob = partial.get();
     return {blob, [partial = std::move(partial)](const Blob*) mutable {
               const TaskMemory::Pause while_it_goes;
@@ -100,8 +100,8 @@ class FetchedPartials : public Partials {
   }
 
  private:
-  Desk& desk_;
-  TaskInHand& task_;
+  TaskQueue& queue_;
+  AssignedTask& task_;
 };
 
 wire::Message DoneWithStep(const wire::TaskKey& key, Step step) {
@@ -155,7 +155,7 @@ const Pipeline& Executor::PipelineOf(const wire::Assign& assign) {
   return *pipeline_;
 }
 
-wire::Message Executor::Compute(TaskInHand& task) {
+wire::Message Executor::Compute(AssignedTask& task) {
   const wire::Assign& assign = task.assign;
   const Pipeline& pipeline = PipelineOf(assign);
   switch (assign.key().kind()) {
@@ -165,7 +165,7 @@ wire::Message Executor::Compute(TaskInHand& task) {
       return DoneWithStep(assign.key(), pipeline.Start(inputs));
     }
     case wire::TaskKey::ADVANCE: {
-      FetchedPartials partials(desk_, task);
+      FetchedPartials partials(queue_, task);
       return DoneWithStep(assign.key(), pipeline.Advance(assign.state(), partials, TaskInputs::OfPlan(task)));
     }
     default: {
@@ -175,7 +175,7 @@ wire::Message Executor::Compute(TaskInHand& task) {
   }
 }
 
-wire::Message Executor::Answer(TaskInHand& task, TaskMemory& memory) {
+wire::Message Executor::Answer(AssignedTask& task, TaskMemory& memory) {
   const auto begin = std::chrono::steady_clock::now();
   const TaskMemory::Hold hold(memory);
   wire::Message answer = Compute(task);
@@ -184,15 +184,16 @@ wire::Message Executor::Answer(TaskInHand& task, TaskMemory& memory) {
   return answer;
 }
 
-wire::Message Executor::AnswerOrFailure(TaskInHand& task) {
-  const std::string failure = desk_.FailureOf(task);
+wire::Message Executor::AnswerOrFailure(AssignedTask& task) {
+  const std::string failure = queue_.FailureOf(task);
   if (!failure.empty()) return Failure(task.assign, false, failure);
   TaskMemory memory(task.assign.memory_mb(), memory_mb_);
   wire::Message answer;
   try {
     answer = Answer(task, memory);
   } catch (const Cancelled&) {
-    // Dropped by the desk where the task was cancelled; else the pipeline has thrown what it should not.
+    // Dropped by the task queue where the task was cancelled; else the pipeline has thrown what it should
+    // not.
     answer = Failure(task.assign, false, "it gave up though nobody had cancelled it");
   } catch (const InputError& error) {
     answer = Failure(task.assign, true, error.what());
@@ -210,7 +211,7 @@ wire::Message Executor::AnswerOrFailure(TaskInHand& task) {
 
 void Executor::Loop() {
   FixNumericsOfThread();
-  while (const TaskPtr task = desk_.Next()) desk_.Finish(*task, AnswerOrFailure(*task));
+  while (const TaskPtr task = queue_.Next()) queue_.Finish(*task, AnswerOrFailure(*task));
 }
 
 }  // namespace cairn::worker

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "pipelines/pipeline.h"
-#include "worker/desk.h"
 #include "worker/task_memory.h"
+#include "worker/task_queue.h"
 
 namespace cairn::worker {
 
@@ -20,18 +20,18 @@ using PipelineFactory =
 class Executor {
  public:
   // `memory_mb`: no task may take more, whatever its job says; 0: the job's limit alone.
-  Executor(Desk& desk, PipelineFactory factory, std::uint64_t memory_mb = 0)
-      : desk_(desk), factory_(std::move(factory)), memory_mb_(memory_mb) {}
-  // Until the desk is closed.
+  Executor(TaskQueue& queue, PipelineFactory factory, std::uint64_t memory_mb = 0)
+      : queue_(queue), factory_(std::move(factory)), memory_mb_(memory_mb) {}
+  // Until the task queue is closed.
   void Loop();
 
  private:
-  wire::Message Answer(TaskInHand& task, TaskMemory& memory);
-  wire::Message AnswerOrFailure(TaskInHand& task);
-  wire::Message Compute(TaskInHand& task);
+  wire::Message Answer(AssignedTask& task, TaskMemory& memory);
+  wire::Message AnswerOrFailure(AssignedTask& task);
+  wire::Message Compute(AssignedTask& task);
   const Pipeline& PipelineOf(const wire::Assign& assign);
 
-  Desk& desk_;
+  TaskQueue& queue_;
   const PipelineFactory factory_;
   const std::uint64_t memory_mb_;
   // The pipeline of the task before: tasks of one stage follow each other.

@@ -44,7 +44,7 @@ std::atomic<bool> g_stop{false}, g_drain{false}, g_may_drain{false};
 std::atomic<Transport*> g_transport{nullptr};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
 
-// SIGTERM drains where there is time for it; else, and at the next signal, it ends with a Bye; the signal
+// SIGTERM drains where there is time for it; else, and at the next signal, it ends with a Leave; the signal
 // after that ends the process at once.
 void OnSignal(int number) {
   const bool drains = number == SIGTERM && g_may_drain && !g_stop && !g_drain.exchange(true);
@@ -68,7 +68,7 @@ void Declare(CLI::App& app, Arguments& a) {
       "Exit codes: 0 ended on request, 1 no coordinator, 2 refused or bad usage");
   app.add_option("--connect", a.connect,
                  "endpoint of the coordinator: ipc:///FOLDER/NAME or tcp://HOST:PORT");
-  app.add_option("--slots", a.slots, "tasks that may be in hand at a time")
+  app.add_option("--slots", a.slots, "tasks that may be assigned at a time")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--cache-mb", a.cache_mb, "memory for blobs that may be needed again")
@@ -145,7 +145,7 @@ WorkerOptions MakeOptions(const Arguments& a) {
   options.drain = &g_drain;
   options.drain_s = a.drain_s;
   options.session.cache_bytes = a.cache_mb << 20;
-  options.session.exit_on_bye = a.die_with_parent;
+  options.session.exit_on_leave = a.die_with_parent;
   // A private worker whose parent died before PR_SET_PDEATHSIG took hold finds nobody.
   options.session.first_contact_s = a.die_with_parent ? 30 : 0;
   return options;

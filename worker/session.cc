@@ -23,10 +23,10 @@ wire::Message FetchOf(const Hash& hash) {
 
 }  // namespace
 
-Session::Session(SessionOptions options, Transport& transport, Desk& desk, double now_s)
+Session::Session(SessionOptions options, Transport& transport, TaskQueue& queue, double now_s)
     : options_(std::move(options)),
       transport_(transport),
-      desk_(desk),
+      queue_(queue),
       cache_(options_.cache_bytes),
       started_s_(now_s) {
   for (const wire::NamedBlob& named : options_.given) given_[named.hash] = named.blob;
@@ -78,27 +78,27 @@ void Session::HandleMessage(const wire::Message& message, double now_s) {
   const wire::Envelope& envelope = message.envelope;
   switch (envelope.body_case()) {
     case wire::Envelope::kWelcome:
-      beat_s_ = std::max(envelope.welcome().beat_s(), 0.01);
+      heartbeat_s_ = std::max(envelope.welcome().heartbeat_s(), 0.01);
       ever_welcome_ = true;
-      beaten_s_ = now_s - *beat_s_;  // the first one at once
+      heartbeat_sent_s_ = now_s - *heartbeat_s_;  // the first one at once
       options_.log(Severity::kInfo, "at work");
       return;
     case wire::Envelope::kRefuse:
       End(kExitRefused, Severity::kError, "refused: " + envelope.refuse().reason());
       return;
-    case wire::Envelope::kStranger:
-      // Strangers that were on their way when we said Hello are answered by that Hello.
-      if (beat_s_) SayHello(now_s);
+    case wire::Envelope::kUnknownWorker:
+      // UnknownWorker that were on their way when we said Hello are answered by that Hello.
+      if (heartbeat_s_) SayHello(now_s);
       return;
     case wire::Envelope::kDrain:
       if (!leaving_) options_.log(Severity::kInfo, "told to leave: finishes what it runs");
       leaving_ = true;
       return;
     case wire::Envelope::kAssign:
-      if (beat_s_) desk_.Add(envelope.assign());
+      if (heartbeat_s_) queue_.Add(envelope.assign());
       return;
     case wire::Envelope::kCancel:
-      desk_.Cancel(envelope.cancel().key());
+      queue_.Cancel(envelope.cancel().key());
       return;
     case wire::Envelope::kBlob:
       TakeBlob(message.blobs[0], now_s);
@@ -107,11 +107,11 @@ void Session::HandleMessage(const wire::Message& message, double now_s) {
       if (const Result<Hash> hash = Hash::FromBinary(envelope.missing().hash()); hash.ok()) {
         blob_s_ = now_s;
         requests_.erase(hash.value());
-        desk_.GiveUp(hash.value());
+        queue_.GiveUp(hash.value());
       }
       return;
-    case wire::Envelope::kBye:
-      if (options_.exit_on_bye) return End(kExitDone, Severity::kInfo, "the coordinator has ended");
+    case wire::Envelope::kLeave:
+      if (options_.exit_on_leave) return End(kExitDone, Severity::kInfo, "the coordinator has ended");
       options_.log(Severity::kInfo, "the coordinator has ended; waiting for the next");
       DropConversation();
       return;
@@ -124,7 +124,7 @@ void Session::TakeBlob(const wire::NamedBlob& named, double now_s) {
   blob_s_ = now_s;
   const auto request = requests_.extract(named.hash);
   if (request.empty() || request.mapped().keep) cache_.Put(named);
-  desk_.Deliver(named);
+  queue_.Deliver(named);
 }
 
 void Session::SayHello(double now_s) {
@@ -136,8 +136,8 @@ void Session::SayHello(double now_s) {
 }
 
 void Session::DropConversation() {
-  beat_s_.reset();
-  desk_.DropAll();
+  heartbeat_s_.reset();
+  queue_.DropAll();
   wants_.clear();
   requests_.clear();
   outbox_.clear();
@@ -149,10 +149,10 @@ void Session::End(int code, Severity severity, const std::string& line) {
   exit_code_ = code;
 }
 
-void Session::SayBye() {
+void Session::SendLeave() {
   DropConversation();
   wire::Message message;
-  message.envelope.mutable_bye();
+  message.envelope.mutable_leave();
   if (connected_) transport_.Send(message);
 }
 
@@ -160,20 +160,21 @@ void Session::Leave(double patience_s, double now_s) {
   options_.log(Severity::kInfo, "leaves: finishes what it runs");
   leaving_ = true;
   leave_by_s_ = now_s + patience_s;
-  if (beat_s_) beaten_s_ = now_s - *beat_s_;  // the next beat, and with it the word, at once
+  if (heartbeat_s_)
+    heartbeat_sent_s_ = now_s - *heartbeat_s_;  // the next heartbeat, and with it the word, at once
 }
 
 // A conversation that is over, or was never begun, leaves nothing to finish.
 void Session::EndIfLeft(double now_s) {
-  const bool idle = outbox_.empty() && desk_.Empty();
+  const bool idle = outbox_.empty() && queue_.Empty();
   const bool late = leave_by_s_ && now_s >= *leave_by_s_;
-  if (exit_code_ || (beat_s_ && !idle && !late)) return;
-  SayBye();
+  if (exit_code_ || (heartbeat_s_ && !idle && !late)) return;
+  SendLeave();
   exit_code_ = kExitDone;
 }
 
 void Session::TakeAnswers() {
-  for (wire::Message& answer : desk_.TakeAnswers()) {
+  for (wire::Message& answer : queue_.TakeAnswers()) {
     // What this worker made is likely to be an input of what it gets next.
     for (const wire::NamedBlob& named : answer.blobs) cache_.Put(named);
     outbox_.push_back(std::move(answer));
@@ -186,12 +187,12 @@ BlobPtr Session::Known(const Hash& hash) {
 }
 
 void Session::Fetch(double now_s) {
-  for (const Want& want : desk_.TakeWants()) wants_.push_back(want);
+  for (const Want& want : queue_.TakeWants()) wants_.push_back(want);
   while (!wants_.empty() && requests_.size() < kMaxRequests) {
     const Want want = wants_.front();
     wants_.pop_front();
     if (const BlobPtr blob = Known(want.hash)) {
-      desk_.Deliver({want.hash, blob});
+      queue_.Deliver({want.hash, blob});
     } else if (requests_.try_emplace(want.hash, Request{now_s, want.keep}).second) {
       outbox_.push_back(FetchOf(want.hash));
     }
@@ -206,14 +207,14 @@ void Session::RepeatFetches(double now_s) {
   }
 }
 
-void Session::Beat(double now_s) {
-  if (now_s - beaten_s_ < *beat_s_ / 2) return;
-  beaten_s_ = now_s;
+void Session::SendHeartbeat(double now_s) {
+  if (now_s - heartbeat_sent_s_ < *heartbeat_s_ / 2) return;
+  heartbeat_sent_s_ = now_s;
   wire::Message message;
-  *message.envelope.mutable_beat() = desk_.InHand();
+  *message.envelope.mutable_heartbeat() = queue_.Assigned();
   outbox_.push_back(std::move(message));
   if (!leave_by_s_) return;
-  wire::Message drain;  // with each beat: a word may get lost
+  wire::Message drain;  // with each heartbeat: a word may get lost
   drain.envelope.mutable_drain();
   outbox_.push_back(std::move(drain));
 }
@@ -224,11 +225,11 @@ void Session::Flush() {
 
 void Session::Work(double now_s) {
   if (exit_code_) return;
-  if (beat_s_) {
+  if (heartbeat_s_) {
     TakeAnswers();
     Fetch(now_s);
     RepeatFetches(now_s);
-    Beat(now_s);
+    SendHeartbeat(now_s);
   } else if (connected_ && now_s - hello_s_ >= kHelloAgain_s) {
     SayHello(now_s);
   }
@@ -241,9 +242,9 @@ void Session::Work(double now_s) {
 
 double Session::WaitSeconds(double now_s) const {
   if (!outbox_.empty()) return kRetry_s;
-  if (!beat_s_) return kLongestWait_s;
+  if (!heartbeat_s_) return kLongestWait_s;
   const double end_s = leave_by_s_.value_or(now_s + kLongestWait_s);
-  return std::clamp(std::min(beaten_s_ + *beat_s_ / 2, end_s) - now_s, 0.0, kLongestWait_s);
+  return std::clamp(std::min(heartbeat_sent_s_ + *heartbeat_s_ / 2, end_s) - now_s, 0.0, kLongestWait_s);
 }
 
 }  // namespace cairn::worker

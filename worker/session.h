@@ -1,9 +1,9 @@
-// The worker's side of the conversation with a coordinator: Hello, beats, fetches, answers. No threads, no
-// clock and no sockets in here: events and the time go in, messages go out through the transport.
+// The worker's side of the conversation with a coordinator: Hello, heartbeats, fetches, answers. No threads,
+// no clock and no sockets in here: events and the time go in, messages go out through the transport.
 //
 // A lost connection ends the conversation: the coordinator knows a worker by its connection, and gives the
-// tasks of a lost one to others under new attempt numbers. So all tasks in hand are dropped; the cache stays,
-// and with it the partials that the worker has made.
+// tasks of a lost one to others under new attempt numbers. So all tasks assigned are dropped; the cache
+// stays, and with it the partials that the worker has made.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "worker/blob_cache.h"
-#include "worker/desk.h"
+#include "worker/task_queue.h"
 #include "worker/transport.h"
 
 namespace cairn::worker {
@@ -27,7 +27,7 @@ struct SessionOptions {
   wire::Hello hello;  // as it is sent
   std::size_t cache_bytes = 1u << 30;
   std::vector<wire::NamedBlob> given;  // that it has from the beginning, and need not fetch
-  bool exit_on_bye = false;            // a private worker of one run; else it waits for the next coordinator
+  bool exit_on_leave = false;          // a private worker of one run; else it waits for the next coordinator
   double first_contact_s = 0;          // give up where nobody has said Welcome by then; 0: never
   LogSink log = [](Severity, const std::string&) {};
 };
@@ -38,15 +38,16 @@ inline constexpr int kExitRefused = 2;  // the coordinator does not want this wo
 
 class Session {
  public:
-  Session(SessionOptions options, Transport& transport, Desk& desk, double now_s);
+  Session(SessionOptions options, Transport& transport, TaskQueue& queue, double now_s);
   void Handle(const Event& event, double now_s);
-  // Fetches, answers and beats that are due. Call it after events, after a wake-up, and after WaitSeconds.
+  // Fetches, answers and heartbeats that are due. Call it after events, after a wake-up, and after
+  // WaitSeconds.
   void Work(double now_s);
   double WaitSeconds(double now_s) const;
-  // Says that it wants no more tasks, finishes what it runs, says Bye and ends with kExitDone; after
+  // Says that it wants no more tasks, finishes what it runs, sends Leave and ends with kExitDone; after
   // `patience_s` it ends in any case.
   void Leave(double patience_s, double now_s);
-  void SayBye();
+  void SendLeave();
   std::optional<int> exit_code() const { return exit_code_; }  // set: the conversation is over for good
 
  private:
@@ -64,26 +65,26 @@ class Session {
   BlobPtr Known(const Hash& hash);  // null: it has to be fetched
   void Fetch(double now_s);
   void RepeatFetches(double now_s);
-  void Beat(double now_s);
+  void SendHeartbeat(double now_s);
   void EndIfLeft(double now_s);
   void Flush();
 
   const SessionOptions options_;
   Transport& transport_;
-  Desk& desk_;
+  TaskQueue& queue_;
   BlobCache cache_;
   std::map<Hash, BlobPtr> given_;
   const double started_s_;
   bool connected_ = false;
   bool ever_welcome_ = false;
-  unsigned failed_handshakes_ = 0;    // since it was last connected
-  std::optional<double> beat_s_;      // since Welcome
-  double hello_s_ = 0;                // when Hello was last said
-  double beaten_s_ = 0;               // when the last beat went out
-  bool leaving_ = false;              // it ends once it has nothing in hand
-  std::optional<double> leave_by_s_;  // of its own accord: then it ends in any case
-  double blob_s_ = 0;                 // when a fetch was last answered
-  std::deque<Want> wants_;            // not asked for yet
+  unsigned failed_handshakes_ = 0;     // since it was last connected
+  std::optional<double> heartbeat_s_;  // since Welcome
+  double hello_s_ = 0;                 // when Hello was last said
+  double heartbeat_sent_s_ = 0;        // when the last heartbeat went out
+  bool leaving_ = false;               // it ends once it has nothing assigned
+  std::optional<double> leave_by_s_;   // of its own accord: then it ends in any case
+  double blob_s_ = 0;                  // when a fetch was last answered
+  std::deque<Want> wants_;             // not asked for yet
   std::map<Hash, Request> requests_;
   std::deque<wire::Message> outbox_;
   std::optional<int> exit_code_;

@@ -13,8 +13,8 @@ wire::Message Plain(void (*set)(wire::Envelope&)) {
   set(message.envelope);
   return message;
 }
-const auto kBye = [](wire::Envelope& e) { e.mutable_bye(); };
-const auto kStranger = [](wire::Envelope& e) { e.mutable_stranger(); };
+const auto kLeave = [](wire::Envelope& e) { e.mutable_leave(); };
+const auto kUnknownWorker = [](wire::Envelope& e) { e.mutable_unknown_worker(); };
 
 TEST(Conversation, ALostConnectionDropsTheTasksAndKeepsTheCache) {
   Rig rig([](const Task& task, const Inputs& inputs, Progress& progress) {
@@ -58,13 +58,13 @@ TEST(Conversation, WhatItWasGivenItNeverFetchesWhateverTheCacheHolds) {
 TEST(Conversation, SaysHelloAgainToACoordinatorThatDoesNotKnowIt) {
   Rig rig(AddIndex);
   rig.Begin();
-  rig.Give(Plain(kStranger));
+  rig.Give(Plain(kUnknownWorker));
   EXPECT_TRUE(rig.Serve().envelope.has_hello());
   // A second one that was on its way before that Hello; and a task of the time before.
-  rig.Give(Plain(kStranger));
+  rig.Give(Plain(kUnknownWorker));
   rig.Assign(RunTask(1, {{"a", rig.Keep(Number(1))}}));
   wire::Message welcome;
-  welcome.envelope.mutable_welcome()->set_beat_s(1);
+  welcome.envelope.mutable_welcome()->set_heartbeat_s(1);
   rig.Give(welcome);
   rig.Assign(RunTask(2, {{"a", rig.Keep(Number(1))}}));
   const wire::Message next = rig.Serve();
@@ -133,15 +133,15 @@ TEST(Conversation, AHandshakeThatFailsIsToldAndTheNextConnectionGoesOn) {
   EXPECT_EQ(log.find("(3 times)"), std::string::npos) << "it may go on for hours";
 }
 
-TEST(Conversation, ByeEndsAPrivateWorkerOnly) {
-  Rig own(AddIndex, [](WorkerOptions& o) { o.session.exit_on_bye = true; });
+TEST(Conversation, LeaveEndsAPrivateWorkerOnly) {
+  Rig own(AddIndex, [](WorkerOptions& o) { o.session.exit_on_leave = true; });
   own.Begin();
-  own.Give(Plain(kBye));
+  own.Give(Plain(kLeave));
   EXPECT_EQ(own.Join(), kExitDone);
 
   Rig fleet(AddIndex);
   fleet.Begin();
-  fleet.Give(Plain(kBye));
+  fleet.Give(Plain(kLeave));
   fleet.Begin();
   fleet.Assign(RunTask(1, {{"a", fleet.Keep(Number(1))}}));
   EXPECT_TRUE(fleet.Serve().envelope.has_done());
@@ -157,7 +157,7 @@ TEST(Conversation, APrivateWorkerThatFindsNobodyGivesUp) {
 
 const auto kDrain = [](wire::Envelope& e) { e.mutable_drain(); };
 
-TEST(Conversation, AWorkerThatIsToldToLeaveFinishesWhatItRunsSaysByeAndEnds) {
+TEST(Conversation, AWorkerThatIsToldToLeaveFinishesWhatItRunsSendsLeaveAndEnds) {
   Rig rig(AddIndex);
   rig.Begin(1000);
   const Hash a = rig.Keep(Number(1));
@@ -166,7 +166,7 @@ TEST(Conversation, AWorkerThatIsToldToLeaveFinishesWhatItRunsSaysByeAndEnds) {
   rig.Give(Plain(kDrain));
   rig.Answer(a);
   EXPECT_TRUE(rig.Serve().envelope.has_done());
-  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+  EXPECT_TRUE(rig.Serve().envelope.has_leave());
   EXPECT_EQ(rig.Join(), kExitDone);
 }
 
@@ -194,7 +194,7 @@ TEST(Conversation, OfItsOwnAccordItSaysSoFirstAndFinishesWhatItRuns) {
   EXPECT_TRUE(rig.transport.Take().envelope.has_drain());
   rig.Answer(a);
   EXPECT_TRUE(rig.Serve().envelope.has_done());
-  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+  EXPECT_TRUE(rig.Serve().envelope.has_leave());
   EXPECT_EQ(rig.Join(), kExitDone);
 }
 
@@ -210,16 +210,16 @@ TEST(Conversation, OfItsOwnAccordItDoesNotWaitForLongerThanItWasGiven) {
   rig.transport.Wake();
   EXPECT_TRUE(rig.Serve().envelope.has_drain());
   rig.Pass(61);
-  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+  EXPECT_TRUE(rig.Serve().envelope.has_leave());
   EXPECT_EQ(rig.Join(), kExitDone);
 }
 
-TEST(Conversation, StoppingSaysBye) {
+TEST(Conversation, StoppingSendsLeave) {
   Rig rig(SpinUntilCancelled);
   rig.Begin();
   rig.Assign(RunTask(0));
   EXPECT_EQ(rig.Stop(), kExitDone);
-  EXPECT_TRUE(rig.Serve().envelope.has_bye());
+  EXPECT_TRUE(rig.Serve().envelope.has_leave());
 }
 
 }  // namespace

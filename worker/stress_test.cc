@@ -86,7 +86,7 @@ class Caprice {
     while (!rig_.transport.Take().envelope.has_hello()) {
     }
     wire::Message welcome;
-    welcome.envelope.mutable_welcome()->set_beat_s(1000);
+    welcome.envelope.mutable_welcome()->set_heartbeat_s(1000);
     rig_.Give(welcome);
     open_.clear();
     cancelled_.clear();

@@ -18,9 +18,9 @@ double SteadySeconds() {
 // The computing thread. Ends with the object, or takes the process with it.
 class ComputeThread {
  public:
-  ComputeThread(Desk& desk, const PipelineFactory& factory, std::uint64_t task_memory_mb)
-      : desk_(desk), thread_([this, factory, task_memory_mb] {
-          Executor(desk_, factory, task_memory_mb).Loop();
+  ComputeThread(TaskQueue& queue, const PipelineFactory& factory, std::uint64_t task_memory_mb)
+      : queue_(queue), thread_([this, factory, task_memory_mb] {
+          Executor(queue_, factory, task_memory_mb).Loop();
           ended_.set_value();
         }) {}
   ~ComputeThread() { thread_.join(); }
@@ -28,13 +28,13 @@ class ComputeThread {
   ComputeThread& operator=(const ComputeThread&) = delete;
 
   void End(double patience_s, int exit_code) {
-    desk_.Close();
+    queue_.Close();
     const auto patience = std::chrono::duration<double>(patience_s);
     if (ended_.get_future().wait_for(patience) != std::future_status::ready) std::_Exit(exit_code);
   }
 
  private:
-  Desk& desk_;
+  TaskQueue& queue_;
   std::promise<void> ended_;
   std::thread thread_;
 };
@@ -45,9 +45,9 @@ int RunWorker(Transport& transport, const PipelineFactory& factory, const Worker
               const std::atomic<bool>& stop) {
   FixNumericsOfProcess();
   const std::function<double()> now_s = options.now_s ? options.now_s : SteadySeconds;
-  Desk desk([&transport] { transport.Wake(); });
-  Session session(options.session, transport, desk, now_s());
-  ComputeThread computing(desk, factory, options.task_memory_mb);
+  TaskQueue queue([&transport] { transport.Wake(); });
+  Session session(options.session, transport, queue, now_s());
+  ComputeThread computing(queue, factory, options.task_memory_mb);
   bool leaving = false;
   while (!stop && !session.exit_code()) {
     if (options.drain != nullptr && *options.drain && !std::exchange(leaving, true))
@@ -55,7 +55,7 @@ int RunWorker(Transport& transport, const PipelineFactory& factory, const Worker
     for (const Event& event : transport.Poll(session.WaitSeconds(now_s()))) session.Handle(event, now_s());
     session.Work(now_s());
   }
-  if (!session.exit_code()) session.SayBye();
+  if (!session.exit_code()) session.SendLeave();
   const int code = session.exit_code().value_or(kExitDone);
   computing.End(options.patience_s, code);
   return code;

@@ -198,20 +198,20 @@ TEST(Worker, ACancelledTaskMakesRoomForTheNext) {
   EXPECT_EQ(rig.Serve().envelope.done().key().task(), 2u);
 }
 
-TEST(Worker, BeatsCarryTheTicksOfTheTasksInHand) {
+TEST(Worker, HeartbeatsCarryTheTicksOfAssignedTasks) {
   Rig rig(SpinUntilCancelled);
   rig.Begin(10);
   rig.Assign(RunTask(0));
   rig.Assign(RunTask(1));
   std::uint64_t ticks = 0;
   while (ticks == 0) {
-    const wire::Message beat = rig.transport.Take(true);
-    ASSERT_TRUE(beat.envelope.has_beat());
+    const wire::Message heartbeat = rig.transport.Take(true);
+    ASSERT_TRUE(heartbeat.envelope.has_heartbeat());
     rig.Pass(6);
-    if (beat.envelope.beat().tasks_size() == 0) continue;  // before the tasks were read
-    ASSERT_EQ(beat.envelope.beat().ticks_size(), beat.envelope.beat().tasks_size());
-    EXPECT_EQ(beat.envelope.beat().tasks(0).task(), 0u);
-    ticks = beat.envelope.beat().ticks(0);
+    if (heartbeat.envelope.heartbeat().tasks_size() == 0) continue;  // before the tasks were read
+    ASSERT_EQ(heartbeat.envelope.heartbeat().ticks_size(), heartbeat.envelope.heartbeat().tasks_size());
+    EXPECT_EQ(heartbeat.envelope.heartbeat().tasks(0).task(), 0u);
+    ticks = heartbeat.envelope.heartbeat().ticks(0);
   }
   rig.Cancel(RunTask(0).key());
   EXPECT_EQ(rig.Serve().envelope.done().key().task(), 1u);

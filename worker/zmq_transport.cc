@@ -6,7 +6,7 @@
 namespace cairn::worker {
 namespace {
 
-// At most this many messages a call, so that beats go out whatever comes in.
+// At most this many messages a call, so that heartbeats go out whatever comes in.
 constexpr int kMessagesAtOnce = 256;
 
 Event::Kind KindOf(wire::LinkEvent event) {

@@ -92,7 +92,7 @@ int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char
 }
 
 // What is sent to a service is text, in UTF-8; protobuf lets other bytes out, and no service takes them in.
-void RefuseOtherBytes(const CLI::App& command, int argc, char** argv) {
+void CheckArgumentBytes(const CLI::App& command, int argc, char** argv) {
   if (command.get_option_no_throw("--connect") == nullptr) return;
   for (int i = 1; i < argc; ++i)
     if (const std::string wrong = WhatIsWrongWithText(argv[i]); !wrong.empty())
@@ -152,7 +152,7 @@ int ParseAndRun(const Program& program, int argc, char** argv) {
     return UsageError(app, error, argc, argv);
   }
   call.run = [&app, argc, argv, run = call.run] {
-    RefuseOtherBytes(*app.get_subcommands().front(), argc, argv);
+    CheckArgumentBytes(*app.get_subcommands().front(), argc, argv);
     return run();
   };
   return RunCaught(call);

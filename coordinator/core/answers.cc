@@ -39,7 +39,7 @@ void Core::On(const TaskDone& event) {
   fleet_.SetHung(*worker, false);
   worker->moved_s = now_s_;
   const double head_s = worker->head_s;
-  const bool was_first = !worker->in_hand.empty() && SameAttempt(worker->in_hand.front().key, key);
+  const bool was_first = !worker->assigned.empty() && SameAttempt(worker->assigned.front().key, key);
   const bool had_it = fleet_.Take(*worker, key, now_s_);
   Job* job = FindById(key.job());
   if (job == nullptr || job->Ended()) return;
@@ -80,7 +80,7 @@ bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
   if (event.blobs.size() > 1 || (event.blobs.size() == 1 && !came))
     wrong = "its answer came with a blob that it does not name";
   if (!wrong.empty()) {
-    if (had_it) Shun(job, key, worker, wrong);
+    if (had_it) Exclude(job, key, worker, wrong);
     return false;
   }
   Count(job, event.done, worker);
@@ -113,7 +113,7 @@ bool Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
       if (!ledger_.Held(blob) && !came.contains(blob))
         wrong = "its plan names the blob " + blob.Hex() + " that nobody has";
   if (!wrong.empty()) {
-    if (had_it) Shun(job, key, worker, wrong);
+    if (had_it) Exclude(job, key, worker, wrong);
     return false;
   }
   Count(job, event.done, worker);

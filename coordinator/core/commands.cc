@@ -75,7 +75,7 @@ Job* Core::Obeying(const std::string& id, JobCommand command, const std::string&
   return nullptr;
 }
 
-// What workers have in hand of it is finished and counts; nothing more is handed out.
+// What workers are assigned of it is finished and counts; nothing more is dispatched.
 void Core::On(const PauseJob& event) {
   Job* job = Obeying(event.id, JobCommand::kPause, event.asker);
   if (job == nullptr) return;

@@ -41,8 +41,8 @@ void Core::LookAhead() {
   }
   if (efforts.empty()) return;
   for (const auto& [number, worker] : fleet_.workers()) {
-    if (worker.in_hand.empty()) continue;
-    const wire::TaskKey& key = worker.in_hand.front().key;
+    if (worker.assigned.empty()) continue;
+    const wire::TaskKey& key = worker.assigned.front().key;
     const auto order = orders_.find(key.job());
     if (order == orders_.end() || !jobs_.at(order->second).IsUnderWay(key)) continue;
     if (const auto effort = efforts.find(order->second); effort != efforts.end()) {
@@ -59,12 +59,12 @@ void Core::LookAhead() {
 
 namespace {
 
-// How many workers have tasks of each job in hand.
+// How many workers are assigned tasks of each job.
 std::map<std::string, std::uint32_t> CountWorkers(const Fleet& fleet) {
   std::map<std::string, std::uint32_t> counts;
   for (const auto& [number, worker] : fleet.workers()) {
     std::set<std::string> jobs;
-    for (const InHand& task : worker.in_hand) jobs.insert(task.key.job());
+    for (const AssignedTask& task : worker.assigned) jobs.insert(task.key.job());
     for (const std::string& job : jobs) ++counts[job];
   }
   return counts;
@@ -105,8 +105,8 @@ std::vector<wire::WorkerInfo> Core::Workers() const {
   std::vector<wire::WorkerInfo> infos;
   for (const auto& [number, worker] : fleet_.workers()) {
     wire::WorkerInfo& info = infos.emplace_back(MakeInfo(worker, now_s_));
-    if (worker.in_hand.empty()) continue;
-    const wire::TaskKey& key = worker.in_hand.front().key;
+    if (worker.assigned.empty()) continue;
+    const wire::TaskKey& key = worker.assigned.front().key;
     const Job* job = FindJob(key.job());
     info.set_task(
         key.job() + ": " +

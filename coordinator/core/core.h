@@ -1,7 +1,7 @@
 // The coordinator's logic as one pure state machine: events and the time go in, actions come out. No I/O, no
 // clock, no threads, no logging; nothing here depends on what a pipeline computes.
 //
-//   workers.cc   handshake, beats, leases, workers that hang, drain or leave
+//   workers.cc   handshake, heartbeats, leases, workers that hang, drain or leave
 //   answers.cc   answers and failures of tasks; rounds and stages end here
 //   dispatch.cc  which task goes to which worker, stragglers
 //   jobs.cc      submit, restore, how jobs end
@@ -25,11 +25,12 @@
 namespace cairn::coordinator {
 
 struct CoreOptions {
-  double beat_s = 1;          // workers beat at least this often
-  double lease_s = 10;        // a worker not heard of for this long is lost
-  double unlisted_s = 4;      // a task given this long ago that its worker's beat does not list never arrived
-  double hung_s = 60;         // a RUN task whose tick count stands still for this long goes elsewhere
-  double plan_hung_s = 3600;  // the same of START and ADVANCE, which do not tick while they reduce
+  double heartbeat_s = 1;  // workers send heartbeats at least this often
+  double lease_s = 10;     // a worker not heard of for this long is lost
+  double unlisted_s =
+      4;               // a task given this long ago that its worker's heartbeat does not list never arrived
+  double hung_s = 60;  // a RUN task whose tick count stands still for this long goes elsewhere
+  double plan_hung_s = 3600;    // the same of START and ADVANCE, which do not tick while they reduce
   double straggler_factor = 3;  // an idle worker gets a copy of a task that runs this many medians …
   double straggler_min_s = 2;   // … and at least this long
   int max_failures = 3;         // of one task, then the job fails
@@ -62,7 +63,7 @@ class Core {
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
   // Whether a worker may get tasks of the job.
   bool MayServe(const Worker& worker, const Job& job) const {
-    return !ShunnedBy(job).contains(worker.number);
+    return !ExcludedBy(job).contains(worker.number);
   }
   // Whether a worker was handed a task that reads this blob, or made it.
   bool MayRead(const std::string& peer, const Hash& hash) const;
@@ -73,8 +74,8 @@ class Core {
   using JobMap = std::map<std::uint64_t, Job>;  // by order
 
   void On(const WorkerHello& event);
-  void On(const WorkerBeat& event);
-  void On(const WorkerBye& event);
+  void On(const WorkerHeartbeat& event);
+  void On(const WorkerLeave& event);
   void On(const WorkerLost& event);
   void On(const DrainWorker& event);
   void On(const TaskDone& event);
@@ -98,10 +99,10 @@ class Core {
   // workers.cc
   // Null where it may work here.
   std::optional<wire::Refusal> WhyRefused(const wire::Hello& hello) const;
-  Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is a stranger
+  Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is not known
   void BeginDraining(Worker& worker);
   void TellDrain(const Worker& worker);
-  void DropUnlisted(Worker& worker, const wire::Beat& beat);
+  void DropUnlisted(Worker& worker, const wire::Heartbeat& heartbeat);
   // Removes it. `what` happened to it; `blame`: why its running task has failed, or empty.
   void Lose(Worker& worker, const std::string& what, const std::string& blame);
   // Its running task has failed, and what it has queued goes elsewhere; it gets nothing until it moves.
@@ -122,19 +123,19 @@ class Core {
 
   // retries.cc
   // The attempt at `task` has failed, by its worker's fault.
-  void Shun(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
+  void Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
   void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
 
   // dispatch.cc
   void Dispatch();
-  void GiveOut();  // ready tasks, to workers that have room
+  void DispatchReady();  // ready tasks, to workers that have room
   void Queue(std::uint64_t order);
-  const std::set<std::uint64_t>& ShunnedBy(const Job& job) const;  // none where there is nobody else
+  const std::set<std::uint64_t>& ExcludedBy(const Job& job) const;  // none where there is nobody else
   void Assign(Job& job, std::uint32_t task, const std::vector<Hash>& inputs, Worker& worker);
   void Withdraw(Job& job, std::uint32_t task, const Attempt& attempt);  // from whoever has it, with a Cancel
   void CallBack(Worker& worker, const wire::TaskKey& key);              // a Cancel, where it has it
-  Job* TakeBack(Worker& worker, const wire::TaskKey& key);  // null where it was not under way any more
-  void WithdrawOthers(Job& job, std::uint32_t task);        // all attempts that are still under way
+  Job* Reclaim(Worker& worker, const wire::TaskKey& key);  // null where it was not under way any more
+  void WithdrawOthers(Job& job, std::uint32_t task);       // all attempts that are still under way
   void WithdrawAll(Job& job);
   bool MoveQueued();  // to an idle worker
   void CopyStragglers();

@@ -8,20 +8,20 @@ namespace cairn::coordinator {
 void Core::Dispatch() {
   for (const std::uint64_t order : touched_) Queue(order);
   do {
-    GiveOut();
+    DispatchReady();
   } while (MoveQueued());  // what makes room behind whom it is taken from
   if (all_touched_) CopyStragglers();
 }
 
-void Core::GiveOut() {
-  std::vector<std::uint64_t> without;  // jobs whose task only workers could get that they shun
+void Core::DispatchReady() {
+  std::vector<std::uint64_t> without;  // jobs whose task only workers could get that they exclude
   while (fleet_.AnyRoom()) {
     const std::optional<std::uint64_t> order = share_.Next();
     if (!order) break;
     Job& job = jobs_.at(*order);
     const std::uint32_t task = job.tasks.NextReady();
     const std::vector<Hash> inputs = TaskInputs(job, task);
-    Worker* worker = fleet_.Place(inputs, ShunnedBy(job));
+    Worker* worker = fleet_.Place(inputs, ExcludedBy(job));
     if (worker == nullptr) {
       share_.Withdraw(*order);
       without.push_back(*order);
@@ -35,13 +35,13 @@ void Core::GiveOut() {
 }
 
 // A job that has nobody else must end too, by the failures of whom it has.
-const std::set<std::uint64_t>& Core::ShunnedBy(const Job& job) const {
+const std::set<std::uint64_t>& Core::ExcludedBy(const Job& job) const {
   static const std::set<std::uint64_t> kNobody;
   std::size_t able = 0;
-  for (const std::uint64_t number : job.shunned)
+  for (const std::uint64_t number : job.excluded)
     if (const auto it = fleet_.workers().find(number); it != fleet_.workers().end())
       able += it->second.Able();
-  return able < fleet_.able() ? job.shunned : kNobody;
+  return able < fleet_.able() ? job.excluded : kNobody;
 }
 
 // Whether a job has a task to give may have changed.
@@ -87,8 +87,8 @@ void Core::WithdrawAll(Job& job) {
   for (std::uint32_t task = 0; task < job.tasks.size(); ++task) WithdrawOthers(job, task);
 }
 
-// A task that `worker` has in hand goes back to those that are ready, nobody to blame.
-Job* Core::TakeBack(Worker& worker, const wire::TaskKey& key) {
+// A task that `worker` has assigned goes back to those that are ready, nobody to blame.
+Job* Core::Reclaim(Worker& worker, const wire::TaskKey& key) {
   CallBack(worker, key);
   Job* job = JobOf(key);
   if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return nullptr;
@@ -105,12 +105,12 @@ Job* Core::JobOf(const wire::TaskKey& key) {
 bool Core::MoveQueued() {
   Worker* busiest = fleet_.Idle() == nullptr ? nullptr : fleet_.Busiest();
   if (busiest == nullptr) return false;
-  const wire::TaskKey key = busiest->in_hand.back().key;
+  const wire::TaskKey key = busiest->assigned.back().key;
   const Job* running = JobOf(key);
   if (running == nullptr || !running->Running()) return false;
-  Worker* idle = fleet_.Idle(ShunnedBy(*running));
+  Worker* idle = fleet_.Idle(ExcludedBy(*running));
   if (idle == nullptr) return false;
-  Job* job = TakeBack(*busiest, key);
+  Job* job = Reclaim(*busiest, key);
   if (job != nullptr && job->tasks.task(key.task()).status == TaskStatus::kReady)
     Assign(*job, key.task(), TaskInputs(*job, key.task()), *idle);
   return true;
@@ -123,8 +123,8 @@ void Core::CopyStragglers() {
   std::vector<std::pair<double, wire::TaskKey>> stragglers;
   for (const auto& [number, worker] : fleet_.workers()) {
     const double runs_s = now_s_ - worker.head_s;
-    if (worker.in_hand.empty() || runs_s < options_.straggler_min_s) continue;
-    const wire::TaskKey& key = worker.in_hand.front().key;
+    if (worker.assigned.empty() || runs_s < options_.straggler_min_s) continue;
+    const wire::TaskKey& key = worker.assigned.front().key;
     const Job* job = key.kind() == wire::TaskKey::RUN ? JobOf(key) : nullptr;
     if (job == nullptr || !job->Running() || job->tasks.task(key.task()).live_attempts.size() != 1) continue;
     const auto [median_s, is_new] = medians_s.try_emplace(key.job());
@@ -136,7 +136,7 @@ void Core::CopyStragglers() {
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [runs_s, key] : stragglers) {
     Job& job = *JobOf(key);
-    Worker* idle = fleet_.Idle(ShunnedBy(job));
+    Worker* idle = fleet_.Idle(ExcludedBy(job));
     if (idle == nullptr) continue;
     Assign(job, key.task(), TaskInputs(job, key.task()), *idle);
   }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "coordinator/core/core_bench.h"
+#include "coordinator/core/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -168,34 +168,34 @@ TEST(Eta, OfAStepThatIsAsAnnouncedDoesNotJump) {
 
 // Through the core.
 TEST(Eta, IsToldOfARunningJobAndOfNoOther) {
-  Bench bench;
-  bench.Submit();
-  bench.Do(PersistDone{"a", 1});
-  EXPECT_EQ(bench.Info().eta_s(), 0) << "nobody works at it";
-  bench.Join("w");
-  bench.AnswerPlan(bench.Next(), StepOf(10));
-  bench.Advance(0.1);
-  EXPECT_NEAR(bench.Info().eta_s(), 10, 0.2);
-  bench.Do(PauseJob{"a", ""});
-  EXPECT_EQ(bench.Info().eta_s(), 0) << "paused";
-  bench.Advance(5);
-  bench.Do(ResumeJob{"a", ""});
-  bench.Advance(0.1);
-  EXPECT_GT(bench.Info().eta_s(), 1) << "goes on";
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Do(PersistDone{"a", 1});
+  EXPECT_EQ(fixture.Info().eta_s(), 0) << "nobody works at it";
+  fixture.Join("w");
+  fixture.AnswerPlan(fixture.Next(), StepOf(10));
+  fixture.Advance(0.1);
+  EXPECT_NEAR(fixture.Info().eta_s(), 10, 0.2);
+  fixture.Do(PauseJob{"a", ""});
+  EXPECT_EQ(fixture.Info().eta_s(), 0) << "paused";
+  fixture.Advance(5);
+  fixture.Do(ResumeJob{"a", ""});
+  fixture.Advance(0.1);
+  EXPECT_GT(fixture.Info().eta_s(), 1) << "goes on";
 }
 
 TEST(Eta, TwoJobsShareTheWorkers) {
-  Bench bench;
-  bench.Join("v");
-  bench.Join("w");
+  CoreFixture fixture;
+  fixture.Join("v");
+  fixture.Join("w");
   for (const char* id : {"a", "b"}) {
-    bench.Submit(id);
-    bench.Do(PersistDone{id, 1});
+    fixture.Submit(id);
+    fixture.Do(PersistDone{id, 1});
   }
-  bench.AnswerPlan(bench.Next(), StepOf(10));
-  bench.AnswerPlan(bench.Next(), StepOf(10));
-  bench.Advance(0.1);
-  EXPECT_NEAR(bench.Info("a").eta_s(), 10, 0.5);
+  fixture.AnswerPlan(fixture.Next(), StepOf(10));
+  fixture.AnswerPlan(fixture.Next(), StepOf(10));
+  fixture.Advance(0.1);
+  EXPECT_NEAR(fixture.Info("a").eta_s(), 10, 0.5);
 }
 
 }  // namespace

@@ -19,12 +19,12 @@ struct WorkerHello {
   std::string peer;
   wire::Hello hello;
 };
-struct WorkerBeat {
+struct WorkerHeartbeat {
   std::string peer;
-  wire::Beat beat;
+  wire::Heartbeat heartbeat;
 };
 // It leaves of its own accord: nobody is to blame for its tasks.
-struct WorkerBye {
+struct WorkerLeave {
   std::string peer;
 };
 // The shell knows that it is dead, sooner than its lease would tell.
@@ -116,12 +116,12 @@ struct SaveNow {};
 struct Tick {};
 
 using Event =
-    std::variant<WorkerHello, WorkerBeat, WorkerBye, WorkerLost, DrainWorker, TaskDone, TaskFailed, SubmitJob,
-                 PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob, Served, RestoreJob,
-                 PersistDone, PersistFailed, ForgetDone, ForgetFailed, SaveNow, Tick>;
+    std::variant<WorkerHello, WorkerHeartbeat, WorkerLeave, WorkerLost, DrainWorker, TaskDone, TaskFailed,
+                 SubmitJob, PauseJob, ResumeJob, CancelJob, RetryJob, DeleteJob, PrioritizeJob, Served,
+                 RestoreJob, PersistDone, PersistFailed, ForgetDone, ForgetFailed, SaveNow, Tick>;
 
 // ---- actions ----
-// To a worker: Welcome, Refuse, Stranger, Assign, Cancel, Drain.
+// To a worker: Welcome, Refuse, UnknownWorker, Assign, Cancel, Drain.
 struct Send {
   std::string peer;
   wire::Envelope message;

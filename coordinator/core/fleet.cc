@@ -23,14 +23,14 @@ std::string WorkerName(const wire::Hello& hello) {
   return "worker " + std::to_string(hello.pid()) + " on " + (hello.host().empty() ? "?" : hello.host());
 }
 
-const InHand* Worker::Find(const wire::TaskKey& key) const {
-  for (const InHand& task : in_hand)
+const AssignedTask* Worker::Find(const wire::TaskKey& key) const {
+  for (const AssignedTask& task : assigned)
     if (SameAttempt(task.key, key)) return &task;
   return nullptr;
 }
 
 bool Worker::Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s) {
-  for (InHand& task : in_hand) {
+  for (AssignedTask& task : assigned) {
     if (ticks <= task.ticks || !SameAttempt(task.key, key)) continue;
     task.ticks = ticks;
     moved_s = now_s;
@@ -40,8 +40,8 @@ bool Worker::Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s) {
 }
 
 void Fleet::Unfile(const Worker& worker) {
-  open_.erase({worker.in_hand.size(), worker.number});
-  loaded_.erase({worker.in_hand.size(), worker.number});
+  open_.erase({worker.assigned.size(), worker.number});
+  loaded_.erase({worker.assigned.size(), worker.number});
   if (worker.Able()) --able_;
 }
 
@@ -51,8 +51,8 @@ void Fleet::Refile(Worker& worker, const Change& change) {
   Unfile(worker);
   change();
   if (worker.Able()) ++able_;
-  if (worker.HasRoom()) open_.insert({worker.in_hand.size(), worker.number});
-  if (worker.in_hand.size() >= 2) loaded_.insert({worker.in_hand.size(), worker.number});
+  if (worker.HasRoom()) open_.insert({worker.assigned.size(), worker.number});
+  if (worker.assigned.size() >= 2) loaded_.insert({worker.assigned.size(), worker.number});
 }
 
 Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now_s) {
@@ -93,16 +93,16 @@ Worker* Fleet::Find(std::uint64_t number) {
 }
 
 void Fleet::Give(Worker& worker, const wire::TaskKey& key, double now_s) {
-  if (worker.in_hand.empty()) worker.moved_s = worker.head_s = now_s;
-  Refile(worker, [&] { worker.in_hand.push_back({key, now_s, 0}); });
+  if (worker.assigned.empty()) worker.moved_s = worker.head_s = now_s;
+  Refile(worker, [&] { worker.assigned.push_back({key, now_s, 0}); });
 }
 
 bool Fleet::Take(Worker& worker, const wire::TaskKey& key, double now_s) {
-  const auto it = std::find_if(worker.in_hand.begin(), worker.in_hand.end(),
-                               [&key](const InHand& task) { return SameAttempt(task.key, key); });
-  if (it == worker.in_hand.end()) return false;
-  if (it == worker.in_hand.begin()) worker.moved_s = worker.head_s = now_s;
-  Refile(worker, [&] { worker.in_hand.erase(it); });
+  const auto it = std::find_if(worker.assigned.begin(), worker.assigned.end(),
+                               [&key](const AssignedTask& task) { return SameAttempt(task.key, key); });
+  if (it == worker.assigned.end()) return false;
+  if (it == worker.assigned.begin()) worker.moved_s = worker.head_s = now_s;
+  Refile(worker, [&] { worker.assigned.erase(it); });
   return true;
 }
 
@@ -133,7 +133,7 @@ Worker* Fleet::Place(std::span<const Hash> inputs, const std::set<std::uint64_t>
   std::size_t looked_at = 0;
   for (auto it = open_.begin(); it != open_.end() && looked_at < kWorkersLookedAt; ++it) {
     if (but.contains(it->second)) continue;
-    if (best != nullptr && it->first > best->in_hand.size()) break;
+    if (best != nullptr && it->first > best->assigned.size()) break;
     ++looked_at;
     Worker& worker = workers_.at(it->second);
     const auto missing = std::count_if(inputs.begin(), inputs.end(),
@@ -156,14 +156,14 @@ wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
   info.set_number(worker.number);
   info.set_host(worker.hello.host());
   info.set_pid(worker.hello.pid());
-  info.set_state(worker.draining          ? "draining"
-                 : worker.hung            ? "hung"
-                 : worker.in_hand.empty() ? "idle"
-                                          : "busy");
+  info.set_state(worker.draining           ? "draining"
+                 : worker.hung             ? "hung"
+                 : worker.assigned.empty() ? "idle"
+                                           : "busy");
   info.set_slots(worker.hello.slots());
-  info.set_in_hand(static_cast<std::uint32_t>(worker.in_hand.size()));
+  info.set_assigned(static_cast<std::uint32_t>(worker.assigned.size()));
   info.set_silent_s(now_s - worker.heard_s);
-  if (!worker.in_hand.empty()) info.set_task_s(now_s - worker.head_s);
+  if (!worker.assigned.empty()) info.set_task_s(now_s - worker.head_s);
   return info;
 }
 

@@ -1,5 +1,5 @@
-// The workers that are connected and what each has in hand. A worker runs its tasks in the order in which it
-// got them, so that the first in hand is the one that runs.
+// The workers that are connected and what each is assigned. A worker runs its tasks in the order in which it
+// got them, so that the first assigned is the one that runs.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b);
 
 std::string WorkerName(const wire::Hello& hello);  // for people
 
-struct InHand {
+struct AssignedTask {
   wire::TaskKey key;
   double since_s = 0;  // when it was sent
   std::uint64_t ticks = 0;
@@ -33,16 +33,16 @@ struct Worker {
   wire::Hello hello;
   double heard_s = 0;     // last sign of life
   double moved_s = 0;     // last sign of progress: an answer, a tick, or its first task
-  double head_s = 0;      // when the first in hand came to be the first
+  double head_s = 0;      // when the first assigned came to be the first
   bool hung = false;      // gets nothing until it moves again
   bool draining = false;  // gets nothing any more, and leaves
-  std::vector<InHand> in_hand;
+  std::vector<AssignedTask> assigned;
   HashSet has;  // blobs that it was sent or made; it may have forgotten some
 
   bool Able() const { return !hung && !draining; }
-  bool HasRoom() const { return in_hand.size() < hello.slots() && Able(); }
-  const InHand* Find(const wire::TaskKey& key) const;
-  // Ticks of what it has in hand. True where one moved.
+  bool HasRoom() const { return assigned.size() < hello.slots() && Able(); }
+  const AssignedTask* Find(const wire::TaskKey& key) const;
+  // Ticks of what it is assigned. True where one moved.
   bool Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s);
 };
 
@@ -70,14 +70,14 @@ class Fleet {
 
   bool AnyRoom() const { return !open_.empty(); }
   std::size_t able() const { return able_; }  // workers that may get tasks now or later
-  // A worker that has room, the least in hand, and is none of `but`; of the first few equals the one that has
-  // most of the first of `inputs`. Null where there is none.
+  // A worker that has room, the least assigned, and is none of `but`; of the first few equals the one that
+  // has most of the first of `inputs`. Null where there is none.
   Worker* Place(std::span<const Hash> inputs, const std::set<std::uint64_t>& but = {});
   Worker* Idle(const std::set<std::uint64_t>& but = {});  // that may get tasks and has none; null as above
-  Worker* Busiest();  // with the most in hand, at least two; null where there is none
+  Worker* Busiest();  // with the most assigned, at least two; null where there is none
 
  private:
-  using ByLoad = std::set<std::pair<std::size_t, std::uint64_t>>;  // tasks in hand, number
+  using ByLoad = std::set<std::pair<std::size_t, std::uint64_t>>;  // tasks assigned, number
   template <class Change>
   void Refile(Worker& worker, const Change& change);
   void Unfile(const Worker& worker);
@@ -87,7 +87,7 @@ class Fleet {
   std::map<std::string, std::uint64_t> numbers_;  // by peer
   std::size_t able_ = 0;
   ByLoad open_;                                     // those that have room
-  ByLoad loaded_;                                   // those with two and more in hand
+  ByLoad loaded_;                                   // those with two and more assigned
   std::map<Hash, std::set<std::uint64_t>> owners_;  // workers by what they have
 };
 

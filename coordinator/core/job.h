@@ -52,7 +52,7 @@ struct PendingCommand {
   bool known = false;        // it is a submission that was told twice
 };
 
-// An attempt that was handed out, and to whom.
+// An attempt that was dispatched, and to whom.
 struct GivenAttempt {
   std::uint32_t stage = 0;
   std::uint64_t round = 0;
@@ -100,7 +100,7 @@ struct Job {
   // Of the round under way and of the last START or ADVANCE: nobody else's answer counts.
   std::set<GivenAttempt> given;
   // Workers whose answer was malformed: they get no more of its tasks where there are others.
-  std::set<std::uint64_t> shunned;
+  std::set<std::uint64_t> excluded;
   // A second answer to the last START or ADVANCE is checked against this.
   wire::TaskKey last_plan;
   Hash last_plan_hash;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "coordinator/core/core_bench.h"
+#include "coordinator/core/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -11,20 +11,20 @@ namespace {
 using Envelope = wire::Envelope;
 
 TEST(CoreJobs, RunsStartThenTasksThenAdvanceThenTheNextStage) {
-  Bench bench;
-  bench.Submit("a", TestJob(2));
-  bench.Join("w");
-  Bench::Assigned start = bench.Next();
+  CoreFixture fixture;
+  fixture.Submit("a", TestJob(2));
+  fixture.Join("w");
+  CoreFixture::Assigned start = fixture.Next();
   EXPECT_EQ(start.assign.key().kind(), wire::TaskKey::START);
   EXPECT_EQ(start.assign.stage().name(), "stage0");
   EXPECT_EQ(start.assign.seed(), 7u);
   EXPECT_EQ(start.assign.inputs().at("log"), H(1000).Binary());
   proto::Step step = TestStep(2);
   (*step.mutable_state()->mutable_blobs())["map"] = H(5).Binary();
-  bench.AnswerPlan(start, step, {H(5)});
-  bench.AnswerRun(bench.Next(), H(10));
-  bench.AnswerRun(bench.Next(), H(11));
-  const Bench::Assigned advance = bench.Next();
+  fixture.AnswerPlan(start, step, {H(5)});
+  fixture.AnswerRun(fixture.Next(), H(10));
+  fixture.AnswerRun(fixture.Next(), H(11));
+  const CoreFixture::Assigned advance = fixture.Next();
   EXPECT_EQ(advance.assign.key().kind(), wire::TaskKey::ADVANCE);
   EXPECT_EQ(advance.assign.key().round(), 0u);
   ASSERT_EQ(advance.assign.partials_size(), 2);
@@ -32,103 +32,103 @@ TEST(CoreJobs, RunsStartThenTasksThenAdvanceThenTheNextStage) {
   EXPECT_EQ(advance.assign.partials(1), H(11).Binary());
   EXPECT_EQ(advance.assign.state().blobs().at("map"), H(5).Binary());
   EXPECT_EQ(advance.assign.inputs().at("log"), H(1000).Binary());
-  bench.AnswerResult(advance, H(20));
-  const Bench::Assigned second = bench.Next();
+  fixture.AnswerResult(advance, H(20));
+  const CoreFixture::Assigned second = fixture.Next();
   EXPECT_EQ(second.assign.key().kind(), wire::TaskKey::START);
   EXPECT_EQ(second.assign.key().stage(), 1u);
   EXPECT_EQ(second.assign.inputs().at("before"), H(20).Binary());
 }
 
 TEST(CoreJobs, PartialsAreReducedInTaskOrderWhateverTheOrderOfAnswers) {
-  Bench bench;
-  Begin(bench, 3, 4);
-  const auto t0 = bench.Next(), t1 = bench.Next(), t2 = bench.Next();
-  bench.AnswerRun(t2, H(12));
-  bench.AnswerRun(t0, H(10));
-  bench.AnswerRun(t1, H(11));
-  const auto advance = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 3, 4);
+  const auto t0 = fixture.Next(), t1 = fixture.Next(), t2 = fixture.Next();
+  fixture.AnswerRun(t2, H(12));
+  fixture.AnswerRun(t0, H(10));
+  fixture.AnswerRun(t1, H(11));
+  const auto advance = fixture.Next();
   ASSERT_EQ(advance.assign.partials_size(), 3);
   for (int i = 0; i < 3; ++i)
     EXPECT_EQ(advance.assign.partials(i), H(10 + static_cast<std::uint64_t>(i)).Binary());
 }
 
 TEST(CoreJobs, ATaskIsSentWithTheHashOfThePartialThatItNames) {
-  Bench bench;
-  bench.Submit();
-  bench.Join("w", 4);
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("w", 4);
   proto::Step step = TestStep(2);
   step.mutable_tasks(1)->mutable_inputs(0)->set_task(0);
-  bench.AnswerPlan(bench.Next(), step);
-  const auto first = bench.Next();
-  EXPECT_TRUE(bench.assigned.empty());
-  bench.AnswerRun(first, H(10));
-  const auto second = bench.Next();
+  fixture.AnswerPlan(fixture.Next(), step);
+  const auto first = fixture.Next();
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.AnswerRun(first, H(10));
+  const auto second = fixture.Next();
   EXPECT_EQ(second.assign.key().task(), 1u);
   ASSERT_TRUE(second.assign.task().inputs(0).source_case() == proto::InputRef::kBlob);
   EXPECT_EQ(second.assign.task().inputs(0).blob(), H(10).Binary());
 }
 
 TEST(CoreJobs, ARoundWithoutTasksIsReducedAtOnce) {
-  Bench bench;
-  Begin(bench, 0);
-  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+  CoreFixture fixture;
+  Begin(fixture, 0);
+  EXPECT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
 }
 
 TEST(CoreJobs, IsDoneOnlyWhenItsEndIsDurable) {
-  Bench bench;
-  Begin(bench, 0);
-  bench.AnswerResult(bench.Next(), H(20));
-  const auto persists = bench.All<Persist>();
+  CoreFixture fixture;
+  Begin(fixture, 0);
+  fixture.AnswerResult(fixture.Next(), H(20));
+  const auto persists = fixture.All<Persist>();
   ASSERT_EQ(persists.size(), 1u);
   EXPECT_EQ(persists[0].checkpoint.state(), proto::JOB_DONE);
   ASSERT_EQ(persists[0].publish.size(), 1u);
   EXPECT_EQ(persists[0].publish[0].result, H(20));
-  EXPECT_EQ(bench.Info().state(), "running");
-  EXPECT_TRUE(bench.core.Holds(H(20)));
-  bench.Do(PersistDone{"a", persists[0].checkpoint.number()});
-  EXPECT_EQ(bench.Info().state(), "done");
-  EXPECT_EQ(bench.core.held_blobs(), 0u);
+  EXPECT_EQ(fixture.Info().state(), "running");
+  EXPECT_TRUE(fixture.core.Holds(H(20)));
+  fixture.Do(PersistDone{"a", persists[0].checkpoint.number()});
+  EXPECT_EQ(fixture.Info().state(), "done");
+  EXPECT_EQ(fixture.core.held_blobs(), 0u);
 }
 
 TEST(CoreJobs, AnInputErrorFailsTheJobAtOnce) {
-  Bench bench;
-  Begin(bench, 2, 2);
-  const auto task = bench.Next();
-  bench.Fail(task, "robot 2, step 5: no mass left", true);
-  EXPECT_EQ(bench.Info().state(), "failed");
-  EXPECT_TRUE(bench.Info().input_error());
-  EXPECT_EQ(bench.Info().reason(),
+  CoreFixture fixture;
+  Begin(fixture, 2, 2);
+  const auto task = fixture.Next();
+  fixture.Fail(task, "robot 2, step 5: no mass left", true);
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_TRUE(fixture.Info().input_error());
+  EXPECT_EQ(fixture.Info().reason(),
             "task 0 (toy) of round 0 of stage 'stage0': robot 2, step 5: no mass left");
-  EXPECT_EQ(bench.Sent(&Envelope::has_cancel).size(), 1u) << "the other task is called back";
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.state(), proto::JOB_FAILED);
+  EXPECT_EQ(fixture.Sent(&Envelope::has_cancel).size(), 1u) << "the other task is called back";
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].checkpoint.state(), proto::JOB_FAILED);
 }
 
 TEST(CoreJobs, ATaskThatFailsThreeTimesFailsTheJobAndOthersLiveOn) {
-  Bench bench;
-  Begin(bench, 1);
+  CoreFixture fixture;
+  Begin(fixture, 1);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(bench.Info().state(), "running");
-    bench.Fail(bench.Next(), "bad_alloc");
+    EXPECT_EQ(fixture.Info().state(), "running");
+    fixture.Fail(fixture.Next(), "bad_alloc");
   }
-  EXPECT_EQ(bench.Info().state(), "failed");
-  EXPECT_FALSE(bench.Info().input_error());
-  EXPECT_NE(
-      bench.Info().reason().find("task 0 (toy) of round 0 of stage 'stage0' failed 3 times, last: bad_alloc"),
-      std::string::npos);
-  bench.Submit("b");
-  EXPECT_EQ(bench.Next().assign.key().job(), "b");
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_FALSE(fixture.Info().input_error());
+  EXPECT_NE(fixture.Info().reason().find(
+                "task 0 (toy) of round 0 of stage 'stage0' failed 3 times, last: bad_alloc"),
+            std::string::npos);
+  fixture.Submit("b");
+  EXPECT_EQ(fixture.Next().assign.key().job(), "b");
 }
 
 TEST(CoreJobs, ABadChainOfStagesIsAnInputError) {
   const auto reason = [](auto&& change) {
-    Bench bench;
+    CoreFixture fixture;
     proto::Job job = TestJob(2);
     change(job);
-    bench.Submit("a", job);
-    EXPECT_EQ(bench.Info().state(), "failed");
-    EXPECT_TRUE(bench.Info().input_error());
-    return bench.Info().reason();
+    fixture.Submit("a", job);
+    EXPECT_EQ(fixture.Info().state(), "failed");
+    EXPECT_TRUE(fixture.Info().input_error());
+    return fixture.Info().reason();
   };
   EXPECT_EQ(reason([](proto::Job& job) { job.clear_stages(); }), "the job has no stages");
   EXPECT_NE(reason([](proto::Job& job) {
@@ -145,150 +145,150 @@ TEST(CoreJobs, ABadChainOfStagesIsAnInputError) {
 }
 
 TEST(CoreJobs, APlanThatNamesABlobNobodyHasIsAFailureOfTheTask) {
-  Bench bench;
-  bench.Submit();
-  bench.Join("w");
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("w");
   proto::Step step = TestStep(1);
   step.mutable_tasks(0)->mutable_inputs(0)->set_blob(H(77).Binary());
-  for (int i = 0; i < 3; ++i) bench.AnswerPlan(bench.Next(), step);
-  EXPECT_EQ(bench.Info().state(), "failed");
-  EXPECT_NE(bench.Info().reason().find(H(77).Hex()), std::string::npos);
+  for (int i = 0; i < 3; ++i) fixture.AnswerPlan(fixture.Next(), step);
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_NE(fixture.Info().reason().find(H(77).Hex()), std::string::npos);
 }
 
 // How many tasks of jobs "a" and "b", a second each, are served while neither ends.
-std::map<std::string, int> Share(Bench& bench, int tasks) {
-  bench.Submit("a");
-  bench.Submit("b");
-  bench.Join("w", 2);
-  bench.now_s += 1;
-  const auto a = bench.Next(), b = bench.Next();
+std::map<std::string, int> Share(CoreFixture& fixture, int tasks) {
+  fixture.Submit("a");
+  fixture.Submit("b");
+  fixture.Join("w", 2);
+  fixture.now_s += 1;
+  const auto a = fixture.Next(), b = fixture.Next();
   EXPECT_EQ(a.assign.key().job(), "a");
   EXPECT_EQ(b.assign.key().job(), "b");
-  bench.AnswerPlan(a, TestStep(1000));
-  bench.AnswerPlan(b, TestStep(1000));
+  fixture.AnswerPlan(a, TestStep(1000));
+  fixture.AnswerPlan(b, TestStep(1000));
   std::map<std::string, int> served;
   for (int i = 0; i < tasks; ++i) {
-    const auto task = bench.Next();
+    const auto task = fixture.Next();
     ++served[task.assign.key().job()];
-    bench.now_s += 1;
-    bench.AnswerRun(task, H(static_cast<std::uint64_t>(i)));
+    fixture.now_s += 1;
+    fixture.AnswerRun(task, H(static_cast<std::uint64_t>(i)));
   }
   return served;
 }
 
 TEST(CoreJobs, JobsOfEqualPriorityShareTheWorkers) {
-  Bench bench;
-  const auto served = Share(bench, 200);
+  CoreFixture fixture;
+  const auto served = Share(fixture, 200);
   EXPECT_NEAR(served.at("a"), 100, 3);
 }
 
 TEST(CoreJobs, AHigherPriorityGetsTwiceAsMuchAndNobodyStarves) {
-  Bench bench;
-  bench.Do(Tick{});
+  CoreFixture fixture;
+  fixture.Do(Tick{});
   proto::Job job = TestJob();
   job.set_priority(1);
-  bench.Submit("b", job);
-  bench.Do(PersistDone{"b", 1});
-  bench.Submit("a");
-  bench.Join("w", 2);
-  bench.now_s += 1;
-  for (int i = 0; i < 2; ++i) bench.AnswerPlan(bench.Next(), TestStep(1000));
+  fixture.Submit("b", job);
+  fixture.Do(PersistDone{"b", 1});
+  fixture.Submit("a");
+  fixture.Join("w", 2);
+  fixture.now_s += 1;
+  for (int i = 0; i < 2; ++i) fixture.AnswerPlan(fixture.Next(), TestStep(1000));
   std::map<std::string, int> served;
   for (int i = 0; i < 300; ++i) {
-    const auto task = bench.Next();
+    const auto task = fixture.Next();
     ++served[task.assign.key().job()];
-    bench.now_s += 1;
-    bench.AnswerRun(task, H(static_cast<std::uint64_t>(i)));
+    fixture.now_s += 1;
+    fixture.AnswerRun(task, H(static_cast<std::uint64_t>(i)));
   }
   EXPECT_NEAR(served.at("b"), 200, 6);
 }
 
 TEST(CoreJobs, TwoAnswersThatDifferRaiseAnAlarmAndFailTheJob) {
-  Bench bench;
-  Begin(bench, 2, 2);
-  const auto task = bench.Next();
-  bench.AnswerRun(task, H(10));
-  bench.AnswerRun(task, H(10));
-  EXPECT_TRUE(bench.alarms.empty());
-  bench.AnswerRun(task, H(11));
-  ASSERT_EQ(bench.alarms.size(), 1u);
-  EXPECT_NE(bench.alarms[0].find(H(11).Hex()), std::string::npos);
-  EXPECT_EQ(bench.Info().state(), "failed");
+  CoreFixture fixture;
+  Begin(fixture, 2, 2);
+  const auto task = fixture.Next();
+  fixture.AnswerRun(task, H(10));
+  fixture.AnswerRun(task, H(10));
+  EXPECT_TRUE(fixture.alarms.empty());
+  fixture.AnswerRun(task, H(11));
+  ASSERT_EQ(fixture.alarms.size(), 1u);
+  EXPECT_NE(fixture.alarms[0].find(H(11).Hex()), std::string::npos);
+  EXPECT_EQ(fixture.Info().state(), "failed");
 }
 
 TEST(CoreJobs, TwoPlansThatDifferRaiseAnAlarmEvenAfterTheRoundHasBegun) {
-  Bench bench;
-  bench.Submit();
-  bench.Join("w");
-  const auto start = bench.Next();
-  bench.AnswerPlan(start, TestStep(1, "one"));
-  bench.AnswerPlan(start, TestStep(1, "one"));
-  EXPECT_TRUE(bench.alarms.empty());
-  bench.AnswerPlan(start, TestStep(1, "two"));
-  EXPECT_EQ(bench.alarms.size(), 1u);
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("w");
+  const auto start = fixture.Next();
+  fixture.AnswerPlan(start, TestStep(1, "one"));
+  fixture.AnswerPlan(start, TestStep(1, "one"));
+  EXPECT_TRUE(fixture.alarms.empty());
+  fixture.AnswerPlan(start, TestStep(1, "two"));
+  EXPECT_EQ(fixture.alarms.size(), 1u);
 }
 
 TEST(CoreJobs, AnswersOfAnEarlierRoundAreIgnoredAndTheirBlobsDropped) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto old_task = bench.Next();
-  bench.AnswerRun(old_task, H(10));
-  bench.AnswerPlan(bench.Next(), TestStep(1));
-  EXPECT_EQ(bench.Info().round(), 1u);
-  bench.AnswerRun(old_task, H(99));
-  EXPECT_EQ(bench.Info().tasks_done(), 0u);
-  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
-  EXPECT_EQ(bench.All<DropBlobs>()[0].hashes, std::vector<Hash>{H(99)});
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto old_task = fixture.Next();
+  fixture.AnswerRun(old_task, H(10));
+  fixture.AnswerPlan(fixture.Next(), TestStep(1));
+  EXPECT_EQ(fixture.Info().round(), 1u);
+  fixture.AnswerRun(old_task, H(99));
+  EXPECT_EQ(fixture.Info().tasks_done(), 0u);
+  ASSERT_EQ(fixture.All<DropBlobs>().size(), 1u);
+  EXPECT_EQ(fixture.All<DropBlobs>()[0].hashes, std::vector<Hash>{H(99)});
 }
 
 TEST(CoreJobs, APlanThatIsNoPlanIsAFailureOfTheTask) {
-  Bench bench;
-  bench.Submit();
-  bench.Join("w");
-  const auto start = bench.Next();
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("w");
+  const auto start = fixture.Next();
   wire::Done done;
   *done.mutable_key() = start.assign.key();
-  bench.Do(TaskDone{"w", done, {}});
-  EXPECT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
-  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::START);
+  fixture.Do(TaskDone{"w", done, {}});
+  EXPECT_EQ(fixture.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::START);
 }
 
 TEST(CoreJobs, TimesThatCannotBeAreNotCounted) {
-  Bench bench;
-  bench.Submit();
-  bench.Join("w");
-  bench.AnswerPlan(bench.Next(), TestStep(2));
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("w");
+  fixture.AnswerPlan(fixture.Next(), TestStep(2));
   for (const double seconds : {std::nan(""), -1e300}) {
-    const auto task = bench.Next();
+    const auto task = fixture.Next();
     wire::Done done;
     *done.mutable_key() = task.assign.key();
     done.set_partial(H(10).Binary());
     done.set_seconds(seconds);
-    bench.Do(TaskDone{"w", done, {H(10)}});
+    fixture.Do(TaskDone{"w", done, {H(10)}});
   }
-  EXPECT_EQ(bench.core.FindJob("a")->facts.back().open_compute_seconds(), 0);
+  EXPECT_EQ(fixture.core.FindJob("a")->facts.back().open_compute_seconds(), 0);
 }
 
 TEST(CoreJobs, AnAnswerWithoutItsBlobIsAFailure) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto task = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
   wire::Done done;
   *done.mutable_key() = task.assign.key();
   done.set_partial(H(10).Binary());
-  bench.Do(TaskDone{task.peer, done, {}});
-  EXPECT_EQ(bench.Info().tasks_done(), 0u);
-  EXPECT_EQ(bench.Next().assign.key().attempt(), 2u);
+  fixture.Do(TaskDone{task.peer, done, {}});
+  EXPECT_EQ(fixture.Info().tasks_done(), 0u);
+  EXPECT_EQ(fixture.Next().assign.key().attempt(), 2u);
 }
 
 TEST(CoreJobs, InfoSaysWhereAJobStands) {
-  Bench bench;
-  bench.Submit();
-  EXPECT_EQ(bench.Info().state(), "queued");
-  bench.Join("w", 2);
-  bench.AnswerPlan(bench.Next(), TestStep(2, "iteration 1"));
-  bench.AnswerRun(bench.Next(), H(10));
-  const wire::JobInfo info = bench.Info();
+  CoreFixture fixture;
+  fixture.Submit();
+  EXPECT_EQ(fixture.Info().state(), "queued");
+  fixture.Join("w", 2);
+  fixture.AnswerPlan(fixture.Next(), TestStep(2, "iteration 1"));
+  fixture.AnswerRun(fixture.Next(), H(10));
+  const wire::JobInfo info = fixture.Info();
   EXPECT_EQ(info.state(), "running");
   EXPECT_EQ(info.stages(), 1u);
   EXPECT_EQ(info.tasks(), 2u);
@@ -305,56 +305,56 @@ CoreOptions KeepFor(double days) {
 }
 
 TEST(CoreJobs, AJobThatHasEndedForLongerThanItIsKeptGoesAsIfDeleted) {
-  Bench bench(KeepFor(2));
-  bench.Submit("a");
-  bench.Do(PersistDone{"a", 1});
-  bench.Submit("b");
-  bench.Do(PersistDone{"b", 1});
-  bench.Do(CancelJob{"a"});
-  bench.Do(PersistDone{"a", 2});
-  bench.Advance(2 * kDay_s);
-  EXPECT_EQ(bench.Info("a").state(), "cancelled") << "not for longer yet";
-  bench.Advance(1);
-  ASSERT_EQ(bench.All<ForgetJob>().size(), 1u);
-  EXPECT_EQ(bench.All<ForgetJob>()[0].job, "a");
-  EXPECT_EQ(bench.All<Report>().size(), 1u) << "it is told";
-  bench.Advance(1);
-  EXPECT_TRUE(bench.All<ForgetJob>().empty()) << "once";
-  bench.Do(ForgetFailed{"a", "no space"});
-  bench.Advance(1);
-  EXPECT_TRUE(bench.All<ForgetJob>().empty());
-  bench.Advance(5);
-  EXPECT_EQ(bench.All<ForgetJob>().size(), 1u) << "it is tried again by and by";
-  bench.Do(ForgetDone{"a"});
-  EXPECT_EQ(bench.core.FindJob("a"), nullptr);
-  bench.Advance(100 * kDay_s);
-  EXPECT_EQ(bench.Info("b").state(), "queued") << "what has not ended does not grow old";
+  CoreFixture fixture(KeepFor(2));
+  fixture.Submit("a");
+  fixture.Do(PersistDone{"a", 1});
+  fixture.Submit("b");
+  fixture.Do(PersistDone{"b", 1});
+  fixture.Do(CancelJob{"a"});
+  fixture.Do(PersistDone{"a", 2});
+  fixture.Advance(2 * kDay_s);
+  EXPECT_EQ(fixture.Info("a").state(), "cancelled") << "not for longer yet";
+  fixture.Advance(1);
+  ASSERT_EQ(fixture.All<ForgetJob>().size(), 1u);
+  EXPECT_EQ(fixture.All<ForgetJob>()[0].job, "a");
+  EXPECT_EQ(fixture.All<Report>().size(), 1u) << "it is told";
+  fixture.Advance(1);
+  EXPECT_TRUE(fixture.All<ForgetJob>().empty()) << "once";
+  fixture.Do(ForgetFailed{"a", "no space"});
+  fixture.Advance(1);
+  EXPECT_TRUE(fixture.All<ForgetJob>().empty());
+  fixture.Advance(5);
+  EXPECT_EQ(fixture.All<ForgetJob>().size(), 1u) << "it is tried again by and by";
+  fixture.Do(ForgetDone{"a"});
+  EXPECT_EQ(fixture.core.FindJob("a"), nullptr);
+  fixture.Advance(100 * kDay_s);
+  EXPECT_EQ(fixture.Info("b").state(), "queued") << "what has not ended does not grow old";
 }
 
 TEST(CoreJobs, AnEndThatIsNotDurableIsKept) {
-  Bench bench(KeepFor(1));
-  bench.Submit("a");
-  bench.Do(PersistDone{"a", 1});
-  bench.Do(CancelJob{"a"});
-  bench.Advance(3 * kDay_s);
-  EXPECT_TRUE(bench.All<ForgetJob>().empty());
-  bench.Do(PersistDone{"a", 2});
-  bench.Advance(1);
-  EXPECT_EQ(bench.All<ForgetJob>().size(), 1u);
+  CoreFixture fixture(KeepFor(1));
+  fixture.Submit("a");
+  fixture.Do(PersistDone{"a", 1});
+  fixture.Do(CancelJob{"a"});
+  fixture.Advance(3 * kDay_s);
+  EXPECT_TRUE(fixture.All<ForgetJob>().empty());
+  fixture.Do(PersistDone{"a", 2});
+  fixture.Advance(1);
+  EXPECT_EQ(fixture.All<ForgetJob>().size(), 1u);
 }
 
 TEST(CoreJobs, ByDefaultJobsAreKeptForEver) {
-  Bench bench;
-  bench.Submit("a");
-  bench.Do(PersistDone{"a", 1});
-  bench.Do(CancelJob{"a"});
-  bench.Do(PersistDone{"a", 2});
-  bench.Advance(1e5 * kDay_s);
-  EXPECT_EQ(bench.Info("a").state(), "cancelled");
+  CoreFixture fixture;
+  fixture.Submit("a");
+  fixture.Do(PersistDone{"a", 1});
+  fixture.Do(CancelJob{"a"});
+  fixture.Do(PersistDone{"a", 2});
+  fixture.Advance(1e5 * kDay_s);
+  EXPECT_EQ(fixture.Info("a").state(), "cancelled");
 }
 
 TEST(CoreJobs, ARestartNeitherResetsAJobsAgeNorAddsToIt) {
-  Bench before(KeepFor(2));
+  CoreFixture before(KeepFor(2));
   before.Do(Served{10 * kDay_s});
   before.Submit("a");
   before.Do(PersistDone{"a", 1});
@@ -366,7 +366,7 @@ TEST(CoreJobs, ARestartNeitherResetsAJobsAgeNorAddsToIt) {
   before.Advance(1.5 * kDay_s);
   EXPECT_EQ(before.core.served_s(), 12.5 * kDay_s);
 
-  Bench after(KeepFor(2));
+  CoreFixture after(KeepFor(2));
   after.now_s = 1e6 * kDay_s;  // another machine's clock, ages later
   after.Do(Served{before.core.served_s()});
   after.Do(RestoreJob{end, {}});
@@ -377,7 +377,7 @@ TEST(CoreJobs, ARestartNeitherResetsAJobsAgeNorAddsToIt) {
 }
 
 TEST(CoreJobs, WhereTheTimeServedWasLostNoJobIsOlderThanItWas) {
-  Bench bench(KeepFor(2));
+  CoreFixture fixture(KeepFor(2));
   proto::Checkpoint end;
   end.set_job_id("a");
   end.set_number(2);
@@ -385,30 +385,30 @@ TEST(CoreJobs, WhereTheTimeServedWasLostNoJobIsOlderThanItWas) {
   *end.mutable_job() = TestJob();
   end.set_state(proto::JOB_CANCELLED);
   end.set_ended_served_s(30 * kDay_s);
-  bench.Do(Served{0});
-  bench.Do(RestoreJob{end, {}});
-  EXPECT_EQ(bench.core.served_s(), 30 * kDay_s);
-  bench.Advance(1.9 * kDay_s);
-  EXPECT_EQ(bench.Info("a").state(), "cancelled");
-  bench.Advance(0.2 * kDay_s);
-  EXPECT_EQ(bench.All<ForgetJob>().size(), 1u);
+  fixture.Do(Served{0});
+  fixture.Do(RestoreJob{end, {}});
+  EXPECT_EQ(fixture.core.served_s(), 30 * kDay_s);
+  fixture.Advance(1.9 * kDay_s);
+  EXPECT_EQ(fixture.Info("a").state(), "cancelled");
+  fixture.Advance(0.2 * kDay_s);
+  EXPECT_EQ(fixture.All<ForgetJob>().size(), 1u);
 }
 
 TEST(CoreJobs, AFailedJobThatIsRetriedIsYoungAgain) {
-  Bench bench(KeepFor(2));
-  bench.Join("w");
-  bench.Submit("a");
-  bench.Do(PersistDone{"a", 1});
-  bench.Fail(bench.Next(), "bad", true);
-  bench.Do(PersistDone{"a", 2});
-  bench.Beat("w");
-  bench.Do(RetryJob{"a"});
-  bench.Do(PersistDone{"a", 3});
-  bench.Beat("w", {bench.Next()}, 1);
-  bench.Do(PauseJob{"a"});
-  bench.Do(PersistDone{"a", 4});
-  bench.Advance(3 * kDay_s);
-  EXPECT_EQ(bench.Info("a").state(), "paused") << bench.Info("a").reason();
+  CoreFixture fixture(KeepFor(2));
+  fixture.Join("w");
+  fixture.Submit("a");
+  fixture.Do(PersistDone{"a", 1});
+  fixture.Fail(fixture.Next(), "bad", true);
+  fixture.Do(PersistDone{"a", 2});
+  fixture.Heartbeat("w");
+  fixture.Do(RetryJob{"a"});
+  fixture.Do(PersistDone{"a", 3});
+  fixture.Heartbeat("w", {fixture.Next()}, 1);
+  fixture.Do(PauseJob{"a"});
+  fixture.Do(PersistDone{"a", 4});
+  fixture.Advance(3 * kDay_s);
+  EXPECT_EQ(fixture.Info("a").state(), "paused") << fixture.Info("a").reason();
 }
 
 }  // namespace

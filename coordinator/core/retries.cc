@@ -27,16 +27,16 @@ void Core::On(const TaskFailed& event) {
 
 // Its transport checks what it carries: whoever sends a malformed answer is broken, or computes what is. In
 // the first case one worker alone must not use up a task's attempts; in the second others come to the same.
-void Core::Shun(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong) {
+void Core::Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong) {
   if (!job.tasks.Withdraw(key.task(), key.attempt())) return;
   const std::string who = WorkerName(worker.hello);
-  std::erase_if(job.shunned, [this](std::uint64_t number) { return fleet_.Find(number) == nullptr; });
-  if (job.shunned.insert(worker.number).second)
+  std::erase_if(job.excluded, [this](std::uint64_t number) { return fleet_.Find(number) == nullptr; });
+  if (job.excluded.insert(worker.number).second)
     Say(Report::kWarning, who + " gets no more tasks of " + job.id + " where there are others: " + wrong);
   std::vector<wire::TaskKey> queued;
-  for (const InHand& task : worker.in_hand)
+  for (const AssignedTask& task : worker.assigned)
     if (task.key.job() == job.id) queued.push_back(task.key);
-  for (const wire::TaskKey& other : queued) TakeBack(worker, other);
+  for (const wire::TaskKey& other : queued) Reclaim(worker, other);
   FailAttempt(job, key.task(), wrong + ", by " + who);
 }
 

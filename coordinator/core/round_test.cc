@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coordinator/core/core_bench.h"
+#include "coordinator/core/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

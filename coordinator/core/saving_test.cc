@@ -3,17 +3,17 @@
 
 #include <algorithm>
 
-#include "coordinator/core/core_bench.h"
+#include "coordinator/core/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {
 
 // Plays one round of one task to its ADVANCE; the next step shares the blob `state`.
-void PlayRound(Bench& bench, std::uint64_t n) {
-  bench.AnswerRun(bench.Next(), H(100 + n));
+void PlayRound(CoreFixture& fixture, std::uint64_t n) {
+  fixture.AnswerRun(fixture.Next(), H(100 + n));
   proto::Step step = TestStep(1, "round " + std::to_string(n));
   (*step.mutable_state()->mutable_blobs())["state"] = H(200 + n).Binary();
-  bench.AnswerPlan(bench.Next(), step, {H(200 + n)});
+  fixture.AnswerPlan(fixture.Next(), step, {H(200 + n)});
 }
 
 bool Names(const proto::Checkpoint& checkpoint, const Hash& hash) {
@@ -22,121 +22,121 @@ bool Names(const proto::Checkpoint& checkpoint, const Hash& hash) {
 }
 
 TEST(CoreSaving, ASubmittedJobIsSavedAtOnceWithItsInputs) {
-  Bench bench;
-  bench.Submit();
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  const proto::Checkpoint checkpoint = bench.All<Persist>()[0].checkpoint;
+  CoreFixture fixture;
+  fixture.Submit();
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  const proto::Checkpoint checkpoint = fixture.All<Persist>()[0].checkpoint;
   EXPECT_EQ(checkpoint.number(), 1u);
   EXPECT_FALSE(checkpoint.has_step());
   EXPECT_TRUE(Names(checkpoint, H(1000)));
 }
 
 TEST(CoreSaving, SavesAtMostOnceInAnIntervalAndThenTheLatest) {
-  Bench bench;
-  Begin(bench, 1);
+  CoreFixture fixture;
+  Begin(fixture, 1);
   for (std::uint64_t n = 0; n < 5; ++n) {
-    PlayRound(bench, n);
-    EXPECT_TRUE(bench.All<Persist>().empty());
+    PlayRound(fixture, n);
+    EXPECT_TRUE(fixture.All<Persist>().empty());
   }
-  bench.Advance(1.1);
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  const proto::Checkpoint checkpoint = bench.All<Persist>()[0].checkpoint;
+  fixture.Advance(1.1);
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  const proto::Checkpoint checkpoint = fixture.All<Persist>()[0].checkpoint;
   EXPECT_EQ(checkpoint.number(), 2u);
   EXPECT_EQ(checkpoint.round(), 5u);
   EXPECT_EQ(checkpoint.step().note(), "round 4");
   EXPECT_TRUE(Names(checkpoint, H(204)));
-  bench.Advance(5);
-  EXPECT_TRUE(bench.All<Persist>().empty()) << "one at a time, and nothing new came";
+  fixture.Advance(5);
+  EXPECT_TRUE(fixture.All<Persist>().empty()) << "one at a time, and nothing new came";
 }
 
 TEST(CoreSaving, SavesEverySoManyRoundsWhereThatIsAskedForHoweverLongTheyTake) {
   CoreOptions options;
   options.checkpoint_rounds = 3;
-  Bench bench(options);
-  Begin(bench, 1);
+  CoreFixture fixture(options);
+  Begin(fixture, 1);
   for (std::uint64_t n = 0; n < 9; ++n) {
-    bench.Advance(n % 2 == 0 ? 5 : 0.001);
-    EXPECT_TRUE(bench.All<Persist>().empty()) << n;
-    PlayRound(bench, n);
-    const auto saved = bench.All<Persist>();
+    fixture.Advance(n % 2 == 0 ? 5 : 0.001);
+    EXPECT_TRUE(fixture.All<Persist>().empty()) << n;
+    PlayRound(fixture, n);
+    const auto saved = fixture.All<Persist>();
     ASSERT_EQ(saved.size(), n % 3 == 1 ? 1U : 0U) << n;  // the round that Begin began is the first
     if (saved.empty()) continue;
     EXPECT_EQ(saved[0].checkpoint.round(), n + 1);
-    bench.Do(PersistDone{"a", saved[0].checkpoint.number()});
+    fixture.Do(PersistDone{"a", saved[0].checkpoint.number()});
   }
 }
 
 TEST(CoreSaving, RoundsGoOnWhileACheckpointIsUnderWay) {
-  Bench bench;
-  Begin(bench, 1);
-  bench.Advance(1.1);
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  bench.now_s += 2;
-  PlayRound(bench, 0);
-  PlayRound(bench, 1);
-  EXPECT_TRUE(bench.All<Persist>().empty());
-  EXPECT_EQ(bench.Info().round(), 2u);
-  bench.Do(PersistDone{"a", 2});
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.round(), 2u);
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  fixture.Advance(1.1);
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  fixture.now_s += 2;
+  PlayRound(fixture, 0);
+  PlayRound(fixture, 1);
+  EXPECT_TRUE(fixture.All<Persist>().empty());
+  EXPECT_EQ(fixture.Info().round(), 2u);
+  fixture.Do(PersistDone{"a", 2});
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].checkpoint.round(), 2u);
 }
 
 TEST(CoreSaving, KeepsTheBlobsOfTheLastTwoCheckpoints) {
-  Bench bench;
-  Begin(bench, 1);
+  CoreFixture fixture;
+  Begin(fixture, 1);
   std::uint64_t number = 1;
   const auto play_and_save = [&](std::uint64_t n) {
-    PlayRound(bench, n);
-    bench.Beat("w");
-    bench.Advance(1.1);
-    bench.Do(PersistDone{"a", ++number});
+    PlayRound(fixture, n);
+    fixture.Heartbeat("w");
+    fixture.Advance(1.1);
+    fixture.Do(PersistDone{"a", ++number});
   };
   play_and_save(0);
   play_and_save(1);
-  EXPECT_TRUE(bench.core.Holds(H(200)));
+  EXPECT_TRUE(fixture.core.Holds(H(200)));
   play_and_save(2);
-  EXPECT_FALSE(bench.core.Holds(H(200)));
-  EXPECT_TRUE(bench.core.Holds(H(201)));
-  EXPECT_TRUE(bench.core.Holds(H(202)));
-  EXPECT_FALSE(bench.core.Holds(H(102))) << "partials go when they are reduced";
+  EXPECT_FALSE(fixture.core.Holds(H(200)));
+  EXPECT_TRUE(fixture.core.Holds(H(201)));
+  EXPECT_TRUE(fixture.core.Holds(H(202)));
+  EXPECT_FALSE(fixture.core.Holds(H(102))) << "partials go when they are reduced";
 }
 
 TEST(CoreSaving, AFullDiskPausesTheJobWithTheReasonAndResumeGoesOn) {
-  Bench bench;
-  Begin(bench, 1);
-  bench.Advance(1.1);
-  bench.Do(PersistFailed{"a", 2, "no space left on device"});
-  EXPECT_EQ(bench.Info().state(), "paused");
-  EXPECT_EQ(bench.Info().reason(), "cannot save: no space left on device");
-  bench.AnswerRun(bench.Next(), H(100));
-  EXPECT_EQ(bench.Info().tasks_done(), 1u) << "what was under way still counts";
-  EXPECT_TRUE(bench.assigned.empty());
-  bench.Advance(5);
-  EXPECT_TRUE(bench.All<Persist>().empty());
-  bench.Do(ResumeJob{"a"});
-  EXPECT_EQ(bench.Info().state(), "running");
-  EXPECT_EQ(bench.All<Persist>().size(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.number(), 3u);
-  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  fixture.Advance(1.1);
+  fixture.Do(PersistFailed{"a", 2, "no space left on device"});
+  EXPECT_EQ(fixture.Info().state(), "paused");
+  EXPECT_EQ(fixture.Info().reason(), "cannot save: no space left on device");
+  fixture.AnswerRun(fixture.Next(), H(100));
+  EXPECT_EQ(fixture.Info().tasks_done(), 1u) << "what was under way still counts";
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.Advance(5);
+  EXPECT_TRUE(fixture.All<Persist>().empty());
+  fixture.Do(ResumeJob{"a"});
+  EXPECT_EQ(fixture.Info().state(), "running");
+  EXPECT_EQ(fixture.All<Persist>().size(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].checkpoint.number(), 3u);
+  EXPECT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
 }
 
 TEST(CoreSaving, ACancelThatCouldNotBeSavedIsSavedLater) {
-  Bench bench;
-  Begin(bench, 1);
-  bench.Do(CancelJob{"a"});
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  const std::uint64_t number = bench.All<Persist>()[0].checkpoint.number();
-  bench.Do(PersistFailed{"a", number, "no space left on device"});
-  EXPECT_TRUE(bench.All<Persist>().empty()) << "not at once: the disk is full";
-  EXPECT_EQ(bench.Info().state(), "cancelled");
-  EXPECT_TRUE(bench.core.HasUnsaved());
-  bench.Advance(4);
-  EXPECT_TRUE(bench.All<Persist>().empty());
-  bench.Advance(2);
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.state(), proto::JOB_CANCELLED);
-  bench.Do(PersistDone{"a", number + 1});
-  EXPECT_FALSE(bench.core.HasUnsaved());
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  fixture.Do(CancelJob{"a"});
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  const std::uint64_t number = fixture.All<Persist>()[0].checkpoint.number();
+  fixture.Do(PersistFailed{"a", number, "no space left on device"});
+  EXPECT_TRUE(fixture.All<Persist>().empty()) << "not at once: the disk is full";
+  EXPECT_EQ(fixture.Info().state(), "cancelled");
+  EXPECT_TRUE(fixture.core.HasUnsaved());
+  fixture.Advance(4);
+  EXPECT_TRUE(fixture.All<Persist>().empty());
+  fixture.Advance(2);
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].checkpoint.state(), proto::JOB_CANCELLED);
+  fixture.Do(PersistDone{"a", number + 1});
+  EXPECT_FALSE(fixture.core.HasUnsaved());
 }
 
 TEST(CoreSaving, BlobsOfOlderCheckpointsOfAJobThatIsDoneAreDroppedAtRestore) {
@@ -147,41 +147,41 @@ TEST(CoreSaving, BlobsOfOlderCheckpointsOfAJobThatIsDoneAreDroppedAtRestore) {
   done.set_state(proto::JOB_DONE);
   done.set_stage(1);
   done.add_results(H(20).Binary());
-  Bench bench;
-  bench.Do(RestoreJob{done, {H(5)}});
-  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
-  EXPECT_EQ(bench.All<DropBlobs>()[0].hashes, std::vector{H(5)});
+  CoreFixture fixture;
+  fixture.Do(RestoreJob{done, {H(5)}});
+  ASSERT_EQ(fixture.All<DropBlobs>().size(), 1u);
+  EXPECT_EQ(fixture.All<DropBlobs>()[0].hashes, std::vector{H(5)});
 }
 
 TEST(CoreSaving, AResultThatCouldNotBePublishedIsPublishedAfterResume) {
-  Bench bench;
-  bench.Submit("a", TestJob(2));
-  bench.Do(PersistDone{"a", 1});
-  bench.Join("w");
-  bench.AnswerResult(bench.Next(), H(20));
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].publish.size(), 1u);
-  bench.Do(PersistFailed{"a", 2, "full"});
-  bench.Do(ResumeJob{"a"});
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  ASSERT_EQ(bench.All<Persist>()[0].publish.size(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].publish[0].result, H(20));
-  bench.Do(PersistDone{"a", 3});
-  bench.AnswerResult(bench.Next(), H(21));
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  ASSERT_EQ(bench.All<Persist>()[0].publish.size(), 1u) << "each result once";
-  EXPECT_EQ(bench.All<Persist>()[0].publish[0].result, H(21));
+  CoreFixture fixture;
+  fixture.Submit("a", TestJob(2));
+  fixture.Do(PersistDone{"a", 1});
+  fixture.Join("w");
+  fixture.AnswerResult(fixture.Next(), H(20));
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].publish.size(), 1u);
+  fixture.Do(PersistFailed{"a", 2, "full"});
+  fixture.Do(ResumeJob{"a"});
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  ASSERT_EQ(fixture.All<Persist>()[0].publish.size(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].publish[0].result, H(20));
+  fixture.Do(PersistDone{"a", 3});
+  fixture.AnswerResult(fixture.Next(), H(21));
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  ASSERT_EQ(fixture.All<Persist>()[0].publish.size(), 1u) << "each result once";
+  EXPECT_EQ(fixture.All<Persist>()[0].publish[0].result, H(21));
 }
 
 TEST(CoreSaving, ARestoredJobGoesOnFromItsStepWithTheSameTasks) {
-  Bench before;
+  CoreFixture before;
   Begin(before, 1);
   PlayRound(before, 0);
   before.Advance(1.1);
   ASSERT_EQ(before.All<Persist>().size(), 1u);
   const proto::Checkpoint checkpoint = before.All<Persist>()[0].checkpoint;
 
-  Bench after;
+  CoreFixture after;
   after.Do(RestoreJob{checkpoint, {}});
   after.Join("w");
   const auto task = after.Next(), same = before.Next();
@@ -197,11 +197,11 @@ TEST(CoreSaving, ARestoredJobGoesOnFromItsStepWithTheSameTasks) {
 }
 
 TEST(CoreSaving, ALongRoundIsSavedWithItsPartialsAndGoesOnFromThem) {
-  Bench before;
+  CoreFixture before;
   Begin(before, 3);
   before.Advance(0.5);
   before.AnswerRun(before.Next(), H(100));
-  before.Beat("w");
+  before.Heartbeat("w");
   before.Advance(0.6);
   ASSERT_EQ(before.All<Persist>().size(), 1u);
   const proto::Checkpoint checkpoint = before.All<Persist>()[0].checkpoint;
@@ -210,7 +210,7 @@ TEST(CoreSaving, ALongRoundIsSavedWithItsPartialsAndGoesOnFromThem) {
   EXPECT_TRUE(checkpoint.partials(1).empty());
   EXPECT_TRUE(Names(checkpoint, H(100)));
 
-  Bench after;
+  CoreFixture after;
   after.Do(RestoreJob{checkpoint, {}});
   EXPECT_EQ(after.Info().tasks_done(), 1u);
   after.Join("w");
@@ -226,25 +226,25 @@ TEST(CoreSaving, ALongRoundIsSavedWithItsPartialsAndGoesOnFromThem) {
 }
 
 TEST(CoreSaving, AYoungRoundIsSavedWithoutPartials) {
-  Bench bench;
-  Begin(bench, 1);
-  bench.now_s = 0.9;
-  PlayRound(bench, 0);
-  bench.AnswerRun(bench.Next(), H(101));
-  bench.Advance(0.2);
-  ASSERT_EQ(bench.All<Persist>().size(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.round(), 1u);
-  EXPECT_EQ(bench.All<Persist>()[0].checkpoint.partials_size(), 0);
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  fixture.now_s = 0.9;
+  PlayRound(fixture, 0);
+  fixture.AnswerRun(fixture.Next(), H(101));
+  fixture.Advance(0.2);
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].checkpoint.round(), 1u);
+  EXPECT_EQ(fixture.All<Persist>()[0].checkpoint.partials_size(), 0);
 }
 
 TEST(CoreSaving, TheFirstAnswerAfterARestartIsSavedAtOnceThenOnceInAnInterval) {
-  Bench before;
+  CoreFixture before;
   Begin(before, 4);
   before.Advance(1.1);
   ASSERT_EQ(before.All<Persist>().size(), 1u);
   const proto::Checkpoint checkpoint = before.All<Persist>()[0].checkpoint;
 
-  Bench after;
+  CoreFixture after;
   after.Do(RestoreJob{checkpoint, {}});
   after.Join("w");
   after.Advance(0.1);
@@ -255,21 +255,21 @@ TEST(CoreSaving, TheFirstAnswerAfterARestartIsSavedAtOnceThenOnceInAnInterval) {
   after.Do(PersistDone{"a", checkpoint.number() + 1});
   after.AnswerRun(after.Next(), H(101));
   EXPECT_TRUE(after.All<Persist>().empty());
-  after.Beat("w");
+  after.Heartbeat("w");
   after.Advance(1.1);
   EXPECT_EQ(after.All<Persist>().size(), 1u);
 }
 
 // A run that is stopped soon after it was started again must not lose what it began with.
 TEST(CoreSaving, PartialsThatWereSavedStaySavedAfterARestart) {
-  Bench before;
+  CoreFixture before;
   Begin(before, 3);
   before.AnswerRun(before.Next(), H(100));
   before.Advance(1.1);
   const proto::Checkpoint checkpoint = before.All<Persist>().at(0).checkpoint;
   ASSERT_EQ(checkpoint.partials(0), H(100).Binary());
 
-  Bench after;
+  CoreFixture after;
   after.Do(RestoreJob{checkpoint, {}});
   after.Join("w");
   after.AnswerRun(after.Next(), H(101));
@@ -279,12 +279,12 @@ TEST(CoreSaving, PartialsThatWereSavedStaySavedAfterARestart) {
 }
 
 TEST(CoreSaving, ARestoredJobOfAnotherBuildIsPausedWithTheReason) {
-  Bench before;
+  CoreFixture before;
   Begin(before, 1);
   before.Advance(1.1);
   CoreOptions newer;
   newer.build = TestBuild("2");
-  Bench after(newer);
+  CoreFixture after(newer);
   after.Do(RestoreJob{before.All<Persist>().at(0).checkpoint, {}});
   after.Join("x", 1, "2");
   EXPECT_EQ(after.core.fleet().size(), 1u);
@@ -295,11 +295,11 @@ TEST(CoreSaving, ARestoredJobOfAnotherBuildIsPausedWithTheReason) {
 }
 
 TEST(CoreSaving, AnEndedJobIsRestoredAsItEnded) {
-  Bench before;
+  CoreFixture before;
   Begin(before, 1);
   before.Fail(before.Next(), "no good", true);
   const proto::Checkpoint checkpoint = before.All<Persist>().at(0).checkpoint;
-  Bench after;
+  CoreFixture after;
   after.Do(RestoreJob{checkpoint, {}});
   after.Join("w");
   EXPECT_EQ(after.Info().state(), "failed");
@@ -310,41 +310,41 @@ TEST(CoreSaving, AnEndedJobIsRestoredAsItEnded) {
 }
 
 TEST(CoreSaving, ARestoredJobKeepsThePlaceOfItsSubmission) {
-  Bench bench;
+  CoreFixture fixture;
   proto::Checkpoint checkpoint;
   checkpoint.set_job_id("old");
   checkpoint.set_order(5);
   *checkpoint.mutable_job() = TestJob();
-  bench.Do(RestoreJob{checkpoint, {}});
-  bench.Submit("new");
-  ASSERT_EQ(bench.core.Jobs().size(), 2u);
-  EXPECT_EQ(bench.core.Jobs()[0].id(), "old");
+  fixture.Do(RestoreJob{checkpoint, {}});
+  fixture.Submit("new");
+  ASSERT_EQ(fixture.core.Jobs().size(), 2u);
+  EXPECT_EQ(fixture.core.Jobs()[0].id(), "old");
 }
 
 TEST(CoreSaving, SaveNowDoesNotWaitForTheInterval) {
-  Bench bench;
-  Begin(bench, 1);
-  EXPECT_TRUE(bench.core.HasUnsaved());
-  bench.Do(SaveNow{});
-  EXPECT_EQ(bench.All<Persist>().size(), 1u);
-  bench.Do(PersistDone{"a", 2});
-  EXPECT_FALSE(bench.core.HasUnsaved());
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  EXPECT_TRUE(fixture.core.HasUnsaved());
+  fixture.Do(SaveNow{});
+  EXPECT_EQ(fixture.All<Persist>().size(), 1u);
+  fixture.Do(PersistDone{"a", 2});
+  EXPECT_FALSE(fixture.core.HasUnsaved());
 }
 
 TEST(CoreSaving, BlobsThatCameWithARefusedJobAreDropped) {
-  Bench bench;
+  CoreFixture fixture;
   proto::Job job = TestJob();
   job.clear_stages();
-  bench.Do(SubmitJob{"a", job, {H(1000)}});
-  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
+  fixture.Do(SubmitJob{"a", job, {H(1000)}});
+  ASSERT_EQ(fixture.All<DropBlobs>().size(), 1u);
 }
 
 TEST(CoreSaving, FactsCountHostsTasksAndRounds) {
-  Bench bench;
-  Begin(bench, 1);
-  bench.now_s += 2;
-  PlayRound(bench, 0);
-  const proto::StageFacts& facts = bench.core.FindJob("a")->facts.at(0);
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  fixture.now_s += 2;
+  PlayRound(fixture, 0);
+  const proto::StageFacts& facts = fixture.core.FindJob("a")->facts.at(0);
   ASSERT_EQ(facts.rounds_size(), 2);
   EXPECT_EQ(facts.rounds(0).note(), "start");
   EXPECT_EQ(facts.rounds(0).tasks(), 0u);

@@ -1,4 +1,4 @@
-// Handshake, beats, leases: who is there and whether it moves.
+// Handshake, heartbeats, leases: who is there and whether it moves.
 #include <algorithm>
 #include <cstdio>
 
@@ -45,7 +45,7 @@ void Core::On(const WorkerHello& event) {
   }
   Worker& worker = fleet_.Add(event.peer, hello, now_s_);
   Send send{event.peer, {}};
-  send.message.mutable_welcome()->set_beat_s(options_.beat_s);
+  send.message.mutable_welcome()->set_heartbeat_s(options_.heartbeat_s);
   actions_.push_back(std::move(send));
   Say(Report::kInfo, WorkerName(hello) + " joined");
   if (draining) BeginDraining(worker);
@@ -58,43 +58,43 @@ Worker* Core::Heard(const std::string& peer) {
     return worker;
   }
   Send send{peer, {}};
-  send.message.mutable_stranger();
+  send.message.mutable_unknown_worker();
   actions_.push_back(std::move(send));
   return nullptr;
 }
 
-void Core::On(const WorkerBeat& event) {
+void Core::On(const WorkerHeartbeat& event) {
   Worker* worker = Heard(event.peer);
   if (worker == nullptr) return;
-  const wire::Beat& beat = event.beat;
-  if (beat.tasks_size() == 0 && !beat.stuck()) fleet_.SetHung(*worker, false);
-  for (int i = 0; i < beat.tasks_size(); ++i) {
-    const wire::TaskKey& key = beat.tasks(i);
+  const wire::Heartbeat& heartbeat = event.heartbeat;
+  if (heartbeat.tasks_size() == 0 && !heartbeat.stuck()) fleet_.SetHung(*worker, false);
+  for (int i = 0; i < heartbeat.tasks_size(); ++i) {
+    const wire::TaskKey& key = heartbeat.tasks(i);
     if (worker->Find(key) == nullptr) {  // our Cancel was lost, or has not reached it yet
       Send send{worker->peer, {}};
       *send.message.mutable_cancel()->mutable_key() = key;
       actions_.push_back(std::move(send));
-    } else if (i < beat.ticks_size()) {
-      worker->Tick(key, beat.ticks(i), now_s_);
+    } else if (i < heartbeat.ticks_size()) {
+      worker->Tick(key, heartbeat.ticks(i), now_s_);
     }
   }
-  DropUnlisted(*worker, beat);
+  DropUnlisted(*worker, heartbeat);
   if (worker->draining) TellDrain(*worker);  // the first word may have been lost
 }
 
 // A message may get lost where a connection breaks and comes back before the lease is over.
-void Core::DropUnlisted(Worker& worker, const wire::Beat& beat) {
+void Core::DropUnlisted(Worker& worker, const wire::Heartbeat& heartbeat) {
   std::vector<wire::TaskKey> lost;
-  for (const InHand& task : worker.in_hand) {
+  for (const AssignedTask& task : worker.assigned) {
     if (now_s_ - task.since_s <= options_.unlisted_s) continue;
-    const bool listed = std::any_of(beat.tasks().begin(), beat.tasks().end(),
+    const bool listed = std::any_of(heartbeat.tasks().begin(), heartbeat.tasks().end(),
                                     [&task](const wire::TaskKey& key) { return SameAttempt(key, task.key); });
     if (!listed) lost.push_back(task.key);
   }
-  for (const wire::TaskKey& key : lost) TakeBack(worker, key);
+  for (const wire::TaskKey& key : lost) Reclaim(worker, key);
 }
 
-void Core::On(const WorkerBye& event) {
+void Core::On(const WorkerLeave& event) {
   Worker* worker = fleet_.Find(event.peer);
   if (worker == nullptr) return;
   const std::string what = WorkerName(worker->hello) + " left";
@@ -120,7 +120,7 @@ void Core::On(const DrainWorker& event) {
 // What it has queued goes elsewhere at once, nobody to blame.
 void Core::BeginDraining(Worker& worker) {
   fleet_.SetDraining(worker);
-  while (worker.in_hand.size() > 1) TakeBack(worker, wire::TaskKey(worker.in_hand.back().key));
+  while (worker.assigned.size() > 1) Reclaim(worker, wire::TaskKey(worker.assigned.back().key));
   TellDrain(worker);
 }
 
@@ -131,7 +131,7 @@ void Core::TellDrain(const Worker& worker) {
 }
 
 void Core::Lose(Worker& worker, const std::string& what, const std::string& blame) {
-  const std::vector<InHand> tasks = worker.in_hand;
+  const std::vector<AssignedTask> tasks = worker.assigned;
   std::map<std::string, int> moved;  // tasks, by job
   fleet_.Remove(worker.peer);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -152,16 +152,16 @@ void Core::Lose(Worker& worker, const std::string& what, const std::string& blam
 void Core::GiveUp(Worker& worker, const std::string& why) {
   Say(Report::kWarning, WorkerName(worker.hello) + " gets nothing until it moves: its task " + why);
   fleet_.SetHung(worker, true);
-  const wire::TaskKey head = worker.in_hand.front().key;
+  const wire::TaskKey head = worker.assigned.front().key;
   Job* job = nullptr;  // of the head, which is taken last
-  while (!worker.in_hand.empty()) job = TakeBack(worker, wire::TaskKey(worker.in_hand.back().key));
+  while (!worker.assigned.empty()) job = Reclaim(worker, wire::TaskKey(worker.assigned.back().key));
   if (job != nullptr) FailAttempt(*job, head.task(), "it " + why + " on " + WorkerName(worker.hello));
 }
 
-// It beats, but what it runs does not move, or runs for too long.
+// It sends heartbeats, but what it runs does not move, or runs for too long.
 std::string Core::WhyGiveUp(const Worker& worker) const {
-  if (worker.in_hand.empty()) return "";
-  const wire::TaskKey& key = worker.in_hand.front().key;
+  if (worker.assigned.empty()) return "";
+  const wire::TaskKey& key = worker.assigned.front().key;
   const double hung_s = key.kind() == wire::TaskKey::RUN ? options_.hung_s : options_.plan_hung_s;
   if (now_s_ - worker.moved_s > hung_s)
     return "did not move for " + std::to_string(static_cast<int>(now_s_ - worker.moved_s)) + " s";

@@ -1,7 +1,7 @@
 // Workers: handshake, leases, hanging, stragglers, placement.
 #include <gtest/gtest.h>
 
-#include "coordinator/core/core_bench.h"
+#include "coordinator/core/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -9,35 +9,35 @@ namespace {
 using WorkersEnvelope = wire::Envelope;
 
 TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
-  Bench bench;
-  bench.Join("w", 1, "1");
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_welcome).size(), 1u);
-  bench.Join("x", 1, "2");
-  const auto refused = bench.Sent(&WorkersEnvelope::has_refuse);
+  CoreFixture fixture;
+  fixture.Join("w", 1, "1");
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_welcome).size(), 1u);
+  fixture.Join("x", 1, "2");
+  const auto refused = fixture.Sent(&WorkersEnvelope::has_refuse);
   ASSERT_EQ(refused.size(), 1u);
   EXPECT_EQ(refused[0].peer, "x");
   EXPECT_EQ(refused[0].message.refuse().reason(), "version is '2', the coordinator's is '1'");
-  EXPECT_EQ(bench.core.fleet().size(), 1u);
+  EXPECT_EQ(fixture.core.fleet().size(), 1u);
 }
 
 TEST(CoreWorkers, AStrayOfAnotherBuildThatComesFirstIsRefusedAndCountedAndDecidesNothing) {
-  Bench bench;
-  bench.Join("stray", 1, "2");
-  EXPECT_EQ(bench.core.fleet().size(), 0u);
-  ASSERT_EQ(bench.All<Refused>().size(), 1u);
-  EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kBuild);
-  bench.Join("w", 1, "1");
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_welcome).size(), 1u);
-  EXPECT_EQ(bench.core.fleet().size(), 1u);
+  CoreFixture fixture;
+  fixture.Join("stray", 1, "2");
+  EXPECT_EQ(fixture.core.fleet().size(), 0u);
+  ASSERT_EQ(fixture.All<Refused>().size(), 1u);
+  EXPECT_EQ(fixture.All<Refused>()[0].refusal.kind, wire::RefusalKind::kBuild);
+  fixture.Join("w", 1, "1");
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_welcome).size(), 1u);
+  EXPECT_EQ(fixture.core.fleet().size(), 1u);
 }
 
 TEST(CoreWorkers, AJobThatAnotherBuildBeganKeepsNobodyOutAndDoesNotGoOn) {
-  Bench before;
+  CoreFixture before;
   Begin(before, 1);
   before.Fail(before.Next(), "no good", true);
   CoreOptions newer;
   newer.build = TestBuild("2");
-  Bench after(newer);
+  CoreFixture after(newer);
   after.Do(RestoreJob{before.All<Persist>().at(0).checkpoint, {}});
   after.Join("w", 1, "2");
   EXPECT_EQ(after.core.fleet().size(), 1u);
@@ -48,310 +48,310 @@ TEST(CoreWorkers, AJobThatAnotherBuildBeganKeepsNobodyOutAndDoesNotGoOn) {
 }
 
 TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
-  Bench bench;
+  CoreFixture fixture;
   wire::Hello hello;
   hello.set_protocol(3);
   hello.set_slots(1);
-  bench.Do(WorkerHello{"w", hello});
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_refuse).size(), 1u);
-  ASSERT_EQ(bench.All<Refused>().size(), 1u);
-  EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kVersion);
-  bench.Join("w", 0);
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_refuse).size(), 1u);
-  EXPECT_EQ(bench.All<Refused>().size(), 1u);
+  fixture.Do(WorkerHello{"w", hello});
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_refuse).size(), 1u);
+  ASSERT_EQ(fixture.All<Refused>().size(), 1u);
+  EXPECT_EQ(fixture.All<Refused>()[0].refusal.kind, wire::RefusalKind::kVersion);
+  fixture.Join("w", 0);
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_refuse).size(), 1u);
+  EXPECT_EQ(fixture.All<Refused>().size(), 1u);
 }
 
-TEST(CoreWorkers, AStrangerIsAskedToSayHello) {
-  Bench bench;
-  bench.Beat("nobody");
-  ASSERT_EQ(bench.Sent(&WorkersEnvelope::has_stranger).size(), 1u);
+TEST(CoreWorkers, AnUnknownWorkerIsAskedToSayHello) {
+  CoreFixture fixture;
+  fixture.Heartbeat("nobody");
+  ASSERT_EQ(fixture.Sent(&WorkersEnvelope::has_unknown_worker).size(), 1u);
 }
 
 TEST(CoreWorkers, GetsAsManyTasksAsItHasSlots) {
-  Bench bench;
-  Begin(bench, 5, 3);
-  EXPECT_EQ(bench.assigned.size(), 3u);
-  bench.AnswerRun(bench.Next(), H(10));
-  EXPECT_EQ(bench.assigned.size(), 3u);
+  CoreFixture fixture;
+  Begin(fixture, 5, 3);
+  EXPECT_EQ(fixture.assigned.size(), 3u);
+  fixture.AnswerRun(fixture.Next(), H(10));
+  EXPECT_EQ(fixture.assigned.size(), 3u);
 }
 
 TEST(CoreWorkers, ALateJoinerTakesOverWhatWaitsBehindAnother) {
-  Bench bench;
-  Begin(bench, 3, 3);
-  bench.assigned.clear();
-  bench.Join("late", 3);
-  const auto moved = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 3, 3);
+  fixture.assigned.clear();
+  fixture.Join("late", 3);
+  const auto moved = fixture.Next();
   EXPECT_EQ(moved.peer, "late");
   EXPECT_EQ(moved.assign.key().task(), 2u);
   EXPECT_EQ(moved.assign.key().attempt(), 2u);
-  const auto cancels = bench.Sent(&WorkersEnvelope::has_cancel);
+  const auto cancels = fixture.Sent(&WorkersEnvelope::has_cancel);
   ASSERT_EQ(cancels.size(), 1u);
   EXPECT_EQ(cancels[0].peer, "w");
-  EXPECT_TRUE(bench.assigned.empty()) << "a worker that has something takes no more";
+  EXPECT_TRUE(fixture.assigned.empty()) << "a worker that has something takes no more";
 }
 
 TEST(CoreWorkers, ATaskGoesElsewhereWhenTheLeaseExpires) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto lost = bench.Next();
-  bench.Join("x");
-  bench.Advance(9);
-  bench.Beat("x");
-  EXPECT_TRUE(bench.assigned.empty());
-  bench.Advance(2);
-  const auto again = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto lost = fixture.Next();
+  fixture.Join("x");
+  fixture.Advance(9);
+  fixture.Heartbeat("x");
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.Advance(2);
+  const auto again = fixture.Next();
   EXPECT_EQ(again.peer, "x");
   EXPECT_EQ(again.assign.key().task(), lost.assign.key().task());
-  bench.Beat("w");
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_stranger).size(), 1u);
+  fixture.Heartbeat("w");
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_unknown_worker).size(), 1u);
 }
 
 TEST(CoreWorkers, ALateAnswerOfAWithdrawnAttemptCountsBecauseTasksArePure) {
-  Bench bench;
-  Begin(bench, 2, 2);
-  const auto first = bench.Next(), second = bench.Next();
-  bench.Join("w", 2);  // says Hello again: has forgotten both
-  bench.assigned.clear();
-  bench.AnswerRun(first, H(10));
-  EXPECT_EQ(bench.Info().tasks_done(), 1u);
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 1u);
-  bench.Fail(second, "failure of an attempt that was withdrawn");
-  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+  CoreFixture fixture;
+  Begin(fixture, 2, 2);
+  const auto first = fixture.Next(), second = fixture.Next();
+  fixture.Join("w", 2);  // says Hello again: has forgotten both
+  fixture.assigned.clear();
+  fixture.AnswerRun(first, H(10));
+  EXPECT_EQ(fixture.Info().tasks_done(), 1u);
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_cancel).size(), 1u);
+  fixture.Fail(second, "failure of an attempt that was withdrawn");
+  EXPECT_TRUE(fixture.core.FindJob("a")->failures.empty());
 }
 
 TEST(CoreWorkers, AnAnswerToATaskThatWasNeverItsWorkersChangesNothing) {
-  Bench bench;
-  Begin(bench, 2);
-  const auto task = bench.Next();
-  bench.Join("x");
-  const auto other = bench.Next();
-  Bench::Assigned stolen = task;  // or from before a restart of the coordinator
+  CoreFixture fixture;
+  Begin(fixture, 2);
+  const auto task = fixture.Next();
+  fixture.Join("x");
+  const auto other = fixture.Next();
+  CoreFixture::Assigned stolen = task;  // or from before a restart of the coordinator
   stolen.peer = "x";
-  bench.Fail(stolen, "not its own", true);
-  EXPECT_EQ(bench.Info().state(), "running");
-  EXPECT_EQ(bench.All<Refused>().size(), 1u);
-  bench.AnswerRun(stolen, H(66));
-  ASSERT_EQ(bench.All<Refused>().size(), 1u);
-  EXPECT_EQ(bench.All<Refused>()[0].peer, "x");
-  EXPECT_EQ(bench.All<Refused>()[0].refusal.kind, wire::RefusalKind::kTask);
-  EXPECT_EQ(bench.All<DropBlobs>().size(), 1u) << "its blob is not kept";
-  EXPECT_EQ(bench.Info().tasks_done(), 0u);
-  EXPECT_TRUE(bench.Sent(&WorkersEnvelope::has_cancel).empty());
-  bench.AnswerRun(task, H(10));
-  EXPECT_EQ(bench.Info().tasks_done(), 1u);
-  bench.AnswerRun(stolen, H(66));
-  EXPECT_EQ(bench.Info().state(), "running") << "nor does it contradict anybody";
-  EXPECT_TRUE(bench.alarms.empty());
-  Bench::Assigned forged = other;
+  fixture.Fail(stolen, "not its own", true);
+  EXPECT_EQ(fixture.Info().state(), "running");
+  EXPECT_EQ(fixture.All<Refused>().size(), 1u);
+  fixture.AnswerRun(stolen, H(66));
+  ASSERT_EQ(fixture.All<Refused>().size(), 1u);
+  EXPECT_EQ(fixture.All<Refused>()[0].peer, "x");
+  EXPECT_EQ(fixture.All<Refused>()[0].refusal.kind, wire::RefusalKind::kTask);
+  EXPECT_EQ(fixture.All<DropBlobs>().size(), 1u) << "its blob is not kept";
+  EXPECT_EQ(fixture.Info().tasks_done(), 0u);
+  EXPECT_TRUE(fixture.Sent(&WorkersEnvelope::has_cancel).empty());
+  fixture.AnswerRun(task, H(10));
+  EXPECT_EQ(fixture.Info().tasks_done(), 1u);
+  fixture.AnswerRun(stolen, H(66));
+  EXPECT_EQ(fixture.Info().state(), "running") << "nor does it contradict anybody";
+  EXPECT_TRUE(fixture.alarms.empty());
+  CoreFixture::Assigned forged = other;
   forged.assign.mutable_key()->set_attempt(7);
-  bench.AnswerRun(forged, H(66));
-  EXPECT_EQ(bench.All<Refused>().size(), 1u);
-  bench.AnswerRun(other, H(11));
-  EXPECT_TRUE(bench.All<Refused>().empty());
-  const auto plan = bench.Next();
-  Bench::Assigned stolen_plan = plan;
+  fixture.AnswerRun(forged, H(66));
+  EXPECT_EQ(fixture.All<Refused>().size(), 1u);
+  fixture.AnswerRun(other, H(11));
+  EXPECT_TRUE(fixture.All<Refused>().empty());
+  const auto plan = fixture.Next();
+  CoreFixture::Assigned stolen_plan = plan;
   stolen_plan.peer = plan.peer == "x" ? "w" : "x";
-  bench.AnswerPlan(stolen_plan, TestStep(1));
-  EXPECT_EQ(bench.Info().round(), 0u);
-  bench.AnswerPlan(plan, TestStep(1));
-  EXPECT_EQ(bench.Info().round(), 1u);
+  fixture.AnswerPlan(stolen_plan, TestStep(1));
+  EXPECT_EQ(fixture.Info().round(), 0u);
+  fixture.AnswerPlan(plan, TestStep(1));
+  EXPECT_EQ(fixture.Info().round(), 1u);
 }
 
 TEST(CoreWorkers, ABlobThatAnAnswerDoesNotNameIsAFailureAndIsNotKept) {
-  Bench bench;
-  Begin(bench, 2, 2);
-  const auto task = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 2, 2);
+  const auto task = fixture.Next();
   wire::Done done;
   *done.mutable_key() = task.assign.key();
   done.set_partial(H(10).Binary());
-  bench.Do(TaskDone{"w", done, {H(10), H(11)}});
-  EXPECT_EQ(bench.Info().tasks_done(), 0u);
-  ASSERT_EQ(bench.All<DropBlobs>().size(), 1u);
-  EXPECT_EQ(bench.All<DropBlobs>()[0].hashes.size(), 2u);
+  fixture.Do(TaskDone{"w", done, {H(10), H(11)}});
+  EXPECT_EQ(fixture.Info().tasks_done(), 0u);
+  ASSERT_EQ(fixture.All<DropBlobs>().size(), 1u);
+  EXPECT_EQ(fixture.All<DropBlobs>()[0].hashes.size(), 2u);
 }
 
 TEST(CoreWorkers, AWorkerMayReadOnlyWhatItWasHandedOrMade) {
-  Bench bench;
-  Begin(bench, 1);
-  bench.Join("x");
-  const auto task = bench.Next();
-  const Hash input = TaskInputs(*bench.core.FindJob("a"), 0).at(0);
-  EXPECT_TRUE(bench.core.MayRead(task.peer, input));
-  EXPECT_FALSE(bench.core.MayRead("x", input));
-  EXPECT_FALSE(bench.core.MayRead("nobody", input));
-  EXPECT_FALSE(bench.core.MayRead(task.peer, H(4711)));
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  fixture.Join("x");
+  const auto task = fixture.Next();
+  const Hash input = TaskInputs(*fixture.core.FindJob("a"), 0).at(0);
+  EXPECT_TRUE(fixture.core.MayRead(task.peer, input));
+  EXPECT_FALSE(fixture.core.MayRead("x", input));
+  EXPECT_FALSE(fixture.core.MayRead("nobody", input));
+  EXPECT_FALSE(fixture.core.MayRead(task.peer, H(4711)));
 }
 
 TEST(CoreWorkers, OnlyTheRunningTaskIsBlamedForADeadWorker) {
-  Bench bench;
-  Begin(bench, 2, 2);
+  CoreFixture fixture;
+  Begin(fixture, 2, 2);
   for (int i = 0; i < 2; ++i) {
-    bench.assigned.clear();
-    bench.Do(WorkerLost{"w"});
-    bench.Join("w", 2);
+    fixture.assigned.clear();
+    fixture.Do(WorkerLost{"w"});
+    fixture.Join("w", 2);
   }
-  ASSERT_EQ(bench.Info().failures_size(), 2) << "people are told";
-  EXPECT_EQ(bench.Info().retries(), 2u);
-  bench.Do(WorkerLost{"w"});
-  EXPECT_EQ(bench.Info().state(), "failed");
-  EXPECT_NE(bench.Info().reason().find("task 0 (toy)"), std::string::npos);
+  ASSERT_EQ(fixture.Info().failures_size(), 2) << "people are told";
+  EXPECT_EQ(fixture.Info().retries(), 2u);
+  fixture.Do(WorkerLost{"w"});
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_NE(fixture.Info().reason().find("task 0 (toy)"), std::string::npos);
 }
 
 TEST(CoreWorkers, NobodyIsBlamedForAWorkerThatLeaves) {
-  Bench bench;
-  Begin(bench, 1);
+  CoreFixture fixture;
+  Begin(fixture, 1);
   for (int i = 0; i < 5; ++i) {
-    bench.Do(WorkerBye{"w"});
-    bench.Join("w");
+    fixture.Do(WorkerLeave{"w"});
+    fixture.Join("w");
   }
-  EXPECT_EQ(bench.Info().state(), "running");
-  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+  EXPECT_EQ(fixture.Info().state(), "running");
+  EXPECT_TRUE(fixture.core.FindJob("a")->failures.empty());
 }
 
-TEST(CoreWorkers, AWorkerThatBeatsButDoesNotMoveHangs) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto task = bench.Next();
-  bench.Join("x");
+TEST(CoreWorkers, AWorkerThatSendsHeartbeatsButDoesNotMoveHangs) {
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
+  fixture.Join("x");
   for (int i = 0; i < 65; ++i) {
-    bench.Beat("w", {task}, 3);
-    bench.Beat("x");
-    bench.Advance(1);
+    fixture.Heartbeat("w", {task}, 3);
+    fixture.Heartbeat("x");
+    fixture.Advance(1);
   }
-  const auto again = bench.Next();
+  const auto again = fixture.Next();
   EXPECT_EQ(again.peer, "x");
-  ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
-  EXPECT_NE(bench.core.FindJob("a")->failures[0].find("did not move"), std::string::npos);
-  bench.AnswerRun(again, H(10));
-  EXPECT_EQ(bench.Next().peer, "x") << "a worker that hangs gets nothing";
+  ASSERT_EQ(fixture.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_NE(fixture.core.FindJob("a")->failures[0].find("did not move"), std::string::npos);
+  fixture.AnswerRun(again, H(10));
+  EXPECT_EQ(fixture.Next().peer, "x") << "a worker that hangs gets nothing";
 }
 
 TEST(CoreWorkers, AWorkerWhoseTicksMoveDoesNotHang) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto task = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
   for (std::uint64_t i = 0; i < 200; ++i) {
-    bench.Beat("w", {task}, i + 1);
-    bench.Advance(1);
+    fixture.Heartbeat("w", {task}, i + 1);
+    fixture.Advance(1);
   }
-  EXPECT_TRUE(bench.assigned.empty());
-  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+  EXPECT_TRUE(fixture.assigned.empty());
+  EXPECT_TRUE(fixture.core.FindJob("a")->failures.empty());
 }
 
 TEST(CoreWorkers, AHungWorkerThatMovesAgainGetsTasksAgain) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto task = bench.Next();
-  BeatUnmoved(bench, task);
-  EXPECT_TRUE(bench.assigned.empty());
-  bench.Beat("w");
-  EXPECT_EQ(bench.Next().assign.key().attempt(), 2u);
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
+  HeartbeatUnmoved(fixture, task);
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.Heartbeat("w");
+  EXPECT_EQ(fixture.Next().assign.key().attempt(), 2u);
 }
 
 TEST(CoreWorkers, ATaskThatItsWorkerNeverListsIsSentAgain) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto lost = bench.Next();
-  bench.now_s += 3;
-  bench.Beat("w");
-  EXPECT_TRUE(bench.assigned.empty());
-  bench.now_s += 2;
-  bench.Beat("w");
-  const auto again = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto lost = fixture.Next();
+  fixture.now_s += 3;
+  fixture.Heartbeat("w");
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.now_s += 2;
+  fixture.Heartbeat("w");
+  const auto again = fixture.Next();
   EXPECT_EQ(again.assign.key().task(), lost.assign.key().task());
   EXPECT_EQ(again.assign.key().attempt(), 2u);
-  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
+  EXPECT_TRUE(fixture.core.FindJob("a")->failures.empty());
 }
 
-TEST(CoreWorkers, ATaskThatIsNotWantedIsCalledBackAtEachBeat) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto task = bench.Next();
-  bench.Do(CancelJob{"a"});
-  bench.Beat("w", {task});
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 1u);
+TEST(CoreWorkers, ATaskThatIsNotWantedIsCalledBackAtEachHeartbeat) {
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
+  fixture.Do(CancelJob{"a"});
+  fixture.Heartbeat("w", {task});
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_cancel).size(), 1u);
 }
 
 TEST(CoreWorkers, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
-  Bench bench;
-  Begin(bench, 4);
-  bench.Join("x");
-  auto on_w = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 4);
+  fixture.Join("x");
+  auto on_w = fixture.Next();
   ASSERT_EQ(on_w.peer, "w");
   for (std::uint64_t i = 0; i < 3; ++i) {
-    bench.now_s += 0.5;
-    bench.AnswerRun(bench.Next(), H(10 + i));
+    fixture.now_s += 0.5;
+    fixture.AnswerRun(fixture.Next(), H(10 + i));
   }
-  bench.Beat("w", {on_w}, 1);
-  bench.Advance(0.4);
-  EXPECT_TRUE(bench.assigned.empty());
-  bench.Beat("x");
-  bench.Advance(0.2);
-  const auto copy = bench.Next();
+  fixture.Heartbeat("w", {on_w}, 1);
+  fixture.Advance(0.4);
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.Heartbeat("x");
+  fixture.Advance(0.2);
+  const auto copy = fixture.Next();
   EXPECT_EQ(copy.peer, "x");
   EXPECT_EQ(copy.assign.key().task(), on_w.assign.key().task());
-  bench.Advance(1);
-  EXPECT_TRUE(bench.assigned.empty()) << "one copy is enough";
-  bench.AnswerRun(copy, H(20));
-  const auto cancels = bench.Sent(&WorkersEnvelope::has_cancel);
+  fixture.Advance(1);
+  EXPECT_TRUE(fixture.assigned.empty()) << "one copy is enough";
+  fixture.AnswerRun(copy, H(20));
+  const auto cancels = fixture.Sent(&WorkersEnvelope::has_cancel);
   ASSERT_EQ(cancels.size(), 1u);
   EXPECT_EQ(cancels[0].peer, "w");
-  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
-  bench.AnswerRun(on_w, H(20));
-  EXPECT_TRUE(bench.alarms.empty());
+  EXPECT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+  fixture.AnswerRun(on_w, H(20));
+  EXPECT_TRUE(fixture.alarms.empty());
 }
 
 TEST(CoreWorkers, AStuckWorkerThatListsNothingGetsNothingUntilItIsFree) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto task = bench.Next();
-  BeatUnmoved(bench, task);
-  wire::Beat stuck;
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
+  HeartbeatUnmoved(fixture, task);
+  wire::Heartbeat stuck;
   stuck.set_stuck(true);
-  bench.Do(WorkerBeat{"w", stuck});
-  EXPECT_TRUE(bench.assigned.empty()) << "a task would wait behind what was called back";
-  bench.Beat("w");
-  EXPECT_EQ(bench.Next().assign.key().attempt(), 2u);
+  fixture.Do(WorkerHeartbeat{"w", stuck});
+  EXPECT_TRUE(fixture.assigned.empty()) << "a task would wait behind what was called back";
+  fixture.Heartbeat("w");
+  EXPECT_EQ(fixture.Next().assign.key().attempt(), 2u);
 }
 
 TEST(CoreWorkers, ATaskThatRunsForLongerThanItsLimitHasFailedAndThreeTimesFailTheJob) {
-  Bench bench;
+  CoreFixture fixture;
   proto::Job job = TestJob();
   job.set_task_time_s(5);
-  bench.Submit("a", job);
-  bench.Join("w");
-  bench.AnswerPlan(bench.Next(), TestStep(1));
+  fixture.Submit("a", job);
+  fixture.Join("w");
+  fixture.AnswerPlan(fixture.Next(), TestStep(1));
   for (int i = 0; i < 3; ++i) {
-    const auto task = bench.Next();
+    const auto task = fixture.Next();
     EXPECT_EQ(task.assign.key().kind(), wire::TaskKey::RUN);
     for (std::uint64_t tick = 1; tick <= 6; ++tick) {
-      bench.Advance(1);
-      bench.Beat("w", {task}, tick);
+      fixture.Advance(1);
+      fixture.Heartbeat("w", {task}, tick);
     }
-    EXPECT_EQ(bench.core.FindJob("a")->failures.size(), static_cast<std::size_t>(i) + 1);
-    bench.Beat("w");
+    EXPECT_EQ(fixture.core.FindJob("a")->failures.size(), static_cast<std::size_t>(i) + 1);
+    fixture.Heartbeat("w");
   }
-  EXPECT_EQ(bench.Info().state(), "failed");
-  EXPECT_NE(bench.Info().reason().find("failed 3 times, last: it ran for more than 5 s"), std::string::npos)
-      << bench.Info().reason();
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_NE(fixture.Info().reason().find("failed 3 times, last: it ran for more than 5 s"), std::string::npos)
+      << fixture.Info().reason();
 }
 
 TEST(CoreWorkers, AJobThatSaysNothingGetsTheCoordinatorsLimits) {
   CoreOptions options;
   options.task_time_s = 5;
   options.task_memory_mb = 100;
-  Bench bench(options);
-  Begin(bench, 1);
-  const auto task = bench.Next();
+  CoreFixture fixture(options);
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
   EXPECT_EQ(task.assign.memory_mb(), 100u);
   for (std::uint64_t tick = 1; tick <= 6; ++tick) {
-    bench.Advance(1);
-    bench.Beat("w", {task}, tick);
+    fixture.Advance(1);
+    fixture.Heartbeat("w", {task}, tick);
   }
-  ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
-  EXPECT_NE(bench.core.FindJob("a")->failures[0].find("--task-time-s"), std::string::npos);
+  ASSERT_EQ(fixture.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_NE(fixture.core.FindJob("a")->failures[0].find("--task-time-s"), std::string::npos);
 
-  Bench other(options);
+  CoreFixture other(options);
   proto::Job job = TestJob();
   job.set_task_time_s(1000);
   job.set_task_memory_mb(200);
@@ -363,119 +363,119 @@ TEST(CoreWorkers, AJobThatSaysNothingGetsTheCoordinatorsLimits) {
 }
 
 TEST(CoreWorkers, ADrainingWorkerFinishesWhatItRunsAndTheRestGoesElsewhereWithoutBlame) {
-  Bench bench;
-  Begin(bench, 4, 3);
-  const auto running = bench.Next();
-  bench.assigned.clear();
-  bench.Do(DrainWorker{"w"});
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_drain).size(), 1u);
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 2u);
-  bench.Do(DrainWorker{"w"});
-  EXPECT_TRUE(bench.actions.empty()) << "said twice it changes nothing";
-  bench.Beat("w", {running}, 1);
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_drain).size(), 1u) << "the first word may have been lost";
-  bench.AnswerRun(running, H(10));
-  EXPECT_EQ(bench.Info().tasks_done(), 1u);
-  EXPECT_TRUE(bench.assigned.empty());
-  bench.Join("x", 3);
-  EXPECT_EQ(bench.assigned.size(), 3u);
-  bench.Do(WorkerBye{"w"});
-  EXPECT_TRUE(bench.core.FindJob("a")->failures.empty());
-  EXPECT_EQ(bench.core.fleet().size(), 1u);
+  CoreFixture fixture;
+  Begin(fixture, 4, 3);
+  const auto running = fixture.Next();
+  fixture.assigned.clear();
+  fixture.Do(DrainWorker{"w"});
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_drain).size(), 1u);
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_cancel).size(), 2u);
+  fixture.Do(DrainWorker{"w"});
+  EXPECT_TRUE(fixture.actions.empty()) << "said twice it changes nothing";
+  fixture.Heartbeat("w", {running}, 1);
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_drain).size(), 1u) << "the first word may have been lost";
+  fixture.AnswerRun(running, H(10));
+  EXPECT_EQ(fixture.Info().tasks_done(), 1u);
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.Join("x", 3);
+  EXPECT_EQ(fixture.assigned.size(), 3u);
+  fixture.Do(WorkerLeave{"w"});
+  EXPECT_TRUE(fixture.core.FindJob("a")->failures.empty());
+  EXPECT_EQ(fixture.core.fleet().size(), 1u);
 }
 
 TEST(CoreWorkers, ADrainingWorkerThatSaysHelloAgainStillDrains) {
-  Bench bench;
-  Begin(bench, 2);
-  bench.Do(DrainWorker{"w"});
-  bench.assigned.clear();
-  bench.Join("w");
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_drain).size(), 1u);
-  EXPECT_TRUE(bench.assigned.empty());
-  EXPECT_TRUE(bench.core.fleet().Find("w")->draining);
+  CoreFixture fixture;
+  Begin(fixture, 2);
+  fixture.Do(DrainWorker{"w"});
+  fixture.assigned.clear();
+  fixture.Join("w");
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_drain).size(), 1u);
+  EXPECT_TRUE(fixture.assigned.empty());
+  EXPECT_TRUE(fixture.core.fleet().Find("w")->draining);
 }
 
 TEST(CoreWorkers, WhatADrainingWorkerRunsForTooLongIsCopiedAndWhatHangsThereGoesElsewhere) {
-  Bench bench;
-  Begin(bench, 1);
-  const auto task = bench.Next();
-  bench.Do(DrainWorker{"w"});
-  bench.Join("x");
-  EXPECT_TRUE(bench.assigned.empty());
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  const auto task = fixture.Next();
+  fixture.Do(DrainWorker{"w"});
+  fixture.Join("x");
+  EXPECT_TRUE(fixture.assigned.empty());
   for (int i = 0; i < 62; ++i) {
-    bench.Beat("w", {task}, 1);
-    bench.Beat("x");
-    bench.Advance(1);
+    fixture.Heartbeat("w", {task}, 1);
+    fixture.Heartbeat("x");
+    fixture.Advance(1);
   }
-  EXPECT_EQ(bench.Next().peer, "x");
+  EXPECT_EQ(fixture.Next().peer, "x");
 }
 
 // An answer that lacks its blob.
-void AnswerMalformed(Bench& bench, const Bench::Assigned& task) {
+void AnswerMalformed(CoreFixture& fixture, const CoreFixture::Assigned& task) {
   wire::Done done;
   *done.mutable_key() = task.assign.key();
   done.set_partial(H(77).Binary());
-  bench.Do(TaskDone{task.peer, done, {}});
+  fixture.Do(TaskDone{task.peer, done, {}});
 }
 
 TEST(CoreWorkers, AWorkerWhoseAnswerIsMalformedGetsNoMoreOfThatJobWhereThereAreOthers) {
-  Bench bench;
-  Begin(bench, 8, 3);
-  bench.Join("x", 2);
-  auto first = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 8, 3);
+  fixture.Join("x", 2);
+  auto first = fixture.Next();
   ASSERT_EQ(first.peer, "w");
-  AnswerMalformed(bench, first);
-  EXPECT_EQ(bench.Sent(&WorkersEnvelope::has_cancel).size(), 2u) << "nor are its other answers waited for";
-  ASSERT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
-  EXPECT_NE(bench.core.FindJob("a")->failures[0].find("host-w"), std::string::npos) << "says whose it was";
-  EXPECT_TRUE(bench.core.fleet().Find("w")->in_hand.empty());
-  std::erase_if(bench.assigned, [](const auto& task) { return task.peer == "w"; });
+  AnswerMalformed(fixture, first);
+  EXPECT_EQ(fixture.Sent(&WorkersEnvelope::has_cancel).size(), 2u) << "nor are its other answers waited for";
+  ASSERT_EQ(fixture.core.FindJob("a")->failures.size(), 1u);
+  EXPECT_NE(fixture.core.FindJob("a")->failures[0].find("host-w"), std::string::npos) << "says whose it was";
+  EXPECT_TRUE(fixture.core.fleet().Find("w")->assigned.empty());
+  std::erase_if(fixture.assigned, [](const auto& task) { return task.peer == "w"; });
   for (std::uint64_t i = 0; i < 8; ++i) {
-    const auto task = bench.Next();
+    const auto task = fixture.Next();
     EXPECT_EQ(task.peer, "x");
-    bench.AnswerRun(task, H(10 + i));
-    bench.Advance(0.1);
+    fixture.AnswerRun(task, H(10 + i));
+    fixture.Advance(0.1);
   }
-  EXPECT_EQ(bench.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
-  EXPECT_EQ(bench.core.FindJob("a")->failures.size(), 1u);
-  bench.Submit("b");
-  EXPECT_EQ(bench.Next().peer, "w") << "other jobs do not suffer for what may be this job's fault";
+  EXPECT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+  EXPECT_EQ(fixture.core.FindJob("a")->failures.size(), 1u);
+  fixture.Submit("b");
+  EXPECT_EQ(fixture.Next().peer, "w") << "other jobs do not suffer for what may be this job's fault";
 }
 
 TEST(CoreWorkers, WithNobodyElseAWorkersMalformedAnswersFailTheJobInTheEnd) {
-  Bench bench;
-  Begin(bench, 1);
-  bench.Join("x");
-  AnswerMalformed(bench, bench.Next());
-  auto again = bench.Next();
+  CoreFixture fixture;
+  Begin(fixture, 1);
+  fixture.Join("x");
+  AnswerMalformed(fixture, fixture.Next());
+  auto again = fixture.Next();
   ASSERT_EQ(again.peer, "x");
-  bench.Do(DrainWorker{"x"});
-  bench.Do(WorkerBye{"x"});
+  fixture.Do(DrainWorker{"x"});
+  fixture.Do(WorkerLeave{"x"});
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(bench.Info().state(), "running");
-    again = bench.Next();
+    EXPECT_EQ(fixture.Info().state(), "running");
+    again = fixture.Next();
     ASSERT_EQ(again.peer, "w");
-    AnswerMalformed(bench, again);
+    AnswerMalformed(fixture, again);
   }
-  EXPECT_EQ(bench.Info().state(), "failed");
-  EXPECT_NE(bench.Info().reason().find("failed 3 times, last: its answer came without its blob, by worker"),
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_NE(fixture.Info().reason().find("failed 3 times, last: its answer came without its blob, by worker"),
             std::string::npos)
-      << bench.Info().reason();
+      << fixture.Info().reason();
 }
 
 TEST(CoreWorkers, AChainStaysOnTheWorkerThatHasThePartial) {
-  Bench bench;
-  bench.Submit();
-  bench.Join("v");
-  bench.Join("w");
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("v");
+  fixture.Join("w");
   proto::Step step = TestStep(4);  // two chains: 0-2 and 1-3
   step.mutable_tasks(2)->mutable_inputs(0)->set_task(0);
   step.mutable_tasks(3)->mutable_inputs(0)->set_task(1);
-  bench.AnswerPlan(bench.Next(), step);
-  const auto t0 = bench.Next(), t1 = bench.Next();
+  fixture.AnswerPlan(fixture.Next(), step);
+  const auto t0 = fixture.Next(), t1 = fixture.Next();
   ASSERT_NE(t0.peer, t1.peer);
-  bench.AnswerRun(t1, H(11));
-  const auto t3 = bench.Next();
+  fixture.AnswerRun(t1, H(11));
+  const auto t3 = fixture.Next();
   EXPECT_EQ(t3.assign.key().task(), 3u);
   EXPECT_EQ(t3.peer, t1.peer);
 }

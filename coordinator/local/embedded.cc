@@ -9,7 +9,7 @@
 
 #include "coordinator/local/private_folder.h"
 #include "coordinator/local/worker_pool.h"
-#include "coordinator/server/hub.h"
+#include "coordinator/server/server.h"
 #include "coordinator/server/zmq_transport.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/recovery.h"
@@ -102,7 +102,7 @@ class Run {
             const std::atomic<bool>& stop);
   EmbeddedResult Outcome() const;
   EmbeddedResult Refused() const;
-  const Job* Known() const { return hub_->core().FindJob(kJobId); }
+  const Job* Known() const { return server_->core().FindJob(kJobId); }
 
   EmbeddedOptions options_;
   const proto::Job job_;
@@ -110,7 +110,7 @@ class Run {
   StoreFolder folder_;
   std::optional<PrivateFolder> socket_folder_;
   std::unique_ptr<Transport> transport_;
-  std::unique_ptr<Hub> hub_;
+  std::unique_ptr<Server> server_;
   std::map<std::int64_t, double> seen_s_;  // pid -> when the worker was last in the fleet
   bool resumed_ = false;
   std::optional<EmbeddedResult> trouble_;  // that ends the run, whatever the job's state
@@ -180,17 +180,17 @@ Status Run::Open() {
   transport_ = std::move(transport).value();
   Result<JobTable> table = OpenJobTable(folder_, options_.log);
   if (!table.ok()) return table.status();
-  HubOptions hub;
+  ServerOptions server;
   FixNumericsOfThread();
-  hub.core.build = ThisBuild();
-  hub.core.checkpoint_interval_s = options_.checkpoint_interval_s;
-  hub.core.checkpoint_rounds = options_.checkpoint_rounds;
-  hub.memory_bytes = options_.memory_bytes;
-  hub.given_inputs = inputs_;
-  hub.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
-  hub.result_files = [this](const std::string&) { return PublishedByThisRun(); };
-  hub_ = std::make_unique<Hub>(folder_, *transport_, std::move(table).value(), std::move(hub),
-                               WithoutTheEnd(options_.log));
+  server.core.build = ThisBuild();
+  server.core.checkpoint_interval_s = options_.checkpoint_interval_s;
+  server.core.checkpoint_rounds = options_.checkpoint_rounds;
+  server.memory_bytes = options_.memory_bytes;
+  server.given_inputs = inputs_;
+  server.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
+  server.result_files = [this](const std::string&) { return PublishedByThisRun(); };
+  server_ = std::make_unique<Server>(folder_, *transport_, std::move(table).value(), std::move(server),
+                                     WithoutTheEnd(options_.log));
   return Status::Ok();
 }
 
@@ -254,7 +254,7 @@ EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_pr
     if (const Status status = Clear(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (const Status status = Open(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (EarlierRunIsWorthless()) {
-    hub_.reset();
+    server_.reset();
     Status status = folder_.Clear();
     if (status.ok()) status = Open();
     if (!status.ok()) return End(EmbeddedEnd::kFailed, status.message());
@@ -266,15 +266,15 @@ EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_pr
                       shared.descriptor()});
   if (const Status status = workers.Start(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (Known() == nullptr)
-    hub_->Submit(kJobId, job_, inputs_);
+    server_->Submit(kJobId, job_, inputs_);
   else
-    hub_->GoOn(kJobId);
+    server_->GoOn(kJobId);
   Loop(workers, on_progress, stop);
-  hub_->Shut(options_.save_patience_s);
+  server_->Shut(options_.save_patience_s);
   RemoveReplaced();
   workers.End(kWorkerPatience_s);
   if (on_progress)
-    on_progress({MakeInfo(*Known(), Now()), static_cast<unsigned>(hub_->core().fleet().size())});
+    on_progress({MakeInfo(*Known(), Now()), static_cast<unsigned>(server_->core().fleet().size())});
   return trouble_ ? *trouble_ : Outcome();
 }
 
@@ -283,7 +283,7 @@ EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_pr
 void Run::KillTheLost(WorkerPool& workers) {
   constexpr double kLost_s = 2;
   std::set<std::int64_t> here;
-  for (const auto& [number, worker] : hub_->core().fleet().workers()) here.insert(worker.hello.pid());
+  for (const auto& [number, worker] : server_->core().fleet().workers()) here.insert(worker.hello.pid());
   for (const std::int64_t pid : here) seen_s_[pid] = Now();
   for (const auto& [pid, seen_s] : seen_s_)
     if (Now() - seen_s > kLost_s) workers.Kill(pid);
@@ -294,18 +294,18 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
   double told_s = 0;
   const auto planned = [&] { return options_.plan_only && (Known()->step || Known()->stage > 0); };
   while (!stop && !trouble_ && Known()->Running() && !planned()) {
-    hub_->Step(kPoll_s);
+    server_->Step(kPoll_s);
     RemoveReplaced();
     if (Now() - told_s < kProgressEvery_s) continue;
     told_s = Now();
     if (on_progress)
-      on_progress({MakeInfo(*Known(), told_s), static_cast<unsigned>(hub_->core().fleet().size())});
+      on_progress({MakeInfo(*Known(), told_s), static_cast<unsigned>(server_->core().fleet().size())});
     KillTheLost(workers);
     for (const WorkerPool::Death& death : workers.Reap()) {
       seen_s_.erase(death.pid);
-      hub_->TellDead(death.pid);
+      server_->TellDead(death.pid);
       // Whom nobody here has refused (its connection broke at a bad moment) may fare better the next time.
-      if (death.refused && !hub_->last_refusal().empty()) trouble_ = Refused();
+      if (death.refused && !server_->last_refusal().empty()) trouble_ = Refused();
     }
     if (workers.AllGone() && !trouble_)
       trouble_ = End(EmbeddedEnd::kFailed, "the workers keep dying; what they say is in " +
@@ -314,7 +314,7 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
 }
 
 EmbeddedResult Run::Refused() const {
-  return End(EmbeddedEnd::kFailed, "a worker was refused: " + hub_->last_refusal());
+  return End(EmbeddedEnd::kFailed, "a worker was refused: " + server_->last_refusal());
 }
 
 EmbeddedResult Run::Outcome() const {

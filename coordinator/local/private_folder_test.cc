@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "coordinator/server/hub_bench.h"
+#include "coordinator/server/server_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-#include "coordinator/server/hub_bench.h"
+#include "coordinator/server/server_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

@@ -59,8 +59,8 @@ std::string Names(const Actions& actions) {
 std::optional<Right> RightNeeded(const wire::Envelope& envelope) {
   switch (envelope.body_case()) {
     case wire::Envelope::kHello:
-    case wire::Envelope::kBeat:
-    case wire::Envelope::kBye:
+    case wire::Envelope::kHeartbeat:
+    case wire::Envelope::kLeave:
     case wire::Envelope::kDrain:
     case wire::Envelope::kDone:
     case wire::Envelope::kFailed:

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "coordinator/server/address_lock.h"
-#include "coordinator/server/hub.h"
+#include "coordinator/server/server.h"
 #include "coordinator/server/zmq_transport.h"
 #include "coordinator/store/recovery.h"
 #include "schema/build_info.h"
@@ -66,32 +66,33 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   Result<JobTable> table = OpenJobTable(folder.value(), log);
   if (!table.ok()) return table.status();
 
-  HubOptions hub_options;
+  ServerOptions server_options;
   FixNumericsOfThread();
-  hub_options.core.build = ThisBuild();
-  hub_options.core.checkpoint_interval_s = options.checkpoint_interval_s;
-  hub_options.core.checkpoint_rounds = options.checkpoint_rounds;
-  hub_options.core.keep_s = options.keep_s;
-  hub_options.store_limit_bytes = options.store_limit_bytes;
-  hub_options.core.task_time_s = options.task_time_s;
-  hub_options.core.task_memory_mb = options.task_memory_mb;
-  hub_options.memory_bytes = options.memory_bytes;
-  hub_options.largest_input_bytes = options.sockets.limits.message_bytes;
-  if (!options.keys_dir.empty()) hub_options.allow_list = AllowListIn(options.keys_dir);
-  hub_options.result_path = [dir = folder.value().dir()](const std::string& job, const std::string& stage) {
+  server_options.core.build = ThisBuild();
+  server_options.core.checkpoint_interval_s = options.checkpoint_interval_s;
+  server_options.core.checkpoint_rounds = options.checkpoint_rounds;
+  server_options.core.keep_s = options.keep_s;
+  server_options.store_limit_bytes = options.store_limit_bytes;
+  server_options.core.task_time_s = options.task_time_s;
+  server_options.core.task_memory_mb = options.task_memory_mb;
+  server_options.memory_bytes = options.memory_bytes;
+  server_options.largest_input_bytes = options.sockets.limits.message_bytes;
+  if (!options.keys_dir.empty()) server_options.allow_list = AllowListIn(options.keys_dir);
+  server_options.result_path = [dir = folder.value().dir()](const std::string& job,
+                                                            const std::string& stage) {
     return dir / "results" / job / (stage + ".h5");
   };
-  hub_options.result_files = [dir = folder.value().dir()](const std::string& job) {
+  server_options.result_files = [dir = folder.value().dir()](const std::string& job) {
     return ResultFilesIn(dir / "results" / job);
   };
-  hub_options.results_folder = [dir = folder.value().dir()](const std::string& job) {
+  server_options.results_folder = [dir = folder.value().dir()](const std::string& job) {
     return dir / "results" / job;
   };
-  folder.value().FinishForgetting(hub_options.results_folder);
-  Hub hub(folder.value(), *transport.value(), std::move(table).value(), std::move(hub_options), log);
+  folder.value().FinishForgetting(server_options.results_folder);
+  Server server(folder.value(), *transport.value(), std::move(table).value(), std::move(server_options), log);
   log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
-  while (!stop) hub.Step(kStep_s);
-  if (!hub.Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
+  while (!stop) server.Step(kStep_s);
+  if (!server.Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
   return Status::Ok();
 }
 

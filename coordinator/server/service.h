@@ -35,8 +35,9 @@ struct ServiceOptions {
   std::uint64_t memory_bytes = 4ull << 30;  // blobs beyond this are kept on disk only
 };
 
-// Serves until `stop`, then writes checkpoints, tells the workers Bye and returns within 2 s; unfinished jobs
-// go on with the next start. kBusy: another coordinator has DIR, or the address. kRefused: tcp without keys.
+// Serves until `stop`, then writes checkpoints, sends the workers Leave and returns within 2 s; unfinished
+// jobs go on with the next start. kBusy: another coordinator has DIR, or the address. kRefused: tcp without
+// keys.
 //
 // What clients ask (wire.proto) and are answered:
 //   Have: Reply.missing, the blobs that must be sent along.

@@ -47,7 +47,7 @@ BlobFiles::BlobFiles(const StoreFolder& folder) : folder_(folder) {
     if (blobs.ok())
       Index(pack, blobs.value());
     else if (blobs.status().code() == Code::kCorrupt)
-      cairn::coordinator::SetAside(pack);
+      cairn::coordinator::Quarantine(pack);
   }
 }
 
@@ -149,9 +149,9 @@ void BlobFiles::Remove(const std::vector<Hash>& hashes) {
   for (const fs::path& path : garbage) fs::remove(path, ignored);
 }
 
-void BlobFiles::SetAside(const Hash& hash) {
+void BlobFiles::Quarantine(const Hash& hash) {
   const fs::path path = FileOf(hash);
-  cairn::coordinator::SetAside(path);
+  cairn::coordinator::Quarantine(path);
   const std::lock_guard lock(mutex_);
   const auto pack = packs_.find(path);
   if (pack == packs_.end()) return;

@@ -23,7 +23,7 @@ namespace cairn::coordinator {
 
 class BlobFiles {
  public:
-  // Looks into the packs that are there; one that is damaged is set aside.
+  // Looks into the packs that are there; one that is damaged is quarantined.
   explicit BlobFiles(const StoreFolder& folder);
 
   bool Has(const Hash& hash) const;
@@ -37,7 +37,7 @@ class BlobFiles {
   // A pack goes with the last of its blobs. What cannot be removed is made up for by the next start.
   void Remove(const std::vector<Hash>& hashes);
   // Renames the file that holds it: with a pack, all of its blobs are gone.
-  void SetAside(const Hash& hash);
+  void Quarantine(const Hash& hash);
   void RemoveAllBut(const std::set<Hash>& named);
   // What a pack holds that somebody may need, without reading it where it is known; none: it cannot be read.
   std::optional<std::vector<Hash>> InPack(const std::filesystem::path& pack) const;

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "coordinator/server/hub_bench.h"
+#include "coordinator/server/server_fixture.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
@@ -91,7 +91,7 @@ TEST_F(Files, AStartKeepsWhatIsNamedOnly) {
   EXPECT_EQ(FileCount(), 2u);
 }
 
-TEST_F(Files, ADamagedPackIsSetAsideAtTheStart) {
+TEST_F(Files, ADamagedPackIsQuarantinedAtTheStart) {
   const auto blobs = Small(20);
   Write(blobs);
   const fs::path pack = folder_.PackFiles().at(0);

@@ -1,5 +1,5 @@
 // Removes from a store what nobody needs: blobs and packs that no checkpoint names, checkpoints older than
-// the last two, what interrupted writes have left, and, where asked for, what was set aside as damaged.
+// the last two, what interrupted writes have left, and, where asked for, what was quarantined as damaged.
 // Results are never touched.
 #pragma once
 

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "coordinator/server/hub_bench.h"
+#include "coordinator/server/server_fixture.h"
 #include "coordinator/store/blob_pack.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "schema/store/blob_file.h"
@@ -25,12 +25,12 @@ std::map<std::string, std::uint64_t> CleanerFiles(const Cleaned& cleaned) {
 class Clean : public ::testing::Test {
  protected:
   void SetUp() override {
-    bench_.Submit();
-    bench_.Until([&] { return bench_.folder->CheckpointNumbers("a").size() == 1; });
+    fixture_.Submit();
+    fixture_.Until([&] { return fixture_.folder->CheckpointNumbers("a").size() == 1; });
     Plant();
   }
   void Plant() {
-    const StoreFolder& folder = *bench_.folder;
+    const StoreFolder& folder = *fixture_.folder;
     const wire::NamedBlob orphan = TextBlob("nobody's"), other = TextBlob("nobody's either");
     const Blob pack = PackBlobs({other});
     planted_ = {folder.BlobFile(orphan.hash), folder.PackFile(pack.ContentHash()),
@@ -43,25 +43,25 @@ class Clean : public ::testing::Test {
   }
   std::set<fs::path> Tree() const {
     std::set<fs::path> files;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(bench_.temp.path()))
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fixture_.temp.path()))
       if (entry.is_regular_file()) files.insert(entry.path());
     return files;
   }
   Cleaned Offline(const CleanOptions& options) {
-    bench_.hub.reset();
-    bench_.folder.reset();
-    const StoreFolder folder = StoreFolder::OpenAsItIs(bench_.temp.path() / "store").value();
+    fixture_.server.reset();
+    fixture_.folder.reset();
+    const StoreFolder folder = StoreFolder::OpenAsItIs(fixture_.temp.path() / "store").value();
     return CleanStore(folder, options, HashesInPack);
   }
   void ExpectItGoesOn() {
-    bench_.Start();
-    bench_.transport.ComeWorker("w");
-    bench_.Until([&] { return bench_.State() == "done"; });
+    fixture_.Start();
+    fixture_.transport.ComeWorker("w");
+    fixture_.Until([&] { return fixture_.State() == "done"; });
   }
 
   const std::map<std::string, std::uint64_t> all_ = {
       {"orphaned blobs", 1}, {"orphaned packs", 1}, {"temporary files", 1}};
-  HubBench bench_;
+  ServerFixture fixture_;
   std::vector<fs::path> planted_;
   fs::path damaged_;
 };
@@ -77,8 +77,8 @@ TEST_F(Clean, RemovesWhatNobodyNeedsAndNothingElse) {
   std::set<fs::path> after = Tree();
   for (std::set<fs::path>* tree : {&expected, &after})
     std::erase_if(*tree, [](const fs::path& p) { return p.filename().string().starts_with("jobs.sqlite-"); });
-  expected.insert(bench_.temp.path() / "store" / "served");
-  after.insert(bench_.temp.path() / "store" / "served");
+  expected.insert(fixture_.temp.path() / "store" / "served");
+  after.insert(fixture_.temp.path() / "store" / "served");
   EXPECT_EQ(after, expected);
   EXPECT_TRUE(Offline({}).removed.empty()) << "the second time there is nothing";
   ExpectItGoesOn();
@@ -105,7 +105,7 @@ TEST_F(Clean, WhatIsDamagedGoesWhereAskedFor) {
 }
 
 TEST_F(Clean, WhereACheckpointCannotBeReadNoBlobGoes) {
-  const fs::path checkpoint = bench_.folder->CheckpointFile("a", 1);
+  const fs::path checkpoint = fixture_.folder->CheckpointFile("a", 1);
   fs::resize_file(checkpoint, 100);
   const Cleaned cleaned = Offline({});
   EXPECT_NE(cleaned.note.find(checkpoint.string()), std::string::npos) << cleaned.note;
@@ -113,40 +113,40 @@ TEST_F(Clean, WhereACheckpointCannotBeReadNoBlobGoes) {
 }
 
 TEST_F(Clean, CheckpointsButTheLastTwoGo) {
-  const Result<proto::Checkpoint> first = ReadCheckpoint(bench_.folder->CheckpointFile("a", 1));
+  const Result<proto::Checkpoint> first = ReadCheckpoint(fixture_.folder->CheckpointFile("a", 1));
   ASSERT_TRUE(first.ok());
   for (const std::uint64_t number : {2, 3, 4}) {
     proto::Checkpoint later = first.value();
     later.set_number(number);
-    ASSERT_TRUE(WriteCheckpoint(bench_.folder->CheckpointFile("a", number), later).ok());
+    ASSERT_TRUE(WriteCheckpoint(fixture_.folder->CheckpointFile("a", number), later).ok());
   }
   EXPECT_EQ(CleanerFiles(Offline({})).at("old checkpoints"), 2u);
-  bench_.Start();
-  EXPECT_EQ(bench_.folder->CheckpointNumbers("a"), (std::vector<std::uint64_t>{3, 4}));
+  fixture_.Start();
+  EXPECT_EQ(fixture_.folder->CheckpointNumbers("a"), (std::vector<std::uint64_t>{3, 4}));
 }
 
 TEST_F(Clean, ARunningServiceCleansAndItsJobsGoOn) {
-  bench_.transport.tasks = 12;  // enough for a pack
-  bench_.transport.swallow = [](const wire::Assign& assign) { return assign.task().index() == 11; };
-  bench_.transport.ComeWorker("w");
-  bench_.Until([&] { return bench_.transport.assigned > 11; });
+  fixture_.transport.tasks = 12;  // enough for a pack
+  fixture_.transport.swallow = [](const wire::Assign& assign) { return assign.task().index() == 11; };
+  fixture_.transport.ComeWorker("w");
+  fixture_.Until([&] { return fixture_.transport.assigned > 11; });
   wire::Message question;
   question.envelope.mutable_clean()->set_dry_run(true);
-  EXPECT_EQ(bench_.Ask(question).cleaned_size(), 3);
+  EXPECT_EQ(fixture_.Ask(question).cleaned_size(), 3);
   for (const fs::path& path : planted_) EXPECT_TRUE(fs::exists(path)) << path;
   question.envelope.mutable_clean()->set_dry_run(false);
-  const wire::Reply reply = bench_.Ask(question);
+  const wire::Reply reply = fixture_.Ask(question);
   EXPECT_TRUE(reply.ok());
   EXPECT_EQ(reply.cleaned_size(), 3) << reply.DebugString();
   for (const fs::path& path : planted_) EXPECT_FALSE(fs::exists(path)) << path;
   EXPECT_TRUE(fs::exists(damaged_));
-  bench_.transport.swallow = [](const wire::Assign&) { return false; };
+  fixture_.transport.swallow = [](const wire::Assign&) { return false; };
   ExpectItGoesOn();
 }
 
 TEST(CleanStore, IsForOneAtATime) {
-  HubBench bench;
-  EXPECT_EQ(StoreFolder::OpenAsItIs(bench.temp.path() / "store").status().code(), Code::kBusy);
+  ServerFixture fixture;
+  EXPECT_EQ(StoreFolder::OpenAsItIs(fixture.temp.path() / "store").status().code(), Code::kBusy);
 }
 
 }  // namespace

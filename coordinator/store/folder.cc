@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "schema/store/atomic_file.h"
-#include "schema/store/seal.h"
+#include "schema/store/checksum_trailer.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator {
@@ -92,15 +92,17 @@ Status StoreFolder::CheckVersion() const {
                                 ", of a newer Cairn; this one knows version " +
                                 std::to_string(kStoreVersion)};
   if (version > 0) return Status::Ok();
-  // Of version 1, or new. One seal tells that all files were written with seals: the others are damaged.
+  // Of version 1, or new. One checksum trailer tells that all files were written with checksum trailers: the
+  // others are damaged.
   bool any = false;
   for (const std::string& job : JobsWithCheckpoints())
     for (const std::uint64_t number : CheckpointNumbers(job)) {
-      if (store::HasSeal(CheckpointFile(job, number))) return Status::Ok();
+      if (store::HasTrailer(CheckpointFile(job, number))) return Status::Ok();
       any = true;
     }
   if (!any) return Status::Ok();
-  return {Code::kVersion, dir_.string() + ": its files have no seals: they were written by an older Cairn, " +
+  return {Code::kVersion, dir_.string() +
+                              ": its files have no checksum trailers: they were written by an older Cairn, " +
                               "which can finish these jobs; this one needs another folder"};
 }
 
@@ -204,7 +206,7 @@ Status StoreFolder::Clear() {
   return MakeFolders();
 }
 
-void SetAside(const fs::path& file) {
+void Quarantine(const fs::path& file) {
   std::error_code ignored;  // where even this fails, the file stays and is found damaged again
   fs::rename(file, file.string() + ".damaged", ignored);
 }

@@ -13,14 +13,15 @@
 
 namespace cairn::coordinator {
 
-// What DIR/version says. Version 1 had no such file; its files may have no seals. 2 had no flat blobs.
+// What DIR/version says. Version 1 had no such file; its files may have no checksum trailers. 2 had no flat
+// blobs.
 inline constexpr int kStoreVersion = 3;
 
 class StoreFolder {
  public:
   // Makes it where it does not exist, with mode 0700, and locks it until the object goes. kCorrupt: a folder
   // that holds something, but no store. kBusy: another has it. kVersion: it is of a newer version, or from
-  // before files had seals; then nothing in it is touched.
+  // before files had checksum trailers; then nothing in it is touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
@@ -69,7 +70,7 @@ class StoreFolder {
 };
 
 // Renames a damaged file so that it is never read again but can be looked at: FILE.damaged.
-void SetAside(const std::filesystem::path& file);
+void Quarantine(const std::filesystem::path& file);
 
 // What a store takes on disk, against its limit. Counted by the thread that writes; any thread may look.
 class StoreUse {

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "coordinator/server/hub_bench.h"
+#include "coordinator/server/server_fixture.h"
 #include "coordinator/store/job_table.h"
 
 namespace cairn::coordinator {
@@ -159,11 +159,11 @@ wire::Message AskLog(const std::string& job, std::uint64_t after = 0) {
 }
 
 TEST(JobLog, AServiceTellsAJobsStoryToItsEnd) {
-  HubBench bench;
-  bench.transport.ComeWorker("w");
-  bench.Submit();
-  bench.Until([&] { return bench.State() == "done"; });
-  const wire::Reply reply = bench.Ask(AskLog("a"));
+  ServerFixture fixture;
+  fixture.transport.ComeWorker("w");
+  fixture.Submit();
+  fixture.Until([&] { return fixture.State() == "done"; });
+  const wire::Reply reply = fixture.Ask(AskLog("a"));
   ASSERT_TRUE(reply.ok()) << reply.message();
   EXPECT_EQ(reply.jobs(0).state(), "done");
   ASSERT_GE(reply.log_size(), 7);
@@ -171,51 +171,52 @@ TEST(JobLog, AServiceTellsAJobsStoryToItsEnd) {
   EXPECT_EQ(reply.log(reply.log_size() - 1).text(), "done");
   for (int i = 0; i < reply.log_size(); ++i)
     EXPECT_EQ(reply.log(i).number(), static_cast<std::uint64_t>(i + 1));
-  EXPECT_EQ(bench.Ask(AskLog("a", 3)).log(0).number(), 4u);
+  EXPECT_EQ(fixture.Ask(AskLog("a", 3)).log(0).number(), 4u);
 }
 
 TEST(JobLog, OutlivesTheCoordinatorAndSaysThatItWasStartedAgain) {
-  HubBench bench;
-  bench.Submit("a");
-  EXPECT_EQ(bench.Ask(AskLog("a")).log_size(), 1);
-  bench.Until([&] { return !bench.hub->core().HasUnsaved(); });
-  bench.Start();  // without a word to the old one
-  const wire::Reply reply = bench.Ask(AskLog("a"));
+  ServerFixture fixture;
+  fixture.Submit("a");
+  EXPECT_EQ(fixture.Ask(AskLog("a")).log_size(), 1);
+  fixture.Until([&] { return !fixture.server->core().HasUnsaved(); });
+  fixture.Start();  // without a word to the old one
+  const wire::Reply reply = fixture.Ask(AskLog("a"));
   ASSERT_EQ(reply.log_size(), 2);
   EXPECT_EQ(reply.log(0).text(), "submitted: 1 stage");
   EXPECT_TRUE(reply.log(1).text().starts_with("the coordinator was started again: goes on"))
       << reply.log(1).text();
 }
 
-TEST(JobLog, SaysWhichCheckpointWasSetAsideAndWhy) {
-  HubBench bench;
-  bench.transport.swallow = [](const wire::Assign& assign) { return assign.key().round() == 1; };
-  bench.transport.ComeWorker("w");
-  bench.Submit("a");
-  bench.Until(
-      [&] { return bench.folder->CheckpointNumbers("a").size() == 2 && !bench.hub->core().HasUnsaved(); });
-  bench.hub.reset();
-  fs::resize_file(bench.folder->CheckpointFile("a", bench.folder->CheckpointNumbers("a").back()), 100);
-  bench.Start();
-  const wire::Reply reply = bench.Ask(AskLog("a"));
+TEST(JobLog, SaysWhichCheckpointWasQuarantinedAndWhy) {
+  ServerFixture fixture;
+  fixture.transport.swallow = [](const wire::Assign& assign) { return assign.key().round() == 1; };
+  fixture.transport.ComeWorker("w");
+  fixture.Submit("a");
+  fixture.Until([&] {
+    return fixture.folder->CheckpointNumbers("a").size() == 2 && !fixture.server->core().HasUnsaved();
+  });
+  fixture.server.reset();
+  fs::resize_file(fixture.folder->CheckpointFile("a", fixture.folder->CheckpointNumbers("a").back()), 100);
+  fixture.Start();
+  const wire::Reply reply = fixture.Ask(AskLog("a"));
   bool found = false;
   for (const wire::LogLine& line : reply.log())
-    found |= line.level() == "warning" && line.text().starts_with("set aside the checkpoint ");
+    found |= line.level() == "warning" && line.text().starts_with("quarantined the checkpoint ");
   EXPECT_TRUE(found) << reply.DebugString();
 }
 
 TEST(JobLog, GoesWithItsJob) {
-  HubBench bench;
-  bench.Submit("a");
+  ServerFixture fixture;
+  fixture.Submit("a");
   for (const char* action : {"cancel", "delete"}) {
     wire::Message message = AskLog("a");
     message.envelope.mutable_query()->set_action(action);
-    ASSERT_TRUE(bench.Ask(message).ok());
+    ASSERT_TRUE(fixture.Ask(message).ok());
   }
-  EXPECT_NE(bench.Ask(AskLog("a")).message().find("there is no job 'a'"), std::string::npos);
-  EXPECT_NE(bench.Ask(AskLog("")).message().find("which job?"), std::string::npos);
-  bench.hub.reset();
-  EXPECT_TRUE(JobTable::Open(bench.folder->JobTable()).value().ReadLog("a", 0).value().empty());
+  EXPECT_NE(fixture.Ask(AskLog("a")).message().find("there is no job 'a'"), std::string::npos);
+  EXPECT_NE(fixture.Ask(AskLog("")).message().find("which job?"), std::string::npos);
+  fixture.server.reset();
+  EXPECT_TRUE(JobTable::Open(fixture.folder->JobTable()).value().ReadLog("a", 0).value().empty());
 }
 
 }  // namespace

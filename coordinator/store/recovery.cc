@@ -28,7 +28,7 @@ bool IsInput(const proto::Job& job, const Hash& hash) {
                              [&](const auto& input) { return input.second == hash.Binary(); });
 }
 
-// Sets aside what is damaged of it; true where all that the store must have can be read.
+// Quarantines what is damaged of it; true where all that the store must have can be read.
 bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, InputsOf inputs,
                   const JobLogSink& log) {
   for (const Hash& hash : BlobsOf(checkpoint)) {
@@ -36,7 +36,7 @@ bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, InputsO
     const Status blob = files.Check(hash);
     if (blob.ok()) continue;
     log(Severity::kWarning, checkpoint.job_id(), blob.message());
-    if (blob.code() == Code::kCorrupt) files.SetAside(hash);
+    if (blob.code() == Code::kCorrupt) files.Quarantine(hash);
     return false;
   }
   return true;
@@ -56,9 +56,9 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
     const std::string why =
         checkpoint.ok() ? "its blobs are missing or damaged" : checkpoint.status().message();
     log(Severity::kWarning, job,
-        "set aside the checkpoint " + path.string() + ": " + why +
+        "quarantined the checkpoint " + path.string() + ": " + why +
             (numbers.empty() ? "" : "; the one before it is used"));
-    SetAside(path);
+    Quarantine(path);
   }
   return std::nullopt;
 }
@@ -158,7 +158,7 @@ Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
   Result<JobTable> table = JobTable::Open(folder.JobTable());
   if (table.ok() || table.status().code() != Code::kCorrupt) return table;
   log(Severity::kWarning, "made the job table anew from the checkpoints: " + table.status().message());
-  SetAside(folder.JobTable());
+  Quarantine(folder.JobTable());
   std::error_code ignored;
   fs::remove(folder.JobTable().string() + "-wal", ignored);
   fs::remove(folder.JobTable().string() + "-shm", ignored);

@@ -30,7 +30,7 @@ struct PublishedFiles {
 std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, InputsOf inputs,
                                 const PublishedFiles& published, const JobLogSink& log);
 
-// The job table; one that cannot be read is set aside and begun anew.
+// The job table; one that cannot be read is quarantined and begun anew.
 Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log);
 
 }  // namespace cairn::coordinator

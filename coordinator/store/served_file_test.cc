@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "coordinator/server/hub_bench.h"
+#include "coordinator/server/server_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

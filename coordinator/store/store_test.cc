@@ -4,7 +4,7 @@
 #include <fstream>
 #include <map>
 
-#include "coordinator/server/hub_bench.h"
+#include "coordinator/server/server_fixture.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/job_yaml.h"
 #include "coordinator/store/recovery.h"
@@ -111,9 +111,9 @@ TEST(StoreFolder, ANewerVersionIsRefusedAndNotTouched) {
   EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kCorrupt);
 }
 
-// coordinator/store/testdata/store_1 was written before files had seals: to set them aside as damaged would
-// lose the jobs.
-TEST(StoreFolder, OneFromBeforeThereWereSealsIsRefusedAndNotTouched) {
+// coordinator/store/testdata/store_1 was written before files had checksum trailers: to quarantine them as
+// damaged would lose the jobs.
+TEST(StoreFolder, OneFromBeforeThereWereTrailersIsRefusedAndNotTouched) {
   TempFolder temp;
   fs::copy(fs::path(CAIRN_SOURCE_DIR) / "coordinator/store/testdata/store_1", temp.path(),
            fs::copy_options::recursive);
@@ -121,7 +121,7 @@ TEST(StoreFolder, OneFromBeforeThereWereSealsIsRefusedAndNotTouched) {
   ASSERT_GE(before.size(), 8u);
   const Status status = StoreFolder::Open(temp.path() / "store").status();
   EXPECT_EQ(status.code(), Code::kVersion);
-  EXPECT_NE(status.message().find("no seals"), std::string::npos) << status.message();
+  EXPECT_NE(status.message().find("no checksum trailers"), std::string::npos) << status.message();
   EXPECT_EQ(Contents(temp.path()), before);
 }
 
@@ -175,7 +175,7 @@ TEST(StoreFolder, SeesThatItWasMovedOrRemoved) {
   EXPECT_TRUE(folder.value().IsStillThere().ok());
 }
 
-TEST(StoreFolder, OneOfVersion1WithSealsIsUpgraded) {
+TEST(StoreFolder, OneOfVersion1WithTrailersIsUpgraded) {
   TempFolder temp;
   const fs::path store = temp.path() / "s";
   fs::create_directories(store / "checkpoints" / "a");

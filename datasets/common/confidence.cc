@@ -44,7 +44,7 @@ std::string FoundText(const Blob& result, double starts) {
 
 }  // namespace
 
-Confidence ConfidenceOf(const Blob& result) {
+Confidence ReadConfidence(const Blob& result) {
   constexpr double kFairSupport = 2.0, kHighSupport = 3.0, kFairLead = 3.0, kHighLead = 10.0;
   const std::optional<double> support = NumberIn(result, "search/support");
   if (!support) return Confidence::kNone;
@@ -68,7 +68,7 @@ const char* Word(Confidence confidence) {
 }
 
 std::string ConfidenceText(const Blob& result) {
-  const Confidence confidence = ConfidenceOf(result);
+  const Confidence confidence = ReadConfidence(result);
   if (confidence == Confidence::kNone) return std::string(Word(confidence)) + ": there was no search";
   const double starts = NumberIn(result, "search/starts").value_or(0.0);
   if (starts == 1.0) return "unknown: EM started once, no other map to compare with";

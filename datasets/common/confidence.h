@@ -14,7 +14,7 @@ enum class Confidence { kNone, kLow, kFair, kHigh };
 // different one (search/lead_nats): high from three starts and ten nats on, fair from two starts and three
 // nats on. How often each was right on simulated logs pipelines/landmark_map/README.md says; of other logs
 // and options nobody knows.
-Confidence ConfidenceOf(const Blob& result);
+Confidence ReadConfidence(const Blob& result);
 
 const char* Word(Confidence confidence);  // "not stated", "low", "fair", "high"
 
@@ -26,7 +26,7 @@ const char* Word(Confidence confidence);  // "not stated", "low", "fair", "high"
 std::string ConfidenceText(const Blob& result);
 
 // Why the landmarks of a map are not those of the least squares over its associations (refinement/reason):
-// "refused: the weighted squares of its residuals rose from 210.4 to 388.0", "not tried: polish=false". Empty
+// "refused: the weighted squares of its residuals rose from 210.4 to 388.0", "not tried: refine=false". Empty
 // where they are, or where the file does not say.
 std::string NotRefined(const Blob& result);
 // True where that was tried and its outcome thrown away.

@@ -43,13 +43,13 @@ TEST(ConfidenceText, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
       "different map");
 }
 
-TEST(ConfidenceOf, NeedsBothStartsThatAgreeAndALead) {
-  EXPECT_EQ(ConfidenceOf(Searched(3, 10.0)), Confidence::kHigh);
-  EXPECT_EQ(ConfidenceOf(Searched(3, 9.9)), Confidence::kFair);
-  EXPECT_EQ(ConfidenceOf(Searched(2, 99.0)), Confidence::kFair);
-  EXPECT_EQ(ConfidenceOf(Searched(2, 3.0)), Confidence::kFair);
-  EXPECT_EQ(ConfidenceOf(Searched(9, 2.9)), Confidence::kLow);
-  EXPECT_EQ(ConfidenceOf(Searched(1, 99.0)), Confidence::kLow);
+TEST(ReadConfidence, NeedsBothStartsThatAgreeAndALead) {
+  EXPECT_EQ(ReadConfidence(Searched(3, 10.0)), Confidence::kHigh);
+  EXPECT_EQ(ReadConfidence(Searched(3, 9.9)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(2, 99.0)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(2, 3.0)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(9, 2.9)), Confidence::kLow);
+  EXPECT_EQ(ReadConfidence(Searched(1, 99.0)), Confidence::kLow);
 }
 
 TEST(ConfidenceText, StartsThatAgreeAndASingleStart) {
@@ -65,9 +65,9 @@ TEST(ConfidenceText, StartsThatAgreeAndASingleStart) {
 TEST(ConfidenceText, AFileThatHoldsSomethingElseStatesNone) {
   Blob result;
   result.Put("search/support", Array::Text("three"));
-  EXPECT_EQ(ConfidenceOf(result), Confidence::kNone);
+  EXPECT_EQ(ReadConfidence(result), Confidence::kNone);
   result.PutVector<double>("search/support", {3.0, 4.0});
-  EXPECT_EQ(ConfidenceOf(result), Confidence::kNone);
+  EXPECT_EQ(ReadConfidence(result), Confidence::kNone);
 }
 
 TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {
@@ -76,8 +76,8 @@ TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {
   result.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   EXPECT_EQ(NotRefined(result), "refused: the least squares has no solution");
   EXPECT_TRUE(RefinementRefused(result));
-  result.Put("refinement/reason", Array::Text("not tried: polish=false"));
-  EXPECT_EQ(NotRefined(result), "not tried: polish=false");
+  result.Put("refinement/reason", Array::Text("not tried: refine=false"));
+  EXPECT_EQ(NotRefined(result), "not tried: refine=false");
   EXPECT_FALSE(RefinementRefused(result));
   result.Put("refinement/reason", Array::Text(""));
   EXPECT_EQ(NotRefined(result), "");

@@ -8,7 +8,7 @@ namespace {
 
 std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
 
-void RefuseMissing(std::size_t robot, const std::vector<std::string>& names) {
+void RequireRobot(std::size_t robot, const std::vector<std::string>& names) {
   if (robot >= names.size())
     throw InputError("the log has no robot " + std::to_string(robot) + ", only " +
                      std::to_string(names.size()));
@@ -50,9 +50,9 @@ Blob RobotsOf(const Blob& log, const std::vector<std::size_t>& robots) {
   Blob part = log.Without("robot/").Without("truth/robot/");
   std::vector<std::string> kept;
   for (std::size_t r = 0; r < robots.size(); ++r) {
-    RefuseMissing(robots[r], names);
+    RequireRobot(robots[r], names);
     kept.push_back(names[robots[r]]);
-    part.PutAll(Prefix(r), log.Sub(Prefix(robots[r])).Without("sightings/"));
+    part.PutAll(Prefix(r), log.Sub(Prefix(robots[r])).Without("robot_observations/"));
     part.PutAll("truth/" + Prefix(r), log.Sub("truth/" + Prefix(robots[r])));
   }
   part.Put("robots", Array::Texts(kept));
@@ -60,7 +60,7 @@ Blob RobotsOf(const Blob& log, const std::vector<std::size_t>& robots) {
 }
 
 Blob Reversed(const Blob& log, std::size_t robot) {
-  RefuseMissing(robot, log.Texts("robots"));
+  RequireRobot(robot, log.Texts("robots"));
   const Blob own = log.Sub(Prefix(robot));
   const Blob alone = RobotsOf(log, {robot});
   Blob reversed = alone.Without("truth/");

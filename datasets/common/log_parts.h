@@ -8,7 +8,7 @@
 
 namespace cairn::datasets {
 
-// The log of these robots alone, in this order, with their truth. Sightings of other robots are left out.
+// The log of these robots alone, in this order, with their truth. Observations of other robots are left out.
 // Throws InputError for a robot that the log does not have.
 Blob RobotsOf(const Blob& log, const std::vector<std::size_t>& robots);
 

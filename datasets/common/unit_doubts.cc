@@ -10,7 +10,7 @@ namespace cairn::datasets {
 namespace {
 
 constexpr double kFullTurn_rad = 2 * std::numbers::pi;
-constexpr double kTurnWindow_s = 0.5, kWayWindow_s = 1;
+constexpr double kTurnWindow_s = 0.5, kDistanceWindow_s = 1;
 constexpr double kLeastMoving_s = 5;  // to tell a mean from
 constexpr double kLeastGoing_s = 20;
 constexpr char kNoted[] = "units_are_right";
@@ -83,18 +83,18 @@ std::optional<UnitDoubt> DoubtTimes(std::span<const double> time_s) {
   return std::nullopt;
 }
 
-// `turn` and `way`: what a row adds; a way is at least 0. `turns` and `ways`: what they come of, for the
-// question.
-template <class Turn, class Way>
-std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& turn, const Way& way,
-                                    const char* turns, const char* ways) {
+// `turn` and `distance`: what a row adds; a distance is at least 0. `turns` and `distances`: what they come
+// of, for the question.
+template <class Turn, class Distance>
+std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& turn,
+                                    const Distance& distance, const char* turns, const char* distances) {
   if (auto doubt = DoubtTimes(time_s)) return doubt;
-  double moving_s = 0, going_s = 0, way_m = 0;
+  double moving_s = 0, going_s = 0, travelled_m = 0;
   for (std::size_t i = 1; i < time_s.size(); ++i) {
-    if (turn(i) == 0 && way(i) == 0) continue;
+    if (turn(i) == 0 && distance(i) == 0) continue;
     moving_s += time_s[i] - time_s[i - 1];
-    if (way(i) != 0) going_s += time_s[i] - time_s[i - 1];
-    way_m += way(i);
+    if (distance(i) != 0) going_s += time_s[i] - time_s[i - 1];
+    travelled_m += distance(i);
   }
   const double turn_rad = SumOver(time_s, kTurnWindow_s, turn);
   const auto doubt = [&](const Fastest& fastest, const std::string& moves, const char* unit,
@@ -107,23 +107,24 @@ std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& 
   const auto most = [](double rate, const char* unit) {
     return "no robot is believed to do more than " + Few(rate) + " " + unit;
   };
-  const Fastest way_at = FastestOver(time_s, kWayWindow_s, way);
-  if (way_at.rate() > kMostSpeed_mps)
-    return doubt(way_at, "it goes ", "m", most(kMostSpeed_mps, "m/s"), std::string(ways) + kMillimetres);
-  if (going_s >= kLeastGoing_s && way_m > kMostMeanSpeed_mps * going_s)
-    return doubt(way_at, "it goes ", "m",
-                 "and where it goes it does " + Few(way_m / going_s) + " m/s in the mean, where " +
+  const Fastest moving_at = FastestOver(time_s, kDistanceWindow_s, distance);
+  if (moving_at.rate() > kMostSpeed_mps)
+    return doubt(moving_at, "it goes ", "m", most(kMostSpeed_mps, "m/s"),
+                 std::string(distances) + kMillimetres);
+  if (going_s >= kLeastGoing_s && travelled_m > kMostMeanSpeed_mps * going_s)
+    return doubt(moving_at, "it goes ", "m",
+                 "and where it goes it does " + Few(travelled_m / going_s) + " m/s in the mean, where " +
                      Few(kMostMeanSpeed_mps) + " is much",
-                 std::string(ways) + kCentimetres);
+                 std::string(distances) + kCentimetres);
   const double pause_s = MiddlePause(time_s);
-  if (pause_s >= kMostPause_s && way_m > 0 && way_m < kLeastSpeed_mps * moving_s)
+  if (pause_s >= kMostPause_s && travelled_m > 0 && travelled_m < kLeastSpeed_mps * moving_s)
     return UnitDoubt{0, time_s.front(),
                      "its rows are " + Few(pause_s) + " s apart, and it goes " +
-                         Few(1000 * way_m / moving_s) + " mm/s: " + kMilliseconds};
-  if (going_s >= kLeastGoing_s && way_m < kLeastMeanSpeed_mps * going_s)
+                         Few(1000 * travelled_m / moving_s) + " mm/s: " + kMilliseconds};
+  if (going_s >= kLeastGoing_s && travelled_m < kLeastMeanSpeed_mps * going_s)
     return UnitDoubt{0, time_s.front(),
-                     "where it goes it does " + Few(1000 * way_m / going_s) + " mm/s in the mean: are " +
-                         std::string(ways) + kNotMillimetres};
+                     "where it goes it does " + Few(1000 * travelled_m / going_s) +
+                         " mm/s in the mean: are " + std::string(distances) + kNotMillimetres};
   const Fastest turn_at = FastestOver(time_s, kTurnWindow_s, turn);
   if (turn_at.rate() > kMostTurn_radps)
     return doubt(turn_at, "it turns by ", "rad", most(kMostTurn_radps, "rad/s"),
@@ -179,7 +180,7 @@ class BlobDoubts {
 
   std::vector<std::string> Take() {
     const std::vector<std::string> robots = NamesIn(blob_, "robots"), runs = NamesIn(blob_, "runs");
-    for (std::size_t n = 0; n < robots.size(); ++n) OfRobot("robot/" + std::to_string(n) + "/", robots[n]);
+    for (std::size_t n = 0; n < robots.size(); ++n) AddRobot("robot/" + std::to_string(n) + "/", robots[n]);
     for (std::size_t n = 0; n < runs.size(); ++n)
       OfPoses("run/" + std::to_string(n) + "/", "run '" + runs[n] + "'", "samples");
     return std::move(doubts_);
@@ -195,7 +196,7 @@ class BlobDoubts {
     if (doubt) doubts_.push_back(DoubtText("", who, table, *doubt));
   }
 
-  void OfRobot(const std::string& prefix, const std::string& name) {
+  void AddRobot(const std::string& prefix, const std::string& name) {
     const std::string who = "robot '" + name + "'";
     const auto column = [&](const std::string& table, const char* what) {
       return ColumnOf(blob_, prefix + table + what, RowsOf(prefix + table));
@@ -204,7 +205,7 @@ class BlobDoubts {
         DoubtControls(column("odometry/", "time_s"), column("odometry/", "turn_rad"),
                       column("odometry/", "forward_m")));
     const std::string most = "sensor/max_range_m";
-    for (const std::string table : {"observations", "sightings"}) {
+    for (const std::string table : {"observations", "robot_observations"}) {
       const std::string rows = table + "/";
       Add(who, table,
           DoubtObservations(column(rows, "time_s"), column(rows, "range_m"), column(rows, "bearing_rad"),
@@ -232,7 +233,7 @@ std::optional<UnitDoubt> DoubtControls(std::span<const double> time_s, std::span
   if (!AllFinite(time_s) || !AllFinite(turn_rad) || !AllFinite(forward_m)) return std::nullopt;
   return DoubtMoves(
       time_s, [&](std::size_t i) { return turn_rad[i]; },
-      [&](std::size_t i) { return std::abs(forward_m[i]); }, "turns", "ways");
+      [&](std::size_t i) { return std::abs(forward_m[i]); }, "turns", "distances");
 }
 
 std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<const double> x_m,
@@ -247,8 +248,8 @@ std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<co
     const double other = change - std::copysign(kFullTurn_rad, change);
     return std::abs(other) < std::abs(change) ? other : change;
   };
-  const auto way = [&](std::size_t i) { return std::hypot(x_m[i] - x_m[i - 1], y_m[i] - y_m[i - 1]); };
-  return DoubtMoves(time_s, turn, way, "headings", "positions");
+  const auto distance = [&](std::size_t i) { return std::hypot(x_m[i] - x_m[i - 1], y_m[i] - y_m[i - 1]); };
+  return DoubtMoves(time_s, turn, distance, "headings", "positions");
 }
 
 std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::span<const double> range_m,
@@ -300,7 +301,7 @@ std::string DoubtText(const std::string& where, const std::string& who, const st
 
 void NoteUnitsAreRight(Blob* blob) { blob->PutScalar<std::uint8_t>(kNoted, 1); }
 
-std::vector<std::string> UnitDoubtsOf(const Blob& blob) {
+std::vector<std::string> FindUnitDoubts(const Blob& blob) {
   return blob.Has(kNoted) ? std::vector<std::string>() : BlobDoubts(blob).Take();
 }
 

@@ -54,6 +54,6 @@ void NoteUnitsAreRight(Blob* blob);
 
 // Sentences for people about a log, samples or a pose table: "robot 'anna', row 3 of its odometry (0.3 s): it
 // turns by …". Of columns that are missing or of another type it says nothing.
-std::vector<std::string> UnitDoubtsOf(const Blob& blob);
+std::vector<std::string> FindUnitDoubts(const Blob& blob);
 
 }  // namespace cairn::datasets

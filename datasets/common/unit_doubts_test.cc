@@ -32,7 +32,7 @@ std::string Only(const ImportReport& report) {
 // A robot that drives squares of 3 m at 0.3 m/s and turns by 45 degrees a second, a row each 0.1 s, sees a
 // pole every second; written in other units: `way`, `turn`, `time`, `bearing` of them make one of Cairn's.
 struct Units {
-  double way = 1, turn = 1, time = 1, bearing = 1, range = 1;
+  double distance = 1, turn = 1, time = 1, bearing = 1, range = 1;
 };
 
 class UnitsOfFiles : public ImportTest {
@@ -74,7 +74,7 @@ class UnitsOfFiles : public ImportTest {
     const std::vector<Row> rows = Square();
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double time = units.time * rows[i].time_s;
-      odometry += Line({time, units.turn * rows[i].turn_rad, units.way * rows[i].forward_m}, ",");
+      odometry += Line({time, units.turn * rows[i].turn_rad, units.distance * rows[i].forward_m}, ",");
       const double bearing = std::remainder(-rows[i].heading_rad, 2 * std::numbers::pi);
       if (i % 10 == 0)
         seen += Line({time}, ",").substr(0, Line({time}, ",").size() - 1) + ",," +
@@ -90,31 +90,32 @@ class UnitsOfFiles : public ImportTest {
     folder_.Put("Barcodes.dat", "1 5\n6 63\n");
     std::string odometry, seen;
     for (const Row& row : Square()) {
-      odometry += Line(
-          {units.time * row.time_s, 10 * units.way * row.forward_m, 10 * units.turn * row.turn_rad}, " ");
+      odometry +=
+          Line({units.time * row.time_s, 10 * units.distance * row.forward_m, 10 * units.turn * row.turn_rad},
+               " ");
       seen += Line({units.time * row.time_s, 63, 2, units.bearing * 0.5 * std::sin(row.time_s)}, " ");
     }
     folder_.Put("Robot1_Odometry.dat", odometry);
     folder_.Put("Robot1_Measurement.dat", seen);
     MrclamImportOptions options;
     options.folder = folder_ / "";
-    options.nominal.field_of_view_rad = 6.28;
+    options.noise.field_of_view_rad = 6.28;
     return ImportMrclam(options, &log_);
   }
 
   ImportReport Tum(const Units& units) {
     std::string poses;
     for (const Row& row : Square())
-      poses += Line(
-          {units.time * row.time_s, units.way * row.x_m, units.way * row.y_m, units.turn * row.heading_rad},
-          " ");
+      poses += Line({units.time * row.time_s, units.distance * row.x_m, units.distance * row.y_m,
+                     units.turn * row.heading_rad},
+                    " ");
     return ImportTum({{folder_.Put("track.txt", poses)}, {}, false}, &log_);
   }
 
   ImportReport Vectors(const Units& units) {
     std::string text = "time_s,x_m,y_m,heading_rad,sonar\n";
     for (const Row& row : Square())
-      text += Line({units.time * row.time_s, units.way * row.x_m, units.way * row.y_m,
+      text += Line({units.time * row.time_s, units.distance * row.x_m, units.distance * row.y_m,
                     units.turn * row.heading_rad, 1},
                    ",");
     VectorsImportOptions options;
@@ -125,8 +126,9 @@ class UnitsOfFiles : public ImportTest {
   ImportReport Carmen(const Units& units) {
     std::string text;
     for (const Row& row : Square())
-      text += "ODOM " +
-              Line({units.way * row.x_m, units.way * row.y_m, units.turn * row.heading_rad, 0, 0, 0}, " ");
+      text += "ODOM " + Line({units.distance * row.x_m, units.distance * row.y_m,
+                              units.turn * row.heading_rad, 0, 0, 0},
+                             " ");
     std::string lines;
     std::size_t i = 0;
     const std::vector<Row> rows = Square();
@@ -157,20 +159,20 @@ TEST_F(UnitsOfFiles, BearingsInDegreesAreNamedWithTheirLine) {
 }
 
 TEST_F(UnitsOfFiles, WaysInMillimetresAreNamedWithTheirLine) {
-  const std::string csv = Only(Csv({.way = 1000}));
+  const std::string csv = Only(Csv({.distance = 1000}));
   ExpectContains(csv, "odometry.csv:");
-  ExpectContains(csv,
-                 "which is 300 m/s; no robot is believed to do more than 60 m/s: are ways in millimetres?");
-  ExpectContains(Only(Mrclam({.way = 1000})), "Robot1_Odometry.dat:");
-  ExpectContains(Only(Tum({.way = 1000})), "track.txt:");
-  ExpectContains(Only(Vectors({.way = 1000})), "are positions in millimetres?");
-  ExpectContains(Only(Carmen({.way = 1000})), "in millimetres?");
+  ExpectContains(
+      csv, "which is 300 m/s; no robot is believed to do more than 60 m/s: are distances in millimetres?");
+  ExpectContains(Only(Mrclam({.distance = 1000})), "Robot1_Odometry.dat:");
+  ExpectContains(Only(Tum({.distance = 1000})), "track.txt:");
+  ExpectContains(Only(Vectors({.distance = 1000})), "are positions in millimetres?");
+  ExpectContains(Only(Carmen({.distance = 1000})), "in millimetres?");
 }
 
 TEST_F(UnitsOfFiles, WaysThatNobodyDrivesOnAverageAreInDoubt) {
-  ExpectContains(Only(Csv({.way = 150})), "is much: are ways in centimetres?");
-  ExpectContains(Only(Csv({.way = 1e-3})),
-                 "it does 0.3 mm/s in the mean: are ways in metres, under a header that says _mm?");
+  ExpectContains(Only(Csv({.distance = 150})), "is much: are distances in centimetres?");
+  ExpectContains(Only(Csv({.distance = 1e-3})),
+                 "it does 0.3 mm/s in the mean: are distances in metres, under a header that says _mm?");
 }
 
 TEST_F(UnitsOfFiles, TurnsAndHeadingsInDegreesAreNamedWithTheirLine) {
@@ -283,11 +285,11 @@ TEST(UnitDoubts, WhoInsistsIsNotAskedAgain) {
   log.PutVector("robot/0/odometry/time_s", std::vector{0.0, 1.0});
   log.PutVector("robot/0/odometry/turn_rad", std::vector{0.0, 0.0});
   log.PutVector("robot/0/odometry/forward_m", std::vector{0.0, 500.0});
-  ASSERT_EQ(UnitDoubtsOf(log).size(), 1U);
-  ExpectContains(UnitDoubtsOf(log).front(),
+  ASSERT_EQ(FindUnitDoubts(log).size(), 1U);
+  ExpectContains(FindUnitDoubts(log).front(),
                  "robot 'a', row 2 of its odometry (1 s): it goes 500 m within 1 s");
   NoteUnitsAreRight(&log);
-  EXPECT_TRUE(UnitDoubtsOf(log).empty());
+  EXPECT_TRUE(FindUnitDoubts(log).empty());
 }
 
 TEST(UnitDoubts, NoSimulatedLogIsInDoubt) {
@@ -295,11 +297,11 @@ TEST(UnitDoubts, NoSimulatedLogIsInDoubt) {
     SimulateLoopOptions options;
     options.difficulty = difficulty.name;
     options.seed = 7;
-    const std::vector<std::string> doubts = UnitDoubtsOf(SimulateLoop(options));
+    const std::vector<std::string> doubts = FindUnitDoubts(SimulateLoop(options));
     EXPECT_TRUE(doubts.empty()) << difficulty.name << ": " << doubts.front();
   }
   const auto expect_none = [](const Blob& log) {
-    const std::vector<std::string> doubts = UnitDoubtsOf(log);
+    const std::vector<std::string> doubts = FindUnitDoubts(log);
     EXPECT_TRUE(doubts.empty()) << doubts.front();
   };
   expect_none(SimulateHallway({}));
@@ -315,7 +317,7 @@ TEST(UnitDoubts, NoRecordedLogIsInDoubt) {
   Blob log;
   const auto expect_none = [&](const std::string& name, const ImportReport& report) {
     EXPECT_TRUE(report.unit_doubts.empty()) << name << ": " << report.unit_doubts.front();
-    EXPECT_TRUE(UnitDoubtsOf(log).empty()) << name << ": " << UnitDoubtsOf(log).front();
+    EXPECT_TRUE(FindUnitDoubts(log).empty()) << name << ": " << FindUnitDoubts(log).front();
   };
   for (const char* name : {"mrclam1", "mrclam6", "mrclam9"}) {
     MrclamImportOptions options;

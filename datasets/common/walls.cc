@@ -77,11 +77,11 @@ double DistanceToM(const Wall& wall, Point from) {
 
 bool Crosses(const Wall& wall, Point from, Point to) {
   constexpr double kEnd = 1e-6;  // of the way
-  const Point way = Minus(to, from), along = Minus(wall.b, wall.a), a = Minus(wall.a, from);
-  const double turn = Cross(way, along);
+  const Point path = Minus(to, from), along = Minus(wall.b, wall.a), a = Minus(wall.a, from);
+  const double turn = Cross(path, along);
   if (turn == 0) return false;
-  const double on_way = Cross(a, along) / turn, on_wall = Cross(a, way) / turn;
-  return on_way > kEnd && on_way < 1 - kEnd && on_wall >= 0 && on_wall <= 1;
+  const double on_path = Cross(a, along) / turn, on_wall = Cross(a, path) / turn;
+  return on_path > kEnd && on_path < 1 - kEnd && on_wall >= 0 && on_wall <= 1;
 }
 
 double NearestWallM(const std::vector<Wall>& walls, Point from, double heading_rad, double half_opening_rad) {

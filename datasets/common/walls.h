@@ -38,7 +38,7 @@ class Cone {
 
 double DistanceToM(const Wall& wall, Point from);
 
-// Whether the wall crosses the way from one point to another, but at its very ends.
+// Whether the wall crosses the path from one point to another, but at its very ends.
 bool Crosses(const Wall& wall, Point from, Point to);
 
 // Distance to the nearest point of any wall within `half_opening_rad` (below pi/2; 0: a ray) of

@@ -30,7 +30,7 @@ class Evaluator {
     if (truth_associations_) {
       const TopologyScore topology =
           ScoreTopology(map_associations_, ReadLookedAt(result_, map_associations_),
-                        ReadPresses(log_, map_associations_), *truth_associations_, extracted_.size());
+                        ReadContacts(log_, map_associations_), *truth_associations_, extracted_.size());
       out_.topology_correct = topology.correct;
       out_.observations = topology.observations;
       out_.unused = topology.unused;
@@ -301,7 +301,7 @@ Evaluation Evaluate(const Blob& result, const Blob& truth_log) {
   return Evaluator(result, TruthUntil(truth_log, result.Scalar<double>("until_s"))).Run();
 }
 
-Scores ScoresOf(const Evaluation& evaluation) {
+Scores MakeScores(const Evaluation& evaluation) {
   Scores scores;
   AddLandmarks(evaluation.landmarks, &scores);
   AddTrajectories(evaluation, &scores);

@@ -65,6 +65,6 @@ struct Evaluation {
 Evaluation Evaluate(const Blob& result, const Blob& truth_log);
 
 // As the page docs/evaluate.md has them.
-Scores ScoresOf(const Evaluation& evaluation);
+Scores MakeScores(const Evaluation& evaluation);
 
 }  // namespace cairn::datasets

@@ -224,7 +224,8 @@ TEST(Evaluate, AFalseObservationMustBelongToNothing) {
   EXPECT_EQ(Evaluate(result, log).topology_correct, false);
 }
 
-// Where many sightings share a frame the map is made of one image's: the others it does not look at.
+// Where many range-bearing observations share a frame the map is made of one image's: the others it does not
+// look at.
 TEST(Evaluate, ObservationsThatTheMapDoesNotUseAreUnusedNotWrong) {
   Blob log = SquareLog();
   log.PutVector("robot/0/observations/time_s", std::vector<double>{0, 1, 2, 3, 4, 4, 4, 4});
@@ -237,11 +238,11 @@ TEST(Evaluate, ObservationsThatTheMapDoesNotUseAreUnusedNotWrong) {
   EXPECT_EQ(e.topology_correct, true);
   EXPECT_EQ(e.observations, 8);
   EXPECT_EQ(e.unused, 3);
-  const auto json = nlohmann::json::parse(ScoresOf(e).ToJson());
+  const auto json = nlohmann::json::parse(MakeScores(e).ToJson());
   EXPECT_EQ(json.at("topology").at("unused"), 3);
   EXPECT_EQ(json.at("topology").at("unused_share"), 0.375);
-  EXPECT_NE(ScoresOf(e).ToText().find("3 of 8 observations of landmarks (37.5%)"), std::string::npos)
-      << ScoresOf(e).ToText();
+  EXPECT_NE(MakeScores(e).ToText().find("3 of 8 observations of landmarks (37.5%)"), std::string::npos)
+      << MakeScores(e).ToText();
   // Looked at, and held to be false.
   result.PutVector("robot/0/observations/probability", std::vector<double>{1, 1, 1, 1, 1, 0.9, 0.9, 0.9});
   EXPECT_EQ(Evaluate(result, log).topology_correct, false);
@@ -299,7 +300,7 @@ TEST(Evaluate, SaysWhatIsWrongWithItsInput) {
 
 TEST(EvaluationJson, HasEveryFieldAndNullWhereThereIsNoTruth) {
   const Blob log = SquareLog().Without("truth/robot/0/poses/");
-  const auto json = nlohmann::json::parse(ScoresOf(Evaluate(PerfectLandmarkMap(log), log)).ToJson());
+  const auto json = nlohmann::json::parse(MakeScores(Evaluate(PerfectLandmarkMap(log), log)).ToJson());
   for (const char* name :
        {"found", "missed", "spurious", "within_3m", "rmse_m", "rmse_similarity_m", "gospa_m"}) {
     EXPECT_TRUE(json.at("landmarks").at(name).is_number()) << name;
@@ -319,17 +320,17 @@ TEST(EvaluationJson, HasEveryFieldAndNullWhereThereIsNoTruth) {
 TEST(EvaluationText, SaysThatARefinementWasRefused) {
   const Blob log = SquareLog();
   Blob result = PerfectLandmarkMap(log);
-  EXPECT_EQ(ScoresOf(Evaluate(result, log)).ToText().find("refinement"), std::string::npos);
+  EXPECT_EQ(MakeScores(Evaluate(result, log)).ToText().find("refinement"), std::string::npos);
   result.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   const Evaluation evaluation = Evaluate(result, log);
-  EXPECT_NE(ScoresOf(evaluation).ToText().find("refused: the least squares has no solution"),
+  EXPECT_NE(MakeScores(evaluation).ToText().find("refused: the least squares has no solution"),
             std::string::npos);
-  EXPECT_EQ(nlohmann::json::parse(ScoresOf(evaluation).ToJson()).at("refinement"),
+  EXPECT_EQ(nlohmann::json::parse(MakeScores(evaluation).ToJson()).at("refinement"),
             "refused: the least squares has no solution");
 }
 
 TEST(EvaluationText, SaysTheMainThings) {
-  const std::string text = ScoresOf(Evaluate(PerfectLandmarkMap(SquareLog()), SquareLog())).ToText();
+  const std::string text = MakeScores(Evaluate(PerfectLandmarkMap(SquareLog()), SquareLog())).ToText();
   EXPECT_NE(text.find("4 of 4 observed"), std::string::npos);
   EXPECT_NE(text.find("topology.correct                yes"), std::string::npos);
 }

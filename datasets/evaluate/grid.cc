@@ -196,7 +196,7 @@ GridEvaluation CompareGrids(const Blob& map, const Blob& reference) {
   return GridScore(map, TruthOfMap(ReadOccupancy(map).box, ReadOccupancy(reference)), {}, {});
 }
 
-Scores ScoresOf(const GridEvaluation& evaluation) {
+Scores MakeScores(const GridEvaluation& evaluation) {
   Scores scores = ScoresOfLayer(evaluation.map);
   if (evaluation.most_likely)
     scores.AddGroup("most_likely", ScoresOfLayer(*evaluation.most_likely));

@@ -54,6 +54,6 @@ std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_
 // Against another map of the same place, in the same frame.
 GridEvaluation CompareGrids(const Blob& map, const Blob& reference);
 
-Scores ScoresOf(const GridEvaluation& evaluation);
+Scores MakeScores(const GridEvaluation& evaluation);
 
 }  // namespace cairn::datasets

@@ -121,13 +121,13 @@ TEST(ScoreByThreshold, FindsMoreWallsAndMoreFalseCellsTheLowerItIs) {
 
 TEST(EvaluateGrid, SaysWhatItMeasuredAsTheIssueNamesIt) {
   const Blob log = Hallway(false);
-  const auto json = nlohmann::json::parse(ScoresOf(EvaluateGrid(PerfectMap(log), log)).ToJson());
+  const auto json = nlohmann::json::parse(MakeScores(EvaluateGrid(PerfectMap(log), log)).ToJson());
   EXPECT_EQ(json["cells"]["false_occupied"], 0);
   EXPECT_EQ(json["cells"]["missed_occupied"], 0);
   EXPECT_EQ(json["door"]["open"], true);
   EXPECT_TRUE(json["heldout"]["log_likelihood_per_reading"].is_number());
   EXPECT_TRUE(json["most_likely"].is_null());
-  const std::string text = ScoresOf(EvaluateGrid(PerfectMap(log), log)).ToText();
+  const std::string text = MakeScores(EvaluateGrid(PerfectMap(log), log)).ToText();
   for (const char* name :
        {"cells.false_occupied", "cells.missed_occupied", "door.open", "heldout.log_likelihood"})
     ExpectContains(text, name);

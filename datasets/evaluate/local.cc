@@ -302,7 +302,7 @@ std::optional<WallScore> ScoreWalls(const Blob& result, const Blob& log, const s
     return static_cast<double>(part) / static_cast<double>(of);
   };
   WallScore score;
-  score.sweeps = sums.scored;
+  score.scans = sums.scored;
   score.error_deg = sums.error_rad / static_cast<double>(sums.scored) / kErrorDegree_rad;
   score.within_2_deg = *share(sums.within, sums.scored);
   score.first_lock_s = sums.first_lock_s;
@@ -323,7 +323,7 @@ void AddPath(const LocalEvaluation& score, Scores* scores) {
   if (score.traces) {
     add("trajectory.in_trace_", *score.traces);
     scores->Add("trajectory.in_trace_odometry_mean_m", score.traces_odometry.mean_m);
-    scores->Add("trajectory.in_trace_corrected", Share{score.corrected}, " of the sweeps");
+    scores->Add("trajectory.in_trace_corrected", Share{score.corrected}, " of the scans");
   } else {
     for (const char* name : {"rmse_m", "mean_m", "worst_m", "odometry_mean_m", "corrected"})
       scores->AddForPrograms(std::string("trajectory.in_trace_") + name, {});
@@ -341,13 +341,13 @@ void AddWalls(const std::optional<WallScore>& walls, Scores* scores) {
   };
   scores->Add("wall_orientation.error_deg", walls->error_deg, " on average");
   scores->Add("wall_orientation.within_2_deg", Share{walls->within_2_deg},
-              " of the sweeps after the first lock");
+              " of the scans after the first lock");
   scores->Add("wall_orientation.first_lock_s", walls->first_lock_s);
-  scores->AddForPrograms("wall_orientation.sweeps", walls->sweeps);
+  scores->AddForPrograms("wall_orientation.scans", walls->scans);
   scores->Add("wall_orientation.other_area_found", share(walls->other_area_found),
-              walls->other_area_found ? " of the sweeps in turned areas" : "no area is turned");
+              walls->other_area_found ? " of the scans in turned areas" : "no area is turned");
   scores->Add("wall_orientation.other_area_false", share(walls->other_area_false),
-              walls->other_area_false ? " of the other sweeps" : "no area is turned");
+              walls->other_area_false ? " of the other scans" : "no area is turned");
 }
 
 }  // namespace
@@ -372,7 +372,7 @@ LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log) {
   return out;
 }
 
-Scores ScoresOf(const LocalEvaluation& score) {
+Scores MakeScores(const LocalEvaluation& score) {
   Scores scores;
   AddPath(score, &scores);
   AddWalls(score.walls, &scores);

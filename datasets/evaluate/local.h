@@ -21,17 +21,17 @@ struct PathError {
 
 // Of the times after the first lock at which walls that are turned neither are about nor are believed to be.
 struct WallScore {
-  std::int64_t sweeps = 0;
+  std::int64_t scans = 0;
   double error_deg = 0;     // mean
-  double within_2_deg = 0;  // share of the sweeps
-  double first_lock_s = 0;  // the latest of the robots'; since its first sweep
-  // Of the sweeps about which walls are turned, how many were told from the others, and of the others how
+  double within_2_deg = 0;  // share of the scans
+  double first_lock_s = 0;  // the latest of the robots'; since its first scan
+  // Of the scans about which walls are turned, how many were told from the others, and of the others how
   // many were taken for such; none: there are none.
   std::optional<double> other_area_found, other_area_false;
 };
 
 struct LoopScore {
-  std::int64_t found = 0;     // that the assembled path follows
+  std::int64_t found = 0;     // that the optimized path follows
   std::int64_t wrong = 0;     // of these: the truth has the robot elsewhere by more than half a metre
   std::int64_t rejected = 0;  // matched, and contradicted by others
   std::int64_t rejected_wrong = 0;
@@ -56,6 +56,6 @@ struct LocalEvaluation {
 // another log, no true poses.
 LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log);
 
-Scores ScoresOf(const LocalEvaluation& evaluation);
+Scores MakeScores(const LocalEvaluation& evaluation);
 
 }  // namespace cairn::datasets

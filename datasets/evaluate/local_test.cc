@@ -108,7 +108,7 @@ TEST(EvaluateLocal, WallsAreHeldAgainstTheFrameOfDeadReckoning) {
   EXPECT_NEAR(score.walls->error_deg, 1, 1e-6);
   EXPECT_EQ(score.walls->within_2_deg, 1);
   EXPECT_EQ(score.walls->first_lock_s, 2);
-  EXPECT_EQ(score.walls->sweeps, 9);
+  EXPECT_EQ(score.walls->scans, 9);
   EXPECT_FALSE(score.walls->other_area_found.has_value());
 }
 
@@ -122,7 +122,7 @@ TEST(EvaluateLocal, TurnedAreasAreToldAndLeftOutOfTheError) {
   other[4] = other[8] = 1;
   result.PutVector("robot/0/walls/other_area", other);
   const LocalEvaluation score = EvaluateLocal(result, log);
-  EXPECT_EQ(score.walls->sweeps, 4);  // 2, 3, 5, 6
+  EXPECT_EQ(score.walls->scans, 4);  // 2, 3, 5, 6
   EXPECT_NEAR(*score.walls->other_area_found, 0.25, 1e-12);
   EXPECT_NEAR(*score.walls->other_area_false, 0.2, 1e-12);
 }
@@ -186,12 +186,12 @@ TEST(EvaluateLocal, OdometryIsHeldAgainstTheFramesOfTracesToo) {
 
 TEST(EvaluateLocal, JsonHasTheNamesThatAreWrittenOf) {
   const Blob log = Log();
-  const auto json = nlohmann::json::parse(ScoresOf(EvaluateLocal(Result(log), log)).ToJson());
+  const auto json = nlohmann::json::parse(MakeScores(EvaluateLocal(Result(log), log)).ToJson());
   for (const char* name : {"/trajectory/rmse_m", "/trajectory/odometry_rmse_m", "/trajectory/mean_m",
                            "/wall_orientation/error_deg", "/loops/found", "/loops/wrong"})
     EXPECT_TRUE(json.at(nlohmann::json::json_pointer(name)).is_number()) << name;
   EXPECT_TRUE(json["trajectory"]["in_trace_mean_m"].is_null());
-  const std::string text = ScoresOf(EvaluateLocal(Result(log), log)).ToText();
+  const std::string text = MakeScores(EvaluateLocal(Result(log), log)).ToText();
   EXPECT_NE(text.find("loops.found                       2, 1 of them wrong\n"), std::string::npos) << text;
 }
 

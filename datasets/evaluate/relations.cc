@@ -97,7 +97,7 @@ RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& re
   return score;
 }
 
-Track TrajectoryOf(const Blob& blob, const std::string& robot) {
+Track ReadTrajectory(const Blob& blob, const std::string& robot) {
   const std::string prefix = "robot/" + std::to_string(RobotOf(blob, robot)) + "/";
   if (blob.Has(prefix + "poses/mode_x_m")) return ReadTrack(blob, prefix + "poses/", "mode_");
   for (const char* group : {"poses/", "laser/", "sonar/"}) {
@@ -107,7 +107,7 @@ Track TrajectoryOf(const Blob& blob, const std::string& robot) {
   throw InputError("there are neither poses nor odometry of the robot in it");
 }
 
-Scores ScoresOf(const RelationScore& score) {
+Scores MakeScores(const RelationScore& score) {
   Scores scores;
   scores.Add("relations.translation_m", score.translation_m, " on average");
   scores.Add("relations.rotation_deg", score.rotation_deg, " on average");

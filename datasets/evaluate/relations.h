@@ -42,8 +42,8 @@ RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& re
 // Where robot `robot` was: of a landmark_map its most likely poses, of a file with a table of poses those, of
 // a grid_map the poses of its scans, of a log without such a table its odometry. An empty name is the only
 // robot's. Throws InputError: no such robot, several and no name, nothing of all these.
-Track TrajectoryOf(const Blob& blob, const std::string& robot);
+Track ReadTrajectory(const Blob& blob, const std::string& robot);
 
-Scores ScoresOf(const RelationScore& score);
+Scores MakeScores(const RelationScore& score);
 
 }  // namespace cairn::datasets

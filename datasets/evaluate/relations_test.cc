@@ -61,21 +61,21 @@ TEST(Relations, FilesAreReadAndBadLinesNamed) {
 }
 
 TEST(Relations, PosesComeFromMapsTablesScansOrOdometry) {
-  EXPECT_EQ(TrajectoryOf(SmallResult(), "Rosa").poses[0].x_m, 0) << "the most likely ones, not the means";
-  ExpectContains(InputErrorOf([] { TrajectoryOf(SmallResult(), ""); }), "which robot? Rosa, ");
-  ExpectContains(InputErrorOf([] { TrajectoryOf(SmallResult(), "Max"); }), "there is no robot 'Max'");
+  EXPECT_EQ(ReadTrajectory(SmallResult(), "Rosa").poses[0].x_m, 0) << "the most likely ones, not the means";
+  ExpectContains(InputErrorOf([] { ReadTrajectory(SmallResult(), ""); }), "which robot? Rosa, ");
+  ExpectContains(InputErrorOf([] { ReadTrajectory(SmallResult(), "Max"); }), "there is no robot 'Max'");
   Blob blob({{"robots", Array::Texts({"a"})}});
-  ExpectContains(InputErrorOf([&] { TrajectoryOf(blob, ""); }), "neither poses nor odometry");
+  ExpectContains(InputErrorOf([&] { ReadTrajectory(blob, ""); }), "neither poses nor odometry");
   blob.PutVector<double>("robot/0/odometry/time_s", {1, 2, 2});
   blob.PutVector<double>("robot/0/odometry/turn_rad", {0, kPiOfRelations / 2, kPiOfRelations / 2});
   blob.PutVector<double>("robot/0/odometry/forward_m", {0, 3, 0});
-  const Track reckoned = TrajectoryOf(blob, "");
+  const Track reckoned = ReadTrajectory(blob, "");
   EXPECT_EQ(reckoned.time_s, (std::vector<double>{1, 2}));
   EXPECT_NEAR(reckoned.poses[1].y_m, 3, 1e-12);
   EXPECT_NEAR(reckoned.poses[1].heading_rad, kPiOfRelations, 1e-12);
   for (const char* column : {"time_s", "x_m", "y_m", "heading_rad"})
     blob.PutVector<double>("robot/0/laser/" + std::string(column), {7});
-  EXPECT_EQ(TrajectoryOf(blob, "").poses[0].x_m, 7);
+  EXPECT_EQ(ReadTrajectory(blob, "").poses[0].x_m, 7);
 }
 
 RelationScore ScoreOfLog(const std::string& log, const std::string& relations, double offset_s) {
@@ -83,7 +83,7 @@ RelationScore ScoreOfLog(const std::string& log, const std::string& relations, d
   options.path = DataFolder() + "/" + log;
   Blob blob;
   ImportCarmen(options, &blob);
-  return ScoreRelations(TrajectoryOf(blob, ""), ReadRelations(DataFolder() + "/" + relations), offset_s);
+  return ScoreRelations(ReadTrajectory(blob, ""), ReadRelations(DataFolder() + "/" + relations), offset_s);
 }
 
 // The errors that others found for the same logs, by code that is not ours.

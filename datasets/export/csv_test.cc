@@ -11,7 +11,8 @@
 namespace cairn::datasets {
 namespace {
 
-// A log that went out as CSV and came in again. Sightings and nominal figures have no place in CSV.
+// A log that went out as CSV and came in again. Range-bearing observations and noise parameters have no place
+// in CSV.
 Blob ThereAndBack(const Blob& log) {
   const TestFolder folder;
   EXPECT_TRUE(ExportCsv(log, folder / "").ok());
@@ -33,7 +34,7 @@ void ExpectSame(const Blob& back, const Blob& log) {
   std::size_t compared = 0;
   for (const auto& [name, array] : log.fields()) {
     if (name.starts_with("noise/") || name.starts_with("sensor/") ||
-        name.find("/sightings/") != std::string::npos)
+        name.find("/robot_observations/") != std::string::npos)
       continue;
     ASSERT_TRUE(back.Has(name)) << name;
     EXPECT_EQ(back.at(name), array) << name;

@@ -21,8 +21,8 @@ Written ExportTum(const Blob& blob, const std::string& folder, bool replace = tr
 // poses. A result keeps no covariance between poses, so an edge's information is the inverse of the mean of
 // its two poses' covariances, turned into the first pose's frame: cautious. With the log at hand (else null)
 // an EDGE_SE2_XY for each observation that is associated with a landmark, from the latest pose not after it;
-// its information is from the log's nominal noise (range 0.1 m, bearing 0.02 rad, press 0.5 m where it has
-// none).
+// its information is from the log's nominal noise (range 0.1 m, bearing 0.02 rad, contact detection 0.5 m
+// where it has none).
 Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace = true);
 
 // map.pgm and map.yaml, as map_server of ROS reads them. Trinary: occupied 0, free 254, unknown 205, by
@@ -47,7 +47,7 @@ Written ExportOctomap(const Blob& result, const std::string& folder, bool replac
 Written ExportPng(const Blob& result, const std::string& folder, bool replace = true);
 
 // Of a log: odometry.csv, observations.csv, truth_poses.csv, truth_landmarks.csv, truth_associations.csv
-// (those that it has), from which `import csv` makes the same log, to the bit; nominal figures are not in
+// (those that it has), from which `import csv` makes the same log, to the bit; noise parameters are not in
 // them. Of a result: poses.csv, landmarks.csv, associations.csv. Numbers have as many digits as it takes to
 // read them back.
 Written ExportCsv(const Blob& blob, const std::string& folder, bool replace = true);

@@ -31,28 +31,29 @@ Eigen::Matrix3d CovarianceOf(const Path& path, std::size_t i) {
 std::string EdgeBetween(const Path& path, std::size_t i, std::size_t first_id) {
   const Pose& a = path.poses[i];
   const Pose& b = path.poses[i + 1];
-  const Eigen::Vector2d way = Rotation(-a.heading_rad) * Eigen::Vector2d(b.x_m - a.x_m, b.y_m - a.y_m);
+  const Eigen::Vector2d offset = Rotation(-a.heading_rad) * Eigen::Vector2d(b.x_m - a.x_m, b.y_m - a.y_m);
   Eigen::Matrix3d to_frame = Eigen::Matrix3d::Identity();
   to_frame.topLeftCorner<2, 2>() = Rotation(-a.heading_rad);
   Eigen::Matrix3d covariance =
       to_frame * (CovarianceOf(path, i) + CovarianceOf(path, i + 1)) / 2 * to_frame.transpose();
   covariance.diagonal() += Eigen::Vector3d(kLeastVarianceM2, kLeastVarianceM2, kLeastVarianceRad2);
   return "EDGE_SE2 " + std::to_string(first_id + i) + " " + std::to_string(first_id + i + 1) + " " +
-         NumberText(way.x()) + " " + NumberText(way.y()) + " " +
+         NumberText(offset.x()) + " " + NumberText(offset.y()) + " " +
          NumberText(WrapAngle(b.heading_rad - a.heading_rad)) + Upper(covariance.inverse()) + "\n";
 }
 
-double Nominal(const Blob& log, const char* name, double otherwise) {
+double NoiseParameter(const Blob& log, const char* name, double otherwise) {
   return log.Has(name) ? std::max(log.Scalar<double>(name), 1e-3) : otherwise;
 }
 
 // A landmark as seen from a pose, and the information of that.
 std::string Seen(double range_m, double bearing_rad, const Blob& log) {
   Eigen::Matrix2d information =
-      Eigen::Matrix2d::Identity() * std::pow(Nominal(log, "noise/press_m", 0.5), -2);
+      Eigen::Matrix2d::Identity() * std::pow(NoiseParameter(log, "noise/contact_m", 0.5), -2);
   if (std::isnan(range_m)) return "0 0" + Upper(information);
-  const double across = std::max(range_m, 0.1) * Nominal(log, "noise/bearing_rad", 0.02);
-  const Eigen::Vector2d weights(std::pow(Nominal(log, "noise/range_m", 0.1), -2), std::pow(across, -2));
+  const double across = std::max(range_m, 0.1) * NoiseParameter(log, "noise/bearing_rad", 0.02);
+  const Eigen::Vector2d weights(std::pow(NoiseParameter(log, "noise/range_m", 0.1), -2),
+                                std::pow(across, -2));
   information = Rotation(bearing_rad) * weights.asDiagonal() * Rotation(bearing_rad).transpose();
   return NumberText(range_m * std::cos(bearing_rad)) + " " + NumberText(range_m * std::sin(bearing_rad)) +
          Upper(information);

@@ -21,13 +21,13 @@ class CsvImport {
   explicit CsvImport(const CsvImportOptions& options) : options_(options), bad_(options.skip_bad) {}
 
   ImportReport Run(Blob* log) {
-    CheckNominal(options_.nominal);
+    CheckNoise(options_.noise);
     if (options_.odometry.empty()) throw InputError("import csv needs an odometry file");
     if (!options_.truth_associations.empty() && options_.truth_landmarks.empty()) {
       throw InputError(options_.truth_associations +
                        ": associations need a file of true landmarks beside them");
     }
-    rows_.nominal = options_.nominal;
+    rows_.noise = options_.noise;
     ReadOdometry();
     if (!options_.truth_landmarks.empty()) ReadTruthLandmarks();
     if (!options_.observations.empty()) ReadObservations();
@@ -164,7 +164,7 @@ class CsvImport {
     return time >= first && time <= last;
   }
 
-  // Range and bearing, both NaN for a press; false where the line is bad.
+  // Range and bearing, both NaN for a contact detection; false where the line is bad.
   bool Measurement(CsvReader* reader, double* range, double* bearing) {
     *range = *bearing = std::numeric_limits<double>::quiet_NaN();
     if (reader->Text(3).empty() && reader->Text(4).empty()) return true;
@@ -176,7 +176,7 @@ class CsvImport {
     if (!b) return false;
     *range = *r;
     *bearing = *b;
-    const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.nominal);
+    const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.noise);
     if (misreading) reader->Bad(misreading->reason, misreading->detail);
     return !misreading;
   }

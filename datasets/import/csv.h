@@ -8,8 +8,8 @@
 //                    or time_s,robot,v_mps,omega_radps     holds until the robot's next row
 //                    or time_s,robot,x_m,y_m,heading_rad   dead reckoning: where the wheels say that it is
 //   observations        time_s,robot,landmark,range_m,bearing_rad
-//                         landmark empty: identity unknown; range and bearing empty: at the robot (a button
-//                         press)
+//                         landmark empty: identity unknown; range and bearing empty: at the robot (a contact
+//                         detection: the paper's button press)
 //   truth_poses         time_s,robot,x_m,y_m,heading_rad
 //   truth_landmarks     landmark,x_m,y_m
 //   truth_associations  time_s,robot,landmark              for the observations of that robot and time, in
@@ -30,8 +30,8 @@ struct CsvImportOptions {
   std::string truth_poses;
   std::string truth_landmarks;     // without associations, truth is by the observations' own names
   std::string truth_associations;  // needs truth_landmarks
-  bool skip_bad = false;   // skip bad lines and count them by reason, instead of stopping at the first
-  NominalFigures nominal;  // max_range_m and field_of_view_rad also refuse what lies beyond
+  bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
+  NoiseParameters noise;  // max_range_m and field_of_view_rad also refuse what lies beyond
 };
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name

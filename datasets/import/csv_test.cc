@@ -45,7 +45,7 @@ TEST_F(ImportCsvTest, PutsEveryColumnInItsPlace) {
   EXPECT_EQ(report.robots, 2);
   EXPECT_EQ(report.controls, 5);
   EXPECT_EQ(report.observations, 4);
-  EXPECT_EQ(report.presses, 1);
+  EXPECT_EQ(report.contacts, 1);
   EXPECT_EQ(report.landmarks, 2);
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_FALSE(log_.Has("truth/landmarks/name"));
@@ -131,11 +131,11 @@ TEST_F(ImportCsvTest, WithoutAssociationsTruthIsByName) {
   EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{1, -1}));
 }
 
-TEST_F(ImportCsvTest, NominalFiguresComeAlong) {
-  options_.nominal.press_m = 0.3;
-  options_.nominal.max_range_m = 8;
+TEST_F(ImportCsvTest, NoiseParametersComeAlong) {
+  options_.noise.contact_m = 0.3;
+  options_.noise.max_range_m = 8;
   Import();
-  EXPECT_EQ(log_.Scalar<double>("noise/press_m"), 0.3);
+  EXPECT_EQ(log_.Scalar<double>("noise/contact_m"), 0.3);
   EXPECT_EQ(log_.Scalar<double>("sensor/max_range_m"), 8);
   EXPECT_FALSE(log_.Has("noise/range_m"));
 }
@@ -167,7 +167,7 @@ TEST_F(ImportCsvTest, BadOdometryNamesFileLineAndReason) {
 }
 
 TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
-  options_.nominal.max_range_m = 5;
+  options_.noise.max_range_m = 5;
   options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\ndoor,1,2\n");
   const auto failure = [&](const std::string& rows) {
     PutObservations(rows);
@@ -185,7 +185,7 @@ TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
   ExpectContains(failure("2,Rosa,,-1,0\n"), "observations.csv:2: negative range: -1.000000 m");
   ExpectContains(failure("2,Rosa,,5.5,0\n"),
                  "observations.csv:2: beyond the sensor's maximum: 5.500000 m of 5.000000 m");
-  options_.nominal.field_of_view_rad = 2;
+  options_.noise.field_of_view_rad = 2;
   ExpectContains(
       failure("2,Rosa,,5,-1.1\n"),
       "observations.csv:2: outside the sensor's field of view: -1.100000 rad, of at most 1.000000 rad");
@@ -252,7 +252,7 @@ TEST(ImportCsvData, TakesTheTwentyLoops) {
   if (DataFolder().empty()) GTEST_SKIP() << "CAIRN_DATA is not set";
   const std::string folder = DataFolder() + "/loops-csv/";
   BadLines bad(false);
-  CsvReader index(folder + "index.csv", {{"difficulty", "number", "controls", "presses"}}, &bad);
+  CsvReader index(folder + "index.csv", {{"difficulty", "number", "controls", "contacts"}}, &bad);
   int logs = 0;
   for (; index.Next(); ++logs) {
     const std::string loop = folder + std::string(index.Text(0)) + "-" + std::string(index.Text(1)) + "/";
@@ -266,8 +266,8 @@ TEST(ImportCsvData, TakesTheTwentyLoops) {
     Blob log;
     const ImportReport report = ImportCsv(options, &log);
     EXPECT_EQ(static_cast<double>(report.controls), index.Number(2).value()) << loop;
-    EXPECT_EQ(static_cast<double>(report.presses), index.Number(3).value()) << loop;
-    EXPECT_EQ(report.observations, report.presses) << loop;
+    EXPECT_EQ(static_cast<double>(report.contacts), index.Number(3).value()) << loop;
+    EXPECT_EQ(report.observations, report.contacts) << loop;
     for (const std::int32_t landmark : log.Get<std::int32_t>("truth/robot/0/observations/landmark")) {
       EXPECT_GE(landmark, 0) << loop;
     }

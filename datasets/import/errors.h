@@ -1,5 +1,5 @@
-// `cairn import errors`: what it costs to take one place for another, as a matrix in a CSV file, plain or
-// gzipped. Each row is a true place, each column after the first two a believed one, in the order of the
+// `cairn import errors`: what it costs to take one position for another, as a matrix in a CSV file, plain or
+// gzipped. Each row is a true position, each column after the first two a believed one, in the order of the
 // rows:
 //
 //   x_m,y_m,lobby,lift,office      the columns' names are the user's; x_m and y_m may stand anywhere
@@ -19,10 +19,10 @@ struct ErrorsImportOptions {
   std::string file;
 };
 
-// Makes `errors` (schema/FORMAT.md). The report warns where it costs something to take a place for itself.
+// Makes `errors` (schema/FORMAT.md). The report warns where it costs something to take a position for itself.
 // Throws InputError "FILE:LINE: REASON: DETAIL": not a number, not finite, below 0, wrong number of columns,
-// more or fewer rows than there are columns for places, a place that is there twice, no place, more than
-// 4,096.
+// more or fewer rows than there are columns for positions, a position that is there twice, no position, more
+// than 4,096.
 ImportReport ImportErrors(const ErrorsImportOptions& options, Blob* errors);
 
 }  // namespace cairn::datasets

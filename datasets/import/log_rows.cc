@@ -12,18 +12,18 @@ namespace {
 
 constexpr double kFullTurn = 2 * std::numbers::pi;
 
-using Figure = std::pair<const char*, const std::optional<double>*>;
+using NamedParameter = std::pair<const char*, const std::optional<double>*>;
 
-std::vector<Figure> Figures(const NominalFigures& nominal) {
-  return {{"noise/heading_drift_rad_per_m", &nominal.heading_drift_rad_per_m},
-          {"noise/heading_walk_rad_per_sqrt_m", &nominal.heading_walk_rad_per_sqrt_m},
-          {"noise/forward_ratio", &nominal.forward_ratio},
-          {"noise/turn_ratio", &nominal.turn_ratio},
-          {"noise/press_m", &nominal.press_m},
-          {"noise/range_m", &nominal.range_m},
-          {"noise/bearing_rad", &nominal.bearing_rad},
-          {"sensor/max_range_m", &nominal.max_range_m},
-          {"sensor/field_of_view_rad", &nominal.field_of_view_rad}};
+std::vector<NamedParameter> NamedParameters(const NoiseParameters& noise) {
+  return {{"noise/heading_drift_rad_per_m", &noise.heading_drift_rad_per_m},
+          {"noise/heading_walk_rad_per_sqrt_m", &noise.heading_walk_rad_per_sqrt_m},
+          {"noise/forward_ratio", &noise.forward_ratio},
+          {"noise/turn_ratio", &noise.turn_ratio},
+          {"noise/contact_m", &noise.contact_m},
+          {"noise/range_m", &noise.range_m},
+          {"noise/bearing_rad", &noise.bearing_rad},
+          {"sensor/max_range_m", &noise.max_range_m},
+          {"sensor/field_of_view_rad", &noise.field_of_view_rad}};
 }
 
 std::vector<double> WithinATurn(std::vector<double> angles) {
@@ -64,7 +64,8 @@ void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {
   if (!robot.poses.time_s.empty()) PutPoses(prefix + "poses/", robot.poses, log);
   for (const RangeRows& ranges : robot.ranges) PutRanges(prefix + ranges.sensor + "/", ranges, log);
   PutObservations(prefix + "observations/", "landmark", robot.observations, log);
-  if (!robot.sightings.time_s.empty()) PutObservations(prefix + "sightings/", "robot", robot.sightings, log);
+  if (!robot.robot_observations.time_s.empty())
+    PutObservations(prefix + "robot_observations/", "robot", robot.robot_observations, log);
   if (!robot.observations.truth_landmark.empty()) {
     log->PutVector("truth/" + prefix + "observations/landmark", robot.observations.truth_landmark);
   }
@@ -75,9 +76,9 @@ void Count(const RobotRows& robot, ImportReport* report) {
   const auto size = [](const auto& column) { return static_cast<std::int64_t>(column.size()); };
   report->controls += size(robot.odometry.time_s);
   report->observations += size(robot.observations.time_s);
-  report->presses +=
+  report->contacts +=
       std::ranges::count_if(robot.observations.range_m, [](double range) { return std::isnan(range); });
-  report->sightings += size(robot.sightings.time_s);
+  report->robot_observations += size(robot.robot_observations.time_s);
   for (const RangeRows& ranges : robot.ranges) report->scans += size(ranges.time_s);
 }
 
@@ -93,8 +94,8 @@ void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* repor
     Tell(odometry.from, who, "odometry",
          DoubtControls(odometry.time_s, odometry.turn_rad, odometry.forward_m), report);
   DoubtPosesOf(robot.odometry_poses, who, "odometry", report);
-  for (const auto& [table, rows] :
-       {std::pair{"observations", &robot.observations}, std::pair{"sightings", &robot.sightings}}) {
+  for (const auto& [table, rows] : {std::pair{"observations", &robot.observations},
+                                    std::pair{"robot_observations", &robot.robot_observations}}) {
     Tell(rows->from, who, table,
          DoubtObservations(rows->time_s, rows->range_m, rows->bearing_rad, range_is_known), report);
     Tell(rows->from, who, table, DoubtClock(odometry.time_s, rows->time_s), report);
@@ -163,34 +164,34 @@ void VelocityIntegrator::Add(double time_s, double v_mps, double omega_radps, Od
   omega_radps_ = omega_radps;
 }
 
-void CheckNominal(const NominalFigures& nominal) {
-  for (const auto& [name, figure] : Figures(nominal)) {
-    if (*figure && !(std::isfinite(**figure) && **figure >= 0)) {
-      throw InputError(std::string(name) + ": a nominal figure must be a number of at least 0");
+void CheckNoise(const NoiseParameters& noise) {
+  for (const auto& [name, parameter] : NamedParameters(noise)) {
+    if (*parameter && !(std::isfinite(**parameter) && **parameter >= 0)) {
+      throw InputError(std::string(name) + ": a noise parameter must be a number of at least 0");
     }
   }
-  if (nominal.max_range_m == 0.0)
+  if (noise.max_range_m == 0.0)
     throw InputError("sensor/max_range_m: a sensor that sees nothing; allowed: a number above 0");
   // With room for a full turn that is written in a few digits.
-  const double field = nominal.field_of_view_rad.value_or(kFullTurn);
+  const double field = noise.field_of_view_rad.value_or(kFullTurn);
   if (field == 0 || field > kFullTurn + 0.01)
     throw InputError("sensor/field_of_view_rad: " + std::to_string(field) +
                      " is no field of view; allowed: above 0, up to a full turn (6.2832)");
 }
 
-std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal) {
+std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NoiseParameters& noise) {
   if (range_m < 0) return Misreading{"negative range", std::to_string(range_m) + " m"};
-  if (nominal.max_range_m && range_m > *nominal.max_range_m)
+  if (noise.max_range_m && range_m > *noise.max_range_m)
     return Misreading{
         "beyond the sensor's maximum",
-        std::to_string(range_m) + " m of " + std::to_string(*nominal.max_range_m) + " m" +
-            (range_m > 100 * *nominal.max_range_m ? ": are ranges in millimetres? Cairn reads metres" : "")};
+        std::to_string(range_m) + " m of " + std::to_string(*noise.max_range_m) + " m" +
+            (range_m > 100 * *noise.max_range_m ? ": are ranges in millimetres? Cairn reads metres" : "")};
   constexpr double kRounding_rad = 1e-9;
   const double within = std::abs(NormalizedAngle(bearing_rad));
-  if (nominal.field_of_view_rad && within > *nominal.field_of_view_rad / 2 + kRounding_rad)
+  if (noise.field_of_view_rad && within > *noise.field_of_view_rad / 2 + kRounding_rad)
     return Misreading{
         "outside the sensor's field of view",
-        std::to_string(bearing_rad) + " rad, of at most " + std::to_string(*nominal.field_of_view_rad / 2) +
+        std::to_string(bearing_rad) + " rad, of at most " + std::to_string(*noise.field_of_view_rad / 2) +
             " rad to either side" +
             (std::abs(bearing_rad) > kFullTurn + 0.01 ? ": are bearings in degrees? Cairn reads radians"
                                                       : "")};
@@ -202,7 +203,7 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
   std::vector<std::string> names;
   for (std::size_t n = 0; n < rows.robots.size(); ++n) {
     names.push_back(rows.robots[n].name);
-    DoubtUnits(rows.robots[n], rows.nominal.max_range_m.has_value(), report);
+    DoubtUnits(rows.robots[n], rows.noise.max_range_m.has_value(), report);
     PutRobot(rows.robots[n], n, &log);
     Count(rows.robots[n], report);
   }
@@ -218,8 +219,8 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
     log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);
     log.PutVector("truth/landmarks/y_m", rows.truth_landmarks->y_m);
   }
-  for (const auto& [name, figure] : Figures(rows.nominal)) {
-    if (*figure) log.PutScalar<double>(name, **figure);
+  for (const auto& [name, parameter] : NamedParameters(rows.noise)) {
+    if (*parameter) log.PutScalar<double>(name, **parameter);
   }
   return log;
 }

@@ -11,14 +11,14 @@
 
 namespace cairn::datasets {
 
-// Nominal figures of a robot and its sensor, as a data sheet gives them; schema/FORMAT.md, `noise/` and
+// Noise parameters of a robot and its sensor, as a data sheet gives them; schema/FORMAT.md, `noise/` and
 // `sensor/`. What is missing is left to the pipeline.
-struct NominalFigures {
+struct NoiseParameters {
   std::optional<double> heading_drift_rad_per_m;
   std::optional<double> heading_walk_rad_per_sqrt_m;
   std::optional<double> forward_ratio;
   std::optional<double> turn_ratio;
-  std::optional<double> press_m;
+  std::optional<double> contact_m;
   std::optional<double> range_m;
   std::optional<double> bearing_rad;
   std::optional<double> max_range_m;
@@ -29,9 +29,9 @@ struct NominalFigures {
 struct ImportReport {
   std::int64_t robots = 0;
   std::int64_t controls = 0;
-  std::int64_t observations = 0;  // presses among them
-  std::int64_t presses = 0;
-  std::int64_t sightings = 0;
+  std::int64_t observations = 0;  // contact detections among them
+  std::int64_t contacts = 0;
+  std::int64_t robot_observations = 0;
   std::int64_t landmarks = 0;                   // with identities
   std::int64_t scans = 0;                       // of range sensors
   std::map<std::string, std::int64_t> read;     // what was taken in, by kind; importers of one kind say none
@@ -57,7 +57,7 @@ struct Odometry {
 };
 struct Observations {
   std::vector<double> time_s, range_m, bearing_rad;
-  std::vector<std::int32_t> landmark;        // of a sighting: the robot
+  std::vector<std::int32_t> landmark;        // of an observation of a robot: which one
   std::vector<std::int32_t> truth_landmark;  // empty: there is no truth
   Origin from;
   void Add(double time, std::int32_t which, double range, double bearing);
@@ -82,7 +82,7 @@ struct RobotRows {
   Poses poses;           // as the log's maker mended them; empty: there are none
   std::vector<RangeRows> ranges;
   Observations observations;
-  Observations sightings;  // of other robots
+  Observations robot_observations;  // of other robots
   Poses truth;
 };
 struct TruthLandmarks {
@@ -93,7 +93,7 @@ struct LogRows {
   std::vector<RobotRows> robots;
   std::vector<std::string> landmarks;
   std::optional<TruthLandmarks> truth_landmarks;
-  NominalFigures nominal;
+  NoiseParameters noise;
 };
 
 // Velocities, each of which holds until the next one's time, as controls. An interval's way lies along the
@@ -113,14 +113,14 @@ class VelocityIntegrator {
 
 // Throws InputError that names the figure, and what is allowed, where one is negative or not finite; where
 // the sensor's range is zero, or its field of view is zero or more than a full turn.
-void CheckNominal(const NominalFigures& nominal);
+void CheckNoise(const NoiseParameters& noise);
 
 // Why no such sensor can have measured this, as the reason and the detail of a bad line.
 struct Misreading {
   std::string reason, detail;
 };
 // Nothing where it can. `bearing_rad` as it was read.
-std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NominalFigures& nominal);
+std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NoiseParameters& noise);
 
 // Puts `prefix`time_s, x_m, y_m, heading_rad; headings within a turn.
 void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob);

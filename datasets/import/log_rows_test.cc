@@ -78,41 +78,41 @@ TEST(NameIndex, SortsNumbersByValueAndNamesByTheirBytes) {
   EXPECT_EQ(index.Find("none"), -1);
 }
 
-TEST(CheckNominal, NamesTheFigureThatCannotBe) {
-  NominalFigures nominal;
-  nominal.press_m = 0.3;
-  CheckNominal(nominal);
-  nominal.range_m = -1;
-  EXPECT_THROW(CheckNominal(nominal), InputError);
-  nominal.range_m = NAN;
-  EXPECT_THROW(CheckNominal(nominal), InputError);
+TEST(CheckNoise, NamesTheParameterThatCannotBe) {
+  NoiseParameters noise;
+  noise.contact_m = 0.3;
+  CheckNoise(noise);
+  noise.range_m = -1;
+  EXPECT_THROW(CheckNoise(noise), InputError);
+  noise.range_m = NAN;
+  EXPECT_THROW(CheckNoise(noise), InputError);
 }
 
-TEST(CheckNominal, ASensorThatSeesNothingIsRefused) {
-  NominalFigures nominal;
-  nominal.max_range_m = 0;
-  EXPECT_THROW(CheckNominal(nominal), InputError);
-  nominal.max_range_m = 0.1;
+TEST(CheckNoise, ASensorThatSeesNothingIsRefused) {
+  NoiseParameters noise;
+  noise.max_range_m = 0;
+  EXPECT_THROW(CheckNoise(noise), InputError);
+  noise.max_range_m = 0.1;
   for (const double allowed : {0.1, 2 * std::numbers::pi, 6.2832}) {
-    nominal.field_of_view_rad = allowed;
-    CheckNominal(nominal);
+    noise.field_of_view_rad = allowed;
+    CheckNoise(noise);
   }
   for (const double refused : {0.0, 6.4, 360.0}) {
-    nominal.field_of_view_rad = refused;
-    EXPECT_THROW(CheckNominal(nominal), InputError) << refused;
+    noise.field_of_view_rad = refused;
+    EXPECT_THROW(CheckNoise(noise), InputError) << refused;
   }
 }
 
 TEST(FindMisreading, SaysWhatTheSensorCannotSee) {
-  NominalFigures nominal;
-  const auto reason = [&nominal](double range_m, double bearing_rad) {
-    const auto misreading = FindMisreading(range_m, bearing_rad, nominal);
+  NoiseParameters noise;
+  const auto reason = [&noise](double range_m, double bearing_rad) {
+    const auto misreading = FindMisreading(range_m, bearing_rad, noise);
     return misreading ? misreading->reason : "";
   };
   EXPECT_EQ(reason(1e3, 3), "");
   EXPECT_EQ(reason(-1, 0), "negative range");
-  nominal.max_range_m = 5;
-  nominal.field_of_view_rad = 1.22;
+  noise.max_range_m = 5;
+  noise.field_of_view_rad = 1.22;
   EXPECT_EQ(reason(5, 0.61), "");
   EXPECT_EQ(reason(5, -0.61), "");
   EXPECT_EQ(reason(5.1, 0), "beyond the sensor's maximum");

@@ -9,11 +9,11 @@ namespace cairn::datasets {
 namespace {
 
 // A turn, a way and a turn; the way in the direction of the heading or against it.
-struct Leg {
+struct MotionIncrement {
   double before_rad = 0, forward_m = 0, after_rad = 0;
 };
 
-Leg LegTo(const Pose& from, const Pose& to) {
+MotionIncrement IncrementTo(const Pose& from, const Pose& to) {
   constexpr double kPi = std::numbers::pi;
   const double turn = WrapAngle(to.heading_rad - from.heading_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
@@ -41,14 +41,14 @@ Odometry ControlsOf(const std::vector<TimedPose>& poses) {
   odometry.Add(poses[0].time_s, 0, 0);
   Pose reckoned = poses[0].pose;
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    const Leg leg = LegTo(reckoned, poses[i].pose);
-    const bool still = leg.before_rad == 0 && leg.forward_m == 0 && leg.after_rad == 0;
+    const MotionIncrement increment = IncrementTo(reckoned, poses[i].pose);
+    const bool still = increment.before_rad == 0 && increment.forward_m == 0 && increment.after_rad == 0;
     if (still && i + 1 < poses.size()) continue;
     const double halt_s = poses[i - 1].time_s;  // a move began no sooner than the pose before
     if (odometry.time_s.back() < halt_s) odometry.Add(halt_s, 0, 0);
-    odometry.Add(poses[i].time_s, leg.before_rad, leg.forward_m);
-    if (leg.after_rad != 0) odometry.Add(poses[i].time_s, leg.after_rad, 0);
-    reckoned = Apply(Apply(reckoned, {leg.before_rad, leg.forward_m}), {leg.after_rad, 0});
+    odometry.Add(poses[i].time_s, increment.before_rad, increment.forward_m);
+    if (increment.after_rad != 0) odometry.Add(poses[i].time_s, increment.after_rad, 0);
+    reckoned = Apply(Apply(reckoned, {increment.before_rad, increment.forward_m}), {increment.after_rad, 0});
     reckoned.heading_rad = poses[i].pose.heading_rad;
   }
   return odometry;

@@ -22,7 +22,7 @@ struct GzipClose {
 };
 
 // The first few lines, gunzipped where need be.
-std::string BeginningOf(const std::string& path) {
+std::string ReadHead(const std::string& path) {
   const std::unique_ptr<gzFile_s, GzipClose> file(gzopen(path.c_str(), "rb"));
   if (!file) return {};
   std::array<char, 1 << 16> text{};
@@ -82,7 +82,7 @@ std::vector<double> NumbersOf(std::string_view line, std::size_t count) {
 }
 
 std::optional<Recognized> RecognizeFile(const std::string& path) {
-  const std::string text = BeginningOf(path), file = Quoted(path);
+  const std::string text = ReadHead(path), file = Quoted(path);
   Lines lines(text);
   while (lines.Next()) {
     const std::string_view line = lines.text(), word = line.substr(0, line.find(' '));

@@ -110,24 +110,24 @@ class VectorsImport {
       samples_.input_name = inputs;
       has_heading_ = has_heading;
     }
-    if (has_heading && !has_heading_) RefuseColumn(path, "heading_rad", true);
-    if (!has_heading && has_heading_) RefuseColumn(path, "heading_rad", false);
+    if (has_heading && !has_heading_) ThrowColumnMismatch(path, "heading_rad", true);
+    if (!has_heading && has_heading_) ThrowColumnMismatch(path, "heading_rad", false);
     const auto known = PlacesOf(samples_.input_name), places = PlacesOf(names);
     for (const std::string& name : inputs) {
-      if (!known.contains(name)) RefuseColumn(path, name, true);
+      if (!known.contains(name)) ThrowColumnMismatch(path, name, true);
     }
     std::vector<std::size_t> columns;
     const std::size_t first = has_heading ? kPoseAndHeading.size() : kPose.size();
     for (const std::string& name : samples_.input_name) {
       const auto place = places.find(name);
-      if (place == places.end()) RefuseColumn(path, name, false);
+      if (place == places.end()) ThrowColumnMismatch(path, name, false);
       columns.push_back(first + place->second);
     }
     return columns;
   }
 
   // `has`: this file has the column and the first one lacks it; else the other way round.
-  [[noreturn]] void RefuseColumn(const std::string& path, const std::string& column, bool has) const {
+  [[noreturn]] void ThrowColumnMismatch(const std::string& path, const std::string& column, bool has) const {
     throw InputError(path + ":1: the header " + (has ? "has" : "lacks") + " column '" + column + "', which " +
                      options_.runs.front() + (has ? " lacks" : " has") + "; all runs have the same columns");
   }

@@ -36,17 +36,18 @@ std::string Duration(std::span<const double> time_s) {
 
 std::string RobotOfLog(const Blob& blob, const std::string& prefix) {
   const auto time = ColumnOrNone<double>(blob, prefix + "odometry/time_s");
-  double way = 0;
+  double travelled = 0;
   for (const double forward : ColumnOrNone<double>(blob, prefix + "odometry/forward_m"))
-    way += std::abs(forward);
+    travelled += std::abs(forward);
   const auto range = ColumnOrNone<double>(blob, prefix + "observations/range_m");
-  const auto presses =
+  const auto contacts =
       static_cast<std::size_t>(std::ranges::count_if(range, [](double r) { return std::isnan(r); }));
-  std::string text = Count(time.size(), "control") + Duration(time) + ", " + ShortNumber(way) + " m, " +
+  std::string text = Count(time.size(), "control") + Duration(time) + ", " + ShortNumber(travelled) + " m, " +
                      Count(range.size(), "observation");
-  if (presses > 0) text += " (" + std::to_string(presses) + " at the robot)";
-  const auto sightings = ColumnOrNone<double>(blob, prefix + "sightings/time_s");
-  if (!sightings.empty()) text += ", " + Count(sightings.size(), "sighting") + " of other robots";
+  if (contacts > 0) text += " (" + std::to_string(contacts) + " at the robot)";
+  const auto robot_observations = ColumnOrNone<double>(blob, prefix + "robot_observations/time_s");
+  if (!robot_observations.empty())
+    text += ", " + Count(robot_observations.size(), "observation") + " of other robots";
   for (const auto& [name, array] : blob.fields()) {
     constexpr std::string_view kBeams = "/beam_x_m";
     if (!name.starts_with(prefix) || !name.ends_with(kBeams)) continue;
@@ -81,12 +82,12 @@ std::string Joined(const std::vector<std::string>& names) {
   return joined;
 }
 
-// The way between the poses, in a straight line from one to the next.
-double Way(std::span<const double> x_m, std::span<const double> y_m) {
-  double way_m = 0;
+// The path length between the poses, in a straight line from one to the next.
+double PathLengthM(std::span<const double> x_m, std::span<const double> y_m) {
+  double travelled_m = 0;
   for (std::size_t k = 1; k < std::min(x_m.size(), y_m.size()); ++k)
-    way_m += std::hypot(x_m[k] - x_m[k - 1], y_m[k] - y_m[k - 1]);
-  return way_m;
+    travelled_m += std::hypot(x_m[k] - x_m[k - 1], y_m[k] - y_m[k - 1]);
+  return travelled_m;
 }
 
 // "-1 to 3 m", of a column of all runs; empty where there is none.
@@ -107,10 +108,10 @@ void AddSamples(const Blob& blob, Facts* facts) {
   for (std::size_t n = 0; n < runs.size(); ++n) {
     const std::string prefix = "run/" + std::to_string(n) + "/";
     const auto time = ColumnOrNone<double>(blob, prefix + "time_s");
-    const double way_m =
-        Way(ColumnOrNone<double>(blob, prefix + "x_m"), ColumnOrNone<double>(blob, prefix + "y_m"));
-    facts->emplace_back("run " + runs[n],
-                        Count(time.size(), "sample") + Duration(time) + ", " + ShortNumber(way_m) + " m");
+    const double travelled_m =
+        PathLengthM(ColumnOrNone<double>(blob, prefix + "x_m"), ColumnOrNone<double>(blob, prefix + "y_m"));
+    facts->emplace_back("run " + runs[n], Count(time.size(), "sample") + Duration(time) + ", " +
+                                              ShortNumber(travelled_m) + " m");
     samples += time.size();
   }
   facts->emplace_back("samples", Count(samples, "sample") + " in " + Count(runs.size(), "run") + ", " +
@@ -237,7 +238,7 @@ Result<Inspection> Inspect(const std::string& path) {
   } catch (const InputError& error) {
     inspection.wrong = error.what();
   }
-  if (kind != nullptr && kind->has_units) inspection.unit_doubts = UnitDoubtsOf(blob);
+  if (kind != nullptr && kind->has_units) inspection.unit_doubts = FindUnitDoubts(blob);
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

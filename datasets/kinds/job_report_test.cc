@@ -10,9 +10,9 @@
 #include "datasets/report/drawing/axes.h"
 #include "datasets/report/drawing/base64.h"
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/figures.h"
 #include "datasets/report/grid_picture.h"
 #include "datasets/report/pages/landmark_page.h"
+#include "datasets/report/pictures.h"
 #include "datasets/report/scene.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
@@ -280,18 +280,18 @@ TEST(Base64, GivesTheStandardsAnswers) {
 }
 
 TEST(Figures, AreEmptyWhereThereIsNothingToDraw) {
-  EXPECT_EQ(LikelihoodFigure({}, 1000), "");
-  EXPECT_EQ(LikelihoodFigure({{0, 1, 1}}, 1000), "") << "there was no map";
-  EXPECT_EQ(LikelihoodFigure({{0, 1, 1}, {NAN, 1, 1}}, 1000), "");
-  EXPECT_EQ(RoundsFigure({}, 1000), "");
-  EXPECT_EQ(GridFigure({}, 1000), "");
-  EXPECT_EQ(BeforeAfterFigure({}, 1000), "");
-  EXPECT_EQ(FirstUnbalancedTag(MapFigure({}, 1000)), "");
+  EXPECT_EQ(LikelihoodPicture({}, 1000), "");
+  EXPECT_EQ(LikelihoodPicture({{0, 1, 1}}, 1000), "") << "there was no map";
+  EXPECT_EQ(LikelihoodPicture({{0, 1, 1}, {NAN, 1, 1}}, 1000), "");
+  EXPECT_EQ(RoundsPicture({}, 1000), "");
+  EXPECT_EQ(GridPicture({}, 1000), "");
+  EXPECT_EQ(BeforeAfterPicture({}, 1000), "");
+  EXPECT_EQ(FirstUnbalancedTag(MapPicture({}, 1000)), "");
 }
 
 // Four iterations: the first had no map, the second half the data; a line joins the last two alone.
-TEST(LikelihoodFigure, JoinsOnlyWhatCompares) {
-  const std::string svg = LikelihoodFigure({{0, 1, 1}, {-9, 0.5, 1}, {-8, 1, 1}, {-7, 1, 1}}, 1000);
+TEST(LikelihoodPicture, JoinsOnlyWhatCompares) {
+  const std::string svg = LikelihoodPicture({{0, 1, 1}, {-9, 0.5, 1}, {-8, 1, 1}, {-7, 1, 1}}, 1000);
   EXPECT_EQ(CountIn(svg, "class=\"curve\""), 1U);
   EXPECT_EQ(CountIn(svg, "class=\"point part\""), 1U);
   EXPECT_EQ(CountIn(svg, "class=\"point\""), 2U);

@@ -22,8 +22,8 @@ namespace cairn::datasets {
 using Evaluated =
     std::variant<Evaluation, GridEvaluation, LocalEvaluation, LocalizationScore, NetworkEvaluation>;
 
-inline Scores ScoresOf(const Evaluated& evaluated) {
-  return std::visit([](const auto& evaluation) { return ScoresOf(evaluation); }, evaluated);
+inline Scores MakeScores(const Evaluated& evaluated) {
+  return std::visit([](const auto& evaluation) { return MakeScores(evaluation); }, evaluated);
 }
 
 // A stage of a job on its page: its result, what it was made from, and how good it is. `source` (the log,

@@ -4,7 +4,7 @@
 #include "datasets/report/drawing/axes.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/drawing/svg.h"
-#include "datasets/report/figures.h"
+#include "datasets/report/pictures.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -18,12 +18,12 @@ std::string TickLabel(double value, double step) {
   return Grouped(value, digits);
 }
 
-struct Range {
+struct AxisRange {
   double low = 0, high = 0;
 };
 
-Range RangeOf(const std::vector<double>& values) {
-  Range range{INFINITY, -INFINITY};
+AxisRange RangeOfValues(const std::vector<double>& values) {
+  AxisRange range{INFINITY, -INFINITY};
   for (const double value : values) {
     if (!std::isfinite(value)) continue;
     range.low = std::min(range.low, value);
@@ -47,7 +47,7 @@ class LikelihoodCanvas {
   void Draw(const Panel& p, std::size_t first, std::size_t end, const std::string& title) {
     std::vector<double> values;
     for (std::size_t i = first; i < end; ++i) values.push_back(iterations_[i].log_likelihood);
-    const Range range = RangeOf(values);
+    const AxisRange range = RangeOfValues(values);
     if (!(range.low < range.high)) return;
     const auto from = static_cast<double>(first), to = std::max(from + 1, static_cast<double>(end) - 1);
     const auto x = [&](double i) { return p.left + 14 + (p.width - 28) * (i - from) / (to - from); };
@@ -91,7 +91,7 @@ class LikelihoodCanvas {
 
 }  // namespace
 
-std::string LikelihoodFigure(const std::vector<Iteration>& iterations, double width) {
+std::string LikelihoodPicture(const std::vector<Iteration>& iterations, double width) {
   constexpr std::size_t kFirst = 1;
   std::int64_t robots = 0;
   bool any = false;
@@ -126,7 +126,7 @@ std::string LikelihoodFigure(const std::vector<Iteration>& iterations, double wi
   return svg.Finish();
 }
 
-std::string RoundsFigure(const std::vector<RoundTime>& rounds, double width) {
+std::string RoundsPicture(const std::vector<RoundTime>& rounds, double width) {
   const auto seconds_each = [](const RoundTime& round) {
     return round.seconds / static_cast<double>(std::max<std::int64_t>(1, round.rounds));
   };

@@ -10,8 +10,8 @@
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/drawing/labels.h"
 #include "datasets/report/drawing/palette.h"
-#include "datasets/report/figures.h"
 #include "datasets/report/grid_picture.h"
+#include "datasets/report/pictures.h"
 #include "datasets/report/scene.h"
 
 namespace cairn::datasets {

@@ -47,14 +47,14 @@ class SceneMaker {
   Point FromTruth(Point truth) const { return Inverse(evaluation_->alignment)(truth); }
 
   // Of the observations at the robot itself.
-  std::vector<double> PressTimes(const std::string& observations) const {
+  std::vector<double> ContactTimes(const std::string& observations) const {
     const auto time = log_->Get<double>(observations + "time_s");
     const auto range = log_->Get<double>(observations + "range_m");
-    std::vector<double> presses;
+    std::vector<double> contacts;
     for (std::size_t i = 0; i < time.size(); ++i) {
-      if (std::isnan(range[i])) presses.push_back(time[i]);
+      if (std::isnan(range[i])) contacts.push_back(time[i]);
     }
-    return presses;
+    return contacts;
   }
 
   void AddOdometry(const Track& track, const std::string& name, std::size_t r) {
@@ -62,7 +62,7 @@ class SceneMaker {
     const auto time = log_->Get<double>(robot + "odometry/time_s");
     const auto turn = log_->Get<double>(robot + "odometry/turn_rad");
     const auto forward = log_->Get<double>(robot + "odometry/forward_m");
-    const std::vector<double> marks = PressTimes(robot + "observations/");
+    const std::vector<double> marks = ContactTimes(robot + "observations/");
     Path path{.robot = name, .index = r, .points = {}}, at_marks = path;
     Pose pose = track.poses.front();
     path.points.push_back({pose.x_m, pose.y_m});

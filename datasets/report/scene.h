@@ -20,7 +20,7 @@ struct Path {
   std::size_t index = 0;  // of the robot: its colour
   std::vector<Point> points;
   std::vector<std::size_t> breaks =
-      {};  // points before which nothing is known of the way: no line leads to them
+      {};  // points before which nothing is known of the path: no line leads to them
 };
 
 // The stretches between a path's breaks. One of a single point is a place, and no way.

@@ -94,9 +94,9 @@ class Driver {
     TurnOnTheSpot(target);
     const double arc_rad = step_m_ / kTurnRadiusM;
     while (std::abs(ErrorTo(target)) > arc_rad) Do({std::copysign(arc_rad, ErrorTo(target)), step_m_});
-    const double way_m = DistanceM({pose_.x_m, pose_.y_m}, target);
-    const auto steps = static_cast<int>(std::ceil(way_m / step_m_));
-    for (int i = 0; i < steps; ++i) Do({i == 0 ? ErrorTo(target) : 0, way_m / steps});
+    const double distance_m = DistanceM({pose_.x_m, pose_.y_m}, target);
+    const auto steps = static_cast<int>(std::ceil(distance_m / step_m_));
+    for (int i = 0; i < steps; ++i) Do({i == 0 ? ErrorTo(target) : 0, distance_m / steps});
   }
 
  private:
@@ -141,7 +141,8 @@ Drive DrawDrive(const CorridorWorld& world, const DriveOptions& options, Rng& rn
     driver.GoTo({world.nodes[node].x_m + options.pass_sd_m * rng.Normal(),
                  world.nodes[node].y_m + options.pass_sd_m * rng.Normal()});
     drive.passes.push_back(node);
-    if (rng.Uniform() < options.press_probability) drive.presses.push_back({drive.controls.size() - 1, node});
+    if (rng.Uniform() < options.contact_probability)
+      drive.contacts.push_back({drive.controls.size() - 1, node});
     tour.Advance();
   }
   return drive;

@@ -11,7 +11,7 @@
 
 namespace cairn::datasets {
 
-struct Press {
+struct Contact {
   std::size_t control = 0;   // at the end of which it happened
   std::size_t landmark = 0;  // node of the world
 };
@@ -20,16 +20,16 @@ struct Drive {
   Pose start;
   std::vector<Control> controls;
   std::vector<double> times_s;  // end of each control; the drive starts at 0
-  std::vector<Press> presses;
-  std::vector<std::size_t> passes;  // the nodes that were passed, in order, pressed or not
+  std::vector<Contact> contacts;
+  std::vector<std::size_t> passes;  // the nodes that were passed, in order, detected or not
   double length_m = 0;
 };
 
 struct DriveOptions {
-  double min_length_m = 1000;       // the drive ends at the first node after it
-  double step_m = 0.33;             // way of one control
-  double press_probability = 0.97;  // at each pass of a node
-  double pass_sd_m = 0.3;           // distance between robot and node at the pass, an axis
+  double min_length_m = 1000;         // the drive ends at the first node after it
+  double step_m = 0.33;               // distance of one control
+  double contact_probability = 0.97;  // at each pass of a node
+  double pass_sd_m = 0.3;             // distance between robot and node at the pass, an axis
 };
 
 // Starts anywhere in a corridor and wanders without U-turns but at dead ends, going straight on twice as

@@ -25,14 +25,14 @@ constexpr std::uint64_t kLoopWorldStream = 0, kNominalStream = 1, kRobotStream =
 constexpr std::uint32_t kSensingSubstream = 1, kLoopSonarSubstream = 2;
 constexpr int kMaxDrives = 20;
 
-LoopDifficulty Make(const char* name, double path_m, double step_m, int min_presses, int max_presses,
+LoopDifficulty Make(const char* name, double path_m, double step_m, int min_contacts, int max_contacts,
                     double drift_deg_per_m, double walk_deg_per_sqrt_m, ErrorRange final_error) {
   LoopDifficulty d;
   d.name = name;
   d.min_path_m = path_m;
   d.step_m = step_m;
-  d.min_presses = min_presses;
-  d.max_presses = max_presses;
+  d.min_contacts = min_contacts;
+  d.max_contacts = max_contacts;
   d.noise.heading_drift_rad_per_m = drift_deg_per_m * kDegree_rad;
   d.noise.heading_walk_rad_per_sqrt_m = walk_deg_per_sqrt_m * kDegree_rad;
   d.final_error = final_error;
@@ -57,16 +57,16 @@ Drive DrawFittingDrive(const CorridorWorld& world, const LoopDifficulty& difficu
   options.step_m = difficulty.step_m;
   for (int i = 0; i < kMaxTours; ++i) {
     Drive drive = DrawDrive(world, options, rng);
-    const int presses = static_cast<int>(drive.presses.size());
-    if (presses >= difficulty.min_presses && presses <= difficulty.max_presses) return drive;
+    const int contacts = static_cast<int>(drive.contacts.size());
+    if (contacts >= difficulty.min_contacts && contacts <= difficulty.max_contacts) return drive;
   }
-  throw InputError("no tour of this world has " + std::to_string(difficulty.min_presses) + " to " +
-                   std::to_string(difficulty.max_presses) + " presses: take another seed");
+  throw InputError("no tour of this world has " + std::to_string(difficulty.min_contacts) + " to " +
+                   std::to_string(difficulty.max_contacts) + " contact detections: take another seed");
 }
 
 double Round(double value, double unit) { return std::round(value / unit) * unit; }
 // To one digit where that stays within half of `exact`, else to two.
-double NominalFigure(double exact, Rng& rng) {
+double PerturbedNoise(double exact, Rng& rng) {
   const double log_spread = std::log(kNominalSpread);
   const double figure = exact * std::exp(rng.Uniform(-log_spread, log_spread));
   const double unit = std::pow(10, std::floor(std::log10(figure)));
@@ -75,19 +75,19 @@ double NominalFigure(double exact, Rng& rng) {
 }
 
 // Angles are rounded in degrees, as people read them.
-void PutNominalNoise(const LoopDifficulty& difficulty, const LoopSensing& sensing, Rng& rng, Blob& log) {
+void PutNoiseParameters(const LoopDifficulty& difficulty, const LoopSensing& sensing, Rng& rng, Blob& log) {
   const OdometryNoise& noise = difficulty.noise;
   log.PutScalar("noise/heading_drift_rad_per_m",
-                NominalFigure(noise.heading_drift_rad_per_m / kDegree_rad, rng) * kDegree_rad);
+                PerturbedNoise(noise.heading_drift_rad_per_m / kDegree_rad, rng) * kDegree_rad);
   log.PutScalar("noise/heading_walk_rad_per_sqrt_m",
-                NominalFigure(noise.heading_walk_rad_per_sqrt_m / kDegree_rad, rng) * kDegree_rad);
-  log.PutScalar("noise/forward_ratio", NominalFigure(noise.forward_ratio, rng));
-  log.PutScalar("noise/turn_ratio", NominalFigure(noise.turn_ratio, rng));
-  if (!sensing.ranged()) log.PutScalar("noise/press_m", NominalFigure(DriveOptions{}.pass_sd_m, rng));
+                PerturbedNoise(noise.heading_walk_rad_per_sqrt_m / kDegree_rad, rng) * kDegree_rad);
+  log.PutScalar("noise/forward_ratio", PerturbedNoise(noise.forward_ratio, rng));
+  log.PutScalar("noise/turn_ratio", PerturbedNoise(noise.turn_ratio, rng));
+  if (!sensing.ranged()) log.PutScalar("noise/contact_m", PerturbedNoise(DriveOptions{}.pass_sd_m, rng));
 }
 
 void PutConfusion(const LoopSensing& sensing, Rng& rng, Blob& log) {
-  const double wrong = sensing.confusion > 0 ? NominalFigure(sensing.confusion, rng) : 0;
+  const double wrong = sensing.confusion > 0 ? PerturbedNoise(sensing.confusion, rng) : 0;
   std::vector<std::string> names;
   std::vector<double> matrix;
   for (int k = 0; k < sensing.types; ++k) {
@@ -100,16 +100,16 @@ void PutConfusion(const LoopSensing& sensing, Rng& rng, Blob& log) {
 }
 
 // What the sensing's options add to the data sheet.
-void PutNominalSensing(const LoopSensing& sensing, Rng& rng, Blob& log) {
+void PutSensorParameters(const LoopSensing& sensing, Rng& rng, Blob& log) {
   if (sensing.ranged()) {
-    log.PutScalar("noise/range_m", NominalFigure(kSightRangeM, rng));
-    log.PutScalar("noise/bearing_rad", NominalFigure(kSightBearingRad / kDegree_rad, rng) * kDegree_rad);
-    log.PutScalar("sensor/max_range_m", kSightMaxRangeM);
-    log.PutScalar("sensor/field_of_view_rad", kSightViewRad);
+    log.PutScalar("noise/range_m", PerturbedNoise(kCameraRangeSdM, rng));
+    log.PutScalar("noise/bearing_rad", PerturbedNoise(kCameraBearingSdRad / kDegree_rad, rng) * kDegree_rad);
+    log.PutScalar("sensor/max_range_m", kCameraMaxRangeM);
+    log.PutScalar("sensor/field_of_view_rad", kCameraViewRad);
   }
   if (sensing.false_rate > 0 || sensing.miss_rate > kDriveMissRate) {
-    if (sensing.false_rate > 0) log.PutScalar("noise/false_ratio", NominalFigure(sensing.false_rate, rng));
-    log.PutScalar("noise/miss_ratio", NominalFigure(sensing.miss_rate, rng));
+    if (sensing.false_rate > 0) log.PutScalar("noise/false_ratio", PerturbedNoise(sensing.false_rate, rng));
+    log.PutScalar("noise/miss_ratio", PerturbedNoise(sensing.miss_rate, rng));
   }
   if (sensing.types > 1) PutConfusion(sensing, rng, log);
 }
@@ -205,13 +205,13 @@ Blob SimulateLoop(const SimulateLoopOptions& options) {
   Blob log;
   PutLandmarks(world, types, options.sensing.identities, log);
   Rng nominal_rng(options.seed, kNominalStream);
-  PutNominalNoise(difficulty, options.sensing, nominal_rng, log);
+  PutNoiseParameters(difficulty, options.sensing, nominal_rng, log);
   Rng sheet_rng(options.seed, kNominalStream, kSensingSubstream);
-  PutNominalSensing(options.sensing, sheet_rng, log);
+  PutSensorParameters(options.sensing, sheet_rng, log);
   if (options.sonar) {
     PutWalls(walls, log);
     Rng sonar_rng(options.seed, kNominalStream, kLoopSonarSubstream);
-    log.PutScalar("noise/sonar_m", NominalFigure(kSonarSdM, sonar_rng));
+    log.PutScalar("noise/sonar_m", PerturbedNoise(kSonarSdM, sonar_rng));
   }
   std::vector<std::string> names;
   for (int r = 0; r < options.robots; ++r) {

@@ -16,9 +16,9 @@ namespace cairn::datasets {
 struct LoopDifficulty {
   std::string name;
   double min_path_m = 1000;
-  double step_m = 0.33;  // way of one control
-  int min_presses = 0;   // of one robot
-  int max_presses = 1000000;
+  double step_m = 0.33;  // distance of one control
+  int min_contacts = 0;  // of one robot
+  int max_contacts = 1000000;
   double box_m = 90;
   OdometryNoise noise;
   ErrorRange final_error;
@@ -38,7 +38,7 @@ struct SimulateLoopOptions {
 };
 
 // A `log` with its truth (schema/FORMAT.md). Robot N's rows do not depend on how many robots there are, nor
-// drives and odometry on what is sensed. The nominal noise figures are the simulator's own, each times a
+// drives and odometry on what is sensed. The nominal noise parameters are the simulator's own, each times a
 // factor drawn from [1/1.5, 1.5] on a log scale and rounded to one digit where that stays within half the
 // value: what a data sheet would say. Rates of false and missed observations are stated where either is asked
 // for. Throws InputError for an unknown difficulty, and what is out of range.

@@ -43,7 +43,7 @@ double SegmentDistanceM(Point p, Point a, Point b) {
 
 struct Limits {
   double path_low_m, path_high_m, step_m, error_low_m, error_high_m;
-  std::size_t presses_low, presses_high;
+  std::size_t contacts_low, contacts_high;
 };
 
 class EachDifficulty : public ::testing::TestWithParam<std::pair<std::string, Limits>> {};
@@ -69,9 +69,9 @@ TEST_P(EachDifficulty, KeepsItsRangesOverTwentySeeds) {
     const double final_error = FinalOdometricErrorM(log, 0);
     EXPECT_GE(final_error, limits.error_low_m - 1e-3);
     EXPECT_LE(final_error, limits.error_high_m + 1e-3);
-    const auto presses = log.at("robot/0/observations/time_s").size();
-    EXPECT_GE(presses, static_cast<std::int64_t>(limits.presses_low));
-    EXPECT_LE(presses, static_cast<std::int64_t>(limits.presses_high));
+    const auto contacts = log.at("robot/0/observations/time_s").size();
+    EXPECT_GE(contacts, static_cast<std::int64_t>(limits.contacts_low));
+    EXPECT_LE(contacts, static_cast<std::int64_t>(limits.contacts_high));
     const auto controls = static_cast<double>(log.at("robot/0/odometry/time_s").size());
     EXPECT_NEAR(path / controls, limits.step_m, 0.1 * limits.step_m);
   }
@@ -103,33 +103,33 @@ TEST_P(EachDifficulty, PathFollowsTheCorridorsThroughTheLandmarks) {
 }
 
 // Mean square distance of a two-dimensional normal of sd 0.3 m an axis: 0.18 m2.
-TEST_P(EachDifficulty, PressesLieNearTheLandmarkThatTheTruthNames) {
+TEST_P(EachDifficulty, ContactsLieNearTheLandmarkThatTheTruthNames) {
   double squares = 0, worst = 0;
-  std::size_t presses = 0;
+  std::size_t contacts = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Blob log = SimulateLoop(Options(GetParam().first, seed));
-    const auto press_time = log.Get<double>("robot/0/observations/time_s");
+    const auto contact_time = log.Get<double>("robot/0/observations/time_s");
     const auto landmark = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
     const auto time = log.Get<double>("truth/robot/0/poses/time_s");
     const auto x = log.Get<double>("truth/robot/0/poses/x_m");
     const auto y = log.Get<double>("truth/robot/0/poses/y_m");
     const auto landmark_x = log.Get<double>("truth/landmarks/x_m");
     const auto landmark_y = log.Get<double>("truth/landmarks/y_m");
-    ASSERT_EQ(landmark.size(), press_time.size());
-    for (std::size_t i = 0; i < press_time.size(); ++i) {
-      const auto at = std::lower_bound(time.begin(), time.end(), press_time[i]);
+    ASSERT_EQ(landmark.size(), contact_time.size());
+    for (std::size_t i = 0; i < contact_time.size(); ++i) {
+      const auto at = std::lower_bound(time.begin(), time.end(), contact_time[i]);
       ASSERT_NE(at, time.end());
-      ASSERT_EQ(*at, press_time[i]);  // a press ends a control
+      ASSERT_EQ(*at, contact_time[i]);  // a contact detection ends a control
       const auto row = static_cast<std::size_t>(at - time.begin());
       const auto l = static_cast<std::size_t>(landmark[i]);
       const double distance = std::hypot(x[row] - landmark_x[l], y[row] - landmark_y[l]);
       squares += distance * distance;
       worst = std::max(worst, distance);
-      ++presses;
+      ++contacts;
     }
   }
-  EXPECT_GT(presses, 300U);
-  EXPECT_NEAR(squares / static_cast<double>(presses), 0.18, 0.03);
+  EXPECT_GT(contacts, 300U);
+  EXPECT_NEAR(squares / static_cast<double>(contacts), 0.18, 0.03);
   EXPECT_LT(worst, 1.6);
 }
 
@@ -177,7 +177,7 @@ TEST_P(EachDifficulty, NominalNoiseIsAboutButNotExactlyTheSimulators) {
     near("heading_walk_rad_per_sqrt_m", it->noise.heading_walk_rad_per_sqrt_m);
     near("forward_ratio", 0.02);
     near("turn_ratio", 0.02);
-    near("press_m", 0.3);
+    near("contact_m", 0.3);
   }
   EXPECT_GT(drifts.size(), 1U);
 }
@@ -216,14 +216,14 @@ TEST(LoopWorld, StretchesToItsBox) {
   }
 }
 
-TEST(Drive, PressesNinetySevenOfAHundredPasses) {
+TEST(Drive, DetectsNinetySevenOfAHundredPasses) {
   Rng world_rng(1), rng(2);
   const CorridorWorld world = MakeLoopWorld(90, world_rng);
   DriveOptions options;
   options.min_length_m = 100000;
   const Drive drive = DrawDrive(world, options, rng);
   ASSERT_GT(drive.passes.size(), 5000U);
-  EXPECT_NEAR(static_cast<double>(drive.presses.size()) / static_cast<double>(drive.passes.size()), 0.97,
+  EXPECT_NEAR(static_cast<double>(drive.contacts.size()) / static_cast<double>(drive.passes.size()), 0.97,
               0.01);
 }
 
@@ -272,14 +272,14 @@ TEST(Odometry, ErrorsHaveTheirMoments) {
   for (std::uint64_t seed = 0; seed < kDraws; ++seed) {
     Rng rng(seed);
     const OdometryDraw draw = DrawOdometry(drive, noise, {0, 1e9}, rng).value();
-    double turn = 0, way = 0;
+    double turn = 0, travelled = 0;
     for (const Control& c : draw.controls) {
       turn += c.turn_rad / 400;
-      way += c.forward_m / 400;
+      travelled += c.forward_m / 400;
     }
     for (const Control& c : draw.controls) walk_squares += (c.turn_rad - turn) * (c.turn_rad - turn) / 400;
     drift_squares += turn * turn;
-    scale_squares += (way - 1) * (way - 1);
+    scale_squares += (travelled - 1) * (travelled - 1);
   }
   EXPECT_NEAR(std::sqrt(walk_squares / kDraws), 0.05, 0.001);
   EXPECT_NEAR(std::sqrt(drift_squares / kDraws), std::hypot(0.01, 0.05 / 20), 0.001);

@@ -24,7 +24,7 @@ class Sensor {
   }
 
   std::vector<Sensed> Run() {
-    sensing_.ranged() ? TakeImages() : Press();
+    sensing_.ranged() ? TakeImages() : DetectContacts();
     for (Sensed& s : sensed_) Recognise(s);
     for (Sensed& s : false_) {
       Recognise(s);
@@ -45,11 +45,11 @@ class Sensor {
         std::lround(sensing_.false_rate / (1 - sensing_.false_rate) * static_cast<double>(sensed_.size())));
   }
 
-  void Press() {
+  void DetectContacts() {
     const double further = 1 - (1 - sensing_.miss_rate) / (1 - kDriveMissRate);
-    for (const datasets::Press& press : drive_.presses) {
+    for (const datasets::Contact& contact : drive_.contacts) {
       if (Misses(further)) continue;
-      sensed_.push_back({press.control, static_cast<std::int32_t>(press.landmark), 0, -1, kNan, kNan});
+      sensed_.push_back({contact.control, static_cast<std::int32_t>(contact.landmark), 0, -1, kNan, kNan});
     }
     for (std::size_t n = FalseOnes(); n > 0; --n) false_.push_back({FalsePlace(), -1, 0, -1, kNan, kNan});
   }
@@ -57,12 +57,14 @@ class Sensor {
   // Anywhere on the way, clear of landmarks.
   std::size_t FalsePlace() {
     for (;;) {
-      double way_m = rng_.Uniform(0, drive_.length_m);
+      double travelled_m = rng_.Uniform(0, drive_.length_m);
       std::size_t control = 0;
-      while (control + 1 < drive_.controls.size() && (way_m -= drive_.controls[control].forward_m) > 0)
+      while (control + 1 < drive_.controls.size() && (travelled_m -= drive_.controls[control].forward_m) > 0)
         ++control;
       const Pose& at = poses_[control];
-      const auto near = [&](Point node) { return DistanceM(node, {at.x_m, at.y_m}) < kFalsePressClearanceM; };
+      const auto near = [&](Point node) {
+        return DistanceM(node, {at.x_m, at.y_m}) < kFalseContactClearanceM;
+      };
       if (std::none_of(world_.nodes.begin(), world_.nodes.end(), near)) return control;
     }
   }
@@ -70,17 +72,17 @@ class Sensor {
   void TakeImages() {
     const std::vector<Wall> walls = WallsOf(world_);
     std::vector<std::size_t> images;
-    double way_m = 0;
+    double travelled_m = 0;
     for (std::size_t i = 0; i < poses_.size(); ++i) {
-      way_m += drive_.controls[i].forward_m;
-      if (way_m < kImageSpacingM) continue;
-      way_m = 0;
+      travelled_m += drive_.controls[i].forward_m;
+      if (travelled_m < kImageSpacingM) continue;
+      travelled_m = 0;
       images.push_back(i);
       for (std::size_t node = 0; node < world_.nodes.size(); ++node) Look(i, node, walls);
     }
     for (std::size_t n = FalseOnes(); n > 0; --n) {
-      false_.push_back({images[rng_.Below(images.size())], -1, 0, -1, rng_.Uniform(0.5, kSightMaxRangeM),
-                        rng_.Uniform(-kSightViewRad / 2, kSightViewRad / 2)});
+      false_.push_back({images[rng_.Below(images.size())], -1, 0, -1, rng_.Uniform(0.5, kCameraMaxRangeM),
+                        rng_.Uniform(-kCameraViewRad / 2, kCameraViewRad / 2)});
     }
   }
 
@@ -88,14 +90,14 @@ class Sensor {
     const Pose& pose = poses_[control];
     const Point from{pose.x_m, pose.y_m}, to = world_.nodes[node];
     const double range_m = DistanceM(from, to);
-    if (range_m > kSightMaxRangeM) return;
+    if (range_m > kCameraMaxRangeM) return;
     const double heading = std::atan2(to.y_m - from.y_m, to.x_m - from.x_m);
     const double bearing = WrapAngle(heading - pose.heading_rad);
-    if (std::abs(bearing) > kSightViewRad / 2 || NearestWallM(walls, from, heading, 0) < range_m) return;
+    if (std::abs(bearing) > kCameraViewRad / 2 || NearestWallM(walls, from, heading, 0) < range_m) return;
     if (Misses(sensing_.miss_rate)) return;
-    const double seen_m = range_m + kSightRangeM * rng_.Normal();
-    const double seen_rad = bearing + kSightBearingRad * rng_.Normal();
-    if (seen_m <= 0 || seen_m > kSightMaxRangeM || std::abs(seen_rad) > kSightViewRad / 2) return;
+    const double seen_m = range_m + kCameraRangeSdM * rng_.Normal();
+    const double seen_rad = bearing + kCameraBearingSdRad * rng_.Normal();
+    if (seen_m <= 0 || seen_m > kCameraMaxRangeM || std::abs(seen_rad) > kCameraViewRad / 2) return;
     sensed_.push_back({control, static_cast<std::int32_t>(node), 0, -1, seen_m, seen_rad});
   }
 
@@ -131,8 +133,8 @@ void Demand(bool allowed, const std::string& what, double value, const std::stri
 }  // namespace
 
 void Check(const LoopSensing& sensing) {
-  if (sensing.sensor != "press" && !sensing.ranged())
-    throw InputError("no sensor '" + sensing.sensor + "'; there are press, range-bearing");
+  if (sensing.sensor != "contact" && !sensing.ranged())
+    throw InputError("no sensor '" + sensing.sensor + "'; there are contact, range-bearing");
   Demand(sensing.false_rate >= 0 && sensing.false_rate <= 0.5, "false rate", sensing.false_rate, "0 to 0.5");
   Demand(sensing.miss_rate >= kDriveMissRate && sensing.miss_rate <= 0.9, "miss rate", sensing.miss_rate,
          "0.03 to 0.9");

@@ -49,7 +49,7 @@ TEST(Sense, WhatIsSensedChangesNeitherDriveNorOdometry) {
   for (std::size_t i = 0; i < here.size(); ++i) EXPECT_EQ(DistanceM(there[i], here[i]), 0);
 }
 
-TEST(Sense, FalsePressesAreTheirShareAndClearOfLandmarks) {
+TEST(Sense, FalseContactsAreTheirShareAndClearOfLandmarks) {
   int all = 0, lies = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Blob log = Simulate({.false_rate = 0.2}, seed);
@@ -64,7 +64,7 @@ TEST(Sense, FalsePressesAreTheirShareAndClearOfLandmarks) {
       ++lies;
       const Pose at = poses.At(time[i]);
       for (const Point& landmark : landmarks)
-        EXPECT_GE(DistanceM(landmark, {at.x_m, at.y_m}), kFalsePressClearanceM - 1e-6);
+        EXPECT_GE(DistanceM(landmark, {at.x_m, at.y_m}), kFalseContactClearanceM - 1e-6);
     }
     EXPECT_NEAR(log.Scalar<double>("noise/false_ratio"), 0.2, 0.1);
     EXPECT_NEAR(log.Scalar<double>("noise/miss_ratio"), 0.03, 0.015);
@@ -73,7 +73,7 @@ TEST(Sense, FalsePressesAreTheirShareAndClearOfLandmarks) {
   EXPECT_NEAR(lies / static_cast<double>(all), 0.2, 0.01);
 }
 
-TEST(Sense, MissedPressesAreLeftOutOfTheSameDrive) {
+TEST(Sense, MissedContactsAreLeftOutOfTheSameDrive) {
   int kept = 0, before = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Blob plain = Simulate({}, seed);
@@ -140,9 +140,9 @@ TEST(Sense, RangesAndBearingsPointAtTheLandmark) {
     ++far;
   }
   ASSERT_GT(far, 300);
-  EXPECT_NEAR(std::sqrt(range_squares / static_cast<double>(time.size())), kSightRangeM, 0.01);
-  EXPECT_NEAR(std::sqrt(bearing_squares / far), kSightBearingRad, 0.003);
-  EXPECT_FALSE(log.Has("noise/press_m"));
+  EXPECT_NEAR(std::sqrt(range_squares / static_cast<double>(time.size())), kCameraRangeSdM, 0.01);
+  EXPECT_NEAR(std::sqrt(bearing_squares / far), kCameraBearingSdRad, 0.003);
+  EXPECT_FALSE(log.Has("noise/contact_m"));
 }
 
 TEST(Sense, IdentitiesNameTheTrueLandmarkButForFalseOnes) {

@@ -39,8 +39,9 @@ bool Free(const CorridorWorld& world, Point p) {
 constexpr double kMarchM = 0.005;
 
 double March(const CorridorWorld& world, Point from, double heading, double most_m) {
-  for (double way = 0; way < most_m; way += kMarchM) {
-    if (!Free(world, {from.x_m + way * std::cos(heading), from.y_m + way * std::sin(heading)})) return way;
+  for (double travelled = 0; travelled < most_m; travelled += kMarchM) {
+    if (!Free(world, {from.x_m + travelled * std::cos(heading), from.y_m + travelled * std::sin(heading)}))
+      return travelled;
   }
   return most_m;
 }

@@ -71,9 +71,9 @@ class LoopBuilder {
     for (std::size_t i = 0; i < world_.cycle_nodes; ++i) Join(i, (i + 1) % world_.cycle_nodes);
   }
 
-  std::size_t AddBranch(std::size_t from, Point way, const std::string& kind) {
+  std::size_t AddBranch(std::size_t from, Point offset, const std::string& kind) {
     const Point at = world_.nodes[from];
-    const std::size_t end = AddNode({at.x_m + way.x_m, at.y_m + way.y_m}, kind);
+    const std::size_t end = AddNode({at.x_m + offset.x_m, at.y_m + offset.y_m}, kind);
     Join(from, end);
     return end;
   }
@@ -90,8 +90,8 @@ class LoopBuilder {
       for (std::size_t i = 0; i < 3; ++i) {
         const bool in_loop = side == loop_side && (i == loop_first || i == loop_first + 1);
         const double length_m = in_loop ? loop_length_m : rng_.Uniform(10, 20);
-        const Point way{rng_.Uniform(-kBendM, kBendM), sign * length_m};
-        const std::size_t end = AddBranch(first + i, way, in_loop ? "corner" : "dead end");
+        const Point offset{rng_.Uniform(-kBendM, kBendM), sign * length_m};
+        const std::size_t end = AddBranch(first + i, offset, in_loop ? "corner" : "dead end");
         if (in_loop) loop_ends.push_back(end);
       }
       if (loop_ends.size() == 2) Join(loop_ends[0], loop_ends[1]);

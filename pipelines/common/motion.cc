@@ -66,19 +66,19 @@ std::vector<Box> Dilated(const LayeredGrid& grid, int reach) {
 
 }  // namespace
 
-LegError ErrorOf(const Leg& leg, const MotionNoise& noise) {
+IncrementError ErrorOf(const MotionIncrement& increment, const MotionNoise& noise) {
   const double drift = noise.heading_drift_rad_per_m;
-  const double drift_squared = drift * drift * noise.drift_length_m * leg.path_m;
+  const double drift_squared = drift * drift * noise.drift_length_m * increment.path_m;
   const double walk_squared =
-      noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m * leg.path_m;
-  const double turn = noise.turn_ratio * leg.turn_rad;
-  return {std::sqrt(drift_squared + walk_squared + turn * turn), noise.forward_ratio * leg.path_m};
+      noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m * increment.path_m;
+  const double turn = noise.turn_ratio * increment.turn_rad;
+  return {std::sqrt(drift_squared + walk_squared + turn * turn), noise.forward_ratio * increment.path_m};
 }
 
-MotionKernel::MotionKernel(const Leg& leg, const LegError& error, double cell_m, int headings,
-                           ErrorShape shape)
-    : dx_(leg.dx_m / cell_m),
-      dy_(leg.dy_m / cell_m),
+MotionKernel::MotionKernel(const MotionIncrement& increment, const IncrementError& error, double cell_m,
+                           int headings, ErrorShape shape)
+    : dx_(increment.dx_m / cell_m),
+      dy_(increment.dy_m / cell_m),
       along_(error.along_m / cell_m),
       headings_(headings),
       heading_step_(2.0 * std::numbers::pi / headings) {

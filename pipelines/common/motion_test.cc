@@ -38,12 +38,13 @@ double Dot(const LayeredGrid& a, const LayeredGrid& b) {
   return sum;
 }
 
-const Leg kLeg{2.3, 1.1, 2.6, 0.4};
-const LegError kError{0.5, 0.4};
+const MotionIncrement kIncrement{2.3, 1.1, 2.6, 0.4};
+const IncrementError kError{0.5, 0.4};
 
 TEST(Motion, KeepsMass) {
   const LayeredGrid belief = RandomGrid(1, {0, 0, 5, 4});
-  const LayeredGrid moved = MotionKernel(kLeg, kError, 0.5, kHeadings, ErrorShape::kGaussian).Forward(belief);
+  const LayeredGrid moved =
+      MotionKernel(kIncrement, kError, 0.5, kHeadings, ErrorShape::kGaussian).Forward(belief);
   EXPECT_NEAR(moved.Sum(), belief.Sum(), 1e-10);
 }
 
@@ -66,14 +67,14 @@ TEST(Motion, MovesEachHeadingItsOwnWay) {
 // <Forward(a), m> = <a, Backward(m)> for any a on the support: eq. 17 is the transpose of eq. 16.
 TEST(Motion, BackwardIsTheTransposeOfForward) {
   for (const ErrorShape shape : {ErrorShape::kGaussian, ErrorShape::kTriangular}) {
-    const MotionKernel kernel(kLeg, kError, 0.5, kHeadings, shape);
+    const MotionKernel kernel(kIncrement, kError, 0.5, kHeadings, shape);
     const LayeredGrid alpha = RandomGrid(2, {0, 0, 6, 5});
     const LayeredGrid message = RandomGrid(3, {2, 1, 8, 7});
     EXPECT_NEAR(Dot(kernel.Forward(alpha), message), Dot(alpha, kernel.Backward(message, alpha)), 1e-10);
   }
 }
 
-TEST(Motion, SpreadsHeadingsByTheLegsError) {
+TEST(Motion, SpreadsHeadingsByTheIncrementsError) {
   LayeredGrid belief;
   belief.layers.resize(360);
   belief.layers[0] = Layer(Box{0, 0, 1, 1});
@@ -130,7 +131,7 @@ TEST(Motion, TellsWhatTheFirstHalfTurnWas) {
   const double step = 2 * std::numbers::pi / kHeadings;
   const double half_variance = 0.5 * kError.heading_rad * kError.heading_rad / (step * step);
   const double taps[] = {half_variance / 2, 1 - half_variance, half_variance / 2};
-  const MotionKernel shift(kLeg, {0.0, kError.along_m}, 0.5, kHeadings, ErrorShape::kGaussian);
+  const MotionKernel shift(kIncrement, {0.0, kError.along_m}, 0.5, kHeadings, ErrorShape::kGaussian);
   double mass = 0, first = 0, second = 0;
   for (int j = -1; j <= 1; ++j) {
     for (int k = -1; k <= 1; ++k) {
@@ -142,7 +143,7 @@ TEST(Motion, TellsWhatTheFirstHalfTurnWas) {
     }
   }
   HalfTurn found;
-  const MotionKernel kernel(kLeg, kError, 0.5, kHeadings, ErrorShape::kGaussian);
+  const MotionKernel kernel(kIncrement, kError, 0.5, kHeadings, ErrorShape::kGaussian);
   const LayeredGrid beta = kernel.Backward(message, belief, &found);
   EXPECT_NEAR(found.prior_rad2, half_variance * step * step, 1e-12);
   EXPECT_NEAR(found.mean_rad, first / mass * step, 1e-12);
@@ -164,7 +165,7 @@ TEST(Motion, TellsWhatTheFirstHalfTurnWas) {
 
 TEST(ErrorOf, GrowsWithWayAndTurn) {
   const MotionNoise noise{0.002, 0.01, 100.0, 0.02, 0.03};
-  const LegError error = ErrorOf({4, 0, 4, 0.5}, noise);
+  const IncrementError error = ErrorOf({4, 0, 4, 0.5}, noise);
   EXPECT_NEAR(error.heading_rad, std::sqrt(4 * (0.01 * 0.01 + 0.002 * 0.002 * 100) + 0.015 * 0.015), 1e-12);
   EXPECT_NEAR(error.along_m, 0.08, 1e-12);
 }

@@ -22,7 +22,7 @@ double UsualInterval(std::span<const double> time) {
   return intervals[intervals.size() / 2];
 }
 
-// After the turn and `part` of the way of the control that ends in state `i`.
+// After the turn and `part` of the distance of the control that ends in state `i`.
 OdometricPose Within(const Odometry& odometry, std::size_t i, double part) {
   const auto between = [&](const std::vector<double>& v) { return v[i - 1] + part * (v[i] - v[i - 1]); };
   return {between(odometry.time_s), between(odometry.x_m),    between(odometry.y_m),
@@ -47,7 +47,7 @@ Odometry Integrate(const Blob& robot, const std::string& name) {
       Refuse(name, i, "not a number");
     constexpr double kFarthest_m = 1e5, kLargestTurn_rad = 1e3;  // no robot does so in one control
     if (std::abs(forward[i]) > kFarthest_m || std::abs(turn[i]) > kLargestTurn_rad) {
-      Refuse(name, i, "a way or turn too large to be one");
+      Refuse(name, i, "a distance or turn too large to be one");
     }
     if (time[i] < odometry.time_s.back()) Refuse(name, i, "time runs backwards");
     const double heading = odometry.heading_rad.back() + turn[i];

@@ -11,7 +11,7 @@ namespace cairn {
 struct Odometry {                             // one entry a control, plus one for the start
   std::vector<double> time_s;                 // [C + 1]
   std::vector<double> x_m, y_m, heading_rad;  // heading is not wrapped
-  std::vector<double> path_m, turn_rad;       // way and sum of absolute turns so far
+  std::vector<double> path_m, turn_rad;       // distance travelled and sum of absolute turns so far
 };
 
 // Without the controls after the one that is under way, or ends, at `until_s`.
@@ -30,7 +30,7 @@ Odometry Integrate(const Blob& robot, const std::string& name);
 // of the one under way; ends are clamped.
 OdometricPose PoseAt(const Odometry& odometry, double time_s);
 
-// The pose where `path_m` of way has been made, at the earliest.
+// The pose where `path_m` has been travelled, at the earliest.
 OdometricPose PoseAtPath(const Odometry& odometry, double path_m);
 
 // The pose at the end of control `i` - 1 (0: the start).

@@ -79,7 +79,7 @@ void Parser::operator()(const Option& option, std::string& field) {
   }
 }
 
-void Parser::RefuseUnknown() const {
+void Parser::RequireKnownOptions() const {
   std::vector<std::string> unknown;
   for (const auto& [name, value] : values_) {
     if (std::ranges::find(known_, name) == known_.end()) unknown.push_back(name);

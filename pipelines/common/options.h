@@ -45,7 +45,7 @@ class Parser {
   void operator()(const Option& option, std::int64_t& field);
   void operator()(const Option& option, bool& field);
   void operator()(const Option& option, std::string& field);
-  void RefuseUnknown() const;  // throws InputError
+  void RequireKnownOptions() const;  // throws InputError
 
  private:
   const proto::Value* Find(const Option& option);
@@ -74,7 +74,7 @@ Options ParseOptions(const OptionValues& values) {
   Options options;
   options_internal::Parser parser(values);
   VisitOptions(parser, options);
-  parser.RefuseUnknown();
+  parser.RequireKnownOptions();
   return options;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Column = std::vector<double>;
 
-// Turns left by 1 rad in the second of four legs of 1 m, one a second.
+// Turns left by 1 rad in the second of four motion increments of 1 m, one a second.
 Blob LogWithOdometry() {
   Blob log;
   log.Put("robots", Array::Texts({"ann"}));

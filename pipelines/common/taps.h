@@ -28,7 +28,7 @@ struct StencilPoint {
   double weight = 0.0;
 };
 
-// At most three bilinear shifts: no heap, for one is made per leg and heading.
+// At most three bilinear shifts: no heap, for one is made per motion increment and heading.
 struct Stencil {
   int size = 0;
   std::array<StencilPoint, 12> points;

@@ -30,13 +30,13 @@ class Round {
   Step End(Partials& partials) {
     if (t_.phase == Phase::kSearch) return EndSearch(partials);
     if (t_.phase == Phase::kFit) return EndFit(partials);
-    return planner_.FindsSlopes(t_.phase) ? EndGradient(partials) : EndPhase(partials);
+    return planner_.FindsGradient(t_.phase) ? EndGradient(partials) : EndPhase(partials);
   }
 
  private:
   NetworkShape Shape() const { return ShapeOf(options_, data_.mean.size()); }
 
-  // What the next phase reads: the outputs, or E and its slopes by them.
+  // What the next phase reads: the outputs, or E and its gradients by them.
   Step EndPhase(Partials& partials) {
     const bool outputs = t_.phase == Phase::kOutputs;
     const RoundSum sum = SumOf(partials, static_cast<std::size_t>(data_.training.size()) *
@@ -44,12 +44,12 @@ class Round {
     Step step;
     Blob blob;
     if (outputs) {
-      blob.PutVector("output", std::vector<float>(sum.slopes.begin(), sum.slopes.end()));
+      blob.PutVector("output", std::vector<float>(sum.gradient.begin(), sum.gradient.end()));
     } else {
       blob.PutScalar("error", sum.error);
-      blob.PutVector("slopes", sum.slopes);
+      blob.PutVector("gradient", sum.gradient);
     }
-    (*step.plan.mutable_state()->mutable_blobs())[outputs ? "outputs" : "slopes"] =
+    (*step.plan.mutable_state()->mutable_blobs())[outputs ? "outputs" : "gradient"] =
         step.Share(std::move(blob));
     t_.phase = outputs ? Phase::kPairs : Phase::kWeights;
     return Next(std::move(step),
@@ -57,47 +57,47 @@ class Round {
   }
 
   Step EndGradient(Partials& partials) {
-    const bool by_outputs = t_.phase == Phase::kSlopes || t_.phase == Phase::kPairs;
+    const bool by_outputs = t_.phase == Phase::kOutputGradient || t_.phase == Phase::kPairs;
     NetworkShape learning = Shape();
     learning.networks = t_.learning.end - t_.learning.first;
     const std::size_t size = by_outputs ? static_cast<std::size_t>(data_.training.size()) *
                                               static_cast<std::size_t>(learning.networks)
                                         : learning.parameters();
     RoundSum sum = SumOf(partials, size);
-    if (t_.phase == Phase::kWeights) sum.error = inputs_.Get("slopes")->Scalar<double>("error");
-    t_.Record(sum.error, planner_.Validates(t_.steps) ? sum.validation : kNone, Norm(sum.slopes));
+    if (t_.phase == Phase::kWeights) sum.error = inputs_.Get("gradient")->Scalar<double>("error");
+    t_.Record(sum.error, planner_.Validates(t_.steps) ? sum.validation : kNone, Norm(sum.gradient));
     std::string note = NoteOf(options_, t_);
-    if (const std::string warning = t_.Warn(Saturated(sum.slopes, learning, by_outputs)); !warning.empty())
+    if (const std::string warning = t_.Warn(Saturated(sum.gradient, learning, by_outputs)); !warning.empty())
       note += "; " + warning;
     if (IsOver()) return Result(note);
     Step step;
     if (by_outputs) {
       t_.phase = Phase::kFit;
-      Blob slopes;
-      slopes.PutVector("slopes", sum.slopes);
-      (*step.plan.mutable_state()->mutable_blobs())["slopes"] = step.Share(std::move(slopes));
+      Blob gradient_of_sum;
+      gradient_of_sum.PutVector("gradient", sum.gradient);
+      (*step.plan.mutable_state()->mutable_blobs())["gradient"] = step.Share(std::move(gradient_of_sum));
     } else if (options_.method == "conjugate") {
       t_.phase = Phase::kSearch;
-      AddPenalty(&sum.slopes);
-      t_.conjugate.Turn(sum.error + PenaltyOf(t_.weights), sum.slopes, RateOf(options_));
+      AddPenalty(&sum.gradient);
+      t_.conjugate.Turn(sum.error + PenaltyOf(t_.weights), sum.gradient, RateOf(options_));
     } else {
-      Descend(sum.slopes);
+      Descend(sum.gradient);
     }
     return Next(std::move(step), note);
   }
 
   // Networks that no step of any size would move.
-  std::vector<std::int32_t> Saturated(const std::vector<double>& slopes, const NetworkShape& learning,
-                                      bool by_outputs) const {
+  std::vector<std::int32_t> Saturated(const std::vector<double>& gradient_of_sum,
+                                      const NetworkShape& learning, bool by_outputs) const {
     std::vector<std::int32_t> saturated;
     Parameters<double> gradient(learning);
-    if (!by_outputs) gradient.values = slopes;
+    if (!by_outputs) gradient.values = gradient_of_sum;
     for (int n = 0; n < learning.networks; ++n) {
       double largest = 0.0;
       if (by_outputs) {
-        for (std::size_t i = static_cast<std::size_t>(n); i < slopes.size();
+        for (std::size_t i = static_cast<std::size_t>(n); i < gradient_of_sum.size();
              i += static_cast<std::size_t>(learning.networks))
-          largest = std::max(largest, std::abs(slopes[i]));
+          largest = std::max(largest, std::abs(gradient_of_sum[i]));
       } else {
         for (const double slope : SomeNetworks(gradient, n, n + 1).values)
           largest = std::max(largest, std::abs(slope));

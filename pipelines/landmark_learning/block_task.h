@@ -18,33 +18,36 @@ struct GradientShare {
   std::vector<float> gradient;  // [parameters]
 };
 GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
-                              const Parameters<float>& parameters, const Range& truths);
+                              const Parameters<float>& parameters, const IndexRange& true_positions);
 // The same of several, in order, whose P(a) are `scale` times as large, with noise on the inputs, by the
 // weights of the networks from `learns` on.
 GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
-                                  const Parameters<float>& parameters, const std::vector<Range>& truths,
-                                  double scale, const InputNoise& noise = {}, int learns = 0);
+                                  const Parameters<float>& parameters,
+                                  const std::vector<IndexRange>& true_positions, double scale,
+                                  const InputNoise& noise = {}, int learns = 0);
 
 // The same by the outputs.
-struct SlopeShare {
+struct OutputGradientShare {
   double error = 0.0;
-  Range reach{0, 0};            // samples
+  IndexRange reach{0, 0};       // samples
   std::vector<float> d_output;  // dE/dg, [reach][networks]
 };
-SlopeShare SlopesOfBlock(const Options& options, const SampleSet& training,
-                         const Parameters<float>& parameters, const Range& truths);
+OutputGradientShare OutputGradientOfBlock(const Options& options, const SampleSet& training,
+                                          const Parameters<float>& parameters,
+                                          const IndexRange& true_positions);
 
 // From the outputs of all samples: [samples][networks].
-SlopeShare SlopesOfOutputs(const Options& options, const SampleSet& training, std::span<const float> outputs,
-                           int networks, const Range& truths);
+OutputGradientShare OutputGradientOfOutputs(const Options& options, const SampleSet& training,
+                                            std::span<const float> outputs, int networks,
+                                            const IndexRange& true_positions);
 
 // A block's share of the E_posterior of `sensed`, which are taken for samples of `map`: held-out ones for
 // training samples, or these for each other.
 double ErrorOfBlock(const Options& options, const SampleSet& sensed, const SampleSet& map,
-                    const Parameters<float>& parameters, const Range& truths);
+                    const Parameters<float>& parameters, const IndexRange& true_positions);
 
-// Cuts `count` truths, which cost `flops` in all (counted, never measured), into blocks of even size, some
-// milliseconds of a core each.
-std::vector<Range> Blocks(int count, double flops);
+// Cuts `count` true positions, which cost `flops` in all (counted, never measured), into blocks of even size,
+// some milliseconds of a core each.
+std::vector<IndexRange> Blocks(int count, double flops);
 
 }  // namespace cairn::landmark_learning

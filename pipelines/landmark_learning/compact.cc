@@ -35,44 +35,46 @@ std::vector<Real> Means(const Cells& cells, const std::vector<Real>& probability
 Cells CellsOf(const SampleSet& samples, double cell_m) {
   Cells cells;
   std::map<std::pair<double, double>, std::int32_t> index;
-  const Places& from = samples.places;
+  const Positions& from = samples.positions;
   for (std::size_t k = 0; k < samples.weight.size(); ++k) {
     const auto [cell, is_new] =
         index.try_emplace({std::floor(from.x_m[k] / cell_m), std::floor(from.y_m[k] / cell_m)},
                           static_cast<std::int32_t>(cells.count.size()));
     if (is_new) {
-      for (auto* values : {&cells.places.x_m, &cells.places.y_m, &cells.places.along_m, &cells.weight})
+      for (auto* values :
+           {&cells.positions.x_m, &cells.positions.y_m, &cells.positions.along_m, &cells.weight})
         values->push_back(0.0);
       cells.count.push_back(0);
-      if (!from.row.empty()) cells.places.row.push_back(from.row[k]);  // of a table: that of its first sample
+      if (!from.row.empty())
+        cells.positions.row.push_back(from.row[k]);  // of a table: that of its first sample
     }
     const auto c = static_cast<std::size_t>(cell->second);
     cells.of.push_back(cell->second);
     ++cells.count[c];
-    cells.places.x_m[c] += from.x_m[k];
-    cells.places.y_m[c] += from.y_m[k];
-    cells.places.along_m[c] += from.along_m[k];
+    cells.positions.x_m[c] += from.x_m[k];
+    cells.positions.y_m[c] += from.y_m[k];
+    cells.positions.along_m[c] += from.along_m[k];
     cells.weight[c] += samples.weight[k];
   }
   for (std::size_t c = 0; c < cells.count.size(); ++c) {
-    for (auto* values : {&cells.places.x_m, &cells.places.y_m, &cells.places.along_m})
+    for (auto* values : {&cells.positions.x_m, &cells.positions.y_m, &cells.positions.along_m})
       (*values)[c] /= cells.count[c];
   }
-  cells.places.table = from.table;
+  cells.positions.table = from.table;
   return cells;
 }
 
 template <class Real>
-CellShare<Real> SlopesOfCells(const Options& options, const Cells& cells, std::span<const Real> outputs,
-                              int networks, const Range& block) {
+CellShare<Real> OutputGradientOfCells(const Options& options, const Cells& cells,
+                                      std::span<const Real> outputs, int networks, const IndexRange& block) {
   const auto row = static_cast<std::size_t>(networks);
   if (outputs.size() != cells.of.size() * row)
     throw InputError("the outputs are of other samples or networks");
   const int vectors = static_cast<int>(FeatureVectors(networks));
   const std::vector<Real> g(outputs.begin(), outputs.end());
   const std::vector<Real> means = Means(cells, FeatureProbabilities(g, networks), vectors);
-  const Pairs pairs(cells.places, cells.places, BeliefOf(options), ErrorOf(options));
-  const auto share = ErrorOfTruths(pairs, means, vectors, cells.weight, block);
+  const Pairs pairs(cells.positions, cells.positions, BeliefOf(options), ErrorOf(options));
+  const auto share = ErrorOfTruePositions(pairs, means, vectors, cells.weight, block);
   const auto width = static_cast<std::size_t>(vectors);
   std::vector<Real> d_probability(cells.of.size() * width, Real(0));
   for (std::size_t k = 0; k < cells.of.size(); ++k) {
@@ -83,9 +85,9 @@ CellShare<Real> SlopesOfCells(const Options& options, const Cells& cells, std::s
   return {share.posterior, OutputGradient(g, networks, d_probability)};
 }
 
-template CellShare<float> SlopesOfCells(const Options&, const Cells&, std::span<const float>, int,
-                                        const Range&);
-template CellShare<double> SlopesOfCells(const Options&, const Cells&, std::span<const double>, int,
-                                         const Range&);
+template CellShare<float> OutputGradientOfCells(const Options&, const Cells&, std::span<const float>, int,
+                                                const IndexRange&);
+template CellShare<double> OutputGradientOfCells(const Options&, const Cells&, std::span<const double>, int,
+                                                 const IndexRange&);
 
 }  // namespace cairn::landmark_learning

@@ -18,12 +18,12 @@
 namespace cairn::landmark_learning {
 
 struct Cells {
-  Places places;                    // the middles of their samples
+  Positions positions;              // the middles of their samples
   std::vector<double> weight;       // P(c)
   std::vector<std::int32_t> of;     // [samples]: the cell of each
   std::vector<std::int32_t> count;  // of samples
 
-  int size() const { return places.size(); }
+  int size() const { return positions.size(); }
 };
 
 // Squares of `cell_m`, those that hold samples, in the order in which the samples come.
@@ -37,7 +37,7 @@ struct CellShare {
   std::vector<Real> d_output;
 };
 template <class Real>
-CellShare<Real> SlopesOfCells(const Options& options, const Cells& cells, std::span<const Real> outputs,
-                              int networks, const Range& block);
+CellShare<Real> OutputGradientOfCells(const Options& options, const Cells& cells,
+                                      std::span<const Real> outputs, int networks, const IndexRange& block);
 
 }  // namespace cairn::landmark_learning

@@ -36,15 +36,16 @@ TEST_F(Compact, EachSampleIsInOneCellAndCellsWeighWhatTheyHold) {
   EXPECT_NEAR(weight, 1.0, 1e-12);
   EXPECT_EQ(samples, set_.size());
   for (std::size_t k = 0; k < cells.of.size(); ++k)
-    EXPECT_LT(std::abs(cells.places.x_m[static_cast<std::size_t>(cells.of[k])] - set_.places.x_m[k]), 1.0);
+    EXPECT_LT(std::abs(cells.positions.x_m[static_cast<std::size_t>(cells.of[k])] - set_.positions.x_m[k]),
+              1.0);
 }
 
 TEST_F(Compact, CellsOfOneSampleEachAreTheSamples) {
   const Cells cells = CellsOf(set_, 1e-4);
   ASSERT_EQ(cells.size(), set_.size());
   const std::vector<float> g(g_.begin(), g_.end());
-  const auto share = SlopesOfCells<float>(options_, cells, g, 3, {0, cells.size()});
-  const SlopeShare exact = SlopesOfOutputs(options_, set_, g, 3, {0, set_.size()});
+  const auto share = OutputGradientOfCells<float>(options_, cells, g, 3, {0, cells.size()});
+  const OutputGradientShare exact = OutputGradientOfOutputs(options_, set_, g, 3, {0, set_.size()});
   EXPECT_NEAR(share.error, exact.error, 1e-5 * exact.error);
   ASSERT_EQ(share.d_output.size(), exact.d_output.size());
   for (std::size_t i = 0; i < share.d_output.size(); ++i)
@@ -53,16 +54,17 @@ TEST_F(Compact, CellsOfOneSampleEachAreTheSamples) {
 
 TEST_F(Compact, SmallCellsAreCloseToTheSamples) {
   const std::vector<float> g(g_.begin(), g_.end());
-  const double exact = SlopesOfOutputs(options_, set_, g, 3, {0, set_.size()}).error;
+  const double exact = OutputGradientOfOutputs(options_, set_, g, 3, {0, set_.size()}).error;
   const Cells cells = CellsOf(set_, 0.15);
   ASSERT_LT(cells.size(), set_.size() * 3 / 4);
-  EXPECT_NEAR(SlopesOfCells<float>(options_, cells, g, 3, {0, cells.size()}).error, exact, 0.05 * exact);
+  EXPECT_NEAR(OutputGradientOfCells<float>(options_, cells, g, 3, {0, cells.size()}).error, exact,
+              0.05 * exact);
 }
 
 TEST_F(Compact, TheGradientIsThatOfFiniteDifferences) {
   const Cells cells = CellsOf(set_, 0.7);
   const auto all = [&](const std::vector<double>& g) {
-    return SlopesOfCells<double>(options_, cells, g, 3, {0, cells.size()});
+    return OutputGradientOfCells<double>(options_, cells, g, 3, {0, cells.size()});
   };
   const auto share = all(g_);
   double largest = 0.0;
@@ -82,11 +84,11 @@ TEST_F(Compact, TheGradientIsThatOfFiniteDifferences) {
 
 TEST_F(Compact, BlocksOfCellsAddUp) {
   const Cells cells = CellsOf(set_, 0.7);
-  const auto whole = SlopesOfCells<double>(options_, cells, g_, 3, {0, cells.size()});
+  const auto whole = OutputGradientOfCells<double>(options_, cells, g_, 3, {0, cells.size()});
   double error = 0.0;
   std::vector<double> sum(whole.d_output.size(), 0.0);
-  for (const Range& block : {Range{0, 20}, Range{20, 33}, Range{33, cells.size()}}) {
-    const auto share = SlopesOfCells<double>(options_, cells, g_, 3, block);
+  for (const IndexRange& block : {IndexRange{0, 20}, IndexRange{20, 33}, IndexRange{33, cells.size()}}) {
+    const auto share = OutputGradientOfCells<double>(options_, cells, g_, 3, block);
     error += share.error;
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += share.d_output[i];
   }

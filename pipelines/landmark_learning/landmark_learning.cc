@@ -21,33 +21,34 @@
 namespace cairn::landmark_learning {
 namespace {
 
-// What truths expect before they sense, on average.
-double PriorError(const Options& options, const SampleSet& truths, const SampleSet& samples) {
-  return PriorErrorOfTruths(Pairs(truths.places, samples.places, BeliefOf(options), ErrorOf(options)),
-                            truths.weight, {0, truths.size()});
+// What true positions expect before they sense, on average.
+double PriorError(const Options& options, const SampleSet& true_positions, const SampleSet& samples) {
+  return PriorErrorOfTruePositions(
+      Pairs(true_positions.positions, samples.positions, BeliefOf(options), ErrorOf(options)),
+      true_positions.weight, {0, true_positions.size()});
 }
 
-void RefuseUnknownHeadings(const Options& options, const TrainingData& data) {
+void RequireHeadings(const Options& options, const TrainingData& data) {
   if (!BeliefOf(options).LooksAtHeadings()) return;
   for (const SampleSet* set : {&data.training, &data.held_out}) {
-    if (set->heading_rad.size() != set->places.x_m.size())
+    if (set->heading_rad.size() != set->positions.x_m.size())
       throw InputError(
           "heading_window_deg: it takes samples whose headings are known, 'heading_rad' of each run");
   }
 }
 
 // The gradient is zero wherever no sample is in reach of another.
-void RefuseLonely(const Options& options, const TrainingData& data) {
+void RequireSamplesInReach(const Options& options, const TrainingData& data) {
   if (PriorError(options, data.training, data.training) > 0.0) return;
   char text[160];
   std::snprintf(
       text, sizeof text,
-      "window_m = %g m reaches no other place from any of the %d samples: there is nothing to tell apart",
+      "window_m = %g m reaches no other position from any of the %d samples: there is nothing to tell apart",
       options.window_m, data.training.size());
   throw InputError(text);
 }
 
-// Errors that are no function of two places alone.
+// Errors that are no function of two positions alone.
 void AttachErrors(const Options& options, const Inputs& inputs, TrainingData* data) {
   const bool table = options.error == "table", travel = options.error == "travel";
   for (const auto& [name, needed] : {std::pair("errors", table), std::pair("map", travel)}) {
@@ -72,8 +73,8 @@ std::string OverlookedImages(const Blob& samples, std::size_t inputs) {
   return "";
 }
 
-// Some ways to train go on what every step says of all truths and networks.
-void RefuseMixtures(const Options& options) {
+// Some ways to train go on what every step says of all true positions and networks.
+void CheckOptionsGoTogether(const Options& options) {
   if (options.cell_m > 0.0 && options.heading_window_deg < 180.0)
     throw InputError("cell_m does not go with heading_window_deg: a cell's samples face whichever way");
   if (options.cell_m > 0.0 && (options.batch > 0 || options.method == "conjugate"))
@@ -98,7 +99,7 @@ void RefuseMixtures(const Options& options) {
 }  // namespace
 
 Step LandmarkLearning::Start(const Inputs& inputs) const {
-  RefuseMixtures(options_);
+  CheckOptionsGoTogether(options_);
   const BlobPtr samples = inputs.Get("samples");
   const std::vector<std::string> input_names = samples->Texts("input_name");
   const NetworkShape shape = ShapeOf(options_, input_names.size());
@@ -108,10 +109,10 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   if (inputs.Has("weights")) parent = ReadParent(*inputs.Get("weights"), shape, input_names);
   TrainingData data = TrainingData::Of(*samples, options_.holdout, parent ? &parent->norm : nullptr,
                                        ByCommas(options_.unseen));
-  RefuseUnknownHeadings(options_, data);
-  WeighTruths(options_, &data);
+  RequireHeadings(options_, data);
+  WeighTruePositions(options_, &data);
   AttachErrors(options_, inputs, &data);
-  RefuseLonely(options_, data);
+  RequireSamplesInReach(options_, data);
   Training training;
   const Planner planner(options_, seed_, data);
   training.learning = FirstLearning(options_);
@@ -137,7 +138,7 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   step.plan.set_note(
       std::to_string(data.training.size()) + " samples of " + std::to_string(data.mean.size()) +
       " inputs to train on, " + std::to_string(data.held_out.size()) + " held out; " +
-      PlanSum(options_, data.training.places).text + (overlooked.empty() ? "" : "; " + overlooked));
+      PlanSum(options_, data.training.positions).text + (overlooked.empty() ? "" : "; " + overlooked));
   return step;
 }
 

@@ -91,7 +91,7 @@ TEST(LandmarkLearning, BlocksSeeTheSameNoise) {
   EXPECT_GT(std::abs(whole.error - clean.error), 1e-3);
   double error = 0.0;
   std::vector<double> gradient(whole.gradient.size(), 0.0);
-  for (const Range& block : {Range{0, 70}, Range{70, 71}, Range{71, count}}) {
+  for (const IndexRange& block : {IndexRange{0, 70}, IndexRange{70, 71}, IndexRange{71, count}}) {
     const auto part = GradientOfStretches(options, data.training, networks, {block}, 1.0, noise);
     error += part.error;
     for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] += part.gradient[i];
@@ -104,7 +104,7 @@ TEST(LandmarkLearning, LearnsFromMiniBatches) {
   const BlobPtr result =
       Learn(CorridorSamples().Make(), {.rate = 0.02, .init_width = 0.5, .steps = 600, .batch = 64});
   const auto errors = result->Get<double>("history/training_error_m");
-  double last = 0.0;  // a batch's error is that of the truths it drew
+  double last = 0.0;  // a batch's error is that of the true positions it drew
   for (std::size_t s = errors.size() - 100; s < errors.size(); ++s) last += errors[s] / 100;
   EXPECT_GT(1.0 - last / result->Scalar<double>("prior_error_m"), 0.3);
 }
@@ -143,7 +143,7 @@ TEST(LandmarkLearning, SaysThatImagesAreNotLookedAt) {
       "inputs of images");
 }
 
-// There and back it sees different things at a place. A robot that knows which way it faces compares with
+// There and back it sees different things at a position. A robot that knows which way it faces compares with
 // what was seen facing that way alone: it errs as much before, and less after.
 TEST(LandmarkLearning, WhoKnowsItsHeadingIsNotMisledByWhatItSawOnTheWayBack) {
   const Blob samples = CorridorSamples{.runs = 4, .both_ways = true}.Make();
@@ -215,8 +215,8 @@ TEST(LandmarkLearning, StopsWhereTheHeldOutRunGetsNoBetterAndKeepsTheBest) {
     EXPECT_GE(held_out[last - 5 * look], held_out[last - 20]) << look;  // four looks without a better one
 }
 
-// So many features that blocks of truths would compute all outputs over and over: three rounds a step, or two
-// before patterns are fitted, and the same E and gradient as in one piece.
+// So many features that blocks of true positions would compute all outputs over and over: three rounds a
+// step, or two before patterns are fitted, and the same E and gradient as in one piece.
 TEST(LandmarkLearning, AStepInPhasesIsTheStep) {
   const Blob samples = CorridorSamples{.samples = 160}.Make();
   const TrainingData data = TrainingData::Of(samples, "");
@@ -296,7 +296,7 @@ TEST(LandmarkLearning, SaysWhatIsWrongWithTheSamples) {
   input[12] = std::numeric_limits<float>::infinity();
   EXPECT_EQ(Complaint(with("run/2/input", Array::Of<float>({80, 5}, input)), few),
             "run 'run 2', sample 2: input 2 is not a finite number");
-  EXPECT_NE(Complaint(good, {.window_m = 1e-9, .steps = 1}).find("reaches no other place"),
+  EXPECT_NE(Complaint(good, {.window_m = 1e-9, .steps = 1}).find("reaches no other position"),
             std::string::npos);
   EXPECT_EQ(Complaint(CorridorSamples{.runs = 1, .samples = 1}.Make(), few),
             "run 'run 0' has 1 samples; two are the least");

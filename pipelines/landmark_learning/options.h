@@ -18,7 +18,7 @@ struct Options {
   double heading_window_deg = 180.0;
   std::string error = "distance";
   double smooth_m = 0.5;
-  std::string truths = "samples";
+  std::string true_positions = "samples";
   double cell_m = 0.0;
   std::string sum = "auto";
   std::string method = "adam";
@@ -57,42 +57,45 @@ void VisitOptions(V& visit, Options& o) {
              "and of its heading: beliefs hold samples that were taken facing within so much of the robot's "
              "heading; 180: whichever way"},
       o.heading_window_deg);
-  visit(Option{"error",
-               "",
-               0,
-               0,
-               "what a wrong position costs: the distance, its square, the difference of the ways travelled "
-               "until there, the way through a map (input map), what a table says (input errors), or, of the "
-               "whole belief, -log of its mass around the truth (Kullback-Leibler)",
-               {"distance", "squared", "along", "travel", "table", "kl"}},
-        o.error);
+  visit(
+      Option{
+          "error",
+          "",
+          0,
+          0,
+          "what a wrong position costs: the distance, its square, the difference of the distances travelled "
+          "until there, the path through a map (input map), what a table says (input errors), or, of the "
+          "whole belief, -log of its mass around the truth (Kullback-Leibler)",
+          {"distance", "squared", "along", "travel", "table", "kl"}},
+      o.error);
   visit(Option{"smooth_m", "m", 1e-6, 1e9,
                "standard deviation of the bell around the truth that weighs the mass (error kl)"},
         o.smooth_m);
-  visit(Option{"cell_m", "m", 0, 1e6,
-               "beliefs and P(f | place) are of square cells so large, for training alone: the sum's cost no "
-               "longer grows "
-               "with the number of samples in one (always over pairs; not with batch, nor method conjugate); "
-               "0: of the samples"},
-        o.cell_m);
-  visit(Option{"truths",
+  visit(
+      Option{
+          "cell_m", "m", 0, 1e6,
+          "beliefs and P(f | position) are of square cells so large, for training alone: the sum's cost no "
+          "longer grows "
+          "with the number of samples in one (always over pairs; not with batch, nor method conjugate); "
+          "0: of the samples"},
+      o.cell_m);
+  visit(Option{"true_positions",
                "",
                0,
                0,
                "how true positions are weighed: each sample alike, each half metre of space alike, or by the "
                "samples' array weight",
                {"samples", "space", "file"}},
-        o.truths);
-  visit(
-      Option{
-          "sum",
-          "",
-          0,
-          0,
-          "how pairs are summed: all in reach, by sums along a line (forced, on places that are near one), "
-          "or whichever exact or error-bounded way the number and places of samples make cheapest",
-          {"auto", "pairs", "line"}},
-      o.sum);
+        o.true_positions);
+  visit(Option{"sum",
+               "",
+               0,
+               0,
+               "how pairs are summed: all in reach, by sums along a line (forced, on positions that are near "
+               "one), "
+               "or whichever exact or error-bounded way the number and positions of samples make cheapest",
+               {"auto", "pairs", "line"}},
+        o.sum);
   visit(Option{"method",
                "",
                0,
@@ -111,7 +114,7 @@ void VisitOptions(V& visit, Options& o) {
         o.weight_decay);
   visit(
       Option{
-          "batch", "truths", 0, 1e9,
+          "batch", "true positions", 0, 1e9,
           "true positions that a step draws, in stretches of 64; 0: all (methods gradient, momentum, adam)"},
       o.batch);
   visit(
@@ -122,9 +125,11 @@ void VisitOptions(V& visit, Options& o) {
       o.sequential);
   visit(Option{"pattern_steps", "", 1, 1e6, "steps of backpropagation between two gradients (method pseudo)"},
         o.pattern_steps);
-  visit(Option{"pattern_step", "", 1e-9, 1e9,
-               "how far a target lies down the slope of the error summed over the truths (method pseudo)"},
-        o.pattern_step);
+  visit(
+      Option{
+          "pattern_step", "", 1e-9, 1e9,
+          "how far a target lies down the slope of the error summed over the true positions (method pseudo)"},
+      o.pattern_step);
   visit(Option{"init_width", "", 1e-6, 100, "weights begin evenly within so much of zero"}, o.init_width);
   visit(Option{"input_noise", "", 0, 100,
                "noise on the inputs at each step, in standard deviations of each, against learning by heart "

@@ -23,7 +23,7 @@ TaskBuilder Add(const char* kind, double flops, std::initializer_list<const char
   return task;
 }
 
-void SetBlock(const Range& block, TaskBuilder* task) {
+void SetBlock(const IndexRange& block, TaskBuilder* task) {
   task->Set("first", block.first).Set("end", block.end);
 }
 
@@ -38,8 +38,8 @@ void SetSum(const SumPlan& sum, TaskBuilder* task) { task->Set("sum", sum.Name()
 
 }  // namespace
 
-// Blocks of all truths; one where a sweep over all samples is what a block would cost too.
-std::vector<Range> Planner::TrainingBlocks(int networks) const {
+// Blocks of all true positions; one where a sweep over all samples is what a block would cost too.
+std::vector<IndexRange> Planner::TrainingBlocks(int networks) const {
   const int count = data_.training.size();
   if (IsOneSweep(options_, sum_)) return {{0, count}};
   return Blocks(count, StepFlops(networks));
@@ -51,29 +51,29 @@ std::size_t Planner::Weights(int networks) const {
   return shape.parameters();
 }
 
-// Of a step on all truths by so many networks.
+// Of a step on all true positions by so many networks.
 double Planner::StepFlops(int networks) const {
   return flops_per_vector_ * VectorsOf(networks) +
          4.0 * data_.training.size() * static_cast<double>(Weights(networks));
 }
 
 // Blocks of the stretches of a mini-batch.
-std::vector<Range> Planner::BatchBlocks(int stretches, int networks) const {
+std::vector<IndexRange> Planner::BatchBlocks(int stretches, int networks) const {
   const double share = static_cast<double>(stretches) * kStretch / data_.training.size();
   return Blocks(stretches, share * StepFlops(networks));
 }
 
-// Blocks of truths; of a mini-batch, of the stretches that are drawn.
+// Blocks of true positions; of a mini-batch, of the stretches that are drawn.
 void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
-  const char* kind = t.phase == Phase::kSlopes ? "slopes" : "gradient";
+  const char* kind = t.phase == Phase::kOutputGradient ? "output_gradient" : "gradient";
   const auto stretches = DrawnStretches(data_.training.size(), options_.batch, seed_, t.steps);
-  const bool all = TruthsIn(stretches) == data_.training.size();
+  const bool all = TruePositionsIn(stretches) == data_.training.size();
   const auto blocks =
       all ? TrainingBlocks(t.learning.end) : BatchBlocks(static_cast<int>(stretches.size()), t.learning.end);
   const double of_truth = StepFlops(t.learning.end) / data_.training.size();
-  for (const Range& block : blocks) {
-    const double truths = all ? block.size() : block.size() * kStretch;
-    TaskBuilder task = Add(kind, of_truth * truths, {"data", "parameters"}, plan);
+  for (const IndexRange& block : blocks) {
+    const double true_positions = all ? block.size() : block.size() * kStretch;
+    TaskBuilder task = Add(kind, of_truth * true_positions, {"data", "parameters"}, plan);
     SetBlock(block, &task);
     SetLearning(t.learning, &task);
     SetSum(sum_, &task);
@@ -88,25 +88,25 @@ bool Planner::InPhases(int networks) const {
   constexpr std::size_t kFew = 4;  // blocks that do so for less than three rounds cost
   const auto blocks = TrainingBlocks(networks);
   if (blocks.size() <= kFew) return false;
-  const Places& places = sum_.PlacesOf(data_.training.places);
-  const Pairs pairs(places, places, BeliefOf(options_), ErrorOf(options_));
+  const Positions& positions = sum_.PositionsOf(data_.training.positions);
+  const Pairs pairs(positions, positions, BeliefOf(options_), ErrorOf(options_));
   std::int64_t outputs = 0;
-  for (const Range& block : blocks) outputs += pairs.ReachOf(block).size();
+  for (const IndexRange& block : blocks) outputs += pairs.ReachOf(block).size();
   return outputs > 2 * static_cast<std::int64_t>(data_.training.size());
 }
 
 Phase Planner::FirstPhase(int networks) const {
   if (InPhases(networks)) return Phase::kOutputs;
-  return options_.method == "pseudo" ? Phase::kSlopes : Phase::kGradient;
+  return options_.method == "pseudo" ? Phase::kOutputGradient : Phase::kGradient;
 }
 
-// Rounds of a step in phases: outputs and weights by samples, pairs by truths.
+// Rounds of a step in phases: outputs and weights by samples, pairs by true positions.
 void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
   const int count = data_.training.size();
   const double forward = 2.0 * count * static_cast<double>(Weights(t.learning.end));
-  const auto add = [&](const char* kind, const std::vector<Range>& blocks, double flops,
+  const auto add = [&](const char* kind, const std::vector<IndexRange>& blocks, double flops,
                        std::initializer_list<const char*> blobs) {
-    for (const Range& block : blocks) {
+    for (const IndexRange& block : blocks) {
       TaskBuilder task = Add(kind, flops / static_cast<double>(blocks.size()), blobs, plan);
       SetBlock(block, &task);
       SetLearning(t.learning, &task);
@@ -115,25 +115,25 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
     }
   };
   if (t.phase == Phase::kOutputs) add("outputs", Blocks(count, forward), forward, {"data", "parameters"});
-  // Each has P(f | s) and slopes of all samples to make: fewer of them, and larger ones.
+  // Each has P(f | s) and gradients of all samples to make: fewer of them, and larger ones.
   if (t.phase == Phase::kPairs) {
-    int truths = count;
+    int true_positions = count;
     double flops_per_vector = flops_per_vector_;
     if (options_.cell_m > 0.0) {
       const Cells cells = CellsOf(data_.training, options_.cell_m);
-      truths = cells.size();
-      flops_per_vector = FlopsPerVector(options_, SumPath::kPairs, cells.places);
+      true_positions = cells.size();
+      flops_per_vector = FlopsPerVector(options_, SumPath::kPairs, cells.positions);
     }
     const double flops = flops_per_vector * VectorsOf(t.learning.end);
-    add("pairs", Blocks(truths, flops / 8.0), flops, {"data", "outputs"});
+    add("pairs", Blocks(true_positions, flops / 8.0), flops, {"data", "outputs"});
   }
   if (t.phase == Phase::kWeights)
-    add("weights", Blocks(count, 2.0 * forward), 2.0 * forward, {"data", "parameters", "slopes"});
+    add("weights", Blocks(count, 2.0 * forward), 2.0 * forward, {"data", "parameters", "gradient"});
 }
 
 void Planner::PlanSearch(proto::Step* plan) const {
   for (std::size_t length = 0; length < Conjugate::kTried.size(); ++length) {
-    for (const Range& block : TrainingBlocks(static_cast<int>(options_.networks))) {
+    for (const IndexRange& block : TrainingBlocks(static_cast<int>(options_.networks))) {
       const double flops = SearchFlops() * block.size() / data_.training.size();
       TaskBuilder task = Add("search", flops, {"data", "parameters", "training"}, plan);
       SetBlock(block, &task);
@@ -145,7 +145,7 @@ void Planner::PlanSearch(proto::Step* plan) const {
 void Planner::PlanFit(proto::Step* plan) const {
   for (std::int64_t network = 0; network < options_.networks; ++network) {
     TaskBuilder task = Add("fit", FitFlops() / static_cast<double>(options_.networks),
-                           {"data", "parameters", "slopes"}, plan);
+                           {"data", "parameters", "gradient"}, plan);
     task.Set("network", network);
   }
 }
@@ -163,9 +163,9 @@ void Planner::Plan(const Training& training, Step* step) const {
       PlanPhase(training, &plan);
     else
       PlanGradient(training, &plan);
-    if (FindsSlopes(training.phase) && Validates(training.steps)) {
+    if (FindsGradient(training.phase) && Validates(training.steps)) {
       const double flops = ValidateFlops(training.learning.end);
-      for (const Range& block : Blocks(data_.held_out.size(), flops)) {
+      for (const IndexRange& block : Blocks(data_.held_out.size(), flops)) {
         TaskBuilder task =
             Add("validate", flops * block.size() / data_.held_out.size(), {"data", "parameters"}, &plan);
         SetBlock(block, &task);
@@ -233,16 +233,16 @@ int Planner::RoundOfStep(Phase phase) const {
     case Phase::kFit:
       return phases ? 2 : 1;
     case Phase::kGradient:
-    case Phase::kSlopes:
+    case Phase::kOutputGradient:
     case Phase::kOutputs:
       break;
   }
   return 0;
 }
 
-bool Planner::FindsSlopes(Phase phase) const {
+bool Planner::FindsGradient(Phase phase) const {
   if (phase == Phase::kPairs) return options_.method == "pseudo";
-  return phase == Phase::kGradient || phase == Phase::kSlopes || phase == Phase::kWeights;
+  return phase == Phase::kGradient || phase == Phase::kOutputGradient || phase == Phase::kWeights;
 }
 
 bool Planner::Validates(std::int64_t steps_done) const {

@@ -14,15 +14,15 @@ class Planner {
       : options_(options),
         seed_(seed),
         data_(data),
-        sum_(PlanSum(options, data.training.places)),
-        flops_per_vector_(FlopsPerVector(options, sum_.path, data.training.places)) {}
+        sum_(PlanSum(options, data.training.positions)),
+        flops_per_vector_(FlopsPerVector(options, sum_.path, data.training.positions)) {}
 
   // The tasks of the next round, on what `step` has in its State.
   void Plan(const Training& training, Step* step) const;
   // Of a step of so many networks.
   Phase FirstPhase(int networks) const;
-  // Whether a round of this phase ends with E and its slopes.
-  bool FindsSlopes(Phase phase) const;
+  // Whether a round of this phase ends with E and its gradients.
+  bool FindsGradient(Phase phase) const;
   // Whether the step after so many looks at the held-out run.
   bool Validates(std::int64_t steps_done) const;
 
@@ -32,8 +32,8 @@ class Planner {
   void PlanSearch(proto::Step* plan) const;
   void PlanFit(proto::Step* plan) const;
   bool InPhases(int networks) const;
-  std::vector<Range> TrainingBlocks(int networks) const;
-  std::vector<Range> BatchBlocks(int stretches, int networks) const;
+  std::vector<IndexRange> TrainingBlocks(int networks) const;
+  std::vector<IndexRange> BatchBlocks(int stretches, int networks) const;
   void ExpectSteps(const Training& training, proto::Step* plan) const;
   int RoundOfStep(Phase phase) const;
   double StepFlops(int networks) const;

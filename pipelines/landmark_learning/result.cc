@@ -42,9 +42,9 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   result.PutVector("networks/input_scale", data.scale);
   result.Put("networks/input_name", Array::Texts(data.input_names));
   const SampleSet& set = data.training;
-  result.PutVector("map/x_m", set.places.x_m);
-  result.PutVector("map/y_m", set.places.y_m);
-  result.PutVector("map/along_m", set.places.along_m);
+  result.PutVector("map/x_m", set.positions.x_m);
+  result.PutVector("map/y_m", set.positions.y_m);
+  result.PutVector("map/along_m", set.positions.along_m);
   if (!set.heading_rad.empty()) result.PutVector("map/heading_rad", set.heading_rad);
   result.PutVector("map/run", set.run);
   result.Put("map/output", Array::Of<float>({set.size(), parameters.shape.networks},

@@ -6,7 +6,7 @@ namespace cairn::landmark_learning {
 
 RoundSum SumOf(Partials& partials, std::size_t size) {
   RoundSum sum;
-  sum.slopes.assign(size, 0.0);
+  sum.gradient.assign(size, 0.0);
   for (std::size_t i = 0; i < partials.size(); ++i) {
     const BlobPtr partial = partials.Get(i);
     if (partial->Has("validation")) {
@@ -14,12 +14,12 @@ RoundSum SumOf(Partials& partials, std::size_t size) {
       continue;
     }
     sum.error += partial->Scalar<double>("error");
-    const auto slopes = partial->Get<float>("slopes");
+    const auto gradient = partial->Get<float>("gradient");
     const auto first =
         partial->Has("first") ? static_cast<std::size_t>(partial->Scalar<std::int64_t>("first")) : 0;
-    if (first > size || slopes.size() > size - first)
-      throw InputError("a partial's slopes are by other weights or samples");
-    for (std::size_t p = 0; p < slopes.size(); ++p) sum.slopes[first + p] += slopes[p];
+    if (first > size || gradient.size() > size - first)
+      throw InputError("a partial's gradients are by other weights or samples");
+    for (std::size_t p = 0; p < gradient.size(); ++p) sum.gradient[first + p] += gradient[p];
   }
   return sum;
 }

@@ -16,18 +16,18 @@ namespace {
 
 // Samples projected onto the line through the first one and the one that is farthest from it.
 struct OnLine {
-  Places places;
+  Positions positions;
   double off_m = 0.0;  // from the leftmost to the rightmost of them, across the line
   double length_m = 0.0;
 };
 
-OnLine Projected(const Places& places) {
-  const auto count = static_cast<std::size_t>(places.size());
-  const double x0 = places.x_m[0], y0 = places.y_m[0];
+OnLine Projected(const Positions& positions) {
+  const auto count = static_cast<std::size_t>(positions.size());
+  const double x0 = positions.x_m[0], y0 = positions.y_m[0];
   OnLine line;
   double ux = 1.0, uy = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
-    const double dx = places.x_m[k] - x0, dy = places.y_m[k] - y0, distance = std::hypot(dx, dy);
+    const double dx = positions.x_m[k] - x0, dy = positions.y_m[k] - y0, distance = std::hypot(dx, dy);
     if (distance <= line.length_m) continue;
     line.length_m = distance;
     ux = dx / distance;
@@ -35,31 +35,31 @@ OnLine Projected(const Places& places) {
   }
   double low = 0.0, high = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
-    const double dx = places.x_m[k] - x0, dy = places.y_m[k] - y0, across = dy * ux - dx * uy;
-    line.places.x_m.push_back(dx * ux + dy * uy);
+    const double dx = positions.x_m[k] - x0, dy = positions.y_m[k] - y0, across = dy * ux - dx * uy;
+    line.positions.x_m.push_back(dx * ux + dy * uy);
     low = std::min(low, across);
     high = std::max(high, across);
   }
-  line.places.y_m.assign(count, 0.0);
-  line.places.along_m = places.along_m;
+  line.positions.y_m.assign(count, 0.0);
+  line.positions.along_m = positions.along_m;
   line.off_m = high - low;
   return line;
 }
 
-// Of many strips of truths, some tell.
-double PairsInReach(const Pairs& pairs, int truths) {
+// Of many strips of true positions, some tell.
+double PairsInReach(const Pairs& pairs, int true_positions) {
   constexpr int kStrips = 2048;
-  const int step = std::max(1, truths / kTileSamples / kStrips) * kTileSamples;
+  const int step = std::max(1, true_positions / kTileSamples / kStrips) * kTileSamples;
   double sum = 0.0, looked_at = 0.0;
   std::vector<Stretch> stretches;
-  for (int first = 0; first < truths; first += step) {
-    const Range strip{first, std::min(truths, first + kTileSamples)};
+  for (int first = 0; first < true_positions; first += step) {
+    const IndexRange strip{first, std::min(true_positions, first + kTileSamples)};
     pairs.Reach(strip, &stretches);
     looked_at += strip.size();
     for (const Stretch& stretch : stretches)
       sum += static_cast<double>(strip.size()) * stretch.samples.size();
   }
-  return sum * truths / looked_at;
+  return sum * true_positions / looked_at;
 }
 
 // What LineSums could do here: at all, and exactly.
@@ -69,7 +69,7 @@ struct LineCase {
   OnLine line;
 };
 
-LineCase LookAtLine(const Belief& belief, const ErrorRule& error, const Places& places) {
+LineCase LookAtLine(const Belief& belief, const ErrorRule& error, const Positions& positions) {
   constexpr double kRounding = 1e-12;  // what is off a line by so much of its length is off by rounding
   LineCase found;
   if (belief.shape != BeliefShape::kUniform || belief.LooksAtHeadings() || error == ErrorKind::kTable ||
@@ -77,9 +77,9 @@ LineCase LookAtLine(const Belief& belief, const ErrorRule& error, const Places& 
     return found;
   const bool global = std::isinf(belief.ReachM());
   if (global && !(error == ErrorKind::kDistance)) {
-    found.possible = found.exact = true;  // the way travelled is a line, a square the sum of two
+    found.possible = found.exact = true;  // the distance travelled is a line, a square the sum of two
   } else if (!(error == ErrorKind::kAlong)) {
-    found.line = Projected(places);
+    found.line = Projected(positions);
     found.possible = true;
     found.exact = found.line.off_m <= kRounding * found.line.length_m;
   }
@@ -111,24 +111,24 @@ ErrorRule ErrorOf(const Options& options) {
   return options.error == "along" ? ErrorKind::kAlong : ErrorKind::kDistance;
 }
 
-double FlopsPerVector(const Options& options, SumPath path, const Places& places) {
+double FlopsPerVector(const Options& options, SumPath path, const Positions& positions) {
   const Belief belief = BeliefOf(options);
   if (path == SumPath::kPairs)
-    return 8.0 * PairsInReach(Pairs(places, places, belief, ErrorOf(options)), places.size());
+    return 8.0 * PairsInReach(Pairs(positions, positions, belief, ErrorOf(options)), positions.size());
   // Of a sample; in the time of which a core does so many of the pairs'. The tree's are three times what they
   // measure at, as pairs can be cut into tasks and are exact.
-  if (path == SumPath::kTree) return 40'000.0 * places.size();
-  return (std::isinf(belief.ReachM()) ? 450.0 : 1200.0) * places.size();
+  if (path == SumPath::kTree) return 40'000.0 * positions.size();
+  return (std::isinf(belief.ReachM()) ? 450.0 : 1200.0) * positions.size();
 }
 
 namespace {
 
-SumPlan Line(const Belief& belief, const ErrorRule& error, const Places& places, LineCase found) {
-  const std::vector<double>& t = error == ErrorKind::kAlong     ? places.along_m
-                                 : found.line.places.size() > 0 ? found.line.places.x_m
-                                                                : places.x_m;
+SumPlan Line(const Belief& belief, const ErrorRule& error, const Positions& positions, LineCase found) {
+  const std::vector<double>& t = error == ErrorKind::kAlong        ? positions.along_m
+                                 : found.line.positions.size() > 0 ? found.line.positions.x_m
+                                                                   : positions.x_m;
   const double bound = LineSums(t, belief.ReachM(), false).Bound();
-  return {SumPath::kLine, std::move(found.line.places), LineText(found, bound)};
+  return {SumPath::kLine, std::move(found.line.positions), LineText(found, bound)};
 }
 
 SumPlan Tree() {
@@ -144,7 +144,7 @@ const char* SumPlan::Name() const {
   return path == SumPath::kLine ? "line" : path == SumPath::kTree ? "tree" : "pairs";
 }
 
-SumPlan PlanSum(const Options& options, const Places& places) {
+SumPlan PlanSum(const Options& options, const Positions& positions) {
   const SumPlan pairs{SumPath::kPairs, {}, "sum over all pairs in reach"};
   if (options.sum == "pairs" || (options.sum == "auto" && options.batch > 0)) return pairs;
   const Belief belief = BeliefOf(options);
@@ -155,18 +155,18 @@ SumPlan PlanSum(const Options& options, const Places& places) {
     if (!tree) throw InputError("sum = tree: it takes distances, and window_m = 0: nothing known before");
     return Tree();
   }
-  LineCase found = LookAtLine(belief, error, places);
+  LineCase found = LookAtLine(belief, error, positions);
   if (options.sum == "line") {
     if (!found.possible)
       throw InputError(
           "sum = line: it takes a uniform belief in samples that face whichever way, and distances, and "
-          "errors along the way only where nothing is known before");
-    return Line(belief, error, places, std::move(found));
+          "errors along the path only where nothing is known before");
+    return Line(belief, error, positions, std::move(found));
   }
-  const double flops = FlopsPerVector(options, SumPath::kPairs, places);
-  if (found.exact && FlopsPerVector(options, SumPath::kLine, places) < flops)
-    return Line(belief, error, places, std::move(found));
-  return tree && FlopsPerVector(options, SumPath::kTree, places) < flops ? Tree() : pairs;
+  const double flops = FlopsPerVector(options, SumPath::kPairs, positions);
+  if (found.exact && FlopsPerVector(options, SumPath::kLine, positions) < flops)
+    return Line(belief, error, positions, std::move(found));
+  return tree && FlopsPerVector(options, SumPath::kTree, positions) < flops ? Tree() : pairs;
 }
 
 bool IsOneSweep(const Options& options, const SumPlan& plan) {

@@ -1,4 +1,4 @@
-// Which way the sum over pairs is made: decided from the samples' number and places alone.
+// Which way the sum over pairs is made: decided from the samples' number and positions alone.
 #pragma once
 
 #include <string>
@@ -16,10 +16,12 @@ enum class SumPath {
 
 struct SumPlan {
   SumPath path = SumPath::kPairs;
-  Places projected = {};  // onto the line, where that changes places: x_m is the way along it, y_m zero
-  std::string text;       // the path and what it may be off by, for people
+  Positions projected = {};  // onto the line, where that changes positions: x_m is the way along it, y_m zero
+  std::string text;          // the path and what it may be off by, for people
 
-  const Places& PlacesOf(const Places& samples) const { return projected.size() > 0 ? projected : samples; }
+  const Positions& PositionsOf(const Positions& samples) const {
+    return projected.size() > 0 ? projected : samples;
+  }
   const char* Name() const;  // as option `sum`
 };
 
@@ -27,14 +29,14 @@ struct SumPlan {
 Belief BeliefOf(const Options& options);
 ErrorRule ErrorOf(const Options& options);
 
-// Whether each block of truths would cost a sweep over all samples: then one does it.
+// Whether each block of true positions would cost a sweep over all samples: then one does it.
 bool IsOneSweep(const Options& options, const SumPlan& plan);
 
 // What the options force costs nothing to plan. Throws InputError where they force a path that these samples,
 // belief and error do not allow.
-SumPlan PlanSum(const Options& options, const Places& places);
+SumPlan PlanSum(const Options& options, const Positions& positions);
 
 // Of E and its gradient by P(f | s), for each of the 2^n: counted as the pairs' are, 8 a pair in reach.
-double FlopsPerVector(const Options& options, SumPath path, const Places& places);
+double FlopsPerVector(const Options& options, SumPath path, const Positions& positions);
 
 }  // namespace cairn::landmark_learning

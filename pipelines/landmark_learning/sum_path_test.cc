@@ -12,22 +12,24 @@ namespace cairn::landmark_learning {
 namespace {
 
 // Along a line that is askew, `off_m` to its sides.
-Places Corridor(int count, double off_m) {
-  Places places;
+Positions Corridor(int count, double off_m) {
+  Positions positions;
   for (int k = 0; k < count; ++k) {
     const double t = 89.0 * k / count,
                  across = off_m * std::sin(1.7 * k) * std::sin(3.14159 * k / (count - 1));
-    places.x_m.push_back(10.0 + 0.6 * t - 0.8 * across);
-    places.y_m.push_back(-3.0 + 0.8 * t + 0.6 * across);
-    places.along_m.push_back(t);
+    positions.x_m.push_back(10.0 + 0.6 * t - 0.8 * across);
+    positions.y_m.push_back(-3.0 + 0.8 * t + 0.6 * across);
+    positions.along_m.push_back(t);
   }
-  return places;
+  return positions;
 }
 
-std::string Text(const Options& options, const Places& places) { return PlanSum(options, places).text; }
+std::string Text(const Options& options, const Positions& positions) {
+  return PlanSum(options, positions).text;
+}
 
 TEST(PlanSum, TakesTheCheapestThatKeepsItsBound) {
-  const Places line = Corridor(6000, 0.0), near_line = Corridor(6000, 0.2), few = Corridor(40, 0.0);
+  const Positions line = Corridor(6000, 0.0), near_line = Corridor(6000, 0.2), few = Corridor(40, 0.0);
   EXPECT_EQ(PlanSum({.window_m = 0.0}, line).path, SumPath::kLine);
   EXPECT_EQ(PlanSum({.window_m = 10.0}, line).path, SumPath::kLine);
   EXPECT_EQ(PlanSum({.window_m = 0.0}, few).path, SumPath::kPairs);
@@ -40,7 +42,7 @@ TEST(PlanSum, TakesTheCheapestThatKeepsItsBound) {
 }
 
 TEST(PlanSum, SaysWhatItMayBeOffBy) {
-  const Places line = Corridor(6000, 0.0), near_line = Corridor(6000, 0.2);
+  const Positions line = Corridor(6000, 0.0), near_line = Corridor(6000, 0.2);
   EXPECT_EQ(Text({.sum = "pairs"}, line), "sum over all pairs in reach");
   EXPECT_EQ(Text({.window_m = 0.0}, line), "sum along the line, relative error below 2.7e-12");
   EXPECT_EQ(Text({.window_m = 0.0}, near_line),
@@ -48,14 +50,14 @@ TEST(PlanSum, SaysWhatItMayBeOffBy) {
   EXPECT_EQ(Text({.sum = "line"}, near_line), "sum along the line, distances up to 0.4 m short");
 }
 
-// On the line that a job forces, each place is where it was along it.
-TEST(PlanSum, ProjectsPlacesOntoTheLine) {
-  const Places corridor = Corridor(300, 0.2);
+// On the line that a job forces, each position is where it was along it.
+TEST(PlanSum, ProjectsPositionsOntoTheLine) {
+  const Positions corridor = Corridor(300, 0.2);
   const SumPlan plan = PlanSum({.sum = "line"}, corridor);
-  const Places& places = plan.PlacesOf(corridor);
+  const Positions& positions = plan.PositionsOf(corridor);
   for (std::size_t k = 0; k < 300; ++k) {
-    EXPECT_NEAR(places.x_m[k], 89.0 * static_cast<double>(k) / 300.0, 0.01);
-    EXPECT_EQ(places.y_m[k], 0.0);
+    EXPECT_NEAR(positions.x_m[k], 89.0 * static_cast<double>(k) / 300.0, 0.01);
+    EXPECT_EQ(positions.y_m[k], 0.0);
   }
 }
 
@@ -70,10 +72,10 @@ std::string SumPathComplaint(const Options& options) {
 
 TEST(PlanSum, BeliefsThatLookAtHeadingsAreSummedOverPairs) {
   for (const double off_m : {0.0, 0.2}) {
-    Places places = Corridor(6000, off_m);
-    places.cos_heading.assign(6000, 1.0);
-    places.sin_heading.assign(6000, 0.0);
-    EXPECT_EQ(PlanSum({.window_m = 0.0, .heading_window_deg = 90.0}, places).path, SumPath::kPairs);
+    Positions positions = Corridor(6000, off_m);
+    positions.cos_heading.assign(6000, 1.0);
+    positions.sin_heading.assign(6000, 0.0);
+    EXPECT_EQ(PlanSum({.window_m = 0.0, .heading_window_deg = 90.0}, positions).path, SumPath::kPairs);
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 std::int64_t Param(const Task& task, const char* name) { return task.params().at(name).i(); }
 
-Range BlockOf(const Task& task) {
+IndexRange BlockOf(const Task& task) {
   return {static_cast<int>(Param(task, "first")), static_cast<int>(Param(task, "end"))};
 }
 
@@ -31,86 +31,87 @@ InputNoise NoiseOf(const Options& options, std::uint64_t seed, const Task& task)
 Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData& data,
                   const Parameters<float>& all, const Task& task) {
   const std::int64_t step = Param(task, "step");
-  const Range block = BlockOf(task);
-  std::vector<Range> truths{block};
+  const IndexRange block = BlockOf(task);
+  std::vector<IndexRange> true_positions{block};
   double scale = 1.0;
   const auto drawn = DrawnStretches(data.training.size(), options.batch, seed, step);
-  if (TruthsIn(drawn) < data.training.size()) {  // the block is one of stretches
-    scale = static_cast<double>(data.training.size()) / TruthsIn(drawn);
-    truths.assign(drawn.begin() + block.first, drawn.begin() + block.end);
+  if (TruePositionsIn(drawn) < data.training.size()) {  // the block is one of stretches
+    scale = static_cast<double>(data.training.size()) / TruePositionsIn(drawn);
+    true_positions.assign(drawn.begin() + block.first, drawn.begin() + block.end);
   }
   const GradientShare share =
-      GradientOfStretches(options, data.training, NetworksOf(all, task), truths, scale,
+      GradientOfStretches(options, data.training, NetworksOf(all, task), true_positions, scale,
                           NoiseOf(options, seed, task), static_cast<int>(Param(task, "learns")));
   Blob partial;
   partial.PutScalar("error", share.error);
-  partial.PutVector("slopes", share.gradient);
+  partial.PutVector("gradient", share.gradient);
   return partial;
 }
 
-Blob SlopesTask(const Options& options, const TrainingData& data, const Parameters<float>& all,
-                const Task& task) {
-  const SlopeShare share = SlopesOfBlock(options, data.training, all, BlockOf(task));
+Blob OutputGradientTask(const Options& options, const TrainingData& data, const Parameters<float>& all,
+                        const Task& task) {
+  const OutputGradientShare share = OutputGradientOfBlock(options, data.training, all, BlockOf(task));
   Blob partial;
   partial.PutScalar("error", share.error);
   partial.PutScalar<std::int64_t>("first", std::int64_t{share.reach.first} * all.shape.networks);
-  partial.PutVector("slopes", share.d_output);
+  partial.PutVector("gradient", share.d_output);
   return partial;
 }
 
 // Where in a table [samples][networks] a block's rows begin.
-std::int64_t FirstOf(const Range& block, int networks) { return std::int64_t{block.first} * networks; }
+std::int64_t FirstOf(const IndexRange& block, int networks) { return std::int64_t{block.first} * networks; }
 
-// The three phases of a step. What is no error is a table, named `slopes` as all that adds up is.
+// The three phases of a step. What is no error is a table, named `gradients` as all that adds up is.
 Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const InputNoise& noise,
                  const Task& task) {
-  const Range block = BlockOf(task);
+  const IndexRange block = BlockOf(task);
   const Parameters<float> networks = NetworksOf(all, task);
   Blob partial;
   partial.PutScalar("error", 0.0);
   partial.PutScalar<std::int64_t>("first", FirstOf(block, networks.shape.networks));
   const InputRows rows(data.training.inputs(), block, networks.shape.inputs, noise);
-  partial.PutVector("slopes", Forward(networks, rows.data(), block.size()).output);
+  partial.PutVector("gradient", Forward(networks, rows.data(), block.size()).output);
   return partial;
 }
 
 Blob PairsTask(const Options& options, const TrainingData& data, const Blob& outputs, const Task& task) {
   const int networks = static_cast<int>(Param(task, "in_use"));
   const auto g = outputs.Get<float>("output");
-  SlopeShare share;
+  OutputGradientShare share;
   if (options.cell_m > 0.0) {
-    auto of_cells =
-        SlopesOfCells<float>(options, CellsOf(data.training, options.cell_m), g, networks, BlockOf(task));
+    auto of_cells = OutputGradientOfCells<float>(options, CellsOf(data.training, options.cell_m), g, networks,
+                                                 BlockOf(task));
     share = {of_cells.error, {0, data.training.size()}, std::move(of_cells.d_output)};
   } else {
-    share = SlopesOfOutputs(options, data.training, g, networks, BlockOf(task));
+    share = OutputGradientOfOutputs(options, data.training, g, networks, BlockOf(task));
   }
   Blob partial;
   partial.PutScalar("error", share.error);
   partial.PutScalar<std::int64_t>("first", FirstOf(share.reach, networks));
-  partial.PutVector("slopes", share.d_output);
+  partial.PutVector("gradient", share.d_output);
   return partial;
 }
 
-Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const Blob& slopes,
+Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const Blob& gradient_of_sum,
                  const InputNoise& noise, const Task& task) {
-  const Range block = BlockOf(task);
+  const IndexRange block = BlockOf(task);
   const Parameters<float> networks = NetworksOf(all, task);
   const int in_use = networks.shape.networks;
-  const auto d_output = slopes.Get<double>("slopes").subspan(
-      static_cast<std::size_t>(FirstOf(block, in_use)),
-      static_cast<std::size_t>(block.size()) * static_cast<std::size_t>(in_use));
+  const auto d_output =
+      gradient_of_sum.Get<double>("gradient")
+          .subspan(static_cast<std::size_t>(FirstOf(block, in_use)),
+                   static_cast<std::size_t>(block.size()) * static_cast<std::size_t>(in_use));
   const InputRows rows(data.training.inputs(), block, networks.shape.inputs, noise);
   const auto gradient =
       BackwardFrom(static_cast<int>(Param(task, "learns")), networks, rows.data(), block.size(),
                    Forward(networks, rows.data(), block.size()), {d_output.begin(), d_output.end()});
   Blob partial;
   partial.PutScalar("error", 0.0);
-  partial.PutVector("slopes", gradient.values);
+  partial.PutVector("gradient", gradient.values);
   return partial;
 }
 
-// At a place along the line.
+// At a position along the line.
 Blob SearchTask(const Options& options, const TrainingData& data, const NetworkShape& shape,
                 const Inputs& inputs, const Task& task) {
   const Conjugate line = Conjugate::FromBlob(inputs.Get("training")->Sub("conjugate/"));
@@ -133,8 +134,8 @@ Blob FitTask(const Options& options, const TrainingData& data, const Parameters<
   Parameters<double> all(rounded.shape);
   all.values.assign(weights.begin(), weights.end());
   Parameters<double> own = SomeNetworks(all, network, network + 1);
-  const BlobPtr slopes = inputs.Get("slopes");
-  const auto slope = slopes->Get<double>("slopes");
+  const BlobPtr gradient_of_sum = inputs.Get("gradient");
+  const auto slope = gradient_of_sum->Get<double>("gradient");
   const auto now =
       Forward(SomeNetworks(rounded, network, network + 1), data.training.inputs(), data.training.size());
   std::vector<float> target;
@@ -162,10 +163,10 @@ Blob RunTask(const Options& asked, std::uint64_t seed, const Task& task, const I
   if (task.kind() == "search") return SearchTask(options, data, shape, inputs, task);
   const Parameters<float> all = InFloat(shape, *inputs.Get("parameters"));
   if (task.kind() == "gradient") return GradientTask(options, seed, data, all, task);
-  if (task.kind() == "slopes") return SlopesTask(options, data, all, task);
+  if (task.kind() == "output_gradient") return OutputGradientTask(options, data, all, task);
   if (task.kind() == "outputs") return OutputsTask(data, all, NoiseOf(options, seed, task), task);
   if (task.kind() == "weights")
-    return WeightsTask(data, all, *inputs.Get("slopes"), NoiseOf(options, seed, task), task);
+    return WeightsTask(data, all, *inputs.Get("gradient"), NoiseOf(options, seed, task), task);
   if (task.kind() == "fit") return FitTask(options, data, all, inputs, task, progress);
   CAIRN_DEMAND(task.kind() == "validate", "a kind of task that is planned");
   Blob partial;

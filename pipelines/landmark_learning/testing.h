@@ -12,7 +12,7 @@
 namespace cairn::landmark_learning {
 
 // Runs along a straight corridor, a sample each half metre or so. Three of the inputs are bumps ("doors") at
-// places that repeat irregularly, seen through noise; one is noise alone, one never changes.
+// positions that repeat irregularly, seen through noise; one is noise alone, one never changes.
 struct CorridorSamples {
   int runs = 3, samples = 80;
   double length_m = 40.0, noise = 0.1;

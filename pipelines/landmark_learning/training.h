@@ -17,11 +17,11 @@ namespace cairn::landmark_learning {
 
 // What a round does.
 enum class Phase : std::int32_t {
-  kGradient,  // dE/dw
-  kSearch,    // E at several places along a line (method conjugate)
-  kSlopes,    // dE/dg (method pseudo)
-  kFit,       // each network to its targets (method pseudo)
-  // The first or the third as rounds of their own, where each block of truths reaches most samples:
+  kGradient,        // dE/dw
+  kSearch,          // E at several positions along a line (method conjugate)
+  kOutputGradient,  // dE/dg (method pseudo)
+  kFit,             // each network to its targets (method pseudo)
+  // The first or the third as rounds of their own, where each block of true positions reaches most samples:
   kOutputs,  // g of all samples
   kPairs,    // dE/dg
   kWeights,  // dE/dw

@@ -20,7 +20,7 @@ void SumToOne(const char* which, std::vector<double>* weight) {
 
 void WeighSpace(SampleSet* set) {
   const auto cell_of = [&](std::size_t k) {
-    return std::pair(std::floor(set->places.x_m[k] / kCellM), std::floor(set->places.y_m[k] / kCellM));
+    return std::pair(std::floor(set->positions.x_m[k] / kCellM), std::floor(set->positions.y_m[k] / kCellM));
   };
   std::map<std::pair<double, double>, int> samples_in;
   for (std::size_t k = 0; k < set->weight.size(); ++k) ++samples_in[cell_of(k)];
@@ -29,15 +29,15 @@ void WeighSpace(SampleSet* set) {
 
 }  // namespace
 
-void WeighTruths(const Options& options, TrainingData* data) {
-  if (options.truths == "samples") return;
+void WeighTruePositions(const Options& options, TrainingData* data) {
+  if (options.true_positions == "samples") return;
   for (const auto& [set, which] :
        {std::pair(&data->training, "training"), std::pair(&data->held_out, "held-out")}) {
-    if (options.truths == "space") {
+    if (options.true_positions == "space") {
       WeighSpace(set);
     } else {
       if (set->weight_in_file.size() != set->weight.size())
-        throw InputError(std::string("truths=file: a run of the ") + which +
+        throw InputError(std::string("true_positions=file: a run of the ") + which +
                          " samples has no array 'weight'");
       set->weight = set->weight_in_file;
     }

@@ -21,9 +21,9 @@ Blob Three() {
   return samples;
 }
 
-std::vector<double> Weights(const Blob& samples, const char* truths) {
+std::vector<double> Weights(const Blob& samples, const char* true_positions) {
   TrainingData data = TrainingData::Of(samples, "");
-  WeighTruths({.truths = truths}, &data);
+  WeighTruePositions({.true_positions = true_positions}, &data);
   return data.training.weight;  // sorted by x: those of samples 1, 0, 2
 }
 

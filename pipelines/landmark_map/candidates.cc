@@ -32,17 +32,17 @@ void StoreStart(const StartingPoint& start, int refit_of, State* state) {
 void BeginFrom(const StartingPoint& start, const Options& options, const std::vector<std::string>& robots,
                const Settings& settings, const RobotSteps& first_robot, cairn::Step* step) {
   State* state = step->plan.mutable_state();
-  Carried carried = Carried::Load(*state, robots.size());
-  carried.odometry[0] = OdometryFit::Of(settings.noise);
-  carried.odometry[0].drift_rad_per_m = start.drift_rad_per_m;
+  RobotStates robot_states = RobotStates::Load(*state, robots.size());
+  robot_states.odometry[0] = OdometryFit::Of(settings.noise);
+  robot_states.odometry[0].drift_rad_per_m = start.drift_rad_per_m;
   Schedule schedule;
   schedule.prefix = start.prefix;
   schedule.growth = settings.growth_factor;
   const int count = StepsInUse(schedule, first_robot.size());
-  carried.work[0] = WorkOf(ReckonOpenLoop(first_robot, settings.Model(nullptr), count).cells, count);
+  robot_states.work[0] = WorkOf(ReckonOpenLoop(first_robot, settings.Model(nullptr), count).cells, count);
   state->Clear();
   StoreStart(start, -1, state);
-  PlanRound(options, robots, schedule, carried,
+  PlanRound(options, robots, schedule, robot_states,
             {{"history", EmptyHistory()}, {"counts", StoredCounts(NoCounts(settings.map))}}, step);
 }
 
@@ -101,7 +101,7 @@ CandidateRounds::CandidateRounds(const Options& options, std::vector<cairn::Step
       candidate.failure = scalars.at(kFailure).s();
       continue;
     }
-    candidate.drift_rad_per_m = Carried::Load(state, robots_.size()).odometry[0].drift_rad_per_m;
+    candidate.drift_rad_per_m = RobotStates::Load(state, robots_.size()).odometry[0].drift_rad_per_m;
     candidate.log_likelihood = scalars.at("log_likelihood").d();
     candidate.landmarks = LandmarksFromBlob(*BlobOf(k, "landmarks"));
     const auto of = BlobOf(k, kAssociations)->Get<std::int32_t>("landmark");
@@ -129,9 +129,9 @@ bool CandidateRounds::WentOnFrom(int candidate) const {
   return false;
 }
 
-double CandidateRounds::MeanLegM() const {
+double CandidateRounds::MeanIncrementM() const {
   const RobotSteps steps = RobotSteps::FromBlob(*BlobOf(0, "steps/0"));
-  return steps.WaySoFar().back() / static_cast<double>(steps.observations.size());
+  return steps.DistanceTravelled().back() / static_cast<double>(steps.observations.size());
 }
 
 void CandidateRounds::GoOnFrom(int best, int beyond, const std::vector<Proposal>& proposals) {
@@ -170,7 +170,7 @@ cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
   const State& before = steps_[k].plan.state();
   LayeredGrid counts = LayeredGrid::Load("counts/", *BlobOf(k, "counts"));
   LeaveOut(candidates_[k].landmarks[without], settings_.map, &counts);
-  const Perception perception = PerceptionOf(MapOf(counts, settings_.map), settings_.map);
+  const Perception perception = MakePerception(MapFromCounts(counts, settings_.map), settings_.map);
   Schedule schedule = Schedule::Load(before);
   schedule.robots = 1;
   schedule.settled = 0;
@@ -181,7 +181,7 @@ cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
   GuessNothing(step.plan.mutable_state());
   DropAssociations(step.plan.mutable_state());
   StoreStart(candidates_[k].start, parent, step.plan.mutable_state());
-  PlanRound(options_, robots_, schedule, Carried::Load(before, robots_.size()),
+  PlanRound(options_, robots_, schedule, RobotStates::Load(before, robots_.size()),
             {{"counts", StoredCounts(counts)}, {"perception", perception.ToBlob()}}, &step);
   return step;
 }

@@ -12,7 +12,7 @@ namespace cairn::landmark_map {
 
 inline constexpr const char* kFailure = "failure";  // why a candidate could not go on: in partials and states
 
-// EM from odometry alone. `step`: with the carried State of any candidate, which it keeps but for the first
+// EM from odometry alone. `step`: with the State of any candidate, which it keeps but for the first
 // robot's odometry.
 void BeginFrom(const StartingPoint& start, const Options& options, const std::vector<std::string>& robots,
                const Settings& settings, const RobotSteps& first_robot, cairn::Step* step);
@@ -41,7 +41,7 @@ class CandidateRounds {
   int waves() const;
   bool WentOnFrom(int candidate) const;
   // The first robot's, from one observation to the next.
-  double MeanLegM() const;
+  double MeanIncrementM() const;
   // Adds what is proposed, planned; refits are of `best`. Where it is found no more often, `beyond` starts
   // follow.
   void GoOnFrom(int best, int beyond, const std::vector<Proposal>& proposals);

@@ -10,7 +10,7 @@
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/refinement/contradictions.h"
-#include "pipelines/landmark_map/refinement/polish.h"
+#include "pipelines/landmark_map/refinement/refine.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/state/given_map.h"
@@ -31,9 +31,9 @@ std::vector<RobotSteps> StepsOf(const Inputs& inputs, std::size_t robots) {
 // What the next E-step of each robot should cost: what the last one did, or, of a robot that joins (or whose
 // start becomes unknown as others do), what a search of the whole map takes.
 std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Schedule& next,
-                             const std::vector<std::int64_t>& steps, bool loose_frame,
+                             const std::vector<std::int64_t>& steps, bool gauge_free,
                              const EStepModel& model) {
-  const std::int64_t placed = loose_frame && next.robots > done.robots ? 0 : done.robots;
+  const std::int64_t placed = gauge_free && next.robots > done.robots ? 0 : done.robots;
   std::vector<double> work;
   for (std::size_t r = 0; r < steps.size(); ++r) {
     const int count = StepsInUse(next, steps[r]);
@@ -44,16 +44,16 @@ std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Sc
 }
 
 // Which of the next round's slices are guessed, and from what; the overlap doubles where it was too short.
-void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& next, Carried* carried,
+void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& next, RobotStates* robot_states,
                  std::map<std::string, Blob>* fresh, State* state) {
   for (std::size_t r = 0; options.speculate && r < static_cast<std::size_t>(next.robots); ++r) {
     if (TooShort(sum.guessed(r), sum.confirmed(r))) {
-      carried->overlap[r] *= 2;
+      robot_states->overlap[r] *= 2;
       continue;  // what this round left for guesses lies elsewhere
     }
     const Guesses& guesses = sum.GuessesOf(r);
-    const std::vector<bool> worth =
-        WorthGuessing(guesses, StepsInUse(next, carried->step_counts[r]), carried->overlap[r], next);
+    const std::vector<bool> worth = WorthGuessing(guesses, StepsInUse(next, robot_states->step_counts[r]),
+                                                  robot_states->overlap[r], next);
     if (std::find(worth.begin(), worth.end(), true) == worth.end()) continue;
     (*fresh)[kGuesses + std::to_string(r)] = guesses.ToBlob();
     GuessSlices(r, worth, state);
@@ -64,13 +64,13 @@ void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& ne
 std::string NoRefinement(const Options& options, const Settings& settings, const Inputs& inputs,
                          const std::vector<RobotSteps>& steps) {
   if (inputs.Has("map")) return "not tried: the map was given";
-  if (!options.polish) return "not tried: polish=false";
+  if (!options.refine) return "not tried: refine=false";
   if (!options.revise) return "not tried: revise=false";
   if (options.iterations == 0) return "not tried: iterations=0";
   if (settings.map.exact) return "not tried: model=exact";
   for (const RobotSteps& robot : steps) {
     for (const Observation& seen : robot.observations) {
-      if (seen.type >= settings.map.types && !seen.press())
+      if (seen.type >= settings.map.types && !seen.contact())
         return "not tried: landmarks without identity were seen at a distance";
     }
   }
@@ -99,7 +99,7 @@ std::string Note(const Schedule& done, double log_likelihood, std::size_t landma
   return text;
 }
 
-// The last E-step once more, with the polished map.
+// The last E-step once more, with the refined map.
 cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& landmarks,
                          const std::vector<Landmark>& before, const Blob& history, const RoundSum& sum,
                          const State& state, const Inputs& inputs) {
@@ -107,21 +107,22 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   Schedule schedule = Schedule::Load(state);
   ++schedule.iteration;
-  schedule.polished = true;
+  schedule.refined = true;
   cairn::Step step;
   // The path is found in the map, to which the map's own uncertainty is nothing; the result's map has it.
   const MapRules& rules = settings.map;
   const LayeredGrid wide = Recentred(sum.counts(), before, landmarks, rules),
                     sharp = Recentred(sum.counts(), before, landmarks, rules, rules.observation_m);
-  std::map<std::string, Blob> fresh{{"history", history},
-                                    {"counts", StoredCounts(wide)},
-                                    {"perception", PerceptionOf(MapOf(sharp, rules), rules).ToBlob()},
-                                    {"landmarks", ToBlob(landmarks)}};
+  std::map<std::string, Blob> fresh{
+      {"history", history},
+      {"counts", StoredCounts(wide)},
+      {"perception", MakePerception(MapFromCounts(sharp, rules), rules).ToBlob()},
+      {"landmarks", ToBlob(landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
-  Carried carried = Carried::Load(state, robots.size());
-  PlanGuesses(options, sum, schedule, &carried, &fresh, step.plan.mutable_state());
-  PlanRound(options, robots, schedule, carried, fresh, &step);
-  step.plan.set_note("polished: " + std::to_string(landmarks.size()) + " landmarks by least squares");
+  RobotStates robot_states = RobotStates::Load(state, robots.size());
+  PlanGuesses(options, sum, schedule, &robot_states, &fresh, step.plan.mutable_state());
+  PlanRound(options, robots, schedule, robot_states, fresh, &step);
+  step.plan.set_note("refined: " + std::to_string(landmarks.size()) + " landmarks by least squares");
   return step;
 }
 
@@ -132,61 +133,62 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   const std::vector<std::string> robots = log->Texts("robots");
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   const Schedule done = Schedule::Load(state);
-  Carried carried = Carried::Load(state, robots.size());
+  RobotStates robot_states = RobotStates::Load(state, robots.size());
 
   const MStep m_step = done.summarise ? Summary(partials, settings, robots.size())
                                       : MadeMap(*partials.Get(partials.size() - 1), robots.size());
   const RoundSum& sum = m_step.sum;
   if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
-    RefuseUnlikely(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
-                   StepsOf(inputs, robots.size()));
+    CheckLikelihood(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
+                    StepsOf(inputs, robots.size()));
   }
   const Blob& before = *inputs.Get("history");
   const auto robots_before = before.Get<std::int64_t>("robots");
   if (!robots_before.empty() && robots_before.back() < done.robots) {
-    RefuseStrangers(sum, Perception::FromBlob(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
-                    robots);
+    CheckRobotsFitTheMap(sum, Perception::FromBlob(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
+                         robots);
   }
   const Blob history = Extended(before, done, sum);
   if (done.summarise) {
     const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
-    if (!done.polished) {
-      RefuseSpoiltMap(sum, history, settings.places, steps[0].observations.size());
-      RefuseTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
+    if (!done.refined) {
+      CheckRobotsAgree(sum, history, settings.places, steps[0].observations.size());
+      CheckOnePositionPerLandmark(sum.counts(), settings.map, log->Texts("landmarks"));
     }
     std::string not_refined;
-    if (!done.polished) {
+    if (!done.refined) {
       not_refined = NoRefinement(options, settings, inputs, steps);
       if (not_refined.empty()) {
         const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
-        const Refinement refined = Polish(SettledPaths(sum, steps, carried.odometry), settings, landmarks);
+        const Refinement refined =
+            RefineMap(AssociatedPaths(sum, steps, robot_states.odometry), settings, landmarks);
         if (refined.refused.empty())
           return SummaryUnder(options, refined.landmarks, landmarks, history, sum, state, inputs);
         not_refined = "refused: " + refined.refused;
       }
     }
-    return MakeResult(*log, settings, inputs, sum, carried.odometry, history, not_refined);
+    return MakeResult(*log, settings, inputs, sum, robot_states.odometry, history, not_refined);
   }
 
   if (options.calibrate) {
     for (std::size_t r = 0; r < robots.size(); ++r) {
-      double& drift = carried.odometry[r].drift_rad_per_m;
-      drift = DriftOf(sum.legs()[r], settings.noise, drift);
+      double& drift = robot_states.odometry[r].drift_rad_per_m;
+      drift = FitDrift(sum.increments()[r], settings.noise, drift);
     }
-    FitWidths(sum.legs(), settings.noise, &carried.odometry);
+    FitWidths(sum.increments(), settings.noise, &robot_states.odometry);
   }
   const Schedule next =
       done.Next(options, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
-  carried.work = NextWork(sum, done, next, carried.step_counts, settings.loose_frame,
-                          settings.Model(&m_step.perception));
+  robot_states.work = NextWork(sum, done, next, robot_states.step_counts, settings.gauge_free,
+                               settings.Model(&m_step.perception));
   cairn::Step step;
   std::map<std::string, Blob> fresh{{"history", history},
                                     {"counts", StoredCounts(sum.counts())},
                                     {"perception", m_step.perception.ToBlob()},
                                     {"landmarks", ToBlob(m_step.landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
-  PlanGuesses(options, sum, next, &carried, &fresh, step.plan.mutable_state());
-  PlanRound(options, robots, next, carried, fresh, &step);
+  PlanGuesses(options, sum, next, &robot_states, &fresh, step.plan.mutable_state());
+  PlanRound(options, robots, next, robot_states, fresh, &step);
   step.plan.set_note(Note(done, sum.log_likelihood(), m_step.landmarks.size()));
   return step;
 }

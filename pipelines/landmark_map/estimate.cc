@@ -52,9 +52,10 @@ Slices CutIntoSlices(const OpenLoop& loop, double slice_work) {
 double PlacesWhereLost(const RobotSteps& steps, const Settings& settings, double map_cells) {
   if (steps.observations.empty()) return map_cells;
   const Observation& first = steps.observations[0];
-  const bool named = first.type < settings.map.types, pressed = first.x_m == 0 && first.y_m == 0;
-  if (pressed && !named) return map_cells;
-  constexpr double kReach = 7.0;  // standard deviations to both sides, of the landmark and of the sighting
+  const bool named = first.type < settings.map.types, contact = first.x_m == 0 && first.y_m == 0;
+  if (contact && !named) return map_cells;
+  constexpr double kReach =
+      7.0;  // standard deviations to both sides, of the landmark and of the range-bearing observation
   const double table =
       named ? 2.0 * kReach * settings.map.observation_m / settings.map.grid.cell_m : std::sqrt(map_cells);
   return CellsWhereLost(steps, settings.Model(nullptr), table);
@@ -156,7 +157,7 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   const double slice_work = 1e6 * options.slice_mcells;
   Estimate estimate;
   for (const cairn::Step& start : starts) {
-    estimate.cells += Carried::Load(start.plan.state(), robots.size()).work[0];
+    estimate.cells += RobotStates::Load(start.plan.state(), robots.size()).work[0];
     estimate.tasks += start.plan.tasks_size();
   }
   const bool only_round = options.iterations == 0;
@@ -195,16 +196,16 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   return estimate;
 }
 
-std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried) {
+std::string Sentence(const Estimate& estimate, const Settings& settings, const RobotStates& robot_states) {
   char text[400];
   std::snprintf(
       text, sizeof text,
       "planned: cells of %g m, %d headings, %lld steps of the first robot, %.0f tasks in the first of "
       "some %.0f rounds, which moves about %.3g million cells: some %.2g s on one core; a worker may "
       "need %.0f MB, the store %.0f MB",
-      settings.map.grid.cell_m, settings.map.grid.headings, static_cast<long long>(carried.step_counts[0]),
-      estimate.tasks, estimate.rounds, estimate.cells / 1e6, estimate.seconds, estimate.memory_mb,
-      estimate.store_mb);
+      settings.map.grid.cell_m, settings.map.grid.headings,
+      static_cast<long long>(robot_states.step_counts[0]), estimate.tasks, estimate.rounds,
+      estimate.cells / 1e6, estimate.seconds, estimate.memory_mb, estimate.store_mb);
   return text;
 }
 
@@ -216,7 +217,7 @@ double MStepBytes(const LayeredGrid& counts, const MapRules& rules) {
   return 1e6 * megabytes;
 }
 
-void RefuseMemory(const std::string& what, double bytes, double memory_mb) {
+void RequireMemory(const std::string& what, double bytes, double memory_mb) {
   if (bytes <= 1e6 * memory_mb) return;
   char text[256];
   std::snprintf(

@@ -31,13 +31,13 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
                      const std::vector<cairn::Step>& starts, const Perception* given = nullptr);
 
 // For people, one line.
-std::string Sentence(const Estimate& estimate, const Settings& settings, const Carried& carried);
+std::string Sentence(const Estimate& estimate, const Settings& settings, const RobotStates& robot_states);
 
 // Of the M-step's tables: counts, a partial's, the map, its sums over the perceptual radius, the likelihood.
 inline constexpr double kMStepTables = 9.0;
 double MStepBytes(const LayeredGrid& counts, const MapRules& rules);
 
 // Throws InputError that names both figures where `what` needs more than is allowed.
-void RefuseMemory(const std::string& what, double bytes, double memory_mb);
+void RequireMemory(const std::string& what, double bytes, double memory_mb);
 
 }  // namespace cairn::landmark_map

@@ -30,8 +30,8 @@ class GrowingMap {
     if (steps.first_observation[step] == steps.first_observation[step + 1]) return;
     for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k)
       Count(steps.observations[k], settings_.map.grid, belief, &counts_);
-    RefuseMemory("the map", MStepBytes(counts_, settings_.map), settings_.memory_mb);
-    perception_ = PerceptionOf(MapOf(counts_, settings_.map), settings_.map);
+    RequireMemory("the map", MStepBytes(counts_, settings_.map), settings_.memory_mb);
+    perception_ = MakePerception(MapFromCounts(counts_, settings_.map), settings_.map);
     seen_ = true;
   }
 
@@ -102,7 +102,7 @@ cairn::Step IncrementalResult(const State& state, Partials& partials, const Inpu
   RoundSum sum(NoCounts(settings.map), 1);
   sum.Add(*partial);
   const Found found(inputs, partial->Sub("landmarks/"), StoredCounts(sum.counts()));
-  return MakeResult(*inputs.Get("log"), settings, found, sum, Carried::Load(state, 1).odometry,
+  return MakeResult(*inputs.Get("log"), settings, found, sum, RobotStates::Load(state, 1).odometry,
                     Extended(*inputs.Get("history"), Schedule::Load(state), sum),
                     "not tried: the incremental baseline revises nothing");
 }
@@ -120,7 +120,7 @@ Options OnePass(Options options) {
   if (!options.incremental) return options;
   options.iterations = 0;
   options.starts = 1;
-  options.calibrate = options.polish = options.speculate = false;
+  options.calibrate = options.refine = options.speculate = false;
   return options;
 }
 

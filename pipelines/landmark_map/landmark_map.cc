@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "pipelines/common/fan_out.h"
-#include "pipelines/landmark_map/beginning.h"
 #include "pipelines/landmark_map/candidates.h"
 #include "pipelines/landmark_map/em.h"
 #include "pipelines/landmark_map/estimate.h"
+#include "pipelines/landmark_map/initial_state.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/outlook.h"
-#include "pipelines/landmark_map/refinement/polish.h"
+#include "pipelines/landmark_map/refinement/refine.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
 #include "pipelines/landmark_map/slice_task.h"
@@ -62,23 +62,23 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   const Options search = inputs.Has("map") ? options_ : ForSearch(options_, *log);
   if (search.cell_m != options_.cell_m) {  // the search tells nothing of what the finer grid takes
     const Settings fine = Resolve(options_, *log);
-    RefuseMemory("the M-step", kMStepTables * sizeof(double) * fine.places, fine.memory_mb);
+    RequireMemory("the M-step", kMStepTables * sizeof(double) * fine.places, fine.memory_mb);
   }
-  const Beginning beginning = BeginningOf(search, inputs);
-  const Settings& settings = beginning.settings;
+  const InitialState initial = MakeInitialState(search, inputs);
+  const Settings& settings = initial.settings;
   const double finer = search.cell_m != options_.cell_m ? FinerBy(Resolve(options_, *log), settings) : 0.0;
   const std::vector<std::string> robots = log->Texts("robots");
   std::vector<cairn::Step> starts(1);
   std::vector<RobotSteps> steps;
-  Carried carried = MakeAllSteps(*log, options_, beginning, &starts[0], &steps);
-  PlanRound(options_, robots, beginning.schedule, carried, FirstBlobs(beginning), &starts[0]);
+  RobotStates robot_states = MakeAllSteps(*log, options_, initial, &starts[0], &steps);
+  PlanRound(options_, robots, initial.schedule, robot_states, FirstBlobs(initial), &starts[0]);
   if (settings.starts > 1) {
-    const State carried_state = starts[0].plan.state();
+    const State shared_state = starts[0].plan.state();
     const std::vector<StartingPoint> points = StartingPoints(settings);
     starts.resize(points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
       starts[k].plan.Clear();
-      *starts[k].plan.mutable_state() = carried_state;
+      *starts[k].plan.mutable_state() = shared_state;
       BeginFrom(points[k], options_, robots, settings, steps[0], &starts[k]);
       CountCost({}, &starts[k]);
     }
@@ -87,11 +87,11 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
     (*starts[0].plan.mutable_state()->mutable_blobs())["search"] = starts[0].Share(OneStartOnly());
   }
   const Estimate estimate =
-      EstimateJob(options_, settings, steps, starts, beginning.perception ? &*beginning.perception : nullptr);
-  RefuseMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
+      EstimateJob(options_, settings, steps, starts, initial.perception ? &*initial.perception : nullptr);
+  RequireMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
   cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : Merged(options_, std::move(starts));
   estimate.Store(step.plan.mutable_state());
-  step.plan.set_note(Sentence(estimate, settings, carried));
+  step.plan.set_note(Sentence(estimate, settings, robot_states));
   return step;
 }
 
@@ -153,21 +153,22 @@ void LandmarkMap::Refine(const std::vector<Landmark>& landmarks, const Settings&
                          cairn::Step* step) const {
   const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
   State& state = *step->plan.mutable_state();
-  const Carried found = Carried::Load(state, robots.size());
-  const Beginning beginning = BeginningOf(options_, inputs);
+  const RobotStates found = RobotStates::Load(state, robots.size());
+  const InitialState initial = MakeInitialState(options_, inputs);
   std::vector<RobotSteps> all;
-  Carried carried = MakeAllSteps(*inputs.Get("log"), options_, beginning, step, &all);
-  carried.odometry = found.odometry;
-  carried.work[0] = FinerBy(beginning.settings, coarse) * found.work[0];
+  RobotStates robot_states = MakeAllSteps(*inputs.Get("log"), options_, initial, step, &all);
+  robot_states.odometry = found.odometry;
+  robot_states.work[0] = FinerBy(initial.settings, coarse) * found.work[0];
   Schedule schedule = Schedule::Load(state);
   schedule.robots = 1;
   schedule.settled = 0;
   schedule.summarise = false;
   schedule.Store(&state);
-  carried.Store(&state);
+  robot_states.Store(&state);
   GuessNothing(&state);
-  const LayeredGrid counts = CountsOf(landmarks, beginning.settings.map);
-  const Perception perception = PerceptionOf(MapOf(counts, beginning.settings.map), beginning.settings.map);
+  const LayeredGrid counts = CountsFromLandmarks(landmarks, initial.settings.map);
+  const Perception perception =
+      MakePerception(MapFromCounts(counts, initial.settings.map), initial.settings.map);
   (*state.mutable_blobs())["counts"] = step->Share(StoredCounts(counts));
   (*state.mutable_blobs())["perception"] = step->Share(perception.ToBlob());
 }
@@ -181,10 +182,11 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
   if (!rounds.WentOnFrom(choice.best))
     proposals = ProposalsAround(candidates, choice.best, settings);
   else if (choice.support < kEnoughSupport)
-    proposals = ProposalsBeyond(candidates, settings, rounds.MeanLegM());
+    proposals = ProposalsBeyond(candidates, settings, rounds.MeanIncrementM());
   if (rounds.waves() < options_.waves && !proposals.empty()) {
     const bool rare = choice.support < kEnoughSupport;
-    const std::size_t beyond = rare ? ProposalsBeyond(candidates, settings, rounds.MeanLegM()).size() : 0;
+    const std::size_t beyond =
+        rare ? ProposalsBeyond(candidates, settings, rounds.MeanIncrementM()).size() : 0;
     rounds.GoOnFrom(choice.best, static_cast<int>(beyond), proposals);
     cairn::Step step = Merged(options_, std::move(rounds).Take());
     step.plan.set_note(Sentence(candidates, choice));

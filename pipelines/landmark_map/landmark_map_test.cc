@@ -38,7 +38,7 @@ void ExpectSquare(const Blob& result, double side_m, double tolerance_m) {
   for (int i = 4; i < 6; ++i) EXPECT_NEAR(distances[i], side_m * std::sqrt(2.0), tolerance_m);
 }
 
-TEST(LandmarkMap, FindsTheCornersFromPressesThatLookAlike) {
+TEST(LandmarkMap, FindsTheCornersFromContactsThatLookAlike) {
   SquareLog log{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002};
   const BlobPtr result = Map(log.Make(), {.cell_m = 0.5});
   ExpectSquare(*result, 20.0, 0.7);
@@ -62,10 +62,11 @@ TEST(LandmarkMap, FindsTheCornersFromRangeAndBearingWithoutIdentities) {
   ExpectSquare(*result, 20.0, 1.0);
 }
 
-// The walk and the drift that made the log, to 30%, from nominal figures two and a half times too small and
-// too large. Every leg has one corner, so that the turns' error must be known (there is none) for the walk's
-// to show; and no room is left for an unknown drift (drift_length_m), which would take the walk's place.
-TEST(LandmarkMap, FindsTheWalkAndTheDriftThatTheLogsFiguresGetWrong) {
+// The walk and the drift that made the log, to 30%, from noise parameters two and a half times too small and
+// too large. Every motion increment has one corner, so that the turns' error must be known (there is none)
+// for the walk's to show; and no room is left for an unknown drift (drift_length_m), which would take the
+// walk's place.
+TEST(LandmarkMap, FindsTheWalkAndTheDriftThatTheLogsNoiseGetsWrong) {
   constexpr double kWalk = 0.02, kDrift = 0.005;  // the walk alone moves the mean drift by 0.02 / sqrt(480 m)
   for (const double wrong : {0.4, 2.5}) {
     SquareLog square{.laps = 12, .ranged = true, .identified = true, .drift_rad_per_m = kDrift};
@@ -109,7 +110,8 @@ TEST(LandmarkMap, StopsWhereTheLikelihoodNoLongerChanges) {
   Map(log, {.iterations = 30, .tolerance = 0.01, .starts = 1}, &some);
   Map(log, {.iterations = 30, .tolerance = 0.0, .starts = 1}, &all);
   EXPECT_LT(some, all);
-  EXPECT_EQ(all, 30 + 3);  // planning, thirty E-steps, and those for the summary, before the polish and after
+  EXPECT_EQ(all,
+            30 + 3);  // planning, thirty E-steps, and those for the summary, before the refinement and after
 }
 
 // The second robot is the first one's log begun a lap later: it must find itself in the first one's map.
@@ -146,7 +148,7 @@ TEST(LandmarkMap, ARobotThatStartsAnywhereGetsNoDearerFromRoundToRound) {
   for (std::size_t i = 2; i < work.size(); ++i) EXPECT_LE(work[i], 1.2 * work[1]) << i;
 }
 
-TEST(LandmarkMap, TheExactModelIsForPressesOnly) {
+TEST(LandmarkMap, TheExactModelIsForContactsOnly) {
   EXPECT_THROW(Map(SquareLog{.ranged = true}.Make(), {.model = "exact"}), InputError);
 }
 

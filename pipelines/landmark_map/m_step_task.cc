@@ -13,10 +13,11 @@ Blob RunMStep(const Task& task, const Inputs& inputs) {
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   RoundSum sum(NoCounts(settings.map), static_cast<std::size_t>(task.params().at("robots").i()));
   for (std::size_t i = 0; inputs.Has(PartialInput(i)); ++i) sum.Add(*inputs.Get(PartialInput(i)));
-  RefuseMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
+  RequireMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
   Blob blob;
   blob.PutAll("sum/", sum.ToBlob());
-  blob.PutAll("perception/", PerceptionOf(MapOf(sum.counts(), settings.map), settings.map).ToBlob());
+  blob.PutAll("perception/",
+              MakePerception(MapFromCounts(sum.counts(), settings.map), settings.map).ToBlob());
   blob.PutAll("landmarks/", ToBlob(ExtractLandmarks(sum.counts(), settings.map)));
   return blob;
 }

@@ -40,7 +40,7 @@ TEST(MStepTask, ReturnsTheSumOfThePartialsAndTheMapOfIt) {
   RoundSum sum(std::move(none), 1);
   for (std::size_t i = 0; i + 1 < round.partials.size(); ++i) sum.Add(*round.partials[i]);
   EXPECT_EQ(made.sum.ToBlob().ContentHash(), sum.ToBlob().ContentHash());
-  EXPECT_NEAR(made.sum.counts().Sum(), 6 * 4.0, 1e-6);  // a press at each corner
+  EXPECT_NEAR(made.sum.counts().Sum(), 6 * 4.0, 1e-6);  // a contact detection at each corner
   EXPECT_FALSE(made.landmarks.empty());
   EXPECT_FALSE(made.perception.likelihood.layers.empty());
 }

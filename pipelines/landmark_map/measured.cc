@@ -16,7 +16,7 @@ constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 // Logs of one kind: the least and the largest of each figure, and of the landmarks that were observed.
 struct Measured {
-  LogFigures least, most;
+  LogStatistics least, most;
   double least_landmarks, most_landmarks;
 };
 
@@ -103,13 +103,13 @@ std::vector<std::string> OtherSensing(const Blob& log) {
   return unlike;
 }
 
-std::vector<std::string> BeyondOf(const LogFigures& log, double landmarks, const Measured& measured) {
+std::vector<std::string> BeyondOf(const LogStatistics& log, double landmarks, const Measured& measured) {
   std::vector<double> least, most;
-  VisitLogFigures(measured.least, [&](const char*, double value) { least.push_back(value); });
-  VisitLogFigures(measured.most, [&](const char*, double value) { most.push_back(value); });
+  VisitLogStatistics(measured.least, [&](const char*, double value) { least.push_back(value); });
+  VisitLogStatistics(measured.most, [&](const char*, double value) { most.push_back(value); });
   std::vector<std::string> beyond;
   std::size_t k = 0;
-  VisitLogFigures(log, [&](const char* name, double value) {
+  VisitLogStatistics(log, [&](const char* name, double value) {
     if (!Within(value, least[k], most[k])) beyond.push_back(Beyond(name, value, least[k], most[k]));
     ++k;
   });
@@ -120,21 +120,21 @@ std::vector<std::string> BeyondOf(const LogFigures& log, double landmarks, const
 
 }  // namespace
 
-LogFigures FiguresOf(const Blob& log) {
+LogStatistics MeasureLog(const Blob& log) {
   const auto stated = [&](const char* name, double unit) {
     return log.Has(name) ? log.Scalar<double>(name) / unit : 0.0;
   };
   const Blob robot = log.Sub("robot/0/");
-  double way_m = 0.0;
-  for (const double forward : robot.Get<double>("odometry/forward_m")) way_m += std::abs(forward);
+  double travelled_m = 0.0;
+  for (const double forward : robot.Get<double>("odometry/forward_m")) travelled_m += std::abs(forward);
   return {static_cast<double>(robot.at("observations/time_s").size()),
-          way_m,
-          MedianWayBetween(robot),
+          travelled_m,
+          MedianDistanceBetween(robot),
           stated("noise/heading_drift_rad_per_m", kDegree_rad),
           stated("noise/heading_walk_rad_per_sqrt_m", kDegree_rad),
           stated("noise/forward_ratio", 1.0),
           stated("noise/turn_ratio", 1.0),
-          stated("noise/press_m", 1.0)};
+          stated("noise/contact_m", 1.0)};
 }
 
 std::vector<std::string> UnlikeMeasured(const Options& options, const Blob& log, std::size_t landmarks) {
@@ -142,10 +142,10 @@ std::vector<std::string> UnlikeMeasured(const Options& options, const Blob& log,
   for (const std::string& name : ChangedOptions(options))
     unlike.push_back("the option " + name + " is not the default");
   // Of the kind that it is most like.
-  const LogFigures figures = FiguresOf(log);
+  const LogStatistics statistics = MeasureLog(log);
   std::vector<std::string> least;
   for (const Measured& measured : kMeasured) {
-    std::vector<std::string> beyond = BeyondOf(figures, static_cast<double>(landmarks), measured);
+    std::vector<std::string> beyond = BeyondOf(statistics, static_cast<double>(landmarks), measured);
     if (&measured == &kMeasured.front() || beyond.size() < least.size()) least = std::move(beyond);
   }
   unlike.insert(unlike.end(), least.begin(), least.end());

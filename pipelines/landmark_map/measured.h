@@ -12,26 +12,26 @@
 namespace cairn::landmark_map {
 
 // What tells logs of one robot that presses buttons apart.
-struct LogFigures {
+struct LogStatistics {
   double observations = 0;
-  double way_m = 0;
-  double between_m = 0;  // the median way from one observation to the next
+  double travelled_m = 0;
+  double between_m = 0;  // the median distance from one observation to the next
   double heading_drift_deg_per_m = 0, heading_walk_deg_per_sqrt_m = 0, forward_ratio = 0, turn_ratio = 0;
-  double press_m = 0;  // as the log states them; 0: it does not
+  double contact_m = 0;  // as the log states them; 0: it does not
 };
-LogFigures FiguresOf(const Blob& log);
+LogStatistics MeasureLog(const Blob& log);
 
 // Calls f(name, field) for each of them.
 template <class S, class F>
-void VisitLogFigures(S& figures, const F& f) {
-  f("observations", figures.observations);
-  f("way_m", figures.way_m);
-  f("between_m", figures.between_m);
-  f("heading_drift_deg_per_m", figures.heading_drift_deg_per_m);
-  f("heading_walk_deg_per_sqrt_m", figures.heading_walk_deg_per_sqrt_m);
-  f("forward_ratio", figures.forward_ratio);
-  f("turn_ratio", figures.turn_ratio);
-  f("press_m", figures.press_m);
+void VisitLogStatistics(S& statistics, const F& f) {
+  f("observations", statistics.observations);
+  f("travelled_m", statistics.travelled_m);
+  f("between_m", statistics.between_m);
+  f("heading_drift_deg_per_m", statistics.heading_drift_deg_per_m);
+  f("heading_walk_deg_per_sqrt_m", statistics.heading_walk_deg_per_sqrt_m);
+  f("forward_ratio", statistics.forward_ratio);
+  f("turn_ratio", statistics.turn_ratio);
+  f("contact_m", statistics.contact_m);
 }
 
 // In what a job differs from all that the rates were measured on, in words: "it has 4 robots". Empty: it is

@@ -14,24 +14,24 @@ bool Says(const std::vector<std::string>& unlike, const std::string& what) {
   return std::ranges::any_of(unlike, [&](const std::string& s) { return s.find(what) != std::string::npos; });
 }
 
-TEST(FiguresOf, AreTheLogsOwn) {
+TEST(MeasureLog, AreTheLogsOwn) {
   Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
-  log.PutScalar("noise/press_m", 0.3);
+  log.PutScalar("noise/contact_m", 0.3);
   log.PutScalar("noise/heading_drift_rad_per_m", 0.0017453292519943296);
-  const LogFigures figures = FiguresOf(log);
-  EXPECT_EQ(figures.observations, 8);
-  EXPECT_NEAR(figures.way_m, 120.0, 2.0);
-  EXPECT_NEAR(figures.between_m, 15.0, 0.5);
-  EXPECT_EQ(figures.press_m, 0.3);
-  EXPECT_NEAR(figures.heading_drift_deg_per_m, 0.1, 1e-12);
-  EXPECT_EQ(figures.turn_ratio, 0.0);
+  const LogStatistics statistics = MeasureLog(log);
+  EXPECT_EQ(statistics.observations, 8);
+  EXPECT_NEAR(statistics.travelled_m, 120.0, 2.0);
+  EXPECT_NEAR(statistics.between_m, 15.0, 0.5);
+  EXPECT_EQ(statistics.contact_m, 0.3);
+  EXPECT_NEAR(statistics.heading_drift_deg_per_m, 0.1, 1e-12);
+  EXPECT_EQ(statistics.turn_ratio, 0.0);
 }
 
 TEST(UnlikeMeasured, NamesEachDifference) {
   const Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
   const auto unlike = UnlikeMeasured({}, log, 4);
   EXPECT_TRUE(Says(unlike, "observations is 8, not "));
-  EXPECT_TRUE(Says(unlike, "press_m is not stated"));
+  EXPECT_TRUE(Says(unlike, "contact_m is not stated"));
   EXPECT_TRUE(Says(unlike, "landmarks is 4, not "));
   EXPECT_FALSE(Says(unlike, "option"));
   EXPECT_FALSE(Says(unlike, "robots"));

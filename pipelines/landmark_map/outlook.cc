@@ -3,36 +3,36 @@
 #include <algorithm>
 #include <numeric>
 
-#include "pipelines/landmark_map/beginning.h"
+#include "pipelines/landmark_map/initial_state.h"
 
 namespace cairn::landmark_map {
 namespace {
 
 // What is usual: iterations on all data of the first robot and of all, of a refit; maps that are refined.
 constexpr std::int64_t kIterationsToCome = 5, kJoinedToCome = 5;
-constexpr double kRefitIterations = 4.0, kFinerIterations = 4.0, kPolished = 0.7;
+constexpr double kRefitIterations = 4.0, kFinerIterations = 4.0, kRefined = 0.7;
 constexpr const char* kCost = "cost";
 
 // How much of what is usual there may be, at least and at most: of a search's iterations, of those on all
 // data that follow it, of all robots' once the first one's map is known.
-struct Range {
+struct Spread {
   double least = 1.0, most = 1.0;
 };
-constexpr Range kOfIterations{0.5, 3.0}, kOfLast{0.5, 5.0}, kOfRobots{0.5, 4.0};
+constexpr Spread kOfIterations{0.5, 3.0}, kOfLast{0.5, 5.0}, kOfRobots{0.5, 4.0};
 
 // What a step of a robot takes in E-steps to come: beliefs get narrower from one to the next while the map
 // gets sharper, down to what they are in a sharp one. But a robot that may start anywhere looks for itself in
 // the whole map each time.
 class StepCost {
  public:
-  StepCost(const Options& options, const Carried& carried, const Schedule& now) {
-    for (std::size_t r = 0; r < carried.work.size(); ++r) {
+  StepCost(const Options& options, const RobotStates& robot_states, const Schedule& now) {
+    for (std::size_t r = 0; r < robot_states.work.size(); ++r) {
       const bool joined = r < static_cast<std::size_t>(now.robots);
-      const auto steps =
-          static_cast<double>(joined ? StepsInUse(now, carried.step_counts[r]) : carried.step_counts[r]);
-      us_.push_back(kBackwardUs * carried.work[r] / steps);
+      const auto steps = static_cast<double>(joined ? StepsInUse(now, robot_states.step_counts[r])
+                                                    : robot_states.step_counts[r]);
+      us_.push_back(kBackwardUs * robot_states.work[r] / steps);
       sharp_us_.push_back(StartsAnywhere(options, r) ? us_[r]
-                                                     : std::min(us_[r], kBackwardUs * carried.sharp[r]));
+                                                     : std::min(us_[r], kBackwardUs * robot_states.sharp[r]));
     }
   }
   double operator[](std::size_t robot) const { return us_[robot]; }
@@ -46,10 +46,10 @@ class StepCost {
   std::vector<double> us_, sharp_us_;
 };
 
-double CostOf(const Schedule& schedule, const StepCost& step_us, const Carried& carried) {
+double CostOf(const Schedule& schedule, const StepCost& step_us, const RobotStates& robot_states) {
   double cost = schedule.summarise ? 0.0 : kMStepUs;
   for (std::size_t r = 0; r < static_cast<std::size_t>(schedule.robots); ++r)
-    cost += step_us[r] * StepsInUse(schedule, carried.step_counts[r]);
+    cost += step_us[r] * StepsInUse(schedule, robot_states.step_counts[r]);
   return cost;
 }
 
@@ -75,10 +75,11 @@ std::int64_t ScalarOf(const State& state, const char* name) {
 Sum AfterSearch(const Options& options, const Schedule& now, const State& state) {
   std::size_t robots = 0;
   while (state.scalars().contains("work/" + std::to_string(robots))) ++robots;
-  const Carried carried = Carried::Load(state, robots);
+  const RobotStates robot_states = RobotStates::Load(state, robots);
   proto::Step rest;
-  ExpectEm(options, now, carried, &rest);
-  return {1.0 + RoundsLater(rest), CostOf(now, StepCost(options, carried, now), carried) + CostLater(rest)};
+  ExpectEm(options, now, robot_states, &rest);
+  return {1.0 + RoundsLater(rest),
+          CostOf(now, StepCost(options, robot_states, now), robot_states) + CostLater(rest)};
 }
 
 // What an EM says of the rounds after the first robot's.
@@ -97,7 +98,7 @@ double RefinedBy(const State& state) {
 // starts further out, refits.
 struct NewCandidates {
   double waves = 0.0, near = 0.0, beyond = 0.0, refits = 0.0;
-  Range range;
+  Spread range;
 };
 
 // The first wave comes always; how often others do is what simulated loops show. At most it is a wave and a
@@ -133,9 +134,10 @@ double Mean(const std::vector<double>& costs) {
 
 }  // namespace
 
-void ExpectEm(const Options& options, const Schedule& now, const Carried& carried, proto::Step* plan) {
-  const auto robots = static_cast<std::int64_t>(carried.step_counts.size());
-  StepCost step_us(options, carried, now);
+void ExpectEm(const Options& options, const Schedule& now, const RobotStates& robot_states,
+              proto::Step* plan) {
+  const auto robots = static_cast<std::int64_t>(robot_states.step_counts.size());
+  StepCost step_us(options, robot_states, now);
   Sum alone, all;
   for (Schedule s = now; !s.summarise;) {
     Options usual = options;
@@ -145,26 +147,27 @@ void ExpectEm(const Options& options, const Schedule& now, const Carried& carrie
     s = s.Next(usual, robots, 0.0, 0.0);
     step_us.Next(joined);
     const bool first = s.robots == 1 && !s.summarise;
-    (first ? alone : all).Add(1.0, CostOf(s, step_us, carried));
+    (first ? alone : all).Add(1.0, CostOf(s, step_us, robot_states));
   }
   plan->clear_advance_cost();
-  if (options.polish && !now.polished) {
-    double polish = 0.0;
-    for (const std::int64_t steps : carried.step_counts) polish += kPolishUs * static_cast<double>(steps);
+  if (options.refine && !now.refined) {
+    double refine = 0.0;
+    for (const std::int64_t steps : robot_states.step_counts)
+      refine += kRefinementUs * static_cast<double>(steps);
     if (now.summarise)
-      plan->set_advance_cost(polish);
+      plan->set_advance_cost(refine);
     else
-      all.cost += polish;
+      all.cost += refine;
     Schedule last = now;
     last.robots = robots;
     last.summarise = true;
     step_us.Next(true);
-    all.Add(kPolished, kPolished * CostOf(last, step_us, carried));
+    all.Add(kRefined, kRefined * CostOf(last, step_us, robot_states));
   }
   plan->clear_later();
   if (options.incremental) return;
   ExpectRounds(alone.rounds, alone.cost, 1.0, plan);
-  const Range range = robots > 1 ? kOfRobots : Range{};
+  const Spread range = robots > 1 ? kOfRobots : Spread{};
   ExpectRounds(all.rounds, all.cost, static_cast<double>(robots), plan, range.least, range.most);
 }
 

@@ -11,13 +11,14 @@ namespace cairn::landmark_map {
 // first; of an M-step.
 inline constexpr double kForwardUs = 0.004, kBackwardUs = 0.009, kMStepUs = 800.0;
 // Least squares, a step of all robots.
-inline constexpr double kPolishUs = 100.0;
+inline constexpr double kRefinementUs = 100.0;
 // Without a map a cell takes so many times as long.
 inline constexpr double kWithoutMap = 2.0;
 
 // After the tasks: the rounds of the first robot's EM, then those of all robots and the summaries. Iterations
 // are as many as is usual, where so many are allowed.
-void ExpectEm(const Options& options, const Schedule& schedule, const Carried& carried, proto::Step* plan);
+void ExpectEm(const Options& options, const Schedule& schedule, const RobotStates& robot_states,
+              proto::Step* plan);
 
 // What a candidate's State says of the search: in which wave it was proposed; how many starts further out
 // were to be tried after that wave if it found the best map no more often; how many times as many cells

@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kWork = 1e6;  // cells of the first robot's E-step
 
-Carried OfRobots(std::size_t robots) {
-  Carried carried;
-  carried.step_counts.assign(robots, 1000);
-  carried.work.assign(robots, kWork);
-  carried.sharp.assign(robots, kWork);  // as sharp as it gets
-  return carried;
+RobotStates OfRobots(std::size_t robots) {
+  RobotStates robot_states;
+  robot_states.step_counts.assign(robots, 1000);
+  robot_states.work.assign(robots, kWork);
+  robot_states.sharp.assign(robots, kWork);  // as sharp as it gets
+  return robot_states;
 }
 
 proto::Step Outlook(const Options& options, const Schedule& schedule, std::size_t robots = 1) {
@@ -31,14 +31,14 @@ TEST(ExpectEm, AnnouncesThePrefixUsualIterationsAndTheSummaries) {
   EXPECT_GT(plan.later(1).rounds(), 1) << "the summary, and perhaps again in the refined map";
   const double step = kBackwardUs * kWork / 250;
   EXPECT_NEAR(plan.later(0).cost(), step * (500 + 5 * 1000) + 6 * kMStepUs, 1);
-  EXPECT_NEAR(plan.later(1).cost(), step * plan.later(1).rounds() * 1000 + kPolishUs * 1000, 1);
+  EXPECT_NEAR(plan.later(1).cost(), step * plan.later(1).rounds() * 1000 + kRefinementUs * 1000, 1);
 }
 
 TEST(ExpectEm, BeliefsGetNarrowerDownToASharpMaps) {
-  Carried carried = OfRobots(1);
-  carried.sharp[0] = 0.3 * kWork / 1000;
+  RobotStates robot_states = OfRobots(1);
+  robot_states.sharp[0] = 0.3 * kWork / 1000;
   proto::Step plan;
-  ExpectEm({.iterations = 4}, {}, carried, &plan);
+  ExpectEm({.iterations = 4}, {}, robot_states, &plan);
   const double step = kBackwardUs * kWork;
   EXPECT_NEAR(plan.later(0).cost(), step * (0.5 + 0.3 + 0.3) + 3 * kMStepUs, 1);
 }
@@ -56,18 +56,18 @@ TEST(ExpectEm, RobotsThatJoinComeAfterTheFirst) {
 }
 
 TEST(ExpectEm, ARobotThatMayStartAnywhereLooksForItselfInEachIteration) {
-  Carried carried = OfRobots(2);
-  carried.sharp = {0.0, 0.0};
+  RobotStates robot_states = OfRobots(2);
+  robot_states.sharp = {0.0, 0.0};
   proto::Step plan;
-  ExpectEm({.polish = false}, {}, carried, &plan);
+  ExpectEm({.refine = false}, {}, robot_states, &plan);
   ASSERT_EQ(plan.later_size(), 2);
   const double each = (plan.later(1).cost() - 5 * kMStepUs) / plan.later(1).rounds();
   EXPECT_NEAR(each, kBackwardUs * kWork, 0.05 * kBackwardUs * kWork) << "the first one knows where it starts";
 }
 
 TEST(ExpectEm, NothingFollowsTheLastRound) {
-  EXPECT_EQ(Outlook({}, {.summarise = true, .polished = true}).later_size(), 0);
-  EXPECT_EQ(Outlook({.polish = false}, {.summarise = true}).later_size(), 0);
+  EXPECT_EQ(Outlook({}, {.summarise = true, .refined = true}).later_size(), 0);
+  EXPECT_EQ(Outlook({.refine = false}, {.summarise = true}).later_size(), 0);
   EXPECT_EQ(Outlook({.incremental = true}, {}).later_size(), 0);
 }
 

@@ -32,7 +32,7 @@ Anchor Carry(const RobotSteps& steps, int s, const Anchor& anchor, const Odometr
 }
 
 // Between two steps the position error is interpolated linearly ([TBF98] section 5): odometry from the
-// earlier one and from the later one, weighed by the way.
+// earlier one and from the later one, weighed by the distances.
 Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b, const OdometricPose& at,
                double part) {
   Anchor middle = a;
@@ -55,7 +55,7 @@ class PathWriter {
         drift_rad_per_m_(drift_rad_per_m),
         spacing_m_(spacing_m),
         until_s_(until_s),
-        way_(steps.WaySoFar()),
+        travelled_(steps.DistanceTravelled()),
         path_of_first_(PoseAt(odometry, steps.time_s.front()).path_m),
         mean_{Joined(summaries, "pose/x_m"), Joined(summaries, "pose/y_m"),
               Joined(summaries, "pose/heading_rad")},
@@ -64,9 +64,9 @@ class PathWriter {
         covariance_(Joined(summaries, "pose/covariance")) {
     // The estimates are relative to odometry without its drift, the path here is written from odometry as it
     // is.
-    for (std::size_t s = 0; s < way_.size(); ++s) {
-      mean_.correction_rad[s] -= drift_rad_per_m * way_[s];
-      mode_.correction_rad[s] -= drift_rad_per_m * way_[s];
+    for (std::size_t s = 0; s < travelled_.size(); ++s) {
+      mean_.correction_rad[s] -= drift_rad_per_m * travelled_[s];
+      mode_.correction_rad[s] -= drift_rad_per_m * travelled_[s];
     }
   }
 
@@ -90,7 +90,7 @@ class PathWriter {
     return {steps_.time_s[s],          steps_.odo_x_m[s], steps_.odo_y_m[s],
             steps_.odo_heading_rad[s], PathOfStep(s),     0.0};
   }
-  double PathOfStep(int s) const { return path_of_first_ + way_[s]; }
+  double PathOfStep(int s) const { return path_of_first_ + travelled_[s]; }
 
   // The poses at ends of controls before `until_s`, all of which lie after step `s` (-1: before the first).
   void AddControls(std::size_t* control, double until_s, int s) {
@@ -113,8 +113,8 @@ class PathWriter {
     Anchor mean, mode;
     double part = 0.0;
     if (s >= 0 && s < last) {
-      const double way = steps_.path_m[s + 1];
-      part = way > 0 ? std::clamp((at.path_m - PathOfStep(s)) / way, 0.0, 1.0) : 0.0;
+      const double travelled = steps_.path_m[s + 1];
+      part = travelled > 0 ? std::clamp((at.path_m - PathOfStep(s)) / travelled, 0.0, 1.0) : 0.0;
       mean = Between(steps_, s, mean_.at(s), mean_.at(s + 1), at, part);
       mode = Between(steps_, s, mode_.at(s), mode_.at(s + 1), at, part);
     } else {
@@ -160,7 +160,7 @@ class PathWriter {
   const RobotSteps& steps_;
   const Odometry& odometry_;
   double drift_rad_per_m_, spacing_m_, until_s_;
-  std::vector<double> way_;
+  std::vector<double> travelled_;
   double path_of_first_;
   double last_path_m_ = 0.0;
   Table mean_, mode_;
@@ -181,7 +181,7 @@ void AddPositionVariance(const std::vector<Blob>& summaries, double* sum, double
 void FindInImages(const Settings& settings, const Inputs& inputs, const RoundSum& sum,
                   const std::vector<OdometryFit>& odometry, std::vector<Landmark>* landmarks,
                   std::vector<Associated>* associated) {
-  std::vector<Image> images;
+  std::vector<ImageObservations> images;
   double variance_m2 = 0.0, poses = 0.0;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
     const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
@@ -240,15 +240,15 @@ void PutMap(const LayeredGrid& map, const MapRules& rules, Blob* result) {
   for (const Layer& layer : map.layers) box = Union(box, layer.box);
   const auto holds = [](const Layer& layer) { return !layer.box.empty(); };
   const bool unknown = types == 0 || std::any_of(map.layers.begin() + types, map.layers.end(), holds);
-  const int kinds = unknown ? rules.layers() : types;
+  const int classes = unknown ? rules.layers() : types;
   std::vector<double> cells;
-  cells.reserve(static_cast<std::size_t>(kinds * box.cells()));
-  for (int type = 0; type < kinds; ++type) {
+  cells.reserve(static_cast<std::size_t>(classes * box.cells()));
+  for (int type = 0; type < classes; ++type) {
     for (int y = box.y0; y < box.y0 + box.ny; ++y) {
       for (int x = box.x0; x < box.x0 + box.nx; ++x) cells.push_back(map.layers[type].At(x, y));
     }
   }
-  result->Put("map/grid/probability", Array::Of<double>({kinds, box.ny, box.nx}, cells));
+  result->Put("map/grid/probability", Array::Of<double>({classes, box.ny, box.nx}, cells));
   result->PutScalar<double>("map/grid/origin_x_m", (box.x0 - 0.5) * grid.cell_m);
   result->PutScalar<double>("map/grid/origin_y_m", (box.y0 - 0.5) * grid.cell_m);
   result->PutScalar<double>("map/grid/cell_m", grid.cell_m);
@@ -262,10 +262,10 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules,
   std::vector<std::int32_t> identity;
   for (const Landmark& l : landmarks) identity.push_back(l.type < rules.types ? l.type : -1);
   result->PutVector("map/landmark_identity", identity);
-  if (rules.kinds.count == 1) return;
-  std::vector<std::int32_t> kind;
-  for (const Landmark& l : landmarks) kind.push_back(l.type < rules.types ? -1 : l.kind);
-  result->PutVector("map/landmark_type", kind);
+  if (rules.classes.count == 1) return;
+  std::vector<std::int32_t> landmark_class;
+  for (const Landmark& l : landmarks) landmark_class.push_back(l.type < rules.types ? -1 : l.landmark_class);
+  result->PutVector("map/landmark_type", landmark_class);
 }
 
 // A given map that no iteration has touched.
@@ -277,7 +277,7 @@ bool IsGivenMap(const Inputs& inputs, const LayeredGrid& counts) {
 LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs,
                      const LayeredGrid& counts) {
   if (IsGivenMap(inputs, counts)) return ReadGivenMap(*inputs.Get("map"), log, settings).map;
-  return MapOf(counts, settings.map);
+  return MapFromCounts(counts, settings.map);
 }
 
 }  // namespace
@@ -321,14 +321,14 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   std::vector<Associated> associated;
   for (std::size_t r = 0; r < robots.size(); ++r) associated.push_back(AssociatedIn(sum.SummariesOf(r)));
   const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
-  // Which kind a landmark is of only the counts tell.
-  if (settings.map.kinds.count == 1 && !IsGivenMap(inputs, counts) && !settings.incremental) {
+  // Which class a landmark is of only the counts tell.
+  if (settings.map.classes.count == 1 && !IsGivenMap(inputs, counts) && !settings.incremental) {
     FindInImages(settings, inputs, sum, odometry, &landmarks, &associated);
   }
   Blob result;
   result.Put("robots", log.at("robots"));
   result.Put("landmarks", log.at("landmarks"));
-  if (settings.map.kinds.count > 1) result.Put("types", log.at("types"));
+  if (settings.map.classes.count > 1) result.Put("types", log.at("types"));
   result.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";

@@ -34,32 +34,34 @@ std::string SlicesGuessed(const State& state, std::size_t robot) {
 
 class RoundPlanner {
  public:
-  RoundPlanner(const Options& options, const Schedule& schedule, const Carried& carried, proto::Step* plan)
-      : options_(options), schedule_(schedule), carried_(carried), plan_(plan) {}
+  RoundPlanner(const Options& options, const Schedule& schedule, const RobotStates& robot_states,
+               proto::Step* plan)
+      : options_(options), schedule_(schedule), robot_states_(robot_states), plan_(plan) {}
 
   void AddRobot(std::size_t robot, const std::string& name) {
-    const int count = StepsInUse(schedule_, carried_.step_counts[robot]);
-    const OfRobot of{robot, name, count, SlicesGuessed(plan_->state(), robot)};
+    const int count = StepsInUse(schedule_, robot_states_.step_counts[robot]);
+    const RobotChain chain{robot, name, count, SlicesGuessed(plan_->state(), robot)};
     if (options_.incremental) {
-      AddTask("incremental", of, 0, kNone, kNone, kNone);
+      AddTask("incremental", chain, 0, kNone, kNone, kNone);
       return;
     }
-    const int slices = of.guessed.empty()
-                           ? SlicesFor(carried_.work[robot], 1e6 * options_.slice_mcells, count)
-                           : static_cast<int>(of.guessed.size());
+    const int slices = chain.guessed.empty()
+                           ? SlicesFor(robot_states_.work[robot], 1e6 * options_.slice_mcells, count)
+                           : static_cast<int>(chain.guessed.size());
     std::vector<std::int64_t> guess(static_cast<std::size_t>(slices), kNone);
-    for (std::size_t s = 0; s < of.guessed.size(); ++s) {
-      if (of.guessed[s] == kIsGuessed)
-        guess[s] = AddTask("guess", of, static_cast<int>(s), kNone, kNone, kNone);
+    for (std::size_t s = 0; s < chain.guessed.size(); ++s) {
+      if (chain.guessed[s] == kIsGuessed)
+        guess[s] = AddTask("guess", chain, static_cast<int>(s), kNone, kNone, kNone);
     }
     std::vector<std::int64_t> forward{kNone};  // [s]: the task that ends where slice s begins
     for (int s = 0; s + 1 < slices; ++s) {
-      forward.push_back(AddTask("forward", of, s, forward.back(), kNone, guess[static_cast<std::size_t>(s)]));
+      forward.push_back(
+          AddTask("forward", chain, s, forward.back(), kNone, guess[static_cast<std::size_t>(s)]));
     }
     std::int64_t beta = kNone;
     for (int s = slices - 1; s >= 0; --s) {
       const auto at = static_cast<std::size_t>(s);
-      beta = AddTask("backward", of, s, forward[at], beta, guess[at]);
+      beta = AddTask("backward", chain, s, forward[at], beta, guess[at]);
       backward_.push_back(beta);
     }
   }
@@ -72,27 +74,27 @@ class RoundPlanner {
   }
 
  private:
-  struct OfRobot {
+  struct RobotChain {
     std::size_t robot;
     const std::string& name;
     int count;
     std::string guessed;
   };
 
-  std::int64_t AddTask(const char* kind, const OfRobot& of, int slice, std::int64_t before, std::int64_t beta,
-                       std::int64_t guess) {
-    TaskBuilder task(kind, UsOf(kind, of, slice), plan_);
-    task.Set("robot", of.robot).Set("name", of.name).Set("count", of.count);
+  std::int64_t AddTask(const char* kind, const RobotChain& chain, int slice, std::int64_t before,
+                       std::int64_t beta, std::int64_t guess) {
+    TaskBuilder task(kind, UsOf(kind, chain, slice), plan_);
+    task.Set("robot", chain.robot).Set("name", chain.name).Set("count", chain.count);
     task.Set("work", 1e6 * options_.slice_mcells)
-        .Set("overlap", carried_.overlap[of.robot])
+        .Set("overlap", robot_states_.overlap[chain.robot])
         .Set("slice", slice);
-    VisitOdometry(carried_.odometry[of.robot],
+    VisitOdometry(robot_states_.odometry[chain.robot],
                   [&](const char* figure, double value) { task.Set(figure, value); });
     task.Set("summarise", schedule_.summarise).Set("joint", schedule_.robots > 1);
-    task.Read("settings").Read("steps", "steps/" + std::to_string(of.robot));
+    task.Read("settings").Read("steps", "steps/" + std::to_string(chain.robot));
     if (plan_->state().blobs().contains("perception")) task.Read("perception");
     if (schedule_.summarise) task.Read("landmarks");
-    if (!of.guessed.empty()) task.Read("guesses", kGuesses + std::to_string(of.robot));
+    if (!chain.guessed.empty()) task.Read("guesses", kGuesses + std::to_string(chain.robot));
     if (before != kNone) task.ReadPartial("before", before);
     if (beta != kNone) task.ReadPartial("beta", beta);
     if (guess != kNone) task.ReadPartial("guess", guess);
@@ -100,8 +102,8 @@ class RoundPlanner {
   }
 
   // Slices are filled one after the other: of those in reserve nothing is expected.
-  double UsOf(const std::string& kind, const OfRobot& of, int slice) const {
-    const double slice_cells = 1e6 * options_.slice_mcells, cells = carried_.work[of.robot];
+  double UsOf(const std::string& kind, const RobotChain& chain, int slice) const {
+    const double slice_cells = 1e6 * options_.slice_mcells, cells = robot_states_.work[chain.robot];
     const double here =
         kind == "incremental" ? cells : std::clamp(cells - slice * slice_cells, 0.0, slice_cells);
     const bool map = plan_->state().blobs().contains("perception");
@@ -110,7 +112,7 @@ class RoundPlanner {
 
   const Options& options_;
   const Schedule& schedule_;
-  const Carried& carried_;
+  const RobotStates& robot_states_;
   proto::Step* plan_;
   std::vector<std::int64_t> backward_;  // tasks
 };
@@ -129,7 +131,7 @@ int StepsInUse(const Schedule& schedule, std::int64_t steps) {
                     static_cast<int>(steps));
 }
 
-void Carried::Store(State* state) const {
+void RobotStates::Store(State* state) const {
   for (const auto& [name, hash] : blobs) (*state->mutable_blobs())[name] = hash;
   for (std::size_t r = 0; r < step_counts.size(); ++r) {
     const std::string number = std::to_string(r);
@@ -143,21 +145,21 @@ void Carried::Store(State* state) const {
   }
 }
 
-Carried Carried::Load(const State& state, std::size_t robots) {
-  Carried carried;
-  carried.blobs["settings"] = state.blobs().at("settings");
+RobotStates RobotStates::Load(const State& state, std::size_t robots) {
+  RobotStates robot_states;
+  robot_states.blobs["settings"] = state.blobs().at("settings");
   for (std::size_t r = 0; r < robots; ++r) {
     const std::string number = std::to_string(r);
-    carried.blobs["steps/" + number] = state.blobs().at("steps/" + number);
-    carried.step_counts.push_back(state.scalars().at("steps/" + number).i());
-    carried.work.push_back(state.scalars().at("work/" + number).d());
-    carried.sharp.push_back(state.scalars().at("sharp/" + number).d());
-    carried.overlap.push_back(state.scalars().at("overlap/" + number).i());
-    VisitOdometry(carried.odometry.emplace_back(), [&](const char* name, double& value) {
+    robot_states.blobs["steps/" + number] = state.blobs().at("steps/" + number);
+    robot_states.step_counts.push_back(state.scalars().at("steps/" + number).i());
+    robot_states.work.push_back(state.scalars().at("work/" + number).d());
+    robot_states.sharp.push_back(state.scalars().at("sharp/" + number).d());
+    robot_states.overlap.push_back(state.scalars().at("overlap/" + number).i());
+    VisitOdometry(robot_states.odometry.emplace_back(), [&](const char* name, double& value) {
       value = state.scalars().at(name + ("/" + number)).d();
     });
   }
-  return carried;
+  return robot_states;
 }
 
 OdometryFit OdometryOf(const Task& task) {
@@ -167,10 +169,10 @@ OdometryFit OdometryOf(const Task& task) {
 }
 
 void PlanRound(const Options& options, const std::vector<std::string>& robots, const Schedule& schedule,
-               const Carried& carried, const std::map<std::string, Blob>& fresh, cairn::Step* step) {
+               const RobotStates& robot_states, const std::map<std::string, Blob>& fresh, cairn::Step* step) {
   State& state = *step->plan.mutable_state();
   schedule.Store(&state);
-  carried.Store(&state);
+  robot_states.Store(&state);
   for (const auto& [name, blob] : fresh) (*state.mutable_blobs())[name] = step->Share(blob);
   PlanTasks(options, robots, &step->plan);
 }
@@ -190,13 +192,13 @@ void GuessNothing(State* state) {
 
 void PlanTasks(const Options& options, const std::vector<std::string>& robots, proto::Step* plan) {
   const Schedule schedule = Schedule::Load(plan->state());
-  const Carried carried = Carried::Load(plan->state(), robots.size());
-  RoundPlanner planner(options, schedule, carried, plan);
+  const RobotStates robot_states = RobotStates::Load(plan->state(), robots.size());
+  RoundPlanner planner(options, schedule, robot_states, plan);
   for (std::int64_t r = 0; r < schedule.robots; ++r) {
     planner.AddRobot(static_cast<std::size_t>(r), robots[static_cast<std::size_t>(r)]);
   }
   if (!schedule.summarise) planner.AddMStep(robots.size());
-  ExpectEm(options, schedule, carried, plan);
+  ExpectEm(options, schedule, robot_states, plan);
 }
 
 }  // namespace cairn::landmark_map

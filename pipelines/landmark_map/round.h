@@ -14,7 +14,7 @@
 namespace cairn::landmark_map {
 
 // What the State carries from round to round besides the schedule.
-struct Carried {
+struct RobotStates {
   std::map<std::string, std::string> blobs;  // name -> hash: settings, steps/N
   std::vector<std::int64_t> step_counts;     // per robot
   std::vector<OdometryFit> odometry;         // per robot
@@ -23,7 +23,7 @@ struct Carried {
   std::vector<std::int64_t> overlap;         // per robot: steps by which guesses overlap (speculation.h)
 
   void Store(State* state) const;
-  static Carried Load(const State& state, std::size_t robots);
+  static RobotStates Load(const State& state, std::size_t robots);
 };
 
 // Expected counts as rounds keep them.
@@ -43,7 +43,7 @@ OdometryFit OdometryOf(const Task& task);
 // they left nothing, tasks are empty. Where slices are guessed, the tasks `guess` run side by side before,
 // and the others take what was guessed right.
 void PlanRound(const Options& options, const std::vector<std::string>& robots, const Schedule& schedule,
-               const Carried& carried, const std::map<std::string, Blob>& fresh, cairn::Step* step);
+               const RobotStates& robot_states, const std::map<std::string, Blob>& fresh, cairn::Step* step);
 
 // Before PlanRound: the slices of a robot of which some are guessed, from the blob guesses/N.
 void GuessSlices(std::size_t robot, const std::vector<bool>& which, State* state);

@@ -110,14 +110,14 @@ std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, 
 }
 
 std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, const Settings& settings,
-                                      double leg_m) {
+                                      double increment_m) {
   const double step = DriftStep(settings.starts) * settings.noise.heading_drift_rad_per_m;
   std::vector<Proposal> proposals;
   if (!(step > 0.0)) return proposals;
   double tried = 0.0;
   for (const Candidate& c : candidates) tried = std::max(tried, std::abs(c.start.drift_rad_per_m));
   const double furthest = kFurthest * settings.noise.heading_drift_rad_per_m;
-  const double last = std::min(std::min(2.0 * tried, furthest) + 0.5 * step, kMostTurn_rad / leg_m);
+  const double last = std::min(std::min(2.0 * tried, furthest) + 0.5 * step, kMostTurn_rad / increment_m);
   for (double drift = tried + step; drift < last; drift += step) {
     for (const double prefix : {1.0, kShorter}) {
       for (const double side : {-1.0, 1.0})

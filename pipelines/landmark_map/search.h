@@ -65,12 +65,12 @@ std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, 
 
 // What to try where too few starts agree on the best map: starts from odometry with drifts beyond all that
 // were tried, up to twice as far to either side, to eight nominal standard deviations. Data sheets err, and a
-// drift that no start comes near cannot be found from a map that is wrong. `leg_m`, the way from one
-// observation to the next, ends it where a drift turns the robot by an eighth of a circle on one: that makes
-// other polygons of the same way.
+// drift that no start comes near cannot be found from a map that is wrong. `increment_m`, the distance from
+// one observation to the next, ends it where a drift turns the robot by an eighth of a circle on one: that
+// makes other polygons of the same way.
 inline constexpr int kEnoughSupport = 3;
 std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, const Settings& settings,
-                                      double leg_m);
+                                      double increment_m);
 
 // What the result says of the search; fields as in schema/FORMAT.md, search/.
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings);

@@ -181,7 +181,7 @@ BlobPtr SearchedMap(const Blob& log, const Options& options) {
   return RunInProcess(LandmarkMap(options), {{"log", std::make_shared<const Blob>(log)}});
 }
 
-// Odometry that drifts by 46 degrees a lap, five times what its nominal figure says: from where odometry is
+// Odometry that drifts by 46 degrees a lap, five times what its noise parameter says: from where odometry is
 // EM takes corners of one lap for new ones in the next.
 TEST(Search, FindsTheCornersWhereOneStartDoesNot) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0, .drift_rad_per_m = 0.01}.Make();

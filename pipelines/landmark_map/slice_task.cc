@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/landmark_map/beginning.h"
 #include "pipelines/landmark_map/estimate.h"
+#include "pipelines/landmark_map/initial_state.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/state/partial.h"
@@ -32,7 +32,7 @@ LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std
 // The steps of a task's slice. Where slices are guessed they are those of the round before; else it goes from
 // where the forward task before it ended to where the backward task after it began, and `forward` tasks may
 // go on to the end of all.
-std::pair<int, int> Range(const Task& task, const Inputs& inputs) {
+std::pair<int, int> SliceBounds(const Task& task, const Inputs& inputs) {
   const auto count = static_cast<int>(task.params().at("count").i());
   int first = 0, end = count;
   if (inputs.Has("before")) first = inputs.Get("before")->Scalar<std::int32_t>("end");
@@ -58,16 +58,16 @@ class SliceTask {
         inputs_(inputs),
         odometry_(OdometryOf(task)),
         settings_(Settings::FromBlob(*inputs.Get("settings"))),
-        loose_(settings_.loose_frame && Param("robot").i() == 0 && Param("joint").b()),
-        anywhere_(loose_ || StartsAnywhere(options, static_cast<std::size_t>(Param("robot").i()))),
+        gauge_free_(settings_.gauge_free && Param("robot").i() == 0 && Param("joint").b()),
+        anywhere_(gauge_free_ || StartsAnywhere(options, static_cast<std::size_t>(Param("robot").i()))),
         steps_(RobotSteps::FromBlob(*inputs.Get("steps")).WithoutDrift(odometry_.drift_rad_per_m)),
         slice_{steps_, first, end, Param("name").s()} {
     settings_.noise = odometry_.Widths(settings_.noise);
     const bool mapped = inputs.Has("perception");
     if (mapped) perception_ = Perception::FromBlob(*inputs.Get("perception"));
     model_ = settings_.Model(mapped ? &perception_ : nullptr);
-    // Where the map has no landmark a first press is false: a thousandth as likely, which it survives only
-    // so.
+    // Where the map has no landmark a first contact detection is false: a thousandth as likely, which it
+    // survives only so.
     constexpr double kWhereLost = 0.1;
     if (anywhere_) model_.prune *= kWhereLost;
   }
@@ -90,7 +90,7 @@ class SliceTask {
     if (const auto guessed = WhatWasGuessed("backward/", before, beta ? &*beta : nullptr)) return *guessed;
     const Alphas alphas = landmark_map::Forward(model_, slice_, before, progress);
     if (!beta) beta = UniformBeta(alphas.tables.back());
-    RefuseElsewhere(*beta, alphas.tables.back());
+    CheckSameBoxes(*beta, alphas.tables.back());
     Blob partial = BackwardPartial(alphas, before, std::move(*beta), progress);
     if (inputs_.Has("guess")) partial.PutScalar<std::int32_t>("confirmed", 0);
     return partial;
@@ -189,7 +189,7 @@ class SliceTask {
                : ForwardOnly(slice_, alphas, before, visitor);
     Blob partial = builder.Finish(alphas);
     // Where the frame lies is nobody's luck: what fits as well in it as in the origin's is as likely.
-    if (loose_ && slice_.first == 0) {
+    if (gauge_free_ && slice_.first == 0) {
       const double starts = static_cast<double>(before.cells());
       partial.PutScalar<double>("log_likelihood", alphas.log_likelihood + std::log(starts));
     }
@@ -205,7 +205,7 @@ class SliceTask {
     (at < 0 ? before : alphas.tables[static_cast<std::size_t>(at)]).StoreSparse("warm/", partial);
   }
 
-  static void RefuseElsewhere(const LayeredGrid& beta, const LayeredGrid& alpha) {
+  static void CheckSameBoxes(const LayeredGrid& beta, const LayeredGrid& alpha) {
     for (std::size_t c = 0; c < beta.layers.size(); ++c) {
       if (beta.layers[c].box != alpha.layers[c].box)
         throw InputError("the input 'beta' does not lie where alpha does, in layer " + std::to_string(c));
@@ -217,10 +217,12 @@ class SliceTask {
     visitor.step = [this, builder, table_bytes](int step, const LayeredGrid& belief) {
       builder->Add(step, belief);
       const double counts = sizeof(double) * static_cast<double>(builder->counts().cells());
-      RefuseMemory("alphas and counts", table_bytes + counts, settings_.memory_mb);
+      RequireMemory("alphas and counts", table_bytes + counts, settings_.memory_mb);
     };
     if (options_.calibrate) {
-      visitor.leg = [builder](int step, const HalfTurn& posterior) { builder->AddLeg(step, posterior); };
+      visitor.increment = [builder](int step, const HalfTurn& posterior) {
+        builder->AddIncrement(step, posterior);
+      };
     }
     return visitor;
   }
@@ -232,7 +234,7 @@ class SliceTask {
   const Inputs& inputs_;
   const OdometryFit odometry_;
   Settings settings_;
-  const bool loose_;  // the first robot, whose start is the frame's origin no more
+  const bool gauge_free_;  // the first robot, whose start is the frame's origin no more
   const bool anywhere_;
   const RobotSteps steps_;
   const Slice slice_;
@@ -243,7 +245,7 @@ class SliceTask {
 }  // namespace
 
 Blob RunSlice(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  const auto [first, end] = Range(task, inputs);
+  const auto [first, end] = SliceBounds(task, inputs);
   if (first == end) {  // an empty slice
     Blob partial;
     partial.PutScalar<std::int32_t>(task.kind() == "forward" ? "end" : "first", end);

@@ -31,16 +31,16 @@ struct SquareLog {
     std::vector<std::int32_t> landmark;
     const double nan = std::numeric_limits<double>::quiet_NaN();
     double t = 0;
-    const int legs = static_cast<int>(side_m);
+    const int increments = static_cast<int>(side_m);
     for (int lap = 0; lap < laps; ++lap) {
       for (int corner = 0; corner < 4; ++corner) {
-        for (int k = 0; k < legs; ++k) {
+        for (int k = 0; k < increments; ++k) {
           const bool first = k == 0 && (lap > 0 || corner > 0);
           time.push_back(t += 1);
           turn.push_back((first ? std::numbers::pi / 2 : 0.0) + drift_rad_per_m +
                          walk_rad_per_sqrt_m * rng.Normal());
           forward.push_back(1.0 + 0.01 * rng.Normal());
-          if (ranged && k == legs / 2)
+          if (ranged && k == increments / 2)
             See(t, (corner + 1) % 4, side_m - k - 1, &seen_s, &landmark, &range, &bearing);
         }
         if (ranged) continue;

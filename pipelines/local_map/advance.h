@@ -6,7 +6,8 @@
 
 namespace cairn::local_map {
 
-// Phases: twice how walls lie; traces; several times pairs, each followed by the assembly; the result.
+// Phases: twice how walls lie; traces; several times pairs, each followed by the optimization of the pose
+// graph; the result.
 Step AdvanceLocalMap(const Options& options, const State& state, Partials& partials, const Inputs& inputs);
 
 // Inputs: `traces`, rows of `surroundings` and of `pairs`. [pairs] z_m, u_m, sd_z_m, sd_u_m, confidence, ...

@@ -10,7 +10,7 @@
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/tasks/follow_task.h"
 #include "pipelines/local_map/tasks/orientation_task.h"
-#include "pipelines/local_map/tasks/sweep_reader.h"
+#include "pipelines/local_map/tasks/scan_reader.h"
 #include "schema/error.h"
 
 namespace cairn::local_map {
@@ -30,12 +30,12 @@ void RequireRanges(const Blob& log) {
 }
 
 std::string NoteOf(const std::vector<RobotRuns>& robots, std::size_t unposed) {
-  std::size_t sweeps = 0, cuts = 0;
+  std::size_t scans = 0, cuts = 0;
   for (const RobotRuns& runs : robots) {
-    sweeps += runs.sweeps.size();
+    scans += runs.scans.size();
     cuts += runs.cuts.size();
   }
-  return std::to_string(sweeps) + " sweeps" + (cuts > 0 ? ", cut " + std::to_string(cuts) + " times" : "") +
+  return std::to_string(scans) + " scans" + (cuts > 0 ? ", cut " + std::to_string(cuts) + " times" : "") +
          (unposed > 0 ? ", " + std::to_string(unposed) + " scans without odometry left out" : "");
 }
 
@@ -59,7 +59,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
   RequireRanges(*log);
   const DeadReckoning reckoning = ReckonAll(*log, options_.runs);
   const PosedScans scans = ReadScans(*log, reckoning.poses, options_);
-  const std::vector<RobotRuns> robots = RunsOf(scans, reckoning, options_.runs);
+  const std::vector<RobotRuns> robots = CutRuns(scans, reckoning, options_.runs);
   Step step;
   State& state = *step.plan.mutable_state();
   (*state.mutable_scalars())[kPhase].set_s("walls");
@@ -70,33 +70,33 @@ Step LocalMap::Start(const Inputs& inputs) const {
     blobs[RingsName(r)] = step.Share(RingsBlob(scans, robots[r].sensors));
     blobs[RowsName(r)] = step.Share(RowsOf(robots[r]));
     blobs[CutsName(r)] = step.Share(CutsBlob(robots[r].cuts));
-    for (const Stretch& segment : SegmentsOf(r, robots[r].sweeps, options_))
-      AddSweepTask("walls", kWallsUs, segment, RowsName(r), &step.plan);
+    for (const Stretch& segment : CutSegments(r, robots[r].scans, options_))
+      AddScanTask("walls", kWallsUs, segment, RowsName(r), &step.plan);
   }
-  double sweeps = 0;
-  for (const RobotRuns& runs : robots) sweeps += static_cast<double>(runs.sweeps.size());
-  ExpectRest("walls", options_, 0, sweeps, -1, &step.plan);
+  double scan_count = 0;
+  for (const RobotRuns& runs : robots) scan_count += static_cast<double>(runs.scans.size());
+  ExpectRest("walls", options_, 0, scan_count, -1, &step.plan);
   step.plan.set_note(NoteOf(robots, scans.unposed));
   return step;
 }
 
 namespace {
 
-Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& grid, SweepReader* sweeps,
+Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& grid, ScanReader* scans,
                   Progress& progress, const RecordOptions& options) {
   const auto first = static_cast<std::size_t>(task.params().at("first").i());
   const auto own = static_cast<std::size_t>(task.params().at("own").i());
   const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
-  std::vector<std::int64_t> knots;
-  if (inputs.Has("knots")) {
-    const BlobPtr blob = inputs.Get("knots");
-    for (const std::int64_t sweep : blob->Get<std::int64_t>("sweep"))
-      knots.push_back(sweep - static_cast<std::int64_t>(first));
+  std::vector<std::int64_t> nodes;
+  if (inputs.Has("nodes")) {
+    const BlobPtr blob = inputs.Get("nodes");
+    for (const std::int64_t scan : blob->Get<std::int64_t>("scan"))
+      nodes.push_back(scan - static_cast<std::int64_t>(first));
   }
   const BlobPtr log = inputs.Get("log");
   const std::string hints = "robot/" + std::to_string(robot) + "/hints/time_s";
   Recorded recorded =
-      Record(*sweeps, own, knots, log->Has(hints) ? log->Get<double>(hints) : std::span<const double>(), grid,
+      Record(*scans, own, nodes, log->Has(hints) ? log->Get<double>(hints) : std::span<const double>(), grid,
              options, progress);
   for (RecordedTrace& trace : recorded.traces) {
     trace.robot = robot;
@@ -107,23 +107,23 @@ Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& gri
   Blob snapshot;
   recorded.snapshot.Put(&snapshot);
   partial.PutAll("snapshot/", snapshot);
-  partial.PutScalar("last", static_cast<std::int64_t>(first + sweeps->size()) - 1);
-  partial.PutVector("knot_features", recorded.knots.features);
-  partial.PutVector("knot_robot", recorded.knots.robot);
+  partial.PutScalar("last", static_cast<std::int64_t>(first + scans->size()) - 1);
+  partial.PutVector("node_features", recorded.nodes.features);
+  partial.PutVector("node_robot", recorded.nodes.robot);
   return partial;
 }
 
-Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, SweepReader* sweeps,
+Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, ScanReader* scans,
                Progress& progress) {
-  const std::vector<Sweep> rows = SweepsOf(*inputs.Get("rows"));
+  const std::vector<Scan> rows = ScansOf(*inputs.Get("rows"));
   std::vector<double> moved_m(rows.size());
   for (std::size_t s = 1; s < rows.size(); ++s) {
     if (rows[s].run == rows[s - 1].run) continue;
-    moved_m[s] = rows[s].jumped ? options.knots.jump_m : options.knots.gap_m;
+    moved_m[s] = rows[s].jumped ? options.nodes.jump_m : options.nodes.gap_m;
   }
   const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
   Blob partial;
-  partial.PutAll("positions/", Follow(*sweeps, robot, TracesOf(*inputs.Get("traces"), options.grid.cell_m),
+  partial.PutAll("positions/", Follow(*scans, robot, ReadTraces(*inputs.Get("traces"), options.grid.cell_m),
                                       ConnectionsOfBlob(*inputs.Get("connections")), moved_m, options.grid,
                                       options.localizer, progress));
   return partial;
@@ -133,15 +133,15 @@ Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, S
 
 Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   if (task.kind() == "pairs") return MatchPairs(inputs, options_, progress);
-  SweepReader sweeps(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
+  ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
   Blob partial;
   if (task.kind() == "walls") {
     const auto own = static_cast<std::size_t>(task.params().at("own").i());
-    partial = WatchWalls(sweeps, own, options_.grid, progress);
+    partial = WatchWalls(scans, own, options_.grid, progress);
   } else if (task.kind() == "traces") {
-    partial = RecordTraces(task, inputs, options_.grid, &sweeps, progress, options_.record);
+    partial = RecordTraces(task, inputs, options_.grid, &scans, progress, options_.record);
   } else {
-    partial = FollowAll(task, inputs, options_, &sweeps, progress);
+    partial = FollowAll(task, inputs, options_, &scans, progress);
   }
   partial.PutScalar("robot", task.params().at("robot").i());
   return partial;

@@ -31,11 +31,11 @@ Blob RoomLog(int laps, int missing = 0, int jump_at = -1) {
     time.push_back(0.2 * (k + 1));
     turn.push_back(by * 1.01 + 0.0004 + 0.002 * rng.Normal());
     forward.push_back(k == jump_at ? 4 : 0.08 * 1.01);
-    std::vector<double> sweep = SonarSweep(walls, pose, 0, rng);
-    for (int b = 0; b < missing; ++b) sweep[static_cast<std::size_t>(b)] = std::nan("");
-    for (double& r : sweep)
+    std::vector<double> scan = SonarScan(walls, pose, 0, rng);
+    for (int b = 0; b < missing; ++b) scan[static_cast<std::size_t>(b)] = std::nan("");
+    for (double& r : scan)
       if (r > 5) r = std::nan("");
-    range.insert(range.end(), sweep.begin(), sweep.end());
+    range.insert(range.end(), scan.begin(), scan.end());
     x.push_back(pose.x_m);
     y.push_back(pose.y_m);
     heading.push_back(std::remainder(pose.heading_rad, 2 * M_PI));

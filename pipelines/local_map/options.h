@@ -6,11 +6,11 @@
 
 #include "pipelines/common/options.h"
 #include "pipelines/local_map/grids/grid_options.h"
-#include "pipelines/local_map/path/assemble.h"
-#include "pipelines/local_map/path/knots.h"
 #include "pipelines/local_map/path/localizer.h"
+#include "pipelines/local_map/path/nodes.h"
 #include "pipelines/local_map/path/orientation_track.h"
 #include "pipelines/local_map/path/pairs.h"
+#include "pipelines/local_map/path/pose_graph.h"
 #include "pipelines/local_map/path/runs.h"
 #include "pipelines/local_map/tasks/trace_task.h"
 
@@ -23,13 +23,13 @@ struct Options {
   RunOptions runs;
   OrientationOptions orientation;
   RecordOptions record;
-  KnotOptions knots;
+  NodeOptions nodes;
   PairOptions pairs;
   std::int64_t loop_rounds = 3;
   LocalizerOptions localizer;
-  AssemblyOptions assembly;
-  std::int64_t segment_sweeps = 500;
-  std::int64_t warm_up_sweeps = 60;
+  PoseGraphOptions pose_graph;
+  std::int64_t segment_scans = 500;
+  std::int64_t warm_up_scans = 60;
 };
 
 template <class V>
@@ -52,17 +52,19 @@ void VisitOptions(V& visit, Options& o) {
         o.orientation.walk_rad_per_sqrt_m);
   visit(Option{"turn_ratio", "", 0, 1, "sd of a turn's error by odometry, a fraction of the turn, likewise"},
         o.orientation.turn_ratio);
-  visit(Option{"walls_sd_rad", "rad", 1e-4, 1, "sd of the walls' orientation as one sweep shows it"},
+  visit(Option{"walls_sd_rad", "rad", 1e-4, 1, "sd of the walls' orientation as one scan shows it"},
         o.orientation.seen_rad);
-  visit(Option{"trace_least_m", "m", 0.2, 100, "a trace over a shorter way is none"}, o.record.least_m);
-  visit(Option{"knot_m", "m", 0.1, 10, "of way, after which what is around the robot is matched with traces"},
-        o.knots.apart_m);
-  visit(Option{"way_sd", "sqrt(m)", 1e-4, 1, "sd of a way of 1 m by odometry, along it"}, o.knots.along_sd);
+  visit(Option{"trace_least_m", "m", 0.2, 100, "a trace over a shorter distance is none"}, o.record.least_m);
+  visit(Option{"node_m", "m", 0.1, 10,
+               "travelled, after which what is around the robot is matched with traces"},
+        o.nodes.apart_m);
+  visit(Option{"along_sd", "sqrt(m)", 1e-4, 1, "sd of 1 m travelled by odometry, along it"},
+        o.nodes.along_sd);
   visit(Option{"aside_sd", "sqrt(m)", 1e-4, 1, "likewise to its side, once headings are corrected"},
-        o.knots.across_sd);
+        o.nodes.across_sd);
   visit(Option{"loop_rounds", "", 0, 20, "rounds of matching, each around the path that the one before gave"},
         o.loop_rounds);
-  visit(Option{"loop_m", "m", 0.5, 1e6, "of way between two places that are matched, at least"},
+  visit(Option{"loop_m", "m", 0.5, 1e6, "travelled between two places that are matched, at least"},
         o.pairs.loop_m);
   visit(Option{"loop_aside_m", "m", 0, 10, "to the side of a trace's way that a place may be, to be matched"},
         o.pairs.aside_m);
@@ -74,24 +76,24 @@ void VisitOptions(V& visit, Options& o) {
         o.pairs.confidence);
   visit(Option{"loop_range_m", "m", 0.05, 10, "searched around where the path says, at least"},
         o.pairs.range_m);
-  visit(Option{"loop_range_ratio", "", 0, 1, "more for each metre of way between"}, o.pairs.range_per_m);
+  visit(Option{"loop_range_ratio", "", 0, 1, "more for each metre travelled between"}, o.pairs.range_per_m);
   visit(Option{"loop_most_m", "m", 0.05, 10, "but no more than that"}, o.pairs.most_m);
   visit(Option{"loop_null", "", -10, 10, "similarity a comparable side that unrelated places reach"},
         o.pairs.find.null_score);
   visit(Option{"loop_gate", "", 0.5, 100,
                "standard deviations beyond which a loop contradicts the rest and is not followed"},
-        o.assembly.gate);
-  visit(Option{"range_per_m", "", 0, 1, "by which the live localizer's ranges grow, a metre of way"},
+        o.pose_graph.gate);
+  visit(Option{"range_per_m", "", 0, 1, "by which the live localizer's ranges grow, a metre travelled"},
         o.localizer.range_per_m);
   visit(Option{"range_least_m", "m", 0.01, 10, "they never fall below"}, o.localizer.least_m);
   visit(Option{"range_most_m", "m", 0.1, 10, "nor grow beyond, unless the robot is lost"},
         o.localizer.most_m);
-  visit(Option{"lost_m", "m", 0.1, 1e6, "of way without any correction, after which the robot is lost"},
+  visit(Option{"lost_m", "m", 0.1, 1e6, "travelled without any correction, after which the robot is lost"},
         o.localizer.lost_m);
   visit(Option{"lost_range_m", "m", 0.1, 10, "ranges grow up to this then"}, o.localizer.lost_most_m);
-  visit(Option{"segment_sweeps", "", 50, 1e6, "sweeps of a task"}, o.segment_sweeps);
-  visit(Option{"warm_up_sweeps", "", 0, 1e5, "sweeps before a task's own, from which its grids begin"},
-        o.warm_up_sweeps);
+  visit(Option{"segment_scans", "", 50, 1e6, "scans of a task"}, o.segment_scans);
+  visit(Option{"warm_up_scans", "", 0, 1e5, "scans before a task's own, from which its grids begin"},
+        o.warm_up_scans);
 }
 
 }  // namespace cairn::local_map

@@ -5,13 +5,13 @@
 
 namespace cairn::local_map {
 
-std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& sweeps, const Options& options) {
-  const auto most = static_cast<std::size_t>(options.segment_sweeps);
-  const auto warm_up = static_cast<std::size_t>(options.warm_up_sweeps);
+std::vector<Stretch> CutSegments(std::size_t robot, const std::vector<Scan>& scans, const Options& options) {
+  const auto most = static_cast<std::size_t>(options.segment_scans);
+  const auto warm_up = static_cast<std::size_t>(options.warm_up_scans);
   std::vector<Stretch> segments;
-  for (std::size_t begin = 0; begin < sweeps.size();) {
+  for (std::size_t begin = 0; begin < scans.size();) {
     std::size_t end = begin + 1;
-    while (end < sweeps.size() && sweeps[end].run == sweeps[begin].run) ++end;
+    while (end < scans.size() && scans[end].run == scans[begin].run) ++end;
     const std::size_t pieces = (end - begin + most - 1) / most;
     for (std::size_t k = 0; k < pieces; ++k) {
       const std::size_t own = begin + k * (end - begin) / pieces;
@@ -23,10 +23,10 @@ std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& swe
   return segments;
 }
 
-TaskBuilder AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch,
-                         const std::string& rows_name, proto::Step* plan) {
+TaskBuilder AddScanTask(const char* kind, double us_of_scan, const Stretch& stretch,
+                        const std::string& rows_name, proto::Step* plan) {
   const auto count = static_cast<std::int64_t>(stretch.end - stretch.first);
-  TaskBuilder task(kind, us_of_sweep * static_cast<double>(count), plan);
+  TaskBuilder task(kind, us_of_scan * static_cast<double>(count), plan);
   task.Set("robot", stretch.robot)
       .Set("first", stretch.first)
       .Set("own", stretch.own - stretch.first)
@@ -38,27 +38,27 @@ TaskBuilder AddSweepTask(const char* kind, double us_of_sweep, const Stretch& st
 
 namespace {
 
-// Of ADVANCE, a sweep: after each kind of round. Pairs that are usual of a sweep, in each round.
+// Of ADVANCE, a scan: after each kind of round. Pairs that are usual of a scan, in each round.
 constexpr double kTrackUs = 60, kPlanUs = 15, kJoinUs = 10, kKeepUs = 1, kUsualPairs = 0.8;
 
 }  // namespace
 
 double PairUs(std::int64_t round) { return kPairUs * std::pow(0.6, static_cast<double>(round - 1)); }
 
-void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double sweeps,
+void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double scans,
                 double pairs, proto::Step* plan) {
-  const double walls = sweeps * kWallsUs, traces = sweeps * kTracesUs, follow = sweeps * kFollowUs;
+  const double walls = scans * kWallsUs, traces = scans * kTracesUs, follow = scans * kFollowUs;
   const double robots = static_cast<double>(plan->state().scalars().at(kRobots).i());
   const bool is_walls = kind == "walls" || kind == "walls again";
-  plan->set_advance_cost(sweeps * (is_walls           ? kTrackUs
-                                   : kind == "traces" ? kPlanUs
-                                   : kind == "pairs"  ? kJoinUs
-                                                      : kKeepUs));
-  if (kind == "walls") ExpectRounds(1, walls + sweeps * kTrackUs, 0, plan);
-  if (is_walls) ExpectRounds(1, traces + sweeps * kPlanUs, 0, plan);
-  const double of_round = pairs < 0 ? kUsualPairs * sweeps : pairs;
+  plan->set_advance_cost(scans * (is_walls           ? kTrackUs
+                                  : kind == "traces" ? kPlanUs
+                                  : kind == "pairs"  ? kJoinUs
+                                                     : kKeepUs));
+  if (kind == "walls") ExpectRounds(1, walls + scans * kTrackUs, 0, plan);
+  if (is_walls) ExpectRounds(1, traces + scans * kPlanUs, 0, plan);
+  const double of_round = pairs < 0 ? kUsualPairs * scans : pairs;
   for (std::int64_t next = round + 1; kind != "follow" && next <= options.loop_rounds; ++next)
-    ExpectRounds(1, of_round * PairUs(next) + sweeps * kJoinUs, 0, plan);
+    ExpectRounds(1, of_round * PairUs(next) + scans * kJoinUs, 0, plan);
   if (kind != "follow") ExpectRounds(1, follow, robots, plan);
 }
 

@@ -16,33 +16,33 @@ namespace cairn::local_map {
 inline std::string RingsName(std::size_t r) { return "rings " + std::to_string(r); }
 inline std::string RowsName(std::size_t r) { return "rows " + std::to_string(r); }  // RowsOf
 inline std::string PathName(std::size_t r) { return "path " + std::to_string(r); }  // RowsOf, corrected poses
-inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // of each sweep
-inline std::string KnotsName(std::size_t r) { return "knots " + std::to_string(r); }  // sweeps of knots
+inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // of each scan
+inline std::string NodesName(std::size_t r) { return "nodes " + std::to_string(r); }  // scans of nodes
 inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
 inline constexpr char kLogInput[] = "log", kPhase[] = "phase", kRobots[] = "robots", kRound[] = "round";
 inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";
 inline constexpr char kPlaced[] = "placed", kSnapshots[] = "snapshots";
 inline constexpr char kConnections[] = "connections", kResult[] = "result";
 
-// A stretch of sweeps that one task goes through, those before `own` to warm up.
+// A stretch of scans that one task goes through, those before `own` to warm up.
 struct Stretch {
-  std::size_t robot = 0, first = 0, own = 0, end = 0;  // sweeps of the robot
+  std::size_t robot = 0, first = 0, own = 0, end = 0;  // scans of the robot
 };
 
-// Each run by itself, in pieces of about equal length, of `segment_sweeps` at most.
-std::vector<Stretch> SegmentsOf(std::size_t robot, const std::vector<Sweep>& sweeps, const Options& options);
+// Each run by itself, in pieces of about equal length, of `segment_scans` at most.
+std::vector<Stretch> CutSegments(std::size_t robot, const std::vector<Scan>& scans, const Options& options);
 
-// Microseconds of a core: a sweep of a task of each kind, and a pair, which is looked at less far in each
+// Microseconds of a core: a scan of a task of each kind, and a pair, which is looked at less far in each
 // round than in the one before.
 inline constexpr double kWallsUs = 12, kTracesUs = 50, kFollowUs = 300, kPairUs = 600;
 double PairUs(std::int64_t round);
-// After the tasks: what ADVANCE takes, and what is expected to follow a round of `kind`, by the sweeps of all
+// After the tasks: what ADVANCE takes, and what is expected to follow a round of `kind`, by the scans of all
 // robots and the pairs of the round (below 0: not known yet).
-void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double sweeps,
+void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double scans,
                 double pairs, proto::Step* plan);
 
-// A task that reads sweeps [first, end) of the rows `rows_name` of the state.
-TaskBuilder AddSweepTask(const char* kind, double us_of_sweep, const Stretch& stretch,
-                         const std::string& rows_name, proto::Step* plan);
+// A task that reads scans [first, end) of the rows `rows_name` of the state.
+TaskBuilder AddScanTask(const char* kind, double us_of_scan, const Stretch& stretch,
+                        const std::string& rows_name, proto::Step* plan);
 
 }  // namespace cairn::local_map

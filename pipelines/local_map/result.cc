@@ -37,15 +37,15 @@ struct ConnectionColumns {
   std::vector<std::uint8_t> used;
 };
 
-// Where the assembled path has a point, in a trace's frame.
+// Where the optimized path has a point, in a trace's frame.
 Position OnTrace(const Parts& parts, std::size_t t, const Point& at) {
   const RecordedTrace& trace = parts.traces[t];
-  const Point by = MovedBy(trace, parts.knots);
+  const Point by = MovedBy(trace, parts.nodes);
   return trace.frame.At({at.x_m - by.x_m, at.y_m - by.y_m}, trace.trace.cell_m());
 }
 
-void Add(const Parts& parts, std::size_t from, std::size_t to, int kind, const Sweep& at_from,
-         const Sweep& at_to, double quality, bool used, ConnectionColumns* c) {
+void Add(const Parts& parts, std::size_t from, std::size_t to, int kind, const Scan& at_from,
+         const Scan& at_to, double quality, bool used, ConnectionColumns* c) {
   const Position there = OnTrace(parts, from, {at_from.pose.x_m, at_from.pose.y_m});
   const Position here = OnTrace(parts, to, {at_to.pose.x_m, at_to.pose.y_m});
   c->from.push_back(static_cast<std::int32_t>(from));
@@ -67,22 +67,22 @@ void AddNeighbours(const Parts& parts, ConnectionColumns* c) {
   for (std::size_t t = 1; t < parts.traces.size(); ++t) {
     const RecordedTrace &before = parts.traces[t - 1], &now = parts.traces[t];
     if (before.robot != now.robot) continue;
-    const Sweep &last = parts.sweeps[now.robot][before.end - 1], &first = parts.sweeps[now.robot][now.first];
+    const Scan &last = parts.scans[now.robot][before.end - 1], &first = parts.scans[now.robot][now.first];
     const bool cut = last.run != first.run;
-    const double way_m = first.path_m - last.path_m;
-    Add(parts, t - 1, t, cut ? 1 : 0, last, first, cut ? kAcrossCut : 1 / (1 + way_m), true, c);
+    const double distance_m = first.path_m - last.path_m;
+    Add(parts, t - 1, t, cut ? 1 : 0, last, first, cut ? kAcrossCut : 1 / (1 + distance_m), true, c);
   }
 }
 
 void AddLoops(const Parts& parts, ConnectionColumns* c) {
   for (const Loop& loop : parts.loops) {
-    const Knot& knot = parts.knots[loop.knot];
-    const std::int32_t to = TraceAt(parts, knot.robot, knot.sweep);
+    const PathNode& node = parts.nodes[loop.node];
+    const std::int32_t to = TraceAt(parts, node.robot, node.scan);
     if (to < 0) continue;
-    const std::vector<Sweep>& sweeps = parts.sweeps[knot.robot];
+    const std::vector<Scan>& scans = parts.scans[node.robot];
     const RecordedTrace& trace = parts.traces[loop.trace];
     // What matching does not tell, the path does.
-    const Point placed{sweeps[knot.sweep].pose.x_m, sweeps[knot.sweep].pose.y_m};
+    const Point placed{scans[node.scan].pose.x_m, scans[node.scan].pose.y_m};
     Position at = OnTrace(parts, loop.trace, placed);
     if (!std::isnan(loop.at.z_m)) at.z_m = loop.at.z_m;
     if (!std::isnan(loop.at.u_m)) at.u_m = loop.at.u_m;
@@ -91,12 +91,12 @@ void AddLoops(const Parts& parts, ConnectionColumns* c) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t s = trace.first; s < trace.end; ++s) {
       const double off =
-          std::abs(OnTrace(parts, loop.trace, {sweeps[s].pose.x_m, sweeps[s].pose.y_m}).z_m - at.z_m);
+          std::abs(OnTrace(parts, loop.trace, {scans[s].pose.x_m, scans[s].pose.y_m}).z_m - at.z_m);
       if (off >= least) continue;
       least = off;
       nearest = s;
     }
-    Add(parts, loop.trace, static_cast<std::size_t>(to), 2, sweeps[nearest], sweeps[knot.sweep], loop.quality,
+    Add(parts, loop.trace, static_cast<std::size_t>(to), 2, scans[nearest], scans[node.scan], loop.quality,
         loop.used, c);
     c->from_z.back() = at.z_m;
     c->from_u.back() = at.u_m;
@@ -128,13 +128,13 @@ Blob WallsBlob(const OrientationTrack& track, const Blob* before) {
   return blob;
 }
 
-void PutPoses(const std::string& prefix, const std::vector<Sweep>& sweeps, Blob* result) {
+void PutPoses(const std::string& prefix, const std::vector<Scan>& scans, Blob* result) {
   std::vector<double> time, x, y, heading;
-  for (const Sweep& sweep : sweeps) {
-    time.push_back(sweep.time_s);
-    x.push_back(sweep.pose.x_m);
-    y.push_back(sweep.pose.y_m);
-    heading.push_back(WrapAngle(sweep.pose.heading_rad));
+  for (const Scan& scan : scans) {
+    time.push_back(scan.time_s);
+    x.push_back(scan.pose.x_m);
+    y.push_back(scan.pose.y_m);
+    heading.push_back(WrapAngle(scan.pose.heading_rad));
   }
   result->PutVector(prefix + "time_s", time);
   result->PutVector(prefix + "x_m", x);
@@ -142,12 +142,12 @@ void PutPoses(const std::string& prefix, const std::vector<Sweep>& sweeps, Blob*
   result->PutVector(prefix + "heading_rad", heading);
 }
 
-void PutWalls(const std::string& prefix, const std::vector<Sweep>& sweeps, const Blob& walls, Blob* result) {
+void PutWalls(const std::string& prefix, const std::vector<Scan>& scans, const Blob& walls, Blob* result) {
   std::vector<double> time, angle;
   const auto continuous = walls.Get<double>("angle_rad");
   const auto locked = walls.Get<std::uint8_t>("locked");
-  for (std::size_t s = 0; s < sweeps.size(); ++s) {
-    time.push_back(sweeps[s].time_s);
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    time.push_back(scans[s].time_s);
     const double turned = std::remainder(continuous[s], kTurn_rad);
     angle.push_back(locked[s] == 0 ? std::numeric_limits<double>::quiet_NaN()
                     : turned < 0   ? turned + kTurn_rad
@@ -164,11 +164,11 @@ void PutTraces(const Parts& parts, Blob* result) {
   std::vector<std::int64_t> features;
   SideColumns left, right;
   for (const RecordedTrace& trace : parts.traces) {
-    const std::vector<Sweep>& sweeps = parts.sweeps[trace.robot];
-    const Point origin = trace.frame.Local({}, trace.trace.cell_m()), by = MovedBy(trace, parts.knots);
+    const std::vector<Scan>& scans = parts.scans[trace.robot];
+    const Point origin = trace.frame.Local({}, trace.trace.cell_m()), by = MovedBy(trace, parts.nodes);
     robot.push_back(static_cast<std::int32_t>(trace.robot));
-    first_s.push_back(sweeps[trace.first].time_s);
-    last_s.push_back(sweeps[trace.end - 1].time_s);
+    first_s.push_back(scans[trace.first].time_s);
+    last_s.push_back(scans[trace.end - 1].time_s);
     x.push_back(origin.x_m + by.x_m);
     y.push_back(origin.y_m + by.y_m);
     direction.push_back(WrapAngle(trace.frame.quarter * kTurn_rad));

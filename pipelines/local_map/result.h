@@ -10,12 +10,12 @@
 
 namespace cairn::local_map {
 
-// Of each sweep angle_rad, strength, other_area, locked; the angle on top of that of `before`, the track
+// Of each scan angle_rad, strength, other_area, locked; the angle on top of that of `before`, the track
 // through whose path this one was made; may be null.
 Blob WallsBlob(const OrientationTrack& track, const Blob* before);
 
-void PutPoses(const std::string& prefix, const std::vector<Sweep>& sweeps, Blob* result);
-void PutWalls(const std::string& prefix, const std::vector<Sweep>& sweeps, const Blob& walls, Blob* result);
+void PutPoses(const std::string& prefix, const std::vector<Scan>& scans, Blob* result);
+void PutWalls(const std::string& prefix, const std::vector<Scan>& scans, const Blob& walls, Blob* result);
 void PutTraces(const Parts& parts, Blob* result);
 void PutConnections(const Parts& parts, Blob* result);
 

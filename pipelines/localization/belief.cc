@@ -10,8 +10,9 @@
 namespace cairn::localization {
 namespace {
 
-constexpr double kReach = 4.0;       // standard deviations, beyond which a Gaussian counts as nothing
-constexpr double kForgotten = 1e-6;  // share of the largest belief, below which a place is not moved on from
+constexpr double kReach = 4.0;  // standard deviations, beyond which a Gaussian counts as nothing
+constexpr double kForgotten =
+    1e-6;  // share of the largest belief, below which a position is not moved on from
 
 // False, and nothing done, where there is nothing to normalise.
 bool Normalise(std::vector<double>* belief) {
@@ -38,17 +39,17 @@ bool Poses::FaceAlike(std::size_t a, std::size_t b) const {
 }
 
 BeliefSpace::BeliefSpace(Poses poses, std::vector<double> room)
-    : poses_(std::move(poses)), index_(poses_.places), room_(std::move(room)), anywhere_(room_) {
-  CAIRN_DEMAND(room_.size() == places().size() && Normalise(&anywhere_), "each place has some room");
+    : poses_(std::move(poses)), index_(poses_.positions), room_(std::move(room)), anywhere_(room_) {
+  CAIRN_DEMAND(room_.size() == positions().size() && Normalise(&anywhere_), "each position has some room");
   CAIRN_DEMAND(poses_.heading_rad.empty() || poses_.heading_rad.size() == room_.size(), "each has a heading");
 }
 
-std::vector<double> BeliefSpace::Near(const Place& centre, double window_m) const {
-  std::vector<double> belief(places().size(), 0.0);
-  for (const std::size_t place : index_.Within(centre, window_m)) belief[place] = anywhere_[place];
+std::vector<double> BeliefSpace::Near(const Position& centre, double window_m) const {
+  std::vector<double> belief(positions().size(), 0.0);
+  for (const std::size_t position : index_.Within(centre, window_m)) belief[position] = anywhere_[position];
   if (Normalise(&belief)) return belief;
   char text[160];
-  std::snprintf(text, sizeof text, "window_m = %g m reaches no place of the map from (%g, %g) m", window_m,
+  std::snprintf(text, sizeof text, "window_m = %g m reaches no position of the map from (%g, %g) m", window_m,
                 centre.x_m, centre.y_m);
   throw InputError(text);
 }
@@ -60,24 +61,24 @@ bool BeliefSpace::Spread(double sd_m, double lost, const Aim& aim, const Weight&
   std::vector<double> moved(belief->size(), 0.0);
   for (std::size_t from = 0; from < moved.size(); ++from) {
     if ((*belief)[from] <= least) continue;
-    index_.VisitWithin(aim(from), kReach * sd_m, [&](std::size_t place, double distance_m) {
-      moved[place] += (*belief)[from] * weight(from, place) * Gaussian(distance_m, sd_m);
+    index_.VisitWithin(aim(from), kReach * sd_m, [&](std::size_t position, double distance_m) {
+      moved[position] += (*belief)[from] * weight(from, position) * Gaussian(distance_m, sd_m);
     });
   }
-  for (std::size_t place = 0; place < moved.size(); ++place) moved[place] *= room_[place];
+  for (std::size_t position = 0; position < moved.size(); ++position) moved[position] *= room_[position];
   *belief = std::move(moved);
   const bool remains = Normalise(belief);
-  for (std::size_t place = 0; place < belief->size(); ++place)
-    (*belief)[place] = (1.0 - lost) * (*belief)[place] + lost * anywhere_[place];
+  for (std::size_t position = 0; position < belief->size(); ++position)
+    (*belief)[position] = (1.0 - lost) * (*belief)[position] + lost * anywhere_[position];
   return remains || Normalise(belief);
 }
 
-bool BeliefSpace::Move(const Place& displacement, const Motion& motion, double lost,
+bool BeliefSpace::Move(const Position& displacement, const Motion& motion, double lost,
                        std::vector<double>* belief) const {
   return Spread(
       motion.SdM(std::hypot(displacement.x_m, displacement.y_m)), lost,
       [&](std::size_t from) {
-        return Place{places()[from].x_m + displacement.x_m, places()[from].y_m + displacement.y_m};
+        return Position{positions()[from].x_m + displacement.x_m, positions()[from].y_m + displacement.y_m};
       },
       [](std::size_t, std::size_t) { return 1.0; }, belief);
 }
@@ -85,13 +86,13 @@ bool BeliefSpace::Move(const Place& displacement, const Motion& motion, double l
 bool BeliefSpace::Drive(const OwnMotion& own, const Motion& motion, double lost,
                         std::vector<double>* belief) const {
   const std::vector<double>& heading = poses_.heading_rad;
-  CAIRN_DEMAND(!heading.empty(), "who drives by its heading has one at each place");
+  CAIRN_DEMAND(!heading.empty(), "who drives by its heading has one at each position");
   return Spread(
       motion.SdM(std::hypot(own.moved.x_m, own.moved.y_m)), lost,
       [&](std::size_t from) {
         const double c = std::cos(heading[from]), s = std::sin(heading[from]);
-        return Place{places()[from].x_m + c * own.moved.x_m - s * own.moved.y_m,
-                     places()[from].y_m + s * own.moved.x_m + c * own.moved.y_m};
+        return Position{positions()[from].x_m + c * own.moved.x_m - s * own.moved.y_m,
+                        positions()[from].y_m + s * own.moved.x_m + c * own.moved.y_m};
       },
       [&](std::size_t from, std::size_t to) {
         return Gaussian(TurnBetween(heading[to], heading[from] + own.turn_rad), motion.heading_sd_rad);
@@ -101,8 +102,8 @@ bool BeliefSpace::Drive(const OwnMotion& own, const Motion& motion, double lost,
 
 bool BeliefSpace::KeepFacing(double heading_rad, std::vector<double>* belief) const {
   std::vector<double> kept = *belief;
-  for (std::size_t place = 0; place < kept.size(); ++place) {
-    if (!FaceAlike(poses_.heading_rad[place], heading_rad)) kept[place] = 0.0;
+  for (std::size_t position = 0; position < kept.size(); ++position) {
+    if (!FaceAlike(poses_.heading_rad[position], heading_rad)) kept[position] = 0.0;
   }
   if (!Normalise(&kept)) return false;
   *belief = std::move(kept);
@@ -111,47 +112,47 @@ bool BeliefSpace::KeepFacing(double heading_rad, std::vector<double>* belief) co
 
 bool Sense(const std::vector<double>& likelihood, std::vector<double>* belief) {
   std::vector<double> sensed(belief->size());
-  for (std::size_t place = 0; place < sensed.size(); ++place)
-    sensed[place] = likelihood[place] * (*belief)[place];
+  for (std::size_t position = 0; position < sensed.size(); ++position)
+    sensed[position] = likelihood[position] * (*belief)[position];
   if (!Normalise(&sensed)) return false;
   *belief = std::move(sensed);
   return true;
 }
 
-double RoomOf(const PlaceIndex& index, const Poses& poses, std::size_t at, double bandwidth_m) {
+double RoomOf(const PositionIndex& index, const Poses& poses, std::size_t at, double bandwidth_m) {
   double density = 0.0;
-  for (const std::size_t place : index.Within(poses.places[at], kReach * bandwidth_m)) {
-    if (poses.FaceAlike(place, at))
-      density += Gaussian(DistanceM(poses.places[place], poses.places[at]), bandwidth_m);
+  for (const std::size_t position : index.Within(poses.positions[at], kReach * bandwidth_m)) {
+    if (poses.FaceAlike(position, at))
+      density += Gaussian(DistanceM(poses.positions[position], poses.positions[at]), bandwidth_m);
   }
   return 1.0 / density;
 }
 
-double SpacingM(const PlaceIndex& index, const Poses& poses) {
+double SpacingM(const PositionIndex& index, const Poses& poses) {
   double sum_m = 0.0, count = 0.0;
-  for (std::size_t k = 0; k < poses.places.size(); ++k) {
+  for (std::size_t k = 0; k < poses.positions.size(); ++k) {
     const auto two =
-        index.NearestOf(poses.places[k], 2, [&](std::size_t p) { return poses.FaceAlike(p, k); });
+        index.NearestOf(poses.positions[k], 2, [&](std::size_t p) { return poses.FaceAlike(p, k); });
     if (two.size() < 2) continue;
-    sum_m += DistanceM(poses.places[two[1]], poses.places[k]);
+    sum_m += DistanceM(poses.positions[two[1]], poses.positions[k]);
     count += 1.0;
   }
   return count > 0.0 ? sum_m / count : 0.0;
 }
 
-Estimate EstimateOf(const std::vector<Place>& places, const std::vector<double>& belief) {
+Estimate EstimateOf(const std::vector<Position>& positions, const std::vector<double>& belief) {
   Estimate estimate;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    estimate.mean.x_m += belief[k] * places[k].x_m;
-    estimate.mean.y_m += belief[k] * places[k].y_m;
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    estimate.mean.x_m += belief[k] * positions[k].x_m;
+    estimate.mean.y_m += belief[k] * positions[k].y_m;
   }
   double squares = 0.0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const double distance_m = DistanceM(places[k], estimate.mean);
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const double distance_m = DistanceM(positions[k], estimate.mean);
     squares += belief[k] * distance_m * distance_m;
   }
   estimate.spread_m = std::sqrt(squares);
-  estimate.mode = places[static_cast<std::size_t>(std::ranges::max_element(belief) - belief.begin())];
+  estimate.mode = positions[static_cast<std::size_t>(std::ranges::max_element(belief) - belief.begin())];
   return estimate;
 }
 

@@ -14,10 +14,10 @@ namespace {
 
 double Sum(const std::vector<double>& values) { return std::reduce(values.begin(), values.end()); }
 
-std::vector<Place> Line(std::size_t count, double step_m) {
-  std::vector<Place> places;
-  for (std::size_t k = 0; k < count; ++k) places.push_back({static_cast<double>(k) * step_m, 0.0});
-  return places;
+std::vector<Position> Line(std::size_t count, double step_m) {
+  std::vector<Position> positions;
+  for (std::size_t k = 0; k < count; ++k) positions.push_back({static_cast<double>(k) * step_m, 0.0});
+  return positions;
 }
 
 BeliefSpace EvenLine(std::size_t count, double step_m) {
@@ -39,23 +39,24 @@ TEST(Sense, LeavesTheBeliefWhereWhatIsSensedIsImpossible) {
 }
 
 // P(xi | xi~, a) as a matrix, by its definition.
-double Transition(const Place& from, const Place& to, const Place& displacement, double sd_m, double room) {
-  const Place aim{from.x_m + displacement.x_m, from.y_m + displacement.y_m};
+double Transition(const Position& from, const Position& to, const Position& displacement, double sd_m,
+                  double room) {
+  const Position aim{from.x_m + displacement.x_m, from.y_m + displacement.y_m};
   return room * std::exp(-0.5 * std::pow(DistanceM(to, aim) / sd_m, 2));
 }
 
-// Table 1 against the sum over all paths that a robot may have taken through a world of six places.
+// Table 1 against the sum over all paths that a robot may have taken through a world of six positions.
 TEST(TableOne, EqualsTheSumOverAllPaths) {
   Rng rng(2);
-  std::vector<Place> places;
+  std::vector<Position> positions;
   std::vector<double> room;
   for (int k = 0; k < 6; ++k) {
-    places.push_back({rng.Uniform(0, 2), rng.Uniform(0, 1)});
+    positions.push_back({rng.Uniform(0, 2), rng.Uniform(0, 1)});
     room.push_back(rng.Uniform(0.5, 2));
   }
-  const BeliefSpace space({places, {}}, room);
+  const BeliefSpace space({positions, {}}, room);
   const Motion motion{.sd_m = 0.8, .sd_ratio = 0.3};
-  const Place moves[] = {{0.4, 0.1}, {0.6, -0.2}, {-0.3, 0.3}};
+  const Position moves[] = {{0.4, 0.1}, {0.6, -0.2}, {-0.3, 0.3}};
   std::vector<std::vector<double>> likelihood(3, std::vector<double>(6));
   for (auto& row : likelihood) {
     for (double& p : row) p = rng.Uniform();
@@ -74,7 +75,7 @@ TEST(TableOne, EqualsTheSumOverAllPaths) {
     double probability = space.Anywhere()[at[0]];
     for (std::size_t t = 0; t < 3; ++t) {
       const double sd_m = std::hypot(0.8, 0.3 * std::hypot(moves[t].x_m, moves[t].y_m));
-      probability *= Transition(places[at[t]], places[at[t + 1]], moves[t], sd_m, room[at[t + 1]]) *
+      probability *= Transition(positions[at[t]], positions[at[t + 1]], moves[t], sd_m, room[at[t + 1]]) *
                      likelihood[t][at[t + 1]];
     }
     expected[at[3]] += probability;
@@ -91,7 +92,7 @@ TEST(TableOne, EqualsTheSumOverAllPathsOfPosesToo) {
   Rng rng(3);
   Poses poses;
   for (int k = 0; k < 6; ++k) {
-    poses.places.push_back({rng.Uniform(0, 2), rng.Uniform(0, 1)});
+    poses.positions.push_back({rng.Uniform(0, 2), rng.Uniform(0, 1)});
     poses.heading_rad.push_back(rng.Uniform(-3, 3));
   }
   const BeliefSpace space(poses, std::vector<double>(6, 1.0));
@@ -105,11 +106,11 @@ TEST(TableOne, EqualsTheSumOverAllPathsOfPosesToo) {
     double probability = 1.0;
     for (std::size_t t = 0; t < 2; ++t) {
       const double heading = poses.heading_rad[at[t]], c = std::cos(heading), s = std::sin(heading);
-      const Place& own = moves[t].moved;
-      const Place moved{c * own.x_m - s * own.y_m, s * own.x_m + c * own.y_m};
+      const Position& own = moves[t].moved;
+      const Position moved{c * own.x_m - s * own.y_m, s * own.x_m + c * own.y_m};
       const double off =
           std::remainder(poses.heading_rad[at[t + 1]] - heading - moves[t].turn_rad, 2 * std::numbers::pi);
-      probability *= Transition(poses.places[at[t]], poses.places[at[t + 1]], moved, 0.9, 1.0) *
+      probability *= Transition(poses.positions[at[t]], poses.positions[at[t + 1]], moved, 0.9, 1.0) *
                      std::exp(-0.5 * std::pow(off / 0.8, 2));
     }
     expected[at[2]] += probability;
@@ -120,11 +121,11 @@ TEST(TableOne, EqualsTheSumOverAllPathsOfPosesToo) {
 
 // Who drives half a metre forward is half a metre farther where it faces forward, and nearer where it faces
 // back.
-TEST(Drive, GoesWhereEachPlaceFaces) {
+TEST(Drive, GoesWhereEachPositionFaces) {
   Poses poses;
   for (int k = 0; k < 100; ++k) {
-    const int place = k / 2;
-    poses.places.push_back({0.1 * place, 0.0});
+    const int position = k / 2;
+    poses.positions.push_back({0.1 * position, 0.0});
     poses.heading_rad.push_back(k % 2 == 0 ? 0.0 : std::numbers::pi);
   }
   const BeliefSpace space(poses, std::vector<double>(100, 1.0));
@@ -141,9 +142,9 @@ TEST(Drive, GoesWhereEachPlaceFaces) {
   EXPECT_EQ(belief, before);
 }
 
-TEST(Room, IsThatAmongPlacesThatFaceAlike) {
+TEST(Room, IsThatAmongPositionsThatFaceAlike) {
   Poses poses{Line(20, 0.1), std::vector<double>(20, 0.0)};
-  const PlaceIndex index(poses.places);
+  const PositionIndex index(poses.positions);
   const double one_way = RoomOf(index, poses, 10, 0.2);
   EXPECT_NEAR(SpacingM(index, poses), 0.1, 1e-12);
   for (std::size_t k = 1; k < 20; k += 2) poses.heading_rad[k] = 3.0;
@@ -156,21 +157,21 @@ TEST(Move, ShiftsAndWidensByTheMotionModel) {
   std::vector<double> belief(400, 0.0);
   belief[100] = 1.0;
   ASSERT_TRUE(space.Move({5.0, 0.0}, {.sd_m = 0.3, .sd_ratio = 0.08}, 0.0, &belief));
-  const Estimate estimate = EstimateOf(space.places(), belief);
+  const Estimate estimate = EstimateOf(space.positions(), belief);
   EXPECT_NEAR(estimate.mean.x_m, 15.0, 1e-9);
   EXPECT_NEAR(estimate.mode.x_m, 15.0, 1e-9);
   EXPECT_NEAR(estimate.spread_m, 0.5, 1e-3);
 }
 
 // A robot that stands still must not drift to where more samples were taken.
-TEST(Move, DoesNotPreferWherePlacesLieDensely) {
-  std::vector<Place> places;
-  for (int k = 0; k < 200; ++k) places.push_back({0.05 * k, 0.0});       // 10 m, 20 a metre
-  for (int k = 0; k < 50; ++k) places.push_back({10.0 + 0.2 * k, 0.0});  // 10 m, 5 a metre
-  const PlaceIndex index(places);
+TEST(Move, DoesNotPreferWherePositionsLieDensely) {
+  std::vector<Position> positions;
+  for (int k = 0; k < 200; ++k) positions.push_back({0.05 * k, 0.0});       // 10 m, 20 a metre
+  for (int k = 0; k < 50; ++k) positions.push_back({10.0 + 0.2 * k, 0.0});  // 10 m, 5 a metre
+  const PositionIndex index(positions);
   std::vector<double> room;
-  for (std::size_t k = 0; k < places.size(); ++k) room.push_back(RoomOf(index, {places, {}}, k, 0.3));
-  const BeliefSpace space({places, {}}, room);
+  for (std::size_t k = 0; k < positions.size(); ++k) room.push_back(RoomOf(index, {positions, {}}, k, 0.3));
+  const BeliefSpace space({positions, {}}, room);
   const auto share = [](const std::vector<double>& belief) {
     return std::reduce(belief.begin(), belief.begin() + 200);
   };
@@ -181,12 +182,12 @@ TEST(Move, DoesNotPreferWherePlacesLieDensely) {
   EXPECT_NEAR(share(belief), 0.5, 0.05);
 }
 
-TEST(Move, LosesWhatLeavesThePlaces) {
+TEST(Move, LosesWhatLeavesThePositions) {
   const BeliefSpace space = EvenLine(50, 0.1);
   std::vector<double> belief(50, 0.0);
   belief[2] = belief[45] = 0.5;
   ASSERT_TRUE(space.Move({2.0, 0.0}, {.sd_m = 0.1, .sd_ratio = 0.0}, 0.0, &belief));
-  EXPECT_NEAR(EstimateOf(space.places(), belief).mean.x_m, 2.2, 1e-3);
+  EXPECT_NEAR(EstimateOf(space.positions(), belief).mean.x_m, 2.2, 1e-3);
   EXPECT_FALSE(space.Move({9.0, 0.0}, {.sd_m = 0.1, .sd_ratio = 0.0}, 0.0, &belief));
 }
 

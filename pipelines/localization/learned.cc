@@ -62,7 +62,7 @@ Learned::Learned(const Blob& file)
   const auto samples = static_cast<std::int64_t>(x.size());
   const auto y = Checked<double>(file, "map/y_m", {samples});
   const auto outputs = Checked<float>(file, "map/output", {samples, s.networks});
-  for (std::size_t k = 0; k < x.size(); ++k) places_.push_back({x[k], y[k]});
+  for (std::size_t k = 0; k < x.size(); ++k) positions_.push_back({x[k], y[k]});
   outputs_.assign(outputs.begin(), outputs.end());
   if (!file.Has("map/heading_rad")) return;
   const auto headings = Checked<double>(file, "map/heading_rad", {samples});

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pipelines/landmark_learning/networks/networks.h"
-#include "pipelines/localization/place_index.h"
+#include "pipelines/localization/position_index.h"
 #include "schema/blob.h"
 
 namespace cairn::localization {
@@ -21,7 +21,7 @@ class Learned {
   // The runs that they were trained on, by name.
   const std::vector<std::string>& trained_on() const { return trained_on_; }
   // Where the training samples were taken, and what the networks make of them: [training samples][networks].
-  const std::vector<Place>& places() const { return places_; }
+  const std::vector<Position>& positions() const { return positions_; }
   const std::vector<double>& outputs() const { return outputs_; }
   // And facing where; empty where that is not known.
   const std::vector<double>& headings_rad() const { return headings_rad_; }
@@ -38,7 +38,7 @@ class Learned {
   landmark_learning::Parameters<float> parameters_;
   std::vector<double> mean_, scale_;
   std::vector<std::string> input_names_, trained_on_;
-  std::vector<Place> places_;
+  std::vector<Position> positions_;
   std::vector<double> outputs_, headings_rad_;
 };
 

@@ -13,33 +13,34 @@
 namespace cairn::localization {
 namespace {
 
-constexpr std::size_t kPlacesOfTask = 500, kTraversesOfTask = 4;
+constexpr std::size_t kPositionsOfTask = 500, kTraversesOfTask = 4;
 
-struct Range {
+struct RowRange {
   std::size_t first, end;
 };
 
-// Microseconds of a core: a place of the map and a feature of it; a place of the belief at a stop of a
-// traverse, a feature there, and to write that place down.
+// Microseconds of a core: a position of the map and a feature of it; a position of the belief at a stop of a
+// traverse, a feature there, and to write that position down.
 constexpr double kMapUs = 5, kMapFeatureUs = 0.1, kBelieveUs = 0.45, kSenseUs = 0.02, kKeptUs = 0.045;
 
-double MapCost(const Source& source, std::size_t places) {
-  return static_cast<double>(places) * (kMapUs + kMapFeatureUs * static_cast<double>(source.features()));
+double MapCost(const Source& source, std::size_t positions) {
+  return static_cast<double>(positions) * (kMapUs + kMapFeatureUs * static_cast<double>(source.features()));
 }
 
-// Places of the belief at all stops of a traverse.
-double PlacesOfTraverse(const Options& options, const Source& source, std::size_t places) {
-  double way_m = options.way_m;
-  if (way_m <= 0)
+// Positions of the belief at all stops of a traverse.
+double PositionsOfTraverse(const Options& options, const Source& source, std::size_t positions) {
+  double travelled_m = options.travelled_m;
+  if (travelled_m <= 0)
     for (const Run& run : source.runs)
-      for (std::size_t k = 1; k < run.places.size(); ++k)
-        way_m += DistanceM(run.places[k - 1], run.places[k]) / static_cast<double>(source.runs.size());
-  return std::max(1.0, way_m / options.every_m) * static_cast<double>(places);
+      for (std::size_t k = 1; k < run.positions.size(); ++k)
+        travelled_m +=
+            DistanceM(run.positions[k - 1], run.positions[k]) / static_cast<double>(source.runs.size());
+  return std::max(1.0, travelled_m / options.every_m) * static_cast<double>(positions);
 }
 
-double TraverseCost(const Options& options, const Source& source, std::size_t places) {
-  const double of_place = kBelieveUs + kSenseUs * static_cast<double>(source.features());
-  return of_place * PlacesOfTraverse(options, source, places);
+double TraverseCost(const Options& options, const Source& source, std::size_t positions) {
+  const double of_position = kBelieveUs + kSenseUs * static_cast<double>(source.features());
+  return of_position * PositionsOfTraverse(options, source, positions);
 }
 
 // Of `count` things, which cost so much each.
@@ -53,7 +54,7 @@ void AddTasks(const char* kind, std::size_t count, std::size_t of_task, double e
   }
 }
 
-Range RangeOf(const Task& task) {
+RowRange RowsOfTask(const Task& task) {
   return {static_cast<std::size_t>(task.params().at("first").i()),
           static_cast<std::size_t>(task.params().at("end").i())};
 }
@@ -70,14 +71,15 @@ std::string Counted(std::size_t count, const char* what) { return std::to_string
 
 Step Localization::Start(const Inputs& inputs) const {
   const Source source = Source::Of(options_, inputs);
-  const Poses poses = BeliefPlaces(options_, source);
+  const Poses poses = BeliefPositions(options_, source);
   Step step = Plan({});
   (*step.plan.mutable_state()->mutable_blobs())["source"] = step.Share(source.ToBlob());
-  AddTasks("map", poses.places.size(), kPlacesOfTask, MapCost(source, 1), {"source"}, &step.plan);
+  AddTasks("map", poses.positions.size(), kPositionsOfTask, MapCost(source, 1), {"source"}, &step.plan);
   const auto traverses = static_cast<double>(TraverseCount(options_, source));
-  ExpectRounds(1, traverses * TraverseCost(options_, source, poses.places.size()),
+  ExpectRounds(1, traverses * TraverseCost(options_, source, poses.positions.size()),
                std::ceil(traverses / kTraversesOfTask), &step.plan);
-  step.plan.set_note(Counted(source.features(), "features, ") + Counted(poses.places.size(), "places, ") +
+  step.plan.set_note(Counted(source.features(), "features, ") +
+                     Counted(poses.positions.size(), "positions, ") +
                      Counted(source.runs.size(), "runs to localise in") +
                      (source.headings() ? ", heading " + options_.heading : ""));
   return step;
@@ -86,12 +88,12 @@ Step Localization::Start(const Inputs& inputs) const {
 Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   progress.Tick();
   const Source source = Source::FromBlob(*inputs.Get("source"));
-  const Poses poses = BeliefPlaces(options_, source);
-  const Range range = RangeOf(task);
+  const Poses poses = BeliefPositions(options_, source);
+  const RowRange range = RowsOfTask(task);
   if (task.kind() == "map") return MapOfBlock(options_, source, poses, range.first, range.end).ToBlob();
   const FeatureMap map = FeatureMap::FromBlob(*inputs.Get("map"));
   const BeliefSpace space(poses, map.room);
-  const double least_sd_m = 0.5 * SpacingM(PlaceIndex(poses.places), poses);
+  const double least_sd_m = 0.5 * SpacingM(PositionIndex(poses.positions), poses);
   ResultRows rows;
   for (std::size_t number = range.first; number < range.end; ++number) {
     const Traverse traverse = MakeTraverse(options_, source, number, seed_);
@@ -104,16 +106,16 @@ Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progres
 
 Step Localization::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
   const Source source = Source::FromBlob(*inputs.Get("source"));
-  const Poses poses = BeliefPlaces(options_, source);
+  const Poses poses = BeliefPositions(options_, source);
   if (!state.blobs().contains("map")) {
     FeatureMap map;
     for (std::size_t i = 0; i < partials.size(); ++i) map.Append(FeatureMap::FromBlob(*partials.Get(i)));
     Step step = Plan(state);
     (*step.plan.mutable_state()->mutable_blobs())["map"] = step.Share(map.ToBlob());
     AddTasks("localize", TraverseCount(options_, source), kTraversesOfTask,
-             TraverseCost(options_, source, poses.places.size()), {"source", "map"}, &step.plan);
+             TraverseCost(options_, source, poses.positions.size()), {"source", "map"}, &step.plan);
     step.plan.set_advance_cost(kKeptUs * static_cast<double>(TraverseCount(options_, source)) *
-                               PlacesOfTraverse(options_, source, poses.places.size()));
+                               PositionsOfTraverse(options_, source, poses.positions.size()));
     step.plan.set_note("the map of features is made");
     return step;
   }

@@ -11,7 +11,7 @@
 namespace cairn::localization {
 
 // Inputs (schema/FORMAT.md): samples, and networks where features are learned. Result: kind localization. Two
-// rounds: tasks `map`, each P(f | xi) of a block of places; tasks `localize`, each some traverses.
+// rounds: tasks `map`, each P(f | xi) of a block of positions; tasks `localize`, each some traverses.
 class Localization : public Pipeline {
  public:
   Localization(Options options, std::uint64_t seed) : options_(std::move(options)), seed_(seed) {}

@@ -26,12 +26,12 @@ BlobPtr Locate(const Blob& samples, const Options& options, const BlobPtr& netwo
 // Mean distance between truth and the mean of the belief, over the traverses' steps with `low_m` <= way <
 // `high_m`.
 double MeanError(const Blob& samples, const Blob& result, double low_m, double high_m) {
-  const auto way = result.Get<double>("step/way_m"), x = result.Get<double>("step/mean_x_m");
+  const auto travelled = result.Get<double>("step/travelled_m"), x = result.Get<double>("step/mean_x_m");
   const auto run = result.Get<std::int32_t>("step/run"), sample = result.Get<std::int32_t>("step/sample");
   double sum = 0.0;
   int count = 0;
-  for (std::size_t k = 0; k < way.size(); ++k) {
-    if (way[k] < low_m || way[k] >= high_m) continue;
+  for (std::size_t k = 0; k < travelled.size(); ++k) {
+    if (travelled[k] < low_m || travelled[k] >= high_m) continue;
     const auto truth = samples.Get<double>("run/" + std::to_string(run[k]) + "/x_m");
     sum += std::abs(x[k] - truth[static_cast<std::size_t>(sample[k])]);
     ++count;
@@ -44,7 +44,7 @@ TEST(Localization, FindsARobotThatKnowsNothingByHandMadeFeatures) {
   for (const char* belief : {"samples", "grid"}) {
     for (const char* sensing : {"soft", "sampled"}) {
       const BlobPtr result =
-          Locate(samples, {.runs = "run 1", .belief = belief, .sensing = sensing, .way_m = 25.0});
+          Locate(samples, {.runs = "run 1", .belief = belief, .sensing = sensing, .travelled_m = 25.0});
       EXPECT_GT(MeanError(samples, *result, 0.0, 0.1), 8.0) << belief << sensing;
       EXPECT_LT(MeanError(samples, *result, 15.0, 30.0), 1.0) << belief << sensing;
     }
@@ -58,10 +58,10 @@ TEST(Localization, FindsARobotThatComesBackWhetherItKnowsItsHeadingOrNot) {
   std::map<std::string, double> error;
   for (const char* belief : {"samples", "grid"}) {
     for (const char* heading : {"known", "unknown", "ignored"}) {
-      const BlobPtr result =
-          Locate(samples, {.runs = "run 4, run 5", .heading = heading, .belief = belief, .way_m = 25.0});
+      const BlobPtr result = Locate(
+          samples, {.runs = "run 4, run 5", .heading = heading, .belief = belief, .travelled_m = 25.0});
       error[heading] = MeanError(samples, *result, 20.0, 30.0);
-      EXPECT_EQ(result->Has("place/heading_rad"), std::string(heading) != "ignored");
+      EXPECT_EQ(result->Has("position/heading_rad"), std::string(heading) != "ignored");
     }
     EXPECT_LT(error["known"], 1.0) << belief;
     EXPECT_LT(error["unknown"], 1.5) << belief;
@@ -73,22 +73,23 @@ TEST(Localization, FindsARobotThatComesBackWhetherItKnowsItsHeadingOrNot) {
 TEST(Localization, FindsOutWhichWayItFaces) {
   const Blob samples = CorridorWithFeatures{.runs = 6, .both_ways = true}.Make();
   const BlobPtr result =
-      Locate(samples, {.runs = "run 4, run 5", .heading = "unknown", .traverses = 20, .way_m = 25.0});
-  const auto heading = result->Get<double>("place/heading_rad");
-  const auto run = result->Get<std::int32_t>("step/run"), place = result->Get<std::int32_t>("belief/place");
-  const auto way = result->Get<double>("step/way_m");
+      Locate(samples, {.runs = "run 4, run 5", .heading = "unknown", .traverses = 20, .travelled_m = 25.0});
+  const auto heading = result->Get<double>("position/heading_rad");
+  const auto run = result->Get<std::int32_t>("step/run"),
+             position = result->Get<std::int32_t>("belief/position");
+  const auto travelled = result->Get<double>("step/travelled_m");
   const auto entries = result->Get<std::int64_t>("step/entries");
   const auto probability = result->Get<float>("belief/probability");
   double at_start = 0.0, at_end = 0.0, starts = 0.0, ends = 0.0;
   std::size_t at = 0;
-  for (std::size_t k = 0; k < way.size(); ++k) {
+  for (std::size_t k = 0; k < travelled.size(); ++k) {
     double right = 0.0;
     for (std::int64_t i = 0; i < entries[k]; ++i, ++at) {
-      const bool back = std::abs(heading[static_cast<std::size_t>(place[at])]) > 1.5;
+      const bool back = std::abs(heading[static_cast<std::size_t>(position[at])]) > 1.5;
       if (back == (run[k] == 5)) right += probability[at];
     }
-    if (way[k] == 0.0) at_start += right, ++starts;
-    if (way[k] > 24.0) at_end += right, ++ends;
+    if (travelled[k] == 0.0) at_start += right, ++starts;
+    if (travelled[k] > 24.0) at_end += right, ++ends;
   }
   EXPECT_NEAR(at_start / starts, 0.5, 0.02);
   EXPECT_GT(at_end / ends, 0.97);
@@ -116,7 +117,7 @@ TEST(Localization, MovesByTheSamplesOdometryWhereThereIsSome) {
   const std::size_t count = samples.Get<double>("run/2/x_m").size();
   samples.PutVector("run/2/odometry/turn_rad", std::vector<double>(count, 0.0));
   samples.PutVector("run/2/odometry/forward_m", std::vector<double>(count, 0.0));
-  Options options{.runs = "run 2", .trust = 0.001, .window_m = 1.0, .traverses = 3, .way_m = 10.0};
+  Options options{.runs = "run 2", .trust = 0.001, .window_m = 1.0, .traverses = 3, .travelled_m = 10.0};
   EXPECT_GT(MeanError(samples, *Locate(samples, options), 9.0, 10.0), 5.0);
   options.odometry = "labels";
   EXPECT_LT(MeanError(samples, *Locate(samples, options), 9.0, 10.0), 2.0);
@@ -132,14 +133,15 @@ TEST(Localization, FindsARobotByLearnedFeaturesInARunThatWasHeldOut) {
   const Blob samples = landmark_learning::CorridorSamples{.runs = 4, .samples = 200}.Make();
   const landmark_learning::Options learning{.networks = 3, .window_m = 5.0, .steps = 300, .holdout = "run 3"};
   const BlobPtr networks = RunInProcess(landmark_learning::LandmarkLearning(learning, 3), InputsOf(samples));
-  const BlobPtr result = Locate(samples, {.way_m = 15.0}, networks);
+  const BlobPtr result = Locate(samples, {.travelled_m = 15.0}, networks);
   EXPECT_EQ(result->Texts("feature_name").size(), 3U);
   for (const std::int32_t run : result->Get<std::int32_t>("step/run")) EXPECT_EQ(run, 3);
   EXPECT_GT(MeanError(samples, *result, 0.0, 0.1), 5.0);
   EXPECT_LT(MeanError(samples, *result, 10.0, 20.0), 1.0);
 }
 
-// Three sensors that see something at some places each; together, or looked at wisely, they find the robot.
+// Three sensors that see something at some positions each; together, or looked at wisely, they find the
+// robot.
 TEST(Localization, SeveralNetworksAreSensedTogetherInTurnOrWhereItPays) {
   const Blob samples = landmark_learning::CorridorSamples{.runs = 4, .samples = 200}.Make();
   auto inputs = InputsOf(samples);
@@ -151,7 +153,7 @@ TEST(Localization, SeveralNetworksAreSensedTogetherInTurnOrWhereItPays) {
   }
   std::map<std::string, double> error;
   for (const char* look : {"all", "turn", "active"}) {
-    const Options options{.belief = "grid", .cell_m = 0.5, .look = look, .way_m = 15.0};
+    const Options options{.belief = "grid", .cell_m = 0.5, .look = look, .travelled_m = 15.0};
     const BlobPtr result = RunInProcess(Localization(options, 11), inputs);
     EXPECT_EQ(result->Texts("feature_name").size(), 6U);
     error[look] = MeanError(samples, *result, 10.0, 20.0);
@@ -164,15 +166,15 @@ TEST(Localization, SeveralNetworksAreSensedTogetherInTurnOrWhereItPays) {
 TEST(Localization, BeliefsAddUpAndSayWhereTheyEnd) {
   const BlobPtr result = Locate(CorridorWithFeatures().Make(), {.runs = "run 1", .traverses = 5});
   const auto entries = result->Get<std::int64_t>("step/entries");
-  const auto place = result->Get<std::int32_t>("belief/place");
+  const auto position = result->Get<std::int32_t>("belief/position");
   const auto probability = result->Get<float>("belief/probability");
-  const auto x = result->Get<double>("place/x_m"), mean = result->Get<double>("step/mean_x_m");
+  const auto x = result->Get<double>("position/x_m"), mean = result->Get<double>("step/mean_x_m");
   std::size_t at = 0;
   for (std::size_t k = 0; k < entries.size(); ++k) {
     double sum = 0.0, mean_x = 0.0;
     for (std::int64_t i = 0; i < entries[k]; ++i, ++at) {
       sum += probability[at];
-      mean_x += probability[at] * x[static_cast<std::size_t>(place[at])];
+      mean_x += probability[at] * x[static_cast<std::size_t>(position[at])];
     }
     EXPECT_NEAR(sum, 1.0, 1e-4);
     EXPECT_NEAR(mean_x, mean[k], 0.05);  // what is too small is not kept
@@ -219,8 +221,9 @@ TEST(Localization, SaysWhatIsWrongWithItsInputs) {
   EXPECT_EQ(Complaint(good, {.runs = "run 1", .heading = "unknown"}),
             "heading=unknown: run 'run 1' has no headings ('heading_rad') to turn by");
   const Blob both = CorridorWithFeatures{.runs = 2, .both_ways = true}.Make();
-  EXPECT_NE(Complaint(both, {.runs = "run 1"}).find("no place that it may be at was seen facing as it does"),
-            std::string::npos);
+  EXPECT_NE(
+      Complaint(both, {.runs = "run 1"}).find("no position that it may be at was seen facing as it does"),
+      std::string::npos);
   Blob moved = both;
   moved.PutVector<double>("run/1/odometry/turn_rad", {0.0});
   moved.PutVector<double>("run/1/odometry/forward_m", {0.0});

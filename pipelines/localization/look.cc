@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kCounted = 1e-3;
 
-// P(f | xi) of one place: prod_i of P(f_i | xi).
+// P(f | xi) of one position: prod_i of P(f_i | xi).
 double Probability(const double* ones, std::size_t bits, std::size_t f) {
   double product = 1.0;
   for (std::size_t i = 0; i < bits; ++i) product *= (f >> i & 1) != 0 ? ones[i] : 1.0 - ones[i];
@@ -16,11 +16,11 @@ double Probability(const double* ones, std::size_t bits, std::size_t f) {
 }
 
 // sum over pairs of weight a * weight b * distance
-double PairSum(const std::vector<Place>& places, const std::vector<double>& weight) {
+double PairSum(const std::vector<Position>& positions, const std::vector<double>& weight) {
   double sum = 0.0;
-  for (std::size_t a = 0; a < places.size(); ++a) {
+  for (std::size_t a = 0; a < positions.size(); ++a) {
     double row = 0.0;
-    for (std::size_t b = 0; b < a; ++b) row += weight[b] * DistanceM(places[a], places[b]);
+    for (std::size_t b = 0; b < a; ++b) row += weight[b] * DistanceM(positions[a], positions[b]);
     sum += 2.0 * weight[a] * row;
   }
   return sum;
@@ -28,15 +28,15 @@ double PairSum(const std::vector<Place>& places, const std::vector<double>& weig
 
 }  // namespace
 
-double ExpectedError(const std::vector<Place>& places, const std::vector<double>& belief,
+double ExpectedError(const std::vector<Position>& positions, const std::vector<double>& belief,
                      const std::vector<double>& map, std::size_t features, const FeatureGroup& group) {
   const double least = kCounted * *std::ranges::max_element(belief);
-  std::vector<Place> counted;
+  std::vector<Position> counted;
   std::vector<std::size_t> at;
   double all = 0.0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
+  for (std::size_t k = 0; k < positions.size(); ++k) {
     if (belief[k] < least) continue;
-    counted.push_back(places[k]);
+    counted.push_back(positions[k]);
     at.push_back(k);
     all += belief[k];
   }
@@ -53,13 +53,13 @@ double ExpectedError(const std::vector<Place>& places, const std::vector<double>
   return error;
 }
 
-std::size_t BestLook(const std::vector<Place>& places, const std::vector<double>& belief,
+std::size_t BestLook(const std::vector<Position>& positions, const std::vector<double>& belief,
                      const std::vector<double>& map, std::size_t features,
                      const std::vector<FeatureGroup>& groups) {
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    const double error = ExpectedError(places, belief, map, features, groups[g]);
+    const double error = ExpectedError(positions, belief, map, features, groups[g]);
     if (error < least) {
       least = error;
       best = g;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "pipelines/localization/place_index.h"
+#include "pipelines/localization/position_index.h"
 
 namespace cairn::localization {
 
@@ -17,13 +17,13 @@ struct FeatureGroup {
 
 // E_posterior of a robot that believes `belief` and senses the group's features next, the truth being as
 // likely as it believes: sum over xi* of Bel(xi*) of eq. 22, with e the distance. `map`: P(f_i = 1 | xi),
-// [places][features]. Places below a thousandth of the most likely one's belief are left out. Costs
-// places^2 2^n of those that are left.
-double ExpectedError(const std::vector<Place>& places, const std::vector<double>& belief,
+// [positions][features]. Positions below a thousandth of the most likely one's belief are left out. Costs
+// positions^2 2^n of those that are left.
+double ExpectedError(const std::vector<Position>& positions, const std::vector<double>& belief,
                      const std::vector<double>& map, std::size_t features, const FeatureGroup& group);
 
 // The group with the least expected error; of equal ones the first.
-std::size_t BestLook(const std::vector<Place>& places, const std::vector<double>& belief,
+std::size_t BestLook(const std::vector<Position>& positions, const std::vector<double>& belief,
                      const std::vector<double>& map, std::size_t features,
                      const std::vector<FeatureGroup>& groups);
 

@@ -7,33 +7,33 @@
 namespace cairn::localization {
 namespace {
 
-// Four places, 1 m apart, the belief even; a feature that halves them, one that alternates, one that says
+// Four positions, 1 m apart, the belief even; a feature that halves them, one that alternates, one that says
 // nothing.
-const std::vector<Place> kPlaces = {{0, 0}, {1, 0}, {2, 0}, {3, 0}};
+const std::vector<Position> kPositions = {{0, 0}, {1, 0}, {2, 0}, {3, 0}};
 const std::vector<double> kEven = {0.25, 0.25, 0.25, 0.25};
 const std::vector<double> kMap = {0, 0, 0.5, 0, 1, 0.5, 1, 0, 0.5, 1, 1, 0.5};
 
 TEST(ExpectedError, IsWhatALookLeavesByHand) {
-  // Nothing learned: the mean distance of two places drawn evenly, 20 / 16.
-  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {2, 3}), 1.25, 1e-12);
-  // Halves: two places 1 m apart.
-  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {0, 1}), 0.5, 1e-12);
-  // Every other place: two places 2 m apart.
-  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {1, 2}), 1.0, 1e-12);
+  // Nothing learned: the mean distance of two positions drawn evenly, 20 / 16.
+  EXPECT_NEAR(ExpectedError(kPositions, kEven, kMap, 3, {2, 3}), 1.25, 1e-12);
+  // Halves: two positions 1 m apart.
+  EXPECT_NEAR(ExpectedError(kPositions, kEven, kMap, 3, {0, 1}), 0.5, 1e-12);
+  // Every other position: two positions 2 m apart.
+  EXPECT_NEAR(ExpectedError(kPositions, kEven, kMap, 3, {1, 2}), 1.0, 1e-12);
   // What cannot be seen from where the robot may be, here the right half, counts for nothing.
-  EXPECT_NEAR(ExpectedError(kPlaces, {0.5, 0.5, 0, 0}, kMap, 3, {0, 1}), 0.5, 1e-12);
-  // Both name each place.
-  EXPECT_NEAR(ExpectedError(kPlaces, kEven, kMap, 3, {0, 2}), 0.0, 1e-12);
+  EXPECT_NEAR(ExpectedError(kPositions, {0.5, 0.5, 0, 0}, kMap, 3, {0, 1}), 0.5, 1e-12);
+  // Both name each position.
+  EXPECT_NEAR(ExpectedError(kPositions, kEven, kMap, 3, {0, 2}), 0.0, 1e-12);
 }
 
-// Against the sum of eq. 22 as it stands: truth, feature vector, place.
+// Against the sum of eq. 22 as it stands: truth, feature vector, position.
 TEST(ExpectedError, EqualsTheLiteralSum) {
   Rng rng(8);
-  std::vector<Place> places;
+  std::vector<Position> positions;
   std::vector<double> belief, map;
   double sum = 0.0;
   for (int k = 0; k < 7; ++k) {
-    places.push_back({rng.Uniform(0, 9), rng.Uniform(0, 2)});
+    positions.push_back({rng.Uniform(0, 9), rng.Uniform(0, 2)});
     belief.push_back(rng.Uniform(0.1, 1));
     sum += belief.back();
     for (int i = 0; i < 3; ++i) map.push_back(rng.Uniform());
@@ -50,18 +50,18 @@ TEST(ExpectedError, EqualsTheLiteralSum) {
       double z = 0.0, error = 0.0;
       for (std::size_t k = 0; k < 7; ++k) {
         z += belief[k] * probability(k, f);
-        error += belief[k] * probability(k, f) * DistanceM(places[truth], places[k]);
+        error += belief[k] * probability(k, f) * DistanceM(positions[truth], positions[k]);
       }
       expected += belief[truth] * probability(truth, f) * error / z;
     }
   }
-  EXPECT_NEAR(ExpectedError(places, belief, map, 3, {0, 3}), expected, 1e-12);
+  EXPECT_NEAR(ExpectedError(positions, belief, map, 3, {0, 3}), expected, 1e-12);
 }
 
 TEST(BestLook, DependsOnWhatIsBelieved) {
   const std::vector<FeatureGroup> groups = {{2, 3}, {0, 1}, {1, 2}};
-  EXPECT_EQ(BestLook(kPlaces, kEven, kMap, 3, groups), 1U);
-  EXPECT_EQ(BestLook(kPlaces, {0.5, 0.5, 0.0, 0.0}, kMap, 3, groups), 2U);  // halves say nothing any more
+  EXPECT_EQ(BestLook(kPositions, kEven, kMap, 3, groups), 1U);
+  EXPECT_EQ(BestLook(kPositions, {0.5, 0.5, 0.0, 0.0}, kMap, 3, groups), 2U);  // halves say nothing any more
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct Options {
   std::string look = "all";
   double window_m = 0.0;
   std::int64_t traverses = 35;
-  double way_m = 30.0;
+  double travelled_m = 30.0;
   double every_m = 0.5;
   std::string odometry = "recorded";
   double odometry_ratio = 0.05;
@@ -59,7 +59,7 @@ void VisitOptions(V& visit, Options& o) {
                {"samples", "grid"}},
         o.belief);
   visit(Option{"cell_m", "m", 0.01, 100, "edge of a cell (belief grid)"}, o.cell_m);
-  visit(Option{"nearest", "", 1, 1e6, "training samples, of which the features at a place are the mean"},
+  visit(Option{"nearest", "", 1, 1e6, "training samples, of which the features at a position are the mean"},
         o.nearest);
   visit(Option{"prior_count", "", 0, 1e6,
                "samples of either outcome that are added to them; 0: what they all rule out is impossible"},
@@ -88,11 +88,11 @@ void VisitOptions(V& visit, Options& o) {
                "0: nothing (global localisation)"},
         o.window_m);
   visit(Option{"traverses", "", 0, 1e6,
-               "runs of the experiment, each from a random place of a run on; 0: each run once, from its "
+               "runs of the experiment, each from a random position of a run on; 0: each run once, from its "
                "beginning"},
         o.traverses);
-  visit(Option{"way_m", "m", 0, 1e9, "way of each; 0: to the run's end"}, o.way_m);
-  visit(Option{"every_m", "m", 0.001, 1e6, "way from a sensation to the next"}, o.every_m);
+  visit(Option{"travelled_m", "m", 0, 1e9, "distance travelled by each; 0: to the run's end"}, o.travelled_m);
+  visit(Option{"every_m", "m", 0.001, 1e6, "distance from a sensation to the next"}, o.every_m);
   visit(
       Option{
           "odometry",
@@ -108,12 +108,11 @@ void VisitOptions(V& visit, Options& o) {
         o.odometry_ratio);
   visit(Option{"motion_m", "m", 0, 1e6, "sd of a displacement in the motion model, an axis"}, o.motion_m);
   visit(Option{"motion_ratio", "", 0, 10, "and a share of its length, added in squares"}, o.motion_ratio);
-  visit(
-      Option{
-          "motion_heading_deg", "deg", 0.1, 360,
-          "and of the turn from the heading of a place to that of the next, at which samples were taken as "
-          "it came (heading unknown)"},
-      o.motion_heading_deg);
+  visit(Option{"motion_heading_deg", "deg", 0.1, 360,
+               "and of the turn from the heading of a position to that of the next, at which samples were "
+               "taken as "
+               "it came (heading unknown)"},
+        o.motion_heading_deg);
   visit(Option{"lost", "", 0, 1, "share of the belief that goes anywhere at each displacement"}, o.lost);
 }
 

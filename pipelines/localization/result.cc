@@ -9,14 +9,14 @@ void ResultRows::Visit(S& rows, const F& f) {
   f("step/traverse", rows.traverse_);
   f("step/run", rows.run_);
   f("step/sample", rows.sample_);
-  f("step/way_m", rows.way_m_);
+  f("step/travelled_m", rows.travelled_m_);
   f("step/mean_x_m", rows.mean_x_m_);
   f("step/mean_y_m", rows.mean_y_m_);
   f("step/mode_x_m", rows.mode_x_m_);
   f("step/mode_y_m", rows.mode_y_m_);
   f("step/spread_m", rows.spread_m_);
   f("step/entries", rows.entries_);
-  f("belief/place", rows.place_);
+  f("belief/position", rows.position_);
   f("belief/probability", rows.probability_);
 }
 
@@ -27,14 +27,14 @@ void ResultRows::Add(std::size_t number, const Source& source, const Traverse& t
     traverse_.push_back(static_cast<std::int32_t>(number));
     run_.push_back(source.runs[traverse.run].index);
     sample_.push_back(static_cast<std::int32_t>(k == 0 ? traverse.start : traverse.stops[k - 1].sample));
-    way_m_.push_back(k == 0 ? 0.0 : traverse.stops[k - 1].way_m);
+    travelled_m_.push_back(k == 0 ? 0.0 : traverse.stops[k - 1].travelled_m);
     mean_x_m_.push_back(step.estimate.mean.x_m);
     mean_y_m_.push_back(step.estimate.mean.y_m);
     mode_x_m_.push_back(step.estimate.mode.x_m);
     mode_y_m_.push_back(step.estimate.mode.y_m);
     spread_m_.push_back(step.estimate.spread_m);
-    entries_.push_back(static_cast<std::int64_t>(step.place.size()));
-    place_.insert(place_.end(), step.place.begin(), step.place.end());
+    entries_.push_back(static_cast<std::int64_t>(step.position.size()));
+    position_.insert(position_.end(), step.position.begin(), step.position.end());
     probability_.insert(probability_.end(), step.probability.begin(), step.probability.end());
   }
 }
@@ -55,9 +55,9 @@ Blob ResultRows::ToBlob() const {
 std::string ResultRows::Note() const {
   double first = 0.0, last = 0.0;
   int traverses = 0;
-  for (std::size_t k = 0; k < way_m_.size(); ++k) {
+  for (std::size_t k = 0; k < travelled_m_.size(); ++k) {
     const bool begins = k == 0 || traverse_[k] != traverse_[k - 1];
-    const bool ends = k + 1 == way_m_.size() || traverse_[k] != traverse_[k + 1];
+    const bool ends = k + 1 == travelled_m_.size() || traverse_[k] != traverse_[k + 1];
     first += begins ? spread_m_[k] : 0.0;
     last += ends ? spread_m_[k] : 0.0;
     traverses += ends ? 1 : 0;
@@ -72,14 +72,14 @@ std::string ResultRows::Note() const {
 Blob ResultOf(const Options& options, const Source& source, const Poses& poses, const ResultRows& rows) {
   Blob result = rows.ToBlob();
   std::vector<double> x, y;
-  for (const Place& place : poses.places) {
-    x.push_back(place.x_m);
-    y.push_back(place.y_m);
+  for (const Position& position : poses.positions) {
+    x.push_back(position.x_m);
+    y.push_back(position.y_m);
   }
-  result.PutVector("place/x_m", x);
-  result.PutVector("place/y_m", y);
+  result.PutVector("position/x_m", x);
+  result.PutVector("position/y_m", y);
   if (source.headings()) {
-    result.PutVector("place/heading_rad", poses.heading_rad);
+    result.PutVector("position/heading_rad", poses.heading_rad);
     result.Put("heading", Array::Text(options.heading));
   }
   result.Put("runs", Array::Texts(source.run_names));

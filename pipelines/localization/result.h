@@ -26,9 +26,9 @@ class ResultRows {
   static void Visit(S& rows, const F& f);
 
   std::vector<std::int32_t> traverse_, run_, sample_;  // of each step
-  std::vector<double> way_m_, mean_x_m_, mean_y_m_, mode_x_m_, mode_y_m_, spread_m_;
-  std::vector<std::int64_t> entries_;  // of each step's belief
-  std::vector<std::int32_t> place_;    // of each entry
+  std::vector<double> travelled_m_, mean_x_m_, mean_y_m_, mode_x_m_, mode_y_m_, spread_m_;
+  std::vector<std::int64_t> entries_;   // of each step's belief
+  std::vector<std::int32_t> position_;  // of each entry
   std::vector<float> probability_;
 };
 

@@ -24,7 +24,7 @@ std::vector<double> Drawn(const std::vector<double>& output, Rng& rng) {
 
 std::vector<double> Likelihood(const std::vector<double>& map, const std::vector<double>& feature,
                                const FeatureGroup& group, double trust) {
-  CAIRN_DEMAND(!feature.empty() && map.size() % feature.size() == 0, "a row of the map for each place");
+  CAIRN_DEMAND(!feature.empty() && map.size() % feature.size() == 0, "a row of the map for each position");
   std::vector<double> likelihood;
   for (std::size_t row = 0; row < map.size(); row += feature.size()) {
     double product = 1.0;

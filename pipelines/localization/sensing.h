@@ -1,4 +1,4 @@
-// P(f | xi), the map of features ([T98] section 5.1.6), and what a sensation says of the places in it.
+// P(f | xi), the map of features ([T98] section 5.1.6), and what a sensation says of the positions in it.
 #pragma once
 
 #include <vector>
@@ -17,10 +17,10 @@ std::vector<double> MeanFeatures(const std::vector<std::size_t>& samples, const 
 // f of a sensation whose bits are 1 with probability `output`, drawn (eqs 32, 33): zeros and ones.
 std::vector<double> Drawn(const std::vector<double>& output, Rng& rng);
 
-// P(f | xi) of each place: prod_i of P(f_i | xi) over the bits of `group`. `feature`: zeros and ones, or
+// P(f | xi) of each position: prod_i of P(f_i | xi) over the bits of `group`. `feature`: zeros and ones, or
 // probabilities of ones, over which the expectation is taken: sum_f P(f | s) P(f | xi); of all bits. `map`:
-// [places][features]. Raised to the power of `trust`: sensations that follow each other are not independent,
-// as table 1 holds them to be.
+// [positions][features]. Raised to the power of `trust`: sensations that follow each other are not
+// independent, as table 1 holds them to be.
 std::vector<double> Likelihood(const std::vector<double>& map, const std::vector<double>& feature,
                                const FeatureGroup& group, double trust);
 

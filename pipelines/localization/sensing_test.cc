@@ -4,13 +4,13 @@
 
 #include <cmath>
 
-#include "pipelines/localization/place_index.h"
+#include "pipelines/localization/position_index.h"
 
 namespace cairn::localization {
 namespace {
 
 TEST(MeanFeatures, AreTheMeanOfTheNearestSamplesAndThePriorCount) {
-  const PlaceIndex index({{0, 0}, {1, 0}, {2, 0}, {9, 0}});
+  const PositionIndex index({{0, 0}, {1, 0}, {2, 0}, {9, 0}});
   const std::vector<double> output = {0.2, 1.0, 0.4, 1.0, 0.6, 1.0, 0.0, 0.0};  // two features
   const std::vector<double> plain = MeanFeatures(index.Nearest({1.1, 0}, 3), output, 2, 0.0);
   EXPECT_NEAR(plain[0], 0.4, 1e-15);
@@ -23,9 +23,9 @@ TEST(MeanFeatures, AreTheMeanOfTheNearestSamplesAndThePriorCount) {
 // The product over bits against the sum over all feature vectors that it stands for.
 TEST(Likelihood, IsTheExpectationOverTheFeatureVector) {
   Rng rng(3);
-  constexpr std::size_t kFeatures = 4, kPlaces = 5;
+  constexpr std::size_t kFeatures = 4, kPositions = 5;
   std::vector<double> map, output;
-  for (std::size_t i = 0; i < kFeatures * kPlaces; ++i) map.push_back(rng.Uniform());
+  for (std::size_t i = 0; i < kFeatures * kPositions; ++i) map.push_back(rng.Uniform());
   for (std::size_t i = 0; i < kFeatures; ++i) output.push_back(rng.Uniform());
   const auto probability = [](const double* ones, std::size_t f) {
     double product = 1.0;
@@ -33,12 +33,12 @@ TEST(Likelihood, IsTheExpectationOverTheFeatureVector) {
     return product;
   };
   const std::vector<double> likelihood = Likelihood(map, output, {0, kFeatures}, 1.0);
-  ASSERT_EQ(likelihood.size(), kPlaces);
-  for (std::size_t place = 0; place < kPlaces; ++place) {
+  ASSERT_EQ(likelihood.size(), kPositions);
+  for (std::size_t position = 0; position < kPositions; ++position) {
     double expected = 0.0;
     for (std::size_t f = 0; f < 1U << kFeatures; ++f)
-      expected += probability(output.data(), f) * probability(&map[place * kFeatures], f);
-    EXPECT_NEAR(likelihood[place], expected, 1e-14);
+      expected += probability(output.data(), f) * probability(&map[position * kFeatures], f);
+    EXPECT_NEAR(likelihood[position], expected, 1e-14);
   }
   const std::vector<double> drawn = {1, 0, 0, 1};
   EXPECT_NEAR(Likelihood(map, drawn, {0, kFeatures}, 1.0)[2], probability(&map[2 * kFeatures], 9), 1e-15);

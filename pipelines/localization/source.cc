@@ -37,18 +37,18 @@ std::span<const float> RowsOf(const Blob& samples, std::size_t run, const std::s
   return values;
 }
 
-std::vector<Place> PlacesOf(const Blob& samples, std::size_t run, const std::string& name) {
+std::vector<Position> PositionsOf(const Blob& samples, std::size_t run, const std::string& name) {
   const auto x = samples.Get<double>(PrefixOf(run) + "x_m"), y = samples.Get<double>(PrefixOf(run) + "y_m");
   if (x.size() != y.size() || x.empty())
     throw InputError("run '" + name + "': x_m and y_m are empty or not of one length");
-  std::vector<Place> places;
+  std::vector<Position> positions;
   for (std::size_t k = 0; k < x.size(); ++k) {
     if (!std::isfinite(x[k]) || !std::isfinite(y[k])) {
-      throw InputError("run '" + name + "', sample " + std::to_string(k) + ": the place is not finite");
+      throw InputError("run '" + name + "', sample " + std::to_string(k) + ": the position is not finite");
     }
-    places.push_back({x[k], y[k]});
+    positions.push_back({x[k], y[k]});
   }
-  return places;
+  return positions;
 }
 
 // Empty where they are not known.
@@ -89,9 +89,9 @@ std::vector<OwnMotion> OdometryOf(const Options& options, const Blob& samples, s
 
 // With nothing sensed yet.
 Run ReadRun(const Options& options, const Blob& samples, std::size_t run, const std::string& name) {
-  Run read{static_cast<std::int32_t>(run), PlacesOf(samples, run, name), {}, {}, {}};
-  read.heading_rad = HeadingsOf(samples, run, name, read.places.size());
-  read.odometry = OdometryOf(options, samples, run, name, read.places.size());
+  Run read{static_cast<std::int32_t>(run), PositionsOf(samples, run, name), {}, {}, {}};
+  read.heading_rad = HeadingsOf(samples, run, name, read.positions.size());
+  read.odometry = OdometryOf(options, samples, run, name, read.positions.size());
   if (!read.odometry.empty() && read.heading_rad.empty())
     throw InputError("run '" + name +
                      "': its odometry says nothing without headings ('heading_rad'); "
@@ -120,7 +120,7 @@ class NetworkExtractor {
   std::vector<double> MapOutput() const {
     std::vector<std::vector<double>> parts;
     for (const Learned& networks : learned_) parts.push_back(networks.outputs());
-    return BesideEachOther(parts, learned_.front().places().size());
+    return BesideEachOther(parts, learned_.front().positions().size());
   }
 
  private:
@@ -215,7 +215,7 @@ std::vector<Learned> ReadNetworks(const Options& options, const Inputs& inputs) 
   for (const char* name : {"networks", "networks_2", "networks_3"}) {
     if (!inputs.Has(name)) continue;
     learned.emplace_back(*inputs.Get(name));
-    if (learned.back().places() != learned.front().places())
+    if (learned.back().positions() != learned.front().positions())
       throw InputError(std::string(name) + ": trained on other samples than the first networks");
   }
   if (!learned.empty() && !options.features.empty())
@@ -229,21 +229,21 @@ std::vector<T> Taken(const Blob& blob, const std::string& name) {
   return {values.begin(), values.end()};
 }
 
-void PutPlaces(const std::vector<Place>& places, const std::string& prefix, Blob* blob) {
+void PutPositions(const std::vector<Position>& positions, const std::string& prefix, Blob* blob) {
   std::vector<double> x, y;
-  for (const Place& place : places) {
-    x.push_back(place.x_m);
-    y.push_back(place.y_m);
+  for (const Position& position : positions) {
+    x.push_back(position.x_m);
+    y.push_back(position.y_m);
   }
   blob->PutVector(prefix + "x_m", x);
   blob->PutVector(prefix + "y_m", y);
 }
 
-std::vector<Place> TakenPlaces(const Blob& blob, const std::string& prefix) {
+std::vector<Position> TakenPositions(const Blob& blob, const std::string& prefix) {
   const auto x = blob.Get<double>(prefix + "x_m"), y = blob.Get<double>(prefix + "y_m");
-  std::vector<Place> places;
-  for (std::size_t k = 0; k < x.size(); ++k) places.push_back({x[k], y[k]});
-  return places;
+  std::vector<Position> positions;
+  for (std::size_t k = 0; k < x.size(); ++k) positions.push_back({x[k], y[k]});
+  return positions;
 }
 
 }  // namespace
@@ -257,12 +257,12 @@ void Source::UseNetworks(const Options& options, const Blob& samples, const std:
       feature_names.push_back("network " + std::to_string(i) + of);
     groups.push_back({first, feature_names.size()});
   }
-  map_places = learned.front().places();
+  map_positions = learned.front().positions();
   map_heading_rad = learned.front().headings_rad();
   map_output = extractor.MapOutput();
   for (const std::size_t r : RunsToLocaliseIn(options, run_names, learned.front().trained_on())) {
     Run run = ReadRun(options, samples, r, run_names[r]);
-    run.output = extractor.OutputOf(r, run.places.size());
+    run.output = extractor.OutputOf(r, run.positions.size());
     runs.push_back(std::move(run));
   }
 }
@@ -274,12 +274,12 @@ void Source::UseHandMade(const Options& options, const Blob& samples) {
   const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, run_names, {});
   for (std::size_t r = 0; r < run_names.size(); ++r) {
     Run run = ReadRun(options, samples, r, run_names[r]);
-    run.output = extractor.OutputOf(r, run.places.size());
+    run.output = extractor.OutputOf(r, run.positions.size());
     if (std::ranges::count(wanted, r) > 0) {
       runs.push_back(std::move(run));
       continue;
     }
-    map_places.insert(map_places.end(), run.places.begin(), run.places.end());
+    map_positions.insert(map_positions.end(), run.positions.begin(), run.positions.end());
     map_heading_rad.insert(map_heading_rad.end(), run.heading_rad.begin(), run.heading_rad.end());
     map_output.insert(map_output.end(), run.output.begin(), run.output.end());
   }
@@ -287,15 +287,15 @@ void Source::UseHandMade(const Options& options, const Blob& samples) {
 
 void Source::DecideOnHeadings(const Options& options) {
   std::vector<double> all = map_heading_rad;
-  std::size_t samples = map_places.size();
+  std::size_t samples = map_positions.size();
   for (const Run& run : runs) {
     all.insert(all.end(), run.heading_rad.begin(), run.heading_rad.end());
-    samples += run.places.size();
-    if (options.heading == "unknown" && run.heading_rad.size() != run.places.size())
+    samples += run.positions.size();
+    if (options.heading == "unknown" && run.heading_rad.size() != run.positions.size())
       throw InputError("heading=unknown: run '" + run_names[static_cast<std::size_t>(run.index)] +
                        "' has no headings ('heading_rad') to turn by");
   }
-  const bool known = map_heading_rad.size() == map_places.size() && all.size() == samples;
+  const bool known = map_heading_rad.size() == map_positions.size() && all.size() == samples;
   if (options.heading == "unknown" && !known)
     throw InputError(
         "heading=unknown: the map's samples have no headings; networks of an older version are to be "
@@ -315,10 +315,10 @@ Source Source::Of(const Options& options, const Inputs& inputs) {
     source.UseHandMade(options, *samples);
   else
     source.UseNetworks(options, *samples, learned);
-  if (source.map_places.empty()) throw InputError("runs: no run is left to make the map of");
-  if (static_cast<std::size_t>(options.nearest) > source.map_places.size()) {
+  if (source.map_positions.empty()) throw InputError("runs: no run is left to make the map of");
+  if (static_cast<std::size_t>(options.nearest) > source.map_positions.size()) {
     throw InputError("nearest = " + std::to_string(options.nearest) + ", but the map has only " +
-                     std::to_string(source.map_places.size()) + " samples");
+                     std::to_string(source.map_positions.size()) + " samples");
   }
   source.DecideOnHeadings(options);
   return source;
@@ -332,14 +332,14 @@ Blob Source::ToBlob() const {
   std::vector<std::int64_t> group_end;
   for (const FeatureGroup& group : groups) group_end.push_back(static_cast<std::int64_t>(group.end));
   blob.PutVector("group_end", group_end);
-  PutPlaces(map_places, "map/", &blob);
+  PutPositions(map_positions, "map/", &blob);
   blob.PutVector("map/heading_rad", map_heading_rad);
   blob.PutVector("map/output", map_output);
   std::vector<std::int32_t> index;
   for (const Run& run : runs) {
     const std::string prefix = PrefixOf(index.size());
     index.push_back(run.index);
-    PutPlaces(run.places, prefix, &blob);
+    PutPositions(run.positions, prefix, &blob);
     blob.PutVector(prefix + "heading_rad", run.heading_rad);
     std::vector<double> odometry;
     for (const OwnMotion& own : run.odometry)
@@ -355,7 +355,7 @@ Source Source::FromBlob(const Blob& blob) {
   Source source{.run_names = blob.Texts("run_names"),
                 .feature_names = blob.Texts("feature_names"),
                 .groups = {},
-                .map_places = TakenPlaces(blob, "map/"),
+                .map_positions = TakenPositions(blob, "map/"),
                 .map_heading_rad = Taken<double>(blob, "map/heading_rad"),
                 .map_output = Taken<double>(blob, "map/output"),
                 .runs = {},
@@ -367,7 +367,7 @@ Source Source::FromBlob(const Blob& blob) {
   for (const std::int32_t index : blob.Get<std::int32_t>("run_index")) {
     const std::string prefix = PrefixOf(source.runs.size());
     source.runs.push_back({index,
-                           TakenPlaces(blob, prefix),
+                           TakenPositions(blob, prefix),
                            Taken<double>(blob, prefix + "heading_rad"),
                            Taken<float>(blob, prefix + "output"),
                            {}});

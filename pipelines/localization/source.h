@@ -1,4 +1,4 @@
-// What localisation starts from: places whose features are known, and the runs to find the robot in.
+// What localisation starts from: positions whose features are known, and the runs to find the robot in.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 #include "pipelines/localization/belief.h"
 #include "pipelines/localization/look.h"
 #include "pipelines/localization/options.h"
-#include "pipelines/localization/place_index.h"
+#include "pipelines/localization/position_index.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::localization {
@@ -17,8 +17,8 @@ class Learned;
 // A run of the samples (schema/FORMAT.md).
 struct Run {
   std::int32_t index = 0;  // among the samples' runs
-  std::vector<Place>
-      places;  // displacements, the window at the start and scores come from these, nothing else
+  std::vector<Position>
+      positions;  // displacements, the window at the start and scores come from these, nothing else
   std::vector<double> heading_rad;  // [samples]; empty where it is not known
   std::vector<float> output;        // [samples][features]: P(f_i = 1 | s)
   std::vector<OwnMotion>
@@ -29,15 +29,15 @@ struct Source {
   std::vector<std::string> run_names;  // of all runs of the samples
   std::vector<std::string> feature_names;
   std::vector<FeatureGroup> groups;     // of each networks input; one where features are hand-made
-  std::vector<Place> map_places;        // training samples
+  std::vector<Position> map_positions;  // training samples
   std::vector<double> map_heading_rad;  // of these; empty where headings do not count
   std::vector<double> map_output;       // [training samples][features]
   std::vector<Run> runs;
   std::string samples_hash;  // of the samples without truth
 
   std::size_t features() const { return feature_names.size(); }
-  // Whether a place counts with its heading: where the robot finds that out too (heading unknown), or knows
-  // it and samples do not all face one way.
+  // Whether a position counts with its heading: where the robot finds that out too (heading unknown), or
+  // knows it and samples do not all face one way.
   bool headings() const { return !map_heading_rad.empty(); }
 
   // Inputs `samples` and, where there are, `networks`, `networks_2` and `networks_3`: then the map is that of

@@ -17,21 +17,22 @@ namespace {
 constexpr double kMostCells = 1e6;
 
 struct Box {
-  Place low, high;
+  Position low, high;
 };
 
-Box BoxOf(const std::vector<Place>& places) {
-  Box box{places.front(), places.front()};
-  for (const Place& place : places) {
-    box.low = {std::min(box.low.x_m, place.x_m), std::min(box.low.y_m, place.y_m)};
-    box.high = {std::max(box.high.x_m, place.x_m), std::max(box.high.y_m, place.y_m)};
+Box BoxOf(const std::vector<Position>& positions) {
+  Box box{positions.front(), positions.front()};
+  for (const Position& position : positions) {
+    box.low = {std::min(box.low.x_m, position.x_m), std::min(box.low.y_m, position.y_m)};
+    box.high = {std::max(box.high.x_m, position.x_m), std::max(box.high.y_m, position.y_m)};
   }
   return box;
 }
 
 // Adds the cells of the box that have a sample of `training` near. They lie about its middle: a world that is
 // shifted, or turned by a quarter, has the same ones.
-void AddCells(double cell_m, const Box& box, const std::vector<Place>& training, std::vector<Place>* cells) {
+void AddCells(double cell_m, const Box& box, const std::vector<Position>& training,
+              std::vector<Position>* cells) {
   const double columns = std::floor((box.high.x_m - box.low.x_m) / cell_m) + 1,
                rows = std::floor((box.high.y_m - box.low.y_m) / cell_m) + 1;
   if (columns * rows > kMostCells) {
@@ -40,12 +41,12 @@ void AddCells(double cell_m, const Box& box, const std::vector<Place>& training,
                   cell_m, columns, rows, kMostCells);
     throw InputError(text);
   }
-  const PlaceIndex index(training);
-  const Place middle{0.5 * (box.low.x_m + box.high.x_m), 0.5 * (box.low.y_m + box.high.y_m)};
+  const PositionIndex index(training);
+  const Position middle{0.5 * (box.low.x_m + box.high.x_m), 0.5 * (box.low.y_m + box.high.y_m)};
   for (int row = 0; row < static_cast<int>(rows); ++row) {
     for (int column = 0; column < static_cast<int>(columns); ++column) {
-      const Place centre{middle.x_m + (column - 0.5 * (columns - 1)) * cell_m,
-                         middle.y_m + (row - 0.5 * (rows - 1)) * cell_m};
+      const Position centre{middle.x_m + (column - 0.5 * (columns - 1)) * cell_m,
+                            middle.y_m + (row - 0.5 * (rows - 1)) * cell_m};
       const double nearest_m = DistanceM(training[index.Nearest(centre, 1)[0]], centre);
       if (nearest_m <= cell_m / std::numbers::sqrt2) cells->push_back(centre);
     }
@@ -65,17 +66,17 @@ double Grain(const std::vector<double>& headings_rad) {
 
 // Samples that face into one quarter of the compass, about a direction of the grain.
 struct Layer {
-  std::vector<Place> places;
+  std::vector<Position> positions;
   std::vector<double> heading_rad;
 };
 
 std::array<Layer, 4> LayersOf(const Source& source) {
   std::array<Layer, 4> layers;
   const double grain_rad = Grain(source.map_heading_rad);
-  for (std::size_t k = 0; k < source.map_places.size(); ++k) {
+  for (std::size_t k = 0; k < source.map_positions.size(); ++k) {
     const double quarters = std::round((source.map_heading_rad[k] - grain_rad) / (0.5 * std::numbers::pi));
     Layer& layer = layers[static_cast<std::size_t>(static_cast<std::int64_t>(quarters) & 3)];
-    layer.places.push_back(source.map_places[k]);
+    layer.positions.push_back(source.map_positions[k]);
     layer.heading_rad.push_back(source.map_heading_rad[k]);
   }
   return layers;
@@ -92,25 +93,25 @@ double MeanHeading(const Layer& layer, const std::vector<std::size_t>& samples) 
 
 Poses LayeredCells(double cell_m, const Source& source) {
   Poses poses;
-  const Box box = BoxOf(source.map_places);
+  const Box box = BoxOf(source.map_positions);
   for (const Layer& layer : LayersOf(source)) {
-    if (layer.places.empty()) continue;
-    AddCells(cell_m, box, layer.places, &poses.places);
-    const PlaceIndex index(layer.places);
-    for (std::size_t k = poses.heading_rad.size(); k < poses.places.size(); ++k)
+    if (layer.positions.empty()) continue;
+    AddCells(cell_m, box, layer.positions, &poses.positions);
+    const PositionIndex index(layer.positions);
+    for (std::size_t k = poses.heading_rad.size(); k < poses.positions.size(); ++k)
       poses.heading_rad.push_back(
-          MeanHeading(layer, index.Within(poses.places[k], cell_m / std::numbers::sqrt2)));
+          MeanHeading(layer, index.Within(poses.positions[k], cell_m / std::numbers::sqrt2)));
   }
   return poses;
 }
 
 }  // namespace
 
-Poses BeliefPlaces(const Options& options, const Source& source) {
-  if (options.belief != "grid") return {source.map_places, source.map_heading_rad};
+Poses BeliefPositions(const Options& options, const Source& source) {
+  if (options.belief != "grid") return {source.map_positions, source.map_heading_rad};
   if (source.headings()) return LayeredCells(options.cell_m, source);
   Poses poses;
-  AddCells(options.cell_m, BoxOf(source.map_places), source.map_places, &poses.places);
+  AddCells(options.cell_m, BoxOf(source.map_positions), source.map_positions, &poses.positions);
   return poses;
 }
 
@@ -133,7 +134,7 @@ void FeatureMap::Append(const FeatureMap& block) {
 
 FeatureMap MapOfBlock(const Options& options, const Source& source, const Poses& poses, std::size_t first,
                       std::size_t end) {
-  const PlaceIndex training(source.map_places), among(poses.places);
+  const PositionIndex training(source.map_positions), among(poses.positions);
   const double bandwidth_m =
       std::max({options.motion_m, options.motion_ratio * options.every_m, SpacingM(among, poses), 1e-3});
   FeatureMap map;
@@ -142,7 +143,7 @@ FeatureMap MapOfBlock(const Options& options, const Source& source, const Poses&
       return !source.headings() || FaceAlike(source.map_heading_rad[sample], poses.heading_rad[k]);
     };
     const std::vector<double> features =
-        MeanFeatures(training.NearestOf(poses.places[k], static_cast<std::size_t>(options.nearest), alike),
+        MeanFeatures(training.NearestOf(poses.positions[k], static_cast<std::size_t>(options.nearest), alike),
                      source.map_output, source.features(), options.prior_count);
     map.probability.insert(map.probability.end(), features.begin(), features.end());
     map.room.push_back(RoomOf(among, poses, k, bandwidth_m));

@@ -1,4 +1,4 @@
-// The places over which the belief is held, with P(f | xi) at each.
+// The positions over which the belief is held, with P(f | xi) at each.
 #pragma once
 
 #include <vector>
@@ -14,12 +14,12 @@ namespace cairn::localization {
 // grid), row by row. Where headings count each has its own; a cell stands in up to four layers, for the
 // quarters of the compass (around 0, 90, 180 and 270 degrees) in which training samples of it face, with
 // their mean direction. Throws InputError where they would be too many.
-Poses BeliefPlaces(const Options& options, const Source& source);
+Poses BeliefPositions(const Options& options, const Source& source);
 
-// What a task `map` finds for a block of places, and together for all.
+// What a task `map` finds for a block of positions, and together for all.
 struct FeatureMap {
-  std::vector<double> probability;  // P(f_i = 1 | xi): [places][features]
-  std::vector<double> room;         // [places], see BeliefSpace
+  std::vector<double> probability;  // P(f_i = 1 | xi): [positions][features]
+  std::vector<double> room;         // [positions], see BeliefSpace
 
   Blob ToBlob() const;
   static FeatureMap FromBlob(const Blob& blob);

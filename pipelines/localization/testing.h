@@ -12,8 +12,8 @@
 namespace cairn::localization {
 
 // Runs along a straight corridor, a sample each 0.2 m or so. Each feature is a probability that is high in
-// half of the corridor, in pieces that get shorter from the first to the last: together they name a place, as
-// the bits of a number do.
+// half of the corridor, in pieces that get shorter from the first to the last: together they name a position,
+// as the bits of a number do.
 struct CorridorWithFeatures {
   int runs = 3;
   double length_m = 60.0;

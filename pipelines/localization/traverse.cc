@@ -12,32 +12,34 @@ namespace {
 
 constexpr std::uint32_t kTurnSubstream = 2;  // 0: starts and displacements; 1: what is sensed
 
-// Way travelled until each sample of a run.
-std::vector<double> WayTo(const std::vector<Place>& places) {
-  std::vector<double> way(places.size(), 0.0);
-  for (std::size_t k = 1; k < places.size(); ++k) way[k] = way[k - 1] + DistanceM(places[k], places[k - 1]);
-  return way;
+// Distance travelled until each sample of a run.
+std::vector<double> WayTo(const std::vector<Position>& positions) {
+  std::vector<double> travelled(positions.size(), 0.0);
+  for (std::size_t k = 1; k < positions.size(); ++k)
+    travelled[k] = travelled[k - 1] + DistanceM(positions[k], positions[k - 1]);
+  return travelled;
 }
 
-std::size_t StartOf(const Options& options, const std::vector<double>& way, Rng& rng) {
-  if (options.traverses == 0 || options.way_m == 0.0 || way.back() <= options.way_m) return 0;
-  const double at_m = rng.Uniform(0.0, way.back() - options.way_m);
-  return static_cast<std::size_t>(std::ranges::lower_bound(way, at_m) - way.begin());
+std::size_t StartOf(const Options& options, const std::vector<double>& travelled, Rng& rng) {
+  if (options.traverses == 0 || options.travelled_m == 0.0 || travelled.back() <= options.travelled_m)
+    return 0;
+  const double at_m = rng.Uniform(0.0, travelled.back() - options.travelled_m);
+  return static_cast<std::size_t>(std::ranges::lower_bound(travelled, at_m) - travelled.begin());
 }
 
 // What odometry makes of a displacement.
-Place Measured(const Place& from, const Place& to, double ratio, Rng& rng) {
+Position Measured(const Position& from, const Position& to, double ratio, Rng& rng) {
   const double sd_m = ratio * DistanceM(from, to);
   return {to.x_m - from.x_m + sd_m * rng.Normal(), to.y_m - from.y_m + sd_m * rng.Normal()};
 }
 
-Place Turned(const Place& p, double by_rad) {
+Position Turned(const Position& p, double by_rad) {
   const double c = std::cos(by_rad), s = std::sin(by_rad);
   return {c * p.x_m - s * p.y_m, s * p.x_m + c * p.y_m};
 }
 
 // The same, as a robot that faced `from_rad` and now faces `to_rad` has it: with an error of its turn.
-OwnMotion AsItFaced(const Place& displacement, double from_rad, double to_rad, double ratio, Rng& rng) {
+OwnMotion AsItFaced(const Position& displacement, double from_rad, double to_rad, double ratio, Rng& rng) {
   const double turn_rad = std::remainder(to_rad - from_rad, 2.0 * std::numbers::pi);
   return {Turned(displacement, -from_rad), turn_rad + ratio * std::abs(turn_rad) * rng.Normal()};
 }
@@ -47,21 +49,21 @@ OwnMotion Together(const std::vector<OwnMotion>& odometry, std::size_t from, std
   OwnMotion all;
   for (std::size_t k = from + 1; k <= to; ++k) {
     all.turn_rad += odometry[k].turn_rad;
-    const Place moved = Turned(odometry[k].moved, all.turn_rad);
+    const Position moved = Turned(odometry[k].moved, all.turn_rad);
     all.moved = {all.moved.x_m + moved.x_m, all.moved.y_m + moved.y_m};
   }
   return all;
 }
 
 Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& belief) {
-  Localized::Step step{EstimateOf(space.places(), belief), {}, {}};
+  Localized::Step step{EstimateOf(space.positions(), belief), {}, {}};
   const double least = kKeptShare * *std::ranges::max_element(belief);
   double sum = 0.0;
   for (const double b : belief) sum += b >= least ? b : 0.0;
-  for (std::size_t place = 0; place < belief.size(); ++place) {
-    if (belief[place] < least) continue;
-    step.place.push_back(static_cast<std::int32_t>(place));
-    step.probability.push_back(static_cast<float>(belief[place] / sum));
+  for (std::size_t position = 0; position < belief.size(); ++position) {
+    if (belief[position] < least) continue;
+    step.position.push_back(static_cast<std::int32_t>(position));
+    step.probability.push_back(static_cast<float>(belief[position] / sum));
   }
   return step;
 }
@@ -72,7 +74,7 @@ FeatureGroup LookedAt(const Options& options, const Source& source, const Belief
   const std::vector<FeatureGroup>& groups = source.groups;
   if (groups.size() == 1 || options.look == "all") return {0, source.features()};
   if (options.look == "turn") return groups[stop % groups.size()];
-  return groups[BestLook(space.places(), belief, map, source.features(), groups)];
+  return groups[BestLook(space.positions(), belief, map, source.features(), groups)];
 }
 
 [[noreturn]] void Impossible(const Source& source, const Traverse& traverse, const Stop& stop,
@@ -91,21 +93,21 @@ std::size_t TraverseCount(const Options& options, const Source& source) {
 Traverse MakeTraverse(const Options& options, const Source& source, std::size_t number, std::uint64_t seed) {
   Traverse traverse{.run = number % source.runs.size(), .start = 0, .stops = {}};
   const Run& run = source.runs[traverse.run];
-  const std::vector<double> way = WayTo(run.places);
+  const std::vector<double> travelled = WayTo(run.positions);
   Rng rng(seed, number), turn_rng(seed, number, kTurnSubstream);
-  traverse.start = StartOf(options, way, rng);
-  const double end_m = options.way_m > 0.0 ? options.way_m : way.back();
+  traverse.start = StartOf(options, travelled, rng);
+  const double end_m = options.travelled_m > 0.0 ? options.travelled_m : travelled.back();
   std::size_t last = traverse.start;
-  for (std::size_t k = traverse.start + 1; k < way.size(); ++k) {
-    const double way_m = way[k] - way[traverse.start];
-    if (way_m > end_m) break;
-    if (way_m < static_cast<double>(traverse.stops.size() + 1) * options.every_m) continue;
-    Stop stop{k, way_m, {}, {}};
+  for (std::size_t k = traverse.start + 1; k < travelled.size(); ++k) {
+    const double travelled_m = travelled[k] - travelled[traverse.start];
+    if (travelled_m > end_m) break;
+    if (travelled_m < static_cast<double>(traverse.stops.size() + 1) * options.every_m) continue;
+    Stop stop{k, travelled_m, {}, {}};
     if (!run.odometry.empty()) {
       stop.own = Together(run.odometry, last, k);
       stop.displacement = Turned(stop.own.moved, run.heading_rad[last]);
     } else {
-      stop.displacement = Measured(run.places[last], run.places[k], options.odometry_ratio, rng);
+      stop.displacement = Measured(run.positions[last], run.positions[k], options.odometry_ratio, rng);
     }
     if (run.odometry.empty() && !run.heading_rad.empty()) {
       stop.own = AsItFaced(stop.displacement, run.heading_rad[last], run.heading_rad[k],
@@ -116,7 +118,7 @@ Traverse MakeTraverse(const Options& options, const Source& source, std::size_t 
   }
   if (traverse.stops.empty()) {
     throw InputError("run '" + source.run_names[static_cast<std::size_t>(run.index)] +
-                     "' has no stop: every_m is more than its way or than way_m");
+                     "' has no stop: every_m is more than its way or than travelled_m");
   }
   return traverse;
 }
@@ -130,10 +132,10 @@ Localized Localize(const Options& options, const Source& source, const BeliefSpa
                       options.motion_heading_deg * std::numbers::pi / 180.0};
   const bool drives = options.heading == "unknown", knows = !drives && source.headings();
   std::vector<double> belief =
-      options.window_m > 0.0 ? space.Near(run.places[traverse.start], options.window_m) : space.Anywhere();
+      options.window_m > 0.0 ? space.Near(run.positions[traverse.start], options.window_m) : space.Anywhere();
   const auto face = [&](const Stop& stop) {
     if (knows && !space.KeepFacing(run.heading_rad[stop.sample], &belief))
-      Impossible(source, traverse, stop, "no place that it may be at was seen facing as it does");
+      Impossible(source, traverse, stop, "no position that it may be at was seen facing as it does");
   };
   face({traverse.start, 0.0, {}, {}});
   Localized localized{{StepOf(space, belief)}};
@@ -141,7 +143,7 @@ Localized Localize(const Options& options, const Source& source, const BeliefSpa
     progress.Tick();
     if (!(drives ? space.Drive(stop.own, motion, options.lost, &belief)
                  : space.Move(stop.displacement, motion, options.lost, &belief)))
-      Impossible(source, traverse, stop, "it has left all places of the map (lost = 0)");
+      Impossible(source, traverse, stop, "it has left all positions of the map (lost = 0)");
     face(stop);
     const auto row = run.output.begin() + static_cast<std::ptrdiff_t>(stop.sample * features);
     std::vector<double> feature(row, row + static_cast<std::ptrdiff_t>(features));

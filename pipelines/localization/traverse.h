@@ -16,9 +16,9 @@ namespace cairn::localization {
 // the start, for the first).
 struct Stop {
   std::size_t sample = 0;
-  double way_m = 0.0;  // travelled since the start
-  Place displacement;  // with odometry's error
-  OwnMotion own;       // the same as it faced at the stop before; where the run has headings
+  double travelled_m = 0.0;  // travelled since the start
+  Position displacement;     // with odometry's error
+  OwnMotion own;             // the same as it faced at the stop before; where the run has headings
 };
 
 struct Traverse {
@@ -28,12 +28,12 @@ struct Traverse {
 };
 
 // The options' traverse number `number`, everything drawn from (seed, number): runs are taken in turn, the
-// start is a place of the run from which `way_m` are left, each as likely as another by the way until there
-// (from the beginning, where there is none). A stop is the first sample at which `every_m` more have been
-// travelled. Displacements are those between the labels of the samples with an error of `odometry_ratio` of
-// their length, turns those between their headings with an error of that share of them; or both are by the
-// run's odometry, from the heading that its label has at the stop before. Throws InputError where a run is so
-// short that it has no stop.
+// start is a position of the run from which `travelled_m` are left, each as likely as another by the way
+// until there (from the beginning, where there is none). A stop is the first sample at which `every_m` more
+// have been travelled. Displacements are those between the labels of the samples with an error of
+// `odometry_ratio` of their length, turns those between their headings with an error of that share of them;
+// or both are by the run's odometry, from the heading that its label has at the stop before. Throws
+// InputError where a run is so short that it has no stop.
 Traverse MakeTraverse(const Options& options, const Source& source, std::size_t number, std::uint64_t seed);
 
 // How many there are: `traverses`, or as many as there are runs.
@@ -43,15 +43,15 @@ std::size_t TraverseCount(const Options& options, const Source& source);
 struct Localized {
   struct Step {
     Estimate estimate;
-    std::vector<std::int32_t> place;  // those with a belief above kKeptShare of the largest, ascending
-    std::vector<float> probability;   // of each, adding up to 1
+    std::vector<std::int32_t> position;  // those with a belief above kKeptShare of the largest, ascending
+    std::vector<float> probability;      // of each, adding up to 1
   };
   std::vector<Step> steps;  // [stops + 1]
 };
 inline constexpr double kKeptShare = 1e-4;
 
-// Table 1. `map`: P(f_i = 1 | xi), [places][features]. Throws InputError that names run and sample where no
-// place is left that the evidence allows, or that the robot knows to face its way.
+// Table 1. `map`: P(f_i = 1 | xi), [positions][features]. Throws InputError that names run and sample where
+// no position is left that the evidence allows, or that the robot knows to face its way.
 Localized Localize(const Options& options, const Source& source, const BeliefSpace& space,
                    const std::vector<double>& map, double least_sd_m, const Traverse& traverse, Rng rng,
                    Progress& progress);

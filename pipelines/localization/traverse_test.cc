@@ -18,41 +18,41 @@ Source TwoRuns() {
   source.groups = {{0, 1}};
   for (const std::int32_t index : {0, 1}) {
     Run run{.index = index,
-            .places = {},
+            .positions = {},
             .heading_rad = {},
             .output = std::vector<float>(100, 0.5F),
             .odometry = {}};
-    for (int k = 0; k < 100; ++k) run.places.push_back({0.2 * k, 0.0});
+    for (int k = 0; k < 100; ++k) run.positions.push_back({0.2 * k, 0.0});
     source.runs.push_back(run);
   }
   return source;
 }
 
 TEST(Traverse, StopsAtTheFirstSampleAfterEachStretch) {
-  const Options options{.traverses = 0, .way_m = 3.0, .every_m = 0.5, .odometry_ratio = 0.0};
+  const Options options{.traverses = 0, .travelled_m = 3.0, .every_m = 0.5, .odometry_ratio = 0.0};
   const Traverse traverse = MakeTraverse(options, TwoRuns(), 1, 9);
   EXPECT_EQ(traverse.run, 1U);
   EXPECT_EQ(traverse.start, 0U);
   std::vector<std::size_t> samples;
-  double way_m = 0.0;
+  double travelled_m = 0.0;
   for (const Stop& stop : traverse.stops) {
     samples.push_back(stop.sample);
-    way_m += stop.displacement.x_m;
-    EXPECT_NEAR(stop.way_m, way_m, 1e-12);
-    EXPECT_NEAR(stop.way_m, 0.2 * static_cast<double>(stop.sample), 1e-12);
+    travelled_m += stop.displacement.x_m;
+    EXPECT_NEAR(stop.travelled_m, travelled_m, 1e-12);
+    EXPECT_NEAR(stop.travelled_m, 0.2 * static_cast<double>(stop.sample), 1e-12);
   }
   EXPECT_EQ(samples, (std::vector<std::size_t>{3, 5, 8, 10, 13, 15}));
 }
 
-TEST(Traverse, SetsOutFromPlacesThatLeaveTheWayAndReplaysFromItsSeed) {
-  const Options options{.traverses = 40, .way_m = 12.0};
+TEST(Traverse, SetsOutFromPositionsThatLeaveTheWayAndReplaysFromItsSeed) {
+  const Options options{.traverses = 40, .travelled_m = 12.0};
   const Source source = TwoRuns();
   bool differ = false;
   for (std::size_t number = 0; number < 40; ++number) {
     const Traverse traverse = MakeTraverse(options, source, number, 5);
     EXPECT_EQ(traverse.run, number % 2);
     EXPECT_LE(0.2 * static_cast<double>(traverse.start), 19.8 - 12.0 + 0.2);
-    EXPECT_GE(traverse.stops.back().way_m, 11.4);
+    EXPECT_GE(traverse.stops.back().travelled_m, 11.4);
     EXPECT_EQ(MakeTraverse(options, source, number, 5).start, traverse.start);
     EXPECT_EQ(MakeTraverse(options, source, number, 5).stops[3].displacement, traverse.stops[3].displacement);
     differ |= MakeTraverse(options, source, number, 6).start != traverse.start;
@@ -61,7 +61,7 @@ TEST(Traverse, SetsOutFromPlacesThatLeaveTheWayAndReplaysFromItsSeed) {
 }
 
 TEST(Traverse, PutsTheErrorThatIsAskedForOnDisplacements) {
-  const Options options{.traverses = 500, .way_m = 10.0, .odometry_ratio = 0.1};
+  const Options options{.traverses = 500, .travelled_m = 10.0, .odometry_ratio = 0.1};
   const Source source = TwoRuns();
   double squares = 0.0;
   int count = 0;
@@ -81,10 +81,10 @@ TEST(Traverse, TurnsDisplacementsIntoForwardAndLeftWhereHeadingsAreKnown) {
   auto& run = source.runs[0];
   for (int k = 0; k < 100; ++k) {
     const double turned = 0.015 * k;
-    run.places[static_cast<std::size_t>(k)] = {5.0 * std::cos(turned), 5.0 * std::sin(turned)};
+    run.positions[static_cast<std::size_t>(k)] = {5.0 * std::cos(turned), 5.0 * std::sin(turned)};
     run.heading_rad.push_back(std::remainder(turned + 0.5 * std::numbers::pi, 2 * std::numbers::pi));
   }
-  const Options options{.traverses = 0, .way_m = 5.0, .every_m = 1.0, .odometry_ratio = 0.0};
+  const Options options{.traverses = 0, .travelled_m = 5.0, .every_m = 1.0, .odometry_ratio = 0.0};
   const Traverse traverse = MakeTraverse(options, source, 0, 9);
   ASSERT_GE(traverse.stops.size(), 4U);
   std::size_t last = 0;
@@ -104,12 +104,12 @@ TEST(Traverse, AddsUpRecordedOdometryFromTheHeadingAtTheStopBefore) {
   run.heading_rad.assign(100, 1.0);
   run.odometry.assign(100, {{0.075, 0.0}, 0.015});
   run.odometry[0] = {{99.0, 99.0}, 99.0};  // of the first there is no way
-  const Options options{.traverses = 0, .way_m = 8.0, .every_m = 2.0, .odometry_ratio = 0.5};
+  const Options options{.traverses = 0, .travelled_m = 8.0, .every_m = 2.0, .odometry_ratio = 0.5};
   const Traverse traverse = MakeTraverse(options, source, 0, 9);
   ASSERT_EQ(traverse.stops.size(), 4U);
   std::size_t last = 0;
   for (const Stop& stop : traverse.stops) {
-    Place forward;
+    Position forward;
     for (std::size_t k = 1; k <= stop.sample - last; ++k) {
       forward.x_m += 0.075 * std::cos(0.015 * static_cast<double>(k));
       forward.y_m += 0.075 * std::sin(0.015 * static_cast<double>(k));
@@ -123,7 +123,8 @@ TEST(Traverse, AddsUpRecordedOdometryFromTheHeadingAtTheStopBefore) {
 }
 
 TEST(Traverse, NeedsAStop) {
-  EXPECT_THROW(MakeTraverse({.traverses = 0, .way_m = 0.0, .every_m = 30.0}, TwoRuns(), 0, 1), InputError);
+  EXPECT_THROW(MakeTraverse({.traverses = 0, .travelled_m = 0.0, .every_m = 30.0}, TwoRuns(), 0, 1),
+               InputError);
 }
 
 }  // namespace

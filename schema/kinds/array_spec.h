@@ -47,7 +47,7 @@ constexpr Values Above0() { return {.least = std::numeric_limits<double>::denorm
 constexpr Values Share() { return {.least = 0, .most = 1, .slack = 1e-9}; }
 constexpr Values YesNo() { return Between(0, 1); }
 // A coordinate that something has on a map, m.
-constexpr Values Place() { return Between(-1e9, 1e9); }
+constexpr Values Position() { return Between(-1e9, 1e9); }
 constexpr Values IndexInto(std::string_view array) { return {.least = 0, .index_into = array}; }
 constexpr Values RowsOf(std::string_view array) { return {.least = 0, .rows_of = array}; }
 

@@ -14,11 +14,11 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr ArraySpec kToy[] = {
     {"robots", "R", DType::kText},
     {"robot/N/time_s", "C", DType::kF64, Rising()},
-    {"robot/N/x_m", "C", DType::kF64, Place()},
+    {"robot/N/x_m", "C", DType::kF64, Position()},
     {"robot/N/SENSOR/range_m", "K,B", DType::kF64, From(0).OrNan()},
     {"robot/N/SENSOR/beam_rad", "B", DType::kF64, Finite()},
     {"robot/N/friend", "F", DType::kI32, IndexInto("robots").OrNone()},
-    {"walls/x_m", "W,2", DType::kF64, Place()},
+    {"walls/x_m", "W,2", DType::kF64, Position()},
     {"parts/rows", "Q", DType::kI64, RowsOf("part/share")},
     {"part/share", "S", DType::kF32, Share()},
     {"cell_m", "", DType::kF64, Positive()},

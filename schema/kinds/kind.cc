@@ -11,7 +11,7 @@ constexpr Kind kKinds[] = {
     {.name = "landmark_map", .mark = "map/landmark_x_m", .arrays = LandmarkMapArrays},
     {.name = "grid_map", .mark = "map/grid/probability", .arrays = GridMapArrays},
     {.name = "networks", .mark = "networks/hidden_weight", .is_plural = true, .arrays = NetworkArrays},
-    {.name = "localization", .mark = "belief/place", .arrays = LocalizationArrays},
+    {.name = "localization", .mark = "belief/position", .arrays = LocalizationArrays},
     {.name = "local_map", .mark = "traces/first_z", .arrays = LocalMapArrays},
     {.name = "log",
      .mark = "robot/0/odometry/time_s",

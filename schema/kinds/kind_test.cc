@@ -80,7 +80,7 @@ TEST(KindOf, GoesByTheArraysThatAKindMustHave) {
   EXPECT_EQ(KindOf(blob), "log");
   blob.PutVector<std::int32_t>("traces/first_z", {});
   EXPECT_EQ(KindOf(blob), "local_map");
-  blob.PutVector<std::int32_t>("belief/place", {0});
+  blob.PutVector<std::int32_t>("belief/position", {0});
   EXPECT_EQ(KindOf(blob), "localization");
   blob.PutVector<double>("networks/hidden_weight", {0});
   EXPECT_EQ(KindOf(blob), "networks");

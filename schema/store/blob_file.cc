@@ -8,13 +8,13 @@
 #include <mutex>
 
 #include "schema/store/atomic_file.h"
+#include "schema/store/checked_file.h"
+#include "schema/store/checksum_trailer.h"
 #include "schema/store/decode.h"
 #include "schema/store/encode.h"
 #include "schema/store/guarded.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/regular_file.h"
-#include "schema/store/seal.h"
-#include "schema/store/sealed_file.h"
 #include "schema/text.h"
 
 namespace cairn {
@@ -97,9 +97,9 @@ Result<FileContents> ReadAll(const File& file, const std::string& name, const Re
 }
 
 // After its datasets, whose own checksums say more of where it is damaged.
-Status CheckSealOf(const File& file, const RegularFile& bytes, const std::string& name, bool* changed) {
-  if (store::HasSeal(bytes)) return store::CheckSeal(bytes, name);
-  *changed = store::IsMarkedSealed(file.handle.get());
+Status CheckTrailerOf(const File& file, const RegularFile& bytes, const std::string& name, bool* changed) {
+  if (store::HasTrailer(bytes)) return store::CheckTrailer(bytes, name);
+  *changed = store::IsMarkedWithTrailer(file.handle.get());
   return Status::Ok();
 }
 
@@ -126,7 +126,7 @@ Result<BlobFile> AsBlobFile(Result<FileContents> contents) {
 
 }  // namespace
 
-Result<FileContents> store::ReadSealed(const std::filesystem::path& path, const ReadOptions& options) {
+Result<FileContents> store::ReadChecked(const std::filesystem::path& path, const ReadOptions& options) {
   const store::QuietErrors quiet;
   const Result<RegularFile> bytes = RegularFile::Open(path);
   if (!bytes.ok()) return bytes.status();
@@ -136,12 +136,12 @@ Result<FileContents> store::ReadSealed(const std::filesystem::path& path, const 
   if (!contents.ok()) return contents;
   if (Status texts = CheckTexts(contents.value().blob); !texts.ok()) return Named(path.string(), texts);
   bool& changed = contents.value().changed;
-  if (Status seal = CheckSealOf(file.value(), bytes.value(), path.string(), &changed); !seal.ok())
-    return seal;
+  if (Status trailer = CheckTrailerOf(file.value(), bytes.value(), path.string(), &changed); !trailer.ok())
+    return trailer;
   if (changed && !options.changed_too)
     return Status(Code::kCorrupt, path.string() +
                                       ": another program has changed it since Cairn wrote it (its "
-                                      "seal is gone)");
+                                      "checksum trailer is gone)");
   return contents;
 }
 
@@ -159,19 +159,19 @@ Status store::ReadArraysInParts(const std::filesystem::path& path, const std::ve
 }
 
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob) {
-  const Result<store::Image> image = store::EncodeBlob(kind, blob);
+  const Result<store::FileImage> image = store::EncodeBlob(kind, blob);
   if (!image.ok()) return Named(path.string(), image.status());
   return WriteFileAtomically(path, image.value().bytes());
 }
 
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options) {
-  return AsBlobFile(store::InChild(path, [&] { return store::ReadSealed(path, options); }));
+  return AsBlobFile(store::InChild(path, [&] { return store::ReadChecked(path, options); }));
 }
 
 Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {
   const Result<RegularFile> bytes = RegularFile::Open(path);
   if (!bytes.ok()) return bytes.status();
-  if (Status sealed = store::CheckSeal(bytes.value(), path.string()); !sealed.ok()) return sealed;
+  if (Status trailer = store::CheckTrailer(bytes.value(), path.string()); !trailer.ok()) return trailer;
   const std::lock_guard lock(store::LibraryMutex());
   const store::QuietErrors quiet;
   const Result<File> file = Open(path, bytes.value());

@@ -25,7 +25,8 @@ struct BlobFile {
 struct ReadOptions {
   std::vector<std::string> only;     // empty: all
   std::vector<std::string> without;  // takes away from `only`
-  // Also a file that Cairn wrote and that another program has changed since, through HDF5: its seal is gone.
+  // Also a file that Cairn wrote and that another program has changed since, through HDF5: its checksum
+  // trailer is gone.
   bool changed_too = false;
 };
 
@@ -35,14 +36,14 @@ struct ReadOptions {
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
 
 // A file of anybody: it is read in a child process, as HDF5 can crash on a damaged one. kNotFound; kCorrupt:
-// not a Cairn file, truncated, a wrong checksum or seal, a seal that is gone, data that would come from
-// another file; kVersion: of a newer format; kBusy: locked by a program that writes to it; kRefused: no
-// regular file; kIo, also where there is not the memory to read it. A file of another program has no seal and
-// needs none.
+// not a Cairn file, truncated, a wrong checksum or checksum trailer, a checksum trailer that is gone, data
+// that would come from another file; kVersion: of a newer format; kBusy: locked by a program that writes to
+// it; kRefused: no regular file; kIo, also where there is not the memory to read it. A file of another
+// program has no checksum trailer and needs none.
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options = {});
 
-// A file of a store, which WriteBlobFile wrote: its seal is checked before HDF5 sees it, in this process.
-// Fails as ReadBlobFile does; kCorrupt also where a single byte is another.
+// A file of a store, which WriteBlobFile wrote: its checksum trailer is checked before HDF5 sees it, in this
+// process. Fails as ReadBlobFile does; kCorrupt also where a single byte is another.
 Result<BlobFile> ReadStoredFile(const std::filesystem::path& path);
 
 // Without truth/ and provenance/: what a job may see.

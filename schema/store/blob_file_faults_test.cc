@@ -14,9 +14,9 @@
 
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
+#include "schema/store/checksum_trailer.h"
 #include "schema/store/encode.h"
 #include "schema/store/hdf5_handle.h"
-#include "schema/store/seal.h"
 #include "schema/store/testing.h"
 
 namespace cairn {
@@ -28,7 +28,7 @@ using store_testing::Overwrite;
 using store_testing::TempFolder;
 
 std::vector<std::byte> ImageOf(const Blob& blob) {
-  const store::Image image = store::EncodeBlob("log", blob).value();
+  const store::FileImage image = store::EncodeBlob("log", blob).value();
   return {image.bytes().begin(), image.bytes().end()};
 }
 
@@ -73,7 +73,7 @@ TEST(BlobFileFaults, AFlippedByteOfDataNamesItsDataset) {
     EXPECT_EQ(status.message(),
               (folder / "b.h5").string() + ": dataset '" + names[k] + "': its checksum is wrong");
     // To HDF5 the other datasets stay readable.
-    bad.resize(bad.size() - store::kSealBytes);
+    bad.resize(bad.size() - store::kTrailerBytes);
     Overwrite(folder / "b.h5", bad);
     EXPECT_TRUE(ReadBlobFile(folder / "b.h5", {.only = {}, .without = {names[k]}, .changed_too = true}).ok());
   }
@@ -82,8 +82,8 @@ TEST(BlobFileFaults, AFlippedByteOfDataNamesItsDataset) {
 TEST(BlobFileFaults, NoTruncatedFileGivesABlob) {
   const std::vector<std::byte> image = ImageOf(OddBlob());
   const std::span<const std::byte> bytes(image);
-  // The seal is behind all that HDF5 needs: seal_test.cc.
-  for (std::size_t size = 0; size < image.size() - store::kSealBytes; ++size) {
+  // The checksum trailer is behind all that HDF5 needs: checksum_trailer_test.cc.
+  for (std::size_t size = 0; size < image.size() - store::kTrailerBytes; ++size) {
     ASSERT_EQ(ReadBlobImage(bytes.first(size), "image").status().code(), Code::kCorrupt) << size;
   }
 }
@@ -92,7 +92,7 @@ TEST(BlobFileFaults, ATruncatedFileSaysSo) {
   const TempFolder folder;
   const std::vector<std::byte> image = ImageOf(OddBlob());
   for (const std::size_t size :
-       {std::size_t{20}, std::size_t{100}, image.size() / 2, image.size() - store::kSealBytes - 1}) {
+       {std::size_t{20}, std::size_t{100}, image.size() / 2, image.size() - store::kTrailerBytes - 1}) {
     Overwrite(folder / "a.h5", {image.begin(), image.begin() + static_cast<std::ptrdiff_t>(size)});
     const Status status = ReadBlobFile(folder / "a.h5").status();
     EXPECT_EQ(status.code(), Code::kCorrupt);

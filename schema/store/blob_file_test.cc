@@ -57,7 +57,7 @@ TEST(BlobFile, ThousandsOfDatasetsAndGroupsComeBack) {
     blob.PutScalar<std::int32_t>("many/x" + std::to_string(i), i);
     blob.PutScalar<std::int32_t>(std::to_string(i) + "/deep/x", i);
   }
-  const store::Image image = store::EncodeBlob("blob", blob).value();
+  const store::FileImage image = store::EncodeBlob("blob", blob).value();
   const Result<BlobFile> read = ReadBlobImage(image.bytes(), "image");
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(read.value().blob.ContentHash(), blob.ContentHash());

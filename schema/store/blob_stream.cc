@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "schema/store/sealed_file.h"
+#include "schema/store/checked_file.h"
 
 namespace cairn {
 
@@ -11,7 +11,7 @@ using store::FileContents;
 Result<BlobFileFacts> LookAtBlobFile(const std::filesystem::path& path, const ReadOptions& options,
                                      const Look& look) {
   Result<FileContents> looked = store::InChild(path, [&]() -> Result<FileContents> {
-    Result<FileContents> contents = store::ReadSealed(path, options);
+    Result<FileContents> contents = store::ReadChecked(path, options);
     if (!contents.ok()) return contents;
     FileContents& found = contents.value();
     try {

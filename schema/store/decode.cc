@@ -261,9 +261,9 @@ Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind) {
   return Status::Ok();
 }
 
-bool IsMarkedSealed(hid_t file) {
-  std::int64_t sealed = 0;
-  return IntegerAttribute(file, kSealedAttribute, &sealed) && sealed == 1;
+bool IsMarkedWithTrailer(hid_t file) {
+  std::int64_t trailer = 0;
+  return IntegerAttribute(file, kTrailerAttribute, &trailer) && trailer == 1;
 }
 
 Result<std::vector<std::string>> DatasetNames(hid_t file) {

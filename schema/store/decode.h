@@ -17,8 +17,9 @@ namespace cairn::store {
 // The root attributes; kCorrupt where it is not a Cairn file, kVersion where it is of a newer format.
 Status ReadRoot(hid_t file, std::int64_t* format, std::string* kind);
 
-// Whether Cairn wrote the file, with a seal: other programs that change it leave the mark where it is.
-bool IsMarkedSealed(hid_t file);
+// Whether Cairn wrote the file, with a checksum trailer: other programs that change it leave the mark where
+// it is.
+bool IsMarkedWithTrailer(hid_t file);
 
 // Full names of all datasets, sorted. Soft links are not followed.
 Result<std::vector<std::string>> DatasetNames(hid_t file);

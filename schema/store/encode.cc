@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "schema/store/blob_file.h"
+#include "schema/store/checksum_trailer.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/layout.h"
-#include "schema/store/seal.h"
 
 namespace cairn::store {
 namespace {
@@ -23,7 +23,7 @@ void* CopyBytes(void* to, const void* from, std::size_t size, H5FD_file_image_op
   return std::memcpy(to, from, size);
 }
 void* Resize(void* old, std::size_t size, H5FD_file_image_op_t, void* udata) {
-  auto* image = static_cast<Image*>(udata);
+  auto* image = static_cast<FileImage*>(udata);
   static_cast<void>(image->data.release());
   void* resized = std::realloc(old, size);
   image->data.reset(static_cast<std::byte*>(resized == nullptr ? old : resized));
@@ -68,7 +68,7 @@ void KeepLinksInHeader(const Handle& group_creation, const GroupSize& size) {
   H5Pset_est_link_info(group_creation.get(), links, name);
 }
 
-Handle CreateInMemory(std::size_t expected_bytes, const GroupSize& root, Image* image) {
+Handle CreateInMemory(std::size_t expected_bytes, const GroupSize& root, FileImage* image) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5FD_file_image_callbacks_t callbacks{Allocate,      CopyBytes,     Resize, LetGo,
@@ -186,34 +186,35 @@ bool NameHolds(const std::string& name) {
   return true;
 }
 
-void AppendSeal(std::size_t end, Image* image) {
-  if (image->size < end + kSealBytes) {
-    void* grown = std::realloc(image->data.get(), end + kSealBytes);
+void AppendTrailer(std::size_t end, FileImage* image) {
+  if (image->size < end + kTrailerBytes) {
+    void* grown = std::realloc(image->data.get(), end + kTrailerBytes);
     if (grown == nullptr) throw std::bad_alloc();
     static_cast<void>(image->data.release());
     image->data.reset(static_cast<std::byte*>(grown));
   }
-  const std::array<std::byte, kSealBytes> seal = SealOf(std::span<const std::byte>(image->data.get(), end));
-  std::memcpy(image->data.get() + end, seal.data(), seal.size());
-  image->size = end + kSealBytes;
+  const std::array<std::byte, kTrailerBytes> trailer =
+      TrailerOf(std::span<const std::byte>(image->data.get(), end));
+  std::memcpy(image->data.get() + end, trailer.data(), trailer.size());
+  image->size = end + kTrailerBytes;
 }
 
 }  // namespace
 
-Result<Image> EncodeBlob(const std::string& kind, const Blob& blob) {
+Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob) {
   const std::lock_guard lock(LibraryMutex());
   const QuietErrors quiet;
   for (const auto& [name, array] : blob.fields()) {
     if (!NameHolds(name)) return Status(Code::kIo, "dataset '" + name + "': not a name that a file can hold");
   }
   const GroupSizes sizes = SizesOf(blob);
-  Image image;
+  FileImage image;
   const std::size_t expected = blob.ByteCount() + blob.fields().size() * 4096 + (std::size_t{1} << 16);
   Handle file = CreateInMemory(expected, sizes.at(""), &image);
   if (!file.ok()) return Failed("cannot begin");
-  const std::int64_t format = kFormatVersion, sealed = 1;
+  const std::int64_t format = kFormatVersion, trailer = 1;
   if (!PutAttribute(file.get(), "cairn_format", H5T_STD_I64LE, &format) ||
-      !PutAttribute(file.get(), kSealedAttribute, H5T_STD_I64LE, &sealed) ||
+      !PutAttribute(file.get(), kTrailerAttribute, H5T_STD_I64LE, &trailer) ||
       !PutTextAttribute(file.get(), "cairn_kind", kind)) {
     return Failed("cannot write the root attributes");
   }
@@ -224,7 +225,7 @@ Result<Image> EncodeBlob(const std::string& kind, const Blob& blob) {
   if (!file.Close()) return Failed("cannot close");
   const std::uint64_t end = StatedEnd(image.bytes());
   CAIRN_DEMAND(end > 0 && end <= image.size, "HDF5 made a file whose end cannot be found");
-  AppendSeal(end, &image);
+  AppendTrailer(end, &image);
   return image;
 }
 

@@ -12,7 +12,7 @@
 namespace cairn::store {
 
 // Memory from malloc, as HDF5 resizes it.
-struct Image {
+struct FileImage {
   struct Free {
     void operator()(void* memory) const { std::free(memory); }
   };
@@ -21,8 +21,8 @@ struct Image {
   std::span<const std::byte> bytes() const { return {data.get(), size}; }
 };
 
-// With its seal. The message of a failed Status names the dataset, not the file.
-Result<Image> EncodeBlob(const std::string& kind, const Blob& blob);
+// With its checksum trailer. The message of a failed Status names the dataset, not the file.
+Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob);
 
 // The end of the file as its superblock states it, or 0 where that cannot be said from these bytes: fewer
 // than kHeadBytes may be too few.

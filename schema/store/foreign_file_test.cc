@@ -10,9 +10,9 @@
 #include <fstream>
 
 #include "schema/store/blob_file.h"
+#include "schema/store/checksum_trailer.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/regular_file.h"
-#include "schema/store/seal.h"
 #include "schema/store/testing.h"
 
 namespace cairn {
@@ -162,11 +162,11 @@ TEST(RegularFile, NobodyWaitsForAFifoADeviceOrASocket) {
                                    {std::filesystem::path("/dev/zero"), "is a device"}}) {
     for (const Status& status :
          {RegularFile::Open(path).status(), ReadBlobFile(path).status(), ListBlobFile(path).status(),
-          ReadStoredFile(path).status(), store::CheckSeal(path)}) {
+          ReadStoredFile(path).status(), store::CheckTrailer(path)}) {
       EXPECT_EQ(status.code(), Code::kRefused) << path;
       EXPECT_EQ(status.message().find(path.string() + ": " + what), 0U) << status.message();
     }
-    EXPECT_FALSE(store::HasSeal(path));
+    EXPECT_FALSE(store::HasTrailer(path));
   }
   ::close(socket);
 }

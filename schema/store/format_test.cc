@@ -73,7 +73,7 @@ TEST(FormatPage, ItsH5pyExampleRuns) {
   EXPECT_TRUE(blob.Texts("landmarks").empty());
   EXPECT_EQ(blob.Get<std::int32_t>("robot/0/observations/landmark")[1], -1);
   EXPECT_EQ(blob.Get<double>("robot/0/odometry/forward_m").size(), 2U);
-  EXPECT_EQ(blob.Scalar<double>("noise/press_m"), 0.3);
+  EXPECT_EQ(blob.Scalar<double>("noise/contact_m"), 0.3);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace cairn::store {
 
-// An attribute of the root, 1 in every file that Cairn seals (seal.h).
-inline constexpr const char* kSealedAttribute = "cairn_sealed";
+// An attribute of the root, 1 in every file that Cairn ends with a checksum trailer (checksum_trailer.h).
+inline constexpr const char* kTrailerAttribute = "cairn_trailer";
 
 // From the end of the name: "robot/0/odometry/time_s" -> "s", "noise/heading_drift_rad_per_m" -> "rad/m",
 // else "1".

@@ -54,13 +54,13 @@ Result<RouterSocket> RouterSocket::Bind(Context& context, const std::string& end
       impl->socket.set(zmq::sockopt::curve_secretkey, security->keys.secret_key);
       impl->socket.set(zmq::sockopt::zap_domain, "cairn");
     }
-    impl->doorman = std::make_unique<Doorman>(impl->context->zmq, impl->socket,
-                                              security ? std::optional(security->allow_list) : std::nullopt,
-                                              options.connections);
-    SpareDescriptors(options.connections.spare_files / 2);  // the doorman, who counts, comes first
+    impl->authenticator = std::make_unique<ZapAuthenticator>(
+        impl->context->zmq, impl->socket, security ? std::optional(security->allow_list) : std::nullopt,
+        options.connections);
+    SpareDescriptors(options.connections.spare_files / 2);  // the ZAP authenticator, who counts, comes first
     impl->socket.bind(endpoint);
     impl->endpoint = impl->socket.get(zmq::sockopt::last_endpoint);
-    impl->doorman->Start(impl->endpoint);
+    impl->authenticator->Start(impl->endpoint);
   } catch (const zmq::error_t& error) {
     return ZmqStatus(endpoint, error);
   }
@@ -73,8 +73,8 @@ RouterSocket& RouterSocket::operator=(RouterSocket&&) noexcept = default;
 RouterSocket::~RouterSocket() = default;
 
 const std::string& RouterSocket::endpoint() const { return impl_->endpoint; }
-std::size_t RouterSocket::connections() const { return impl_->doorman->connections(); }
-std::vector<Refusal> RouterSocket::TakeRefusals() { return impl_->doorman->TakeRefusals(); }
+std::size_t RouterSocket::connections() const { return impl_->authenticator->connections(); }
+std::vector<Refusal> RouterSocket::TakeRefusals() { return impl_->authenticator->TakeRefusals(); }
 void RouterSocket::Drop(const std::string& peer) { impl_->Drop(peer); }
 
 void RouterSocket::Impl::Remember(const std::string& peer, int fd) {
@@ -116,8 +116,8 @@ std::optional<Received> RouterSocket::TryReceive() {
     if (frames.empty()) return std::nullopt;
     const std::size_t bytes = std::accumulate(frames.begin(), frames.end(), std::size_t{0},
                                               [](std::size_t sum, const auto& f) { return sum + f.size(); });
-    const bool place =
-        impl_->doorman->TellTaken(Descriptor(frames.back()), UserId(frames.back()), bytes, frames.size());
+    const bool place = impl_->authenticator->TellTaken(Descriptor(frames.back()), UserId(frames.back()),
+                                                       bytes, frames.size());
     if (!place) {
       impl_->Remember(frames[0].to_string(), Descriptor(frames.back()));
       impl_->Drop(frames[0].to_string());

@@ -8,10 +8,10 @@
 #include <string>
 #include <unordered_map>
 
-#include "schema/wire/doorman.h"
 #include "schema/wire/internal.h"
 #include "schema/wire/monitor.h"
 #include "schema/wire/socket.h"
+#include "schema/wire/zap_authenticator.h"
 
 namespace cairn::wire {
 
@@ -23,7 +23,7 @@ struct RouterSocket::Impl {
   std::set<std::string> dropped;                     // peers whose messages are thrown away …
   std::deque<std::string> drop_order;                // … of which only the latest are remembered
   std::unordered_map<std::string, int> descriptors;  // by peer, as its last message had it
-  std::unique_ptr<Doorman> doorman;                  // goes before the socket that it watches
+  std::unique_ptr<ZapAuthenticator> authenticator;   // goes before the socket that it watches
 
   Received Receive(std::vector<zmq::message_t> frames);
   void Remember(const std::string& peer, int fd);

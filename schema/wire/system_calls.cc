@@ -79,15 +79,15 @@ class HandshakeBytes {
 };
 
 // A connection whose handshake is under way.
-struct Stranger {
+struct PendingHandshake {
   ino_t socket = 0;  // its number, for the descriptor may be another's by now
   HandshakeBytes came, went;
 };
 
 std::mutex g_mutex;
 // By descriptor. Never destroyed: ZeroMQ's thread may outlive this file's objects.
-auto& g_strangers = *new std::unordered_map<int, Stranger>;
-std::atomic<std::size_t> g_stranger_count{0};  // so that others need not wait for the mutex
+auto& g_pending_handshakes = *new std::unordered_map<int, PendingHandshake>;
+std::atomic<std::size_t> g_pending_count{0};  // so that others need not wait for the mutex
 
 ino_t SocketNumber(int fd) {
   struct stat info{};
@@ -96,8 +96,8 @@ ino_t SocketNumber(int fd) {
 
 void Watch(int fd) {
   const std::lock_guard lock(g_mutex);
-  g_strangers[fd] = {.socket = SocketNumber(fd), .came = {}, .went = {}};
-  g_stranger_count = g_strangers.size();
+  g_pending_handshakes[fd] = {.socket = SocketNumber(fd), .came = {}, .went = {}};
+  g_pending_count = g_pending_handshakes.size();
 }
 
 bool IsStream(int fd) {
@@ -107,29 +107,29 @@ bool IsStream(int fd) {
 }
 
 bool IsWatched(int fd) {
-  if (g_stranger_count == 0) return false;
+  if (g_pending_count == 0) return false;
   const std::lock_guard lock(g_mutex);
-  const auto it = g_strangers.find(fd);
-  if (it == g_strangers.end()) return false;
+  const auto it = g_pending_handshakes.find(fd);
+  if (it == g_pending_handshakes.end()) return false;
   if (it->second.socket == SocketNumber(fd)) return true;
-  g_strangers.erase(it);
-  g_stranger_count = g_strangers.size();
+  g_pending_handshakes.erase(it);
+  g_pending_count = g_pending_handshakes.size();
   return false;
 }
 
 // False where more came than a handshake has.
-bool Note(int fd, HandshakeBytes Stranger::* direction, std::span<const unsigned char> bytes) {
+bool Note(int fd, HandshakeBytes PendingHandshake::* direction, std::span<const unsigned char> bytes) {
   const std::lock_guard lock(g_mutex);
-  const auto it = g_strangers.find(fd);
-  if (it == g_strangers.end()) return true;
-  Stranger& stranger = it->second;
-  HandshakeBytes& side = stranger.*direction;
+  const auto it = g_pending_handshakes.find(fd);
+  if (it == g_pending_handshakes.end()) return true;
+  PendingHandshake& pending = it->second;
+  HandshakeBytes& side = pending.*direction;
   for (const unsigned char byte : bytes) {
     side.Take(byte);
-    if (stranger.came.TooMany()) return false;
-    if (!stranger.came.done() || !stranger.went.done()) continue;
-    g_strangers.erase(it);
-    g_stranger_count = g_strangers.size();
+    if (pending.came.TooMany()) return false;
+    if (!pending.came.done() || !pending.went.done()) continue;
+    g_pending_handshakes.erase(it);
+    g_pending_count = g_pending_handshakes.size();
     return true;
   }
   return true;
@@ -171,7 +171,7 @@ extern "C" ssize_t recv(int fd, void* buffer, std::size_t size, int flags) {
   const ssize_t got = ::syscall(SYS_recvfrom, fd, buffer, size, flags, nullptr, nullptr);
   if (!watched || got <= 0) return got;
   const std::span bytes(static_cast<const unsigned char*>(buffer), static_cast<std::size_t>(got));
-  if (cairn::wire::Note(fd, &cairn::wire::Stranger::came, bytes)) return got;
+  if (cairn::wire::Note(fd, &cairn::wire::PendingHandshake::came, bytes)) return got;
   errno = EMSGSIZE;
   return -1;
 }
@@ -180,6 +180,6 @@ extern "C" ssize_t send(int fd, const void* buffer, std::size_t size, int flags)
   const ssize_t sent = ::syscall(SYS_sendto, fd, buffer, size, flags, nullptr, 0);
   if (sent <= 0 || !cairn::wire::IsWatched(fd)) return sent;
   const std::span bytes(static_cast<const unsigned char*>(buffer), static_cast<std::size_t>(sent));
-  static_cast<void>(cairn::wire::Note(fd, &cairn::wire::Stranger::went, bytes));
+  static_cast<void>(cairn::wire::Note(fd, &cairn::wire::PendingHandshake::went, bytes));
   return sent;
 }

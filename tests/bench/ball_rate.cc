@@ -74,13 +74,13 @@ struct Row {
 };
 
 // Pairs whose belief is not zero.
-double PairsOf(const Row& row, const Places& places) {
+double PairsOf(const Row& row, const Positions& positions) {
   if (row.window_m == 0.0) return static_cast<double>(row.samples) * row.samples;
   const Belief belief{row.shape, row.window_m};
   double pairs = 0.0;
-  for (std::size_t a = 0, first = 0, end = 0; a < places.x_m.size(); ++a) {
-    while (places.x_m[a] - places.x_m[first] > belief.ReachM()) ++first;
-    while (end < places.x_m.size() && places.x_m[end] - places.x_m[a] <= belief.ReachM()) ++end;
+  for (std::size_t a = 0, first = 0, end = 0; a < positions.x_m.size(); ++a) {
+    while (positions.x_m[a] - positions.x_m[first] > belief.ReachM()) ++first;
+    while (end < positions.x_m.size() && positions.x_m[end] - positions.x_m[a] <= belief.ReachM()) ++end;
     pairs += static_cast<double>(end - first);
   }
   return pairs;
@@ -88,23 +88,23 @@ double PairsOf(const Row& row, const Places& places) {
 
 // Samples along a corridor whose features are drawn at random.
 struct World {
-  Places places;
+  Positions positions;
   std::vector<float> g;
   std::vector<double> weight;
 
   explicit World(const Row& row) : weight(static_cast<std::size_t>(row.samples), 1.0 / row.samples) {
     Rng rng(7);
     for (int k = 0; k < row.samples; ++k) {
-      places.x_m.push_back(row.length_m * (k + rng.Uniform()) / row.samples);
-      places.y_m.push_back(0.2 * rng.Normal());
-      places.along_m.push_back(places.x_m.back());
+      positions.x_m.push_back(row.length_m * (k + rng.Uniform()) / row.samples);
+      positions.y_m.push_back(0.2 * rng.Normal());
+      positions.along_m.push_back(positions.x_m.back());
       for (int i = 0; i < row.networks; ++i) g.push_back(static_cast<float>(rng.Uniform()));
     }
   }
   ErrorShare<float> Share(const Row& row, const std::vector<float>& probability) const {
     const double width_m = row.window_m > 0.0 ? row.window_m : std::numeric_limits<double>::infinity();
-    const Pairs pairs(places, places, {row.shape, width_m}, ErrorKind::kDistance);
-    return ErrorOfTruths(pairs, probability, 1 << row.networks, weight, {0, row.samples});
+    const Pairs pairs(positions, positions, {row.shape, width_m}, ErrorKind::kDistance);
+    return ErrorOfTruePositions(pairs, probability, 1 << row.networks, weight, {0, row.samples});
   }
 };
 
@@ -113,7 +113,7 @@ void Measure(const Row& row, double peak) {
   const auto probability = FeatureProbabilities(world.g, row.networks);
   double error = 0.0;
   const double seconds = Quickest([&] { error = world.Share(row, probability).posterior; });
-  const double gflops = 8e-9 * PairsOf(row, world.places) * (1 << row.networks) / seconds;
+  const double gflops = 8e-9 * PairsOf(row, world.positions) * (1 << row.networks) / seconds;
   std::printf("%7d  %2d  %-8s %7g m  %9.3f ms  %6.1f Gflop/s  %4.0f%%  E %.4f m\n", row.samples, row.networks,
               row.shape == BeliefShape::kGaussian ? "gaussian"
               : row.window_m > 0.0                ? "window"
@@ -151,19 +151,20 @@ void MeasureStep() {
 // One row of `paths`: seconds of both ways, and how far apart they come out.
 void Compare(const char* name, const World& world, double window_m, ErrorKind error,
              const std::function<ErrorShare<float>(const std::vector<float>&)>& fast_way) {
-  const int samples = world.places.size();
+  const int samples = world.positions.size();
   const double width_m = window_m > 0.0 ? window_m : std::numeric_limits<double>::infinity();
   const Belief belief{BeliefShape::kUniform, width_m};
   const auto probability = FeatureProbabilities(world.g, 4);
   ErrorShare<float> fast, slow;
   const double slow_s = Quickest([&] {
-    const Pairs pairs(world.places, world.places, belief, error);
-    slow = ErrorOfTruths(pairs, probability, 16, world.weight, {0, samples});
+    const Pairs pairs(world.positions, world.positions, belief, error);
+    slow = ErrorOfTruePositions(pairs, probability, 16, world.weight, {0, samples});
   });
   const double fast_s = Quickest([&] { fast = fast_way(probability); });
   const std::vector<double> exact_probability(probability.begin(), probability.end());
-  const Pairs pairs(world.places, world.places, belief, error);
-  const double exact = ErrorOfTruths(pairs, exact_probability, 16, world.weight, {0, samples}).posterior;
+  const Pairs pairs(world.positions, world.positions, belief, error);
+  const double exact =
+      ErrorOfTruePositions(pairs, exact_probability, 16, world.weight, {0, samples}).posterior;
   std::printf(
       "%-42s pairs %9.2f ms  this %8.3f ms  %6.0f times faster  E off by %.1e, by pairs in float %.1e\n",
       name, 1e3 * slow_s, 1e3 * fast_s, slow_s / fast_s, std::abs(fast.posterior / exact - 1.0),
@@ -173,40 +174,42 @@ void Compare(const char* name, const World& world, double window_m, ErrorKind er
 
 void MeasurePaths() {
   World line({20000, 4, 0.0});
-  line.places.y_m.assign(line.places.y_m.size(), 0.0);
+  line.positions.y_m.assign(line.positions.y_m.size(), 0.0);
   const auto on_line = [&](double window_m, ErrorKind error) {
     const Belief belief{BeliefShape::kUniform,
                         window_m > 0.0 ? window_m : std::numeric_limits<double>::infinity()};
     return [&line, belief, error](const std::vector<float>& probability) {
-      return ErrorOnLine(line.places, belief, error, probability, 16, line.weight, {0, line.places.size()});
+      return ErrorOnLine(line.positions, belief, error, probability, 16, line.weight,
+                         {0, line.positions.size()});
     };
   };
   Compare("line, global, distance", line, 0.0, ErrorKind::kDistance, on_line(0.0, ErrorKind::kDistance));
-  Compare("line, global, way travelled", line, 0.0, ErrorKind::kAlong, on_line(0.0, ErrorKind::kAlong));
+  Compare("line, global, distance travelled", line, 0.0, ErrorKind::kAlong, on_line(0.0, ErrorKind::kAlong));
   Compare("line, global, squared", line, 0.0, ErrorKind::kSquaredDistance,
           on_line(0.0, ErrorKind::kSquaredDistance));
   World scattered({20000, 4, 0.0}), path = scattered;
   Rng rng(5);
-  for (std::size_t k = 0; k < scattered.places.x_m.size(); ++k) {
-    scattered.places.x_m[k] = rng.Uniform(0.0, 100.0);
-    scattered.places.y_m[k] = rng.Uniform(0.0, 100.0);
+  for (std::size_t k = 0; k < scattered.positions.x_m.size(); ++k) {
+    scattered.positions.x_m[k] = rng.Uniform(0.0, 100.0);
+    scattered.positions.y_m[k] = rng.Uniform(0.0, 100.0);
     // One round of a figure of eight, some 2.2 km, a snapshot each 0.11 m or so.
     const double turn = 2.0 * std::numbers::pi * static_cast<double>(k) / 20000.0;
-    path.places.x_m[k] = 400.0 * std::sin(turn) + 0.3 * rng.Normal();
-    path.places.y_m[k] = 200.0 * std::sin(2.0 * turn) + 0.3 * rng.Normal();
+    path.positions.x_m[k] = 400.0 * std::sin(turn) + 0.3 * rng.Normal();
+    path.positions.y_m[k] = 200.0 * std::sin(2.0 * turn) + 0.3 * rng.Normal();
   }
   for (const auto& [name, world] : {std::pair("plane, global, scattered over 100 x 100 m", &scattered),
                                     std::pair("plane, global, along a route of 2 km", &path)}) {
     Compare(name, *world, 0.0, ErrorKind::kDistance,
-            [places = &world->places, weights = &world->weight](const std::vector<float>& probability) {
-              return ErrorInPlane(*places, probability, 16, *weights, {0, places->size()});
+            [positions = &world->positions, weights = &world->weight](const std::vector<float>& probability) {
+              return ErrorInPlane(*positions, probability, 16, *weights, {0, positions->size()});
             });
   }
   Compare("plane, global, squared", scattered, 0.0, ErrorKind::kSquaredDistance,
           [&scattered](const std::vector<float>& probability) {
-            return ErrorOnLine(
-                scattered.places, {BeliefShape::kUniform, std::numeric_limits<double>::infinity()},
-                ErrorKind::kSquaredDistance, probability, 16, scattered.weight, {0, scattered.places.size()});
+            return ErrorOnLine(scattered.positions,
+                               {BeliefShape::kUniform, std::numeric_limits<double>::infinity()},
+                               ErrorKind::kSquaredDistance, probability, 16, scattered.weight,
+                               {0, scattered.positions.size()});
           });
   Compare("line, +-2 m, distance", line, 2.0, ErrorKind::kDistance, on_line(2.0, ErrorKind::kDistance));
 }

@@ -86,7 +86,7 @@ void TakeBlobs(wire::DealerSocket dealer) {
   wire::Poller poller;
   poller.Add(dealer);
   wire::Message word;
-  word.envelope.mutable_bye();
+  word.envelope.mutable_leave();
   while (!dealer.Send(word).ok()) poller.Wait(std::chrono::milliseconds(1));
   while (true) {
     while (dealer.TryEvent()) {
@@ -129,7 +129,7 @@ double WireRate() {
   message.blobs = {wire::NameBlob(std::make_shared<const Blob>(std::move(blob)))};
   const auto send = [&] { CAIRN_DEMAND(router.Send(peer, message).ok(), "not sent"); };
   const double rate = BytesPerSecond(send, [&] { take(); });
-  message.envelope.mutable_bye();
+  message.envelope.mutable_leave();
   message.blobs.clear();
   CAIRN_DEMAND(router.Send(peer, message).ok(), "not sent");
   other.join();

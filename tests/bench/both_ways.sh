@@ -27,7 +27,7 @@ import json, sys
 reduction = [w["error_reduction"] for w in json.load(open("reduction.json"))["windows"] if w["window_m"] == 2][0]
 score = json.load(open("error.json"))
 way = score["under_1m_after_m"]
-print(sys.argv[1], 100 * reduction, score["rows"][-1]["way_m"] if way is None else way,
+print(sys.argv[1], 100 * reduction, score["rows"][-1]["travelled_m"] if way is None else way,
       [r["error"]["mean_m"] for r in score["rows"] if r["sensations"] == 20][0], sep=",")' "$1" >>rows
 }
 for seed in $(seq "$first" "$last"); do

@@ -134,7 +134,7 @@ int Work(const std::string& endpoint, int slots, const SharedTimes& times) {
   const std::unique_ptr<worker::ZmqTransport> transport = worker::ZmqTransport::Connect(endpoint).value();
   worker::WorkerOptions options;
   options.session.hello = HelloOf(slots);
-  options.session.exit_on_bye = true;
+  options.session.exit_on_leave = true;
   const auto make = [&times](const proto::Stage& stage, std::uint64_t) {
     return std::make_unique<Empty>(stage, times);
   };
@@ -155,7 +155,7 @@ class Swarm {
     while (true) {
       for (wire::DealerSocket& socket : sockets_) Serve(socket);
       poller_.Wait(std::chrono::milliseconds(100));
-      if (NowNs() - beaten_ns_ > 500'000'000) Beat();
+      if (NowNs() - heartbeat_sent_ns_ > 500'000'000) Heartbeat();
     }
   }
 
@@ -164,7 +164,7 @@ class Swarm {
     while (const std::optional<wire::LinkEvent> event = socket.TryEvent())
       if (*event == wire::LinkEvent::kConnected) Send(socket, Hello());
     while (const std::optional<wire::Received> received = socket.TryReceive()) {
-      if (received->message.envelope.has_bye()) std::_Exit(0);
+      if (received->message.envelope.has_leave()) std::_Exit(0);
       if (received->message.envelope.has_assign()) Send(socket, Answer(received->message.envelope.assign()));
     }
   }
@@ -197,11 +197,11 @@ class Swarm {
     *done.mutable_step() = step.plan;
     return answer;
   }
-  void Beat() {
-    beaten_ns_ = NowNs();
-    wire::Message beat;
-    beat.envelope.mutable_beat();
-    for (wire::DealerSocket& socket : sockets_) (void)socket.Send(beat);
+  void Heartbeat() {
+    heartbeat_sent_ns_ = NowNs();
+    wire::Message heartbeat;
+    heartbeat.envelope.mutable_heartbeat();
+    for (wire::DealerSocket& socket : sockets_) (void)socket.Send(heartbeat);
   }
   static void Send(wire::DealerSocket& socket, const wire::Message& message) {
     while (socket.Send(message).code() == Code::kBusy) std::this_thread::yield();
@@ -212,7 +212,7 @@ class Swarm {
   std::list<wire::Context> contexts_;
   std::list<wire::DealerSocket> sockets_;
   wire::Poller poller_;
-  std::int64_t beaten_ns_ = 0;
+  std::int64_t heartbeat_sent_ns_ = 0;
 };
 
 // Runs `work` in a process of its own, which ends with the object.

@@ -1,6 +1,6 @@
 // How fast the local grids of local_map are, in one thread:
-//   local_rate [SWEEPS]
-// all four sensory resources (hits, occupancy grid, wall orientation, edge grid) updated for one sweep of 24
+//   local_rate [SCANS]
+// all four sensory resources (hits, occupancy grid, wall orientation, edge grid) updated for one scan of 24
 // sonars, 31 x 31 cells of 0.15 m, in furnished rooms; and what it takes to move the occupancy grid on by one
 // cell or by seven and to take in a hit, for grids of 15 x 15 to 255 x 255 cells.
 #include <algorithm>
@@ -31,14 +31,14 @@ struct Recorded {
   std::vector<double> range_m;
 };
 
-std::vector<Recorded> Record(int sweeps, std::uint64_t seed) {
+std::vector<Recorded> Record(int scans, std::uint64_t seed) {
   const TestRoom room(seed);
   TestDrive drive(room, seed);
   std::vector<Recorded> all;
-  for (int k = 0; k < sweeps; ++k) {
-    const RingSweep sweep = drive.Next();
+  for (int k = 0; k < scans; ++k) {
+    const RingScan scan = drive.Next();
     all.push_back(
-        {sweep.time_s, drive.odometry(), sweep.turret_rad, {sweep.range_m.begin(), sweep.range_m.end()}});
+        {scan.time_s, drive.odometry(), scan.turret_rad, {scan.range_m.begin(), scan.range_m.end()}});
   }
   return all;
 }
@@ -51,21 +51,21 @@ void PrintQuantiles(const char* what, std::vector<double> us) {
   std::printf("%-44s median %7.2f us, 90%% %7.2f, 99%% %7.2f\n", what, at(0.5), at(0.9), at(0.99));
 }
 
-void MeasureSweeps(int sweeps) {
+void MeasureScans(int scans) {
   std::vector<double> us;
   double edges = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     LocalGrids grids({}, {SensorRing(RingBeams(), kTestOpeningRad, 6)});
-    for (const Recorded& r : Record(sweeps, seed)) {
-      const RingSweep sweep{r.time_s, r.turret_rad, r.range_m};
+    for (const Recorded& r : Record(scans, seed)) {
+      const RingScan scan{r.time_s, r.turret_rad, r.range_m};
       const auto begin = Clock::now();
-      grids.Update(r.odometry, std::span(&sweep, 1));
+      grids.Update(r.odometry, std::span(&scan, 1));
       us.push_back(MicrosecondsSince(begin));
       edges += static_cast<double>(grids.current_edges().size());
     }
   }
-  PrintQuantiles("a sweep of 24 sonars, 31 x 31 cells", us);
-  std::printf("%-44s %.2f\n", "edges a sweep", edges / static_cast<double>(us.size()));
+  PrintQuantiles("a scan of 24 sonars, 31 x 31 cells", us);
+  std::printf("%-44s %.2f\n", "edges a scan", edges / static_cast<double>(us.size()));
 }
 
 // The least of some turns, nanoseconds a move.
@@ -75,7 +75,7 @@ double MoveNs(int half, double step_m) {
   double least = 1e9;
   for (int turn = 0; turn < 5; ++turn) {
     grid.MoveTo(0, 0);
-    grid.NextSweep();
+    grid.NextScan();
     double x = 0;
     const auto begin = Clock::now();
     for (int k = 0; k < kMoves; ++k) {
@@ -89,9 +89,9 @@ double MoveNs(int half, double step_m) {
 }
 
 int Main(const std::vector<std::string>& args) {
-  const int sweeps = args.empty() ? 1000 : std::atoi(args[0].c_str());
-  if (args.size() > 1 || sweeps < 1) throw InputError("what is measured is [SWEEPS], at least one");
-  MeasureSweeps(sweeps);
+  const int scans = args.empty() ? 1000 : std::atoi(args[0].c_str());
+  if (args.size() > 1 || scans < 1) throw InputError("what is measured is [SCANS], at least one");
+  MeasureScans(scans);
   for (const int half : {7, 15, 31, 63, 127}) {
     const int edge = 2 * half + 1;
     std::printf("%-14s %3d x %3d %26s %.1f ns; by 7 cells %.1f ns\n", "moving a grid of", edge, edge,

@@ -155,20 +155,20 @@ SensorRing RingOf(const Blob& log, const std::string& sensor) {
   return {beams, log.Scalar<double>(sensor + "opening_rad"), log.Scalar<double>(sensor + "max_range_m")};
 }
 
-RingSweep SweepOf(const Blob& log, const std::string& sensor, std::size_t k) {
+RingScan ScanOf(const Blob& log, const std::string& sensor, std::size_t k) {
   const auto ranges = log.Get<double>(sensor + "range_m");
   const std::size_t beams = ranges.size() / log.Get<double>(sensor + "time_s").size();
   return {log.Get<double>(sensor + "time_s")[k], log.Get<double>(sensor + "turret_rad")[k],
           ranges.subspan(k * beams, beams)};
 }
 
-// The true pose at the time of a sweep, which is among the times of the poses.
+// The true pose at the time of a scan, which is among the times of the poses.
 Pose TrueAt(const Blob& log, double time_s) {
   const std::string prefix = "truth/robot/0/poses/";
   const auto time = log.Get<double>(prefix + "time_s");
   const auto k =
       static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), time_s - 1e-6) - time.begin());
-  if (k == time.size()) throw InputError("a sweep after the last true pose");
+  if (k == time.size()) throw InputError("a scan after the last true pose");
   return {log.Get<double>(prefix + "x_m")[k], log.Get<double>(prefix + "y_m")[k],
           log.Get<double>(prefix + "heading_rad")[k]};
 }
@@ -185,8 +185,8 @@ Found Judge(const Blob& log) {
   double told_rad = 0;
   for (std::size_t k = 0; k < times.size(); ++k) {
     const OdometricPose at = PoseAt(odometry, times[k]);
-    const RingSweep sweeps[] = {SweepOf(log, sonar, k), SweepOf(log, infrared, k)};
-    grids.Update({at.x_m, at.y_m, at.heading_rad}, sweeps);
+    const RingScan scans[] = {ScanOf(log, sonar, k), ScanOf(log, infrared, k)};
+    grids.Update({at.x_m, at.y_m, at.heading_rad}, scans);
     if (!grids.locked()) continue;
     if (grids.walls_rad()) told_rad = grids.walls_rad()->angle_rad;
     const Pose truth = TrueAt(log, times[k]);

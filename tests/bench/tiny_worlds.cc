@@ -14,8 +14,9 @@ namespace cairn::forward_map {
 namespace {
 
 constexpr double kEqual = 1e-9;
-enum class Way { kFlips, kSwaps, kPairs, kAll, kAnnealed };
-constexpr Way kWays[] = {Way::kFlips, Way::kSwaps, Way::kPairs, Way::kAll, Way::kAnnealed};
+enum class Method { kFlips, kSwaps, kPairs, kAll, kAnnealed };
+constexpr Method kMethods[] = {Method::kFlips, Method::kSwaps, Method::kPairs, Method::kAll,
+                               Method::kAnnealed};
 
 double BestOfAllMaps(const TinyWorld& world) {
   double best = -std::numeric_limits<double>::infinity();
@@ -38,15 +39,15 @@ Patch Searched(const TinyWorld& world, Patch start, double factor, const Moves& 
   return start;
 }
 
-double EndOf(const TinyWorld& world, Way way) {
+double EndOf(const TinyWorld& world, Method method) {
   const Patch empty = Patch::Empty(world.columns, world.rows);
-  const Moves moves{.swaps = way == Way::kSwaps || way == Way::kAll,
-                    .pairs = way == Way::kPairs || way == Way::kAll};
+  const Moves moves{.swaps = method == Method::kSwaps || method == Method::kAll,
+                    .pairs = method == Method::kPairs || method == Method::kAll};
   const auto value = [&](const Patch& patch) {
     return LogLikelihood(world.data, patch.Inside(), world.model);
   };
   const double direct = value(Searched(world, empty, 1, moves));
-  if (way != Way::kAnnealed) return direct;
+  if (method != Method::kAnnealed) return direct;
   Patch wide = empty;
   for (const double factor : {4.0, 2.0, 1.0}) wide = Searched(world, wide, factor, moves);
   return std::max(direct, value(wide));
@@ -69,12 +70,12 @@ int Main(int argc, char** argv) {
   std::printf("opening  p_hit  flips  swaps  pairs  swaps+pairs  annealed    of %d\n", worlds);
   for (const double opening_rad : {0.5, 1.0, 1.5}) {
     for (const double p_hit : {0.3, 0.7, 0.95}) {
-      int optimal[std::size(kWays)] = {};
+      int optimal[std::size(kMethods)] = {};
       for (int w = 0; w < worlds; ++w) {
         const TinyWorld world = World(opening_rad, p_hit, first + static_cast<std::uint64_t>(w));
         const double best = BestOfAllMaps(world);
-        for (std::size_t i = 0; i < std::size(kWays); ++i)
-          optimal[i] += EndOf(world, kWays[i]) > best - kEqual ? 1 : 0;
+        for (std::size_t i = 0; i < std::size(kMethods); ++i)
+          optimal[i] += EndOf(world, kMethods[i]) > best - kEqual ? 1 : 0;
       }
       std::printf("%7.1f  %5.2f  %5d  %5d  %5d  %11d  %8d\n", opening_rad, p_hit, optimal[0], optimal[1],
                   optimal[2], optimal[3], optimal[4]);

@@ -1,7 +1,7 @@
 // How often landmark_map finds the right topology on simulated loops, and how exact its landmarks are.
 //   topology_rate DIFFICULTY FIRST LAST [options of cairn simulate loop] [--rounds] [key=value …]
 //   topology_rate --csv DIR [--rounds] [key=value …]
-//   topology_rate DIFFICULTY FIRST LAST --figures
+//   topology_rate DIFFICULTY FIRST LAST --statistics
 // prints a line a log (with --rounds also one a round: the time so far and what the round found) and a
 // summary, with how often what was stated of which confidence was right. The second form takes every folder
 // in DIR that holds an odometry.csv.gz (docs/datasets.md, loops-csv). The pipeline sees the log without its
@@ -43,7 +43,7 @@ struct Tally {
 struct Arguments {
   std::vector<std::string> words;  // difficulty, first and last seed
   std::string csv;
-  bool rounds = false, figures = false;
+  bool rounds = false, statistics = false;
   datasets::SimulateLoopOptions world;
   proto::Stage stage;
 };
@@ -62,8 +62,9 @@ struct Ranges {
 };
 
 void AddFigures(const Blob& log, Ranges* ranges) {
-  const landmark_map::LogFigures figures = landmark_map::FiguresOf(log);
-  landmark_map::VisitLogFigures(figures, [&](const char* name, double value) { ranges->Add(name, value); });
+  const landmark_map::LogStatistics statistics = landmark_map::MeasureLog(log);
+  landmark_map::VisitLogStatistics(statistics,
+                                   [&](const char* name, double value) { ranges->Add(name, value); });
   const auto seen = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
   const std::set<std::int32_t> landmarks(seen.begin(), seen.end());
   ranges->Add("landmarks", static_cast<double>(landmarks.size() - landmarks.count(-1)));
@@ -89,7 +90,7 @@ void RunLog(const std::string& name, const Blob& log, const Arguments& arguments
   const bool right = score.topology_correct.value_or(false);
   const double rmse_m = score.landmarks->rmse_m.value_or(-1.0);
   tally->right += right ? 1 : 0;
-  Tally::Stated& stated = tally->stated[datasets::ConfidenceOf(*result)];
+  Tally::Stated& stated = tally->stated[datasets::ReadConfidence(*result)];
   ++stated.jobs;
   stated.right += right ? 1 : 0;
   tally->complete += score.landmarks->missed == 0 && score.landmarks->spurious == 0 ? 1 : 0;
@@ -168,7 +169,7 @@ void TakeStageOptions(Arguments* arguments) {
 }
 
 int Main(const Arguments& arguments) {
-  if (arguments.figures) return PrintFigures(arguments);
+  if (arguments.statistics) return PrintFigures(arguments);
   Tally tally;
   arguments.csv.empty() ? RunSeeds(arguments, &tally) : RunFolders(arguments, &tally);
   if (tally.jobs == 0) throw InputError(Title(arguments) + ": no logs");
@@ -193,7 +194,7 @@ int main(int argc, char** argv) {
   app.add_option("words", arguments.words, "DIFFICULTY FIRST LAST, and key=value for the stage's options");
   app.add_option("--csv", arguments.csv, "Logs from the folders in this one, instead of simulated ones");
   app.add_flag("--rounds", arguments.rounds, "A line a round, too");
-  app.add_flag("--figures", arguments.figures, "Print the ranges of the logs' figures, map nothing");
+  app.add_flag("--statistics", arguments.statistics, "Print the ranges of the logs' statistics, map nothing");
   cairn::cli::AddLoopOptions(&app, &arguments.world);
   CLI11_PARSE(app, argc, argv);
   try {

@@ -29,7 +29,7 @@ struct Ring {
     for (std::size_t b = 0; b < x.size(); ++b) beams.push_back({x[b], y[b], heading[b]});
     return {beams, sensor.Scalar<double>("opening_rad"), sensor.Scalar<double>("max_range_m")};
   }
-  RingSweep Sweep(std::size_t k) const {
+  RingScan Scan(std::size_t k) const {
     const auto range = sensor.Get<double>("range_m");
     const std::size_t beams = sensor.Get<double>("beam_x_m").size();
     return {sensor.Get<double>("time_s")[k], sensor.Get<double>("turret_rad")[k],
@@ -37,7 +37,7 @@ struct Ring {
   }
 };
 
-// A sweep: where the robot was, and where its odometry with true headings has it.
+// A scan: where the robot was, and where its odometry with true headings has it.
 struct Moment {
   Pose truth, odometry;
   double path_m;
@@ -46,11 +46,11 @@ struct Moment {
 struct Recorded {
   EdgeTrace trace;
   TraceFrame frame;
-  std::size_t first, end;  // sweeps
+  std::size_t first, end;  // scans
 };
 
 struct Place {
-  std::size_t sweep;
+  std::size_t scan;
   std::array<ImmediateTrace, 4> now;
 };
 
@@ -96,13 +96,13 @@ Drive Replay(const Blob& log) {
     runs = false;
   };
   for (std::size_t k = 0; k < drive.moments.size(); ++k) {
-    const std::array sweeps{sonar.Sweep(k), infrared.Sweep(k)};
-    grids.Update(drive.moments[k].odometry, sweeps);
-    if (runs && recorder.Update(grids, sweeps[0].time_s) != TraceEnd::kNone) finish(k);
+    const std::array scans{sonar.Scan(k), infrared.Scan(k)};
+    grids.Update(drive.moments[k].odometry, scans);
+    if (runs && recorder.Update(grids, scans[0].time_s) != TraceEnd::kNone) finish(k);
     const double off = std::remainder(drive.moments[k].truth.heading_rad, std::numbers::pi / 2);
     if (!runs && std::abs(off) < 0.25) {
-      recorder.Begin(grids, sweeps[0].time_s);
-      recorder.Update(grids, sweeps[0].time_s);
+      recorder.Begin(grids, scans[0].time_s);
+      recorder.Update(grids, scans[0].time_s);
       first = k;
       runs = true;
     }
@@ -117,8 +117,8 @@ Drive Replay(const Blob& log) {
 }
 
 // Where the truth puts a place on a trace, by the nearest moment of its recording, which `apart_m` tells of.
-Position TruthOn(const Drive& drive, const Recorded& trace, std::size_t sweep, double* apart_m) {
-  const Pose& at = drive.moments[sweep].truth;
+Position TruthOn(const Drive& drive, const Recorded& trace, std::size_t scan, double* apart_m) {
+  const Pose& at = drive.moments[scan].truth;
   std::size_t best = trace.first;
   const auto off = [&](std::size_t k) {
     return std::hypot(drive.moments[k].truth.x_m - at.x_m, drive.moments[k].truth.y_m - at.y_m);
@@ -149,12 +149,12 @@ void MatchPairs(const Drive& drive, double range_m, Rng& rng, Tables& tables) {
     if (turned % 2 == 0) continue;
     const int quarter = turned == 1 ? 1 : -1;
     for (const Place& place : drive.places) {
-      const double path_m = drive.moments[place.sweep].path_m;
+      const double path_m = drive.moments[place.scan].path_m;
       if (path_m > drive.moments[a.first].path_m - 6 && path_m < drive.moments[b.end - 1].path_m + 6)
         continue;
       double a_apart_m = 0, b_apart_m = 0;
-      const Position on_a = TruthOn(drive, a, place.sweep, &a_apart_m);
-      const Position on_b = TruthOn(drive, b, place.sweep, &b_apart_m);
+      const Position on_a = TruthOn(drive, a, place.scan, &a_apart_m);
+      const Position on_b = TruthOn(drive, b, place.scan, &b_apart_m);
       if (a_apart_m > 1 || b_apart_m > 1) continue;
       const double dz = rng.Uniform(-0.7, 0.7) * range_m, du = rng.Uniform(-0.7, 0.7) * range_m;
       const ImmediateTrace& now_a = place.now[static_cast<std::size_t>(a.frame.quarter)];
@@ -170,11 +170,11 @@ void MatchPairs(const Drive& drive, double range_m, Rng& rng, Tables& tables) {
 void MatchAll(const Drive& drive, double range_m, Rng& rng, Tables& tables) {
   for (const Place& place : drive.places)
     for (const Recorded& trace : drive.traces) {
-      const double path_m = drive.moments[place.sweep].path_m;
+      const double path_m = drive.moments[place.scan].path_m;
       if (path_m > drive.moments[trace.first].path_m - 6 && path_m < drive.moments[trace.end - 1].path_m + 6)
         continue;
       double apart_m = 0;
-      const Position truth = TruthOn(drive, trace, place.sweep, &apart_m);
+      const Position truth = TruthOn(drive, trace, place.scan, &apart_m);
       const ImmediateTrace& now = place.now[static_cast<std::size_t>(trace.frame.quarter)];
       const Position at{truth.z_m + rng.Uniform(-0.7, 0.7) * range_m,
                         truth.u_m + rng.Uniform(-0.7, 0.7) * range_m};
@@ -189,7 +189,7 @@ void MatchAll(const Drive& drive, double range_m, Rng& rng, Tables& tables) {
         continue;
       }
       const double turned =
-          drive.moments[place.sweep].truth.heading_rad - drive.moments[trace.first].truth.heading_rad;
+          drive.moments[place.scan].truth.heading_rad - drive.moments[trace.first].truth.heading_rad;
       Loops& loops = std::abs(std::cos(turned)) > 0.7 ? tables.along : tables.across;
       loops.Add(FindOn(trace.trace, now.trace, origin, {range_m, range_m}, {}), &true_origin);
       const Match match = Correct(trace.trace, now, at, {range_m, range_m}, {});

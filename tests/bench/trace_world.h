@@ -57,7 +57,7 @@ inline void AddFurniture(Walls& walls, std::uint64_t seed, int arrangement, doub
   }
 }
 
-// Where the robot believed to be and where it was, sweep by sweep; what it recorded, what was around it.
+// Where the robot believed to be and where it was, scan by scan; what it recorded, what was around it.
 struct Pass {
   EdgeTrace trace;
   TraceFrame frame;
@@ -69,7 +69,7 @@ struct Pass {
 };
 
 // One drive along the corridor at y = `y_m` (y_m the other way, `back`). A heading error of up to half a
-// degree and one of scale of up to a hundredth stay. `look` sees the grids after each sweep.
+// degree and one of scale of up to a hundredth stay. `look` sees the grids after each scan.
 inline Pass DriveAlong(const Walls& walls, double length_m, double y_m, bool back, std::uint64_t seed,
                        const std::function<void(const LocalGrids&, const TraceRecorder&)>& look = {}) {
   Rng rng(seed, 3);
@@ -79,21 +79,21 @@ inline Pass DriveAlong(const Walls& walls, double length_m, double y_m, bool bac
   TraceRecorder recorder(grids);
   Pass pass;
   bool begun = false;
-  for (double way = 0.5; way < length_m - 0.7; way += Drive::kSpeedMS * Drive::kSweepS) {
-    const double weave = 0.05 * std::sin(way);
-    const Pose truth{back ? length_m - way : way, y_m + weave, back ? std::numbers::pi : 0};
-    const double turret = 0.8 * std::sin(way / Drive::kSpeedMS);
-    const auto ranges = SonarSweep(walls, truth, turret, rng);
-    const Pose odometry{std::cos(heading_error) * way * scale,
-                        std::sin(heading_error) * way + (back ? -weave : weave), 0};
-    const RingSweep sweep{way / Drive::kSpeedMS, turret, ranges};
-    grids.Update(odometry, std::span(&sweep, 1));
-    if (way > 1 && !begun) {
-      recorder.Begin(grids, sweep.time_s);
+  for (double travelled = 0.5; travelled < length_m - 0.7; travelled += Drive::kSpeedMS * Drive::kScanS) {
+    const double weave = 0.05 * std::sin(travelled);
+    const Pose truth{back ? length_m - travelled : travelled, y_m + weave, back ? std::numbers::pi : 0};
+    const double turret = 0.8 * std::sin(travelled / Drive::kSpeedMS);
+    const auto ranges = SonarScan(walls, truth, turret, rng);
+    const Pose odometry{std::cos(heading_error) * travelled * scale,
+                        std::sin(heading_error) * travelled + (back ? -weave : weave), 0};
+    const RingScan scan{travelled / Drive::kSpeedMS, turret, ranges};
+    grids.Update(odometry, std::span(&scan, 1));
+    if (travelled > 1 && !begun) {
+      recorder.Begin(grids, scan.time_s);
       begun = true;
     }
     if (!begun) continue;
-    recorder.Update(grids, sweep.time_s);
+    recorder.Update(grids, scan.time_s);
     if (look) look(grids, recorder);
     pass.map.Add(grids, recorder.frame());
     pass.grids_now.push_back(MapOfNow(grids, recorder.frame().quarter));

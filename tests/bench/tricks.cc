@@ -58,33 +58,33 @@ std::vector<Table> Tables() {
   const auto pruned = [](const char* least) -> Row {
     return {"selective computation", {std::string("prune=") + least}};
   };
-  const auto legs = [](const char* what, const char* most_m) -> Row {
-    return {what, {std::string("max_leg_m=") + most_m}};
+  const auto increments = [](const char* what, const char* most_m) -> Row {
+    return {what, {std::string("max_increment_m=") + most_m}};
   };
-  const Row micro = legs("no coarse-grained time: a step a metre", "1");
-  const Row paper_legs = legs("coarse-grained time as in the paper", "20");
-  return {{"1 m, 5°, legs to 11 m",
+  const Row micro = increments("no coarse-grained time: a step a metre", "1");
+  const Row paper_increments = increments("coarse-grained time as in the paper", "20");
+  return {{"1 m, 5°, motion increments to 11 m",
            {"cell_m=1", "heading_deg=5"},
            {{"as by default", {}},
             kept,
             micro,
-            legs("coarse-grained time", "4"),
-            paper_legs,
+            increments("coarse-grained time", "4"),
+            paper_increments,
             pruned("1e-2"),
             pruned("1e-5"),
             boxed("box_m=130"),
             whole("box_m=130"),
             all_cells("box_m=130")}},
-          {"2 m, 10°, legs to 11 m",
+          {"2 m, 10°, motion increments to 11 m",
            {"cell_m=2", "heading_deg=10"},
            {{"as by default", {}},
             boxed("box_m=180"),
             whole("box_m=180"),
             all_cells("box_m=180"),
             neither("box_m=180")}},
-          {"0.5 m, 2.5°, legs to 11 m",
+          {"0.5 m, 2.5°, motion increments to 11 m",
            {"cell_m=0.5", "heading_deg=2.5"},
-           {{"as by default", {}}, kept, micro, paper_legs, pruned("1e-2"), pruned("1e-5")}}};
+           {{"as by default", {}}, kept, micro, paper_increments, pruned("1e-2"), pruned("1e-5")}}};
 }
 
 double ProcessorSeconds() {
@@ -198,8 +198,8 @@ LayeredGrid SomeBelief(int headings) {
 // What there is to be saved by symmetry and caching: a stencil serves all places of a heading.
 void PrintStencils() {
   constexpr int kHeadings = 72, kTimes = 200;
-  const Leg leg{.dx_m = 6.0, .dy_m = 2.0, .path_m = 6.5, .turn_rad = 0.5};
-  const LegError error{.heading_rad = 0.05, .along_m = 0.3};
+  const MotionIncrement increment{.dx_m = 6.0, .dy_m = 2.0, .path_m = 6.5, .turn_rad = 0.5};
+  const IncrementError error{.heading_rad = 0.05, .along_m = 0.3};
   const LayeredGrid belief = SomeBelief(kHeadings);
   double sink = 0.0;
   double begin = ProcessorSeconds();
@@ -215,8 +215,10 @@ void PrintStencils() {
   const double stencil_s = (ProcessorSeconds() - begin) / (kTimes * kHeadings);
   begin = ProcessorSeconds();
   for (int i = 0; i < kTimes; ++i) {
-    sink +=
-        MotionKernel(leg, error, 1.0, kHeadings, ErrorShape::kGaussian).Forward(belief).layers[0].values[0];
+    sink += MotionKernel(increment, error, 1.0, kHeadings, ErrorShape::kGaussian)
+                .Forward(belief)
+                .layers[0]
+                .values[0];
   }
   const double cell_s = (ProcessorSeconds() - begin) / kTimes / static_cast<double>(belief.cells());
   std::printf(

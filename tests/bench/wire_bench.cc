@@ -99,15 +99,16 @@ class BareEcho {
 };
 
 // ---- a coordinator's end of our own transport ----
-class Hub {
+class Server {
  public:
-  explicit Hub(const std::string& endpoint) : router_(wire::RouterSocket::Bind(context_, endpoint).value()) {
+  explicit Server(const std::string& endpoint)
+      : router_(wire::RouterSocket::Bind(context_, endpoint).value()) {
     poller_.Add(router_);
   }
   wire::Received Take() {
     while (true) {
       if (std::optional<wire::Received> received = router_.TryReceive()) {
-        if (received->message.envelope.has_beat()) continue;
+        if (received->message.envelope.has_heartbeat()) continue;
         return std::move(*received);
       }
       poller_.Wait(std::chrono::seconds(10));
@@ -123,7 +124,7 @@ class Hub {
   wire::Poller poller_;
 };
 
-// Answers every message with itself, a blob with Missing (small), until Bye.
+// Answers every message with itself, a blob with Missing (small), until Leave.
 void ServeEcho(const std::string& endpoint) {
   const wire::Context context;
   wire::DealerSocket dealer = wire::DealerSocket::Connect(context, endpoint).value();
@@ -136,7 +137,7 @@ void ServeEcho(const std::string& endpoint) {
     while (dealer.TryEvent()) {
     }
     while (std::optional<wire::Received> received = dealer.TryReceive()) {
-      if (received->message.envelope.has_bye()) return;
+      if (received->message.envelope.has_leave()) return;
       wire::Message answer = std::move(received->message);
       if (answer.envelope.has_blob()) {
         answer = {};
@@ -177,9 +178,9 @@ Figures MeasureBare(const std::string& endpoint) {
 }
 
 Figures MeasureWire(const std::string& endpoint) {
-  Hub hub(endpoint);
+  Server server(endpoint);
   std::thread echo(ServeEcho, endpoint);
-  const std::string peer = hub.Take().peer;
+  const std::string peer = server.Take().peer;
   wire::Message small;
   small.envelope.mutable_cancel()->mutable_key()->set_job(std::string(48, 'x'));
   wire::Message large;
@@ -187,40 +188,40 @@ Figures MeasureWire(const std::string& endpoint) {
   Blob blob;
   blob.PutVector("v", std::vector<double>(kBlobBytes / sizeof(double), 1.5));
   large.blobs = {wire::NameBlob(std::make_shared<const Blob>(std::move(blob)))};
-  const auto take = [&] { hub.Take(); };
+  const auto take = [&] { server.Take(); };
   const Figures figures = {Rate(
-                               kRoundTrips, 1, [&] { hub.Send(peer, small); }, take),
+                               kRoundTrips, 1, [&] { server.Send(peer, small); }, take),
                            Rate(
-                               kStreamed, kInFlight, [&] { hub.Send(peer, small); }, take),
-                           Rate(kBlobs, 4, [&] { hub.Send(peer, large); }, take) * kBlobBytes};
-  wire::Message bye;
-  bye.envelope.mutable_bye();
-  hub.Send(peer, bye);
+                               kStreamed, kInFlight, [&] { server.Send(peer, small); }, take),
+                           Rate(kBlobs, 4, [&] { server.Send(peer, large); }, take) * kBlobBytes};
+  wire::Message leave;
+  leave.envelope.mutable_leave();
+  server.Send(peer, leave);
   echo.join();
   return figures;
 }
 
 Figures MeasureWorker(const std::string& endpoint) {
-  Hub hub(endpoint);
+  Server server(endpoint);
   std::atomic<bool> stop{false};
   const std::unique_ptr<worker::ZmqTransport> transport = worker::ZmqTransport::Connect(endpoint).value();
   std::thread thread([&] {
     const auto factory = [](const proto::Stage&, std::uint64_t) { return std::make_unique<Trivial>(); };
     worker::RunWorker(*transport, factory, {}, stop);
   });
-  const std::string peer = hub.Take().peer;
+  const std::string peer = server.Take().peer;
   wire::Message welcome;
-  welcome.envelope.mutable_welcome()->set_beat_s(1);
-  hub.Send(peer, welcome);
+  welcome.envelope.mutable_welcome()->set_heartbeat_s(1);
+  server.Send(peer, welcome);
   wire::Message assign;
   assign.envelope.mutable_assign()->mutable_stage()->set_name("s");
   std::uint32_t next = 0;
   const auto ask = [&] {
     assign.envelope.mutable_assign()->mutable_task()->set_index(next);
     assign.envelope.mutable_assign()->mutable_key()->set_task(next++);
-    hub.Send(peer, assign);
+    server.Send(peer, assign);
   };
-  const auto take = [&] { CAIRN_DEMAND(hub.Take().message.envelope.has_done(), "a trivial task failed"); };
+  const auto take = [&] { CAIRN_DEMAND(server.Take().message.envelope.has_done(), "a trivial task failed"); };
   const Figures figures = {Rate(kRoundTrips, 1, ask, take), Rate(kStreamed, kInFlight, ask, take), 0};
   stop = true;
   transport->Wake();

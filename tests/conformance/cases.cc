@@ -97,7 +97,7 @@ Blob SquareLog(Sensor sensor, int robots, int laps) {
   log.PutScalar("noise/heading_walk_rad_per_sqrt_m", 0.01);
   log.PutScalar("noise/forward_ratio", 0.02);
   log.PutScalar("noise/turn_ratio", 0.02);
-  log.PutScalar("noise/press_m", 0.3);
+  log.PutScalar("noise/contact_m", 0.3);
   log.PutScalar("noise/range_m", 0.1);
   log.PutScalar("noise/bearing_rad", 0.03);
   log.PutScalar("sensor/max_range_m", 4.0);
@@ -216,7 +216,7 @@ Case Localization(const std::string& name, const char* sensing, const char* beli
   samples.PutVector("truth/run/0/x_m", std::vector<double>(samples.Get<double>("run/0/time_s").size(), 1.0));
   Case c{.name = name, .stage = {}, .inputs = {{"samples", Share(std::move(samples))}}};
   SetInteger(c.stage, "traverses", 9);
-  Set(c.stage, "way_m", 5.0);
+  Set(c.stage, "travelled_m", 5.0);
   (*c.stage.mutable_options())["runs"].set_s("run 1");
   (*c.stage.mutable_options())["sensing"].set_s(sensing);
   (*c.stage.mutable_options())["belief"].set_s(belief);
@@ -263,11 +263,11 @@ Case SeveralStarts() {
   return c;
 }
 
-// By the way through a map; or by the mass of the belief, on cells.
+// By the path through a map; or by the mass of the belief, on cells.
 Case TrainingOn(const std::string& error) {
   Case c = LandmarkLearning("landmark_learning_" + error, 5.0);
   (*c.stage.mutable_options())["error"].set_s(error);
-  (*c.stage.mutable_options())["truths"].set_s("space");
+  (*c.stage.mutable_options())["true_positions"].set_s("space");
   if (error == "kl") Set(c.stage, "cell_m", 0.05);
   if (error != "travel") return c;
   constexpr std::int64_t kColumns = 90, kRows = 8;
@@ -311,7 +311,7 @@ Case LocalMap() {
   log.PutAll("robot/0/sonar/", Room{.scans = 300, .opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
   log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, {1.0, 2.0}));
   Case c{.name = "local_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
-  SetInteger(c.stage, "segment_sweeps", 100);
+  SetInteger(c.stage, "segment_scans", 100);
   return c;
 }
 
@@ -340,7 +340,7 @@ std::vector<Case> FixturesOf(const PipelineInfo& info) {
     return {c};
   }
   if (pipeline == "landmark_map") {
-    return {LandmarkMap("landmark_map_presses", Sensor::kButton, 1),
+    return {LandmarkMap("landmark_map_contacts", Sensor::kButton, 1),
             LandmarkMap("landmark_map_ranges", Sensor::kRangeBearing, 2), LandmarkMapFromAMap(),
             LandmarkMapSideBySide(), LandmarkMapIncremental()};
   }

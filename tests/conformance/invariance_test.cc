@@ -85,13 +85,13 @@ const std::map<std::string, Promise>& Promises() {
         .tolerance = 0.005,
         .cell_m = 0.25,
         .angles_rad = {0.4, kPi - 0.05},
-        .but = {"belief/", "place/", "step/mode", "step/entries"},
+        .but = {"belief/", "position/", "step/mode", "step/entries"},
         .options = exact}},
       {"localization_both_ways",
        {.follows = Follows::kByQuarters,
         .cell_m = 0.25,
         .angles_rad = {kPi / 4, kPi - 0.05},
-        .but = {"belief/", "place/", "step/mode"},
+        .but = {"belief/", "position/", "step/mode"},
         .options = exact}},
   };
   return promises;
@@ -363,7 +363,7 @@ TEST_P(Drive, NamesAreNamesOnly) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Landmarks, Drive, ::testing::Bool(),
-                         [](const auto& instance) { return instance.param ? "ranges" : "presses"; });
+                         [](const auto& instance) { return instance.param ? "ranges" : "contacts"; });
 
 }  // namespace
 }  // namespace cairn::conformance

@@ -38,14 +38,14 @@ class WorkerProcess : public ::testing::Test {
     std::ifstream file(Output());
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  // The next message but beats; a failure after kPatience.
+  // The next message but heartbeats; a failure after kPatience.
   wire::Received Receive() {
     wire::Poller poller;
     poller.Add(*router_);
     const auto end = std::chrono::steady_clock::now() + kPatience;
     while (std::chrono::steady_clock::now() < end) {
       while (std::optional<wire::Received> received = router_->TryReceive()) {
-        if (!received->message.envelope.has_beat()) return std::move(*received);
+        if (!received->message.envelope.has_heartbeat()) return std::move(*received);
       }
       poller.Wait(std::chrono::milliseconds(100));
     }
@@ -54,7 +54,7 @@ class WorkerProcess : public ::testing::Test {
   }
   void Welcome(const std::string& peer) {
     wire::Message welcome;
-    welcome.envelope.mutable_welcome()->set_beat_s(0.1);
+    welcome.envelope.mutable_welcome()->set_heartbeat_s(0.1);
     EXPECT_TRUE(router_->Send(peer, welcome).ok());
   }
 
@@ -132,11 +132,11 @@ TEST_F(WorkerProcess, ARefusedOnePrintsTheReasonAndExitsWithTwo) {
   EXPECT_NE(OutputText().find("refused: its compiler is another"), std::string::npos) << OutputText();
 }
 
-TEST_F(WorkerProcess, SaysByeWhenItIsToldToEnd) {
+TEST_F(WorkerProcess, SendsLeaveWhenItIsToldToEnd) {
   Process worker(Arguments(), Output());
   Welcome(Receive().peer);
   ASSERT_EQ(::kill(worker.pid(), SIGTERM), 0);
-  EXPECT_TRUE(Receive().message.envelope.has_bye());
+  EXPECT_TRUE(Receive().message.envelope.has_leave());
   EXPECT_EQ(worker.Wait(), 0);
 }
 

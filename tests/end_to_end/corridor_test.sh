@@ -26,7 +26,7 @@ says '^detection.recall +[0-9.]+%, of 160 samples$'
 refuses "no feature 'lift'" cairn evaluate d1.h5 --feature lift
 
 # Where is it? By doors, found in the one run by a map of the other.
-exits 0 cairn run localization d1.h5 --set runs="d1 run 2" --set features=door --set way_m=15 --set traverses=6 --out where
+exits 0 cairn run localization d1.h5 --set runs="d1 run 2" --set features=door --set travelled_m=15 --set traverses=6 --out where
 exits 0 cairn evaluate where --truth d1.h5
 says '^runs +d1 run 2$'
 says 'nothing known at the start$'
@@ -34,7 +34,7 @@ exits 0 cairn report where --force
 says '^where/report.html$'
 grep -q 'SAMPLES.h5' where/report.html || die "the report does not say how to see errors"
 exits 0 cairn report where --log d1.h5 --force
-for title in 'Error by way travelled' 'How sure' 'What a robot believes'; do
+for title in 'Error by distance travelled' 'How sure' 'What a robot believes'; do
   grep -q "<h2>$title</h2>" where/report.html || die "the report has no section '$title'"
 done
 refuses 'made from other samples' cairn report where --log images.h5 --out page.html
@@ -44,7 +44,7 @@ exits 0 cairn simulate corridor --set d1 --runs 4 --snapshots 80 --length-m 40 -
 exits 0 cairn inspect both.h5
 says 'd1 run 2 back'
 exits 0 cairn run localization both.h5 --set runs="d1 run 3,d1 run 4 back" --set features=door --set heading=unknown \
-  --set way_m=15 --set traverses=6 --out both
+  --set travelled_m=15 --set traverses=6 --out both
 exits 0 cairn evaluate both --truth both.h5
 says '^heading +unknown to the robot$'
 says 'within_1m  facing$'

@@ -68,11 +68,11 @@ void WriteFlipped(const fs::path& from, const BlobFile& file, const fs::path& to
   std::ofstream(to, std::ios::binary) << bytes;
 }
 
-// Without its seal, as HDF5 leaves a file that a program has changed through it.
-void WriteUnsealed(const fs::path& from, const fs::path& to) {
-  constexpr std::size_t kSeal = 24;
+// Without its checksum trailer, as HDF5 leaves a file that a program has changed through it.
+void WriteWithoutTrailer(const fs::path& from, const fs::path& to) {
+  constexpr std::size_t kTrailer = 24;
   std::string bytes = Bytes(from);
-  bytes.resize(bytes.size() - kSeal);
+  bytes.resize(bytes.size() - kTrailer);
   std::ofstream(to, std::ios::binary) << bytes;
 }
 
@@ -91,8 +91,8 @@ int main(int argc, char** argv) try {
   WriteNames(Read(log), (folder / "log").string());
   WriteNames(Read(result), (folder / "result").string());
   WriteFlipped(result, Read(result), folder / "flipped.h5");
-  WriteUnsealed(result, folder / "changed.h5");
-  WriteUnsealed(log, folder / "changed-log.h5");
+  WriteWithoutTrailer(result, folder / "changed.h5");
+  WriteWithoutTrailer(log, folder / "changed-log.h5");
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

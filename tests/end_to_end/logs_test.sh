@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# `cairn logs` tells what happened to a job: a worker that is killed with its task in hand, a coordinator that is killed,
+# `cairn logs` tells what happened to a job: a worker that is killed with its task assigned, a coordinator that is killed,
 # commands, the end; `cairn status` shows the service meanwhile.
 source "$(dirname "$0")/common.sh"
 

@@ -3,7 +3,7 @@
 source "$(dirname "$0")/common.sh"
 
 exits 0 cairn simulate office --minutes 4 --seed 103 office.h5
-says '1200 sweeps over 240 s'
+says '1200 scans over 240 s'
 exits 0 cairn inspect office.h5
 says 'robot/0/sonar/turret_rad'
 refuses 'minutes.*0.5' cairn simulate office --minutes 0.5 no.h5
@@ -19,7 +19,7 @@ awk -v path="$(grep -m1 '"rmse_m"' stdout | tr -dc '0-9.')" -v raw="$(number odo
 exits 0 cairn report result --log office.h5 --out page.html
 [ "$(grep -o '<figure' page.html | wc -l)" -ge 5 ] || die "the page lacks pictures"
 exits 0 cairn export tum result path
-[ "$(grep -c '^[0-9]' path/robot_0.tum)" -eq 1200 ] || die "the path is not a pose a sweep: $(head -3 path/robot_0.tum)"
+[ "$(grep -c '^[0-9]' path/robot_0.tum)" -eq 1200 ] || die "the path is not a pose a scan: $(head -3 path/robot_0.tum)"
 exits 0 cairn simulate office --minutes 4 --seed 104 other.h5
 refuses 'made from another log' cairn evaluate result --truth other.h5
 

@@ -49,7 +49,7 @@ corridor=(cairn simulate corridor --set d1 --runs 2 --snapshots 60 --length-m 30
 "${corridor[@]}" corridor.h5 >/dev/null
 leaves picture.png 'images: image_features' image_features images.h5
 leaves picture.png 'corridor: landmark_learning' landmark_learning corridor.h5 --set networks=2 --set steps=10
-leaves picture.png 'corridor: localization' localization corridor.h5 --set runs="d1 run 2" --set features=door --set way_m=5 --set traverses=3
+leaves picture.png 'corridor: localization' localization corridor.h5 --set runs="d1 run 2" --set features=door --set travelled_m=5 --set traverses=3
 for pipeline in "$CAIRN_SOURCE"/pipelines/*/README.md; do
   pipeline=$(basename "$(dirname "$pipeline")")
   [ -e "out of $pipeline/report.html" ] || die "$pipeline is not among the pipelines tried here"

@@ -129,9 +129,9 @@ kill -TERM "$coordinator"
 wait "$coordinator" || die "the coordinator did not end in good order"
 export CAIRN_HOME=$work/home
 
-# A store of a newer Cairn, and one from before files had seals, are refused with the reason and left as they are.
+# A store of a newer Cairn, and one from before files had checksum trailers, are refused with the reason and left as they are.
 echo 1000 >home/store/version
 refuses 'a store of version 1000, of a newer Cairn' cairn coordinator
-cp -r "$CAIRN_SOURCE/coordinator/store/testdata/store_1/store" unsealed
-refuses 'its files have no seals' cairn coordinator --store unsealed
-diff -r --exclude lock "$CAIRN_SOURCE/coordinator/store/testdata/store_1/store" unsealed || die "a refused store was touched"
+cp -r "$CAIRN_SOURCE/coordinator/store/testdata/store_1/store" no_trailer
+refuses 'its files have no checksum trailers' cairn coordinator --store no_trailer
+diff -r --exclude lock "$CAIRN_SOURCE/coordinator/store/testdata/store_1/store" no_trailer || die "a refused store was touched"

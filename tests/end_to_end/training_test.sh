@@ -43,7 +43,7 @@ exits 0 train samples.h5 --set steps=5 --set hidden_2=4 --input weights=deep/lan
 exits 0 cairn inspect deeper/landmark_learning.h5
 says 'networks/hidden_2_weight +float64 +\[2,4,6\]'
 exits 0 cairn evaluate deeper --truth more.h5 --json
-exits 0 cairn run localization more.h5 --input networks=deeper/landmark_learning.h5 --set traverses=2 --set way_m=3 --out found
+exits 0 cairn run localization more.h5 --input networks=deeper/landmark_learning.h5 --set traverses=2 --set travelled_m=3 --out found
 grep -q '<b>6 + 4</b>' deeper/report.html || die "the report does not say how large the hidden layers are"
 refuses "2 networks of 6 and 4 hidden units over 3 inputs, where .* 2 networks of 6 hidden" \
   train samples.h5 --input weights=deep/landmark_learning.h5 --out no

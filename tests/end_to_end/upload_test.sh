@@ -109,4 +109,4 @@ wait "$coordinator" || die "the coordinator did not end in good order"
 serve
 exits 0 cairn list --state queued
 [ "$(grep -c queued stdout)" -eq 4 ] || die "not all jobs came back: $(cat stdout)"
-! grep -q 'set aside' coordinator.log || die "an input is damaged: $(cat coordinator.log)"
+! grep -q 'quarantined' coordinator.log || die "an input is damaged: $(cat coordinator.log)"

@@ -16,7 +16,7 @@ namespace {
 
 using namespace coordinator;  // NOLINT: events and actions, all over this file
 
-constexpr double kTick_s = 0.1, kBeat_s = 1, kLook_s = 0.5;
+constexpr double kTick_s = 0.1, kHeartbeat_s = 1, kLook_s = 0.5;
 constexpr double kMessage_s = 0.001;  // from a worker to the next task
 
 Hash Numbered(std::uint64_t number) {
@@ -45,7 +45,7 @@ class Replayer {
 
   std::vector<Said> Run(const eta::Fleet& fleet) {
     std::vector<Said> said;
-    double ticked_s = 0, beat_s = 0, looked_s = 0;
+    double ticked_s = 0, heartbeat_s = 0, looked_s = 0;
     bool joins = fleet.joins_s > 0, leaves = fleet.leaves_s > 0, pauses = fleet.paused_s > 0,
          resumes = fleet.resumed_s > 0;
     const auto at = [this](bool* due, double when_s) { return *due && now_s_ >= when_s && !(*due = false); };
@@ -58,9 +58,9 @@ class Replayer {
       if (now_s_ >= ticked_s + kTick_s) {
         ticked_s = now_s_;
         Do(Tick{});
-        if (now_s_ >= beat_s + kBeat_s) {
-          beat_s = now_s_;
-          Beat();
+        if (now_s_ >= heartbeat_s + kHeartbeat_s) {
+          heartbeat_s = now_s_;
+          Heartbeat();
         }
         if (now_s_ >= looked_s + kLook_s && core_.FindJob("job")->Running()) {
           looked_s = now_s_;
@@ -185,14 +185,14 @@ class Replayer {
     Do(event);
   }
 
-  void Beat() {
+  void Heartbeat() {
     for (const auto& [peer, queue] : std::map(queues_)) {
-      wire::Beat beat;
+      wire::Heartbeat heartbeat;
       for (const wire::TaskKey& key : queue.tasks) {
-        *beat.add_tasks() = key;
-        beat.add_ticks(static_cast<std::uint64_t>(now_s_ * 10));
+        *heartbeat.add_tasks() = key;
+        heartbeat.add_ticks(static_cast<std::uint64_t>(now_s_ * 10));
       }
-      Do(WorkerBeat{peer, beat});
+      Do(WorkerHeartbeat{peer, heartbeat});
     }
   }
 

@@ -180,7 +180,7 @@ TEST_F(Embedded, ADoneRunWhoseResultIsGoneIsNotCalledDone) {
   EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
 }
 
-// Under its name, whole, and sealed by Cairn.
+// Under its name, whole, and with Cairn's checksum trailer.
 TEST_F(Embedded, AnotherFileIsNotTakenForTheResult) {
   ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
   const fs::path file = fs::path(options_.dir) / "toy.h5";

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 
-#include "tests/faults/service_bench.h"
+#include "tests/faults/service_fixture.h"
 
 namespace cairn::faults {
 namespace {
@@ -66,7 +66,7 @@ TEST_F(Faults, ACoordinatorThatIsKilledAndStartedAgainGoesOnFromItsCheckpoint) {
   ExpectTheSameBits();
 }
 
-TEST_F(Faults, ADamagedCheckpointIsSetAsideAndTheOneBeforeIsUsed) {
+TEST_F(Faults, ADamagedCheckpointIsQuarantinedAndTheOneBeforeIsUsed) {
   AddWorker();
   AddWorker();
   Submit();
@@ -80,7 +80,7 @@ TEST_F(Faults, ADamagedCheckpointIsSetAsideAndTheOneBeforeIsUsed) {
   EXPECT_NE(LogText("coordinator.log").find(damaged.string()), std::string::npos);
 }
 
-TEST_F(Faults, AnEndedServiceSaysByeAndItsJobsGoOnWithTheNext) {
+TEST_F(Faults, AnEndedServiceSendsLeaveAndItsJobsGoOnWithTheNext) {
   AddWorker();
   Submit();
   AwaitRound(3);

@@ -45,7 +45,7 @@ long long NowMs() {
 }
 void Sleep(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
-// The task that a process has in hand, once it has one that is new.
+// The task that a process has assigned, once it has one that is new.
 Begun AwaitTask(const std::filesystem::path& trace, pid_t pid, long long after_ms) {
   while (true) {
     for (const Begun& begun : ReadTrace(trace))

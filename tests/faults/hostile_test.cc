@@ -8,7 +8,7 @@
 #include "schema/build_info.h"
 #include "schema/numerics.h"
 #include "schema/wire/testing/raw_peer.h"
-#include "tests/faults/service_bench.h"
+#include "tests/faults/service_fixture.h"
 
 namespace cairn::faults {
 namespace {
@@ -148,9 +148,9 @@ class Hostile : public Faults {
       Say(wicked, answer);
       ++malformed_answers_;
     }
-    wire::Envelope bye;
-    bye.mutable_bye();
-    Say(wicked, bye);
+    wire::Envelope leave;
+    leave.mutable_leave();
+    Say(wicked, leave);
   }
   void BadSubmissions() {
     auto as_worker = coordinator::Client::Connect(

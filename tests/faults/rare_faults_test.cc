@@ -2,12 +2,12 @@
 // coordinator, a worker of another version, an end in the middle.
 #include <gtest/gtest.h>
 
-#include "tests/faults/service_bench.h"
+#include "tests/faults/service_fixture.h"
 
 namespace cairn::faults {
 namespace {
 
-TEST_F(Faults, AWorkerWhoseTaskHangsWhileItBeatsChangesNothing) {
+TEST_F(Faults, AWorkerWhoseTaskHangsWhileItsHeartbeatsGoOnChangesNothing) {
   const fs::path hang = folder_.path() / "hang";
   ::setenv("CAIRN_HANG_FILE", hang.c_str(), 1);
   AddWorker();
@@ -18,10 +18,10 @@ TEST_F(Faults, AWorkerWhoseTaskHangsWhileItBeatsChangesNothing) {
   std::ofstream(hang) << "x";
   ExpectTheSameBits();
   EXPECT_FALSE(fs::exists(hang)) << "no worker has hung";
-  EXPECT_EQ(Connected(), 2u) << "it still beats";
+  EXPECT_EQ(Connected(), 2u) << "its heartbeats go on";
 }
 
-TEST_F(Faults, ACheckpointWithFlippedBytesIsSetAsideAndTheOneBeforeIsUsed) {
+TEST_F(Faults, ACheckpointWithFlippedBytesIsQuarantinedAndTheOneBeforeIsUsed) {
   AddWorker();
   Submit();
   AwaitRound(4);

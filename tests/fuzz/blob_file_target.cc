@@ -8,7 +8,7 @@ namespace {
 Outcome Run(std::span<const std::uint8_t> bytes) {
   const Result<BlobFile> read = ReadBlobImage(std::as_bytes(bytes), "fuzz");
   if (!read.ok()) return Outcome::kRefused;
-  const Result<store::Image> image = store::EncodeBlob(read.value().kind, read.value().blob);
+  const Result<store::FileImage> image = store::EncodeBlob(read.value().kind, read.value().blob);
   CAIRN_DEMAND(image.ok(), image.status().message());
   const Result<BlobFile> again = ReadBlobImage(image.value().bytes(), "again");
   CAIRN_DEMAND(again.ok(), again.status().message());
@@ -19,7 +19,7 @@ Outcome Run(std::span<const std::uint8_t> bytes) {
 }
 
 Bytes FileOf(const Blob& blob) {
-  const store::Image image = store::EncodeBlob("log", blob).value();
+  const store::FileImage image = store::EncodeBlob("log", blob).value();
   const auto* data = reinterpret_cast<const std::uint8_t*>(image.data.get());
   return {data, data + image.size};
 }

@@ -1,4 +1,4 @@
-// Sessions of up to four peers with a hub over real files.
+// Sessions of up to four peers with a server over real files.
 #include <array>
 #include <chrono>
 #include <functional>
@@ -6,7 +6,7 @@
 #include <set>
 #include <thread>
 
-#include "coordinator/server/hub.h"
+#include "coordinator/server/server.h"
 #include "coordinator/store/recovery.h"
 #include "schema/flat_blob_testing.h"
 #include "tests/fuzz/byte_source.h"
@@ -99,33 +99,33 @@ class Session {
  public:
   explicit Session(std::span<const std::uint8_t> bytes) : source_(bytes) {
     folder_.emplace(coordinator::StoreFolder::Open(scratch_.path() / "store").value());
-    coordinator::HubOptions options;
+    coordinator::ServerOptions options;
     options.core.checkpoint_interval_s = 0;
     options.memory_bytes = 4096;
     options.result_path = [this](const std::string& job, const std::string& stage) {
       return scratch_.path() / "results" / job / (stage + ".h5");
     };
-    hub_ = std::make_unique<coordinator::Hub>(*folder_, peers_, OpenJobTable(*folder_, Sink()).value(),
-                                              std::move(options), Sink());
+    server_ = std::make_unique<coordinator::Server>(*folder_, peers_, OpenJobTable(*folder_, Sink()).value(),
+                                                    std::move(options), Sink());
   }
 
   Outcome Run() {
     const bool look_back = source_.Below(8) == 0;
     for (int ops = 0; ops < 64 && !source_.empty(); ++ops) {
       Op();
-      hub_->Step(0);
+      server_->Step(0);
     }
-    CAIRN_DEMAND(hub_->core().fleet().size() <= 4, "more workers than peers");
+    CAIRN_DEMAND(server_->core().fleet().size() <= 4, "more workers than peers");
     if (look_back) {
-      CAIRN_DEMAND(hub_->Shut(60), "it cannot save what it has");
-      hub_.reset();
+      CAIRN_DEMAND(server_->Shut(60), "it cannot save what it has");
+      server_.reset();
       log_.clear();
       coordinator::BlobFiles files(*folder_);
       Recover(*folder_, files, coordinator::InputsOf::kStore, {},
               [this](coordinator::Severity severity, const std::string&, const std::string& line) {
                 Sink()(severity, line);
               });
-      CAIRN_DEMAND(log_.find("set aside") == std::string::npos, log_);
+      CAIRN_DEMAND(log_.find("quarantined") == std::string::npos, log_);
     }
     return peers_.replies() > 0 || !peers_.assigned().empty() ? Outcome::kAccepted : Outcome::kRefused;
   }
@@ -136,7 +136,7 @@ class Session {
   }
   std::string Peer() { return std::string(1, static_cast<char>('a' + source_.Below(4))); }
   std::string JobName() {
-    const std::vector<wire::JobInfo> jobs = hub_->core().Jobs();
+    const std::vector<wire::JobInfo> jobs = server_->core().Jobs();
     const std::size_t which = source_.Below(jobs.size() + 1);
     return which < jobs.size() ? jobs[which].id() : source_.Text();
   }
@@ -173,8 +173,8 @@ class Session {
     piece.envelope.mutable_piece()->set_data(Log());
     Say(peer, std::move(offer));
     Say(peer, std::move(piece));
-    for (int i = 0; i < 1000 && (i == 0 || hub_->uploads().size() > 0); ++i) {
-      hub_->Step(0);
+    for (int i = 0; i < 1000 && (i == 0 || server_->uploads().size() > 0); ++i) {
+      server_->Step(0);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
@@ -205,16 +205,16 @@ class Session {
         envelope.mutable_failed()->set_input_error(source_.Below(2) == 1);
         break;
       case 4:
-        envelope.mutable_beat();
+        envelope.mutable_heartbeat();
         for (const auto& [who, assign] : peers_.assigned()) {
           if (source_.Below(2) == 0) continue;
-          *envelope.mutable_beat()->add_tasks() = assign.key();
-          envelope.mutable_beat()->add_ticks(source_.Byte());
+          *envelope.mutable_heartbeat()->add_tasks() = assign.key();
+          envelope.mutable_heartbeat()->add_ticks(source_.Byte());
         }
         break;
       case 5:
         if (source_.Below(2) == 0) return peers_.Toggle(peer);
-        envelope.mutable_bye();
+        envelope.mutable_leave();
         break;
       case 6:
         envelope.mutable_fetch()->set_hash(TextBlob("the log").hash.Binary());
@@ -260,7 +260,7 @@ class Session {
   Peers peers_;
   std::string log_;
   std::optional<coordinator::StoreFolder> folder_;
-  std::unique_ptr<coordinator::Hub> hub_;
+  std::unique_ptr<coordinator::Server> server_;
 };
 
 Outcome Run(std::span<const std::uint8_t> bytes) { return Session(bytes).Run(); }

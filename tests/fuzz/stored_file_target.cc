@@ -14,7 +14,7 @@ Blob SeedBlob() {
 }
 
 Bytes File() {
-  const store::Image image = store::EncodeBlob("blob", SeedBlob()).value();
+  const store::FileImage image = store::EncodeBlob("blob", SeedBlob()).value();
   const auto* data = reinterpret_cast<const std::uint8_t*>(image.data.get());
   return {data, data + image.size};
 }

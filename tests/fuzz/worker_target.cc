@@ -131,7 +131,7 @@ class Script : public worker::Transport {
   void Give(wire::Message message) {
     const wire::Envelope& envelope = message.envelope;
     if (envelope.has_welcome()) welcome_ = true;
-    if (envelope.has_stranger() || envelope.has_bye()) welcome_ = false;
+    if (envelope.has_unknown_worker() || envelope.has_leave()) welcome_ = false;
     // What was dropped is not answered; what came before the Welcome is not even taken.
     if (!welcome_ || envelope.has_cancel()) given_ = answered_;
     if (welcome_ && envelope.has_assign()) ++given_;
@@ -163,13 +163,13 @@ class Script : public worker::Transport {
       case 1:
         return GiveEvent(Event::kDisconnected, {});
       case 2:
-        message.envelope.mutable_welcome()->set_beat_s(1);
+        message.envelope.mutable_welcome()->set_heartbeat_s(1);
         break;
       case 3:
-        message.envelope.mutable_stranger();
+        message.envelope.mutable_unknown_worker();
         break;
       case 4:
-        message.envelope.mutable_bye();
+        message.envelope.mutable_leave();
         break;
       case 5:
         *message.envelope.mutable_cancel()->mutable_key() = assign.key();

@@ -112,9 +112,9 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
   SeeOrders(core, event);
   SeeAlarms(actions);
   SeeTables(core, std::holds_alternative<Tick>(event), now_s);
-  if (const auto* beat = std::get_if<WorkerBeat>(&event)) SeeBeat(core, *beat, now_s);
+  if (const auto* heartbeat = std::get_if<WorkerHeartbeat>(&event)) SeeHeartbeat(core, *heartbeat, now_s);
   SeeDraining(core, event, actions);
-  SeeShunned(core, actions);
+  SeeExcluded(core, actions);
   SeeTurns(core, actions);
   CountActions(core, actions);
 }

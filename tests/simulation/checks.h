@@ -75,7 +75,7 @@ class Checks {
     std::uint64_t process = 0;
     Place seen{0, 0};
     proto::JobState state = proto::JOB_RUNNING;
-    // Work of its own and of others that were given out while its own was ready, in seconds by share.
+    // Work of its own and of others that were dispatched while its own was ready, in seconds by share.
     double largest_turn = 0, passed_over = 0;
     // Wrong answers that came for it, and whether each could be believed: it had the right form, and came
     // from one who had been given the task.
@@ -105,14 +105,14 @@ class Checks {
   bool Believed(const std::string& id, Known& known, const Hash& hash);
   // table_checks.cc
   void SeeTables(const coordinator::Core& core, bool ticked, double now_s);
-  void SeeBeat(const coordinator::Core& core, const coordinator::WorkerBeat& event, double now_s);
+  void SeeHeartbeat(const coordinator::Core& core, const coordinator::WorkerHeartbeat& event, double now_s);
   void SeeJobTables(const coordinator::Job& job);
   void SeeTurns(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
   void CountActions(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
 
   // worker_checks.cc
   std::uint64_t Retries(const coordinator::Core& core) const;  // attempts that failed, of all jobs
-  void SeeShunned(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
+  void SeeExcluded(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
   void SeeDraining(const coordinator::Core& core, const coordinator::Event& event,
                    const std::vector<coordinator::Action>& actions);
 
@@ -123,7 +123,7 @@ class Checks {
   std::string violation_;
   // Of the event under way.
   Alarm alarm_ = Alarm::kNever;
-  std::set<std::string> ready_before_;  // jobs that run and have a task to give out
+  std::set<std::string> ready_before_;  // jobs that run and have a task to dispatch
   std::uint64_t retries_before_ = 0;
   std::pair<std::string, std::uint64_t> broken_;  // a worker that gives this job a malformed answer
   std::uint64_t events_ = 0;

@@ -14,14 +14,14 @@ std::string Text(const wire::TaskKey& key) {
 
 struct Words {
   std::string operator()(const WorkerHello& e) const { return e.peer + " Hello"; }
-  std::string operator()(const WorkerBeat& e) const {
-    std::string text = e.peer + " Beat";
-    for (int i = 0; i < e.beat.tasks_size(); ++i)
-      text += " [" + Text(e.beat.tasks(i)) + ": " +
-              (i < e.beat.ticks_size() ? std::to_string(e.beat.ticks(i)) : "no") + " ticks]";
+  std::string operator()(const WorkerHeartbeat& e) const {
+    std::string text = e.peer + " Heartbeat";
+    for (int i = 0; i < e.heartbeat.tasks_size(); ++i)
+      text += " [" + Text(e.heartbeat.tasks(i)) + ": " +
+              (i < e.heartbeat.ticks_size() ? std::to_string(e.heartbeat.ticks(i)) : "no") + " ticks]";
     return text;
   }
-  std::string operator()(const WorkerBye& e) const { return e.peer + " Bye"; }
+  std::string operator()(const WorkerLeave& e) const { return e.peer + " Leave"; }
   std::string operator()(const WorkerLost& e) const { return e.peer + " is dead"; }
   std::string operator()(const DrainWorker& e) const { return e.peer + " is to leave"; }
   std::string operator()(const TaskDone& e) const { return e.peer + " Done " + Text(e.done.key()); }
@@ -56,7 +56,7 @@ struct Words {
     if (m.has_cancel()) return a.peer + " Cancel " + Text(m.cancel().key());
     if (m.has_refuse()) return a.peer + " Refuse: " + m.refuse().reason();
     if (m.has_drain()) return a.peer + " Drain";
-    return a.peer + (m.has_welcome() ? " Welcome" : m.has_stranger() ? " Stranger" : " ?");
+    return a.peer + (m.has_welcome() ? " Welcome" : m.has_unknown_worker() ? " UnknownWorker" : " ?");
   }
   std::string operator()(const Persist& a) const {
     return "persist " + a.checkpoint.job_id() + " number " + std::to_string(a.checkpoint.number()) +

@@ -9,7 +9,7 @@ namespace {
 
 using coordinator::TaskDone;
 using coordinator::TaskFailed;
-using coordinator::WorkerBeat;
+using coordinator::WorkerHeartbeat;
 
 Hash RandomHash(Rng& rng) {
   Hasher hasher;
@@ -105,11 +105,11 @@ Answer TellClumsyLie(World& world, const std::string& peer, const wire::Assign& 
       return {failed};
     }
     case 4: {
-      world.Count(kLieBeat);
-      WorkerBeat beat{peer, {}};
-      for (int i = 0; i < 3; ++i) *beat.beat.add_tasks() = GuessKey(world, assign.key());
-      beat.beat.add_ticks(std::numeric_limits<std::uint64_t>::max());
-      return {beat};
+      world.Count(kLieHeartbeat);
+      WorkerHeartbeat heartbeat{peer, {}};
+      for (int i = 0; i < 3; ++i) *heartbeat.heartbeat.add_tasks() = GuessKey(world, assign.key());
+      heartbeat.heartbeat.add_ticks(std::numeric_limits<std::uint64_t>::max());
+      return {heartbeat};
     }
     default:
       world.Count(kLieNotTheirs);

@@ -14,9 +14,9 @@ void NetworkModel::CutOff(const std::string& peer, double until_s) {
   if (ways != 3) cut_until_s_[{peer, kOut}] = until_s;
 }
 
-std::vector<double> NetworkModel::Delays(const std::string& peer, Way way) {
+std::vector<double> NetworkModel::Delays(const std::string& peer, Direction direction) {
   const double now_s = world_.schedule.now_s();
-  const auto cut = cut_until_s_.find({peer, way});
+  const auto cut = cut_until_s_.find({peer, direction});
   if (cut != cut_until_s_.end() && now_s < cut->second) {
     world_.Count(kMessageCut);
     return {};
@@ -28,7 +28,7 @@ std::vector<double> NetworkModel::Delays(const std::string& peer, Way way) {
   std::vector<double> delays_s;
   const bool twice = world_.Chance(world_.faults.duplicate);
   if (twice) world_.Count(kMessageDoubled);
-  double& latest_s = latest_s_[{peer, way}];
+  double& latest_s = latest_s_[{peer, direction}];
   for (int i = 0; i < (twice ? 2 : 1); ++i) {
     const bool late = world_.Chance(world_.faults.late);
     if (late) world_.Count(kMessageLate);

@@ -23,13 +23,13 @@ class NetworkModel {
   void Heal() { cut_until_s_.clear(); }
 
  private:
-  enum Way { kIn, kOut };
+  enum Direction { kIn, kOut };
   // When one message comes: each is one delivery, none is a loss.
-  std::vector<double> Delays(const std::string& peer, Way way);
+  std::vector<double> Delays(const std::string& peer, Direction direction);
 
   World& world_;
-  std::map<std::pair<std::string, Way>, double> cut_until_s_;
-  std::map<std::pair<std::string, Way>, double> latest_s_;  // delivery so far
+  std::map<std::pair<std::string, Direction>, double> cut_until_s_;
+  std::map<std::pair<std::string, Direction>, double> latest_s_;  // delivery so far
 };
 
 }  // namespace cairn::simulation

@@ -150,7 +150,7 @@ bool ShellModel::WasGiven(const std::string& peer, const wire::TaskKey& key) con
 
 void ShellModel::CheckAssign(const std::set<Hash>& inputs) {
   for (const Hash& input : inputs)
-    if (!memory_.contains(input)) world_.checks.Fail("a task was handed out whose input is not there");
+    if (!memory_.contains(input)) world_.checks.Fail("a task was dispatched whose input is not there");
 }
 
 bool ShellModel::Serves(const wire::Assign& assign, const std::string& peer) {
@@ -221,7 +221,7 @@ void ShellModel::Do(const coordinator::Answer& answer) {
   world_.checks.SeeAnswer(*core_, answer, store_.Newest(answer.job));
 }
 
-// hub_uploads.cc
+// server_uploads.cc
 void ShellModel::Carry(Uploads::Actions actions) {
   const std::uint64_t process = process_;
   for (const UploadAction& action : actions) {

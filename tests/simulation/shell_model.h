@@ -1,5 +1,5 @@
 // The coordinator's process without sockets: feeds the core, carries out its actions against a model of
-// memory and the store, dies at any moment, and comes back with what was durable. (hub.cc)
+// memory and the store, dies at any moment, and comes back with what was durable. (server.cc)
 #pragma once
 
 #include <cstdint>

@@ -259,8 +259,8 @@ std::optional<RestoreJob> StoreModel::RecoverJob(const std::string& job, Checkpo
     if (checkpoint != nullptr && IsGood(*checkpoint)) {
       restore = RestoreJob{**checkpoint, {}};
     } else {
-      world_.Say("set aside checkpoint " + std::to_string(numbers.back()) + " of " + job);
-      world_.Count(kSetAside);
+      world_.Say("quarantined checkpoint " + std::to_string(numbers.back()) + " of " + job);
+      world_.Count(kQuarantined);
       checkpoints.Remove(numbers.back());
     }
     numbers.pop_back();

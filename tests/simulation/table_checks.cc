@@ -11,10 +11,10 @@ using namespace coordinator;  // NOLINT: events and actions, all over this file
 
 namespace {
 
-constexpr std::size_t kMostFailures = 20;  // that a job keeps the text of
-constexpr std::size_t kMostShunned = 100;  // more than there are workers at a time
-constexpr std::uint64_t kLookCloser = 16;  // every so many events
-constexpr double kLeastTurn_s = 1e-3;      // no turn is free
+constexpr std::size_t kMostFailures = 20;   // that a job keeps the text of
+constexpr std::size_t kMostExcluded = 100;  // more than there are workers at a time
+constexpr std::uint64_t kLookCloser = 16;   // every so many events
+constexpr double kLeastTurn_s = 1e-3;       // no turn is free
 
 bool IsUnderWay(const Job* job, const wire::TaskKey& key) {
   if (job == nullptr || job->Ended() || key.stage() != job->stage || key.round() != job->round ||
@@ -27,14 +27,14 @@ bool IsUnderWay(const Job* job, const wire::TaskKey& key) {
 
 }  // namespace
 
-// What a worker has in hand is under way, and what is under way some worker has in hand.
+// What a worker is assigned is under way, and what is under way some worker is assigned.
 void Checks::SeeTables(const Core& core, bool ticked, double now_s) {
   std::map<std::string, std::size_t> held, live;
   for (const auto& [number, worker] : core.fleet().workers()) {
-    if (worker.in_hand.size() > worker.hello.slots()) Fail(worker.peer + " has more tasks than slots");
-    for (const InHand& task : worker.in_hand) {
+    if (worker.assigned.size() > worker.hello.slots()) Fail(worker.peer + " has more tasks than slots");
+    for (const AssignedTask& task : worker.assigned) {
       if (!IsUnderWay(core.FindJob(task.key.job()), task.key))
-        Fail(worker.peer + " has a task in hand that nobody waits for");
+        Fail(worker.peer + " is assigned a task that nobody waits for");
       ++held[task.key.job()];
     }
     if (ticked && now_s - worker.heard_s > world_.faults.core.lease_s)
@@ -64,12 +64,12 @@ void Checks::SeeTables(const Core& core, bool ticked, double now_s) {
   ++events_;
 }
 
-// What a worker's beat does not list, though it was given long ago, never arrived: it goes elsewhere.
-void Checks::SeeBeat(const Core& core, const WorkerBeat& event, double now_s) {
+// What a worker's heartbeat does not list, though it was given long ago, never arrived: it goes elsewhere.
+void Checks::SeeHeartbeat(const Core& core, const WorkerHeartbeat& event, double now_s) {
   for (const auto& [number, worker] : core.fleet().workers()) {
     if (worker.peer != event.peer) continue;
-    for (const InHand& task : worker.in_hand) {
-      const auto& listed = event.beat.tasks();
+    for (const AssignedTask& task : worker.assigned) {
+      const auto& listed = event.heartbeat.tasks();
       const bool is_listed = std::any_of(listed.begin(), listed.end(), [&task](const wire::TaskKey& key) {
         return SameAttempt(key, task.key);
       });
@@ -83,7 +83,7 @@ void Checks::SeeJobTables(const Job& job) {
   const Known& known = jobs_.at(job.id);
   if (job.failures.size() > kMostFailures) Fail(job.id + "'s failures grow");
   if (job.task_seconds.size() > job.partials.size()) Fail(job.id + "'s task times grow");
-  if (job.shunned.size() > kMostShunned) Fail(job.id + " shuns ever more workers");
+  if (job.excluded.size() > kMostExcluded) Fail(job.id + " excludes ever more workers");
   if (job.saving.unpublished.size() > known.stages) Fail(job.id + "'s results to publish grow");
   if (job.facts.size() > known.stages) Fail(job.id + "'s facts grow");
   if (known.deceived || events_ % kLookCloser != 0) return;
@@ -95,7 +95,7 @@ void Checks::SeeJobTables(const Job& job) {
   }
 }
 
-// Nothing starves: what others were given while a job had a task to give out is bounded. All are weighed by
+// Nothing starves: what others were given while a job had a task to dispatch is bounded. All are weighed by
 // the seconds that their tasks are expected to take, divided by the job's share, 2^priority: whoever is
 // served goes ahead by one task of its own, so that each other may get that much and one task more.
 void Checks::SeeTurns(const Core& core, const std::vector<Action>& actions) {
@@ -142,7 +142,7 @@ void Checks::CountActions(const Core& core, const std::vector<Action>& actions) 
     const wire::Envelope& message = send->message;
     if (message.has_welcome()) world_.Count(kWelcome);
     if (message.has_refuse()) world_.Count(kRefuse);
-    if (message.has_stranger()) world_.Count(kStranger);
+    if (message.has_unknown_worker()) world_.Count(kUnknownWorker);
     if (message.has_cancel()) world_.Count(kCancel);
     if (message.has_drain()) world_.Count(kDrain);
     if (!message.has_assign()) continue;
@@ -150,9 +150,9 @@ void Checks::CountActions(const Core& core, const std::vector<Action>& actions) 
     const wire::TaskKey& key = message.assign().key();
     const Job* job = core.FindJob(key.job());
     if (!IsUnderWay(job, key)) {
-      Fail("a task was handed out that nobody waits for");
+      Fail("a task was dispatched that nobody waits for");
     } else {
-      if (!job->Running()) Fail("a task of " + job->id + " was handed out, which does not run");
+      if (!job->Running()) Fail("a task of " + job->id + " was dispatched, which does not run");
       if (key.attempt() > 1) world_.Count(kAttemptAgain);
       if (job->tasks.task(key.task()).live_attempts.size() > 1) world_.Count(kCopied);
     }

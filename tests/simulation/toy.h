@@ -50,7 +50,7 @@ struct ToyTruth {
 };
 ToyTruth RunToy(const proto::Job& job);
 
-// The number that its coordinator gave it; a real one puts it before the name (Hub::NewJobId).
+// The number that its coordinator gave it; a real one puts it before the name (Server::NewJobId).
 inline std::uint64_t NumberOf(const proto::Job& job) {
   return job.name().empty() ? 0 : std::stoull(job.name());
 }

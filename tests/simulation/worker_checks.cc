@@ -22,8 +22,8 @@ void Checks::SeeDraining(const Core& core, const Event& event, const std::vector
   if (drain != nullptr && core.fleet().Knows(drain->peer)) draining_.insert(drain->peer);
   std::erase_if(draining_, [&core](const std::string& peer) { return !core.fleet().Knows(peer); });
   for (const std::string& peer : draining_)
-    if (core.fleet().Find(peer)->in_hand.size() > 1) Fail(peer + " drains, and keeps what it has queued");
-  const auto* beat = std::get_if<WorkerBeat>(&event);
+    if (core.fleet().Find(peer)->assigned.size() > 1) Fail(peer + " drains, and keeps what it has queued");
+  const auto* heartbeat = std::get_if<WorkerHeartbeat>(&event);
   bool told = false;
   for (const Action& action : actions) {
     const auto* send = std::get_if<Send>(&action);
@@ -32,19 +32,19 @@ void Checks::SeeDraining(const Core& core, const Event& event, const std::vector
       Fail(send->peer + " drains, and is given a task");
     if (drain != nullptr && send->peer == drain->peer && send->message.has_cancel())
       world_.Count(kDrainedOfQueued);
-    told |= beat != nullptr && send->peer == beat->peer && send->message.has_drain();
+    told |= heartbeat != nullptr && send->peer == heartbeat->peer && send->message.has_drain();
   }
-  if (beat != nullptr && draining_.contains(beat->peer) && !told)
-    Fail(beat->peer + " is to leave, and is not told so again");
-  if ((drain != nullptr || std::holds_alternative<WorkerBye>(event)) && Retries(core) != retries_before_)
+  if (heartbeat != nullptr && draining_.contains(heartbeat->peer) && !told)
+    Fail(heartbeat->peer + " is to leave, and is not told so again");
+  if ((drain != nullptr || std::holds_alternative<WorkerLeave>(event)) && Retries(core) != retries_before_)
     Fail("somebody is blamed because a worker leaves");
 }
 
 // One worker alone does not use up a task's attempts by answers that anybody sees are wrong.
-void Checks::SeeShunned(const Core& core, const std::vector<Action>& actions) {
+void Checks::SeeExcluded(const Core& core, const std::vector<Action>& actions) {
   if (!broken_.first.empty()) {
     malformed_[broken_.first].insert(broken_.second);
-    world_.Count(kShunned);
+    world_.Count(kExcluded);
   }
   std::erase_if(malformed_, [&core](const auto& entry) { return core.FindJob(entry.first) == nullptr; });
   for (const Action& action : actions) {
@@ -59,7 +59,7 @@ void Checks::SeeShunned(const Core& core, const std::vector<Action>& actions) {
           return other.second.Able() && !broken->second.contains(other.first);
         }))
       Fail(send->peer + " gave malformed answers to " + id + " and gets more of its tasks");
-    world_.Count(kShunnedAlone);
+    world_.Count(kExcludedAlone);
   }
 }
 

@@ -16,7 +16,7 @@ void WorkerModel::Start() {
   world_.Say(name_ + " starts" + (Foreign() ? ", another build" : "") + (traits_.speed < 1 ? ", slow" : "") +
              (traits_.lies ? ", a liar" : ""));
   KeepSayingHello();
-  BeatOn();
+  KeepHeartbeat();
 }
 
 void WorkerModel::SayHello() {
@@ -34,21 +34,21 @@ void WorkerModel::KeepSayingHello() {
   world_.schedule.After(1.7, [this] { KeepSayingHello(); });
 }
 
-void WorkerModel::BeatOn() {
+void WorkerModel::KeepHeartbeat() {
   if (!alive_) return;
   if (welcomed_ && world_.schedule.now_s() >= stopped_until_s_) {
-    wire::Beat beat;
+    wire::Heartbeat heartbeat;
     for (const Held& held : queue_) {
-      *beat.add_tasks() = held.assign.key();
-      beat.add_ticks(held.ticks);
+      *heartbeat.add_tasks() = held.assign.key();
+      heartbeat.add_ticks(held.ticks);
     }
     if (!queue_.empty() && computing_ && !hung_) ++queue_.front().ticks;
-    world_.network.ToCoordinator(name_, coordinator::WorkerBeat{name_, beat});
+    world_.network.ToCoordinator(name_, coordinator::WorkerHeartbeat{name_, heartbeat});
     if (terminated_) world_.network.ToCoordinator(name_, coordinator::DrainWorker{name_});
   }
-  // A clock that jumped makes a beat come too early or too late.
+  // A clock that jumped makes a heartbeat come too early or too late.
   const double wait_s = std::max(0.01, 0.9 - std::exchange(clock_jump_s_, 0));
-  world_.schedule.After(wait_s, [this] { BeatOn(); });
+  world_.schedule.After(wait_s, [this] { KeepHeartbeat(); });
 }
 
 void WorkerModel::Receive(const wire::Envelope& message) {
@@ -64,8 +64,8 @@ void WorkerModel::Receive(const wire::Envelope& message) {
     if (!Foreign()) world_.checks.Fail(name_ + " was refused: " + message.refuse().reason());
     refused_ = true;
   }
-  if (message.has_stranger() && draining_) return Leave();
-  if (message.has_stranger() && !refused_) {
+  if (message.has_unknown_worker() && draining_) return Leave();
+  if (message.has_unknown_worker() && !refused_) {
     if (world_.rng.Below(2) == 0) Forget();
     SayHello();
   }
@@ -179,7 +179,7 @@ void WorkerModel::Crash() {
 
 void WorkerModel::Leave() {
   world_.Say(name_ + " leaves");
-  world_.network.ToCoordinator(name_, coordinator::WorkerBye{name_});
+  world_.network.ToCoordinator(name_, coordinator::WorkerLeave{name_});
   alive_ = false;
   Forget();
 }

@@ -1,5 +1,5 @@
-// A worker as the coordinator sees it: says Hello, beats, computes what it is given one after the other. It
-// may be slow, hang, be stopped, die, forget, lie, or be of another build.
+// A worker as the coordinator sees it: says Hello, sends heartbeats, computes what it is given one after the
+// other. It may be slow, hang, be stopped, die, forget, lie, or be of another build.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class WorkerModel {
   void Crash();
   void Leave();
   void BeTerminated();             // drains for some seconds, then leaves in any case
-  void Hang();                     // what computes stands still, beats go on
+  void Hang();                     // what computes stands still, heartbeats go on
   void StopUntil(double until_s);  // all of it stands still; what comes meanwhile waits
   void JumpClock(double by_s) { clock_jump_s_ += by_s; }
 
@@ -44,7 +44,7 @@ class WorkerModel {
   bool Foreign() const { return traits_.build != "1"; }
   void SayHello();
   void KeepSayingHello();
-  void BeatOn();
+  void KeepHeartbeat();
   void Take(const wire::Assign& assign);
   void Drop(const wire::TaskKey& key);
   void LeaveIfDrained();

@@ -47,13 +47,13 @@ TEST(ContradictoryWorlds, IdentitiesSwappedHalfWayAreRefused) {
   EXPECT_NE(reason.find("stands in two places"), std::string::npos) << reason;
 }
 
-// Any junction may be any other, so that the second robot finds a place for its first press.
+// Any junction may be any other, so that the second robot finds a place for its first contact detection.
 TEST(ContradictoryWorlds, ARobotOfAnotherWorldIsRefused) {
-  const Blob one = WorldOf(1, "press", false);
+  const Blob one = WorldOf(1, "contact", false);
   for (const std::uint64_t seed : {2, 3}) {
     Blob log = one;
     log.Put("robots", Array::Texts({"one", "stranger"}));
-    log.PutAll("robot/1/", WorldOf(seed, "press", false).Sub("robot/0/"));
+    log.PutAll("robot/1/", WorldOf(seed, "contact", false).Sub("robot/0/"));
     const std::string reason = ReasonOf(log);
     EXPECT_NE(reason.find("was one of them somewhere else?"), std::string::npos) << reason;
   }

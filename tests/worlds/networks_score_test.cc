@@ -61,29 +61,30 @@ TEST(NetworksScore, TrainingAndEvaluationComputeTheSameOutputs) {
 
 TEST(NetworksScore, TrainingAndEvaluationComputeTheSameErrorsInAMap) {
   Rng rng(6);
-  std::vector<Point> places;
-  learning::Places samples, truths;
-  std::vector<double> output, at_truths;
+  std::vector<Point> positions;
+  learning::Positions samples, true_positions;
+  std::vector<double> output, at_true_positions;
   for (int k = 0; k < 150; ++k) {
-    places.push_back({0.3 * k, rng.Uniform(0, 1)});
-    samples.x_m.push_back(places.back().x_m);
-    samples.y_m.push_back(places.back().y_m);
+    positions.push_back({0.3 * k, rng.Uniform(0, 1)});
+    samples.x_m.push_back(positions.back().x_m);
+    samples.y_m.push_back(positions.back().y_m);
     samples.along_m.push_back(0);
     for (int i = 0; i < 3; ++i) output.push_back(rng.Uniform());
   }
   for (int a = 0; a < 60; ++a) {
-    truths.x_m.push_back(rng.Uniform(0, 45));
-    truths.y_m.push_back(rng.Uniform(0, 1));
-    truths.along_m.push_back(0);
-    for (int i = 0; i < 3; ++i) at_truths.push_back(rng.Uniform());
+    true_positions.x_m.push_back(rng.Uniform(0, 45));
+    true_positions.y_m.push_back(rng.Uniform(0, 1));
+    true_positions.along_m.push_back(0);
+    for (int i = 0; i < 3; ++i) at_true_positions.push_back(rng.Uniform());
   }
-  const datasets::FeatureMap map = datasets::MapByNearest(places, output, 3, 5);
-  const auto of_truths = learning::FeatureProbabilities(at_truths, 3);
+  const datasets::FeatureMap map = datasets::MapByNearest(positions, output, 3, 5);
+  const auto of_true_positions = learning::FeatureProbabilities(at_true_positions, 3);
   const std::vector<double> weight(60, 1.0), windows_m = {2, 10, 100};
   std::vector<double> prior(3, 0.0), posterior(3, 0.0);
   for (std::size_t a = 0; a < 60; ++a) {
-    const auto p = datasets::FeatureProbabilities(std::span(at_truths).subspan(3 * a, 3));
-    const auto errors = datasets::ErrorsInMap(map, {truths.x_m[a], truths.y_m[a]}, p, {}, windows_m);
+    const auto p = datasets::FeatureProbabilities(std::span(at_true_positions).subspan(3 * a, 3));
+    const auto errors =
+        datasets::ErrorsInMap(map, {true_positions.x_m[a], true_positions.y_m[a]}, p, {}, windows_m);
     for (std::size_t w = 0; w < 3; ++w) {
       prior[w] += errors[w].prior_m;
       posterior[w] += errors[w].soft_m;
@@ -91,11 +92,11 @@ TEST(NetworksScore, TrainingAndEvaluationComputeTheSameErrorsInAMap) {
   }
   for (std::size_t w = 0; w < 3; ++w) {
     const learning::Belief belief{.width_m = windows_m[w]};
-    const learning::Pairs pairs(truths, samples, belief, learning::ErrorKind::kDistance);
-    const double theirs = learning::ErrorInMap(pairs, of_truths, map.probability, 8, weight, {0, 60});
+    const learning::Pairs pairs(true_positions, samples, belief, learning::ErrorKind::kDistance);
+    const double theirs = learning::ErrorInMap(pairs, of_true_positions, map.probability, 8, weight, {0, 60});
     EXPECT_GT(theirs, 10);
     EXPECT_NEAR(posterior[w], theirs, 1e-10 * theirs);
-    EXPECT_NEAR(prior[w], learning::PriorErrorOfTruths(pairs, weight, {0, 60}), 1e-10 * prior[w]);
+    EXPECT_NEAR(prior[w], learning::PriorErrorOfTruePositions(pairs, weight, {0, 60}), 1e-10 * prior[w]);
   }
 }
 

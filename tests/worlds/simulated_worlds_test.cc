@@ -99,18 +99,18 @@ TEST(SimulatedWorlds, RangesAndBearingsWithIdentities) {
   ExpectTheTruth(Map("base", 3, {.sensor = "range-bearing", .identities = true}), 0.8);
 }
 
-// Of the images within a step one counts, so most sightings are of no landmark: no topology.
+// Of the images within a step one counts, so most range-bearing observations are of no landmark: no topology.
 TEST(SimulatedWorlds, RangesAndBearingsWithoutIdentities) {
   ExpectEveryLandmarkAndNoOther(Map("base", 3, {.sensor = "range-bearing"}), 1.0);
 }
 
-TEST(SimulatedWorlds, MissedPresses) {
+TEST(SimulatedWorlds, MissedContacts) {
   const Mapped mapped = Map("base", 3, {.miss_rate = 0.3});
   ExpectTheTruth(mapped, 1.0);
   EXPECT_FALSE(StatesARate(mapped));
 }
 
-TEST(SimulatedWorlds, FalsePresses) {
+TEST(SimulatedWorlds, FalseContacts) {
   const Mapped mapped = Map("base", 6, {.false_rate = 0.05});
   int lies = 0;
   for (const std::int32_t l : mapped.log.Get<std::int32_t>("truth/robot/0/observations/landmark"))
@@ -119,7 +119,7 @@ TEST(SimulatedWorlds, FalsePresses) {
   ExpectTheTruth(mapped, 1.0);
 }
 
-TEST(SimulatedWorlds, FalsePressesWithIdentities) {
+TEST(SimulatedWorlds, FalseContactsWithIdentities) {
   ExpectEveryLandmarkAndNoOther(Map("base", 3, {.false_rate = 0.05, .identities = true}), 1.2);
 }
 

@@ -44,15 +44,16 @@ class FakeTransport : public Transport {
     const std::lock_guard lock(mutex_);
     full_ = full;
   }
-  // The next message that the worker sends; waits for it. Beats are passed over unless they are asked for.
-  wire::Message Take(bool beats = false) {
+  // The next message that the worker sends; waits for it. Heartbeats are passed over unless they are asked
+  // for.
+  wire::Message Take(bool heartbeats = false) {
     std::unique_lock lock(mutex_);
     while (true) {
       const bool came = changed_.wait_for(lock, std::chrono::seconds(60), [this] { return !out_.empty(); });
       CAIRN_DEMAND(came, "the worker says nothing");
       wire::Message message = std::move(out_.front());
       out_.pop_front();
-      if (beats || !message.envelope.has_beat()) return message;
+      if (heartbeats || !message.envelope.has_heartbeat()) return message;
     }
   }
 

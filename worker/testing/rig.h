@@ -58,11 +58,11 @@ class Rig {
     transport.Give({.kind = Event::kMessage, .message = std::move(message), .text = {}});
   }
   // Connects, takes Hello, says Welcome.
-  void Begin(double beat_s = 1) {
+  void Begin(double heartbeat_s = 1) {
     Give(Event::kConnected);
     EXPECT_TRUE(transport.Take().envelope.has_hello());
     wire::Message welcome;
-    welcome.envelope.mutable_welcome()->set_beat_s(beat_s);
+    welcome.envelope.mutable_welcome()->set_heartbeat_s(heartbeat_s);
     Give(welcome);
   }
   void Assign(const wire::Assign& assign) {

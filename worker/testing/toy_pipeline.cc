@@ -30,13 +30,13 @@ class Toy : public Pipeline {
 
   Step Start(const Inputs& inputs) const override {
     const BlobPtr log = inputs.Get("log");
-    const auto way = log->Get<double>("robot/0/odometry/forward_m");
-    if (way.empty()) throw InputError("the log has no odometry");
+    const auto forward = log->Get<double>("robot/0/odometry/forward_m");
+    if (forward.empty()) throw InputError("the log has no odometry");
     Step step;
     Blob data;
-    data.PutVector<double>("values", {way.begin(), way.end()});
+    data.PutVector<double>("values", {forward.begin(), forward.end()});
     (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(std::move(data));
-    PlanRound(0, 1.0, static_cast<std::int64_t>(way.size()), step);
+    PlanRound(0, 1.0, static_cast<std::int64_t>(forward.size()), step);
     return step;
   }
 

@@ -29,7 +29,7 @@ int Drain(const DrainArguments& options, const Invocation&) {
   for (const wire::WorkerInfo& worker : told)
     std::printf("worker %llu (process %lld on %s) %s\n", static_cast<unsigned long long>(worker.number()),
                 static_cast<long long>(worker.pid()), worker.host().c_str(),
-                worker.in_hand() == 0 ? "leaves" : ("leaves after " + worker.task()).c_str());
+                worker.assigned() == 0 ? "leaves" : ("leaves after " + worker.task()).c_str());
   if (told.empty()) std::puts("no worker is connected");
   return kExitDone;
 }

@@ -50,7 +50,7 @@ datasets::Scores ScoreOfFeatures(const EvaluateArguments& options) {
   std::optional<datasets::Detection> detection;
   if (!options.against.empty())
     detection = datasets::CompareFeatures(samples, options.features.front(), options.against);
-  return ScoresOf(score, detection);
+  return MakeScores(score, detection);
 }
 
 void CheckFeatureOptions(const EvaluateArguments& options) {
@@ -99,7 +99,7 @@ datasets::Scores ScoreOfResult(const EvaluateArguments& options, const BlobFile&
   const std::string kind(row.name);
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, kind);
-  return ScoresOf(row.evaluate(ReadResult(how.map_name, kind, options.changed).blob, truth.blob, how));
+  return MakeScores(row.evaluate(ReadResult(how.map_name, kind, options.changed).blob, truth.blob, how));
 }
 
 datasets::Scores ScoreOfRelations(const EvaluateArguments& options) {
@@ -108,8 +108,8 @@ datasets::Scores ScoreOfRelations(const EvaluateArguments& options) {
         "--relations are what is held against the poses: neither --truth nor --feature goes with it");
   const Blob poses =
       ReadFirstOf(options.result, {"landmark_map", "local_map", "grid_map"}, options.changed).blob;
-  const datasets::Track track = datasets::TrajectoryOf(poses, options.robot);
-  return ScoresOf(
+  const datasets::Track track = datasets::ReadTrajectory(poses, options.robot);
+  return MakeScores(
       datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s));
 }
 

@@ -86,7 +86,7 @@ int InspectFolder(const InspectArguments& options) {
 }
 
 // Of a text it says which command reads it.
-[[noreturn]] void RefuseForeign(const std::string& file, const Status& status) {
+[[noreturn]] void ThrowForeignFile(const std::string& file, const Status& status) {
   if (const auto recognized = datasets::Recognize(file))
     throw InputError("'" + file + "' looks like " + recognized->what +
                      "; read it in: " + recognized->command);
@@ -96,7 +96,7 @@ int InspectFolder(const InspectArguments& options) {
 int Inspect(const InspectArguments& options, const Invocation&) {
   if (fs::is_directory(options.file)) return InspectFolder(options);
   const Result<datasets::Inspection> inspection = datasets::Inspect(options.file);
-  if (!inspection.ok()) RefuseForeign(options.file, inspection.status());
+  if (!inspection.ok()) ThrowForeignFile(options.file, inspection.status());
   if (inspection.value().changed) WarnOfChanged(options.file);
   std::fputs(
       (options.json ? datasets::InspectJson(inspection.value()) : datasets::InspectText(inspection.value()))

@@ -98,7 +98,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   }
   std::vector<std::string> names;
   for (const auto& [stage, blob] : results) names.push_back(stage);
-  if (!force) RefuseToReplaceForeignPages(folder.string(), names);
+  if (!force) CheckPagesAreOurs(folder.string(), names);
   std::vector<ScoredStage> stages;
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();

@@ -95,7 +95,7 @@ std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPt
 int Report(const ReportArguments& options, const Invocation&) {
   if (!fs::exists(options.result)) throw InputError("there is no file or folder '" + options.result + "'");
   const std::string out = options.out.empty() ? DefaultOut(options.result) : options.out;
-  RefuseToOverwrite(out, options.force);
+  CheckOverwrite(out, options.force);
   BlobPtr log;
   if (!options.log.empty()) {
     BlobFile file = ReadFile(options.log, options.changed);

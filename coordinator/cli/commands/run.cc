@@ -103,7 +103,7 @@ int Run(const RunArguments& options, const Invocation& call) {
   embedded.checkpoint_rounds = options.checkpoint_rounds;
   embedded.force = options.force;
   const std::vector<std::string> stages = StageNames(parsed.job);
-  if (!options.force) RefuseToReplaceForeignPages(embedded.dir, stages);
+  if (!options.force) CheckPagesAreOurs(embedded.dir, stages);
   Console console(call);
   embedded.log = console.Sink();
   const coordinator::EmbeddedResult result = coordinator::RunEmbedded(

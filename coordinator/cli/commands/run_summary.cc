@@ -62,7 +62,7 @@ StageSummary Summary(const ScoredStage& stage, const std::string& file, const st
   summary.is_map = row->is_map;
   if (row->summary == nullptr) return summary;
   summary.found = row->summary(*stage.result);
-  if (stage.evaluated) summary.evaluation = ScoresOf(*stage.evaluated);
+  if (stage.evaluated) summary.evaluation = MakeScores(*stage.evaluated);
   return summary;
 }
 

@@ -25,7 +25,7 @@ void Set(const std::string& setting, const PipelineSpec& pipeline, proto::Stage&
   }
 }
 
-void RefuseNoFile(const std::string& path) {
+void RequireFile(const std::string& path) {
   if (const std::string why = WhyNoFile(path); !why.empty()) throw InputError(why);
 }
 
@@ -40,7 +40,7 @@ void AddInput(const std::string& input, const PipelineSpec& pipeline, ParsedJob&
   }
   if (parsed.inputs.contains(name))
     throw InputError("--input " + input + ": '" + name + "' was given already");
-  RefuseNoFile(file);
+  RequireFile(file);
   (*parsed.job.mutable_inputs())[name] = file;
   (*parsed.job.mutable_stages(0)->mutable_inputs())[name] = name;
   parsed.inputs[name] = {file, "--input " + name};
@@ -52,7 +52,7 @@ ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   if (arguments.file.empty()) {
     throw InputError("which " + main + "? The file comes after the pipeline: " + arguments.what + " FILE.h5");
   }
-  RefuseNoFile(arguments.file);
+  RequireFile(arguments.file);
   ParsedJob parsed;
   parsed.job.set_name(pipeline.name);
   parsed.job.set_seed(arguments.seed);

@@ -24,8 +24,8 @@ bool IsNeededAs(const std::string& role, const proto::Job& job, const std::strin
 }
 
 // Two roles have the name of the kind of file that they need; of others the pipeline knows.
-void RefuseOtherKind(const proto::Job& job, const std::string& name, const JobInput& input,
-                     const std::string& kind) {
+void CheckInputKind(const proto::Job& job, const std::string& name, const JobInput& input,
+                    const std::string& kind) {
   for (const char* role : {"log", "samples"}) {
     if (kind != role && IsNeededAs(role, job, name))
       throw InputError(input.where + ": " + input.path + ": " + WithArticle(kind) + ", where " +
@@ -37,7 +37,7 @@ using Doubts = std::vector<std::string>;
 
 Doubts DoubtsOf(const std::string& kind, const Blob& blob) {
   const Kind* known = FindKind(kind);
-  return known != nullptr && known->has_units ? datasets::UnitDoubtsOf(blob) : Doubts();
+  return known != nullptr && known->has_units ? datasets::FindUnitDoubts(blob) : Doubts();
 }
 
 Status Named(const JobInput& input, const Status& status) {
@@ -47,8 +47,8 @@ Status Named(const JobInput& input, const Status& status) {
 void Accept(const proto::Job& job, const std::string& name, const JobInput& input, const std::string& kind,
             bool changed, const Doubts& doubts) {
   if (changed) WarnOfChanged(input.path);  // the job knows it by its content
-  RefuseOtherKind(job, name, input, kind);
-  if (!doubts.empty()) RefuseUnits(input.where + ": " + input.path + ": ", doubts);
+  CheckInputKind(job, name, input, kind);
+  if (!doubts.empty()) CheckUnits(input.where + ": " + input.path + ": ", doubts);
 }
 
 class FileBytes : public coordinator::InputBytes {
@@ -68,7 +68,7 @@ class FileBytes : public coordinator::InputBytes {
 
 }  // namespace
 
-void RefuseUnits(const std::string& where, const std::vector<std::string>& doubts) {
+void CheckUnits(const std::string& where, const std::vector<std::string>& doubts) {
   constexpr std::size_t kMost = 4;
   std::string text;
   for (std::size_t i = 0; i < std::min(kMost, doubts.size()); ++i)

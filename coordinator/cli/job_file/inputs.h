@@ -18,6 +18,6 @@ std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed, bool units_are_r
 std::map<std::string, coordinator::Input> LookAtJobInputs(ParsedJob& parsed, bool units_are_right);
 
 // Throws InputError of all that is in doubt, and says what to do. `where`: "the log: log.h5: ", or nothing.
-[[noreturn]] void RefuseUnits(const std::string& where, const std::vector<std::string>& doubts);
+[[noreturn]] void CheckUnits(const std::string& where, const std::vector<std::string>& doubts);
 
 }  // namespace cairn::cli

@@ -42,7 +42,8 @@ class JobReader {
       else if (entry.key == "stages")
         stages = &entry;
       else
-        RefuseKey(entry, {"name", "seed", "priority", "task_time_s", "task_memory_mb", "inputs", "stages"});
+        ThrowUnknownKey(entry,
+                        {"name", "seed", "priority", "task_time_s", "task_memory_mb", "inputs", "stages"});
     }
     yaml_.CheckName(parsed_.job.name(), 1, "name (the file's, where none is given)");
     if (inputs == nullptr)
@@ -51,12 +52,12 @@ class JobReader {
       yaml_.Refuse(YamlReader::Line(root), "'stages' is missing: a list of pipelines to run");
     ReadInputs(*inputs);
     ReadStages(*stages);
-    RefuseUnused();
+    RequireAllUsed();
     return std::move(parsed_);
   }
 
  private:
-  [[noreturn]] void RefuseKey(const YamlEntry& entry, const std::vector<std::string>& known) const {
+  [[noreturn]] void ThrowUnknownKey(const YamlEntry& entry, const std::vector<std::string>& known) const {
     yaml_.Refuse(entry.key_line, "unknown key '" + entry.key + "'" + Suggest(entry.key, known));
   }
 
@@ -172,7 +173,7 @@ class JobReader {
     if (pipeline.FindInput(entry.key) == nullptr) {
       std::vector<std::string> known = {"name", "pipeline", "options"};
       for (const std::string& input : pipeline.InputNames()) known.push_back(input);
-      RefuseKey(entry, known);
+      ThrowUnknownKey(entry, known);
     }
     const std::string source = yaml_.Text(entry);
     if (parsed_.inputs.contains(source))
@@ -212,7 +213,7 @@ class JobReader {
     }
   }
 
-  void RefuseUnused() const {
+  void RequireAllUsed() const {
     for (const auto& [name, line] : input_lines_)
       yaml_.Refuse(line, "input '" + name + "' is used by no stage");
   }

@@ -372,7 +372,7 @@ TEST_F(JobFile, ALogOfWhatNoRobotDoesIsRefusedUnlessSomebodyInsists) {
     EXPECT_NE(said.find("fast.h5: robot 'anna', row 2 of its odometry (1 s): it goes 518 m within 1 s"),
               std::string::npos)
         << said;
-    EXPECT_NE(said.find("are ways in millimetres?"), std::string::npos) << said;
+    EXPECT_NE(said.find("are distances in millimetres?"), std::string::npos) << said;
     EXPECT_NE(said.find("--units-are-right"), std::string::npos) << said;
   }
   EXPECT_EQ(ReadJobInputs(parsed, true).size(), 1U);

@@ -54,7 +54,7 @@ void WriteRecord(const std::string& dir, const std::map<std::string, std::string
 
 }  // namespace
 
-void RefuseToReplaceForeignPages(const std::string& dir, const std::vector<std::string>& stages) {
+void CheckPagesAreOurs(const std::string& dir, const std::vector<std::string>& stages) {
   const bool from_before = !fs::exists(RecordOf(dir)) && fs::is_directory(fs::path(dir) / ".cairn");
   if (from_before) return;  // a run of a version that kept no record
   const std::map<std::string, std::string> known = ReadRecord(dir);
@@ -85,7 +85,7 @@ void RememberPage(const std::string& path) {
   WriteRecord(dir, hashes);
 }
 
-void RefuseToFill(const std::string& folder, bool force) {
+void CheckFolderIsFree(const std::string& folder, bool force) {
   if (force || !fs::is_directory(folder) || fs::is_empty(folder)) return;
   if (!fs::is_directory(fs::path(folder) / "results"))
     throw InputError("'" + folder +

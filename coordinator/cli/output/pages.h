@@ -9,7 +9,7 @@ namespace cairn::cli {
 
 // Throws InputError where one of them (map.png, picture.png, report.html of `dir` and of its folders named as
 // `stages`) is there and is not the very file that RememberPages saw.
-void RefuseToReplaceForeignPages(const std::string& dir, const std::vector<std::string>& stages);
+void CheckPagesAreOurs(const std::string& dir, const std::vector<std::string>& stages);
 
 // They were written just now: DIR/.cairn-pages keeps their hashes.
 void RememberPages(const std::string& dir, const std::vector<std::string>& stages);
@@ -19,6 +19,6 @@ void RememberPage(const std::string& path);
 
 // Throws InputError, unless `force`, of the folder of a study, which is filled with files of many names: one
 // that holds something, but no `results` of an earlier study.
-void RefuseToFill(const std::string& folder, bool force);
+void CheckFolderIsFree(const std::string& folder, bool force);
 
 }  // namespace cairn::cli

@@ -8,7 +8,7 @@
 
 namespace cairn::cli {
 
-void RefuseToReplaceInput(const std::string& path, const std::vector<std::string>& inputs) {
+void CheckOutputIsNoInput(const std::string& path, const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs) {
     std::error_code ignored;  // of files that are not there: not the same
     if (!input.empty() && std::filesystem::equivalent(path, input, ignored))
@@ -16,7 +16,7 @@ void RefuseToReplaceInput(const std::string& path, const std::vector<std::string
   }
 }
 
-void RefuseToReplaceDataset(const std::string& path, const std::string& folder) {
+void CheckOutputIsNotInDataset(const std::string& path, const std::string& folder) {
   namespace fs = std::filesystem;
   if (!fs::is_directory(folder)) return;  // which the import says
   std::vector<std::string> inputs;
@@ -26,10 +26,10 @@ void RefuseToReplaceDataset(const std::string& path, const std::string& folder) 
       if (name.ends_with(ending)) inputs.push_back(entry.path().string());
     }
   }
-  RefuseToReplaceInput(path, inputs);
+  CheckOutputIsNoInput(path, inputs);
 }
 
-void RefuseToOverwrite(const std::string& path, bool force) {
+void CheckOverwrite(const std::string& path, bool force) {
   namespace fs = std::filesystem;
   if (path.empty()) throw InputError("the name of the file to write is empty");
   if (fs::is_directory(path)) throw InputError("'" + path + "' is a folder; a file is needed");

@@ -8,14 +8,14 @@ namespace cairn::cli {
 
 // Throws InputError where `path` is one of `inputs`, by whatever name: not even force may replace what is
 // read.
-void RefuseToReplaceInput(const std::string& path, const std::vector<std::string>& inputs);
+void CheckOutputIsNoInput(const std::string& path, const std::vector<std::string>& inputs);
 
 // The same for a folder of third-party data: its own files are .dat and .txt, plain or gzipped; a log may lie
 // among them.
-void RefuseToReplaceDataset(const std::string& path, const std::string& folder);
+void CheckOutputIsNotInDataset(const std::string& path, const std::string& folder);
 
 // Throws InputError where `path` is there already and `force` is not given, or its folder is not there: said
 // before the work is done.
-void RefuseToOverwrite(const std::string& path, bool force);
+void CheckOverwrite(const std::string& path, bool force);
 
 }  // namespace cairn::cli

@@ -100,8 +100,8 @@ std::string ContentText(const Blob& blob) {
   if (blob.Has("robots") && blob.Has("robot/0/odometry/time_s")) return LogText(blob, true);
   if (blob.Has("robots") && blob.Has("robot/0/poses/time_s")) return LogText(blob, false);
   if (blob.Has("runs") && blob.Has("run/0/time_s") && blob.Has("input_name")) return SamplesText(blob);
-  if (blob.Has("place/x_m") && blob.Has("error")) {
-    const auto places = static_cast<std::size_t>(blob.at("place/x_m").size());
+  if (blob.Has("position/x_m") && blob.Has("error")) {
+    const auto places = static_cast<std::size_t>(blob.at("position/x_m").size());
     return "what it costs to take one of " + std::to_string(places) + " places for another";
   }
   return "";

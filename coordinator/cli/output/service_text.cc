@@ -29,18 +29,18 @@ std::string CountsText(const std::map<std::string, std::size_t>& counts) {
 
 std::string WorkersTable(const std::vector<wire::WorkerInfo>& workers) {
   std::vector<std::vector<std::string>> rows = {
-      {"worker", "host", "process", "state", "in hand", "for", "silent", "task"}};
+      {"worker", "host", "process", "state", "assigned", "for", "silent", "task"}};
   for (const wire::WorkerInfo& worker : workers)
     rows.push_back({std::to_string(worker.number()), worker.host(), std::to_string(worker.pid()),
-                    worker.state(), std::to_string(worker.in_hand()),
-                    worker.in_hand() == 0 ? "" : Duration(worker.task_s()), Duration(worker.silent_s()),
+                    worker.state(), std::to_string(worker.assigned()),
+                    worker.assigned() == 0 ? "" : Duration(worker.task_s()), Duration(worker.silent_s()),
                     worker.task()});
   return TextTable(rows);
 }
 
 Json ToJson(const wire::WorkerInfo& worker) {
   return {{"number", worker.number()}, {"host", worker.host()},     {"pid", worker.pid()},
-          {"state", worker.state()},   {"slots", worker.slots()},   {"in_hand", worker.in_hand()},
+          {"state", worker.state()},   {"slots", worker.slots()},   {"assigned", worker.assigned()},
           {"task", worker.task()},     {"task_s", worker.task_s()}, {"silent_s", worker.silent_s()}};
 }
 

@@ -20,7 +20,7 @@ std::vector<wire::WorkerInfo> TwoWorkers() {
   workers[0].set_host("hub");
   workers[0].set_pid(812);
   workers[0].set_state("busy");
-  workers[0].set_in_hand(2);
+  workers[0].set_assigned(2);
   workers[0].set_task("1-museum: task 3 (forward) of round 5 of stage 'map'");
   workers[0].set_task_s(65);
   workers[0].set_silent_s(0.4);

@@ -190,7 +190,7 @@ int Paper(const ReproduceBallArguments& options, const Invocation& call) {
 
 int Variants(const ReproduceBallArguments& options, const Invocation& call) {
   const bool sensors = options.study == "sensors";
-  const auto variants = sensors ? datasets::SensorVariants() : datasets::WayVariants(options.steps);
+  const auto variants = sensors ? datasets::SensorVariants() : datasets::TrainingVariants(options.steps);
   const datasets::PaperFigure figure{
       .file = {},
       .title = sensors ? "Section 7: sensor selection, n = 4, +-2 m"
@@ -238,7 +238,7 @@ int Adapt(const ReproduceBallArguments& options, const Invocation& call) {
 }
 
 int Ball(const ReproduceBallArguments& options, const Invocation& call) {
-  RefuseToFill(options.out, options.force);
+  CheckFolderIsFree(options.out, options.force);
   if (options.study == "paper") return Paper(options, call);
   if (options.study == "adapt") return Adapt(options, call);
   return options.study == "active" ? Active(options, call) : Variants(options, call);

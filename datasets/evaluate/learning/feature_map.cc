@@ -11,29 +11,29 @@ namespace {
 
 using NearSample = std::pair<double, std::size_t>;  // distance, index: ties go to the first
 
-std::vector<NearSample> Distances(const std::vector<Point>& places, const Point& from) {
+std::vector<NearSample> Distances(const std::vector<Point>& positions, const Point& from) {
   std::vector<NearSample> distances;
-  distances.reserve(places.size());
-  for (const Point& place : places) distances.emplace_back(DistanceM(place, from), distances.size());
+  distances.reserve(positions.size());
+  for (const Point& position : positions) distances.emplace_back(DistanceM(position, from), distances.size());
   return distances;
 }
 
-// What a window holds so far; it grows by one place after the other.
+// What a window holds so far; it grows by one position after the other.
 struct Held {
   explicit Held(std::size_t vectors) : error(vectors, 0.0), mass(vectors, 0.0) {}
 
   void Add(double distance_m, const double* probability) {
-    ++places;
+    ++positions;
     distance_sum += distance_m;
     for (std::size_t f = 0; f < mass.size(); ++f) {
       error[f] += distance_m * probability[f];
       mass[f] += probability[f];
     }
   }
-  double PriorM() const { return distance_sum / static_cast<double>(places); }
+  double PriorM() const { return distance_sum / static_cast<double>(positions); }
   double PosteriorM(std::size_t f) const { return mass[f] > 0 ? error[f] / mass[f] : PriorM(); }
 
-  std::size_t places = 0;
+  std::size_t positions = 0;
   double distance_sum = 0;
   std::vector<double> error, mass;  // [vectors]: of e P(f | xi), of P(f | xi)
 };
@@ -41,8 +41,8 @@ struct Held {
 WindowError ErrorOf(const Held& held, std::span<const double> probability,
                     const std::vector<std::size_t>& drawn) {
   WindowError out;
-  out.places = held.places;
-  if (held.places == 0) return out;
+  out.positions = held.positions;
+  if (held.positions == 0) return out;
   out.prior_m = held.PriorM();
   // [T98] eq. 36, the sum over f of one true position.
   for (std::size_t f = 0; f < probability.size(); ++f) out.soft_m += probability[f] * held.PosteriorM(f);
@@ -60,14 +60,16 @@ std::vector<double> FeatureProbabilities(std::span<const double> g) {
   return probability;
 }
 
-FeatureMap MapByNearest(const std::vector<Point>& places, std::span<const double> output,
+FeatureMap MapByNearest(const std::vector<Point>& positions, std::span<const double> output,
                         std::size_t networks, std::size_t nearest, const std::vector<double>& heading_rad) {
-  CAIRN_DEMAND(nearest >= 1 && nearest <= places.size(), "no such number of nearest samples");
-  CAIRN_DEMAND(heading_rad.empty() || heading_rad.size() == places.size(), "a heading for each place");
-  FeatureMap map{
-      .places = places, .vectors = std::size_t{1} << networks, .probability = {}, .heading_rad = heading_rad};
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    std::vector<NearSample> near = Distances(places, places[k]);
+  CAIRN_DEMAND(nearest >= 1 && nearest <= positions.size(), "no such number of nearest samples");
+  CAIRN_DEMAND(heading_rad.empty() || heading_rad.size() == positions.size(), "a heading for each position");
+  FeatureMap map{.positions = positions,
+                 .vectors = std::size_t{1} << networks,
+                 .probability = {},
+                 .heading_rad = heading_rad};
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    std::vector<NearSample> near = Distances(positions, positions[k]);
     if (!heading_rad.empty())
       std::erase_if(near,
                     [&](const NearSample& n) { return !FaceAlike(heading_rad[n.second], heading_rad[k]); });
@@ -88,7 +90,7 @@ std::vector<WindowError> ErrorsInMap(const FeatureMap& map, const Point& truth,
                                      std::span<const double> probability,
                                      const std::vector<std::size_t>& drawn,
                                      const std::vector<double>& windows_m, const KnownHeading& known) {
-  std::vector<NearSample> near = Distances(map.places, truth);
+  std::vector<NearSample> near = Distances(map.positions, truth);
   if (!map.heading_rad.empty())
     std::erase_if(near, [&](const NearSample& n) {
       return TurnBetween(map.heading_rad[n.second], known.heading_rad) > known.window_rad;

@@ -47,10 +47,10 @@ Fold FoldByNames(const std::vector<FeatureRun>& runs, const std::vector<std::str
   return fold;
 }
 
-Fold FoldOfTwoFiles(const std::vector<FeatureRun>& runs, const std::vector<FeatureRun>& truths) {
+Fold FoldOfTwoFiles(const std::vector<FeatureRun>& runs, const std::vector<FeatureRun>& true_positions) {
   Fold fold;
   for (const FeatureRun& run : runs) fold.map.push_back(&run);
-  for (const FeatureRun& truth : truths) {
+  for (const FeatureRun& truth : true_positions) {
     if (std::ranges::none_of(runs, [&](const FeatureRun& run) { return SameRun(run, truth); }))
       fold.held_out.push_back(&truth);
   }
@@ -59,13 +59,13 @@ Fold FoldOfTwoFiles(const std::vector<FeatureRun>& runs, const std::vector<Featu
 }
 
 // Returns whether headings count.
-bool AddTruthsOf(const Fold& fold, std::size_t features, const ScoreOptions& options,
-                 std::vector<Truth>* truths) {
-  std::vector<Point> places;
+bool AddTruePositionsOf(const Fold& fold, std::size_t features, const ScoreOptions& options,
+                        std::vector<TruePosition>* true_positions) {
+  std::vector<Point> positions;
   std::vector<double> output;
   ScoredHeadings headings{{}, {}, 0, options.heading_window_deg.value_or(180)};
   for (const FeatureRun* run : fold.map) {
-    for (std::size_t k = 0; k < run->x_m.size(); ++k) places.push_back({run->x_m[k], run->y_m[k]});
+    for (std::size_t k = 0; k < run->x_m.size(); ++k) positions.push_back({run->x_m[k], run->y_m[k]});
     output.insert(output.end(), run->output.begin(), run->output.end());
     headings.map_rad.insert(headings.map_rad.end(), run->heading_rad.begin(), run->heading_rad.end());
   }
@@ -73,12 +73,13 @@ bool AddTruthsOf(const Fold& fold, std::size_t features, const ScoreOptions& opt
     headings.held_out_rad.emplace_back(run->heading_rad);
     headings.held_out += run->x_m.size();
   }
-  CheckNearest(options, places.size());
-  const bool count = HeadingsCount(headings, places.size());
-  const FeatureMap map = MapByNearest(places, output, features, static_cast<std::size_t>(options.nearest),
+  CheckNearest(options, positions.size());
+  const bool count = HeadingsCount(headings, positions.size());
+  const FeatureMap map = MapByNearest(positions, output, features, static_cast<std::size_t>(options.nearest),
                                       count ? headings.map_rad : std::vector<double>());
   for (const FeatureRun* run : fold.held_out)
-    AddTruths(map, {run->number, run->x_m, run->y_m, run->output, run->heading_rad}, options, truths);
+    AddTruePositions(map, {run->number, run->x_m, run->y_m, run->output, run->heading_rad}, options,
+                     true_positions);
   return count;
 }
 
@@ -110,27 +111,27 @@ FeatureEvaluation EvaluateFeatures(const Blob& samples, const Blob* truth,
                                    const std::vector<std::string>& features,
                                    const std::vector<std::string>& holdout, const ScoreOptions& options) {
   if (truth != nullptr && !holdout.empty())
-    throw InputError("a file of truths and runs to hold out: one will do");
+    throw InputError("a file of true positions and runs to hold out: one will do");
   const auto runs = FromFile(options.map_name, [&] { return ReadFeatureRuns(samples, features); });
   FeatureEvaluation out;
   out.features = features;
   out.options = options;
-  std::vector<FeatureRun> truths;
+  std::vector<FeatureRun> true_positions;
   std::vector<Fold> folds;
   out.in_turn = truth == nullptr && holdout.empty();
   if (truth != nullptr) {
     folds.push_back(FromFile(options.samples_name, [&] {
-      truths = ReadFeatureRuns(*truth, features);
-      return FoldOfTwoFiles(runs, truths);
+      true_positions = ReadFeatureRuns(*truth, features);
+      return FoldOfTwoFiles(runs, true_positions);
     }));
   } else {
     folds = FromFile(options.map_name, [&] {
       return holdout.empty() ? FoldsInTurn(runs) : std::vector<Fold>{FoldByNames(runs, holdout)};
     });
   }
-  std::vector<Truth> scored;
+  std::vector<TruePosition> scored;
   for (const Fold& fold : folds) {
-    out.headings |= AddTruthsOf(fold, features.size(), options, &scored);
+    out.headings |= AddTruePositionsOf(fold, features.size(), options, &scored);
     for (const FeatureRun* run : fold.held_out)
       out.runs.push_back({run->name, static_cast<std::int64_t>(run->x_m.size())});
     for (const FeatureRun* run : fold.map) {
@@ -159,7 +160,7 @@ Detection CompareFeatures(const Blob& samples, const std::string& detector, cons
   return detection;
 }
 
-Scores ScoresOf(const FeatureEvaluation& evaluation, const std::optional<Detection>& detection) {
+Scores MakeScores(const FeatureEvaluation& evaluation, const std::optional<Detection>& detection) {
   Scores scores;
   scores.Add("features", evaluation.features, ", made by hand");
   AddMapOptions(evaluation.options, evaluation.headings, &scores);

@@ -44,6 +44,6 @@ struct Detection {
 Detection CompareFeatures(const Blob& samples, const std::string& detector, const std::string& truth);
 
 // As those of networks; with `detection` also its figures.
-Scores ScoresOf(const FeatureEvaluation& evaluation, const std::optional<Detection>& detection = {});
+Scores MakeScores(const FeatureEvaluation& evaluation, const std::optional<Detection>& detection = {});
 
 }  // namespace cairn::datasets

@@ -29,7 +29,7 @@ Blob WithFeatures(const std::vector<RunByHand>& runs, const std::vector<std::str
 
 ScoreOptions Nearest(int nearest) { return {.nearest = nearest}; }
 
-// Two runs see the same ten places, and whether they are in the upper half.
+// Two runs see the same ten positions, and whether they are in the upper half.
 Blob TwoHalves() {
   const std::vector<double> x{0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
   const std::vector<float> upper{0, 0, 0, 0, 0, 1, 1, 1, 1, 1}, none(10, 0.0F);
@@ -38,13 +38,13 @@ Blob TwoHalves() {
   return WithFeatures({{"a", x, none}, {"b", x, none}}, {"never", "upper half"}, {both, both});
 }
 
-// Global: the mean distance of two of ten places is 3.3, of two of the same five 1.6.
+// Global: the mean distance of two of ten positions is 3.3, of two of the same five 1.6.
 TEST(EvaluateFeatures, ABitThatHalvesTheWorldByHand) {
   const FeatureEvaluation e = EvaluateFeatures(TwoHalves(), nullptr, {"upper half"}, {}, Nearest(1));
   EXPECT_TRUE(e.in_turn);
   ASSERT_EQ(e.runs.size(), 2U);
   const WindowScore& global = e.windows.back();
-  EXPECT_EQ(global.truths, 20);
+  EXPECT_EQ(global.true_positions, 20);
   EXPECT_NEAR(global.prior_error_m, 3.3, 1e-12);
   EXPECT_NEAR(global.soft.posterior_error_m, 1.6, 1e-12);
   EXPECT_NEAR(*global.soft.error_reduction, 1 - 1.6 / 3.3, 1e-12);
@@ -96,7 +96,7 @@ TEST(EvaluateFeatures, RunsOfTwoFilesAreHeldOutOnceOnly) {
   const FeatureEvaluation e = EvaluateFeatures(map, &truth, {"upper half"}, {}, Nearest(1));
   ASSERT_EQ(e.runs.size(), 1U);
   EXPECT_EQ(e.runs[0].name, "c");
-  EXPECT_EQ(e.windows.back().truths, 2);
+  EXPECT_EQ(e.windows.back().true_positions, 2);
 }
 
 TEST(EvaluateFeatures, CountsWhatADetectorFinds) {
@@ -111,8 +111,8 @@ TEST(EvaluateFeatures, CountsWhatADetectorFinds) {
   EXPECT_EQ(*d.recall(), 0.5);
   EXPECT_EQ(Detection{}.precision(), std::nullopt);
   const auto e = EvaluateFeatures(TwoHalves(), nullptr, {"never"}, {}, Nearest(1));
-  EXPECT_EQ(nlohmann::json::parse(ScoresOf(e, d).ToJson())["detection"]["precision"], 0.5);
-  ExpectContains(ScoresOf(e, d).ToText(),
+  EXPECT_EQ(nlohmann::json::parse(MakeScores(e, d).ToJson())["detection"]["precision"], 0.5);
+  ExpectContains(MakeScores(e, d).ToText(),
                  "detection.precision             50.0%\n"
                  "detection.recall                50.0%, of 4 samples\n");
 }

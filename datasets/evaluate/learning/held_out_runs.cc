@@ -30,15 +30,15 @@ HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name
   return run;
 }
 
-using RunPlace = std::pair<double, double>;
+using RunPosition = std::pair<double, double>;
 
 bool WasTrainedOn(const HeldOutRun& run, const LearnedNetworks& nets) {
-  std::set<RunPlace> places;
-  for (std::size_t k = 0; k < run.x_m.size(); ++k) places.emplace(run.x_m[k], run.y_m[k]);
+  std::set<RunPosition> positions;
+  for (std::size_t k = 0; k < run.x_m.size(); ++k) positions.emplace(run.x_m[k], run.y_m[k]);
   bool any = false;
   for (std::size_t k = 0; k < nets.samples(); ++k) {
     if (nets.runs[static_cast<std::size_t>(nets.run[k])] != run.name) continue;
-    if (!places.contains({nets.x_m[k], nets.y_m[k]})) return false;
+    if (!positions.contains({nets.x_m[k], nets.y_m[k]})) return false;
     any = true;
   }
   return any;

@@ -24,11 +24,11 @@ struct HeldOutRuns {
   std::vector<std::string> stopped_by;  // of `runs`, those that decided when to stop training
 };
 
-// A run counts as trained on where the networks name a run like it, and all of that run's places are places
-// of this one. One that they name without any sample in their map decided when to stop: by its name, for its
-// places are not kept. Throws InputError that says so: names or number of inputs that differ from the
-// networks', no sample at all, shapes that do not fit, a value that is no number (which run, row and input),
-// and a file that holds nothing but what was trained on.
+// A run counts as trained on where the networks name a run like it, and all of that run's positions are
+// positions of this one. One that they name without any sample in their map decided when to stop: by its
+// name, for its positions are not kept. Throws InputError that says so: names or number of inputs that differ
+// from the networks', no sample at all, shapes that do not fit, a value that is no number (which run, row and
+// input), and a file that holds nothing but what was trained on.
 HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets);
 
 }  // namespace cairn::datasets

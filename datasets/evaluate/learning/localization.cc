@@ -25,7 +25,7 @@ class LocalizationEvaluator {
     score.window_m = result_.Scalar<double>("window_m");
     score.features = result_.Texts("feature_name");
     score.runs = Visited();
-    score.places = static_cast<std::int64_t>(localized_.places.size());
+    score.positions = static_cast<std::int64_t>(localized_.positions.size());
     score.against_truth = HasTruth();
     if (!localized_.heading_rad.empty()) score.heading = result_.Text("heading");
     std::size_t most = 0;
@@ -75,8 +75,8 @@ class LocalizationEvaluator {
   double BelievedError(const LocalizedStep& step, const Point& truth) const {
     double error = 0;
     for (std::size_t i = step.first; i < step.end; ++i) {
-      const auto place = static_cast<std::size_t>(localized_.place[i]);
-      error += localized_.probability[i] * DistanceM(localized_.places[place], truth);
+      const auto position = static_cast<std::size_t>(localized_.position[i]);
+      error += localized_.probability[i] * DistanceM(localized_.positions[position], truth);
     }
     return error;
   }
@@ -91,8 +91,8 @@ class LocalizationEvaluator {
       throw InputError("'step/sample' names a sample that '" + name + "' does not have");
     double facing = 0;
     for (std::size_t i = step.first; i < step.end; ++i) {
-      const auto place = static_cast<std::size_t>(localized_.place[i]);
-      if (FaceAlike(localized_.heading_rad[place], headings[at])) facing += localized_.probability[i];
+      const auto position = static_cast<std::size_t>(localized_.position[i]);
+      if (FaceAlike(localized_.heading_rad[position], headings[at])) facing += localized_.probability[i];
     }
     return facing;
   }
@@ -100,7 +100,7 @@ class LocalizationEvaluator {
   void ReadErrors() {
     for (const LocalizedStep& step : localized_.steps) {
       const Point truth = TrueAt(step.run, step.sample);
-      steps_.push_back({step.sensations, step.way_m, truth, BelievedError(step, truth),
+      steps_.push_back({step.sensations, step.travelled_m, truth, BelievedError(step, truth),
                         DistanceM(step.mean, truth), DistanceM(step.mode, truth), BelievedFacing(step)});
     }
   }
@@ -130,7 +130,7 @@ class LocalizationEvaluator {
     row.believed = MeanOf(there, [](const LocalizationError& step) { return step.believed_m; });
     row.mean = MeanOf(there, [](const LocalizationError& step) { return step.mean_m; });
     row.mode = MeanOf(there, [](const LocalizationError& step) { return step.mode_m; });
-    row.way_m = MeanOf(there, [](const LocalizationError& step) { return step.way_m; }).mean_m;
+    row.travelled_m = MeanOf(there, [](const LocalizationError& step) { return step.travelled_m; }).mean_m;
     for (const LocalizationError& step : there)
       row.within_1m += (step.mean_m < kFoundM ? 1.0 : 0.0) / static_cast<double>(there.size());
     row.facing = MeanOf(there, [](const LocalizationError& step) { return step.facing; }).mean_m;
@@ -143,7 +143,7 @@ class LocalizationEvaluator {
       if (row.believed.mean_m >= kFoundM)
         score->under_1m_after_m.reset();
       else if (!score->under_1m_after_m)
-        score->under_1m_after_m = row.way_m;
+        score->under_1m_after_m = row.travelled_m;
     }
   }
 
@@ -171,7 +171,7 @@ Scores ScoresOfRow(const LocalizationScore& score, std::size_t k) {
   Scores scores;
   if (!IsShown(score, k)) scores.LeaveToPrograms();
   scores.Add("sensations", row.sensations);
-  scores.Add("way_m", row.way_m);
+  scores.Add("travelled_m", row.travelled_m);
   scores.Add("traverses", row.traverses);
   AddError("error", row.believed, &scores);
   AddError("error_of_mean", row.mean, &scores);
@@ -190,12 +190,12 @@ LocalizationScore EvaluateLocalization(const Blob& result, const Blob& samples) 
   return LocalizationEvaluator(result, samples).Run();
 }
 
-Scores ScoresOf(const LocalizationScore& score) {
+Scores MakeScores(const LocalizationScore& score) {
   Scores scores;
   scores.Add("traverses", score.traverses);
   scores.Add("runs", score.runs);
   scores.Add("features", score.features);
-  scores.Add("places", score.places);
+  scores.Add("positions", score.positions);
   scores.Add(
       "window_m", score.window_m > 0 ? ScoreValue(score.window_m) : ScoreValue(),
       score.window_m > 0 ? ": as well the position was known at the start" : "nothing known at the start");

@@ -1,4 +1,4 @@
-// How wrong a localised robot is after so much way ([T98] section 5.2.4, figure 6; S. Thrun, Bayesian
+// How wrong a localised robot is after such a distance ([T98] section 5.2.4, figure 6; S. Thrun, Bayesian
 // landmark learning for mobile robot localization, Machine Learning 33, 1998).
 #pragma once
 
@@ -23,11 +23,11 @@ struct MeanError {
 // After as many sensations, from none on.
 struct LocalizationRow {
   std::int64_t sensations = 0, traverses = 0;
-  double way_m = 0;      // mean
-  MeanError believed;    // eq. 21: the mean over the belief of the distance to the true place
-  MeanError mean;        // of the belief's mean from the true place
-  MeanError mode;        // of its most likely place
-  double within_1m = 0;  // share of traverses whose mean is that near
+  double travelled_m = 0;  // mean
+  MeanError believed;      // eq. 21: the mean over the belief of the distance to the true position
+  MeanError mean;          // of the belief's mean from the true position
+  MeanError mode;          // of its most likely position
+  double within_1m = 0;    // share of traverses whose mean is that near
   double facing =
       0;  // mean over the traverses of what is believed of facing as it does; where headings count
 };
@@ -35,29 +35,29 @@ struct LocalizationRow {
 // Of one step of one traverse.
 struct LocalizationError {
   std::size_t sensations = 0;
-  double way_m = 0;
+  double travelled_m = 0;
   Point truth;
   double believed_m = 0, mean_m = 0, mode_m = 0, facing = 0;  // as above
 };
 
 struct LocalizationScore {
-  std::int64_t traverses = 0, places = 0;
+  std::int64_t traverses = 0, positions = 0;
   double window_m = 0;                      // of the belief at the start; 0: it knew nothing
   std::vector<std::string> features, runs;  // that were localised in
   bool against_truth = false;               // the samples' truth/; else their labels
   std::string heading = {};  // known or unknown to the robot; empty where headings do not count
   std::vector<LocalizationRow> rows;
-  // Way from which on the mean of `believed` stays under 1 m, over the rows of all traverses; none where it
-  // does not.
+  // Distance from which on the mean of `believed` stays under 1 m, over the rows of all traverses; none where
+  // it does not.
   std::optional<double> under_1m_after_m;
   std::vector<LocalizationError> steps;  // as in the result, one after the other
 };
 
-// `result`: of kind `localization`; `samples`: what it was made from. True places are `truth/run/N/x_m` and
-// `y_m` where they are there, else the labels `run/N/x_m`, `y_m`. Throws InputError that says so: other
+// `result`: of kind `localization`; `samples`: what it was made from. True positions are `truth/run/N/x_m`
+// and `y_m` where they are there, else the labels `run/N/x_m`, `y_m`. Throws InputError that says so: other
 // samples, arrays that do not fit.
 LocalizationScore EvaluateLocalization(const Blob& result, const Blob& samples);
 
-Scores ScoresOf(const LocalizationScore& score);
+Scores MakeScores(const LocalizationScore& score);
 
 }  // namespace cairn::datasets

@@ -17,13 +17,13 @@ TEST(EvaluateLocalization, TakesTheMeanErrorOverTraversesByHand) {
   EXPECT_FALSE(score.against_truth);
   EXPECT_EQ(score.runs, (std::vector<std::string>{"there"}));
   ASSERT_EQ(score.rows.size(), 3U);
-  // Nothing sensed: even over 0, 1, 2, 3 m; the truths are 0 and 1 m.
+  // Nothing sensed: even over 0, 1, 2, 3 m; the true positions are 0 and 1 m.
   EXPECT_NEAR(score.rows[0].believed.mean_m, (1.5 + 1.0) / 2, 1e-6);
   EXPECT_NEAR(score.rows[0].mean.mean_m, (1.5 + 0.5) / 2, 1e-6);
   // One sensed: half at 1, half at 2 m, truth 1 m; sure of 2 m, which is true.
   EXPECT_EQ(score.rows[1].traverses, 2);
   EXPECT_NEAR(score.rows[1].believed.mean_m, 0.25, 1e-6);
-  EXPECT_NEAR(score.rows[1].way_m, 1.0, 1e-6);
+  EXPECT_NEAR(score.rows[1].travelled_m, 1.0, 1e-6);
   EXPECT_NEAR(score.rows[1].mode.mean_m, 0.0, 1e-6);
   EXPECT_NEAR(score.rows[1].within_1m, 1.0, 1e-6);
   // t of one degree of freedom is 12.706; the standard error of 0.5 and 0 is 0.25.
@@ -50,23 +50,24 @@ TEST(EvaluateLocalization, SaysHowMuchIsBelievedOfFacingAsItDoes) {
   samples.PutVector<double>("run/0/heading_rad", {0, 0, 0, 3});
   result.Put("samples_hash", Array::Text(samples.ContentHash().Hex()));
   EXPECT_EQ(EvaluateLocalization(result, samples).heading, "");
-  result.PutVector<double>("place/heading_rad", {0, 3.1, -0.1, 3.1});
+  result.PutVector<double>("position/heading_rad", {0, 3.1, -0.1, 3.1});
   result.Put("heading", Array::Text("unknown"));
   const LocalizationScore score = EvaluateLocalization(result, samples);
   EXPECT_NEAR(score.rows[0].facing, 0.5, 1e-6);
   EXPECT_NEAR(score.rows[1].facing, (0.5 + 1) / 2, 1e-6);
-  ExpectContains(ScoresOf(score).ToText(), "nothing known at the start\n");
-  ExpectContains(ScoresOf(score).ToText(), "heading                         unknown to the robot\n");
-  EXPECT_NEAR(nlohmann::json::parse(ScoresOf(score).ToJson())["rows"][1]["facing"].get<double>(), 0.75, 1e-6);
+  ExpectContains(MakeScores(score).ToText(), "nothing known at the start\n");
+  ExpectContains(MakeScores(score).ToText(), "heading                         unknown to the robot\n");
+  EXPECT_NEAR(nlohmann::json::parse(MakeScores(score).ToJson())["rows"][1]["facing"].get<double>(), 0.75,
+              1e-6);
 }
 
 TEST(EvaluateLocalization, PrintsForPeopleAndPrograms) {
   const LocalizationScore score = EvaluateLocalization(LocalizationFile(), LocalizedSamples());
-  const auto json = nlohmann::json::parse(ScoresOf(score).ToJson());
+  const auto json = nlohmann::json::parse(MakeScores(score).ToJson());
   EXPECT_NEAR(json["rows"][1]["error"]["mean_m"].get<double>(), 0.25, 1e-6);
   EXPECT_TRUE(json["window_m"].is_null());
   EXPECT_EQ(json["rows"][2]["error"]["mean_m_95"], nullptr);
-  ExpectContains(ScoresOf(score).ToText(), "under_1m_after_m                1.000 m\n");
+  ExpectContains(MakeScores(score).ToText(), "under_1m_after_m                1.000 m\n");
 }
 
 TEST(EvaluateLocalization, RefusesWhatDoesNotFit) {

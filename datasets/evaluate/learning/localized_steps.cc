@@ -17,18 +17,18 @@ std::vector<Point> Points(const Blob& file, const std::string& x_name, const std
 }  // namespace
 
 LocalizedSteps::LocalizedSteps(const Blob& result) {
-  for (const char* name : {"step/traverse", "belief/place", "samples_hash"}) {
+  for (const char* name : {"step/traverse", "belief/position", "samples_hash"}) {
     if (!result.Has(name)) throw InputError(std::string("not a localization: '") + name + "' is missing");
   }
-  places = Points(result, "place/x_m", "place/y_m");
-  if (result.Has("place/heading_rad")) heading_rad = result.Get<double>("place/heading_rad");
-  place = result.Get<std::int32_t>("belief/place");
+  positions = Points(result, "position/x_m", "position/y_m");
+  if (result.Has("position/heading_rad")) heading_rad = result.Get<double>("position/heading_rad");
+  position = result.Get<std::int32_t>("belief/position");
   probability = result.Get<float>("belief/probability");
   const std::vector<Point> means = Points(result, "step/mean_x_m", "step/mean_y_m"),
                            modes = Points(result, "step/mode_x_m", "step/mode_y_m");
   const auto traverse = result.Get<std::int32_t>("step/traverse"), run = result.Get<std::int32_t>("step/run"),
              sample = result.Get<std::int32_t>("step/sample");
-  const auto way = result.Get<double>("step/way_m"), spread = result.Get<double>("step/spread_m");
+  const auto travelled = result.Get<double>("step/travelled_m"), spread = result.Get<double>("step/spread_m");
   const auto entries = result.Get<std::int64_t>("step/entries");
   if (traverse.empty()) throw InputError("there are no steps");
   CheckBelief(entries);
@@ -36,7 +36,7 @@ LocalizedSteps::LocalizedSteps(const Blob& result) {
   for (std::size_t k = 0; k < traverse.size(); ++k) {
     const bool begins = k == 0 || traverse[k] != traverse[k - 1];
     const auto count = static_cast<std::size_t>(entries[k]);
-    steps.push_back({traverse[k], run[k], sample[k], begins ? 0 : steps.back().sensations + 1, way[k],
+    steps.push_back({traverse[k], run[k], sample[k], begins ? 0 : steps.back().sensations + 1, travelled[k],
                      spread[k], means[k], modes[k], entry, entry + count});
     entry += count;
   }

@@ -9,10 +9,10 @@
 namespace cairn::datasets {
 namespace {
 
-std::vector<Point> PlacesOf(const LearnedNetworks& nets) {
-  std::vector<Point> places;
-  for (std::size_t k = 0; k < nets.samples(); ++k) places.push_back({nets.x_m[k], nets.y_m[k]});
-  return places;
+std::vector<Point> PositionsOf(const LearnedNetworks& nets) {
+  std::vector<Point> positions;
+  for (std::size_t k = 0; k < nets.samples(); ++k) positions.push_back({nets.x_m[k], nets.y_m[k]});
+  return positions;
 }
 
 bool LookAtHeadings(const LearnedNetworks& nets, const HeldOutRuns& held_out, double window_deg) {
@@ -24,16 +24,16 @@ bool LookAtHeadings(const LearnedNetworks& nets, const HeldOutRuns& held_out, do
   return HeadingsCount(headings, nets.samples());
 }
 
-std::vector<Truth> TruthsOf(const LearnedNetworks& nets, const HeldOutRuns& held_out,
-                            const NetworkEvaluation& how) {
-  const FeatureMap map =
-      MapByNearest(PlacesOf(nets), nets.output, nets.networks, static_cast<std::size_t>(how.options.nearest),
-                   how.headings ? nets.heading_rad : std::vector<double>());
-  std::vector<Truth> truths;
+std::vector<TruePosition> TruePositionsOf(const LearnedNetworks& nets, const HeldOutRuns& held_out,
+                                          const NetworkEvaluation& how) {
+  const FeatureMap map = MapByNearest(PositionsOf(nets), nets.output, nets.networks,
+                                      static_cast<std::size_t>(how.options.nearest),
+                                      how.headings ? nets.heading_rad : std::vector<double>());
+  std::vector<TruePosition> true_positions;
   for (const HeldOutRun& run : held_out.runs)
-    AddTruths(map, {run.number, run.x_m, run.y_m, OutputsOf(nets, run.input), run.heading_rad}, how.options,
-              &truths);
-  return truths;
+    AddTruePositions(map, {run.number, run.x_m, run.y_m, OutputsOf(nets, run.input), run.heading_rad},
+                     how.options, &true_positions);
+  return true_positions;
 }
 
 }  // namespace
@@ -53,11 +53,11 @@ NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples, co
     out.runs.push_back({run.name, static_cast<std::int64_t>(run.x_m.size())});
   out.options.heading_window_deg = options.heading_window_deg.value_or(nets.heading_window_deg);
   out.headings = LookAtHeadings(nets, held_out, *out.options.heading_window_deg);
-  out.windows = ScoreWindows(TruthsOf(nets, held_out, out), options);
+  out.windows = ScoreWindows(TruePositionsOf(nets, held_out, out), options);
   return out;
 }
 
-Scores ScoresOf(const NetworkEvaluation& evaluation) {
+Scores MakeScores(const NetworkEvaluation& evaluation) {
   Scores scores;
   scores.Add("networks", evaluation.networks);
   scores.Add("training_samples", evaluation.training_samples);

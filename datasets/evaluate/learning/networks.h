@@ -28,13 +28,13 @@ struct NetworkEvaluation {
 // not training: the true positions are those of the held-out samples, the positions that the robot may
 // believe in are those of the training samples, e is the distance, and beliefs are uniform over the training
 // samples within the window, and within that of the heading (HeadingsCount). A run that the networks were
-// trained on is left out. Intervals are taken over runs where at least two have truths that count, else over
-// ten blocks of consecutive samples. Throws InputError as ReadLearnedNetworks and ReadHeldOutRuns do, and
-// where `nearest` is not from 1 to the number of training samples.
+// trained on is left out. Intervals are taken over runs where at least two have true positions that count,
+// else over ten blocks of consecutive samples. Throws InputError as ReadLearnedNetworks and ReadHeldOutRuns
+// do, and where `nearest` is not from 1 to the number of training samples.
 NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
                                    const ScoreOptions& options = {});
 
 // A row for each window; null: there is none, or a window that is global.
-Scores ScoresOf(const NetworkEvaluation& evaluation);
+Scores MakeScores(const NetworkEvaluation& evaluation);
 
 }  // namespace cairn::datasets

@@ -13,25 +13,25 @@
 namespace cairn::datasets {
 namespace {
 
-// Places 0, 10, 20, 30, 40 m, whose inputs are 0 to 4, and four networks, of which number i says whether the
-// input is above i + 1/2.
-Blob NetworksThatNameEveryPlace() {
+// Positions 0, 10, 20, 30, 40 m, whose inputs are 0 to 4, and four networks, of which number i says whether
+// the input is above i + 1/2.
+Blob NetworksThatNameEveryPosition() {
   std::vector<NetworkByHand> networks;
   for (int i = 0; i < 4; ++i)
     networks.push_back({.slope = 80, .offset = -80 * (i + 0.5), .weight = 60, .bias = -30});
   std::vector<float> output;
-  for (int place = 0; place < 5; ++place) {
-    for (int i = 0; i < 4; ++i) output.push_back(place > i ? 1.0F : 0.0F);
+  for (int position = 0; position < 5; ++position) {
+    for (int i = 0; i < 4; ++i) output.push_back(position > i ? 1.0F : 0.0F);
   }
   return NetworksFile(networks, {0, 10, 20, 30, 40}, output);
 }
 
-// The same places; no input matters.
+// The same positions; no input matters.
 Blob NetworksThatTellNothing() {
   return NetworksFile({{.bias = 0.3}}, {0, 10, 20, 30, 40}, std::vector<float>(5, 0.57F));
 }
 
-Blob FivePlaces() {
+Blob FivePositions() {
   return SamplesFile({{"there", {0, 10, 20, 30, 40}, {0, 1, 2, 3, 4}}, {"back", {40, 30, 20}, {4, 3, 2}}});
 }
 
@@ -95,11 +95,11 @@ TEST(OutputsOf, PassTwoHiddenLayers) {
 }
 
 TEST(EvaluateNetworks, NetworksThatTellNothingReduceNothing) {
-  const NetworkEvaluation e = EvaluateNetworks(NetworksThatTellNothing(), FivePlaces());
+  const NetworkEvaluation e = EvaluateNetworks(NetworksThatTellNothing(), FivePositions());
   ASSERT_EQ(e.windows.size(), 7U);
   for (const double window_m : {10.0, 50.0, 89.0, kGlobal}) {
     const WindowScore& score = In(e, window_m);
-    EXPECT_EQ(score.truths, 8);
+    EXPECT_EQ(score.true_positions, 8);
     EXPECT_GT(score.prior_error_m, 5);
     for (const Score* one : {&score.soft, &score.sampled}) {
       EXPECT_NEAR(one->posterior_error_m, score.prior_error_m, 1e-12);
@@ -110,8 +110,9 @@ TEST(EvaluateNetworks, NetworksThatTellNothingReduceNothing) {
   }
 }
 
-TEST(EvaluateNetworks, NetworksThatNameEveryPlaceLeaveNoError) {
-  const NetworkEvaluation e = EvaluateNetworks(NetworksThatNameEveryPlace(), FivePlaces(), {.nearest = 1});
+TEST(EvaluateNetworks, NetworksThatNameEveryPositionLeaveNoError) {
+  const NetworkEvaluation e =
+      EvaluateNetworks(NetworksThatNameEveryPosition(), FivePositions(), {.nearest = 1});
   for (const double window_m : {10.0, 50.0, 89.0, kGlobal}) {
     const WindowScore& score = In(e, window_m);
     EXPECT_GT(score.prior_error_m, 5);
@@ -119,7 +120,7 @@ TEST(EvaluateNetworks, NetworksThatNameEveryPlaceLeaveNoError) {
     EXPECT_GT(*score.sampled.error_reduction, 1 - 1e-6);
     EXPECT_LE(score.soft.interval_95->high, 1);
   }
-  // Where the place is known beforehand there is nothing to reduce.
+  // Where the position is known beforehand there is nothing to reduce.
   EXPECT_EQ(In(e, 5).prior_error_m, 0);
   EXPECT_FALSE(In(e, 5).soft.error_reduction);
 }
@@ -134,13 +135,13 @@ TEST(EvaluateNetworks, TheErrorsOfATinyWorldByHand) {
   EXPECT_EQ(e.training_samples, 2);
   EXPECT_EQ(e.trained_window_m, 2);
   for (const WindowScore& score : e.windows) {
-    EXPECT_EQ(score.truths, 2);
+    EXPECT_EQ(score.true_positions, 2);
     EXPECT_DOUBLE_EQ(score.prior_error_m, 0.5);
     const double at_0 = 0.5 * (0.2 / 1.1) + 0.5 * (0.8 / 0.9), at_1 = 0.5 * (0.9 / 1.1) + 0.5 * (0.1 / 0.9);
     EXPECT_NEAR(score.soft.posterior_error_m, (at_0 + at_1) / 2, 1e-7);
     EXPECT_NEAR(*score.soft.error_reduction, 1 - (at_0 + at_1), 1e-7);
   }
-  // The two nearest are both: every place looks the same.
+  // The two nearest are both: every position looks the same.
   const auto blurred = EvaluateNetworks(nets, SamplesFile({{"a", {0, 1}, {5, 6}}}), {.nearest = 2});
   EXPECT_NEAR(*In(blurred, kGlobal).soft.error_reduction, 0, 1e-12);
 }
@@ -154,12 +155,12 @@ TEST(EvaluateNetworks, SamplingsComeToTheExpectation) {
   EXPECT_NE(*many.sampled.error_reduction, *many.soft.error_reduction);
 }
 
-TEST(EvaluateNetworks, TruthsWithoutTrainingSamplesInTheWindowAreLeftOutAndCounted) {
+TEST(EvaluateNetworks, TruePositionsWithoutTrainingSamplesInTheWindowAreLeftOutAndCounted) {
   const Blob samples = SamplesFile({{"a", {0, 10, 60, 500}, {0, 1, 2, 3}}, {"b", {600}, {0}}});
   const NetworkEvaluation e = EvaluateNetworks(NetworksThatTellNothing(), samples);
-  EXPECT_EQ(In(e, 10).truths, 2);
+  EXPECT_EQ(In(e, 10).true_positions, 2);
   EXPECT_EQ(In(e, 10).left_out, 3);
-  EXPECT_EQ(In(e, 50).truths, 3);
+  EXPECT_EQ(In(e, 50).true_positions, 3);
   EXPECT_EQ(In(e, kGlobal).left_out, 0);
   // At 0 m a window of 10 m holds 0 and 10 m, at 10 m also 20 m.
   EXPECT_DOUBLE_EQ(In(e, 10).prior_error_m, (5 + 20.0 / 3) / 2);
@@ -172,15 +173,15 @@ TEST(EvaluateNetworks, TruthsWithoutTrainingSamplesInTheWindowAreLeftOutAndCount
 TEST(EvaluateNetworks, AWindowThatReachesNobodyHasNoScore) {
   const NetworkEvaluation e =
       EvaluateNetworks(NetworksThatTellNothing(), SamplesFile({{"a", {60, 61}, {0, 1}}}));
-  EXPECT_EQ(In(e, 1).truths, 0);
+  EXPECT_EQ(In(e, 1).true_positions, 0);
   EXPECT_EQ(In(e, 1).left_out, 2);
   EXPECT_FALSE(In(e, 1).soft.error_reduction);
   EXPECT_FALSE(In(e, 1).soft.interval_95);
-  const auto json = nlohmann::json::parse(ScoresOf(e).ToJson());
+  const auto json = nlohmann::json::parse(MakeScores(e).ToJson());
   EXPECT_TRUE(json["windows"][0]["prior_error_m"].is_null());
   EXPECT_TRUE(json["windows"][0]["posterior_error_m"].is_null());
   EXPECT_TRUE(json["windows"][0]["sampled"]["posterior_error_m"].is_null());
-  ExpectContains(ScoresOf(e).ToText(),
+  ExpectContains(MakeScores(e).ToText(),
                  "1.000     0       2         unknown        unknown            unknown ");
 }
 
@@ -195,13 +196,13 @@ TEST(EvaluateNetworks, ARunOfManySamplesIsCutIntoTenBlocks) {
 
 TEST(EvaluateNetworks, RunsThatWereTrainedOnAreLeftOut) {
   const RunByHand trained{"trained", {0, 10, 20, 30, 40}, {0, 1, 2, 3, 4}}, other{"other", {0, 10}, {0, 1}};
-  const Blob nets = NetworksThatNameEveryPlace();
+  const Blob nets = NetworksThatNameEveryPosition();
   const NetworkEvaluation e = EvaluateNetworks(nets, SamplesFile({trained, other}), {.nearest = 1});
   EXPECT_EQ(e.trained_on, std::vector<std::string>{"trained"});
   ASSERT_EQ(e.runs.size(), 1U);
   EXPECT_EQ(e.runs[0].name, "other");
-  EXPECT_EQ(In(e, kGlobal).truths, 2);
-  ExpectContains(ScoresOf(e).ToText(), "trained: left out, as trained on");
+  EXPECT_EQ(In(e, kGlobal).true_positions, 2);
+  ExpectContains(MakeScores(e).ToText(), "trained: left out, as trained on");
   ExpectContains(InputErrorOf([&] { EvaluateNetworks(nets, SamplesFile({trained})); }),
                  "the networks were trained on every run");
   // Another run that happens to have the name.
@@ -211,20 +212,20 @@ TEST(EvaluateNetworks, RunsThatWereTrainedOnAreLeftOut) {
 
 // The networks name it, but their map has no sample of it.
 TEST(EvaluateNetworks, ARunThatDecidedWhenToStopCountsWithACaution) {
-  Blob nets = NetworksThatNameEveryPlace();
+  Blob nets = NetworksThatNameEveryPosition();
   nets.Put("runs", Array::Texts({"trained", "back"}));
-  const NetworkEvaluation e = EvaluateNetworks(nets, FivePlaces());
+  const NetworkEvaluation e = EvaluateNetworks(nets, FivePositions());
   EXPECT_EQ(e.stopped_by, std::vector<std::string>{"back"});
   EXPECT_EQ(e.runs.size(), 2U);
-  ExpectContains(ScoresOf(e).ToText(), "back: not wholly unseen, as training stopped by it");
-  EXPECT_TRUE(EvaluateNetworks(NetworksThatNameEveryPlace(), FivePlaces()).stopped_by.empty());
+  ExpectContains(MakeScores(e).ToText(), "back: not wholly unseen, as training stopped by it");
+  EXPECT_TRUE(EvaluateNetworks(NetworksThatNameEveryPosition(), FivePositions()).stopped_by.empty());
 }
 
 TEST(EvaluateNetworks, IsTheSameEveryTimeAndSamplesBySeed) {
   const Blob nets =
       NetworksFile({{.slope = 1, .weight = 2, .bias = -1}}, {0, 1, 2, 3, 4}, {.1F, .3F, .5F, .6F, .8F});
   const auto score = [&](std::uint64_t seed) {
-    return ScoresOf(EvaluateNetworks(nets, FivePlaces(), {.nearest = 2, .seed = seed})).ToJson();
+    return MakeScores(EvaluateNetworks(nets, FivePositions(), {.nearest = 2, .seed = seed})).ToJson();
   };
   EXPECT_EQ(score(1), score(1));
   EXPECT_NE(score(1), score(2));
@@ -232,7 +233,8 @@ TEST(EvaluateNetworks, IsTheSameEveryTimeAndSamplesBySeed) {
 
 TEST(EvaluateNetworks, JsonHasEveryField) {
   const auto json = nlohmann::json::parse(
-      ScoresOf(EvaluateNetworks(NetworksThatNameEveryPlace(), FivePlaces(), {.nearest = 2})).ToJson());
+      MakeScores(EvaluateNetworks(NetworksThatNameEveryPosition(), FivePositions(), {.nearest = 2}))
+          .ToJson());
   EXPECT_EQ(json["networks"], 4);
   EXPECT_EQ(json["nearest"], 2);
   EXPECT_EQ(json["trained_window_m"], 2.0);
@@ -242,7 +244,7 @@ TEST(EvaluateNetworks, JsonHasEveryField) {
   EXPECT_TRUE(json["windows"][6]["window_m"].is_null());
   const auto& global = json["windows"][6];
   for (const char* name :
-       {"truths", "left_out", "prior_error_m", "posterior_error_m", "error_reduction", "clusters"})
+       {"true_positions", "left_out", "prior_error_m", "posterior_error_m", "error_reduction", "clusters"})
     EXPECT_TRUE(global[name].is_number()) << name;
   EXPECT_EQ(global["interval_over"], "runs");
   EXPECT_LE(global["error_reduction_95"][0], global["error_reduction"]);
@@ -251,9 +253,9 @@ TEST(EvaluateNetworks, JsonHasEveryField) {
     EXPECT_TRUE(global["sampled"][name].is_number()) << name;
 }
 
-// Five places, every other one seen on the way back; the run that is held out faces forward.
+// Five positions, every other one seen on the way back; the run that is held out faces forward.
 TEST(EvaluateNetworks, LooksAtHeadingsWhereSamplesDoNotAllFaceOneWay) {
-  Blob nets = NetworksThatTellNothing(), samples = FivePlaces();
+  Blob nets = NetworksThatTellNothing(), samples = FivePositions();
   const auto rows = samples.Get<double>("run/1/x_m").size();
   samples.PutVector("run/0/heading_rad", std::vector<double>(samples.Get<double>("run/0/x_m").size(), 0.0));
   samples.PutVector("run/1/heading_rad", std::vector<double>(rows, 0.0));
@@ -270,10 +272,10 @@ TEST(EvaluateNetworks, LooksAtHeadingsWhereSamplesDoNotAllFaceOneWay) {
                 .windows.back()
                 .prior_error_m,
             does_not_know.windows.back().prior_error_m);
-  ExpectContains(ScoresOf(knows).ToText(), "90.00 degrees: the robot knows its heading as well");
-  ExpectContains(ScoresOf(does_not_know).ToText(), "the robot does not know its heading");
-  ExpectContains(ScoresOf(knows).ToJson(), "\"heading_window_deg\": 90");
-  ExpectContains(InputErrorOf([&] { EvaluateNetworks(nets, FivePlaces(), {.nearest = 1}); }),
+  ExpectContains(MakeScores(knows).ToText(), "90.00 degrees: the robot knows its heading as well");
+  ExpectContains(MakeScores(does_not_know).ToText(), "the robot does not know its heading");
+  ExpectContains(MakeScores(knows).ToJson(), "\"heading_window_deg\": 90");
+  ExpectContains(InputErrorOf([&] { EvaluateNetworks(nets, FivePositions(), {.nearest = 1}); }),
                  "--heading-window-deg 180 leaves them out");
 }
 
@@ -284,7 +286,7 @@ TEST(EvaluateNetworks, RefusesNetworksThatAreNotWhole) {
     Blob bad = good;
     for (const std::string& name : names)
       bad.Put(name, Array::Of<double>(shape, std::vector<double>(static_cast<std::size_t>(shape[0]), 0)));
-    return InputErrorOf([&] { EvaluateNetworks(bad, FivePlaces()); });
+    return InputErrorOf([&] { EvaluateNetworks(bad, FivePositions()); });
   };
   ExpectContains(refused({"networks/hidden_weight"}, {0, 1, 1}), "0 networks; allowed: 1 to 12");
   ExpectContains(refused({"networks/hidden_weight"}, {13, 1, 1}), "13 networks; allowed: 1 to 12");
@@ -292,13 +294,13 @@ TEST(EvaluateNetworks, RefusesNetworksThatAreNotWhole) {
   for (const auto& [name, array] : good.fields()) {
     if (name == "window_m" || name == "map/along_m") continue;
     const Blob without = good.Without(name);
-    ExpectContains(InputErrorOf([&] { EvaluateNetworks(without, FivePlaces()); }), name);
+    ExpectContains(InputErrorOf([&] { EvaluateNetworks(without, FivePositions()); }), name);
   }
 }
 
 TEST(EvaluateNetworks, RefusesSamplesThatTheNetworksCannotTake) {
   const auto refused = [](const std::string& name, const Array& array) {
-    Blob bad = FivePlaces();
+    Blob bad = FivePositions();
     bad.Put(name, array);
     return InputErrorOf([&] { EvaluateNetworks(NetworksThatTellNothing(), bad); });
   };
@@ -316,7 +318,7 @@ TEST(EvaluateNetworks, RefusesSamplesThatTheNetworksCannotTake) {
 TEST(EvaluateNetworks, RefusesANumberOfNearestThatThereIsNot) {
   for (const int nearest : {-1, 0, 6}) {
     ExpectContains(InputErrorOf([&] {
-                     EvaluateNetworks(NetworksThatTellNothing(), FivePlaces(), {.nearest = nearest});
+                     EvaluateNetworks(NetworksThatTellNothing(), FivePositions(), {.nearest = nearest});
                    }),
                    "allowed: from 1 to 5");
   }

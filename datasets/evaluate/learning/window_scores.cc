@@ -31,7 +31,7 @@ double Mean(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-// A window's truths that count, each in a cluster: truths of one cluster are not independent.
+// A window's true positions that count, each in a cluster: true positions of one cluster are not independent.
 struct Counted {
   std::vector<const WindowError*> errors;
   std::vector<std::size_t> cluster;  // of each, from 0, ascending
@@ -40,12 +40,12 @@ struct Counted {
   std::size_t clusters() const { return cluster.empty() ? 0 : cluster.back() + 1; }
 };
 
-Counted CountedIn(const std::vector<Truth>& truths, std::size_t window) {
+Counted CountedIn(const std::vector<TruePosition>& true_positions, std::size_t window) {
   Counted counted;
   std::size_t last_run = 0;
-  for (const Truth& truth : truths) {
+  for (const TruePosition& truth : true_positions) {
     const WindowError& error = truth.errors[window];
-    if (error.places == 0) continue;
+    if (error.positions == 0) continue;
     const bool new_run = !counted.errors.empty() && truth.run != last_run;
     counted.cluster.push_back(counted.errors.empty() ? 0 : counted.cluster.back() + (new_run ? 1 : 0));
     counted.errors.push_back(&error);
@@ -70,13 +70,13 @@ std::vector<ErrorSums> SumsOf(const Counted& counted, const Posterior& posterior
   return sums;
 }
 
-Score ScoreOf(const std::vector<ErrorSums>& sums, std::size_t truths, const Rng& rng) {
+Score ScoreOf(const std::vector<ErrorSums>& sums, std::size_t true_positions, const Rng& rng) {
   double posterior_m = 0;
   for (const ErrorSums& sum : sums) posterior_m += sum.posterior_m;
-  return {posterior_m / static_cast<double>(truths), ReductionOf(sums), ReductionInterval(sums, rng)};
+  return {posterior_m / static_cast<double>(true_positions), ReductionOf(sums), ReductionInterval(sums, rng)};
 }
 
-// Over the samplings: each is one robot's luck with all truths.
+// Over the samplings: each is one robot's luck with all true positions.
 double SpreadOfSamplings(const Counted& counted, int samplings) {
   std::vector<double> reductions, squares;
   for (int r = 0; r < samplings; ++r) {
@@ -92,13 +92,14 @@ double SpreadOfSamplings(const Counted& counted, int samplings) {
   return std::sqrt(Mean(squares) * count / (count - 1));
 }
 
-WindowScore ScoreWindow(const std::vector<Truth>& truths, std::size_t window, const ScoreOptions& options) {
-  const Counted counted = CountedIn(truths, window);
+WindowScore ScoreWindow(const std::vector<TruePosition>& true_positions, std::size_t window,
+                        const ScoreOptions& options) {
+  const Counted counted = CountedIn(true_positions, window);
   const std::size_t count = counted.errors.size();
   WindowScore score;
   score.window_m = options.windows_m[window];
-  score.truths = static_cast<std::int64_t>(count);
-  score.left_out = static_cast<std::int64_t>(truths.size() - count);
+  score.true_positions = static_cast<std::int64_t>(count);
+  score.left_out = static_cast<std::int64_t>(true_positions.size() - count);
   score.interval_over = counted.by_runs ? "runs" : "blocks";
   score.clusters = static_cast<std::int64_t>(counted.clusters());
   if (count == 0) return score;
@@ -124,10 +125,12 @@ void AddReduction(const std::string& prefix, const Score& score, Scores* row) {
 }
 
 Scores ScoresOfWindow(const WindowScore& window) {
-  const auto if_any = [&](auto value) { return window.truths > 0 ? ScoreValue(value) : ScoreValue(); };
+  const auto if_any = [&](auto value) {
+    return window.true_positions > 0 ? ScoreValue(value) : ScoreValue();
+  };
   Scores row;
   AddWindow("window_m", window.window_m, &row);
-  row.Add("truths", window.truths);
+  row.Add("true_positions", window.true_positions);
   row.Add("left_out", window.left_out);
   row.Add("prior_error_m", if_any(window.prior_error_m));
   row.Add("posterior_error_m", if_any(window.soft.posterior_error_m));
@@ -161,8 +164,8 @@ bool HeadingsCount(const ScoredHeadings& headings, std::size_t map_samples) {
   return window || (known && !AllFaceOneWay(all));
 }
 
-void AddTruths(const FeatureMap& map, const SensedRun& run, const ScoreOptions& options,
-               std::vector<Truth>* truths) {
+void AddTruePositions(const FeatureMap& map, const SensedRun& run, const ScoreOptions& options,
+                      std::vector<TruePosition>* true_positions) {
   const std::size_t features = run.output.size() / run.x_m.size();
   for (std::size_t a = 0; a < run.x_m.size(); ++a) {
     const std::span<const double> g = run.output.subspan(a * features, features);
@@ -170,15 +173,17 @@ void AddTruths(const FeatureMap& map, const SensedRun& run, const ScoreOptions& 
     KnownHeading known;
     if (!map.heading_rad.empty())
       known = {run.heading_rad[a], options.heading_window_deg.value_or(180) * std::numbers::pi / 180};
-    truths->push_back({run.number, ErrorsInMap(map, {run.x_m[a], run.y_m[a]}, FeatureProbabilities(g),
-                                               Drawn(g, options.samplings, rng), options.windows_m, known)});
+    true_positions->push_back(
+        {run.number, ErrorsInMap(map, {run.x_m[a], run.y_m[a]}, FeatureProbabilities(g),
+                                 Drawn(g, options.samplings, rng), options.windows_m, known)});
   }
 }
 
-std::vector<WindowScore> ScoreWindows(const std::vector<Truth>& truths, const ScoreOptions& options) {
+std::vector<WindowScore> ScoreWindows(const std::vector<TruePosition>& true_positions,
+                                      const ScoreOptions& options) {
   std::vector<WindowScore> scores;
   for (std::size_t w = 0; w < options.windows_m.size(); ++w)
-    scores.push_back(ScoreWindow(truths, w, options));
+    scores.push_back(ScoreWindow(true_positions, w, options));
   return scores;
 }
 
@@ -199,8 +204,8 @@ void AddMapOptions(const ScoreOptions& options, bool headings, Scores* scores) {
     scores->AddForPrograms("heading_window_deg", {});
   }
   scores->Add("nearest", std::int64_t{options.nearest},
-              headings ? " training samples that face alike make P(f | place)"
-                       : " training samples make P(f | place)");
+              headings ? " training samples that face alike make P(f | position)"
+                       : " training samples make P(f | position)");
   scores->AddForPrograms("samplings", std::int64_t{options.samplings});
   scores->AddForPrograms("seed", options.seed);
 }

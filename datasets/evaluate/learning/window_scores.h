@@ -23,7 +23,7 @@ struct ScoreOptions {
   int samplings = 20;      // of f, for each held-out sample
   std::uint64_t seed = 1;  // of the samplings and of the bootstrap
   std::vector<double> windows_m = {1, 2, 5, 10, 50, 89, kGlobal};  // half-widths, ascending
-  // What the robot knows of its heading: places whose samples face farther away are not believed in; none:
+  // What the robot knows of its heading: positions whose samples face farther away are not believed in; none:
   // what the networks were trained for, and nothing (180) of features made by hand.
   std::optional<double> heading_window_deg = {};
   std::string map_name = "the networks", samples_name = "the samples";  // files, for messages
@@ -36,13 +36,13 @@ struct Score {
 };
 
 struct WindowScore {
-  double window_m = 0;        // kGlobal: globally uncertain
-  std::int64_t truths = 0;    // held-out samples that count
-  std::int64_t left_out = 0;  // those without a training sample in the window
-  double prior_error_m = 0;   // this and the scores mean nothing where no truth counts
-  Score soft;                 // the expectation over f
-  Score sampled;              // the mean over the samplings, and …
-  double sampled_sd = 0;      // … the standard deviation of the reduction over them
+  double window_m = 0;              // kGlobal: globally uncertain
+  std::int64_t true_positions = 0;  // held-out samples that count
+  std::int64_t left_out = 0;        // those without a training sample in the window
+  double prior_error_m = 0;         // this and the scores mean nothing where no truth counts
+  Score soft;                       // the expectation over f
+  Score sampled;                    // the mean over the samplings, and …
+  double sampled_sd = 0;            // … the standard deviation of the reduction over them
   std::string interval_over;  // "runs", "blocks" (of consecutive samples); what is drawn by the bootstrap
   std::int64_t clusters = 0;  // how many of them
 };
@@ -53,7 +53,7 @@ struct RunSize {
 };
 
 // A held-out sample: the run it is of, and its errors in each window.
-struct Truth {
+struct TruePosition {
   std::size_t run;
   std::vector<WindowError> errors;
 };
@@ -74,7 +74,7 @@ struct ScoredHeadings {
   double window_deg = 180;
 };
 
-// Whether headings count: P(f | place) is then of samples that face alike, and beliefs hold those in the
+// Whether headings count: P(f | position) is then of samples that face alike, and beliefs hold those in the
 // heading's window. They do where all samples have one and they do not all face one way, or where there is a
 // window. Throws InputError where there is a window and a sample without a heading.
 bool HeadingsCount(const ScoredHeadings& headings, std::size_t map_samples);
@@ -83,12 +83,13 @@ bool HeadingsCount(const ScoredHeadings& headings, std::size_t map_samples);
 void CheckNearest(const ScoreOptions& options, std::size_t training_samples);
 
 // `options.heading_window_deg` has been decided where the map has headings.
-void AddTruths(const FeatureMap& map, const SensedRun& run, const ScoreOptions& options,
-               std::vector<Truth>* truths);
+void AddTruePositions(const FeatureMap& map, const SensedRun& run, const ScoreOptions& options,
+                      std::vector<TruePosition>* true_positions);
 
-// One for each window. Intervals are taken over runs where at least two have truths that count, else over ten
-// blocks of consecutive samples. Truths of a run stand together.
-std::vector<WindowScore> ScoreWindows(const std::vector<Truth>& truths, const ScoreOptions& options);
+// One for each window. Intervals are taken over runs where at least two have true positions that count, else
+// over ten blocks of consecutive samples. True positions of a run stand together.
+std::vector<WindowScore> ScoreWindows(const std::vector<TruePosition>& true_positions,
+                                      const ScoreOptions& options);
 
 // What is known of the position beforehand; where it is global, nothing.
 void AddWindow(const std::string& name, double window_m, Scores* scores);

@@ -142,16 +142,16 @@ MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
   for (const Wall& wall : walls)
     ForPointsOf(wall, kSpacing * map.cell_m, {}, std::numeric_limits<double>::infinity(),
                 [&](Point at) { Mark(truth.box, at, &truth.wall); });
-  std::vector<std::pair<std::int64_t, std::int64_t>> way;
+  std::vector<std::pair<std::int64_t, std::int64_t>> path;
   for (const ScoredSensor& sensor : scans) {
     for (std::size_t scan = 0; scan < sensor.poses.size(); ++scan) {
-      way.emplace_back(truth.box.Column(sensor.poses[scan].x_m), truth.box.Row(sensor.poses[scan].y_m));
+      path.emplace_back(truth.box.Column(sensor.poses[scan].x_m), truth.box.Row(sensor.poses[scan].y_m));
       if (sensor.held_out[scan] != 0) continue;
       for (std::size_t beam = 0; beam < sensor.beams.size(); ++beam)
         MarkDue(walls, sensor.BeamPose(scan, beam), sensor.opening_rad / 2, sensor.max_range_m, &truth);
     }
   }
-  FloodFrom(way, &truth);
+  FloodFrom(path, &truth);
   return truth;
 }
 

@@ -78,17 +78,17 @@ std::vector<std::vector<bool>> ReadLookedAt(const Blob& result, const Associatio
   return looked_at;
 }
 
-std::vector<std::vector<bool>> ReadPresses(const Blob& log, const Associations& map) {
-  std::vector<std::vector<bool>> presses;
+std::vector<std::vector<bool>> ReadContacts(const Blob& log, const Associations& map) {
+  std::vector<std::vector<bool>> contacts;
   for (std::size_t r = 0; r < map.size(); ++r) {
-    presses.emplace_back(map[r].size(), true);
+    contacts.emplace_back(map[r].size(), true);
     const std::string name = ObservationsOf(r) + "range_m";
     if (!log.Has(name)) continue;
     const auto range = log.Get<double>(name);
     for (std::size_t i = 0; i < std::min(range.size(), map[r].size()); ++i)
-      presses[r][i] = std::isnan(range[i]);
+      contacts[r][i] = std::isnan(range[i]);
   }
-  return presses;
+  return contacts;
 }
 
 namespace {
@@ -114,13 +114,13 @@ bool EachOfAnother(std::vector<std::int32_t> truth_of) {
 }  // namespace
 
 TopologyScore ScoreTopology(const Associations& map, const std::vector<std::vector<bool>>& looked_at,
-                            const std::vector<std::vector<bool>>& presses, const Associations& truth,
+                            const std::vector<std::vector<bool>>& contacts, const Associations& truth,
                             std::size_t landmarks) {
   constexpr std::int64_t kOneIn = 20;
   const std::vector<std::int32_t> truth_of = TruthOfEach(map, truth, landmarks);
   TopologyScore score;
   std::map<std::int32_t, OfTruth> of_truth;
-  std::int64_t wrong_presses = 0, wrong_sightings = 0, sightings = 0;
+  std::int64_t wrong_contacts = 0, wrong_ranged = 0, ranged = 0;
   for (std::size_t r = 0; r < map.size(); ++r) {
     for (std::size_t i = 0; i < map[r].size(); ++i) {
       const std::int32_t m = map[r][i], t = truth[r][i];
@@ -128,11 +128,11 @@ TopologyScore ScoreTopology(const Associations& map, const std::vector<std::vect
       const bool left_out = m < 0 && t >= 0 && looked_at[r][i];
       score.associations += m >= 0 ? 1 : 0;
       score.wrong += m >= 0 && !right ? 1 : 0;
-      if (presses[r][i]) {
-        wrong_presses += (m >= 0 && !right) || left_out ? 1 : 0;
+      if (contacts[r][i]) {
+        wrong_contacts += (m >= 0 && !right) || left_out ? 1 : 0;
       } else if (m >= 0) {
-        ++sightings;
-        wrong_sightings += right ? 0 : 1;
+        ++ranged;
+        wrong_ranged += right ? 0 : 1;
       }
       if (t < 0) continue;
       ++score.observations;
@@ -141,7 +141,7 @@ TopologyScore ScoreTopology(const Associations& map, const std::vector<std::vect
       of_truth[t].right += right ? 1 : 0;
     }
   }
-  score.correct = EachOfAnother(truth_of) && wrong_presses == 0 && kOneIn * wrong_sightings <= sightings &&
+  score.correct = EachOfAnother(truth_of) && wrong_contacts == 0 && kOneIn * wrong_ranged <= ranged &&
                   std::ranges::all_of(of_truth, [](const auto& landmark) {
                     return 2 * landmark.second.right > landmark.second.looked_at;
                   });

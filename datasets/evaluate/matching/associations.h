@@ -27,8 +27,8 @@ std::optional<Associations> ReadTrueAssociations(const Blob& log, std::size_t la
 // it says nothing.
 std::vector<std::vector<bool>> ReadLookedAt(const Blob& result, const Associations& map);
 
-// Which observations were pressed where the robot stood: those without a range.
-std::vector<std::vector<bool>> ReadPresses(const Blob& log, const Associations& map);
+// Which observations were contact detections, where the robot stood: those without a range.
+std::vector<std::vector<bool>> ReadContacts(const Blob& log, const Associations& map);
 
 struct TopologyScore {
   bool correct = false;
@@ -40,11 +40,12 @@ struct TopologyScore {
 
 // Correct: each of the map's `landmarks` has observations, and most of them are truly of one landmark,
 // another one each; of each true landmark with observations there are some that the map looked at, and most
-// of these are in that landmark of the map; no press is wrong, nor held to be of nothing though it is of a
-// landmark; and of the associations of sightings one in twenty is wrong at most (of things that stand closer
-// together than one sighting is exact some are taken for one another on any map).
+// of these are in that landmark of the map; no contact detection is wrong, nor held to be of nothing though
+// it is of a landmark; and of the associations of range-bearing observations one in twenty is wrong at most
+// (of things that stand closer together than one range-bearing observation is exact some are taken for one
+// another on any map).
 TopologyScore ScoreTopology(const Associations& map, const std::vector<std::vector<bool>>& looked_at,
-                            const std::vector<std::vector<bool>>& presses, const Associations& truth,
+                            const std::vector<std::vector<bool>>& contacts, const Associations& truth,
                             std::size_t landmarks);
 
 // The true landmark that most observations of each map landmark belong to, where it has any.

@@ -15,8 +15,8 @@ Flags All(const Associations& map, bool value) {
   return flags;
 }
 
-bool Correct(const Associations& presses, const Associations& truth, std::size_t landmarks) {
-  return ScoreTopology(presses, All(presses, true), All(presses, true), truth, landmarks).correct;
+bool Correct(const Associations& contacts, const Associations& truth, std::size_t landmarks) {
+  return ScoreTopology(contacts, All(contacts, true), All(contacts, true), truth, landmarks).correct;
 }
 
 TEST(ScoreTopology, LooksAtTheClassesNotTheirNumbers) {
@@ -25,7 +25,7 @@ TEST(ScoreTopology, LooksAtTheClassesNotTheirNumbers) {
   EXPECT_FALSE(Correct({{1, 0, 1, -1}, {0, 2}}, truth, 4)) << "a landmark is extra";
   EXPECT_FALSE(Correct({{1, 0, 1, -1}, {0, 0}}, truth, 2)) << "two joined";
   EXPECT_FALSE(Correct({{1, 0, 3, -1}, {0, 2}}, truth, 4)) << "one split";
-  EXPECT_FALSE(Correct({{1, 0, -1, -1}, {0, 2}}, truth, 3)) << "a press left out";
+  EXPECT_FALSE(Correct({{1, 0, -1, -1}, {0, 2}}, truth, 3)) << "a contact detection left out";
   EXPECT_FALSE(Correct({{1, 0, 1, 2}, {0, 2}}, truth, 3)) << "a false one taken in";
   EXPECT_FALSE(Correct({{1, 0, 1, -1}, {0, -1}}, truth, 2)) << "a landmark is missed";
   EXPECT_FALSE(Correct({{-1, -1, -1, -1}, {-1, -1}}, truth, 0)) << "an empty map";
@@ -35,38 +35,38 @@ TEST(ScoreTopology, LooksAtTheClassesNotTheirNumbers) {
 TEST(ScoreTopology, WhatWasNotLookedAtIsUnusedAndNotWrong) {
   const Associations truth = {{4, 4, 4, -1, 7, 7, 7}}, map = {{0, -1, -1, -1, -1, 1, -1}};
   const Flags looked_at = {{true, false, false, false, false, true, false}};
-  for (const bool press : {true, false}) {
-    const TopologyScore score = ScoreTopology(map, looked_at, All(map, press), truth, 2);
+  for (const bool contact : {true, false}) {
+    const TopologyScore score = ScoreTopology(map, looked_at, All(map, contact), truth, 2);
     EXPECT_TRUE(score.correct);
     EXPECT_EQ(score.observations, 6);
     EXPECT_EQ(score.unused, 4);
     EXPECT_EQ(score.associations, 2);
     EXPECT_EQ(score.wrong, 0);
-    EXPECT_FALSE(ScoreTopology(map, looked_at, All(map, press), {{4, 4, 4, 9, 7, 7, 7}}, 2).correct)
+    EXPECT_FALSE(ScoreTopology(map, looked_at, All(map, contact), {{4, 4, 4, 9, 7, 7, 7}}, 2).correct)
         << "of landmark 9 nothing was looked at: the map misses it";
   }
 }
 
-// Twenty sightings each of two landmarks.
-TEST(ScoreTopology, OneSightingInTwentyMayBeOfTheNeighbour) {
+// Twenty range-bearing observations each of two landmarks.
+TEST(ScoreTopology, OneObservationInTwentyMayBeOfTheNeighbour) {
   Associations truth(1), map(1);
   for (int i = 0; i < 40; ++i) {
     truth[0].push_back(i % 2);
     map[0].push_back(i % 2);
   }
-  const auto score = [&](bool press) {
-    return ScoreTopology(map, All(map, true), All(map, press), truth, 2);
+  const auto score = [&](bool contact) {
+    return ScoreTopology(map, All(map, true), All(map, contact), truth, 2);
   };
   map[0][0] = map[0][2] = 1;
   EXPECT_TRUE(score(false).correct);
-  EXPECT_FALSE(score(true).correct) << "a press is a visit";
+  EXPECT_FALSE(score(true).correct) << "a contact detection is a visit";
   EXPECT_EQ(score(false).wrong, 2);
   map[0][4] = 1;
   EXPECT_FALSE(score(false).correct);
   EXPECT_EQ(score(false).wrong, 3);
 }
 
-TEST(ScoreTopology, OfSightingsThatWereLookedAtMostAreInTheirLandmark) {
+TEST(ScoreTopology, OfObservationsThatWereLookedAtMostAreInTheirLandmark) {
   const Associations truth = {{4, 4, 4, 4, 7}};
   const auto correct = [&](const Associations& map) {
     return ScoreTopology(map, All(map, true), All(map, false), truth, 2).correct;

@@ -40,7 +40,7 @@ class CarmenImport {
   explicit CarmenImport(const CarmenImportOptions& options) : options_(options), bad_(options.skip_bad) {}
 
   ImportReport Run(Blob* log) {
-    CheckNominal(options_.nominal);
+    CheckNoise(options_.noise);
     carmen_ = ReadCarmenLog(options_.path, &bad_, &report_);
     moves_apart_ = std::ranges::any_of(carmen_.sources, [](const auto& s) { return MovesApart(s.mounts); });
     PlacePoses();
@@ -49,7 +49,7 @@ class CarmenImport {
     ranges.numbered = options_.numbered;
     ranges.marks_are_names = options_.named_markers;
     PlaceScans(&ranges);
-    return MakeRangeLog(std::move(ranges), options_.nominal, &bad_, std::move(report_), log);
+    return MakeRangeLog(std::move(ranges), options_.noise, &bad_, std::move(report_), log);
   }
 
  private:

@@ -18,8 +18,8 @@ struct CarmenImportOptions {
   // the robot.
   enum class Poses { kDetect, kCorrected, kRaw };
   std::string path;
-  bool skip_bad = false;   // skip bad lines and count them by reason, instead of stopping at the first
-  NominalFigures nominal;  // CARMEN states none
+  bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
+  NoiseParameters noise;  // CARMEN states none
   Poses poses = Poses::kDetect;
   bool numbered = false;       // time is the line's number, not its stamp
   bool named_markers = false;  // markers of the same text are at the same landmark
@@ -32,15 +32,15 @@ struct CarmenImportOptions {
 };
 
 // Writes a `log` (schema/FORMAT.md) of one robot: lasers as `laser` (in front), `laser2` (at the rear) to
-// `laser5`, sonars as `sonar`, markers as presses. A laser sits where its messages say (the median of the
-// laser's pose as seen from the robot's); those without poses, or with the same one for both at the rear,
-// where PARAM says, the rear one looking back. RAWLASERn is left out where ROBOTLASERn (or FLASER, RLASER)
-// holds the same. Odometry, or what takes its place, gives the controls; corrected poses become the pose
-// table, in which each scan finds its own pose at its time (datasets/import/recorded/range_log.h). Throws
-// InputError "FILE:LINE: REASON: DETAIL". Bad are: an unknown message, not a number, not finite, fewer or
-// more values than declared, a negative range, one of more than 1000 m, beams or geometry other than those of
-// the sensor's first scan, time that runs backwards by more than a second. Ranges at or beyond the sensor's
-// reach, and of 0, are no bad lines: 'nothing' is told so.
+// `laser5`, sonars as `sonar`, markers as contact detections. A laser sits where its messages say (the median
+// of the laser's pose as seen from the robot's); those without poses, or with the same one for both at the
+// rear, where PARAM says, the rear one looking back. RAWLASERn is left out where ROBOTLASERn (or FLASER,
+// RLASER) holds the same. Odometry, or what takes its place, gives the controls; corrected poses become the
+// pose table, in which each scan finds its own pose at its time (datasets/import/recorded/range_log.h).
+// Throws InputError "FILE:LINE: REASON: DETAIL". Bad are: an unknown message, not a number, not finite, fewer
+// or more values than declared, a negative range, one of more than 1000 m, beams or geometry other than those
+// of the sensor's first scan, time that runs backwards by more than a second. Ranges at or beyond the
+// sensor's reach, and of 0, are no bad lines: 'nothing' is told so.
 ImportReport ImportCarmen(const CarmenImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

@@ -164,11 +164,11 @@ TEST_F(ImportCarmenTest, ReadsWhatCarmensLoggerWrites) {
 }
 
 // No public program was found that writes MARKER; its form is that of CARMEN's other messages of text.
-TEST_F(ImportCarmenTest, MarkersArePressesWithAndWithoutNames) {
+TEST_F(ImportCarmenTest, MarkersAreContactsWithAndWithoutNames) {
   const std::string log =
       "ODOM 0 0 0 0 0 0 1 h 1\nMARKER big door 1.5 h 1.5\nMARKER 2 h 2\nMARKER big door 3 h 3\n"
       "ODOM 1 0 0 0 0 0 4 h 4\n";
-  EXPECT_EQ(Import(log).presses, 3);
+  EXPECT_EQ(Import(log).contacts, 3);
   EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{-1, -1, -1}));
   options_.named_markers = true;
   EXPECT_EQ(Import(log).landmarks, 2);
@@ -246,7 +246,7 @@ TEST(ImportCarmenData, HoldsWhatIsKnownOfIt) {
   const struct {
     const char* file;
     std::int64_t scans, beams, silent;
-    double way_m;
+    double travelled_m;
   } logs[] = {{"carmen-intel/intel-corrected.log.gz", 910, 180, 4172, 499.5},
               {"carmen-fr079/freiburg-079-corrected.log.gz", 4791, 360, 36004, 422.5},
               {"carmen-belgioioso/belgioioso-corrected.log.gz", 395, 361, 699, 219.0},
@@ -262,16 +262,16 @@ TEST(ImportCarmenData, HoldsWhatIsKnownOfIt) {
     EXPECT_EQ(report.read.at("readings of laser without an answer within its reach"), expected.silent);
     const Track track = ReadTrack(log, "robot/0/poses/");
     EXPECT_EQ(std::ranges::adjacent_find(track.time_s, std::ranges::greater_equal()), track.time_s.end());
-    double way_m = 0;
+    double travelled_m = 0;
     std::optional<Pose> before;
     for (const double time : log.Get<double>("robot/0/laser/time_s")) {
       const auto found = std::ranges::lower_bound(track.time_s, time);
       ASSERT_TRUE(found != track.time_s.end() && *found == time) << "each scan has a row of its own";
       const Pose pose = track.poses[static_cast<std::size_t>(found - track.time_s.begin())];
-      if (before) way_m += std::hypot(pose.x_m - before->x_m, pose.y_m - before->y_m);
+      if (before) travelled_m += std::hypot(pose.x_m - before->x_m, pose.y_m - before->y_m);
       before = pose;
     }
-    EXPECT_NEAR(way_m, expected.way_m, 0.5);
+    EXPECT_NEAR(travelled_m, expected.travelled_m, 0.5);
   }
 }
 
@@ -286,10 +286,10 @@ TEST(ImportCarmenData, RawAndCorrectedIntelLogsAgree) {
   EXPECT_FALSE(raw.Has("robot/0/poses/time_s"));
   options.path = DataFolder() + "/carmen-intel/intel-corrected.log.gz";
   ImportCarmen(options, &corrected);
-  double way_m = 0;
-  for (const double forward : raw.Get<double>("robot/0/odometry/forward_m")) way_m += std::abs(forward);
-  EXPECT_NEAR(way_m, 501.1, 0.5);
-  const Pose end = TrajectoryOf(raw, "").poses.back();
+  double travelled_m = 0;
+  for (const double forward : raw.Get<double>("robot/0/odometry/forward_m")) travelled_m += std::abs(forward);
+  EXPECT_NEAR(travelled_m, 501.1, 0.5);
+  const Pose end = ReadTrajectory(raw, "").poses.back();
   EXPECT_NEAR(end.x_m, -29.9, 0.05) << "as seen from the first scan, so its README";
   EXPECT_NEAR(end.y_m, -55.1, 0.05);
   const auto a = raw.Get<double>("robot/0/laser/range_m"), b = corrected.Get<double>("robot/0/laser/range_m");

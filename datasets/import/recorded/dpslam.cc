@@ -45,14 +45,14 @@ class DpSlamLines {
 }  // namespace
 
 ImportReport ImportDpSlam(const RangeImportOptions& options, Blob* log) {
-  CheckNominal(options.nominal);
+  CheckNoise(options.noise);
   BadLines bad(options.skip_bad);
   RangeLog ranges;
   ranges.path = options.path;
   ranges.numbered = true;
   DpSlamLines lines(&ranges);
   ForEachLine(options.path, &bad, [&](const Fields& line, std::size_t number) { lines.Read(line, number); });
-  return MakeRangeLog(std::move(ranges), options.nominal, &bad, {}, log);
+  return MakeRangeLog(std::move(ranges), options.noise, &bad, {}, log);
 }
 
 }  // namespace cairn::datasets

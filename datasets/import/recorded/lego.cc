@@ -158,11 +158,11 @@ std::vector<double> Course(const std::vector<double>& x_m, const std::vector<dou
 }
 
 ImportReport ImportLegoRobot(const RecordedImportOptions& options, Blob* log) {
-  CheckNominal(options.nominal);
+  CheckNoise(options.noise);
   BadLines bad(options.skip_bad);
   ImportReport report;
   LogRows rows;
-  rows.nominal = options.nominal;
+  rows.noise = options.noise;
   RobotRows& robot = rows.robots.emplace_back();
   robot.name = "lego";
   const std::vector<double> times =

@@ -22,7 +22,7 @@ class MrclamImport {
   explicit MrclamImport(const MrclamImportOptions& options) : options_(options), bad_(options.skip_bad) {}
 
   ImportReport Run(Blob* log) {
-    rows_.nominal = Figures();
+    rows_.noise = Noise();
     if (!std::filesystem::is_directory(options_.folder))
       throw InputError(options_.folder + ": no such folder");
     ReadBarcodes();
@@ -48,23 +48,23 @@ class MrclamImport {
   }
 
  private:
-  NominalFigures Figures() const {
-    CheckNominal(options_.nominal);
-    NominalFigures figures = MrclamNominal();
-    const NominalFigures& given = options_.nominal;
-    const auto replace = [](std::optional<double>& figure, const std::optional<double>& other) {
-      if (other) figure = other;
+  NoiseParameters Noise() const {
+    CheckNoise(options_.noise);
+    NoiseParameters noise = MrclamNoise();
+    const NoiseParameters& given = options_.noise;
+    const auto replace = [](std::optional<double>& parameter, const std::optional<double>& other) {
+      if (other) parameter = other;
     };
-    replace(figures.heading_drift_rad_per_m, given.heading_drift_rad_per_m);
-    replace(figures.heading_walk_rad_per_sqrt_m, given.heading_walk_rad_per_sqrt_m);
-    replace(figures.forward_ratio, given.forward_ratio);
-    replace(figures.turn_ratio, given.turn_ratio);
-    replace(figures.press_m, given.press_m);
-    replace(figures.range_m, given.range_m);
-    replace(figures.bearing_rad, given.bearing_rad);
-    replace(figures.max_range_m, given.max_range_m);
-    replace(figures.field_of_view_rad, given.field_of_view_rad);
-    return figures;
+    replace(noise.heading_drift_rad_per_m, given.heading_drift_rad_per_m);
+    replace(noise.heading_walk_rad_per_sqrt_m, given.heading_walk_rad_per_sqrt_m);
+    replace(noise.forward_ratio, given.forward_ratio);
+    replace(noise.turn_ratio, given.turn_ratio);
+    replace(noise.contact_m, given.contact_m);
+    replace(noise.range_m, given.range_m);
+    replace(noise.bearing_rad, given.bearing_rad);
+    replace(noise.max_range_m, given.max_range_m);
+    replace(noise.field_of_view_rad, given.field_of_view_rad);
+    return noise;
   }
 
   static std::string Robot(int subject, const char* what) {
@@ -146,7 +146,7 @@ class MrclamImport {
   }
 
   bool IsGood(double range, double bearing, DatReader* reader) {
-    const std::optional<Misreading> misreading = FindMisreading(range, bearing, rows_.nominal);
+    const std::optional<Misreading> misreading = FindMisreading(range, bearing, rows_.noise);
     if (misreading) reader->Bad(misreading->reason, misreading->detail);
     return !misreading;
   }
@@ -154,7 +154,7 @@ class MrclamImport {
   void ReadMeasurements(int observer, RobotRows* robot) {
     const std::string path = Need(Robot(observer, "Measurement"));
     DatReader reader(path, 4, &bad_);
-    robot->observations.from.file = robot->sightings.from.file = path;
+    robot->observations.from.file = robot->robot_observations.from.file = path;
     while (reader.Next()) {
       if (!reader.InOrder() || !IsGood(reader[2], reader[3], &reader)) continue;
       const auto subject = subjects_.find(reader[1]);
@@ -166,11 +166,11 @@ class MrclamImport {
         ++report_.dropped["after the last odometry"];
       } else {
         Take(subject->second, &reader, robot);
-        for (Observations* rows : {&robot->observations, &robot->sightings})
+        for (Observations* rows : {&robot->observations, &robot->robot_observations})
           rows->from.line.resize(rows->time_s.size(), reader.line());
       }
     }
-    if (robot->observations.time_s.empty() && robot->sightings.time_s.empty())
+    if (robot->observations.time_s.empty() && robot->robot_observations.time_s.empty())
       report_.warnings.push_back(path + ": nothing of it can be used: robot '" + robot->name +
                                  "' observes nothing");
   }
@@ -186,9 +186,9 @@ class MrclamImport {
     if (subject <= kLastRobot) {
       const auto seen = robots_.find(subject);
       if (seen == robots_.end())
-        ++report_.dropped["sighting of a robot without odometry"];
+        ++report_.dropped["observation of a robot without odometry"];
       else
-        robot->sightings.Add(row[0], seen->second, row[2], bearing);
+        robot->robot_observations.Add(row[0], seen->second, row[2], bearing);
       return;
     }
     if (rows_.truth_landmarks && !truth_.contains(subject)) {
@@ -222,11 +222,11 @@ class MrclamImport {
 
 }  // namespace
 
-NominalFigures MrclamNominal() {
-  NominalFigures figures;
-  figures.max_range_m = 10;
-  figures.field_of_view_rad = 1.22;
-  return figures;
+NoiseParameters MrclamNoise() {
+  NoiseParameters noise;
+  noise.max_range_m = 10;
+  noise.field_of_view_rad = 1.22;
+  return noise;
 }
 
 ImportReport ImportMrclam(const MrclamImportOptions& options, Blob* log) {

@@ -42,8 +42,8 @@ TEST_F(ImportMrclamTest, PutsEveryColumnInItsPlace) {
   EXPECT_EQ(Column<double>("robot/1/odometry/forward_m"), (std::vector<double>{0, 2}));
   EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{0, 1}));
   EXPECT_EQ(Column<double>("robot/0/observations/bearing_rad"), (std::vector<double>{0.5, -0.5}));
-  EXPECT_EQ(Column<std::int32_t>("robot/0/sightings/robot"), (std::vector<std::int32_t>{1}));
-  EXPECT_EQ(Column<double>("robot/0/sightings/range_m"), (std::vector<double>{3}));
+  EXPECT_EQ(Column<std::int32_t>("robot/0/robot_observations/robot"), (std::vector<std::int32_t>{1}));
+  EXPECT_EQ(Column<double>("robot/0/robot_observations/range_m"), (std::vector<double>{3}));
   EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{0, 1}));
   EXPECT_EQ(Column<double>("truth/landmarks/y_m"), (std::vector<double>{2, 4}));
   EXPECT_EQ(Column<double>("truth/robot/0/poses/heading_rad"), (std::vector<double>{-3, 3}));
@@ -53,7 +53,7 @@ TEST_F(ImportMrclamTest, PutsEveryColumnInItsPlace) {
             (std::map<std::string, std::int64_t>{
                 {"after the last odometry", 1}, {"before the first odometry", 1}, {"unknown barcode", 1}}));
   EXPECT_EQ(report.observations, 2);
-  EXPECT_EQ(report.sightings, 1);
+  EXPECT_EQ(report.robot_observations, 1);
 }
 
 TEST_F(ImportMrclamTest, WithheldIdentitiesStayInTheTruthOnly) {
@@ -71,12 +71,12 @@ TEST_F(ImportMrclamTest, RobotsAsClutterAreObservationsOfNoLandmark) {
   EXPECT_EQ(Column<double>("robot/0/observations/range_m"), (std::vector<double>{1, 2, 3}));
   EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"),
             (std::vector<std::int32_t>{0, 1, -1}));
-  EXPECT_EQ(report.sightings, 0);
+  EXPECT_EQ(report.robot_observations, 0);
 }
 
-TEST_F(ImportMrclamTest, GivenFiguresReplaceTheNominalOnes) {
-  options_.nominal.range_m = 0.5;
-  options_.nominal.forward_ratio = 0.05;
+TEST_F(ImportMrclamTest, GivenNoiseReplacesTheDefaults) {
+  options_.noise.range_m = 0.5;
+  options_.noise.forward_ratio = 0.05;
   Import();
   EXPECT_EQ(log_.Scalar<double>("noise/range_m"), 0.5);
   EXPECT_EQ(log_.Scalar<double>("noise/forward_ratio"), 0.05);
@@ -84,7 +84,7 @@ TEST_F(ImportMrclamTest, GivenFiguresReplaceTheNominalOnes) {
 }
 
 // The dataset states none, and its ground truth is not for the pipeline to see.
-TEST_F(ImportMrclamTest, NoNoiseFiguresAreMadeUp) {
+TEST_F(ImportMrclamTest, NoNoiseIsMadeUp) {
   Import();
   ASSERT_TRUE(log_.Has("robot/0/odometry/forward_m"));
   for (const auto& [name, array] : log_.fields()) EXPECT_FALSE(name.starts_with("noise/")) << name;
@@ -152,11 +152,11 @@ std::int64_t Sum(const std::map<std::string, std::int64_t>& counts) {
 }
 
 double DrivenM(const Blob& log, int robot) {
-  double way = 0;
+  double travelled = 0;
   for (const double forward : log.Get<double>("robot/" + std::to_string(robot) + "/odometry/forward_m")) {
-    way += std::abs(forward);
+    travelled += std::abs(forward);
   }
-  return way;
+  return travelled;
 }
 
 // Facts that the datasets' READMEs state.
@@ -172,7 +172,8 @@ TEST(ImportMrclamData, Dataset1And6HoldWhatTheirReadmesSay) {
     Blob log;
     const ImportReport report =
         ImportMrclam({DataFolder() + "/" + facts.name, false, false, {}, false}, &log);
-    EXPECT_EQ(report.observations + report.sightings + Sum(report.dropped), facts.measurements) << facts.name;
+    EXPECT_EQ(report.observations + report.robot_observations + Sum(report.dropped), facts.measurements)
+        << facts.name;
     EXPECT_EQ(report.dropped.at("unknown barcode"), facts.unknown) << facts.name;
     EXPECT_EQ(report.robots, 5) << facts.name;
     EXPECT_EQ(report.landmarks, 15) << facts.name;

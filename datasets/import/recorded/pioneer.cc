@@ -77,7 +77,7 @@ std::vector<double> Metres(std::vector<double> millimetres) {
 }  // namespace
 
 ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
-  CheckNominal(options.nominal);
+  CheckNoise(options.noise);
   BadLines bad(options.skip_bad);
   ImportReport report;
   PioneerTable poses(options.path, "od.txt", &bad), sonars(options.path, "sonar.txt", &bad),
@@ -114,7 +114,7 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
       ranges_log.events.push_back(std::move(event));
     }
   }
-  return MakeRangeLog(std::move(ranges_log), options.nominal, &bad, std::move(report), log);
+  return MakeRangeLog(std::move(ranges_log), options.noise, &bad, std::move(report), log);
 }
 
 }  // namespace cairn::datasets

@@ -174,7 +174,7 @@ RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg
   return rows;
 }
 
-ImportReport MakeRangeLog(RangeLog ranges, const NominalFigures& nominal, BadLines* bad, ImportReport report,
+ImportReport MakeRangeLog(RangeLog ranges, const NoiseParameters& noise, BadLines* bad, ImportReport report,
                           Blob* log) {
   Order(&ranges, bad, &report);
   const Poses corrected = PosesOf(ranges, &RangeEvent::corrected);
@@ -183,7 +183,7 @@ ImportReport MakeRangeLog(RangeLog ranges, const NominalFigures& nominal, BadLin
   if (odometry.time_s.empty()) throw InputError(ranges.path + ": there is neither odometry nor a pose in it");
   const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
   LogRows rows;
-  rows.nominal = nominal;
+  rows.noise = noise;
   RobotRows& robot = rows.robots.emplace_back();
   robot.name = ranges.robot;
   robot.odometry = ControlsOf(TrackOf(odometry));

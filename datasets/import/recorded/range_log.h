@@ -23,7 +23,7 @@ struct RangeEvent {
   std::optional<Pose> truth;
   std::optional<std::size_t> sensor;  // of a scan: index into RangeLog::sensors
   std::vector<double> range_m;
-  std::optional<std::string> mark;  // what a person said of the place: a press
+  std::optional<std::string> mark;  // what a person said of the place: a contact detection
 };
 
 struct RangeLog {
@@ -45,7 +45,7 @@ RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg
 // counts, and a scan that has another pose than the one before at the same time counts a microsecond later,
 // so that the pose of each is found at its time. Scans and marks without a pose of their own that lie outside
 // the odometry's time are left out and counted. Without odometry the corrected poses give the controls.
-ImportReport MakeRangeLog(RangeLog ranges, const NominalFigures& nominal, BadLines* bad, ImportReport report,
+ImportReport MakeRangeLog(RangeLog ranges, const NoiseParameters& noise, BadLines* bad, ImportReport report,
                           Blob* log);
 
 }  // namespace cairn::datasets

@@ -11,8 +11,8 @@ namespace cairn::datasets {
 
 struct RangeImportOptions {
   std::string path;
-  bool skip_bad = false;   // skip bad lines and count them by reason, instead of stopping at the first
-  NominalFigures nominal;  // none of the recordings states any
+  bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
+  NoiseParameters noise;  // none of the recordings states any
 };
 
 // A folder with od.txt (ms, mm, mm, 0.1 degree), sonar.txt and laser.txt (ms, mm …) of a Pioneer robot, rows

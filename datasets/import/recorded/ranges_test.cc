@@ -103,7 +103,7 @@ TEST(ImportRangesData, HoldsWhatIsKnownOfIt) {
     ImportReport (*import)(const RangeImportOptions&, Blob*);
     const char* path;
     std::int64_t scans;
-    double way_m, silent_sonar;
+    double travelled_m, silent_sonar;
   } logs[] = {{ImportPioneer, "pioneer-sonar-laser/run1", 2 * 413, 25.0, 0.323},
               {ImportPioneer, "pioneer-sonar-laser/run2", 2 * 214, 9.1, 0.334},
               {ImportPioneer, "pioneer-sonar-laser/run4", 2 * 505, 28.9, 0.107},
@@ -117,9 +117,10 @@ TEST(ImportRangesData, HoldsWhatIsKnownOfIt) {
     RangeImportOptions options;
     options.path = DataFolder() + "/" + expected.path;
     EXPECT_EQ(expected.import(options, &log).scans, expected.scans);
-    double way_m = 0;
-    for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) way_m += std::abs(forward);
-    EXPECT_NEAR(way_m, expected.way_m, 0.01 * expected.way_m);
+    double travelled_m = 0;
+    for (const double forward : log.Get<double>("robot/0/odometry/forward_m"))
+      travelled_m += std::abs(forward);
+    EXPECT_NEAR(travelled_m, expected.travelled_m, 0.01 * expected.travelled_m);
     if (expected.silent_sonar == 0) continue;
     const auto sonar = log.Get<double>("robot/0/sonar/range_m");
     const auto silent = std::ranges::count_if(sonar, [](double r) { return std::isnan(r); });

@@ -12,8 +12,8 @@ namespace cairn::datasets {
 
 struct RecordedImportOptions {
   std::string folder;
-  bool skip_bad = false;   // skip bad lines and count them by reason, instead of stopping at the first
-  NominalFigures nominal;  // neither recording states any
+  bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
+  NoiseParameters noise;  // neither recording states any
 };
 
 // Claus Brenner's LEGO robot among six poles: robot4_motors.txt (ticks), cylinders.txt (poles that a detector

@@ -119,9 +119,9 @@ TEST(ImportRecordedData, HoldsWhatIsKnownOfIt) {
   options.folder = DataFolder() + "/victoria-park";
   const ImportReport park = ImportVictoriaPark(options, &log);
   EXPECT_GT(park.observations, 50000);
-  double way = 0;
-  for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) way += std::abs(forward);
-  EXPECT_NEAR(way, 4030, 100);
+  double travelled = 0;
+  for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) travelled += std::abs(forward);
+  EXPECT_NEAR(travelled, 4030, 100);
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ class VictoriaImport {
   explicit VictoriaImport(const RecordedImportOptions& options) : options_(options), bad_(options.skip_bad) {}
 
   ImportReport Run(Blob* log) {
-    CheckNominal(options_.nominal);
-    rows_.nominal = options_.nominal;
+    CheckNoise(options_.noise);
+    rows_.noise = options_.noise;
     RobotRows& robot = rows_.robots.emplace_back();
     robot.name = "car";
     ReadControls(&robot.odometry);

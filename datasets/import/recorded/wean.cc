@@ -33,7 +33,7 @@ RangeEvent EventOf(const Fields& line, std::size_t number) {
 }  // namespace
 
 ImportReport ImportWean(const RangeImportOptions& options, Blob* log) {
-  CheckNominal(options.nominal);
+  CheckNoise(options.noise);
   BadLines bad(options.skip_bad);
   RangeLog ranges;
   ranges.path = options.path;
@@ -41,7 +41,7 @@ ImportReport ImportWean(const RangeImportOptions& options, Blob* log) {
   ForEachLine(options.path, &bad, [&](const Fields& line, std::size_t number) {
     ranges.events.push_back(EventOf(line, number));
   });
-  return MakeRangeLog(std::move(ranges), options.nominal, &bad, {}, log);
+  return MakeRangeLog(std::move(ranges), options.noise, &bad, {}, log);
 }
 
 }  // namespace cairn::datasets

@@ -116,15 +116,15 @@ class Painter {
   void Dash(Point from, Point to, Rgb colour) {
     constexpr double kOn = 6, kPeriod = 10;
     const double length = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
-    const auto at = [&](double way) {
-      return Point{from.x_m + (to.x_m - from.x_m) * way / length,
-                   from.y_m + (to.y_m - from.y_m) * way / length};
+    const auto at = [&](double drawn) {
+      return Point{from.x_m + (to.x_m - from.x_m) * drawn / length,
+                   from.y_m + (to.y_m - from.y_m) * drawn / length};
     };
-    for (double way = 0; way < length;) {
-      const double phase = std::fmod(dashed_ + way, kPeriod);
-      const double stretch = std::min(length - way, (phase < kOn ? kOn : kPeriod) - phase) + 1e-6;
-      if (phase < kOn) canvas_.Line(at(way), at(std::min(length, way + stretch)), colour, 1.6);
-      way += stretch;
+    for (double drawn = 0; drawn < length;) {
+      const double phase = std::fmod(dashed_ + drawn, kPeriod);
+      const double stretch = std::min(length - drawn, (phase < kOn ? kOn : kPeriod) - phase) + 1e-6;
+      if (phase < kOn) canvas_.Line(at(drawn), at(std::min(length, drawn + stretch)), colour, 1.6);
+      drawn += stretch;
     }
     dashed_ += length;
   }

@@ -20,7 +20,7 @@ std::string Metres(const std::optional<double>& value, int digits = 2) {
 }
 
 struct LogFacts {
-  double way_m = 0;
+  double travelled_m = 0;
   double seconds = 0;
   std::int64_t controls = 0;
   std::int64_t observations = 0;
@@ -29,7 +29,8 @@ struct LogFacts {
 LogFacts FactsOf(const Blob& log, std::size_t r) {
   LogFacts facts;
   const std::string robot = RobotPrefix(r);
-  for (const double forward : log.Get<double>(robot + "odometry/forward_m")) facts.way_m += std::abs(forward);
+  for (const double forward : log.Get<double>(robot + "odometry/forward_m"))
+    facts.travelled_m += std::abs(forward);
   const auto time = log.Get<double>(robot + "odometry/time_s");
   if (!time.empty()) facts.seconds = time.back() - time.front();
   facts.controls = static_cast<std::int64_t>(time.size());
@@ -84,11 +85,11 @@ std::string LeadHtml(const Blob& result, const Blob* log) {
     LogFacts sum;
     for (std::size_t r = 0; r < robots; ++r) {
       const LogFacts facts = FactsOf(*log, r);
-      sum.way_m += facts.way_m;
+      sum.travelled_m += facts.travelled_m;
       sum.seconds += facts.seconds;
       sum.observations += facts.observations;
     }
-    text += ", " + Grouped(sum.way_m) + " m of odometry in " + Duration(sum.seconds) + " of driving, " +
+    text += ", " + Grouped(sum.travelled_m) + " m of odometry in " + Duration(sum.seconds) + " of driving, " +
             Count(sum.observations, "landmark observation");
   }
   text += ". The map has " + Count(result.at("map/landmark_x_m").size(), "landmark") + ".";
@@ -193,7 +194,7 @@ std::string LegendHtml(const Scene& scene) {
 std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluation* evaluation) {
   const std::vector<std::string> names = result.Texts("robots");
   std::vector<std::string> head = {"robot", "poses"};
-  if (log != nullptr) head.insert(head.end(), {"way", "time", "controls", "observations"});
+  if (log != nullptr) head.insert(head.end(), {"path", "time", "controls", "observations"});
   if (evaluation != nullptr) head.insert(head.end(), {"position RMSE", "heading RMSE"});
   std::string rows = RowHtml(head, "th");
   for (std::size_t r = 0; r < names.size(); ++r) {
@@ -201,7 +202,7 @@ std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluatio
     std::vector<std::string> cells = {RobotTitle(names[r]), Grouped(poses)};
     if (log != nullptr) {
       const LogFacts facts = FactsOf(*log, r);
-      cells.insert(cells.end(), {Grouped(facts.way_m) + " m", Duration(facts.seconds),
+      cells.insert(cells.end(), {Grouped(facts.travelled_m) + " m", Duration(facts.seconds),
                                  Grouped(static_cast<double>(facts.controls)),
                                  Grouped(static_cast<double>(facts.observations))});
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "datasets/evaluate/evaluate.h"
-#include "datasets/report/figures.h"
+#include "datasets/report/pictures.h"
 #include "datasets/report/scene.h"
 #include "schema/blob.h"
 

@@ -25,8 +25,8 @@ Box PictureBox(const CellBox& cells) {
 }
 
 // A layer with what lies on it.
-std::string LayerFigure(const CellPicture& picture, const std::string& label, const Scene& scene,
-                        double width) {
+std::string LayerPicture(const CellPicture& picture, const std::string& label, const Scene& scene,
+                         double width) {
   const Box box = PictureBox(picture.box);
   const double inner = width - MapMargins::kLeft - MapMargins::kRight;
   const double height = PanelHeight(box, inner, 90, std::max(0.9 * inner, 480.0));
@@ -34,7 +34,7 @@ std::string LayerFigure(const CellPicture& picture, const std::string& label, co
   const MapFrame frame(box, {MapMargins::kLeft, MapMargins::kTop, inner, height});
   MapCanvas canvas(svg, frame);
   canvas.Axes(true);
-  const CellPicture blocks = InBlocks(picture, width < kWideFigure ? kMostCellsNarrow : kMostCellsOfPage);
+  const CellPicture blocks = InBlocks(picture, width < kWidePicture ? kMostCellsNarrow : kMostCellsOfPage);
   canvas.Image(PictureBox(blocks.box), CellsPng(blocks));
   canvas.Walls(scene);
   canvas.Paths(scene.paths, "path");
@@ -48,7 +48,7 @@ std::string LayerHtml(const Blob& map, MapLayer layer, const std::string& label,
   const auto picture = PictureOf(map, layer);
   if (!picture) return {};
   return LegendHtml(legend) +
-         FigureHtml([&](double width) { return LayerFigure(*picture, label, scene, width); }, caption);
+         DrawingHtml([&](double width) { return LayerPicture(*picture, label, scene, width); }, caption);
 }
 
 LegendEntry Swatch(Rgb colour, const std::string& text) {

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/figures.h"
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/parts.h"
+#include "datasets/report/pictures.h"
 #include "datasets/report/scene.h"
 
 namespace cairn::datasets::report {
@@ -52,20 +52,20 @@ std::string LandmarkMapHtml(const Blob& result, const Blob* log, const Evaluatio
   const std::vector<Iteration> iterations = Iterations(result);
   std::string html = "<p class=\"lead\">" + Escape(LeadHtml(result, log)) + "</p>\n";
   html += TilesHtml(result, evaluation) + ConfidenceHtml(result);
-  html +=
-      SectionHtml("Map", LegendHtml(scene) + FigureHtml([&](double width) { return MapFigure(scene, width); },
-                                                        MapCaption(scene, evaluation)));
+  html += SectionHtml("Map",
+                      LegendHtml(scene) + DrawingHtml([&](double width) { return MapPicture(scene, width); },
+                                                      MapCaption(scene, evaluation)));
   html += SectionHtml(
       "Before and after",
-      FigureHtml([&](double width) { return BeforeAfterFigure(scene, width); }, BeforeAfterCaption(scene)));
+      DrawingHtml([&](double width) { return BeforeAfterPicture(scene, width); }, BeforeAfterCaption(scene)));
   html += SectionHtml("Landmark probability",
-                      FigureHtml([&](double width) { return GridFigure(scene, width); },
-                                 "P(landmark) of each cell, the largest over the landmark types; a "
-                                 "colour's strength goes with the root, so that doubt shows."));
+                      DrawingHtml([&](double width) { return GridPicture(scene, width); },
+                                  "P(landmark) of each cell, the largest over the landmark types; a "
+                                  "colour's strength goes with the root, so that doubt shows."));
   html += SectionHtml(
       "Convergence",
-      FigureHtml(
-          [&](double width) { return LikelihoodFigure(iterations, width); },
+      DrawingHtml(
+          [&](double width) { return LikelihoodPicture(iterations, width); },
           "Of the data under the map with which the iteration began, from the first that had one: iteration "
           "0 has no map, and is left out. A line joins iterations over the same data; hollow points are of a "
           "part of the data."));

@@ -139,7 +139,7 @@ bool Draw(const LineChart& chart, const Panel& panel, Svg* svg) {
 }
 
 std::string ChartHtml(const LineChart& chart, const std::string& caption, double height) {
-  const std::string figure = FigureHtml(
+  const std::string figure = DrawingHtml(
       [&](double width) {
         constexpr double kLeft = 86, kRight = 10, kTop = 8, kBottom = 40;
         Svg svg(width, kTop + height + kBottom, chart.title);

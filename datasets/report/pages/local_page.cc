@@ -8,10 +8,10 @@
 #include "datasets/evaluate/maps/truth.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/figures.h"
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/line_chart.h"
 #include "datasets/report/pages/parts.h"
+#include "datasets/report/pictures.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -92,10 +92,10 @@ std::string WallsHtml(const Blob& result, const Blob* log, std::size_t robot) {
   }
   const LineChart chart{"Direction of the walls in the frame of dead reckoning: " +
                             RobotTitle(result.Texts("robots").at(robot)),
-                        "time since the first sweep [s]", "direction [degrees]", curves};
+                        "time since the first scan [s]", "direction [degrees]", curves};
   return ChartHtml(
       chart,
-      "Followed from sweep to sweep: walls are known modulo 90 degrees. Odometry that drifts turns them.");
+      "Followed from scan to scan: walls are known modulo 90 degrees. Odometry that drifts turns them.");
 }
 
 std::string MapSection(const Scene& scene, const LocalEvaluation* evaluation) {
@@ -107,7 +107,8 @@ std::string MapSection(const Scene& scene, const LocalEvaluation* evaluation) {
   if (scene.paths.size() > 1)
     caption += " Each robot's path is in a frame of its own: how they lie to each other is not known.";
   return SectionHtml(
-      "Path", LegendHtml(scene) + FigureHtml([&](double width) { return MapFigure(scene, width); }, caption));
+      "Path",
+      LegendHtml(scene) + DrawingHtml([&](double width) { return MapPicture(scene, width); }, caption));
 }
 
 std::string GridSection(const LocalResult& local) {
@@ -119,7 +120,7 @@ std::string GridSection(const LocalResult& local) {
           LocalGridPng(*shot), "Local grids",
           "At " + Short(shot->time_s, 1) +
               " s. Grey: how often a cell is hit. Blue: dominant orientation of its edges. Red: the edges "
-              "of the last sweep. Below: the histogram of wall orientations in degrees modulo 90; the dot "
+              "of the last scan. Below: the histogram of wall orientations in degrees modulo 90; the dot "
               "is its peak."));
 }
 

@@ -19,7 +19,7 @@ std::vector<Track> OdometryOf(const Blob& log);
 // other, or the log's robots are not the result's.
 Scene LocalSceneOf(const Blob& result, const Blob* log, const LocalEvaluation* evaluation);
 
-// The snapshot that shows most: of those with the most edges in their last sweep the one with most cells that
+// The snapshot that shows most: of those with the most edges in their last scan the one with most cells that
 // have an orientation. Null where there is none.
 const LocalSnapshot* RichestOf(const LocalResult& result);
 const LocalTrace* LongestOf(const LocalResult& result);

@@ -12,9 +12,9 @@ namespace cairn::datasets::report {
 namespace {
 
 constexpr Rgb kPlotPaper{255, 255, 255}, kPlotInk{30, 34, 40}, kPale{176, 182, 190};
-constexpr Rgb kEdge{198, 70, 40}, kWay{38, 104, 178};
+constexpr Rgb kEdge{198, 70, 40}, kAlong{38, 104, 178};
 constexpr double kPictureMargin = 24;
-constexpr float kOccupied = 0.05F;  // hits a sweep from which on a cell is drawn as occupied
+constexpr float kOccupied = 0.05F;  // hits a scan from which on a cell is drawn as occupied
 
 // A segment of `length` pixels about a point, at an angle of the world (y up).
 void Stroke(Canvas* canvas, Point at, double angle_rad, double length, Rgb colour, double width) {
@@ -197,7 +197,7 @@ std::string LocalGridPng(const LocalSnapshot& shot) {
       if (share > 0.02)
         canvas.Fill({centre.x_m - pixel / 2, centre.y_m - pixel / 2},
                     {centre.x_m + pixel / 2, centre.y_m + pixel / 2}, Shade(0.75 * share));
-      if (!std::isnan(shot.edge_rad[i])) Stroke(&canvas, centre, shot.edge_rad[i], 0.8 * pixel, kWay, 2);
+      if (!std::isnan(shot.edge_rad[i])) Stroke(&canvas, centre, shot.edge_rad[i], 0.8 * pixel, kAlong, 2);
     }
   }
   for (const LocalEdge& line : shot.edges) canvas.Line(at(line.a), at(line.b), kEdge, 4);

@@ -11,10 +11,10 @@
 namespace cairn::datasets::report {
 
 // Figure 2: hit frequency in shades, a line in each cell that has a dominant orientation, the edges of the
-// last sweep, and below the histogram of wall orientations with its peak.
+// last scan, and below the histogram of wall orientations with its peak.
 std::string LocalGridPng(const LocalSnapshot& shot);
 
-// Figure 3: the way of the robot, and left and right of it the intervals of distance, bold where occupied;
+// Figure 3: the path of the robot, and left and right of it the intervals of distance, bold where occupied;
 // short lines where orientations differ.
 std::string TracePng(const LocalTrace& trace);
 

@@ -27,7 +27,7 @@ struct LocalFeature {
 struct LocalTrace {
   std::size_t robot = 0;
   double first_s = 0, last_s = 0;
-  Pose frame;  // in the assembled world: z is along it, u to its left
+  Pose frame;  // in the world frame: z is along it, u to its left
   std::int64_t first_z = 0;
   double cell_m = 0;
   std::vector<LocalFeature> features;

@@ -8,7 +8,7 @@
 #include "datasets/evaluate/learning/localized_steps.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
-#include "datasets/report/pages/localized_figures.h"
+#include "datasets/report/pages/localized_pictures.h"
 #include "datasets/report/pages/parts.h"
 
 namespace cairn::datasets::report {
@@ -22,7 +22,7 @@ std::string Joined(const std::vector<std::string>& names) {
   return joined;
 }
 
-// The runs, features and places that it is about.
+// The runs, features and positions that it is about.
 std::string Lead(const Blob& result, const LocalizedSteps& localized) {
   const std::vector<std::string> runs = result.Texts("runs"), features = result.Texts("feature_name");
   std::vector<std::string> visited;
@@ -36,7 +36,7 @@ std::string Lead(const Blob& result, const LocalizedSteps& localized) {
          Escape(
              Count(std::ranges::count(localized.steps, std::size_t{0}, &LocalizedStep::sensations), "robot") +
              " in " + Joined(visited) + ". Sensed: " + Joined(features) + ". Believed in: " +
-             Count(static_cast<std::int64_t>(localized.places.size()), "place") + ". At the start " +
+             Count(static_cast<std::int64_t>(localized.positions.size()), "position") + ". At the start " +
              (window_m > 0 ? "known to within " + Short(window_m) + " m." : "nothing is known.") +
              (result.Has("heading") ? " Which way it faces is " + result.Text("heading") + " to it." : "")) +
          "</p>\n";
@@ -66,7 +66,7 @@ std::string Tiles(const Blob& result, const LocalizedSteps& localized, const Loc
   if (score != nullptr) {
     tiles += TileHtml(ErrorOf(score->rows.front().believed), "mean error, nothing sensed yet");
     tiles += TileHtml(ErrorOf(score->rows.back().believed),
-                      "mean error after " + Metres(score->rows.back().way_m, 1));
+                      "mean error after " + Metres(score->rows.back().travelled_m, 1));
     tiles += TileHtml(Grouped(100 * score->rows.back().within_1m) + "%", "of robots within 1 m by then");
     tiles += score->under_1m_after_m
                  ? TileHtml(Metres(*score->under_1m_after_m, 1), "travelled until the mean is below 1 m")
@@ -82,9 +82,10 @@ std::string Tiles(const Blob& result, const LocalizedSteps& localized, const Loc
 
 // The start, the end, and some ten rows between them.
 std::string ErrorTable(const LocalizationScore& score) {
-  std::vector<std::string> head = {
-      "sensed",    "way", "robots", "error over the belief", "of its mean", "of its most likely place",
-      "within 1 m"};
+  std::vector<std::string> head = {"sensed",      "travelled",
+                                   "robots",      "error over the belief",
+                                   "of its mean", "of its most likely position",
+                                   "within 1 m"};
   if (!score.heading.empty()) head.emplace_back("facing right");
   std::string rows = RowHtml(head, "th");
   const std::size_t pitch = std::max<std::size_t>(1, score.rows.size() / 10);
@@ -92,7 +93,7 @@ std::string ErrorTable(const LocalizationScore& score) {
     if (k % pitch != 0 && k + 1 != score.rows.size()) continue;
     const LocalizationRow& row = score.rows[k];
     std::vector<std::string> cells = {std::to_string(row.sensations),
-                                      Metres(row.way_m, 1),
+                                      Metres(row.travelled_m, 1),
                                       std::to_string(row.traverses),
                                       ErrorOf(row.believed),
                                       ErrorOf(row.mean),
@@ -110,9 +111,9 @@ std::string BeliefSection(const LocalizedSteps& localized, const LocalizationSco
       score != nullptr
           ? "Grey: where it truly was" + std::string(score->against_truth ? "" : ", by its label") + ". "
           : "";
-  return FigureHtml(
-      [&](double width) { return BeliefFigure(localized, score, traverse, width); },
-      which + " The stronger the colour, the likelier the place; " + "green: the belief's mean. " + of);
+  return DrawingHtml(
+      [&](double width) { return BeliefPicture(localized, score, traverse, width); },
+      which + " The stronger the colour, the likelier the position; " + "green: the belief's mean. " + of);
 }
 
 }  // namespace
@@ -126,7 +127,7 @@ std::string LocalizationHtml(const Blob& result, const Blob* samples) {
   std::string html = Lead(result, localized) + Tiles(result, localized, score);
   if (score != nullptr) {
     html += SectionHtml(
-        "Error by way travelled",
+        "Error by distance travelled",
         ErrorHtml(*score,
                   std::string("Distances from ") +
                       (score->against_truth ? "the truth" : "the labels, which have errors of their own") +

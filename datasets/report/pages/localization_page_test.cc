@@ -4,7 +4,7 @@
 
 #include "datasets/evaluate/testing/localization.h"
 #include "datasets/kinds/job_report.h"
-#include "datasets/report/pages/localized_figures.h"
+#include "datasets/report/pages/localized_pictures.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {
@@ -25,11 +25,11 @@ TEST(LocalizationPage, ShowsErrorsAndBeliefsWhereTheSamplesAreGiven) {
   const std::string html = PageOf(LocalizationFile(), &samples, "a <b>");
   ExpectContains(html, "<title>a &lt;b&gt;</title>");
   ExpectContains(html,
-                 "2 robots in there. Sensed: door. Believed in: 4 places. At the start nothing is known.");
+                 "2 robots in there. Sensed: door. Believed in: 4 positions. At the start nothing is known.");
   ExpectContains(html, "<b>1.25 m ± ");  // the mean of 1.5 and 1.0
   ExpectContains(html, "<b>1.0 m</b><span>travelled until the mean is below 1 m");
   ExpectContains(html, "The robot in the middle, by its error on the way.");
-  for (const char* section : {"Error by way travelled", "How sure", "What a robot believes"})
+  for (const char* section : {"Error by distance travelled", "How sure", "What a robot believes"})
     ExpectContains(html, std::string("<h2>") + section + "</h2>");
   EXPECT_EQ(OccurrencesOnPage(html, "class=\"area r0\""), 2U) << "on a wide page and on a narrow one";
   EXPECT_EQ(html.find("nan"), std::string::npos);
@@ -40,7 +40,7 @@ TEST(LocalizationPage, SaysWhichWayRobotsBelieveToFace) {
   Blob samples = LocalizedSamples(), result = LocalizationFile();
   samples.PutVector<double>("run/0/heading_rad", {0, 0, 0, 3});
   result.Put("samples_hash", Array::Text(samples.ContentHash().Hex()));
-  result.PutVector<double>("place/heading_rad", {0, 3.1, -0.1, 3.1});
+  result.PutVector<double>("position/heading_rad", {0, 3.1, -0.1, 3.1});
   result.Put("heading", Array::Text("unknown"));
   const std::string html = LocalizationHtml(result, &samples);
   ExpectContains(html, "Which way it faces is unknown to it.");
@@ -65,7 +65,7 @@ TEST(LocalizationPage, RefusesWhatIsNoLocalizationAndOtherSamples) {
   ExpectContains(InputErrorOf([&] { LocalizationHtml(other, nullptr); }), "not a localization");
 }
 
-TEST(LocalizedFigures, AnExampleIsTheOneInTheMiddleAndTheWorst) {
+TEST(LocalizedPictures, AnExampleIsTheOneInTheMiddleAndTheWorst) {
   const Blob result = LocalizationFile(), samples = LocalizedSamples();
   const LocalizedSteps localized(result);
   const LocalizationScore score = EvaluateLocalization(result, samples);
@@ -75,15 +75,15 @@ TEST(LocalizedFigures, AnExampleIsTheOneInTheMiddleAndTheWorst) {
 }
 
 // On a line way against position; in the plane a map for each of the steps shown.
-TEST(LocalizedFigures, PlacesOnALineAreDrawnByWayOthersAsMaps) {
+TEST(LocalizedPictures, PositionsOnALineAreDrawnByWayOthersAsMaps) {
   Blob result = LocalizationFile();
   const Blob samples = LocalizedSamples();
   const LocalizationScore score = EvaluateLocalization(result, samples);
-  const std::string line = BeliefFigure(LocalizedSteps(result), &score, 0, 1040);
+  const std::string line = BeliefPicture(LocalizedSteps(result), &score, 0, 1040);
   EXPECT_EQ(OccurrencesOnPage(line, "<image"), 1U);
   EXPECT_EQ(OccurrencesOnPage(line, "class=\"truth-path\""), 1U);
-  result.PutVector<double>("place/y_m", {0, 2, 0, 1});
-  const std::string maps = BeliefFigure(LocalizedSteps(result), &score, 0, 1040);
+  result.PutVector<double>("position/y_m", {0, 2, 0, 1});
+  const std::string maps = BeliefPicture(LocalizedSteps(result), &score, 0, 1040);
   EXPECT_EQ(OccurrencesOnPage(maps, "<image"), 3U);
   ExpectContains(maps, "1 sensed, 1 m: error 0.5 m");
 }

@@ -61,7 +61,8 @@ std::string TrainingHtml(const TrainingHistory& h) {
     errors.push_back({"held out", ByStep(h.validation), 1});
   }
   const std::string caption =
-      "Before each step. Of mini-batches the error is that of the truths drawn; where networks come one "
+      "Before each step. Of mini-batches the error is that of the true positions drawn; where networks come "
+      "one "
       "after "
       "another, that of those in use.";
   return ChartHtml({"Error reduction", "step", "error reduction [%]", reductions}, caption) +
@@ -97,7 +98,7 @@ std::string OutputsHtml(const Blob& result) {
   const auto outputs = OutputsAlongRun(result);
   for (std::size_t n = 0; n < outputs.size(); ++n) {
     html += ChartHtml({"Network " + std::to_string(n),
-                       "way travelled [m]",
+                       "distance travelled [m]",
                        "P(f = 1)",
                        {Curve{"", outputs[n], static_cast<int>(n)}}},
                       "", 150);
@@ -189,7 +190,7 @@ std::string NetworksPng(const Blob& result) {
     plots.push_back(std::move(plot));
   }
   if (plots.empty()) throw InputError("there are no networks in it to draw");
-  plots.back().x_label = "way travelled in the first run [m]";
+  plots.back().x_label = "distance travelled in the first run [m]";
   return DrawPlots(plots, {.columns = 1, .width = 900, .height = 110});
 }
 

@@ -13,7 +13,7 @@ namespace cairn::datasets::report {
 // do not fit each other.
 std::string NetworksHtml(const Blob& result);
 
-// What each network makes of the places it was trained at, by way travelled in the first run. Throws
+// What each network makes of the positions it was trained at, by distance travelled in the first run. Throws
 // InputError where the arrays of `map/` do not fit each other.
 std::vector<std::vector<ChartPoint>> OutputsAlongRun(const Blob& result);
 

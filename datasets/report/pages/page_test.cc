@@ -13,8 +13,8 @@
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/drawing/palette.h"
-#include "datasets/report/figures.h"
 #include "datasets/report/pages/parts.h"
+#include "datasets/report/pictures.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 
@@ -142,7 +142,7 @@ TEST_F(Page, LettersAreLargeEnoughOnAPhoneAndOnADesk) {
   }
   // No drawing stands outside of the two, but for the marks of legends.
   for (const std::string& svg : Found(html_, "(<svg viewBox=\"0 0 [^\"]*\" role=\"img\"[^>]*>)"))
-    EXPECT_TRUE(WidthOf(svg) == kWideFigure || WidthOf(svg) == kNarrowFigure) << svg;
+    EXPECT_TRUE(WidthOf(svg) == kWidePicture || WidthOf(svg) == kNarrowPicture) << svg;
 }
 
 TEST_F(Page, IsCalledByItsLogAndItsJob) {
@@ -243,7 +243,7 @@ std::vector<Rectangle> NamesOn(const std::string& svg) {
 TEST(Names, CoverNeitherEachOtherNorALandmark) {
   for (const double width : {1040.0, 400.0}) {
     for (const double apart_m : {1.0, 3.0, 8.0}) {
-      const std::string svg = MapFigure(Crowd(48, apart_m, true), width);
+      const std::string svg = MapPicture(Crowd(48, apart_m, true), width);
       const std::vector<Rectangle> names = NamesOn(svg);
       ASSERT_FALSE(names.empty());
       std::vector<Rectangle> dots;
@@ -263,13 +263,13 @@ TEST(Names, CoverNeitherEachOtherNorALandmark) {
 }
 
 TEST(Names, WhereThereIsRoomAllAreThere) {
-  EXPECT_EQ(NamesOn(MapFigure(Crowd(8, 12, true), 1040)).size(), 9U);
+  EXPECT_EQ(NamesOn(MapPicture(Crowd(8, 12, true), 1040)).size(), 9U);
 }
 
 TEST(Names, OfHundredsThatAreMereNumbersNoneIs) {
-  EXPECT_TRUE(NamesOn(MapFigure(Crowd(475, 3, false), 1040)).empty());
-  EXPECT_FALSE(NamesOn(MapFigure(Crowd(40, 3, false), 1040)).empty());
-  EXPECT_FALSE(NamesOn(MapFigure(Crowd(475, 3, true), 1040)).empty()) << "identities are worth naming";
+  EXPECT_TRUE(NamesOn(MapPicture(Crowd(475, 3, false), 1040)).empty());
+  EXPECT_FALSE(NamesOn(MapPicture(Crowd(40, 3, false), 1040)).empty());
+  EXPECT_FALSE(NamesOn(MapPicture(Crowd(475, 3, true), 1040)).empty()) << "identities are worth naming";
 }
 
 // Relative luminance as the eye has it, of sRGB channels taken as they are.

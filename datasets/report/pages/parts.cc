@@ -28,10 +28,10 @@ std::string SectionHtml(const std::string& title, const std::string& body) {
   return body.empty() ? "" : "<section>\n<h2>" + title + "</h2>\n" + body + "</section>\n";
 }
 
-std::string FigureHtml(const Drawing& draw, const std::string& caption) {
-  const std::string wide = draw(kWideFigure);
+std::string DrawingHtml(const Drawing& draw, const std::string& caption) {
+  const std::string wide = draw(kWidePicture);
   if (wide.empty()) return {};
-  return "<figure>\n<div class=\"wide\">" + wide + "</div>\n<div class=\"narrow\">" + draw(kNarrowFigure) +
+  return "<figure>\n<div class=\"wide\">" + wide + "</div>\n<div class=\"narrow\">" + draw(kNarrowPicture) +
          "</div>\n<figcaption>" + caption + "</figcaption>\n</figure>\n";
 }
 
@@ -70,9 +70,9 @@ std::string TimeHtml(const std::vector<RoundTime>& rounds) {
     tasks += round.tasks;
     count += round.rounds;
   }
-  return FigureHtml([&](double width) { return RoundsFigure(rounds, width); },
-                    Count(count, "round") + " with " + Count(tasks, "task") + ": " + Duration(seconds) +
-                        " of wall time, " + Duration(compute) + " of computing.");
+  return DrawingHtml([&](double width) { return RoundsPicture(rounds, width); },
+                     Count(count, "round") + " with " + Count(tasks, "task") + ": " + Duration(seconds) +
+                         " of wall time, " + Duration(compute) + " of computing.");
 }
 
 std::string PageHtml(const std::string& title, const std::string& body, const Blob& result) {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "datasets/report/figures.h"
+#include "datasets/report/pictures.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::report {
@@ -15,11 +15,11 @@ namespace cairn::datasets::report {
 std::string SectionHtml(const std::string& title, const std::string& body);
 // A figure is drawn twice, for a wide page and for a phone, and the page shows the one that fits: text that
 // is made small with its drawing cannot be read. Widths are in pixels.
-inline constexpr double kWideFigure = 1040, kNarrowFigure = 400;
+inline constexpr double kWidePicture = 1040, kNarrowPicture = 400;
 // A drawing of a width, as SVG; empty: there is nothing to draw.
 using Drawing = std::function<std::string(double width)>;
 // Both drawings with words (HTML) below; empty where the drawing is.
-std::string FigureHtml(const Drawing& draw, const std::string& caption);
+std::string DrawingHtml(const Drawing& draw, const std::string& caption);
 // A raster picture in its own size, to be scrolled sideways where the page is narrower.
 std::string PictureHtml(std::string_view png, const std::string& label, const std::string& caption);
 // What a legend's entries look like and mean; `drawing`: SVG in a box of 26 by 14.

@@ -9,9 +9,9 @@
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/drawing/palette.h"
 #include "datasets/report/drawing/svg.h"
-#include "datasets/report/figures.h"
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/parts.h"
+#include "datasets/report/pictures.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -19,9 +19,10 @@ namespace {
 std::string RunPrefix(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
 
 double LengthOf(const Path& path) {
-  double way_m = 0;
-  for (std::size_t i = 1; i < path.points.size(); ++i) way_m += DistanceM(path.points[i - 1], path.points[i]);
-  return way_m;
+  double travelled_m = 0;
+  for (std::size_t i = 1; i < path.points.size(); ++i)
+    travelled_m += DistanceM(path.points[i - 1], path.points[i]);
+  return travelled_m;
 }
 
 // What was sensed on a run: a row an input, each over its own range, a column a sample.
@@ -64,7 +65,7 @@ std::string SensedPng(const Sensed& sensed) {
                    pixels);
 }
 
-std::string SensedFigure(const Sensed& sensed, double width) {
+std::string SensedPicture(const Sensed& sensed, double width) {
   if (sensed.share.empty()) return {};
   constexpr double kLeft = 60, kRight = 10, kTop = 8, kBottom = 40;
   const Panel p{kLeft, kTop, width - kLeft - kRight,
@@ -100,7 +101,7 @@ std::string SamplesHtml(const Blob& samples) {
   const Scene scene = SamplesSceneOf(samples);
   const std::vector<std::string> inputs = samples.Texts("input_name");
   std::int64_t count = 0;
-  std::string rows = RowHtml({"run", "samples", "way"}, "th"), sensed;
+  std::string rows = RowHtml({"run", "samples", "path"}, "th"), sensed;
   for (std::size_t r = 0; r < scene.paths.size(); ++r) {
     const Path& path = scene.paths[r];
     count += static_cast<std::int64_t>(path.points.size());
@@ -108,8 +109,8 @@ std::string SamplesHtml(const Blob& samples) {
         {path.robot, Grouped(static_cast<double>(path.points.size())), Grouped(LengthOf(path), 1) + " m"});
     const Sensed on = SensedOn(samples, r);
     const std::string figure =
-        FigureHtml([&](double width) { return SensedFigure(on, width); },
-                   "Each input over its own range on this run, the darker the higher.");
+        DrawingHtml([&](double width) { return SensedPicture(on, width); },
+                    "Each input over its own range on this run, the darker the higher.");
     if (!figure.empty()) sensed += "<h3>" + Escape(path.robot) + "</h3>\n" + figure;
   }
   std::string html =
@@ -117,9 +118,10 @@ std::string SamplesHtml(const Blob& samples) {
       Escape(Count(count, "sample") + " in " + Count(static_cast<std::int64_t>(scene.paths.size()), "run") +
              ", of " + Count(static_cast<std::int64_t>(inputs.size()), "input") + ".") +
       "</p>\n";
-  html += SectionHtml("Where they were taken",
-                      LegendHtml(scene) + FigureHtml([&](double width) { return MapFigure(scene, width); },
-                                                     "By the positions that the samples are labelled with."));
+  html +=
+      SectionHtml("Where they were taken",
+                  LegendHtml(scene) + DrawingHtml([&](double width) { return MapPicture(scene, width); },
+                                                  "By the positions that the samples are labelled with."));
   html += SectionHtml("What was sensed", sensed);
   html += SectionHtml("Runs", "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n");
   return html + SectionHtml("Time", TimeHtml(RoundTimes(samples)));

@@ -171,7 +171,7 @@ std::vector<PaperFigure> ActiveFigures(const std::vector<ActiveScores>& scores) 
   for (const std::size_t k : shown) figure.table.head.push_back(Say("%.1f m", 0.5 * static_cast<double>(k)));
   figure.table.head.emplace_back("mean to 9.5 m");
   report::Plot plot;
-  plot.x_label = "way travelled [m]";
+  plot.x_label = "distance travelled [m]";
   plot.y_label = "error [m]";
   plot.y_low = 0;
   std::size_t colour = 0;

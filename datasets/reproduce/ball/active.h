@@ -13,8 +13,8 @@
 namespace cairn::datasets {
 
 // D-1, D-2 and D-3 of one corridor as if of one robot: at each sample of D-1 it also senses, with sonars and
-// all, what a robot sensed that was nearest along the corridor (by true places) in the run of the same number
-// in the other sets. Inputs are called "d1 row 0 red", ….
+// all, what a robot sensed that was nearest along the corridor (by true positions) in the run of the same
+// number in the other sets. Inputs are called "d1 row 0 red", ….
 Blob ThreeDirections(const std::vector<Blob>& sets);
 
 // Networks for each direction, trained on the same samples; stages "d1", "d2", "d3", "turn", "active", "all".

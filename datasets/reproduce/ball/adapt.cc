@@ -41,7 +41,7 @@ Blob RunsFrom(const Blob& samples, std::size_t first, std::size_t end, const std
   return part;
 }
 
-// The networks with another map: what they make of these samples, at the places that are written there.
+// The networks with another map: what they make of these samples, at the positions that are written there.
 Blob WithMapOf(const Blob& networks, const Blob& samples) {
   const LearnedNetworks nets = ReadLearnedNetworks(networks);
   std::vector<double> x, y;
@@ -152,7 +152,7 @@ BallJob MakeAdaptJob(std::uint64_t seed, const BallRecipe& recipe) {
   (*track.mutable_inputs())["networks"] = "networks";
   auto& options = *track.mutable_options();
   options["traverses"] = IntegerValue(0);
-  options["way_m"] = RealValue(0);
+  options["travelled_m"] = RealValue(0);
   options["every_m"] = RealValue(kEveryM);
   options["trust"] = RealValue(kTrust);
   options["window_m"] = RealValue(kBallWindowM);

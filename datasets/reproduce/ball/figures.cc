@@ -187,7 +187,7 @@ class BallPage {
     for (std::size_t k = 0; k < first.belief.size(); ++k) {
       const BeliefRow& row = first.belief[k];
       Plot plot;
-      plot.title = Say("%zu sensed, %.1f m on the way: error %.2f m", k, row.way_m, row.error_m);
+      plot.title = Say("%zu sensed, %.1f m on the way: error %.2f m", k, row.travelled_m, row.error_m);
       if (k + 1 == first.belief.size()) plot.x_label = "along the corridor [m]; red: where the robot is";
       plot.marked_x = row.true_x_m;
       plot.y_low = 0;
@@ -249,7 +249,7 @@ class BallPage {
     std::vector<Plot> plots;
     for (const std::string& set : sets_) {
       Plot plot{.title = Title(set),
-                .x_label = "way travelled [m]",
+                .x_label = "distance travelled [m]",
                 .y_label = "error [m]",
                 .series = {},
                 .x_names = {},
@@ -286,7 +286,7 @@ class BallPage {
       plots.push_back(std::move(plot));
     }
     figure.measured =
-        "the mean over the belief of the distance to the true place, over 35 robots a seed. Readings a "
+        "the mean over the belief of the distance to the true position, over 35 robots a seed. Readings a "
         "bit: those until 1 m over log2 of the error at the start in m.";
     figure.png = report::DrawPlots(plots, {.columns = 3, .width = 300, .height = 240});
     figures_.push_back(std::move(figure));

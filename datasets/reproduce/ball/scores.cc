@@ -71,19 +71,19 @@ std::vector<BeliefRow> BeliefOf(const BallJob& ball, const Blob& located, double
   const std::string prefix = "truth/run/" + std::to_string(HeldOutRun(ball)) + "/";
   const auto true_x = ball.samples().Get<double>(prefix + "x_m"),
              true_y = ball.samples().Get<double>(prefix + "y_m");
-  const auto x = located.Get<double>("place/x_m"), y = located.Get<double>("place/y_m");
-  const auto way = located.Get<double>("step/way_m");
+  const auto x = located.Get<double>("position/x_m"), y = located.Get<double>("position/y_m");
+  const auto travelled = located.Get<double>("step/travelled_m");
   const auto sample = located.Get<std::int32_t>("step/sample"),
-             place = located.Get<std::int32_t>("belief/place");
+             position = located.Get<std::int32_t>("belief/position");
   const auto entries = located.Get<std::int64_t>("step/entries");
   const auto probability = located.Get<float>("belief/probability");
   std::vector<BeliefRow> rows;
   std::size_t entry = 0;
-  for (std::size_t step = 0; step < std::min(kBeliefRows, way.size()); ++step) {
+  for (std::size_t step = 0; step < std::min(kBeliefRows, travelled.size()); ++step) {
     const auto at = static_cast<std::size_t>(sample[step]);
-    BeliefRow row{true_x[at], 0, way[step], std::vector<double>(kBeliefBins, 0)};
+    BeliefRow row{true_x[at], 0, travelled[step], std::vector<double>(kBeliefBins, 0)};
     for (std::int64_t i = 0; i < entries[step]; ++i, ++entry) {
-      const auto k = static_cast<std::size_t>(place[entry]);
+      const auto k = static_cast<std::size_t>(position[entry]);
       const auto bin = static_cast<int>(std::clamp(x[k] / length_m, 0.0, 0.9999) * kBeliefBins);
       row.density[static_cast<std::size_t>(bin)] += probability[entry];
       row.error_m += probability[entry] * DistanceM(Point{x[k], y[k]}, Point{true_x[at], true_y[at]});
@@ -101,7 +101,7 @@ BallScores ScoreBallJob(const BallJob& ball, const std::map<std::string, Blob>& 
   scores.set = ball.set;
   scores.seed = ball.seed;
   const auto x = ball.samples().Get<double>("run/" + std::to_string(HeldOutRun(ball)) + "/x_m");
-  scores.truths = static_cast<std::int64_t>(x.size());
+  scores.true_positions = static_cast<std::int64_t>(x.size());
   scores.length_m = *std::ranges::max_element(x);
   for (const std::string& feature : {PerfectFeature(ball.set), DetectedFeature(ball.set)}) {
     scores.reduction[feature] =

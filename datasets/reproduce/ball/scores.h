@@ -19,14 +19,14 @@ struct OutputCurve {
 
 // A robot that is found: what it believes at each of its first sensations, over `x_m`.
 struct BeliefRow {
-  double true_x_m = 0, error_m = 0, way_m = 0;
+  double true_x_m = 0, error_m = 0, travelled_m = 0;
   std::vector<double> density;  // [bins]: share of the belief
 };
 
 struct BallScores {
   std::string set;
   std::uint64_t seed = 0;
-  std::int64_t truths = 0;  // samples that were held out
+  std::int64_t true_positions = 0;  // samples that were held out
   // Error reduction in each of BallWindows(), of soft features, by stage ("n4_w2") or feature ("door").
   std::map<std::string, std::vector<double>> reduction;
   std::map<std::string, LocalizationScore> localization;  // by stage

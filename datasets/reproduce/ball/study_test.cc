@@ -35,7 +35,7 @@ TEST(BallStudy, TrainsOnTheOtherRunsAndOnNoTruth) {
   EXPECT_EQ(rest.Texts("input_name").size(), 1U);
 }
 
-// One run with two inputs, `first` the value of the first of them; true places as given.
+// One run with two inputs, `first` the value of the first of them; true positions as given.
 Blob OneRun(const std::vector<double>& true_x_m, float first) {
   Blob samples;
   std::vector<float> input;

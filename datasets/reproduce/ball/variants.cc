@@ -60,10 +60,11 @@ std::vector<BallVariant> SensorVariants() {
                   [](const std::string& input) { return !IsSonar(input); })};
 }
 
-std::vector<BallVariant> WayVariants(std::int64_t steps) {
+std::vector<BallVariant> TrainingVariants(std::int64_t steps) {
   // Rates are the methods' own; weights that begin near zero hold those up that follow the gradient as it is;
   // weight decay comes to what Adam's does, a step.
-  const auto way = [&](const char* method, const char* title, std::int64_t its_steps, double weight_decay) {
+  const auto method = [&](const char* method, const char* title, std::int64_t its_steps,
+                          double weight_decay) {
     return BallVariant{method,
                        title,
                        {},
@@ -74,11 +75,11 @@ std::vector<BallVariant> WayVariants(std::int64_t steps) {
                         {"steps", IntegerValue(its_steps)}}};
   };
   std::vector<BallVariant> variants = {{"adam", "Adam", {}, {}}};
-  variants.push_back(way("gradient", "plain descent (table 2), 10 times the steps", 10 * steps, 2.5e-5));
-  variants.push_back(way("momentum", "momentum, 4 times the steps", 4 * steps, 5e-5));
-  variants.push_back(way("conjugate", "conjugate gradients", steps, 0));
-  variants.push_back(way("pseudo", "pseudo-patterns (eq. 45), a tenth of the gradients",
-                         std::max<std::int64_t>(1, steps / 10), 0));
+  variants.push_back(method("gradient", "plain descent (table 2), 10 times the steps", 10 * steps, 2.5e-5));
+  variants.push_back(method("momentum", "momentum, 4 times the steps", 4 * steps, 5e-5));
+  variants.push_back(method("conjugate", "conjugate gradients", steps, 0));
+  variants.push_back(method("pseudo", "pseudo-patterns (eq. 45), a tenth of the gradients",
+                            std::max<std::int64_t>(1, steps / 10), 0));
   variants.push_back({"sequential", "Adam, one network after another", {}, {{"sequential", YesValue()}}});
   for (const std::int64_t hidden : {2, 4, 12, 24}) {
     variants.push_back({"hidden_" + std::to_string(hidden),

@@ -23,7 +23,7 @@ struct BallVariant {
 std::vector<BallVariant> SensorVariants();
 
 // Ways to train, each with its own rate, and hidden units, in one layer or two. `steps`: of the recipe.
-std::vector<BallVariant> WayVariants(std::int64_t steps);
+std::vector<BallVariant> TrainingVariants(std::int64_t steps);
 
 BallJob MakeVariantJob(const std::string& study, const std::string& set, std::uint64_t seed,
                        const BallRecipe& recipe, const std::vector<BallVariant>& variants);

@@ -116,14 +116,14 @@ class LandmarkPage {
     std::string measured = "standard deviation of the position";
     std::vector<double> spread_m;
     for (std::size_t n = 0; n < seen.size(); ++n) {
-      const double way_m = kStraightM * static_cast<double>(n + 1);
+      const double distance_m = kStraightM * static_cast<double>(n + 1);
       PanelPicture panel =
-          RawPanel(Say("(%c) after %.0f m", n == 0 ? 'a' : 'b', way_m), Input("motion_log"), 0, seen[n]);
+          RawPanel(Say("(%c) after %.0f m", n == 0 ? 'a' : 'b', distance_m), Input("motion_log"), 0, seen[n]);
       panel.marks.clear();
       const report::Grid belief = beliefs.At(beliefs.StepAt(seen[n]));
       panel.density = belief;
       spread_m.push_back(SpreadM(belief));
-      measured += Say("%s %.1f m after %.0f m", n == 0 ? ":" : ",", spread_m.back(), way_m);
+      measured += Say("%s %.1f m after %.0f m", n == 0 ? ":" : ",", spread_m.back(), distance_m);
       panels.push_back(std::move(panel));
     }
     report::Box box = report::BoundsOf(panels);

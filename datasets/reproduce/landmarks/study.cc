@@ -12,7 +12,7 @@
 namespace cairn::datasets {
 namespace {
 
-// A log of one robot without truth; observations are presses where `range_m` is NaN.
+// A log of one robot without truth; observations are contact detections where `range_m` is NaN.
 Blob MakeLog(const std::vector<double>& turn_rad, const std::vector<double>& forward_m,
              const std::vector<double>& seen_s, double range_m) {
   std::vector<double> time_s;
@@ -31,8 +31,8 @@ Blob MakeLog(const std::vector<double>& turn_rad, const std::vector<double>& for
   return log;
 }
 
-// Figure 1: two ways of 40 m with a right turn between them. The presses only make the ends steps of the
-// E-step; without a map they say nothing.
+// Figure 1: two ways of 40 m with a right turn between them. The contact detections only make the ends steps
+// of the E-step; without a map they say nothing.
 Blob MotionLog() {
   constexpr double kStepM = 0.5, kDegree = std::numbers::pi / 180.0;
   const auto steps = static_cast<std::size_t>(kStraightM / kStepM);
@@ -81,18 +81,18 @@ Blob TwoLandmarks() {
 }
 
 // Way of robot 0 up to each of its observations.
-std::vector<double> WaysTo(const Blob& log) {
+std::vector<double> DistancesTravelledTo(const Blob& log) {
   const auto time = log.Get<double>("robot/0/odometry/time_s"),
              forward = log.Get<double>("robot/0/odometry/forward_m"),
              seen = log.Get<double>("robot/0/observations/time_s");
-  std::vector<double> ways;
-  double way = 0.0;
+  std::vector<double> travelled_to;
+  double travelled = 0.0;
   std::size_t control = 0;
   for (const double at : seen) {
-    for (; control < time.size() && time[control] <= at; ++control) way += std::abs(forward[control]);
-    ways.push_back(way);
+    for (; control < time.size() && time[control] <= at; ++control) travelled += std::abs(forward[control]);
+    travelled_to.push_back(travelled);
   }
-  return ways;
+  return travelled_to;
 }
 
 struct Cycle {
@@ -104,11 +104,11 @@ struct Cycle {
 // never what is computed.
 Cycle FirstCycle(const Blob& log, double at_least_m) {
   const auto truth = log.Get<std::int32_t>("truth/robot/0/observations/landmark");
-  const std::vector<double> ways = WaysTo(log);
+  const std::vector<double> travelled_to = DistancesTravelledTo(log);
   for (std::size_t n = 0; n < truth.size(); ++n) {
     for (std::size_t k = n; k-- > 0;) {
       if (truth[k] != truth[n]) continue;
-      const double length_m = ways[n] - ways[k];
+      const double length_m = travelled_to[n] - travelled_to[k];
       if (length_m >= at_least_m) return {static_cast<int>(n + 1), length_m};
       break;
     }
@@ -149,7 +149,7 @@ class JobMaker {
     auto& options = *stage.mutable_options();
     options["starts"].set_i(1);
     options["growth_start"].set_d(1);
-    options["polish"].set_b(false);
+    options["refine"].set_b(false);
     return stage;
   }
   // Finds a robot in the map, forward only.

@@ -82,7 +82,7 @@ void AddPathRows(NumbersTable* table) {
   table->Add("odometry alone, mean error", "", [](const auto& s) {
     return Mean(s, "%.3f", [](const Score& e) { return std::optional(e.odometry.mean_m); }) + " m";
   });
-  table->Add("assembled path, mean error", "<= 0.25 m", [](const auto& s) {
+  table->Add("optimized path, mean error", "<= 0.25 m", [](const auto& s) {
     return Mean(s, "%.3f", [](const Score& e) { return std::optional(e.path.mean_m); }) + " m";
   });
   table->Add("times smaller, of the means", ">= 5", [](const auto& s) {
@@ -133,7 +133,7 @@ void AddCoverageRows(NumbersTable* table) {
     const WallCoverage c = CoverageOf(s);
     return WallShare(c.by_edges_m, c.wall_m);
   });
-  table->Add("by occupancy (hit by 10% of the sweeps)", "", [](const auto& s) {
+  table->Add("by occupancy (hit by 10% of the scans)", "", [](const auto& s) {
     const WallCoverage c = CoverageOf(s);
     return WallShare(c.by_hits_m, c.wall_m);
   });
@@ -157,7 +157,7 @@ void AddOtherRows(NumbersTable* table) {
                 }) +
            "%";
   });
-  table->Add("sweeps where walls are turned, told", "", [](const auto& s) {
+  table->Add("scans where walls are turned, told", "", [](const auto& s) {
     const std::string told = Mean(s, "%.0f", [](const Score& e) -> std::optional<double> {
       if (!e.walls || !e.walls->other_area_found) return std::nullopt;
       return 100 * *e.walls->other_area_found;
@@ -184,7 +184,7 @@ PaperFigure Numbers(const Kinds& kinds) {
       "The paper has none of these; sections 3.4 and 4.3 speak of walls found and followed, and of a "
       "robot that "
       "\"has remained consistently located while moving\" in short tests.",
-      Say("Mean error of the assembled path %.3f m, of odometry alone %.3f m: %.1f times smaller, where no "
+      Say("Mean error of the optimized path %.3f m, of odometry alone %.3f m: %.1f times smaller, where no "
           "furniture moves.",
           path / static_cast<double>(scored.size()), raw / static_cast<double>(scored.size()), raw / path),
       "",
@@ -204,7 +204,7 @@ PaperFigure Grid(const report::LocalResult& local) {
   double sum = 0;
   for (const double sector : shot->histogram) sum += sector;
   figure.measured =
-      Say("At %.0f s %td cells have an orientation, the last sweep shows %zu edges; the histogram's "
+      Say("At %.0f s %td cells have an orientation, the last scan shows %zu edges; the histogram's "
           "highest sector holds %.0f%% of it.",
           shot->time_s, cells, shot->edges.size(), sum > 0 ? 100 * most / sum : 0);
   figure.png = report::LocalGridPng(*shot);

@@ -13,7 +13,7 @@ struct WallCoverage {
 };
 
 // Of the smooth walls within 2 m of the robot, at the snapshots that it was between them: what lies within a
-// cell of a cell with an orientation; of one that a tenth of the sweeps hit, or more. `result`: a local_map
+// cell of a cell with an orientation; of one that a tenth of the scans hit, or more. `result`: a local_map
 // of the log `log`, with truth.
 WallCoverage MetallicCoverage(const Blob& result, const Blob& log);
 

@@ -31,7 +31,7 @@ constexpr int kMostRuns = 64, kSets = 3;
 
 // A door, a light, is in view where it fills so much of the image.
 constexpr double kDoorInView = 0.04, kLightInView = 0.003;
-// Labels come from tracking: their error changes slowly, by e^-1 within so much of the way.
+// Labels come from tracking: their error changes slowly, by e^-1 within such a distance.
 constexpr double kLabelAlongM = 3;
 constexpr double kLabelHeadingRad = std::numbers::pi / 180;
 
@@ -51,8 +51,8 @@ Look LookOf(const std::string& set) {
 class SlowError {
  public:
   SlowError(double sd, Rng& rng) : sd_(sd), value_(sd * rng.Normal()) {}
-  double After(double way_m, Rng& rng) {
-    const double keep = std::exp(-way_m / kLabelAlongM);
+  double After(double distance_m, Rng& rng) {
+    const double keep = std::exp(-distance_m / kLabelAlongM);
     return value_ = keep * value_ + sd_ * std::sqrt(1 - keep * keep) * rng.Normal();
   }
 
@@ -65,15 +65,15 @@ void AddPoses(const std::vector<Snapshot>& snapshots, double label_error_m, Rng 
       heading(label_error_m > 0 ? kLabelHeadingRad : 0, rng);
   double last_m = snapshots.front().pose.x_m;
   for (const Snapshot& snapshot : snapshots) {
-    const double way_m = std::abs(snapshot.pose.x_m - last_m);
+    const double distance_m = std::abs(snapshot.pose.x_m - last_m);
     last_m = snapshot.pose.x_m;
     run->time_s.push_back(snapshot.time_s);
     run->true_x_m.push_back(snapshot.pose.x_m);
     run->true_y_m.push_back(snapshot.pose.y_m);
     run->true_heading_rad.push_back(snapshot.pose.heading_rad);
-    run->x_m.push_back(snapshot.pose.x_m + x.After(way_m, rng));
-    run->y_m.push_back(snapshot.pose.y_m + y.After(way_m, rng));
-    run->heading_rad.push_back(WrapAngle(snapshot.pose.heading_rad + heading.After(way_m, rng)));
+    run->x_m.push_back(snapshot.pose.x_m + x.After(distance_m, rng));
+    run->y_m.push_back(snapshot.pose.y_m + y.After(distance_m, rng));
+    run->heading_rad.push_back(WrapAngle(snapshot.pose.heading_rad + heading.After(distance_m, rng)));
   }
 }
 
@@ -86,11 +86,11 @@ void AddOdometry(const std::vector<Snapshot>& snapshots, Rng rng, SampleRun* run
   for (std::size_t k = 0; k < snapshots.size(); ++k) {
     const Pose from = snapshots[k > 0 ? k - 1 : 0].pose, to = snapshots[k].pose;
     const double turn = WrapAngle(to.heading_rad - from.heading_rad),
-                 way_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
+                 distance_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
     const double c = std::cos(to.heading_rad), s = std::sin(to.heading_rad);
     const auto measured = [&](double moved_m) { return moved_m * (wheels + kOdometryShare * rng.Normal()); };
-    run->turn_rad.push_back(turn * (1 + kOdometryShare * rng.Normal()) + drift * way_m +
-                            kWalkRadPerSqrtM * std::sqrt(way_m) * rng.Normal());
+    run->turn_rad.push_back(turn * (1 + kOdometryShare * rng.Normal()) + drift * distance_m +
+                            kWalkRadPerSqrtM * std::sqrt(distance_m) * rng.Normal());
     run->forward_m.push_back(measured(c * (to.x_m - from.x_m) + s * (to.y_m - from.y_m)));
     run->left_m.push_back(measured(c * (to.y_m - from.y_m) - s * (to.x_m - from.x_m)));
   }

@@ -20,8 +20,8 @@ constexpr double kLargestOffsetM = 0.65;
 class Wander {
  public:
   Wander(double sd, double along_m, Rng& rng) : sd_(sd), along_m_(along_m), value_(sd * rng.Normal()) {}
-  double After(double way_m, Rng& rng) {
-    const double keep = std::exp(-way_m / along_m_);
+  double After(double distance_m, Rng& rng) {
+    const double keep = std::exp(-distance_m / along_m_);
     value_ = keep * value_ + sd_ * std::sqrt(1 - keep * keep) * rng.Normal();
     return value_;
   }

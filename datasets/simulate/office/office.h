@@ -17,7 +17,7 @@ struct SimulateOfficeOptions {
   std::uint64_t seed = 1;
 };
 
-// A `log` with its truth (schema/FORMAT.md): five sweeps a second, odometry with the figures of
+// A `log` with its truth (schema/FORMAT.md): five scans a second, odometry with the figures of
 // SimulateLoop's `base` and nothing that mends it. Office and drive do not depend on `persons`, `hints`.
 // Throws InputError for what is out of range.
 Blob SimulateOffice(const SimulateOfficeOptions& options);

@@ -154,11 +154,11 @@ TEST(SimulateOffice, DrivesStraightOnAlongTheWallsAndTurnsOnTheSpot) {
   const Path path = TruePath(Office());
   double along_m = 0, aslant_m = 0;
   for (std::size_t i = 1; i < path.at.size(); ++i) {
-    const double way_m = DistanceM(path.at[i - 1], path.at[i]);
+    const double distance_m = DistanceM(path.at[i - 1], path.at[i]);
     const bool turned = path.heading_rad[i] != path.heading_rad[i - 1];
-    EXPECT_FALSE(turned && way_m > 1e-5) << path.time_s[i];
+    EXPECT_FALSE(turned && distance_m > 1e-5) << path.time_s[i];
     const double off = std::remainder(path.heading_rad[i], std::numbers::pi / 2);
-    (std::abs(off) < 0.12 ? along_m : aslant_m) += way_m;
+    (std::abs(off) < 0.12 ? along_m : aslant_m) += distance_m;
   }
   EXPECT_GT(along_m, 120);
   EXPECT_LT(aslant_m, 0.05 * along_m);
@@ -220,15 +220,15 @@ TEST(SimulateOffice, OdometryHasTheErrorsOfLoopsOfTheSameLength) {
   constexpr int kSeeds = 30;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Blob log = SimulateOffice({.persons = false, .seed = seed});
-    double measured = 0, way_m = 0;
+    double measured = 0, distance_m = 0;
     for (const double turn : log.Get<double>("robot/0/odometry/turn_rad")) measured += turn;
-    for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) way_m += forward;
+    for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) distance_m += forward;
     const Path path = TruePath(log);
     const double error =
         std::remainder(measured - (path.heading_rad.back() - path.heading_rad.front()), 2 * std::numbers::pi);
     sum += error;
     squares += error * error;
-    EXPECT_GT(way_m, 120);
+    EXPECT_GT(distance_m, 120);
   }
   // 160 m: a drift of 0.06 deg/m, a walk of 0.5 deg/sqrt(m), 2% of about a hundred quarter turns in four
   // parts.

@@ -13,8 +13,8 @@ namespace {
 constexpr double kTurnRadps = 0.8;
 constexpr double kSlowMps = 0.35, kFastMps = 0.5;
 constexpr double kOffLaneSdM = 0.04, kMostOffLaneM = 0.08;
-constexpr double kAheadM = 0.95;  // of somebody in the way
-constexpr double kStopLegM = 4;   // people step in the way on legs so long, or longer
+constexpr double kAheadM = 0.95;     // of somebody in the way
+constexpr double kStopStretchM = 4;  // people step in the way on stretches so long, or longer
 constexpr double kStopChance = 0.35, kLongStopChance = 0.3;
 constexpr double kThroughChance = 0.5;  // on by the door to the next room
 constexpr double kFirstStandS = 6, kWaitS = 30;
@@ -42,14 +42,14 @@ class Pilot {
     target.y_m += OffLane();
     Turn(WrapAngle(std::atan2(target.y_m - pose_.y_m, target.x_m - pose_.x_m) - pose_.heading_rad));
     if (rng_.Uniform() < 0.2) Stand(rng_.Uniform(0.4, 2.5));
-    const double way_m = DistanceM({pose_.x_m, pose_.y_m}, target);
-    const auto steps = static_cast<int>(std::ceil(way_m / (rng_.Uniform(kSlowMps, kFastMps) * kTickS)));
+    const double distance_m = DistanceM({pose_.x_m, pose_.y_m}, target);
+    const auto steps = static_cast<int>(std::ceil(distance_m / (rng_.Uniform(kSlowMps, kFastMps) * kTickS)));
     const int stop_at =
-        way_m > kStopLegM && rng_.Uniform() < kStopChance ? static_cast<int>(0.3 * steps) : -1;
+        distance_m > kStopStretchM && rng_.Uniform() < kStopChance ? static_cast<int>(0.3 * steps) : -1;
     for (int i = 0; i < steps; ++i) {
       if (i == stop_at)
         StopFor(rng_.Uniform() < kLongStopChance ? rng_.Uniform(32, 40) : rng_.Uniform(4, 15));
-      Do({0, way_m / steps});
+      Do({0, distance_m / steps});
     }
   }
 

@@ -16,7 +16,7 @@ std::string Text(const NetworkShape& s) {
          std::to_string(s.inputs) + " inputs";
 }
 
-void RefuseOtherNames(const std::vector<std::string>& names, const std::vector<std::string>& input_names) {
+void CheckInputNames(const std::vector<std::string>& names, const std::vector<std::string>& input_names) {
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i >= input_names.size() || names[i] != input_names[i])
       throw InputError("its input " + std::to_string(i) + " is '" + names[i] + "', not the samples' '" +
@@ -44,7 +44,7 @@ Parent Read(const Blob& networks, const NetworkShape& wanted, const std::vector<
   Parameters<double> p = NetworksIn(networks);
   if (p.shape != wanted)
     throw InputError(Text(p.shape) + ", where the options and the samples ask for " + Text(wanted));
-  RefuseOtherNames(networks.Texts("networks/input_name"), input_names);
+  CheckInputNames(networks.Texts("networks/input_name"), input_names);
   Parent parent{std::move(p.values),
                 {NormIn(networks, "networks/input_mean", wanted.inputs),
                  NormIn(networks, "networks/input_scale", wanted.inputs)}};

@@ -9,10 +9,10 @@
 namespace cairn::landmark_learning {
 namespace {
 
-void RefuseTooMany(std::int64_t rows, const char* what) {
+void CheckTableSize(std::int64_t rows, const char* what) {
   if (rows > kMostTableRows)
     throw InputError(std::string(what) + ": " + std::to_string(rows) +
-                     " places; allowed: " + std::to_string(kMostTableRows) + " at most");
+                     " positions; allowed: " + std::to_string(kMostTableRows) + " at most");
 }
 
 std::size_t Nearest(double x_m, double y_m, std::span<const double> xs, std::span<const double> ys) {
@@ -31,32 +31,32 @@ std::size_t Nearest(double x_m, double y_m, std::span<const double> xs, std::spa
 template <class F>
 void ForEachSample(TrainingData* data, const F& f) {
   for (SampleSet* set : {&data->training, &data->held_out}) {
-    set->places.row.resize(static_cast<std::size_t>(set->size()));
-    for (std::size_t k = 0; k < set->places.row.size(); ++k) f(*set, k);
+    set->positions.row.resize(static_cast<std::size_t>(set->size()));
+    for (std::size_t k = 0; k < set->positions.row.size(); ++k) f(*set, k);
   }
 }
 
 void PutTable(const Array& table, TrainingData* data) {
-  data->training.places.table = table;
-  data->held_out.places.table = table;
+  data->training.positions.table = table;
+  data->held_out.positions.table = table;
 }
 
 std::string NameOf(const TrainingData& data, const SampleSet& set, std::size_t k) {
-  char place[80];
-  std::snprintf(place, sizeof place, "at (%.3f, %.3f) m", set.places.x_m[k], set.places.y_m[k]);
-  return "run '" + data.runs[static_cast<std::size_t>(set.run[k])] + "', the sample " + place;
+  char position[80];
+  std::snprintf(position, sizeof position, "at (%.3f, %.3f) m", set.positions.x_m[k], set.positions.y_m[k]);
+  return "run '" + data.runs[static_cast<std::size_t>(set.run[k])] + "', the sample " + position;
 }
 
 }  // namespace
 
 void AttachTable(const Blob& errors, TrainingData* data) {
   if (!errors.Has("error")) throw InputError("the input 'errors': no table in it ('error' is missing)");
-  const auto x = errors.Get<double>("place/x_m"), y = errors.Get<double>("place/y_m");
+  const auto x = errors.Get<double>("position/x_m"), y = errors.Get<double>("position/y_m");
   const auto values = errors.Get<double>("error");
   const auto rows = static_cast<std::int64_t>(x.size());
   if (rows == 0 || y.size() != x.size() || errors.at("error").shape() != Shape{rows, rows})
-    throw InputError("the input 'errors': 'error' must be [P,P], 'place/x_m' and 'place/y_m' [P]");
-  RefuseTooMany(rows, "the input 'errors'");
+    throw InputError("the input 'errors': 'error' must be [P,P], 'position/x_m' and 'position/y_m' [P]");
+  CheckTableSize(rows, "the input 'errors'");
   std::vector<float> table;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i]) || values[i] < 0.0)
@@ -65,7 +65,8 @@ void AttachTable(const Blob& errors, TrainingData* data) {
     table.push_back(static_cast<float>(values[i]));
   }
   ForEachSample(data, [&](SampleSet& set, std::size_t k) {
-    set.places.row[k] = static_cast<std::int32_t>(Nearest(set.places.x_m[k], set.places.y_m[k], x, y));
+    set.positions.row[k] =
+        static_cast<std::int32_t>(Nearest(set.positions.x_m[k], set.positions.y_m[k], x, y));
   });
   PutTable(Array::Of<float>({rows, rows}, table), data);
 }
@@ -76,24 +77,24 @@ void AttachTravel(const Blob& map, TrainingData* data) {
   std::vector<std::size_t> cell_of;            // the reverse
   std::vector<std::string> name_of;            // the first sample of each
   ForEachSample(data, [&](SampleSet& set, std::size_t k) {
-    const auto cell = cells.At(set.places.x_m[k], set.places.y_m[k]);
+    const auto cell = cells.At(set.positions.x_m[k], set.positions.y_m[k]);
     if (!cell) throw InputError(NameOf(*data, set, k) + ": it lies in no free cell of the map");
-    const auto [place, is_new] = row_of.try_emplace(*cell, static_cast<std::int32_t>(cell_of.size()));
+    const auto [position, is_new] = row_of.try_emplace(*cell, static_cast<std::int32_t>(cell_of.size()));
     if (is_new) {
       cell_of.push_back(*cell);
       name_of.push_back(NameOf(*data, set, k));
     }
-    set.places.row[k] = place->second;
+    set.positions.row[k] = position->second;
   });
   const auto rows = static_cast<std::int64_t>(cell_of.size());
-  RefuseTooMany(rows, "the map has too small cells for so many samples");
+  CheckTableSize(rows, "the map has too small cells for so many samples");
   std::vector<float> table;
   for (std::size_t from = 0; from < cell_of.size(); ++from) {
-    const std::vector<double> ways = cells.WaysFrom(cell_of[from]);
+    const std::vector<double> paths_m = cells.PathLengthsFrom(cell_of[from]);
     for (std::size_t to = 0; to < cell_of.size(); ++to) {
-      if (std::isinf(ways[cell_of[to]]))
+      if (std::isinf(paths_m[cell_of[to]]))
         throw InputError(name_of[to] + ": no way leads there through the map from " + name_of[from]);
-      table.push_back(static_cast<float>(ways[cell_of[to]]));
+      table.push_back(static_cast<float>(paths_m[cell_of[to]]));
     }
   }
   PutTable(Array::Of<float>({rows, rows}, table), data);

@@ -1,4 +1,4 @@
-// Errors between places that no formula gives: a user's table, or ways through a map.
+// Errors between positions that no formula gives: a user's table, or paths through a map.
 #pragma once
 
 #include "pipelines/landmark_learning/data/training_data.h"
@@ -7,7 +7,7 @@ namespace cairn::landmark_learning {
 
 inline constexpr std::int64_t kMostTableRows = 4096;  // a table of 64 MB
 
-// Gives each sample the row of the place nearest to it. `errors`: schema/FORMAT.md, `errors`. Throws
+// Gives each sample the row of the position nearest to it. `errors`: schema/FORMAT.md, `errors`. Throws
 // InputError where the arrays do not fit each other, or one of the errors is negative or not finite, and
 // names row and column.
 void AttachTable(const Blob& errors, TrainingData* data);
@@ -15,7 +15,7 @@ void AttachTable(const Blob& errors, TrainingData* data);
 // e is the way that a robot travels between two samples through the free cells of `map` (schema/FORMAT.md,
 // `grid_map`; free: P(occupied) below 1/2, and cells that were never looked at): the shortest over steps to
 // the 16 cells around, at most 2.8% longer than the straight line where nothing is in the way. Samples of one
-// cell are at one place. Throws InputError that names the sample that lies in no free cell, or from which
+// cell are at one position. Throws InputError that names the sample that lies in no free cell, or from which
 // another one cannot be reached.
 void AttachTravel(const Blob& map, TrainingData* data);
 

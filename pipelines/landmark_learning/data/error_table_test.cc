@@ -27,7 +27,7 @@ std::string ErrorTableComplaint(const Options& options, const std::map<std::stri
   return "";
 }
 
-// Places each `step_m` of the corridor, and errors by `cost` of the distance.
+// Positions each `step_m` of the corridor, and errors by `cost` of the distance.
 template <class F>
 Blob Table(double step_m, const F& cost) {
   std::vector<double> x, y, error;
@@ -39,8 +39,8 @@ Blob Table(double step_m, const F& cost) {
     for (const double b : x) error.push_back(cost(std::abs(a - b)));
   const auto rows = static_cast<std::int64_t>(x.size());
   Blob table;
-  table.PutVector("place/x_m", x);
-  table.PutVector("place/y_m", y);
+  table.PutVector("position/x_m", x);
+  table.PutVector("position/y_m", y);
   table.Put("error", Array::Of<double>({rows, rows}, error));
   return table;
 }
@@ -90,7 +90,7 @@ TEST(ErrorTable, ThatCostsTheSameEverywhereLeavesNothingToLearnButWhetherOneIsRi
   EXPECT_LT(errors.back(), 0.97 * errors.front());
 }
 
-TEST(ErrorTable, AWallMakesTheWayLonger) {
+TEST(ErrorTable, AWallMakesThePathLonger) {
   const Options options{.networks = 2, .window_m = 6.0, .error = "travel", .steps = 1};
   const BlobPtr result = Learn(options, {{"map", Ptr(Corridor(true))}});
   const BlobPtr straight = Learn({.networks = 2, .window_m = 6.0, .steps = 1}, {});
@@ -114,7 +114,7 @@ TEST(ErrorTable, WhatCannotBeReachedOrReadIsRefused) {
   Blob bad = Table(1.0, [](double d) { return d == 3.0 ? -1.0 : d; });
   EXPECT_EQ(ErrorTableComplaint(table, {{"errors", Ptr(bad)}}),
             "the input 'errors': 'error', row 0, column 3 is not a number from 0 up");
-  bad.PutVector<double>("place/y_m", {0.0});
+  bad.PutVector<double>("position/y_m", {0.0});
   EXPECT_NE(ErrorTableComplaint(table, {{"errors", Ptr(bad)}}).find("must be [P,P]"), std::string::npos);
 }
 

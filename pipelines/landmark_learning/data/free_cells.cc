@@ -53,27 +53,27 @@ bool FreeCells::CanStep(std::int64_t x, std::int64_t y, int dx, int dy) const {
   return IsFree(x, y + sy) && IsFree(x + sx, y + sy);
 }
 
-std::vector<double> FreeCells::WaysFrom(std::size_t cell) const {
-  std::vector<double> way(free_.size(), std::numeric_limits<double>::infinity());
+std::vector<double> FreeCells::PathLengthsFrom(std::size_t cell) const {
+  std::vector<double> path_m(free_.size(), std::numeric_limits<double>::infinity());
   using Reached = std::pair<double, std::size_t>;
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;
-  way[cell] = 0.0;
+  path_m[cell] = 0.0;
   open.push({0.0, cell});
   while (!open.empty()) {
     const auto [so_far, at] = open.top();
     open.pop();
-    if (so_far > way[at]) continue;
+    if (so_far > path_m[at]) continue;
     const auto x = static_cast<std::int64_t>(at) % columns_, y = static_cast<std::int64_t>(at) / columns_;
     for (const auto& [dx, dy] : kSteps) {
       if (!CanStep(x, y, dx, dy)) continue;
       const auto to = static_cast<std::size_t>((y + dy) * columns_ + x + dx);
       const double there = so_far + cell_m_ * std::sqrt(static_cast<double>(dx * dx + dy * dy));
-      if (there >= way[to]) continue;
-      way[to] = there;
+      if (there >= path_m[to]) continue;
+      path_m[to] = there;
       open.push({there, to});
     }
   }
-  return way;
+  return path_m;
 }
 
 }  // namespace cairn::landmark_learning

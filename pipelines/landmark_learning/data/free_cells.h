@@ -14,13 +14,13 @@ class FreeCells {
   // From a `grid_map` (schema/FORMAT.md). Throws InputError where it is none.
   static FreeCells Of(const Blob& map);
 
-  // The cell that holds a place; none where it is occupied or outside.
+  // The cell that holds a position; none where it is occupied or outside.
   std::optional<std::size_t> At(double x_m, double y_m) const;
 
-  // The length of the shortest way to every cell, in metres (E. W. Dijkstra, A note on two problems in
+  // The length of the shortest path to every cell, in metres (E. W. Dijkstra, A note on two problems in
   // connexion with graphs, 1959); infinite where there is none. A step goes to one of 16 cells around, if
   // what lies between is free.
-  std::vector<double> WaysFrom(std::size_t cell) const;
+  std::vector<double> PathLengthsFrom(std::size_t cell) const;
 
  private:
   bool IsFree(std::int64_t x, std::int64_t y) const {

@@ -35,23 +35,23 @@ TEST(FreeCells, KnowWhichCellHoldsAPlace) {
   EXPECT_EQ(cells.At(0.0, 3.1), std::nullopt);
 }
 
-TEST(FreeCells, AWayGoesRoundAWall) {
+TEST(FreeCells, APathGoesRoundAWall) {
   const FreeCells cells = FreeCells::Of(Map({".....", ".###.", ".###.", "....."}));
-  const auto ways = cells.WaysFrom(5);  // the second row from below, first column
-  EXPECT_DOUBLE_EQ(ways[5], 0.0);
-  EXPECT_DOUBLE_EQ(ways[9], 0.5 * 6);  // down, four to the right, up: no corner is cut
-  EXPECT_TRUE(std::isinf(ways[6]));
+  const auto paths_m = cells.PathLengthsFrom(5);  // the second row from below, first column
+  EXPECT_DOUBLE_EQ(paths_m[5], 0.0);
+  EXPECT_DOUBLE_EQ(paths_m[9], 0.5 * 6);  // down, four to the right, up: no corner is cut
+  EXPECT_TRUE(std::isinf(paths_m[6]));
 }
 
-TEST(FreeCells, InTheOpenAWayIsTheStraightLineUpToThreePerCent) {
+TEST(FreeCells, InTheOpenAPathIsTheStraightLineUpToThreePerCent) {
   const FreeCells cells = FreeCells::Of(Map(std::vector<std::string>(41, std::string(41, '.'))));
-  const auto ways = cells.WaysFrom(20 * 41 + 20);
+  const auto paths_m = cells.PathLengthsFrom(20 * 41 + 20);
   for (int y = 0; y < 41; ++y) {
     for (int x = 0; x < 41; ++x) {
       const double straight = 0.5 * std::hypot(x - 20, y - 20),
-                   way = ways[static_cast<std::size_t>(y * 41 + x)];
-      EXPECT_GE(way, straight - 1e-9);
-      EXPECT_LE(way, 1.028 * straight + 1e-9);
+                   path_m = paths_m[static_cast<std::size_t>(y * 41 + x)];
+      EXPECT_GE(path_m, straight - 1e-9);
+      EXPECT_LE(path_m, 1.028 * straight + 1e-9);
     }
   }
 }

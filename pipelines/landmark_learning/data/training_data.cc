@@ -11,7 +11,7 @@ namespace {
 
 // Before they are sorted: the inputs as they were sensed.
 struct RawRun {
-  Places places;
+  Positions positions;
   std::vector<double> weight;   // empty: the file has none
   std::vector<double> heading;  // the same
   std::vector<float> inputs;
@@ -30,31 +30,32 @@ std::vector<T> Column(const Blob& samples, const std::string& run, const std::st
 }
 
 // The same snapshot twice would be told apart from itself. (A robot that stands still has times of its own.)
-void RefuseDuplicates(const Places& places, const std::vector<double>& time_s, const std::string& run) {
-  for (std::size_t k = 1; k < time_s.size() && k < places.x_m.size(); ++k) {
-    if (time_s[k] == time_s[k - 1] && places.x_m[k] == places.x_m[k - 1] &&
-        places.y_m[k] == places.y_m[k - 1])
+void CheckNoDuplicates(const Positions& positions, const std::vector<double>& time_s,
+                       const std::string& run) {
+  for (std::size_t k = 1; k < time_s.size() && k < positions.x_m.size(); ++k) {
+    if (time_s[k] == time_s[k - 1] && positions.x_m[k] == positions.x_m[k - 1] &&
+        positions.y_m[k] == positions.y_m[k - 1])
       throw InputError("run '" + run + "', samples " + std::to_string(k - 1) + " and " + std::to_string(k) +
-                       ": the same time and place, a duplicate");
+                       ": the same time and position, a duplicate");
   }
 }
 
 RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, std::size_t inputs) {
   const std::string prefix = "run/" + std::to_string(index) + "/";
   RawRun raw;
-  raw.places.x_m = Column<double>(samples, run, prefix, "x_m");
-  raw.places.y_m = Column<double>(samples, run, prefix, "y_m");
+  raw.positions.x_m = Column<double>(samples, run, prefix, "x_m");
+  raw.positions.y_m = Column<double>(samples, run, prefix, "y_m");
   const auto rows = samples.Get<float>(prefix + "input");
-  const std::size_t count = raw.places.x_m.size();
+  const std::size_t count = raw.positions.x_m.size();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!std::isfinite(rows[i])) {
       throw InputError("run '" + run + "', sample " + std::to_string(i / inputs) + ": input " +
                        std::to_string(i % inputs) + " is not a finite number");
     }
   }
-  if (raw.places.y_m.size() != count || rows.size() != count * inputs) {
+  if (raw.positions.y_m.size() != count || rows.size() != count * inputs) {
     throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
-                     " x_m, " + std::to_string(raw.places.y_m.size()) + " y_m, " +
+                     " x_m, " + std::to_string(raw.positions.y_m.size()) + " y_m, " +
                      std::to_string(rows.size()) + " numbers in " + std::to_string(inputs) + " inputs");
   }
   if (count < 2)
@@ -74,21 +75,21 @@ RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, s
       throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
                        " x_m, " + std::to_string(raw.heading.size()) + " heading_rad");
   }
-  RefuseDuplicates(raw.places, Column<double>(samples, run, prefix, "time_s"), run);
+  CheckNoDuplicates(raw.positions, Column<double>(samples, run, prefix, "time_s"), run);
   raw.inputs.assign(rows.begin(), rows.end());
   double along = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     if (k > 0)
-      along +=
-          std::hypot(raw.places.x_m[k] - raw.places.x_m[k - 1], raw.places.y_m[k] - raw.places.y_m[k - 1]);
-    raw.places.along_m.push_back(along);
+      along += std::hypot(raw.positions.x_m[k] - raw.positions.x_m[k - 1],
+                          raw.positions.y_m[k] - raw.positions.y_m[k - 1]);
+    raw.positions.along_m.push_back(along);
   }
   return raw;
 }
 
 // A set that is still in the making.
 struct RawSet {
-  Places places;
+  Positions positions;
   std::vector<std::int32_t> run;
   std::vector<float> inputs;
   std::vector<double> weight, heading;  // of fewer samples where a run has none
@@ -96,13 +97,13 @@ struct RawSet {
 
 void Append(const RawRun& raw, std::size_t run, RawSet* set) {
   const auto add = [](const auto& from, auto* to) { to->insert(to->end(), from.begin(), from.end()); };
-  add(raw.places.x_m, &set->places.x_m);
-  add(raw.places.y_m, &set->places.y_m);
-  add(raw.places.along_m, &set->places.along_m);
+  add(raw.positions.x_m, &set->positions.x_m);
+  add(raw.positions.y_m, &set->positions.y_m);
+  add(raw.positions.along_m, &set->positions.along_m);
   add(raw.inputs, &set->inputs);
   add(raw.weight, &set->weight);
   add(raw.heading, &set->heading);
-  set->run.insert(set->run.end(), raw.places.x_m.size(), static_cast<std::int32_t>(run));
+  set->run.insert(set->run.end(), raw.positions.x_m.size(), static_cast<std::int32_t>(run));
 }
 
 double Extent(const std::vector<double>& values) {
@@ -113,15 +114,15 @@ double Extent(const std::vector<double>& values) {
 
 RawSet Sorted(const RawSet& set, std::size_t inputs) {
   const std::vector<double>& along =
-      Extent(set.places.x_m) >= Extent(set.places.y_m) ? set.places.x_m : set.places.y_m;
+      Extent(set.positions.x_m) >= Extent(set.positions.y_m) ? set.positions.x_m : set.positions.y_m;
   std::vector<std::size_t> order(along.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return along[k]; });
   RawSet sorted;
   for (const std::size_t k : order) {
-    sorted.places.x_m.push_back(set.places.x_m[k]);
-    sorted.places.y_m.push_back(set.places.y_m[k]);
-    sorted.places.along_m.push_back(set.places.along_m[k]);
+    sorted.positions.x_m.push_back(set.positions.x_m[k]);
+    sorted.positions.y_m.push_back(set.positions.y_m[k]);
+    sorted.positions.along_m.push_back(set.positions.along_m[k]);
     sorted.run.push_back(set.run[k]);
     if (set.weight.size() == order.size()) sorted.weight.push_back(set.weight[k]);
     if (set.heading.size() == order.size()) sorted.heading.push_back(set.heading[k]);
@@ -131,11 +132,11 @@ RawSet Sorted(const RawSet& set, std::size_t inputs) {
   return sorted;
 }
 
-// Into the places, where beliefs look for them.
+// Into the positions, where beliefs look for them.
 void PutDirections(SampleSet* set) {
   for (const double heading : set->heading_rad) {
-    set->places.cos_heading.push_back(std::cos(heading));
-    set->places.sin_heading.push_back(std::sin(heading));
+    set->positions.cos_heading.push_back(std::cos(heading));
+    set->positions.sin_heading.push_back(std::sin(heading));
   }
 }
 
@@ -144,18 +145,20 @@ SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vec
     const std::size_t input = i % mean.size();
     set.inputs[i] = static_cast<float>((set.inputs[i] - mean[input]) / scale[input]);
   }
-  const std::int64_t samples = set.places.size();
+  const std::int64_t samples = set.positions.size();
   std::vector<double> weight(static_cast<std::size_t>(samples), 1.0 / static_cast<double>(samples));
-  SampleSet normalised{
-      std::move(set.places), std::move(set.run),
-      std::move(weight),     Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs),
-      std::move(set.weight), std::move(set.heading)};
+  SampleSet normalised{std::move(set.positions),
+                       std::move(set.run),
+                       std::move(weight),
+                       Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs),
+                       std::move(set.weight),
+                       std::move(set.heading)};
   PutDirections(&normalised);
   return normalised;
 }
 
 void FindNorm(const RawSet& set, std::size_t inputs, std::vector<double>* mean, std::vector<double>* scale) {
-  const auto count = static_cast<double>(set.places.size());
+  const auto count = static_cast<double>(set.positions.size());
   std::vector<double> sum(inputs, 0.0), squares(inputs, 0.0);
   for (std::size_t i = 0; i < set.inputs.size(); ++i) sum[i % inputs] += set.inputs[i];
   for (const double s : sum) mean->push_back(s / count);
@@ -167,13 +170,13 @@ void FindNorm(const RawSet& set, std::size_t inputs, std::vector<double>* mean, 
 }
 
 void Store(const SampleSet& set, const std::string& prefix, Blob* blob) {
-  blob->PutVector(prefix + "x_m", set.places.x_m);
-  blob->PutVector(prefix + "y_m", set.places.y_m);
-  blob->PutVector(prefix + "along_m", set.places.along_m);
+  blob->PutVector(prefix + "x_m", set.positions.x_m);
+  blob->PutVector(prefix + "y_m", set.positions.y_m);
+  blob->PutVector(prefix + "along_m", set.positions.along_m);
   blob->PutVector(prefix + "run", set.run);
   blob->PutVector(prefix + "weight", set.weight);
-  blob->PutVector(prefix + "row", set.places.row);
-  blob->Put(prefix + "table", set.places.table);
+  blob->PutVector(prefix + "row", set.positions.row);
+  blob->Put(prefix + "table", set.positions.table);
   blob->Put(prefix + "input", set.input);
   blob->PutVector(prefix + "heading_rad", set.heading_rad);
 }
@@ -197,8 +200,8 @@ SampleSet Load(const std::string& prefix, const Blob& blob) {
   return set;
 }
 
-void RefuseStrangers(const std::vector<std::string>& runs, const std::string& holdout,
-                     const std::vector<std::string>& unseen) {
+void RequireKnownRuns(const std::vector<std::string>& runs, const std::string& holdout,
+                      const std::vector<std::string>& unseen) {
   const auto refuse = [&](const char* option, const std::string& run) {
     if (std::ranges::count(runs, run) == 0)
       throw InputError(option + (": there is no run '" + run) + "' among the samples");
@@ -216,7 +219,7 @@ TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, c
                               const std::vector<std::string>& unseen) {
   TrainingData data;
   const std::vector<std::string> all = samples.Texts("runs");
-  RefuseStrangers(all, holdout, unseen);
+  RequireKnownRuns(all, holdout, unseen);
   data.input_names = samples.Texts("input_name");
   const std::size_t inputs = data.input_names.size();
   if (inputs == 0)
@@ -228,7 +231,7 @@ TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, c
            !holdout.empty() && all[r] == holdout ? &held_out : &training);
     data.runs.push_back(all[r]);
   }
-  if (training.places.size() == 0) throw InputError("no run is left to train on");
+  if (training.positions.size() == 0) throw InputError("no run is left to train on");
   if (given != nullptr) {
     data.mean = given->mean;
     data.scale = given->scale;

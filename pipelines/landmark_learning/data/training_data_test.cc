@@ -31,15 +31,15 @@ TEST(TrainingData, IsSortedInSpaceWithEachSamplesOwnInputsAndWay) {
   const CorridorSamples corridor;
   const Blob samples = corridor.Make();
   const TrainingData data = TrainingData::Of(samples, "");
-  EXPECT_TRUE(std::ranges::is_sorted(data.training.places.x_m));
+  EXPECT_TRUE(std::ranges::is_sorted(data.training.positions.x_m));
   const auto x = samples.Get<double>("run/2/x_m");
   const auto inputs = samples.Get<float>("run/2/input");
-  const auto found = std::ranges::find(data.training.places.x_m, x[33]);
-  ASSERT_NE(found, data.training.places.x_m.end());
-  const auto at = static_cast<std::size_t>(found - data.training.places.x_m.begin());
+  const auto found = std::ranges::find(data.training.positions.x_m, x[33]);
+  ASSERT_NE(found, data.training.positions.x_m.end());
+  const auto at = static_cast<std::size_t>(found - data.training.positions.x_m.begin());
   EXPECT_EQ(data.training.run[at], 2);
   EXPECT_NEAR(data.training.inputs()[5 * at] * data.scale[0] + data.mean[0], inputs[5 * 33], 1e-5);
-  EXPECT_NEAR(data.training.places.along_m[at], x[33] - x[0], 0.5);  // the way, which wobbles
+  EXPECT_NEAR(data.training.positions.along_m[at], x[33] - x[0], 0.5);  // the way, which wobbles
 }
 
 TEST(TrainingData, ComesBackAsItWasStored) {
@@ -48,8 +48,8 @@ TEST(TrainingData, ComesBackAsItWasStored) {
   const TrainingData facing = TrainingData::Of(CorridorSamples{.both_ways = true}.Make(), "run 0");
   const TrainingData back = TrainingData::FromBlob(facing.ToBlob());
   EXPECT_EQ(back.training.heading_rad, facing.training.heading_rad);
-  EXPECT_EQ(back.held_out.places.cos_heading, facing.held_out.places.cos_heading);
-  EXPECT_EQ(back.training.places.sin_heading.size(), 160U);
+  EXPECT_EQ(back.held_out.positions.cos_heading, facing.held_out.positions.cos_heading);
+  EXPECT_EQ(back.training.positions.sin_heading.size(), 160U);
 }
 
 TEST(TrainingData, OfUnseenRunsNothingIsLeft) {

@@ -72,7 +72,8 @@ std::vector<double> Transposed(const std::vector<double>& values, std::size_t ro
   return out;
 }
 
-// Of distances between boxes, for 0 <= dy <= dx: by degrees (i, j) of the one and (k, l) of the other place.
+// Of distances between boxes, for 0 <= dy <= dx: by degrees (i, j) of the one and (k, l) of the other
+// position.
 std::vector<double> DistanceCoefficients(int dx, int dy) {
   std::vector<double> values;
   const auto at = [](int node) { return 0.5 * std::cos(Angle(node)); };

@@ -1,5 +1,5 @@
-// Distances between places of two boxes that lie apart, as a short series: what a tree over the plane is made
-// of.
+// Distances between positions of two boxes that lie apart, as a short series: what a tree over the plane is
+// made of.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 
 namespace cairn::landmark_learning {
 
-// With u and v the coordinates in a box, scaled to [-1, 1] on its sides, a place is described by the products
-// T_i(u) T_j(v) of Chebyshev polynomials with i + j <= kDegree; of two boxes of side 1, whose centres lie
-// `offset` apart,
+// With u and v the coordinates in a box, scaled to [-1, 1] on its sides, a position is described by the
+// products T_i(u) T_j(v) of Chebyshev polynomials with i + j <= kDegree; of two boxes of side 1, whose
+// centres lie `offset` apart,
 //
 //   |x - y| = sum_cd C_offset[c][d] T_c(x) T_d(y),
 //
@@ -59,7 +59,7 @@ class FarField {
   std::array<Matrix, 4> children_;
 };
 
-// T_c at places of a box: `terms` [kTerms][stride], `u` and `v` [count].
+// T_c at positions of a box: `terms` [kTerms][stride], `u` and `v` [count].
 template <class Real>
 void FillTerms(int count, const Real* u, const Real* v, int stride, Real* terms);
 

@@ -10,9 +10,9 @@
 namespace cairn::landmark_learning {
 namespace {
 
-// Places of a box of side 1: on a lattice with the corners, where a series is worst, and anywhere.
+// Positions of a box of side 1: on a lattice with the corners, where a series is worst, and anywhere.
 struct InBox {
-  std::vector<double> u, v, terms;  // terms: [kTerms][places]
+  std::vector<double> u, v, terms;  // terms: [kTerms][positions]
 
   explicit InBox(std::uint64_t seed) {
     Rng rng(seed);
@@ -32,7 +32,7 @@ struct InBox {
   int count() const { return static_cast<int>(u.size()); }
 };
 
-// Distances of all pairs of places in two boxes, by the series: each of the source's places a feature.
+// Distances of all pairs of positions in two boxes, by the series: each of the source's positions a feature.
 TEST(FarField, IsWithinItsBoundForEveryOffsetThatIsNotNear) {
   const InBox target(1), source(2);
   const auto count = static_cast<std::size_t>(target.count());

@@ -64,27 +64,27 @@ struct ProductTables {
         d(g) {}
 
   template <class F>
-  double Error(const F& multiply, const std::vector<double>& weight, const Range& truths) {
+  double Error(const F& multiply, const std::vector<double>& weight, const IndexRange& true_positions) {
     std::ranges::fill(n, Real(0));
     std::ranges::fill(z, Real(0));
     multiply(g.data(), n.data(), global ? nullptr : z.data());
     std::ranges::fill(d, Real(0));
-    const double error = Turn(weight, truths);
-    // e and B are symmetric: slopes go back the way that the features came.
+    const double error = Turn(weight, true_positions);
+    // e and B are symmetric: gradients go back the way that the features came.
     multiply(n.data(), d.data(), nullptr);
     if (!global) multiply(z.data(), nullptr, d.data());
     return error;
   }
 
  private:
-  // From N and Z, in place, to the slopes by them; those by a Z that all have in common go into d at once.
-  double Turn(const std::vector<double>& weight, const Range& truths) {
+  // From N and Z, in place, to the gradients by them; those by a Z that all have in common go into d at once.
+  double Turn(const std::vector<double>& weight, const IndexRange& true_positions) {
     const auto row_size = static_cast<std::size_t>(width);
     std::vector<Real> error(row_size, Real(0)), all, by_all(row_size, Real(0)), by_z(row_size);
     if (global) all = SumOfRows(g, width);
     const int samples = static_cast<int>(g.size() / row_size);
     for (int a = 0; a < samples; ++a) {
-      if (a < truths.first || a >= truths.end) {
+      if (a < true_positions.first || a >= true_positions.end) {
         std::fill_n(RowOf(n, a, width), width, Real(0));
         if (!global) std::fill_n(RowOf(z, a, width), width, Real(0));
         continue;
@@ -107,53 +107,55 @@ struct ProductTables {
 }  // namespace
 
 template <class Real>
-ErrorShare<Real> ErrorOnLine(const Places& places, const Belief& belief, ErrorKind error,
+ErrorShare<Real> ErrorOnLine(const Positions& positions, const Belief& belief, ErrorKind error,
                              const std::vector<Real>& probability, int vectors,
-                             const std::vector<double>& weight, const Range& truths) {
+                             const std::vector<double>& weight, const IndexRange& true_positions) {
   const bool squared = error == ErrorKind::kSquaredDistance, global = std::isinf(belief.ReachM());
-  const LineSums first(error == ErrorKind::kAlong ? places.along_m : places.x_m, belief.ReachM(), squared);
+  const LineSums first(error == ErrorKind::kAlong ? positions.along_m : positions.x_m, belief.ReachM(),
+                       squared);
   std::optional<LineSums> second;  // the other share of a squared distance, unless it is zero
-  const bool level = std::ranges::adjacent_find(places.y_m, std::not_equal_to<>()) == places.y_m.end();
-  if (squared && global && !level) second.emplace(places.y_m, belief.ReachM(), squared);
+  const bool level = std::ranges::adjacent_find(positions.y_m, std::not_equal_to<>()) == positions.y_m.end();
+  if (squared && global && !level) second.emplace(positions.y_m, belief.ReachM(), squared);
   const auto multiply = [&](const double* h, double* weighted, double* believed) {
     first.Add(h, weighted, believed);
     if (second && weighted != nullptr) second->Add(h, weighted, nullptr);
   };
   ErrorShare<Real> share{0.0, std::vector<Real>(probability.size())};
-  ProductTables<double> products(places.size(), kLineFeatures, global);
+  ProductTables<double> products(positions.size(), kLineFeatures, global);
   for (int f = 0; f < vectors; f += kLineFeatures) {
     const int features = std::min(kLineFeatures, vectors - f);
-    CopyColumns(places.size(), features, &probability[static_cast<std::size_t>(f)], vectors,
+    CopyColumns(positions.size(), features, &probability[static_cast<std::size_t>(f)], vectors,
                 products.g.data(), kLineFeatures);
-    share.posterior += products.Error(multiply, weight, truths);
-    CopyColumns(places.size(), features, products.d.data(), kLineFeatures,
+    share.posterior += products.Error(multiply, weight, true_positions);
+    CopyColumns(positions.size(), features, products.d.data(), kLineFeatures,
                 &share.d_probability[static_cast<std::size_t>(f)], vectors);
   }
   return share;
 }
 
 template <class Real>
-ErrorShare<Real> ErrorInPlane(const Places& places, const std::vector<Real>& probability, int vectors,
-                              const std::vector<double>& weight, const Range& truths) {
-  TreeSums<Real> tree(places);
+ErrorShare<Real> ErrorInPlane(const Positions& positions, const std::vector<Real>& probability, int vectors,
+                              const std::vector<double>& weight, const IndexRange& true_positions) {
+  TreeSums<Real> tree(positions);
   const int width = WidthOf<Real>(vectors);
-  ProductTables<Real> products(places.size(), width, true);
-  CopyColumns(places.size(), vectors, probability.data(), vectors, products.g.data(), width);
+  ProductTables<Real> products(positions.size(), width, true);
+  CopyColumns(positions.size(), vectors, probability.data(), vectors, products.g.data(), width);
   ErrorShare<Real> share{0.0, std::vector<Real>(probability.size())};
   share.posterior = products.Error(
-      [&](const Real* h, Real* weighted, Real*) { tree.Add(h, width, weighted); }, weight, truths);
-  CopyColumns(places.size(), vectors, products.d.data(), width, share.d_probability.data(), vectors);
+      [&](const Real* h, Real* weighted, Real*) { tree.Add(h, width, weighted); }, weight, true_positions);
+  CopyColumns(positions.size(), vectors, products.d.data(), width, share.d_probability.data(), vectors);
   return share;
 }
 
-template ErrorShare<float> ErrorOnLine(const Places&, const Belief&, ErrorKind, const std::vector<float>&,
-                                       int, const std::vector<double>&, const Range&);
-template ErrorShare<double> ErrorOnLine(const Places&, const Belief&, ErrorKind, const std::vector<double>&,
-                                        int, const std::vector<double>&, const Range&);
+template ErrorShare<float> ErrorOnLine(const Positions&, const Belief&, ErrorKind, const std::vector<float>&,
+                                       int, const std::vector<double>&, const IndexRange&);
+template ErrorShare<double> ErrorOnLine(const Positions&, const Belief&, ErrorKind,
+                                        const std::vector<double>&, int, const std::vector<double>&,
+                                        const IndexRange&);
 
-template ErrorShare<float> ErrorInPlane(const Places&, const std::vector<float>&, int,
-                                        const std::vector<double>&, const Range&);
-template ErrorShare<double> ErrorInPlane(const Places&, const std::vector<double>&, int,
-                                         const std::vector<double>&, const Range&);
+template ErrorShare<float> ErrorInPlane(const Positions&, const std::vector<float>&, int,
+                                        const std::vector<double>&, const IndexRange&);
+template ErrorShare<double> ErrorInPlane(const Positions&, const std::vector<double>&, int,
+                                         const std::vector<double>&, const IndexRange&);
 
 }  // namespace cairn::landmark_learning

@@ -10,16 +10,16 @@
 namespace cairn::landmark_learning {
 
 // Samples that lie on a line, at x_m, y_m zero, or anywhere if the belief is global and the error `along` or
-// `squared`: by LineSums, in double. Otherwise as ErrorOfTruths. The belief is uniform.
+// `squared`: by LineSums, in double. Otherwise as ErrorOfTruePositions. The belief is uniform.
 template <class Real>
-ErrorShare<Real> ErrorOnLine(const Places& places, const Belief& belief, ErrorKind error,
+ErrorShare<Real> ErrorOnLine(const Positions& positions, const Belief& belief, ErrorKind error,
                              const std::vector<Real>& probability, int vectors,
-                             const std::vector<double>& weight, const Range& truths);
+                             const std::vector<double>& weight, const IndexRange& true_positions);
 
 // Samples anywhere in the plane, the belief global, the error the distance: by TreeSums. Each distance, hence
 // each N and E, is off by at most kFarBound of itself; the gradient is exactly that of this E.
 template <class Real>
-ErrorShare<Real> ErrorInPlane(const Places& places, const std::vector<Real>& probability, int vectors,
-                              const std::vector<double>& weight, const Range& truths);
+ErrorShare<Real> ErrorInPlane(const Positions& positions, const std::vector<Real>& probability, int vectors,
+                              const std::vector<double>& weight, const IndexRange& true_positions);
 
 }  // namespace cairn::landmark_learning

@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kWholeGrid = std::numeric_limits<double>::infinity();
 
-// Samples along a line in any order, some of them at one place.
+// Samples along a line in any order, some of them at one position.
 struct Line {
-  Places places;
+  Positions positions;
   std::vector<double> probability, weight;
   int vectors;
 
@@ -26,9 +26,9 @@ struct Line {
     Rng rng(seed);
     std::vector<double> g;
     for (int k = 0; k < samples; ++k) {
-      places.x_m.push_back(k % 7 == 3 ? places.x_m.back() : rng.Uniform(0.0, 30.0));
-      places.y_m.push_back(0.0);
-      places.along_m.push_back(rng.Uniform(0.0, 50.0));
+      positions.x_m.push_back(k % 7 == 3 ? positions.x_m.back() : rng.Uniform(0.0, 30.0));
+      positions.y_m.push_back(0.0);
+      positions.along_m.push_back(rng.Uniform(0.0, 50.0));
       weight.push_back(rng.Uniform(0.5, 1.5) / samples);
       for (int i = 0; i < networks; ++i) g.push_back(std::pow(rng.Uniform(), 4));
     }
@@ -54,11 +54,11 @@ TEST(ErrorOnLine, EqualsTheSumOverPairsForEveryErrorWindowAndBlock) {
       for (const int networks : {1, 3, 5}) {
         const Line line(230, networks, 3);
         const Belief belief{BeliefShape::kUniform, reach};
-        for (const Range& truths : {Range{0, 230}, Range{20, 101}}) {
-          const auto slow = ErrorOfTruths(Pairs(line.places, line.places, belief, error), line.probability,
-                                          line.vectors, line.weight, truths);
-          const auto fast =
-              ErrorOnLine(line.places, belief, error, line.probability, line.vectors, line.weight, truths);
+        for (const IndexRange& true_positions : {IndexRange{0, 230}, IndexRange{20, 101}}) {
+          const auto slow = ErrorOfTruePositions(Pairs(line.positions, line.positions, belief, error),
+                                                 line.probability, line.vectors, line.weight, true_positions);
+          const auto fast = ErrorOnLine(line.positions, belief, error, line.probability, line.vectors,
+                                        line.weight, true_positions);
           ExpectSame(fast, slow, 1e-11);
         }
       }
@@ -70,24 +70,25 @@ TEST(ErrorOnLine, EqualsTheSumOverPairsForEveryErrorWindowAndBlock) {
 TEST(ErrorOnLine, SquaredDistancesInThePlaneAreExactWhereNothingIsKnown) {
   Line plane(150, 2, 5);
   Rng rng(9);
-  for (double& y : plane.places.y_m) y = rng.Uniform(-20.0, 20.0);
+  for (double& y : plane.positions.y_m) y = rng.Uniform(-20.0, 20.0);
   const Belief belief{BeliefShape::kUniform, kWholeGrid};
-  const auto slow = ErrorOfTruths(Pairs(plane.places, plane.places, belief, ErrorKind::kSquaredDistance),
-                                  plane.probability, plane.vectors, plane.weight, {0, 150});
-  ExpectSame(ErrorOnLine(plane.places, belief, ErrorKind::kSquaredDistance, plane.probability, plane.vectors,
-                         plane.weight, {0, 150}),
+  const auto slow =
+      ErrorOfTruePositions(Pairs(plane.positions, plane.positions, belief, ErrorKind::kSquaredDistance),
+                           plane.probability, plane.vectors, plane.weight, {0, 150});
+  ExpectSame(ErrorOnLine(plane.positions, belief, ErrorKind::kSquaredDistance, plane.probability,
+                         plane.vectors, plane.weight, {0, 150}),
              slow, 1e-11);
 }
 
-// Places scattered, in two clusters far apart, along a route, all at one point but one.
-std::vector<Places> Plane(int count) {
-  std::vector<Places> all(4);
+// Positions scattered, in two clusters far apart, along a route, all at one point but one.
+std::vector<Positions> Plane(int count) {
+  std::vector<Positions> all(4);
   Rng rng(21);
   for (int k = 0; k < count; ++k) {
-    const auto add = [](Places* places, double x_m, double y_m) {
-      places->x_m.push_back(x_m);
-      places->y_m.push_back(y_m);
-      places->along_m.push_back(0.0);
+    const auto add = [](Positions* positions, double x_m, double y_m) {
+      positions->x_m.push_back(x_m);
+      positions->y_m.push_back(y_m);
+      positions->along_m.push_back(0.0);
     };
     add(&all[0], rng.Uniform(-50.0, 70.0), rng.Uniform(1000.0, 1090.0));
     add(&all[1], (k % 2) * 5000.0 + rng.Normal(), (k % 2) * 3000.0 + rng.Normal());
@@ -100,15 +101,15 @@ std::vector<Places> Plane(int count) {
 TEST(ErrorInPlane, IsWithinItsBoundOfTheSumOverPairs) {
   constexpr int kCount = 1500;
   Rng rng(4);
-  for (const Places& places : Plane(kCount)) {
+  for (const Positions& positions : Plane(kCount)) {
     for (const int networks : {1, 3}) {
       std::vector<double> g, weight(kCount, 1.0 / kCount);
       for (int i = 0; i < networks * kCount; ++i) g.push_back(std::pow(rng.Uniform(), 3));
       const auto probability = FeatureProbabilities(g, networks);
-      const Pairs pairs(places, places, {BeliefShape::kUniform, kWholeGrid}, ErrorKind::kDistance);
-      for (const Range& truths : {Range{0, kCount}, Range{100, 340}}) {
-        const auto slow = ErrorOfTruths(pairs, probability, 1 << networks, weight, truths);
-        const auto fast = ErrorInPlane(places, probability, 1 << networks, weight, truths);
+      const Pairs pairs(positions, positions, {BeliefShape::kUniform, kWholeGrid}, ErrorKind::kDistance);
+      for (const IndexRange& true_positions : {IndexRange{0, kCount}, IndexRange{100, 340}}) {
+        const auto slow = ErrorOfTruePositions(pairs, probability, 1 << networks, weight, true_positions);
+        const auto fast = ErrorInPlane(positions, probability, 1 << networks, weight, true_positions);
         ExpectSame(fast, slow, kFarBound);
         EXPECT_GT(slow.posterior, 0.0);
       }
@@ -119,12 +120,12 @@ TEST(ErrorInPlane, IsWithinItsBoundOfTheSumOverPairs) {
 // Not that of E by pairs, which is close, but that of what is minimised.
 TEST(ErrorInPlane, TheGradientIsExactlyThatOfItsOwnError) {
   constexpr int kCount = 900, kNetworks = 2;
-  const Places places = Plane(kCount)[0];
+  const Positions positions = Plane(kCount)[0];
   Rng rng(6);
   std::vector<double> g, weight(kCount, 1.0 / kCount);
   for (int i = 0; i < kNetworks * kCount; ++i) g.push_back(rng.Uniform());
   const auto share = [&] {
-    return ErrorInPlane(places, FeatureProbabilities(g, kNetworks), 1 << kNetworks, weight, {0, kCount});
+    return ErrorInPlane(positions, FeatureProbabilities(g, kNetworks), 1 << kNetworks, weight, {0, kCount});
   };
   const auto gradient = OutputGradient(g, kNetworks, share().d_probability);
   double largest = 0.0;
@@ -147,13 +148,13 @@ TEST(ErrorInPlane, TheGradientIsExactlyThatOfItsOwnError) {
 }
 
 // Each product, not only what they add up to.
-TEST(TreeSums, KeepTheirBoundForEachPlaceAndFeature) {
+TEST(TreeSums, KeepTheirBoundForEachPositionAndFeature) {
   constexpr std::size_t kCount = 1200, kWidth = 8;
-  const Places places = Plane(kCount)[0];
+  const Positions positions = Plane(kCount)[0];
   Rng rng(8);
   std::vector<double> h, weighted(kCount * kWidth, 0.0);
   for (std::size_t i = 0; i < kCount * kWidth; ++i) h.push_back(rng.Uniform() < 0.01 ? 1.0 : 0.0);
-  TreeSums<double> tree(places);
+  TreeSums<double> tree(positions);
   EXPECT_GT(tree.FarPairs(), 1000.0);
   EXPECT_LT(tree.NearPairs(), 0.5 * kCount * kCount);
   tree.Add(h.data(), kWidth, weighted.data());
@@ -161,8 +162,8 @@ TEST(TreeSums, KeepTheirBoundForEachPlaceAndFeature) {
     for (std::size_t f = 0; f < kWidth; ++f) {
       double expected = 0.0;
       for (std::size_t k = 0; k < kCount; ++k)
-        expected +=
-            std::hypot(places.x_m[a] - places.x_m[k], places.y_m[a] - places.y_m[k]) * h[kWidth * k + f];
+        expected += std::hypot(positions.x_m[a] - positions.x_m[k], positions.y_m[a] - positions.y_m[k]) *
+                    h[kWidth * k + f];
       EXPECT_NEAR(weighted[kWidth * a + f], expected, kFarBound * expected);
     }
   }

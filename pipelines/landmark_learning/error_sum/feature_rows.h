@@ -64,9 +64,9 @@ class FeatureRows {
 
 // dE/dG as it adds up.
 template <class Real>
-class SlopeRows {
+class GradientRows {
  public:
-  SlopeRows(int samples, int vectors)
+  GradientRows(int samples, int vectors)
       : samples_(samples),
         vectors_(vectors),
         width_(WidthOf<Real>(vectors)),

@@ -60,10 +60,10 @@ LineSums::LineSums(const std::vector<double>& t, double reach, bool squared)
 
 // Adds what lies before each sample.
 template <bool kSquared>
-void LineSums::Sweep(const Way& way, const double* h, double* weighted, double* believed) const {
+void LineSums::Sweep(const Order& order, const double* h, double* weighted, double* believed) const {
   using Sums = Moments<kSquared>;
-  const int *rows = way.row.data(), count = static_cast<int>(way.row.size());
-  const double* where = way.where.data();
+  const int *rows = order.row.data(), count = static_cast<int>(order.row.size());
+  const double* where = order.where.data();
   const auto row = [&](auto* table, int i) {
     return table == nullptr ? table : table + static_cast<std::ptrdiff_t>(rows[i]) * kLineFeatures;
   };
@@ -100,11 +100,11 @@ void LineSums::Sweep(const Way& way, const double* h, double* weighted, double* 
 }
 
 void LineSums::Add(const double* h, double* weighted, double* believed) const {
-  for (const Way* way : {&left_, &right_}) {
+  for (const Order* order : {&left_, &right_}) {
     if (squared_)
-      Sweep<true>(*way, h, weighted, believed);
+      Sweep<true>(*order, h, weighted, believed);
     else
-      Sweep<false>(*way, h, weighted, believed);
+      Sweep<false>(*order, h, weighted, believed);
   }
   if (believed == nullptr) return;
   const std::size_t cells = left_.row.size() * kLineFeatures;

@@ -34,14 +34,14 @@ class LineSums {
 
  private:
   // Samples in the order in which a sweep meets them, and where, growing: from the left, from the right.
-  struct Way {
+  struct Order {
     std::vector<int> row;
     std::vector<double> where;
   };
   template <bool kSquared>
-  void Sweep(const Way& way, const double* h, double* weighted, double* believed) const;
+  void Sweep(const Order& order, const double* h, double* weighted, double* believed) const;
 
-  Way left_, right_;
+  Order left_, right_;
   double reach_;
   bool squared_;
 };

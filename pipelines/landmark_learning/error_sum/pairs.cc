@@ -14,7 +14,8 @@ constexpr double kRounding = 1e-6;
 
 // Relative to a point near by, so that float keeps what double has; the last one again up to whole tiles.
 template <class Real>
-void From(const std::vector<double>& values, const Range& range, double origin, std::vector<Real>* relative) {
+void From(const std::vector<double>& values, const IndexRange& range, double origin,
+          std::vector<Real>* relative) {
   const int whole = (range.size() + kTileSamples - 1) / kTileSamples * kTileSamples;
   relative->resize(static_cast<std::size_t>(whole));
   for (int k = 0; k < whole; ++k) {
@@ -57,19 +58,20 @@ class PairLanes {
 
 }  // namespace
 
-Box BoxAround(const Places& places, const Range& range) {
+Box BoxAround(const Positions& positions, const IndexRange& range) {
   const auto [low_x, high_x] =
-      std::minmax_element(places.x_m.begin() + range.first, places.x_m.begin() + range.end);
+      std::minmax_element(positions.x_m.begin() + range.first, positions.x_m.begin() + range.end);
   const auto [low_y, high_y] =
-      std::minmax_element(places.y_m.begin() + range.first, places.y_m.begin() + range.end);
+      std::minmax_element(positions.y_m.begin() + range.first, positions.y_m.begin() + range.end);
   return {*low_x, *high_x, *low_y, *high_y};
 }
 
 double MassCost::Of(double u) { return -std::log((1.0 - kLeast) * u + kLeast); }
 
-Pairs::Pairs(const Places& truths, const Places& samples, const Belief& belief, const ErrorRule& error)
-    : true_(truths), samples_(samples), belief_(belief), error_(error) {
-  CAIRN_DEMAND(!belief.LooksAtHeadings() || (truths.cos_heading.size() == truths.x_m.size() &&
+Pairs::Pairs(const Positions& true_positions, const Positions& samples, const Belief& belief,
+             const ErrorRule& error)
+    : true_(true_positions), samples_(samples), belief_(belief), error_(error) {
+  CAIRN_DEMAND(!belief.LooksAtHeadings() || (true_positions.cos_heading.size() == true_positions.x_m.size() &&
                                              samples.cos_heading.size() == samples.x_m.size()),
                "headings, where beliefs look at them");
   if (std::isinf(belief.ReachM())) return;
@@ -87,29 +89,29 @@ Pairs::Pairs(const Places& truths, const Places& samples, const Belief& belief, 
 
 // Outside of them every tile lies beyond the reach; two searches where samples are in the order of a
 // coordinate.
-Range Pairs::TilesAround(const Box& truths) const {
+IndexRange Pairs::TilesAround(const Box& true_positions) const {
   const double reach = belief_.ReachM() * (1.0 + kRounding);
   const auto first = std::ranges::partition_point(until_, [&](const Box& t) {
-    return t.high_x_m < truths.low_x_m - reach || t.high_y_m < truths.low_y_m - reach;
+    return t.high_x_m < true_positions.low_x_m - reach || t.high_y_m < true_positions.low_y_m - reach;
   });
   const auto end = std::ranges::partition_point(until_, [&](const Box& t) {
-    return t.low_x_m <= truths.high_x_m + reach && t.low_y_m <= truths.high_y_m + reach;
+    return t.low_x_m <= true_positions.high_x_m + reach && t.low_y_m <= true_positions.high_y_m + reach;
   });
   return {static_cast<int>(first - until_.begin()), static_cast<int>(std::max(first, end) - until_.begin())};
 }
 
-void Pairs::Reach(const Range& truths, std::vector<Stretch>* stretches) const {
+void Pairs::Reach(const IndexRange& true_positions, std::vector<Stretch>* stretches) const {
   stretches->clear();
   const int count = samples_.size();
   if (std::isinf(belief_.ReachM())) {
     stretches->push_back({{0, count}, !belief_.LooksAtHeadings()});
     return;
   }
-  const Box box = BoxAround(true_, truths);
+  const Box box = BoxAround(true_, true_positions);
   const double reach = belief_.ReachM();
   const double within = std::pow(reach * (1.0 - kRounding), 2),
                beyond = std::pow(reach * (1.0 + kRounding), 2);
-  const Range around = TilesAround(box);
+  const IndexRange around = TilesAround(box);
   for (int t = around.first; t < around.end; ++t) {
     const Box& tile = tiles_[static_cast<std::size_t>(t)];
     const double near_x = std::max({0.0, tile.low_x_m - box.high_x_m, box.low_x_m - tile.high_x_m});
@@ -127,16 +129,16 @@ void Pairs::Reach(const Range& truths, std::vector<Stretch>* stretches) const {
   }
 }
 
-Range Pairs::ReachOf(const Range& truths) const {
+IndexRange Pairs::ReachOf(const IndexRange& true_positions) const {
   std::vector<Stretch> stretches;
-  Reach(truths, &stretches);
+  Reach(true_positions, &stretches);
   if (stretches.empty()) return {0, 0};
   return {stretches.front().samples.first, stretches.back().samples.end};
 }
 
 // The table's errors of a row and those of some samples, up to whole tiles.
 template <class Real>
-void Pairs::LookUp(std::int32_t row, const Range& samples, std::vector<Real>* errors) const {
+void Pairs::LookUp(std::int32_t row, const IndexRange& samples, std::vector<Real>* errors) const {
   const float* table = samples_.table.As<float>().data() + row * samples_.table.shape()[1];
   for (int k = 0; k < static_cast<int>(errors->size()); ++k) {
     const auto at = static_cast<std::size_t>(std::min(samples.first + k, samples.end - 1));
@@ -160,11 +162,11 @@ void Pairs::KeepThoseThatFaceAs(std::size_t truth, const Columns<Real>& columns,
 }
 
 template <class Real>
-void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Columns<Real>* columns,
+void Pairs::Fill(const IndexRange& true_positions, const Stretch& stretch, int stride, Columns<Real>* columns,
                  Real* belief, Real* weighted) const {
   using L = Lanes<Real>;
   const PairLanes<L> lanes(belief_, error_);
-  const auto origin = static_cast<std::size_t>(truths.first);
+  const auto origin = static_cast<std::size_t>(true_positions.first);
   const double x0 = true_.x_m[origin], y0 = true_.y_m[origin], along0 = true_.along_m[origin];
   From(samples_.x_m, stretch.samples, x0, &columns->x);
   From(samples_.y_m, stretch.samples, y0, &columns->y);
@@ -177,7 +179,7 @@ void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Column
   const int whole = static_cast<int>(columns->x.size());
   if (error_ == ErrorKind::kTable) columns->along.resize(columns->x.size());
   const Real *x = columns->x.data(), *y = columns->y.data(), *along = columns->along.data();
-  for (int a = truths.first; a < truths.end; ++a, belief += stride, weighted += stride) {
+  for (int a = true_positions.first; a < true_positions.end; ++a, belief += stride, weighted += stride) {
     const auto at = static_cast<std::size_t>(a);
     const auto xa = L::Broadcast(static_cast<Real>(true_.x_m[at] - x0));
     const auto ya = L::Broadcast(static_cast<Real>(true_.y_m[at] - y0));
@@ -200,7 +202,7 @@ void Pairs::Fill(const Range& truths, const Stretch& stretch, int stride, Column
   }
 }
 
-template void Pairs::Fill(const Range&, const Stretch&, int, Columns<float>*, float*, float*) const;
-template void Pairs::Fill(const Range&, const Stretch&, int, Columns<double>*, double*, double*) const;
+template void Pairs::Fill(const IndexRange&, const Stretch&, int, Columns<float>*, float*, float*) const;
+template void Pairs::Fill(const IndexRange&, const Stretch&, int, Columns<double>*, double*, double*) const;
 
 }  // namespace cairn::landmark_learning

@@ -12,11 +12,11 @@ namespace cairn::landmark_learning {
 
 // Where samples were taken, [samples] in the order of all other arrays. Neighbours in that order should be
 // neighbours in space, as those of a run are: tiles of pairs out of reach are skipped.
-struct Places {
+struct Positions {
   std::vector<double> x_m, y_m;
-  std::vector<double> along_m;         // way travelled until there
+  std::vector<double> along_m;         // distance travelled until there
   std::vector<std::int32_t> row = {};  // of the table of errors; empty where there is none
-  Array table = {};                    // f32, [rows][rows]: e from the place of one row to that of another
+  Array table = {};                    // f32, [rows][rows]: e from the position of one row to that of another
   std::vector<double> cos_heading = {}, sin_heading = {};  // empty where it is not known
 
   int size() const { return static_cast<int>(x_m.size()); }
@@ -58,26 +58,26 @@ struct ErrorRule {
 struct MassCost {
   static constexpr double kLeast = 1e-6;
   static double Of(double u);
-  static double Slope(double u) { return -(1.0 - kLeast) / ((1.0 - kLeast) * u + kLeast); }
+  static double Derivative(double u) { return -(1.0 - kLeast) / ((1.0 - kLeast) * u + kLeast); }
 };
 
 // Samples first <= k < end.
-struct Range {
+struct IndexRange {
   int first, end;
   int size() const { return end - first; }
 };
 
 inline constexpr int kTileSamples = 8;
 
-// The least box around some places.
+// The least box around some positions.
 struct Box {
   double low_x_m, high_x_m, low_y_m, high_y_m;
 };
-Box BoxAround(const Places& places, const Range& range);
+Box BoxAround(const Positions& positions, const IndexRange& range);
 
-// Samples that a strip of truths reaches: whole tiles, but for the end of the set.
+// Samples that a strip of true positions reaches: whole tiles, but for the end of the set.
 struct Stretch {
-  Range samples;
+  IndexRange samples;
   bool all;  // Bel_prior is one for each of the pairs, and no table of it is needed
 };
 
@@ -90,33 +90,34 @@ struct Columns {
 // Every pair of a true position and a sample for which it may be taken. In training both are of one set.
 class Pairs {
  public:
-  // `truths` and `samples` must outlive this; they have headings where the belief looks at them.
-  Pairs(const Places& truths, const Places& samples, const Belief& belief, const ErrorRule& error);
+  // `true_positions` and `samples` must outlive this; they have headings where the belief looks at them.
+  Pairs(const Positions& true_positions, const Positions& samples, const Belief& belief,
+        const ErrorRule& error);
 
-  const Places& samples() const { return samples_; }
+  const Positions& samples() const { return samples_; }
   const Belief& belief() const { return belief_; }
   const ErrorRule& error() const { return error_; }
 
-  // All samples in reach of any of `truths`, in order; and the first of them to the last.
-  void Reach(const Range& truths, std::vector<Stretch>* stretches) const;
-  Range ReachOf(const Range& truths) const;
+  // All samples in reach of any of `true_positions`, in order; and the first of them to the last.
+  void Reach(const IndexRange& true_positions, std::vector<Stretch>* stretches) const;
+  IndexRange ReachOf(const IndexRange& true_positions) const;
 
-  // Bel_prior and e times it (kPosteriorMass: the bell times it), each [truths][stride]; columns from
+  // Bel_prior and e times it (kPosteriorMass: the bell times it), each [true positions][stride]; columns from
   // samples.first on, filled up to whole tiles. `belief` is left as it is where the stretch is `all`.
   template <class Real>
-  void Fill(const Range& truths, const Stretch& stretch, int stride, Columns<Real>* columns, Real* belief,
-            Real* weighted) const;
+  void Fill(const IndexRange& true_positions, const Stretch& stretch, int stride, Columns<Real>* columns,
+            Real* belief, Real* weighted) const;
 
  private:
-  Range TilesAround(const Box& truths) const;
+  IndexRange TilesAround(const Box& true_positions) const;
   // Bel_prior of a row of the table is zero where the samples face another way than the truth.
   template <class Real>
   void KeepThoseThatFaceAs(std::size_t truth, const Columns<Real>& columns, Real* belief,
                            Real* weighted) const;
   template <class Real>
-  void LookUp(std::int32_t row, const Range& samples, std::vector<Real>* errors) const;
+  void LookUp(std::int32_t row, const IndexRange& samples, std::vector<Real>* errors) const;
 
-  const Places &true_, &samples_;
+  const Positions &true_, &samples_;
   Belief belief_;
   ErrorRule error_;
   std::vector<Box> tiles_;  // of samples

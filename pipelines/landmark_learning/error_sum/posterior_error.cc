@@ -9,38 +9,39 @@
 namespace cairn::landmark_learning {
 namespace {
 
-// N and Z of a strip; then what the slopes of pairs need: P G / Z and -P G N / Z^2.
+// N and Z of a strip; then what the gradients of pairs need: P G / Z and -P G N / Z^2.
 template <class Real>
 struct StripSums {
-  std::vector<Real> n, z;  // [kStripTruths][width]
+  std::vector<Real> n, z;  // [kStripTruePositions][width]
 
-  explicit StripSums(int width) : n(kStripTruths * static_cast<std::size_t>(width)), z(n.size()) {}
+  explicit StripSums(int width) : n(kStripTruePositions * static_cast<std::size_t>(width)), z(n.size()) {}
 };
 
-// Adds to E and to its slope in G[a], and turns N and Z into slopes. Terms of one feature are added up by
+// Adds to E and to its slope in G[a], and turns N and Z into gradients. Terms of one feature are added up by
 // themselves, feature after feature only at the end.
 template <class Real>
-class Slopes {
+class ErrorGradient {
  public:
-  Slopes(const FeatureRows<Real>& g, const std::vector<double>& weight, ErrorKind kind)
+  ErrorGradient(const FeatureRows<Real>& g, const std::vector<double>& weight, ErrorKind kind)
       : g_(g),
         kind_(kind),
         weight_(weight),
         error_(static_cast<std::size_t>(g.width()), Real(0)),
         whole_(error_.size(), 0.0) {}
 
-  void Turn(const Range& truths, StripSums<Real>* sums, SlopeRows<Real>* d) {
+  void Turn(const IndexRange& true_positions, StripSums<Real>* sums, GradientRows<Real>* d) {
     const int width = g_.width();
     std::ranges::fill(error_, Real(0));
-    for (int a = truths.first; a < truths.end; ++a) {
-      Real *n = RowOf(sums->n, a - truths.first, width), *z = RowOf(sums->z, a - truths.first, width);
+    for (int a = true_positions.first; a < true_positions.end; ++a) {
+      Real *n = RowOf(sums->n, a - true_positions.first, width),
+           *z = RowOf(sums->z, a - true_positions.first, width);
       if (kind_ == ErrorKind::kPosteriorMass)
         TurnRowOfMass(a, n, z, d->Row(a));
       else
         TurnRow(a, n, z, d->Row(a));
     }
-    std::fill(sums->n.begin() + truths.size() * width, sums->n.end(), Real(0));
-    std::fill(sums->z.begin() + truths.size() * width, sums->z.end(), Real(0));
+    std::fill(sums->n.begin() + true_positions.size() * width, sums->n.end(), Real(0));
+    std::fill(sums->z.begin() + true_positions.size() * width, sums->z.end(), Real(0));
     for (std::size_t f = 0; f < whole_.size(); ++f) whole_[f] += error_[f];
   }
   double Error() const {
@@ -74,7 +75,7 @@ class Slopes {
     for (int f = 0; f < g_.width(); ++f) {
       const double here = z[f], mass = here > 0.0 ? n[f] / here : 0.0;
       const double cost = here > 0.0 ? p * MassCost::Of(mass) : 0.0;
-      const double r = here > 0.0 ? p * g[f] * MassCost::Slope(mass) / here : 0.0;
+      const double r = here > 0.0 ? p * g[f] * MassCost::Derivative(mass) / here : 0.0;
       error_[static_cast<std::size_t>(f)] += static_cast<Real>(g[f] * cost);
       slope[f] += static_cast<Real>(cost);
       n[f] = static_cast<Real>(r);
@@ -96,38 +97,38 @@ double CostOf(const Pairs& pairs, double ratio) {
 
 // Calls f(strip) for the strips of a block.
 template <class F>
-void InStrips(const Range& truths, const F& f) {
-  for (int first = truths.first; first < truths.end; first += kStripTruths)
-    f(Range{first, std::min(truths.end, first + kStripTruths)});
+void InStrips(const IndexRange& true_positions, const F& f) {
+  for (int first = true_positions.first; first < true_positions.end; first += kStripTruePositions)
+    f(IndexRange{first, std::min(true_positions.end, first + kStripTruePositions)});
 }
 
 }  // namespace
 
 template <class Real>
-ErrorShare<Real> ErrorOfTruths(const Pairs& pairs, const std::vector<Real>& probability, int vectors,
-                               const std::vector<double>& weight, const Range& truths) {
+ErrorShare<Real> ErrorOfTruePositions(const Pairs& pairs, const std::vector<Real>& probability, int vectors,
+                                      const std::vector<double>& weight, const IndexRange& true_positions) {
   const FeatureRows<Real> g(probability, vectors);
-  SlopeRows<Real> d(pairs.samples().size(), vectors);
-  Slopes<Real> slopes(g, weight, pairs.error().kind);
+  GradientRows<Real> d(pairs.samples().size(), vectors);
+  ErrorGradient<Real> gradient(g, weight, pairs.error().kind);
   StripSums<Real> sums(g.width());
   Strip<Real> strip(pairs);
-  InStrips(truths, [&](const Range& range) {
+  InStrips(true_positions, [&](const IndexRange& range) {
     strip.Take(range);
     strip.Gather(g, sums.n.data(), sums.z.data());
-    slopes.Turn(range, &sums, &d);
+    gradient.Turn(range, &sums, &d);
     strip.Scatter(sums.n.data(), sums.z.data(), g.width(), &d);
   });
-  return {slopes.Error(), d.Take()};
+  return {gradient.Error(), d.Take()};
 }
 
 template <class Real>
 double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const std::vector<Real>& of_sample,
-                  int vectors, const std::vector<double>& weight, const Range& truths) {
+                  int vectors, const std::vector<double>& weight, const IndexRange& true_positions) {
   double error = 0.0;
   const FeatureRows<Real> map(of_sample, vectors);
   StripSums<Real> sums(map.width());
   Strip<Real> strip(pairs);
-  InStrips(truths, [&](const Range& range) {
+  InStrips(true_positions, [&](const IndexRange& range) {
     strip.Take(range);
     strip.Gather(map, sums.n.data(), sums.z.data());
     for (int a = range.first; a < range.end; ++a) {
@@ -140,20 +141,21 @@ double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const s
         else
           ruled_out += g[f];
       }
-      if (ruled_out > 0.0) error += ruled_out * PriorErrorOfTruths(pairs, weight, {a, a + 1});
+      if (ruled_out > 0.0) error += ruled_out * PriorErrorOfTruePositions(pairs, weight, {a, a + 1});
     }
   });
   return error;
 }
 
-double PriorErrorOfTruths(const Pairs& pairs, const std::vector<double>& weight, const Range& truths) {
+double PriorErrorOfTruePositions(const Pairs& pairs, const std::vector<double>& weight,
+                                 const IndexRange& true_positions) {
   constexpr int kPiece = 512;
   std::vector<Stretch> stretches;
   Columns<double> columns;
-  std::vector<double> believed, weighted(static_cast<std::size_t>(kStripTruths) * kPiece);
+  std::vector<double> believed, weighted(static_cast<std::size_t>(kStripTruePositions) * kPiece);
   double sum = 0.0;
-  InStrips(truths, [&](const Range& strip) {
-    std::array<double, kStripTruths> all{}, wrong{};
+  InStrips(true_positions, [&](const IndexRange& strip) {
+    std::array<double, kStripTruePositions> all{}, wrong{};
     pairs.Reach(strip, &stretches);
     for (const Stretch& stretch : stretches) {
       for (int first = stretch.samples.first; first < stretch.samples.end; first += kPiece) {
@@ -161,7 +163,7 @@ double PriorErrorOfTruths(const Pairs& pairs, const std::vector<double>& weight,
         believed.assign(weighted.size(), 1.0);
         pairs.Fill(strip, piece, kPiece, &columns, believed.data(), weighted.data());
         for (int k = 0; k < piece.samples.size(); ++k) {
-          for (std::size_t a = 0; a < kStripTruths; ++a) {
+          for (std::size_t a = 0; a < kStripTruePositions; ++a) {
             all[a] += believed[a * kPiece + static_cast<std::size_t>(k)];
             wrong[a] += weighted[a * kPiece + static_cast<std::size_t>(k)];
           }
@@ -176,13 +178,13 @@ double PriorErrorOfTruths(const Pairs& pairs, const std::vector<double>& weight,
   return sum;
 }
 
-template ErrorShare<float> ErrorOfTruths(const Pairs&, const std::vector<float>&, int,
-                                         const std::vector<double>&, const Range&);
-template ErrorShare<double> ErrorOfTruths(const Pairs&, const std::vector<double>&, int,
-                                          const std::vector<double>&, const Range&);
+template ErrorShare<float> ErrorOfTruePositions(const Pairs&, const std::vector<float>&, int,
+                                                const std::vector<double>&, const IndexRange&);
+template ErrorShare<double> ErrorOfTruePositions(const Pairs&, const std::vector<double>&, int,
+                                                 const std::vector<double>&, const IndexRange&);
 template double ErrorInMap(const Pairs&, const std::vector<float>&, const std::vector<float>&, int,
-                           const std::vector<double>&, const Range&);
+                           const std::vector<double>&, const IndexRange&);
 template double ErrorInMap(const Pairs&, const std::vector<double>&, const std::vector<double>&, int,
-                           const std::vector<double>&, const Range&);
+                           const std::vector<double>&, const IndexRange&);
 
 }  // namespace cairn::landmark_learning

@@ -14,27 +14,28 @@
 
 namespace cairn::landmark_learning {
 
-// A block's share of the sums over all truths.
+// A block's share of the sums over all true positions.
 template <class Real>
 struct ErrorShare {
   double posterior = 0.0;           // of E_posterior, in the error's unit
   std::vector<Real> d_probability;  // [samples][2^n]: of dE_posterior/dG; zero out of the block's reach
 };
 
-// Truths and samples are one set. `probability`: G, [samples][vectors]; `weight`: P(a), [samples]. Where Z is
-// zero nothing is left of G[a,f] either, and the term is zero.
+// True positions and samples are one set. `probability`: G, [samples][vectors]; `weight`: P(a), [samples].
+// Where Z is zero nothing is left of G[a,f] either, and the term is zero.
 template <class Real>
-ErrorShare<Real> ErrorOfTruths(const Pairs& pairs, const std::vector<Real>& probability, int vectors,
-                               const std::vector<double>& weight, const Range& truths);
+ErrorShare<Real> ErrorOfTruePositions(const Pairs& pairs, const std::vector<Real>& probability, int vectors,
+                                      const std::vector<double>& weight, const IndexRange& true_positions);
 
-// The error alone, truths and samples each of a set of their own: `of_truth`: P(f | what is sensed at a),
-// `of_sample`: P(f | xi), a map. A feature vector that the map holds for impossible everywhere leaves the
+// The error alone, true positions and samples each of a set of their own: `of_truth`: P(f | what is sensed at
+// a), `of_sample`: P(f | xi), a map. A feature vector that the map holds for impossible everywhere leaves the
 // belief as it was.
 template <class Real>
 double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const std::vector<Real>& of_sample,
-                  int vectors, const std::vector<double>& weight, const Range& truths);
+                  int vectors, const std::vector<double>& weight, const IndexRange& true_positions);
 
 // A block's share of E_prior ([T98] eq. 21): the same where nothing is sensed.
-double PriorErrorOfTruths(const Pairs& pairs, const std::vector<double>& weight, const Range& truths);
+double PriorErrorOfTruePositions(const Pairs& pairs, const std::vector<double>& weight,
+                                 const IndexRange& true_positions);
 
 }  // namespace cairn::landmark_learning

@@ -15,7 +15,7 @@ namespace {
 constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 
 struct World {
-  Places places;
+  Positions positions;
   std::vector<double> g, weight;
   int networks;
 
@@ -23,38 +23,41 @@ struct World {
     Rng rng(seed);
     double x = 0.0, y = 0.0, along = 0.0;
     for (int k = 0; k < samples; ++k) {
-      places.x_m.push_back(x += rng.Uniform(0.0, 0.7));
-      places.y_m.push_back(y += rng.Uniform(-0.3, 0.3));
-      places.along_m.push_back(along += rng.Uniform(0.0, 1.0));
+      positions.x_m.push_back(x += rng.Uniform(0.0, 0.7));
+      positions.y_m.push_back(y += rng.Uniform(-0.3, 0.3));
+      positions.along_m.push_back(along += rng.Uniform(0.0, 1.0));
       for (int i = 0; i < n; ++i) g.push_back(rng.Uniform());
       weight.push_back(rng.Uniform(0.5, 1.5) / samples);
     }
     Rng headings(seed, 1);
     for (int k = 0; k < samples; ++k) {  // there and back, more or less
       const double heading = (headings.Uniform() < 0.5 ? 0.0 : 3.0) + headings.Uniform(-0.6, 0.6);
-      places.cos_heading.push_back(std::cos(heading));
-      places.sin_heading.push_back(std::sin(heading));
+      positions.cos_heading.push_back(std::cos(heading));
+      positions.sin_heading.push_back(std::sin(heading));
     }
   }
   std::vector<double> G() const { return FeatureProbabilities(g, networks); }
-  ErrorShare<double> Share(const Belief& belief, const ErrorRule& error, const Range& truths) const {
-    return ErrorOfTruths(Pairs(places, places, belief, error), G(), 1 << networks, weight, truths);
+  ErrorShare<double> Share(const Belief& belief, const ErrorRule& error,
+                           const IndexRange& true_positions) const {
+    return ErrorOfTruePositions(Pairs(positions, positions, belief, error), G(), 1 << networks, weight,
+                                true_positions);
   }
-  double Prior(const Belief& belief, const Range& truths) const {
-    return PriorErrorOfTruths(Pairs(places, places, belief, ErrorKind::kDistance), weight, truths);
+  double Prior(const Belief& belief, const IndexRange& true_positions) const {
+    return PriorErrorOfTruePositions(Pairs(positions, positions, belief, ErrorKind::kDistance), weight,
+                                     true_positions);
   }
   ErrorShare<double> All(const Belief& belief, const ErrorRule& error) const {
-    return Share(belief, error, {0, places.size()});
+    return Share(belief, error, {0, positions.size()});
   }
 };
 
-double ErrorBetween(const Places& p, ErrorKind kind, std::size_t a, std::size_t k) {
+double ErrorBetween(const Positions& p, ErrorKind kind, std::size_t a, std::size_t k) {
   const double distance = std::hypot(p.x_m[a] - p.x_m[k], p.y_m[a] - p.y_m[k]);
   if (kind == ErrorKind::kAlong) return std::abs(p.along_m[a] - p.along_m[k]);
   return kind == ErrorKind::kDistance ? distance : distance * distance;
 }
 
-double BeliefIn(const Places& p, const Belief& belief, std::size_t a, std::size_t k) {
+double BeliefIn(const Positions& p, const Belief& belief, std::size_t a, std::size_t k) {
   const double distance = std::hypot(p.x_m[a] - p.x_m[k], p.y_m[a] - p.y_m[k]);
   if (distance > belief.ReachM()) return 0.0;
   const double turned = std::remainder(
@@ -78,16 +81,16 @@ double P(const World& w, std::size_t f, std::size_t k) {
 // Eq. 42 with the denominator of eq. 37, literally: for each truth, sample and feature vector the sum over
 // all samples again.
 double LiteralError(const World& w, const Belief& belief, ErrorKind kind) {
-  const auto samples = static_cast<std::size_t>(w.places.size());
+  const auto samples = static_cast<std::size_t>(w.positions.size());
   double error = 0.0;
   for (std::size_t a = 0; a < samples; ++a) {
     for (std::size_t k = 0; k < samples; ++k) {
       const double factor =
-          ErrorBetween(w.places, kind, a, k) * w.weight[a] * BeliefIn(w.places, belief, a, k);
+          ErrorBetween(w.positions, kind, a, k) * w.weight[a] * BeliefIn(w.positions, belief, a, k);
       for (std::size_t f = 0; f < FeatureVectors(w.networks); ++f) {
         double z = 0.0;
         for (std::size_t other = 0; other < samples; ++other)
-          z += P(w, f, other) * BeliefIn(w.places, belief, a, other);
+          z += P(w, f, other) * BeliefIn(w.positions, belief, a, other);
         if (z > 0.0) error += factor * P(w, f, a) * P(w, f, k) / z;
       }
     }
@@ -117,14 +120,14 @@ TEST(PosteriorError, EqualsTheLiteralSumOverTriples) {
 
 // -log of the mass that a bell around the truth weighs, literally.
 double LiteralMassCost(const World& w, const Belief& belief, double smooth_m) {
-  const auto samples = static_cast<std::size_t>(w.places.size());
+  const auto samples = static_cast<std::size_t>(w.positions.size());
   double error = 0.0;
   for (std::size_t a = 0; a < samples; ++a) {
     for (std::size_t f = 0; f < FeatureVectors(w.networks); ++f) {
       double mass = 0.0, z = 0.0;
       for (std::size_t k = 0; k < samples; ++k) {
-        const double d = ErrorBetween(w.places, ErrorKind::kDistance, a, k);
-        const double believed = P(w, f, k) * BeliefIn(w.places, belief, a, k);
+        const double d = ErrorBetween(w.positions, ErrorKind::kDistance, a, k);
+        const double believed = P(w, f, k) * BeliefIn(w.positions, belief, a, k);
         mass += std::exp(-0.5 * d * d / (smooth_m * smooth_m)) * believed;
         z += believed;
       }
@@ -142,9 +145,9 @@ TEST(PosteriorError, OfMassIsTheLiteralLogarithmOfWhatTheBellHolds) {
       EXPECT_GT(literal, 0.0);
       const ErrorRule rule(ErrorKind::kPosteriorMass, smooth_m);
       EXPECT_NEAR(world.All(belief, rule).posterior, literal, 1e-9 * literal);
-      const Pairs pairs(world.places, world.places, belief, rule);
+      const Pairs pairs(world.positions, world.positions, belief, rule);
       EXPECT_NEAR(ErrorInMap(pairs, world.G(), world.G(), 8, world.weight, {0, 40}), literal, 1e-9 * literal);
-      EXPECT_GT(PriorErrorOfTruths(pairs, world.weight, {0, 40}), literal);
+      EXPECT_GT(PriorErrorOfTruePositions(pairs, world.weight, {0, 40}), literal);
     }
   }
 }
@@ -180,13 +183,13 @@ TEST(PosteriorError, TheGradientIsThatOfFiniteDifferences) {
   }
 }
 
-TEST(PosteriorError, BlocksOfTruthsAddUp) {
+TEST(PosteriorError, BlocksOfTruePositionsAddUp) {
   const World world(200, 3, 7);
   const auto whole = world.All(kBeliefs[0], ErrorKind::kDistance);
   ErrorShare<double> sum;
   double prior = 0.0;
   sum.d_probability.assign(whole.d_probability.size(), 0.0);
-  for (const Range& block : {Range{0, 61}, Range{61, 62}, Range{62, 200}}) {
+  for (const IndexRange& block : {IndexRange{0, 61}, IndexRange{61, 62}, IndexRange{62, 200}}) {
     const auto share = world.Share(kBeliefs[0], ErrorKind::kDistance, block);
     sum.posterior += share.posterior;
     prior += world.Prior(kBeliefs[0], block);
@@ -202,8 +205,8 @@ TEST(PosteriorError, BlocksOfTruthsAddUp) {
 TEST(PosteriorError, FeaturesThatTellNothingLeaveThePrior) {
   World world(90, 2, 1);
   for (int k = 0; k < 90; ++k) {
-    world.places.x_m[static_cast<std::size_t>(k)] = k;
-    world.places.y_m[static_cast<std::size_t>(k)] = 0.0;
+    world.positions.x_m[static_cast<std::size_t>(k)] = k;
+    world.positions.y_m[static_cast<std::size_t>(k)] = 0.0;
     world.weight[static_cast<std::size_t>(k)] = 1.0 / 90;
   }
   world.g.assign(world.g.size(), 0.5);
@@ -213,7 +216,7 @@ TEST(PosteriorError, FeaturesThatTellNothingLeaveThePrior) {
   EXPECT_NEAR(share.posterior, prior, 1e-9);
 }
 
-TEST(PosteriorError, FeaturesThatNameEveryPlaceLeaveNoError) {
+TEST(PosteriorError, FeaturesThatNameEveryPositionLeaveNoError) {
   World world(8, 3, 1);
   for (std::size_t k = 0; k < 8; ++k) {
     for (std::size_t i = 0; i < 3; ++i) world.g[3 * k + i] = static_cast<double>((k >> i) & 1);
@@ -223,9 +226,9 @@ TEST(PosteriorError, FeaturesThatNameEveryPlaceLeaveNoError) {
   EXPECT_GT(world.Prior({BeliefShape::kUniform, kEverywhere}, {0, 8}), 0.5);
 }
 
-// A feature vector that no place is believed to have is never sensed: it has no part in the error, nor in the
-// slopes, which stay finite.
-TEST(PosteriorError, WhatIsNeverSensedHasNoPartInTheSlopes) {
+// A feature vector that no position is believed to have is never sensed: it has no part in the error, nor in
+// the gradients, which stay finite.
+TEST(PosteriorError, WhatIsNeverSensedHasNoPartInTheGradient) {
   World world(6, 3, 1);
   for (std::size_t k = 0; k < 6; ++k) {
     for (std::size_t i = 0; i < 3; ++i) world.g[3 * k + i] = static_cast<double>((k >> i) & 1);
@@ -236,7 +239,7 @@ TEST(PosteriorError, WhatIsNeverSensedHasNoPartInTheSlopes) {
     EXPECT_NEAR(share.posterior, 0.0, 1e-12);
     for (std::size_t i = 0; i < share.d_probability.size(); ++i) {
       EXPECT_TRUE(std::isfinite(share.d_probability[i])) << i;
-      const bool sensed = i % 8 < 6;  // by one of six places
+      const bool sensed = i % 8 < 6;  // by one of six positions
       EXPECT_TRUE(sensed || share.d_probability[i] == 0.0) << i;
     }
   }
@@ -246,7 +249,7 @@ TEST(PosteriorError, WhatIsNeverSensedHasNoPartInTheSlopes) {
 TEST(PosteriorError, InTheMapOfItsOwnSamplesIsTheTrainingsError) {
   const World world(120, 3, 13);
   const auto g = world.G();
-  const Pairs pairs(world.places, world.places, kBeliefs[2], ErrorKind::kAlong);
+  const Pairs pairs(world.positions, world.positions, kBeliefs[2], ErrorKind::kAlong);
   const double error = ErrorInMap(pairs, g, g, 8, world.weight, {0, 120});
   EXPECT_NEAR(error, world.All(kBeliefs[2], ErrorKind::kAlong).posterior, 1e-12);
 }
@@ -255,7 +258,7 @@ TEST(PosteriorError, InTheMapOfItsOwnSamplesIsTheTrainingsError) {
 TEST(PosteriorError, WhatTheMapRulesOutLeavesTheBeliefAsItWas) {
   const World world(30, 1, 17);
   const std::vector<double> never(60, 0.0), always = FeatureProbabilities(std::vector<double>(30, 1.0), 1);
-  const Pairs pairs(world.places, world.places, kBeliefs[0], ErrorKind::kDistance);
+  const Pairs pairs(world.positions, world.positions, kBeliefs[0], ErrorKind::kDistance);
   EXPECT_NEAR(ErrorInMap(pairs, always, never, 2, world.weight, {0, 30}), world.Prior(kBeliefs[0], {0, 30}),
               1e-12);
 }
@@ -265,8 +268,8 @@ TEST(PosteriorError, FloatsAgreeWithDoubles) {
   const auto exact = world.All(kBeliefs[0], ErrorKind::kDistance);
   const std::vector<float> g(world.g.begin(), world.g.end());
   const auto share =
-      ErrorOfTruths<float>(Pairs(world.places, world.places, kBeliefs[0], ErrorKind::kDistance),
-                           FeatureProbabilities(g, 4), 16, world.weight, {0, 500});
+      ErrorOfTruePositions<float>(Pairs(world.positions, world.positions, kBeliefs[0], ErrorKind::kDistance),
+                                  FeatureProbabilities(g, 4), 16, world.weight, {0, 500});
   EXPECT_NEAR(share.posterior, exact.posterior, 1e-5 * exact.posterior);
 }
 

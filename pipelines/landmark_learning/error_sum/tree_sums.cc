@@ -12,10 +12,10 @@
 namespace cairn::landmark_learning {
 namespace {
 
-constexpr int kFirstLevel = 2;      // from which on boxes can be far
-constexpr int kFinestLevel = 10;    // a level's table of boxes has 4^level cells
-constexpr double kLeafPlaces = 24;  // in a leaf that holds any, on average at most
-constexpr int kStripPlaces = 48;
+constexpr int kFirstLevel = 2;         // from which on boxes can be far
+constexpr int kFinestLevel = 10;       // a level's table of boxes has 4^level cells
+constexpr double kLeafPositions = 24;  // in a leaf that holds any, on average at most
+constexpr int kStripPositions = 48;
 
 std::size_t Size(int count, int width) {
   return static_cast<std::size_t>(count) * static_cast<std::size_t>(width);
@@ -54,13 +54,13 @@ std::vector<int> OrderOf(const std::vector<std::uint64_t>& codes) {
 }  // namespace
 
 template <class Real>
-TreeSums<Real>::TreeSums(const Places& places) {
-  Sort(places);
+TreeSums<Real>::TreeSums(const Positions& positions) {
+  Sort(positions);
 }
 
 template <class Real>
-void TreeSums<Real>::Sort(const Places& places) {
-  const Box box = BoxAround(places, {0, places.size()});
+void TreeSums<Real>::Sort(const Positions& positions) {
+  const Box box = BoxAround(positions, {0, positions.size()});
   low_x_m_ = box.low_x_m;
   low_y_m_ = box.low_y_m;
   side_m_ = std::max({box.high_x_m - box.low_x_m, box.high_y_m - box.low_y_m, 1e-9}) * (1.0 + 1e-9);
@@ -69,25 +69,25 @@ void TreeSums<Real>::Sort(const Places& places) {
     return std::clamp(static_cast<int>((at - low) / side_m_ * kBoxes), 0, kBoxes - 1);
   };
   std::vector<std::uint64_t> codes, sorted_codes;
-  for (std::size_t k = 0; k < places.x_m.size(); ++k)
-    codes.push_back(MortonCode(cell(places.x_m[k], low_x_m_), cell(places.y_m[k], low_y_m_)));
+  for (std::size_t k = 0; k < positions.x_m.size(); ++k)
+    codes.push_back(MortonCode(cell(positions.x_m[k], low_x_m_), cell(positions.y_m[k], low_y_m_)));
   order_ = OrderOf(codes);
   for (const int number : order_) {
     const auto k = static_cast<std::size_t>(number);
     sorted_codes.push_back(codes[k]);
-    sorted_.x_m.push_back(places.x_m[k]);
-    sorted_.y_m.push_back(places.y_m[k]);
+    sorted_.x_m.push_back(positions.x_m[k]);
+    sorted_.y_m.push_back(positions.y_m[k]);
   }
   sorted_.along_m.assign(order_.size(), 0.0);
   for (int level = 0; level <= kFinestLevel; ++level) {
     AddLevel(level, sorted_codes);
     const auto boxes = static_cast<double>(NodesOf(level).size());
-    if (level >= kFirstLevel && places.size() <= kLeafPlaces * boxes) break;
+    if (level >= kFirstLevel && positions.size() <= kLeafPositions * boxes) break;
   }
   LinkChildren();
 }
 
-// With places, not yet children.
+// With positions, not yet children.
 template <class Real>
 void TreeSums<Real>::AddLevel(int level, const std::vector<std::uint64_t>& codes) {
   Level& added = levels_.emplace_back();
@@ -105,11 +105,11 @@ void TreeSums<Real>::AddLevel(int level, const std::vector<std::uint64_t>& codes
   }
 }
 
-// From the places of a box to its children, which hold them.
+// From the positions of a box to its children, which hold them.
 template <class Real>
 void TreeSums<Real>::LinkChildren() {
   for (int level = 0; level < leaf_level(); ++level) {
-    const auto& children = NodesOf(level + 1);  // with places yet
+    const auto& children = NodesOf(level + 1);  // with positions yet
     int child = 0;
     for (TreeNode& node : levels_[static_cast<std::size_t>(level)].nodes) {
       const int first = child;
@@ -127,9 +127,9 @@ void TreeSums<Real>::ForEach(int level, const TreeNode& node, bool near, const F
   const int boxes = 1 << level;
   const std::vector<int>& grid = levels_[static_cast<std::size_t>(level)].grid;
   const auto bounds = [&](int at) {
-    return Range{std::max(-kFarthest, -at), std::min(kFarthest, boxes - 1 - at) + 1};
+    return IndexRange{std::max(-kFarthest, -at), std::min(kFarthest, boxes - 1 - at) + 1};
   };
-  const Range ys = bounds(node.y), xs = bounds(node.x);
+  const IndexRange ys = bounds(node.y), xs = bounds(node.x);
   for (int dy = ys.first; dy < ys.end; ++dy) {
     for (int dx = xs.first; dx < xs.end; ++dx) {
       const int other = grid[static_cast<std::size_t>(((node.y + dy) << level) + node.x + dx)];
@@ -168,7 +168,7 @@ SmallMatrix<Real> TreeSums<Real>::TermsIn(const TreeNode& leaf) {
   return {kTerms, count, count, terms_.data()};
 }
 
-// Leaves from their places, the others from their children.
+// Leaves from their positions, the others from their children.
 template <class Real>
 void TreeSums<Real>::GatherMoments() {
   const auto& leaves = NodesOf(leaf_level());
@@ -178,7 +178,7 @@ void TreeSums<Real>::GatherMoments() {
   }
   for (int level = leaf_level() - 1; level >= kFirstLevel; --level) {
     for (int i = 0; i < static_cast<int>(NodesOf(level).size()); ++i) {
-      const Range& own = NodesOf(level)[static_cast<std::size_t>(i)].own;
+      const IndexRange& own = NodesOf(level)[static_cast<std::size_t>(i)].own;
       for (int c = own.first; c < own.end; ++c) {
         const TreeNode& child = NodesOf(level + 1)[static_cast<std::size_t>(c)];
         AddProduct(FarField<Real>::Get().ChildOf(child.x, child.y), width_, Moments(level + 1, c),
@@ -204,12 +204,12 @@ void TreeSums<Real>::MeetFar() {
   }
 }
 
-// From boxes to their children, from leaves to their places.
+// From boxes to their children, from leaves to their positions.
 template <class Real>
 void TreeSums<Real>::SpreadDown() {
   for (int level = kFirstLevel; level < leaf_level(); ++level) {
     for (int i = 0; i < static_cast<int>(NodesOf(level).size()); ++i) {
-      const Range& own = NodesOf(level)[static_cast<std::size_t>(i)].own;
+      const IndexRange& own = NodesOf(level)[static_cast<std::size_t>(i)].own;
       for (int c = own.first; c < own.end; ++c) {
         const TreeNode& child = NodesOf(level + 1)[static_cast<std::size_t>(c)];
         AddTransposed(FarField<Real>::Get().ChildOf(child.x, child.y), width_, Local(level, i),
@@ -224,15 +224,15 @@ void TreeSums<Real>::SpreadDown() {
   }
 }
 
-// Places in near leaves; neighbours in the tree's order as one.
+// Positions in near leaves; neighbours in the tree's order as one.
 template <class Real>
-std::vector<Range> TreeSums<Real>::NearRanges(const TreeNode& leaf) const {
-  std::vector<Range> ranges, merged;
+std::vector<IndexRange> TreeSums<Real>::NearRanges(const TreeNode& leaf) const {
+  std::vector<IndexRange> ranges, merged;
   ForEach(leaf_level(), leaf, true, [&](int other, int, int) {
     ranges.push_back(NodesOf(leaf_level())[static_cast<std::size_t>(other)].own);
   });
-  std::ranges::sort(ranges, {}, &Range::first);
-  for (const Range& range : ranges) {
+  std::ranges::sort(ranges, {}, &IndexRange::first);
+  for (const IndexRange& range : ranges) {
     if (!merged.empty() && merged.back().end == range.first)
       merged.back().end = range.end;
     else
@@ -241,7 +241,7 @@ std::vector<Range> TreeSums<Real>::NearRanges(const TreeNode& leaf) const {
   return merged;
 }
 
-// Pairs of places in near leaves, one by one.
+// Pairs of positions in near leaves, one by one.
 template <class Real>
 void TreeSums<Real>::MeetNear() {
   const Pairs pairs(sorted_, sorted_, {BeliefShape::kUniform, std::numeric_limits<double>::infinity()},
@@ -249,12 +249,12 @@ void TreeSums<Real>::MeetNear() {
   Columns<Real> columns;
   std::vector<Real> distance;
   for (const TreeNode& leaf : NodesOf(leaf_level())) {
-    const std::vector<Range> ranges = NearRanges(leaf);
-    for (int first = leaf.own.first; first < leaf.own.end; first += kStripPlaces) {
-      const Range strip{first, std::min(leaf.own.end, first + kStripPlaces)};
-      for (const Range& range : ranges) {
+    const std::vector<IndexRange> ranges = NearRanges(leaf);
+    for (int first = leaf.own.first; first < leaf.own.end; first += kStripPositions) {
+      const IndexRange strip{first, std::min(leaf.own.end, first + kStripPositions)};
+      for (const IndexRange& range : ranges) {
         const int stride = (range.size() + kTileSamples - 1) / kTileSamples * kTileSamples;
-        distance.resize(std::max(distance.size(), Size(kStripPlaces, stride)));
+        distance.resize(std::max(distance.size(), Size(kStripPositions, stride)));
         pairs.Fill(strip, {range, true}, stride, &columns, distance.data(), distance.data());
         AddProduct<Real>({strip.size(), range.size(), stride, distance.data()}, width_,
                          RowOf(h_, range.first, width_), RowOf(sum_, first, width_));
@@ -281,7 +281,8 @@ template <class Real>
 double TreeSums<Real>::NearPairs() const {
   double pairs = 0.0;
   for (const TreeNode& leaf : NodesOf(leaf_level()))
-    for (const Range& range : NearRanges(leaf)) pairs += static_cast<double>(leaf.own.size()) * range.size();
+    for (const IndexRange& range : NearRanges(leaf))
+      pairs += static_cast<double>(leaf.own.size()) * range.size();
   return pairs;
 }
 

@@ -1,5 +1,5 @@
-// Products with the distances between places in the plane, without all pairs: a tree of boxes, whose far ones
-// meet by short series (L. Greengard, V. Rokhlin, A fast algorithm for particle simulations, Journal of
+// Products with the distances between positions in the plane, without all pairs: a tree of boxes, whose far
+// ones meet by short series (L. Greengard, V. Rokhlin, A fast algorithm for particle simulations, Journal of
 // Computational Physics 73, 1987, with the polynomials of W. Fong, E. Darve, The black-box fast multipole
 // method, the same 228, 2009).
 #pragma once
@@ -12,22 +12,22 @@
 
 namespace cairn::landmark_learning {
 
-// Boxes of one size that hold places, in the order of their children.
+// Boxes of one size that hold positions, in the order of their children.
 struct TreeNode {
-  int x, y;   // which of the level's 2^level by 2^level
-  Range own;  // children, in the next level; of a leaf: places, in the tree's order
+  int x, y;        // which of the level's 2^level by 2^level
+  IndexRange own;  // children, in the next level; of a leaf: positions, in the tree's order
 };
 
 template <class Real>
 class TreeSums {
  public:
-  explicit TreeSums(const Places& places);
+  explicit TreeSums(const Positions& positions);
 
-  // weighted[a] += sum_k e~[a,k] h[k], tables [places][width] in the order of `places`. e~ is symmetric and
-  // off from the distance by at most kFarBound of it. Calls use the same memory again.
+  // weighted[a] += sum_k e~[a,k] h[k], tables [positions][width] in the order of `positions`. e~ is symmetric
+  // and off from the distance by at most kFarBound of it. Calls use the same memory again.
   void Add(const Real* h, int width, Real* weighted);
 
-  // What Add costs and is counted in: pairs of places that meet one by one, and pairs of boxes.
+  // What Add costs and is counted in: pairs of positions that meet one by one, and pairs of boxes.
   double NearPairs() const;
   double FarPairs() const;
 
@@ -48,7 +48,7 @@ class TreeSums {
     return table->data() + static_cast<std::ptrdiff_t>(node) * kTerms * width_;
   }
 
-  void Sort(const Places& places);
+  void Sort(const Positions& positions);
   void AddLevel(int level, const std::vector<std::uint64_t>& codes);
   void LinkChildren();
   // Calls f(box, dx, dy) for boxes of the level that lie so far from `node` and have near parents: the near
@@ -62,14 +62,14 @@ class TreeSums {
   void MeetFar();
   void SpreadDown();
   void MeetNear();
-  std::vector<Range> NearRanges(const TreeNode& leaf) const;
+  std::vector<IndexRange> NearRanges(const TreeNode& leaf) const;
 
   double low_x_m_ = 0.0, low_y_m_ = 0.0, side_m_ = 1.0;  // of the whole square
-  std::vector<int> order_;                               // places as the tree has them
-  Places sorted_;
+  std::vector<int> order_;                               // positions as the tree has them
+  Positions sorted_;
   std::vector<Level> levels_;
   int width_ = 0;
-  std::vector<Real> h_, sum_;  // by place, in the tree's order
+  std::vector<Real> h_, sum_;  // by position, in the tree's order
   std::vector<Real> u_, v_, terms_;
 };
 

@@ -21,7 +21,7 @@ const std::vector<float>& Normals(std::size_t more) {
   return table;
 }
 
-std::size_t PlaceOf(const InputNoise& noise, int sample) {
+std::size_t PositionOf(const InputNoise& noise, int sample) {
   const auto low = [](std::uint64_t value) { return static_cast<std::uint32_t>(value); };
   const auto step = static_cast<std::uint64_t>(noise.step);
   return Philox4x32({static_cast<std::uint32_t>(sample), low(step), low(step >> 32), 1},
@@ -31,7 +31,7 @@ std::size_t PlaceOf(const InputNoise& noise, int sample) {
 
 }  // namespace
 
-InputRows::InputRows(const float* inputs, const Range& samples, int width, const InputNoise& noise)
+InputRows::InputRows(const float* inputs, const IndexRange& samples, int width, const InputNoise& noise)
     : clean_(inputs + static_cast<std::ptrdiff_t>(samples.first) * width) {
   if (noise.deviation == 0.0) return;
   const auto n = static_cast<std::size_t>(width);
@@ -41,7 +41,7 @@ InputRows::InputRows(const float* inputs, const Range& samples, int width, const
   const float* from = clean_;
   float* row = noisy_.data();
   for (int k = samples.first; k < samples.end; ++k, row += n, from += n) {
-    const float* normal = &normals[PlaceOf(noise, k)];
+    const float* normal = &normals[PositionOf(noise, k)];
     for (std::size_t i = 0; i < n; ++i) row[i] = from[i] + deviation * normal[i];
   }
 }

@@ -18,10 +18,10 @@ struct InputNoise {
 
 // The inputs of `samples` out of `inputs`: [all samples][width], with noise where there is some. A sample's
 // noise depends on its number, the seed and the step alone: whatever block it is looked at from, it is the
-// same. It is read off a table of 65,536 normal numbers from a place drawn for the sample.
+// same. It is read off a table of 65,536 normal numbers from a position drawn for the sample.
 class InputRows {
  public:
-  InputRows(const float* inputs, const Range& samples, int width, const InputNoise& noise);
+  InputRows(const float* inputs, const IndexRange& samples, int width, const InputNoise& noise);
   const float* data() const { return noisy_.empty() ? clean_ : noisy_.data(); }  // [samples][width]
 
  private:

@@ -63,13 +63,13 @@ void WeighBlock(const Real* inputs, int count, const Real* weights, const Real* 
   }
 }
 
-// slopes[i][u] += sum_row inputs[row][i] d_unit[row][u] for kInputs inputs.
+// gradients[i][u] += sum_row inputs[row][i] d_unit[row][u] for kInputs inputs.
 template <class Real, int kInputs, int kRegisters>
-void SlopeBlock(const Real* inputs, int count, int rows, const Real* d_unit, int width, Real* slopes) {
+void GradientBlock(const Real* inputs, int count, int rows, const Real* d_unit, int width, Real* by_weights) {
   using L = Lanes<Real>;
   typename L::Register sum[kInputs][kRegisters];
   for (int i = 0; i < kInputs; ++i) {
-    for (int l = 0; l < kRegisters; ++l) sum[i][l] = L::Load(slopes + i * width + l * L::kCount);
+    for (int l = 0; l < kRegisters; ++l) sum[i][l] = L::Load(by_weights + i * width + l * L::kCount);
   }
   for (int row = 0; row < rows; ++row, inputs += count, d_unit += width) {
     typename L::Register d[kRegisters];
@@ -80,11 +80,11 @@ void SlopeBlock(const Real* inputs, int count, int rows, const Real* d_unit, int
     }
   }
   for (int i = 0; i < kInputs; ++i) {
-    for (int l = 0; l < kRegisters; ++l) L::Store(slopes + i * width + l * L::kCount, sum[i][l]);
+    for (int l = 0; l < kRegisters; ++l) L::Store(by_weights + i * width + l * L::kCount, sum[i][l]);
   }
 }
 
-// From dE/dg of rows to the slopes by what goes into each unit of the last hidden layer, and by the output
+// From dE/dg of rows to the gradients by what goes into each unit of the last hidden layer, and by the output
 // units' weights and biases. `width`: last_units in whole registers.
 template <class Real>
 class OutputLayer {
@@ -94,7 +94,7 @@ class OutputLayer {
         weights_(Widened(parameters.OutputWeights(), 1, shape_.last_units())),
         hidden_(static_cast<std::size_t>(width)),
         d_sum_(static_cast<std::size_t>(width)),
-        slopes_(static_cast<std::size_t>(width)) {}
+        gradient_by_weights_(static_cast<std::size_t>(width)) {}
 
   // One row: fills d_unit[0 … width).
   void Back(const Real* hidden, const Real* output, const Real* d_output, Real* biases, Real* d_unit) {
@@ -108,15 +108,15 @@ class OutputLayer {
     const auto one = L::Broadcast(Real(1));
     for (std::size_t u = 0; u < hidden_.size(); u += L::kCount) {
       const auto h = L::Load(&hidden_[u]), d_sum = L::Load(&d_sum_[u]);
-      L::Store(&slopes_[u], L::Fma(d_sum, h, L::Load(&slopes_[u])));
+      L::Store(&gradient_by_weights_[u], L::Fma(d_sum, h, L::Load(&gradient_by_weights_[u])));
       L::Store(d_unit + u, L::Mul(L::Mul(L::Mul(d_sum, L::Load(&weights_[u])), h), L::Sub(one, h)));
     }
   }
-  const std::vector<Real>& slopes() const { return slopes_; }  // by the weights, [width]
+  const std::vector<Real>& by_weights() const { return gradient_by_weights_; }  // by the weights, [width]
 
  private:
   NetworkShape shape_;
-  std::vector<Real> weights_, hidden_, d_sum_, slopes_;
+  std::vector<Real> weights_, hidden_, d_sum_, gradient_by_weights_;
 };
 
 }  // namespace
@@ -176,7 +176,7 @@ Parameters<Real> Backward(const Parameters<Real>& parameters, const Real* inputs
   std::vector<Real> d_last(static_cast<std::size_t>(WidthOf<Real>(last_units)));
   std::vector<Real> d_unit(kPieceRows * static_cast<std::size_t>(width)),
       biases(static_cast<std::size_t>(width));
-  std::vector<Real> slopes(static_cast<std::size_t>(shape.inputs) * static_cast<std::size_t>(width));
+  std::vector<Real> by_weights(static_cast<std::size_t>(shape.inputs) * static_cast<std::size_t>(width));
   for (int first = 0; first < rows; first += kPieceRows) {
     const int count = std::min(kPieceRows, rows - first);
     for (int row = first; row < first + count; ++row) {
@@ -191,16 +191,16 @@ Parameters<Real> Backward(const Parameters<Real>& parameters, const Real* inputs
     const Real* piece = inputs + static_cast<std::ptrdiff_t>(first) * shape.inputs;
     InFours(shape.inputs, [&]<int kInputs>(int i) {
       OverUnits<Real>(width, [&]<int kRegisters>(int u) {
-        SlopeBlock<Real, kInputs, kRegisters>(piece + i, shape.inputs, count,
-                                              &d_unit[static_cast<std::size_t>(u)], width,
-                                              RowOf(slopes, i, width) + u);
+        GradientBlock<Real, kInputs, kRegisters>(piece + i, shape.inputs, count,
+                                                 &d_unit[static_cast<std::size_t>(u)], width,
+                                                 RowOf(by_weights, i, width) + u);
       });
     });
   }
   for (int i = 0; i < shape.inputs; ++i)
-    std::copy_n(RowOf(slopes, i, width), units, gradient.HiddenWeights(i));
+    std::copy_n(RowOf(by_weights, i, width), units, gradient.HiddenWeights(i));
   std::copy_n(biases.begin(), units, gradient.HiddenBiases());
-  std::copy_n(output_layer.slopes().begin(), last_units, gradient.OutputWeights());
+  std::copy_n(output_layer.by_weights().begin(), last_units, gradient.OutputWeights());
   return gradient;
 }
 

@@ -58,30 +58,31 @@ TEST(Networks, InFloatAreThoseInDouble) {
     ASSERT_EQ(got.output.size(), wanted.output.size());
     for (std::size_t i = 0; i < wanted.output.size(); ++i)
       EXPECT_NEAR(got.output[i], wanted.output[i], 1e-6) << hidden_2;
-    const auto slopes = Backward(exact, inputs.data(), kRows, wanted, d_output);
+    const auto by_weights = Backward(exact, inputs.data(), kRows, wanted, d_output);
     const auto in_floats = Backward(rounded, in_float.data(), kRows, got, {d_output.begin(), d_output.end()});
-    for (std::size_t i = 0; i < slopes.values.size(); ++i)
-      EXPECT_NEAR(in_floats.values[i], slopes.values[i], 1e-5) << hidden_2 << ", " << i;
+    for (std::size_t i = 0; i < by_weights.values.size(); ++i)
+      EXPECT_NEAR(in_floats.values[i], by_weights.values[i], 1e-5) << hidden_2 << ", " << i;
   }
 }
 
 // From the weights to E_posterior, by every parameter.
-void ExpectSlopesOfFiniteDifferences(const NetworkShape& shape) {
+void ExpectGradientOfFiniteDifferences(const NetworkShape& shape) {
   constexpr int kSamples = 60, kNetworks = 3;
   ASSERT_EQ(shape.networks, kNetworks);
   Rng rng(11);
-  Places places;
+  Positions positions;
   std::vector<double> inputs, weight(kSamples, 1.0 / kSamples);
   for (int k = 0; k < kSamples; ++k) {
-    places.x_m.push_back(0.4 * k);
-    places.y_m.push_back(0.1 * rng.Normal());
-    places.along_m.push_back(0.4 * k);
+    positions.x_m.push_back(0.4 * k);
+    positions.y_m.push_back(0.1 * rng.Normal());
+    positions.along_m.push_back(0.4 * k);
     for (int i = 0; i < shape.inputs; ++i) inputs.push_back(std::sin(0.1 * k * (i + 1)) + 0.3 * rng.Normal());
   }
   Parameters<double> parameters = RandomParameters<double>(shape, 1.0, rng);
   const auto share = [&](const Activations<double>& a) {
-    return ErrorOfTruths(Pairs(places, places, {BeliefShape::kUniform, 5.0}, ErrorKind::kDistance),
-                         FeatureProbabilities(a.output, kNetworks), 1 << kNetworks, weight, {0, kSamples});
+    return ErrorOfTruePositions(
+        Pairs(positions, positions, {BeliefShape::kUniform, 5.0}, ErrorKind::kDistance),
+        FeatureProbabilities(a.output, kNetworks), 1 << kNetworks, weight, {0, kSamples});
   };
   const auto activations = Forward(parameters, inputs.data(), kSamples);
   const auto gradient =
@@ -108,8 +109,8 @@ void ExpectSlopesOfFiniteDifferences(const NetworkShape& shape) {
 }
 
 TEST(Networks, TheGradientOfTheErrorIsThatOfFiniteDifferences) {
-  ExpectSlopesOfFiniteDifferences({.networks = 3, .inputs = 5, .hidden = 4});
-  ExpectSlopesOfFiniteDifferences({.networks = 3, .inputs = 5, .hidden = 4, .hidden_2 = 3});
+  ExpectGradientOfFiniteDifferences({.networks = 3, .inputs = 5, .hidden = 4});
+  ExpectGradientOfFiniteDifferences({.networks = 3, .inputs = 5, .hidden = 4, .hidden_2 = 3});
 }
 
 }  // namespace

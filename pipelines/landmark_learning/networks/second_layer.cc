@@ -34,14 +34,15 @@ void BackThroughSecond(const Parameters<Real>& parameters, const Real* hidden, c
                        Parameters<Real>* gradient, Real* d_hidden) {
   const NetworkShape& s = parameters.shape;
   const Real* weights = parameters.SecondWeights();
-  Real* slopes = gradient->SecondWeights();
+  Real* by_weights = gradient->SecondWeights();
   Real* biases = gradient->SecondBiases();
   for (int n = 0; n < s.networks; ++n, d_second += s.hidden_2, biases += s.hidden_2) {
     for (int u = 0; u < s.hidden_2; ++u) biases[u] += d_second[u];
-    for (int h = 0; h < s.hidden; ++h, ++hidden, ++d_hidden, weights += s.hidden_2, slopes += s.hidden_2) {
+    for (int h = 0; h < s.hidden;
+         ++h, ++hidden, ++d_hidden, weights += s.hidden_2, by_weights += s.hidden_2) {
       Real sum = Real(0);
       for (int u = 0; u < s.hidden_2; ++u) sum = std::fma(weights[u], d_second[u], sum);
-      for (int u = 0; u < s.hidden_2; ++u) slopes[u] = std::fma(*hidden, d_second[u], slopes[u]);
+      for (int u = 0; u < s.hidden_2; ++u) by_weights[u] = std::fma(*hidden, d_second[u], by_weights[u]);
       *d_hidden = sum * *hidden * (Real(1) - *hidden);
     }
   }

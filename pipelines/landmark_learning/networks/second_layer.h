@@ -11,9 +11,9 @@ namespace cairn::landmark_learning {
 template <class Real>
 std::vector<Real> SecondLayer(const Parameters<Real>& parameters, const std::vector<Real>& hidden, int rows);
 
-// Backpropagation of one row. `d_second`: slopes by what goes into the layer's units, [networks * hidden_2].
-// Adds those by the layer's weights and biases to `gradient`; d_hidden becomes those by what goes into the
-// first layer's units, [units].
+// Backpropagation of one row. `d_second`: gradients by what goes into the layer's units, [networks *
+// hidden_2]. Adds those by the layer's weights and biases to `gradient`; d_hidden becomes those by what goes
+// into the first layer's units, [units].
 template <class Real>
 void BackThroughSecond(const Parameters<Real>& parameters, const Real* hidden, const Real* d_second,
                        Parameters<Real>* gradient, Real* d_hidden);

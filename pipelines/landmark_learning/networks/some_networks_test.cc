@@ -28,7 +28,7 @@ TEST(SomeNetworks, ComeBackToTheirPlacesAndLeaveTheOthers) {
   EXPECT_EQ(built.values, all.values);
 }
 
-TEST(SomeNetworks, AloneHaveTheSlopesThatTheyHaveAmongAll) {
+TEST(SomeNetworks, AloneHaveTheGradientThatTheyHaveAmongAll) {
   Rng rng(6);
   for (const int hidden_2 : {0, 3}) {
     const auto all = RandomParameters<float>({4, 3, 5, hidden_2}, 1.0, rng);

@@ -8,7 +8,7 @@
 
 namespace cairn::landmark_learning {
 
-std::vector<Range> DrawnStretches(int count, std::int64_t batch, std::uint64_t seed, std::int64_t step) {
+std::vector<IndexRange> DrawnStretches(int count, std::int64_t batch, std::uint64_t seed, std::int64_t step) {
   if (batch <= 0 || batch >= count) return {{0, count}};
   std::vector<int> stretches(static_cast<std::size_t>((count + kStretch - 1) / kStretch));
   std::iota(stretches.begin(), stretches.end(), 0);
@@ -17,16 +17,16 @@ std::vector<Range> DrawnStretches(int count, std::int64_t batch, std::uint64_t s
   for (std::size_t i = 0; i < drawn; ++i)
     std::swap(stretches[i], stretches[i + static_cast<std::size_t>(rng.Below(stretches.size() - i))]);
   std::sort(stretches.begin(), stretches.begin() + static_cast<std::ptrdiff_t>(drawn));
-  std::vector<Range> ranges;
+  std::vector<IndexRange> ranges;
   for (std::size_t i = 0; i < drawn; ++i)
     ranges.push_back({stretches[i] * kStretch, std::min(count, (stretches[i] + 1) * kStretch)});
   return ranges;
 }
 
-int TruthsIn(const std::vector<Range>& stretches) {
-  int truths = 0;
-  for (const Range& stretch : stretches) truths += stretch.size();
-  return truths;
+int TruePositionsIn(const std::vector<IndexRange>& stretches) {
+  int true_positions = 0;
+  for (const IndexRange& stretch : stretches) true_positions += stretch.size();
+  return true_positions;
 }
 
 }  // namespace cairn::landmark_learning

@@ -8,12 +8,12 @@
 
 namespace cairn::landmark_learning {
 
-inline constexpr int kStretch = 64;  // truths side by side: they share the samples in their reach
+inline constexpr int kStretch = 64;  // true positions side by side: they share the samples in their reach
 
-// Stretches of truths, drawn without replacement and sorted; together `batch` truths or a little more, all of
-// `count` where `batch` is 0 or as large. The same for one seed and step, whoever draws.
-std::vector<Range> DrawnStretches(int count, std::int64_t batch, std::uint64_t seed, std::int64_t step);
+// Stretches of true positions, drawn without replacement and sorted; together `batch` true positions or a
+// little more, all of `count` where `batch` is 0 or as large. The same for one seed and step, whoever draws.
+std::vector<IndexRange> DrawnStretches(int count, std::int64_t batch, std::uint64_t seed, std::int64_t step);
 
-int TruthsIn(const std::vector<Range>& stretches);
+int TruePositionsIn(const std::vector<IndexRange>& stretches);
 
 }  // namespace cairn::landmark_learning

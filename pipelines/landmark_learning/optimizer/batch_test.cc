@@ -5,7 +5,7 @@
 namespace cairn::landmark_learning {
 namespace {
 
-TEST(DrawnStretches, AreAllTruthsWhereTheBatchIsAsLarge) {
+TEST(DrawnStretches, AreAllTruePositionsWhereTheBatchIsAsLarge) {
   for (const std::int64_t batch : {0, 500, 900}) {
     const auto all = DrawnStretches(500, batch, 1, 3);
     ASSERT_EQ(all.size(), 1U);
@@ -21,7 +21,7 @@ TEST(DrawnStretches, TakeEveryTruthEquallyOftenAndNoneTwiceInAStep) {
     int last = 0;
     const auto stretches = DrawnStretches(kCount, 200, 7, step);
     EXPECT_EQ(stretches.size(), 4U);
-    for (const Range& range : stretches) {
+    for (const IndexRange& range : stretches) {
       EXPECT_GE(range.first, last);
       last = range.end;
       for (int a = range.first; a < range.end; ++a) ++taken[static_cast<std::size_t>(a)];
@@ -35,7 +35,7 @@ TEST(DrawnStretches, TakeEveryTruthEquallyOftenAndNoneTwiceInAStep) {
 TEST(DrawnStretches, DependOnSeedAndStepAlone) {
   const auto drawn = [](std::uint64_t seed, std::int64_t step) {
     std::vector<int> firsts;
-    for (const Range& range : DrawnStretches(5000, 300, seed, step)) firsts.push_back(range.first);
+    for (const IndexRange& range : DrawnStretches(5000, 300, seed, step)) firsts.push_back(range.first);
     return firsts;
   };
   EXPECT_EQ(drawn(1, 5), drawn(1, 5));

@@ -12,8 +12,8 @@
 namespace cairn::landmark_learning {
 
 // [T98] eq. 45, which as printed has E / g where the derivative is meant: g - `step` dE/dg, but within (0,
-// 1). `slope`: that of the error summed over the truths, so that a target does not depend on how many there
-// are.
+// 1). `slope`: that of the error summed over the true positions, so that a target does not depend on how many
+// there are.
 float PatternTarget(float g, double step, double slope);
 
 // `steps` steps of one network down the gradient of the mean over the rows of (g - target)^2 / 2, by `rules`

@@ -12,13 +12,13 @@ std::string Robot(std::size_t r, const char* what) { return "robot/" + std::to_s
 std::size_t RobotsOf(const Blob& result) { return result.Texts("robots").size(); }
 
 // The way of all robots.
-double WayM(const Blob& result) {
-  double way = 0.0;
+double PathLengthM(const Blob& result) {
+  double travelled = 0.0;
   for (std::size_t r = 0; r < RobotsOf(result); ++r) {
     const auto x = result.Get<double>(Robot(r, "poses/x_m")), y = result.Get<double>(Robot(r, "poses/y_m"));
-    for (std::size_t i = 1; i < x.size(); ++i) way += std::hypot(x[i] - x[i - 1], y[i] - y[i - 1]);
+    for (std::size_t i = 1; i < x.size(); ++i) travelled += std::hypot(x[i] - x[i - 1], y[i] - y[i - 1]);
   }
-  return way;
+  return travelled;
 }
 
 }  // namespace
@@ -55,8 +55,8 @@ std::vector<bool> AreLandmarks(const Blob& result, const std::vector<Landmark>& 
       if (k >= 0) ++passes[static_cast<std::size_t>(k)].observed;
     }
   }
-  // A false press falls anywhere on the way.
-  const double false_per_m = detection.false_ratio * observations / WayM(result);
+  // A false contact detection falls anywhere on the way.
+  const double false_per_m = detection.false_ratio * observations / PathLengthM(result);
   const double coincidence = std::min(0.5, 2.0 * reach_m * false_per_m);
   std::vector<bool> keep;
   for (const Passes& p : passes)

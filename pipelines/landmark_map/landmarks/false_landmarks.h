@@ -14,7 +14,8 @@ namespace cairn::landmark_map {
 struct Detection {
   double false_ratio = 0.0;  // share of the observations that are of nothing
   double miss_ratio = 0.03;  // probability that a landmark is passed unnoticed
-  bool tells_passes = true;  // whether it is known when a landmark was passed: of presses without identities
+  bool tells_passes =
+      true;  // whether it is known when a landmark was passed: of contact detections without identities
 };
 
 // How often robots passed a landmark, and how often one of its observations was made.
@@ -33,7 +34,7 @@ int CountVisits(std::span<const double> x_m, std::span<const double> y_m, double
                 double reach_m);
 
 // For each landmark, whether there is one, from a result's paths (robot/N/poses/) and associations
-// (robot/N/observations/map_landmark). For presses.
+// (robot/N/observations/map_landmark). For contact detections.
 std::vector<bool> AreLandmarks(const Blob& result, const std::vector<Landmark>& landmarks,
                                const Detection& detection, double reach_m);
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr Detection kTenthFalse{0.1, 0.05};
 
-// 0.9/0.1 for a first press; 0.95/0.02 for one more; 0.05 for each pass without.
+// 0.9/0.1 for a first contact detection; 0.95/0.02 for one more; 0.05 for each pass without.
 TEST(LogOddsOfLandmark, IsBayesRule) {
   EXPECT_NEAR(LogOddsOfLandmark({1, 1}, kTenthFalse, 0.02), std::log(9.0), 1e-12);
   EXPECT_NEAR(LogOddsOfLandmark({4, 2}, kTenthFalse, 0.02), std::log(9.0 * 47.5 * 0.0025), 1e-12);
@@ -28,7 +28,7 @@ TEST(CountVisits, EndBeyondTwiceTheReach) {
 
 Landmark At(double x) { return {x, 0, {1, 0, 0, 1}, 0, 1}; }
 
-// Four times along a corridor of 30 m. Landmark 0 at 5 m was pressed four times, 1 at 12 m once, 2 at 20 m
+// Four times along a corridor of 30 m. Landmark 0 at 5 m was detected four times, 1 at 12 m once, 2 at 20 m
 // three times; 3 at 40 m, where the robot was once, once.
 Blob Corridor() {
   std::vector<double> x, y;
@@ -46,7 +46,7 @@ Blob Corridor() {
   return result;
 }
 
-TEST(AreLandmarks, ThoseThatArePassedWithoutAPressAreNone) {
+TEST(AreLandmarks, ThoseThatArePassedWithoutAContactAreNone) {
   const std::vector<Landmark> landmarks{At(5), At(12), At(20), At(40)};
   EXPECT_EQ(AreLandmarks(Corridor(), landmarks, kTenthFalse, 1.5),
             (std::vector<bool>{true, false, true, true}));

@@ -14,34 +14,35 @@ constexpr int kPasses = 12;
 constexpr double kLeastCount = 2.0;
 constexpr double kLeastRate = 0.1;  // seen in so many of the images that looked there
 constexpr double kTogether = 0.1;   // of its images show the other too: they are two
-constexpr double kNeeded = 0.02;    // of its sightings no other landmark could have
+constexpr double kNeeded = 0.02;    // of its range-bearing observations no other landmark could have
 constexpr std::int32_t kNoLandmark = -1;
 
-double Distance(const Place& a, const Place& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+double Distance(const Position& a, const Position& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
-// What the sensor sees, as the log shows it: nine sightings of ten are nearer and further ahead.
+// What the sensor sees, as the log shows it: nine range-bearing observations of ten are nearer and further
+// ahead.
 struct FieldOfView {
   double range_m = 0.0, half_rad = 0.0;
 
-  explicit FieldOfView(const std::vector<Image>& images) {
+  explicit FieldOfView(const std::vector<ImageObservations>& images) {
     std::vector<double> ranges, angles;
-    for (const Image& image : images) {
-      for (const Place& place : image.seen) {
-        ranges.push_back(Distance(image.from, place));
-        angles.push_back(std::abs(Angle(image, place)));
+    for (const ImageObservations& image : images) {
+      for (const Position& position : image.seen) {
+        ranges.push_back(Distance(image.from, position));
+        angles.push_back(std::abs(Angle(image, position)));
       }
     }
     range_m = NineTenths(&ranges);
     half_rad = NineTenths(&angles);
   }
-  bool Holds(const Image& image, const Place& place) const {
-    return Distance(image.from, place) <= range_m && std::abs(Angle(image, place)) <= half_rad;
+  bool Holds(const ImageObservations& image, const Position& position) const {
+    return Distance(image.from, position) <= range_m && std::abs(Angle(image, position)) <= half_rad;
   }
 
  private:
-  static double Angle(const Image& image, const Place& place) {
+  static double Angle(const ImageObservations& image, const Position& position) {
     return std::remainder(
-        std::atan2(place.y_m - image.from.y_m, place.x_m - image.from.x_m) - image.heading_rad,
+        std::atan2(position.y_m - image.from.y_m, position.x_m - image.from.x_m) - image.heading_rad,
         2.0 * std::numbers::pi);
   }
   static double NineTenths(std::vector<double>* values) {
@@ -54,9 +55,9 @@ struct FieldOfView {
 
 class ImageClusters {
  public:
-  ImageClusters(const std::vector<Image>& images, const ImageRules& rules)
+  ImageClusters(const std::vector<ImageObservations>& images, const ImageRules& rules)
       : images_(images), rules_(rules), gate_m_(kGate * rules.sigma_m), view_(images) {
-    for (const Image& image : images) given_.emplace_back(image.seen.size(), kNoLandmark);
+    for (const ImageObservations& image : images) given_.emplace_back(image.seen.size(), kNoLandmark);
     shift_.resize(images.size());
   }
 
@@ -78,11 +79,11 @@ class ImageClusters {
     shift_[i] = {};
     for (int k = 0; k < 3; ++k) {
       Pair(i);
-      Place sum{};
+      Position sum{};
       double n = 0;
       for (std::size_t s = 0; s < given_[i].size(); ++s) {
         if (given_[i][s] == kNoLandmark) continue;
-        const Place& to = places_[static_cast<std::size_t>(given_[i][s])];
+        const Position& to = positions_[static_cast<std::size_t>(given_[i][s])];
         sum.x_m += to.x_m - images_[i].seen[s].x_m;
         sum.y_m += to.y_m - images_[i].seen[s].y_m;
         ++n;
@@ -91,17 +92,17 @@ class ImageClusters {
     }
   }
 
-  Place Seen(std::size_t i, std::size_t s) const {
+  Position Seen(std::size_t i, std::size_t s) const {
     return {images_[i].seen[s].x_m + shift_[i].x_m, images_[i].seen[s].y_m + shift_[i].y_m};
   }
 
-  // Nearest pairs first, each sighting and each landmark once.
+  // Nearest pairs first, each range-bearing observation and each landmark once.
   void Pair(std::size_t i) {
     std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
     for (std::size_t s = 0; s < given_[i].size(); ++s) {
       given_[i][s] = kNoLandmark;
-      for (std::size_t k = 0; k < places_.size(); ++k) {
-        const double distance = Distance(Seen(i, s), places_[k]);
+      for (std::size_t k = 0; k < positions_.size(); ++k) {
+        const double distance = Distance(Seen(i, s), positions_[k]);
         if (distance <= gate_m_) pairs.emplace_back(distance, s, k);
       }
     }
@@ -117,14 +118,14 @@ class ImageClusters {
   void Begin(std::size_t i) {
     for (std::size_t s = 0; s < given_[i].size(); ++s) {
       if (given_[i][s] != kNoLandmark) continue;
-      given_[i][s] = static_cast<std::int32_t>(places_.size());
-      places_.push_back(Seen(i, s));
+      given_[i][s] = static_cast<std::int32_t>(positions_.size());
+      positions_.push_back(Seen(i, s));
     }
   }
 
   void Move() {
-    std::vector<Place> sum(places_.size());
-    count_.assign(places_.size(), 0.0);
+    std::vector<Position> sum(positions_.size());
+    count_.assign(positions_.size(), 0.0);
     for (std::size_t i = 0; i < images_.size(); ++i) {
       for (std::size_t s = 0; s < given_[i].size(); ++s) {
         if (given_[i][s] == kNoLandmark) continue;
@@ -134,26 +135,26 @@ class ImageClusters {
         ++count_[k];
       }
     }
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-      if (count_[k] > 0) places_[k] = {sum[k].x_m / count_[k], sum[k].y_m / count_[k]};
+    for (std::size_t k = 0; k < positions_.size(); ++k) {
+      if (count_[k] > 0) positions_[k] = {sum[k].x_m / count_[k], sum[k].y_m / count_[k]};
     }
   }
 
   // Keeps the landmarks that `keep` names, in their order.
   void Keep(const std::vector<bool>& keep) {
-    std::vector<Place> places;
+    std::vector<Position> positions;
     std::vector<double> count;
-    std::vector<std::int32_t> now(places_.size(), kNoLandmark);
-    for (std::size_t k = 0; k < places_.size(); ++k) {
+    std::vector<std::int32_t> now(positions_.size(), kNoLandmark);
+    for (std::size_t k = 0; k < positions_.size(); ++k) {
       if (!keep[k]) continue;
-      now[k] = static_cast<std::int32_t>(places.size());
-      places.push_back(places_[k]);
+      now[k] = static_cast<std::int32_t>(positions.size());
+      positions.push_back(positions_[k]);
       count.push_back(count_[k]);
     }
     for (auto& image : given_) {
       for (std::int32_t& k : image) k = k == kNoLandmark ? kNoLandmark : now[static_cast<std::size_t>(k)];
     }
-    places_ = places;
+    positions_ = positions;
     count_ = count;
   }
 
@@ -166,13 +167,13 @@ class ImageClusters {
     return images;
   }
 
-  // The nearest landmark within the gate of a sighting that its image does not show yet.
+  // The nearest landmark within the gate of a range-bearing observation that its image does not show yet.
   std::int32_t Free(std::size_t i, std::size_t s, const std::vector<bool>& keep) const {
     double nearest = gate_m_;
     std::int32_t free = kNoLandmark;
-    for (std::size_t k = 0; k < places_.size(); ++k) {
+    for (std::size_t k = 0; k < positions_.size(); ++k) {
       const auto index = static_cast<std::int32_t>(k);
-      const double distance = Distance(Seen(i, s), places_[k]);
+      const double distance = Distance(Seen(i, s), positions_[k]);
       if (!keep[k] || distance > nearest) continue;
       if (std::ranges::find(given_[i], index) != given_[i].end()) continue;
       nearest = distance;
@@ -181,39 +182,39 @@ class ImageClusters {
     return free;
   }
 
-  // (image, sighting) of each sighting that landmark k was given.
+  // (image, range-bearing observation) of each range-bearing observation that landmark k was given.
   std::vector<std::pair<std::size_t, std::size_t>> GivenTo(std::size_t k) const {
-    std::vector<std::pair<std::size_t, std::size_t>> sightings;
+    std::vector<std::pair<std::size_t, std::size_t>> observations;
     for (std::size_t i = 0; i < given_.size(); ++i) {
       for (std::size_t s = 0; s < given_[i].size(); ++s) {
-        if (given_[i][s] == static_cast<std::int32_t>(k)) sightings.emplace_back(i, s);
+        if (given_[i][s] == static_cast<std::int32_t>(k)) observations.emplace_back(i, s);
       }
     }
-    return sightings;
+    return observations;
   }
 
-  double Looked(const Place& place) const {
+  double Looked(const Position& position) const {
     double images = 0;
-    for (const Image& image : images_) images += view_.Holds(image, place) ? 1 : 0;
+    for (const ImageObservations& image : images_) images += view_.Holds(image, position) ? 1 : 0;
     return images;
   }
 
-  const std::vector<Image>& images_;
+  const std::vector<ImageObservations>& images_;
   const ImageRules& rules_;
   double gate_m_;
   FieldOfView view_;
-  std::vector<Place> places_;
+  std::vector<Position> positions_;
   std::vector<double> count_;
   std::vector<std::vector<std::int32_t>> given_;
-  std::vector<Place> shift_;
+  std::vector<Position> shift_;
 };
 
-// The rarer of two goes; the next pass gives its sightings to the other.
+// The rarer of two goes; the next pass gives its range-bearing observations to the other.
 void ImageClusters::MergeDoubles() {
-  std::vector<bool> keep(places_.size(), true);
-  for (std::size_t a = 0; a < places_.size(); ++a) {
-    for (std::size_t b = a + 1; b < places_.size(); ++b) {
-      if (!keep[a] || !keep[b] || Distance(places_[a], places_[b]) > gate_m_) continue;
+  std::vector<bool> keep(positions_.size(), true);
+  for (std::size_t a = 0; a < positions_.size(); ++a) {
+    for (std::size_t b = a + 1; b < positions_.size(); ++b) {
+      if (!keep[a] || !keep[b] || Distance(positions_[a], positions_[b]) > gate_m_) continue;
       if (Together(a, b) > kTogether * std::min(count_[a], count_[b])) continue;
       keep[count_[a] < count_[b] ? a : b] = false;
     }
@@ -223,20 +224,20 @@ void ImageClusters::MergeDoubles() {
 
 // The rarest first.
 void ImageClusters::DropNeedless() {
-  std::vector<std::size_t> order(places_.size());
+  std::vector<std::size_t> order(positions_.size());
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return count_[k]; });
-  std::vector<bool> keep(places_.size(), true);
+  std::vector<bool> keep(positions_.size(), true);
   for (const std::size_t k : order) {
-    const auto sightings = GivenTo(k);
+    const auto observations = GivenTo(k);
     keep[k] = false;
     std::vector<std::int32_t> others;
-    for (const auto& [i, s] : sightings) others.push_back(Free(i, s, keep));
+    for (const auto& [i, s] : observations) others.push_back(Free(i, s, keep));
     const auto needing = static_cast<double>(std::ranges::count(others, kNoLandmark));
-    keep[k] = needing > kNeeded * static_cast<double>(sightings.size());
+    keep[k] = needing > kNeeded * static_cast<double>(observations.size());
     if (keep[k]) continue;
-    for (std::size_t n = 0; n < sightings.size(); ++n) {
-      given_[sightings[n].first][sightings[n].second] = others[n];
+    for (std::size_t n = 0; n < observations.size(); ++n) {
+      given_[observations[n].first][observations[n].second] = others[n];
     }
   }
   Keep(keep);
@@ -244,23 +245,23 @@ void ImageClusters::DropNeedless() {
 
 void ImageClusters::DropWeak() {
   std::vector<bool> keep;
-  for (std::size_t k = 0; k < places_.size(); ++k) {
-    keep.push_back(count_[k] >= std::max(kLeastCount, kLeastRate * Looked(places_[k])));
+  for (std::size_t k = 0; k < positions_.size(); ++k) {
+    keep.push_back(count_[k] >= std::max(kLeastCount, kLeastRate * Looked(positions_[k])));
   }
   Keep(keep);
 }
 
 ImageLandmarks ImageClusters::Result() const {
-  std::vector<std::size_t> order(places_.size());
+  std::vector<std::size_t> order(positions_.size());
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return count_[a] > count_[b]; });
-  std::vector<std::int32_t> rank(places_.size());
+  std::vector<std::int32_t> rank(positions_.size());
   ImageLandmarks result;
   const double floor = rules_.cell_m * rules_.cell_m / 12.0;  // a cell is not a point
   for (const std::size_t k : order) {
     rank[k] = static_cast<std::int32_t>(result.landmarks.size());
     result.landmarks.push_back(
-        {places_[k].x_m, places_[k].y_m, {floor, 0, 0, floor}, rules_.type, count_[k], 0});
+        {positions_[k].x_m, positions_[k].y_m, {floor, 0, 0, floor}, rules_.type, count_[k], 0});
   }
   for (std::size_t i = 0; i < images_.size(); ++i) {
     auto& landmark = result.landmark.emplace_back();
@@ -269,8 +270,8 @@ ImageLandmarks ImageClusters::Result() const {
       landmark.push_back(given_[i][s] == kNoLandmark ? kNoLandmark
                                                      : rank[static_cast<std::size_t>(given_[i][s])]);
       double chosen = 0.0, all = std::exp(-0.5 * kGate * kGate);
-      for (std::size_t k = 0; k < places_.size(); ++k) {
-        const double errors = Distance(Seen(i, s), places_[k]) / rules_.sigma_m;
+      for (std::size_t k = 0; k < positions_.size(); ++k) {
+        const double errors = Distance(Seen(i, s), positions_[k]) / rules_.sigma_m;
         const double likelihood = std::exp(-0.5 * errors * errors);
         all += likelihood;
         if (static_cast<std::int32_t>(k) == given_[i][s]) chosen = likelihood;
@@ -293,13 +294,13 @@ ImageLandmarks ImageClusters::Result() const {
 
 void AppendImages(const RobotSteps& steps, int type, std::size_t robot, const std::vector<double>& x_m,
                   const std::vector<double>& y_m, const std::vector<double>& correction_rad,
-                  std::vector<Image>* images) {
+                  std::vector<ImageObservations>* images) {
   for (std::size_t s = 0; s < x_m.size(); ++s) {
-    Image image{{x_m[s], y_m[s]}, steps.odo_heading_rad[s] + correction_rad[s], {}, robot, {}};
+    ImageObservations image{{x_m[s], y_m[s]}, steps.odo_heading_rad[s] + correction_rad[s], {}, robot, {}};
     const double cosine = std::cos(correction_rad[s]), sine = std::sin(correction_rad[s]);
     for (std::int32_t k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k) {
       const Observation& o = steps.observations[static_cast<std::size_t>(k)];
-      if (o.type != type || o.press()) continue;
+      if (o.type != type || o.contact()) continue;
       image.seen.push_back({x_m[s] + cosine * o.x_m - sine * o.y_m, y_m[s] + sine * o.x_m + cosine * o.y_m});
       image.observation.push_back(k);
     }
@@ -307,7 +308,7 @@ void AppendImages(const RobotSteps& steps, int type, std::size_t robot, const st
   }
 }
 
-ImageLandmarks FindImageLandmarks(const std::vector<Image>& images, const ImageRules& rules) {
+ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules) {
   ImageClusters clusters(images, rules);
   for (int pass = 0; pass < kPasses; ++pass) {
     clusters.Pass(/*births=*/pass < kPasses / 2);

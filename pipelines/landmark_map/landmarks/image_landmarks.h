@@ -1,5 +1,5 @@
 // Landmarks without identity from whole images, once the poses are known: things that stand closer together
-// than one sighting is exact can still be told apart where one image shows them both.
+// than one range-bearing observation is exact can still be told apart where one image shows them both.
 #pragma once
 
 #include <vector>
@@ -9,28 +9,28 @@
 
 namespace cairn::landmark_map {
 
-struct Place {
+struct Position {
   double x_m = 0.0, y_m = 0.0;
 };
 
 // What a robot saw at one step, laid out from its most likely pose; `heading_rad` is where it looked.
-struct Image {
-  Place from;
+struct ImageObservations {
+  Position from;
   double heading_rad = 0.0;
-  std::vector<Place> seen;
+  std::vector<Position> seen;
   std::size_t robot = 0;
   std::vector<std::int32_t> observation;  // of each: its index in the robot's steps
 };
 
-// Appends the images of a robot's sightings of `type`, presses left out. `steps`: with the drift taken off
-// that the poses have been estimated under. x_m, y_m, correction_rad: [S], a pose and a heading correction a
-// step.
+// Appends the images of a robot's range-bearing observations of `type`, contact detections left out. `steps`:
+// with the drift taken off that the poses have been estimated under. x_m, y_m, correction_rad: [S], a pose
+// and a heading correction a step.
 void AppendImages(const RobotSteps& steps, int type, std::size_t robot, const std::vector<double>& x_m,
                   const std::vector<double>& y_m, const std::vector<double>& correction_rad,
-                  std::vector<Image>* images);
+                  std::vector<ImageObservations>* images);
 
 struct ImageRules {
-  double sigma_m = 0.3;  // of a sighting's place: what the sensor errs, and the pose
+  double sigma_m = 0.3;  // of a range-bearing observation's place: what the sensor errs, and the pose
   double cell_m = 1.0;   // of the map whose poses these are: no landmark is known better
   int type = 0;          // layer of the landmarks
 };
@@ -41,13 +41,13 @@ struct ImageLandmarks {
   std::vector<std::vector<double>> probability;     // of that, against the landmarks near by
 };
 
-// k-means in which an image shows no landmark twice and k is found. In turn: each image gives its sightings
-// to landmarks, nearest pairs first, within three sigma, after a shift of the whole image that the pairs ask
-// for (poses err, and an image's sightings err together); what is left over begins a landmark; landmarks move
-// to the mean of what they got. Of two within three sigma that are hardly ever in one image the rarer goes;
-// so does, in the end, one all of whose sightings (but for one in fifty) could be of others that their images
-// do not show; and always one that was seen only once, or in less than a tenth of the images
-// that looked at it.
-ImageLandmarks FindImageLandmarks(const std::vector<Image>& images, const ImageRules& rules);
+// k-means in which an image shows no landmark twice and k is found. In turn: each image gives its
+// range-bearing observations to landmarks, nearest pairs first, within three sigma, after a shift of the
+// whole image that the pairs ask for (poses err, and an image's range-bearing observations err together);
+// what is left over begins a landmark; landmarks move to the mean of what they got. Of two within three sigma
+// that are hardly ever in one image the rarer goes; so does, in the end, one all of whose range-bearing
+// observations (but for one in fifty) could be of others that their images do not show; and always one that
+// was seen only once, or in less than a tenth of the images that looked at it.
+ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules);
 
 }  // namespace cairn::landmark_map

@@ -11,29 +11,31 @@
 namespace cairn::landmark_map {
 namespace {
 
-constexpr double kSightingM = 0.05, kPoseM = 0.15, kSigmaM = 0.16;
-const std::vector<Place> kTriplet = {{0.0, 0.0}, {0.2, 0.0}, {0.1, 0.2}};
+constexpr double kObservationM = 0.05, kPoseM = 0.15, kSigmaM = 0.16;
+const std::vector<Position> kTriplet = {{0.0, 0.0}, {0.2, 0.0}, {0.1, 0.2}};
 
 // Images from a ring of 3 m around the places, each with its own error of the pose.
-std::vector<Image> ImagesOf(const std::vector<Place>& places, int count) {
+std::vector<ImageObservations> ImagesOf(const std::vector<Position>& positions, int count) {
   Rng rng(7);
-  std::vector<Image> images;
+  std::vector<ImageObservations> images;
   for (int i = 0; i < count; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / count;
-    Image image{{3.0 * std::cos(angle), 3.0 * std::sin(angle)}, angle + std::numbers::pi, {}, 0, {}};
+    ImageObservations image{
+        {3.0 * std::cos(angle), 3.0 * std::sin(angle)}, angle + std::numbers::pi, {}, 0, {}};
     const double dx = kPoseM * rng.Normal(), dy = kPoseM * rng.Normal();
-    for (const Place& p : places) {
-      image.seen.push_back({p.x_m + dx + kSightingM * rng.Normal(), p.y_m + dy + kSightingM * rng.Normal()});
+    for (const Position& p : positions) {
+      image.seen.push_back(
+          {p.x_m + dx + kObservationM * rng.Normal(), p.y_m + dy + kObservationM * rng.Normal()});
     }
     images.push_back(image);
   }
   return images;
 }
 
-double ToNearest(const Place& place, const std::vector<Landmark>& landmarks) {
+double ToNearest(const Position& position, const std::vector<Landmark>& landmarks) {
   double nearest = 1e9;
   for (const Landmark& l : landmarks) {
-    nearest = std::min(nearest, std::hypot(l.x_m - place.x_m, l.y_m - place.y_m));
+    nearest = std::min(nearest, std::hypot(l.x_m - position.x_m, l.y_m - position.y_m));
   }
   return nearest;
 }
@@ -41,7 +43,7 @@ double ToNearest(const Place& place, const std::vector<Landmark>& landmarks) {
 TEST(FindImageLandmarks, TellsApartWhatStandsCloserThanAPoseIsExact) {
   const ImageLandmarks found = FindImageLandmarks(ImagesOf(kTriplet, 60), {kSigmaM, 0.05, 0});
   ASSERT_EQ(found.landmarks.size(), 3U);
-  for (const Place& p : kTriplet) EXPECT_LT(ToNearest(p, found.landmarks), 0.06);
+  for (const Position& p : kTriplet) EXPECT_LT(ToNearest(p, found.landmarks), 0.06);
   for (const Landmark& l : found.landmarks) EXPECT_GE(l.count, 50.0);
 }
 
@@ -61,7 +63,7 @@ TEST(FindImageLandmarks, AnImageShowsNoLandmarkTwice) {
 
 // A robot that comes by stands in the view of all images and is seen in few of them.
 TEST(FindImageLandmarks, WhatFewOfTheImagesThatLookedThereShowIsNone) {
-  std::vector<Image> images = ImagesOf({{1.0, 0.0}, {-1.0, 0.0}, {0.0, 1.5}}, 60);
+  std::vector<ImageObservations> images = ImagesOf({{1.0, 0.0}, {-1.0, 0.0}, {0.0, 1.5}}, 60);
   for (int i = 0; i < 4; ++i) images[static_cast<std::size_t>(i)].seen.push_back({0.0, -0.5});
   const ImageLandmarks found = FindImageLandmarks(images, {kSigmaM, 0.05, 2});
   ASSERT_EQ(found.landmarks.size(), 3U);
@@ -74,15 +76,15 @@ TEST(FindImageLandmarks, OfNoImagesThereIsNothing) {
 }
 
 // Odometry looks along y, the robot has turned a quarter further: what odometry has ahead stands along -x.
-TEST(AppendImages, LaysSightingsOutFromThePose) {
+TEST(AppendImages, LaysObservationsOutFromThePose) {
   RobotSteps steps;
   steps.time_s = {0.0, 1.0};
   steps.odo_heading_rad = {0.0, std::numbers::pi / 2};
   steps.first_observation = {0, 1, 3};
   steps.observations = {{0, 0.0, 0.0}, {1, 0.0, 2.0}, {0, 0.0, 3.0}};
-  std::vector<Image> images;
+  std::vector<ImageObservations> images;
   AppendImages(steps, 0, 4, {0.0, 10.0}, {0.0, 20.0}, {0.0, std::numbers::pi / 2}, &images);
-  ASSERT_EQ(images.size(), 1U);  // the first observation is a press
+  ASSERT_EQ(images.size(), 1U);  // the first observation is a contact detection
   EXPECT_EQ(images[0].robot, 4U);
   EXPECT_NEAR(images[0].heading_rad, std::numbers::pi, 1e-12);
   EXPECT_EQ(images[0].observation, (std::vector<std::int32_t>{2}));

@@ -214,16 +214,17 @@ PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid) {
 
 namespace {
 
-// The kind that the observations within `radius` cells speak for.
-int KindOf(const Landmark& landmark, const LayeredGrid& counts, double radius, const MapRules& rules) {
-  if (rules.kinds.count == 1) return 0;
+// The class that the observations within `radius` cells speak for.
+int MostLikelyClass(const Landmark& landmark, const LayeredGrid& counts, double radius,
+                    const MapRules& rules) {
+  if (rules.classes.count == 1) return 0;
   const double cell = rules.grid.cell_m;
   std::vector<double> seemed;
-  for (int k = 0; k < rules.kinds.count; ++k) {
+  for (int k = 0; k < rules.classes.count; ++k) {
     const Layer& layer = counts.layers[static_cast<std::size_t>(rules.types + k)];
     seemed.push_back(MomentsWithin(layer, landmark.x_m / cell, landmark.y_m / cell, radius).mass);
   }
-  const std::vector<double> posterior = KindPosterior(seemed, rules.kinds);
+  const std::vector<double> posterior = ClassPosterior(seemed, rules.classes);
   return static_cast<int>(std::ranges::max_element(posterior) - posterior.begin());
 }
 
@@ -236,7 +237,7 @@ std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules
   for (int type = 0; type <= rules.types; ++type) {
     const bool identified = type < rules.types;
     const Layer count = identified ? counts.layers[static_cast<std::size_t>(type)]
-                                   : CountsOfAllKinds(counts, type, rules.kinds);
+                                   : CountsOfAllClasses(counts, type, rules.classes);
     const double radius =
         (identified ? std::max(5.0 * rules.observation_m, 2.0 * cell) : rules.core_m) / cell;
     PeakFinder peaks(count, radius);
@@ -244,7 +245,7 @@ std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules
       Landmark landmark;
       if (!peaks.Take(type, cell, &landmark)) break;
       if (landmark.count < kLeastCount) continue;  // peaks come by height, not by count
-      if (!identified) landmark.kind = KindOf(landmark, counts, radius, rules);
+      if (!identified) landmark.landmark_class = MostLikelyClass(landmark, counts, radius, rules);
       landmarks.push_back(landmark);
       if (identified) break;
     }

@@ -21,9 +21,9 @@ PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid);
 struct Landmark {
   double x_m, y_m;
   double covariance_m2[4];
-  int type;      // layer of the map; without identity: the first of those layers
-  double count;  // expected number of observations of it
-  int kind = 0;  // without identity: the most likely one
+  int type;                // layer of the map; without identity: the first of those layers
+  double count;            // expected number of observations of it
+  int landmark_class = 0;  // without identity: the most likely one
 };
 
 // Identified landmarks: one a type, the mean around the mode. Others: peaks of the counts, strongest first,
@@ -31,7 +31,7 @@ struct Landmark {
 std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules& rules);
 
 // Takes a landmark out of the counts, all within core_m of it, and returns how much it took of each layer. A
-// landmark without identity may have been taken for one of another kind.
+// landmark without identity may have been taken for one of another class.
 std::vector<double> LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts);
 
 // For one observation whose landmark stands where `where` says (mass one): the landmark that is most likely

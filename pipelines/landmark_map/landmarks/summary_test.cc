@@ -119,8 +119,9 @@ TEST(ExtractLandmarks, JoinsACoreAndDropsWhatIsLessThanHalfAnObservation) {
   EXPECT_NEAR(landmarks[1].x_m, 20.0, 1e-12);
 }
 
-// Three presses in cells about (4, -3), by hand, on grids of several sizes: all lengths grow with the cell.
-TEST(ExtractLandmarks, ALandmarksCovarianceIsThatOfItsPressesAndOfACellInMetres) {
+// Three contact detections in cells about (4, -3), by hand, on grids of several sizes: all lengths grow with
+// the cell.
+TEST(ExtractLandmarks, ALandmarksCovarianceIsThatOfItsContactsAndOfACellInMetres) {
   for (const double cell_m : {0.25, 1.0, 3.0}) {
     MapRules rules;
     rules.grid = {cell_m, 4};

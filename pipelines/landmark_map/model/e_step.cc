@@ -21,11 +21,12 @@ template <class E = NoPathError>
 }
 
 MotionKernel KernelTo(const EStepModel& model, const Slice& slice, int step) {
-  const Leg leg = slice.steps.LegTo(step);
-  return {leg, ErrorOf(leg, model.noise), model.grid.cell_m, model.grid.headings, model.shape};
+  const MotionIncrement increment = slice.steps.IncrementTo(step);
+  return {increment, ErrorOf(increment, model.noise), model.grid.cell_m, model.grid.headings, model.shape};
 }
 
-// eq. 16 from the step before; step 0 has no leg to it. `kept` (may be nullptr): takes the kernel.
+// eq. 16 from the step before; step 0 has no motion increment to it. `kept` (may be nullptr): takes the
+// kernel.
 LayeredGrid Moved(const EStepModel& model, const Slice& slice, int step, const LayeredGrid& belief,
                   std::vector<MotionKernel>* kept) {
   if (step == 0) return belief;
@@ -37,12 +38,13 @@ LayeredGrid Moved(const EStepModel& model, const Slice& slice, int step, const L
   return moved;
 }
 
-// eq. 17 over the leg to `step`, by the kernel that the forward pass kept or one like it.
+// eq. 17 over the motion increment to `step`, by the kernel that the forward pass kept or one like it.
 LayeredGrid MovedBack(const EStepModel& model, const Slice& slice, int step, const Alphas& alphas,
                       const LayeredGrid& message, const LayeredGrid& support, HalfTurn* half_turn) {
   if (alphas.kernels.empty()) return KernelTo(model, slice, step).Backward(message, support, half_turn);
-  const int first_leg = std::max(slice.first, 1);
-  return alphas.kernels[static_cast<std::size_t>(step - first_leg)].Backward(message, support, half_turn);
+  const int first_increment = std::max(slice.first, 1);
+  return alphas.kernels[static_cast<std::size_t>(step - first_increment)].Backward(message, support,
+                                                                                   half_turn);
 }
 
 // Multiplies by P(o | xi, m) for all that was seen at a step and returns the logarithm by which the table was
@@ -83,14 +85,14 @@ std::string Seen(const Slice& slice, int step) {
     const Observation& o = slice.steps.observations[k];
     const double range_m = std::hypot(o.x_m, o.y_m);
     text += range_m > 0 ? " landmark type " + std::to_string(o.type) + " at " + Time(range_m) + " m;"
-                        : " a press of landmark type " + std::to_string(o.type) + ";";
+                        : " a contact detection of landmark type " + std::to_string(o.type) + ";";
   }
   text.pop_back();
   return text;
 }
 
 // Observes, normalises, prunes and normalises again; returns the logarithm of P(o | past).
-double Settle(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
+double NormalizeAndPrune(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
   Cut(model.limit, belief);
   const double before = belief->Sum();
   if (!(before > 0.0))
@@ -167,15 +169,15 @@ LayeredGrid DiracStart(const GridSpec& grid) {
   return belief;
 }
 
-int MarginOfWay(const EStepModel& model, const RobotSteps& steps, int step) {
+int MotionMargin(const EStepModel& model, const RobotSteps& steps, int step) {
   constexpr double kReach = 3.0;  // standard deviations
-  Leg way;
+  MotionIncrement motion;
   for (int s = 1; s <= step; ++s) {
-    way.path_m += steps.path_m[s];
-    way.turn_rad += steps.turn_rad[s];
+    motion.path_m += steps.path_m[s];
+    motion.turn_rad += steps.turn_rad[s];
   }
-  const LegError error = ErrorOf(way, model.noise);
-  const double astray_m = std::min(2.0, kReach * error.heading_rad) * way.path_m + kReach * error.along_m;
+  const IncrementError error = ErrorOf(motion, model.noise);
+  const double astray_m = std::min(2.0, kReach * error.heading_rad) * motion.path_m + kReach * error.along_m;
   return static_cast<int>(std::ceil(astray_m / model.grid.cell_m));
 }
 
@@ -189,14 +191,16 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
   if (known == steps.first_observation.back())
     Refuse(slice, 0, "the map holds nothing of what the robot saw: it cannot be placed");
   while (steps.first_observation[step + 1] <= known) ++step;
-  const int margin = MarginOfWay(model, steps, step);
+  const int margin = MotionMargin(model, steps, step);
   LayeredGrid belief;
   for (int c = 0; c < model.grid.headings; ++c) {
     const double angle = c * 2.0 * std::numbers::pi / model.grid.headings;
     const double dx = steps.odo_x_m[step] - steps.odo_x_m[0], dy = steps.odo_y_m[step] - steps.odo_y_m[0];
     const double x = std::cos(angle) * dx - std::sin(angle) * dy,
                  y = std::sin(angle) * dx + std::cos(angle) * dy;
-    const auto cells = [&](double way_m) { return static_cast<int>(std::lround(way_m / model.grid.cell_m)); };
+    const auto cells = [&](double distance_m) {
+      return static_cast<int>(std::lround(distance_m / model.grid.cell_m));
+    };
     const Box places = PlacesThatSee(steps.observations[known], model.grid, *model.perception, c);
     Layer layer(places.Shifted(-cells(x), -cells(y)).Grown(margin));
     layer.values.assign(layer.values.size(), 1.0);
@@ -224,7 +228,7 @@ Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& b
     alphas.work += static_cast<double>(belief.cells()) + kStepCells;
     largest = std::max(largest, belief.cells());
     CheckMemory(model, slice, step, cells, largest);
-    alphas.log_likelihood += Settle(model, slice, step, &belief);
+    alphas.log_likelihood += NormalizeAndPrune(model, slice, step, &belief);
     cells += belief.cells();
     alphas.tables.push_back(std::move(belief));
   }
@@ -245,7 +249,7 @@ Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid bef
     LayeredGrid belief = Moved(model, slice, frontier.end, frontier.alpha, nullptr);
     done += static_cast<double>(belief.cells()) + kStepCells;
     CheckMemory(model, slice, frontier.end, 0, belief.cells());
-    Settle(model, slice, frontier.end, &belief);
+    NormalizeAndPrune(model, slice, frontier.end, &belief);
     frontier.alpha = std::move(belief);
   }
   return frontier;
@@ -254,7 +258,7 @@ Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid bef
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
                      const LayeredGrid& before, LayeredGrid beta, Progress& progress,
                      const Visitor& visitor) {
-  const bool learn = model.perception != nullptr && visitor.leg;
+  const bool learn = model.perception != nullptr && visitor.increment;
   for (int step = slice.end - 1; step >= slice.first; --step) {
     progress.Tick();
     const LayeredGrid& alpha = alphas.tables[static_cast<std::size_t>(step - slice.first)];
@@ -265,7 +269,7 @@ LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& 
         step == slice.first ? before : alphas.tables[static_cast<std::size_t>(step - 1 - slice.first)];
     HalfTurn turn;
     beta = MovedBack(model, slice, step, alphas, beta, support, learn ? &turn : nullptr);
-    if (learn) visitor.leg(step, turn);
+    if (learn) visitor.increment(step, turn);
     Mask(support, &beta);
     Rescale(slice, step - 1, &beta);
   }

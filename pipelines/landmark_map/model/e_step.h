@@ -47,7 +47,7 @@ inline constexpr double kBeliefCopies = 5.0;
 inline constexpr double kStepCells = 4000.0;
 
 // alpha^(t) for the slice's steps, each normalised; log_likelihood: sum of the logarithms of the normalisers;
-// work: see work.h; kernels: those of the slice's legs, where they are kept.
+// work: see work.h; kernels: those of the slice's motion increments, where they are kept.
 struct Alphas {
   std::vector<LayeredGrid> tables;
   std::vector<MotionKernel> kernels;
@@ -72,7 +72,7 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 
 // By how many cells odometry may have led a robot astray from step 0 to `step`, at most: so much wider than
 // the places that see the observation is UniformStart.
-int MarginOfWay(const EStepModel& model, const RobotSteps& steps, int step);
+int MotionMargin(const EStepModel& model, const RobotSteps& steps, int step);
 
 // eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start. Throws InputError
 // that names robot, step and observation where the evidence is impossible under the model.
@@ -87,9 +87,9 @@ Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid bef
 // it passes, last step first.
 struct Visitor {
   std::function<void(int step, const LayeredGrid& belief)> step;  // alpha * beta, normalised (eq. 13)
-  // The heading's error on the leg to `step`; may be empty. Without a map there is nothing to learn of it,
-  // and no call.
-  std::function<void(int step, const HalfTurn& posterior)> leg;
+  // The heading's error on the motion increment to `step`; may be empty. Without a map there is nothing to
+  // learn of it, and no call.
+  std::function<void(int step, const HalfTurn& posterior)> increment;
 };
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
                      const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visitor& visitor);

@@ -79,17 +79,17 @@ double ObservationProbability(const RobotSteps& steps, int step, const EStepMode
 // P(xi' | u, xi): half of the turn's error, the shift of the heading in between, the other half.
 std::map<Pose, double> Successors(const RobotSteps& steps, int step, const EStepModel& model,
                                   const Pose& pose) {
-  const Leg leg = steps.LegTo(step);
-  const LegError error = ErrorOf(leg, model.noise);
+  const MotionIncrement increment = steps.IncrementTo(step);
+  const IncrementError error = ErrorOf(increment, model.noise);
   const double angle_step = 2 * std::numbers::pi / kHeadings;
   const Taps half = GaussianTaps(error.heading_rad / std::sqrt(2.0) / angle_step);
-  const double length = std::hypot(leg.dx_m, leg.dy_m);
+  const double length = std::hypot(increment.dx_m, increment.dy_m);
   std::map<Pose, double> successors;
   const auto [c, x, y] = pose;
   for (int a = -half.reach(); a <= half.reach(); ++a) {
     const double angle = (c + a) * angle_step, cosine = std::cos(angle), sine = std::sin(angle);
-    const double dx = (cosine * leg.dx_m - sine * leg.dy_m) / model.grid.cell_m;
-    const double dy = (sine * leg.dx_m + cosine * leg.dy_m) / model.grid.cell_m;
+    const double dx = (cosine * increment.dx_m - sine * increment.dy_m) / model.grid.cell_m;
+    const double dy = (sine * increment.dx_m + cosine * increment.dy_m) / model.grid.cell_m;
     const double norm = length / model.grid.cell_m;
     for (const StencilPoint& p :
          ShiftStencil(dx, dy, dx / norm, dy / norm, error.along_m / model.grid.cell_m)) {
@@ -217,7 +217,7 @@ TEST(EStep, KernelsThatAreKeptGiveTheSameBits) {
   model.keep_kernels = true;
   const Pass kept(model);
   EXPECT_EQ(made_again.kernels, 0U);
-  EXPECT_EQ(kept.kernels, 3U) << "one a leg";
+  EXPECT_EQ(kept.kernels, 3U) << "one a motion increment";
   EXPECT_EQ(kept.log_likelihood, made_again.log_likelihood);
   EXPECT_EQ(kept.turns, made_again.turns);
   for (int t = 0; t < 4; ++t) {
@@ -287,7 +287,7 @@ TEST(EStep, ManyUnlikelyObservationsAtOneStepStayFinite) {
 }
 
 // One landmark, which the robot first sees at its third step, 1.5 m ahead.
-TEST(EStep, AStartAnywhereHoldsEveryPlaceThatLeadsToTheFirstSighting) {
+TEST(EStep, AStartAnywhereHoldsEveryPlaceThatLeadsToTheFirstObservation) {
   RobotSteps steps = TinySteps();
   steps.observations = {{0, 1.5, 0.0}};
   steps.first_observation = {0, 0, 0, 1, 1};
@@ -295,11 +295,11 @@ TEST(EStep, AStartAnywhereHoldsEveryPlaceThatLeadsToTheFirstSighting) {
   perception.likelihood.layers = {Layer(Box{20, 10, 1, 1}), Layer()};
   perception.outside = {0.01, 0.01};
   EStepModel model = TinyModel(&perception);
-  for (const auto& [way_error, walk] :
+  for (const auto& [forward_error, walk] :
        {std::pair{0.0, 0.0}, {0.1, 0.0}, {0.4, 0.0}, {0.0, 0.1}, {0.0, 0.2}}) {
-    model.noise = {0.0, walk, 1.0, way_error, 0.0};
-    const double way_m = steps.path_m[1] + steps.path_m[2],
-                 astray_m = way_error * way_m + walk * std::pow(way_m, 1.5);
+    model.noise = {0.0, walk, 1.0, forward_error, 0.0};
+    const double distance_m = steps.path_m[1] + steps.path_m[2],
+                 astray_m = forward_error * distance_m + walk * std::pow(distance_m, 1.5);
     const LayeredGrid start = UniformStart(model, {steps, 0, 4, "a"});
     EXPECT_NEAR(start.Sum(), 1.0, 1e-12);
     for (int c = 0; c < kHeadings; ++c) {

@@ -46,7 +46,7 @@ Layer WithNoLandmark(const Layer& seeming, const Layer& map, const MapRules& rul
   const double cell = rules.grid.cell_m;
   const Layer wide = DiscSum(map, rules.radius_m / cell);
   const Layer core = DiscSum(map, rules.core_m / cell);
-  const double outside = FalseRate(rules) / rules.kinds.count;
+  const double outside = FalseRate(rules) / rules.classes.count;
   const Layer mixture = Mixture(seeming, rules.observation_m / cell, FalseRate(rules), outside);
   Layer likelihood(wide.box);
   for (int y = wide.box.y0; y < wide.box.y0 + wide.box.ny; ++y) {
@@ -75,28 +75,28 @@ Layer ExactLikelihood(const Layer& map, const MapRules& rules) {
   return likelihood;
 }
 
-// Landmarks of all kinds: where any is, then of which kind it is.
-void AddKinds(const LayeredGrid& counts, const MapRules& rules, double least, LayeredGrid* map) {
-  const Layer count = CountsOfAllKinds(counts, rules.types, rules.kinds);
+// Landmarks of all classes: where any is, then of which class it is.
+void AddClasses(const LayeredGrid& counts, const MapRules& rules, double least, LayeredGrid* map) {
+  const Layer count = CountsOfAllClasses(counts, rules.types, rules.classes);
   if (!(count.Sum() > 0.0)) {
     map->layers.resize(static_cast<std::size_t>(rules.layers()));
     return;
   }
-  for (Layer& layer : SplitAmongKinds(LocalRatio(count, rules), counts, rules.types,
-                                      rules.core_m / rules.grid.cell_m, rules.kinds)) {
+  for (Layer& layer : SplitAmongClasses(LocalRatio(count, rules), counts, rules.types,
+                                        rules.core_m / rules.grid.cell_m, rules.classes)) {
     layer.Prune(least);
     map->layers.push_back(std::move(layer));
   }
 }
 
-// P(o | xi, m) for landmarks that seem of each kind; a false one may seem of any.
+// P(o | xi, m) for landmarks that seem of each class; a false one may seem of any.
 void AddSeeming(const LayeredGrid& map, const MapRules& rules, Perception* perception) {
-  const Layer all = CountsOfAllKinds(map, rules.types, rules.kinds);
-  for (int as = 0; as < rules.kinds.count; ++as) {
+  const Layer all = CountsOfAllClasses(map, rules.types, rules.classes);
+  for (int as = 0; as < rules.classes.count; ++as) {
     std::vector<double> seems;
-    for (int is = 0; is < rules.kinds.count; ++is) seems.push_back(rules.kinds.Seems(as, is));
+    for (int is = 0; is < rules.classes.count; ++is) seems.push_back(rules.classes.Confusion(as, is));
     const Layer seeming = WeightedSum(map, rules.types, seems);
-    const double false_one = FalseRate(rules) / rules.kinds.count;
+    const double false_one = FalseRate(rules) / rules.classes.count;
     if (all.box.empty())  // never seen so far: says nothing
       perception->likelihood.layers.emplace_back();
     else
@@ -114,7 +114,7 @@ LayeredGrid NoCounts(const MapRules& rules) {
   return counts;
 }
 
-LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules) {
+LayeredGrid MapFromCounts(const LayeredGrid& counts, const MapRules& rules) {
   const double least = rules.exact ? 0.0 : 1e-3 * FalseRate(rules);
   LayeredGrid map;
   for (int type = 0; type < rules.types; ++type) {
@@ -122,11 +122,11 @@ LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules) {
     map.layers.push_back(count.Sum() > 0.0 ? Share(count) : Layer());
     map.layers.back().Prune(least);
   }
-  AddKinds(counts, rules, least, &map);
+  AddClasses(counts, rules, least, &map);
   return map;
 }
 
-Perception PerceptionOf(const LayeredGrid& map, const MapRules& rules) {
+Perception MakePerception(const LayeredGrid& map, const MapRules& rules) {
   Perception perception;
   const double eps = FalseRate(rules);
   for (int type = 0; type < rules.types; ++type) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pipelines/common/layered_grid.h"
-#include "pipelines/landmark_map/model/kinds.h"
+#include "pipelines/landmark_map/model/landmark_classes.h"
 #include "pipelines/landmark_map/model/perception.h"
 
 namespace cairn::landmark_map {
@@ -13,16 +13,16 @@ namespace cairn::landmark_map {
 struct MapRules {
   GridSpec grid;
   int types = 0;               // identities; the layers from `types` on hold the landmarks without one
-  KindRules kinds;             // of landmarks without one
+  ClassRules classes;          // of landmarks without one
   double observation_m = 0.3;  // sd of where an observed landmark stands relative to the robot, an axis
   double radius_m = 10.0;      // perceptual radius of landmarks without identity
   double core_m = 2.0;         // landmarks nearer than this to each other are one: no no-landmark evidence
   double prior_count = 0.0;    // expected observations of nothing, in every cell before the first one
   double no_landmark = 0.5;    // lambda: weight of the no-landmark evidence
   double false_rate_per_m2 = 1e-3;  // probability that an observation is false, per area in which it may lie
-  bool exact = false;               // Bernoulli cells, P(press) = m_xi * product over the radius of (1 - m)
+  bool exact = false;               // Bernoulli cells, P(contact) = m_xi * product over the radius of (1 - m)
 
-  int layers() const { return types + kinds.count; }
+  int layers() const { return types + classes.count; }
 };
 
 // No observation so far: a layer for each type.
@@ -30,12 +30,12 @@ LayeredGrid NoCounts(const MapRules& rules);
 
 // P(m_xy = l) for each layer. Identified landmarks: c / sum of c, each stands in one place. Others: c / (c +
 // c* + prior_count), c* the counts within the perceptual radius except the cell's own: times something was
-// observed there, eq. 19, of any kind, and split among the kinds. Boxes end where the map says less than a
+// observed there, eq. 19, of any class, and split among the classes. Boxes end where the map says less than a
 // thousandth of what a false observation says: else a robot that may start anywhere would search, and so
 // fill, a larger box every round.
-LayeredGrid MapOf(const LayeredGrid& counts, const MapRules& rules);
+LayeredGrid MapFromCounts(const LayeredGrid& counts, const MapRules& rules);
 
 // P(o | xi, m) for each layer, as `Observe` looks it up.
-Perception PerceptionOf(const LayeredGrid& map, const MapRules& rules);
+Perception MakePerception(const LayeredGrid& map, const MapRules& rules);
 
 }  // namespace cairn::landmark_map

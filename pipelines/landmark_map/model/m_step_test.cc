@@ -29,66 +29,66 @@ LayeredGrid Points(int layers, int layer, const std::vector<std::array<double, 3
   return counts;
 }
 
-// Eq. 19 by hand: 4 presses here, 1 two cells away, 5 out of sight.
-TEST(MapOf, UnidentifiedLandmarksShareTheirPerceptualRadiusOnly) {
-  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {15, 15, 5}}), Rules(0));
+// Eq. 19 by hand: 4 contact detections here, 1 two cells away, 5 out of sight.
+TEST(MapFromCounts, UnidentifiedLandmarksShareTheirPerceptualRadiusOnly) {
+  const LayeredGrid map = MapFromCounts(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {15, 15, 5}}), Rules(0));
   EXPECT_DOUBLE_EQ(map.layers[0].At(5, 5), 4.0 / 5.0);
   EXPECT_DOUBLE_EQ(map.layers[0].At(7, 5), 1.0 / 5.0);
   EXPECT_DOUBLE_EQ(map.layers[0].At(15, 15), 1.0);
   EXPECT_EQ(map.layers[0].At(6, 5), 0.0);
 }
 
-// 4 presses of the cell, 1 within the radius, a prior of half a press: 4 / 5.5. A cell far from all others
-// with a hundredth of a press holds hardly a landmark: 0.01 / 0.51.
-TEST(MapOf, ThePriorSpeaksAgainstLandmarksThatHardlyAnythingSpeaksFor) {
+// 4 contact detections of the cell, 1 within the radius, a prior of half a contact detection: 4 / 5.5. A cell
+// far from all others with a hundredth of a contact detection holds hardly a landmark: 0.01 / 0.51.
+TEST(MapFromCounts, ThePriorSpeaksAgainstLandmarksThatHardlyAnythingSpeaksFor) {
   MapRules rules = Rules(0);
   rules.prior_count = 0.5;
-  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {15, 15, 0.01}}), rules);
+  const LayeredGrid map = MapFromCounts(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {15, 15, 0.01}}), rules);
   EXPECT_DOUBLE_EQ(map.layers[0].At(5, 5), 4.0 / 5.5);
   EXPECT_DOUBLE_EQ(map.layers[0].At(15, 15), 0.01 / 0.51);
 }
 
 // False observations have a chance of 1e-3 a cell; what is below a thousandth of it is no part of the map.
-TEST(MapOf, BoxesEndWhereTheMapSaysNothing) {
+TEST(MapFromCounts, BoxesEndWhereTheMapSaysNothing) {
   MapRules rules = Rules(1);
   rules.prior_count = 0.03;
   for (const int layer : {0, 1}) {
-    const LayeredGrid map = MapOf(Points(2, layer, {{5, 5, 4}, {7, 6, 1}, {15, 15, 1e-8}}), rules);
+    const LayeredGrid map = MapFromCounts(Points(2, layer, {{5, 5, 4}, {7, 6, 1}, {15, 15, 1e-8}}), rules);
     EXPECT_EQ(map.layers[layer].box, (Box{5, 5, 3, 2})) << layer;
   }
 }
 
-TEST(MapOf, TheExactModelKeepsEveryCell) {
+TEST(MapFromCounts, TheExactModelKeepsEveryCell) {
   MapRules rules = Rules(0);
   rules.exact = true;
-  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1e-9}}), rules);
+  const LayeredGrid map = MapFromCounts(Points(1, 0, {{5, 5, 4}, {7, 5, 1e-9}}), rules);
   EXPECT_EQ(map.layers[0].At(7, 5), 1e-9 / (4.0 + 1e-9));
 }
 
-TEST(MapOf, AnIdentifiedLandmarkStandsInOnePlace) {
-  const LayeredGrid map = MapOf(Points(3, 1, {{5, 5, 4}, {15, 15, 4}}), Rules(2));
+TEST(MapFromCounts, AnIdentifiedLandmarkStandsInOnePlace) {
+  const LayeredGrid map = MapFromCounts(Points(3, 1, {{5, 5, 4}, {15, 15, 4}}), Rules(2));
   EXPECT_DOUBLE_EQ(map.layers[1].At(5, 5), 0.5);
   EXPECT_DOUBLE_EQ(map.layers[1].Sum(), 1.0);
   EXPECT_TRUE(map.layers[0].box.empty());
   EXPECT_TRUE(map.layers[2].box.empty());
 }
 
-// An identified landmark and others of two kinds: where cells, radii and errors are all four times smaller,
+// An identified landmark and others of two classes: where cells, radii and errors are all four times smaller,
 // and false observations as frequent a cell, map and perception are the same, cell by cell.
-TEST(MapOf, LengthsCountInCellsAlone) {
+TEST(MapFromCounts, LengthsCountInCellsAlone) {
   LayeredGrid counts = Points(3, 0, {{4, 4, 2}, {6, 9, 1}});
   counts.layers[1] = Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {14, 15, 2}}).layers[0];
   counts.layers[2] = Points(1, 0, {{6, 5, 3}, {9, 8, 2}, {13, 15, 0.5}}).layers[0];
   const auto both = [&](double scale) {
     MapRules rules = Rules(1);
     rules.grid.cell_m *= scale;
-    rules.kinds = {2, {0.8, 0.2, 0.3, 0.7}};
+    rules.classes = {2, {0.8, 0.2, 0.3, 0.7}};
     rules.observation_m = 0.9 * scale;
     rules.radius_m = 5.1 * scale;
     rules.core_m = 2.1 * scale;
     rules.false_rate_per_m2 = 0.002 / (scale * scale);
-    const LayeredGrid map = MapOf(counts, rules);
-    return std::pair{map, PerceptionOf(map, rules).likelihood};
+    const LayeredGrid map = MapFromCounts(counts, rules);
+    return std::pair{map, MakePerception(map, rules).likelihood};
   };
   const auto [map, perception] = both(1.0);
   const auto [fine_map, fine_perception] = both(0.25);
@@ -103,30 +103,30 @@ TEST(MapOf, LengthsCountInCellsAlone) {
   }
 }
 
-TEST(PerceptionOf, NoLandmarkEvidenceCountsWhatLiesBeyondTheCore) {
+TEST(MakePerception, NoLandmarkEvidenceCountsWhatLiesBeyondTheCore) {
   MapRules rules = Rules(0);
   rules.false_rate_per_m2 = 0.1;
   rules.no_landmark = 0.5;
-  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}}), rules);
-  const Perception perception = PerceptionOf(map, rules);
+  const LayeredGrid map = MapFromCounts(Points(1, 0, {{5, 5, 4}, {7, 5, 1}}), rules);
+  const Perception perception = MakePerception(map, rules);
   EXPECT_NEAR(perception.likelihood.layers[0].At(5, 5), (0.1 + 0.9 * 0.8) * std::exp(-0.5 * 0.2), 1e-12);
   EXPECT_NEAR(perception.likelihood.layers[0].At(7, 5), (0.1 + 0.9 * 0.2) * std::exp(-0.5 * 0.8), 1e-12);
   EXPECT_NEAR(perception.outside[0], 0.1, 1e-12);
 }
 
-TEST(PerceptionOf, ExactModelIsTheProductOverTheRadius) {
+TEST(MakePerception, ExactModelIsTheProductOverTheRadius) {
   MapRules rules = Rules(0);
   rules.exact = true;
-  const LayeredGrid map = MapOf(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {5, 6, 1}}), rules);
+  const LayeredGrid map = MapFromCounts(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {5, 6, 1}}), rules);
   const double a = map.layers[0].At(5, 5), b = map.layers[0].At(7, 5), c = map.layers[0].At(5, 6);
-  const Perception perception = PerceptionOf(map, rules);
+  const Perception perception = MakePerception(map, rules);
   EXPECT_NEAR(perception.likelihood.layers[0].At(5, 5), a * (1 - b) * (1 - c), 1e-12);
   EXPECT_NEAR(perception.likelihood.layers[0].At(7, 5), b * (1 - a) * (1 - c), 1e-12);
   EXPECT_EQ(perception.outside[0], 0.0);
 }
 
-TEST(PerceptionOf, ALandmarkNeverSeenSaysNothing) {
-  const Perception perception = PerceptionOf(MapOf(Points(3, 1, {{5, 5, 4}}), Rules(2)), Rules(2));
+TEST(MakePerception, ALandmarkNeverSeenSaysNothing) {
+  const Perception perception = MakePerception(MapFromCounts(Points(3, 1, {{5, 5, 4}}), Rules(2)), Rules(2));
   EXPECT_TRUE(perception.likelihood.layers[0].box.empty());
   EXPECT_GT(perception.outside[0], 0.0);
 }

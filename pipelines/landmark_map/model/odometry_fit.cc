@@ -18,9 +18,9 @@ void Add(const WidthEvidence& from, double weight, WidthEvidence* to) {
 double Squared(double x) { return x * x; }
 
 // One kind of width of all robots: where it stands in a fit, and its evidence.
-void FitWidth(const std::vector<LegSums>& sums, const WidthEvidence& (LegSums::*evidence)() const,
+void FitWidth(const std::vector<IncrementSums>& sums, const WidthEvidence& (IncrementSums::*evidence)() const,
               double OdometryFit::* width, double nominal, std::vector<OdometryFit>* fits) {
-  double squares = kPriorLegs * Squared(nominal), known = kPriorLegs;
+  double squares = kPriorIncrements * Squared(nominal), known = kPriorIncrements;
   for (std::size_t r = 0; r < sums.size(); ++r) {
     squares += (sums[r].*evidence)().squares * Squared((*fits)[r].*width);
     known += (sums[r].*evidence)().known;
@@ -28,8 +28,8 @@ void FitWidth(const std::vector<LegSums>& sums, const WidthEvidence& (LegSums::*
   const double mean_square = squares / known;
   for (std::size_t r = 0; r < sums.size(); ++r) {
     double& now = (*fits)[r].*width;
-    const double own = (sums[r].*evidence)().squares * Squared(now) + kPriorLegs * mean_square;
-    const double fitted = std::sqrt(own / ((sums[r].*evidence)().known + kPriorLegs));
+    const double own = (sums[r].*evidence)().squares * Squared(now) + kPriorIncrements * mean_square;
+    const double fitted = std::sqrt(own / ((sums[r].*evidence)().known + kPriorIncrements));
     now = std::max(kLeastShare * nominal, std::clamp(fitted, now / kLargestChange, now * kLargestChange));
   }
 }
@@ -42,7 +42,7 @@ MotionNoise OdometryFit::Widths(MotionNoise nominal) const {
   return nominal;
 }
 
-void LegSums::AddHeading(double heading_rad, double next_path_m) {
+void IncrementSums::AddHeading(double heading_rad, double next_path_m) {
   if (any_) {
     turned_rad_ += std::remainder(first_rad_ - heading_rad, 2.0 * std::numbers::pi);
     path_m_ += next_path_m;
@@ -55,23 +55,25 @@ void LegSums::AddHeading(double heading_rad, double next_path_m) {
 
 // For an error e ~ N(0, v) whose posterior has mean m and variance s the data have told 1 - s / v of it, and
 // v is right where m^2 / v adds up to the same: D. MacKay, Bayesian Interpolation, Neural Computation 4,
-// 1992. EM proper has the same fixed points but hardly moves where s is nearly v, as it is where a leg's
-// error is below the grid's step. Where several places are possible s exceeds v: an error that is large, if
-// of unknown sign. Both halves of a leg's turn count, of which the E-step looks at the first.
-void LegSums::AddLeg(const Leg& leg, const HalfTurn& posterior, const MotionNoise& widths) {
+// 1992. EM proper has the same fixed points but hardly moves where s is nearly v, as it is where a motion
+// increment's error is below the grid's step. Where several places are possible s exceeds v: an error that is
+// large, if of unknown sign. Both halves of a motion increment's turn count, of which the E-step looks at the
+// first.
+void IncrementSums::AddIncrement(const MotionIncrement& increment, const HalfTurn& posterior,
+                                 const MotionNoise& widths) {
   const double variance = posterior.prior_rad2;
-  const double all = Squared(ErrorOf(leg, widths).heading_rad);
+  const double all = Squared(ErrorOf(increment, widths).heading_rad);
   if (!(variance > 0.0) || !(all > 0.0)) return;
   const double share = posterior.variance_rad2 / variance;
   constexpr double kHalves = 2.0;
   const WidthEvidence evidence{
       kHalves * (Squared(posterior.mean_rad) / variance + std::max(0.0, share - 1.0)),
       kHalves * (1.0 - std::min(1.0, share))};
-  Add(evidence, Squared(widths.heading_walk_rad_per_sqrt_m) * leg.path_m / all, &walk_);
-  Add(evidence, Squared(widths.turn_ratio * leg.turn_rad) / all, &turn_);
+  Add(evidence, Squared(widths.heading_walk_rad_per_sqrt_m) * increment.path_m / all, &walk_);
+  Add(evidence, Squared(widths.turn_ratio * increment.turn_rad) / all, &turn_);
 }
 
-void LegSums::Join(const LegSums& earlier, double link_path_m) {
+void IncrementSums::Join(const IncrementSums& earlier, double link_path_m) {
   if (!any_) {
     *this = earlier;
     return;
@@ -84,7 +86,7 @@ void LegSums::Join(const LegSums& earlier, double link_path_m) {
   Add(earlier.turn_, 1.0, &turn_);
 }
 
-void LegSums::Store(const std::string& prefix, Blob* blob) const {
+void IncrementSums::Store(const std::string& prefix, Blob* blob) const {
   blob->PutScalar<double>(prefix + "turned_rad", turned_rad_);
   blob->PutScalar<double>(prefix + "path_m", path_m_);
   blob->PutScalar<double>(prefix + "first_rad", first_rad_);
@@ -93,13 +95,13 @@ void LegSums::Store(const std::string& prefix, Blob* blob) const {
   blob->PutVector<double>(prefix + "turn", {turn_.squares, turn_.known});
 }
 
-LegSums LegSums::Load(const std::string& prefix, const Blob& blob) {
+IncrementSums IncrementSums::Load(const std::string& prefix, const Blob& blob) {
   const auto evidence = [&](const char* name) {
     const auto values = blob.Get<double>(prefix + name);
     if (values.size() != 2) throw InputError("'" + prefix + name + "' is not a pair");
     return WidthEvidence{values[0], values[1]};
   };
-  LegSums sums;
+  IncrementSums sums;
   sums.any_ = true;
   sums.turned_rad_ = blob.Scalar<double>(prefix + "turned_rad");
   sums.path_m_ = blob.Scalar<double>(prefix + "path_m");
@@ -110,7 +112,7 @@ LegSums LegSums::Load(const std::string& prefix, const Blob& blob) {
   return sums;
 }
 
-double DriftOf(const LegSums& sums, const MotionNoise& nominal, double so_far) {
+double FitDrift(const IncrementSums& sums, const MotionNoise& nominal, double so_far) {
   const double path_m = sums.path_m();
   if (!(path_m > 0.0)) return so_far;
   const double prior = Squared(nominal.heading_drift_rad_per_m);
@@ -119,10 +121,11 @@ double DriftOf(const LegSums& sums, const MotionNoise& nominal, double so_far) {
   return (so_far - sums.turned_rad() / path_m) * prior / (prior + evidence);
 }
 
-void FitWidths(const std::vector<LegSums>& sums, const MotionNoise& nominal, std::vector<OdometryFit>* fits) {
-  FitWidth(sums, &LegSums::walk, &OdometryFit::heading_walk_rad_per_sqrt_m,
+void FitWidths(const std::vector<IncrementSums>& sums, const MotionNoise& nominal,
+               std::vector<OdometryFit>* fits) {
+  FitWidth(sums, &IncrementSums::walk, &OdometryFit::heading_walk_rad_per_sqrt_m,
            nominal.heading_walk_rad_per_sqrt_m, fits);
-  FitWidth(sums, &LegSums::turn, &OdometryFit::turn_ratio, nominal.turn_ratio, fits);
+  FitWidth(sums, &IncrementSums::turn, &OdometryFit::turn_ratio, nominal.turn_ratio, fits);
 }
 
 }  // namespace cairn::landmark_map

@@ -20,7 +20,7 @@ struct OdometryFit {
   static OdometryFit Of(const MotionNoise& nominal) {
     return {0.0, nominal.heading_walk_rad_per_sqrt_m, nominal.turn_ratio};
   }
-  // The nominal figures with these widths in their places.
+  // The noise parameters with these widths in their places.
   MotionNoise Widths(MotionNoise nominal) const;
 };
 
@@ -31,16 +31,16 @@ struct WidthEvidence {
   double squares = 0.0, known = 0.0;
 };
 
-// Sums over legs, the latest leg first; slices of a robot join.
-class LegSums {
+// Sums over motion increments, the latest motion increment first; slices of a robot join.
+class IncrementSums {
  public:
-  // The mean of a step's heading correction; `next_path_m`: way from it to the step after it, which came
+  // The mean of a step's heading correction; `next_path_m`: distance from it to the step after it, which came
   // before.
   void AddHeading(double heading_rad, double next_path_m);
-  // One leg's posterior under the widths that made its kernel.
-  void AddLeg(const Leg& leg, const HalfTurn& posterior, const MotionNoise& widths);
-  // `earlier`: of the slice before this one; `link_path_m`: way from its last step to this one's first.
-  void Join(const LegSums& earlier, double link_path_m);
+  // One motion increment's posterior under the widths that made its kernel.
+  void AddIncrement(const MotionIncrement& increment, const HalfTurn& posterior, const MotionNoise& widths);
+  // `earlier`: of the slice before this one; `link_path_m`: distance from its last step to this one's first.
+  void Join(const IncrementSums& earlier, double link_path_m);
 
   double path_m() const { return path_m_; }
   // By how much the heading correction changed over that way.
@@ -49,7 +49,7 @@ class LegSums {
   const WidthEvidence& turn() const { return turn_; }
 
   void Store(const std::string& prefix, Blob* blob) const;
-  static LegSums Load(const std::string& prefix, const Blob& blob);
+  static IncrementSums Load(const std::string& prefix, const Blob& blob);
 
  private:
   bool any_ = false;
@@ -60,13 +60,14 @@ class LegSums {
 
 // A robot's heading drift [rad/m] given what its headings did under the drift `so_far`, and a Gaussian prior
 // as wide as the nominal drift.
-double DriftOf(const LegSums& sums, const MotionNoise& nominal, double so_far);
+double FitDrift(const IncrementSums& sums, const MotionNoise& nominal, double so_far);
 
 // New widths for every robot from the sums of those that took part (the others' are empty). A prior of
-// kPriorLegs legs that erred as the nominal figures say holds the mean over all robots, and one of as many
-// legs that erred as that mean each robot. A width at most doubles or halves at a time, and never falls below
-// a third of the nominal one.
-inline constexpr double kPriorLegs = 20.0;
-void FitWidths(const std::vector<LegSums>& sums, const MotionNoise& nominal, std::vector<OdometryFit>* fits);
+// kPriorIncrements motion increments that erred as the noise parameters say holds the mean over all robots,
+// and one of as many motion increments that erred as that mean each robot. A width at most doubles or halves
+// at a time, and never falls below a third of the nominal one.
+inline constexpr double kPriorIncrements = 20.0;
+void FitWidths(const std::vector<IncrementSums>& sums, const MotionNoise& nominal,
+               std::vector<OdometryFit>* fits);
 
 }  // namespace cairn::landmark_map

@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-LegSums Headings(const std::vector<double>& latest_first, double leg_m) {
-  LegSums sums;
-  for (const double heading : latest_first) sums.AddHeading(heading, leg_m);
+IncrementSums Headings(const std::vector<double>& latest_first, double increment_m) {
+  IncrementSums sums;
+  for (const double heading : latest_first) sums.AddHeading(heading, increment_m);
   return sums;
 }
 
@@ -26,48 +26,48 @@ MotionNoise Nominal() {
   return nominal;
 }
 
-// Corrections 0, -0.1, -0.2 rad over 2 legs of 5 m: odometry drifts by +0.02 rad/m. Prior variance 4e-4, that
-// of the walk's mean 0.1^2 / 10 m = 1e-3: the drift found is 4 / 14 of what was seen.
-TEST(DriftOf, WeighsWhatHeadingsDidAgainstThePriorByHand) {
-  const LegSums sums = Headings({-0.2, -0.1, 0.0}, 5.0);
+// Corrections 0, -0.1, -0.2 rad over 2 motion increments of 5 m: odometry drifts by +0.02 rad/m. Prior
+// variance 4e-4, that of the walk's mean 0.1^2 / 10 m = 1e-3: the drift found is 4 / 14 of what was seen.
+TEST(FitDrift, WeighsWhatHeadingsDidAgainstThePriorByHand) {
+  const IncrementSums sums = Headings({-0.2, -0.1, 0.0}, 5.0);
   EXPECT_NEAR(sums.path_m(), 10.0, 1e-12);
   EXPECT_NEAR(sums.turned_rad(), -0.2, 1e-12);
-  EXPECT_NEAR(DriftOf(sums, Nominal(), 0.0), 0.02 * 4.0 / 14.0, 1e-12);
+  EXPECT_NEAR(FitDrift(sums, Nominal(), 0.0), 0.02 * 4.0 / 14.0, 1e-12);
   // What was taken off before counts too.
-  EXPECT_NEAR(DriftOf(sums, Nominal(), 0.01), 0.03 * 4.0 / 14.0, 1e-12);
+  EXPECT_NEAR(FitDrift(sums, Nominal(), 0.01), 0.03 * 4.0 / 14.0, 1e-12);
   MotionNoise sure = Nominal();
   sure.heading_walk_rad_per_sqrt_m = 0.0;
-  EXPECT_NEAR(DriftOf(sums, sure, 0.0), 0.02, 1e-12);
+  EXPECT_NEAR(FitDrift(sums, sure, 0.0), 0.02, 1e-12);
 }
 
-TEST(DriftOf, CountsTurnsAcrossTheEndOfTheCircle) {
+TEST(FitDrift, CountsTurnsAcrossTheEndOfTheCircle) {
   EXPECT_NEAR(Headings({kPi - 0.05, kPi - 0.01, -kPi + 0.03, -kPi + 0.07}, 1.0).turned_rad(), -0.12, 1e-12);
 }
 
-TEST(DriftOf, LeavesARobotAloneThatHasNotMoved) {
-  EXPECT_EQ(DriftOf(Headings({0.1}, 0.0), Nominal(), 0.3), 0.3);
+TEST(FitDrift, LeavesARobotAloneThatHasNotMoved) {
+  EXPECT_EQ(FitDrift(Headings({0.1}, 0.0), Nominal(), 0.3), 0.3);
   MotionNoise exact = Nominal();
   exact.heading_drift_rad_per_m = exact.heading_walk_rad_per_sqrt_m = 0.0;
-  EXPECT_EQ(DriftOf(Headings({0.2, 0.0}, 1.0), exact, 0.3), 0.3);
+  EXPECT_EQ(FitDrift(Headings({0.2, 0.0}, 1.0), exact, 0.3), 0.3);
 }
 
-TEST(LegSums, SlicesJoinToTheWhole) {
+TEST(IncrementSums, SlicesJoinToTheWhole) {
   const MotionNoise widths = Nominal();
   const std::vector<double> headings = {0.5, 0.3, 0.4, 0.1, 0.2};
-  LegSums whole, late, early;
+  IncrementSums whole, late, early;
   for (int i = 0; i < 5; ++i) {
     whole.AddHeading(headings[i], 2.0);
     (i < 2 ? late : early).AddHeading(headings[i], 2.0);
-    const Leg leg{2.0, 0.0, 2.0, 0.1 * i};
+    const MotionIncrement increment{2.0, 0.0, 2.0, 0.1 * i};
     const HalfTurn half{0.01, 0.02 * i, 0.004};
-    whole.AddLeg(leg, half, widths);
-    (i < 2 ? late : early).AddLeg(leg, half, widths);
+    whole.AddIncrement(increment, half, widths);
+    (i < 2 ? late : early).AddIncrement(increment, half, widths);
   }
   Blob blob;
-  early.Store("legs/", &blob);
-  LegSums joined;
+  early.Store("increments/", &blob);
+  IncrementSums joined;
   joined.Join(late, 7.0);  // nothing before: its own link is not there
-  joined.Join(LegSums::Load("legs/", blob), 2.0);
+  joined.Join(IncrementSums::Load("increments/", blob), 2.0);
   EXPECT_NEAR(joined.turned_rad(), whole.turned_rad(), 1e-12);
   EXPECT_NEAR(joined.path_m(), 8.0, 1e-12);
   EXPECT_NEAR(whole.path_m(), 8.0, 1e-12);
@@ -77,47 +77,48 @@ TEST(LegSums, SlicesJoinToTheWhole) {
   EXPECT_GT(whole.turn().squares, 0.0);
 }
 
-// Half of the leg's variance comes from the walk (0.1^2 * 1 m), half from the turn (0.05 * 2 rad). The half
-// turn's prior variance is 0.01; the data put it at 0.2 with variance 0.0025: three quarters are told.
-TEST(LegSums, SharesALegsErrorAmongItsSourcesByHand) {
-  LegSums sums;
-  const Leg leg{1.0, 0.0, 1.0, 2.0};
-  sums.AddLeg(leg, {0.01, 0.2, 0.0025}, Nominal());
+// Half of the motion increment's variance comes from the walk (0.1^2 * 1 m), half from the turn (0.05 * 2
+// rad). The half turn's prior variance is 0.01; the data put it at 0.2 with variance 0.0025: three quarters
+// are told.
+TEST(IncrementSums, SharesALegsErrorAmongItsSourcesByHand) {
+  IncrementSums sums;
+  const MotionIncrement increment{1.0, 0.0, 1.0, 2.0};
+  sums.AddIncrement(increment, {0.01, 0.2, 0.0025}, Nominal());
   EXPECT_NEAR(sums.walk().squares, 2.0 * 4.0 * 0.5, 1e-12);
   EXPECT_NEAR(sums.walk().known, 2.0 * 0.75 * 0.5, 1e-12);
   EXPECT_NEAR(sums.turn().squares, 4.0, 1e-12);
   EXPECT_NEAR(sums.turn().known, 0.75, 1e-12);
   // Two places are possible, far to the left and far to the right: a large error, though its mean is zero.
-  LegSums wide;
-  wide.AddLeg(leg, {0.01, 0.0, 0.05}, Nominal());
+  IncrementSums wide;
+  wide.AddIncrement(increment, {0.01, 0.0, 0.05}, Nominal());
   EXPECT_NEAR(wide.walk().squares, 4.0, 1e-12);
   EXPECT_EQ(wide.walk().known, 0.0);
   // A kernel without error, and one without data.
-  LegSums none;
-  none.AddLeg(leg, {}, Nominal());
-  none.AddLeg(leg, {0.01, 0.0, 0.01}, Nominal());
+  IncrementSums none;
+  none.AddIncrement(increment, {}, Nominal());
+  none.AddIncrement(increment, {0.01, 0.0, 0.01}, Nominal());
   EXPECT_EQ(none.walk().squares, 0.0);
   EXPECT_EQ(none.walk().known, 0.0);
 }
 
 TEST(FitWidths, WithoutDataNothingChanges) {
   std::vector<OdometryFit> fits(2, OdometryFit::Of(Nominal()));
-  FitWidths(std::vector<LegSums>(2), Nominal(), &fits);
+  FitWidths(std::vector<IncrementSums>(2), Nominal(), &fits);
   for (const OdometryFit& fit : fits) {
     EXPECT_NEAR(fit.heading_walk_rad_per_sqrt_m, 0.1, 1e-12);
     EXPECT_NEAR(fit.turn_ratio, 0.05, 1e-12);
   }
 }
 
-// 100 straight legs whose errors, seen exactly, are 1.5 times the nominal: 20 legs' prior holds the mean over
-// robots to (20 + 200 * 2.25) / 220, and 20 more hold the one robot's own to it.
+// 100 straight motion increments whose errors, seen exactly, are 1.5 times the nominal: 20 motion increments'
+// prior holds the mean over robots to (20 + 200 * 2.25) / 220, and 20 more hold the one robot's own to it.
 TEST(FitWidths, WeighsThePriorByHandAndLendsWhatOneRobotShowedToTheOther) {
-  LegSums sums;
+  IncrementSums sums;
   for (int i = 0; i < 100; ++i)
-    sums.AddLeg({1.0, 0.0, 1.0, 0.0}, {0.005, 0.15 / std::sqrt(2.0), 0.0}, Nominal());
+    sums.AddIncrement({1.0, 0.0, 1.0, 0.0}, {0.005, 0.15 / std::sqrt(2.0), 0.0}, Nominal());
   EXPECT_NEAR(sums.walk().known, 200.0, 1e-9);
   std::vector<OdometryFit> fits(2, OdometryFit::Of(Nominal()));
-  FitWidths({sums, LegSums()}, Nominal(), &fits);
+  FitWidths({sums, IncrementSums()}, Nominal(), &fits);
   const double mean = (20.0 + 200.0 * 2.25) / 220.0;
   EXPECT_NEAR(fits[0].heading_walk_rad_per_sqrt_m, 0.1 * std::sqrt((20.0 * mean + 200.0 * 2.25) / 220.0),
               1e-9);
@@ -127,10 +128,10 @@ TEST(FitWidths, WeighsThePriorByHandAndLendsWhatOneRobotShowedToTheOther) {
 
 TEST(FitWidths, AtMostDoublesAtATimeAndNeverFallsBelowAThird) {
   std::vector<OdometryFit> fits(1, OdometryFit::Of(Nominal()));
-  LegSums wild, still;
+  IncrementSums wild, still;
   for (int i = 0; i < 1000; ++i) {
-    wild.AddLeg({1.0, 0.0, 1.0, 1.0}, {0.01, 1.0, 0.0}, Nominal());
-    still.AddLeg({1.0, 0.0, 1.0, 1.0}, {0.01, 0.0, 0.0}, Nominal());
+    wild.AddIncrement({1.0, 0.0, 1.0, 1.0}, {0.01, 1.0, 0.0}, Nominal());
+    still.AddIncrement({1.0, 0.0, 1.0, 1.0}, {0.01, 0.0, 0.0}, Nominal());
   }
   FitWidths({wild}, Nominal(), &fits);
   EXPECT_NEAR(fits[0].turn_ratio, 0.1, 1e-12);
@@ -148,17 +149,17 @@ TEST(FitWidths, FindsBothWidthsFromAStartThreeTimesWrong) {
     nominal.turn_ratio = wrong * turn;
     std::vector<OdometryFit> fits(1, OdometryFit::Of(nominal));
     for (int iteration = 0; iteration < 20; ++iteration) {
-      LegSums sums;
+      IncrementSums sums;
       Rng rng(7);
       const MotionNoise widths = fits[0].Widths(nominal);
       for (int i = 0; i < 2000; ++i) {
-        const Leg leg{1.0, 0.0, 1.0, i % 2 == 0 ? 0.0 : 1.0};
-        const double true_variance = 0.5 * (walk * walk + turn * turn * leg.turn_rad);
+        const MotionIncrement increment{1.0, 0.0, 1.0, i % 2 == 0 ? 0.0 : 1.0};
+        const double true_variance = 0.5 * (walk * walk + turn * turn * increment.turn_rad);
         const double seen_variance = 0.0005;
         const double seen = std::sqrt(true_variance) * rng.Normal() + std::sqrt(seen_variance) * rng.Normal();
-        const double sigma = ErrorOf(leg, widths).heading_rad, prior = 0.5 * sigma * sigma;
+        const double sigma = ErrorOf(increment, widths).heading_rad, prior = 0.5 * sigma * sigma;
         const double gain = prior / (prior + seen_variance);
-        sums.AddLeg(leg, {prior, gain * seen, (1.0 - gain) * prior}, widths);
+        sums.AddIncrement(increment, {prior, gain * seen, (1.0 - gain) * prior}, widths);
       }
       FitWidths({sums}, nominal, &fits);
     }

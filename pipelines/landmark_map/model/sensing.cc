@@ -9,19 +9,19 @@
 namespace cairn::landmark_map {
 namespace {
 
-// A missed press doubles a way: the median does not mind.
-void AppendWaysBetween(const Blob& robot, std::vector<double>* ways) {
+// A missed contact detection doubles a distance: the median does not mind.
+void AppendDistancesBetween(const Blob& robot, std::vector<double>* distances) {
   const auto end = robot.Get<double>("odometry/time_s"), forward = robot.Get<double>("odometry/forward_m");
   std::size_t control = 0;
-  double way = 0.0;
+  double travelled = 0.0;
   bool first = true;
   for (const double time : robot.Get<double>("observations/time_s")) {
     for (; control < end.size() && control < forward.size() && end[control] <= time; ++control) {
-      way += std::abs(forward[control]);
+      travelled += std::abs(forward[control]);
     }
-    if (!first) ways->push_back(way);
+    if (!first) distances->push_back(travelled);
     first = false;
-    way = 0.0;
+    travelled = 0.0;
   }
 }
 
@@ -42,7 +42,7 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
     for (const std::int32_t landmark : robot.Get<std::int32_t>("observations/landmark")) {
       sensing.identified += landmark >= 0 ? 1 : 0;
     }
-    AppendWaysBetween(robot, &between);
+    AppendDistancesBetween(robot, &between);
     for (const double range : robot.Get<double>("observations/range_m")) {
       ++sensing.observations;
       if (std::isnan(range)) continue;
@@ -55,9 +55,9 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
   return sensing;
 }
 
-double MedianWayBetween(const Blob& robot) {
+double MedianDistanceBetween(const Blob& robot) {
   std::vector<double> between;
-  AppendWaysBetween(robot, &between);
+  AppendDistancesBetween(robot, &between);
   return Median(std::move(between));
 }
 

@@ -11,12 +11,12 @@ namespace cairn::landmark_map {
 struct Sensing {
   std::int64_t observations = 0, ranged = 0, identified = 0;
   double mean_range_m = 0.0, max_range_m = 0.0;
-  double between_m = 0.0;  // way from one observation to the next, the median
+  double between_m = 0.0;  // distance from one observation to the next, the median
 };
 
 Sensing LookAt(const Blob& log, std::size_t robots);
 
 // From one of a robot's observations to the next; 0 where there are no two.
-double MedianWayBetween(const Blob& robot);
+double MedianDistanceBetween(const Blob& robot);
 
 }  // namespace cairn::landmark_map

@@ -8,12 +8,12 @@
 namespace cairn::landmark_map {
 namespace {
 
-struct Sighting {
+struct Detection {
   OdometricPose at;
   std::size_t row;
   std::int32_t type;
   double range_m, bearing_rad;  // NaN: at the robot
-  bool press() const { return std::isnan(range_m); }
+  bool contact() const { return std::isnan(range_m); }
 };
 
 [[noreturn]] void Refuse(const std::string& robot, std::size_t row, const std::string& why) {
@@ -24,13 +24,14 @@ struct Sighting {
 std::vector<std::int32_t> ReadTypes(const Blob& robot, const std::string& name, const StepRules& rules) {
   const auto landmark = robot.Get<std::int32_t>("observations/landmark");
   std::vector<std::int32_t> types(landmark.size(), rules.types);
-  if (rules.kinds > 1) {
-    const auto kind = robot.Get<std::int32_t>("observations/type");
-    if (kind.size() != landmark.size())
+  if (rules.classes > 1) {
+    const auto landmark_class = robot.Get<std::int32_t>("observations/type");
+    if (landmark_class.size() != landmark.size())
       throw InputError("robot '" + name + "': observation arrays differ in length");
-    for (std::size_t i = 0; i < kind.size(); ++i) {
-      if (kind[i] < 0 || kind[i] >= rules.kinds) Refuse(name, i, "a type that the log does not list");
-      types[i] += kind[i];
+    for (std::size_t i = 0; i < landmark_class.size(); ++i) {
+      if (landmark_class[i] < 0 || landmark_class[i] >= rules.classes)
+        Refuse(name, i, "a type that the log does not list");
+      types[i] += landmark_class[i];
     }
   }
   for (std::size_t i = 0; i < landmark.size(); ++i) {
@@ -41,8 +42,8 @@ std::vector<std::int32_t> ReadTypes(const Blob& robot, const std::string& name, 
   return types;
 }
 
-std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, const Odometry& odometry,
-                                    const StepRules& rules) {
+std::vector<Detection> ReadDetections(const Blob& robot, const std::string& name, const Odometry& odometry,
+                                      const StepRules& rules) {
   const auto time = robot.Get<double>("observations/time_s");
   const std::vector<std::int32_t> types = ReadTypes(robot, name, rules);
   const auto range = robot.Get<double>("observations/range_m");
@@ -50,7 +51,7 @@ std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, 
   if (types.size() != time.size() || range.size() != time.size() || bearing.size() != time.size()) {
     throw InputError("robot '" + name + "': observation arrays differ in length");
   }
-  std::vector<Sighting> sightings;
+  std::vector<Detection> detections;
   for (std::size_t i = 0; i < time.size(); ++i) {
     if (!std::isfinite(time[i])) Refuse(name, i, "its time is not a number");
     if (i > 0 && time[i] < time[i - 1]) Refuse(name, i, "time runs backwards");
@@ -61,9 +62,9 @@ std::vector<Sighting> ReadSightings(const Blob& robot, const std::string& name, 
     constexpr double kSlack_s = 1.0;  // sensors and odometry seldom stop in the same instant
     if (time[i] < odometry.time_s.front() - kSlack_s) Refuse(name, i, "before the first control");
     if (time[i] > odometry.time_s.back() + kSlack_s) Refuse(name, i, "after the last control");
-    sightings.push_back({PoseAt(odometry, time[i]), i, types[i], range[i], bearing[i]});
+    detections.push_back({PoseAt(odometry, time[i]), i, types[i], range[i], bearing[i]});
   }
-  return sightings;
+  return detections;
 }
 
 Observation Turned(const Observation& o, double angle) {
@@ -71,25 +72,25 @@ Observation Turned(const Observation& o, double angle) {
   return {o.type, cosine * o.x_m - sine * o.y_m, sine * o.x_m + cosine * o.y_m};
 }
 
-// Where steps stand: the progress along the track at which each sighting is gathered, and the splits of long
-// legs.
+// Where steps stand: the progress along the track at which each range-bearing observation is gathered, and
+// the splits of long motion increments.
 class StepPlanner {
  public:
   StepPlanner(const Odometry& odometry, const StepRules& rules) : odometry_(odometry), rules_(rules) {}
 
-  // From sighting `begin` on; the first step is the one that gathers it (`late`) or stands at the track's
-  // start.
-  void Plan(const std::vector<Sighting>& sightings, std::size_t begin, bool late, RobotSteps* steps) {
+  // From range-bearing observation `begin` on; the first step is the one that gathers it (`late`) or stands
+  // at the track's start.
+  void Plan(const std::vector<Detection>& detections, std::size_t begin, bool late, RobotSteps* steps) {
     steps_ = steps;
     if (!late) AddStep(PoseOf(odometry_, 0));
-    for (std::size_t i = begin; i < sightings.size();) i = AddFrame(sightings, i);
+    for (std::size_t i = begin; i < detections.size();) i = AddFrame(detections, i);
     const bool all = rules_.until_s >= odometry_.time_s.back();
     MoveTo(all ? PoseOf(odometry_, odometry_.time_s.size() - 1) : PoseAt(odometry_, rules_.until_s));
     steps_->first_observation.push_back(static_cast<std::int32_t>(steps_->observations.size()));
   }
 
  private:
-  // Progress in units of frames: a way of frame_m or a turn of frame_rad is one.
+  // Progress in units of frames: a distance of frame_m or a turn of frame_rad is one.
   double Progress(const OdometricPose& pose) const {
     return pose.path_m / rules_.frame_m + pose.turn_rad / rules_.frame_rad;
   }
@@ -106,41 +107,43 @@ class StepPlanner {
     last_ = pose;
   }
 
-  // A step at `pose`, with others before it where the way there is too long; none where the robot has not
-  // moved.
+  // A step at `pose`, with others before it where the distance there is too long; none where the robot has
+  // not moved.
   void MoveTo(const OdometricPose& pose) {
     if (steps_->time_s.empty()) return AddStep(pose);
-    const double way = pose.path_m - last_.path_m;
-    const int parts = std::max(1, static_cast<int>(std::ceil(way / rules_.max_leg_m)));
+    const double travelled = pose.path_m - last_.path_m;
+    const int parts = std::max(1, static_cast<int>(std::ceil(travelled / rules_.max_increment_m)));
     const double start = last_.path_m;
-    for (int k = 1; k < parts; ++k) AddStep(PoseAtPath(odometry_, start + way * k / parts));
-    if (way > 0 || pose.turn_rad > last_.turn_rad) AddStep(pose);
+    for (int k = 1; k < parts; ++k) AddStep(PoseAtPath(odometry_, start + travelled * k / parts));
+    if (travelled > 0 || pose.turn_rad > last_.turn_rad) AddStep(pose);
   }
 
-  // Gathers the sightings from `begin` on that share a frame; returns the first that does not.
-  std::size_t AddFrame(const std::vector<Sighting>& sightings, std::size_t begin) {
+  // Gathers the range-bearing observations from `begin` on that share a frame; returns the first that does
+  // not.
+  std::size_t AddFrame(const std::vector<Detection>& detections, std::size_t begin) {
     std::size_t end = begin + 1;
-    if (sightings[begin].press()) {
-      MoveTo(sightings[begin].at);
+    if (detections[begin].contact()) {
+      MoveTo(detections[begin].at);
     } else {
-      const double reach = Progress(sightings[begin].at) + 1.0;
-      while (end < sightings.size() && !sightings[end].press() && Progress(sightings[end].at) < reach) ++end;
-      MoveTo(sightings[begin + (end - begin) / 2].at);
+      const double reach = Progress(detections[begin].at) + 1.0;
+      while (end < detections.size() && !detections[end].contact() && Progress(detections[end].at) < reach)
+        ++end;
+      MoveTo(detections[begin + (end - begin) / 2].at);
     }
-    AddObservations(sightings, begin, end);
+    AddObservations(detections, begin, end);
     return end;
   }
 
   // Means of the vectors to each identified landmark; of unidentified ones those nearest to the step, one
   // image's.
-  void AddObservations(const std::vector<Sighting>& sightings, std::size_t begin, std::size_t end) {
+  void AddObservations(const std::vector<Detection>& detections, std::size_t begin, std::size_t end) {
     const auto first = static_cast<std::int32_t>(steps_->observations.size());
     std::vector<int> counts;
-    const double shown_s = sightings[begin + (end - begin) / 2].at.time_s;
+    const double shown_s = detections[begin + (end - begin) / 2].at.time_s;
     for (std::size_t i = begin; i < end; ++i) {
-      const Sighting& seen = sightings[i];
+      const Detection& seen = detections[i];
       const bool unknown = seen.type >= rules_.types;
-      if (unknown && !seen.press() && seen.at.time_s != shown_s) continue;
+      if (unknown && !seen.contact() && seen.at.time_s != shown_s) continue;
       std::int32_t k = first;
       const auto known = static_cast<std::int32_t>(steps_->observations.size());
       while (k < known && (unknown || steps_->observations[k].type != seen.type)) ++k;
@@ -153,8 +156,8 @@ class StepPlanner {
     }
   }
 
-  void Accumulate(const Sighting& seen, Observation* observation, int count) const {
-    if (seen.press()) return;  // the vector is zero
+  void Accumulate(const Detection& seen, Observation* observation, int count) const {
+    if (seen.contact()) return;  // the vector is zero
     const double angle = seen.at.heading_rad + seen.bearing_rad;
     const double x = seen.at.x_m - last_.x_m + seen.range_m * std::cos(angle);
     const double y = seen.at.y_m - last_.y_m + seen.range_m * std::sin(angle);
@@ -170,27 +173,28 @@ class StepPlanner {
 
 }  // namespace
 
-Leg RobotSteps::LegTo(int step) const {
+MotionIncrement RobotSteps::IncrementTo(int step) const {
   if (step == 0) return {};
   return {odo_x_m[step] - odo_x_m[step - 1], odo_y_m[step] - odo_y_m[step - 1], path_m[step], turn_rad[step]};
 }
 
-std::vector<double> RobotSteps::WaySoFar() const {
-  std::vector<double> way(path_m.size(), 0.0);
-  for (std::size_t s = 1; s < way.size(); ++s) way[s] = way[s - 1] + path_m[s];
-  return way;
+std::vector<double> RobotSteps::DistanceTravelled() const {
+  std::vector<double> travelled(path_m.size(), 0.0);
+  for (std::size_t s = 1; s < travelled.size(); ++s) travelled[s] = travelled[s - 1] + path_m[s];
+  return travelled;
 }
 
 RobotSteps RobotSteps::WithoutDrift(double drift_rad_per_m) const {
   RobotSteps steps = *this;
   if (drift_rad_per_m == 0.0) return steps;
-  const std::vector<double> way = WaySoFar();
+  const std::vector<double> travelled = DistanceTravelled();
   for (int s = 0; s < size(); ++s) {
-    const double turn = -drift_rad_per_m * way[s];
+    const double turn = -drift_rad_per_m * travelled[s];
     steps.odo_heading_rad[s] += turn;
     if (s > 0) {
-      const Leg leg = LegTo(s);
-      const Observation moved = Turned({0, leg.dx_m, leg.dy_m}, turn + 0.5 * drift_rad_per_m * leg.path_m);
+      const MotionIncrement increment = IncrementTo(s);
+      const Observation moved =
+          Turned({0, increment.dx_m, increment.dy_m}, turn + 0.5 * drift_rad_per_m * increment.path_m);
       steps.odo_x_m[s] = steps.odo_x_m[s - 1] + moved.x_m;
       steps.odo_y_m[s] = steps.odo_y_m[s - 1] + moved.y_m;
     }
@@ -204,21 +208,21 @@ RobotSteps RobotSteps::WithoutDrift(double drift_rad_per_m) const {
 RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
                      const std::vector<bool>* shared) {
   const Odometry whole = Integrate(robot, name);
-  std::vector<Sighting> sightings = ReadSightings(robot, name, whole, rules);
+  std::vector<Detection> detections = ReadDetections(robot, name, whole, rules);
   RobotSteps steps;
-  steps.row_observation.assign(sightings.size(), -1);
+  steps.row_observation.assign(detections.size(), -1);
   const Odometry odometry = Until(whole, rules.until_s);
-  while (!sightings.empty() && sightings.back().at.time_s > rules.until_s) sightings.pop_back();
-  for (Sighting& seen : sightings) seen.at = PoseAt(odometry, seen.at.time_s);
+  while (!detections.empty() && detections.back().at.time_s > rules.until_s) detections.pop_back();
+  for (Detection& seen : detections) seen.at = PoseAt(odometry, seen.at.time_s);
   std::size_t begin = 0;
   if (shared != nullptr) {
-    while (begin < sightings.size() && !(*shared)[static_cast<std::size_t>(sightings[begin].type)]) ++begin;
-    if (begin == sightings.size()) {
+    while (begin < detections.size() && !(*shared)[static_cast<std::size_t>(detections[begin].type)]) ++begin;
+    if (begin == detections.size()) {
       throw InputError("robot '" + name +
                        "' has seen nothing that the first robot saw too: it cannot be placed");
     }
   }
-  StepPlanner(odometry, rules).Plan(sightings, begin, shared != nullptr, &steps);
+  StepPlanner(odometry, rules).Plan(detections, begin, shared != nullptr, &steps);
   return steps;
 }
 

@@ -1,5 +1,5 @@
 // From a log to the steps of one robot: coarse-grained time ([TBF98] section 5). A step stands where
-// something was observed, or where the way since the last one grew too long for the grid.
+// something was observed, or where the distance since the last one grew too long for the grid.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,25 @@ namespace cairn::landmark_map {
 // that a belief's layer c finds it at that vector turned by c * step. (0, 0) for a landmark at the robot
 // itself.
 struct Observation {
-  std::int32_t type = 0;  // layer of the map; without identity: the number of identities plus its kind
+  std::int32_t type = 0;  // layer of the map; without identity: the number of identities plus its class
   double x_m = 0.0, y_m = 0.0;
-  bool press() const { return x_m == 0.0 && y_m == 0.0; }
+  bool contact() const { return x_m == 0.0 && y_m == 0.0; }
 };
 
-// Arrays over the S steps of a robot; leg [s] leads to step s (leg 0 is empty).
+// Arrays over the S steps of a robot; motion increment [s] leads to step s (motion increment 0 is empty).
 struct RobotSteps {
   std::vector<double> time_s, odo_x_m, odo_y_m, odo_heading_rad, path_m,
-      turn_rad;                                 // path and turn: of the leg
+      turn_rad;                                 // path and turn: of the motion increment
   std::vector<std::int32_t> first_observation;  // [S + 1] into `observations`
   std::vector<Observation> observations;
   std::vector<std::int32_t> row_observation;  // [O] the log's rows: which of `observations`, or -1: not used
 
   int size() const { return static_cast<int>(time_s.size()); }
-  Leg LegTo(int step) const;
+  MotionIncrement IncrementTo(int step) const;
   // Way from the first step to each: [S].
-  std::vector<double> WaySoFar() const;
-  // The same steps with a heading drift taken off the odometry: legs and sightings turn back by drift * way
-  // so far.
+  std::vector<double> DistanceTravelled() const;
+  // The same steps with a heading drift taken off the odometry: motion increments and range-bearing
+  // observations turn back by drift * distance travelled so far.
   RobotSteps WithoutDrift(double drift_rad_per_m) const;
 
   Blob ToBlob() const;
@@ -42,12 +42,12 @@ struct RobotSteps {
 
 // How finely time is cut.
 struct StepRules {
-  double max_leg_m;  // longer ways are split
-  double frame_m;    // range-bearing observations within so much of way …
-  double frame_rad;  // … or turn are gathered into one step
-  int types;         // number of identities; observations without one get this type, plus their kind
+  double max_increment_m;  // longer ways are split
+  double frame_m;          // range-bearing observations within so much travelled …
+  double frame_rad;        // … or turn are gathered into one step
+  int types;               // number of identities; observations without one get this type, plus their class
   double until_s = std::numeric_limits<double>::infinity();  // later data are left out
-  int kinds = 1;  // of landmarks without identity; above 1 the robot has observations/type
+  int classes = 1;  // of landmarks without identity; above 1 the robot has observations/type
 };
 
 // `shared` (may be nullptr): landmark types by which

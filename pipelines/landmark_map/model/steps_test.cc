@@ -47,20 +47,20 @@ TEST(Integrate, WhatIsSeenAsAControlEndsIsSeenBeforeTheNextOneTurns) {
   EXPECT_NEAR(PoseAt(odometry, std::nextafter(2.0, 3.0)).heading_rad, std::numbers::pi / 2, 1e-12);
 }
 
-TEST(MakeSteps, APressStandsAtTheRobotAndLongWaysAreSplit) {
+TEST(MakeSteps, AContactStandsAtTheRobotAndLongDistancesAreSplit) {
   const RobotSteps steps = MakeSteps(Robot({2.0}, {-1}, {kNaN}, {kNaN}), "a", {1.5, 1.0, 0.5, 2}, nullptr);
-  ASSERT_EQ(steps.size(), 5);  // start, 1 m, 2 m (press), 3 m, end
+  ASSERT_EQ(steps.size(), 5);  // start, 1 m, 2 m (contact detection), 3 m, end
   EXPECT_NEAR(steps.odo_x_m[2], 2.0, 1e-12);
   EXPECT_EQ(steps.first_observation[2], 0);
   EXPECT_EQ(steps.first_observation[3], 1);
   EXPECT_EQ(steps.observations[0].type, 2);  // identity unknown
   EXPECT_EQ(steps.observations[0].x_m, 0.0);
   EXPECT_EQ(steps.row_observation, std::vector<std::int32_t>{0});
-  EXPECT_NEAR(steps.LegTo(4).dy_m, 1.0, 1e-12);
+  EXPECT_NEAR(steps.IncrementTo(4).dy_m, 1.0, 1e-12);
 }
 
 // Seen at 2.0 s from (2, 0) and at 2.25 s from (2, 0.25) after the turn: one landmark, one mean vector.
-TEST(MakeSteps, GathersSightingsOfOneFrameInTheOdometricFrame) {
+TEST(MakeSteps, GathersObservationsOfOneFrameInTheOdometricFrame) {
   const double quarter = std::numbers::pi / 2;
   const RobotSteps steps =
       MakeSteps(Robot({2.25, 2.5}, {1, 1}, {1.0, 1.0}, {0.0, -quarter}), "a", {4.0, 1.0, 0.5, 2}, nullptr);
@@ -72,7 +72,7 @@ TEST(MakeSteps, GathersSightingsOfOneFrameInTheOdometricFrame) {
   EXPECT_EQ(steps.row_observation, (std::vector<std::int32_t>{0, 0}));
 }
 
-// Sightings of a landmark at (3, 2.5), without error, after so many metres of the way.
+// Range-bearing observations of a landmark at (3, 2.5), without error, after so many metres travelled.
 Blob RobotThatSeesALandmark(const std::vector<double>& after_m) {
   const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a");
   std::vector<double> range, bearing;
@@ -85,9 +85,9 @@ Blob RobotThatSeesALandmark(const std::vector<double>& after_m) {
   return Robot(after_m, std::vector<std::int32_t>(after_m.size(), 1), range, bearing);
 }
 
-// However many sightings a frame gathers, from wherever: what is at a step points to where the landmark
-// stands.
-TEST(MakeSteps, SightingsWithoutErrorPointToTheirLandmarkFromTheStepThatGathersThem) {
+// However many range-bearing observations a frame gathers, from wherever: what is at a step points to where
+// the landmark stands.
+TEST(MakeSteps, ObservationsWithoutErrorPointToTheirLandmarkFromTheStepThatGathersThem) {
   const Blob robot = RobotThatSeesALandmark({0.3, 0.5, 1.0, 1.4, 1.7, 2.2, 2.9, 3.1, 3.6});
   for (const double frame_m : {0.25, 0.75, 1.5, 3.5}) {
     const RobotSteps steps = MakeSteps(robot, "a", {9.0, frame_m, 9.0, 2}, nullptr);
@@ -100,8 +100,8 @@ TEST(MakeSteps, SightingsWithoutErrorPointToTheirLandmarkFromTheStepThatGathersT
   }
 }
 
-// Five sightings, the turn of half pi between the second and the third: a frame holds frame_m of way or
-// frame_rad of turn, each alone.
+// Five range-bearing observations, the turn of half pi between the second and the third: a frame holds
+// frame_m travelled or frame_rad of turn, each alone.
 TEST(MakeSteps, AFrameIsSoMuchWayOrSoMuchTurn) {
   const Blob robot = RobotThatSeesALandmark({0.5, 1.9, 2.1, 2.9, 3.1});
   const auto rows = [&](double frame_m, double frame_rad) {
@@ -126,9 +126,9 @@ TEST(MakeSteps, ALateRobotBeginsWhereItSeesWhatTheFirstRobotSaw) {
   EXPECT_THROW(MakeSteps(robot, "b", kRules, &none), InputError);
 }
 
-// Odometry bends a straight way by its drift: taking the drift off straightens it, sightings too.
-// schema/FORMAT.md: a control's time is its end, so a press at that time stands after it; several may end at
-// once.
+// Odometry bends a straight way by its drift: taking the drift off straightens it, range-bearing observations
+// too. schema/FORMAT.md: a control's time is its end, so a contact detection at that time stands after it;
+// several may end at once.
 TEST(PoseAt, AnObservationAtAControlsEndStandsAfterIt) {
   const Odometry odometry = Integrate(Robot({}, {}, {}, {}), "a");
   EXPECT_NEAR(PoseAt(odometry, 1.0).x_m, 1.0, 1e-12);
@@ -214,7 +214,7 @@ TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {
 TEST(MakeSteps, TypesHaveLayersBehindTheIdentities) {
   Blob robot = Robot({1.0, 2.0, 4.0}, {-1, 1, -1}, {kNaN, kNaN, kNaN}, {kNaN, kNaN, kNaN});
   StepRules rules = kRules;
-  rules.kinds = 3;
+  rules.classes = 3;
   EXPECT_THROW(MakeSteps(robot, "a", rules, nullptr), InputError);
   robot.PutVector<std::int32_t>("observations/type", {2, 0, 1});
   const RobotSteps steps = MakeSteps(robot, "a", rules, nullptr);

@@ -14,7 +14,8 @@ struct Spread {
   double hh = 0, hx = 0, hy = 0, xx = 0, xy = 0, yy = 0;
 
   void TurnBy(double variance) { hh += variance; }
-  // A leg (dx, dy) with an error along it; the grid's bilinear shift blurs by a sixth of a cell squared.
+  // A motion increment (dx, dy) with an error along it; the grid's bilinear shift blurs by a sixth of a cell
+  // squared.
   void Move(double dx, double dy, double along_sd) {
     const double nx = -dy, ny = dx, length = std::hypot(dx, dy);
     const double ux = length > 0 ? dx / length : 0.0, uy = length > 0 ? dy / length : 0.0;
@@ -26,7 +27,7 @@ struct Spread {
     hy += hh * ny;
   }
   // Cells of the boxes, a heading at a time, of what lies within `reach` standard deviations.
-  double Cells(double reach, const GridSpec& grid, double way, double limit) const {
+  double Cells(double reach, const GridSpec& grid, double travelled, double limit) const {
     const double step = 2.0 * std::numbers::pi / grid.headings;
     const int far = std::min(grid.headings / 2, static_cast<int>(std::ceil(reach * std::sqrt(hh) / step)));
     const double given_x = hh > 0 ? xx - hx * hx / hh : xx, given_y = hh > 0 ? yy - hy * hy / hh : yy;
@@ -35,16 +36,17 @@ struct Spread {
       const double left = std::max(0.0, reach * reach - (hh > 0 ? c * step * c * step / hh : 0.0));
       const auto edge = [&](double variance) {
         const double wide = 2.0 * std::sqrt(left * std::max(0.0, variance));
-        return std::min({wide, 2.0 * way, limit}) + kMargin;
+        return std::min({wide, 2.0 * travelled, limit}) + kMargin;
       };
       cells += edge(given_x) * edge(given_y);
     }
     return cells;
   }
   // The box of all headings' boxes, around where odometry is.
-  Box Around(double x, double y, double reach, double way, double limit) const {
+  Box Around(double x, double y, double reach, double travelled, double limit) const {
     const auto half = [&](double variance) {
-      return 0.5 * (std::min({2.0 * reach * std::sqrt(std::max(0.0, variance)), 2.0 * way, limit}) + kMargin);
+      return 0.5 *
+             (std::min({2.0 * reach * std::sqrt(std::max(0.0, variance)), 2.0 * travelled, limit}) + kMargin);
     };
     const double rx = half(xx), ry = half(yy);
     return {static_cast<std::int32_t>(std::floor(x - rx)), static_cast<std::int32_t>(std::floor(y - ry)),
@@ -56,11 +58,11 @@ constexpr double kLeast = 1e-9;  // without pruning taps still end somewhere
 
 double Reach(const EStepModel& model) { return std::sqrt(-2.0 * std::log(std::max(model.prune, kLeast))); }
 
-void MoveAlong(const Leg& leg, const EStepModel& model, Spread* spread) {
-  const LegError error = ErrorOf(leg, model.noise);
+void MoveAlong(const MotionIncrement& increment, const EStepModel& model, Spread* spread) {
+  const IncrementError error = ErrorOf(increment, model.noise);
   const double half_turn = 0.5 * error.heading_rad * error.heading_rad, cell = model.grid.cell_m;
   spread->TurnBy(half_turn);
-  spread->Move(leg.dx_m / cell, leg.dy_m / cell, error.along_m / cell);
+  spread->Move(increment.dx_m / cell, increment.dy_m / cell, error.along_m / cell);
   spread->TurnBy(half_turn);
 }
 
@@ -72,19 +74,19 @@ OpenLoop ReckonOpenLoop(const RobotSteps& steps, const EStepModel& model, int co
   const double limit = model.limit.empty() ? HUGE_VAL : model.limit.nx;
   const double whole = static_cast<double>(model.limit.cells()) * model.grid.headings;
   Spread spread;
-  double way = 0.0;
+  double travelled = 0.0;
   OpenLoop reckoned;
   for (int s = 0; s < count; ++s) {
-    const Leg leg = steps.LegTo(s);
-    way += leg.path_m / cell;
-    MoveAlong(leg, model, &spread);
-    reckoned.cells.push_back(model.whole_tables ? whole : spread.Cells(reach, model.grid, way, limit));
+    const MotionIncrement increment = steps.IncrementTo(s);
+    travelled += increment.path_m / cell;
+    MoveAlong(increment, model, &spread);
+    reckoned.cells.push_back(model.whole_tables ? whole : spread.Cells(reach, model.grid, travelled, limit));
     reckoned.boxes.push_back(
-        spread.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, way, limit));
+        spread.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, travelled, limit));
   }
   for (int s = count; s < steps.size(); ++s) {
     reckoned.boxes.push_back(
-        Spread{}.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, way, limit));
+        Spread{}.Around(steps.odo_x_m[s] / cell, steps.odo_y_m[s] / cell, reach, travelled, limit));
   }
   return reckoned;
 }
@@ -98,16 +100,16 @@ double WorkOf(const std::vector<double>& cells, int count) {
 double MeanCellsInAMap(const RobotSteps& steps, const EStepModel& model) {
   if (model.whole_tables) return static_cast<double>(model.limit.cells()) * model.grid.headings;
   const double reach = Reach(model);
-  double cells = 0.0, way = 0.0;
+  double cells = 0.0, travelled = 0.0;
   Spread spread;
   for (int s = 0; s < steps.size(); ++s) {
-    const Leg leg = steps.LegTo(s);
-    way += leg.path_m / model.grid.cell_m;
-    MoveAlong(leg, model, &spread);
-    cells += spread.Cells(reach, model.grid, way, HUGE_VAL);
+    const MotionIncrement increment = steps.IncrementTo(s);
+    travelled += increment.path_m / model.grid.cell_m;
+    MoveAlong(increment, model, &spread);
+    cells += spread.Cells(reach, model.grid, travelled, HUGE_VAL);
     if (steps.first_observation[s + 1] == steps.first_observation[s]) continue;
     spread = {};
-    way = 0.0;
+    travelled = 0.0;
   }
   return cells / steps.size();
 }
@@ -120,22 +122,23 @@ double CellNanoseconds(const RobotSteps& steps, const EStepModel& model, bool in
   constexpr double kAlways_ns = 4.0;                       // scaling, pruning, products
   constexpr double kCached_ns = 0.35, kUncached_ns = 1.0;  // of a tap
   constexpr double kObservation = 4.0;                     // taps: a bilinear shift
-  const int legs = steps.size() - 1;
+  const int increments = steps.size() - 1;
   double taps = 0.0;
-  for (int s = 1; s <= legs; ++s) {
-    const Leg leg = steps.LegTo(s);
-    taps += MotionKernel(leg, ErrorOf(leg, model.noise), model.grid.cell_m, model.grid.headings, model.shape)
+  for (int s = 1; s <= increments; ++s) {
+    const MotionIncrement increment = steps.IncrementTo(s);
+    taps += MotionKernel(increment, ErrorOf(increment, model.noise), model.grid.cell_m, model.grid.headings,
+                         model.shape)
                 .TapsACell();
   }
   const double seen = static_cast<double>(steps.observations.size()) / steps.size();
   return kAlways_ns +
-         (in_cache ? kCached_ns : kUncached_ns) * (taps / std::max(1, legs) + kObservation * seen);
+         (in_cache ? kCached_ns : kUncached_ns) * (taps / std::max(1, increments) + kObservation * seen);
 }
 
 double CellsWhereLost(const RobotSteps& steps, const EStepModel& model, double table_cells) {
   int step = 0;
   while (step + 1 < steps.size() && steps.first_observation[step + 1] == 0) ++step;
-  const double edge = table_cells + 2.0 * MarginOfWay(model, steps, step) + 1.0;
+  const double edge = table_cells + 2.0 * MotionMargin(model, steps, step) + 1.0;
   return edge * edge;
 }
 

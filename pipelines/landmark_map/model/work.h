@@ -12,8 +12,8 @@
 namespace cairn::landmark_map {
 
 // The beliefs at each of the first `count` steps where nothing is known but odometry, from a Dirac at the
-// start. The pose's covariance is carried along the legs to first order; a heading's box is what pruning
-// leaves of a Gaussian. Right to a factor of about two while headings are known to a radian.
+// start. The pose's covariance is carried along the motion increments to first order; a heading's box is what
+// pruning leaves of a Gaussian. Right to a factor of about two while headings are known to a radian.
 struct OpenLoop {
   std::vector<double> cells;  // [count]
   std::vector<Box> boxes;     // [S] that hold them; of the steps that follow: where odometry is
@@ -41,8 +41,8 @@ inline constexpr double kStepsLost = 6.0;
 double WorkWhereLost(int count, const EStepModel& model);
 
 // Nanoseconds that a cell takes over forward and backward pass, on one core of a 2020s server: by the taps of
-// the legs' kernels and the observations of a step. `in_cache`: the tables of a sharp map; those of the first
-// round are larger than caches are.
+// the motion increments' kernels and the observations of a step. `in_cache`: the tables of a sharp map; those
+// of the first round are larger than caches are.
 double CellNanoseconds(const RobotSteps& steps, const EStepModel& model, bool in_cache);
 
 // Cells under each heading from which a robot that may start anywhere may come to see what it observes first,

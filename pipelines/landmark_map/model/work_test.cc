@@ -51,7 +51,7 @@ TEST(CellsWhereLost, AreTheTableAndTheWayToTheFirstObservationOnBothSides) {
   const EStepModel model = world.settings.Model(nullptr);
   int step = 0;
   while (world.steps.first_observation[step + 1] == 0) ++step;
-  const double edge = 10.0 + 2.0 * MarginOfWay(model, world.steps, step) + 1.0;
+  const double edge = 10.0 + 2.0 * MotionMargin(model, world.steps, step) + 1.0;
   EXPECT_EQ(CellsWhereLost(world.steps, model, 10.0), edge * edge);
   EXPECT_GT(step, 0);
 }
@@ -72,8 +72,8 @@ TEST(ReckonOpenLoop, WholeTablesHoldAllThatIsAllowedUnderEveryHeading) {
 }
 
 // With odometry that does not err a belief is one heading's, as wide as the shift's blur and its margin: of
-// one leg, and of two where the robot saw nothing in between.
-TEST(MeanCellsInAMap, IsWhatLegsFromWhereTheRobotSawSomethingAddUpTo) {
+// one motion increment, and of two where the robot saw nothing in between.
+TEST(MeanCellsInAMap, IsWhatIncrementsFromWhereTheRobotSawSomethingAddUpTo) {
   RobotSteps steps;
   steps.odo_x_m = {0.0, 10.0, 20.0, 30.0};
   steps.odo_y_m = steps.odo_heading_rad = steps.turn_rad = steps.time_s = {0.0, 0.0, 0.0, 0.0};
@@ -82,7 +82,9 @@ TEST(MeanCellsInAMap, IsWhatLegsFromWhereTheRobotSawSomethingAddUpTo) {
   World world(Options{.cell_m = 1.0});
   world.settings.noise = {};
   world.settings.prune = std::exp(-0.5 * 3.0 * 3.0);  // three standard deviations
-  const auto cells = [](int legs) { return std::pow(2.0 * 3.0 * std::sqrt(legs / 6.0) + 4.0, 2.0); };
+  const auto cells = [](int increments) {
+    return std::pow(2.0 * 3.0 * std::sqrt(increments / 6.0) + 4.0, 2.0);
+  };
   EXPECT_NEAR(MeanCellsInAMap(steps, world.settings.Model(nullptr)),
               (cells(0) + cells(1) + cells(1) + cells(2)) / 4.0, 1e-9);
 }

@@ -11,7 +11,7 @@ namespace {
 std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
   MapRules several = rules;
   several.types = 0;
-  several.kinds = {};
+  several.classes = {};
   several.core_m = std::max(5.0 * rules.observation_m, 3.0 * rules.grid.cell_m);
   LayeredGrid layer;
   layer.layers.push_back(count);
@@ -22,8 +22,8 @@ std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
 
 }  // namespace
 
-void RefuseTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
-                     const std::vector<std::string>& names) {
+void CheckOnePositionPerLandmark(const LayeredGrid& counts, const MapRules& rules,
+                                 const std::vector<std::string>& names) {
   constexpr double kShare = 0.25, kLeast = 4.0;
   for (int type = 0; type < rules.types; ++type) {
     const Layer& count = counts.layers[static_cast<std::size_t>(type)];
@@ -41,8 +41,8 @@ void RefuseTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
   }
 }
 
-void RefuseStrangers(const RoundSum& sum, const Perception& perception, const std::vector<RobotSteps>& steps,
-                     const std::vector<std::string>& robots) {
+void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
+                          const std::vector<RobotSteps>& steps, const std::vector<std::string>& robots) {
   for (std::size_t r = 1; r < robots.size(); ++r) {
     double all_false = 0.0, count = 0.0;
     for (const Observation& seen : steps[r].observations) {
@@ -63,7 +63,7 @@ void RefuseStrangers(const RoundSum& sum, const Perception& perception, const st
   }
 }
 
-void RefuseSpoiltMap(const RoundSum& sum, const Blob& history, double places, std::size_t observations) {
+void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations) {
   const auto robots = history.Get<std::int64_t>("robots");
   const auto likelihoods = history.Get<double>("log_likelihood");
   const auto joined = std::ranges::find_if(robots, [](std::int64_t count) { return count > 1; });

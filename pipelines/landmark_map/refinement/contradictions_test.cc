@@ -39,9 +39,9 @@ void ExpectContains(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-TEST(RefuseTwoPlaces, NamesTheLandmarkAndBothPlaces) {
+TEST(CheckOnePositionPerLandmark, NamesTheLandmarkAndBothPlaces) {
   try {
-    RefuseTwoPlaces(CountsAt(10.0, 6.0), RulesOfContradictions(), {"tower"});
+    CheckOnePositionPerLandmark(CountsAt(10.0, 6.0), RulesOfContradictions(), {"tower"});
     FAIL();
   } catch (const InputError& error) {
     ExpectContains(error.what(), "'tower' stands in two places: 10 of its 16");
@@ -50,9 +50,9 @@ TEST(RefuseTwoPlaces, NamesTheLandmarkAndBothPlaces) {
   }
 }
 
-TEST(RefuseTwoPlaces, AFewMisreadNamesAreNone) {
-  EXPECT_NO_THROW(RefuseTwoPlaces(CountsAt(100.0, 12.0), RulesOfContradictions(), {"tower"}));
-  EXPECT_NO_THROW(RefuseTwoPlaces(CountsAt(5.0, 3.0), RulesOfContradictions(), {"tower"}));
+TEST(CheckOnePositionPerLandmark, AFewMisreadNamesAreNone) {
+  EXPECT_NO_THROW(CheckOnePositionPerLandmark(CountsAt(100.0, 12.0), RulesOfContradictions(), {"tower"}));
+  EXPECT_NO_THROW(CheckOnePositionPerLandmark(CountsAt(5.0, 3.0), RulesOfContradictions(), {"tower"}));
 }
 
 TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {

@@ -88,12 +88,13 @@ std::vector<int> TypesOf(const Blob& map, const Blob& log, const MapRules& rules
     const auto it = std::ranges::find(known, name);
     types.push_back(it == known.end() ? -1 : static_cast<int>(it - known.begin()));
   }
-  const auto kinds = [](const Blob& blob) {
+  const auto classes = [](const Blob& blob) {
     return blob.Has("types") ? blob.Texts("types") : std::vector<std::string>{};
   };
-  if (rules.kinds.count > 1 ? kinds(map) != kinds(log) : kinds(map).size() > 1)
+  if (rules.classes.count > 1 ? classes(map) != classes(log) : classes(map).size() > 1)
     Refuse("its types of landmarks are not the log's");
-  for (int kind = 0; kind < rules.kinds.count; ++kind) types.push_back(rules.types + kind);  // no identity
+  for (int landmark_class = 0; landmark_class < rules.classes.count; ++landmark_class)
+    types.push_back(rules.types + landmark_class);  // no identity
   return types;
 }
 
@@ -143,7 +144,7 @@ GivenMap ReadGivenMap(const Blob& map, const Blob& log, const Settings& settings
   return given;
 }
 
-void RefuseOutOfReach(const LayeredGrid& map, const RobotSteps& steps, const Settings& settings) {
+void CheckReach(const LayeredGrid& map, const RobotSteps& steps, const Settings& settings) {
   const double cell = settings.map.grid.cell_m;
   double range_m = 0.0, nearest_m = HUGE_VAL;
   for (const Observation& seen : steps.observations)
@@ -155,8 +156,8 @@ void RefuseOutOfReach(const LayeredGrid& map, const RobotSteps& steps, const Set
       }
     }
   }
-  constexpr double kErrs = 1.2;  // odometry's way may be short by so much
-  const double reach_m = kErrs * steps.WaySoFar().back() + range_m + 2.0 * settings.map.radius_m;
+  constexpr double kErrs = 1.2;  // odometry's distance may be short by so much
+  const double reach_m = kErrs * steps.DistanceTravelled().back() + range_m + 2.0 * settings.map.radius_m;
   if (nearest_m <= reach_m) return;
   char text[256];
   std::snprintf(
@@ -167,8 +168,8 @@ void RefuseOutOfReach(const LayeredGrid& map, const RobotSteps& steps, const Set
   Refuse(text);
 }
 
-void RefuseUnlikely(double log_likelihood, const Perception& perception,
-                    const std::vector<RobotSteps>& robots) {
+void CheckLikelihood(double log_likelihood, const Perception& perception,
+                     const std::vector<RobotSteps>& robots) {
   double all_false = 0.0;
   for (const RobotSteps& steps : robots) {
     for (const Observation& seen : steps.observations) {

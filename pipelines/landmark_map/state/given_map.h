@@ -22,11 +22,11 @@ GivenMap ReadGivenMap(const Blob& map, const Blob& log, const Settings& settings
 
 // Throws InputError where a robot that starts at the origin can see nothing of the map, however its odometry
 // errs: the map is of another place or in another frame.
-void RefuseOutOfReach(const LayeredGrid& map, const RobotSteps& steps, const Settings& settings);
+void CheckReach(const LayeredGrid& map, const RobotSteps& steps, const Settings& settings);
 
 // Throws InputError where an E-step under the map found the data no more likely than if every observation
 // that the map could explain were a false one.
-void RefuseUnlikely(double log_likelihood, const Perception& perception,
-                    const std::vector<RobotSteps>& robots);
+void CheckLikelihood(double log_likelihood, const Perception& perception,
+                     const std::vector<RobotSteps>& robots);
 
 }  // namespace cairn::landmark_map

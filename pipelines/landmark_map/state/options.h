@@ -19,7 +19,7 @@ struct Options {
   bool calibrate = true;
   bool revise = true;
   bool incremental = false;
-  bool polish = true;
+  bool refine = true;
   bool beliefs = false;
   std::int64_t starts = 0;
   std::int64_t waves = 6;
@@ -27,7 +27,7 @@ struct Options {
   std::string model = "robust";
   std::string motion_error = "gaussian";
   double prune = 1e-3;
-  double max_leg_m = 0.0;
+  double max_increment_m = 0.0;
   bool keep_kernels = false;
   std::string tables = "boxes";
   double radius_m = 0.0;
@@ -49,8 +49,9 @@ void VisitOptions(V& visit, Options& o) {
       Option{
           "cell_m", "m", 0, 100,
           "edge of a map cell; 0: a 90th of the first robot's extent, on which several starts are searched "
-          "even where this is finer; of sightings without identity whose log states no drift as fine as "
-          "one sighting is exact, down to a fifth of that"},
+          "even where this is finer; of range-bearing observations without identity whose log states no "
+          "drift as fine as "
+          "one range-bearing observation is exact, down to a fifth of that"},
       o.cell_m);
   visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
         o.heading_deg);
@@ -90,17 +91,17 @@ void VisitOptions(V& visit, Options& o) {
       o.incremental);
   visit(
       Option{
-          "polish", "", 0, 0,
+          "refine", "", 0, 0,
           "in the end landmarks get the positions of least squares over the associations (model robust; not "
-          "of sightings without identity)"},
-      o.polish);
+          "of range-bearing observations without identity)"},
+      o.refine);
   visit(Option{"beliefs", "", 0, 0,
                "the result also holds each step's belief, added up over headings: robot/N/beliefs"},
         o.beliefs);
   visit(Option{"starts", "", 0, 1000,
                "candidate starts of EM, which differ in the drift taken off the first robot's odometry and "
                "in how much data comes first; the data choose one; 0: 10 without identities, 1 with them, "
-               "with model exact, and for sightings whose log states no drift"},
+               "with model exact, and for range-bearing observations whose log states no drift"},
         o.starts);
   visit(
       Option{"waves", "", 0, 1000,
@@ -119,7 +120,7 @@ void VisitOptions(V& visit, Options& o) {
                "",
                0,
                0,
-               "perception: robust, or exact (Bernoulli cells, for button presses)",
+               "perception: robust, or exact (Bernoulli cells, for contact detections)",
                {"robust", "exact"}},
         o.model);
   visit(Option{"motion_error", "", 0, 0, "shape of odometry's errors", {"gaussian", "triangular"}},
@@ -128,10 +129,11 @@ void VisitOptions(V& visit, Options& o) {
                "a probability below this share of the largest is dropped (a tenth of it for robots that "
                "start anywhere)"},
         o.prune);
-  visit(Option{"max_leg_m", "m", 0, 100000,
-               "longest way from one step to the next, longer ones are split; 0: a cell over the heading "
-               "step, so that neighbouring headings still overlap"},
-        o.max_leg_m);
+  visit(
+      Option{"max_increment_m", "m", 0, 100000,
+             "longest distance from one step to the next, longer ones are split; 0: a cell over the heading "
+             "step, so that neighbouring headings still overlap"},
+      o.max_increment_m);
   visit(Option{"keep_kernels", "", 0, 0,
                "keep a slice's motion kernels from its forward to its backward pass, instead of making them "
                "again"},
@@ -144,29 +146,32 @@ void VisitOptions(V& visit, Options& o) {
                "box_m under every heading; same results, for comparison)",
                {"boxes", "whole"}},
         o.tables);
-  visit(
-      Option{"radius_m", "m", 0, 1000,
-             "perceptual radius of landmarks without identity; 0: two thirds of the way between presses, or "
-             "what one sighting cannot tell apart"},
-      o.radius_m);
-  visit(
-      Option{"core_m", "m", 0, 1000,
-             "landmarks without identity nearer than this are one; 0: a quarter of the radius, of sightings "
-             "all of it"},
-      o.core_m);
+  visit(Option{"radius_m", "m", 0, 1000,
+               "perceptual radius of landmarks without identity; 0: two thirds of the distance between "
+               "contact detections, or "
+               "what one range-bearing observation cannot tell apart"},
+        o.radius_m);
+  visit(Option{"core_m", "m", 0, 1000,
+               "landmarks without identity nearer than this are one; 0: a quarter of the radius, of "
+               "range-bearing observations "
+               "all of it"},
+        o.core_m);
   visit(Option{"prior_count", "observations", 0, 1000,
                "evidence against a landmark, in expected observations, that each cell starts with (landmarks "
                "without identity, model robust)"},
         o.prior_count);
-  visit(Option{"no_landmark", "", 0, 100, "weight of the evidence that no other landmark is near a press"},
+  visit(Option{"no_landmark", "", 0, 100,
+               "weight of the evidence that no other landmark is near a contact detection"},
         o.no_landmark);
   visit(Option{"false_rate_per_m2", "1/m2", 1e-9, 1, "probability of a false observation, per area"},
         o.false_rate_per_m2);
   visit(Option{"noise_scale", "", 0.1, 10, "factor on the log's nominal errors of odometry"}, o.noise_scale);
-  visit(Option{"drift_length_m", "m", 0, 100000,
-               "a constant drift is unknown over so much way, which widens the heading's random walk; 0: 150 "
-               "cells, less the nearer the candidate starts' drifts lie"},
-        o.drift_length_m);
+  visit(
+      Option{
+          "drift_length_m", "m", 0, 100000,
+          "a constant drift is unknown over such a distance, which widens the heading's random walk; 0: 150 "
+          "cells, less the nearer the candidate starts' drifts lie"},
+      o.drift_length_m);
   visit(
       Option{"box_m", "m", 0, 100000, "edge of the square around the start that robots never leave; 0: none"},
       o.box_m);

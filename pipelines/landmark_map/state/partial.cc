@@ -9,13 +9,13 @@ namespace cairn::landmark_map {
 
 Blob ToBlob(const std::vector<Landmark>& landmarks) {
   std::vector<double> x, y, covariance, count;
-  std::vector<std::int32_t> type, kind;
+  std::vector<std::int32_t> type, landmark_class;
   for (const Landmark& l : landmarks) {
     x.push_back(l.x_m);
     y.push_back(l.y_m);
     covariance.insert(covariance.end(), l.covariance_m2, l.covariance_m2 + 4);
     type.push_back(l.type);
-    kind.push_back(l.kind);
+    landmark_class.push_back(l.landmark_class);
     count.push_back(l.count);
   }
   Blob blob;
@@ -23,7 +23,7 @@ Blob ToBlob(const std::vector<Landmark>& landmarks) {
   blob.PutVector("y_m", y);
   blob.Put("covariance_m2", Array::Of<double>({static_cast<std::int64_t>(x.size()), 2, 2}, covariance));
   blob.PutVector("type", type);
-  blob.PutVector("kind", kind);
+  blob.PutVector("landmark_class", landmark_class);
   blob.PutVector("count", count);
   return blob;
 }
@@ -31,11 +31,15 @@ Blob ToBlob(const std::vector<Landmark>& landmarks) {
 std::vector<Landmark> LandmarksFromBlob(const Blob& blob) {
   const auto x = blob.Get<double>("x_m"), y = blob.Get<double>("y_m"), v = blob.Get<double>("covariance_m2"),
              count = blob.Get<double>("count");
-  const auto type = blob.Get<std::int32_t>("type"), kind = blob.Get<std::int32_t>("kind");
+  const auto type = blob.Get<std::int32_t>("type"), landmark_class = blob.Get<std::int32_t>("landmark_class");
   std::vector<Landmark> landmarks;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    landmarks.push_back(
-        {x[i], y[i], {v[4 * i], v[4 * i + 1], v[4 * i + 2], v[4 * i + 3]}, type[i], count[i], kind[i]});
+    landmarks.push_back({x[i],
+                         y[i],
+                         {v[4 * i], v[4 * i + 1], v[4 * i + 2], v[4 * i + 3]},
+                         type[i],
+                         count[i],
+                         landmark_class[i]});
   }
   return landmarks;
 }
@@ -63,7 +67,7 @@ void PartialBuilder::Add(int step, const LayeredGrid& belief) {
   for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
     Count(steps.observations[k], settings_.map.grid, belief, &counts_);
   }
-  legs_.AddHeading(HeadingOf(belief), step + 1 < slice_.end ? slice_.steps.path_m[step + 1] : 0.0);
+  increments_.AddHeading(HeadingOf(belief), step + 1 < slice_.end ? slice_.steps.path_m[step + 1] : 0.0);
   if (landmarks_ == nullptr) return;
   const auto at = static_cast<std::size_t>(step - slice_.first);
   poses_[at] = Summarise(belief, settings_.map.grid);
@@ -108,8 +112,8 @@ double PartialBuilder::HeadingOf(const LayeredGrid& belief) const {
   return std::atan2(sine, cosine);
 }
 
-void PartialBuilder::AddLeg(int step, const HalfTurn& posterior) {
-  legs_.AddLeg(slice_.steps.LegTo(step), posterior, settings_.noise);
+void PartialBuilder::AddIncrement(int step, const HalfTurn& posterior) {
+  increments_.AddIncrement(slice_.steps.IncrementTo(step), posterior, settings_.noise);
 }
 
 Blob PartialBuilder::Finish(const Alphas& alphas) const {
@@ -117,7 +121,7 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   counts_.Store("counts/", &partial);
   partial.PutScalar<double>("log_likelihood", alphas.log_likelihood);
   partial.PutScalar<double>("work", alphas.work);
-  legs_.Store("legs/", &partial);
+  increments_.Store("increments/", &partial);
   partial.PutScalar<double>("first_path_m", slice_.steps.path_m[slice_.first]);
   partial.PutScalar<std::int32_t>("robot", robot_);
   partial.PutScalar<std::int32_t>("first", slice_.first);
@@ -163,7 +167,7 @@ Associated AssociatedIn(const std::vector<Blob>& summaries) {
 
 namespace {
 
-std::string OfRobot(const char* what, std::size_t robot) {
+std::string RobotKey(const char* what, std::size_t robot) {
   return what + ("/" + std::to_string(robot)) + "/";
 }
 
@@ -173,7 +177,7 @@ RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
     : counts_(std::move(no_counts)),
       log_likelihood_of_(robots, 0.0),
       work_(robots, 0.0),
-      legs_(robots),
+      increments_(robots),
       first_path_m_(robots, 0.0),
       summaries_(robots),
       guessed_(robots, 0),
@@ -191,7 +195,7 @@ void RoundSum::Add(const Blob& partial) {
   const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
   log_likelihood_of_[robot] += partial.Scalar<double>("log_likelihood");
   work_[robot] += partial.Scalar<double>("work");
-  legs_[robot].Join(LegSums::Load("legs/", partial), first_path_m_[robot]);
+  increments_[robot].Join(IncrementSums::Load("increments/", partial), first_path_m_[robot]);
   first_path_m_[robot] = partial.Scalar<double>("first_path_m");
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
   if (partial.Has("confirmed")) {
@@ -214,9 +218,9 @@ Blob RoundSum::ToBlob() const {
   blob.PutVector("work", work_);
   blob.PutVector("guessed", guessed_);
   blob.PutVector("confirmed", confirmed_);
-  for (std::size_t r = 0; r < legs_.size(); ++r) {
-    legs_[r].Store(OfRobot("legs", r), &blob);
-    blob.PutAll(OfRobot("guesses", r), guesses_[r].ToBlob());
+  for (std::size_t r = 0; r < increments_.size(); ++r) {
+    increments_[r].Store(RobotKey("increments", r), &blob);
+    blob.PutAll(RobotKey("guesses", r), guesses_[r].ToBlob());
   }
   return blob;
 }
@@ -234,8 +238,8 @@ RoundSum RoundSum::FromBlob(const Blob& blob, std::size_t robots) {
   get("guessed", &sum.guessed_);
   get("confirmed", &sum.confirmed_);
   for (std::size_t r = 0; r < robots; ++r) {
-    sum.legs_[r] = LegSums::Load(OfRobot("legs", r), blob);
-    sum.guesses_[r] = Guesses::FromBlob(blob.Sub(OfRobot("guesses", r)));
+    sum.increments_[r] = IncrementSums::Load(RobotKey("increments", r), blob);
+    sum.guesses_[r] = Guesses::FromBlob(blob.Sub(RobotKey("guesses", r)));
   }
   return sum;
 }

@@ -15,9 +15,9 @@ namespace cairn::landmark_map {
 Blob ToBlob(const std::vector<Landmark>& landmarks);
 std::vector<Landmark> LandmarksFromBlob(const Blob& blob);
 
-// Fields: counts/…, legs/…, log_likelihood, work, robot, first, first_path_m (way to the slice's first step);
-// with landmarks also pose/… (a row a step), association/… (a row an observation of the slice) and, where
-// they are kept, belief/… (a layer a step, added up over headings).
+// Fields: counts/…, increments/…, log_likelihood, work, robot, first, first_path_m (distance travelled to the
+// slice's first step); with landmarks also pose/… (a row a step), association/… (a row an observation of the
+// slice) and, where they are kept, belief/… (a layer a step, added up over headings).
 class PartialBuilder {
  public:
   // `landmarks`: nullptr where no summary is wanted.
@@ -27,8 +27,8 @@ class PartialBuilder {
   void KeepBeliefs();
   // The belief of a step; the last step comes first.
   void Add(int step, const LayeredGrid& belief);
-  // The leg that leads to a step, after the step's belief.
-  void AddLeg(int step, const HalfTurn& posterior);
+  // The motion increment that leads to a step, after the step's belief.
+  void AddIncrement(int step, const HalfTurn& posterior);
   Blob Finish(const Alphas& alphas) const;
   const LayeredGrid& counts() const { return counts_; }
 
@@ -46,7 +46,7 @@ class PartialBuilder {
   LayeredGrid beliefs_;                    // [end - first], or empty where they are not kept
   std::vector<std::int32_t> association_;  // per observation of the slice
   std::vector<double> association_probability_;
-  LegSums legs_;
+  IncrementSums increments_;
 };
 
 // An array of summaries, one after the other.
@@ -59,8 +59,8 @@ struct Associated {
 };
 Associated AssociatedIn(const std::vector<Blob>& summaries);
 
-// Adds up partials, which must come in task order. Counts, likelihood and legs add; summaries are kept, but
-// not stored.
+// Adds up partials, which must come in task order. Counts, likelihood and motion increments add; summaries
+// are kept, but not stored.
 class RoundSum {
  public:
   RoundSum(LayeredGrid no_counts, std::size_t robots);
@@ -73,7 +73,7 @@ class RoundSum {
   double log_likelihood() const { return log_likelihood_; }
   double log_likelihood_of(std::size_t robot) const { return log_likelihood_of_[robot]; }
   double WorkOf(std::size_t robot) const { return work_[robot]; }
-  const std::vector<LegSums>& legs() const { return legs_; }  // per robot
+  const std::vector<IncrementSums>& increments() const { return increments_; }  // per robot
   // Of a robot's slices, what the next round may guess from.
   const Guesses& GuessesOf(std::size_t robot) const { return guesses_[robot]; }
   // Slices that were guessed, and those of them that were guessed right.
@@ -87,8 +87,8 @@ class RoundSum {
   double log_likelihood_ = 0.0;
   std::vector<double> log_likelihood_of_;
   std::vector<double> work_;
-  std::vector<LegSums> legs_;
-  std::vector<double> first_path_m_;  // per robot: way to the earliest step so far
+  std::vector<IncrementSums> increments_;
+  std::vector<double> first_path_m_;  // per robot: distance travelled to the earliest step so far
   std::vector<std::vector<Blob>> summaries_;
   std::vector<std::int64_t> guessed_, confirmed_;  // per robot
   std::vector<Guesses> guesses_;                   // per robot

@@ -14,14 +14,14 @@ void Schedule::Store(State* state) const {
   scalars["log_likelihood"].set_d(log_likelihood);
   scalars["summarise"].set_b(summarise);
   scalars["growth"].set_d(growth);
-  scalars["polished"].set_b(polished);
+  scalars["refined"].set_b(refined);
 }
 
 Schedule Schedule::Load(const State& state) {
   const auto& scalars = state.scalars();
   return {scalars.at("iteration").i(), scalars.at("prefix").d(),         scalars.at("robots").i(),
           scalars.at("settled").i(),   scalars.at("log_likelihood").d(), scalars.at("summarise").b(),
-          scalars.at("growth").d(),    scalars.at("polished").b()};
+          scalars.at("growth").d(),    scalars.at("refined").b()};
 }
 
 Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,

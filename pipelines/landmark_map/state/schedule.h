@@ -18,7 +18,7 @@ struct Schedule {
   double log_likelihood = 0.0;  // of the iteration before
   bool summarise = false;       // the last E-step, which also gives poses and associations
   double growth = 2.0;          // factor on the prefix an iteration
-  bool polished = false;        // the map is that of the least squares (polish.h)
+  bool refined = false;         // the map is that of the least squares (refine.h)
 
   void Store(State* state) const;
   static Schedule Load(const State& state);

@@ -19,11 +19,11 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Calls f(name, field) for every figure: what ToBlob writes and FromBlob reads.
 template <class S, class F>
-void VisitFigures(S& s, const F& f) {
+void VisitSettings(S& s, const F& f) {
   f("cell_m", s.map.grid.cell_m);
   f("headings", s.map.grid.headings);
   f("types", s.map.types);
-  f("kinds", s.map.kinds.count);
+  f("classes", s.map.classes.count);
   f("observation_m", s.map.observation_m);
   f("radius_m", s.map.radius_m);
   f("core_m", s.map.core_m);
@@ -36,18 +36,18 @@ void VisitFigures(S& s, const F& f) {
   f("drift_length_m", s.noise.drift_length_m);
   f("forward_ratio", s.noise.forward_ratio);
   f("turn_ratio", s.noise.turn_ratio);
-  f("max_leg_m", s.steps.max_leg_m);
+  f("max_increment_m", s.steps.max_increment_m);
   f("frame_m", s.steps.frame_m);
   f("frame_rad", s.steps.frame_rad);
   f("step_types", s.steps.types);
-  f("step_kinds", s.steps.kinds);
+  f("step_classes", s.steps.classes);
   f("until_s", s.steps.until_s);
   f("false_ratio", s.detection.false_ratio);
   f("miss_ratio", s.detection.miss_ratio);
   f("tells_passes", s.detection.tells_passes);
-  f("press_m", s.sighting.press_m);
-  f("range_m", s.sighting.range_m);
-  f("bearing_rad", s.sighting.bearing_rad);
+  f("contact_m", s.observation_noise.contact_m);
+  f("range_m", s.observation_noise.range_m);
+  f("bearing_rad", s.observation_noise.bearing_rad);
   f("triangular", s.shape);
   f("prune", s.prune);
   f("keep_kernels", s.keep_kernels);
@@ -55,14 +55,14 @@ void VisitFigures(S& s, const F& f) {
   f("box_m", s.box_m);
   f("growth_start", s.growth_start);
   f("growth_factor", s.growth_factor);
-  f("loose_frame", s.loose_frame);
+  f("gauge_free", s.gauge_free);
   f("incremental", s.incremental);
   f("starts", s.starts);
   f("places", s.places);
   f("memory_mb", s.memory_mb);
 }
 
-double Nominal(const Blob& log, const std::string& name, double otherwise) {
+double NoiseParameter(const Blob& log, const std::string& name, double otherwise) {
   if (!log.Has(name)) return otherwise;
   constexpr double kLargest = 1e3;  // m, rad, or a ratio: whoever errs more knows nothing
   const double value = log.Scalar<double>(name);
@@ -114,19 +114,19 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
 // Starts spread over the drift that the log states.
 bool TellsDrift(const Blob& log) { return log.Has("noise/heading_drift_rad_per_m"); }
 
-// A 90th of the extent. Sightings without identity are told apart by where they are: a cell should not blur
-// them further than the sensor does, but a fifth is as much as the time allows. Where the log tells its drift
-// there are many starts, which need the coarse grid.
-double DefaultCell(const Blob& log, const Sensing& sensing, double extent_m, double sighting_m) {
+// A 90th of the extent. Range-bearing observations without identity are told apart by where they are: a cell
+// should not blur them further than the sensor does, but a fifth is as much as the time allows. Where the log
+// tells its drift there are many starts, which need the coarse grid.
+double DefaultCell(const Blob& log, const Sensing& sensing, double extent_m, double range_bearing_m) {
   const double cell_m = RoundNumber(std::max(extent_m, 0.9) / 90.0);
   const bool identified = sensing.identified == sensing.observations;
-  if (sensing.ranged == 0 || identified || TellsDrift(log) || !(sighting_m > 0.0)) return cell_m;
-  return std::clamp(RoundNumber(sighting_m), 0.2 * cell_m, cell_m);
+  if (sensing.ranged == 0 || identified || TellsDrift(log) || !(range_bearing_m > 0.0)) return cell_m;
+  return std::clamp(RoundNumber(range_bearing_m), 0.2 * cell_m, cell_m);
 }
 
 // With identities there is little to be taken for another, and the exact model may call a start impossible.
-// Sightings tie a path down at every step: where the log does not tell its drift, starts far from it only
-// cost.
+// Range-bearing observations tie a path down at every step: where the log does not tell its drift, starts far
+// from it only cost.
 int StartsOf(const Options& options, const Blob& log, const Sensing& sensing) {
   constexpr int kSearch = 10;
   if (options.starts > 0) return static_cast<int>(options.starts);
@@ -134,7 +134,7 @@ int StartsOf(const Options& options, const Blob& log, const Sensing& sensing) {
   return identified || options.model == "exact" || (sensing.ranged > 0 && !TellsDrift(log)) ? 1 : kSearch;
 }
 
-// Over how much way a constant drift is unknown. Of several starts one is right to within a part of the
+// Over what distance a constant drift is unknown. Of several starts one is right to within a part of the
 // drift: the distance between theirs, of which an even spread has 1/12 in square. Where the log does not tell
 // how much it drifts the starts may all lie beside it.
 double DriftLength(const Options& options, const Blob& log, int starts, double cell_m) {
@@ -150,26 +150,26 @@ double DriftLength(const Options& options, const Blob& log, int starts, double c
 MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sensing, double drift_length_m) {
   const double wide = sensing.identified == sensing.observations || sensing.ranged > 0 ? 3.0 : 1.0;
   const double scale = options.noise_scale;
-  return {Nominal(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * scale,
-          Nominal(log, "noise/heading_walk_rad_per_sqrt_m", wide * 0.7 * kDegree) * scale, drift_length_m,
-          Nominal(log, "noise/forward_ratio", 0.02) * scale,
-          Nominal(log, "noise/turn_ratio", wide * 0.02) * scale};
+  return {NoiseParameter(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * scale,
+          NoiseParameter(log, "noise/heading_walk_rad_per_sqrt_m", wide * 0.7 * kDegree) * scale,
+          drift_length_m, NoiseParameter(log, "noise/forward_ratio", 0.02) * scale,
+          NoiseParameter(log, "noise/turn_ratio", wide * 0.02) * scale};
 }
 
 // A figure of a data sheet is not exact: what it calls impossible happens once in a hundred times.
-KindRules KindsOf(const Blob& log) {
+ClassRules LandmarkClassesOf(const Blob& log) {
   const char* const name = "noise/type_confusion";
-  constexpr double kSurprise = 0.01, kNoFigure = 0.1;
+  constexpr double kSurprise = 0.01, kUnstated = 0.1;
   constexpr std::size_t kMost = 256;  // each is a layer of the map
-  KindRules kinds;
-  if (!log.Has("types") || log.Texts("types").size() < 2) return kinds;
-  kinds.count = static_cast<int>(log.Texts("types").size());
-  const auto n = static_cast<std::size_t>(kinds.count);
+  ClassRules classes;
+  if (!log.Has("types") || log.Texts("types").size() < 2) return classes;
+  classes.count = static_cast<int>(log.Texts("types").size());
+  const auto n = static_cast<std::size_t>(classes.count);
   if (n > kMost) throw InputError("the log has more than 256 types: are they identities (landmarks)?");
   const auto wrong = [&](double share) { return share / static_cast<double>(n); };
-  kinds.confusion.assign(n * n, wrong(kNoFigure));
-  for (std::size_t k = 0; k < n; ++k) kinds.confusion[k * n + k] += 1.0 - kNoFigure;
-  if (!log.Has(name)) return kinds;
+  classes.confusion.assign(n * n, wrong(kUnstated));
+  for (std::size_t k = 0; k < n; ++k) classes.confusion[k * n + k] += 1.0 - kUnstated;
+  if (!log.Has(name)) return classes;
   const auto stated = log.Get<double>(name);
   if (stated.size() != n * n) throw InputError(std::string("the log's ") + name + " is not types by types");
   for (std::size_t k = 0; k < n; ++k) {
@@ -182,23 +182,24 @@ KindRules KindsOf(const Blob& log) {
     if (!(std::abs(sum - 1.0) < 1e-3))
       throw InputError(std::string("the log's ") + name + " has a row that does not sum to 1");
     for (std::size_t j = 0; j < n; ++j)
-      kinds.confusion[k * n + j] = wrong(kSurprise) + (1.0 - kSurprise) * stated[k * n + j] / sum;
+      classes.confusion[k * n + j] = wrong(kSurprise) + (1.0 - kSurprise) * stated[k * n + j] / sum;
   }
-  return kinds;
+  return classes;
 }
 
 // What other sensors than buttons have in view nobody knows without the walls; a landmark that has a name is
 // there.
 Detection DetectionOf(const Blob& log, const Sensing& sensing) {
   const Detection none;
-  return {std::min(0.9, Nominal(log, "noise/false_ratio", none.false_ratio)),
-          std::clamp(Nominal(log, "noise/miss_ratio", none.miss_ratio), 1e-3, 0.9),
+  return {std::min(0.9, NoiseParameter(log, "noise/false_ratio", none.false_ratio)),
+          std::clamp(NoiseParameter(log, "noise/miss_ratio", none.miss_ratio), 1e-3, 0.9),
           sensing.ranged == 0 && sensing.identified == 0};
 }
 
 // How far landmarks without identity reach, by the scale of the log.
 void SetReach(const Options& options, const Sensing& sensing, MapRules* map) {
-  constexpr double kNotTold = 4.0;  // standard deviations within which two sightings may be of one landmark
+  constexpr double kNotTold =
+      4.0;  // standard deviations within which two range-bearing observations may be of one landmark
   const bool ranged = sensing.ranged > 0;
   const double radius =
       ranged ? kNotTold * map->observation_m : RoundNumber(2.0 / 3.0 * std::max(sensing.between_m, 0.1));
@@ -206,13 +207,13 @@ void SetReach(const Options& options, const Sensing& sensing, MapRules* map) {
   map->core_m = options.core_m > 0 ? options.core_m : ranged ? radius : 0.25 * map->radius_m;
 }
 
-// The part of the way on which odometry keeps its heading to within `most_rad`.
+// The part of the path on which odometry keeps its heading to within `most_rad`.
 double TrustedShare(const Odometry& odometry, const MotionNoise& noise, double most_rad) {
   double variance = 0.0;
   for (std::size_t i = 1; i < odometry.path_m.size(); ++i) {
-    const Leg leg{.path_m = odometry.path_m[i] - odometry.path_m[i - 1],
-                  .turn_rad = odometry.turn_rad[i] - odometry.turn_rad[i - 1]};
-    variance += SquareOf(ErrorOf(leg, noise).heading_rad);
+    const MotionIncrement increment{.path_m = odometry.path_m[i] - odometry.path_m[i - 1],
+                                    .turn_rad = odometry.turn_rad[i] - odometry.turn_rad[i - 1]};
+    variance += SquareOf(ErrorOf(increment, noise).heading_rad);
     if (variance > most_rad * most_rad) return odometry.path_m[i] / odometry.path_m.back();
   }
   return 1.0;
@@ -220,7 +221,7 @@ double TrustedShare(const Odometry& odometry, const MotionNoise& noise, double m
 
 // What no grid can hold, before anything is allocated. `extent_m`: of the first robot's odometry and what it
 // can see from there.
-void RefuseHugeGrids(const Options& options, const Settings& settings, double extent_m, bool anywhere) {
+void CheckGridSize(const Options& options, const Settings& settings, double extent_m, bool anywhere) {
   const double cell_m = settings.map.grid.cell_m;
   const double side = extent_m / cell_m + 1.0;
   const double layers = anywhere ? settings.map.grid.headings : 1.0;  // a start anywhere fills every heading
@@ -261,19 +262,19 @@ EStepModel Settings::Model(const Perception* perception) const {
 
 Blob Settings::ToBlob() const {
   Blob blob;
-  VisitFigures(
+  VisitSettings(
       *this, [&](const char* name, auto value) { blob.PutScalar<double>(name, static_cast<double>(value)); });
-  blob.PutVector("confusion", map.kinds.confusion);
+  blob.PutVector("confusion", map.classes.confusion);
   return blob;
 }
 
 Settings Settings::FromBlob(const Blob& blob) {
   Settings settings;
-  VisitFigures(settings, [&]<class T>(const char* name, T& field) {
+  VisitSettings(settings, [&]<class T>(const char* name, T& field) {
     field = static_cast<T>(blob.Scalar<double>(name));
   });
   const auto confusion = blob.Get<double>("confusion");
-  settings.map.kinds.confusion.assign(confusion.begin(), confusion.end());
+  settings.map.classes.confusion.assign(confusion.begin(), confusion.end());
   return settings;
 }
 
@@ -290,7 +291,7 @@ Settings Resolve(const Options& options, const Blob& log) {
                       : "the log has controls only: without observations there is no map");
 
   if (options.model == "exact" && sensing.ranged > 0) {
-    throw InputError("model exact is for button presses; this log has ranges and bearings: take robust");
+    throw InputError("model exact is for contact detections; this log has ranges and bearings: take robust");
   }
   if (options.cell_m > 0 && options.cell_m < 1e-3) throw InputError("cell_m: 0, or at least 0.001 m");
   if (options.tables == "whole" && !(options.box_m > 0)) {
@@ -304,20 +305,21 @@ Settings Resolve(const Options& options, const Blob& log) {
   }
   Settings settings;
   GridSpec& grid = settings.map.grid;
-  const double bearing_sd = Nominal(log, "noise/bearing_rad", 0.02);
-  const double range_sd = Nominal(log, "noise/range_m", 0.03 * sensing.mean_range_m);
-  const double sighting_m = std::hypot(range_sd, bearing_sd * sensing.mean_range_m);
-  grid.cell_m = options.cell_m > 0 ? options.cell_m : DefaultCell(log, sensing, extent, sighting_m);
+  const double bearing_sd = NoiseParameter(log, "noise/bearing_rad", 0.02);
+  const double range_sd = NoiseParameter(log, "noise/range_m", 0.03 * sensing.mean_range_m);
+  const double range_bearing_m = std::hypot(range_sd, bearing_sd * sensing.mean_range_m);
+  grid.cell_m = options.cell_m > 0 ? options.cell_m : DefaultCell(log, sensing, extent, range_bearing_m);
   grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
   const double step_rad = 2.0 * std::numbers::pi / grid.headings;
   settings.map.types = static_cast<int>(log.Texts("landmarks").size());
-  settings.map.kinds = KindsOf(log);
-  if (options.model == "exact" && settings.map.kinds.count > 1)
+  settings.map.classes = LandmarkClassesOf(log);
+  if (options.model == "exact" && settings.map.classes.count > 1)
     throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
   const double bearing = bearing_sd + step_rad / std::sqrt(12.0);
-  settings.map.observation_m = sensing.ranged == 0 ? Nominal(log, "noise/press_m", 0.3)
+  settings.map.observation_m = sensing.ranged == 0 ? NoiseParameter(log, "noise/contact_m", 0.3)
                                                    : std::hypot(range_sd, bearing * sensing.mean_range_m);
-  settings.sighting = {Nominal(log, "noise/press_m", settings.map.observation_m), range_sd, bearing_sd};
+  settings.observation_noise = {NoiseParameter(log, "noise/contact_m", settings.map.observation_m), range_sd,
+                                bearing_sd};
   SetReach(options, sensing, &settings.map);
   settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
@@ -325,17 +327,18 @@ Settings Resolve(const Options& options, const Blob& log) {
   settings.map.exact = options.model == "exact";
 
   settings.incremental = options.incremental;
-  settings.loose_frame = robots > 1 && sensing.ranged > 0;
+  settings.gauge_free = robots > 1 && sensing.ranged > 0;
   settings.starts = StartsOf(options, log, sensing);
   settings.noise = NoiseOf(options, log, sensing, DriftLength(options, log, settings.starts, grid.cell_m));
-  constexpr double kShortestLeg = 0.1;  // cells: below, steps are many and say nothing
-  if (options.max_leg_m > 0 && options.max_leg_m < kShortestLeg * grid.cell_m) {
-    throw InputError("max_leg_m: 0, or at least a tenth of a cell");
+  constexpr double kShortestIncrement = 0.1;  // cells: below, steps are many and say nothing
+  if (options.max_increment_m > 0 && options.max_increment_m < kShortestIncrement * grid.cell_m) {
+    throw InputError("max_increment_m: 0, or at least a tenth of a cell");
   }
-  const double max_leg_m = options.max_leg_m > 0 ? options.max_leg_m : grid.cell_m / step_rad;
-  settings.steps = {max_leg_m, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
+  const double max_increment_m =
+      options.max_increment_m > 0 ? options.max_increment_m : grid.cell_m / step_rad;
+  settings.steps = {max_increment_m, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
                     TimeOfObservation(log, robots, options.prefix_observations)};
-  settings.steps.kinds = settings.map.kinds.count;
+  settings.steps.classes = settings.map.classes.count;
   settings.detection = DetectionOf(log, sensing);
   settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
   settings.memory_mb = options.memory_mb;
@@ -351,8 +354,8 @@ Settings Resolve(const Options& options, const Blob& log) {
   constexpr double kFast = 2.0, kCareful = 1.3;  // a landmark that is not told must be recognised
   const bool careful = sensing.identified < sensing.observations;
   settings.growth_factor = options.growth_factor > 0 ? options.growth_factor : careful ? kCareful : kFast;
-  RefuseHugeGrids(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
-                  robots > 1 && sensing.ranged == 0);
+  CheckGridSize(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
+                robots > 1 && sensing.ranged == 0);
   return settings;
 }
 

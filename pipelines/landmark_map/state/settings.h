@@ -4,7 +4,7 @@
 #include "pipelines/landmark_map/landmarks/false_landmarks.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/model/m_step.h"
-#include "pipelines/landmark_map/model/sighting.h"
+#include "pipelines/landmark_map/model/observation_noise.h"
 #include "pipelines/landmark_map/model/steps.h"
 #include "pipelines/landmark_map/state/options.h"
 #include "schema/blob.h"
@@ -17,7 +17,7 @@ struct Settings {
   MotionNoise noise;
   StepRules steps;
   Detection detection;
-  SightingNoise sighting;
+  ObservationNoise observation_noise;
   ErrorShape shape = ErrorShape::kGaussian;
   double prune = 1e-3;
   bool keep_kernels = false;
@@ -25,7 +25,7 @@ struct Settings {
   double box_m = 0.0;
   double growth_start = 1.0;
   double growth_factor = 2.0;
-  bool loose_frame = false;  // the first robot, too, starts anywhere once others have joined
+  bool gauge_free = false;   // the first robot, too, starts anywhere once others have joined
   bool incremental = false;  // what is found is not looked at again
   int starts = 1;            // candidate starts
   double places = 1.0;       // cells in which a landmark may stand
@@ -40,7 +40,7 @@ struct Settings {
 // one more, spread evenly over two to either side.
 double DriftStep(int starts);
 
-// From the options, the log's nominal figures, and defaults where both are silent. Throws InputError.
+// From the options, the log's noise parameters, and defaults where both are silent. Throws InputError.
 Settings Resolve(const Options& options, const Blob& log);
 
 // The same options for the search of several starts: on the default grid, where a finer one is asked for.

@@ -21,12 +21,12 @@ Blob TypedLog(std::vector<double> confusion) {
 
 // One hundredth is spread evenly; without a figure one tenth is.
 TEST(Resolve, TypesAreTakenForOneAnotherAsTheLogSays) {
-  const KindRules stated = Resolve({}, TypedLog({1.0, 0.0, 0.3, 0.7})).map.kinds;
+  const ClassRules stated = Resolve({}, TypedLog({1.0, 0.0, 0.3, 0.7})).map.classes;
   EXPECT_EQ(stated.count, 2);
-  EXPECT_DOUBLE_EQ(stated.Seems(0, 0), 0.995);
-  EXPECT_DOUBLE_EQ(stated.Seems(1, 0), 0.005);
-  EXPECT_DOUBLE_EQ(stated.Seems(0, 1), 0.302);
-  EXPECT_DOUBLE_EQ(Resolve({}, TypedLog({})).map.kinds.Seems(1, 1), 0.95);
+  EXPECT_DOUBLE_EQ(stated.Confusion(0, 0), 0.995);
+  EXPECT_DOUBLE_EQ(stated.Confusion(1, 0), 0.005);
+  EXPECT_DOUBLE_EQ(stated.Confusion(0, 1), 0.302);
+  EXPECT_DOUBLE_EQ(Resolve({}, TypedLog({})).map.classes.Confusion(1, 1), 0.95);
   const Settings settings = Resolve({}, TypedLog({0.9, 0.1, 0.3, 0.7}));
   EXPECT_EQ(Settings::FromBlob(settings.ToBlob()).ToBlob().ContentHash(), settings.ToBlob().ContentHash());
 }
@@ -45,7 +45,7 @@ TEST(Resolve, TypesThatMakeNoSenseAreRefused) {
   EXPECT_THROW(Resolve({.model = "exact"}, TypedLog({})), InputError);
 }
 
-// A press at every corner: two thirds of a side, rounded to 1, 2 or 5 times a power of ten.
+// A contact detection at every corner: two thirds of a side, rounded to 1, 2 or 5 times a power of ten.
 TEST(Resolve, ReachOfLandmarksWithoutIdentityFollowsTheLogsScale) {
   for (const double side_m : {20.0, 200.0}) {
     const MapRules rules = Resolve({}, SquareLog{.laps = 2, .side_m = side_m}.Make()).map;
@@ -54,7 +54,7 @@ TEST(Resolve, ReachOfLandmarksWithoutIdentityFollowsTheLogsScale) {
   }
 }
 
-TEST(Resolve, WhatOneSightingCannotTellApartIsOneLandmark) {
+TEST(Resolve, WhatOneObservationCannotTellApartIsOneLandmark) {
   const Blob log = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true}.Make();
   const MapRules rules = Resolve({}, log).map;
   EXPECT_DOUBLE_EQ(rules.radius_m, 4.0 * rules.observation_m);
@@ -63,14 +63,14 @@ TEST(Resolve, WhatOneSightingCannotTellApartIsOneLandmark) {
   EXPECT_EQ(Resolve({.radius_m = 7.0, .core_m = 1.5}, log).map.radius_m, 7.0);
 }
 
-TEST(Resolve, SightingsWithoutIdentityGrowThePrefixMoreCarefully) {
+TEST(Resolve, ObservationsWithoutIdentityGrowThePrefixMoreCarefully) {
   EXPECT_LT(Resolve({}, SquareLog{.ranged = true}.Make()).growth_factor,
             Resolve({}, SquareLog{.ranged = true, .identified = true}.Make()).growth_factor);
   EXPECT_EQ(Resolve({.growth_factor = 3.0}, SquareLog{.ranged = true}.Make()).growth_factor, 3.0);
 }
 
 // 50 m to a side: a 90th is 0.5 m.
-TEST(Resolve, ACellIsNoLargerThanWhatASightingWithoutIdentityErrsBy) {
+TEST(Resolve, ACellIsNoLargerThanWhatAnObservationWithoutIdentityErrsBy) {
   Blob exact = SquareLog{.laps = 1, .side_m = 50.0, .ranged = true}.Make(), vague = exact;
   for (const auto& [log, range_m] : {std::pair{&exact, 0.01}, std::pair{&vague, 3.0}}) {
     log->PutScalar<double>("noise/range_m", range_m);
@@ -84,31 +84,31 @@ TEST(Resolve, ACellIsNoLargerThanWhatASightingWithoutIdentityErrsBy) {
   EXPECT_DOUBLE_EQ(Resolve({}, SquareLog{.laps = 1, .side_m = 50.0}.Make()).map.grid.cell_m, 0.5);
 }
 
-TEST(Resolve, TheFrameIsLooseWhereSeveralRobotsSeeAtADistance) {
+TEST(Resolve, TheGaugeIsFreeWhereSeveralRobotsSeeAtADistance) {
   for (const bool ranged : {false, true}) {
     Blob log = SquareLog{.ranged = ranged}.Make();
-    EXPECT_FALSE(Resolve({}, log).loose_frame);
+    EXPECT_FALSE(Resolve({}, log).gauge_free);
     log.Put("robots", Array::Texts({"one", "two"}));
     log.PutAll("robot/1/", log.Sub("robot/0/"));
-    EXPECT_EQ(Resolve({}, log).loose_frame, ranged);
+    EXPECT_EQ(Resolve({}, log).gauge_free, ranged);
   }
 }
 
-TEST(Resolve, LegsAreAsLongAsTheGridBearsOrAsLongAsOneSays) {
+TEST(Resolve, IncrementsAreAsLongAsTheGridBearsOrAsLongAsOneSays) {
   const Blob log = SquareLog{.laps = 2, .side_m = 20.0}.Make();
   const double most_m[] = {20.0, 0.5};
   int steps[2];
   for (int i = 0; i < 2; ++i) {
-    const Settings settings = Resolve({.cell_m = 1.0, .max_leg_m = most_m[i]}, log);
-    EXPECT_EQ(settings.steps.max_leg_m, most_m[i]);
+    const Settings settings = Resolve({.cell_m = 1.0, .max_increment_m = most_m[i]}, log);
+    EXPECT_EQ(settings.steps.max_increment_m, most_m[i]);
     const RobotSteps made = MakeSteps(log.Sub("robot/0/"), "rover", settings.steps, nullptr);
-    for (const double way : made.path_m) EXPECT_LE(way, most_m[i] + 1e-9);
+    for (const double travelled : made.path_m) EXPECT_LE(travelled, most_m[i] + 1e-9);
     steps[i] = made.size();
   }
   EXPECT_GT(steps[1], 10 * steps[0]);
-  EXPECT_DOUBLE_EQ(Resolve({.cell_m = 1.0, .heading_deg = 5.0}, log).steps.max_leg_m,
+  EXPECT_DOUBLE_EQ(Resolve({.cell_m = 1.0, .heading_deg = 5.0}, log).steps.max_increment_m,
                    180.0 / (5.0 * std::numbers::pi));
-  EXPECT_THROW(Resolve({.cell_m = 1.0, .max_leg_m = 0.05}, log), InputError);
+  EXPECT_THROW(Resolve({.cell_m = 1.0, .max_increment_m = 0.05}, log), InputError);
 }
 
 TEST(Resolve, WholeTablesNeedABox) {
@@ -147,7 +147,7 @@ TEST(Resolve, ALogOfScansIsSentToThePipelinesThatTakeThem) {
   EXPECT_NE(why().find("evidence_map"), std::string::npos) << why();
 }
 
-// 25 m of way at 5 degrees a root of a metre are 25 degrees.
+// 25 m at 5 degrees a root of a metre are 25 degrees.
 TEST(Resolve, TheFirstIterationUsesTheWayOnWhichOdometryCanBeTrusted) {
   Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
   log.PutScalar<double>("noise/heading_drift_rad_per_m", 0.0);

@@ -132,7 +132,7 @@ TEST(Speculation, GivesWhatOneSequentialPassGives) {
   EXPECT_GT(Total(*result, "history/confirmed"), 10);
 }
 
-// A press every 50 m: beliefs remember where they began for longer than guesses overlap.
+// A contact detection every 50 m: beliefs remember where they began for longer than guesses overlap.
 TEST(Speculation, WhatWasGuessedWrongIsComputedAgain) {
   const Blob log = SquareLog{.laps = 18, .side_m = 50.0, .drift_rad_per_m = 0.002}.Make();
   const BlobPtr result =

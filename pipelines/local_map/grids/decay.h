@@ -8,13 +8,13 @@
 
 namespace cairn::local_map {
 
-// Time goes in ticks. What is said a sweep, decay rates and frequencies, is said of the paper's, five a
+// Time goes in ticks. What is said a scan, decay rates and frequencies, is said of the paper's, five a
 // second: rings that are read more or less often mean the same by it, as if what they read stood until the
 // next time.
-inline constexpr int kTicksASweep = 4;
+inline constexpr int kTicksPerScan = 4;
 inline constexpr double kTickS = 0.05;
 
-// `kept`: the fraction that is kept each sweep, in [0, 1). What is less than a millionth is nothing.
+// `kept`: the fraction that is kept each scan, in [0, 1). What is less than a millionth is nothing.
 class Decay {
  public:
   explicit Decay(double kept) : kept_(kept) {
@@ -27,7 +27,7 @@ class Decay {
     const auto n = static_cast<std::size_t>(ticks);
     return left_[n < left_.size() ? n : left_.size() - 1];
   }
-  // What a reading adds to a count that stands for so many ticks: 1 for a sweep. It stands for three seconds
+  // What a reading adds to a count that stands for so many ticks: 1 for a scan. It stands for three seconds
   // at most.
   float Weight(std::int32_t ticks) const {
     constexpr std::int32_t kMost = 60;

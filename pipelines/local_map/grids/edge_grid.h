@@ -19,14 +19,14 @@ namespace cairn::local_map {
 struct CellEdge {
   double angle_rad = 0;  // in [-pi / 2, pi / 2]
   Point at;              // on the last edge that was found there, in the cell
-  double weight = 0;     // sweeps in which one was found, recent ones more
+  double weight = 0;     // scans in which one was found, recent ones more
 };
 
 class EdgeGrid {
  public:
   static constexpr double kPeriodRad = std::numbers::pi;
 
-  // `kept`: the fraction of the histograms that is kept each sweep: more than of the occupancy grid's counts.
+  // `kept`: the fraction of the histograms that is kept each scan: more than of the occupancy grid's counts.
   EdgeGrid(double cell_m, int half, double kept, PeakRule rule);
 
   double cell_m() const { return grid_.cell_m(); }
@@ -34,9 +34,9 @@ class EdgeGrid {
   CellIndex centre() const { return grid_.centre(); }
 
   void MoveTo(double x_m, double y_m) { grid_.MoveTo(x_m, y_m); }
-  // The next sweep, so many ticks after the last, in which these edges were found: each counts in the cells
+  // The next scan, so many ticks after the last, in which these edges were found: each counts in the cells
   // that it goes through.
-  void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksASweep);
+  void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksPerScan);
 
   // The dominant edge of a cell; none where no direction is strong.
   std::optional<CellEdge> Dominant(std::int32_t i, std::int32_t j) const;

@@ -31,7 +31,7 @@ TEST(EdgeGrid, CellsThatAnEdgeGoesThroughCarryItsDirection) {
   EXPECT_EQ(cells, 16);  // columns -7 to 8
 }
 
-TEST(EdgeGrid, OneSightingIsNoDominantDirectionNorAreTwoThatCross) {
+TEST(EdgeGrid, OneEdgeIsNoDominantDirectionNorAreTwoThatCross) {
   EdgeGrid grid(0.15, 15, 0.99, {0.6, 1.5});
   const Edge flat = Line({-1, 0}, {1, 0}), steep = Line({0, -1}, {0, 1});
   grid.Add(std::vector{flat});

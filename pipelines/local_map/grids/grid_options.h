@@ -38,10 +38,10 @@ void VisitGridOptions(V& visit, GridOptions& o) {
   visit(Option{"cell_m", "m", 0.02, 2, "edge of a cell of the local grids"}, o.cell_m);
   visit(Option{"half_cells", "", 2, 127, "the grids reach so many cells from the robot's to each side"},
         o.half_cells);
-  visit(Option{"occupancy_kept", "", 0, 0.999, "of the counts of hits that much is kept each sweep"},
+  visit(Option{"occupancy_kept", "", 0, 0.999, "of the counts of hits that much is kept each scan"},
         o.occupancy_kept);
-  visit(Option{"occupied", "", 0, 1, "hits a sweep from which a cell counts as occupied"}, o.occupied);
-  visit(Option{"edges_kept", "", 0, 0.9999, "of the edge grid's histograms that much is kept each sweep"},
+  visit(Option{"occupied", "", 0, 1, "hits a scan from which a cell counts as occupied"}, o.occupied);
+  visit(Option{"edges_kept", "", 0, 0.9999, "of the edge grid's histograms that much is kept each scan"},
         o.edges_kept);
   visit(Option{"walls_kept", "", 0, 0.9999, "of the histogram of wall orientations, likewise"}, o.walls_kept);
   visit(Option{"align", "", 0, 0,

@@ -1,4 +1,4 @@
-// Edges from the hits of a sweep and the occupancy grid, in the five steps of [DM98] figure 1.
+// Edges from the hits of a scan and the occupancy grid, in the five steps of [DM98] figure 1.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,7 @@ class LineFit {
  public:
   LineFit(const LineFitRule& rule, double cell_m);
 
-  // Appends the edges that the hits of one ring's sweep, in the order of its beams, give rise to; `closed`:
+  // Appends the edges that the hits of one ring's scan, in the order of its beams, give rise to; `closed`:
   // the last is a neighbour of the first. Appends no more than `edges` has room for without allocating.
   void Find(std::span<const Point> hits, bool closed, const OccupancyGrid& grid,
             std::vector<Edge>* edges) const;

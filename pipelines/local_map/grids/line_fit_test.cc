@@ -82,7 +82,7 @@ TEST(CorrectedAngle, KnowsTheQuadrant) {
 TEST(LineFit, FindsAWallAtAnyAngle) {
   for (int degrees = -85; degrees <= 85; degrees += 10) {
     OccupancyGrid grid = Grid();
-    grid.NextSweep();
+    grid.NextScan();
     const double angle = RadOf(degrees);
     const Point a{0.8 * std::sin(angle) - std::cos(angle), -0.8 * std::cos(angle) - std::sin(angle)};
     const auto edges = Find(Row(&grid, a, angle, 2.05, 0.2, 0.005), grid);
@@ -95,7 +95,7 @@ TEST(LineFit, FindsAWallAtAnyAngle) {
 
 TEST(LineFit, TwoHitsOrACurveAreNoCandidate) {
   OccupancyGrid grid = Grid();
-  grid.NextSweep();
+  grid.NextScan();
   Row(&grid, {-1, 1}, 0, 2, 0.1);
   EXPECT_TRUE(Find({{-0.5, 1}, {0.1, 1}}, grid).empty());
   EXPECT_TRUE(Find({{-0.5, 1}, {0, 1.3}, {0.5, 1}}, grid).empty());
@@ -111,7 +111,7 @@ TEST(LineFit, AnEdgesSdIsThatOfItsAngle) {
   int walls = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     OccupancyGrid grid = Grid();
-    grid.NextSweep();
+    grid.NextScan();
     const double angle = rng.Uniform(-1.5, 1.5);
     const Point a{0.8 * std::sin(angle) - std::cos(angle), -0.8 * std::cos(angle) - std::sin(angle)};
     std::vector<Point> hits;
@@ -136,7 +136,7 @@ TEST(LineFit, AnEdgesSdIsThatOfItsAngle) {
 // Step 3: the candidate grows over occupied cells, and gives up what lies behind a hole.
 TEST(LineFit, AnEdgeGrowsAndShrinksByTheGrid) {
   OccupancyGrid grid = Grid();
-  grid.NextSweep();
+  grid.NextScan();
   Row(&grid, {-1.8, 1}, 0, 3.01, 0.1);  // from -1.8 to 1.2
   const auto grown = Find({{-0.2, 1}, {0.1, 1}, {0.4, 1}}, grid);
   ASSERT_EQ(grown.size(), 1U);
@@ -144,7 +144,7 @@ TEST(LineFit, AnEdgeGrowsAndShrinksByTheGrid) {
   EXPECT_NEAR(std::max(grown[0].a.x_m, grown[0].b.x_m), 1.2, 0.16);
 
   OccupancyGrid holed = Grid();
-  holed.NextSweep();
+  holed.NextScan();
   Row(&holed, {-1.8, 1}, 0, 2.41, 0.1);  // to 0.6, and the last hit alone at 1.2
   holed.Hit({1.2, 1});
   LineFitRule rule;
@@ -154,10 +154,10 @@ TEST(LineFit, AnEdgeGrowsAndShrinksByTheGrid) {
   EXPECT_NEAR(std::max(shrunk[0].a.x_m, shrunk[0].b.x_m), 0.6, 0.1);
 }
 
-// Step 4: recorded hits decide, beyond those of the sweep.
+// Step 4: recorded hits decide, beyond those of the scan.
 TEST(LineFit, RecordedHitsCorrectTheCandidate) {
   OccupancyGrid grid = Grid();
-  grid.NextSweep();
+  grid.NextScan();
   Row(&grid, {-1, 1}, 0, 2.01, 0.1);
   const auto edges = Find({{-0.6, 0.95}, {0, 1}, {0.6, 1.05}}, grid);
   ASSERT_EQ(edges.size(), 1U);
@@ -166,16 +166,16 @@ TEST(LineFit, RecordedHitsCorrectTheCandidate) {
 
 TEST(LineFit, WhatIsShortThinOrFullOfHolesIsDiscarded) {
   OccupancyGrid few = Grid();
-  few.NextSweep();
+  few.NextScan();
   EXPECT_TRUE(Find(Row(&few, {-0.5, 1}, 0, 1.01, 0.5), few).empty());  // three hits
   OccupancyGrid small = Grid();
-  small.NextSweep();
+  small.NextScan();
   EXPECT_TRUE(Find(Row(&small, {0, 1}, 0, 0.41, 0.08), small).empty());  // 0.4 m
   OccupancyGrid holed = Grid();
-  holed.NextSweep();
+  holed.NextScan();
   EXPECT_TRUE(Find(Row(&holed, {-1, 1}, 0, 2.1, 0.65), holed).empty());  // holes of 0.65 m
   OccupancyGrid thick = Grid();
-  thick.NextSweep();
+  thick.NextScan();
   auto hits = Row(&thick, {-1, 1}, 0, 2.01, 0.15);
   Row(&thick, {-0.92, 0.9}, 0, 1.8, 0.15);
   EXPECT_TRUE(Find(hits, thick).empty());  // two rows, 10 cm apart
@@ -183,7 +183,7 @@ TEST(LineFit, WhatIsShortThinOrFullOfHolesIsDiscarded) {
 
 TEST(LineFit, AClosedRingGoesOnAtItsBeginning) {
   OccupancyGrid grid = Grid();
-  grid.NextSweep();
+  grid.NextScan();
   Row(&grid, {-1, 1}, 0, 2.01, 0.1);
   const std::vector<Point> hits{{0.3, 1}, {0.7, 1}, {1, 0.2}, {0.2, 0}, {-0.1, 1}};
   EXPECT_TRUE(Find(hits, grid, false).empty());
@@ -192,7 +192,7 @@ TEST(LineFit, AClosedRingGoesOnAtItsBeginning) {
 
 TEST(LineFit, ACornerBelongsToBothWalls) {
   OccupancyGrid grid = Grid();
-  grid.NextSweep();
+  grid.NextScan();
   auto hits = Row(&grid, {-1, 1}, 0, 2.01, 0.4);
   const auto down = Row(&grid, {1, 1}, -std::numbers::pi / 2, 2.01, 0.4);
   hits.insert(hits.end(), down.begin() + 1, down.end());
@@ -204,7 +204,7 @@ TEST(LineFit, ACornerBelongsToBothWalls) {
 // A post stands before it: what is seen to its right belongs to the wall that was found to its left.
 TEST(LineFit, AWallBehindAPostIsOne) {
   OccupancyGrid grid = Grid();
-  grid.NextSweep();
+  grid.NextScan();
   Row(&grid, {-1.2, 1}, 0, 2.41, 0.1);
   const std::vector<Point> hits{{-1.2, 1}, {-0.9, 1}, {-0.6, 1}, {-0.3, 0.4}, {0.3, 1}, {0.7, 1}, {1.2, 1}};
   EXPECT_EQ(Find(hits, grid).size(), 1U);
@@ -212,7 +212,7 @@ TEST(LineFit, AWallBehindAPostIsOne) {
 
 TEST(LineFit, NeverMoreEdgesThanThereIsRoomFor) {
   OccupancyGrid grid = Grid();
-  grid.NextSweep();
+  grid.NextScan();
   auto hits = Row(&grid, {-1, 1}, 0, 2.01, 0.2);
   const auto down = Row(&grid, {1, 1}, -std::numbers::pi / 2, 2.01, 0.2);
   hits.insert(hits.end(), down.begin() + 1, down.end());

@@ -12,20 +12,20 @@ namespace {
 
 constexpr std::size_t kMostEdges = 64;
 
-void Check(const Pose& pose, std::span<const RingSweep> sweeps, const std::vector<SensorRing>& rings,
+void Check(const Pose& pose, std::span<const RingScan> scans, const std::vector<SensorRing>& rings,
            double cell_m) {
   const double far_m = 1e6 * cell_m;
   if (!(std::abs(pose.x_m) < far_m && std::abs(pose.y_m) < far_m && std::abs(pose.heading_rad) < 1e6))
     throw InputError("local grids: a pose that is not of numbers, or a million cells from the start");
-  if (sweeps.size() != rings.size())
-    throw InputError("local grids: " + std::to_string(sweeps.size()) + " rings were read, there are " +
+  if (scans.size() != rings.size())
+    throw InputError("local grids: " + std::to_string(scans.size()) + " rings were read, there are " +
                      std::to_string(rings.size()));
   for (std::size_t r = 0; r < rings.size(); ++r) {
-    const std::size_t ranges = sweeps[r].range_m.size();
+    const std::size_t ranges = scans[r].range_m.size();
     if (ranges != 0 && ranges != rings[r].beams())
       throw InputError("local grids: ring " + std::to_string(r) + " gave " + std::to_string(ranges) +
                        " ranges, it has " + std::to_string(rings[r].beams()) + " beams");
-    if (!std::isfinite(sweeps[r].turret_rad) || !std::isfinite(sweeps[r].time_s))
+    if (!std::isfinite(scans[r].turret_rad) || !std::isfinite(scans[r].time_s))
       throw InputError("local grids: the heading or time of ring " + std::to_string(r) + " is not a number");
   }
 }
@@ -47,27 +47,27 @@ LocalGrids::LocalGrids(const GridOptions& options, std::vector<SensorRing> rings
   current_edges_.reserve(kMostEdges);
 }
 
-Alignment LocalGrids::Update(const Pose& odometry, std::span<const RingSweep> sweeps) {
-  Check(odometry, sweeps, rings_, options_.cell_m);
-  const std::int32_t ticks = TicksUntil(sweeps);
+Alignment LocalGrids::Update(const Pose& odometry, std::span<const RingScan> scans) {
+  Check(odometry, scans, rings_, options_.cell_m);
+  const std::int32_t ticks = TicksUntil(scans);
   odometry_ = odometry;
   pose_ = Between(frame_, odometry);
   turned_rad_ = 0;
   occupancy_.MoveTo(pose_.x_m, pose_.y_m);
   edges_.MoveTo(pose_.x_m, pose_.y_m);
-  occupancy_.NextSweep(ticks);
-  TakeHits(sweeps);
+  occupancy_.NextScan(ticks);
+  TakeHits(scans);
   FitLines();
   edges_.Add(current_edges_, ticks);
   orientation_.Add(current_edges_, ticks);
   return Align();
 }
 
-// Since the last sweep, at least one; what rounding leaves over is remembered. The first sweep stands for one
+// Since the last scan, at least one; what rounding leaves over is remembered. The first scan stands for one
 // of the paper's.
-std::int32_t LocalGrids::TicksUntil(std::span<const RingSweep> sweeps) {
-  double time_s = sweeps.empty() ? time_s_ : sweeps[0].time_s;
-  for (const RingSweep& sweep : sweeps) time_s = std::max(time_s, sweep.time_s);
+std::int32_t LocalGrids::TicksUntil(std::span<const RingScan> scans) {
+  double time_s = scans.empty() ? time_s_ : scans[0].time_s;
+  for (const RingScan& scan : scans) time_s = std::max(time_s, scan.time_s);
   if (begun_ && time_s < time_s_)
     throw InputError("local grids: time runs backwards, from " + std::to_string(time_s_) + " s to " +
                      std::to_string(time_s) + " s");
@@ -79,10 +79,10 @@ std::int32_t LocalGrids::TicksUntil(std::span<const RingSweep> sweeps) {
   return ticks;
 }
 
-void LocalGrids::TakeHits(std::span<const RingSweep> sweeps) {
+void LocalGrids::TakeHits(std::span<const RingScan> scans) {
   std::size_t kept = 0;
   for (std::size_t r = 0; r < rings_.size(); ++r) {
-    const std::size_t first = kept, count = rings_[r].Hits(pose_, sweeps[r], std::span(hits_).subspan(first));
+    const std::size_t first = kept, count = rings_[r].Hits(pose_, scans[r], std::span(hits_).subspan(first));
     for (std::size_t k = first; k < first + count; ++k)
       if (occupancy_.Hit(hits_[k])) hits_[kept++] = hits_[k];
     ring_end_[r] = kept;

@@ -1,4 +1,4 @@
-// The four sensory resources of [DM98], updated by one call a sweep: hits, occupancy grid, dominant wall
+// The four sensory resources of [DM98], updated by one call a scan: hits, occupancy grid, dominant wall
 // orientation, edge grid.
 #pragma once
 
@@ -23,7 +23,7 @@ struct WallEstimate {
   double strength = 0;  // of the peak, from 3/8 (none) to 1
 };
 
-// What a sweep did to the frame.
+// What a scan did to the frame.
 enum class Alignment {
   kNone,
   kLocked,     // the first time: the frame was turned along the walls
@@ -43,10 +43,10 @@ class LocalGrids {
 
   LocalGrids(const GridOptions& options, std::vector<SensorRing> rings);
 
-  // One sweep of all rings, in the order of the constructor, at the robot's pose in the odometric frame. Does
+  // One scan of all rings, in the order of the constructor, at the robot's pose in the odometric frame. Does
   // not allocate. Throws InputError: a pose or heading that is not of numbers or beyond a million cells, a
   // wrong number of rings or of ranges, time that runs backwards.
-  Alignment Update(const Pose& odometry, std::span<const RingSweep> sweeps);
+  Alignment Update(const Pose& odometry, std::span<const RingScan> scans);
 
   // The robot in the local frame. When the frame is turned, it is about the robot: only the heading changes.
   const Pose& pose() const { return pose_; }
@@ -56,7 +56,7 @@ class LocalGrids {
 
   bool locked() const { return locked_; }
   bool other_area() const { return other_area_; }
-  // Radians by which this sweep turned the frame.
+  // Radians by which this scan turned the frame.
   double turned_rad() const { return turned_rad_; }
   // None while no direction is dominant.
   std::optional<WallEstimate> walls_rad() const { return walls_; }
@@ -64,12 +64,12 @@ class LocalGrids {
   const OccupancyGrid& occupancy() const { return occupancy_; }
   const EdgeGrid& edges() const { return edges_; }
   std::span<const Edge> current_edges() const { return current_edges_; }
-  std::span<const Point> hits() const { return {hits_.data(), hit_count_}; }  // of this sweep
+  std::span<const Point> hits() const { return {hits_.data(), hit_count_}; }  // of this scan
   const AngleHistogram& wall_histogram() const { return orientation_.histogram(); }
 
  private:
-  std::int32_t TicksUntil(std::span<const RingSweep> sweeps);
-  void TakeHits(std::span<const RingSweep> sweeps);
+  std::int32_t TicksUntil(std::span<const RingScan> scans);
+  void TakeHits(std::span<const RingScan> scans);
   void FitLines();
   Alignment Align();
   void Turn(double angle_rad);
@@ -88,7 +88,7 @@ class LocalGrids {
   std::optional<WallEstimate> walls_;
   bool locked_ = false, other_area_ = false;
   std::optional<double> drifts_since_s_;
-  double time_s_ = 0, owed_ticks_ = kTicksASweep;
+  double time_s_ = 0, owed_ticks_ = kTicksPerScan;
   bool begun_ = false;
   double turned_rad_ = 0, last_walls_rad_ = 0;
 };

@@ -11,7 +11,7 @@ OccupancyGrid::OccupancyGrid(double cell_m, int half, double kept, double occupi
   moved_.reserve(edge * edge);
 }
 
-// The counts of both as they are at the later of the two sweeps.
+// The counts of both as they are at the later of the two scans.
 bool OccupancyGrid::Put(const Moved& moved) {
   const std::int32_t i = CellOf(moved.at.x_m, cell_m()), j = CellOf(moved.at.y_m, cell_m());
   Cell* cell = grid_.Touch(i, j);

@@ -13,7 +13,7 @@ namespace cairn::local_map {
 
 class OccupancyGrid {
  public:
-  // `kept`: the decay rate d, the fraction of a count that is kept each sweep. `occupied`: the hit frequency
+  // `kept`: the decay rate d, the fraction of a count that is kept each scan. `occupied`: the hit frequency
   // from which a cell counts as occupied.
   OccupancyGrid(double cell_m, int half, double kept, double occupied);
 
@@ -23,15 +23,15 @@ class OccupancyGrid {
   Point robot() const { return grid_.robot(); }
 
   void MoveTo(double x_m, double y_m) { grid_.MoveTo(x_m, y_m); }
-  // The next sweep, so many ticks after the last: all counts decay. They do so when they are next looked at.
-  void NextSweep(std::int32_t ticks = kTicksASweep) {
+  // The next scan, so many ticks after the last: all counts decay. They do so when they are next looked at.
+  void NextScan(std::int32_t ticks = kTicksPerScan) {
     tick_ += ticks;
     weight_ = decay_.Weight(ticks);
   }
   // A reading fell onto this point. False: it lies outside the window, and nothing happens.
   bool Hit(Point at) { return Put({at, weight_, tick_}); }
 
-  // C(i, j) (1 - d), C as it stands after the hits of the sweep: what share of the sweeps hits the cell. 0
+  // C(i, j) (1 - d), C as it stands after the hits of the scan: what share of the scans hits the cell. 0
   // where nothing is known.
   double Frequency(std::int32_t i, std::int32_t j) const;
   bool Occupied(std::int32_t i, std::int32_t j) const { return Frequency(i, j) >= occupied_; }
@@ -73,7 +73,7 @@ class OccupancyGrid {
   Decay decay_;
   double share_, occupied_;
   std::int32_t tick_ = 0;
-  float weight_ = 1;          // of a hit of this sweep
+  float weight_ = 1;          // of a hit of this scan
   std::vector<Moved> moved_;  // for Turn; room for all cells from the start
 };
 

@@ -9,15 +9,15 @@
 namespace cairn::local_map {
 namespace {
 
-TEST(OccupancyGrid, FrequencyConvergesToTheShareOfSweepsThatHit) {
+TEST(OccupancyGrid, FrequencyConvergesToTheShareOfScansThatHit) {
   OccupancyGrid grid(0.15, 5, 0.99, 0.08);
   double sum = 0;
   int counted = 0;
-  for (int sweep = 0; sweep < 4000; ++sweep) {
-    grid.NextSweep();
-    grid.Hit({0.01, 0});                         // each sweep
-    if (sweep % 4 == 0) grid.Hit({0.15, 0.01});  // one in four
-    if (sweep < 2000) continue;
+  for (int scan = 0; scan < 4000; ++scan) {
+    grid.NextScan();
+    grid.Hit({0.01, 0});                        // each scan
+    if (scan % 4 == 0) grid.Hit({0.15, 0.01});  // one in four
+    if (scan < 2000) continue;
     sum += grid.Frequency(1, 0);
     ++counted;
   }
@@ -26,14 +26,14 @@ TEST(OccupancyGrid, FrequencyConvergesToTheShareOfSweepsThatHit) {
   EXPECT_EQ(grid.Frequency(2, 0), 0);
 }
 
-// The paper's update done as it stands: all cells decay each sweep. C is read after the hit.
+// The paper's update done as it stands: all cells decay each scan. C is read after the hit.
 TEST(OccupancyGrid, LateDecayEqualsThePapersOwn) {
   constexpr double kKept = 0.9;
   OccupancyGrid grid(1, 3, kKept, 0.08);
   double counts[7][7] = {};
   Rng rng(5);
-  for (int sweep = 0; sweep < 300; ++sweep) {
-    grid.NextSweep();
+  for (int scan = 0; scan < 300; ++scan) {
+    grid.NextScan();
     for (auto& row : counts)
       for (double& count : row) count *= kKept;
     for (int hit = static_cast<int>(rng.Below(4)); hit > 0; --hit) {
@@ -49,7 +49,7 @@ TEST(OccupancyGrid, LateDecayEqualsThePapersOwn) {
 TEST(OccupancyGrid, KeepsTheLastHitOfACellFinerThanTheCell) {
   OccupancyGrid grid(0.6, 3, 0.95, 0.08);
   grid.MoveTo(31.3, -20.1);
-  grid.NextSweep();
+  grid.NextScan();
   EXPECT_TRUE(grid.Hit({31.21, -20.3}));
   EXPECT_TRUE(grid.Hit({31.27, -20.33}));
   EXPECT_FALSE(grid.Hit({35, -20}));
@@ -65,7 +65,7 @@ TEST(OccupancyGrid, TurnsByItsHitsWithLittleLoss) {
   for (const double degrees : {3.0, 8.0, 45.0, -90.0}) {
     OccupancyGrid grid(0.15, 15, 0.95, 0.04);
     grid.MoveTo(10.04, 5.03);
-    grid.NextSweep();
+    grid.NextScan();
     Rng rng(3);
     int before = 0;
     for (int k = -12; k <= 12; ++k)
@@ -90,11 +90,11 @@ TEST(OccupancyGrid, TurnsByItsHitsWithLittleLoss) {
 TEST(OccupancyGrid, CountsThatMeetInACellAddUpAndTheLaterHitStays) {
   for (const double later_m : {1.4, 1.6}) {
     OccupancyGrid grid(1, 3, 0.5, 0.08);
-    grid.NextSweep();
+    grid.NextScan();
     grid.Hit({3.0 - later_m, 0.4});
-    grid.NextSweep();
+    grid.NextScan();
     grid.Hit({later_m, 0.4});
-    grid.NextSweep();
+    grid.NextScan();
     const double c = std::cos(0.5), s = std::sin(0.5);
     grid.Turn(0.5);
     EXPECT_NEAR(grid.Frequency(1, 1), 0.5 * (0.25 + 0.5), 1e-6) << later_m;

@@ -36,16 +36,16 @@ SensorRing::SensorRing(const std::vector<Pose>& beams, double opening_rad, doubl
 }
 
 // NaN: no hit.
-double SensorRing::Range(const RingSweep& sweep, std::size_t beam) const {
-  const double range_m = sweep.range_m[beam];
+double SensorRing::RangeM(const RingScan& scan, std::size_t beam) const {
+  const double range_m = scan.range_m[beam];
   return range_m > 0 && range_m <= max_range_m_ ? range_m : std::numeric_limits<double>::quiet_NaN();
 }
 
-std::size_t SensorRing::Nearest(const RingSweep& sweep, std::size_t sector) const {
+std::size_t SensorRing::Nearest(const RingScan& scan, std::size_t sector) const {
   std::size_t nearest = first_beam_[sector];
-  double range_m = Range(sweep, nearest);
+  double range_m = RangeM(scan, nearest);
   for (std::size_t b = nearest + 1; b < first_beam_[sector + 1]; ++b) {
-    const double other_m = Range(sweep, b);
+    const double other_m = RangeM(scan, b);
     if (!(other_m < range_m || std::isnan(range_m))) continue;
     nearest = b;
     range_m = other_m;
@@ -56,15 +56,15 @@ std::size_t SensorRing::Nearest(const RingSweep& sweep, std::size_t sector) cons
 // Of all that lies in its cone a sonar hears the nearest point: of a wall that it meets at a slant the one at
 // the cone's edge. The tangent of the angle, from the beam's axis, at which the echo arose: towards the
 // neighbour that is nearer, as far as neighbours seem to meet the same surface.
-double SensorRing::Aside(const RingSweep& sweep, std::size_t beam) const {
+double SensorRing::Aside(const RingScan& scan, std::size_t beam) const {
   if (half_opening_ == 0) return 0;
   constexpr double kSteepest = 1.7;  // a surface at 60 degrees
   const std::size_t n = beams_.size();
-  const double here_m = beams_[beam].ahead_m + Range(sweep, beam);
+  const double here_m = beams_[beam].ahead_m + RangeM(scan, beam);
   double slope = 0;
   int neighbours = 0;
   const auto add = [&](std::size_t other, double apart_rad) {
-    const double other_m = beams_[other].ahead_m + Range(sweep, other);
+    const double other_m = beams_[other].ahead_m + RangeM(scan, other);
     const double grows = (other_m - here_m) / (here_m * apart_rad);
     if (!(std::abs(grows) <= kSteepest)) return;  // another surface, or no range
     slope += grows;
@@ -76,18 +76,18 @@ double SensorRing::Aside(const RingSweep& sweep, std::size_t beam) const {
   return std::clamp(-slope / neighbours, -half_opening_, half_opening_);
 }
 
-std::size_t SensorRing::Hits(const Pose& robot, const RingSweep& sweep, std::span<Point> hits) const {
-  if (sweep.range_m.empty()) return 0;
-  CAIRN_DEMAND(sweep.range_m.size() == beams_.size(), "a range for each beam");
-  const double heading = robot.heading_rad + sweep.turret_rad;
+std::size_t SensorRing::Hits(const Pose& robot, const RingScan& scan, std::span<Point> hits) const {
+  if (scan.range_m.empty()) return 0;
+  CAIRN_DEMAND(scan.range_m.size() == beams_.size(), "a range for each beam");
+  const double heading = robot.heading_rad + scan.turret_rad;
   const double c = std::cos(heading), s = std::sin(heading);
   std::size_t count = 0;
   for (std::size_t g = 0; g < sectors(); ++g) {
-    const std::size_t nearest = Nearest(sweep, g);
-    const double range_m = Range(sweep, nearest);
+    const std::size_t nearest = Nearest(scan, g);
+    const double range_m = RangeM(scan, nearest);
     if (std::isnan(range_m)) continue;
     const Beam& beam = beams_[nearest];
-    const double aside = Aside(sweep, nearest);
+    const double aside = Aside(scan, nearest);
     const double along = range_m / std::sqrt(1 + aside * aside);
     const double x = beam.x_m + along * (beam.cos - aside * beam.sin);
     const double y = beam.y_m + along * (beam.sin + aside * beam.cos);

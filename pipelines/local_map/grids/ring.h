@@ -12,7 +12,7 @@ namespace cairn::local_map {
 
 // What one ring measured at one time. A NaN is a sensor that is missing or without an answer; no ranges at
 // all: the ring was not read this time.
-struct RingSweep {
+struct RingScan {
   double time_s = 0;
   double turret_rad = 0;            // heading of the turret on the robot
   std::span<const double> range_m;  // one a beam
@@ -27,14 +27,14 @@ class SensorRing {
   SensorRing(const std::vector<Pose>& beams, double opening_rad, double max_range_m, int sectors = 0);
 
   std::size_t beams() const { return beams_.size(); }
-  // The most hits of a sweep.
+  // The most hits of a scan.
   std::size_t sectors() const { return first_beam_.size() - 1; }
   // Whether the last beam is a neighbour of the first.
   bool closed() const { return closed_; }
 
-  // Writes the hits of a sweep in the order of the beams, with `robot` in the frame in which they are wanted;
+  // Writes the hits of a scan in the order of the beams, with `robot` in the frame in which they are wanted;
   // returns how many. `hits` has room for sectors().
-  std::size_t Hits(const Pose& robot, const RingSweep& sweep, std::span<Point> hits) const;
+  std::size_t Hits(const Pose& robot, const RingScan& scan, std::span<Point> hits) const;
 
  private:
   struct Beam {
@@ -42,9 +42,9 @@ class SensorRing {
     double ahead_m;             // by which it begins beyond the turret's axis
     double next_rad;            // to the next beam
   };
-  double Range(const RingSweep& sweep, std::size_t beam) const;
-  double Aside(const RingSweep& sweep, std::size_t beam) const;
-  std::size_t Nearest(const RingSweep& sweep, std::size_t sector) const;
+  double RangeM(const RingScan& scan, std::size_t beam) const;
+  double Aside(const RingScan& scan, std::size_t beam) const;
+  std::size_t Nearest(const RingScan& scan, std::size_t sector) const;
 
   std::vector<Beam> beams_;
   std::vector<std::size_t> first_beam_;  // [sectors + 1]

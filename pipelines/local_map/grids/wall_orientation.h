@@ -21,12 +21,12 @@ class WallOrientation {
  public:
   static constexpr double kPeriodRad = std::numbers::pi / 2;
 
-  // `kept`: the fraction of the histogram that is kept each sweep.
+  // `kept`: the fraction of the histogram that is kept each scan.
   WallOrientation(double kept, PeakRule rule) : decay_(kept), rule_(rule) {}
 
-  // The next sweep, so many ticks after the last, with these edges. Each counts with
+  // The next scan, so many ticks after the last, with these edges. Each counts with
   // the inverse variance of its angle, 1/deg^2.
-  void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksASweep);
+  void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksPerScan);
 
   // Direction of the walls in [-pi / 4, pi / 4] and how strong it is; none without a strong peak.
   std::optional<AnglePeak> Dominant() const;

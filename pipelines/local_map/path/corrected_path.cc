@@ -4,10 +4,10 @@
 
 namespace cairn::local_map {
 
-void Correct(const OrientationTrack& walls, double scale, std::vector<Sweep>* sweeps) {
+void Correct(const OrientationTrack& walls, double scale, std::vector<Scan>* scans) {
   Pose before, corrected;
-  for (std::size_t s = 0; s < sweeps->size(); ++s) {
-    const Pose now = (*sweeps)[s].pose;
+  for (std::size_t s = 0; s < scans->size(); ++s) {
+    const Pose now = (*scans)[s].pose;
     const double angle = walls.at[s].angle_rad;
     if (s > 0) {
       const double turn = -(walls.at[s - 1].angle_rad + angle) / 2;
@@ -17,7 +17,7 @@ void Correct(const OrientationTrack& walls, double scale, std::vector<Sweep>* sw
     }
     corrected.heading_rad = now.heading_rad - angle;
     before = now;
-    (*sweeps)[s].pose = corrected;
+    (*scans)[s].pose = corrected;
   }
 }
 

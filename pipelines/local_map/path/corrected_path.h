@@ -8,9 +8,9 @@
 
 namespace cairn::local_map {
 
-// Takes the walls' orientation out of the sweeps' headings, so that walls lie along the axes, and turns each
-// way between two sweeps likewise, and makes it `scale` times as long. `walls`: of each sweep, in the frame
+// Takes the walls' orientation out of the scans' headings, so that walls lie along the axes, and turns each
+// way between two scans likewise, and makes it `scale` times as long. `walls`: of each scan, in the frame
 // of its pose.
-void Correct(const OrientationTrack& walls, double scale, std::vector<Sweep>* sweeps);
+void Correct(const OrientationTrack& walls, double scale, std::vector<Scan>* scans);
 
 }  // namespace cairn::local_map

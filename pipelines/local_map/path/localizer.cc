@@ -19,7 +19,7 @@ bool IsOn(const EdgeTrace& trace, const Position& at, double aside_m) {
          at.z_m <= trace.end_z() * cell_m + kBeyond_m;
 }
 
-double Widest(const Range& range) { return std::max(range.z_m, range.u_m); }
+double Widest(const SearchWindow& range) { return std::max(range.z_m, range.u_m); }
 
 // A position in place of another: one that is surer, or that contradicts it.
 bool IsBetter(const Held& held, const Position& at, double range_m) {
@@ -45,7 +45,7 @@ TraceLocalizer::TraceLocalizer(const LocalGrids& grids, const LocalizerOptions& 
   for (ImmediateTrace& around : around_) around = ImmediateRoom(grids);
 }
 
-void TraceLocalizer::Begin(int trace, const std::optional<Position>& at, const Range& range) {
+void TraceLocalizer::Begin(int trace, const std::optional<Position>& at, const SearchWindow& range) {
   if (held_.size() <= static_cast<std::size_t>(trace)) held_.resize(static_cast<std::size_t>(trace) + 1);
   if (at) held_[static_cast<std::size_t>(trace)] = Held{.at = *at, .range = range};
 }
@@ -72,9 +72,9 @@ void TraceLocalizer::Move(const LocalGrids& grids, const TraceGraph& graph, doub
   const Pose before = before_.value_or(now);
   before_ = now;
   const Point by{now.x_m - before.x_m, now.y_m - before.y_m};
-  const double way_m = std::hypot(by.x_m, by.y_m);
-  const double wider = options_.range_per_m * way_m + kSds * more_m;
-  uncorrected_m_ += way_m;
+  const double distance_m = std::hypot(by.x_m, by.y_m);
+  const double wider = options_.range_per_m * distance_m + kSds * more_m;
+  uncorrected_m_ += distance_m;
   lost_ |= kSds * more_m > options_.most_m || uncorrected_m_ > options_.lost_m;
   const double most_m = lost_ ? options_.lost_most_m : options_.most_m;
   for (std::size_t t = 0; t < held_.size(); ++t) {
@@ -155,7 +155,8 @@ bool TraceLocalizer::CorrectWithCrossing(const LocalGrids& grids, const TraceGra
     const Position at = forth ? Through(connection, held.at) : Back(connection, held.at);
     if (std::hypot(at.z_m - there->at.z_m, at.u_m - there->at.u_m) > options_.agree_m) continue;
     const TraceGraph::Node &one = graph.node(trace), &two = graph.node(other);
-    const Range range{std::max(held.range.z_m, there->range.u_m), std::max(held.range.u_m, there->range.z_m)};
+    const SearchWindow range{std::max(held.range.z_m, there->range.u_m),
+                             std::max(held.range.u_m, there->range.z_m)};
     const int left = (connection.quarter == 1) == forth ? 1 : -1;
     const PairMatch pair =
         CorrectPair({one.trace, Around(grids, one.quarter), held.at},
@@ -179,7 +180,7 @@ void TraceLocalizer::Take(const Match& match, Held* held) const {
 
 // Over a wide range z cannot be told before u nor u before z: both are tried from a lattice of places, and
 // the best match of all counts, if z is told by it too.
-Match TraceLocalizer::Search(const OnTrace& on, const Range& range) const {
+Match TraceLocalizer::Search(const OnTrace& on, const SearchWindow& range) const {
   Match best;
   double most = 0;
   const auto steps = [](double range_m) { return static_cast<int>(std::ceil(range_m / kLattice_m)); };

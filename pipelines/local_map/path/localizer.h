@@ -1,4 +1,4 @@
-// Where a robot is, in the private frames of the traces around it ([DM98] section 4.3): one call a sweep.
+// Where a robot is, in the private frames of the traces around it ([DM98] section 4.3): one call a scan.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 namespace cairn::local_map {
 
 struct LocalizerOptions {
-  double range_per_m = 0.02;      // that a position's range grows by, a metre of way
+  double range_per_m = 0.02;      // that a position's range grows by, a metre travelled
   double least_m = 0.05;          // ranges never fall below
   double most_m = 0.5;            // nor grow beyond, while any position is being corrected:
   double lost_m = 5;              // after that way without any correction, or a jump, the robot is lost,
@@ -30,9 +30,9 @@ struct LocalizerOptions {
 // What is kept of a trace.
 struct Held {
   Position at;
-  Range range;
+  SearchWindow range;
   bool active = false;     // the robot is in its area
-  bool corrected = false;  // by this sweep
+  bool corrected = false;  // by this scan
   double similarity = 0;   // of sides, at the last match
 };
 
@@ -43,7 +43,7 @@ class TraceLocalizer {
 
   // To be called for a trace that was added to the graph; `at`: where the robot is in its frame, if that is
   // known, as it is of a trace that has just been recorded.
-  void Begin(int trace, const std::optional<Position>& at, const Range& range);
+  void Begin(int trace, const std::optional<Position>& at, const SearchWindow& range);
 
   // After each update of the grids. Moves all positions by what the robot moved and widens their ranges;
   // hands positions on along connections; corrects those of active traces by matching. Does not allocate.
@@ -60,16 +60,16 @@ class TraceLocalizer {
   // Whether `trace` was corrected together with one that crosses it.
   bool CorrectWithCrossing(const LocalGrids& grids, const TraceGraph& graph, int trace);
   void Take(const Match& match, Held* held) const;
-  Match Search(const OnTrace& on, const Range& range) const;
+  Match Search(const OnTrace& on, const SearchWindow& range) const;
   const ImmediateTrace& Around(const LocalGrids& grids, int quarter);
 
   LocalizerOptions options_;
   std::vector<std::optional<Held>> held_;
   std::vector<int> order_;
   std::array<ImmediateTrace, 4> around_;
-  std::array<bool, 4> made_{};  // of this sweep
+  std::array<bool, 4> made_{};  // of this scan
   std::optional<Pose> before_;
-  double uncorrected_m_ = 0;  // of way
+  double uncorrected_m_ = 0;  // travelled
   bool lost_ = false;
 };
 

@@ -12,7 +12,7 @@
 namespace cairn::local_map {
 namespace {
 
-constexpr double kWay_m = 9;
+constexpr double kDistance_m = 9;
 
 struct Known {
   TraceGraph graph;
@@ -22,10 +22,10 @@ struct Known {
 // A trace of the corridor from one end to the other.
 Known RecordCorridor() {
   Drive drive(NichedCorridor(), {-4.8, 0, 0}, 1);
-  for (int k = 0; k < 5; ++k) drive.Sweep();
+  for (int k = 0; k < 5; ++k) drive.Scan();
   TraceRecorder recorder(drive.grids());
   recorder.Begin(drive.grids(), drive.time_s());
-  for (double gone = 0; gone < kWay_m; gone += Drive::kSpeedMS * Drive::kSweepS) {
+  for (double gone = 0; gone < kDistance_m; gone += Drive::kSpeedMS * Drive::kScanS) {
     drive.Step();
     if (recorder.Update(drive.grids(), drive.time_s()) != TraceEnd::kNone) break;
   }
@@ -48,14 +48,14 @@ struct Again {
   double last_m = 0;
   int corrected = 0;
 
-  explicit Again(const Position& off, const Range& range, const LocalizerOptions& options = {})
+  explicit Again(const Position& off, const SearchWindow& range, const LocalizerOptions& options = {})
       : localizer(drive.grids(), options, 8) {
-    for (int k = 0; k < 5; ++k) drive.Sweep();
+    for (int k = 0; k < 5; ++k) drive.Scan();
     Position at = known.frame.At({drive.pose().x_m, drive.pose().y_m}, 0.15);
     localizer.Begin(0, Position{at.z_m + off.z_m, at.u_m + off.u_m}, range);
   }
-  void Go(double way_m) {
-    for (double gone = 0; gone < way_m; gone += Drive::kSpeedMS * Drive::kSweepS) {
+  void Go(double distance_m) {
+    for (double gone = 0; gone < distance_m; gone += Drive::kSpeedMS * Drive::kScanS) {
       drive.Step();
       localizer.Update(drive.grids(), known.graph);
       corrected += localizer.held(0)->corrected ? 1 : 0;
@@ -131,7 +131,7 @@ TEST(TraceLocalizer, CorrectsTracesThatCrossTogether) {
   for (const TestWall& wall : TestBox(0.8, 0.5, {0.6, -1.45, 0})) room.push_back(wall);
   const auto drive_in = [](Drive* drive) {
     drive->Ahead(0.5);
-    for (int k = 0; k < 40; ++k) drive->Sweep();
+    for (int k = 0; k < 40; ++k) drive->Scan();
   };
   Drive before(room, {-0.5, 0, 0}, 3), now(room, {-0.45, 0.05, 0}, 4);
   drive_in(&before);

@@ -24,8 +24,8 @@ constexpr double kFullSight_m = 3, kIndependent_m = 0.2;  // edges of a whole si
 double ModuloQuarter(double angle_rad) { return std::remainder(angle_rad, kQuarter_rad); }
 double Squared(double x) { return x * x; }
 
-// A few sweeps at about one place.
-struct Node {
+// A few scans at about one place.
+struct SightNode {
   std::size_t first = 0, end = 0;  // sights
   std::array<double, kStates> nats{};
 };
@@ -42,7 +42,7 @@ struct Drift {
   }
 };
 
-void Weigh(const std::vector<OrientationSight>& sights, Node* node) {
+void Weigh(const std::vector<OrientationSight>& sights, SightNode* node) {
   std::array<double, kBins> mean{};
   double all = 0;
   for (std::size_t s = node->first; s < node->end; ++s)
@@ -58,8 +58,8 @@ void Weigh(const std::vector<OrientationSight>& sights, Node* node) {
   }
 }
 
-std::vector<Node> NodesOf(const std::vector<OrientationSight>& sights) {
-  std::vector<Node> nodes;
+std::vector<SightNode> SightNodesOf(const std::vector<OrientationSight>& sights) {
+  std::vector<SightNode> nodes;
   for (std::size_t s = 0; s < sights.size(); ++s) {
     const bool apart = nodes.empty() || sights[s].begins ||
                        sights[s].path_m - sights[nodes.back().first].path_m >= kNode_m ||
@@ -67,13 +67,13 @@ std::vector<Node> NodesOf(const std::vector<OrientationSight>& sights) {
     if (apart) nodes.push_back({s, s, {}});
     nodes.back().end = s + 1;
   }
-  for (Node& node : nodes) Weigh(sights, &node);
+  for (SightNode& node : nodes) Weigh(sights, &node);
   return nodes;
 }
 
 // The most likely sequence of states; as angles that go on continuously.
-std::vector<double> MostLikely(const std::vector<OrientationSight>& sights, const std::vector<Node>& nodes,
-                               const Drift& drift) {
+std::vector<double> MostLikely(const std::vector<OrientationSight>& sights,
+                               const std::vector<SightNode>& nodes, const Drift& drift) {
   std::vector<std::array<double, kStates>> best(nodes.size());
   std::vector<std::array<std::int16_t, kStates>> step(nodes.size());  // states by which it came here
   best[0] = nodes[0].nats;
@@ -111,38 +111,39 @@ std::vector<double> MostLikely(const std::vector<OrientationSight>& sights, cons
 }
 
 // Least squares of the steps over way and turn; and what is left, as a walk.
-Drift Learn(const std::vector<OrientationSight>& sights, const std::vector<Node>& nodes,
+Drift Learn(const std::vector<OrientationSight>& sights, const std::vector<SightNode>& nodes,
             const std::vector<double>& angle, const OrientationOptions& options) {
   double ww = 1e-3, wt = 0, tt = 1e-3, wa = 0, ta = 0;  // as if a little of either had shown none
   for (std::size_t n = 1; n < nodes.size(); ++n) {
     const OrientationSight &from = sights[nodes[n - 1].first], &to = sights[nodes[n].first];
     if (to.begins) continue;
-    const double way = to.path_m - from.path_m, turn = to.heading_rad - from.heading_rad;
-    const double weight = 1 / (way + Squared(turn) + 0.01), by = angle[n] - angle[n - 1];
-    ww += weight * way * way;
-    wt += weight * way * turn;
+    const double travelled = to.path_m - from.path_m, turn = to.heading_rad - from.heading_rad;
+    const double weight = 1 / (travelled + Squared(turn) + 0.01), by = angle[n] - angle[n - 1];
+    ww += weight * travelled * travelled;
+    wt += weight * travelled * turn;
     tt += weight * turn * turn;
-    wa += weight * way * by;
+    wa += weight * travelled * by;
     ta += weight * turn * by;
   }
   Drift drift;
   const double determinant = ww * tt - wt * wt;
   drift.per_m = (wa * tt - ta * wt) / determinant;
   drift.turn_scale = (ta * ww - wa * wt) / determinant;
-  double squares = 0, ways = 0;
+  double squares = 0, travelled = 0;
   for (std::size_t n = 1; n < nodes.size(); ++n) {
     const OrientationSight &from = sights[nodes[n - 1].first], &to = sights[nodes[n].first];
     if (to.begins) continue;
     squares += Squared(angle[n] - angle[n - 1] - drift.Of(from, to));
-    ways += to.path_m - from.path_m;
+    travelled += to.path_m - from.path_m;
   }
-  drift.walk = std::clamp(ways > 0 ? std::sqrt(squares / ways) : 0, kLeastWalk, options.walk_rad_per_sqrt_m);
+  drift.walk =
+      std::clamp(travelled > 0 ? std::sqrt(squares / travelled) : 0, kLeastWalk, options.walk_rad_per_sqrt_m);
   drift.turn_ratio = options.turn_ratio / 2;
   return drift;
 }
 
 // The search's angle at each sight: odometry's known errors, and what they leave spread over the way.
-std::vector<double> AtSights(const std::vector<OrientationSight>& sights, const std::vector<Node>& nodes,
+std::vector<double> AtSights(const std::vector<OrientationSight>& sights, const std::vector<SightNode>& nodes,
                              const std::vector<double>& angle, const Drift& drift) {
   std::vector<double> at(sights.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) {
@@ -196,7 +197,7 @@ OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
   OrientationTrack track;
   track.at.resize(sights.size());
   if (sights.empty()) return track;
-  const std::vector<Node> nodes = NodesOf(sights);
+  const std::vector<SightNode> nodes = SightNodesOf(sights);
   Drift drift{
       .per_m = 0, .turn_scale = 0, .walk = options.walk_rad_per_sqrt_m, .turn_ratio = options.turn_ratio};
   std::vector<double> angle;
@@ -211,9 +212,9 @@ OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
     double independent = 1;
     if (s > 0) {
       variance += drift.Variance(sights[s - 1], sights[s]);
-      const double way = sights[s].path_m - sights[s - 1].path_m +
-                         std::abs(sights[s].heading_rad - sights[s - 1].heading_rad);
-      independent = std::min(1.0, way / kIndependent_m);
+      const double travelled = sights[s].path_m - sights[s - 1].path_m +
+                               std::abs(sights[s].heading_rad - sights[s - 1].heading_rad);
+      independent = std::min(1.0, travelled / kIndependent_m);
     }
     Filtered& now = filtered[s];
     now.predicted = off;

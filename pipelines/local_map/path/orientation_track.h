@@ -1,5 +1,5 @@
-// Which way the walls lie along a run, in the frame of its dead reckoning: what grids saw of them, sweep by
-// sweep, chained into one continuous angle. What the walls' angle drifts by is what the odometric heading
+// Which way the walls lie along a run, in the frame of its dead reckoning: what grids saw of them, scan by
+// scan, chained into one continuous angle. What the walls' angle drifts by is what the odometric heading
 // does.
 #pragma once
 
@@ -25,16 +25,16 @@ using EdgeHistogram = std::array<float, kBins>;
 void AddEdge(double angle_rad, double length_m, EdgeHistogram* histogram);
 
 struct OrientationSight {
-  double path_m = 0;        // way so far
+  double path_m = 0;        // distance travelled so far
   double heading_rad = 0;   // by odometry, not wrapped
-  EdgeHistogram edges_m{};  // what this sweep showed
-  bool begins = false;      // the first sweep after a jump, at which odometry's heading is lost
+  EdgeHistogram edges_m{};  // what this scan showed
+  bool begins = false;      // the first scan after a jump, at which odometry's heading is lost
 };
 
 struct Orientation {
   double angle_rad = 0;  // continuous, in [-pi/4, pi/4] where the track begins
   double sd_rad = 0;
-  double strength = 0;  // share of this sweep's edges that lie as the walls do
+  double strength = 0;  // share of this scan's edges that lie as the walls do
   bool other = false;   // most of them lie otherwise
 };
 
@@ -48,7 +48,7 @@ struct OrientationTrack {
 
 // First the most likely sequence of orientations on a circle of half degrees, places 0.3 m apart (Viterbi),
 // which finds its way through areas that are oriented otherwise; odometry's own errors are estimated from it
-// and the search repeated. Then a smoother (Rauch, Tung, Striebel 1965) of each sweep's edges that lie within
+// and the search repeated. Then a smoother (Rauch, Tung, Striebel 1965) of each scan's edges that lie within
 // other_rad of it.
 OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
                                   const OrientationOptions& options);

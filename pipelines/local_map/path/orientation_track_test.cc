@@ -14,8 +14,8 @@ struct SightedDrive {
   std::vector<double> true_rad;  // of walls in the odometric frame
 };
 
-// 80 m, a sweep each 0.1 m, a quarter turn each 10 m, by odometry that drifts; half a metre of wall aside of
-// other things is seen in most sweeps. From `turned_from` on, for 4 m, all walls stand 30 degrees askew.
+// 80 m, a scan each 0.1 m, a quarter turn each 10 m, by odometry that drifts; half a metre of wall aside of
+// other things is seen in most scans. From `turned_from` on, for 4 m, all walls stand 30 degrees askew.
 SightedDrive Sights(double drift_rad_per_m, double turn_scale, double walk, int turned_from = -1) {
   Rng rng(5);
   SightedDrive drive;

@@ -1,10 +1,10 @@
-// Which knots may lie on which traces, and what matching says of them.
+// Which nodes may lie on which traces, and what matching says of them.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "pipelines/local_map/path/assemble.h"
+#include "pipelines/local_map/path/pose_graph.h"
 #include "pipelines/local_map/traces/arrays.h"
 #include "pipelines/local_map/traces/find_on.h"
 #include "pipelines/pipeline.h"
@@ -12,11 +12,11 @@
 namespace cairn::local_map {
 
 struct PairOptions {
-  double loop_m = 6;           // of way between them, at least: what is nearer odometry knows better
+  double loop_m = 6;           // travelled between them, at least: what is nearer odometry knows better
   double aside_m = 0.3;        // to the side of a trace's way
-  double beyond_m = 0.3;       // the ends of the way over which it was recorded
+  double beyond_m = 0.3;       // the ends of the path over which it was recorded
   double range_m = 0.3;        // searched around where the path says, and
-  double range_per_m = 0.015;  // of way more,
+  double range_per_m = 0.015;  // travelled more,
   double most_m = 1.5;         // up to so much
   double confidence = 0.9;     // that a match must have
   double least_sd_m = 0.05;    // that its u is believed to have, at best,
@@ -26,32 +26,33 @@ struct PairOptions {
 };
 
 // A place that a robot was at.
-struct Knot {
-  std::size_t robot = 0, sweep = 0;
+struct PathNode {
+  std::size_t robot = 0, scan = 0;
   double path_m = 0;
   Point dead;  // in the frame that traces were recorded in
   Point at;    // where the path has it now
 };
 
-// A knot that may lie on a trace.
+// A node that may lie on a trace.
 struct Pair {
-  std::int32_t knot = 0, trace = 0;
+  std::int32_t node = 0, trace = 0;
   Position at;  // in the trace's frame, by the path
   double range_m = 0;
 };
 
-// Of each knot, the traces of its robot that the path says are near.
-std::vector<Pair> PairsOf(const std::vector<Knot>& knots, const std::vector<RecordedTrace>& traces,
-                          double wider, const PairOptions& options);
+// Of each node, the traces of its robot that the path says are near.
+std::vector<Pair> ChoosePairs(const std::vector<PathNode>& nodes, const std::vector<RecordedTrace>& traces,
+                              double wider, const PairOptions& options);
 
-// The surroundings of a knot in the direction of the trace, sought on it. A confidence of 0: nothing could be
+// The surroundings of a node in the direction of the trace, sought on it. A confidence of 0: nothing could be
 // compared.
 Candidate MatchPair(const Pair& pair, const RecordedTrace& trace, const EdgeTrace& surroundings,
                     const Position& robot, const PairOptions& options);
 
-// What a match says of the knot, and of that knot of the trace's own way which is nearest to it.
-Relation RelationOf(const Pair& pair, const Candidate& match, const std::vector<Knot>& knots,
-                    const RecordedTrace& trace, const PairOptions& options);
+// What a match says of the node, and of that node of the trace's own way which is nearest to it.
+LoopConstraint MakeLoopConstraint(const Pair& pair, const Candidate& match,
+                                  const std::vector<PathNode>& nodes, const RecordedTrace& trace,
+                                  const PairOptions& options);
 
 Blob PairsBlob(const std::vector<Pair>& pairs);  // a row each
 std::vector<Pair> PairsOfBlob(const Blob& blob);

@@ -57,8 +57,8 @@ Blob PosesOf(const std::vector<std::string>& names, const std::vector<Odometry>&
 
 struct Reading {
   double time_s;
-  std::size_t sensor;  // of the robot's
-  std::int64_t scan;   // of the log's
+  std::size_t sensor;       // of the robot's
+  std::int64_t row_of_log;  // of the log's
 };
 
 std::vector<Reading> ReadingsOf(const PosedScans& scans, const RobotRuns& runs) {
@@ -71,36 +71,36 @@ std::vector<Reading> ReadingsOf(const PosedScans& scans, const RobotRuns& runs) 
   return readings;
 }
 
-void AddSweep(const Odometry& odometry, double time_s, RobotRuns* runs) {
+void AddScan(const Odometry& odometry, double time_s, RobotRuns* runs) {
   const OdometricPose at = PoseAt(odometry, time_s);
-  runs->sweeps.push_back({time_s, {at.x_m, at.y_m, at.heading_rad}, at.path_m, 0, false});
-  runs->scan.insert(runs->scan.end(), runs->sensors.size(), -1);
+  runs->scans.push_back({time_s, {at.x_m, at.y_m, at.heading_rad}, at.path_m, 0, false});
+  runs->row_of_log.insert(runs->row_of_log.end(), runs->sensors.size(), -1);
 }
 
-void AddSweeps(const std::vector<Reading>& readings, const Odometry& odometry, RobotRuns* runs) {
+void AddScans(const std::vector<Reading>& readings, const Odometry& odometry, RobotRuns* runs) {
   const std::size_t sensors = runs->sensors.size();
   for (const Reading& reading : readings) {
-    const bool has_sweep = !runs->sweeps.empty();
-    const bool taken = has_sweep && runs->scan[runs->scan.size() - sensors + reading.sensor] >= 0;
-    if (!has_sweep || taken || reading.time_s - runs->sweeps.back().time_s > kTogether_s)
-      AddSweep(odometry, reading.time_s, runs);
-    runs->scan[runs->scan.size() - sensors + reading.sensor] = reading.scan;
+    const bool has_scan = !runs->scans.empty();
+    const bool taken = has_scan && runs->row_of_log[runs->row_of_log.size() - sensors + reading.sensor] >= 0;
+    if (!has_scan || taken || reading.time_s - runs->scans.back().time_s > kTogether_s)
+      AddScan(odometry, reading.time_s, runs);
+    runs->row_of_log[runs->row_of_log.size() - sensors + reading.sensor] = reading.row_of_log;
   }
 }
 
-void CutSweeps(const std::vector<double>& jumps, double gap_s, RobotRuns* runs) {
+void CutScans(const std::vector<double>& jumps, double gap_s, RobotRuns* runs) {
   std::int32_t run = 0;
   std::size_t next = 0;
-  for (std::size_t s = 1; s < runs->sweeps.size(); ++s) {
-    const double before_s = runs->sweeps[s - 1].time_s, time_s = runs->sweeps[s].time_s;
-    while (next < jumps.size() && jumps[next] <= before_s) ++next;  // no sweep was before it
+  for (std::size_t s = 1; s < runs->scans.size(); ++s) {
+    const double before_s = runs->scans[s - 1].time_s, time_s = runs->scans[s].time_s;
+    while (next < jumps.size() && jumps[next] <= before_s) ++next;  // no scan was before it
     const bool jumped = next < jumps.size() && jumps[next] <= time_s;
     if (jumped || time_s - before_s > gap_s) {
       runs->cuts.push_back({before_s, jumped ? "jump" : "gap"});
       ++run;
     }
-    runs->sweeps[s].run = run;
-    runs->sweeps[s].jumped = jumped;
+    runs->scans[s].run = run;
+    runs->scans[s].jumped = jumped;
   }
 }
 
@@ -161,14 +161,14 @@ DeadReckoning ReckonAll(const Blob& log, const RunOptions& options) {
   return reckoning;
 }
 
-std::vector<RobotRuns> RunsOf(const PosedScans& scans, const DeadReckoning& reckoning,
-                              const RunOptions& options) {
+std::vector<RobotRuns> CutRuns(const PosedScans& scans, const DeadReckoning& reckoning,
+                               const RunOptions& options) {
   std::vector<RobotRuns> robots(reckoning.robots.size());
   for (std::size_t r = 0; r < robots.size(); ++r) {
     for (std::size_t k = 0; k < scans.sensors.size(); ++k)
       if (scans.sensors[k].name.starts_with(Prefix(r))) robots[r].sensors.push_back(k);
-    AddSweeps(ReadingsOf(scans, robots[r]), reckoning.robots[r], &robots[r]);
-    CutSweeps(reckoning.jumps[r], options.gap_s, &robots[r]);
+    AddScans(ReadingsOf(scans, robots[r]), reckoning.robots[r], &robots[r]);
+    CutScans(reckoning.jumps[r], options.gap_s, &robots[r]);
   }
   return robots;
 }
@@ -177,41 +177,41 @@ Blob RowsOf(const RobotRuns& runs) {
   std::vector<double> time, path;
   std::vector<std::int32_t> run;
   std::vector<std::uint8_t> jumped;
-  for (const Sweep& sweep : runs.sweeps) {
-    time.push_back(sweep.time_s);
-    path.push_back(sweep.path_m);
-    run.push_back(sweep.run);
-    jumped.push_back(sweep.jumped ? 1 : 0);
+  for (const Scan& scan : runs.scans) {
+    time.push_back(scan.time_s);
+    path.push_back(scan.path_m);
+    run.push_back(scan.run);
+    jumped.push_back(scan.jumped ? 1 : 0);
   }
   Blob blob;
   blob.PutVector("time_s", time);
   blob.PutVector("path_m", path);
   blob.PutVector("run", run);
   blob.PutVector("jumped", jumped);
-  const auto count = static_cast<std::int64_t>(runs.sweeps.size());
-  blob.Put("scan",
-           Array::Of<std::int64_t>({count, static_cast<std::int64_t>(runs.sensors.size())}, runs.scan));
-  return WithPoses(std::move(blob), runs.sweeps);
+  const auto count = static_cast<std::int64_t>(runs.scans.size());
+  blob.Put("row_of_log",
+           Array::Of<std::int64_t>({count, static_cast<std::int64_t>(runs.sensors.size())}, runs.row_of_log));
+  return WithPoses(std::move(blob), runs.scans);
 }
 
-Blob WithPoses(Blob rows, const std::vector<Sweep>& sweeps) {
+Blob WithPoses(Blob rows, const std::vector<Scan>& scans) {
   std::vector<double> pose;
-  for (const Sweep& sweep : sweeps)
-    pose.insert(pose.end(), {sweep.pose.x_m, sweep.pose.y_m, sweep.pose.heading_rad});
-  rows.Put("pose", Array::Of<double>({static_cast<std::int64_t>(sweeps.size()), 3}, pose));
+  for (const Scan& scan : scans)
+    pose.insert(pose.end(), {scan.pose.x_m, scan.pose.y_m, scan.pose.heading_rad});
+  rows.Put("pose", Array::Of<double>({static_cast<std::int64_t>(scans.size()), 3}, pose));
   return rows;
 }
 
-std::vector<Sweep> SweepsOf(const Blob& rows) {
+std::vector<Scan> ScansOf(const Blob& rows) {
   const auto time = rows.Get<double>("time_s"), pose = rows.Get<double>("pose");
   const auto path = rows.Get<double>("path_m");
   const auto run = rows.Get<std::int32_t>("run");
   const auto jumped = rows.Get<std::uint8_t>("jumped");
-  std::vector<Sweep> sweeps;
+  std::vector<Scan> scans;
   for (std::size_t s = 0; s < time.size(); ++s)
-    sweeps.push_back(
+    scans.push_back(
         {time[s], {pose[3 * s], pose[3 * s + 1], pose[3 * s + 2]}, path[s], run[s], jumped[s] != 0});
-  return sweeps;
+  return scans;
 }
 
 }  // namespace cairn::local_map

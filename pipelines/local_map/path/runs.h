@@ -1,4 +1,4 @@
-// A robot's odometry, cut where it jumps and where nothing was sensed for long, and the sweeps of its sensors
+// A robot's odometry, cut where it jumps and where nothing was sensed for long, and the scans of its sensors
 // along it.
 #pragma once
 
@@ -16,27 +16,27 @@ namespace cairn::local_map {
 struct RunOptions {
   double jump_mps = 3;    // faster than this no robot drives
   double jump_radps = 4;  // or turns
-  double gap_s = 30;      // without a sweep for so long, grids begin anew
+  double gap_s = 30;      // without a scan for so long, grids begin anew
 };
 
 struct Cut {
-  double time_s = 0;  // the last sweep before
+  double time_s = 0;  // the last scan before
   std::string why;    // "jump", "gap"
 };
 
 // One moment at which one or several of a robot's rings were read.
-struct Sweep {
+struct Scan {
   double time_s = 0;
   Pose pose;             // dead reckoning without the jumps, from the robot's start; heading not wrapped
-  double path_m = 0;     // way so far
+  double path_m = 0;     // distance travelled so far
   std::int32_t run = 0;  // which run of this robot
-  bool jumped = false;   // odometry did, since the sweep before
+  bool jumped = false;   // odometry did, since the scan before
 };
 
 struct RobotRuns {
   std::vector<std::size_t> sensors;  // of the log's, in the order of PosedScans
-  std::vector<Sweep> sweeps;
-  std::vector<std::int64_t> scan;  // [sweeps][sensors] which of the log's scans; -1: not read
+  std::vector<Scan> scans;
+  std::vector<std::int64_t> row_of_log;  // [scans][sensors] which of the log's scans; -1: not read
   std::vector<Cut> cuts;
 };
 
@@ -53,14 +53,14 @@ struct DeadReckoning {
 };
 DeadReckoning ReckonAll(const Blob& log, const RunOptions& options);
 
-// Scans of one robot's sensors that are less than `together_s` apart make one sweep.
+// Scans of one robot's sensors that are less than `together_s` apart make one scan.
 inline constexpr double kTogether_s = 0.02;
-std::vector<RobotRuns> RunsOf(const PosedScans& scans, const DeadReckoning& reckoning,
-                              const RunOptions& options);
+std::vector<RobotRuns> CutRuns(const PosedScans& scans, const DeadReckoning& reckoning,
+                               const RunOptions& options);
 
-// The sweeps as arrays of a row each, so that a task may take some; the same with other poses; and back.
+// The scans as arrays of a row each, so that a task may take some; the same with other poses; and back.
 Blob RowsOf(const RobotRuns& runs);
-Blob WithPoses(Blob rows, const std::vector<Sweep>& sweeps);
-std::vector<Sweep> SweepsOf(const Blob& rows);
+Blob WithPoses(Blob rows, const std::vector<Scan>& scans);
+std::vector<Scan> ScansOf(const Blob& rows);
 
 }  // namespace cairn::local_map

@@ -45,16 +45,16 @@ RobotRuns RunsOfLog(const Blob& log) {
   const DeadReckoning reckoning = ReckonAll(log, options);
   cairn::GridOptions reading;
   reading.skip_unposed = true;
-  return RunsOf(ReadRangeScans(log, &reckoning.poses, reading), reckoning, options)[0];
+  return CutRuns(ReadRangeScans(log, &reckoning.poses, reading), reckoning, options)[0];
 }
 
-TEST(Runs, ReadingsOfAMomentAreOneSweep) {
+TEST(Runs, ReadingsOfAMomentAreOneScan) {
   const RobotRuns runs = RunsOfLog(Log(20, -1, 0, 0));
   ASSERT_EQ(runs.sensors.size(), 2U);
-  EXPECT_EQ(runs.sweeps.size(), 20U);
+  EXPECT_EQ(runs.scans.size(), 20U);
   EXPECT_TRUE(runs.cuts.empty());
-  for (const std::int64_t scan : runs.scan) EXPECT_GE(scan, 0);
-  EXPECT_NEAR(runs.sweeps.back().pose.x_m, 2.0, 1e-9);
+  for (const std::int64_t row_of_log : runs.row_of_log) EXPECT_GE(row_of_log, 0);
+  EXPECT_NEAR(runs.scans.back().pose.x_m, 2.0, 1e-9);
 }
 
 TEST(Runs, AreCutWhereOdometryJumpsAndTheJumpIsTakenOut) {
@@ -62,18 +62,18 @@ TEST(Runs, AreCutWhereOdometryJumpsAndTheJumpIsTakenOut) {
   ASSERT_EQ(runs.cuts.size(), 1U);
   EXPECT_EQ(runs.cuts[0].why, "jump");
   EXPECT_NEAR(runs.cuts[0].time_s, 2.0, 0.01);
-  EXPECT_EQ(runs.sweeps[9].run, 0);
-  EXPECT_EQ(runs.sweeps[10].run, 1);
-  EXPECT_TRUE(runs.sweeps[10].jumped);
-  EXPECT_NEAR(runs.sweeps.back().pose.x_m, 1.9, 1e-9);
+  EXPECT_EQ(runs.scans[9].run, 0);
+  EXPECT_EQ(runs.scans[10].run, 1);
+  EXPECT_TRUE(runs.scans[10].jumped);
+  EXPECT_NEAR(runs.scans.back().pose.x_m, 1.9, 1e-9);
 }
 
 TEST(Runs, AJumpOfTheHeadingLeavesTheWayAfterItOnTheHeadingBefore) {
   const RobotRuns runs = RunsOfLog(Log(20, 10, 2.5, 0.1));
   ASSERT_EQ(runs.cuts.size(), 1U);
-  EXPECT_NEAR(runs.sweeps.back().pose.x_m, 1.9, 1e-9);
-  EXPECT_NEAR(runs.sweeps.back().pose.y_m, 0, 1e-9);
-  EXPECT_NEAR(runs.sweeps.back().pose.heading_rad, 0, 1e-9);
+  EXPECT_NEAR(runs.scans.back().pose.x_m, 1.9, 1e-9);
+  EXPECT_NEAR(runs.scans.back().pose.y_m, 0, 1e-9);
+  EXPECT_NEAR(runs.scans.back().pose.heading_rad, 0, 1e-9);
 }
 
 TEST(Runs, AWayBackwardsIsNoJump) {
@@ -92,15 +92,15 @@ TEST(Runs, AWayBackwardsIsNoJump) {
   log.PutVector("robot/0/odometry/forward_m", forward);
   const RobotRuns runs = RunsOfLog(log);
   EXPECT_TRUE(runs.cuts.empty());
-  EXPECT_NEAR(runs.sweeps.back().pose.x_m, 1.7, 1e-9);
+  EXPECT_NEAR(runs.scans.back().pose.x_m, 1.7, 1e-9);
 }
 
 TEST(Runs, AreCutAtGapsWhichAreNoJumps) {
   const RobotRuns runs = RunsOfLog(Log(20, 10, 0, 0.1, 100));
   ASSERT_EQ(runs.cuts.size(), 1U);
   EXPECT_EQ(runs.cuts[0].why, "gap");
-  EXPECT_FALSE(runs.sweeps[10].jumped);
-  EXPECT_NEAR(runs.sweeps.back().pose.x_m, 2.0, 1e-9);
+  EXPECT_FALSE(runs.scans[10].jumped);
+  EXPECT_NEAR(runs.scans.back().pose.x_m, 2.0, 1e-9);
 }
 
 TEST(Runs, ALogWithoutOdometryGoesByItsPoses) {
@@ -110,20 +110,20 @@ TEST(Runs, ALogWithoutOdometryGoesByItsPoses) {
   log.PutVector<double>("robot/0/poses/y_m", {0, 0.2, 0.4});
   log.PutVector<double>("robot/0/poses/heading_rad", {3.1, -3.1, 3.1});
   const RobotRuns runs = RunsOfLog(log);
-  ASSERT_FALSE(runs.sweeps.empty());
-  EXPECT_NEAR(runs.sweeps.back().pose.y_m, 0.4, 1e-9);
-  EXPECT_NEAR(runs.sweeps.back().path_m, 0.4, 1e-9);
+  ASSERT_FALSE(runs.scans.empty());
+  EXPECT_NEAR(runs.scans.back().pose.y_m, 0.4, 1e-9);
+  EXPECT_NEAR(runs.scans.back().path_m, 0.4, 1e-9);
   EXPECT_THROW(ReckonAll(Log(5, -1, 0, 0).Without("robot/0/odometry/"), {}), InputError);
 }
 
-TEST(Runs, RowsAreThoseSweeps) {
+TEST(Runs, RowsAreThoseScans) {
   const RobotRuns runs = RunsOfLog(Log(20, 10, 0, 5));
-  const std::vector<Sweep> back = SweepsOf(RowsOf(runs));
-  ASSERT_EQ(back.size(), runs.sweeps.size());
+  const std::vector<Scan> back = ScansOf(RowsOf(runs));
+  ASSERT_EQ(back.size(), runs.scans.size());
   for (std::size_t s = 0; s < back.size(); ++s) {
-    EXPECT_EQ(back[s].pose.x_m, runs.sweeps[s].pose.x_m);
-    EXPECT_EQ(back[s].run, runs.sweeps[s].run);
-    EXPECT_EQ(back[s].jumped, runs.sweeps[s].jumped);
+    EXPECT_EQ(back[s].pose.x_m, runs.scans[s].pose.x_m);
+    EXPECT_EQ(back[s].run, runs.scans[s].run);
+    EXPECT_EQ(back[s].jumped, runs.scans[s].jumped);
   }
 }
 

@@ -12,9 +12,9 @@ constexpr double kRightAngle_rad = std::numbers::pi / 2;
 constexpr double kRay_rad = 0.05;  // of a beam without a cone from the axis
 constexpr double kMostCone_rad = 0.2;
 constexpr double kSameWall_m = 0.12;  // a distance that is further off the wall so far is of another thing
-constexpr double kAside_m = 0.25;     // and so is what is met this far to the side of the first sweep
+constexpr double kAside_m = 0.25;     // and so is what is met this far to the side of the first scan
 constexpr double kShortest_m = 0.5, kLongest_m = 2;
-constexpr std::size_t kLeastSweeps = 5;
+constexpr std::size_t kLeastScans = 5;
 constexpr double kLeastApproaches = 5;
 constexpr double kUsualSd = 0.03;  // of a scale
 constexpr double kOutlier = 0.1;   // of a scale
@@ -25,14 +25,14 @@ struct WallReading {
 
 // Along `quarter`, of the beam that points there best.
 std::optional<double> DistanceAlong(int quarter, const Pose& pose, const std::vector<ScaleWatch::Ring>& rings,
-                                    std::span<const RingSweep> sweeps) {
+                                    std::span<const RingScan> scans) {
   std::optional<WallReading> best;
   for (std::size_t r = 0; r < rings.size(); ++r) {
     const ScaleWatch::Ring& ring = rings[r];
     const double most = ring.opening_rad > 0 ? std::min(ring.opening_rad / 2, kMostCone_rad) : kRay_rad;
-    for (std::size_t b = 0; b < sweeps[r].range_m.size(); ++b) {
-      const double range = sweeps[r].range_m[b];
-      const Pose on_robot = Compose({0, 0, pose.heading_rad + sweeps[r].turret_rad}, ring.beams[b]);
+    for (std::size_t b = 0; b < scans[r].range_m.size(); ++b) {
+      const double range = scans[r].range_m[b];
+      const Pose on_robot = Compose({0, 0, pose.heading_rad + scans[r].turret_rad}, ring.beams[b]);
       const double off = std::abs(WrapAngle(on_robot.heading_rad - quarter * kRightAngle_rad));
       if (off > most || (best && off >= best->off_rad) || !(range < ring.max_range_m)) continue;
       const double c = std::cos(quarter * kRightAngle_rad), s = std::sin(quarter * kRightAngle_rad);
@@ -46,9 +46,9 @@ std::optional<double> DistanceAlong(int quarter, const Pose& pose, const std::ve
 
 }  // namespace
 
-void ScaleWatch::Update(const Pose& pose, std::span<const RingSweep> sweeps) {
+void ScaleWatch::Update(const Pose& pose, std::span<const RingScan> scans) {
   for (int quarter = 0; quarter < 4; ++quarter) {
-    const std::optional<double> distance = DistanceAlong(quarter, pose, rings_, sweeps);
+    const std::optional<double> distance = DistanceAlong(quarter, pose, rings_, scans);
     if (!distance) continue;
     const double c = std::cos(quarter * kRightAngle_rad), s = std::sin(quarter * kRightAngle_rad);
     const double along = c * pose.x_m + s * pose.y_m, aside = -s * pose.x_m + c * pose.y_m;
@@ -71,7 +71,7 @@ void ScaleWatch::Finish() {
 
 void ScaleWatch::Close(Drive* drive) {
   const std::size_t n = drive->along_m.size();
-  if (n >= kLeastSweeps) {
+  if (n >= kLeastScans) {
     double along = 0, distance = 0;
     for (std::size_t k = 0; k < n; ++k) {
       along += drive->along_m[k] / static_cast<double>(n);
@@ -80,8 +80,8 @@ void ScaleWatch::Close(Drive* drive) {
     const auto [least, most] = std::ranges::minmax(drive->along_m);
     Approach approach;
     for (std::size_t k = 0; k < n; ++k) {
-      approach.way2_m2 += (drive->along_m[k] - along) * (drive->along_m[k] - along);
-      approach.way_distance_m2 += (drive->along_m[k] - along) * (drive->distance_m[k] - distance);
+      approach.along2_m2 += (drive->along_m[k] - along) * (drive->along_m[k] - along);
+      approach.along_distance_m2 += (drive->along_m[k] - along) * (drive->distance_m[k] - distance);
     }
     if (most - least >= kShortest_m) approaches_.push_back(approach);
   }
@@ -89,21 +89,21 @@ void ScaleWatch::Close(Drive* drive) {
   drive->distance_m.clear();
 }
 
-double ScaleOf(const std::vector<Approach>& approaches) {
+double FitScale(const std::vector<Approach>& approaches) {
   double scale = 1;
   for (int repeat = 0; repeat < 5; ++repeat) {
-    double way = 0, distance = 0, squares = 0, count = 0;
+    double along2 = 0, distance = 0, squares = 0, count = 0;
     for (const Approach& a : approaches) {
-      const double off = -a.way_distance_m2 / a.way2_m2 - scale;
+      const double off = -a.along_distance_m2 / a.along2_m2 - scale;
       if (std::abs(off) > kOutlier) continue;
-      way += a.way2_m2;
-      distance -= a.way_distance_m2;
-      squares += a.way2_m2 * a.way2_m2 * off * off;
+      along2 += a.along2_m2;
+      distance -= a.along_distance_m2;
+      squares += a.along2_m2 * a.along2_m2 * off * off;
       ++count;
     }
     if (count < kLeastApproaches) return 1;
-    const double variance = squares / (way * way), prior = kUsualSd * kUsualSd;
-    scale = (distance / way * prior + variance) / (prior + variance);
+    const double variance = squares / (along2 * along2), prior = kUsualSd * kUsualSd;
+    scale = (distance / along2 * prior + variance) / (prior + variance);
   }
   return scale;
 }

@@ -12,10 +12,10 @@
 
 namespace cairn::local_map {
 
-// One drive before one wall: sums over its sweeps, about their means, of the way along the axis squared and
-// of the way times the distance.
+// One drive before one wall: sums over its scans, about their means, of the distance along the axis squared
+// and of that times the distance to the wall.
 struct Approach {
-  double way2_m2 = 0, way_distance_m2 = 0;
+  double along2_m2 = 0, along_distance_m2 = 0;
 };
 
 class ScaleWatch {
@@ -26,8 +26,8 @@ class ScaleWatch {
   };
   explicit ScaleWatch(std::vector<Ring> rings) : rings_(std::move(rings)) {}
 
-  // One sweep at a pose in the frame of the walls.
-  void Update(const Pose& pose, std::span<const RingSweep> sweeps);
+  // One scan at a pose in the frame of the walls.
+  void Update(const Pose& pose, std::span<const RingScan> scans);
   // Ends all drives, as where odometry is cut.
   void Finish();
 
@@ -36,7 +36,7 @@ class ScaleWatch {
  private:
   struct Drive {
     std::vector<double> along_m, distance_m;
-    double aside_m = 0;  // of its first sweep
+    double aside_m = 0;  // of its first scan
   };
   void Close(Drive* drive);
 
@@ -47,6 +47,6 @@ class ScaleWatch {
 
 // True way / odometry's: least squares over the approaches that tell about the same, with 1 as sure as
 // odometers usually are; 1 where there are too few.
-double ScaleOf(const std::vector<Approach>& approaches);
+double FitScale(const std::vector<Approach>& approaches);
 
 }  // namespace cairn::local_map

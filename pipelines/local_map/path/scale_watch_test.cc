@@ -16,15 +16,15 @@ double ScaleAfter(double measured, double noise_m) {
     for (int s = 0; s < 40; ++s) {
       const Pose truth{drive % 2 == 0 ? -1.6 + 0.08 * s : 1.6 - 0.08 * s, 0.2 * drive - 0.8,
                        drive % 2 == 0 ? 0 : M_PI};
-      std::vector<double> ranges = SonarSweep(walls, truth, 0, rng);
+      std::vector<double> ranges = SonarScan(walls, truth, 0, rng);
       for (double& range : ranges) range += noise_m * rng.Normal();
-      const RingSweep sweep{0.2 * s, 0, ranges};
-      watch.Update({truth.x_m * measured, truth.y_m * measured, truth.heading_rad}, {&sweep, 1});
+      const RingScan scan{0.2 * s, 0, ranges};
+      watch.Update({truth.x_m * measured, truth.y_m * measured, truth.heading_rad}, {&scan, 1});
     }
     watch.Finish();
   }
   EXPECT_GE(watch.approaches().size(), 8U);
-  return ScaleOf(watch.approaches());
+  return FitScale(watch.approaches());
 }
 
 TEST(ScaleWatch, FindsHowLongOdometrysMetreIs) {
@@ -34,8 +34,8 @@ TEST(ScaleWatch, FindsHowLongOdometrysMetreIs) {
 TEST(ScaleWatch, IsNotMoreThanAsSureAsItsReadings) { EXPECT_NEAR(ScaleAfter(0.97, 0.03), 1 / 0.97, 0.015); }
 
 TEST(ScaleWatch, WithoutWallsSaysOne) {
-  EXPECT_EQ(ScaleOf({}), 1);
-  EXPECT_EQ(ScaleOf({{1, -1.5}, {1, -1.04}}), 1);  // too few
+  EXPECT_EQ(FitScale({}), 1);
+  EXPECT_EQ(FitScale({{1, -1.5}, {1, -1.04}}), 1);  // too few
 }
 
 }  // namespace

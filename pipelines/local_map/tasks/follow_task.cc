@@ -36,7 +36,7 @@ struct Columns {
 
 Connection Connect(const Parts& parts, std::size_t from, std::size_t to, double sd_m) {
   const RecordedTrace &a = parts.traces[from], &b = parts.traces[to];
-  const Point moved_a = MovedBy(a, parts.knots), moved_b = MovedBy(b, parts.knots);
+  const Point moved_a = MovedBy(a, parts.nodes), moved_b = MovedBy(b, parts.nodes);
   const Point origin = b.frame.Local({}, b.trace.cell_m());
   const Point seen{origin.x_m + moved_b.x_m - moved_a.x_m, origin.y_m + moved_b.y_m - moved_a.y_m};
   return {static_cast<int>(from), static_cast<int>(to), (b.frame.quarter - a.frame.quarter + 4) % 4,
@@ -57,9 +57,10 @@ class Growing {
   const TraceGraph& graph() const { return graph_; }
   std::size_t TraceOf(std::size_t node) const { return there_[node]; }
 
-  // Adds the traces whose recording ended before this sweep.
-  void GrowUntil(std::size_t sweep, const LocalGrids& grids, const Range& range, TraceLocalizer* localizer) {
-    while (!next_.empty() && traces_[next_.back()].end <= sweep) {
+  // Adds the traces whose recording ended before this scan.
+  void GrowUntil(std::size_t scan, const LocalGrids& grids, const SearchWindow& range,
+                 TraceLocalizer* localizer) {
+    while (!next_.empty() && traces_[next_.back()].end <= scan) {
       const std::size_t t = next_.back();
       next_.pop_back();
       const RecordedTrace& trace = traces_[t];
@@ -89,17 +90,17 @@ class Growing {
 
 }  // namespace
 
-std::vector<Connection> ConnectionsOf(const Parts& parts) {
+std::vector<Connection> MakeConnections(const Parts& parts) {
   std::vector<Connection> connections;
   for (std::size_t t = 1; t < parts.traces.size(); ++t) {
     const RecordedTrace &before = parts.traces[t - 1], &now = parts.traces[t];
     if (before.robot != now.robot) continue;
-    const std::vector<Sweep>& sweeps = parts.sweeps[now.robot];
-    const bool cut = sweeps[before.end - 1].run != sweeps[now.first].run;
+    const std::vector<Scan>& scans = parts.scans[now.robot];
+    const bool cut = scans[before.end - 1].run != scans[now.first].run;
     connections.push_back(Connect(parts, t - 1, t, cut ? kCutSd_m : kTurnSd_m));
   }
   for (const Loop& loop : parts.loops) {
-    const std::int32_t to = TraceAt(parts, parts.knots[loop.knot].robot, parts.knots[loop.knot].sweep);
+    const std::int32_t to = TraceAt(parts, parts.nodes[loop.node].robot, parts.nodes[loop.node].scan);
     if (!loop.used || to < 0 || static_cast<std::size_t>(to) == loop.trace) continue;
     connections.push_back(Connect(parts, loop.trace, static_cast<std::size_t>(to), kLoopSd_m));
   }
@@ -128,23 +129,23 @@ std::vector<Connection> ConnectionsOfBlob(const Blob& blob) {
   return connections;
 }
 
-Blob Follow(SweepReader& sweeps, std::size_t robot, const std::vector<RecordedTrace>& traces,
+Blob Follow(ScanReader& scans, std::size_t robot, const std::vector<RecordedTrace>& traces,
             const std::vector<Connection>& connections, const std::vector<double>& moved_m,
             const GridOptions& grid, const LocalizerOptions& options, Progress& progress) {
   GridOptions aligned = grid;
   aligned.align = false;
-  LocalGrids grids(aligned, sweeps.rings());
+  LocalGrids grids(aligned, scans.rings());
   Growing growing(robot, traces, connections);
   TraceLocalizer localizer(grids, options, growing.left());
   Columns columns;
-  const Range fresh{options.least_m, options.least_m};
-  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+  const SearchWindow fresh{options.least_m, options.least_m};
+  for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s % 20 == 0) progress.Tick();
-    grids.Update(sweeps.pose(s), sweeps.Read(s));
+    grids.Update(scans.pose(s), scans.Read(s));
     localizer.Update(grids, growing.graph(), moved_m[s]);
     for (std::size_t n = 0; n < growing.graph().size(); ++n) {
       const std::optional<Held>& held = localizer.held(static_cast<int>(n));
-      if (held && held->active) columns.Add(sweeps.time_s(s), growing.TraceOf(n), *held);
+      if (held && held->active) columns.Add(scans.time_s(s), growing.TraceOf(n), *held);
     }
     growing.GrowUntil(s + 1, grids, fresh, &localizer);
   }

@@ -1,4 +1,4 @@
-// The last kind of task: the live localizer goes through a robot's sweeps and uses each trace once it has
+// The last kind of task: the live localizer goes through a robot's scans and uses each trace once it has
 // been recorded.
 #pragma once
 
@@ -6,20 +6,20 @@
 
 #include "pipelines/local_map/path/localizer.h"
 #include "pipelines/local_map/path/parts.h"
-#include "pipelines/local_map/tasks/sweep_reader.h"
+#include "pipelines/local_map/tasks/scan_reader.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::local_map {
 
 // Connections of one trace with the next, and those by loops that are used, with the traces' places in the
-// assembled world.
-std::vector<Connection> ConnectionsOf(const Parts& parts);
+// world frame.
+std::vector<Connection> MakeConnections(const Parts& parts);
 Blob ConnectionsBlob(const std::vector<Connection>& connections);
 std::vector<Connection> ConnectionsOfBlob(const Blob& blob);
 
-// `traces`: all; those of `robot` are used, in its order. FORMAT.md's positions/. `moved_m`: [sweeps] sd of
-// what the robot may have moved beside its odometry since the sweep before.
-Blob Follow(SweepReader& sweeps, std::size_t robot, const std::vector<RecordedTrace>& traces,
+// `traces`: all; those of `robot` are used, in its order. FORMAT.md's positions/. `moved_m`: [scans] sd of
+// what the robot may have moved beside its odometry since the scan before.
+Blob Follow(ScanReader& scans, std::size_t robot, const std::vector<RecordedTrace>& traces,
             const std::vector<Connection>& connections, const std::vector<double>& moved_m,
             const GridOptions& grid, const LocalizerOptions& options, Progress& progress);
 

@@ -21,33 +21,33 @@ double Counts(const Edge& edge) {
 
 }  // namespace
 
-Blob WatchWalls(SweepReader& sweeps, std::size_t own, GridOptions options, Progress& progress) {
+Blob WatchWalls(ScanReader& scans, std::size_t own, GridOptions options, Progress& progress) {
   options.align = false;  // edges in one frame; what that says of walls is decided over the whole run
-  LocalGrids grids(options, sweeps.rings());
-  ScaleWatch scale(sweeps.beams());
+  LocalGrids grids(options, scans.rings());
+  ScaleWatch scale(scans.beams());
   std::vector<float> all;
-  all.reserve((sweeps.size() - own) * kBins);
-  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+  all.reserve((scans.size() - own) * kBins);
+  for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s % 100 == 0) progress.Tick();
-    const std::span<const RingSweep> read = sweeps.Read(s);
-    grids.Update(sweeps.pose(s), read);
+    const std::span<const RingScan> read = scans.Read(s);
+    grids.Update(scans.pose(s), read);
     if (s < own) continue;
-    scale.Update(sweeps.pose(s), read);
+    scale.Update(scans.pose(s), read);
     EdgeHistogram edges{};
     for (const Edge& edge : grids.current_edges())
       AddEdge(edge.angle_rad + grids.frame_rad(), Counts(edge), &edges);
     all.insert(all.end(), edges.begin(), edges.end());
   }
   scale.Finish();
-  std::vector<double> way2, way_distance;
+  std::vector<double> along2, along_distance;
   for (const Approach& approach : scale.approaches()) {
-    way2.push_back(approach.way2_m2);
-    way_distance.push_back(approach.way_distance_m2);
+    along2.push_back(approach.along2_m2);
+    along_distance.push_back(approach.along_distance_m2);
   }
   Blob blob;
-  blob.PutVector("way2_m2", way2);
-  blob.PutVector("way_distance_m2", way_distance);
-  blob.Put("edges_m", Array::Of<float>({static_cast<std::int64_t>(sweeps.size() - own), kBins}, all));
+  blob.PutVector("along2_m2", along2);
+  blob.PutVector("along_distance_m2", along_distance);
+  blob.Put("edges_m", Array::Of<float>({static_cast<std::int64_t>(scans.size() - own), kBins}, all));
   return blob;
 }
 

@@ -31,12 +31,12 @@ class Recording {
   Recording(const LocalGrids& grids, const RecordOptions& options, std::vector<RecordedTrace>* traces)
       : recorder_(grids), options_(options), traces_(traces) {}
 
-  void Update(const LocalGrids& grids, std::size_t sweep, double time_s, bool hint) {
-    if (runs_ && recorder_.Update(grids, time_s, hint) != TraceEnd::kNone) Finish(sweep);
+  void Update(const LocalGrids& grids, std::size_t scan, double time_s, bool hint) {
+    if (runs_ && recorder_.Update(grids, time_s, hint) != TraceEnd::kNone) Finish(scan);
     if (runs_ || !FacesAnAxis(grids.pose().heading_rad, options_.begin_rad)) return;
     recorder_.Begin(grids, time_s);
     recorder_.Update(grids, time_s);
-    first_ = sweep;
+    first_ = scan;
     runs_ = true;
     begun_ = recorder_.RobotAt(grids);
     last_ = begun_;
@@ -62,30 +62,30 @@ class Recording {
 
 }  // namespace
 
-Recorded Record(SweepReader& sweeps, std::size_t own, std::span<const std::int64_t> knots,
+Recorded Record(ScanReader& scans, std::size_t own, std::span<const std::int64_t> nodes,
                 std::span<const double> hints, const GridOptions& grid, const RecordOptions& options,
                 Progress& progress) {
   GridOptions aligned = grid;
   aligned.align = false;  // the path's headings are along the walls
-  LocalGrids grids(aligned, sweeps.rings());
+  LocalGrids grids(aligned, scans.rings());
   ImmediateTrace room = ImmediateRoom(grids);
   Recorded recorded;
   Recording recording(grids, options, &recorded.traces);
-  auto knot = knots.begin();
-  for (std::size_t s = 0; s < sweeps.size(); ++s) {
+  auto node = nodes.begin();
+  for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s % 100 == 0) progress.Tick();
-    grids.Update(sweeps.pose(s), sweeps.Read(s));
+    grids.Update(scans.pose(s), scans.Read(s));
     if (s < own) continue;
     const bool hint = s > 0 && std::ranges::any_of(hints, [&](double time_s) {
-                        return time_s > sweeps.time_s(s - 1) && time_s <= sweeps.time_s(s);
+                        return time_s > scans.time_s(s - 1) && time_s <= scans.time_s(s);
                       });
-    recording.Update(grids, s, sweeps.time_s(s), hint);
+    recording.Update(grids, s, scans.time_s(s), hint);
     recording.Note(grids);
-    for (; knot != knots.end() && *knot == static_cast<std::int64_t>(s); ++knot)
-      Keep(grids, &room, &recorded.knots);
+    for (; node != nodes.end() && *node == static_cast<std::int64_t>(s); ++node)
+      Keep(grids, &room, &recorded.nodes);
   }
-  recorded.snapshot.Add(grids, sweeps.time_s(sweeps.size() - 1));
-  if (recording.runs()) recording.Finish(sweeps.size());
+  recorded.snapshot.Add(grids, scans.time_s(scans.size() - 1));
+  if (recording.runs()) recording.Finish(scans.size());
   return recorded;
 }
 

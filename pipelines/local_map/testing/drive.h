@@ -12,7 +12,7 @@ namespace cairn::local_map {
 
 class Drive {
  public:
-  static constexpr double kSweepS = 0.2, kSpeedMS = 0.4;
+  static constexpr double kScanS = 0.2, kSpeedMS = 0.4;
 
   Drive(std::vector<TestWall> walls, const Pose& start, std::uint64_t seed,
         const GridOptions& options = Fixed())
@@ -33,19 +33,19 @@ class Drive {
   const LocalGrids& grids() const { return grids_; }
   std::vector<TestWall>& walls() { return walls_; }
 
-  void Sweep() {
-    time_s_ += kSweepS;
+  void Scan() {
+    time_s_ += kScanS;
     const double turret = 0.5 * std::sin(time_s_);
-    const std::vector<double> ranges = SonarSweep(walls_, pose_, turret, rng_);
-    const std::array sweeps{RingSweep{time_s_, turret, ranges}};
-    grids_.Update(pose_, sweeps);
+    const std::vector<double> ranges = SonarScan(walls_, pose_, turret, rng_);
+    const std::array scans{RingScan{time_s_, turret, ranges}};
+    grids_.Update(pose_, scans);
   }
   void Step(double turn_rad = 0) {
-    pose_ = Compose(pose_, {kSpeedMS * kSweepS, 0, turn_rad});
-    Sweep();
+    pose_ = Compose(pose_, {kSpeedMS * kScanS, 0, turn_rad});
+    Scan();
   }
-  void Ahead(double way_m) {
-    for (double gone = 0; gone < way_m; gone += kSpeedMS * kSweepS) Step();
+  void Ahead(double distance_m) {
+    for (double gone = 0; gone < distance_m; gone += kSpeedMS * kScanS) Step();
   }
 
  private:

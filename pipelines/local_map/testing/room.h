@@ -62,8 +62,8 @@ inline double InConeM(const std::vector<TestWall>& walls, const Pose& from, doub
 }
 
 // What 24 sonars of 15 degrees hear: NaN beyond 6 m, and of one in fifty; the others off by 3 cm.
-inline std::vector<double> SonarSweep(const std::vector<TestWall>& walls, const Pose& robot,
-                                      double turret_rad, Rng& rng) {
+inline std::vector<double> SonarScan(const std::vector<TestWall>& walls, const Pose& robot, double turret_rad,
+                                     Rng& rng) {
   std::vector<double> ranges;
   const Pose turret = Compose(robot, {0, 0, turret_rad});
   for (const Pose& beam : RingBeams()) {
@@ -131,7 +131,7 @@ struct TestRoom {
   }
 };
 
-// Drives round and round a room, turning at its corners, its turret swinging by 45 degrees; five sweeps a
+// Drives round and round a room, turning at its corners, its turret swinging by 45 degrees; five scans a
 // second at 0.4 m/s. Odometry starts at 0 and drifts as in `simulate loop` (base).
 class TestDrive {
  public:
@@ -147,24 +147,24 @@ class TestDrive {
                   room.width_m - 2.4, room.depth_m - 2.4, seed) {}
 
   // The next step and what is heard after it.
-  RingSweep Next() {
+  RingScan Next() {
     constexpr double kStepM = 0.08, kTurnRad = std::numbers::pi / 20;
-    const bool turns = way_m_ >= side_m_[side_ % 2];
+    const bool turns = travelled_m_ >= side_m_[side_ % 2];
     if (turns) {
       Move(kTurnRad, 0);
       if (++turned_ == 10) {
         turned_ = 0;
-        way_m_ = 0;
+        travelled_m_ = 0;
         ++side_;
       }
     } else {
       Move(0, kStepM);
-      way_m_ += kStepM;
+      travelled_m_ += kStepM;
     }
-    ++sweeps_;
-    const double turret = RadOf(45) * std::sin(0.15 * sweeps_);
-    ranges_ = SonarSweep(walls_, truth_, turret, rng_);
-    return {0.2 * sweeps_, turret, ranges_};
+    ++scans_;
+    const double turret = RadOf(45) * std::sin(0.15 * scans_);
+    ranges_ = SonarScan(walls_, truth_, turret, rng_);
+    return {0.2 * scans_, turret, ranges_};
   }
   const Pose& truth() const { return truth_; }
   const Pose& odometry() const { return odometry_; }
@@ -186,8 +186,8 @@ class TestDrive {
   Pose truth_, odometry_;
   double side_m_[2];
   Rng rng_;
-  double drift_rad_per_m_ = 0, scale_ = 1, way_m_ = 0;
-  int side_ = 0, turned_ = 0, sweeps_ = 0;
+  double drift_rad_per_m_ = 0, scale_ = 1, travelled_m_ = 0;
+  int side_ = 0, turned_ = 0, scans_ = 0;
   std::vector<double> ranges_;
 };
 

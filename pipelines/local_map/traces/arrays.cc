@@ -54,7 +54,7 @@ Blob TracesBlob(const std::vector<RecordedTrace>& traces) {
   return blob;
 }
 
-std::vector<RecordedTrace> TracesOf(const Blob& blob, double cell_m) {
+std::vector<RecordedTrace> ReadTraces(const Blob& blob, double cell_m) {
   constexpr std::size_t kNumbers = 8;
   const auto rows = blob.Get<std::int64_t>("trace");
   const auto numbers = blob.Get<float>("features");

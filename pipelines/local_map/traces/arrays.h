@@ -10,10 +10,10 @@
 
 namespace cairn::local_map {
 
-// A recorded trace: where, by the path of the task that recorded it, and over which of a robot's sweeps.
+// A recorded trace: where, by the path of the task that recorded it, and over which of a robot's scans.
 struct RecordedTrace {
   std::size_t robot = 0;
-  std::size_t first = 0, end = 0;  // sweeps
+  std::size_t first = 0, end = 0;  // scans
   TraceFrame frame;
   EdgeTrace trace;
 };
@@ -25,6 +25,6 @@ void AppendFeatures(const EdgeTrace& trace, std::vector<float>* numbers);
 EdgeTrace TraceOf(double cell_m, int first_z, std::span<const float> numbers);
 
 Blob TracesBlob(const std::vector<RecordedTrace>& traces);
-std::vector<RecordedTrace> TracesOf(const Blob& blob, double cell_m);
+std::vector<RecordedTrace> ReadTraces(const Blob& blob, double cell_m);
 
 }  // namespace cairn::local_map

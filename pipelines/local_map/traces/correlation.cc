@@ -51,7 +51,7 @@ GridMap MapOfNow(const LocalGrids& grids, int quarter) {
 }
 
 Position CorrelateGrids(const GridMap& map, const GridMap& now, const Position& robot, const Position& at,
-                        const Range& range) {
+                        const SearchWindow& range) {
   const double cell_m = map.cell_m();
   const auto z0 = static_cast<int>(std::lround((at.z_m - robot.z_m) / cell_m));
   const auto u0 = static_cast<int>(std::lround((at.u_m - robot.u_m) / cell_m));

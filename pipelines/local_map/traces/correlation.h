@@ -11,13 +11,13 @@
 
 namespace cairn::local_map {
 
-// Occupancy in a trace's frame: the share of the sweeps in which each cell was occupied.
+// Occupancy in a trace's frame: the share of the scans in which each cell was occupied.
 class GridMap {
  public:
   // Cells with z in [first_z, first_z + size_z) and |u| <= half_u.
   GridMap(double cell_m, int first_z, int size_z, int half_u);
 
-  // One more sweep of which `frame` is the trace's. What lies outside is left out.
+  // One more scan of which `frame` is the trace's. What lies outside is left out.
   void Add(const LocalGrids& grids, const TraceFrame& frame);
 
   double cell_m() const { return cell_m_; }
@@ -45,7 +45,7 @@ class GridMap {
   std::vector<Cell> cells_;
 };
 
-// Of one sweep's grids, in the frame of the immediate trace of direction `quarter`.
+// Of one scan's grids, in the frame of the immediate trace of direction `quarter`.
 GridMap MapOfNow(const LocalGrids& grids, int quarter);
 
 // The position, in steps of a cell around `at` and then between them, that maximises
@@ -53,6 +53,6 @@ GridMap MapOfNow(const LocalGrids& grids, int quarter);
 // over the cells of `now`. `robot`: in the frame of `now`. Costs (range.z / cell) (range.u / cell) cells of
 // `now`.
 Position CorrelateGrids(const GridMap& map, const GridMap& now, const Position& robot, const Position& at,
-                        const Range& range);
+                        const SearchWindow& range);
 
 }  // namespace cairn::local_map

@@ -68,14 +68,14 @@ TEST(CorrelateGrids, ATraceThatLiesAcrossGivesTheSamePlace) {
 }
 
 // A robot that went so far away, whichever way, that the place is out of its window.
-TEST(GridMap, WhatASweepDoesNotReachItSaysNothingOf) {
+TEST(GridMap, WhatAScanDoesNotReachItSaysNothingOf) {
   for (int quarter = 0; quarter < 4; ++quarter) {
     Drive drive({{{-0.9, -0.9}, {0.9, -0.9}},
                  {{0.9, -0.9}, {0.9, 0.9}},
                  {{0.9, 0.9}, {-0.9, 0.9}},
                  {{-0.9, 0.9}, {-0.9, -0.9}}},
                 {0, 0, quarter * std::numbers::pi / 2}, 1);
-    for (int k = 0; k < 5; ++k) drive.Sweep();
+    for (int k = 0; k < 5; ++k) drive.Scan();
     GridMap map(0.15, -60, 121, 60);
     map.Add(drive.grids(), {0, {0, 0}});
     std::vector<CellIndex> walls;

@@ -35,13 +35,13 @@ struct Finder {
   Total SidesAt(int z, double du_m) const {
     return SidesScore(on, shift + z, on.at.u_m + du_m, options.score);
   }
-  Surface Search(const Range& range) const;
+  Surface Search(const SearchWindow& range) const;
   // Of all positions, and of none of them, in units of the best one's.
   double Mass(Surface& surface, double top) const;
   Candidate At(Surface& surface, int z, int u, double mass, double top) const;
 };
 
-Surface Finder::Search(const Range& range) const {
+Surface Finder::Search(const SearchWindow& range) const {
   const double cell_m = on.recorded.cell_m();
   Surface surface{static_cast<int>(std::ceil(range.z_m / cell_m)),
                   static_cast<int>(std::ceil(range.u_m / options.step_m)),
@@ -105,7 +105,7 @@ Candidate Finder::At(Surface& surface, int z, int u, double mass, double top) co
 }  // namespace
 
 std::vector<Candidate> FindOn(const EdgeTrace& recorded, const EdgeTrace& other, const Position& at,
-                              const Range& range, const FindOptions& options) {
+                              const SearchWindow& range, const FindOptions& options) {
   const ImmediateTrace now{other, {}};
   const Finder finder{
       {recorded, now, at}, static_cast<int>(std::lround(at.z_m / recorded.cell_m())), options};

@@ -48,6 +48,6 @@ struct Candidate {
 // first; empty where too little can be compared. `other` has kMaxFeatures at most. Costs (range.z / cell)
 // (range.u / step) features.
 std::vector<Candidate> FindOn(const EdgeTrace& recorded, const EdgeTrace& other, const Position& at,
-                              const Range& range, const FindOptions& options);
+                              const SearchWindow& range, const FindOptions& options);
 
 }  // namespace cairn::local_map

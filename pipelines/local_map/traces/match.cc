@@ -55,7 +55,7 @@ Peak AlongTrace(const Peak& peak, int sign) { return {sign * peak.at_m, peak.val
 
 }  // namespace
 
-Match Correct(const OnTrace& on, const Range& range, const MatchOptions& options) {
+Match Correct(const OnTrace& on, const SearchWindow& range, const MatchOptions& options) {
   Profile along = AlongProfile(on, range.z_m, options.score);
   Peak z = PeakOf(along, options);
   Profile sides = SidesProfile(on, z.at_m, range.u_m, options.score);
@@ -69,7 +69,7 @@ Match Correct(const OnTrace& on, const Range& range, const MatchOptions& options
   return MatchOf(on, {along, sides, z, u}, options);
 }
 
-PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, const Range& range,
+PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, const SearchWindow& range,
                       const MatchOptions& one) {
   MatchOptions options = one;
   options.sharpness /= 2;  // what lies across the one way lies along the other: each wall speaks twice

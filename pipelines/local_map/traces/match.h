@@ -6,7 +6,7 @@
 namespace cairn::local_map {
 
 // How far a position may be off, either way. At most 24 cells count.
-struct Range {
+struct SearchWindow {
   double z_m = 0.5, u_m = 0.5;
 };
 
@@ -44,9 +44,9 @@ struct Match {
 
 // First z is corrected to maximise edge and width similarity, then u to maximise the sides similarity. No
 // allocation.
-Match Correct(const OnTrace& on, const Range& range, const MatchOptions& options);
+Match Correct(const OnTrace& on, const SearchWindow& range, const MatchOptions& options);
 inline Match Correct(const EdgeTrace& recorded, const ImmediateTrace& now, const Position& at,
-                     const Range& range, const MatchOptions& options) {
+                     const SearchWindow& range, const MatchOptions& options) {
   return Correct(OnTrace{recorded, now, at}, range, options);
 }
 
@@ -57,7 +57,7 @@ inline Match Correct(const EdgeTrace& recorded, const ImmediateTrace& now, const
 struct PairMatch {
   Match first, second;
 };
-PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, const Range& range,
+PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, const SearchWindow& range,
                       const MatchOptions& options);
 
 }  // namespace cairn::local_map

@@ -15,7 +15,7 @@ struct RecorderOptions {
   double still_m = 0.1;      // 'does not move': by less than that
   double turned_rad = 0.35;  // a way is straight while the heading stays within that of it
   double aside_m = 0.6;      // and the robot within that of its line
-  int votes = 50;            // sweeps after which a feature changes no more quickly
+  int votes = 50;            // scans after which a feature changes no more quickly
 };
 
 enum class TraceEnd {
@@ -36,7 +36,7 @@ class TraceRecorder {
   // the grids do.
   void Begin(const LocalGrids& grids, double time_s);
 
-  // Superposes the edge grid upon the trace, after each sweep; says whether the trace ends with it. `hint`: a
+  // Superposes the edge grid upon the trace, after each scan; says whether the trace ends with it. `hint`: a
   // marked time lies since the last call.
   TraceEnd Update(const LocalGrids& grids, double time_s, bool hint = false);
 
@@ -46,7 +46,7 @@ class TraceRecorder {
   Position RobotAt(const LocalGrids& grids) const;
 
  private:
-  // How sure a recorded side is: rises with each sweep that agrees, falls with each that does not.
+  // How sure a recorded side is: rises with each scan that agrees, falls with each that does not.
   struct Votes {
     int along = 0, cross = 0, occupied = 0;
   };

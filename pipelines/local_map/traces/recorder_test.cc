@@ -97,12 +97,12 @@ TEST(TraceRecorder, IsFullAtItsCapacity) {
   options.capacity = 40;
   TraceRecorder recorder(drive.grids(), options);
   recorder.Begin(drive.grids(), drive.time_s());
-  int sweeps = 0;
-  for (; sweeps < 50; ++sweeps) {
+  int scans = 0;
+  for (; scans < 50; ++scans) {
     drive.Step();
     if (recorder.Update(drive.grids(), drive.time_s()) != TraceEnd::kNone) break;
   }
-  EXPECT_LT(sweeps, 50);
+  EXPECT_LT(scans, 50);
   EXPECT_LE(recorder.trace().features().size(), 40U);
 }
 
@@ -115,7 +115,7 @@ double BlockedForS(bool leaves) {
   drive.walls().push_back({{drive.pose().x_m + 0.7, -0.4}, {drive.pose().x_m + 0.7, 0.4}});
   const double begin_s = drive.time_s();
   while (drive.time_s() < begin_s + 60) {
-    drive.Sweep();
+    drive.Scan();
     if (leaves && drive.time_s() > begin_s + 20) drive.walls().resize(TestCorridor().size());
     if (recorder.Update(drive.grids(), drive.time_s()) == TraceEnd::kBlocked) return drive.time_s() - begin_s;
   }

@@ -17,9 +17,9 @@ struct CsvOptions : ImportOutput {
 
 int ImportCsv(const CsvOptions& options, const Invocation&) {
   const datasets::CsvImportOptions& files = options.import;
-  RefuseToReplaceInput(options.out, {files.odometry, files.observations, files.truth_poses,
+  CheckOutputIsNoInput(options.out, {files.odometry, files.observations, files.truth_poses,
                                      files.truth_landmarks, files.truth_associations});
-  RefuseToOverwrite(options.out, options.force);
+  CheckOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportCsv(options.import, &log);
   return StoreImport(options, log, report);
@@ -34,8 +34,8 @@ struct RecordedOptions : ImportOutput {
 };
 
 int ImportMrclam(const MrclamOptions& options, const Invocation&) {
-  RefuseToReplaceDataset(options.out, options.import.folder);
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNotInDataset(options.out, options.import.folder);
+  CheckOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = datasets::ImportMrclam(options.import, &log);
   return StoreImport(options, log, report);
@@ -43,8 +43,8 @@ int ImportMrclam(const MrclamOptions& options, const Invocation&) {
 
 template <datasets::ImportReport (*Import)(const datasets::RecordedImportOptions&, Blob*)>
 int ImportRecorded(const RecordedOptions& options, const Invocation&) {
-  RefuseToReplaceDataset(options.out, options.import.folder);
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNotInDataset(options.out, options.import.folder);
+  CheckOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = Import(options.import, &log);
   return StoreImport(options, log, report);
@@ -55,8 +55,8 @@ struct VectorsOptions : ImportOutput {
 };
 
 int ImportVectors(const VectorsOptions& options, const Invocation&) {
-  RefuseToReplaceInput(options.out, options.import.runs);
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNoInput(options.out, options.import.runs);
+  CheckOverwrite(options.out, options.force);
   Blob samples;
   const datasets::ImportReport report = datasets::ImportVectors(options.import, &samples);
   return StoreImport(options, samples, report, "samples");
@@ -67,8 +67,8 @@ struct ErrorsOptions : ImportOutput {
 };
 
 int ImportErrors(const ErrorsOptions& options, const Invocation&) {
-  RefuseToReplaceInput(options.out, {options.import.file});
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNoInput(options.out, {options.import.file});
+  CheckOverwrite(options.out, options.force);
   Blob errors;
   const datasets::ImportReport report = datasets::ImportErrors(options.import, &errors);
   return StoreImport(options, errors, report, "errors");
@@ -84,17 +84,17 @@ int ImportImages(const ImagesOptions& options, const Invocation&) {
   datasets::ImagesImportOptions import = options.import;
   import.poses = options.tables.front();
   if (options.tables.size() > 1) import.ranges = options.tables.back();
-  RefuseToReplaceInput(options.out, {import.poses, import.ranges, import.times});
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNoInput(options.out, {import.poses, import.ranges, import.times});
+  CheckOverwrite(options.out, options.force);
   const auto read = [&](const auto& paths) { return ReadImagesElsewhere(paths, options.most_side); };
   Blob samples;
   const datasets::ImportReport report = datasets::ImportImages(import, read, &samples);
   return StoreImport(options, samples, report, "samples");
 }
 
-void AddNominal(Command command, datasets::NominalFigures& nominal) {
-  AddOdometryFigures(command, nominal);
-  AddSensorFigures(command, nominal);
+void AddNoiseOptions(Command command, datasets::NoiseParameters& noise) {
+  AddOdometryNoise(command, noise);
+  AddSensorNoise(command, noise);
 }
 
 void AddCsv(Command import, Invocation& call) {
@@ -112,7 +112,7 @@ void AddCsv(Command import, Invocation& call) {
   command.Add("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
   command.Add("--truth-landmarks", files.truth_landmarks, "landmark,x_m,y_m");
   command.Add("--truth-associations", files.truth_associations, "time_s,robot,landmark");
-  AddNominal(command, files.nominal);
+  AddNoiseOptions(command, files.noise);
   AddOutput(command, *options);
 }
 
@@ -125,8 +125,8 @@ void AddMrclam(Command import, Invocation& call) {
   command.AddFlag("--withhold-identities", options->import.withhold_identities,
                   "Do not tell which landmark an observation is of; the truth still does");
   command.AddFlag("--robots-as-clutter", options->import.robots_as_clutter,
-                  "Robots that are seen become observations of nothing, instead of sightings of robots");
-  AddNominal(command, options->import.nominal);
+                  "Robots that are seen become observations of nothing, instead of observations of robots");
+  AddNoiseOptions(command, options->import.noise);
   AddOutput(command, *options);
 }
 
@@ -197,7 +197,7 @@ void AddRecorded(Command import, Invocation& call, const char* name, const char*
   const auto options =
       AddCommand<RecordedOptions>(import, call, name, what, example, ImportRecorded<Import>, &command);
   command.Add("FOLDER", options->import.folder, "Its files, plain or gzipped").Required();
-  AddNominal(command, options->import.nominal);
+  AddNoiseOptions(command, options->import.noise);
   AddOutput(command, *options);
 }
 

@@ -27,8 +27,8 @@ void PrintLines(const char* what, const std::vector<std::string>& lines) {
   for (const std::string& line : lines) std::fprintf(stderr, "cairn: %s: %s\n", what, line.c_str());
 }
 
-void AddFigure(Command command, const char* flag, std::optional<double>& field, const char* help) {
-  command.Add(flag, field, help).NotNegative().Heading("Nominal figures (else estimated)");
+void AddNoiseOption(Command command, const char* flag, std::optional<double>& field, const char* help) {
+  command.Add(flag, field, help).NotNegative().Heading("Noise parameters (else estimated)");
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ void AddFigure(Command command, const char* flag, std::optional<double>& field, 
 int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
                 const char* kind) {
   if (const Status texts = CheckTexts(blob); !texts.ok()) throw InputError(texts.message());
-  if (!report.unit_doubts.empty() && !output.units_are_right) RefuseUnits("", report.unit_doubts);
+  if (!report.unit_doubts.empty() && !output.units_are_right) CheckUnits("", report.unit_doubts);
   CheckKind(blob, kind);
   if (!report.unit_doubts.empty()) datasets::NoteUnitsAreRight(&blob);
   PrintLines("warning", report.unit_doubts);
@@ -66,25 +66,25 @@ void AddTextLimit(Command command) {
       .Within(std::uint64_t{1}, std::uint64_t{1} << 30);
 }
 
-void AddOdometryFigures(Command command, datasets::NominalFigures& nominal) {
-  AddFigure(command, "--heading-drift-rad-per-m", nominal.heading_drift_rad_per_m,
-            "sd of a constant drift of the heading");
-  AddFigure(command, "--heading-walk-rad-per-sqrt-m", nominal.heading_walk_rad_per_sqrt_m,
-            "sd of the heading's random walk");
-  AddFigure(command, "--forward-ratio", nominal.forward_ratio,
-            "sd of the way's error, a fraction of the way");
-  AddFigure(command, "--turn-ratio", nominal.turn_ratio, "sd of a turn's error, a fraction of the turn");
+void AddOdometryNoise(Command command, datasets::NoiseParameters& noise) {
+  AddNoiseOption(command, "--heading-drift-rad-per-m", noise.heading_drift_rad_per_m,
+                 "sd of a constant drift of the heading");
+  AddNoiseOption(command, "--heading-walk-rad-per-sqrt-m", noise.heading_walk_rad_per_sqrt_m,
+                 "sd of the heading's random walk");
+  AddNoiseOption(command, "--forward-ratio", noise.forward_ratio,
+                 "sd of the distance's error, a fraction of the distance");
+  AddNoiseOption(command, "--turn-ratio", noise.turn_ratio, "sd of a turn's error, a fraction of the turn");
 }
 
-void AddSensorFigures(Command command, datasets::NominalFigures& nominal) {
-  AddFigure(command, "--press-m", nominal.press_m,
-            "sd of the distance between robot and landmark at a press, an axis");
-  AddFigure(command, "--range-m", nominal.range_m, "sd of a range");
-  AddFigure(command, "--bearing-rad", nominal.bearing_rad, "sd of a bearing");
-  AddFigure(command, "--max-range-m", nominal.max_range_m,
-            "largest range of the sensor; larger ones are bad lines");
-  AddFigure(command, "--field-of-view-rad", nominal.field_of_view_rad,
-            "full angle that the sensor sees, centred ahead; bearings outside it are bad lines");
+void AddSensorNoise(Command command, datasets::NoiseParameters& noise) {
+  AddNoiseOption(command, "--contact-m", noise.contact_m,
+                 "sd of the distance between robot and landmark at a contact detection, an axis");
+  AddNoiseOption(command, "--range-m", noise.range_m, "sd of a range");
+  AddNoiseOption(command, "--bearing-rad", noise.bearing_rad, "sd of a bearing");
+  AddNoiseOption(command, "--max-range-m", noise.max_range_m,
+                 "largest range of the sensor; larger ones are bad lines");
+  AddNoiseOption(command, "--field-of-view-rad", noise.field_of_view_rad,
+                 "full angle that the sensor sees, centred ahead; bearings outside it are bad lines");
 }
 
 }  // namespace cairn::cli

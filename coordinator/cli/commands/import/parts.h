@@ -20,9 +20,9 @@ struct ImportOutput {
 int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
                 const char* kind = "log");
 
-// Options for the nominal figures of the odometry, and of a sensor that sees landmarks.
-void AddOdometryFigures(Command command, datasets::NominalFigures& nominal);
-void AddSensorFigures(Command command, datasets::NominalFigures& nominal);
+// Options for the noise parameters of the odometry, and of a sensor that sees landmarks.
+void AddOdometryNoise(Command command, datasets::NoiseParameters& noise);
+void AddSensorNoise(Command command, datasets::NoiseParameters& noise);
 
 inline constexpr char kUnitsAreRight[] = "--units-are-right";
 

@@ -40,8 +40,8 @@ std::pair<std::string, Pose> ParseMount(const std::string& text) {
 
 int ImportCarmen(const CarmenOptions& options, const Invocation&) {
   using Poses = datasets::CarmenImportOptions::Poses;
-  RefuseToReplaceInput(options.out, {options.import.path});
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNoInput(options.out, {options.import.path});
+  CheckOverwrite(options.out, options.force);
   datasets::CarmenImportOptions import = options.import;
   if (options.corrected) import.poses = Poses::kCorrected;
   if (options.raw) import.poses = Poses::kRaw;
@@ -73,7 +73,7 @@ void AddCarmen(Command import, Invocation& call) {
   command.Add("--mount", options->mounts,
               "Where a laser sits, SENSOR=X,Y,DEGREES on the robot, for laser, laser2 (rear), … (again: "
               "of several)");
-  AddOdometryFigures(command, log.nominal);
+  AddOdometryNoise(command, log.noise);
   AddOutput(command, *options);
 }
 
@@ -83,9 +83,9 @@ struct RangeOptions : ImportOutput {
 
 template <datasets::ImportReport (*Import)(const datasets::RangeImportOptions&, Blob*)>
 int ImportRanges(const RangeOptions& options, const Invocation&) {
-  RefuseToReplaceInput(options.out, {options.import.path});
-  RefuseToReplaceDataset(options.out, options.import.path);
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNoInput(options.out, {options.import.path});
+  CheckOutputIsNotInDataset(options.out, options.import.path);
+  CheckOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = Import(options.import, &log);
   return StoreImport(options, log, report);
@@ -98,7 +98,7 @@ void AddRanges(Command import, Invocation& call, const char* name, const char* w
   const auto options =
       AddCommand<RangeOptions>(import, call, name, what, example, ImportRanges<Import>, &command);
   command.Add(source, options->import.path, "What to read, plain or gzipped").Required();
-  AddOdometryFigures(command, options->import.nominal);
+  AddOdometryNoise(command, options->import.noise);
   AddOutput(command, *options);
 }
 
@@ -107,8 +107,8 @@ struct TumOptions : ImportOutput {
 };
 
 int ImportTum(const TumOptions& options, const Invocation&) {
-  RefuseToReplaceInput(options.out, options.import.files);
-  RefuseToOverwrite(options.out, options.force);
+  CheckOutputIsNoInput(options.out, options.import.files);
+  CheckOverwrite(options.out, options.force);
   Blob poses;
   const datasets::ImportReport report = datasets::ImportTum(options.import, &poses);
   return StoreImport(options, poses, report, "poses");

@@ -33,7 +33,7 @@ int Publish(const SimulateHallsArguments& options, const Blob& log) {
 
 template <class Simulate>
 int Run(const SimulateHallsArguments& options, const Simulate& simulate) {
-  RefuseToOverwrite(options.out, options.force);
+  CheckOverwrite(options.out, options.force);
   return Publish(options, simulate());
 }
 

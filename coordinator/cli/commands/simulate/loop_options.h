@@ -23,8 +23,8 @@ inline void AddLoopOptions(Command app, datasets::SimulateLoopOptions* loop) {
       .Within(1, 64)
       .ShowDefault();
   datasets::LoopSensing& sensing = loop->sensing;
-  app.Add("--sensor", sensing.sensor, "A button pressed at landmarks, or a camera (press, range-bearing)")
-      .OneOf({"press", "range-bearing"})
+  app.Add("--sensor", sensing.sensor, "A button pressed at landmarks, or a camera (contact, range-bearing)")
+      .OneOf({"contact", "range-bearing"})
       .ShowDefault();
   app.Add("--false-rate", sensing.false_rate, "Share of the observations that are of nothing")
       .Within(0.0, 0.5)
@@ -32,7 +32,7 @@ inline void AddLoopOptions(Command app, datasets::SimulateLoopOptions* loop) {
   app.Add("--miss-rate", sensing.miss_rate, "Share of the landmarks that are passed unnoticed")
       .Within(datasets::kDriveMissRate, 0.9)
       .ShowDefault();
-  app.Add("--types", sensing.types, "Kinds of landmarks that look different").Within(1, 16).ShowDefault();
+  app.Add("--types", sensing.types, "Classes of landmarks that look different").Within(1, 16).ShowDefault();
   app.Add("--confusion", sensing.confusion, "Probability that a landmark is taken for another type's")
       .Within(0.0, 0.5)
       .ShowDefault();

@@ -19,16 +19,16 @@ struct SimulateOfficeArguments {
 };
 
 int Simulate(const SimulateOfficeArguments& options, const Invocation&) {
-  RefuseToOverwrite(options.out, options.force);
+  CheckOverwrite(options.out, options.force);
   datasets::SimulateOfficeOptions office = options.office;
   office.persons = !options.nobody;
   const Blob log = datasets::SimulateOffice(office);
   Check(WriteBlobFile(options.out, "log", log));
   const auto time = log.Get<double>("robot/0/sonar/time_s");
-  double way_m = 0;
-  for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) way_m += forward;
-  std::printf("%s: %zu sweeps over %.0f s and %.0f m, odometry ends %.1f m off\n", options.out.c_str(),
-              time.size(), time.back(), way_m, datasets::FinalOdometricErrorM(log, 0));
+  double travelled_m = 0;
+  for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) travelled_m += forward;
+  std::printf("%s: %zu scans over %.0f s and %.0f m, odometry ends %.1f m off\n", options.out.c_str(),
+              time.size(), time.back(), travelled_m, datasets::FinalOdometricErrorM(log, 0));
   return kExitDone;
 }
 

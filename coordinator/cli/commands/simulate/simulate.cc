@@ -22,7 +22,7 @@ struct SimulateArguments {
 };
 
 int Simulate(const SimulateArguments& options, const Invocation&) {
-  RefuseToOverwrite(options.out, options.force);
+  CheckOverwrite(options.out, options.force);
   const Blob log = datasets::SimulateLoop(options.loop);
   Check(WriteBlobFile(options.out, "log", log));
   std::printf("%s: %d robot%s, %zu landmarks in truth, odometry ends %.1f m off\n", options.out.c_str(),
@@ -48,7 +48,7 @@ void WritePictures(const std::string& folder, const std::vector<datasets::Corrid
 }
 
 int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
-  RefuseToOverwrite(options.out, options.force);
+  CheckOverwrite(options.out, options.force);
   if (!options.pictures.empty() && !std::filesystem::is_directory(options.pictures))
     throw InputError("there is no folder '" + options.pictures + "' to write pictures to");
   std::vector<datasets::CorridorPicture> pictures;

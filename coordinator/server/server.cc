@@ -1,0 +1,235 @@
+#include "coordinator/server/server.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "coordinator/store/recovery.h"
+#include "coordinator/store/served_file.h"
+#include "schema/text.h"
+#include "schema/wire/keys.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr double kTick_s = 0.1;
+constexpr double kServedEvery_s = 60;       // so much of a job's age a crash may lose
+constexpr std::size_t kLineBytes = 16'384;  // of the log
+
+}  // namespace
+
+Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, ServerOptions options,
+               LogSink log)
+    : folder_(folder),
+      transport_(transport),
+      options_(std::move(options)),
+      log_([log = std::move(log)](Severity severity, const std::string& line) {
+        log(severity, Printable(line, kLineBytes));
+      }),
+      core_(options_.core),
+      files_(folder),
+      blobs_(files_, options_.memory_bytes),
+      use_(folder.dir(), options_.store_limit_bytes),
+      uploads_(options_.uploads, [this](const Hash& hash) { return blobs_.Has(hash); }),
+      access_control_(options_.allow_list),
+      refusals_(log_),
+      last_job_number_(table.LastNumber().ok() ? table.LastNumber().value() : 0),
+      writer_(folder, files_, use_, std::move(table), [&transport] { transport.Wake(); }) {
+  Restore();
+}
+
+double Server::Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void Server::Restore() {
+  const Result<double> served_s = ReadServed(folder_.ServedFile());
+  if (!served_s.ok())
+    log_(Severity::kWarning, served_s.status().message() + "; jobs that have ended are kept for longer");
+  served_written_s_ = Now();
+  Handle(Served{served_s.ok() ? served_s.value() : 0});
+  const JobLogSink note = [this](Severity severity, const std::string& job, const std::string& line) {
+    Note(severity, job, line);
+  };
+  const auto inputs = options_.given_inputs ? InputsOf::kUser : InputsOf::kStore;
+  const PublishedFiles published{options_.result_files, core_.served_s()};
+  if (options_.given_inputs)
+    for (const wire::NamedBlob& input : *options_.given_inputs) blobs_.Give(input);
+  for (const RestoreJob& job : Recover(folder_, files_, inputs, published, note)) {
+    for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
+    for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
+    Handle(job);
+  }
+}
+
+void Server::Step(double timeout_s) {
+  std::vector<Incoming> came = transport_.Poll(timeout_s);
+  // Looked at after the messages came: whoever was taken off the list before he sent one is refused it.
+  if (access_control_.Refresh()) EndRevoked();
+  for (Incoming& incoming : came) Receive(incoming);
+  for (const wire::Refusal& refusal : transport_.TakeRefusals()) refusals_.Add(refusal, Now());
+  TakeDiskDone();
+  if (const double now_s = Now(); now_s - ticked_s_ >= kTick_s) {
+    ticked_s_ = now_s;
+    Handle(Tick{});
+    Carry(uploads_.Tick(now_s));
+    ProbeSilent(now_s);
+    if (now_s - served_written_s_ >= kServedEvery_s) WriteServed();
+    // A disk that is slow, or hangs, gets no more to do; what waits is bounded.
+    if (writer_.Finished(log_ticket_)) WriteLog();
+  }
+  for (const std::string& peer : std::exchange(gone_, {})) Handle(WorkerLost{peer});
+  WriteBlobsWork spill;
+  for (const Hash& hash : blobs_.TakeSpills()) spill.blobs.push_back({hash, blobs_.Get(hash)});
+  if (!spill.blobs.empty()) writer_.Add(std::move(spill));
+}
+
+bool Server::Shut(double patience_s) {
+  const double end_s = Now() + patience_s;
+  WriteServed();
+  Handle(SaveNow{});
+  while (core_.HasUnsaved() && Now() < end_s) {
+    // Answers that still come are for the next start to compute again: a round may not begin now.
+    TakeDiskDone();
+    static_cast<void>(transport_.Poll(0.005));
+  }
+  WriteLog();
+  for (const auto& [number, worker] : core_.fleet().workers()) {
+    wire::Message leave;
+    leave.envelope.mutable_leave();
+    transport_.Send(worker.peer, std::move(leave));
+  }
+  return !core_.HasUnsaved();
+}
+
+void Server::Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs) {
+  Handle(SubmitJob{id, job, KeepBlobs(blobs)});
+}
+
+void Server::GoOn(const std::string& id) {
+  Handle(ResumeJob{id});
+  Handle(RetryJob{id});
+}
+
+void Server::TellDead(std::int64_t pid) {
+  for (const auto& [number, worker] : core_.fleet().workers())
+    if (worker.hello.pid() == pid) return Handle(WorkerLost{std::string(worker.peer)});
+}
+
+std::vector<Hash> Server::KeepBlobs(const std::vector<wire::NamedBlob>& blobs) {
+  std::vector<Hash> hashes;
+  for (const wire::NamedBlob& named : blobs) {
+    blobs_.Put(named, writer_.next_ticket());
+    hashes.push_back(named.hash);
+  }
+  return hashes;
+}
+
+void Server::Handle(const Event& event) {
+  for (const Action& action : core_.Handle(event, Now()))
+    std::visit([this](const auto& a) { Do(a); }, action);
+}
+
+void Server::Receive(Incoming& incoming) {
+  if (!incoming.status.ok()) return TakeDamaged(incoming);
+  wire::Envelope& envelope = incoming.message.envelope;
+  if (std::optional<wire::Refusal> refusal =
+          access_control_.Check(incoming.peer, incoming.user, envelope, core_.fleet())) {
+    refusal->reason = wire::ShortKey(incoming.user) + ": " + refusal->reason;
+    return TurnAway(incoming.peer, *refusal);
+  }
+  Take(incoming.peer, envelope, incoming.message.blobs);
+}
+
+void Server::Take(const std::string& peer, wire::Envelope& envelope,
+                  const std::vector<wire::NamedBlob>& blobs) {
+  const std::size_t most = options_.limits.text_bytes;
+  switch (envelope.body_case()) {
+    case wire::Envelope::kHello: {
+      wire::Hello& hello = *envelope.mutable_hello();
+      hello.set_host(Printable(hello.host(), most));
+      hello.set_slots(std::min(hello.slots(), options_.limits.slots));
+      return Handle(WorkerHello{peer, hello});
+    }
+    case wire::Envelope::kHeartbeat:
+      return Handle(WorkerHeartbeat{peer, envelope.heartbeat()});
+    case wire::Envelope::kLeave:
+      return Handle(WorkerLeave{peer});
+    case wire::Envelope::kDrain:
+      return Handle(DrainWorker{peer});
+    case wire::Envelope::kDone: {
+      proto::Step* step = envelope.done().has_step() ? envelope.mutable_done()->mutable_step() : nullptr;
+      if (step != nullptr) step->set_note(Printable(step->note(), most));
+      return Handle(TaskDone{peer, envelope.done(), KeepBlobs(blobs)});
+    }
+    case wire::Envelope::kFailed:
+      envelope.mutable_failed()->set_message(Printable(envelope.failed().message(), most));
+      return Handle(TaskFailed{peer, envelope.failed()});
+    case wire::Envelope::kFetch:
+      return Serve(peer, envelope.fetch());
+    case wire::Envelope::kHave:
+      return Serve(peer, envelope.have());
+    case wire::Envelope::kSubmit:
+      return Serve(peer, envelope.submit());
+    case wire::Envelope::kOffer:
+      return Serve(peer, envelope.offer());
+    case wire::Envelope::kPiece:
+      return Carry(uploads_.Came(peer, std::move(*envelope.mutable_piece()), Now()));
+    case wire::Envelope::kClean:
+      return Serve(peer, envelope.clean());
+    case wire::Envelope::kQuery:
+      return Serve(peer, envelope.query());
+    case wire::Envelope::kWorkers:
+      return Serve(peer, envelope.workers());
+    default:
+      return;  // access control lets nothing else through
+  }
+}
+
+void Server::TakeDurable(const std::string& job, std::uint64_t number) {
+  Handle(PersistDone{job, number});
+  WriteRow(job);
+}
+
+Status Server::ForUsers(const Status& status) const {
+  const std::string store = folder_.dir().string() + "/";
+  if (status.ok() || options_.given_inputs || status.message().find(store) == std::string::npos)
+    return status;  // a private run's store is its user's own
+  log_(Severity::kWarning, status.message());
+  std::string message = status.message();
+  for (std::size_t at = 0; (at = message.find(store, at)) != std::string::npos;)
+    message.replace(at, store.size(), "store/");
+  return {status.code(), message};
+}
+
+void Server::TakeDiskDone() {
+  for (DiskDone& done : writer_.TakeDone()) {
+    done.status = ForUsers(done.status);
+    blobs_.MarkDurable(done.written, done.ticket);
+    if (done.upload != 0) {
+      TakeUploadDone(done);
+      continue;
+    }
+    if (!done.asker.empty()) {
+      wire::Message answer;
+      *answer.envelope.mutable_reply() = done.answer;
+      Reply(done.asker, std::move(answer));
+      continue;
+    }
+    if (done.job.empty()) {
+      if (!done.status.ok()) log_(Severity::kWarning, done.status.message());
+      continue;
+    }
+    const std::string& problem = done.status.message();
+    if (done.number == 0 && done.status.ok())
+      Handle(ForgetDone{done.job});
+    else if (done.number == 0)
+      Handle(ForgetFailed{done.job, problem});
+    else if (done.status.ok())
+      TakeDurable(done.job, done.number);
+    else
+      Handle(PersistFailed{done.job, done.number, problem});
+  }
+}
+
+}  // namespace cairn::coordinator

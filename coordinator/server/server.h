@@ -1,0 +1,156 @@
+// The shell around the core: turns messages, the disk's answers and the clock into events, and carries out
+// actions. One thread; it never waits for a disk, except to read back a blob that memory had no room for.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "coordinator/core/core.h"
+#include "coordinator/core/uploads.h"
+#include "coordinator/server/access_control.h"
+#include "coordinator/server/refusals.h"
+#include "coordinator/server/transport.h"
+#include "coordinator/store/blob_store.h"
+#include "coordinator/store/disk_writer.h"
+#include "coordinator/store/folder.h"
+#include "coordinator/store/log.h"
+
+namespace cairn::coordinator {
+
+struct ServerOptions {
+  CoreOptions core;
+  std::filesystem::path allow_list;  // of the keys that may connect; empty: there are no keys
+  wire::JobLimits limits;
+  UploadOptions uploads;
+  std::uint64_t largest_input_bytes = wire::Limits().message_bytes;  // a worker gets it as one message
+  std::uint64_t memory_bytes = 4ull << 30;
+  std::uint64_t store_limit_bytes = 0;  // on disk; 0: none
+  // The inputs of a private run, which whoever starts it has in files and brings along each time: the store
+  // has no copies. None: jobs bring their inputs, and the store keeps them.
+  std::optional<std::vector<wire::NamedBlob>> given_inputs;
+  // Where the result of a job's stage is published.
+  std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
+  // The files of a job's results that are there, of whatever stages; none: nobody knows.
+  std::function<std::vector<std::filesystem::path>(const std::string& job)> result_files;
+  // The folder of a job's results, which goes with the job; none: they are not this server's to remove.
+  std::function<std::filesystem::path(const std::string& job)> results_folder;
+};
+
+class Server {
+ public:
+  // `folder` and `transport` must outlive it. Restores the jobs that it finds in the store.
+  Server(const StoreFolder& folder, Transport& transport, JobTable table, ServerOptions options, LogSink log);
+
+  // Waits for messages for up to `timeout_s`, then does all that there is to do. `now_s` after the wait: see
+  // clock.
+  void Step(double timeout_s);
+  // Saves what is unsaved, for at most `patience_s`, and sends the workers Leave. True where all is saved.
+  bool Shut(double patience_s);
+
+  // A job from this process.
+  void Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs);
+  // Goes on with a job that is paused or has failed; does nothing where it runs.
+  void GoOn(const std::string& id);
+  // A worker of this process's own is known to be dead.
+  void TellDead(std::int64_t pid);
+
+  const Core& core() const { return core_; }
+  const std::string& last_refusal() const {
+    return last_refusal_;
+  }  // why a worker was refused; empty: none was
+  const Refusals& refusals() const { return refusals_; }
+  const Uploads& uploads() const { return uploads_; }
+
+ private:
+  static double Now();  // monotonic
+  void Restore();
+  void Handle(const Event& event);
+  void Receive(Incoming& incoming);
+  void Take(const std::string& peer, wire::Envelope& envelope, const std::vector<wire::NamedBlob>& blobs);
+  // As users may read it: what is wrong in the store, but not where that lies, which the log says.
+  Status ForUsers(const Status& status) const;
+  void TakeDiskDone();
+  void TakeDurable(const std::string& job, std::uint64_t number);
+
+  // server_actions.cc
+  void Do(const coordinator::Send& send);
+  void Do(const Persist& persist);
+  void Do(const DropBlobs& drop);
+  void Do(const ForgetJob& forget);
+  void Do(const Answer& answer);
+  void Do(const JobChanged& changed);
+  void Do(const Report& report);
+  void Do(const Refused& refused);
+  void WriteRow(const std::string& job);
+  void WriteServed();
+  // A line for the service's log and, where it names a job, for that job's.
+  void Note(Severity severity, const std::string& job, const std::string& text);
+  void WriteLog();
+  void ProbeSilent(double now_s);
+
+  // server_uploads.cc
+  void Serve(const std::string& peer, const wire::Offer& offer);
+  void Carry(Uploads::Actions actions);
+  void Do(OpenUpload open);
+  void Do(WritePiece piece);
+  void Do(CloseUpload close);
+  void Do(const TellCredit& tell);
+  void Do(const AnswerOffer& answer);
+  void Do(const ReleaseBlob& release);
+  void Do(const DropUploader& drop);
+  void RemoveUnknown(const Hash& hash);
+  void TakeUploadDone(const DiskDone& done);
+
+  // server_rights.cc
+  void TakeDamaged(const Incoming& incoming);
+  void TurnAway(const std::string& peer, const wire::Refusal& refusal);
+  void EndRevoked();
+
+  // server_requests.cc
+  void Serve(const std::string& peer, const wire::Fetch& fetch);
+  void Serve(const std::string& peer, const wire::Have& have);
+  void Serve(const std::string& peer, const wire::Submit& submit);
+  void Serve(const std::string& peer, const wire::JobQuery& query);
+  void Serve(const std::string& peer, const wire::Clean& clean);
+  void Serve(const std::string& peer, const wire::WorkerQuery& query);
+  void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
+  void AddResults(const std::string& job, wire::Message& reply);
+  void AnswerLog(const std::string& peer, const wire::JobQuery& query);
+  std::string WhatIsWrong(const wire::JobQuery& query) const;
+  std::string WhatIsWrong(const wire::WorkerQuery& query) const;
+  void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);
+  void Reply(const std::string& peer, wire::Message reply);
+  std::string NewJobId(const proto::Job& job);
+  std::vector<Hash> KeepBlobs(const std::vector<wire::NamedBlob>& blobs);
+
+  const StoreFolder& folder_;
+  Transport& transport_;
+  const ServerOptions options_;
+  const LogSink log_;
+  Core core_;
+  BlobFiles files_;
+  BlobStore blobs_;
+  StoreUse use_;
+  Uploads uploads_;
+  std::set<std::string> gone_uploaders_;  // clients that a message could not be sent to
+  double ticked_s_ = 0, served_written_s_ = 0;
+  std::set<std::string> gone_;  // peers that a message could not be sent to
+  std::string last_refusal_;
+  AccessControl access_control_;
+  Refusals refusals_;
+  std::set<std::string> warned_;  // peers that were told once that they have no business here
+  std::map<std::string, std::string> row_states_;  // job -> state in the job table
+  std::uint64_t last_job_number_;                  // that was ever given
+  WaitingLines waiting_lines_;                     // of jobs' logs
+  std::uint64_t log_ticket_ = 0;                   // of the lines that were written last
+  DiskWriter writer_;                              // last: it is joined first
+};
+
+}  // namespace cairn::coordinator

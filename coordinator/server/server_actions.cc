@@ -1,0 +1,127 @@
+// What the core wants done.
+#include <utility>
+
+#include "coordinator/server/server.h"
+#include "coordinator/store/result_file.h"
+#include "schema/kinds/kind.h"
+#include "schema/text.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr double kProbeAfter_s = 1.5;  // heartbeats without a sign of life
+
+}  // namespace
+
+void Server::Do(const coordinator::Send& send) {
+  if (send.message.has_refuse()) last_refusal_ = send.message.refuse().reason();
+  if (!transport_.Send(send.peer, wire::Message{send.message, {}})) gone_.insert(send.peer);
+}
+
+// A dead process takes its connection with it, which only shows when something is sent there.
+void Server::ProbeSilent(double now_s) {
+  for (const auto& [number, worker] : core_.fleet().workers()) {
+    if (now_s - worker.heard_s < kProbeAfter_s * options_.core.heartbeat_s) continue;
+    wire::Message probe;
+    probe.envelope.mutable_cancel();  // of no task: ignored
+    if (!transport_.Send(worker.peer, std::move(probe))) gone_.insert(worker.peer);
+  }
+}
+
+void Server::Do(const Persist& persist) {
+  const proto::Checkpoint& checkpoint = persist.checkpoint;
+  WriteCheckpointWork work{checkpoint, {}, {}};
+  for (const std::string& binary : checkpoint.blobs()) {
+    const Hash hash = Hash::FromBinary(binary).value();
+    if (!blobs_.Durable(hash)) work.blobs.push_back({hash, blobs_.Get(hash)});
+  }
+  for (const Publish& publish : persist.publish) {
+    const proto::Stage& stage = checkpoint.job().stages(static_cast<int>(publish.stage));
+    const BlobPtr blob = blobs_.Get(publish.result);
+    if (blob == nullptr)
+      return Handle(
+          PersistFailed{checkpoint.job_id(), checkpoint.number(), "a result cannot be read back from disk"});
+    work.results.push_back(
+        {options_.result_path(checkpoint.job_id(), stage.name()), KindOf(*blob), publish.stage, blob});
+  }
+  writer_.Add(std::move(work));
+}
+
+void Server::Do(const DropBlobs& drop) {
+  RemoveBlobsWork remove;
+  const std::set<Hash> writing = uploads_.Writing();
+  for (const Hash& hash : drop.hashes) {
+    if (uploads_.Keeps(hash)) continue;
+    // Else the file that is being made would go, for it lies there before anybody knows of it.
+    if (blobs_.Has(hash) && !writing.contains(hash)) remove.hashes.push_back(hash);
+    blobs_.Drop({hash});
+  }
+  writer_.Add(std::move(remove));
+}
+
+void Server::Do(const ForgetJob& forget) {
+  row_states_.erase(forget.job);
+  waiting_lines_.Forget(forget.job);
+  writer_.Add(ForgetWork{
+      forget.job, options_.results_folder ? options_.results_folder(forget.job) : std::filesystem::path()});
+}
+
+void Server::Do(const Answer& answer) {
+  wire::Message message;
+  wire::Reply& reply = *message.envelope.mutable_reply();
+  reply.set_ok(answer.refusal.empty());
+  reply.set_message(answer.refusal);
+  reply.set_known(answer.known);
+  wire::JobInfo gone;
+  gone.set_id(answer.job);
+  gone.set_state("deleted");
+  if (const auto info = core_.Find(answer.job); info || reply.ok()) *reply.add_jobs() = info.value_or(gone);
+  Reply(answer.asker, std::move(message));
+}
+
+// Rounds are written to the table with their checkpoints; a change of state at once, of a job that is
+// durable.
+void Server::Do(const JobChanged& changed) {
+  const Job* job = core_.FindJob(changed.job);
+  if (job != nullptr && job->saving.durable && row_states_[changed.job] != MakeInfo(*job, Now()).state())
+    WriteRow(changed.job);
+}
+
+void Server::WriteRow(const std::string& job) {
+  const Job* known = core_.FindJob(job);
+  if (known == nullptr) return;
+  const wire::JobInfo info = MakeInfo(*known, Now());
+  row_states_[job] = info.state();
+  const std::string now = UtcNow();
+  writer_.Add(WriteRowWork{{info, now, now}});
+}
+
+void Server::WriteServed() {
+  served_written_s_ = Now();
+  writer_.Add(WriteServedWork{core_.served_s()});
+}
+
+void Server::Do(const Refused& refused) { refusals_.Add(refused.refusal, Now()); }
+
+void Server::Do(const Report& report) {
+  const Severity severity = report.level == Report::kInfo      ? Severity::kInfo
+                            : report.level == Report::kWarning ? Severity::kWarning
+                                                               : Severity::kError;
+  Note(severity, report.job, report.text);
+}
+
+void Server::Note(Severity severity, const std::string& job, const std::string& text) {
+  log_(severity, job.empty() ? text : job + ": " + text);
+  if (job.empty()) return;
+  wire::LogLine line;
+  line.set_utc(UtcNow());
+  line.set_level(severity == Severity::kInfo ? "info" : severity == Severity::kWarning ? "warning" : "alarm");
+  line.set_text(Printable(text, kLogLineBytes));
+  waiting_lines_.Add(job, std::move(line));
+}
+
+void Server::WriteLog() {
+  if (!waiting_lines_.empty()) log_ticket_ = writer_.Add(WriteLogWork{waiting_lines_.Take()});
+}
+
+}  // namespace cairn::coordinator

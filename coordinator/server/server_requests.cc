@@ -1,0 +1,227 @@
+// What clients ask, and the blobs that workers fetch.
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "coordinator/server/job_limits.h"
+#include "coordinator/server/rights.h"
+#include "coordinator/server/server.h"
+#include "schema/store/blob_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+wire::Message Refusal(const std::string& why) {
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(false);
+  reply.envelope.mutable_reply()->set_message(why);
+  return reply;
+}
+
+// Of a job's name, what is safe in a file name.
+std::string FileNamePart(const std::string& name) {
+  std::string part;
+  for (const char c : name.substr(0, 40))
+    part += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' ? c : '-';
+  return part.empty() ? "job" : part;
+}
+
+// The latest ten, where there are more.
+std::string KnownJobs(const std::vector<wire::JobInfo>& jobs) {
+  if (jobs.empty()) return "; there are none";
+  std::string known;
+  for (std::size_t i = jobs.size() - std::min<std::size_t>(jobs.size(), 10); i < jobs.size(); ++i)
+    known += (known.empty() ? "; known: " : ", ") + jobs[i].id();
+  return known;
+}
+
+}  // namespace
+
+void Server::Reply(const std::string& peer, wire::Message reply) {
+  reply.envelope.mutable_reply()->set_workers(static_cast<std::uint32_t>(core_.fleet().size()));
+  transport_.Send(peer, std::move(reply));
+}
+
+void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
+  const Result<Hash> hash = Hash::FromBinary(fetch.hash());
+  const bool may = hash.ok() && core_.MayRead(peer, hash.value());
+  // One that was dropped meanwhile is no offence, nor is a worker that does not know yet that it was given
+  // up.
+  if (hash.ok() && !may && blobs_.Has(hash.value()) && core_.fleet().Knows(peer))
+    refusals_.Add({wire::RefusalKind::kTask, "a fetch of a blob that is not for this worker"}, Now());
+  wire::Message answer;
+  if (const BlobPtr blob = may ? blobs_.Get(hash.value()) : nullptr) {
+    answer.envelope.mutable_blob();
+    answer.blobs.push_back({hash.value(), blob});
+  } else {
+    answer.envelope.mutable_missing()->set_hash(fetch.hash());
+  }
+  transport_.Send(peer, std::move(answer));
+}
+
+void Server::Serve(const std::string& peer, const wire::Have& have) {
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(true);
+  for (const std::string& binary : have.hashes()) {
+    const Result<Hash> hash = Hash::FromBinary(binary);
+    if (!hash.ok() || !blobs_.Has(hash.value())) reply.envelope.mutable_reply()->add_missing(binary);
+  }
+  Reply(peer, std::move(reply));
+}
+
+void Server::Serve(const std::string& peer, const wire::Submit& submit) {
+  const proto::Job& job = submit.job();
+  if (submit.protocol() != wire::kProtocol)
+    return RefuseJob(peer, wire::RefusalKind::kVersion,
+                     "this client speaks protocol " + std::to_string(submit.protocol()) + ", here it is " +
+                         std::to_string(wire::kProtocol) + " of version " CAIRN_VERSION);
+  std::string wrong = CheckLimits(job, options_.limits);
+  if (wrong.empty()) wrong = CheckJob(job);
+  if (!wrong.empty()) return RefuseJob(peer, wire::RefusalKind::kJob, wrong);
+  for (const wire::JobInfo& info : core_.Jobs()) {
+    const Job* known = core_.FindJob(info.id());
+    // One that is done would give the same bits again; of one that has failed or was cancelled another is
+    // wanted.
+    const bool serves = !known->leaving && (!known->Ended() || known->state == proto::JOB_DONE);
+    if (!serves || HashOfJob(known->spec) != HashOfJob(job)) continue;
+    return Handle(SubmitJob{info.id(), job, uploads_.Take(peer), peer});  // told twice
+  }
+  if (const std::string full = use_.WhyNoRoom(0); !full.empty())
+    return RefuseJob(peer, wire::RefusalKind::kStore, full);
+  wire::Message missing;
+  for (const auto& [name, binary] : job.input_blobs()) {
+    if (blobs_.Has(Hash::FromBinary(binary).value())) continue;
+    missing.envelope.mutable_reply()->set_message("the blob of the input '" + name + "' is missing");
+    missing.envelope.mutable_reply()->add_missing(binary);
+  }
+  if (missing.envelope.has_reply()) return Reply(peer, std::move(missing));
+  Handle(SubmitJob{NewJobId(job), job, uploads_.Take(peer), peer});
+}
+
+void Server::RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
+  refusals_.Add({kind, why}, Now());
+  Reply(peer, Refusal(why));
+}
+
+// Never used before in this store: numbers go on behind all that have left a checkpoint or were deleted.
+std::string Server::NewJobId(const proto::Job& job) {
+  std::uint64_t& last = last_job_number_;
+  for (const wire::JobInfo& info : core_.Jobs()) last = std::max(last, NumberOfJob(info.id()));
+  for (const std::string& id : folder_.JobsWithCheckpoints()) last = std::max(last, NumberOfJob(id));
+  return std::to_string(++last) + "-" + FileNamePart(job.name());
+}
+
+std::string Server::WhatIsWrong(const wire::JobQuery& query) const {
+  const std::string& action = query.action();
+  wire::Envelope envelope;
+  *envelope.mutable_query() = query;
+  if (!RightNeeded(envelope)) return "there is no action '" + action + "': " + JobActions();
+  if (query.job().empty()) return action.empty() || action == "status" ? "" : "which job?";
+  const Job* job = core_.FindJob(query.job());
+  if (job == nullptr) return "there is no job '" + query.job() + "'" + KnownJobs(core_.Jobs());
+  const std::optional<JobCommand> command = CommandOf(action);
+  if (!command) return "";
+  if (command == JobCommand::kPrioritize &&
+      (query.priority() < kLowestPriority || query.priority() > kHighestPriority))
+    return "a priority is a number from -10 to 10";
+  const std::string why = WhyNot(*job, *command);
+  return why.empty() ? "" : "cannot " + action + " " + job->id + ": " + why;
+}
+
+void Server::Serve(const std::string& peer, const wire::JobQuery& query) {
+  if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
+  if (const auto command = CommandOf(query.action())) return Obey(peer, query, *command);
+  if (query.action() == "logs") return AnswerLog(peer, query);
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(true);
+  if (query.job().empty())
+    for (const wire::JobInfo& info : core_.Jobs()) *reply.envelope.mutable_reply()->add_jobs() = info;
+  else
+    *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
+  for (const auto& [kind, count] : refusals_.Counts())
+    (*reply.envelope.mutable_reply()->mutable_refused())[kind] = count;
+  reply.envelope.mutable_reply()->set_warning(access_control_.Warning());
+  reply.envelope.mutable_reply()->set_store_bytes(use_.bytes());
+  reply.envelope.mutable_reply()->set_store_limit_bytes(use_.limit_bytes());
+  if (query.action() == "results") AddResults(query.job(), reply);
+  Reply(peer, std::move(reply));
+}
+
+std::string Server::WhatIsWrong(const wire::WorkerQuery& query) const {
+  wire::Envelope envelope;
+  *envelope.mutable_workers() = query;
+  if (!RightNeeded(envelope))
+    return "there is no action '" + query.action() + "' on workers: " + WorkerActions();
+  if (query.worker() == 0 || core_.fleet().workers().contains(query.worker())) return "";
+  return "there is no worker " + std::to_string(query.worker()) + "; cairn status lists them";
+}
+
+void Server::Serve(const std::string& peer, const wire::WorkerQuery& query) {
+  if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
+  if (query.action() == "drain") {
+    std::vector<std::string> peers;
+    for (const auto& [number, worker] : core_.fleet().workers())
+      if (query.worker() == 0 || query.worker() == number) peers.push_back(worker.peer);
+    for (const std::string& peer_told : peers) Handle(DrainWorker{peer_told});
+  }
+  wire::Message reply;
+  reply.envelope.mutable_reply()->set_ok(true);
+  for (const wire::WorkerInfo& info : core_.Workers())
+    if (query.worker() == 0 || query.worker() == info.number())
+      *reply.envelope.mutable_reply()->add_fleet() = info;
+  Reply(peer, std::move(reply));
+}
+
+// All that is on disk when the writer comes to it is known here now, or was asked to be removed.
+void Server::Serve(const std::string& peer, const wire::Clean& clean) {
+  log_(Severity::kInfo,
+       clean.dry_run() ? "a client asks what there is to clean" : "a client has the store cleaned");
+  std::set<Hash> needed = blobs_.Known();
+  needed.merge(uploads_.Writing());
+  writer_.Add(CleanWork{peer, {clean.damaged(), clean.dry_run(), std::move(needed)}});
+}
+
+// By the thread that writes: it has written what was told so far by then. So where the job is over, as it
+// stands now, nothing of how that came is missing.
+void Server::AnswerLog(const std::string& peer, const wire::JobQuery& query) {
+  WriteLog();
+  writer_.Add(ReadLogWork{peer, *core_.Find(query.job()), query.after()});
+}
+
+// The core answers, once it is durable: what a service said it did, a crash does not undo.
+void Server::Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command) {
+  const std::string& id = query.job();
+  switch (command) {
+    case JobCommand::kPause:
+      return Handle(PauseJob{id, peer});
+    case JobCommand::kResume:
+      return Handle(ResumeJob{id, peer});
+    case JobCommand::kCancel:
+      return Handle(CancelJob{id, peer});
+    case JobCommand::kRetry:
+      return Handle(RetryJob{id, peer});
+    case JobCommand::kDelete:
+      return Handle(DeleteJob{id, peer});
+    case JobCommand::kPrioritize:
+      return Handle(PrioritizeJob{id, query.priority(), peer});
+  }
+}
+
+// As they are published. A stage whose file cannot be read is named in the message.
+void Server::AddResults(const std::string& job, wire::Message& reply) {
+  for (const proto::Stage& stage : core_.FindJob(job)->spec.stages()) {
+    const std::filesystem::path path = options_.result_path(job, stage.name());
+    if (!std::filesystem::exists(path)) continue;
+    Result<BlobFile> file = ReadStoredFile(path);
+    if (!file.ok()) {
+      reply.envelope.mutable_reply()->set_message(ForUsers(file.status()).message());
+      continue;
+    }
+    reply.envelope.mutable_reply()->add_names(stage.name());
+    reply.blobs.push_back(wire::NameBlob(std::make_shared<const Blob>(std::move(file).value().blob)));
+  }
+}
+
+}  // namespace cairn::coordinator

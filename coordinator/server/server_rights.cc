@@ -1,0 +1,65 @@
+// Those who are turned away: what they are told, and when their connection goes.
+#include <utility>
+#include <vector>
+
+#include "coordinator/server/server.h"
+#include "schema/wire/codec.h"
+
+namespace cairn::coordinator {
+namespace {
+
+constexpr std::size_t kMostWarned = 4096;
+
+wire::RefusalKind KindOf(Code code) {
+  if (code == Code::kVersion) return wire::RefusalKind::kVersion;
+  return code == Code::kRefused ? wire::RefusalKind::kOversized : wire::RefusalKind::kMalformed;
+}
+
+// A client that asks for too much may ask for something else next; these have no business here at all.
+bool IsUnauthenticated(wire::RefusalKind kind) {
+  return kind == wire::RefusalKind::kRevoked || kind == wire::RefusalKind::kIdentity ||
+         kind == wire::RefusalKind::kVersion;
+}
+
+}  // namespace
+
+void Server::TakeDamaged(const Incoming& incoming) {
+  const wire::RefusalKind kind = KindOf(incoming.status.code());
+  if (kind == wire::RefusalKind::kVersion)
+    return TurnAway(incoming.peer,
+                    {kind, incoming.status.message() + "; here it is protocol " +
+                               std::to_string(wire::kProtocol) + " of version " CAIRN_VERSION});
+  refusals_.Add({kind, incoming.status.message()}, Now());
+}
+
+// It is told why. A connection that is closed at once would lose that, so that of an unknown key goes when it
+// says more.
+void Server::TurnAway(const std::string& peer, const wire::Refusal& refusal) {
+  refusals_.Add(refusal, Now());
+  if (IsUnauthenticated(refusal.kind)) {
+    if (warned_.contains(peer)) return transport_.Drop(peer);
+    if (warned_.size() >= kMostWarned) warned_.clear();
+    warned_.insert(peer);
+  }
+  wire::Message answer;
+  answer.envelope.mutable_refuse()->set_reason(refusal.reason);
+  transport_.Send(peer, std::move(answer));
+}
+
+// The list, or whether it can be read, has changed. A worker whose key is gone need not say anything more to
+// lose its tasks.
+void Server::EndRevoked() {
+  if (const std::string warning = access_control_.Warning(); !warning.empty())
+    log_(Severity::kError, warning);
+  else
+    log_(Severity::kInfo, "the list of keys has changed, and holds from now on");
+  std::vector<std::string> revoked;
+  for (const auto& [number, worker] : core_.fleet().workers())
+    if (!access_control_.MayWork(worker.peer)) revoked.push_back(worker.peer);
+  for (const std::string& peer : revoked) {
+    Handle(WorkerLeave{peer});
+    TurnAway(peer, {wire::RefusalKind::kRevoked, "a worker's key was taken off the list"});
+  }
+}
+
+}  // namespace cairn::coordinator

@@ -1,0 +1,326 @@
+#include "datasets/report/pages/localized_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "datasets/report/drawing/axes.h"
+#include "datasets/report/drawing/format.h"
+#include "datasets/report/drawing/palette.h"
+#include "datasets/report/drawing/plots.h"
+#include "datasets/report/drawing/svg.h"
+#include "datasets/report/grid_picture.h"
+#include "datasets/report/pages/line_chart.h"
+
+namespace cairn::datasets::report {
+namespace {
+
+constexpr double kLocalizedPicturesLeft = 86, kChartHeight = 220;
+constexpr double kFlat = 6;         // a box so many times longer than it is high counts as a line
+constexpr std::size_t kBins = 150;  // of a belief, along the longer side of the positions' box
+
+struct Traverse {
+  std::size_t first, end;
+};
+
+std::vector<Traverse> TraversesOf(const LocalizedSteps& localized) {
+  std::vector<Traverse> traverses;
+  for (std::size_t k = 0; k < localized.steps.size(); ++k) {
+    if (localized.steps[k].sensations == 0) traverses.push_back({k, k});
+    traverses.back().end = k + 1;
+  }
+  return traverses;
+}
+
+template <class Value>
+Curve MeanCurve(const LocalizationScore& score, const char* name, int colour, bool band, const Value& value) {
+  Curve curve{.name = name, .points = {}, .colour = colour};
+  for (const LocalizationRow& row : score.rows) {
+    const MeanError& error = value(row);
+    curve.points.push_back({row.travelled_m, error.mean_m});
+    if (!band || !error.interval_95) continue;
+    curve.low.push_back({row.travelled_m, std::max(0.0, error.interval_95->low)});
+    curve.high.push_back({row.travelled_m, error.interval_95->high});
+  }
+  return curve;
+}
+
+// Root of the mean square over the traverses, by sensations.
+template <class Value>
+Curve RootMeanSquare(const std::vector<LocalizedStep>& steps, const char* name, int colour,
+                     const Value& value) {
+  struct Sum {
+    double squares = 0, travelled_m = 0, count = 0;
+  };
+  std::vector<Sum> sums;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (steps[k].sensations >= sums.size()) sums.resize(steps[k].sensations + 1);
+    Sum& sum = sums[steps[k].sensations];
+    sum.squares += std::pow(value(k), 2);
+    sum.travelled_m += steps[k].travelled_m;
+    sum.count += 1;
+  }
+  Curve curve{.name = name, .points = {}, .colour = colour};
+  for (const Sum& sum : sums)
+    curve.points.push_back({sum.travelled_m / sum.count, std::sqrt(sum.squares / sum.count)});
+  return curve;
+}
+
+Box LocalizedBox(const LocalizedSteps& localized) {
+  Box box{localized.positions.front().x_m, localized.positions.front().x_m, localized.positions.front().y_m,
+          localized.positions.front().y_m};
+  for (const Point& p : localized.positions) {
+    box = {std::min(box.x_low_m, p.x_m), std::max(box.x_high_m, p.x_m), std::min(box.y_low_m, p.y_m),
+           std::max(box.y_high_m, p.y_m)};
+  }
+  return box;
+}
+
+// Of the positions' longer side.
+struct Axis {
+  bool y = false;
+  double low = 0, length = 1;
+  double At(const Point& p) const { return y ? p.y_m : p.x_m; }
+};
+
+Axis LongerSide(const Box& box) {
+  const bool y = box.height_m() > box.width_m();
+  return {y, y ? box.y_low_m : box.x_low_m, std::max(1e-3, y ? box.height_m() : box.width_m())};
+}
+
+// Beliefs of a traverse, a column a step, along the axis; shared between the two nearest bins, so that
+// positions as far apart as bins leave no stripes.
+Grid Beliefs(const LocalizedSteps& localized, const Traverse& traverse, const Axis& axis) {
+  Grid grid;
+  grid.columns = static_cast<std::int64_t>(traverse.end - traverse.first);
+  grid.rows = static_cast<std::int64_t>(std::clamp<std::size_t>(localized.positions.size(), 2, kBins));
+  const auto columns = static_cast<std::size_t>(grid.columns), rows = static_cast<std::size_t>(grid.rows);
+  grid.probability.assign(columns * rows, 0.0);
+  for (std::size_t column = 0; column < columns; ++column) {
+    const LocalizedStep& step = localized.steps[traverse.first + column];
+    for (std::size_t i = step.first; i < step.end; ++i) {
+      const Point& position = localized.positions[static_cast<std::size_t>(localized.position[i])];
+      const double at = (axis.At(position) - axis.low) / axis.length * static_cast<double>(rows - 1);
+      const auto below = std::min(rows - 2, static_cast<std::size_t>(std::max(0.0, at)));
+      const double share = std::clamp(at - static_cast<double>(below), 0.0, 1.0);
+      grid.probability[below * columns + column] += (1 - share) * localized.probability[i];
+      grid.probability[(below + 1) * columns + column] += share * localized.probability[i];
+    }
+  }
+  return grid;
+}
+
+const char* AxisName(const Axis& axis) { return axis.y ? "y [m]" : "x [m]"; }
+
+// Distance travelled from left to right, the positions' longer side upwards.
+std::string LineBelief(const LocalizedSteps& localized, const LocalizationScore* score,
+                       const Traverse& traverse, const Axis& axis, double width) {
+  constexpr double kHeight = 330;
+  const Panel p{kLocalizedPicturesLeft, 10, width - kLocalizedPicturesLeft - 10, kHeight};
+  Svg svg(width, kHeight + 54, "Belief of one robot by distance travelled");
+  const double travelled_m = std::max(1e-3, localized.steps[traverse.end - 1].travelled_m);
+  const auto steps = static_cast<double>(traverse.end - traverse.first);
+  // A column of the picture reaches half a step to either side; the first and the last are cut.
+  const double step_width = p.width / std::max(1.0, steps - 1);
+  const auto x = [&](double travelled) { return p.left + p.width * travelled / travelled_m; };
+  const auto y = [&](double at) { return p.top + p.height * (1 - (at - axis.low) / axis.length); };
+  svg.Rect(p.left, p.top, p.width, p.height, "panel");
+  svg.BeginClip(p.left, p.top, p.width, p.height);
+  const Grid grid = Beliefs(localized, traverse, axis);
+  const double half_bin = 0.5 * p.height / static_cast<double>(grid.rows - 1);
+  svg.Image(p.left - 0.5 * step_width, p.top - half_bin, p.width + step_width, p.height + 2 * half_bin,
+            GridPng(grid, HighestProbability(grid)));
+  std::vector<Point> truth, mean;
+  for (std::size_t k = traverse.first; k < traverse.end; ++k) {
+    const LocalizedStep& step = localized.steps[k];
+    if (score != nullptr) truth.push_back({x(step.travelled_m), y(axis.At(score->steps[k].truth))});
+    mean.push_back({x(step.travelled_m), y(axis.At(step.mean))});
+  }
+  svg.Polyline(truth, "truth-path");
+  svg.Polyline(mean, "path r2");
+  svg.EndClip();
+  for (const double tick : Ticks(0, travelled_m, std::max(2, static_cast<int>(p.width / 90))))
+    svg.Text(x(tick), p.top + p.height + 15, Short(tick), "tick middle");
+  for (const double tick : Ticks(axis.low, axis.low + axis.length, 6))
+    svg.Text(p.left - 7, y(tick) + 4, Short(tick), "tick end");
+  svg.Rect(p.left, p.top, p.width, p.height, "frame");
+  svg.Text(p.left + p.width / 2, p.top + p.height + 34, "distance travelled [m]", "axis middle");
+  svg.VerticalText(p.left - 66, p.top + p.height / 2, AxisName(axis), "axis middle");
+  return svg.Finish();
+}
+
+// Of one step, in the plane.
+Grid BeliefInPlane(const LocalizedSteps& localized, const LocalizedStep& step, const Box& box) {
+  Grid grid;
+  grid.cell_m = std::max(box.width_m(), box.height_m()) / 60;
+  grid.origin = {box.x_low_m - 0.5 * grid.cell_m, box.y_low_m - 0.5 * grid.cell_m};
+  grid.columns = static_cast<std::int64_t>(box.width_m() / grid.cell_m) + 2;
+  grid.rows = static_cast<std::int64_t>(box.height_m() / grid.cell_m) + 2;
+  grid.probability.assign(static_cast<std::size_t>(grid.columns * grid.rows), 0.0);
+  for (std::size_t i = step.first; i < step.end; ++i) {
+    const Point& position = localized.positions[static_cast<std::size_t>(localized.position[i])];
+    const auto column = static_cast<std::int64_t>((position.x_m - grid.origin.x_m) / grid.cell_m);
+    const auto row = static_cast<std::int64_t>((position.y_m - grid.origin.y_m) / grid.cell_m);
+    grid.probability[static_cast<std::size_t>(row * grid.columns + column)] += localized.probability[i];
+  }
+  return grid;
+}
+
+void DrawMap(const LocalizedSteps& localized, const LocalizationScore* score, const Traverse& traverse,
+             std::size_t at, const Box& box, const Panel& panel, Svg* svg) {
+  const LocalizedStep& step = localized.steps[at];
+  const MapFrame frame(box, panel);
+  const Grid grid = BeliefInPlane(localized, step, box);
+  const double top_m = grid.origin.y_m + static_cast<double>(grid.rows) * grid.cell_m;
+  svg->Rect(panel.left, panel.top, panel.width, panel.height, "panel");
+  svg->BeginClip(panel.left, panel.top, panel.width, panel.height);
+  svg->Image(frame.X(grid.origin.x_m), frame.Y(top_m),
+             static_cast<double>(grid.columns) * grid.cell_m * frame.pixels_per_m(),
+             static_cast<double>(grid.rows) * grid.cell_m * frame.pixels_per_m(),
+             GridPng(grid, HighestProbability(grid)));
+  if (score != nullptr) {
+    std::vector<Point> truth;
+    for (std::size_t k = traverse.first; k <= at; ++k)
+      truth.push_back({frame.X(score->steps[k].truth.x_m), frame.Y(score->steps[k].truth.y_m)});
+    svg->Polyline(truth, "truth-path");
+    svg->Circle(truth.back().x_m, truth.back().y_m, 6, "truth-landmark");
+  }
+  svg->Circle(frame.X(step.mean.x_m), frame.Y(step.mean.y_m), 3.5, "start r2");
+  svg->EndClip();
+  svg->Rect(panel.left, panel.top, panel.width, panel.height, "frame");
+  std::string title = std::to_string(step.sensations) + " sensed, " + Short(step.travelled_m, 1) + " m";
+  if (score != nullptr) title += ": error " + Short(score->steps[at].believed_m) + " m";
+  svg->Text(panel.left, panel.top - 6, title, "heading");
+}
+
+// Six maps, at the start, at the end and between them, ever farther apart.
+std::string MapBeliefs(const LocalizedSteps& localized, const LocalizationScore* score,
+                       const Traverse& traverse, Box box, double full_width) {
+  constexpr double kGap = 20, kTitle = 26, kLocalizedPicturesNarrowest = 300;  // of a map
+  const auto columns =
+      static_cast<std::size_t>(std::clamp(full_width / kLocalizedPicturesNarrowest, 1.0, 3.0));
+  const std::size_t last = traverse.end - traverse.first - 1;
+  std::vector<std::size_t> shown;
+  for (const double share : {0.0, 0.05, 0.12, 0.25, 0.5, 1.0}) {
+    const auto at = static_cast<std::size_t>(std::lround(share * static_cast<double>(last)));
+    if (shown.empty() || at > shown.back()) shown.push_back(at);
+  }
+  box = {box.x_low_m - 0.5, box.x_high_m + 0.5, box.y_low_m - 0.5, box.y_high_m + 0.5};
+  const double width = (full_width - static_cast<double>(columns - 1) * kGap) / static_cast<double>(columns),
+               height = PanelHeight(box, width, 120, 400);
+  const std::size_t rows = (shown.size() + columns - 1) / columns;
+  Svg svg(full_width, static_cast<double>(rows) * (height + kTitle + 6), "Belief of one robot on its way");
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const std::size_t row = i / columns;
+    const Panel panel{static_cast<double>(i % columns) * (width + kGap),
+                      kTitle + static_cast<double>(row) * (height + kTitle + 6), width, height};
+    DrawMap(localized, score, traverse, traverse.first + shown[i], box, panel, &svg);
+  }
+  return svg.Finish();
+}
+
+LineChart MeanErrors(const LocalizationScore& score) {
+  const auto believed = [](const LocalizationRow& row) -> const MeanError& { return row.believed; };
+  const Curve mean = MeanCurve(score, "over the belief, with its 95% interval", 0, true, believed);
+  return {"Mean error over the robots",
+          "distance travelled [m]",
+          "error [m]",
+          {mean,
+           MeanCurve(score, "of the belief's mean", 2, false,
+                     [](const LocalizationRow& row) -> const MeanError& { return row.mean; }),
+           MeanCurve(score, "of the most likely position", 1, false,
+                     [](const LocalizationRow& row) -> const MeanError& { return row.mode; })}};
+}
+
+LineChart EachError(const LocalizationScore& score) {
+  LineChart each{"Each robot", "distance travelled [m]", "error [m]", {}};
+  for (const LocalizationError& step : score.steps) {
+    if (step.sensations == 0) {
+      each.curves.push_back({.name = "",
+                             .points = {},
+                             .colour = static_cast<int>(each.curves.size()),
+                             .faint = score.traverses > 6});
+    }
+    each.curves.back().points.push_back({step.travelled_m, step.believed_m});
+  }
+  return each;
+}
+
+LineChart HowSure(const LocalizedSteps& localized, const LocalizationScore* score) {
+  LineChart chart{"Root of the mean square over the robots", "distance travelled [m]", "distance [m]", {}};
+  chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it believes to be", 0,
+                                        [&](std::size_t k) { return localized.steps[k].spread_m; }));
+  if (score != nullptr) {
+    chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it is", 1,
+                                          [&](std::size_t k) { return score->steps[k].mean_m; }));
+  }
+  return chart;
+}
+
+// The same for a file.
+Plot PlotOf(const LineChart& chart) {
+  Plot plot;
+  plot.title = chart.title;
+  plot.x_label = chart.x_label;
+  plot.y_label = chart.y_label;
+  for (const Curve& curve : chart.curves) {
+    PlotSeries series;
+    series.name = curve.name;
+    series.colour = kRobots[static_cast<std::size_t>(curve.colour) % kRobotColours];
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+      PlotPoint point{curve.points[i].x, curve.points[i].y, std::nullopt};
+      if (curve.low.size() == curve.points.size()) point.bar = {curve.low[i].y, curve.high[i].y};
+      series.points.push_back(point);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::string ErrorHtml(const LocalizationScore& score, const std::string& caption) {
+  return ChartHtml(MeanErrors(score), caption, kChartHeight) + ChartHtml(EachError(score), "", kChartHeight);
+}
+
+std::string SureHtml(const LocalizedSteps& localized, const LocalizationScore* score,
+                     const std::string& caption) {
+  std::string html = ChartHtml(HowSure(localized, score), caption, kChartHeight);
+  if (score == nullptr || score->heading != "unknown") return html;
+  LineChart facing{"Believed of facing as it does", "distance travelled [m]", "mean over the robots [%]", {}};
+  Curve curve{.name = "", .points = {}, .colour = 0};
+  for (const LocalizationRow& row : score->rows) curve.points.push_back({row.travelled_m, 100 * row.facing});
+  facing.curves.push_back(curve);
+  return html + ChartHtml(facing, "", kChartHeight);
+}
+
+std::string LocalizationPng(const LocalizedSteps& localized, const LocalizationScore* score) {
+  std::vector<Plot> plots;
+  if (score != nullptr) plots.push_back(PlotOf(MeanErrors(*score)));
+  plots.push_back(PlotOf(HowSure(localized, score)));
+  return DrawPlots(plots, {.columns = 1, .width = 900, .height = 320});
+}
+
+std::string BeliefPicture(const LocalizedSteps& localized, const LocalizationScore* score,
+                          std::size_t traverse, double width) {
+  const Traverse of = TraversesOf(localized)[traverse];
+  const Box box = LocalizedBox(localized);
+  const double longer = std::max(box.width_m(), box.height_m()),
+               shorter = std::min(box.width_m(), box.height_m());
+  return longer >= kFlat * shorter ? LineBelief(localized, score, of, LongerSide(box), width)
+                                   : MapBeliefs(localized, score, of, box, width);
+}
+
+Examples ExamplesOf(const LocalizedSteps& localized, const LocalizationScore* score) {
+  std::vector<std::pair<double, std::size_t>> errors;
+  for (const Traverse& traverse : TraversesOf(localized)) {
+    double sum = 0;
+    for (std::size_t k = traverse.first; k < traverse.end; ++k)
+      sum += score != nullptr ? score->steps[k].believed_m : localized.steps[k].spread_m;
+    errors.emplace_back(sum / static_cast<double>(traverse.end - traverse.first), errors.size());
+  }
+  std::ranges::sort(errors);
+  return {errors[(errors.size() - 1) / 2].second, errors.back().second};
+}
+
+}  // namespace cairn::datasets::report

@@ -1,0 +1,101 @@
+#include "pipelines/landmark_map/initial_state.h"
+
+#include <algorithm>
+
+#include "pipelines/landmark_map/model/work.h"
+#include "pipelines/landmark_map/result.h"
+#include "pipelines/landmark_map/state/partial.h"
+#include "pipelines/landmark_map/state/speculation.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+std::string RobotPath(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
+
+// Which layers of the map a robot's observations may be of: any class may seem another.
+std::vector<bool> TypesSeen(const RobotSteps& robot, const MapRules& rules) {
+  std::vector<bool> seen(static_cast<std::size_t>(rules.layers()), false);
+  for (const Observation& o : robot.observations) seen[static_cast<std::size_t>(o.type)] = true;
+  const auto classes = seen.begin() + rules.types;
+  if (std::find(classes, seen.end(), true) != seen.end()) std::fill(classes, seen.end(), true);
+  return seen;
+}
+
+std::vector<bool> TypesIn(const LayeredGrid& map) {
+  std::vector<bool> types;
+  for (const Layer& layer : map.layers) types.push_back(!layer.box.empty());
+  return types;
+}
+
+}  // namespace
+
+bool StartsAnywhere(const Options& options, std::size_t robot) {
+  return robot > 0 || options.start == "anywhere";
+}
+
+InitialState MakeInitialState(const Options& options, const Inputs& inputs) {
+  const Blob& log = *inputs.Get("log");
+  InitialState initial{Resolve(options, log), {}, {}, {}};
+  initial.schedule.prefix = initial.settings.growth_start;
+  initial.schedule.growth = initial.settings.growth_factor;
+  initial.schedule.summarise = options.iterations == 0;
+  if (options.iterations == 0) initial.settings.starts = 1;  // nothing to choose from
+  const std::size_t robots = log.Texts("robots").size();
+  if (!inputs.Has("map")) {
+    if (options.start == "anywhere") throw InputError("start=anywhere needs the input 'map'");
+    if (options.iterations == 0 && robots > 1)
+      throw InputError("iterations=0 needs the input 'map' where there are several robots");
+    return initial;
+  }
+  if (options.starts > 1) throw InputError("with the input 'map' EM starts from it alone: take starts=1");
+  initial.settings.starts = 1;
+  initial.settings.gauge_free = false;  // the frame is the given map's
+  initial.schedule.prefix = 1.0;
+  initial.schedule.robots = static_cast<std::int64_t>(robots);
+  initial.given = ReadGivenMap(*inputs.Get("map"), log, initial.settings);
+  initial.perception = MakePerception(initial.given->map, initial.settings.map);
+  return initial;
+}
+
+RobotStates MakeAllSteps(const Blob& log, const Options& options, const InitialState& initial,
+                         cairn::Step* step, std::vector<RobotSteps>* all) {
+  const std::vector<std::string> robots = log.Texts("robots");
+  const Settings& settings = initial.settings;
+  std::vector<bool> shared;
+  if (initial.given) shared = TypesIn(initial.given->map);
+  RobotStates robot_states;
+  robot_states.blobs["settings"] = step->Share(settings.ToBlob());
+  robot_states.odometry.assign(robots.size(), OdometryFit::Of(settings.noise));
+  robot_states.overlap.assign(robots.size(), kOverlap);
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const bool anywhere = StartsAnywhere(options, r);
+    const RobotSteps steps =
+        MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, anywhere ? &shared : nullptr);
+    if (shared.empty()) shared = TypesSeen(steps, settings.map);
+    if (initial.given && !anywhere) CheckReach(initial.given->map, steps, settings);
+    robot_states.step_counts.push_back(steps.size());
+    const int count = StepsInUse(initial.schedule, steps.size());
+    robot_states.work.push_back(
+        anywhere && initial.perception
+            ? WorkWhereLost(count, settings.Model(&*initial.perception))
+            : WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
+    robot_states.sharp.push_back(WorkOfStep(steps, settings.Model(nullptr)));
+    robot_states.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
+    all->push_back(steps);
+  }
+  return robot_states;
+}
+
+std::map<std::string, Blob> FirstBlobs(const InitialState& initial) {
+  std::map<std::string, Blob> blobs{{"history", EmptyHistory()},
+                                    {"counts", StoredCounts(NoCounts(initial.settings.map))}};
+  if (initial.given) {
+    blobs["landmarks"] = ToBlob(initial.given->landmarks);
+    blobs["perception"] = initial.perception->ToBlob();
+  } else if (initial.schedule.summarise) {
+    blobs["landmarks"] = ToBlob(std::vector<Landmark>{});
+  }
+  return blobs;
+}
+
+}  // namespace cairn::landmark_map

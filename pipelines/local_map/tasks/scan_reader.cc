@@ -1,0 +1,75 @@
+#include "pipelines/local_map/tasks/scan_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "schema/error.h"
+
+namespace cairn::local_map {
+namespace {
+
+std::string Numbered(std::size_t k) { return std::to_string(k) + "/"; }
+
+// Of `ring_beams` around the full circle, those that lie in the sensor's own field of view.
+int SectorsOf(const std::vector<Pose>& beams, double opening_rad, std::int64_t ring_beams) {
+  if (opening_rad > 0 || beams.size() < 2) return 0;
+  double view_rad = 0;
+  for (std::size_t b = 1; b < beams.size(); ++b)
+    view_rad += std::abs(WrapAngle(beams[b].heading_rad - beams[b - 1].heading_rad));
+  const auto sectors =
+      static_cast<int>(std::lround(static_cast<double>(ring_beams) * view_rad / (2 * std::numbers::pi)));
+  return sectors < static_cast<int>(beams.size()) ? std::max(sectors, 1) : 0;
+}
+
+std::vector<double> TurretOf(const Blob& log, const std::string& sensor) {
+  if (!log.Has(sensor + "turret_rad")) return {};
+  const auto heading = log.Get<double>(sensor + "turret_rad");
+  return {heading.begin(), heading.end()};
+}
+
+}  // namespace
+
+Blob RingsBlob(const PosedScans& scans, const std::vector<std::size_t>& sensors) {
+  Blob rings;
+  rings.PutScalar("count", static_cast<std::int64_t>(sensors.size()));
+  for (std::size_t k = 0; k < sensors.size(); ++k)
+    rings.PutAll(Numbered(k), SensorBlob(scans.sensors[sensors[k]]));
+  return rings;
+}
+
+ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std::int64_t ring_beams) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(rings.Scalar<std::int64_t>("count")); ++k) {
+    const std::string name = rings.Text(Numbered(k) + "name");
+    const auto beam = rings.Get<double>(Numbered(k) + "beam");
+    std::vector<Pose> beams;
+    for (std::size_t b = 0; b < beam.size(); b += 3) beams.push_back({beam[b], beam[b + 1], beam[b + 2]});
+    const double opening_rad = rings.Scalar<double>(Numbered(k) + "opening_rad");
+    const double max_range_m = rings.Scalar<double>(Numbered(k) + "max_range_m");
+    rings_.emplace_back(beams, opening_rad, max_range_m, SectorsOf(beams, opening_rad, ring_beams));
+    beams_.push_back({beams, opening_rad, max_range_m});
+    range_m_.push_back(log.at(name + "range_m"));
+    turret_rad_.push_back(TurretOf(log, name));
+  }
+  const auto time = rows.Get<double>("time_s"), pose = rows.Get<double>("pose");
+  const auto row_of_log = rows.Get<std::int64_t>("row_of_log");
+  time_s_.assign(time.begin(), time.end());
+  pose_.assign(pose.begin(), pose.end());
+  row_of_log_.assign(row_of_log.begin(), row_of_log.end());
+  scan_.resize(rings_.size());
+}
+
+std::span<const RingScan> ScanReader::Read(std::size_t scan) {
+  for (std::size_t k = 0; k < rings_.size(); ++k) {
+    const std::int64_t row = row_of_log_[scan * rings_.size() + k];
+    scan_[k] = {.time_s = time_s_[scan], .turret_rad = 0, .range_m = {}};
+    if (row < 0) continue;
+    const auto row_of_log = static_cast<std::size_t>(row);
+    if (!turret_rad_[k].empty()) scan_[k].turret_rad = turret_rad_[k][row_of_log];
+    scan_[k].range_m = range_m_[k].As<double>().subspan(row_of_log * rings_[k].beams(), rings_[k].beams());
+  }
+  return scan_;
+}
+
+}  // namespace cairn::local_map

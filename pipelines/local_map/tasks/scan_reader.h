@@ -1,0 +1,43 @@
+// What a task reads of a log: the scans of one robot, one after the other.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "pipelines/common/range_scans.h"
+#include "pipelines/local_map/grids/ring.h"
+#include "pipelines/local_map/path/scale_watch.h"
+#include "schema/blob.h"
+#include "schema/geometry.h"
+
+namespace cairn::local_map {
+
+// A robot's sensors without their readings, for tasks.
+Blob RingsBlob(const PosedScans& scans, const std::vector<std::size_t>& sensors);
+
+class ScanReader {
+ public:
+  // `rings` as RingsBlob made it; `rows` some rows of what RowsOf(runs) made; a laser's beams are thinned to
+  // `ring_beams` sectors over the full circle.
+  ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std::int64_t ring_beams);
+
+  std::size_t size() const { return time_s_.size(); }
+  const std::vector<SensorRing>& rings() const { return rings_; }
+  const std::vector<ScaleWatch::Ring>& beams() const { return beams_; }
+  double time_s(std::size_t scan) const { return time_s_[scan]; }
+  Pose pose(std::size_t scan) const { return {pose_[3 * scan], pose_[3 * scan + 1], pose_[3 * scan + 2]}; }
+  // One a ring, valid until the next call; without ranges where the ring was not read.
+  std::span<const RingScan> Read(std::size_t scan);
+
+ private:
+  std::vector<SensorRing> rings_;
+  std::vector<ScaleWatch::Ring> beams_;
+  std::vector<Array> range_m_;                   // of each ring, keeps them alive
+  std::vector<std::vector<double>> turret_rad_;  // of each ring's scans; empty: no turret
+  std::vector<double> time_s_, pose_;
+  std::vector<std::int64_t> row_of_log_;
+  std::vector<RingScan> scan_;
+};
+
+}  // namespace cairn::local_map

@@ -1,0 +1,143 @@
+#include "schema/store/checksum_trailer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "schema/store/blob_file.h"
+#include "schema/store/hdf5_handle.h"
+#include "schema/store/testing.h"
+
+namespace cairn {
+namespace {
+
+using store_testing::Bytes;
+using store_testing::OddBlob;
+using store_testing::Overwrite;
+using store_testing::TempFolder;
+
+TEST(Trailer, AStoredFileComesBack) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "blob", OddBlob()).ok());
+  const Result<BlobFile> read = ReadStoredFile(folder / "a.h5");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read.value().blob.ContentHash(), OddBlob().ContentHash());
+  EXPECT_EQ(ReadStoredFile(folder / "none.h5").status().code(), Code::kNotFound);
+}
+
+TEST(Trailer, AnyFlippedByteIsSeen) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "blob", OddBlob()).ok());
+  std::vector<std::byte> bytes = Bytes(folder / "a.h5");
+  ASSERT_TRUE(store::CheckTrailer(bytes, "a").ok());
+  for (std::byte& byte : bytes) {
+    byte ^= std::byte{1};
+    ASSERT_EQ(store::CheckTrailer(bytes, "a").code(), Code::kCorrupt);
+    byte ^= std::byte{1};
+  }
+  bytes[bytes.size() / 2] ^= std::byte{1};
+  Overwrite(folder / "a.h5", bytes);
+  const Status status = ReadStoredFile(folder / "a.h5").status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_EQ(status.message(),
+            (folder / "a.h5").string() + ": damaged: its bytes are not those that were written");
+}
+
+TEST(Trailer, AnyTruncationIsSeen) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "blob", OddBlob()).ok());
+  const std::vector<std::byte> bytes = Bytes(folder / "a.h5");
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    ASSERT_EQ(store::CheckTrailer(std::span(bytes).first(size), "a").code(), Code::kCorrupt) << size;
+}
+
+TEST(Trailer, WhereItIsGoneTheFileIsReadOnlyByWhoeverAsksForItAndNeverInAStore) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "blob", OddBlob()).ok());
+  std::vector<std::byte> bytes = Bytes(folder / "a.h5");
+  bytes.resize(bytes.size() - store::kTrailerBytes);
+  Overwrite(folder / "a.h5", bytes);
+  EXPECT_EQ(ReadStoredFile(folder / "a.h5").status().code(), Code::kCorrupt);
+  const Status status = ReadBlobFile(folder / "a.h5").status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_NE(status.message().find("another program has changed it"), std::string::npos) << status.message();
+  const Result<BlobFile> read =
+      ReadBlobFile(folder / "a.h5", {.only = {}, .without = {}, .changed_too = true});
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_TRUE(read.value().changed);
+  EXPECT_EQ(read.value().blob.ContentHash(), OddBlob().ContentHash());
+}
+
+// As h5py and h5edit do it.
+TEST(Trailer, AChangeThroughHdf5IsSeen) {
+  const TempFolder folder;
+  const std::string path = folder / "a.h5";
+  ASSERT_TRUE(WriteBlobFile(path, "blob", OddBlob()).ok());
+  {
+    const store::Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    const store::Handle data(H5Dopen2(file.get(), "types/i32", H5P_DEFAULT), H5Dclose);
+    const std::int32_t values[3] = {0, -1, 2147483647};  // they were -1, 0, …
+    ASSERT_GE(H5Dwrite(data.get(), H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+  }
+  const Status status = ReadBlobFile(path).status();
+  EXPECT_NE(status.message().find("another program has changed it"), std::string::npos) << status.message();
+  const Result<BlobFile> read = ReadBlobFile(path, {.only = {}, .without = {}, .changed_too = true});
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_TRUE(read.value().changed);
+  EXPECT_EQ(read.value().blob.Get<std::int32_t>("types/i32")[1], -1);
+}
+
+TEST(Trailer, AFileOfAnotherProgramNeedsNone) {
+  const TempFolder folder;
+  const std::string path = folder / "a.h5";
+  {
+    const store::Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    const store::Handle one(H5Screate(H5S_SCALAR), H5Sclose);
+    const std::int64_t format = 1;
+    const store::Handle a(
+        H5Acreate2(file.get(), "cairn_format", H5T_STD_I64LE, one.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    ASSERT_GE(H5Awrite(a.get(), H5T_NATIVE_INT64, &format), 0);
+    const store::Handle text(H5Tcopy(H5T_C_S1), H5Tclose);
+    const store::Handle b(
+        H5Acreate2(file.get(), "cairn_kind", text.get(), one.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    ASSERT_GE(H5Awrite(b.get(), text.get(), "x"), 0);
+  }
+  const Result<BlobFile> read = ReadBlobFile(path);
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_FALSE(read.value().changed);
+}
+
+// Fletcher-32 counts in ones' complement: two bytes of 0xFF are to it what two of 0x00 are.
+TEST(Trailer, DamageThatFletcherTakesForNothingIsSeen) {
+  const TempFolder folder;
+  constexpr std::size_t kChanges = 80;
+  Blob blob;
+  std::vector<std::int32_t> landmark(2 * kChanges);
+  for (std::size_t i = 0; i < landmark.size(); ++i) landmark[i] = i % 3 == 0 ? -1 : i % 3 == 1 ? 0 : 7;
+  blob.PutVector<std::int32_t>("map_landmark", landmark);
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "landmark_map", blob).ok());
+  const std::vector<std::byte> good = Bytes(folder / "a.h5");
+  const auto found = std::ranges::search(good, std::as_bytes(std::span(landmark)));
+  ASSERT_FALSE(found.empty());
+  const auto begin = static_cast<std::size_t>(found.begin() - good.begin());
+  std::size_t changes = 0, unseen_by_fletcher = 0;
+  for (std::size_t i = 0; i < landmark.size() && changes < kChanges; ++i) {
+    if (landmark[i] == 7) continue;
+    ++changes;
+    std::vector<std::byte> bad = good;
+    for (std::size_t k = 0; k < 4; ++k) bad[begin + 4 * i + k] ^= std::byte{0xFF};
+    Overwrite(folder / "b.h5", bad);
+    const Status status = ReadBlobFile(folder / "b.h5").status();
+    ASSERT_EQ(status.code(), Code::kCorrupt) << i;
+    if (status.message().find("its checksum is wrong") != std::string::npos) continue;
+    ++unseen_by_fletcher;
+    EXPECT_NE(status.message().find("its bytes are not those that were written"), std::string::npos)
+        << status.message();
+  }
+  EXPECT_EQ(changes, kChanges);
+  EXPECT_GT(unseen_by_fletcher, kChanges / 2);
+}
+
+}  // namespace
+}  // namespace cairn

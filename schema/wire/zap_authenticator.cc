@@ -1,0 +1,340 @@
+#include "schema/wire/zap_authenticator.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <utility>
+
+#include "schema/wire/connection.h"
+#include "schema/wire/keys.h"
+
+namespace cairn::wire {
+namespace {
+
+constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";  // fixed by ZAP, rfc.zeromq.org/spec/27
+constexpr int kAcceptEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_ACCEPT_FAILED | ZMQ_EVENT_DISCONNECTED |
+                              ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+constexpr std::chrono::milliseconds kLookEvery{250};
+constexpr std::size_t kMostBuckets = 10'000;
+// At least what CURVE and ZMTP add to a frame: what is taken must not seem less than what came.
+constexpr std::size_t kFrameOverhead = 64;
+
+double Now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string Z85(const zmq::message_t& key) {
+  std::array<char, 41> text{};
+  if (key.size() != 32) return "";
+  zmq_z85_encode(text.data(), key.data<std::uint8_t>(), key.size());
+  return text.data();
+}
+
+std::string HandshakeReason(std::uint32_t value) {
+  switch (value) {
+    case ZMQ_PROTOCOL_ERROR_ZMTP_CRYPTOGRAPHIC:
+      return "bytes that its key did not make: forged, damaged, or for another coordinator";
+    case ZMQ_PROTOCOL_ERROR_ZMTP_INVALID_SEQUENCE:
+      return "a message again, or out of turn";
+    case ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH:
+      return "it came without a key";
+    default:
+      return "what is no handshake of ours";
+  }
+}
+
+}  // namespace
+
+const char* KindName(RefusalKind kind) {
+  constexpr std::array kNames = {"connections", "rate",    "handshake", "key",     "malformed",
+                                 "oversized",   "version", "build",     "revoked", "right",
+                                 "identity",    "task",    "blob",      "job",     "store"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+bool Bucket::Take(double now_s) {
+  left_ = std::min(burst_, left_ + (now_s - then_s_) * per_s_);
+  then_s_ = now_s;
+  if (left_ < 1) return false;
+  left_ -= 1;
+  return true;
+}
+
+ZapAuthenticator::ZapAuthenticator(zmq::context_t& context, zmq::socket_t& router,
+                                   std::optional<std::filesystem::path> allow_list,
+                                   const ConnectionLimits& limits)
+    : limits_(limits), monitor_(context, router, kAcceptEvents) {
+  if (!allow_list) return;
+  allow_list_.emplace(*allow_list);
+  zap_ = zmq::socket_t(context, zmq::socket_type::rep);
+  zap_.set(zmq::sockopt::linger, 0);
+  zap_.bind(kZapEndpoint);
+}
+
+void ZapAuthenticator::Start(std::string endpoint) {
+  endpoint_ = std::move(endpoint);
+  thread_ = std::thread([this] { Loop(); });
+}
+
+ZapAuthenticator::~ZapAuthenticator() {
+  stop_ = true;
+  wakeup_.Signal();
+  if (thread_.joinable()) thread_.join();
+}
+
+void ZapAuthenticator::Loop() {
+  auto looked = std::chrono::steady_clock::now();
+  while (!stop_) {
+    std::vector<zmq::pollitem_t> items = {{monitor_.handle(), 0, ZMQ_POLLIN, 0},
+                                          {nullptr, wakeup_.descriptor(), ZMQ_POLLIN, 0}};
+    if (allow_list_) items.push_back({zap_.handle(), 0, ZMQ_POLLIN, 0});
+    zmq_poll(items.data(), static_cast<int>(items.size()), kLookEvery.count());
+    while (const std::optional<Monitor::Event> event = monitor_.Next()) OnEvent(*event);
+    if (allow_list_) AnswerZap();
+    if (const auto now = std::chrono::steady_clock::now(); now - looked >= kLookEvery) {
+      looked = now;
+      CloseThoseThatPileUp();
+      if (allow_list_) CloseTheSilent();
+    }
+  }
+}
+
+// A request is: version, request id, domain, address, routing id, mechanism, credentials (CURVE: the client's
+// key).
+void ZapAuthenticator::AnswerZap() {
+  while (true) {
+    const std::vector<zmq::message_t> request = ReceiveFrames(zap_, {});
+    if (request.empty()) return;
+    const std::string id = request.size() > 1 ? request[1].to_string() : "";
+    const bool curve = request.size() == 7 && request[5].to_string_view() == "CURVE";
+    const std::string key = curve ? Z85(request[6]) : "";
+    allow_list_->Refresh();
+    const Allowed* allowed = key.empty() ? nullptr : allow_list_->Find(key);
+    const std::string too_many = allowed != nullptr ? NoteHandshake(key, *allowed) : "";
+    if (!too_many.empty()) {
+      Count(RefusalKind::kConnections, too_many);
+    } else if (allowed == nullptr) {
+      const std::string why =
+          allow_list_->status().ok() ? "is not on the list" : allow_list_->status().message();
+      Count(RefusalKind::kKey, ShortKey(key) + " from " +
+                                   request.at(std::min<std::size_t>(3, request.size() - 1)).to_string() +
+                                   ": " + why);
+    }
+    // 300: not now. Its side takes that for a handshake that was broken off, and tries again later.
+    const std::string code = !too_many.empty() ? "300" : allowed != nullptr ? "200" : "400";
+    const std::array<std::string, 6> reply = {
+        "1.0", id, code, code == "400" ? "key not allowed" : "", code == "200" ? key : "", ""};
+    for (std::size_t i = 0; i < reply.size(); ++i) {
+      zap_.send(zmq::buffer(reply[i]),
+                i + 1 < reply.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    }
+  }
+}
+
+void ZapAuthenticator::OnEvent(const Monitor::Event& event) {
+  switch (event.kind) {
+    case ZMQ_EVENT_ACCEPTED:
+      return OnAccepted(static_cast<int>(event.value));
+    case ZMQ_EVENT_ACCEPT_FAILED:
+      return Count(RefusalKind::kConnections,
+                   std::string("the system gives no more: ") + std::strerror(static_cast<int>(event.value)));
+    case ZMQ_EVENT_DISCONNECTED: {
+      const std::lock_guard lock(mutex_);
+      return Leave(static_cast<int>(event.value));
+    }
+    case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+      return Count(RefusalKind::kHandshake, HandshakeReason(event.value) + " (" + event.where + ")");
+    default:
+      return Count(RefusalKind::kHandshake,
+                   (event.value == EMSGSIZE ? "more came than a handshake has ("
+                                            : "it ended before it had shaken hands, or took too long (") +
+                       event.where + ")");
+  }
+}
+
+std::size_t ZapAuthenticator::MostConnections() const {
+  rlimit files{};
+  ::getrlimit(RLIMIT_NOFILE, &files);
+  const std::size_t spare = std::min<std::size_t>(limits_.spare_files, files.rlim_cur / 2);
+  return std::min<std::size_t>(limits_.connections, files.rlim_cur - spare);
+}
+
+bool ZapAuthenticator::WithinRate(const std::string& address) {
+  if (address.empty()) return true;
+  const double now_s = Now();
+  if (buckets_.size() >= kMostBuckets)
+    std::erase_if(buckets_, [&](const auto& b) { return b.second.Full(now_s); });
+  if (buckets_.size() >= kMostBuckets) return false;
+  return buckets_.try_emplace(address, limits_.handshakes_per_s, limits_.handshake_burst)
+      .first->second.Take(now_s);
+}
+
+// What is wrong with one more newcomer, who is counted already; empty: nothing.
+std::string ZapAuthenticator::WhyTooMany(const std::string& address) {
+  const std::size_t most = MostConnections();
+  if (open_count_ > most) return address + ": more than " + std::to_string(most) + " connections";
+  if (!allow_list_) return "";
+  const Places places(most);
+  const std::lock_guard lock(mutex_);
+  if (kinds_[Kind::kNewcomer] > places.newcomers)
+    return address + ": more than " + std::to_string(places.newcomers) + " that have said nothing yet";
+  if (newcomers_[address] > places.of_an_address)
+    return address + ": more than " + std::to_string(places.of_an_address) +
+           " from one address that have said nothing yet";
+  return "";
+}
+
+void ZapAuthenticator::OnAccepted(int fd) {
+  const std::string address = PeerAddress(fd);
+  {
+    const std::lock_guard lock(mutex_);
+    Enter(fd, address);
+  }
+  if (const std::string too_many = WhyTooMany(address); !too_many.empty()) {
+    Count(RefusalKind::kConnections, too_many);
+  } else if (!WithinRate(address)) {
+    Count(RefusalKind::kRate, address + ": too many connections in a short time");
+  } else {
+    return;
+  }
+  ShutDownConnection(fd, endpoint_);
+}
+
+void ZapAuthenticator::Enter(int fd, const std::string& address) {
+  Leave(fd);
+  open_[fd] = {.address = address, .since_s = Now(), .taken_bytes = 0, .kind = Kind::kNewcomer, .user = {}};
+  open_count_ = open_.size();
+  ++kinds_[Kind::kNewcomer];
+  ++newcomers_[address];
+}
+
+void ZapAuthenticator::Leave(int fd) {
+  const auto it = open_.find(fd);
+  if (it == open_.end()) return;
+  const Connection& connection = it->second;
+  --kinds_[connection.kind];
+  if (connection.kind != Kind::kNewcomer)
+    --guests_.at(connection.user).connections;
+  else if (--newcomers_[connection.address] == 0)
+    newcomers_.erase(connection.address);
+  open_.erase(it);
+  open_count_ = open_.size();
+}
+
+// Empty where there is room for one more of this key.
+std::string ZapAuthenticator::WhyNoPlace(const std::string& key, const Guest& guest) const {
+  const Places places(MostConnections());
+  const bool worker = guest.kind == Kind::kWorker;
+  const std::size_t of_key = worker ? places.of_a_workers_key : places.of_another_key;
+  const std::size_t of_kind = worker                           ? places.workers
+                              : guest.kind == Kind::kSubmitter ? places.submitters
+                                                               : places.viewers;
+  const std::string who = "the key " + ShortKey(key) + (guest.name.empty() ? "" : " (" + guest.name + ")");
+  if (guest.connections >= of_key)
+    return who + " has " + std::to_string(guest.connections) + " connections, the most that such a key may";
+  const auto kind = kinds_.find(guest.kind);
+  if (kind == kinds_.end() || kind->second < of_kind) return "";
+  return who + ": there are " + std::to_string(kind->second) + " connections of " +
+         (worker                           ? "workers"
+          : guest.kind == Kind::kSubmitter ? "submitters"
+                                           : "viewers") +
+         ", the most that there may be";
+}
+
+// Why this key may not shake hands just now; empty: it may.
+std::string ZapAuthenticator::NoteHandshake(const std::string& key, const Allowed& allowed) {
+  const Kind kind = allowed.roles.worker      ? Kind::kWorker
+                    : allowed.roles.submitter ? Kind::kSubmitter
+                                              : Kind::kViewer;
+  const std::lock_guard lock(mutex_);
+  const bool worker = kind == Kind::kWorker;
+  const Bucket handshakes(worker ? limits_.handshakes_per_s : limits_.handshakes_per_s / 2,
+                          worker ? limits_.handshake_burst : limits_.handshake_burst / 4);
+  const auto [it, fresh] = guests_.try_emplace(key, Guest{kind, allowed.name, handshakes});
+  Guest& guest = it->second;
+  guest.name = allowed.name;
+  if (guest.connections == 0) guest.kind = kind;  // else once those that are counted as what it was have gone
+  if (const std::string why = WhyNoPlace(key, guest); !why.empty()) return why;
+  if (guest.handshakes.Take(Now())) return "";
+  return "the key " + ShortKey(key) + " connects too often";
+}
+
+bool ZapAuthenticator::TellTaken(int fd, const std::string& user, std::size_t bytes, std::size_t frames) {
+  std::string why;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = open_.find(fd);
+    if (it == open_.end()) return true;
+    Connection& connection = it->second;
+    connection.taken_bytes += bytes + frames * kFrameOverhead;
+    const auto guest = guests_.find(user);
+    if (connection.kind != Kind::kNewcomer || guest == guests_.end()) return true;
+    why = WhyNoPlace(user, guest->second);
+    if (why.empty()) {
+      --kinds_[Kind::kNewcomer];
+      if (--newcomers_[connection.address] == 0) newcomers_.erase(connection.address);
+      connection.kind = guest->second.kind;
+      connection.user = user;
+      ++kinds_[connection.kind];
+      ++guest->second.connections;
+      return true;
+    }
+  }
+  Count(RefusalKind::kConnections, why);
+  return false;
+}
+
+// Whoever has shaken hands and keeps silent takes a place of those who are to come.
+void ZapAuthenticator::CloseTheSilent() {
+  std::vector<std::pair<int, std::string>> silent;
+  {
+    const std::lock_guard lock(mutex_);
+    const double now_s = Now();
+    for (const auto& [fd, connection] : open_)
+      if (connection.kind == Kind::kNewcomer && now_s - connection.since_s > limits_.first_word_ms / 1e3)
+        silent.emplace_back(fd, connection.address);
+  }
+  for (const auto& [fd, address] : silent) {
+    Count(RefusalKind::kConnections, address + ": it has connected and said nothing");
+    ShutDownConnection(fd, endpoint_);
+  }
+}
+
+// ZeroMQ hands out whole messages only, and counts those: one that never ends would grow without a limit.
+void ZapAuthenticator::CloseThoseThatPileUp() {
+  std::vector<std::pair<int, std::string>> piled;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto& [fd, connection] : open_) {
+      if (connection.address.empty()) continue;
+      const std::uint64_t came = BytesReceived(fd);
+      connection.taken_bytes = std::min(connection.taken_bytes, came);
+      if (came - connection.taken_bytes > limits_.unread_bytes) piled.emplace_back(fd, connection.address);
+    }
+  }
+  for (const auto& [fd, address] : piled) {
+    Count(RefusalKind::kOversized, address + ": a message that does not end");
+    ShutDownConnection(fd, endpoint_);
+  }
+}
+
+void ZapAuthenticator::Count(RefusalKind kind, std::string reason) {
+  const std::lock_guard lock(mutex_);
+  const auto [it, fresh] = refusals_.try_emplace(kind, Refusal{kind, "", 0});
+  ++it->second.count;
+  it->second.reason = std::move(reason);
+}
+
+std::vector<Refusal> ZapAuthenticator::TakeRefusals() {
+  const std::lock_guard lock(mutex_);
+  std::vector<Refusal> taken;
+  for (auto& [kind, refusal] : refusals_) taken.push_back(std::move(refusal));
+  refusals_.clear();
+  return taken;
+}
+
+}  // namespace cairn::wire

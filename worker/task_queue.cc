@@ -1,0 +1,188 @@
+#include "worker/task_queue.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "pipelines/pipeline.h"
+
+namespace cairn::worker {
+namespace {
+
+// How many partials may be on their way, or wait in memory, ahead of the one that is being read.
+constexpr std::size_t kPartialsAhead = 16;
+
+bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b) {
+  return a.attempt() == b.attempt() && a.task() == b.task() && a.round() == b.round() &&
+         a.stage() == b.stage() && a.kind() == b.kind() && a.job() == b.job();
+}
+
+// The blobs that must be here before the task can begin; a failure where a hash is none.
+void ListInputs(AssignedTask& task) {
+  const auto add = [&task](const std::string& binary, auto&& into) {
+    const Result<Hash> hash = Hash::FromBinary(binary);
+    if (hash.ok())
+      into(hash.value());
+    else
+      task.failure = "a malformed assignment: " + hash.status().message();
+  };
+  const auto input = [&task](const Hash& hash) { task.lacking.insert(hash); };
+  for (const auto& [name, hash] : task.assign.inputs()) add(hash, input);
+  for (const auto& [name, hash] : task.assign.state().blobs()) add(hash, input);
+  for (const proto::InputRef& ref : task.assign.task().inputs()) add(ref.blob(), input);
+  for (const std::string& partial : task.assign.partials()) {
+    add(partial, [&task](const Hash& hash) {
+      task.partials.push_back(hash);
+      ++task.partial_uses[hash];
+    });
+  }
+}
+
+}  // namespace
+
+void TaskQueue::WantOne(const TaskPtr& task, const Hash& hash, bool keep) {
+  std::vector<TaskPtr>& waiters = waiting_[hash];
+  if (waiters.empty()) wants_.push_back({hash, keep});
+  if (std::ranges::find(waiters, task) == waiters.end()) waiters.push_back(task);
+}
+
+void TaskQueue::WantInputs(const TaskPtr& task) {
+  for (const Hash& hash : task->lacking) WantOne(task, hash, true);
+  WantPartials(task, 0);
+}
+
+void TaskQueue::WantPartials(const TaskPtr& task, std::size_t first) {
+  const std::size_t end = std::min(first + kPartialsAhead, task->partials.size());
+  for (std::size_t i = first; i < end; ++i) {
+    const Hash& hash = task->partials[i];
+    if (task->partial_blobs.contains(hash) || !task->partials_asked.insert(hash).second) continue;
+    WantOne(task, hash, false);
+  }
+}
+
+void TaskQueue::Add(wire::Assign assign) {
+  auto task = std::make_shared<AssignedTask>(std::move(assign));
+  ListInputs(*task);
+  const Lock lock(mutex_);
+  if (task->failure.empty()) WantInputs(task);
+  queue_.push_back(std::move(task));
+  changed_.notify_all();
+}
+
+void TaskQueue::Cancel(const wire::TaskKey& key) {
+  const Lock lock(mutex_);
+  std::erase_if(queue_, [&key](const TaskPtr& task) { return SameAttempt(task->assign.key(), key); });
+  if (running_ && SameAttempt(running_->assign.key(), key)) running_->cancelled = true;
+  changed_.notify_all();
+}
+
+void TaskQueue::DropAll() {
+  const Lock lock(mutex_);
+  queue_.clear();
+  waiting_.clear();
+  wants_.clear();
+  answers_.clear();
+  if (running_) running_->cancelled = true;
+  changed_.notify_all();
+}
+
+void TaskQueue::Deliver(const wire::NamedBlob& named) {
+  const Lock lock(mutex_);
+  const auto node = waiting_.extract(named.hash);
+  if (node.empty()) return;
+  for (const TaskPtr& task : node.mapped()) {
+    if (task->lacking.erase(named.hash) > 0) task->blobs[named.hash] = named.blob;
+    if (task->partials_asked.erase(named.hash) > 0) task->partial_blobs[named.hash] = named.blob;
+    ++task->ticks;  // an input that comes is a sign of progress too
+  }
+  changed_.notify_all();
+}
+
+void TaskQueue::GiveUp(const Hash& hash) {
+  const Lock lock(mutex_);
+  const auto node = waiting_.extract(hash);
+  if (node.empty()) return;
+  for (const TaskPtr& task : node.mapped())
+    task->failure = "the coordinator does not have blob " + hash.Hex();
+  changed_.notify_all();
+}
+
+std::vector<Want> TaskQueue::TakeWants() {
+  const Lock lock(mutex_);
+  return std::exchange(wants_, {});
+}
+
+std::vector<wire::Message> TaskQueue::TakeAnswers() {
+  const Lock lock(mutex_);
+  return std::exchange(answers_, {});
+}
+
+wire::Heartbeat TaskQueue::Assigned() const {
+  const Lock lock(mutex_);
+  wire::Heartbeat heartbeat;
+  const auto add = [&heartbeat](const AssignedTask& task) {
+    *heartbeat.add_tasks() = task.assign.key();
+    heartbeat.add_ticks(task.ticks);
+  };
+  if (running_ && !running_->cancelled) add(*running_);
+  heartbeat.set_stuck(running_ && running_->cancelled);
+  for (const TaskPtr& task : queue_) add(*task);
+  return heartbeat;
+}
+
+bool TaskQueue::Empty() const {
+  const Lock lock(mutex_);
+  return queue_.empty() && answers_.empty() && (!running_ || running_->cancelled);
+}
+
+void TaskQueue::Close() {
+  const Lock lock(mutex_);
+  closed_ = true;
+  if (running_) running_->cancelled = true;
+  changed_.notify_all();
+}
+
+TaskPtr TaskQueue::Next() {
+  Lock lock(mutex_);
+  const auto ready = [this] {
+    return closed_ || (!queue_.empty() && (queue_[0]->lacking.empty() || !queue_[0]->failure.empty()));
+  };
+  changed_.wait(lock, ready);
+  if (closed_) return nullptr;
+  running_ = queue_.front();
+  queue_.pop_front();
+  return running_;
+}
+
+std::string TaskQueue::FailureOf(const AssignedTask& task) const {
+  const Lock lock(mutex_);
+  return task.failure;
+}
+
+BlobPtr TaskQueue::AwaitPartial(AssignedTask& task, std::size_t index) {
+  Lock lock(mutex_);
+  CAIRN_DEMAND(running_.get() == &task && index < task.partials.size(), "no such partial");
+  const Hash hash = task.partials[index];
+  WantPartials(running_, index);
+  if (!wants_.empty()) wake_();
+  changed_.wait(lock,
+                [&] { return task.cancelled || !task.failure.empty() || task.partial_blobs.contains(hash); });
+  if (task.cancelled) throw Cancelled{};
+  if (!task.failure.empty()) throw std::runtime_error(task.failure);
+  ++task.ticks;
+  BlobPtr blob = task.partial_blobs.at(hash);
+  if (--task.partial_uses[hash] <= 0) task.partial_blobs.erase(hash);
+  return blob;
+}
+
+void TaskQueue::Finish(const AssignedTask& task, wire::Message answer) {
+  {
+    const Lock lock(mutex_);
+    CAIRN_DEMAND(running_.get() == &task, "another task runs");
+    running_.reset();
+    if (task.cancelled) return;
+    answers_.push_back(std::move(answer));
+  }
+  wake_();
+}
+
+}  // namespace cairn::worker
