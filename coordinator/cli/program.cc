@@ -7,6 +7,7 @@
 #include <new>
 
 #include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/renamed.h"
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/output.h"
 #include "schema/process_limits.h"
@@ -170,6 +171,11 @@ int RunProgram(const Program& program, int argc, char** argv) {
     if (argc == 2 || std::string_view(words.back()) != help_flag)
       words.push_back(const_cast<char*>(help_flag.data()));
     argc = static_cast<int>(words.size());
+  }
+  std::vector<std::string> now(words.begin(), words.end());
+  for (std::size_t i = 1; i < words.size() && std::string_view(words[i]) != "--"; ++i) {
+    now[i] = ArgumentNow(words[i - 1], words[i]);
+    words[i] = now[i].data();
   }
   words.push_back(nullptr);
   argv = words.data();

@@ -25,11 +25,10 @@
 namespace cairn::coordinator {
 
 struct CoreOptions {
-  double heartbeat_s = 1;  // workers send heartbeats at least this often
-  double lease_s = 10;     // a worker not heard of for this long is lost
-  double unlisted_s =
-      4;               // a task given this long ago that its worker's heartbeat does not list never arrived
-  double hung_s = 60;  // a RUN task whose tick count stands still for this long goes elsewhere
+  double heartbeat_s = 1;       // workers send heartbeats at least this often
+  double lease_s = 10;          // a worker not heard of for this long is lost
+  double unlisted_s = 4;        // a task given this long ago that no heartbeat lists never arrived
+  double hung_s = 60;           // a RUN task whose tick count stands still for this long goes elsewhere
   double plan_hung_s = 3600;    // the same of START and ADVANCE, which do not tick while they reduce
   double straggler_factor = 3;  // an idle worker gets a copy of a task that runs this many medians …
   double straggler_min_s = 2;   // … and at least this long

@@ -54,8 +54,7 @@ double PlacesWhereLost(const RobotSteps& steps, const Settings& settings, double
   const Observation& first = steps.observations[0];
   const bool named = first.type < settings.map.types, contact = first.x_m == 0 && first.y_m == 0;
   if (contact && !named) return map_cells;
-  constexpr double kReach =
-      7.0;  // standard deviations to both sides, of the landmark and of the range-bearing observation
+  constexpr double kReach = 7.0;  // standard deviations to both sides, of landmark and observation
   const double table =
       named ? 2.0 * kReach * settings.map.observation_m / settings.map.grid.cell_m : std::sqrt(map_cells);
   return CellsWhereLost(steps, settings.Model(nullptr), table);

@@ -10,9 +10,8 @@
 namespace cairn::localization {
 namespace {
 
-constexpr double kReach = 4.0;  // standard deviations, beyond which a Gaussian counts as nothing
-constexpr double kForgotten =
-    1e-6;  // share of the largest belief, below which a position is not moved on from
+constexpr double kReach = 4.0;       // standard deviations, beyond which a Gaussian counts as nothing
+constexpr double kForgotten = 1e-6;  // share of the largest belief, below which none is moved on
 
 // False, and nothing done, where there is nothing to normalise.
 bool Normalise(std::vector<double>* belief) {

@@ -16,10 +16,11 @@ void Set(const std::string& setting, const PipelineSpec& pipeline, proto::Stage&
   if (spec == nullptr) {
     throw InputError("--set " + setting + ": unknown option" + Suggest(key, pipeline.OptionNames()));
   }
-  if (stage.options().contains(key))
-    throw InputError("--set " + setting + ": '" + key + "' was given already");
+  if (stage.options().contains(spec->name))
+    throw InputError("--set " + setting + ": '" + spec->name + "' was given already");
   try {
-    (*stage.mutable_options())[key] = ParseOption(*spec, setting.substr(equals + 1), Quoting::kCommandLine);
+    (*stage.mutable_options())[spec->name] =
+        ParseOption(*spec, setting.substr(equals + 1), Quoting::kCommandLine);
   } catch (const InputError& error) {
     throw InputError("--set " + setting + ": " + error.what());
   }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "coordinator/cli/common/programs.h"
+#include "coordinator/cli/common/renamed.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/common/suggest.h"
 #include "schema/error.h"
@@ -78,7 +79,10 @@ std::string OptionSpec::Allowed() const {
 
 const InputSpec* PipelineSpec::FindInput(const std::string& input) const { return FindByName(inputs, input); }
 const OptionSpec* PipelineSpec::FindOption(const std::string& option) const {
-  return FindByName(options, option);
+  if (const OptionSpec* found = FindByName(options, option)) return found;
+  const OptionSpec* renamed = FindByName(options, NameNow(name, option));
+  if (renamed != nullptr) WarnOfOldName(option, renamed->name);
+  return renamed;
 }
 std::vector<std::string> PipelineSpec::InputNames() const { return Names(inputs); }
 std::vector<std::string> PipelineSpec::OptionNames() const { return Names(options); }

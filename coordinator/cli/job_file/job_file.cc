@@ -203,10 +203,12 @@ class JobReader {
         yaml_.Refuse(entry.key_line, "unknown option '" + entry.key + "' of " + pipeline.name +
                                          Suggest(entry.key, pipeline.OptionNames()));
       }
+      if (stage.options().contains(spec->name))
+        yaml_.Refuse(entry.key_line, "option '" + spec->name + "' was given already");
       if (!entry.value.IsScalar()) yaml_.Refuse(entry.line, entry.key + ": allowed: " + spec->Allowed());
       const Quoting quoting = YamlReader::IsQuoted(entry.value) ? Quoting::kQuoted : Quoting::kPlain;
       try {
-        (*stage.mutable_options())[entry.key] = ParseOption(*spec, entry.value.Scalar(), quoting);
+        (*stage.mutable_options())[spec->name] = ParseOption(*spec, entry.value.Scalar(), quoting);
       } catch (const InputError& error) {
         yaml_.Refuse(entry.line, entry.key + ": " + error.what());
       }

@@ -47,10 +47,10 @@ TEST(ServiceText, BeginsWithWhatIsWrong) {
 
 TEST(ServiceText, SaysWhatEachWorkerRunsAndForHowLong) {
   const std::string text = ServiceText(ThreeJobs(), TwoWorkers());
-  EXPECT_NE(text.find("3       hub   812      busy   2        1:05  0:00    1-museum: task 3 (forward)"),
+  EXPECT_NE(text.find("3       hub   812      busy   2         1:05  0:00    1-museum: task 3 (forward)"),
             std::string::npos)
       << text;
-  EXPECT_NE(text.find("12      far   0        idle   0              0:00\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("12      far   0        idle   0               0:00\n"), std::string::npos) << text;
 }
 
 TEST(ServiceText, OfAnEmptyServiceSaysWhatIsMissing) {

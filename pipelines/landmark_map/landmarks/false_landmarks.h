@@ -14,8 +14,8 @@ namespace cairn::landmark_map {
 struct Detection {
   double false_ratio = 0.0;  // share of the observations that are of nothing
   double miss_ratio = 0.03;  // probability that a landmark is passed unnoticed
-  bool tells_passes =
-      true;  // whether it is known when a landmark was passed: of contact detections without identities
+  // Whether it is known when a landmark was passed: of contact detections without identities.
+  bool tells_passes = true;
 };
 
 // How often robots passed a landmark, and how often one of its observations was made.

@@ -198,8 +198,7 @@ Detection DetectionOf(const Blob& log, const Sensing& sensing) {
 
 // How far landmarks without identity reach, by the scale of the log.
 void SetReach(const Options& options, const Sensing& sensing, MapRules* map) {
-  constexpr double kNotTold =
-      4.0;  // standard deviations within which two range-bearing observations may be of one landmark
+  constexpr double kNotTold = 4.0;  // standard deviations within which two may be of one landmark
   const bool ranged = sensing.ranged > 0;
   const double radius =
       ranged ? kNotTold * map->observation_m : RoundNumber(2.0 / 3.0 * std::max(sensing.between_m, 0.1));

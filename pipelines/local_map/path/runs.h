@@ -36,7 +36,7 @@ struct Scan {
 struct RobotRuns {
   std::vector<std::size_t> sensors;  // of the log's, in the order of PosedScans
   std::vector<Scan> scans;
-  std::vector<std::int64_t> row_of_log;  // [scans][sensors] which of the log's scans; -1: not read
+  std::vector<std::int64_t> row_of_log;  // [scans][sensors] the row of the log that holds it; -1: not read
   std::vector<Cut> cuts;
 };
 
@@ -53,7 +53,7 @@ struct DeadReckoning {
 };
 DeadReckoning ReckonAll(const Blob& log, const RunOptions& options);
 
-// Scans of one robot's sensors that are less than `together_s` apart make one scan.
+// Readings of one robot's sensors that are less than kTogether_s apart make one scan of all of them.
 inline constexpr double kTogether_s = 0.02;
 std::vector<RobotRuns> CutRuns(const PosedScans& scans, const DeadReckoning& reckoning,
                                const RunOptions& options);
