@@ -13,7 +13,7 @@ struct ErrorSums {
   double prior_m = 0, posterior_m = 0;
 };
 
-// 1 - sum posterior / sum prior ([T98] eq. 46); none where the prior errors are all zero.
+// 1 - sum posterior / sum prior ([Thr98] eq. 46); none where the prior errors are all zero.
 std::optional<double> ReductionOf(const std::vector<ErrorSums>& clusters);
 
 struct Interval {

@@ -1,6 +1,5 @@
 // Synthetic logs of robots that drive through corridors round a large cycle, press a button at each place
-// worth marking, and have poor odometry: the problem of S. Thrun, W. Burgard and D. Fox, A probabilistic
-// approach to concurrent mapping and localization for mobile robots, Machine Learning 31 (1998).
+// worth marking, and have poor odometry: the problem of [TBF98].
 #pragma once
 
 #include <cstdint>

@@ -339,7 +339,7 @@ TEST(SimulateLoop, OneSeedGivesOneLogForEver) {
             SimulateLoop(Options("base", 101, 2)).ContentHash());
 }
 
-// Thrun, Burgard, Fox, ICRA 1998, figure 7: 70 m and 180 degrees.
+// [TFB98] figure 7: 70 m and 180 degrees.
 TEST(SimulateLoop, TheMuseumsHeadingEndsBackwards) {
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Blob log = SimulateLoop(Options("museum", seed));

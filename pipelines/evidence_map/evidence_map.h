@@ -1,6 +1,5 @@
-// Occupancy by log-odds and inverse sensor models, a cell by itself: S. Thrun, Learning Occupancy Grids with
-// Forward Models, IROS 2001 ([T01]), section 2, eq. 1; after H. P. Moravec and A. Elfes. The baseline of
-// forward_map.
+// Occupancy by log-odds and inverse sensor models, a cell by itself: [Thr01] eq. 1, after H. P. Moravec and
+// A. Elfes. The baseline of forward_map.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// [T01] eq. 1 of counts.
+// [Thr01] eq. 1 of counts.
 #pragma once
 
 #include "pipelines/evidence_map/counts.h"

@@ -6,9 +6,9 @@
 // in it, q = 1 - p_hit,
 //   p(z | m) = floor + q^K0 S,   S = sum_k q^(k-1) w_k + q^K none,
 // where sound = 1 - p_rand - p_lost, none = sound N(z; z_max, no_echo) (beyond the map: sound / z_max) and
-// floor = p_rand / z_max + p_lost N(z; z_max, no_echo): [T01] eqs 4 to 9. So a flip before the window changes
-// K0 alone, and its gain is one number for all those cells; a flip in it changes S, and what S would be after
-// each flip in the window is kept beside it.
+// floor = p_rand / z_max + p_lost N(z; z_max, no_echo): [Thr01] eqs 4 to 9. So a flip before the window
+// changes K0 alone, and its gain is one number for all those cells; a flip in it changes S, and what S would
+// be after each flip in the window is kept beside it.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// Occupancy maps by forward models: S. Thrun, Learning Occupancy Grids with Forward Models, IROS 2001
-// ([T01]), section 3.
+// Occupancy maps by forward models: [Thr01].
 #pragma once
 
 #include <array>

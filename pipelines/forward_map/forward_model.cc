@@ -37,7 +37,7 @@ double DensityOfNone(double z_m, const SensorModel& model, End end) {
 
 Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model, End end) {
   Causes joint;
-  // [T01] (9) with (5).
+  // [Thr01] (9) with (5).
   joint.random = model.p_rand / model.z_max_m;
   joint.lost = model.p_lost * DensityOfNone(z_m, model, End::kInMap);
   // (9): reached = (1 - p_rand) (1 - p_hit)^(k-1), with what is left of p_lost too.

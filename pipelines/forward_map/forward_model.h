@@ -1,6 +1,6 @@
-// How a range reading comes about in a given map: [T01] (S. Thrun, Learning Occupancy Grids with Forward
-// Models, IROS 2001), section 3. Written as the equations stand, for short lists: the search has its own,
-// incremental code (reading_state.h), which the tests and every round hold against this.
+// How a range reading comes about in a given map: [Thr01] eqs 4 to 13. Written as the equations stand, for
+// short lists: the search has its own, incremental code (flip_gains.h), which the tests and every round hold
+// against this.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ inline constexpr double kMostFailures = 0.95;
 struct SensorModel {
   double p_hit = 0.7;       // P(an occupied cell in the beam is detected), in (0, 1)
   double p_rand = 0.05;     // P(a reading is of nothing), in (0, 1)
-  double p_lost = 0;        // P(there is no echo, whatever stands there), in [0, 1 - p_rand); 0: as [T01]
+  double p_lost = 0;        // P(there is no echo, whatever stands there), in [0, 1 - p_rand); 0: as [Thr01]
   double sigma_m = 0.05;    // standard deviation of (4)
   double no_echo_m = 0.05;  // of (6): what the sensor gives where it meets nothing
   double z_max_m = 10.0;    // and where (6) is centred
@@ -37,7 +37,7 @@ double ReachOf(double z_m, const SensorModel& model);
 // P(C_i | z_i, m), which is E[c_i] of (13); adds up to 1.
 struct Causes {
   double random = 0;             // c_{i,*}
-  double lost = 0;               // the echo; not in [T01], whose failures all give random ranges
+  double lost = 0;               // the echo; not in [Thr01], whose failures all give random ranges
   std::vector<double> obstacle;  // c_{i,k}, k = 1 .. K_i
   double none = 0;               // c_{i,K_i+1}
 };

@@ -14,7 +14,7 @@ constexpr SensorModel kModel{.p_hit = 0.6, .p_rand = 0.1, .sigma_m = 0.1, .no_ec
 // 1 / (sigma sqrt(2 pi)) for the two widths.
 constexpr double kPeak = 3.989422804014327, kPeakOfNoEcho = 7.978845608028654;
 
-// [T01] figure 2: two obstacles in the cone, three peaks on a uniform floor.
+// [Thr01] figure 2: two obstacles in the cone, three peaks on a uniform floor.
 TEST(Density, OfTwoObstaclesHasThePeaksOfFigure2) {
   const std::vector<double> obstacles = {1, 3};
   const double floor = 0.1 / 5;

@@ -15,7 +15,7 @@ inline constexpr std::uint8_t kStays = 0;
 inline constexpr std::uint8_t kPassed = 1;       // free, but readings ended there that nothing else explains
 inline constexpr std::uint8_t kCameAndWent = 2;  // occupied, but seen through before or after
 
-// [T01] section 3.4's 'translation' of the difference into P(occupied): logistic(difference + prior logit),
+// [Thr01] section 3.4's 'translation' of the difference into P(occupied): logistic(difference + prior logit),
 // the exact conditional of that cell given all others and the readings.
 double ProbabilityOf(double difference_nats, double prior);
 

@@ -1,5 +1,5 @@
 // The M-step as it has to be: flips of cells that raise the log-likelihood of the readings, each weighed with
-// the correspondences as they are after it ([T01] section 3.3; with those of before, an empty cell has none
+// the correspondences as they are after it ([Thr01] section 3.3; with those of before, an empty cell has none
 // and the empty map stays empty). Then moves that get out of where single flips end.
 #pragma once
 

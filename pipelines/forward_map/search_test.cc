@@ -61,7 +61,7 @@ TEST(MapSearch, EndsInTheBestOfAllMapsOfTinyWorlds) {
   EXPECT_GT(swaps, flips);
 }
 
-// [T01] figure 1: a short reading whose arc is three cells, and a long one whose beam crosses one of them.
+// [Thr01] figure 1: a short reading whose arc is three cells, and a long one whose beam crosses one of them.
 // A cell for itself is told 'occupied' by the one and 'free' by the other; a map that explains both has the
 // obstacle elsewhere on the arc.
 TEST(MapSearch, OfTwoCrossingConesHasNoConflictInTheOverlap) {

@@ -34,7 +34,7 @@ TileGains GainsOfTile(const MapState& map, const std::vector<SensorModel>& model
 Proposal SearchTile(const Options& options, const MapState& map, const Tile& tile,
                     const std::vector<RangeScans>& sensors, Elsewhere elsewhere, Progress& progress);
 
-// [T01] section 3.4, of the tile's cells: the difference that decides, log p(Z | m: occupied) -
+// [Thr01] section 3.4, of the tile's cells: the difference that decides, log p(Z | m: occupied) -
 // log p(Z | m: free), NaN where no reading that matters met the cell; and whether an occupied one came and
 // went (dynamic.h).
 struct Certainty {

@@ -16,7 +16,7 @@ namespace cairn::forward_map {
 struct Evidence {
   double readings = 0;
   double log_likelihood = 0;  // sum_i log p(z_i | m)
-  double entropy = 0;         // H(C | Z, m); [T01] (11) = log_likelihood - entropy
+  double entropy = 0;         // H(C | Z, m); [Thr01] (11) = log_likelihood - entropy
   double random = 0;          // sum of E[c_*]
   double lost = 0;            // of readings whose echo was lost, whatever stood there
   double hits = 0;            // of E[c_k], k = 1 .. K

@@ -1,5 +1,4 @@
-// What a network sees of an image: S. Thrun, Bayesian Landmark Learning for Mobile Robot Localization,
-// Machine Learning 33, 1998, section 5.1.3 ([T98] here).
+// What a network sees of an image: [Thr98] section 5.1.3.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// What networks see of images: S. Thrun, Bayesian Landmark Learning for Mobile Robot Localization, Machine
-// Learning 33, 1998, section 5.1.3.
+// What networks see of images: [Thr98] section 5.1.3.
 #pragma once
 
 #include <array>

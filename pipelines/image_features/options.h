@@ -8,7 +8,7 @@
 namespace cairn::image_features {
 
 struct Options {
-  std::int64_t bands = 10;  // [T98] 5.1.3, as are the others
+  std::int64_t bands = 10;  // [Thr98] 5.1.3, as are the others
   std::int64_t texture_rows = 60;
   std::int64_t texture_columns = 64;
 };

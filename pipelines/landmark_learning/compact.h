@@ -1,4 +1,4 @@
-// The compact representation ([T98] section 4.4.2, item 2): P(f | xi) and Bel on grid cells instead of
+// The compact representation ([Thr98] section 4.4.2, item 2): P(f | xi) and Bel on grid cells instead of
 // samples, so that the sum over pairs costs what the environment is large, not what K is.
 //
 // With M[c,f] the mean of P(f | s) over the n_c samples in cell c, all taken to be in their middle,

@@ -1,5 +1,4 @@
-// BaLL, Bayesian landmark learning: S. Thrun, Bayesian Landmark Learning for Mobile Robot Localization,
-// Machine Learning 33, 1998 ([T98] in the comments).
+// BaLL, Bayesian landmark learning: [Thr98].
 #pragma once
 
 #include <array>

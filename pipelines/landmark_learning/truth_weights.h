@@ -1,4 +1,4 @@
-// P(xi*): how much each true position counts ([T98] eq. 23).
+// P(xi*): how much each true position counts ([Thr98] eq. 23).
 #pragma once
 
 #include "pipelines/landmark_learning/data/training_data.h"

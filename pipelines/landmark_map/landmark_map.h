@@ -1,6 +1,4 @@
-// Landmark maps by EM over alpha-beta on an x-y-theta grid: S. Thrun, W. Burgard, D. Fox, A Probabilistic
-// Approach to Concurrent Mapping and Localization for Mobile Robots, Machine Learning 31, 1998 ([TBF98] in
-// the comments).
+// Landmark maps by EM over alpha-beta on an x-y-theta grid: [TBF98].
 #pragma once
 
 #include <array>

@@ -1,5 +1,4 @@
-// Local grids, edge traces and their graph: E. Dedieu and J. d. R. Millan, Efficient Occupancy Grids for
-// Variable Resolution Map Building, 1998 ([DM98]).
+// Local grids, edge traces and their graph: [DM98].
 #pragma once
 
 #include <array>

@@ -1,6 +1,5 @@
-// Where the robot believes to be: [T98] table 1 (S. Thrun, Bayesian Landmark Learning for Mobile Robot
-// Localization, Machine Learning 33, 1998) on a set of positions, which are the training locations or the
-// cells of a grid.
+// Where the robot believes to be: [Thr98] table 1 on a set of positions, which are the training locations or
+// the cells of a grid.
 #pragma once
 
 #include <vector>

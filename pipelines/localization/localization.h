@@ -1,5 +1,4 @@
-// Markov localisation with learned or hand-made features: [T98] (S. Thrun, Bayesian Landmark Learning for
-// Mobile Robot Localization, Machine Learning 33, 1998), sections 2, 5.1.6 and 5.2.4.
+// Markov localisation with learned or hand-made features: [Thr98] sections 2, 5.1.6 and 5.2.4.
 #pragma once
 
 #include <array>

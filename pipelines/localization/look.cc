@@ -48,7 +48,7 @@ double ExpectedError(const std::vector<Position>& positions, const std::vector<d
       weight[k] = belief[at[k]] / all * Probability(&map[at[k] * features + group.first], group.size(), f);
       mass += weight[k];
     }
-    if (mass > 0.0) error += PairSum(counted, weight) / mass;  // [T98] eq. 22
+    if (mass > 0.0) error += PairSum(counted, weight) / mass;  // [Thr98] eq. 22
   }
   return error;
 }

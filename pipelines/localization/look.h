@@ -1,5 +1,5 @@
 // Where to look next: of several sensors (camera directions), the one after which the error that is expected
-// is least ([T98] section 7, active sensing).
+// is least ([Thr98] section 7, active sensing).
 #pragma once
 
 #include <cstddef>

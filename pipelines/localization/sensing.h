@@ -1,4 +1,4 @@
-// P(f | xi), the map of features ([T98] section 5.1.6), and what a sensation says of the positions in it.
+// P(f | xi), the map of features ([Thr98] section 5.1.6), and what a sensation says of the positions in it.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// One run of the experiment ([T98] section 5.2.4): a robot that sets out somewhere in a run of the samples
+// One run of the experiment ([Thr98] section 5.2.4): a robot that sets out somewhere in a run of the samples
 // and senses every so often on its way.
 #pragma once
 

@@ -122,7 +122,7 @@ void Measure(const Row& row, double peak) {
   std::fflush(stdout);
 }
 
-// 164 inputs, 6 hidden units, n = 4, +-2 m ([T98] section 5.1).
+// 164 inputs, 6 hidden units, n = 4, +-2 m ([Thr98] section 5.1).
 void MeasureStep() {
   const Row row{2424, 4, 2.0};
   const World world(row);

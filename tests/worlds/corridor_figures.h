@@ -1,6 +1,5 @@
-// How well what is made by hand localises in the simulated corridor: the figures of S. Thrun, Bayesian
-// landmark learning for mobile robot localization, Machine Learning 33, 1998, table 3 and section 5.2.1, that
-// the simulator is held to. For a test, and for a program that prints them.
+// How well what is made by hand localises in the simulated corridor: [Thr98] table 3 and
+// section 5.2.1, that the simulator is held to. For a test, and for a program that prints them.
 #pragma once
 
 #include <algorithm>

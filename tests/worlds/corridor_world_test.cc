@@ -27,7 +27,7 @@ void ExpectThePapersFigures(const std::map<std::string, std::vector<SetFigures>>
     EXPECT_NEAR(Mean(figures.at(paper.set), &SetFigures::known, paper.window_m), paper.reduction, 0.03)
         << paper.set << ", +-" << paper.window_m << " m";
   }
-  // [T98] 5.2.1: doors are best suited for +-2 m on D-1, for +-5 m on D-2.
+  // [Thr98] 5.2.1: doors are best suited for +-2 m on D-1, for +-5 m on D-2.
   const auto known = [&](const char* set, double window_m) {
     return Mean(figures.at(set), &SetFigures::known, window_m);
   };

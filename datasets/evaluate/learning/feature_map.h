@@ -18,11 +18,11 @@ struct FeatureMap {
   std::vector<double> heading_rad = {};  // of the positions; empty where headings do not count
 };
 
-// P(f) of independent bits that are 1 with probability g_i: [2^n]. [T98] eqs 32, 33.
+// P(f) of independent bits that are 1 with probability g_i: [2^n]. [Thr98] eqs 32, 33.
 std::vector<double> FeatureProbabilities(std::span<const double> g);
 
 // P(f | xi) = prod_i of the mean of g_i over the `nearest` samples that were taken closest to xi, itself
-// among them ([T98] section 5.1.6); of samples equally far away the first ones. `output`:
+// among them ([Thr98] section 5.1.6); of samples equally far away the first ones. `output`:
 // [positions][networks]; 1 <= nearest <= positions. `heading_rad`: empty, or of each position; only samples
 // that face like xi then count, all of them where they are fewer than `nearest`. Costs O(positions^2).
 FeatureMap MapByNearest(const std::vector<Point>& positions, std::span<const double> output,
@@ -34,7 +34,7 @@ struct KnownHeading {
   double heading_rad = 0, window_rad = std::numbers::pi;
 };
 
-// One sample's share of the errors ([T98] eqs 21 and 36, P(a) left out), for a belief that is uniform over
+// One sample's share of the errors ([Thr98] eqs 21 and 36, P(a) left out), for a belief that is uniform over
 // the positions within a window of where it was taken.
 struct WindowError {
   std::size_t positions = 0;      // in the window; all else is meaningless where there are none

@@ -113,7 +113,7 @@ TEST(ErrorsInMap, AFeatureThatTheMapRulesOutLeavesTheBeliefAsItWas) {
   EXPECT_DOUBLE_EQ(errors[0].sampled_m[0], 1.0);
 }
 
-// [T98] eq. 42 as it is printed, but for the map: three nested sums, normalised for each f anew.
+// [Thr98] eq. 42 as it is printed, but for the map: three nested sums, normalised for each f anew.
 double LiteralM(const FeatureMap& map, const Point& truth, const std::vector<double>& p, double window_m) {
   double sum = 0;
   for (std::size_t k = 0; k < map.positions.size(); ++k) {

@@ -43,8 +43,7 @@ inline constexpr std::size_t kMostNetworks = 12;
 // training samples, no or too many networks.
 LearnedNetworks ReadLearnedNetworks(const Blob& file);
 
-// g_i of each row of `input`, [rows][inputs]: [rows][networks]. [T98] section 4.1 (S. Thrun, Bayesian
-// landmark learning for mobile robot localization, Machine Learning 33, 1998).
+// g_i of each row of `input`, [rows][inputs]: [rows][networks]. [Thr98] section 4.1.
 std::vector<double> OutputsOf(const LearnedNetworks& nets, std::span<const float> input);
 
 }  // namespace cairn::datasets

@@ -1,5 +1,4 @@
-// How wrong a localised robot is after such a distance ([T98] section 5.2.4, figure 6; S. Thrun, Bayesian
-// landmark learning for mobile robot localization, Machine Learning 33, 1998).
+// How wrong a localised robot is after such a distance ([Thr98] section 5.2.4, figure 6).
 #pragma once
 
 #include <cstdint>

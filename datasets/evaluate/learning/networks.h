@@ -1,6 +1,5 @@
-// How well learned networks localise where they were not trained: BaLL's error reduction ([T98] eq. 46; S.
-// Thrun, Bayesian landmark learning for mobile robot localization, Machine Learning 33, 1998, sections 5.1.5
-// to 5.1.8).
+// How well learned networks localise where they were not trained: BaLL's error reduction ([Thr98] eq. 46,
+// sections 5.1.5 to 5.1.8).
 #pragma once
 
 #include <cstdint>

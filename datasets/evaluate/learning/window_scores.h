@@ -1,6 +1,5 @@
-// Error reductions of a robot that knows its position within a window and senses once ([T98] eq. 46; S.
-// Thrun, Bayesian landmark learning for mobile robot localization, Machine Learning 33, 1998), whatever its
-// features are: learned or made by hand.
+// Error reductions of a robot that knows its position within a window and senses once ([Thr98] eq. 46),
+// whatever its features are: learned or made by hand.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// How well a grid map predicts range readings that it was not made of, by the forward model of S. Thrun,
-// Learning occupancy grids with forward models, IROS 2001 ([T01]), eqs 4 to 9, with probabilities in place of
-// obstacles. Shares nothing with the pipelines: its own cells of cones and rays, its own fit.
+// How well a grid map predicts range readings that it was not made of, by the forward model of [Thr01] eqs 4
+// to 9, with probabilities in place of obstacles. Shares nothing with the pipelines: its own cells of cones
+// and rays, its own fit.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// The pictures of E. Dedieu and J. del R. Millán, Efficient occupancy grids for variable resolution map
-// building, 1998 ([DM98]), figures 2 to 4. All return the bytes of a PNG.
+// The pictures of [DM98] figures 2 to 4. All return the bytes of a PNG.
 #pragma once
 
 #include <optional>

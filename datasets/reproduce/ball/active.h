@@ -1,5 +1,5 @@
-// Active sensing ([T98] section 7): a robot that has one camera and points it, at each stop, where the least
-// error is to be expected, against one that always looks the same way.
+// Active sensing ([Thr98] section 7): a robot that has one camera and points it, at each stop, where the
+// least error is to be expected, against one that always looks the same way.
 #pragma once
 
 #include <map>

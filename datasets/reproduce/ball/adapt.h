@@ -1,5 +1,5 @@
-// Adaptation to a corridor that has changed ([T98] section 7): a robot that knows roughly where it is labels
-// what it senses by its own estimates, and goes on learning from that.
+// Adaptation to a corridor that has changed ([Thr98] section 7): a robot that knows roughly where it is
+// labels what it senses by its own estimates, and goes on learning from that.
 #pragma once
 
 #include <map>

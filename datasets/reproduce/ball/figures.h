@@ -1,4 +1,4 @@
-// The tables and figures of [T98] from the scores of the study's jobs, each beside the paper's.
+// The tables and figures of [Thr98] from the scores of the study's jobs, each beside the paper's.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // What `cairn-reproduce ball` runs: the corridors, trainings and localisations behind the tables and figures
-// of S. Thrun, Bayesian Landmark Learning for Mobile Robot Localization, Machine Learning 33, 1998 ([T98]),
-// on simulated data. A job is one simulated set: three of its runs are trained on, the fourth is tested on.
+// of [Thr98] on simulated data. A job is one simulated set: three of its runs are trained on, the fourth is
+// tested on.
 #pragma once
 
 #include <cstdint>

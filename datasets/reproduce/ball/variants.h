@@ -1,5 +1,5 @@
 // What matters in training: four networks for +-2 m, trained again and again with one thing changed. Which
-// sensors ([T98] section 7, sensor selection); which way to train and how large a network (section 5.1.4).
+// sensors ([Thr98] section 7, sensor selection); which way to train and how large a network (section 5.1.4).
 #pragma once
 
 #include <functional>

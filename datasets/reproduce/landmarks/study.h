@@ -1,6 +1,5 @@
-// What `cairn-reproduce landmarks` runs: the logs and the job behind the figures of S. Thrun, W. Burgard, D.
-// Fox, A Probabilistic Approach to Concurrent Mapping and Localization for Mobile Robots, Machine Learning
-// 31, 1998, on simulated data.
+// What `cairn-reproduce landmarks` runs: the logs and the job behind the figures of [TBF98], on simulated
+// data.
 #pragma once
 
 #include <cstdint>

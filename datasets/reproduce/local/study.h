@@ -1,5 +1,5 @@
-// What `cairn-reproduce local` runs: simulated offices and their local maps, for the figures of E. Dedieu and
-// J. del R. Millán, Efficient occupancy grids for variable resolution map building, 1998 ([DM98]).
+// What `cairn-reproduce local` runs: simulated offices and their local maps, for the figures of
+// [DM98].
 #pragma once
 
 #include <cstdint>

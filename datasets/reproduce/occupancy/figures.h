@@ -1,4 +1,5 @@
-// The figures of [T01] from the results of occupancy_study.h, with the paper's claim and our number for each.
+// The figures of [Thr01] from the results of occupancy_study.h, with the paper's claim and our number for
+// each.
 #pragma once
 
 #include <map>

@@ -1,4 +1,4 @@
-// Figures 1 and 2 of [T01] (occupancy_study.h): what can be seen by hand.
+// Figures 1 and 2 of [Thr01] (occupancy_study.h): what can be seen by hand.
 #pragma once
 
 #include "datasets/reproduce/occupancy/panels.h"

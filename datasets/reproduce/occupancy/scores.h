@@ -1,4 +1,4 @@
-// What [T01] says of its maps in words, as numbers.
+// What [Thr01] says of its maps in words, as numbers.
 #pragma once
 
 #include <cstdint>

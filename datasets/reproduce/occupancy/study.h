@@ -1,5 +1,5 @@
-// What `cairn-reproduce occupancy` runs: the logs and the job behind the figures of S. Thrun, Learning
-// Occupancy Grids with Forward Models, IROS 2001 ([T01]), on simulated data and on a log of the user's.
+// What `cairn-reproduce occupancy` runs: the logs and the job behind the figures of [Thr01], on simulated
+// data and on a log of the user's.
 #pragma once
 
 #include <cstdint>

@@ -14,7 +14,7 @@ struct RgbImage {
   std::vector<std::uint8_t> rgb;  // [rows][columns][3]
 };
 
-// Where it points: [T98]'s data sets D-1, D-2, D-3.
+// Where it points: [Thr98]'s data sets D-1, D-2, D-3.
 enum class Look : std::uint8_t { kOuter, kInner, kCeiling };
 
 inline constexpr int kImageRows = 60, kImageColumns = 64;

@@ -1,5 +1,5 @@
-// Samples of a robot with a camera and 24 sonars that drives through an office corridor, as in S. Thrun,
-// Bayesian landmark learning for mobile robot localization, Machine Learning 33, 1998 ([T98]), section 5.1.
+// Samples of a robot with a camera and 24 sonars that drives through an office corridor, as in [Thr98]
+// section 5.1.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ struct CorridorPicture {
   std::string name, png;
 };
 
-// Kind `samples` (schema/FORMAT.md): 140 image features ([T98] section 5.1.3) and 24 sonars; two hand-made
+// Kind `samples` (schema/FORMAT.md): 140 image features ([Thr98] section 5.1.3) and 24 sonars; two hand-made
 // features, what is truly in view ("door" or "light") and what a detector says ("door detected" …); true
 // poses. The corridor depends on seed and length alone, so that the sets of a seed are of one corridor; a run
 // on those, on the set, its number and whether anything has changed. `pictures`, where it is not null, gets

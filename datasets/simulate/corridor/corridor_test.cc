@@ -28,7 +28,7 @@ TEST(SimulateCorridor, HoldsWhatTheFormatSays) {
     const auto x = samples.Get<double>("truth/" + std::string(run) + "x_m");
     EXPECT_EQ(x.front(), 0);
     EXPECT_NEAR(x.back(), 40, 1e-9);
-    // [T98] 5.1.2: about 15 cm/s.
+    // [Thr98] 5.1.2: about 15 cm/s.
     EXPECT_NEAR(samples.Get<double>(std::string(run) + "time_s").back(), 40 / 0.15, 1e-6);
     for (const float value : samples.Get<float>(std::string(run) + "input"))
       ASSERT_TRUE(std::isfinite(value));

@@ -1,4 +1,4 @@
-// One drive through the corridor, and all that differs from run to run ([T98] sections 5.1.1, 5.1.2).
+// One drive through the corridor, and all that differs from run to run ([Thr98] sections 5.1.1, 5.1.2).
 #pragma once
 
 #include <array>

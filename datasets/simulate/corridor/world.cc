@@ -6,7 +6,7 @@
 namespace cairn::datasets::corridor {
 namespace {
 
-// Spacings and shares that were tuned until doors and lights localise as [T98] reports (docs/corridor.md).
+// Spacings and shares that were tuned until doors and lights localise as [Thr98] reports (docs/corridor.md).
 constexpr double kOuterDoorM = 0.95, kInnerDoorM = 1.7;
 constexpr double kBareShare = 0.10, kOfficeSpacingM = 3.2;
 constexpr double kInnerSpacingM = 44, kInnerPairM = 7.5;

@@ -1,6 +1,4 @@
-// The corridor of S. Thrun, Bayesian landmark learning for mobile robot localization, Machine Learning 33,
-// 1998
-// ([T98]), section 5.1.1, as a simulator draws it: what stays the same from run to run.
+// The corridor of [Thr98] section 5.1.1, as a simulator draws it: what stays the same from run to run.
 //
 // Frame: x along the corridor from 0 to its length, y to the left of a robot that drives along x, z up. The
 // outer wall is at y = kHalfWidthM, the inner one at -kHalfWidthM.

@@ -1,6 +1,5 @@
-// Sonar logs of halls with doors: the simulated and the real worlds of S. Thrun, Learning occupancy grids
-// with forward models, IROS 2001 ([T01]), figures 3 to 5. A ring of 24 sonars (simulate/sonar.h), the robot's
-// poses as the log's own, odometry beside them.
+// Sonar logs of halls with doors: the simulated and the real worlds of [Thr01] figures 3 to 5. A ring of 24
+// sonars (simulate/sonar.h), the robot's poses as the log's own, odometry beside them.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,4 @@
-// A straight hall along x with rooms behind doors, as S. Thrun, Learning occupancy grids with forward models,
-// IROS 2001 ([T01]), has in figures 3 to 5.
+// A straight hall along x with rooms behind doors, as in [Thr01] figures 3 to 5.
 #pragma once
 
 #include <vector>

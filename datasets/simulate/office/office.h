@@ -1,5 +1,5 @@
 // Logs of a robot with sonars and infra-red on a turret that drives through an office: the problem of
-// E. Dedieu and J. del R. Millán, Efficient occupancy grids for variable resolution map building, 1998.
+// [DM98].
 #pragma once
 
 #include <cstdint>

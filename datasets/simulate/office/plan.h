@@ -1,5 +1,4 @@
-// An office: rooms on both sides of a corridor with metallic walls, as E. Dedieu and J. del R. Millán,
-// Efficient occupancy grids for variable resolution map building, 1998 ([DM98]), have them.
+// An office: rooms on both sides of a corridor with metallic walls, as [DM98] has them.
 #pragma once
 
 #include <cstddef>

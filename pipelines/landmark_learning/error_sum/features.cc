@@ -12,7 +12,7 @@ std::size_t Samples(std::size_t outputs, int networks) {
   return outputs / static_cast<std::size_t>(networks);
 }
 
-// [T98] eq. 33 over the networks first <= i < end, doubling the table with each.
+// [Thr98] eq. 33 over the networks first <= i < end, doubling the table with each.
 template <class Real>
 void Products(const Real* g, int first, int end, Real* table) {
   table[0] = Real(1);

@@ -1,6 +1,5 @@
 // Stochastic binary features: n networks give g_i(s) = P(f_i = 1 | s), and a feature vector f in {0, 1}^n
-// comes with P(f | s) = prod_i P(f_i | s) (S. Thrun, Bayesian Landmark Learning for Mobile Robot
-// Localization, Machine Learning 33, 1998, eqs 32 and 33; [T98] in this folder's comments).
+// comes with P(f | s) = prod_i P(f_i | s): [Thr98] eqs 32 and 33.
 #pragma once
 
 #include <cstddef>

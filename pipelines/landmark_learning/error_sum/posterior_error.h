@@ -1,4 +1,4 @@
-// BaLL's target ([T98] eqs 36 and 37) and its exact gradient, a block of true positions at a time. With
+// BaLL's target ([Thr98] eqs 36 and 37) and its exact gradient, a block of true positions at a time. With
 // G[k,f] = P(f | s_k) and B[a,k] = Bel_prior(xi_k) where a is true,
 //
 //   E = sum_a P(a) sum_f G[a,f] N[a,f] / Z[a,f],   N = (e B) G,   Z = B G:
@@ -34,7 +34,7 @@ template <class Real>
 double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const std::vector<Real>& of_sample,
                   int vectors, const std::vector<double>& weight, const IndexRange& true_positions);
 
-// A block's share of E_prior ([T98] eq. 21): the same where nothing is sensed.
+// A block's share of E_prior ([Thr98] eq. 21): the same where nothing is sensed.
 double PriorErrorOfTruePositions(const Pairs& pairs, const std::vector<double>& weight,
                                  const IndexRange& true_positions);
 

@@ -1,5 +1,5 @@
 // The feature extractors: n networks, each with one hidden layer or two and one output, sigmoid throughout
-// ([T98] sections 4.1 and 5.1.4, schema/FORMAT.md).
+// ([Thr98] sections 4.1 and 5.1.4, schema/FORMAT.md).
 #pragma once
 
 #include <cstdint>
@@ -57,7 +57,7 @@ struct Parameters {
   }
 };
 
-// "Small random values" ([T98] table 2): uniform in +-`width`, drawn in the order of the vector.
+// "Small random values" ([Thr98] table 2): uniform in +-`width`, drawn in the order of the vector.
 template <class Real>
 Parameters<Real> RandomParameters(const NetworkShape& shape, double width, Rng& rng);
 

@@ -10,7 +10,7 @@
 namespace cairn::landmark_learning {
 
 enum class Method {
-  kGradient,  // [T98] eq. 38
+  kGradient,  // [Thr98] eq. 38
   kMomentum,  // v <- momentum v - rate dE/dw; w <- w + v
   kAdam,      // D. P. Kingma, J. Ba, Adam: a method for stochastic optimization, ICLR 2015, algorithm 1
 };

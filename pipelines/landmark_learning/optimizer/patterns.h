@@ -1,5 +1,5 @@
-// Pseudo-patterns ([T98] section 4.4.2, item 3): one computation of dE/dg gives targets for the outputs, and
-// each network is fitted to its own by many steps of ordinary backpropagation.
+// Pseudo-patterns ([Thr98] section 4.4.2, item 3): one computation of dE/dg gives targets for the outputs,
+// and each network is fitted to its own by many steps of ordinary backpropagation.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace cairn::landmark_learning {
 
-// [T98] eq. 45, which as printed has E / g where the derivative is meant: g - `step` dE/dg, but within (0,
+// [Thr98] eq. 45, which as printed has E / g where the derivative is meant: g - `step` dE/dg, but within (0,
 // 1). `slope`: that of the error summed over the true positions, so that a target does not depend on how many
 // there are.
 float PatternTarget(float g, double step, double slope);

@@ -1,5 +1,4 @@
-// A square window of cells that moves with the robot and never copies its contents: E. Dedieu and J. d. R.
-// Millan, Efficient Occupancy Grids for Variable Resolution Map Building, 1998 ([DM98]), section 2.2.
+// A square window of cells that moves with the robot and never copies its contents: [DM98] section 2.2.
 #pragma once
 
 #include <cstddef>
