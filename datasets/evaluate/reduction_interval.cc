@@ -23,6 +23,7 @@ std::optional<double> ReductionOf(const std::vector<ErrorSums>& clusters) {
     all.posterior_m += cluster.posterior_m;
   }
   if (all.prior_m <= 0) return std::nullopt;
+  // [Thr98] eq. 46
   return 1 - all.posterior_m / all.prior_m;
 }
 

@@ -72,6 +72,7 @@ IncrementError ErrorOf(const MotionIncrement& increment, const MotionNoise& nois
   const double walk_squared =
       noise.heading_walk_rad_per_sqrt_m * noise.heading_walk_rad_per_sqrt_m * increment.path_m;
   const double turn = noise.turn_ratio * increment.turn_rad;
+  // [TBF98] section 2.1: the error grows with the length of the motion.
   return {std::sqrt(drift_squared + walk_squared + turn * turn), noise.forward_ratio * increment.path_m};
 }
 
@@ -84,6 +85,7 @@ MotionKernel::MotionKernel(const MotionIncrement& increment, const IncrementErro
       heading_step_(2.0 * std::numbers::pi / headings) {
   // Beyond an eighth of the circle a heading is as good as unknown, and taps would go round it.
   const double half_sigma = std::min(error.heading_rad / std::numbers::sqrt2 / heading_step_, headings / 8.0);
+  // [TBF98] eq. 1, footnote 1: the error of the heading
   half_turn_ = shape == ErrorShape::kGaussian ? GaussianTaps(half_sigma) : TriangularTaps(half_sigma);
   const double length = std::sqrt(dx_ * dx_ + dy_ * dy_);
   ux_ = length > 0 ? dx_ / length : 1.0;
@@ -99,6 +101,8 @@ Stencil MotionKernel::StencilOf(int layer) const {
 
 Stencil MotionKernel::MakeStencil(int layer) const {
   const double cosine = std::cos(layer * heading_step_), sine = std::sin(layer * heading_step_);
+  // [TBF98] eq. 1 for one heading
+  // [TBF98] section 5, symmetry: the same stencil for all places
   return ShiftStencil(cosine * dx_ - sine * dy_, sine * dx_ + cosine * dy_, cosine * ux_ - sine * uy_,
                       sine * ux_ + cosine * uy_, along_);
 }
@@ -139,6 +143,7 @@ LayeredGrid MotionKernel::TurnForward(const LayeredGrid& belief) const {
 }
 
 LayeredGrid MotionKernel::Forward(const LayeredGrid& belief) const {
+  // [TBF98] eqs 2, 16
   LayeredGrid moved = TurnForward(belief);
   for (std::size_t c = 0; c < moved.layers.size(); ++c) {
     if (!moved.layers[c].box.empty())
@@ -165,6 +170,7 @@ LayeredGrid MotionKernel::Backward(const LayeredGrid& message, const LayeredGrid
     middle.layers[at(c)] = std::move(layer);
   }
   if (half_turn != nullptr) *half_turn = FirstHalfTurn(support, middle);
+  // [TBF98] eq. 17
   LayeredGrid result;
   result.layers.resize(support.layers.size());
   for (int c = 0; c < headings; ++c) {

@@ -1,4 +1,4 @@
-// P(xi' | u, xi) of [TBF98] section 2.1 on a grid of x-y-theta, as three simple operators a motion increment.
+// P(xi' | u, xi) of [TBF98] eq. 1 on a grid of x-y-theta, as three simple operators a motion increment.
 //
 // A belief's layer c stands for headings "odometric heading + c * step": the correction to odometry, not the
 // heading itself. So a turn moves nothing (no aliasing of rotations), and a motion increment shifts layer c
@@ -54,18 +54,18 @@ class MotionKernel {
   MotionKernel(const MotionIncrement& increment, const IncrementError& error, double cell_m, int headings,
                ErrorShape shape);
 
-  // sum over xi of P(xi' | u, xi) belief(xi): eq. 16. Mass is kept.
+  // The sum over xi of P(xi' | u, xi) belief(xi): [TBF98] eq. 16. Mass is kept.
   LayeredGrid Forward(const LayeredGrid& belief) const;
-  // sum over xi' of P(xi' | u, xi) message(xi') for xi in `support`'s boxes: eq. 17, the transpose of
-  // Forward.
+  // The sum over xi' of P(xi' | u, xi) message(xi') for xi in `support`'s boxes: [TBF98] eq. 17, the
+  // transpose of Forward.
   // `half_turn` (may be nullptr): receives the posterior of the first half turn's error, where `support` is
   // the belief before the motion increment: of the paths that the kernel joins, each weighed by support(xi)
   // P(xi' | u, xi) message(xi').
   LayeredGrid Backward(const LayeredGrid& message, const LayeredGrid& support,
                        HalfTurn* half_turn = nullptr) const;
 
-  // From now on each stencil is kept when it is first made ([TBF98] section 5, caching): for a kernel that is
-  // used again, by one thread.
+  // From now on each stencil is kept when it is first made: for a kernel that is used again, by one thread.
+  // [TBF98] section 5, caching
   void KeepStencils() { kept_.resize(static_cast<std::size_t>(headings_)); }
 
   // Multiplications that Forward does a cell; Backward does about as many.

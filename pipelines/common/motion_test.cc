@@ -64,7 +64,7 @@ TEST(Motion, MovesEachHeadingItsOwnWay) {
   }
 }
 
-// <Forward(a), m> = <a, Backward(m)> for any a on the support: eq. 17 is the transpose of eq. 16.
+// <Forward(a), m> = <a, Backward(m)> for any a on the support: [TBF98] eqs 16 and 17.
 TEST(Motion, BackwardIsTheTransposeOfForward) {
   for (const ErrorShape shape : {ErrorShape::kGaussian, ErrorShape::kTriangular}) {
     const MotionKernel kernel(kIncrement, kError, 0.5, kHeadings, shape);

@@ -47,6 +47,7 @@ Taps TriangularTaps(double sigma) {
   const int reach = static_cast<int>(std::floor(half_width));
   Taps taps{std::vector<double>(static_cast<std::size_t>(2 * reach + 1))};
   for (int k = -reach; k <= reach; ++k) {
+    // [TBF98] footnote 1, but for its factor, which Normalise gives
     taps.weights[static_cast<std::size_t>(k + reach)] = 1.0 - std::abs(k) / half_width;
   }
   Normalise(&taps.weights);

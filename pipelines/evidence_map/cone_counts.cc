@@ -25,6 +25,7 @@ class Cone {
   // What it says of the cell `at`, whose centre is `angle_rad` off the axis.
   void Add(const BeamCell& at, double angle_rad, double range_m, bool answered, std::size_t cell,
            Counts* counts) const {
+    // [Thr01] section 2, p(m_xy | z) of a cone: at its range cells are occupied, before it they are free.
     const double off = Fade(std::min(1.0, std::abs(angle_rad) / half_opening_rad_));
     const double beyond_m = at.distance_m - range_m;
     if (answered && beyond_m >= -half_wall_m_) {

@@ -29,6 +29,7 @@ std::vector<double> LogOddsOf(const std::vector<Evidence>& evidence, std::size_t
     for (const Step& step : steps) {
       const std::int64_t free = step.totals->free[k], occupied = step.totals->occupied[k];
       told |= free != 0 || occupied != 0;
+      // [Thr01] eqs 1 to 3: given the cell alone each reading adds its share.
       sum += static_cast<double>(free) * step.free + static_cast<double>(occupied) * step.occupied;
     }
     if (told) result[k] = std::clamp(sum, -clamp_nats, clamp_nats);

@@ -7,7 +7,7 @@
 namespace cairn::evidence_map {
 namespace {
 
-// Eq. 1 of [Thr01] as it is printed, reading by reading.
+// [Thr01] eq. 1 as it is printed, reading by reading.
 TEST(LogOdds, EqualsTheRecursionOfEquationOne) {
   const double prior = 0.3, p_occupied = 0.7, p_free = 0.2;
   const std::vector<double> readings{p_free, p_occupied, p_free, p_occupied, p_occupied};

@@ -42,6 +42,7 @@ class RayCounter {
       Step<true>(ray.from.x, ray.from.y, ray.to.x, ray.slope);
     }
     const auto column = static_cast<std::int64_t>(ray.to.x), row = static_cast<std::int64_t>(ray.to.y);
+    // [Thr01] section 2, p(m_xy | z) of a ray: where it ends is occupied, the cells before it are free.
     ++(hit ? counts_->occupied : counts_->free)[static_cast<std::size_t>(row * columns_ + column - corner_)];
   }
 

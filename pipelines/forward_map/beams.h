@@ -48,6 +48,7 @@ void ForEachReading(const RangeScans& scans, std::size_t first, std::size_t end,
 // visit(cell, distance_m) for the cells that a beam meets up to `reach_m` and of which wanted(cell) is true:
 // on a ray in order of distance, which is that of the middle of the part that lies in the cell; in a cone in
 // no order, and that of the centre.
+// [Thr01] section 3.1: d_ik, computed with ray tracing
 template <class Wanted, class Visit>
 void VisitBeam(const GridBox& box, const Pose& from, double opening_rad, double reach_m, Wanted&& wanted,
                Visit&& visit) {

@@ -6,6 +6,8 @@
 
 namespace cairn::forward_map {
 
+// [Thr01] figures 4 and 5 show dots of who walked by: by how much such a cell explains readings better than a
+// wall
 double CameAndWentNats(const FlipGains& gains, const std::vector<double>& time_s, std::int32_t cell) {
   const std::vector<FlipGains::Look> looks = gains.LooksAt(cell);
   double first_s = std::numeric_limits<double>::infinity(), last_s = -first_s, caught = 0;

@@ -37,6 +37,7 @@ void FlipGains::Add(double z_m, std::size_t model_index, std::span<const Crossin
   const SensorModel& model = models_[model_index];
   const double first_m = z_m - kReach * model.sigma_m, reach_m = ReachOf(z_m, model);
   const double lost = model.p_lost * DensityOfNone(z_m, model, End::kInMap);
+  // [Thr01] eqs 5, 6, 9
   Reading reading{.floor = model.p_rand / model.z_max_m + lost,
                   .none = model.p_sound() * DensityOfNone(z_m, model, end),
                   .model = static_cast<std::uint32_t>(model_index)};
@@ -57,6 +58,7 @@ void FlipGains::Add(double z_m, std::size_t model_index, std::span<const Crossin
   for (const auto& [cell, distance_m] : window_of_beam_) {
     if (cell == kElsewhere) fixed.push_back(static_cast<std::uint32_t>(weight_.size()));
     window_.value.push_back(cell);
+    // [Thr01] eqs 4, 9
     weight_.push_back(model.p_sound() * model.p_hit * Normal(z_m - distance_m, model.sigma_m));
   }
   longest_ = std::max(longest_, beam.size());
@@ -152,6 +154,7 @@ void FlipGains::RefreshAnswer(std::uint32_t index) {
   answer.less = before == 0 ? 0 : std::log((reading.floor + power[before - 1] * reading.sum) / now);
 }
 
+// [Thr01] eq. 12 with the terms that it leaves out: what a flip adds to log p(Z | m)
 double FlipGains::GainOf(std::int32_t cell) const {
   const auto c = static_cast<std::size_t>(cell);
   double gain = 0;

@@ -53,7 +53,7 @@ class FlipGains {
   // What the readings that meet an occupied cell, in the order in which they were added, say of it.
   struct Look {
     std::uint32_t reading;
-    double caught;  // P(the reading is of the cell): E[c_ik] of (13)
+    double caught;  // P(the reading is of the cell): E[c_ik] of [Thr01] eq. 13
     double missed;  // P(it was passed undetected)
   };
   std::vector<Look> LooksAt(std::int32_t cell) const;

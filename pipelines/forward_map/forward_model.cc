@@ -23,6 +23,7 @@ double SumOver(const Causes& causes, const Causes& other, const Term& term) {
 double Normal(double x_m, double sigma_m) {
   const double t = x_m / sigma_m;
   if (std::abs(t) > kReach) return 0;
+  // [Thr01] eqs 4, 6
   return std::exp(-0.5 * t * t) * (std::numbers::inv_sqrtpi / (std::numbers::sqrt2 * sigma_m));
 }
 
@@ -32,22 +33,23 @@ double ReachOf(double z_m, const SensorModel& model) {
 }
 
 double DensityOfNone(double z_m, const SensorModel& model, End end) {
+  // [Thr01] eq. 6, or what lies beyond the box
   return end == End::kBeyond ? 1 / model.z_max_m : Normal(z_m - model.z_max_m, model.no_echo_m);
 }
 
 Causes Joint(double z_m, std::span<const double> obstacles_m, const SensorModel& model, End end) {
   Causes joint;
-  // [Thr01] (9) with (5).
+  // [Thr01] eqs 5, 8, 9
   joint.random = model.p_rand / model.z_max_m;
   joint.lost = model.p_lost * DensityOfNone(z_m, model, End::kInMap);
-  // (9): reached = (1 - p_rand) (1 - p_hit)^(k-1), with what is left of p_lost too.
+  // [Thr01] eq. 9: reached = (1 - p_rand) (1 - p_hit)^(k-1), less p_lost.
   double reached = model.p_sound();
   for (const double distance_m : obstacles_m) {
-    // (4)
+    // [Thr01] eqs 4, 7, 8
     joint.obstacle.push_back(reached * model.p_hit * Normal(z_m - distance_m, model.sigma_m));
     reached *= 1 - model.p_hit;
   }
-  // (6); (9) prints the exponent k where it means K_i.
+  // [Thr01] eqs 6, 8, 9; the last case of 9 prints the exponent k where K_i is meant.
   joint.none = reached * DensityOfNone(z_m, model, end);
   return joint;
 }
@@ -59,6 +61,7 @@ double Density(double z_m, std::span<const double> obstacles_m, const SensorMode
 
 Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const SensorModel& model, End end) {
   Causes causes = Joint(z_m, obstacles_m, model, end);
+  // [Thr01] eq. 13
   const double eta = 1 / SumOver(causes, causes, [](double p, double) { return p; });
   causes.random *= eta;
   causes.lost *= eta;
@@ -69,6 +72,7 @@ Causes Responsibilities(double z_m, std::span<const double> obstacles_m, const S
 
 double ExpectedLogLikelihood(double z_m, std::span<const double> obstacles_m, const SensorModel& model,
                              const Causes& causes) {
+  // [Thr01] eq. 11, one reading's term
   return SumOver(causes, Joint(z_m, obstacles_m, model), XLogY);
 }
 

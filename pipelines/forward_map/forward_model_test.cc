@@ -49,8 +49,8 @@ TEST(Density, OfAnEndBeyondTheMap) {
   EXPECT_NEAR(Responsibilities(2, obstacles, kModel, End::kBeyond).none, 0.072 / 0.092, 1e-12);
 }
 
-// The model gives mass beyond z_max to (6) and none is renormalised: up to there, half of that peak is
-// missing.
+// The model gives mass beyond z_max to [Thr01] eq. 6 and none is renormalised: up to there, half of that peak
+// is missing.
 TEST(Density, IntegratesToOneButForWhatLiesBeyondTheReach) {
   for (const auto& obstacles : {std::vector<double>{}, {2.5}, {1, 1.05, 3}}) {
     constexpr int kSteps = 500000;
@@ -71,7 +71,7 @@ TEST(Responsibilities, AreBayesRuleByHand) {
   EXPECT_EQ(causes.none, 0);
 }
 
-// (11) = log p(Z | m) - H(C | Z, m): what EM climbs, and what it leaves out.
+// [Thr01] eq. 11 = log p(Z | m) - H(C | Z, m): what EM climbs, and what it leaves out.
 TEST(ExpectedLogLikelihood, IsTheLogLikelihoodLessTheEntropyOfTheCauses) {
   Rng rng(3);
   SensorModel model = kModel;

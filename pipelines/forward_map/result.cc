@@ -76,6 +76,7 @@ void PutMap(const Options& options, const MapState& map, const Cells& cells, Blo
 }  // namespace
 
 double ProbabilityOf(double difference_nats, double prior) {
+  // [Thr01] section 3.4: differences translated into posterior probabilities
   return 1 / (1 + std::exp(-difference_nats) * (1 - prior) / prior);
 }
 

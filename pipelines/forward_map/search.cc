@@ -100,6 +100,7 @@ std::vector<std::int32_t> MapSearch::Neighbours(std::int32_t cell) const {
   return cells;
 }
 
+// [Thr01] section 3.3, the M-step: hill climbing in the space of all maps
 double MapSearch::Climb(const Tick& tick) {
   double sum = 0;
   for (bool gained = true; gained;) {

@@ -201,6 +201,7 @@ Certainty CertaintyOfTile(const Options& options, const MapState& map, const Til
   for (std::int32_t cell = 0; cell < made.patch.cells(); ++cell) {
     const bool occupied = made.gains.occupied()[static_cast<std::size_t>(cell)] != 0;
     const double gain = made.gains.GainOf(cell);
+    // [Thr01] section 3.4: the difference by the cell, occupied less empty
     certainty.difference_nats.push_back(!made.gains.Seen(cell) ? std::numeric_limits<double>::quiet_NaN()
                                         : occupied             ? -gain
                                                                : gain);

@@ -73,8 +73,10 @@ Evidence Weigh(const RangeScans& scans, std::size_t first, std::size_t end, cons
   ForEachExplained(scans, first, end, box, occupied, model, no_echo, progress,
                    [&](const BeamOfScan& reading, const std::vector<std::int64_t>&,
                        const std::vector<double>& distances_m) {
+                     // [Thr01] eq. 13
                      const Causes causes = Responsibilities(reading.z_m, distances_m, model, reading.end);
                      ++sum.readings;
+                     // [Thr01] eqs 2, 10, the correspondences summed out: log p(Z | m)
                      sum.log_likelihood += std::log(Density(reading.z_m, distances_m, model, reading.end));
                      sum.entropy += Entropy(causes);
                      sum.random += causes.random;

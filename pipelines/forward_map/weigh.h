@@ -12,11 +12,11 @@
 
 namespace cairn::forward_map {
 
-// Sums over readings, with the responsibilities (13) of their causes.
+// Sums over readings, with the responsibilities ([Thr01] eq. 13) of their causes.
 struct Evidence {
   double readings = 0;
   double log_likelihood = 0;  // sum_i log p(z_i | m)
-  double entropy = 0;         // H(C | Z, m); [Thr01] (11) = log_likelihood - entropy
+  double entropy = 0;         // H(C | Z, m); [Thr01] eq. 11 = log_likelihood - entropy
   double random = 0;          // sum of E[c_*]
   double lost = 0;            // of readings whose echo was lost, whatever stood there
   double hits = 0;            // of E[c_k], k = 1 .. K
@@ -43,8 +43,8 @@ std::vector<std::int32_t> ExplainAll(const RangeScans& scans, const GridBox& box
                                      std::span<const std::uint8_t> occupied, const SensorModel& model,
                                      bool no_echo, Progress& progress);
 
-// The M-step of the sensor's parameters: of p_hit, p_rand and sigma the ones that make (11) largest,
-// kept within bounds (sigma at least `least_sigma_m`). p_lost, no_echo_m and z_max_m stay.
+// The M-step of the sensor's parameters: of p_hit, p_rand and sigma the ones that make [Thr01] eq. 11
+// largest, kept within bounds (sigma at least `least_sigma_m`). p_lost, no_echo_m and z_max_m stay.
 SensorModel Improved(const SensorModel& model, const Evidence& evidence, double least_sigma_m);
 
 }  // namespace cairn::forward_map

@@ -20,6 +20,7 @@ struct Box {
 // differ by one.
 Box Band(int i, int bands, int rows, int columns) {
   const auto edge = [&](int band, int length) { return band * length / bands; };
+  // [Thr98] section 5.1.3: rows and columns of equal size
   if (i < bands) return {edge(i, rows), edge(i + 1, rows), 0, columns};
   return {0, rows, edge(i - bands, columns), edge(i - bands + 1, columns)};
 }
@@ -107,6 +108,7 @@ std::vector<float> BandFeatures(const Options& options, const Image& image) {
   const double variance = static_cast<double>(squares) / count - mean * mean;
   // Values are whole numbers: one that differs at all makes more variance than rounding does.
   const bool flat = std::ranges::all_of(image.rgb, [&](std::uint8_t v) { return v == image.rgb.front(); });
+  // [Thr98] section 5.1.3: mean and variance are normalised in each image.
   const double scale = flat ? 0 : 1 / std::sqrt(variance);
   std::vector<float> features;
   for (int i = 0; i < 2 * bands; ++i) {
@@ -115,6 +117,7 @@ std::vector<float> BandFeatures(const Options& options, const Image& image) {
     std::array<double, kChannels> color{};
     for (int c = 0; c < kChannels; ++c)
       color[static_cast<std::size_t>(c)] = scale * (Mean(image, box, c) - mean);
+    // [Thr98] section 5.1.3: brightness, colour, texture
     features.push_back(static_cast<float>((color[0] + color[1] + color[2]) / kChannels));
     for (const double value : color) features.push_back(static_cast<float>(value));
     for (int c = 0; c < kChannels; ++c)

@@ -65,6 +65,7 @@ class Round {
                                         : learning.parameters();
     RoundSum sum = SumOf(partials, size);
     if (t_.phase == Phase::kWeights) sum.error = inputs_.Get("gradient")->Scalar<double>("error");
+    // [Thr98] table 2
     t_.Record(sum.error, planner_.Validates(t_.steps) ? sum.validation : kNone, Norm(sum.gradient));
     std::string note = NoteOf(options_, t_);
     if (const std::string warning = t_.Warn(Saturated(sum.gradient, learning, by_outputs)); !warning.empty())
@@ -112,6 +113,7 @@ class Round {
   bool IsOver() {
     if (on_trial_) return false;
     if (t_.steps + 1 >= options_.steps) return true;
+    // [Thr98] section 4.3: early stopping by a run that is held out
     const bool patient = t_.since_best < options_.patience;
     if (!options_.sequential || t_.learning.end == options_.networks) return !patient;
     if (patient && t_.network_steps + 1 < options_.steps / options_.networks) return false;

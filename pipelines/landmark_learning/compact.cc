@@ -24,6 +24,7 @@ std::vector<Real> Means(const Cells& cells, const std::vector<Real>& probability
   std::vector<Real> means(static_cast<std::size_t>(cells.size()) * width, Real(0));
   for (std::size_t k = 0; k < cells.of.size(); ++k) {
     const auto cell = static_cast<std::size_t>(cells.of[k]);
+    // [Thr98] section 4.4.2, item 2: P(f | xi) of cells
     AddScaledRow(Real(1) / static_cast<Real>(cells.count[cell]), &probability[k * width], vectors,
                  &means[cell * width]);
   }

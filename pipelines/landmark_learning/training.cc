@@ -108,6 +108,7 @@ void Training::NextNetwork() {
   since_best = network_steps = rising = 0;
   last_error = kNone;
   descent = {};
+  // [Thr98] section 4.4.2, item 1: networks are trained one after another.
   learning = {learning.end, learning.end + 1};
 }
 

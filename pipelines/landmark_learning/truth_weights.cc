@@ -15,6 +15,7 @@ void SumToOne(const char* which, std::vector<double>* weight) {
   for (const double w : *weight) sum += w;
   if (!weight->empty() && !(sum > 0.0))
     throw InputError(std::string("the weights of the ") + which + " samples are all zero");
+  // [Thr98] eq. 23: P(xi*)
   for (double& w : *weight) w /= sum;
 }
 

@@ -25,7 +25,7 @@ class GrowingMap {
   const Perception* perception() const { return seen_ ? &perception_ : nullptr; }
   const LayeredGrid& counts() const { return counts_; }
 
-  // eqs 19 to 21 of what was seen so far, each weighed by what was believed when it was seen.
+  // [TBF98] eqs 19 to 21 of what was seen so far, each weighed by what was believed when it was seen.
   void Take(const RobotSteps& steps, int step, const LayeredGrid& belief) {
     if (steps.first_observation[step] == steps.first_observation[step + 1]) return;
     for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k)
@@ -85,6 +85,7 @@ Blob RunIncremental(const Options& options, const Task& task, const Inputs& inpu
   const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps"));
   const Slice slice{steps, 0, steps.size(), task.params().at("name").s()};
   GrowingMap map(settings);
+  // [TBF98] section 6: a routine that does not revise past estimates
   const Alphas alphas = Pass(settings, slice, &map, progress);
   const std::vector<Landmark> landmarks = ExtractLandmarks(map.counts(), settings.map);
   PartialBuilder builder(settings, slice, 0, &landmarks, NoCounts(settings.map));

@@ -53,6 +53,7 @@ InitialState MakeInitialState(const Options& options, const Inputs& inputs) {
   initial.schedule.prefix = 1.0;
   initial.schedule.robots = static_cast<std::int64_t>(robots);
   initial.given = ReadGivenMap(*inputs.Get("map"), log, initial.settings);
+  // [TBF98] section 4: the E-step is localization in a map.
   initial.perception = MakePerception(initial.given->map, initial.settings.map);
   return initial;
 }

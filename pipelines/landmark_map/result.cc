@@ -31,8 +31,8 @@ Anchor Carry(const RobotSteps& steps, int s, const Anchor& anchor, const Odometr
   return {anchor.x_m + cosine * dx - sine * dy, anchor.y_m + sine * dx + cosine * dy, anchor.correction_rad};
 }
 
-// Between two steps the position error is interpolated linearly ([TBF98] section 5): odometry from the
-// earlier one and from the later one, weighed by the distances.
+// [TBF98] section 5, coarse-grained time: between two steps the position error is interpolated linearly,
+// odometry from the earlier one and from the later one, weighed by the distances.
 Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b, const OdometricPose& at,
                double part) {
   Anchor middle = a;

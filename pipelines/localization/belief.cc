@@ -45,6 +45,7 @@ BeliefSpace::BeliefSpace(Poses poses, std::vector<double> room)
 
 std::vector<double> BeliefSpace::Near(const Position& centre, double window_m) const {
   std::vector<double> belief(positions().size(), 0.0);
+  // [Thr98] section 5.1.7: uniform around where the robot is
   for (const std::size_t position : index_.Within(centre, window_m)) belief[position] = anywhere_[position];
   if (Normalise(&belief)) return belief;
   char text[160];
@@ -61,6 +62,7 @@ bool BeliefSpace::Spread(double sd_m, double lost, const Aim& aim, const Weight&
   for (std::size_t from = 0; from < moved.size(); ++from) {
     if ((*belief)[from] <= least) continue;
     index_.VisitWithin(aim(from), kReach * sd_m, [&](std::size_t position, double distance_m) {
+      // [Thr98] eqs 2, 16, 19
       moved[position] += (*belief)[from] * weight(from, position) * Gaussian(distance_m, sd_m);
     });
   }
@@ -112,7 +114,9 @@ bool BeliefSpace::KeepFacing(double heading_rad, std::vector<double>* belief) co
 bool Sense(const std::vector<double>& likelihood, std::vector<double>* belief) {
   std::vector<double> sensed(belief->size());
   for (std::size_t position = 0; position < sensed.size(); ++position)
+    // [Thr98] eqs 11, 17
     sensed[position] = likelihood[position] * (*belief)[position];
+  // [Thr98] eqs 12, 18
   if (!Normalise(&sensed)) return false;
   *belief = std::move(sensed);
   return true;

@@ -48,9 +48,9 @@ class BeliefSpace {
   // The same within `window_m` of a position. Throws InputError where no position is.
   std::vector<double> Near(const Position& centre, double window_m) const;
 
-  // Eq. 19: Bel(xi) <- sum over xi~ of P(xi | xi~, a) Bel(xi~), normalised; `displacement` is a. Then a share
-  // `lost` of the belief goes anywhere. What leaves the positions is lost; false where nothing remains, and
-  // `belief` is then all zeros.
+  // [Thr98] eq. 19: Bel(xi) <- sum over xi~ of P(xi | xi~, a) Bel(xi~), normalised; `displacement` is a. Then
+  // a share `lost` of the belief goes anywhere. What leaves the positions is lost; false where nothing
+  // remains, and `belief` is then all zeros.
   [[nodiscard]] bool Move(const Position& displacement, const Motion& motion, double lost,
                           std::vector<double>* belief) const;
 
@@ -74,8 +74,8 @@ class BeliefSpace {
   std::vector<double> room_, anywhere_;
 };
 
-// Eqs 17 and 18: Bel(xi) <- P(f | xi) Bel(xi), normalised. False where the model holds f for impossible
-// wherever the robot may be: the belief stays what it was.
+// [Thr98] eqs 17 and 18: Bel(xi) <- P(f | xi) Bel(xi), normalised. False where the model holds f for
+// impossible wherever the robot may be: the belief stays what it was.
 [[nodiscard]] bool Sense(const std::vector<double>& likelihood, std::vector<double>* belief);
 
 // The room of position number `at`: one over the density of positions around it that face alike, by a

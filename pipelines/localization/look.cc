@@ -11,6 +11,7 @@ constexpr double kCounted = 1e-3;
 // P(f | xi) of one position: prod_i of P(f_i | xi).
 double Probability(const double* ones, std::size_t bits, std::size_t f) {
   double product = 1.0;
+  // [Thr98] eq. 33
   for (std::size_t i = 0; i < bits; ++i) product *= (f >> i & 1) != 0 ? ones[i] : 1.0 - ones[i];
   return product;
 }
@@ -48,7 +49,8 @@ double ExpectedError(const std::vector<Position>& positions, const std::vector<d
       weight[k] = belief[at[k]] / all * Probability(&map[at[k] * features + group.first], group.size(), f);
       mass += weight[k];
     }
-    if (mass > 0.0) error += PairSum(counted, weight) / mass;  // [Thr98] eq. 22
+    // [Thr98] eq. 22
+    if (mass > 0.0) error += PairSum(counted, weight) / mass;
   }
   return error;
 }
@@ -60,6 +62,7 @@ std::size_t BestLook(const std::vector<Position>& positions, const std::vector<d
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const double error = ExpectedError(positions, belief, map, features, groups[g]);
+    // [Thr98] section 7, active sensing
     if (error < least) {
       least = error;
       best = g;

@@ -16,9 +16,9 @@ struct FeatureGroup {
 };
 
 // E_posterior of a robot that believes `belief` and senses the group's features next, the truth being as
-// likely as it believes: sum over xi* of Bel(xi*) of eq. 22, with e the distance. `map`: P(f_i = 1 | xi),
-// [positions][features]. Positions below a thousandth of the most likely one's belief are left out. Costs
-// positions^2 2^n of those that are left.
+// likely as it believes: the sum over xi* of Bel(xi*) times [Thr98] eq. 22, with e the distance. `map`: P(f_i
+// = 1 | xi), [positions][features]. Positions below a thousandth of the most likely one's belief are left
+// out. Costs positions^2 2^n of those that are left.
 double ExpectedError(const std::vector<Position>& positions, const std::vector<double>& belief,
                      const std::vector<double>& map, std::size_t features, const FeatureGroup& group);
 

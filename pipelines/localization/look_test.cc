@@ -26,7 +26,7 @@ TEST(ExpectedError, IsWhatALookLeavesByHand) {
   EXPECT_NEAR(ExpectedError(kPositions, kEven, kMap, 3, {0, 2}), 0.0, 1e-12);
 }
 
-// Against the sum of eq. 22 as it stands: truth, feature vector, position.
+// Against the sum of [Thr98] eq. 22 as it stands: truth, feature vector, position.
 TEST(ExpectedError, EqualsTheLiteralSum) {
   Rng rng(8);
   std::vector<Position> positions;

@@ -14,7 +14,7 @@ namespace cairn::localization {
 std::vector<double> MeanFeatures(const std::vector<std::size_t>& samples, const std::vector<double>& output,
                                  std::size_t features, double prior_count);
 
-// f of a sensation whose bits are 1 with probability `output`, drawn (eqs 32, 33): zeros and ones.
+// f of a sensation whose bits are 1 with probability `output`, drawn ([Thr98] eqs 32, 33): zeros and ones.
 std::vector<double> Drawn(const std::vector<double>& output, Rng& rng);
 
 // P(f | xi) of each position: prod_i of P(f_i | xi) over the bits of `group`. `feature`: zeros and ones, or

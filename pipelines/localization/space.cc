@@ -48,6 +48,7 @@ void AddCells(double cell_m, const Box& box, const std::vector<Position>& traini
       const Position centre{middle.x_m + (column - 0.5 * (columns - 1)) * cell_m,
                             middle.y_m + (row - 0.5 * (rows - 1)) * cell_m};
       const double nearest_m = DistanceM(training[index.Nearest(centre, 1)[0]], centre);
+      // [Thr98] section 2.1: the space of locations, where there are samples to know a position by
       if (nearest_m <= cell_m / std::numbers::sqrt2) cells->push_back(centre);
     }
   }

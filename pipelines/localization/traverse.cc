@@ -23,6 +23,7 @@ std::vector<double> WayTo(const std::vector<Position>& positions) {
 std::size_t StartOf(const Options& options, const std::vector<double>& travelled, Rng& rng) {
   if (options.traverses == 0 || options.travelled_m == 0.0 || travelled.back() <= options.travelled_m)
     return 0;
+  // [Thr98] section 5.2.4: robots set out anywhere.
   const double at_m = rng.Uniform(0.0, travelled.back() - options.travelled_m);
   return static_cast<std::size_t>(std::ranges::lower_bound(travelled, at_m) - travelled.begin());
 }
@@ -139,6 +140,7 @@ Localized Localize(const Options& options, const Source& source, const BeliefSpa
   };
   face({traverse.start, 0.0, {}, {}});
   Localized localized{{StepOf(space, belief)}};
+  // [Thr98] table 1
   for (const Stop& stop : traverse.stops) {
     progress.Tick();
     if (!(drives ? space.Drive(stop.own, motion, options.lost, &belief)

@@ -44,7 +44,7 @@ WindowError ErrorOf(const Held& held, std::span<const double> probability,
   out.positions = held.positions;
   if (held.positions == 0) return out;
   out.prior_m = held.PriorM();
-  // [Thr98] eq. 36, the sum over f of one true position.
+  // [Thr98] eq. 36, the sum over f for one true position
   for (std::size_t f = 0; f < probability.size(); ++f) out.soft_m += probability[f] * held.PosteriorM(f);
   for (const std::size_t f : drawn) out.sampled_m.push_back(held.PosteriorM(f));
   return out;

@@ -71,11 +71,11 @@ class LocalizationEvaluator {
     return {x[at], y[at]};
   }
 
-  // Eq. 21.
   double BelievedError(const LocalizedStep& step, const Point& truth) const {
     double error = 0;
     for (std::size_t i = step.first; i < step.end; ++i) {
       const auto position = static_cast<std::size_t>(localized_.position[i]);
+      // [Thr98] eq. 21
       error += localized_.probability[i] * DistanceM(localized_.positions[position], truth);
     }
     return error;

@@ -69,6 +69,7 @@ double LogDensity(const ScoredReading& reading, const ReadingModel& model) {
     reached *= 1 - q;
   }
   const double told = reading.echo ? hit : reached * Normal(0, kNoEchoSdM);
+  // [Thr01] eqs 4 to 9
   return std::log(model.p_rand / reading.max_range_m + (1 - model.p_rand) * told);
 }
 

@@ -62,6 +62,7 @@ void AttachTable(const Blob& errors, TrainingData* data) {
     if (!std::isfinite(values[i]) || values[i] < 0.0)
       throw InputError("the input 'errors': 'error', row " + std::to_string(i / x.size()) + ", column " +
                        std::to_string(i % x.size()) + " is not a number from 0 up");
+    // [Thr98] section 3.1: any e
     table.push_back(static_cast<float>(values[i]));
   }
   ForEachSample(data, [&](SampleSet& set, std::size_t k) {
@@ -94,6 +95,7 @@ void AttachTravel(const Blob& map, TrainingData* data) {
     for (std::size_t to = 0; to < cell_of.size(); ++to) {
       if (std::isinf(paths_m[cell_of[to]]))
         throw InputError(name_of[to] + ": no way leads there through the map from " + name_of[from]);
+      // [Thr98] section 5.1.5: e is the way that a robot must travel.
       table.push_back(static_cast<float>(paths_m[cell_of[to]]));
     }
   }

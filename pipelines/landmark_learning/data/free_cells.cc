@@ -67,6 +67,7 @@ std::vector<double> FreeCells::PathLengthsFrom(std::size_t cell) const {
     for (const auto& [dx, dy] : kSteps) {
       if (!CanStep(x, y, dx, dy)) continue;
       const auto to = static_cast<std::size_t>((y + dy) * columns_ + x + dx);
+      // [Thr98] section 5.1.5: the way that a robot must travel
       const double there = so_far + cell_m_ * std::sqrt(static_cast<double>(dx * dx + dy * dy));
       if (there >= path_m[to]) continue;
       path_m[to] = there;

@@ -40,9 +40,11 @@ void TurnRow(double p, int width, const Real* g, const Real* z, Real* n, Real* b
     const auto inverse = L::IfLess(zero, here, L::Div(one, here));
     const auto share = L::Mul(weight, inverse);
     const auto expected = L::Mul(wrong, share), r = L::Mul(L::Load(g + f), share);
+    // [Thr98] eqs 36, 42
     L::Store(error + f, L::Fma(L::Load(g + f), expected, L::Load(error + f)));
     L::Store(d + f, expected);
     L::Store(n + f, r);
+    // [Thr98] eqs 40, 43
     L::Store(by_z + f, L::Sub(zero, L::Mul(r, L::Mul(wrong, inverse))));
   }
 }

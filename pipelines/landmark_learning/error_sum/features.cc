@@ -12,13 +12,14 @@ std::size_t Samples(std::size_t outputs, int networks) {
   return outputs / static_cast<std::size_t>(networks);
 }
 
-// [Thr98] eq. 33 over the networks first <= i < end, doubling the table with each.
+// Over the networks first <= i < end, doubling the table with each.
 template <class Real>
 void Products(const Real* g, int first, int end, Real* table) {
   table[0] = Real(1);
   std::size_t size = 1;
   for (int i = first; i < end; ++i, size *= 2) {
     for (std::size_t f = 0; f < size; ++f) {
+      // [Thr98] eqs 32, 33, 41
       table[size + f] = table[f] * g[i];
       table[f] *= Real(1) - g[i];
     }
@@ -52,6 +53,7 @@ std::vector<Real> OutputGradient(const std::vector<Real>& g, int networks,
       Products(own, 0, i, before.data());
       Real sum = 0;
       for (std::size_t f = 0; f < half; ++f) {
+        // [Thr98] eqs 40, 43: the derivative by g_i of the product 33
         sum += before[f] * (left[half + f] - left[f]);
         left[f] = (Real(1) - own[i]) * left[f] + own[i] * left[half + f];
       }

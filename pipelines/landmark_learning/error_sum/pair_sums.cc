@@ -52,6 +52,7 @@ void Strip<Real>::Gather(const FeatureRows<Real>& g, Real* n, Real* z) const {
   for (int a = 1; a < kStripTruePositions; ++a) std::copy_n(z, width, z + a * width);
   for (const At& at : stretches_) {
     InPieces(at.stretch.samples, [&](int first, int end) {
+      // [Thr98] eqs 36, 37: N = (e Bel_prior) G, and Z = P(f) = Bel_prior G
       AddProduct(Part(weighted_, at, first, end), width, g.Row(first), n);
       if (!at.stretch.all) AddProduct(Part(belief_, at, first, end), width, g.Row(first), z);
     });
@@ -69,6 +70,7 @@ void Strip<Real>::Scatter(const Real* r, const Real* s, int width, GradientRows<
         AddRow(width, sum.data(), d->OfTile(first / kTileSamples));
     }
     InPieces(samples, [&](int first, int end) {
+      // [Thr98] eqs 40, 43: the gradients by N and Z go back to the samples of both.
       AddTransposed(Part(weighted_, at, first, end), width, r, d->Row(first));
       if (!at.stretch.all) AddTransposed(Part(belief_, at, first, end), width, s, d->Row(first));
     });

@@ -66,6 +66,7 @@ Box BoxAround(const Positions& positions, const IndexRange& range) {
   return {*low_x, *high_x, *low_y, *high_y};
 }
 
+// [Thr98] section 3.1 lets e be the Kullback-Leibler divergence; of a point mass at the truth it is -log.
 double MassCost::Of(double u) { return -std::log((1.0 - kLeast) * u + kLeast); }
 
 Pairs::Pairs(const Positions& true_positions, const Positions& samples, const Belief& belief,
@@ -156,6 +157,7 @@ void Pairs::KeepThoseThatFaceAs(std::size_t truth, const Columns<Real>& columns,
   for (int k = 0; k < static_cast<int>(columns.x.size()); k += L::kCount) {
     const auto turned = L::Fma(cos_a, L::Load(columns.cos_heading.data() + k),
                                L::Mul(sin_a, L::Load(columns.sin_heading.data() + k)));
+    // [Thr98] section 5.1.2: xi = (x, y, theta)
     L::Store(belief + k, L::IfAtMost(turned, most, L::Load(belief + k)));
     L::Store(weighted + k, L::IfAtMost(turned, most, L::Load(weighted + k)));
   }

@@ -61,8 +61,10 @@ class ErrorGradient {
       const auto expected = L::IfLess(zero, here, L::Mul(p, L::Div(L::Load(n + f), here)));
       const auto r = L::IfLess(zero, here, L::Div(L::Mul(p, L::Load(g + f)), here));
       Real* error = &error_[static_cast<std::size_t>(f)];
+      // [Thr98] eqs 23, 36, 42: P(xi*) G N / Z, summed over f
       L::Store(error, L::Fma(L::Load(g + f), expected, L::Load(error)));
       L::Store(slope + f, L::Add(L::Load(slope + f), expected));
+      // [Thr98] eqs 40, 43: dE/dZ = -P G N / Z^2 and dE/dN = P G / Z
       L::Store(z + f, L::IfLess(zero, here, L::Sub(zero, L::Div(L::Mul(L::Load(g + f), expected), here))));
       L::Store(n + f, r);
     }
@@ -172,6 +174,7 @@ double PriorErrorOfTruePositions(const Pairs& pairs, const std::vector<double>& 
     }
     for (int a = strip.first; a < strip.end; ++a) {
       const auto own = static_cast<std::size_t>(a - strip.first);
+      // [Thr98] eq. 21
       if (all[own] > 0.0) sum += weight[static_cast<std::size_t>(a)] * CostOf(pairs, wrong[own] / all[own]);
     }
   });

@@ -78,8 +78,8 @@ double P(const World& w, std::size_t f, std::size_t k) {
   return p;
 }
 
-// Eq. 42 with the denominator of eq. 37, literally: for each truth, sample and feature vector the sum over
-// all samples again.
+// [Thr98] eq. 42 with the denominator of [Thr98] eq. 37, literally: for each truth, sample and feature vector
+// the sum over all samples again.
 double LiteralError(const World& w, const Belief& belief, ErrorKind kind) {
   const auto samples = static_cast<std::size_t>(w.positions.size());
   double error = 0.0;

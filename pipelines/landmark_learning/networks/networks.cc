@@ -101,6 +101,7 @@ class OutputLayer {
     using L = Lanes<Real>;
     std::copy_n(hidden, shape_.last_units(), hidden_.begin());
     for (int n = 0; n < shape_.networks; ++n) {
+      // [Thr98] eq. 39, backpropagation
       const Real d_sum = d_output[n] * output[n] * (Real(1) - output[n]);
       biases[n] += d_sum;
       std::fill_n(d_sum_.begin() + n * shape_.last(), shape_.last(), d_sum);
@@ -157,6 +158,7 @@ Activations<Real> Forward(const Parameters<Real>& parameters, const Real* inputs
     for (int n = 0; n < shape.networks; ++n) {
       Real sum = parameters.OutputBiases()[n];
       for (int u = n * shape.last(); u < (n + 1) * shape.last(); ++u)
+        // [Thr98] eqs 30, 31
         sum = std::fma(parameters.OutputWeights()[u], last[u], sum);
       *output++ = sum;
     }

@@ -21,6 +21,7 @@ std::vector<Real> SecondLayer(const Parameters<Real>& parameters, const std::vec
     for (int n = 0; n < s.networks; ++n, in += s.hidden, out += s.hidden_2, biases += s.hidden_2) {
       std::copy_n(biases, s.hidden_2, out);
       for (int h = 0; h < s.hidden; ++h, weights += s.hidden_2) {
+        // [Thr98] section 5.1.4: two hidden layers
         for (int u = 0; u < s.hidden_2; ++u) out[u] = std::fma(in[h], weights[u], out[u]);
       }
     }

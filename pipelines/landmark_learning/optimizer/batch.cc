@@ -15,6 +15,7 @@ std::vector<IndexRange> DrawnStretches(int count, std::int64_t batch, std::uint6
   const auto drawn = std::min(stretches.size(), static_cast<std::size_t>((batch + kStretch - 1) / kStretch));
   Rng rng(seed, static_cast<std::uint64_t>(step), 1);  // substream 0 draws the first weights
   for (std::size_t i = 0; i < drawn; ++i)
+    // [Thr98] section 4.4.2: stochastic gradients
     std::swap(stretches[i], stretches[i + static_cast<std::size_t>(rng.Below(stretches.size() - i))]);
   std::sort(stretches.begin(), stretches.begin() + static_cast<std::ptrdiff_t>(drawn));
   std::vector<IndexRange> ranges;

@@ -25,6 +25,7 @@ void Conjugate::Turn(double error, const std::vector<double>& of_gradient, doubl
   const bool keep = !first && failures == 0 && since_restart < static_cast<std::int64_t>(of_gradient.size());
   double beta = 0.0;
   if (const double before = first ? 0.0 : Dot(gradient, gradient); keep && before > 0.0)
+    // [Thr98] sections 4.4.2 and 5.1.4: conjugate gradients, here by Polak and Ribiere
     beta = std::max(0.0, (Dot(of_gradient, of_gradient) - Dot(of_gradient, gradient)) / before);
   direction.resize(of_gradient.size(), 0.0F);
   for (std::size_t i = 0; i < direction.size(); ++i)

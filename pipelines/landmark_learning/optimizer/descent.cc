@@ -19,8 +19,10 @@ void Descent::Step(const DescentRules& rules, const std::vector<double>& gradien
     double& w = (*weights)[i];
     w -= rules.rate * rules.weight_decay * w;
     if (rules.method == Method::kGradient) {
+      // [Thr98] eqs 38, 44
       w -= rules.rate * gradient[i];
     } else if (rules.method == Method::kMomentum) {
+      // [Thr98] section 5.1.4: momentum
       first[i] = static_cast<float>(rules.momentum * first[i] - rules.rate * gradient[i]);
       w += first[i];
     } else {

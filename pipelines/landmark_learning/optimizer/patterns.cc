@@ -8,6 +8,7 @@ namespace cairn::landmark_learning {
 
 float PatternTarget(float g, double step, double slope) {
   constexpr double kWithin = 1e-3;  // a sigmoid never gets to 0 or 1, and is flat long before
+  // [Thr98] eq. 45
   return static_cast<float>(std::clamp(g - step * slope, kWithin, 1.0 - kWithin));
 }
 

@@ -25,6 +25,7 @@ double PathLengthM(const Blob& result) {
 
 double LogOddsOfLandmark(const Passes& passes, const Detection& detection, double coincidence) {
   const int missed = std::max(0, passes.passed - passes.observed);
+  // [TBF98] section 2.2: perception errs. Bayes' rule over the passes of the place.
   return std::log((1.0 - detection.false_ratio) / detection.false_ratio) +
          (passes.observed - 1) * std::log((1.0 - detection.miss_ratio) / coincidence) +
          missed * std::log(detection.miss_ratio);

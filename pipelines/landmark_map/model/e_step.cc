@@ -25,8 +25,8 @@ MotionKernel KernelTo(const EStepModel& model, const Slice& slice, int step) {
   return {increment, ErrorOf(increment, model.noise), model.grid.cell_m, model.grid.headings, model.shape};
 }
 
-// eq. 16 from the step before; step 0 has no motion increment to it. `kept` (may be nullptr): takes the
-// kernel.
+// [TBF98] eq. 16 from the step before; step 0 has no motion increment to it. `kept` (may be nullptr): takes
+// the kernel.
 LayeredGrid Moved(const EStepModel& model, const Slice& slice, int step, const LayeredGrid& belief,
                   std::vector<MotionKernel>* kept) {
   if (step == 0) return belief;
@@ -38,7 +38,8 @@ LayeredGrid Moved(const EStepModel& model, const Slice& slice, int step, const L
   return moved;
 }
 
-// eq. 17 over the motion increment to `step`, by the kernel that the forward pass kept or one like it.
+// [TBF98] eq. 17 over the motion increment to `step`, by the kernel that the forward pass kept or one like
+// it.
 LayeredGrid MovedBack(const EStepModel& model, const Slice& slice, int step, const Alphas& alphas,
                       const LayeredGrid& message, const LayeredGrid& support, HalfTurn* half_turn) {
   if (alphas.kernels.empty()) return KernelTo(model, slice, step).Backward(message, support, half_turn);
@@ -52,6 +53,7 @@ LayeredGrid MovedBack(const EStepModel& model, const Slice& slice, int step, con
 // double.
 double ObserveAll(const EStepModel& model, const Slice& slice, int step, LayeredGrid* belief) {
   double log_scale = 0.0;
+  // [TBF98] section 4.1.3: the first E-step has no map and ignores what was observed.
   if (model.perception == nullptr) return log_scale;
   const RobotSteps& steps = slice.steps;
   for (int k = steps.first_observation[step]; k < steps.first_observation[step + 1]; ++k) {
@@ -99,17 +101,20 @@ double NormalizeAndPrune(const EStepModel& model, const Slice& slice, int step, 
     Refuse(slice, step,
            "the robot has left the box that box_m allows: all probability lies outside; take a larger box_m, "
            "or 0");
+  // [TBF98] eq. 15
   const double log_scale = ObserveAll(model, slice, step, belief);
   const double after = belief->Sum();
   if (!std::isnormal(after)) {
     Refuse(slice, step,
            "the evidence is impossible under the model, all probability vanished; " + Seen(slice, step));
   }
+  // [TBF98] section 5, selective computation and memorization
   const double least = model.prune * belief->Max();
   for (Layer& layer : belief->layers) {
     layer.Prune(least);
     if (model.whole_tables) layer.Cover(model.limit);
   }
+  // [TBF98] eq. 15, its normaliser
   belief->Scale(1.0 / belief->Sum());
   return std::log(after / before) + log_scale;
 }
@@ -141,6 +146,7 @@ LayeredGrid Product(const Slice& slice, int step, const LayeredGrid& alpha, cons
   for (std::size_t c = 0; c < product.layers.size(); ++c) {
     std::vector<double>& values = product.layers[c].values;
     const std::vector<double>& other = beta.layers[c].values;
+    // [TBF98] eq. 13
     for (std::size_t i = 0; i < values.size(); ++i) values[i] *= other[i];
   }
   Rescale(slice, step, &product);
@@ -165,6 +171,7 @@ LayeredGrid DiracStart(const GridSpec& grid) {
   LayeredGrid belief;
   belief.layers.resize(static_cast<std::size_t>(grid.headings));
   belief.layers[0] = Layer(Box{0, 0, 1, 1});
+  // [TBF98] eq. 14
   belief.layers[0].values[0] = 1.0;
   return belief;
 }
@@ -203,6 +210,7 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
     };
     const Box places = PlacesThatSee(steps.observations[known], model.grid, *model.perception, c);
     Layer layer(places.Shifted(-cells(x), -cells(y)).Grown(margin));
+    // [TBF98] section 8: a robot whose start is unknown may be anywhere.
     layer.values.assign(layer.values.size(), 1.0);
     belief.layers.push_back(std::move(layer));
   }
@@ -213,6 +221,7 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
 LayeredGrid UniformBeta(const LayeredGrid& support) {
   LayeredGrid beta = support;
   for (Layer& layer : beta.layers) {
+    // [TBF98] section 4.1.2: beta of the last step is uniform.
     for (double& value : layer.values) value = value > 0.0 ? 1.0 : 0.0;
   }
   return beta;
@@ -228,6 +237,7 @@ Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& b
     alphas.work += static_cast<double>(belief.cells()) + kStepCells;
     largest = std::max(largest, belief.cells());
     CheckMemory(model, slice, step, cells, largest);
+    // [TBF98] eq. 12: what it maximises is the product of the normalisers of all steps.
     alphas.log_likelihood += NormalizeAndPrune(model, slice, step, &belief);
     cells += belief.cells();
     alphas.tables.push_back(std::move(belief));
@@ -264,10 +274,12 @@ LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& 
     const LayeredGrid& alpha = alphas.tables[static_cast<std::size_t>(step - slice.first)];
     visitor.step(step, Product(slice, step, alpha, beta));
     if (step == 0) return {};
+    // [TBF98] eq. 18
     ObserveAll(model, slice, step, &beta);
     const LayeredGrid& support =
         step == slice.first ? before : alphas.tables[static_cast<std::size_t>(step - 1 - slice.first)];
     HalfTurn turn;
+    // [TBF98] eq. 17
     beta = MovedBack(model, slice, step, alphas, beta, support, learn ? &turn : nullptr);
     if (learn) visitor.increment(step, turn);
     Mask(support, &beta);

@@ -27,9 +27,9 @@ struct EStepModel {
   double prune = 1e-3;        // [TBF98] section 5, selective computation: of the largest probability
   Box limit;                  // beliefs are cut to it; empty: no limit
   double memory_bytes = 4e9;  // alpha tables of one slice may take so much
-  const Perception* perception = nullptr;  // nullptr: no map yet, observations are ignored (section 4.1.3)
-  bool keep_kernels = false;               // section 5, caching: from Forward to Backward
-  // Without section 5's selective memorization: every heading holds all of `limit`.
+  const Perception* perception = nullptr;  // nullptr: no map yet, observations are ignored
+  bool keep_kernels = false;               // [TBF98] section 5, caching: from Forward to Backward
+  // Without the selective memorization of [TBF98] section 5: every heading holds all of `limit`.
   bool whole_tables = false;
 };
 
@@ -74,19 +74,19 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 // the places that see the observation is UniformStart.
 int MotionMargin(const EStepModel& model, const RobotSteps& steps, int step);
 
-// eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start. Throws InputError
-// that names robot, step and observation where the evidence is impossible under the model.
+// [TBF98] eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start. Throws
+// InputError that names robot, step and observation where the evidence is impossible under the model.
 Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress);
 
 // The same from slice.first on until `work` is used up, a step at least and slice.end at most.
 Frontier ForwardFor(const EStepModel& model, const Slice& slice, LayeredGrid before, double work,
                     Progress& progress);
 
-// eqs 17 and 18, from the slice's last step to its first. `beta`: of the last step, on the support of its
-// alpha; returned: beta of step first - 1 on `before`'s support (for first = 0: empty). Shows `visitor` what
-// it passes, last step first.
+// [TBF98] eqs 17 and 18, from the slice's last step to its first. `beta`: of the last step, on the support of
+// its alpha; returned: beta of step first - 1 on `before`'s support (for first = 0: empty). Shows `visitor`
+// what it passes, last step first.
 struct Visitor {
-  std::function<void(int step, const LayeredGrid& belief)> step;  // alpha * beta, normalised (eq. 13)
+  std::function<void(int step, const LayeredGrid& belief)> step;  // alpha * beta: [TBF98] eq. 13
   // The heading's error on the motion increment to `step`; may be empty. Without a map there is nothing to
   // learn of it, and no call.
   std::function<void(int step, const HalfTurn& posterior)> increment;

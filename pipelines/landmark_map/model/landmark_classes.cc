@@ -26,6 +26,7 @@ std::vector<double> ClassPosterior(const std::vector<double>& seemed, const Clas
   for (int is = 0; is < rules.count; ++is) {
     double log_likelihood = 0.0;
     for (int as = 0; as < rules.count; ++as) {
+      // [TBF98] section 2.2: the robot might misjudge the type of a landmark.
       log_likelihood += seemed[static_cast<std::size_t>(as)] * std::log(rules.Confusion(as, is));
     }
     posterior.push_back(log_likelihood);

@@ -15,6 +15,7 @@ Layer LocalRatio(const Layer& count, const MapRules& rules) {
     for (int x = count.box.x0; x < count.box.x0 + count.box.nx; ++x) {
       const double c = count.Row(y)[x];
       const double all = std::max(near.Row(y)[x], c);  // the disc holds the cell itself
+      // [TBF98] eq. 19: all is how often something was observed there, landmark or none.
       if (c > 0.0) ratio.Row(y)[x] = c / (all + rules.prior_count);
     }
   }
@@ -23,6 +24,7 @@ Layer LocalRatio(const Layer& count, const MapRules& rules) {
 
 Layer Share(Layer count) {
   const double sum = count.Sum();
+  // [TBF98] eq. 19 for a landmark that stands in one place
   for (double& value : count.values) value /= sum;
   return count;
 }
@@ -53,6 +55,7 @@ Layer WithNoLandmark(const Layer& seeming, const Layer& map, const MapRules& rul
     for (int x = wide.box.x0; x < wide.box.x0 + wide.box.nx; ++x) {
       const double seen = mixture.box.Contains(x, y) ? mixture.Row(y)[x] : outside;
       const double others = std::max(0.0, wide.Row(y)[x] - core.At(x, y));
+      // [TBF98] eq. 3, the robust model
       likelihood.Row(y)[x] = seen * std::exp(-rules.no_landmark * others);
     }
   }
@@ -69,6 +72,7 @@ Layer ExactLikelihood(const Layer& map, const MapRules& rules) {
   const Layer sums = DiscSum(log_absent, rules.radius_m / rules.grid.cell_m);
   for (int y = map.box.y0; y < map.box.y0 + map.box.ny; ++y) {
     for (int x = map.box.x0; x < map.box.x0 + map.box.nx; ++x) {
+      // [TBF98] eq. 3, the exact model
       likelihood.Row(y)[x] = map.Row(y)[x] * std::exp(sums.Row(y)[x] - log_absent.Row(y)[x]);
     }
   }

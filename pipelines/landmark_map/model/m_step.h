@@ -1,4 +1,4 @@
-// The M-step ([TBF98] section 4.2, eqs 19 to 21): expected counts to a map, and the map to what the next
+// The M-step ([TBF98] eqs 19 to 21): expected counts to a map, and the map to what the next
 // E-step looks up.
 #pragma once
 
@@ -30,7 +30,7 @@ LayeredGrid NoCounts(const MapRules& rules);
 
 // P(m_xy = l) for each layer. Identified landmarks: c / sum of c, each stands in one place. Others: c / (c +
 // c* + prior_count), c* the counts within the perceptual radius except the cell's own: times something was
-// observed there, eq. 19, of any class, and split among the classes. Boxes end where the map says less than a
+// observed there, of any class, and split among the classes. Boxes end where the map says less than a
 // thousandth of what a false observation says: else a robot that may start anywhere would search, and so
 // fill, a larger box every round.
 LayeredGrid MapFromCounts(const LayeredGrid& counts, const MapRules& rules);

@@ -29,7 +29,7 @@ LayeredGrid Points(int layers, int layer, const std::vector<std::array<double, 3
   return counts;
 }
 
-// Eq. 19 by hand: 4 contact detections here, 1 two cells away, 5 out of sight.
+// [TBF98] eq. 19 by hand: 4 contact detections here, 1 two cells away, 5 out of sight.
 TEST(MapFromCounts, UnidentifiedLandmarksShareTheirPerceptualRadiusOnly) {
   const LayeredGrid map = MapFromCounts(Points(1, 0, {{5, 5, 4}, {7, 5, 1}, {15, 15, 5}}), Rules(0));
   EXPECT_DOUBLE_EQ(map.layers[0].At(5, 5), 4.0 / 5.0);

@@ -29,6 +29,7 @@ void FitWidth(const std::vector<IncrementSums>& sums, const WidthEvidence& (Incr
   for (std::size_t r = 0; r < sums.size(); ++r) {
     double& now = (*fits)[r].*width;
     const double own = (sums[r].*evidence)().squares * Squared(now) + kPriorIncrements * mean_square;
+    // [TBF98] section 2.1 takes the width as given; here the M-step fits it.
     const double fitted = std::sqrt(own / ((sums[r].*evidence)().known + kPriorIncrements));
     now = std::max(kLeastShare * nominal, std::clamp(fitted, now / kLargestChange, now * kLargestChange));
   }

@@ -87,6 +87,7 @@ void Observe(const Observation& observation, const GridSpec& grid, const Percept
     seen.nx += 1;
     seen.ny += 1;
     const bool inside = Intersection(seen, table.box) == seen;
+    // [TBF98] eqs 3, 4: times P(o | xi, m); Settle normalises
     if (inside)
       MultiplyByLookup(table, offset, &layer);
     else
@@ -113,6 +114,7 @@ void Count(const Observation& observation, const GridSpec& grid, const LayeredGr
     if (layer.box.empty()) continue;
     const Offset offset = OffsetOf(observation, grid, c);
     for (int k = 0; k < 4; ++k) {
+      // [TBF98] eqs 19 to 21: P(m_xy = l | o, xi) is one where o puts the landmark, shared among four cells.
       if (offset.weight[k] > 0)
         count.AddShifted(layer, offset.dx + k % 2, offset.dy + k / 2, offset.weight[k]);
     }

@@ -114,6 +114,7 @@ class StepPlanner {
     const double travelled = pose.path_m - last_.path_m;
     const int parts = std::max(1, static_cast<int>(std::ceil(travelled / rules_.max_increment_m)));
     const double start = last_.path_m;
+    // [TBF98] section 5, coarse-grained time
     for (int k = 1; k < parts; ++k) AddStep(PoseAtPath(odometry_, start + travelled * k / parts));
     if (travelled > 0 || pose.turn_rad > last_.turn_rad) AddStep(pose);
   }

@@ -44,6 +44,7 @@ void EdgeGrid::Put(const Moved& moved) {
   const std::int32_t tick = later ? moved.tick : cell->tick;
   const float ours = decay_.After(tick - cell->tick), theirs = decay_.After(tick - moved.tick);
   for (std::size_t k = 0; k < kAngleBins; ++k)
+    // [DM98] section 3.3: a histogram of orientations in each cell
     cell->histogram.bin[k] = ours * cell->histogram.bin[k] + theirs * moved.histogram.bin[k];
   cell->tick = tick;
   if (!later) return;

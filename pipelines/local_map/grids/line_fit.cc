@@ -66,13 +66,14 @@ struct Moments {
 
 double CorrectedAngle(const LineSums& sums) {
   const Moments m(sums);
+  // [DM98] figure 1, step 5: tan 2 alpha = 2 sum xy / sum (x^2 - y^2)
   return 0.5 * std::atan2(2 * m.xy, m.xx - m.yy);
 }
 
 LineFit::LineFit(const LineFitRule& rule, double cell_m)
     : rule_(rule), hole_m_(std::max(rule.hole_m, 2 * cell_m)) {}
 
-// Step 2: three or more consecutive hits, roughly aligned.
+// [DM98] figure 1, step 2: three or more consecutive hits, roughly aligned.
 bool LineFit::Aligned(std::span<const Point> hits, std::size_t first, std::size_t last) const {
   const auto at = [&](std::size_t k) { return hits[k % hits.size()]; };
   const Along chord(at(first), at(last));
@@ -86,7 +87,7 @@ bool LineFit::Aligned(std::span<const Point> hits, std::size_t first, std::size_
   return true;
 }
 
-// Step 3.
+// [DM98] figure 1, step 3
 void LineFit::Enhance(const OccupancyGrid& grid, Segment* segment) const {
   const Along along(segment->a, segment->b);
   const double middle = along.length_m / 2, step = grid.cell_m();
@@ -95,7 +96,7 @@ void LineFit::Enhance(const OccupancyGrid& grid, Segment* segment) const {
   *segment = {along.At(begin), along.At(end)};
 }
 
-// Steps 4 and 5.
+// [DM98] figure 1, steps 4 and 5
 bool LineFit::Fit(const OccupancyGrid& grid, const Segment& segment, Edge* edge) const {
   const Along along(segment.a, segment.b);
   LineSums sums;

@@ -1,4 +1,4 @@
-// Edges from the hits of a scan and the occupancy grid, in the five steps of [DM98] figure 1.
+// Edges from the hits of a scan and the occupancy grid: [DM98] figure 1, steps 1 to 5.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct LineSums {
 
 // The angle between the frame's x axis and the line through the points' barycentre from which the sum of
 // squared distances is least, in [-pi / 2, pi / 2]: tan(2 alpha) / 2 = sum xy / sum (x^2 - y^2), about the
-// barycentre (figure 1, step 5).
+// barycentre ([DM98] figure 1, step 5).
 double CorrectedAngle(const LineSums& sums);
 
 class LineFit {

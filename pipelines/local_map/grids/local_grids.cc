@@ -95,6 +95,7 @@ void LocalGrids::FitLines() {
   current_edges_.clear();
   std::size_t first = 0;
   for (std::size_t r = 0; r < rings_.size(); ++r) {
+    // [DM98] figure 1, step 1: the hits of the last scan
     line_fit_.Find(hits().subspan(first, ring_end_[r] - first), rings_[r].closed(), occupancy_,
                    &current_edges_);
     first = ring_end_[r];
@@ -112,10 +113,12 @@ Alignment LocalGrids::Align() {
   walls_ = {last_walls_rad_, peak->strength};
   if (!locked_) {
     locked_ = true;
+    // [DM98] section 3.2: the grid is turned to where the walls lie along its axes.
     if (options_.align) Turn(off);
     return Alignment::kLocked;
   }
   const double off_deg = std::abs(DegOf(off));
+  // [DM98] section 3.4, footnote 3: between 5.5 and 11 degrees
   if (off_deg > kMaxRealignDeg)
     return std::exchange(other_area_, true) ? Alignment::kNone : Alignment::kOtherArea;
   const bool was_other = std::exchange(other_area_, false);

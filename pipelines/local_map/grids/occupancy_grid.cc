@@ -18,9 +18,11 @@ bool OccupancyGrid::Put(const Moved& moved) {
   if (!cell) return false;
   const bool later = moved.tick >= cell->tick;
   const std::int32_t tick = later ? moved.tick : cell->tick;
+  // [DM98] section 2: C(i, j), with decay
   cell->count = cell->count * decay_.After(tick - cell->tick) + moved.count * decay_.After(tick - moved.tick);
   cell->tick = tick;
   if (!later) return true;
+  // [DM98] section 2.2: the last hit, relative to the cell's centre
   cell->x_m = static_cast<float>(moved.at.x_m - i * cell_m());
   cell->y_m = static_cast<float>(moved.at.y_m - j * cell_m());
   return true;
@@ -43,6 +45,7 @@ void OccupancyGrid::Turn(double angle_rad) {
   grid_.ForEach([&](std::int32_t i, std::int32_t j, const Cell& cell) {
     const Point hit = HitOf(i, j, cell);
     const double x = hit.x_m - robot().x_m, y = hit.y_m - robot().y_m;
+    // [DM98] section 2.2: a rotation by the last hits
     moved_.push_back({{robot().x_m + c * x - s * y, robot().y_m + s * x + c * y}, cell.count, cell.tick});
   });
   grid_.Clear();

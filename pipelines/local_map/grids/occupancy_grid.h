@@ -63,6 +63,7 @@ class OccupancyGrid {
     std::int32_t tick;
   };
 
+  // [DM98] section 2: C (1 - d)
   double FrequencyOf(const Cell& cell) const { return cell.count * decay_.After(tick_ - cell.tick) * share_; }
   Point HitOf(std::int32_t i, std::int32_t j, const Cell& cell) const {
     return {i * cell_m() + cell.x_m, j * cell_m() + cell.y_m};

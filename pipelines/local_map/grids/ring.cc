@@ -79,6 +79,7 @@ double SensorRing::Aside(const RingScan& scan, std::size_t beam) const {
 std::size_t SensorRing::Hits(const Pose& robot, const RingScan& scan, std::span<Point> hits) const {
   if (scan.range_m.empty()) return 0;
   CAIRN_DEMAND(scan.range_m.size() == beams_.size(), "a range for each beam");
+  // [DM98] section 2: the turret turns by itself.
   const double heading = robot.heading_rad + scan.turret_rad;
   const double c = std::cos(heading), s = std::sin(heading);
   std::size_t count = 0;

@@ -34,6 +34,7 @@ class TorusGrid {
   Point robot() const { return robot_; }
 
   // The robot is at (x_m, y_m), whose cell becomes the central one. Costs the same however large the grid.
+  // [DM98] section 2.2: the grid is coded as a torus.
   void MoveTo(double x_m, double y_m) {
     centre_ = {CellOf(x_m, cell_m_), CellOf(y_m, cell_m_)};
     robot_ = {x_m, y_m};

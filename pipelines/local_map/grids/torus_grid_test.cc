@@ -22,7 +22,8 @@ TEST(TorusGrid, TheRobotIsAlwaysInTheCentralCell) {
   }
 }
 
-// The paper's own case (section 2.2): one cell up, the row that was the far edge is the new one, and empty.
+// The paper's own case, [DM98] section 2.2: one cell up, the row that was the far edge is the new one, and
+// empty.
 TEST(TorusGrid, WhatScrollsOutIsForgottenAndTheRestStays) {
   TorusGrid<int> grid(1, 7);
   for (int j = -7; j <= 7; ++j)

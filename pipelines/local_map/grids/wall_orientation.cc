@@ -7,6 +7,7 @@ void WallOrientation::Add(std::span<const Edge> edges, std::int32_t ticks) {
   const float weight = decay_.Weight(ticks);
   for (const Edge& edge : edges) {
     const double sd_deg = DegOf(edge.sd_rad);
+    // [DM98] section 3.2: 8 sectors of directions modulo pi / 2
     histogram_.Add(edge.angle_rad, kPeriodRad, weight / static_cast<float>(sd_deg * sd_deg));
   }
 }

@@ -82,6 +82,7 @@ void TraceLocalizer::Move(const LocalGrids& grids, const TraceGraph& graph, doub
     Held& held = *held_[t];
     const Position step = TraceFrame{graph.node(static_cast<int>(t)).quarter, {}}.At(by, 1);
     held.at = {held.at.z_m + step.z_m, held.at.u_m + step.u_m};
+    // [DM98] section 4.3: the range of possible corrections grows with the way.
     held.range = {std::min(held.range.z_m + wider, most_m), std::min(held.range.u_m + wider, most_m)};
     held.corrected = false;
   }
@@ -109,6 +110,7 @@ void TraceLocalizer::HandOn(const LocalGrids& grids, const TraceGraph& graph) {
         if (own.corrected && (!offered.corrected || own.similarity > offered.similarity + options_.better))
           continue;
       }
+      // [DM98] section 4.3: a position may override that of the trace which the robot enters.
       there = offered;
     }
   }
@@ -132,6 +134,7 @@ void TraceLocalizer::Correct(const LocalGrids& grids, const TraceGraph& graph, H
   const TraceGraph::Node& node = graph.node(trace);
   const OnTrace on{node.trace, Around(grids, node.quarter), held->at};
   const bool wide = lost_ && Widest(held->range) > options_.most_m;
+  // [DM98] section 4.3: within a trace, corrections are tried at every time cycle.
   const Match match = wide ? Search(on, held->range) : local_map::Correct(on, held->range, options_.match);
   held->similarity = match.sides_after;
   if (wide && match.usable() && match.sides_after >= options_.least_similarity) {

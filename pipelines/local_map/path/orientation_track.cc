@@ -202,6 +202,7 @@ OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
       .per_m = 0, .turn_scale = 0, .walk = options.walk_rad_per_sqrt_m, .turn_ratio = options.turn_ratio};
   std::vector<double> angle;
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    // [DM98] section 3.2: drifts of odometry show in the dominant wall orientation.
     angle = MostLikely(sights, nodes, drift);
     drift = Learn(sights, nodes, angle, options);
   }

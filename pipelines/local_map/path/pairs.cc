@@ -71,6 +71,7 @@ std::vector<Pair> ChoosePairs(const std::vector<PathNode>& nodes, const std::vec
 Candidate MatchPair(const Pair& pair, const RecordedTrace& trace, const EdgeTrace& surroundings,
                     const Position& robot, const PairOptions& options) {
   const Position origin{pair.at.z_m - robot.z_m, pair.at.u_m - robot.u_m};
+  // [DM98] section 4.3: loops, which are found off-line
   std::vector<Candidate> found =
       FindOn(trace.trace, surroundings, origin, {pair.range_m, pair.range_m}, options.find);
   if (found.empty()) return {};

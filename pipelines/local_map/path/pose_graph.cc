@@ -102,6 +102,8 @@ OptimizedGraph OptimizePoseGraph(const std::vector<Point>& start,
   const std::vector<int> held = HeldNodes(start.size(), odometry_edges);
   OptimizedGraph optimized{start, std::vector<double>(constraints.size(), 1.0)};
   if (start.empty()) return optimized;
+  // [DM98] section 4.3 seeks no global frame; a batch puts one path together from the loop constraints
+  // between traces.
   const auto solve = [&] {
     Equations equations(start.size());
     for (const int k : held) {

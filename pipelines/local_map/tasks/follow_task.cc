@@ -97,11 +97,13 @@ std::vector<Connection> MakeConnections(const Parts& parts) {
     if (before.robot != now.robot) continue;
     const std::vector<Scan>& scans = parts.scans[now.robot];
     const bool cut = scans[before.end - 1].run != scans[now.first].run;
+    // [DM98] section 4.1: two successive traces are connected at the turning point.
     connections.push_back(Connect(parts, t - 1, t, cut ? kCutSd_m : kTurnSd_m));
   }
   for (const Loop& loop : parts.loops) {
     const std::int32_t to = TraceAt(parts, parts.nodes[loop.node].robot, parts.nodes[loop.node].scan);
     if (!loop.used || to < 0 || static_cast<std::size_t>(to) == loop.trace) continue;
+    // [DM98] section 4.3: a loop adds a weak connection.
     connections.push_back(Connect(parts, loop.trace, static_cast<std::size_t>(to), kLoopSd_m));
   }
   return connections;

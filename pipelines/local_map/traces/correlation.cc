@@ -6,6 +6,7 @@
 namespace cairn::local_map {
 namespace {
 
+// [DM98] section 4.2: matching whole occupancy grids, for comparison
 double Correlation(const GridMap& map, const GridMap& now, int dz, int du) {
   double product = 0, map_square = 0, now_square = 0;
   for (int z = now.first_z(); z < now.end_z(); ++z)

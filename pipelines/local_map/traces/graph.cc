@@ -37,6 +37,7 @@ void TraceGraph::Connect(const Connection& connection) {
   for (const int c : node(connection.from).connections) {
     Connection& old = connections_[static_cast<std::size_t>(c)];
     if (std::pair(old.from, old.to) != std::pair(connection.from, connection.to)) continue;
+    // [DM98] section 4.3: the quality of a connection
     if (connection.sd_m < old.sd_m) old = connection;
     return;
   }

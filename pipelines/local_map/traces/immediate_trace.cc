@@ -74,6 +74,7 @@ class SideReader {
     const bool occupied = grids_.occupancy().Occupied(cell.i, cell.j);
     if (occupied && nearest_m_ != nearest_m_) {
       const Position hit = frame_.At(*grids_.occupancy().LastHit(cell.i, cell.j), cell_m_);
+      // [DM98] section 4.1: the closest occupied cell
       nearest_m_ = static_cast<float>(sign_ * hit.u_m);
     }
     const auto edge = grids_.edges().Dominant(cell.i, cell.j);
@@ -87,6 +88,7 @@ class SideReader {
       cross_weight_ += edge->weight;
       ++cross_cells_;
     } else {  // where it passes the column's middle
+      // [DM98] section 4.1: orientations and distances of edges, whether they are occupied
       along_.Add(u, angle, sign_ * (at.u_m - std::tan(angle) * off_m), edge->weight, occupied);
     }
   }
@@ -118,6 +120,7 @@ void MakeImmediate(const LocalGrids& grids, int quarter, ImmediateTrace& trace) 
   const int half = grids.edges().half();
   trace.trace.Restart(cell_m, -half);
   trace.robot = frame.At({grids.pose().x_m, grids.pose().y_m}, cell_m);
+  // [DM98] section 4.1: an immediate trace
   for (int z = -half; z <= half; ++z) *trace.trace.Touch(z) = ColumnOf(grids, frame, z);
 }
 

@@ -17,8 +17,8 @@ Peak PeakOf(const Profile& profile, const MatchOptions& options) {
   return std::isfinite(peak.sd_m) ? peak : Peak{0, profile[0], peak.sd_m, true};
 }
 
-// 'The proposed correction is only accepted if it improves significantly edge and sides similarities over the
-// initial position' (section 4.2).
+// [DM98] section 4.2: 'The proposed correction is only accepted if it improves significantly edge and sides
+// similarities over the initial position.'
 Verdict Judge(const Match& match, const Sought& found, const MatchOptions& options) {
   if (match.known < options.min_known) return Verdict::kUnknown;
   if (std::isinf(match.sd_z_m) && std::isinf(match.sd_u_m)) return Verdict::kUnknown;
@@ -56,6 +56,7 @@ Peak AlongTrace(const Peak& peak, int sign) { return {sign * peak.at_m, peak.val
 }  // namespace
 
 Match Correct(const OnTrace& on, const SearchWindow& range, const MatchOptions& options) {
+  // [DM98] section 4.2: first z by edges and widths, then u by sides.
   Profile along = AlongProfile(on, range.z_m, options.score);
   Peak z = PeakOf(along, options);
   Profile sides = SidesProfile(on, z.at_m, range.u_m, options.score);
@@ -74,6 +75,7 @@ PairMatch CorrectPair(const OnTrace& first, const OnTrace& second, int quarter, 
   MatchOptions options = one;
   options.sharpness /= 2;  // what lies across the one way lies along the other: each wall speaks twice
   // A robot that moves by (dz, du) on the first moves by (quarter du, -quarter dz) on the second.
+  // [DM98] section 4.2: pairs of two orthogonal connected traces
   Profile z = AlongProfile(first, range.z_m, options.score);
   Profile u = AlongProfile(second, range.u_m, options.score);
   Peak best_z = PeakOf(z, options), best_u = PeakOf(u, options);  // `u` runs as the second's z

@@ -55,6 +55,7 @@ TraceEnd TraceRecorder::Update(const LocalGrids& grids, double time_s, bool hint
     votes_.resize(trace_.features().size());
     FeatureVotes& votes = votes_[static_cast<std::size_t>(z - trace_.first_z())];
     const Feature now = ColumnOf(grids, frame_, z);
+    // [DM98] section 4.1: the edge grid is superposed onto the trace at every cycle.
     Merge(feature->left, votes.left, now.left);
     Merge(feature->right, votes.right, now.right);
   }
@@ -100,6 +101,7 @@ TraceEnd TraceRecorder::EndOf(const LocalGrids& grids, double time_s) {
     still_at_ = robot;
     still_since_s_ = time_s;
   }
+  // [DM98] section 4.1: until an obstacle remains for more than 30 s
   return time_s - still_since_s_ > options_.blocked_s ? TraceEnd::kBlocked : TraceEnd::kNone;
 }
 

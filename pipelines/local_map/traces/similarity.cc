@@ -72,6 +72,7 @@ Total Trimmed(std::span<float> left, std::span<float> right, double trim) {
 float DistanceSimilarity(double off_m, double width_a_m, double width_b_m, double sigma_m) {
   // A uniform interval has a variance of width^2 / 12.
   const double variance = sigma_m * sigma_m + (width_a_m * width_a_m + width_b_m * width_b_m) / 12;
+  // [DM98] section 4.2: a similarity is negative or positive, and zero where nothing is known.
   return 2 * std::exp(static_cast<float>(-0.5 * off_m * off_m / variance)) - 1;
 }
 
@@ -100,6 +101,7 @@ float SideSimilarity(const Side& recorded, const Side& now, double nearer_m,
   if (!distance.known()) return 0;
   const float s = DistanceSimilarity(distance.at_m + nearer_m - recorded.distance_m.centre(),
                                      distance.width_m, recorded.distance_m.width(), options.sigma_m);
+  // [DM98] footnote 4: what occupancy contradicts is ignored.
   return distance.from_occupancy ? std::max(0.0F, s) : s;
 }
 
@@ -129,8 +131,8 @@ float CrossSimilarity(const EdgeTrace& recorded, const Side& now, double at_z, b
 Total TotalOf(std::span<float> left, std::span<float> right, Scheme scheme, double trim) {
   if (scheme == Scheme::kTrimmed) return Trimmed(left, right, trim);
   const Total l = Sum(left), r = Sum(right);
-  // 'If the left side matches relevantly but there is an incompatible area on the right side, this may
-  // indicate a modification of the environment rather than poor matching' (section 4.2).
+  // [DM98] section 4.2: 'If the left side matches relevantly but there is an incompatible area on the right
+  // side, this may indicate a modification of the environment rather than poor matching.'
   if (scheme == Scheme::kBestSide && l.known > 0 && r.known > 0 && (l.sum > 0) != (r.sum > 0))
     return l.sum > 0 ? l : r;
   return {l.sum + r.sum, l.known + r.known};

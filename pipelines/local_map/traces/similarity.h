@@ -24,7 +24,7 @@ float DistanceSimilarity(double off_m, double width_a_m, double width_b_m, doubl
 float EdgeSimilarity(const Side& recorded, const Side& now, const SimilarityOptions& options);
 
 // Of the distances from left to right. Where a side has no edge now its closest occupied cell stands in, and
-// a negative result becomes zero (the paper's footnote 4).
+// a negative result becomes zero ([DM98] footnote 4).
 float WidthSimilarity(const Feature& recorded, const Feature& now, const SimilarityOptions& options);
 
 // Of where the edges lie, for a robot that stands so much `nearer_m` to them than the recorded way is.
