@@ -12,8 +12,8 @@ enum class Confidence { kNone, kLow, kFair, kHigh };
 
 // By how many starts found the best map (search/support) and by how many nats it is ahead of the next
 // different one (search/lead_nats): high from three starts and ten nats on, fair from two starts and three
-// nats on. How often each was right on simulated logs pipelines/landmark_map/README.md says; of other logs
-// and options nobody knows.
+// nats on. How often each was right on simulated logs pipelines/landmark_map/EXPERIMENTS.md says; of other
+// logs and options nobody knows.
 Confidence ReadConfidence(const Blob& result);
 
 const char* Word(Confidence confidence);  // "not stated", "low", "fair", "high"

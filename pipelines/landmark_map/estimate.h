@@ -11,7 +11,7 @@
 
 namespace cairn::landmark_map {
 
-// 1 MB = 10^6 bytes. How right these are: README.md.
+// 1 MB = 10^6 bytes. How right these are: EXPERIMENTS.md.
 struct Estimate {
   double cells = 0;      // that the first round moves
   double tasks = 0;      // of the first round

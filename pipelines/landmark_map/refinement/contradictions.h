@@ -24,8 +24,8 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
 
 // At the end. A robot that was somewhere else adds to the map what is not there, which the first robot's data
 // feel. Throws InputError where they lost more than kMostLoss nats an observation against the first robot's
-// own map (`history`: of all rounds), and more than being told one of `places` costs. Measured in README.md:
-// robots of one place cost at most 0.27, one of another place 0.31 or more in ten of eleven.
+// own map (`history`: of all rounds), and more than being told one of `places` costs. Measured in
+// EXPERIMENTS.md: robots of one place cost at most 0.27, one of another place 0.31 or more in ten of eleven.
 inline constexpr double kMostLoss = 0.29;
 void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations);
 
