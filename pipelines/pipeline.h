@@ -58,13 +58,15 @@ class Partials {
 class Progress {
  public:
   virtual ~Progress() = default;
-  // Call it at least every 100 ms or so of work. Throws Cancelled when the task is no longer wanted.
+  // Call it at least every 100 ms or so of work.
+  // Throws Cancelled when the task is no longer wanted.
   virtual void Tick() = 0;
 };
 
 struct Cancelled {};  // not an error: unwinds a task that is no longer wanted
 
-// Holds its options; const everywhere; all three run on a worker and throw InputError for bad input.
+// Holds its options; const everywhere. All three run on a worker.
+// All three throw InputError where the user's input is wrong, and say what is allowed.
 class Pipeline {
  public:
   virtual ~Pipeline() = default;

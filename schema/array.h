@@ -81,13 +81,15 @@ class Array {
   std::int64_t size() const;  // number of elements
   std::span<const std::byte> bytes() const { return {data_.get(), byte_count_}; }
 
-  // The elements, row-major. Throws InputError where the type is another.
+  // The elements, row-major.
+  // Throws InputError where the type is another.
   template <class T>
   std::span<const T> As() const {
     RequireType(DTypeOf<T>());
     return {reinterpret_cast<const T*>(data_.get()), byte_count_ / sizeof(T)};
   }
-  std::vector<std::string> AsTexts() const;  // throws InputError where not kText
+  // Throws InputError where the type is not kText.
+  std::vector<std::string> AsTexts() const;
   // Rows [first, first + count) along the first axis, copied, so that they are aligned too.
   Array Rows(std::int64_t first, std::int64_t count) const;
 

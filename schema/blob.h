@@ -23,18 +23,22 @@ class Blob {
   bool Has(std::string_view name) const { return fields_.contains(name); }
   // Throws InputError that names the field where there is none.
   const Array& at(std::string_view name) const;
-  // The elements of a field; throws InputError that names it where it is missing or of another type.
+  // The elements of a field.
+  // Throws InputError that names it where it is missing or of another type.
   template <class T>
   std::span<const T> Get(std::string_view name) const {
     return Checked(name, DTypeOf<T>()).template As<T>();
   }
   // A field of one element.
+  // Throws InputError that names it where it is missing, of another type or not of one element.
   template <class T>
   T Scalar(std::string_view name) const {
     const std::span<const T> values = Get<T>(name);
     if (values.size() != 1) throw InputError("'" + std::string(name) + "' is not a single value");
     return values[0];
   }
+  // A field of one text, and of several.
+  // Both throw InputError that names it where it is missing or not of texts; Text where it is not of one.
   std::string Text(std::string_view name) const;
   std::vector<std::string> Texts(std::string_view name) const;
 

@@ -28,8 +28,10 @@ wire::BlobMeta MetaOf(const Hash& hash, const Blob& blob);
 class FlatCheck {
  public:
   explicit FlatCheck(const Hash& hash) : hash_(hash) {}
-  // The next bytes. kCorrupt: they are none of a flat blob of this hash; kVersion: of a newer kind; kRefused:
-  // its head is too long.
+  // The next bytes.
+  // kCorrupt: they are none of a flat blob of this hash.
+  // kVersion: they are of a newer kind.
+  // kRefused: the head is too long.
   Status Add(std::span<const std::byte> bytes);
   // All has come: kCorrupt where something is missing or the content is not what the hash says.
   Status Finish() const;

@@ -64,7 +64,8 @@ class TaskQueue {
   // ---- for the thread that computes ----
   TaskPtr Next();  // waits for the first task to be ready; null: closed
   std::string FailureOf(const AssignedTask& task) const;  // why it cannot be computed; empty: it can
-  // Waits. Throws Cancelled, or runtime_error where the coordinator does not have it.
+  // Waits.
+  // Throws Cancelled, or runtime_error where the coordinator does not have it.
   BlobPtr AwaitPartial(AssignedTask& task, std::size_t index);
   // The task leaves the queue; its answer goes out unless it was cancelled.
   void Finish(const AssignedTask& task, wire::Message answer);

@@ -96,6 +96,7 @@ class Core {
   void On(const Tick& event);
 
   // workers.cc
+
   // Null where it may work here.
   std::optional<wire::Refusal> WhyRefused(const wire::Hello& hello) const;
   Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is not known
@@ -121,6 +122,7 @@ class Core {
   void EndRoundFacts(Job& job);
 
   // retries.cc
+
   // The attempt at `task` has failed, by its worker's fault.
   void Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
   void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
@@ -141,6 +143,7 @@ class Core {
   Job* JobOf(const wire::TaskKey& key);  // null where the task is not part of what is under way
 
   // commands.cc
+
   // Null where it is not there or does not obey, which `asker` is told.
   Job* Obeying(const std::string& id, JobCommand command, const std::string& asker);
   bool IsOfThisBuild(Job& job);

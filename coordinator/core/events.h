@@ -46,6 +46,7 @@ struct TaskFailed {
 };
 
 // ---- events: jobs ----
+
 // `asker` waits for an Answer, which comes once what he asked for is durable. Where it cannot be made durable
 // he is refused, and it is taken back: a job is as if he had never asked. Empty: nobody waits, and nothing is
 // taken back.
@@ -121,6 +122,7 @@ using Event =
                  RestoreJob, PersistDone, PersistFailed, ForgetDone, ForgetFailed, SaveNow, Tick>;
 
 // ---- actions ----
+
 // To a worker: Welcome, Refuse, UnknownWorker, Assign, Cancel, Drain.
 struct Send {
   std::string peer;

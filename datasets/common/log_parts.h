@@ -14,8 +14,8 @@ Blob RobotsOf(const Blob& log, const std::vector<std::size_t>& robots);
 
 // Robot `robot` alone, driving its way backwards from where it ended: the n-th of its O observations is the
 // (O - n)-th, counted from 0, and time runs anew from 0. Localization in reversed data is the computation of
-// beta ([TBF98] section 6). With the robot's true poses and
-// associations. Throws InputError for a robot that the log does not have, or columns of different length.
+// beta ([TBF98] section 6). With the robot's true poses and associations.
+// Throws InputError for a robot that the log does not have, or columns of different length.
 Blob Reversed(const Blob& log, std::size_t robot);
 
 }  // namespace cairn::datasets

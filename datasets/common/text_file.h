@@ -20,9 +20,9 @@ struct TextLimits {
 // Of all texts that this process reads from here on, whatever the importer.
 void SetTextLimits(const TextLimits& limits);
 
-// The whole text of a file, gunzipped where it is a gzip stream. Throws InputError that names the file: none
-// there, no regular file, a damaged or truncated gzip stream, a text over a limit, which is seen while it is
-// unpacked.
+// The whole text of a file, gunzipped where it is a gzip stream.
+// Throws InputError that names the file: none there, no regular file, a damaged or truncated gzip stream, a
+// text over a limit, which is seen while it is unpacked.
 std::string ReadText(const std::string& path);
 
 // The path of FOLDER/NAME, or of FOLDER/NAME.gz; empty where neither is a file.

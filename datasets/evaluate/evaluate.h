@@ -29,8 +29,8 @@ struct LandmarkScore {
 
 struct RobotScore {
   std::string name;
-  std::optional<double>
-      rmse_m;  // of the most likely pose's position, after the alignment; none: no true poses
+  // Of the most likely pose's position, after the alignment; none: no true poses.
+  std::optional<double> rmse_m;
   std::optional<double> heading_rmse_rad;
   std::int64_t poses = 0;  // that were compared
 };
@@ -59,9 +59,9 @@ struct Evaluation {
 // truth has poses; else that of the landmarks whose identities are known; else the one with the least GOSPA
 // that a search finds. A true landmark counts as observed where the true associations name it; for a robot
 // without them, where its observations name it; all count where neither tells. A result of a prefix of the
-// data (`until_s`) is not asked for what was observed later. Throws InputError that says
-// so: a result without what is needed, robots that differ from the log's, a
-// log whose content, truth aside, is not what the result was made from, no truth.
+// data (`until_s`) is not asked for what was observed later.
+// Throws InputError that says so: a result without what is needed, robots that differ from the log's, a log
+// whose content, truth aside, is not what the result was made from, no truth.
 Evaluation Evaluate(const Blob& result, const Blob& truth_log);
 
 // As the page docs/evaluate.md has them.

@@ -36,8 +36,8 @@ struct GridEvaluation {
 };
 
 // `truth`: the log that the map was made of, with or without truth. Poses of the map in a frame of their own
-// are laid over the true ones by the rigid motion that fits best. Throws InputError that says what does not
-// fit.
+// are laid over the true ones by the rigid motion that fits best.
+// Throws InputError that says what does not fit.
 GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log);
 
 // The map at other thresholds than 1/2: cells count as occupied from these log-odds on. A cell of which the

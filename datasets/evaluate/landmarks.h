@@ -21,7 +21,8 @@ std::vector<Point> ReadPoints(const Blob& blob, const std::string& x_name, const
 std::vector<bool> ObservedLandmarks(const Blob& log, std::size_t landmarks);
 
 // The true landmark of the same name for each of the map's landmarks; kNoTruth where its identity is unknown
-// or truth has none of its name. Throws InputError for an identity out of range.
+// or truth has none of its name.
+// Throws InputError for an identity out of range.
 std::vector<std::int32_t> MapIdentities(const Blob& result, const Blob& log, std::size_t landmarks);
 
 }  // namespace cairn::datasets

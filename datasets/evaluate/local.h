@@ -52,8 +52,8 @@ struct LocalEvaluation {
 };
 
 // `result`: a `local_map`; `log`: what it was made from, with true poses. A trace's frame lies where the
-// truth has the robot while it recorded it. Throws InputError that says so: a result without what is needed,
-// another log, no true poses.
+// truth has the robot while it recorded it.
+// Throws InputError that says so: a result without what is needed, another log, no true poses.
 LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log);
 
 Scores MakeScores(const LocalEvaluation& evaluation);

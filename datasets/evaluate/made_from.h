@@ -6,7 +6,8 @@
 
 namespace cairn::datasets {
 
-// Results say what they were made from, but the oldest. Throws InputError where it is another log.
+// Results say what they were made from, but the oldest.
+// Throws InputError where it is another log.
 inline void CheckMadeFrom(const Blob& result, const Blob& log) {
   if (!result.Has("log_hash")) return;
   const std::string made_from = result.Text("log_hash"), given = log.Without("truth/").ContentHash().Hex();

@@ -20,13 +20,14 @@ struct Relation {
   Pose motion;  // the pose at `to_s` as seen from that at `from_s`
 };
 
-// Lines of 'time time x y z roll pitch yaw', plain or gzipped; z, roll and pitch are forgotten. Throws
-// InputError "FILE:LINE: REASON: DETAIL": not a number, not finite, other numbers of values; or that there
-// are none.
+// Lines of 'time time x y z roll pitch yaw', plain or gzipped; z, roll and pitch are forgotten.
+// Throws InputError "FILE:LINE: REASON: DETAIL": not a number, not finite, other numbers of values; or that
+// there are none.
 std::vector<Relation> ReadRelations(const std::string& path);
 
 // Where a robot's controls (`prefix`turn_rad, forward_m) alone lead from the origin; of rows of one time the
-// last. Throws InputError where columns differ in length, a value is not finite or a time runs backwards.
+// last.
+// Throws InputError where columns differ in length, a value is not finite or a time runs backwards.
 Track DeadReckoned(const Blob& blob, const std::string& prefix);
 
 struct RelationScore {
@@ -36,12 +37,14 @@ struct RelationScore {
 };
 
 // Poses are interpolated over all rows of the track, however far apart. `offset_s`: what the relations' clock
-// says when the track's says 0. Throws InputError where no relation lies within the track's time.
+// says when the track's says 0.
+// Throws InputError where no relation lies within the track's time.
 RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& relations, double offset_s);
 
 // Where robot `robot` was: of a landmark_map its most likely poses, of a file with a table of poses those, of
 // a grid_map the poses of its scans, of a log without such a table its odometry. An empty name is the only
-// robot's. Throws InputError: no such robot, several and no name, nothing of all these.
+// robot's.
+// Throws InputError: no such robot, several and no name, nothing of all these.
 Track ReadTrajectory(const Blob& blob, const std::string& robot);
 
 Scores MakeScores(const RelationScore& score);

@@ -23,13 +23,14 @@ struct Path {
   std::vector<double> covariances;
 };
 
-// The most likely poses, else the means, else the true ones. Throws InputError where there are none.
+// The most likely poses, else the means, else the true ones.
+// Throws InputError where there are none.
 std::vector<Path> ReadPaths(const Blob& blob);
 
 // What other programs may take a cell to be. Of a grid map as ReadOccupancy says. A landmark map tells where
 // something stands and nothing of free space: known are the cells of its extracted landmarks, which are
-// occupied, and those that hold a landmark more likely than not; of all others nothing is. Throws InputError
-// where there is no grid.
+// occupied, and those that hold a landmark more likely than not; of all others nothing is.
+// Throws InputError where there is no grid.
 Occupancy ReadCells(const Blob& blob);
 // Whether it is a grid_map, and no landmark_map, which has a layer for each landmark.
 bool IsGridMap(const Blob& blob);
@@ -45,8 +46,9 @@ class FolderWriter {
  public:
   FolderWriter(std::string folder, bool replace) : folder_(std::move(folder)), replace_(replace) {}
   void Write(const std::string& name, std::string text);
-  // The paths, or the first failure. Throws InputError, and writes nothing, where one of the files is there
-  // already and none is to be replaced.
+  // The paths, or the first failure.
+  // Throws InputError, and writes nothing, where one of the files is there already and none is to be
+  // replaced.
   Written Finish();
 
  private:

@@ -35,11 +35,12 @@ struct CsvImportOptions {
 };
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name
-// (numbers by value). Throws InputError "FILE:LINE: REASON: DETAIL". Bad are: not a number, not finite, wrong
-// number of columns, time runs backwards, unknown robot (none that odometry names), unknown landmark (none
-// that truth_landmarks names, where given), before the first control or after the last (a robot that stood
-// still there needs a row that says so), negative range, beyond the sensor's maximum, outside its field of
-// view, range or bearing alone, no such observation (associations).
+// (numbers by value). Bad are: not a number, not finite, wrong number of columns, time runs backwards,
+// unknown robot (none that odometry names), unknown landmark (none that truth_landmarks names, where given),
+// before the first control or after the last (a robot that stood still there needs a row that says so),
+// negative range, beyond the sensor's maximum, outside its field of view, range or bearing alone, no such
+// observation (associations).
+// Throws InputError "FILE:LINE: REASON: DETAIL".
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

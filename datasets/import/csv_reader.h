@@ -23,14 +23,14 @@ std::map<std::string_view, std::size_t> PlacesOf(const std::vector<std::string>&
 class CsvReader {
  public:
   // Reads the file (plain or gzipped) and its header. `headers`: sets of columns, of which the file must have
-  // all of the first that fits, but for those that end in '?' ("robot?"). Throws InputError for a missing
-  // file or header, a column that is missing or doubled.
+  // all of the first that fits, but for those that end in '?' ("robot?").
+  // Throws InputError for a missing file or header, a column that is missing or doubled.
   CsvReader(const std::string& path, const std::vector<std::vector<std::string>>& headers, BadLines* bad);
 
   std::size_t header() const { return header_; }                            // which set the file has
   const std::vector<std::string>& extra_columns() const { return extra_; }  // left alone
-  // Reads those too: they follow the header's columns, in the order of the file. Throws InputError for one
-  // without a name of its own.
+  // Reads those too: they follow the header's columns, in the order of the file.
+  // Throws InputError for one without a name of its own.
   void TakeExtraColumns();
 
   // Goes to the next row; lines of a wrong number of columns are bad, empty ones are passed over.

@@ -37,11 +37,11 @@ struct ImageReading {
 // One for each path. Images are decoded by another program, or by a test.
 using ImageReader = std::function<std::vector<ImageReading>(const std::vector<std::string>& paths)>;
 
-// Makes `samples` (schema/FORMAT.md) with images, whose inputs are those of the tables. Throws InputError
-// "FILE:LINE: REASON: DETAIL". Bad lines are those of vectors.h, and: no such image, bad image, an
-// image of another size than the run's first, one without a pose or ranges at its time. Refused are also an
-// image in the folder (PNG, JPEG, PPM) that no table names, an input without a name of its own, a run of less
-// than two samples.
+// Makes `samples` (schema/FORMAT.md) with images, whose inputs are those of the tables. Bad lines are those
+// of vectors.h, and: no such image, bad image, an image of another size than the run's first, one without a
+// pose or ranges at its time. Refused are also an image in the folder (PNG, JPEG, PPM) that no table names,
+// an input without a name of its own, a run of less than two samples.
+// Throws InputError "FILE:LINE: REASON: DETAIL".
 ImportReport ImportImages(const ImagesImportOptions& options, const ImageReader& read, Blob* samples);
 
 }  // namespace cairn::datasets

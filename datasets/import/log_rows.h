@@ -38,8 +38,8 @@ struct ImportReport {
   std::map<std::string, std::int64_t> skipped;  // bad lines, by reason; only with skip_bad
   std::map<std::string, std::int64_t> dropped;  // good lines that no log has a place for, by reason
   std::vector<std::string> warnings;
-  std::vector<std::string>
-      unit_doubts;  // what no robot does (common/unit_doubts.h): whoever reads it in shall look
+  // What no robot does (common/unit_doubts.h): whoever reads it in shall look.
+  std::vector<std::string> unit_doubts;
 };
 
 // The file and the lines that rows come from, for messages; importers that do not keep it leave it empty.
@@ -129,7 +129,8 @@ void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob);
 void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table, ImportReport* report);
 
 // The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, its doubts
-// about units, and its warning where nothing was observed. Throws InputError for a log without controls.
+// about units, and its warning where nothing was observed.
+// Throws InputError for a log without controls.
 Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report);
 
 // Wraps into (-pi, pi]; a value that lies there stays as it is to the bit.

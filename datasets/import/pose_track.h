@@ -18,8 +18,8 @@ class PoseTracks {
  public:
   // `time_s,x_m,y_m[,heading_rad][,run]`, plain or gzipped, other columns left alone; without `run` one track
   // serves all runs. Each row becomes the mean of those within `smooth_s` / 2 of it (0: of itself). Bad
-  // lines: a number that is none, a time that does not run forward within its run. Throws InputError "FILE:
-  // REASON" for a track of less than two rows.
+  // lines: a number that is none, a time that does not run forward within its run.
+  // Throws InputError "FILE: REASON" for a track of less than two rows.
   PoseTracks(const std::string& path, double smooth_s, BadLines* bad);
 
   bool has_heading() const { return has_heading_; }

@@ -34,7 +34,8 @@ void AddSampleRow(const SampleRow& row, bool with_heading, SampleRun* run);
 void AddOdometryRow(const SampleRow& row, SampleRun* run);
 
 // Puts headings within a turn; warns of samples that repeat a pose, and doubts the units of moves that no
-// robot makes. Throws InputError "WHERE: REASON" for a run of less than two samples.
+// robot makes.
+// Throws InputError "WHERE: REASON" for a run of less than two samples.
 void CheckRun(const std::string& where, SampleRun* run, ImportReport* report);
 
 }  // namespace cairn::datasets

@@ -18,8 +18,8 @@ struct TumImportOptions {
 // Lines of 'time x y z qx qy qz qw', as TUM's tools and evo write them, or of 'time x y heading' (radians);
 // what begins with '#' is left out. Height and tilt are forgotten, with a warning where there is more than
 // 0.5 m or 5 degrees of them. Bad are: not a number, not finite, other numbers of values, a quaternion that
-// is none (length not 1 to 1%), a time that does not run forward. Throws InputError "FILE:LINE: REASON:
-// DETAIL", or that a file has no pose, or two robots one name.
+// is none (length not 1 to 1%), a time that does not run forward.
+// Throws InputError "FILE:LINE: REASON: DETAIL", or that a file has no pose, or two robots one name.
 ImportReport ImportTum(const TumImportOptions& options, Blob* poses);
 
 }  // namespace cairn::datasets

@@ -21,10 +21,11 @@ struct VectorsImportOptions {
 };
 
 // Makes `samples` (schema/FORMAT.md): inputs in the order of the first file. The report warns of samples that
-// repeat a pose. Throws InputError "FILE:LINE: REASON: DETAIL". Bad lines are: not a number, not finite, too
-// large (for 32 bits), wrong number of columns, time runs backwards. Refused are also a file without inputs
-// or with other columns than the first, an input without a name of its own, a run of less than two samples,
-// two runs of one name, and skipped lines in a run with odometry, which would leave a gap in it.
+// repeat a pose. Bad lines are: not a number, not finite, too large (for 32 bits), wrong number of columns,
+// time runs backwards. Refused are also a file without inputs or with other columns than the first, an input
+// without a name of its own, a run of less than two samples, two runs of one name, and skipped lines in a run
+// with odometry, which would leave a gap in it.
+// Throws InputError "FILE:LINE: REASON: DETAIL".
 ImportReport ImportVectors(const VectorsImportOptions& options, Blob* samples);
 
 }  // namespace cairn::datasets

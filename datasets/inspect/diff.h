@@ -38,8 +38,9 @@ struct Difference {
 std::vector<ArrayDifference> DiffBlobs(const Blob& a, const Blob& b);
 
 // Two files, or all *.h5 below two folders by their paths in them; hidden files and folders (a run's own
-// store) are left out. Throws InputError for a file against a folder, and for folders without any such file;
-// fails as ReadBlobFile does.
+// store) are left out.
+// Throws InputError for a file against a folder, and for folders without any such file; fails as ReadBlobFile
+// does.
 Result<Difference> DiffPaths(const std::string& a, const std::string& b);
 
 std::string DiffText(const Difference& difference);

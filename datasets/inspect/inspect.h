@@ -23,14 +23,14 @@ struct Inspection {
   std::string kind;
   std::int64_t format = 0;
   std::string hash;  // of the content, as 32 hexadecimal digits
-  std::vector<std::pair<std::string, std::string>>
-      facts;  // by kind: "robot Rosa" -> "2723 controls over 831 s, …"
-  std::vector<std::string>
-      unit_doubts;  // what no robot does, of a log, samples or poses (common/unit_doubts.h)
+  // By kind: "robot Rosa" -> "2723 controls over 831 s, …".
+  std::vector<std::pair<std::string, std::string>> facts;
+  // What no robot does, of a log, samples or poses (common/unit_doubts.h).
+  std::vector<std::string> unit_doubts;
   std::vector<DatasetSummary> datasets;
   bool changed = false;  // by another program, since Cairn wrote it
-  std::string wrong =
-      {};  // the first array that is not as its kind's should be; empty: all are (kinds/kind.h)
+  // The first array that is not as its kind's should be; empty: all are (kinds/kind.h).
+  std::string wrong = {};
 };
 
 // Reads the file whole, so that every checksum is looked at; fails as ReadBlobFile does.

@@ -40,8 +40,8 @@ struct ReportedStage {
 struct ResultKind {
   std::string_view name;
   bool is_map = false;  // people look for it in the folder of a job
-  std::string_view made_of =
-      {};  // "log" or "samples": what it is held against, and what its page needs for more
+  // "log" or "samples": what it is held against, and what its page needs for more.
+  std::string_view made_of = {};
   // Whether what it is made of tells how good it is. Null: it does not, or the page asks for itself.
   bool (*has_truth)(const Blob& source) = nullptr;
   // Throws InputError where the truth is another's, or does not tell.

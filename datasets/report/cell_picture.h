@@ -37,7 +37,8 @@ inline constexpr Rgb kForFree{31, 111, 181}, kForOccupied{179, 38, 30}, kSaysNot
 // The colour of a difference of log-likelihoods.
 Rgb OfDifference(double nats);
 
-// None where the map has no such layer. Throws InputError where its arrays do not fit each other.
+// None where the map has no such layer.
+// Throws InputError where its arrays do not fit each other.
 std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer);
 
 // Of a map of more cells than `most` along an edge, a cell for each block: the darkest of it.

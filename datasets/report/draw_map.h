@@ -13,8 +13,8 @@
 namespace cairn::datasets {
 
 // Of a landmark_map. `log` and `evaluation` may be null; truth is drawn where both are there. A grid without
-// landmarks is drawn in shades of grey, unknown cells in a colour of their own. Throws InputError where there
-// is neither a grid, a landmark nor a path in `result`.
+// landmarks is drawn in shades of grey, unknown cells in a colour of their own.
+// Throws InputError where there is neither a grid, a landmark nor a path in `result`.
 std::string DrawMapPng(const Blob& result, const Blob* log, const Evaluation* evaluation,
                        int width_px = 1600);
 
@@ -23,7 +23,8 @@ std::string DrawMapPng(const Blob& result, const Blob* log, const Evaluation* ev
 std::string DrawGridPng(const Blob& map, const Blob* log, const GridEvaluation* evaluation,
                         int width_px = 1600);
 
-// Whatever is in the scene. Throws InputError where there is nothing.
+// Whatever is in the scene.
+// Throws InputError where there is nothing.
 std::string DrawScenePng(const report::Scene& scene, int width_px = 1600);
 
 }  // namespace cairn::datasets

@@ -19,8 +19,8 @@ struct Path {
   std::string robot;
   std::size_t index = 0;  // of the robot: its colour
   std::vector<Point> points;
-  std::vector<std::size_t> breaks =
-      {};  // points before which nothing is known of the path: no line leads to them
+  // Points before which nothing is known of the path: no line leads to them.
+  std::vector<std::size_t> breaks = {};
 };
 
 // The stretches between a path's breaks. One of a single point is a place, and no way.
@@ -82,7 +82,8 @@ std::vector<std::size_t> NamedLandmarks(const Scene& scene);
 std::string RobotTitle(const std::string& name);
 
 // `log` and `evaluation` may be null; truth is drawn where both are there, laid over the result by the
-// inverse of the evaluation's alignment. Throws InputError where the result lacks what a landmark_map has.
+// inverse of the evaluation's alignment.
+// Throws InputError where the result lacks what a landmark_map has.
 Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluation);
 
 // What lies on a grid map: where each robot was when it scanned (of its sensor of most scans) and, with both
@@ -90,7 +91,8 @@ Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluatio
 Scene GridSceneOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation);
 
 // Round the paths, landmarks and true landmarks; with `with_odometry` the dead reckoning too. At least 1 m
-// wide. Throws InputError where a position is not a number, or farther than any place on earth.
+// wide.
+// Throws InputError where a position is not a number, or farther than any place on earth.
 Box BoundsOf(const Scene& scene, bool with_odometry);
 
 // Semi-axes of the region that holds 95% of a normal distribution of this covariance (row-major, m2):

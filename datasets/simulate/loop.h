@@ -40,11 +40,13 @@ struct SimulateLoopOptions {
 // drives and odometry on what is sensed. The nominal noise parameters are the simulator's own, each times a
 // factor drawn from [1/1.5, 1.5] on a log scale and rounded to one digit where that stays within half the
 // value: what a data sheet would say. Rates of false and missed observations are stated where either is asked
-// for. Throws InputError for an unknown difficulty, and what is out of range.
+// for.
+// Throws InputError for an unknown difficulty, and what is out of range.
 Blob SimulateLoop(const SimulateLoopOptions& options);
 
 // Distance between where the odometry of robot `robot` of a log ends and where it truly ended, both from the
-// true start. Throws InputError where the log has no such robot or no true poses of it.
+// true start.
+// Throws InputError where the log has no such robot or no true poses of it.
 double FinalOdometricErrorM(const Blob& log, int robot);
 
 }  // namespace cairn::datasets

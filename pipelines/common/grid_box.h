@@ -57,7 +57,8 @@ class Extent {
   double x0_ = 1, y0_ = 1, x1_ = -1, y1_ = -1;
 };
 
-// "x0,y0,x1,y1" in metres. Throws InputError that names `option`.
+// "x0,y0,x1,y1" in metres.
+// Throws InputError that names `option` where that is not four numbers, or x0 < x1 and y0 < y1 do not hold.
 Extent ParseExtent(const std::string& option, const std::string& text);
 
 // origin_x_m, origin_y_m, cell_m, and the shape as columns, rows (i64).

@@ -67,12 +67,13 @@ struct LayeredGrid {
 
   // Arrays PREFIXbox [L,4] i32 (x0, y0, nx, ny) and PREFIXvalue [sum of cells] f64.
   void Store(const std::string& prefix, Blob* blob) const;
-  static LayeredGrid Load(const std::string& prefix,
-                          const Blob& blob);  // throws InputError where they disagree
+  // Throws InputError where a box is none, or the boxes do not have as many cells as there are values.
+  static LayeredGrid Load(const std::string& prefix, const Blob& blob);
   // The same without zeros, for grids that are nearly empty: PREFIXvalue holds what PREFIXrun [R,2] i64
   // (index of a run's first cell in the order of layers, rows, cells; its length) picks out.
   void StoreSparse(const std::string& prefix, Blob* blob) const;
-  static LayeredGrid LoadSparse(const std::string& prefix, const Blob& blob);  // throws as Load does
+  // Throws InputError as Load does, and where the runs do not fit the boxes and values.
+  static LayeredGrid LoadSparse(const std::string& prefix, const Blob& blob);
 };
 
 // The layers added up, in their order.

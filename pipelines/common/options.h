@@ -45,7 +45,8 @@ class Parser {
   void operator()(const Option& option, std::int64_t& field);
   void operator()(const Option& option, bool& field);
   void operator()(const Option& option, std::string& field);
-  void RequireKnownOptions() const;  // throws InputError
+  // Throws InputError that names the options that no call has asked for.
+  void RequireKnownOptions() const;
 
  private:
   const proto::Value* Find(const Option& option);
@@ -67,8 +68,11 @@ class Describer {
 
 }  // namespace options_internal
 
-// Throws InputError that names the option, what it is and what is allowed: an unknown one, a wrong type, a
-// value outside its range. An integer is taken where a real is asked for.
+// An integer is taken where a real is asked for.
+// Throws InputError that names the option, what it is and what is allowed, where
+// - it is unknown;
+// - its value is of another type;
+// - its value is out of range, or none of the choices.
 template <class Options>
 Options ParseOptions(const OptionValues& values) {
   Options options;

@@ -73,9 +73,12 @@ void VisitGridOptions(V& visit, GridOptions& o) {
 // The sensors of all robots in the order of robots, then sonar and infra-red before lasers, as `options`
 // choose. Poses come from `poses` (its robot/N/poses/, by the robot's name), else from the log's own, else
 // from dead reckoning; `poses` may be null. Between two of them a robot moves as its odometry says, with the
-// difference spread evenly over time, or straight where there is none. Throws InputError that names sensor
-// and scan: no scans, a range that is negative or beyond reach, times that run backwards, a time without
-// pose, arrays of wrong sizes.
+// difference spread evenly over time, or straight where there is none.
+// Throws InputError that names sensor and scan where
+// - there are no scans, or none with a pose; an option names a sensor that there can not be;
+// - a range is negative or beyond the sensor's reach;
+// - times run backwards, or there is no pose for one and `skip_unposed` is false;
+// - arrays are of wrong sizes, or beams, opening or reach are not sensible.
 struct PosedScans {
   std::vector<RangeScans> sensors;
   std::size_t unposed = 0;  // scans left out
@@ -83,7 +86,9 @@ struct PosedScans {
 PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options);
 
 // The grid of `options`, or one that holds all poses and all that was met, with a margin of 0.5 m, at most
-// `bytes_per_cell` of memory_mb. Throws InputError where box_m does not hold all poses.
+// `bytes_per_cell` of memory_mb.
+// Throws InputError where box_m does not hold all poses.
+// Throws InputError where the grid would need more than memory_mb.
 GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell);
 
 // What a grid_map says of its making: robots and log_hash, and NAME/time_s, x_m, y_m, heading_rad (of the

@@ -37,8 +37,8 @@ class TaskBuilder {
     return *this;
   }
 
-  // An input named `as`: the State's blob of this name, or `blob`; throws std::out_of_range where it has
-  // none.
+  // An input named `as`: the State's blob of this name, or `blob`.
+  // Throws std::out_of_range where the State has none.
   TaskBuilder& Read(const std::string& as) { return Read(as, as); }
   TaskBuilder& Read(const std::string& as, const std::string& blob, BlobRows rows = {});
   // A blob by its content hash.

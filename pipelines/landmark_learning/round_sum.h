@@ -12,8 +12,8 @@ struct RoundSum {
   std::vector<double> gradient;  // of the error: by the weights that learn, or by the outputs
 };
 
-// Shares of `gradient` lie whole in `gradients`, those by outputs from their row `first` on. Throws
-// InputError where one does not fit into `size` numbers.
+// Shares of `gradient` lie whole in `gradients`, those by outputs from their row `first` on.
+// Throws InputError where one does not fit into `size` numbers.
 RoundSum SumOf(Partials& partials, std::size_t size);
 
 // The errors of a line search, one for each length: each partial is a share of one of them.

@@ -32,8 +32,8 @@ ErrorRule ErrorOf(const Options& options);
 // Whether each block of true positions would cost a sweep over all samples: then one does it.
 bool IsOneSweep(const Options& options, const SumPlan& plan);
 
-// What the options force costs nothing to plan. Throws InputError where they force a path that these samples,
-// belief and error do not allow.
+// What the options force costs nothing to plan.
+// Throws InputError where they force a path that these samples, belief and error do not allow.
 SumPlan PlanSum(const Options& options, const Positions& positions);
 
 // Of E and its gradient by P(f | s), for each of the 2^n: counted as the pairs' are, 8 a pair in reach.

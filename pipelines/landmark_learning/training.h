@@ -75,8 +75,8 @@ NetworkShape ShapeOf(const Options& options, std::size_t inputs);
 DescentRules RulesOf(const Options& options);
 Learning FirstLearning(const Options& options);
 
-// Those of a blob `parameters`, for the networks to compute with. Throws InputError where they are of another
-// shape.
+// Those of a blob `parameters`, for the networks to compute with.
+// Throws InputError where they are of another shape.
 Parameters<float> InFloat(const NetworkShape& shape, const Blob& weights);
 Parameters<float> InFloat(const NetworkShape& shape, std::span<const double> weights);
 

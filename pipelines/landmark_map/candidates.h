@@ -24,7 +24,8 @@ void KeepStart(const State& before, State* after);
 // landmark each observation is of.
 void PlanAssociations(const Options& options, const std::vector<std::string>& robots, cairn::Step* step);
 bool AwaitsAssociations(const State& state);
-// Takes them from that E-step. Throws NoPathError where no path fits.
+// Takes them from that E-step.
+// Throws NoPathError where no path fits.
 void KeepAssociations(Partials& partials, cairn::Step* step);
 // The State as it was before, for what comes after the search.
 void DropAssociations(State* state);

@@ -20,8 +20,9 @@ struct InitialState {
   std::optional<Perception> perception;  // of the given map
 };
 
-// From the stage's inputs. With a map all robots take part from the first round on, with all data. Throws
-// InputError for options that need a map where there is none, and for a map that cannot be used.
+// From the stage's inputs. With a map all robots take part from the first round on, with all data.
+// Throws InputError where the options need a map and there is none, or do not go with one.
+// Throws InputError where Resolve or ReadGivenMap do.
 InitialState MakeInitialState(const Options& options, const Inputs& inputs);
 
 // Every robot's steps; those that start anywhere begin where they see what the first robot has seen too, or

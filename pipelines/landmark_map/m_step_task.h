@@ -14,11 +14,13 @@ struct MStep {
   Perception perception;
   std::vector<Landmark> landmarks;
 
-  static MStep FromBlob(const Blob& blob, std::size_t robots);  // throws InputError
+  // Throws InputError where an array is missing or does not fit the others.
+  static MStep FromBlob(const Blob& blob, std::size_t robots);
 };
 
 // Inputs: settings, and partial/0, partial/1, … of the `backward` tasks in their order. Returns an MStep as a
-// blob. Throws InputError where its tables would need more than is allowed.
+// blob.
+// Throws InputError where its tables would need more than is allowed.
 Blob RunMStep(const Task& task, const Inputs& inputs);
 
 // The name of input `index`.

@@ -45,7 +45,8 @@ class BeliefSpace {
   // Bel_prior where nothing is known: by room, sums to 1.
   const std::vector<double>& Anywhere() const { return anywhere_; }
 
-  // The same within `window_m` of a position. Throws InputError where no position is.
+  // The same within `window_m` of a position.
+  // Throws InputError where no position is.
   std::vector<double> Near(const Position& centre, double window_m) const;
 
   // [Thr98] eq. 19: Bel(xi) <- sum over xi~ of P(xi | xi~, a) Bel(xi~), normalised; `displacement` is a. Then

@@ -13,7 +13,9 @@ namespace cairn::localization {
 
 class Learned {
  public:
-  // Throws InputError that names the array whose shape does not fit the others'.
+  // Throws InputError that names the array where
+  // - its shape does not fit the others', or a number is not finite;
+  // - a scale is not above 0, or a sample's run is none of the file's.
   explicit Learned(const Blob& file);
 
   std::size_t networks() const { return static_cast<std::size_t>(parameters_.shape.networks); }
@@ -26,7 +28,8 @@ class Learned {
   // And facing where; empty where that is not known.
   const std::vector<double>& headings_rad() const { return headings_rad_; }
 
-  // Where its inputs stand among those of samples. Throws InputError that names one that is not there.
+  // Where its inputs stand among those of samples.
+  // Throws InputError that names one that is not there.
   std::vector<std::size_t> ColumnsIn(const std::vector<std::string>& sample_inputs) const;
 
   // g of rows as they were sensed, each `width` numbers of which the networks' inputs are `columns`:

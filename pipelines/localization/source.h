@@ -17,12 +17,12 @@ class Learned;
 // A run of the samples (schema/FORMAT.md).
 struct Run {
   std::int32_t index = 0;  // among the samples' runs
-  std::vector<Position>
-      positions;  // displacements, the window at the start and scores come from these, nothing else
+  // Displacements, the window at the start and scores come from these, nothing else.
+  std::vector<Position> positions;
   std::vector<double> heading_rad;  // [samples]; empty where it is not known
   std::vector<float> output;        // [samples][features]: P(f_i = 1 | s)
-  std::vector<OwnMotion>
-      odometry;  // since the sample before, facing as at this one; empty where there is none
+  // Since the sample before, facing as at this one; empty where there is none.
+  std::vector<OwnMotion> odometry;
 };
 
 struct Source {
@@ -43,10 +43,14 @@ struct Source {
   // Inputs `samples` and, where there are, `networks`, `networks_2` and `networks_3`: then the map is that of
   // the networks' training samples, which must be the same for all, and features are the networks' outputs; a
   // network's inputs are found among the samples' by their names. Else features are the samples' hand-made
-  // ones, and the map is that of all runs that are not localised in. Throws InputError that names run and
-  // row: runs that are not there or that the networks were trained on, no run to localise in or none for the
-  // map, features that are not there, arrays that do not fit each other, numbers that are not finite or no
-  // probabilities, inputs that are not the networks', headings that are not there but needed.
+  // ones, and the map is that of all runs that are not localised in.
+  // Throws InputError that names run and row where
+  // - a run is asked for that is not there, or that the networks were trained on;
+  // - no run is left to localise in, or none for the map, or the map has fewer samples than `nearest`;
+  // - features or the networks' inputs are not among the samples', or several networks were trained on
+  //   different samples;
+  // - arrays do not fit each other, a number is not finite, or a feature is no probability;
+  // - headings are needed and not there.
   static Source Of(const Options& options, const Inputs& inputs);
 
   Blob ToBlob() const;

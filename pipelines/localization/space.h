@@ -13,7 +13,8 @@ namespace cairn::localization {
 // The training locations, or the centres of the cells that have one within half a cell's diagonal (belief
 // grid), row by row. Where headings count each has its own; a cell stands in up to four layers, for the
 // quarters of the compass (around 0, 90, 180 and 270 degrees) in which training samples of it face, with
-// their mean direction. Throws InputError where they would be too many.
+// their mean direction.
+// Throws InputError where the cells' box has more than a million of them.
 Poses BeliefPositions(const Options& options, const Source& source);
 
 // What a task `map` finds for a block of positions, and together for all.

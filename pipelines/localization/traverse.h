@@ -50,8 +50,11 @@ struct Localized {
 };
 inline constexpr double kKeptShare = 1e-4;
 
-// Table 1. `map`: P(f_i = 1 | xi), [positions][features]. Throws InputError that names run and sample where
-// no position is left that the evidence allows, or that the robot knows to face its way.
+// [Thr98] table 1. `map`: P(f_i = 1 | xi), [positions][features].
+// Throws InputError that names run and sample where
+// - the robot has left all positions of the map (only where options.lost is 0);
+// - no position where it may be faces as it does;
+// - what it senses is impossible wherever it may be (only where options.prior_count is 0).
 Localized Localize(const Options& options, const Source& source, const BeliefSpace& space,
                    const std::vector<double>& map, double least_sd_m, const Traverse& traverse, Rng rng,
                    Progress& progress);

@@ -18,8 +18,8 @@ struct Values {
   double slack = 0;  // by which a number that was added up may be off
   bool may_be_nan = false;
   bool rises = false;  // none is less than the one before it
-  std::string_view index_into =
-      {};  // the array whose rows the numbers name, from 0; `least` is -1 where they may name none
+  // The array whose rows the numbers name, from 0; `least` is -1 where they may name none.
+  std::string_view index_into = {};
   std::string_view rows_of = {};  // the array of whose rows each number takes so many: they add up to all
   bool is_free = false;           // anything goes
 
@@ -66,8 +66,8 @@ struct ArraySpec {
 inline constexpr std::string_view kRangeSensors[] = {"sonar",  "infrared", "laser", "laser2",
                                                      "laser3", "laser4",   "laser5"};
 
-// Checks those of the arrays that are there; whoever needs one says that it is missing. Throws InputError
-// that names the array, the entry and what is allowed.
+// Checks those of the arrays that are there; whoever needs one says that it is missing.
+// Throws InputError that names the array, the entry and what is allowed.
 void CheckArrays(const Blob& blob, std::span<const ArraySpec> specs);
 
 }  // namespace cairn

@@ -12,8 +12,8 @@ namespace cairn {
 
 struct Kind {
   std::string_view name;
-  std::string_view
-      mark;  // an array that each file of the kind has, and no file of a kind above it in the table
+  // An array that each file of the kind has, and no file of a kind above it in the table.
+  std::string_view mark;
   bool is_plural = false;  // as a word
   bool is_given = false;   // people make it, and may change it; else a pipeline does: it is a result
   bool has_units = false;  // times, distances and angles as somebody wrote them: their units may be wrong
@@ -33,7 +33,8 @@ std::string KindOf(const Blob& blob);
 // Checks what is there of the kind's arrays, and of the provenance: their types, that their shapes fit each
 // other, and that they hold what they may. Of a kind that is not known, the provenance alone. Whoever reads a
 // file of somebody else's calls it once; after it arrays of one length are of one length, and indices lie
-// within what they name. Throws InputError that names the array, the entry and what is allowed.
+// within what they name.
+// Throws InputError that names the array, the entry and what is allowed.
 void CheckKind(const Blob& blob, std::string_view kind);
 
 // "a log", "samples"; "a log is needed", "samples are needed".

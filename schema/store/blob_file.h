@@ -30,16 +30,19 @@ struct ReadOptions {
   bool changed_too = false;
 };
 
-// Replaces `path` atomically; on any failure nothing is left behind: kNotFound (the folder), kNoSpace,
-// kRefused, kIo (also a name that HDF5 cannot hold, such as "a" beside "a/b"). The same blob gives the same
-// bytes in the file.
+// Replaces `path` atomically; on any failure nothing is left behind. The same blob gives the same bytes in
+// the file.
+// kNotFound: the folder is not there.
+// kNoSpace, kRefused: as WriteFileAtomically says.
+// kIo, also for a name that HDF5 cannot hold, such as "a" beside "a/b".
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
 
-// A file of anybody: it is read in a child process, as HDF5 can crash on a damaged one. kNotFound; kCorrupt:
-// not a Cairn file, truncated, a wrong checksum or checksum trailer, a checksum trailer that is gone, data
-// that would come from another file; kVersion: of a newer format; kBusy: locked by a program that writes to
-// it; kRefused: no regular file; kIo, also where there is not the memory to read it. A file of another
+// A file of anybody: it is read in a child process, as HDF5 can crash on a damaged one. A file of another
 // program has no checksum trailer and needs none.
+// kNotFound.
+// kCorrupt: not a Cairn file, truncated, a wrong checksum or checksum trailer, a checksum trailer that is
+// gone, data that would come from another file. kVersion: of a newer format. kBusy: locked by a program that
+// writes to it. kRefused: no regular file. kIo, also where there is not the memory to read it.
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // A file of a store, which WriteBlobFile wrote: its checksum trailer is checked before HDF5 sees it, in this

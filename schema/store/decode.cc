@@ -290,8 +290,8 @@ Result<Array> ReadDataset(hid_t file, const std::string& name) {
   const Handle type = MemoryType(open);
   if (open.variable_text) return ReadVariableTexts(open, type.get(), count);
   const std::size_t size = count * open.info.item_bytes;
-  const std::shared_ptr<std::byte> bytes =
-      AlignedBytes(size);  // the array's own: it may be most of the memory
+  // The array's own: it may be most of the memory.
+  const std::shared_ptr<std::byte> bytes = AlignedBytes(size);
   if (size > 0 && H5Dread(open.dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.get()) < 0) {
     return Damaged(name);
   }

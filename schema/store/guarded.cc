@@ -143,8 +143,8 @@ bool GetInfo(Reader& in, DatasetInfo* info) {
 bool GetArray(Reader& in, const DatasetInfo& info, Blob* blob) {
   std::uint64_t size = 0;
   if (!in.Get(&size)) return false;
-  const std::shared_ptr<std::byte> bytes =
-      AlignedBytes(size);  // the array's own: a log may be most of the memory
+  // The array's own: a log may be most of the memory.
+  const std::shared_ptr<std::byte> bytes = AlignedBytes(size);
   if (!in.Get(bytes.get(), size)) return false;
   Result<Array> array = Array::Over(info.type, info.item_bytes, info.shape, {bytes.get(), size}, bytes);
   if (!array.ok()) return false;

@@ -18,7 +18,8 @@ class Monitor {
   };
 
   // Of `watched`, which outlives it and belongs to the thread that makes and ends the monitor: the events of
-  // this mask. Throws zmq::error_t.
+  // this mask.
+  // Throws zmq::error_t.
   Monitor(zmq::context_t& context, zmq::socket_t& watched, int events);
   ~Monitor();
   Monitor(const Monitor&) = delete;

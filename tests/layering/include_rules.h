@@ -14,8 +14,8 @@ namespace cairn::layering {
 struct Rule {
   std::string folder;
   std::vector<std::string> allowed;
-  bool pure =
-      false;  // no files, sockets, clocks, threads: not the standard library's headers for them either
+  // No files, sockets, clocks, threads: not the standard library's headers for them either.
+  bool pure = false;
 };
 
 const std::vector<Rule>& Rules();

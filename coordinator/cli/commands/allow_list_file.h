@@ -13,10 +13,12 @@ namespace cairn::cli {
 inline constexpr const char* kAllowListName = "allowed";
 
 // Lets `key` in as `roles`, or gives it these where it is on the list already; makes the list where there is
-// none. Throws InputError or WorldError.
+// none.
+// Throws InputError or WorldError.
 void AllowKey(const std::filesystem::path& list, const std::string& key, const wire::Roles& roles,
               const std::string& name);
-// Takes off the key, or those of that name; returns how many there were. Throws InputError or WorldError.
+// Takes off the key, or those of that name; returns how many there were.
+// Throws InputError or WorldError.
 int RevokeKeys(const std::filesystem::path& list, const std::string& key_or_name);
 
 }  // namespace cairn::cli

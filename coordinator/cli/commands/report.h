@@ -19,7 +19,8 @@ struct ScoredStage {
 
   std::optional<datasets::Evaluated> evaluated = {};
 
-  // Fills it in, where the source holds what it takes. Throws InputError where it is not the result's.
+  // Fills it in, where the source holds what it takes.
+  // Throws InputError where it is not the result's.
   void Score();
 };
 

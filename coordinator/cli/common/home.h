@@ -6,14 +6,15 @@
 
 namespace cairn::cli {
 
-// $CAIRN_HOME, else $HOME/.cairn, made with mode 0700 where it is missing. Throws InputError where neither is
-// set.
+// $CAIRN_HOME, else $HOME/.cairn, made with mode 0700 where it is missing.
+// Throws InputError where neither is set.
 std::string HomeFolder();
 
-// Where keys lie: $XDG_CONFIG_HOME/cairn, else $HOME/.config/cairn. Not made here. Throws InputError where
-// neither is set.
+// Where keys lie: $XDG_CONFIG_HOME/cairn, else $HOME/.config/cairn. Not made here.
+// Throws InputError where neither is set.
 std::string ConfigFolder();
-// A file in there. Throws InputError, with what to do, where it is missing.
+// A file in there.
+// Throws InputError, with what to do, where it is missing.
 std::string DefaultKey(const std::string& file);
 
 // $CAIRN_COORDINATOR, else the ipc endpoint in HomeFolder().

@@ -6,13 +6,15 @@
 
 namespace cairn::cli {
 
-// The path of cairn-worker, in the folder of the running `cairn`. Throws WorldError where there is none.
+// The path of cairn-worker, in the folder of the running `cairn`.
+// Throws WorldError where there is none.
 std::string WorkerProgram();
 
 // The same of cairn-images.
 std::string ImagesProgram();
 
-// What `program arguments…` prints on stdout. Throws WorldError where it cannot be run or fails.
+// What `program arguments…` prints on stdout.
+// Throws WorldError where it cannot be run or fails.
 std::string OutputOf(const std::string& program, const std::vector<std::string>& arguments);
 
 }  // namespace cairn::cli

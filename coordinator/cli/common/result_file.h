@@ -10,11 +10,12 @@
 
 namespace cairn::cli {
 
-// The Cairn files right in the folder, by name. Throws InputError where it is no folder.
+// The Cairn files right in the folder, by name.
+// Throws InputError where it is no folder.
 std::vector<std::string> FilesOf(const std::string& folder);
 
-// The one result of `kind` that `path` names: itself, or in its folder. Throws InputError where there is none
-// or are several.
+// The one result of `kind` that `path` names: itself, or in its folder.
+// Throws InputError where there is none or are several.
 std::string ResultPath(const std::string& path, const std::string& kind);
 
 // Of evaluate, report and export: what they say of a result would be taken for Cairn's.

@@ -28,8 +28,8 @@ bool IsJobFile(const std::string& what);
 
 void AddJobArguments(Command command, JobArguments& arguments);
 
-// Reads the job file; or makes a job of one stage, both with the pipeline's name. Throws InputError that
-// names the argument, or file and line, and what is allowed.
+// Reads the job file; or makes a job of one stage, both with the pipeline's name.
+// Throws InputError that names the argument, or file and line, and what is allowed.
 ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog);
 
 }  // namespace cairn::cli

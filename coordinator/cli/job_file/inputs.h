@@ -10,8 +10,9 @@
 
 namespace cairn::cli {
 
-// By the names of job.inputs; fills in job.input_blobs. Throws InputError that begins with where the input is
-// named; refuses a log of what no robot does, unless `units_are_right`.
+// By the names of job.inputs; fills in job.input_blobs.
+// Throws InputError that begins with where the input is named; refuses a log of what no robot does, unless
+// `units_are_right`.
 std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed, bool units_are_right);
 // The same of inputs that are sent away: they are looked at in a child process, which alone holds them, and
 // read again, in parts, while they are sent.

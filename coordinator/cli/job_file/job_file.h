@@ -22,7 +22,8 @@ struct ParsedJob {
   std::map<std::string, JobInput> inputs;  // the keys of job.inputs
 };
 
-// Paths of inputs are relative to the job file. Throws InputError.
+// Paths of inputs are relative to the job file.
+// Throws InputError.
 ParsedJob ReadJobFile(const std::string& path, const Catalog& catalog);
 
 // Why this is no file that an input could be read from; empty: it is one.

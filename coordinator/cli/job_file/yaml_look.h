@@ -1,6 +1,6 @@
-// A look at a YAML text before anything is made of it. Some texts make yaml-cpp's LoadAll find documents
-// without end
-// ("!,o"); deep nests end in its stack; a few aliases of long lists stand for more work than there is time.
+// A look at a YAML text before anything is made of it. In some texts ("!,o") yaml-cpp's LoadAll finds
+// documents without end; deep nests overflow its stack; a few aliases of long lists stand for more work than
+// there is time.
 #pragma once
 
 #include <string>

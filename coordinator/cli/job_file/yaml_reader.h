@@ -22,8 +22,8 @@ class YamlReader {
  public:
   explicit YamlReader(std::string file) : file_(std::move(file)) {}
 
-  // The file's one document. Throws InputError: not there, no YAML, several documents, over 1 MB, nested too
-  // deep, too many aliases.
+  // The file's one document.
+  // Throws InputError: not there, no YAML, several documents, over 1 MB, nested too deep, too many aliases.
   YAML::Node Load(const std::string& path) const;
 
   // The entries of a map in the order of the file. Throws, naming `what` and `line`, where it is no map, or

@@ -27,13 +27,16 @@ std::string StoreText(const coordinator::StoreFacts& store);
 
 std::string Dump(const nlohmann::ordered_json& json);  // bytes that are no UTF-8 are replaced
 
+// Empty where there is no warning.
+std::string WarningText(const std::string& warning);
+
 // "refused  key 2, right 1\n": what a service has refused, by kind; empty where nothing.
-std::string WarningText(const std::string& warning);  // empty where there is none
 std::string RefusedText(const std::map<std::string, std::uint64_t>& refused);
 
-// Nothing more will happen to it by itself.
-// Why nothing happens to a job that waits; empty where it does not, or nobody can tell.
+// Why nothing happens to a job that is not over: that no worker is connected; else empty.
 std::string WaitText(const wire::JobInfo& job, unsigned workers);
+
+// Nothing more will happen to it by itself.
 bool IsOver(const wire::JobInfo& job);
 
 // Of a job that is over: 0 done, 2 its input was bad, else 1.

@@ -24,8 +24,9 @@ struct FeatureEvaluation {
 
 // Runs that are held out: those of `truth` that are not runs of `samples`; where there is no `truth`, those
 // of `samples` that `holdout` names; where it names none, all, one after the other. Beliefs, errors and
-// intervals are EvaluateNetworks'. Throws InputError as ReadFeatureRuns does; both `truth` and `holdout`; a
-// `holdout` that is no run; nothing held out, or nothing left for the map.
+// intervals are EvaluateNetworks'.
+// Throws InputError as ReadFeatureRuns does; both `truth` and `holdout`; a `holdout` that is no run; nothing
+// held out, or nothing left for the map.
 FeatureEvaluation EvaluateFeatures(const Blob& samples, const Blob* truth,
                                    const std::vector<std::string>& features,
                                    const std::vector<std::string>& holdout = {},

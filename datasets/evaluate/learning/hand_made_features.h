@@ -18,9 +18,9 @@ struct FeatureRun {
   std::vector<double> heading_rad;  // empty where it is not known
 };
 
-// Of the runs that have samples, in order; `features` by their names, in the order that is asked for. Throws
-// InputError: no such feature (and which there are), none asked for, one asked for twice or too many, shapes
-// that do not fit, a position that is no number or a value that is no probability (which run and row).
+// Of the runs that have samples, in order; `features` by their names, in the order that is asked for.
+// Throws InputError: no such feature (and which there are), none asked for, one asked for twice or too many,
+// shapes that do not fit, a position that is no number or a value that is no probability (which run and row).
 std::vector<FeatureRun> ReadFeatureRuns(const Blob& file, const std::vector<std::string>& features);
 
 }  // namespace cairn::datasets

@@ -27,8 +27,8 @@ struct LocalizationRow {
   MeanError mean;          // of the belief's mean from the true position
   MeanError mode;          // of its most likely position
   double within_1m = 0;    // share of traverses whose mean is that near
-  double facing =
-      0;  // mean over the traverses of what is believed of facing as it does; where headings count
+  // Mean over the traverses of what is believed of facing as it does; where headings count.
+  double facing = 0;
 };
 
 // Of one step of one traverse.

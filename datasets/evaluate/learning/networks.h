@@ -18,18 +18,18 @@ struct NetworkEvaluation {
   ScoreOptions options;
   std::vector<RunSize> runs;            // that are held out
   std::vector<std::string> trained_on;  // left out of the samples
-  std::vector<std::string>
-      stopped_by;  // of `runs`, those that decided when to stop training: not wholly unseen
+  // Of `runs`, those that decided when to stop training: not wholly unseen.
+  std::vector<std::string> stopped_by;
   std::vector<WindowScore> windows;
 };
 
-// `networks`, `samples`: files of kind `networks` and `samples` (schema/FORMAT.md). Evaluation is
-// not training: the true positions are those of the held-out samples, the positions that the robot may
-// believe in are those of the training samples, e is the distance, and beliefs are uniform over the training
-// samples within the window, and within that of the heading (HeadingsCount). A run that the networks were
-// trained on is left out. Intervals are taken over runs where at least two have true positions that count,
-// else over ten blocks of consecutive samples. Throws InputError as ReadLearnedNetworks and ReadHeldOutRuns
-// do, and where `nearest` is not from 1 to the number of training samples.
+// `networks`, `samples`: files of kind `networks` and `samples` (schema/FORMAT.md). Evaluation is not
+// training: the true positions are those of the held-out samples, the positions that the robot may believe in
+// are those of the training samples, e is the distance, and beliefs are uniform over the training samples
+// within the window, and within that of the heading (HeadingsCount). A run that the networks were trained on
+// is left out. Intervals are taken over runs where at least two have true positions that count, else over ten
+// blocks of consecutive samples. Throws InputError as ReadLearnedNetworks and ReadHeldOutRuns do, and where
+// `nearest` is not from 1 to the number of training samples.
 NetworkEvaluation EvaluateNetworks(const Blob& networks, const Blob& samples,
                                    const ScoreOptions& options = {});
 

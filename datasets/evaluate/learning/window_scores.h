@@ -75,7 +75,8 @@ struct ScoredHeadings {
 
 // Whether headings count: P(f | position) is then of samples that face alike, and beliefs hold those in the
 // heading's window. They do where all samples have one and they do not all face one way, or where there is a
-// window. Throws InputError where there is a window and a sample without a heading.
+// window.
+// Throws InputError where there is a window and a sample without a heading.
 bool HeadingsCount(const ScoredHeadings& headings, std::size_t map_samples);
 
 // Throws InputError where `options.nearest` is not from 1 to the number of training samples.

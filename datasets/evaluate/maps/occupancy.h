@@ -54,8 +54,8 @@ struct Occupancy {
 inline constexpr double kSaysNothingNats = 0.01;
 
 // `map/grid/probability` of a grid_map, or its most likely map, `map/grid/occupied`, as 0 and 1. Nothing is
-// known where the probability is NaN, and where `log_odds_difference` is there and says nothing. Throws
-// InputError that names the array: missing, of another shape, a probability beyond [0, 1].
+// known where the probability is NaN, and where `log_odds_difference` is there and says nothing.
+// Throws InputError that names the array: missing, of another shape, a probability beyond [0, 1].
 Occupancy ReadOccupancy(const Blob& map);
 Occupancy ReadMostLikely(const Blob& map);
 bool HasMostLikely(const Blob& map);

@@ -29,8 +29,8 @@ MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
 // Of another grid map: due are all cells that it has as occupied, free those that it has as free.
 MapTruth TruthOfMap(const CellBox& map, const Occupancy& reference);
 
-// truth/walls/ (or truth/doors/) of a log, in the map's frame. Throws InputError where columns differ in
-// shape, or a number is not finite.
+// truth/walls/ (or truth/doors/) of a log, in the map's frame.
+// Throws InputError where columns differ in shape, or a number is not finite.
 std::vector<Wall> ReadSegments(const Blob& log, const std::string& prefix, const Similarity& to_map);
 
 struct CellScore {

@@ -14,12 +14,13 @@ namespace cairn::datasets {
 // For each robot, for each observation, a landmark's index or -1.
 using Associations = std::vector<std::vector<std::int32_t>>;
 
-// robot/N/observations/map_landmark. Throws InputError where one is missing, is not as long as the log's
-// observations, or names a landmark outside [-1, landmarks).
+// robot/N/observations/map_landmark.
+// Throws InputError where one is missing, is not as long as the log's observations, or names a landmark
+// outside [-1, landmarks).
 Associations ReadMapAssociations(const Blob& result, const Blob& log, std::size_t landmarks);
 
-// truth/robot/N/observations/landmark; nothing where a robot with observations lacks it. Throws InputError as
-// above.
+// truth/robot/N/observations/landmark; nothing where a robot with observations lacks it.
+// Throws InputError as above.
 std::optional<Associations> ReadTrueAssociations(const Blob& log, std::size_t landmarks);
 
 // Which observations a map looked at: those that it has a landmark for, or says with some probability

@@ -10,7 +10,8 @@ namespace cairn::datasets {
 
 class DatReader {
  public:
-  // Reads the file (plain or gzipped). Throws InputError where it cannot be read.
+  // Reads the file (plain or gzipped).
+  // Throws InputError where it cannot be read.
   DatReader(const std::string& path, std::size_t columns, BadLines* bad);
   DatReader(const DatReader&) = delete;
   DatReader& operator=(const DatReader&) = delete;

@@ -8,8 +8,8 @@
 
 namespace cairn::datasets::report {
 
-// The page's body. `log` and `evaluation` may be null. Throws InputError where `result` is no landmark_map,
-// or the log's robots are not the result's.
+// The page's body. `log` and `evaluation` may be null.
+// Throws InputError where `result` is no landmark_map, or the log's robots are not the result's.
 std::string LandmarkMapHtml(const Blob& result, const Blob* log, const Evaluation* evaluation);
 
 }  // namespace cairn::datasets::report

@@ -15,8 +15,8 @@ namespace cairn::datasets::report {
 std::vector<Track> OdometryOf(const Blob& log);
 
 // The paths, edges and loops of a local_map; with `log` raw odometry from each path's first pose on, with
-// `evaluation` too true walls and paths. Both may be null. Throws InputError where the arrays do not fit each
-// other, or the log's robots are not the result's.
+// `evaluation` too true walls and paths. Both may be null.
+// Throws InputError where the arrays do not fit each other, or the log's robots are not the result's.
 Scene LocalSceneOf(const Blob& result, const Blob* log, const LocalEvaluation* evaluation);
 
 // The snapshot that shows most: of those with the most edges in their last scan the one with most cells that

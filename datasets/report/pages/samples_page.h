@@ -8,8 +8,8 @@
 
 namespace cairn::datasets::report {
 
-// The page's body: where they were taken, and of each run how many, its way and what was sensed on it. Throws
-// InputError where the arrays do not fit each other.
+// The page's body: where they were taken, and of each run how many, its way and what was sensed on it.
+// Throws InputError where the arrays do not fit each other.
 std::string SamplesHtml(const Blob& samples);
 
 // Where they were taken, a path a run.

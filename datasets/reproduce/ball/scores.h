@@ -37,7 +37,8 @@ struct BallScores {
   double length_m = 0;            // of the corridor, from the samples
 };
 
-// `results`: of the job's stages, by name. Throws InputError where one lacks what is scored.
+// `results`: of the job's stages, by name.
+// Throws InputError where one lacks what is scored.
 BallScores ScoreBallJob(const BallJob& ball, const std::map<std::string, Blob>& results);
 
 }  // namespace cairn::datasets

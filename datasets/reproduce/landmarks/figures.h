@@ -11,7 +11,8 @@
 
 namespace cairn::datasets {
 
-// `results`: of the study's stages, by name. Throws InputError where one is missing or lacks what is drawn.
+// `results`: of the study's stages, by name.
+// Throws InputError where one is missing or lacks what is drawn.
 std::vector<PaperFigure> LandmarkFigures(const LandmarkStudy& study,
                                          const std::map<std::string, Blob>& results);
 

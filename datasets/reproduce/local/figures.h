@@ -10,7 +10,8 @@
 
 namespace cairn::datasets {
 
-// `results`: of all stages, by name. Throws InputError that names a result that is missing.
+// `results`: of all stages, by name.
+// Throws InputError that names a result that is missing.
 std::vector<PaperFigure> LocalFigures(const LocalStudy& study, const std::map<std::string, Blob>& results);
 
 }  // namespace cairn::datasets

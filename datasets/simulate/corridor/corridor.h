@@ -35,7 +35,8 @@ struct CorridorPicture {
 // features, what is truly in view ("door" or "light") and what a detector says ("door detected" …); true
 // poses. The corridor depends on seed and length alone, so that the sets of a seed are of one corridor; a run
 // on those, on the set, its number and whether anything has changed. `pictures`, where it is not null, gets
-// one for each run: an image a metre. Throws InputError for what is out of range.
+// one for each run: an image a metre.
+// Throws InputError for what is out of range.
 Blob SimulateCorridor(const SimulateCorridorOptions& options,
                       std::vector<CorridorPicture>* pictures = nullptr);
 

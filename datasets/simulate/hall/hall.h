@@ -15,8 +15,8 @@ struct SimulateHallwayOptions {
 };
 
 // Figure 3: 1,800 readings along a hall with one door. The door is as wide as it takes for `door_readings`
-// cones to be clear of its posts; all others that point at it are bounced off them. Throws InputError for
-// what is out of range.
+// cones to be clear of its posts; all others that point at it are bounced off them.
+// Throws InputError for what is out of range.
 Blob SimulateHallway(const SimulateHallwayOptions& options);
 
 // Figure 4: two narrow doors, and somebody who walks past the robot.

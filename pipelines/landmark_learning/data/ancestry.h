@@ -15,8 +15,11 @@ struct Parent {
   InputNorm norm;               // the weights mean nothing under another one
 };
 
-// From a file of kind `networks`. Throws InputError where it is none, has other networks than `wanted`, other
-// inputs than `input_names`, or a number that is not finite.
+// From a file of kind `networks`.
+// Throws InputError where
+// - it is none;
+// - it has other networks than `wanted`, or other inputs than `input_names`;
+// - a number is not finite, or a scale not above 0.
 Parent ReadParent(const Blob& networks, const NetworkShape& wanted,
                   const std::vector<std::string>& input_names);
 

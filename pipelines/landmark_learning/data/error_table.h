@@ -7,16 +7,18 @@ namespace cairn::landmark_learning {
 
 inline constexpr std::int64_t kMostTableRows = 4096;  // a table of 64 MB
 
-// Gives each sample the row of the position nearest to it. `errors`: schema/FORMAT.md, `errors`. Throws
-// InputError where the arrays do not fit each other, or one of the errors is negative or not finite, and
-// names row and column.
+// Gives each sample the row of the position nearest to it. `errors`: schema/FORMAT.md, `errors`.
+// Throws InputError where the arrays do not fit each other, or there are more than kMostTableRows positions.
+// Throws InputError that names row and column where an error is negative or not finite.
 void AttachTable(const Blob& errors, TrainingData* data);
 
 // e is the way that a robot travels between two samples through the free cells of `map` (schema/FORMAT.md,
 // `grid_map`; free: P(occupied) below 1/2, and cells that were never looked at): the shortest over steps to
 // the 16 cells around, at most 2.8% longer than the straight line where nothing is in the way. Samples of one
-// cell are at one position. Throws InputError that names the sample that lies in no free cell, or from which
-// another one cannot be reached.
+// cell are at one position.
+// Throws InputError that names the sample which lies in no free cell.
+// Throws InputError that names two samples where no way leads from one to the other.
+// Throws InputError where the samples lie in more than kMostTableRows cells.
 void AttachTravel(const Blob& map, TrainingData* data);
 
 }  // namespace cairn::landmark_learning

@@ -11,7 +11,8 @@ namespace cairn::landmark_learning {
 
 class FreeCells {
  public:
-  // From a `grid_map` (schema/FORMAT.md). Throws InputError where it is none.
+  // From a `grid_map` (schema/FORMAT.md).
+  // Throws InputError where it is none, its grid has no cells, or its origin or cell size are not sensible.
   static FreeCells Of(const Blob& map);
 
   // The cell that holds a position; none where it is occupied or outside.

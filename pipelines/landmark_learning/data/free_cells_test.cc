@@ -8,8 +8,7 @@ namespace cairn::landmark_learning {
 namespace {
 
 // Rows from the top, as one sees them; '#': occupied, '?': never looked at. Cells of 0.5 m, the lower left
-// corner at
-// (-1, 2).
+// corner at (-1, 2).
 Blob Map(const std::vector<std::string>& picture) {
   std::vector<double> p;
   for (auto row = picture.rbegin(); row != picture.rend(); ++row) {

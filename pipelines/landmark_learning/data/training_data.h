@@ -32,15 +32,17 @@ struct InputNorm {
 
 struct TrainingData {
   std::vector<std::string> runs, input_names;
-  std::vector<double> mean,
-      scale;  // of each input, over the training samples; an input that never changes: scale 1
+  // Of each input, over the training samples; an input that never changes: scale 1.
+  std::vector<double> mean, scale;
   SampleSet training, held_out;
 
-  // From an input of kind `samples` (schema/FORMAT.md). Throws InputError that names run and row: arrays of
-  // different length, a run of one sample, two samples of one time and position in a run, numbers that are
-  // not finite, a `holdout` that is no run or the only one, an unseen run that is none or the one held out.
-  // `given`: a mean and a scale to normalise by, or null: those of the training samples. `unseen`: runs that
-  // are as if they were not there.
+  // From an input of kind `samples` (schema/FORMAT.md). `given`: a mean and a scale to normalise by, or null:
+  // those of the training samples. `unseen`: runs that are as if they were not there.
+  // Throws InputError that names run and row where
+  // - there are no inputs, or no run is left to train on;
+  // - arrays differ in length, or a number is not finite, or a weight is negative;
+  // - a run has one sample, or two of one time and position;
+  // - `holdout` is no run, or an unseen run is none or the one held out.
   static TrainingData Of(const Blob& samples, const std::string& holdout, const InputNorm* given = nullptr,
                          const std::vector<std::string>& unseen = {});
 

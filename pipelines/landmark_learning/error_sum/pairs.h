@@ -47,8 +47,8 @@ enum class ErrorKind { kDistance, kSquaredDistance, kAlong, kTable, kPosteriorMa
 
 struct ErrorRule {
   ErrorKind kind = ErrorKind::kDistance;
-  double smooth_m =
-      1.0;  // kPosteriorMass: standard deviation of the bell that weighs the mass, one at its middle
+  // kPosteriorMass: standard deviation of the bell that weighs the mass, one at its middle.
+  double smooth_m = 1.0;
 
   ErrorRule(ErrorKind k, double smooth = 1.0) : kind(k), smooth_m(smooth) {}  // NOLINT: a kind is a rule
   friend bool operator==(const ErrorRule& rule, ErrorKind other) { return rule.kind == other; }

@@ -41,8 +41,8 @@ void Conjugate::Turn(double error, const std::vector<double>& of_gradient, doubl
   if (first)
     length = norm > 0.0 ? first_length * std::sqrt(static_cast<double>(direction.size())) / norm : 0.0;
   else if (failures == 0 && slope < 0.0)
-    length *=
-        std::clamp(slope_before / slope, 0.1, 10.0);  // as much lower as the step before, were it straight
+    // As much lower as the step before, were it straight.
+    length *= std::clamp(slope_before / slope, 0.1, 10.0);
   gradient.assign(of_gradient.begin(), of_gradient.end());
 }
 

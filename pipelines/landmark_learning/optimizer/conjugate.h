@@ -29,8 +29,8 @@ struct Conjugate {
   // does not lead down. `first_length`: root mean square of the first step's changes.
   void Turn(double error, const std::vector<double>& of_gradient, double first_length);
 
-  // Errors of kTried. Takes the best one and returns its length, 0 where none
-  // is lower: then `length` is cut for the next search.
+  // Errors of kTried. Takes the best one and returns its length, 0 where none is lower: then `length` is cut
+  // for the next search.
   double Choose(const std::vector<double>& errors);
   bool Stuck() const { return failures >= kMostFailures; }
 

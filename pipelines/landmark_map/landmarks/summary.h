@@ -12,8 +12,8 @@ namespace cairn::landmark_map {
 struct PoseSummary {
   double x_m, y_m, heading_rad;  // mean (heading: circular)
   double covariance[9];          // x, y, heading
-  double mode_x_m, mode_y_m,
-      mode_heading_rad;  // the most likely cell, refined by the mean over its neighbours
+  // The most likely cell, refined by the mean over its neighbours.
+  double mode_x_m, mode_y_m, mode_heading_rad;
 };
 PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid);
 

@@ -74,8 +74,10 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 // the places that see the observation is UniformStart.
 int MotionMargin(const EStepModel& model, const RobotSteps& steps, int step);
 
-// [TBF98] eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start. Throws
-// InputError that names robot, step and observation where the evidence is impossible under the model.
+// [TBF98] eqs 15 and 16. `before`: alpha of step first - 1; for first = 0 the belief at the start.
+// Throws NoPathError that names robot, step and observation where the evidence is impossible under the model,
+// or the robot has left `model.limit`.
+// Throws InputError where the tables would need more than `model.memory_bytes`.
 Alphas Forward(const EStepModel& model, const Slice& slice, const LayeredGrid& before, Progress& progress);
 
 // The same from slice.first on until `work` is used up, a step at least and slice.end at most.
@@ -91,6 +93,7 @@ struct Visitor {
   // learn of it, and no call.
   std::function<void(int step, const HalfTurn& posterior)> increment;
 };
+// Throws NoPathError where alpha and beta have no pose in common.
 LayeredGrid Backward(const EStepModel& model, const Slice& slice, const Alphas& alphas,
                      const LayeredGrid& before, LayeredGrid beta, Progress& progress, const Visitor& visitor);
 

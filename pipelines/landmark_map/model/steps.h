@@ -50,11 +50,16 @@ struct StepRules {
   int classes = 1;  // of landmarks without identity; above 1 the robot has observations/type
 };
 
-// `shared` (may be nullptr): landmark types by which
-// this robot finds itself in a map; its steps begin at the first that observes one. `robot` is the log's
-// subtree robot/N/, `name` its name for messages. Throws InputError that names robot, row and reason: no
-// controls, no observations, a NaN, times that run backwards, an observation outside the controls' times.
-// Rows later than rules.until_s are checked too, but not used.
+// The steps of a robot. `robot`: the log's subtree robot/N/; `name`: the robot's, for messages. `shared` (may
+// be nullptr): landmark types by which this robot finds itself in a map; its steps begin at the first that
+// observes one. Rows later than rules.until_s are checked too, but not used.
+// Throws InputError that names robot, row and reason where
+// - Integrate does (common/odometry.h);
+// - observations' arrays differ in length, a time is not a number or runs backwards;
+// - an observation is of a landmark or type that the log does not list, has a range without a bearing or the
+//   reverse, a negative or infinite one;
+// - an observation lies more than a second outside the controls' times;
+// - `shared` is given and the robot has seen none of these.
 RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
                      const std::vector<bool>* shared);
 

@@ -8,24 +8,25 @@
 
 namespace cairn::landmark_map {
 
-// A landmark with an identity stands in one place. Throws InputError that names it and both places where a
-// quarter of what was expected of it, and four observations at least, lies around a second one: identities
-// were mixed up, or a robot lost its way.
+// A landmark with an identity stands in one place.
+// Throws InputError that names it and both places where a quarter of what was expected of it, and four
+// observations at least, lies around a second one: identities were mixed up, or a robot lost its way.
 void CheckOnePositionPerLandmark(const LayeredGrid& counts, const MapRules& rules,
                                  const std::vector<std::string>& names);
 
-// Of robots that start anywhere, in their first round, under a map that is not theirs. Throws InputError that
-// names the robot where the map makes its observations no likelier than if every one were false, but for
-// kLeastGain nats an observation: it was somewhere else, and would be laid over the map where it fits least
-// badly.
+// Of robots that start anywhere, in their first round, under a map that is not theirs.
+// Throws InputError that names the robot where the map makes its observations no likelier than if every one
+// were false, but for kLeastGain nats an observation: it was somewhere else, and would be laid over the map
+// where it fits least badly.
 inline constexpr double kLeastGain = 0.25;
 void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
                           const std::vector<RobotSteps>& steps, const std::vector<std::string>& robots);
 
 // At the end. A robot that was somewhere else adds to the map what is not there, which the first robot's data
-// feel. Throws InputError where they lost more than kMostLoss nats an observation against the first robot's
-// own map (`history`: of all rounds), and more than being told one of `places` costs. Measured in
-// EXPERIMENTS.md: robots of one place cost at most 0.27, one of another place 0.31 or more in ten of eleven.
+// feel. EXPERIMENTS.md says why it is 0.29: robots of one place cost at most 0.27 nats an observation, one of
+// another place 0.31 or more in ten of eleven.
+// Throws InputError where they lost more than kMostLoss nats an observation against the first robot's own map
+// (`history`: of all rounds), and more than being told one of `places` costs.
 inline constexpr double kMostLoss = 0.29;
 void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations);
 

@@ -18,8 +18,8 @@ namespace cairn::landmark_map {
 struct AssociatedPath {
   RobotSteps steps;      // without the drift that was found
   OdometryFit odometry;  // drift and widths
-  std::vector<double> x_m, y_m,
-      correction_rad;  // mean poses [S]; the correction of the odometric heading
+  // Mean poses [S]; the correction of the odometric heading.
+  std::vector<double> x_m, y_m, correction_rad;
   Associated associated;
 };
 

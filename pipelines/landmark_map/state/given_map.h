@@ -16,8 +16,12 @@ struct GivenMap {
 
 // `map`: a landmark_map (schema/FORMAT.md) in the frame of this job. Types go by name; what the log cannot
 // name is left out. Another resolution or another origin: each cell's probability is shared out by area among
-// the cells that it covers, at most one in any, so that a landmark keeps its mass. Throws InputError for what
-// is no map, has no landmark of the log's types, is too large at this resolution or lies outside box_m.
+// the cells that it covers, at most one in any, so that a landmark keeps its mass.
+// Throws InputError where
+// - it is no landmark_map, or holds what is no probability;
+// - its types of landmarks are not the log's, or it holds none of the landmarks that the log can name;
+// - at this resolution it would need more than memory_mb;
+// - it lies outside box_m.
 GivenMap ReadGivenMap(const Blob& map, const Blob& log, const Settings& settings);
 
 // Throws InputError where a robot that starts at the origin can see nothing of the map, however its odometry

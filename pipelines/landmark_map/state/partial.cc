@@ -202,8 +202,8 @@ void RoundSum::Add(const Blob& partial) {
     ++guessed_[robot];
     confirmed_[robot] += partial.Scalar<std::int32_t>("confirmed");
   }
-  Guesses& guesses =
-      guesses_[robot];  // the last slice comes first, and what it holds is for the one after it
+  // The last slice comes first, and what it holds is for the one after it.
+  Guesses& guesses = guesses_[robot];
   if (!guesses.warm.empty() && partial.Has("warm/box"))
     guesses.warm.front() = LayeredGrid::LoadSparse("warm/", partial);
   guesses.first.insert(guesses.first.begin(), partial.Scalar<std::int32_t>("first"));

@@ -40,7 +40,14 @@ struct Settings {
 // one more, spread evenly over two to either side.
 double DriftStep(int starts);
 
-// From the options, the log's noise parameters, and defaults where both are silent. Throws InputError.
+// From the options, the log's noise parameters, and defaults where both are silent.
+// Throws InputError where
+// - the log has no robots, or no observations of landmarks;
+// - one of its noise parameters is not from 0 to 1000, or its confusion of types is no table of
+// probabilities;
+// - an option is out of what the log allows: model exact for ranges and bearings or for types, tables whole
+//   without box_m;
+// - the grid would need more than memory_mb.
 Settings Resolve(const Options& options, const Blob& log);
 
 // The same options for the search of several starts: on the default grid, where a finer one is asked for.

@@ -19,7 +19,8 @@ struct Guesses {
   std::vector<LayeredGrid> warm;
 
   Blob ToBlob() const;
-  static Guesses FromBlob(const Blob& blob);  // throws InputError
+  // Throws InputError where an array is missing or does not fit the others.
+  static Guesses FromBlob(const Blob& blob);
 };
 
 // Their names in the State begin with this; a robot's number follows.

@@ -44,8 +44,11 @@ class LocalGrids {
   LocalGrids(const GridOptions& options, std::vector<SensorRing> rings);
 
   // One scan of all rings, in the order of the constructor, at the robot's pose in the odometric frame. Does
-  // not allocate. Throws InputError: a pose or heading that is not of numbers or beyond a million cells, a
-  // wrong number of rings or of ranges, time that runs backwards.
+  // not allocate.
+  // Throws InputError where
+  // - the pose is not of numbers, or lies beyond a million cells;
+  // - the numbers of rings or of their ranges are others than the constructor's;
+  // - a ring's heading or time is not a number, or time runs backwards.
   Alignment Update(const Pose& odometry, std::span<const RingScan> scans);
 
   // The robot in the local frame. When the frame is turned, it is about the robot: only the heading changes.

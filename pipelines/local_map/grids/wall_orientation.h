@@ -24,8 +24,8 @@ class WallOrientation {
   // `kept`: the fraction of the histogram that is kept each scan.
   WallOrientation(double kept, PeakRule rule) : decay_(kept), rule_(rule) {}
 
-  // The next scan, so many ticks after the last, with these edges. Each counts with
-  // the inverse variance of its angle, 1/deg^2.
+  // The next scan, so many ticks after the last, with these edges. Each counts with the inverse variance of
+  // its angle, 1/deg^2.
   void Add(std::span<const Edge> edges, std::int32_t ticks = kTicksPerScan);
 
   // Direction of the walls in [-pi / 4, pi / 4] and how strong it is; none without a strong peak.

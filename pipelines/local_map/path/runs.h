@@ -45,7 +45,9 @@ struct RobotRuns {
 Odometry WithoutJumps(Odometry odometry, const RunOptions& options, std::vector<double>* jumps);
 
 // Cut dead reckoning of all robots, as a table of poses (schema/FORMAT.md): what ReadRangeScans places scans
-// by. `log` without odometry: its poses. Throws InputError that names the robot.
+// by. `log` without odometry: its poses.
+// Throws InputError that names the robot where it has neither odometry nor poses, its arrays are empty or
+// differ in length, a number is not finite, or time runs backwards.
 struct DeadReckoning {
   std::vector<Odometry> robots;
   std::vector<std::vector<double>> jumps;  // [robots]

@@ -8,8 +8,8 @@
 
 namespace cairn::cli {
 
-// With sides of `most_side` pixels at most (datasets/images/decode_image.h). Throws WorldError where it
-// cannot be run, or crashes on an image.
+// With sides of `most_side` pixels at most (datasets/images/decode_image.h).
+// Throws WorldError where it cannot be run, or crashes on an image.
 std::vector<datasets::ImageReading> ReadImagesElsewhere(const std::vector<std::string>& paths, int most_side);
 
 }  // namespace cairn::cli
