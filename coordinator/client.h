@@ -59,9 +59,11 @@ struct Input {
 };
 Input InputInMemory(BlobPtr blob);
 
-// Every call asks once and waits for the answer. Failures: kIo: nobody answers at the endpoint; kRefused: the
-// service said no (message: why), or does not know this key; kNotFound: no such job. After any of them the
-// next call starts on a new connection. For one thread.
+// Every call asks once and waits for the answer. After a failure the next call starts on a new connection.
+// For one thread.
+// kIo: nobody answers at the endpoint.
+// kRefused: the service said no (message: why), or does not know this key.
+// kNotFound: no such job.
 class Client {
  public:
   // Does not wait for the service to be there: the first call does.

@@ -56,8 +56,9 @@ class Core {
   std::vector<wire::WorkerInfo> Workers() const;  // in the order in which they joined
   const Fleet& fleet() const { return fleet_; }
   std::size_t held_blobs() const { return ledger_.size(); }
-  // For how long the store has been served, in all. A job's age is counted in it: no clock but the one that
-  // Handle is told, which never jumps, makes a job old, and no restart makes it young.
+  // For how long the store has been served, in seconds, by this coordinator and those before it. A job's age
+  // is counted in it: the time that Handle is told never jumps, and a restart does not make a job young
+  // again.
   double served_s() const { return now_s_ - served_from_s_; }
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
   // Whether a worker may get tasks of the job.
@@ -148,10 +149,10 @@ class Core {
   Job* Obeying(const std::string& id, JobCommand command, const std::string& asker);
   bool IsOfThisBuild(Job& job);
   void GoOn(Job& job, const std::string& how);
-  // For a command that changes the job: once the next checkpoint is durable. Where it cannot be, the job is
-  // as it was `before`.
+  // Of a command that has changed the job: `asker` is answered once the next checkpoint is durable. Where
+  // that cannot be made durable, the job is put back to what it was `before`.
   void AnswerWhenSaved(Job& job, const std::string& asker, const Standing& before);
-  // For one that asks for what is so already: once that is durable.
+  // Of a command that asks for what is so already: `asker` is answered once that is durable.
   void AnswerAsItStands(Job& job, const std::string& asker, bool known = false);
   void AnswerDurable(Job& job, std::uint64_t number);  // those who waited for that checkpoint
   void RefusePending(Job& job, const std::string& why);

@@ -70,8 +70,8 @@ class Fleet {
 
   bool AnyRoom() const { return !open_.empty(); }
   std::size_t able() const { return able_; }  // workers that may get tasks now or later
-  // A worker that has room, the least assigned, and is none of `but`; of the first few equals the one that
-  // has most of the first of `inputs`. Null where there is none.
+  // Of the workers that have room and are none of `but`, one with the least assigned; of the first few of
+  // these the one that holds most of the first of `inputs`. Null where there is none.
   Worker* Place(std::span<const Hash> inputs, const std::set<std::uint64_t>& but = {});
   Worker* Idle(const std::set<std::uint64_t>& but = {});  // that may get tasks and has none; null as above
   Worker* Busiest();  // with the most assigned, at least two; null where there is none

@@ -12,8 +12,9 @@ class AddressLock {
  public:
   // Of `ipc://PATH`: PATH.lock, which goes with the process that holds it, so that what a killed coordinator
   // left is in nobody's way. Of another endpoint nothing: the system gives it to one process at a time.
-  // kBusy: another process serves there; the message says which, and `what` will be said of this one (its
-  // store). kRefused, …: as wire::CheckEndpoint says.
+  // `what`: what others are told of this process (its store).
+  // kBusy: another process serves there; the message says which.
+  // Other failures: as wire::CheckEndpoint says.
   static Result<AddressLock> Take(const std::string& endpoint, const std::string& what);
   AddressLock(AddressLock&& other) noexcept;
   AddressLock& operator=(AddressLock&&) = delete;

@@ -10,7 +10,8 @@
 
 namespace cairn::coordinator {
 
-// kRefused: tcp without keys, or ipc outside a private folder. kBusy: the address is in use.
+// kRefused: tcp without keys, or ipc outside a private folder.
+// kBusy: the address is in use.
 Result<std::unique_ptr<Transport>> ListenZmq(const std::string& endpoint,
                                              const std::optional<wire::ServerSecurity>& security = {},
                                              const wire::SocketOptions& options = {});

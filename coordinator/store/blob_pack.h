@@ -10,8 +10,8 @@ namespace cairn::coordinator {
 
 Blob PackBlobs(const std::vector<wire::NamedBlob>& blobs);
 
-// In the order in which they were packed, each checked against its hash. kCorrupt: it is not a pack, or
-// damaged.
+// In the order in which they were packed, each checked against its hash.
+// kCorrupt: it is not a pack, or damaged.
 Result<std::vector<wire::NamedBlob>> UnpackBlobs(const Blob& pack);
 
 }  // namespace cairn::coordinator

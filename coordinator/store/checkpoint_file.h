@@ -12,8 +12,8 @@ namespace cairn::coordinator {
 
 // Whole or not at all; see WriteBlobFile.
 Status WriteCheckpoint(const std::filesystem::path& path, const proto::Checkpoint& checkpoint);
-// kCorrupt names the file: a wrong checksum, or bytes that are no checkpoint, or one whose parts do not fit
-// together.
+// kCorrupt, with the file's name: a wrong checksum, bytes that are no checkpoint, or a checkpoint whose parts
+// do not fit together.
 Result<proto::Checkpoint> ReadCheckpoint(const std::filesystem::path& path);
 // What such a file holds; kCorrupt says what is wrong with it, not where.
 Result<proto::Checkpoint> ParseCheckpoint(std::span<const std::uint8_t> bytes);

@@ -19,9 +19,11 @@ inline constexpr int kStoreVersion = 3;
 
 class StoreFolder {
  public:
-  // Makes it where it does not exist, with mode 0700, and locks it until the object goes. kCorrupt: a folder
-  // that holds something, but no store. kBusy: another has it. kVersion: it is of a newer version, or from
-  // before files had checksum trailers; then nothing in it is touched.
+  // Makes it where it does not exist, with mode 0700, and locks it until the object goes.
+  // kCorrupt: a folder that holds something, but no store.
+  // kBusy: another process has it.
+  // kVersion: it is of a newer version, or from before files had checksum trailers; then nothing in it is
+  // touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
@@ -54,8 +56,8 @@ class StoreFolder {
   void FinishForgetting(const std::function<std::filesystem::path(const std::string& job)>& results_of) const;
   // Forgets all jobs. What is none of a store's stays.
   Status Clear();
-  // Not Ok: what is called dir() is no more the folder that was opened; it was removed, or moved. Nothing may
-  // be written there: nobody would find it.
+  // Whether what is called dir() is still the folder that was opened. Not Ok: it was removed or moved;
+  // nothing may be written there any more, for nobody would find it.
   Status IsStillThere() const;
 
  private:

@@ -28,8 +28,9 @@ std::uint64_t NumberOfJob(const std::string& id);
 // For one thread.
 class JobTable {
  public:
-  // Opens or makes the file; one of an earlier version is upgraded. kCorrupt: it is not a job table, or
-  // damaged. kVersion: of a later version; then it is not touched.
+  // Opens or makes the file; one of an earlier version is upgraded.
+  // kCorrupt: it is not a job table, or damaged.
+  // kVersion: of a later version; then it is not touched.
   static Result<JobTable> Open(const std::filesystem::path& path);
   JobTable(JobTable&&) noexcept = default;
   JobTable& operator=(JobTable&&) noexcept = default;

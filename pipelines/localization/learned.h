@@ -14,7 +14,7 @@ namespace cairn::localization {
 class Learned {
  public:
   // Throws InputError that names the array where
-  // - its shape does not fit the others', or a number is not finite;
+  // - its shape does not fit the others', or a number of it is not finite (map/x_m is not looked at);
   // - a scale is not above 0, or a sample's run is none of the file's.
   explicit Learned(const Blob& file);
 
