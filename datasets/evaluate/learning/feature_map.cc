@@ -55,6 +55,7 @@ WindowError ErrorOf(const Held& held, std::span<const double> probability,
 std::vector<double> FeatureProbabilities(std::span<const double> g) {
   std::vector<double> probability(std::size_t{1} << g.size(), 1.0);
   for (std::size_t f = 0; f < probability.size(); ++f) {
+    // [Thr98] eqs 32, 33
     for (std::size_t i = 0; i < g.size(); ++i) probability[f] *= (f >> i & 1) != 0 ? g[i] : 1.0 - g[i];
   }
   return probability;
@@ -79,6 +80,7 @@ FeatureMap MapByNearest(const std::vector<Point>& positions, std::span<const dou
     for (std::size_t j = 0; j < count; ++j) {
       for (std::size_t i = 0; i < networks; ++i) mean[i] += output[near[j].second * networks + i];
     }
+    // [Thr98] section 5.1.6
     for (double& g : mean) g /= static_cast<double>(count);
     const std::vector<double> probability = FeatureProbabilities(mean);
     map.probability.insert(map.probability.end(), probability.begin(), probability.end());

@@ -23,7 +23,7 @@ struct MeanError {
 struct LocalizationRow {
   std::int64_t sensations = 0, traverses = 0;
   double travelled_m = 0;  // mean
-  MeanError believed;      // eq. 21: the mean over the belief of the distance to the true position
+  MeanError believed;      // [Thr98] eq. 21: the mean over the belief of the distance to the true position
   MeanError mean;          // of the belief's mean from the true position
   MeanError mode;          // of its most likely position
   double within_1m = 0;    // share of traverses whose mean is that near

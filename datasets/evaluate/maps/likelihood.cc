@@ -65,6 +65,7 @@ double LogDensity(const ScoredReading& reading, const ReadingModel& model) {
     if (reading.echo && cell.distance_m > reading.z_m + kFarthestSd * model.sigma_m) break;
     const double q = cell.q * model.p_hit;
     if (reading.echo && std::abs(cell.distance_m - reading.z_m) <= kFarthestSd * model.sigma_m)
+      // [Thr01] eqs 4, 9
       hit += reached * q * Normal(reading.z_m - cell.distance_m, model.sigma_m);
     reached *= 1 - q;
   }

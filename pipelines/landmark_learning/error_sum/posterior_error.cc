@@ -139,6 +139,7 @@ double ErrorInMap(const Pairs& pairs, const std::vector<Real>& of_truth, const s
       double ruled_out = 0.0;  // probability of what the map holds for impossible
       for (int f = 0; f < vectors; ++f) {
         if (z[f] > 0)
+          // [Thr98] eqs 36, 42, of true positions that are not the samples that they are taken for
           error += weight[static_cast<std::size_t>(a)] * g[f] * CostOf(pairs, n[f] / z[f]);
         else
           ruled_out += g[f];
