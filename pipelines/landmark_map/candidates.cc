@@ -73,7 +73,7 @@ void KeepAssociations(Partials& partials, cairn::Step* step) {
   for (std::size_t i = 0; i < partials.size(); ++i) {
     const BlobPtr partial = partials.Get(i);
     if (partial->Has(kFailure)) throw NoPathError(partial->Text(kFailure));
-    if (partial->Has("association/landmark")) summaries.push_back(*partial);
+    if (partial->Has("association/landmark")) summaries.push_back(SummaryOf(*partial));
   }
   std::ranges::sort(summaries, {}, [](const Blob& b) { return b.Scalar<std::int32_t>("first"); });
   Blob associations;

@@ -43,15 +43,30 @@ std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Sc
   return work;
 }
 
+// What the round's slices leave for guesses, a robot at a time.
+class WhatIsLeft {
+ public:
+  explicit WhatIsLeft(std::size_t robots) : of_(robots) {}
+  // In task order.
+  void Add(const Blob& partial) {
+    if (partial.Has("log_likelihood"))
+      of_[static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"))].AddEarlier(partial);
+  }
+  const Guesses& operator[](std::size_t robot) const { return of_[robot]; }
+
+ private:
+  std::vector<Guesses> of_;
+};
+
 // Which of the next round's slices are guessed, and from what; the overlap doubles where it was too short.
-void PlanGuesses(const Options& options, const RoundSum& sum, const Schedule& next, RobotStates* robot_states,
-                 std::map<std::string, Blob>* fresh, State* state) {
+void PlanGuesses(const Options& options, const RoundSum& sum, const WhatIsLeft& left, const Schedule& next,
+                 RobotStates* robot_states, std::map<std::string, Blob>* fresh, State* state) {
   for (std::size_t r = 0; options.speculate && r < static_cast<std::size_t>(next.robots); ++r) {
     if (TooShort(sum.guessed(r), sum.confirmed(r))) {
       robot_states->overlap[r] *= 2;
       continue;  // what this round left for guesses lies elsewhere
     }
-    const Guesses& guesses = sum.GuessesOf(r);
+    const Guesses& guesses = left[r];
     const std::vector<bool> worth = WorthGuessing(guesses, StepsInUse(next, robot_states->step_counts[r]),
                                                   robot_states->overlap[r], next);
     if (std::find(worth.begin(), worth.end(), true) == worth.end()) continue;
@@ -78,16 +93,23 @@ std::string NoRefinement(const Options& options, const Settings& settings, const
 }
 
 // The last E-step's sum, which no map follows.
-MStep Summary(Partials& partials, const Settings& settings, std::size_t robots) {
+MStep Summary(Partials& partials, const Settings& settings, WhatIsLeft* left, std::size_t robots) {
   MStep last{RoundSum(NoCounts(settings.map), robots), {}, {}};
-  for (std::size_t i = 0; i < partials.size(); ++i) last.sum.Add(*partials.Get(i));
+  for (std::size_t i = 0; i < partials.size(); ++i) {
+    const BlobPtr partial = partials.Get(i);
+    last.sum.Add(*partial);
+    left->Add(*partial);
+  }
   return last;
 }
 
-// Throws NoPathError where a task of the round said so.
-MStep MadeMap(const Blob& partial, std::size_t robots) {
-  if (partial.Has(kFailure)) throw NoPathError(partial.Text(kFailure));
-  return MStep::FromBlob(partial, robots);
+// The last task's. Throws NoPathError where a task of the round said so. `left`: nullptr where the round
+// leaves nothing for guesses, and no other partial need be looked at.
+MStep MadeMap(Partials& partials, WhatIsLeft* left, std::size_t robots) {
+  for (std::size_t i = 0; left != nullptr && i + 1 < partials.size(); ++i) left->Add(*partials.Get(i));
+  const BlobPtr last = partials.Get(partials.size() - 1);
+  if (last->Has(kFailure)) throw NoPathError(last->Text(kFailure));
+  return MStep::FromBlob(*last, robots);
 }
 
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
@@ -102,7 +124,7 @@ std::string Note(const Schedule& done, double log_likelihood, std::size_t landma
 // The last E-step once more, with the refined map.
 cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& landmarks,
                          const std::vector<Landmark>& before, const Blob& history, const RoundSum& sum,
-                         const State& state, const Inputs& inputs) {
+                         const WhatIsLeft& left, const State& state, const Inputs& inputs) {
   const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   Schedule schedule = Schedule::Load(state);
@@ -120,7 +142,7 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
       {"landmarks", ToBlob(landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   RobotStates robot_states = RobotStates::Load(state, robots.size());
-  PlanGuesses(options, sum, schedule, &robot_states, &fresh, step.plan.mutable_state());
+  PlanGuesses(options, sum, left, schedule, &robot_states, &fresh, step.plan.mutable_state());
   PlanRound(options, robots, schedule, robot_states, fresh, &step);
   step.plan.set_note("refined: " + std::to_string(landmarks.size()) + " landmarks by least squares");
   return step;
@@ -135,8 +157,10 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   const Schedule done = Schedule::Load(state);
   RobotStates robot_states = RobotStates::Load(state, robots.size());
 
-  const MStep m_step = done.summarise ? Summary(partials, settings, robots.size())
-                                      : MadeMap(*partials.Get(partials.size() - 1), robots.size());
+  WhatIsLeft left(robots.size());
+  const MStep m_step = done.summarise
+                           ? Summary(partials, settings, &left, robots.size())
+                           : MadeMap(partials, LeavesTables(options, done) ? &left : nullptr, robots.size());
   const RoundSum& sum = m_step.sum;
   if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
     CheckLikelihood(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
@@ -163,7 +187,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
         const Refinement refined =
             RefineMap(AssociatedPaths(sum, steps, robot_states.odometry), settings, landmarks);
         if (refined.refused.empty())
-          return SummaryUnder(options, refined.landmarks, landmarks, history, sum, state, inputs);
+          return SummaryUnder(options, refined.landmarks, landmarks, history, sum, left, state, inputs);
         not_refined = "refused: " + refined.refused;
       }
     }
@@ -187,7 +211,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
                                     {"perception", m_step.perception.ToBlob()},
                                     {"landmarks", ToBlob(m_step.landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
-  PlanGuesses(options, sum, next, &robot_states, &fresh, step.plan.mutable_state());
+  PlanGuesses(options, sum, left, next, &robot_states, &fresh, step.plan.mutable_state());
   PlanRound(options, robots, next, robot_states, fresh, &step);
   step.plan.set_note(Note(done, sum.log_likelihood(), m_step.landmarks.size()));
   return step;

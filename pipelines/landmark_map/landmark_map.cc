@@ -51,6 +51,7 @@ cairn::Step Merged(const Options& options, std::vector<cairn::Step> candidates) 
 
 Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
   if (task.kind() == "incremental") return RunIncremental(options, task, inputs, progress);
+  if (task.kind() == "sum") return RunSum(task, inputs);
   return task.kind() == "m_step" ? RunMStep(task, inputs) : RunSlice(options, task, inputs, progress);
 }
 

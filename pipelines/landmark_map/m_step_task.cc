@@ -9,10 +9,28 @@ namespace cairn::landmark_map {
 
 std::string PartialInput(std::size_t index) { return "partial/" + std::to_string(index); }
 
+namespace {
+
+RoundSum SumOf(const Task& task, const Inputs& inputs, const MapRules& rules) {
+  const auto robots = static_cast<std::size_t>(task.params().at("robots").i());
+  RoundSum sum = inputs.Has("sum") ? RoundSum::FromBlob(inputs.Get("sum")->Sub("sum/"), robots)
+                                   : RoundSum(NoCounts(rules), robots);
+  for (std::size_t i = 0; inputs.Has(PartialInput(i)); ++i) sum.Add(*inputs.Get(PartialInput(i)));
+  return sum;
+}
+
+}  // namespace
+
+Blob RunSum(const Task& task, const Inputs& inputs) {
+  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+  Blob blob;
+  blob.PutAll("sum/", SumOf(task, inputs, settings.map).ToBlob());
+  return blob;
+}
+
 Blob RunMStep(const Task& task, const Inputs& inputs) {
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  RoundSum sum(NoCounts(settings.map), static_cast<std::size_t>(task.params().at("robots").i()));
-  for (std::size_t i = 0; inputs.Has(PartialInput(i)); ++i) sum.Add(*inputs.Get(PartialInput(i)));
+  const RoundSum sum = SumOf(task, inputs, settings.map);
   RequireMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
   Blob blob;
   blob.PutAll("sum/", sum.ToBlob());

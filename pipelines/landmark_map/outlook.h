@@ -8,8 +8,8 @@
 namespace cairn::landmark_map {
 
 // Microseconds of a core a cell (model/work.h): of a forward task, and of a backward one, which goes forward
-// first; of an M-step.
-inline constexpr double kForwardUs = 0.004, kBackwardUs = 0.009, kMStepUs = 800.0;
+// first; of an M-step; of a task that adds up partials.
+inline constexpr double kForwardUs = 0.004, kBackwardUs = 0.009, kMStepUs = 800.0, kSumUs = 200.0;
 // Least squares, a step of all robots.
 inline constexpr double kRefinementUs = 100.0;
 // Without a map a cell takes so many times as long.

@@ -63,14 +63,25 @@ class RoundPlanner {
       const auto at = static_cast<std::size_t>(s);
       beta = AddTask("backward", chain, s, forward[at], beta, guess[at]);
       backward_.push_back(beta);
+      bytes_.push_back(sizeof(double) * robot_states_.work[robot] / count);
     }
   }
 
-  // From the partials of all robots' `backward` tasks.
+  // From the partials of all robots' `backward` tasks, in their order. Where they are large tasks `sum` add
+  // them up as they come, each a few more to what the one before it has.
   void AddMStep(std::size_t robots) {
-    TaskBuilder task("m_step", kMStepUs, plan_);
-    task.Set("robots", robots).Read("settings");
-    for (std::size_t i = 0; i < backward_.size(); ++i) task.ReadPartial(PartialInput(i), backward_[i]);
+    std::int64_t sum = kNone;
+    std::size_t begin = 0;
+    double bytes = 0.0;
+    for (std::size_t i = 0; i < backward_.size(); ++i) {
+      if (i > begin && bytes + bytes_[i] > kSumBytes) {
+        sum = AddSum("sum", kSumUs, robots, sum, begin, i);
+        begin = i;
+        bytes = 0.0;
+      }
+      bytes += bytes_[i];
+    }
+    AddSum("m_step", kMStepUs, robots, sum, begin, backward_.size());
   }
 
  private:
@@ -91,6 +102,7 @@ class RoundPlanner {
     VisitOdometry(robot_states_.odometry[chain.robot],
                   [&](const char* figure, double value) { task.Set(figure, value); });
     task.Set("summarise", schedule_.summarise).Set("joint", schedule_.robots > 1);
+    task.Set("warm", LeavesTables(options_, schedule_));
     task.Read("settings").Read("steps", "steps/" + std::to_string(chain.robot));
     if (plan_->state().blobs().contains("perception")) task.Read("perception");
     if (schedule_.summarise) task.Read("landmarks");
@@ -98,6 +110,15 @@ class RoundPlanner {
     if (before != kNone) task.ReadPartial("before", before);
     if (beta != kNone) task.ReadPartial("beta", beta);
     if (guess != kNone) task.ReadPartial("guess", guess);
+    return task.index();
+  }
+
+  std::int64_t AddSum(const char* kind, double cost_us, std::size_t robots, std::int64_t before,
+                      std::size_t begin, std::size_t end) {
+    TaskBuilder task(kind, cost_us, plan_);
+    task.Set("robots", robots).Read("settings");
+    if (before != kNone) task.ReadPartial("sum", before);
+    for (std::size_t i = begin; i < end; ++i) task.ReadPartial(PartialInput(i - begin), backward_[i]);
     return task.index();
   }
 
@@ -115,6 +136,7 @@ class RoundPlanner {
   const RobotStates& robot_states_;
   proto::Step* plan_;
   std::vector<std::int64_t> backward_;  // tasks
+  std::vector<double> bytes_;           // of their partials, some: a belief's of the robot
 };
 
 }  // namespace
@@ -160,6 +182,11 @@ RobotStates RobotStates::Load(const State& state, std::size_t robots) {
     });
   }
   return robot_states;
+}
+
+bool LeavesTables(const Options& options, const Schedule& schedule) {
+  const bool last = schedule.refined || (schedule.summarise && (!options.refine || options.iterations == 0));
+  return options.speculate && !last && schedule.prefix >= 1.0 && schedule.settled + 1 >= kSharpAfter;
 }
 
 OdometryFit OdometryOf(const Task& task) {

@@ -32,6 +32,9 @@ Blob StoredCounts(const LayeredGrid& counts);
 // How many of a robot's steps an E-step looks at.
 int StepsInUse(const Schedule& schedule, std::int64_t steps);
 
+// Whether the tasks `backward` of this E-step leave tables from which the next one's slices may be guessed.
+bool LeavesTables(const Options& options, const Schedule& schedule);
+
 // What a task is told of its robot's odometry.
 OdometryFit OdometryOf(const Task& task);
 

@@ -201,7 +201,7 @@ class SliceTask {
   // What a guess of the next slice in the next round begins from.
   void PutWarm(const Alphas& alphas, const LayeredGrid& before, Blob* partial) const {
     const std::int64_t overlap = Param("overlap").i(), at = slice_.end - slice_.first - overlap - 1;
-    if (overlap == 0 || at < -1 || slice_.end == Param("count").i()) return;
+    if (!Param("warm").b() || overlap == 0 || at < -1 || slice_.end == Param("count").i()) return;
     (at < 0 ? before : alphas.tables[static_cast<std::size_t>(at)]).StoreSparse("warm/", partial);
   }
 

@@ -147,6 +147,19 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   return partial;
 }
 
+Blob SummaryOf(const Blob& partial) {
+  Blob summary;
+  for (const auto& [name, array] : partial.fields()) {
+    const bool wanted = name == "first" || name.starts_with("pose/") || name.starts_with("association/") ||
+                        name.starts_with("belief/");
+    if (!wanted) continue;
+    // An array may lie in a mapped file beside the partial's tables, all of which it keeps there.
+    summary.Put(name,
+                Array::FromBytes(array.type(), array.item_bytes(), array.shape(), array.bytes()).value());
+  }
+  return summary;
+}
+
 std::vector<double> Joined(const std::vector<Blob>& summaries, const char* name) {
   std::vector<double> all;
   for (const Blob& summary : summaries) {
@@ -167,9 +180,7 @@ Associated AssociatedIn(const std::vector<Blob>& summaries) {
 
 namespace {
 
-std::string RobotKey(const char* what, std::size_t robot) {
-  return what + ("/" + std::to_string(robot)) + "/";
-}
+std::string IncrementsOf(std::size_t robot) { return "increments/" + std::to_string(robot) + "/"; }
 
 }  // namespace
 
@@ -181,8 +192,7 @@ RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
       first_path_m_(robots, 0.0),
       summaries_(robots),
       guessed_(robots, 0),
-      confirmed_(robots, 0),
-      guesses_(robots) {}
+      confirmed_(robots, 0) {}
 
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
@@ -197,17 +207,11 @@ void RoundSum::Add(const Blob& partial) {
   work_[robot] += partial.Scalar<double>("work");
   increments_[robot].Join(IncrementSums::Load("increments/", partial), first_path_m_[robot]);
   first_path_m_[robot] = partial.Scalar<double>("first_path_m");
-  if (partial.Has("pose/x_m")) summaries_[robot].push_back(partial);
+  if (partial.Has("pose/x_m")) summaries_[robot].push_back(SummaryOf(partial));
   if (partial.Has("confirmed")) {
     ++guessed_[robot];
     confirmed_[robot] += partial.Scalar<std::int32_t>("confirmed");
   }
-  // The last slice comes first, and what it holds is for the one after it.
-  Guesses& guesses = guesses_[robot];
-  if (!guesses.warm.empty() && partial.Has("warm/box"))
-    guesses.warm.front() = LayeredGrid::LoadSparse("warm/", partial);
-  guesses.first.insert(guesses.first.begin(), partial.Scalar<std::int32_t>("first"));
-  guesses.warm.insert(guesses.warm.begin(), LayeredGrid());
 }
 
 Blob RoundSum::ToBlob() const {
@@ -218,10 +222,8 @@ Blob RoundSum::ToBlob() const {
   blob.PutVector("work", work_);
   blob.PutVector("guessed", guessed_);
   blob.PutVector("confirmed", confirmed_);
-  for (std::size_t r = 0; r < increments_.size(); ++r) {
-    increments_[r].Store(RobotKey("increments", r), &blob);
-    blob.PutAll(RobotKey("guesses", r), guesses_[r].ToBlob());
-  }
+  blob.PutVector("first_path_m", first_path_m_);
+  for (std::size_t r = 0; r < increments_.size(); ++r) increments_[r].Store(IncrementsOf(r), &blob);
   return blob;
 }
 
@@ -237,10 +239,8 @@ RoundSum RoundSum::FromBlob(const Blob& blob, std::size_t robots) {
   get("work", &sum.work_);
   get("guessed", &sum.guessed_);
   get("confirmed", &sum.confirmed_);
-  for (std::size_t r = 0; r < robots; ++r) {
-    sum.increments_[r] = IncrementSums::Load(RobotKey("increments", r), blob);
-    sum.guesses_[r] = Guesses::FromBlob(blob.Sub(RobotKey("guesses", r)));
-  }
+  get("first_path_m", &sum.first_path_m_);
+  for (std::size_t r = 0; r < robots; ++r) sum.increments_[r] = IncrementSums::Load(IncrementsOf(r), blob);
   return sum;
 }
 

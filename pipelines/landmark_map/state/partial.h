@@ -8,7 +8,6 @@
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/model/odometry_fit.h"
 #include "pipelines/landmark_map/state/schedule.h"
-#include "pipelines/landmark_map/state/speculation.h"
 
 namespace cairn::landmark_map {
 
@@ -59,8 +58,12 @@ struct Associated {
 };
 Associated AssociatedIn(const std::vector<Blob>& summaries);
 
-// Adds up partials, which must come in task order. Counts, likelihood and motion increments add; summaries
-// are kept, but not stored.
+// A partial's pose/…, association/…, belief/… and first: copies, for which none of its other tables need stay
+// in memory.
+Blob SummaryOf(const Blob& partial);
+
+// Adds up partials one by one, which must come in task order: nothing of a partial's tables is kept. Counts,
+// likelihood and motion increments add; summaries are kept, but not stored.
 class RoundSum {
  public:
   RoundSum(LayeredGrid no_counts, std::size_t robots);
@@ -74,8 +77,6 @@ class RoundSum {
   double log_likelihood_of(std::size_t robot) const { return log_likelihood_of_[robot]; }
   double WorkOf(std::size_t robot) const { return work_[robot]; }
   const std::vector<IncrementSums>& increments() const { return increments_; }  // per robot
-  // Of a robot's slices, what the next round may guess from.
-  const Guesses& GuessesOf(std::size_t robot) const { return guesses_[robot]; }
   // Slices that were guessed, and those of them that were guessed right.
   std::int64_t guessed(std::size_t robot) const { return guessed_[robot]; }
   std::int64_t confirmed(std::size_t robot) const { return confirmed_[robot]; }
@@ -91,7 +92,6 @@ class RoundSum {
   std::vector<double> first_path_m_;  // per robot: distance travelled to the earliest step so far
   std::vector<std::vector<Blob>> summaries_;
   std::vector<std::int64_t> guessed_, confirmed_;  // per robot
-  std::vector<Guesses> guesses_;                   // per robot
 };
 
 }  // namespace cairn::landmark_map

@@ -23,6 +23,12 @@ std::string WarmPrefix(std::size_t slice) { return "warm/" + std::to_string(slic
 
 }  // namespace
 
+void Guesses::AddEarlier(const Blob& partial) {
+  if (!warm.empty() && partial.Has("warm/box")) warm.front() = LayeredGrid::LoadSparse("warm/", partial);
+  first.insert(first.begin(), partial.Scalar<std::int32_t>("first"));
+  warm.insert(warm.begin(), LayeredGrid());
+}
+
 Blob Guesses::ToBlob() const {
   Blob blob;
   blob.PutVector("first", first);
@@ -45,7 +51,6 @@ Guesses Guesses::FromBlob(const Blob& blob) {
 
 std::vector<bool> WorthGuessing(const Guesses& guesses, std::int64_t steps, std::int64_t overlap,
                                 const Schedule& next) {
-  constexpr int kSharpAfter = 2;
   const std::size_t slices = guesses.first.size();
   std::vector<bool> worth(slices, false);
   if (next.settled < kSharpAfter) return worth;

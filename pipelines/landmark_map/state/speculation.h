@@ -18,6 +18,9 @@ struct Guesses {
   // slice before is too short to have it.
   std::vector<LayeredGrid> warm;
 
+  // The partial of the robot's task `backward` of the slice before those so far: the last slice's comes
+  // first, and what a slice leaves is for the one after it.
+  void AddEarlier(const Blob& partial);
   Blob ToBlob() const;
   // Throws InputError where an array is missing or does not fit the others.
   static Guesses FromBlob(const Blob& blob);
@@ -29,8 +32,11 @@ inline constexpr const char* kGuesses = "guesses/";
 // How many steps before a slice a guess begins, and how many behind it a guess of beta does, at first.
 inline constexpr std::int64_t kOverlap = 32;
 
+// Iterations on all data after which the map is sharp enough for slices to be guessed.
+inline constexpr std::int64_t kSharpAfter = 2;
+
 // Which slices of a robot's next round, of `steps` steps in all, are worth guessing: once the map is sharp,
-// after two iterations on all data, those that are at least twice as long as the overlap. None where it would
+// those that are at least twice as long as the overlap. None where it would
 // be the first one alone, which waits for nobody.
 std::vector<bool> WorthGuessing(const Guesses& guesses, std::int64_t steps, std::int64_t overlap,
                                 const Schedule& next);
