@@ -107,6 +107,8 @@ TEST_F(ImportImagesTest, BadTablesNameFileLineAndReason) {
   ExpectContains(Failure(header_ + all + "a.png,1,0,0\n"), "poses.csv:5: time runs backwards");
   ExpectContains(Failure(header_ + all + "a.png,5,east,0\n"), "poses.csv:5: not a number");
   ExpectContains(Failure("image,time_s,x_m,y_m,run\na.png,1,0,0,\n"), "poses.csv:2: run without a name");
+  ExpectContains(Failure("image,time_s,x_m,y_m,run\na.png,1,0,0,a\x01\n"),
+                 "poses.csv:2: a name that has control characters: run is 'a '");
   ExpectContains(Failure("image,time_s,x_m\n"), "poses.csv:1: the header lacks columns");
   ExpectContains(Failure(header_ + "a.png,1,0,0\nb.jpg,2,0,0\n"), "deep/c.ppm: image without a pose: ");
   ExpectContains(Failure("image,time_s,x_m,y_m,run\n"

@@ -12,6 +12,7 @@
 #include "datasets/import/sample_rows.h"
 #include "datasets/import/timed_inputs.h"
 #include "schema/error.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -35,6 +36,7 @@ class ImagesImport {
   ImagesImport(const ImagesImportOptions& options, const ImageReader& read)
       : options_(options), read_(read), bad_(options.skip_bad) {
     if (!fs::is_directory(options.folder)) throw InputError(options.folder + ": there is no such folder");
+    folder_name_ = fs::canonical(options_.folder).filename().string();
   }
 
   ImportReport Run(Blob* samples) {
@@ -71,6 +73,9 @@ class ImagesImport {
       if (found == header.end()) return std::nullopt;
       return static_cast<std::size_t>(found - header.begin());
     };
+    if (const std::string wrong = WhatIsWrongWithName(folder_name_); !column("run") && !wrong.empty())
+      throw InputError(Escaped(options_.folder) + ": the run is named after the folder, with a name that " +
+                       wrong + "; a column 'run' of " + Table() + " names it otherwise");
     reader.TakeExtraColumns();
     SampleColumns columns{1, column("x_m"), column("y_m"), column("heading_rad"), {}};
     for (std::size_t i = 0; i < reader.extra_columns().size(); ++i)
@@ -97,7 +102,10 @@ class ImagesImport {
   void ReadRow(const SampleColumns& columns, std::optional<std::size_t> run_column, const Readings* readings,
                CsvReader* reader) {
     const std::string path = PathOf(reader->Text(0));
-    const std::string name = run_column ? std::string(reader->Text(*run_column)) : FolderName();
+    const auto checked =
+        run_column ? reader->Name(*run_column) : std::optional<std::string_view>(folder_name_);
+    if (!checked) return;
+    const std::string name(*checked);
     if (!fs::is_regular_file(path)) return reader->Bad("no such image", path);
     if (name.empty()) return reader->Bad("run without a name", "the column is empty");
     const auto index = static_cast<std::size_t>(runs_.FindOrAdd(name));
@@ -145,8 +153,6 @@ class ImagesImport {
     return true;
   }
 
-  std::string FolderName() const { return fs::canonical(options_.folder).filename().string(); }
-
   void CountWithoutPose(const std::set<std::string>& named) {
     std::set<std::string> without;  // in order: the one that is named does not depend on the file system
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(options_.folder)) {
@@ -178,6 +184,7 @@ class ImagesImport {
   ImportReport report_;
   Samples samples_;
   NameIndex runs_;
+  std::string folder_name_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "datasets/import/csv_reader.h"
 #include "datasets/import/sample_rows.h"
 #include "schema/error.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -54,6 +55,8 @@ class VectorsImport {
   void ReadRun(const std::string& path) {
     SampleRun run;
     run.name = RunName(path);
+    if (const std::string wrong = WhatIsWrongWithName(run.name); !wrong.empty())
+      throw InputError(Escaped(path) + ": its run is named after it, with a name that " + wrong);
     for (std::size_t n = 0; n < samples_.runs.size(); ++n) {
       if (samples_.runs[n].name == run.name)
         throw InputError(path + ": its run is called '" + run.name + "', as that of " + options_.runs[n] +

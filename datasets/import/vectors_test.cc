@@ -146,6 +146,13 @@ TEST_F(ImportVectorsTest, TwoRunsOfOneNameAreRefused) {
   ExpectContains(InputErrorOf([this] { Import(); }), "a.csv.gz: its run is called 'a', as that of ");
 }
 
+// Such a name was refused when the samples were written, by then without the file that it came from.
+TEST_F(ImportVectorsTest, AFileWhoseNameIsNoNameForARunIsRefused) {
+  Put("a\tb.csv", std::string(kVectorsHeader) + "1,0,0,0,1,2\n2,0,0,0,1,2\n");
+  ExpectContains(InputErrorOf([this] { Import(); }),
+                 "b.csv: its run is named after it, with a name that has control characters");
+}
+
 TEST_F(ImportVectorsTest, SkipBadCountsByReasonAndKeepsWholeRowsOnly) {
   options_.skip_bad = true;
   Put("a.csv",
