@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <set>
 
 #include "pipelines/landmark_map/model/work.h"
@@ -14,8 +15,11 @@ constexpr double kCellMb = sizeof(double) / 1e6;
 // What EM does, of simulated worlds: its iterations on all data until the first robot has settled, those of
 // all robots, in each of which those that start anywhere look for themselves, and the rounds at the end.
 constexpr double kUsualIterations = 5.0, kJoinedIterations = 4.0, kLastRounds = 2.0;
-constexpr double kUsualWaves = 1.0, kRefits = 8.0, kNewStarts = 3.0;  // of the search; candidates a wave
+constexpr double kUsualWaves = 2.0, kRefits = 8.0, kNewStarts = 3.0;  // of the search; candidates a wave
 constexpr double kTask_s = 2e-3;                                      // of each, whatever its size
+constexpr double kSaved_s = 0.25;    // of a round: in a shorter one partials are not saved
+constexpr double kFilled = 0.3;      // of a belief's boxes: the rest is zero, and not handed over
+constexpr double kAhead = 16.0;      // partials that a worker fetches ahead of the one that it reads
 constexpr double kProgramMb = 40.0;  // a worker that has done nothing yet, and its copy of the log
 constexpr double kCacheMb = 512.0;   // what a worker keeps of blobs at most (--cache-mb)
 
@@ -33,13 +37,14 @@ Slices CutIntoSlices(const OpenLoop& loop, double slice_work) {
   Box box;
   for (std::size_t s = 0; s < loop.cells.size(); ++s) {
     const double here = loop.cells[s];
+    const bool last = s + 1 == loop.cells.size();
     box = Union(box, loop.boxes[s]);
     tables += here;
     work += here + kStepCells;
     slices.step = std::max(slices.step, here);
     slices.tables = std::max(slices.tables, tables);
-    if (work < slice_work && s + 1 < loop.cells.size()) continue;
-    slices.ends += here;
+    if (work < slice_work && !last) continue;
+    slices.ends += last ? 0.0 : here;
     slices.counts += static_cast<double>(box.cells());
     box = {};
     tables = work = 0;
@@ -49,15 +54,29 @@ Slices CutIntoSlices(const OpenLoop& loop, double slice_work) {
 
 // The cells under each heading where a robot may start that may be anywhere: the first landmark that it
 // observes tells where if it has a name, and its way up to there; else every place of the map may be.
-double PlacesWhereLost(const RobotSteps& steps, const Settings& settings, double map_cells) {
+// `known_m`: how far to either side that landmark may stand, by odometry alone, from where the first robot
+// saw it.
+double PlacesWhereLost(const RobotSteps& steps, const Settings& settings, double known_m, double map_cells) {
   if (steps.observations.empty()) return map_cells;
   const Observation& first = steps.observations[0];
   const bool named = first.type < settings.map.types, contact = first.x_m == 0 && first.y_m == 0;
   if (contact && !named) return map_cells;
   constexpr double kReach = 7.0;  // standard deviations to both sides, of landmark and observation
-  const double table =
-      named ? 2.0 * kReach * settings.map.observation_m / settings.map.grid.cell_m : std::sqrt(map_cells);
-  return CellsWhereLost(steps, settings.Model(nullptr), table);
+  const double reach_m = std::hypot(kReach * settings.map.observation_m, known_m);
+  const double table = named ? 2.0 * reach_m / settings.map.grid.cell_m : std::sqrt(map_cells);
+  return CellsWhereLost(steps, settings.Model(nullptr), std::min(table, std::sqrt(map_cells)));
+}
+
+// For each landmark that the first robot sees, by name or not, half the edge of the belief when it first
+// does.
+std::map<std::int32_t, double> KnownTo(const RobotSteps& steps, const OpenLoop& loop, double cell_m) {
+  std::map<std::int32_t, double> known_m;
+  for (int s = 0; s < steps.size(); ++s) {
+    const Box& box = loop.boxes[static_cast<std::size_t>(s)];
+    for (int k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k)
+      known_m.try_emplace(steps.observations[k].type, 0.5 * cell_m * std::max(box.nx, box.ny));
+  }
+  return known_m;
 }
 
 double StepsLost(const RobotSteps& steps) { return std::min(kStepsLost, static_cast<double>(steps.size())); }
@@ -66,7 +85,7 @@ double StepsLost(const RobotSteps& steps) { return std::min(kStepsLost, static_c
 Slices SlicesWhereLost(double places, const RobotSteps& steps, const Settings& settings, double slice_work) {
   const double step = places * settings.map.grid.headings;
   const double all = StepsLost(steps) * step, tables = std::clamp(slice_work, step, all);
-  return {tables, step, all / tables * step, all / tables * places};
+  return {tables, step, (all / tables - 1.0) * step, all / tables * places};
 }
 
 double TaskMb(const Slices& slices, double counts) {
@@ -75,7 +94,7 @@ double TaskMb(const Slices& slices, double counts) {
 
 // Alphas and betas handed over, and counts.
 double PartialsMb(const Slices& slices, double types) {
-  return kCellMb * (2.0 * slices.ends + types * slices.counts);
+  return kCellMb * (2.0 * kFilled * slices.ends + types * slices.counts);
 }
 
 std::set<std::int32_t> TypesSeen(const std::vector<RobotSteps>& robots) {
@@ -123,6 +142,24 @@ double SecondsOfSearch(const Options& options, const RobotSteps& robot, double f
                    (kNewStarts / count * all + kRefits * kUsualIterations * robot.size() * step_s);
 }
 
+// One pass forward: by odometry alone until that first comes back to something, then in a map that is far
+// from what EM would make of it, so that beliefs lie, in ratio, between both; each observation makes a map.
+double SecondsOfOnePass(const RobotSteps& robot, const OpenLoop& loop, const EStepModel& model,
+                        const Box& map, double types) {
+  constexpr double kForward = 0.5;  // of a cell's time over both passes
+  constexpr double kMapNs = 20.0;   // of a cell of a map that is made
+  const int back = FirstReturn(robot, loop, model);
+  const double in_a_map = WorkOfStep(robot, model);
+  double cells = 0.0, maps = 0.0;
+  for (int s = 0; s < robot.size(); ++s) {
+    const double open = loop.cells[static_cast<std::size_t>(s)] + kStepCells;
+    cells += s < back ? open : std::min(open, std::sqrt(open * in_a_map));
+    maps += robot.first_observation[s + 1] > robot.first_observation[s] ? 1.0 : 0.0;
+  }
+  return 1e-9 * (kForward * CellNanoseconds(robot, model, false) * cells +
+                 kMapNs * maps * types * static_cast<double>(map.cells()));
+}
+
 double MStepMb(const Box& box, bool identified, const MapRules& rules) {
   if (box.empty()) return 0.0;
   return kMStepTables * kCellMb * static_cast<double>((identified ? box : GrownByRadius(box, rules)).cells());
@@ -164,9 +201,8 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   const auto step_s = [&](const RobotSteps& robot) {
     return 1e-9 * CellNanoseconds(robot, model, true) * WorkOfStep(robot, model);
   };
-  estimate.seconds =
-      SecondsOfSearch(options, robots[0], 1e-9 * CellNanoseconds(robots[0], model, false) * estimate.cells,
-                      step_s(robots[0]), starts);
+  const double first_round_s = 1e-9 * CellNanoseconds(robots[0], model, false) * estimate.cells;
+  estimate.seconds = SecondsOfSearch(options, robots[0], first_round_s, step_s(robots[0]), starts);
   const double joined = std::min(kJoinedIterations, 1.0 + static_cast<double>(options.iterations));
   for (std::size_t r = 0; r < robots.size() && !only_round; ++r) {
     const double rounds = kLastRounds + (r > 0 ? joined : 0.0);
@@ -176,22 +212,37 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   estimate.task_mb = TaskMb(slices, counts);
   const auto candidates = static_cast<double>(starts.size());
   double partials = candidates * PartialsMb(slices, layers), partials_where_lost = 0.0;
+  double largest = slices.step;
+  const std::map<std::int32_t, double> known_m = KnownTo(robots[0], first, settings.map.grid.cell_m);
   const auto map = static_cast<double>(
       (given != nullptr ? BoxOf(given->likelihood) : GrownByRadius(reach, settings.map)).cells());
-  for (std::size_t r = options.start == "anywhere" ? 0 : 1; r < robots.size(); ++r) {
-    const Slices lost =
-        SlicesWhereLost(PlacesWhereLost(robots[r], settings, map), robots[r], settings, slice_work);
+  // The first one's frame is loose once others join.
+  const bool all_anywhere = options.start == "anywhere" || (settings.gauge_free && robots.size() > 1);
+  double lost_round_s = 0.0;
+  for (std::size_t r = all_anywhere ? 0 : 1; r < robots.size(); ++r) {
+    const auto known =
+        robots[r].observations.empty() ? known_m.end() : known_m.find(robots[r].observations[0].type);
+    const double places =
+        PlacesWhereLost(robots[r], settings, known == known_m.end() ? 0.0 : known->second, map);
+    const Slices lost = SlicesWhereLost(places, robots[r], settings, slice_work);
     estimate.task_mb = std::max(estimate.task_mb, TaskMb(lost, counts));
-    estimate.seconds +=
-        1e-9 * CellNanoseconds(robots[r], model, false) * joined * StepsLost(robots[r]) * lost.step;
+    largest = std::max(largest, lost.step);
+    lost_round_s += 1e-9 * CellNanoseconds(robots[r], model, false) * StepsLost(robots[r]) * lost.step;
     partials_where_lost += PartialsMb(lost, layers);
   }
+  estimate.seconds += joined * lost_round_s;
+  const double ahead =
+      std::min(std::max(partials, partials_where_lost), kAhead * kFilled * kCellMb * largest);
   partials = std::max(partials, partials_where_lost);
+  // A short round is not saved with its partials.
+  const double saved = std::max(first_round_s, lost_round_s) < kSaved_s ? 0.0 : partials;
   double m_step = 0.0;
   for (const std::int32_t type : types) m_step += MStepMb(reach, type < settings.map.types, settings.map);
   estimate.task_mb = std::max(estimate.task_mb, m_step);
-  estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, partials) + kProgramMb;
-  estimate.store_mb = 2.0 * (partials + candidates * 2.0 * kCellMb * counts);
+  estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, partials) + ahead + kProgramMb;
+  estimate.store_mb = (only_round ? 1.0 : 2.0) * (saved + candidates * 2.0 * kCellMb * counts);
+  if (options.incremental)
+    estimate.seconds = SecondsOfOnePass(robots[0], first, model, GrownByRadius(reach, settings.map), layers);
   return estimate;
 }
 

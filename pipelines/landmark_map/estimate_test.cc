@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <memory>
 
 #include "pipelines/in_process.h"
@@ -43,6 +44,52 @@ TEST(Estimate, CountsEveryStartAndWhatComesAfterThem) {
   EXPECT_GT(ten, 5.0 * one) << "each but for the rounds at the end, some with less data at first";
   EXPECT_LT(ten, 10.0 * one);
   EXPECT_GT(seconds({.starts = 10}), 1.5 * ten);
+}
+
+// One pass forward makes a map of each observation and goes on in it: less than the same steps without any
+// map, forward and backward, which was its plan.
+TEST(Estimate, OnePassHasAPlanOfItsOwn) {
+  const auto pass = Expected({.cell_m = 1.0, .incremental = true});
+  const auto no_map = Expected({.cell_m = 1.0, .iterations = 0, .starts = 1});
+  EXPECT_LT(pass.at("seconds"), 0.5 * no_map.at("seconds"));
+  EXPECT_EQ(pass.at("rounds"), 1.0);
+}
+
+// Five robots of four controls each, which turn by 0.3 rad a control and see a landmark of their own at a
+// distance: once the others join, the first one's start is as unknown as theirs, and that round is nearly all
+// of the job. Such a job took 9.4 s (tests/bench/estimates.sh, turning-robots).
+TEST(Estimate, CountsTheFirstRobotWhoseFrameIsLoose) {
+  constexpr int kRobots = 5;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Blob log;
+  std::vector<std::string> robots, landmarks;
+  for (int r = 0; r < kRobots; ++r) {
+    robots.push_back("r" + std::to_string(r));
+    landmarks.push_back(std::to_string(r));
+    Blob robot;
+    robot.PutVector<double>("odometry/time_s", {0, 1, 2, 3});
+    robot.PutVector<double>("odometry/turn_rad", std::vector<double>(4, 0.3));
+    robot.PutVector<double>("odometry/forward_m", std::vector<double>(4, 1.0));
+    robot.PutVector<double>("observations/time_s", {2, 3});
+    robot.PutVector<std::int32_t>("observations/landmark", {r, -1});
+    robot.PutVector<double>("observations/range_m", {1, nan});
+    robot.PutVector<double>("observations/bearing_rad", {0, nan});
+    log.PutAll("robot/" + std::to_string(r) + "/", robot);
+  }
+  log.Put("robots", Array::Texts(robots));
+  log.Put("landmarks", Array::Texts(landmarks));
+  const Step step = LandmarkMap({}).Start(MapInputs({{"log", std::make_shared<const Blob>(log)}}));
+  const double seconds = step.plan.state().scalars().at("expected/seconds").d();
+  EXPECT_GT(seconds, 9.4 / 3.0);
+  EXPECT_LT(seconds, 9.4 * 3.0);
+}
+
+// A chain of one slice hands nothing over, and what a round of a moment returns is not saved.
+TEST(Estimate, TheStoreHoldsWhatIsSavedOnly) {
+  const auto whole = Expected({.cell_m = 1.0, .iterations = 0, .starts = 1});
+  const auto cut = Expected({.cell_m = 0.1, .heading_deg = 2.0, .iterations = 0, .starts = 1});
+  EXPECT_LT(whole.at("store_mb"), 1.0);
+  EXPECT_GT(cut.at("store_mb"), 20.0 * whole.at("store_mb"));
 }
 
 TEST(Estimate, AnOnlyRoundIsOverAllSteps) {

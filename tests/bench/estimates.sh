@@ -51,6 +51,19 @@ for r in {1..300}; do printf '%s\n' "2,r$r,$r,1,0" "3,r$r,,,"; done |
   cat <(echo time_s,robot,landmark,range_m,bearing_rad) - >observations.csv
 cairn import csv --odometry odometry.csv --observations observations.csv many.h5 >/dev/null
 measure 300-robots many.h5
+few() { { head -n 1 "$1.csv"; grep -E '^[0-9],r[1-5],' "$1.csv"; } | sed -E "s/,0\.1,1$/,0.3,1/" >"few_$1.csv"; }
+few odometry
+few observations
+cairn import csv --odometry few_odometry.csv --observations few_observations.csv turning.h5 >/dev/null
+measure turning-robots turning.h5
+for seed in 101 102; do
+  cairn simulate loop --difficulty museum --seed "$seed" "museum-$seed.h5" >/dev/null
+  measure "museum-$seed" "museum-$seed.h5"
+done
+for difficulty in base hard extreme; do
+  cairn simulate loop --difficulty "$difficulty" --seed 102 "$difficulty-102.h5" >/dev/null
+  measure "$difficulty-once" "$difficulty-102.h5" incremental=true
+done
 measure base-0.25m-2deg one.h5 cell_m=0.25 heading_deg=2 starts=1
 if [ -n "${CAIRN_DATA:-}" ]; then
   cairn import mrclam "$CAIRN_DATA/mrclam6" mrclam6.h5 >/dev/null

@@ -114,6 +114,27 @@ double MeanCellsInAMap(const RobotSteps& steps, const EStepModel& model) {
   return cells / steps.size();
 }
 
+int FirstReturn(const RobotSteps& steps, const OpenLoop& loop, const EStepModel& model) {
+  struct Place {
+    int x, y;
+    bool left;  // the belief has been elsewhere since
+  };
+  std::vector<Place> places;
+  for (int s = 0; s < static_cast<int>(loop.boxes.size()); ++s) {
+    const bool observes = steps.first_observation[s + 1] > steps.first_observation[s];
+    for (Place& place : places) {
+      const bool inside = loop.boxes[s].Contains(place.x, place.y);
+      if (inside && place.left && observes) return s;
+      place.left = place.left || !inside;
+    }
+    const double cell = model.grid.cell_m;
+    if (observes)
+      places.push_back({static_cast<int>(std::lround(steps.odo_x_m[s] / cell)),
+                        static_cast<int>(std::lround(steps.odo_y_m[s] / cell)), false});
+  }
+  return steps.size();
+}
+
 double WorkOfStep(const RobotSteps& steps, const EStepModel& model) {
   return kStepCells + kBlur * MeanCellsInAMap(steps, model);
 }

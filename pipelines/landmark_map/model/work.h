@@ -27,6 +27,10 @@ double WorkOf(const std::vector<double>& cells, int count);
 // it observes something.
 double MeanCellsInAMap(const RobotSteps& steps, const EStepModel& model);
 
+// The step at which odometry may first have brought the robot back to where it observed something before:
+// where that lies in the belief, after it did not. steps.size() where it never does.
+int FirstReturn(const RobotSteps& steps, const OpenLoop& loop, const EStepModel& model);
+
 // What a step takes once there is a map, which is not yet sharp: in simulated worlds its belief has kBlur
 // times as many cells.
 inline constexpr double kBlur = 12.0;

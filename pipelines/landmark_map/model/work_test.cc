@@ -117,5 +117,34 @@ TEST(SlicesFor, OneWhereTheWorkFitsElseMoreThanShouldBeNeededButNoMoreThanSteps)
   EXPECT_EQ(SlicesFor(1e9, 100.0, 1), 1);
 }
 
+// Out 20 m and back again: it comes back to its first observation where the belief, which the way has made
+// wide, holds that place, and not while it still stands there.
+TEST(FirstReturn, IsWhereTheBeliefHoldsAPlaceAgainThatItHadLeft) {
+  RobotSteps steps;
+  for (int s = 0; s <= 40; ++s) {
+    steps.time_s.push_back(s);
+    steps.odo_x_m.push_back(s <= 20 ? s : 40 - s);
+    steps.odo_y_m.push_back(0.0);
+    steps.odo_heading_rad.push_back(0.0);
+    steps.path_m.push_back(s == 0 ? 0.0 : 1.0);
+    steps.turn_rad.push_back(0.0);
+    const bool observes = s == 1 || s == 20 || s >= 30;
+    steps.first_observation.push_back(static_cast<std::int32_t>(steps.observations.size()));
+    if (observes) steps.observations.push_back({});
+  }
+  steps.first_observation.push_back(static_cast<std::int32_t>(steps.observations.size()));
+  EStepModel model;
+  model.grid.cell_m = 1.0;
+  OpenLoop loop;
+  for (int s = 0; s <= 40; ++s) {
+    const int x = static_cast<int>(steps.odo_x_m[static_cast<std::size_t>(s)]), half = s / 10;
+    loop.boxes.push_back(Box{x, 0, 1, 1}.Grown(half));
+  }
+  EXPECT_EQ(FirstReturn(steps, loop, model), 36)
+      << "4 m from where it was at 1 m, with a box of 3 m to each side";
+  loop.boxes.resize(30);
+  EXPECT_EQ(FirstReturn(steps, loop, model), steps.size()) << "it never does";
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map
