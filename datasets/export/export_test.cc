@@ -157,7 +157,7 @@ TEST(ExportPng, DrawsGridPathsAndLandmarks) {
   };
   EXPECT_GT(count({255, 255, 255}), 100000);  // free
   EXPECT_GT(count({51, 39, 28}), 100);        // landmarks and the bar
-  EXPECT_GT(count({26, 96, 210}), 100);       // the second robot's path, over the first one's
+  EXPECT_GT(count({60, 120, 217}), 100);      // the second robot's path, over the first one's
   EXPECT_GT(count({232, 184, 143}), 100);     // the likeliest cell
 }
 

@@ -13,7 +13,8 @@ void WriteLayers(const Blob& map, FolderWriter* writer) {
   for (const auto& [layer, name] :
        {std::pair(MapLayer::kProbability, "map.png"), std::pair(MapLayer::kMostLikely, "most_likely.png"),
         std::pair(MapLayer::kDifference, "difference.png"), std::pair(MapLayer::kDynamic, "dynamic.png")}) {
-    if (const auto picture = report::PictureOf(map, layer)) writer->Write(name, report::CellsPng(*picture));
+    if (const auto picture = report::PictureOf(map, layer))
+      writer->Write(name, report::CellsRaster(*picture).Png());
   }
 }
 

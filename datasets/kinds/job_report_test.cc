@@ -7,10 +7,8 @@
 #include <vector>
 
 #include "datasets/evaluate/testing/perfect_result.h"
-#include "datasets/report/drawing/axes.h"
-#include "datasets/report/drawing/base64.h"
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/grid_picture.h"
+#include "datasets/report/drawing/picture.h"
 #include "datasets/report/pages/landmark_page.h"
 #include "datasets/report/pictures.h"
 #include "datasets/report/scene.h"
@@ -234,7 +232,7 @@ TEST(Ellipse, OfADiagonalAndATurnedCovariance) {
 }
 
 TEST(MapFrame, KeepsOneScaleAndCentres) {
-  const MapFrame frame({0, 10, 0, 10}, {100, 50, 400, 200});
+  const MapFrame frame(Box{0, 10, 0, 10}, {100, 50, 400, 200});
   EXPECT_DOUBLE_EQ(frame.pixels_per_m(), 20);
   EXPECT_DOUBLE_EQ(frame.X(5), 300);  // the middle of the panel
   EXPECT_DOUBLE_EQ(frame.Y(5), 150);
@@ -280,18 +278,18 @@ TEST(Base64, GivesTheStandardsAnswers) {
 }
 
 TEST(Figures, AreEmptyWhereThereIsNothingToDraw) {
-  EXPECT_EQ(LikelihoodPicture({}, 1000), "");
-  EXPECT_EQ(LikelihoodPicture({{0, 1, 1}}, 1000), "") << "there was no map";
-  EXPECT_EQ(LikelihoodPicture({{0, 1, 1}, {NAN, 1, 1}}, 1000), "");
-  EXPECT_EQ(RoundsPicture({}, 1000), "");
-  EXPECT_EQ(GridPicture({}, 1000), "");
-  EXPECT_EQ(BeforeAfterPicture({}, 1000), "");
-  EXPECT_EQ(FirstUnbalancedTag(MapPicture({}, 1000)), "");
+  EXPECT_EQ(LikelihoodPicture({}, 1000).Svg(), "");
+  EXPECT_EQ(LikelihoodPicture({{0, 1, 1}}, 1000).Svg(), "") << "there was no map";
+  EXPECT_EQ(LikelihoodPicture({{0, 1, 1}, {NAN, 1, 1}}, 1000).Svg(), "");
+  EXPECT_EQ(RoundsPicture({}, 1000).Svg(), "");
+  EXPECT_EQ(GridPicture({}, 1000).Svg(), "");
+  EXPECT_EQ(BeforeAfterPicture({}, 1000).Svg(), "");
+  EXPECT_EQ(FirstUnbalancedTag(MapPicture({}, 1000).Svg()), "");
 }
 
 // Four iterations: the first had no map, the second half the data; a line joins the last two alone.
 TEST(LikelihoodPicture, JoinsOnlyWhatCompares) {
-  const std::string svg = LikelihoodPicture({{0, 1, 1}, {-9, 0.5, 1}, {-8, 1, 1}, {-7, 1, 1}}, 1000);
+  const std::string svg = LikelihoodPicture({{0, 1, 1}, {-9, 0.5, 1}, {-8, 1, 1}, {-7, 1, 1}}, 1000).Svg();
   EXPECT_EQ(CountIn(svg, "class=\"curve\""), 1U);
   EXPECT_EQ(CountIn(svg, "class=\"point part\""), 1U);
   EXPECT_EQ(CountIn(svg, "class=\"point\""), 2U);

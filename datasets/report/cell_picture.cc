@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/common/png.h"
 #include "datasets/report/drawing/palette.h"
 
 namespace cairn::datasets::report {
@@ -91,15 +90,30 @@ CellPicture InBlocks(const CellPicture& picture, std::int64_t most) {
   return blocks;
 }
 
-std::string CellsPng(const CellPicture& picture, std::int64_t most) {
+Raster CellsRaster(const CellPicture& picture, std::int64_t most) {
   const CellPicture blocks = InBlocks(picture, most);
-  std::vector<std::uint8_t> pixels;
+  Raster raster{static_cast<std::uint32_t>(blocks.box.columns),
+                static_cast<std::uint32_t>(blocks.box.rows),
+                PngColour::kRgb,
+                {}};
   for (std::int64_t row = blocks.box.rows - 1; row >= 0; --row) {
-    for (std::int64_t column = 0; column < blocks.box.columns; ++column)
-      Append(blocks.At(column, row), &pixels);
+    for (std::int64_t column = 0; column < blocks.box.columns; ++column) raster.Add(blocks.At(column, row));
   }
-  return EncodePng(static_cast<std::uint32_t>(blocks.box.columns),
-                   static_cast<std::uint32_t>(blocks.box.rows), pixels);
+  return raster;
+}
+
+Box BoxOf(const CellBox& cells) {
+  return {cells.origin_x_m, cells.origin_x_m + static_cast<double>(cells.columns) * cells.cell_m,
+          cells.origin_y_m, cells.origin_y_m + static_cast<double>(cells.rows) * cells.cell_m};
+}
+
+std::vector<LegendEntry> ProbabilityLegend() {
+  std::vector<LegendEntry> legend;
+  for (const auto& [p, text] :
+       {std::pair{0.0, "free"}, {0.25, "0.25"}, {0.5, "0.5"}, {0.75, "0.75"}, {1.0, "occupied"}})
+    legend.push_back(SwatchEntry(OfProbability(p), text));
+  legend.push_back(SwatchEntry(kUnknown, "nothing known"));
+  return legend;
 }
 
 }  // namespace cairn::datasets::report

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/evaluate/maps/occupancy.h"
-#include "datasets/report/drawing/canvas.h"
+#include "datasets/report/drawing/picture.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::report {
@@ -44,7 +44,12 @@ std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer);
 // Of a map of more cells than `most` along an edge, a cell for each block: the darkest of it.
 CellPicture InBlocks(const CellPicture& picture, std::int64_t most);
 
-// The bytes of a PNG, a pixel a cell; of a larger map a pixel a block, as above.
-std::string CellsPng(const CellPicture& picture, std::int64_t most = 3000);
+// A pixel a cell, north up; of a larger map a pixel a block, as above.
+Raster CellsRaster(const CellPicture& picture, std::int64_t most = 3000);
+
+Box BoxOf(const CellBox& cells);
+
+// The scale of probabilities, and what is not on it.
+std::vector<LegendEntry> ProbabilityLegend();
 
 }  // namespace cairn::datasets::report

@@ -1,23 +1,53 @@
-// The pictures of the report, as inline SVG of a width in pixels.
+// The pictures of the report, of a width in pixels.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "datasets/report/drawing/picture.h"
 #include "datasets/report/scene.h"
 
 namespace cairn::datasets::report {
 
-// The map: paths, landmarks with their 95% regions, walls, and truth where the scene has it. Names are where
-// they cover neither each other nor a landmark.
-std::string MapPicture(const Scene& scene, double width);
+// Cells beneath a map, north up.
+struct MapCells {
+  Raster raster;
+  Box box;
+};
+
+struct MapView {
+  std::optional<MapCells> below = {};
+  bool round_cells = false;  // the map ends where they do
+  std::string label = "Map with the robots' paths";
+  double highest = 0.88;  // the panel's height as a share of its width, at most
+};
+
+// The map: cells, paths, landmarks with their 95% regions, walls, and truth where the scene has it. Names are
+// where they cover neither each other nor a landmark.
+Picture MapPicture(const Scene& scene, double width, const MapView& view = {});
+// What its colours and marks mean.
+std::vector<LegendEntry> LegendOf(const Scene& scene);
 
 // Dead reckoning and the corrected paths side by side (on a narrow page one above the other) at one scale;
 // empty where the scene has no odometry.
-std::string BeforeAfterPicture(const Scene& scene, double width);
+Picture BeforeAfterPicture(const Scene& scene, double width);
 
 // P(landmark) of each cell; empty where the scene has no grid.
-std::string GridPicture(const Scene& scene, double width);
+Picture GridPicture(const Scene& scene, double width);
+
+// The strength of a colour is the root of probability / highest, by its opacity, so that it lies well on
+// light and dark paper; a cell a pixel. Grids of more than 1,500 cells along an axis are thinned, each pixel
+// the largest of its cells.
+enum class GridColours {
+  kBelief,   // from light blue to crimson
+  kTint,     // light blue, beneath other things
+  kDensity,  // dark blue
+  kGreys,    // of occupancy: no opacity, unknown cells in a colour of their own
+};
+Raster GridRaster(const Grid& grid, GridColours colours = GridColours::kBelief);
+double HighestProbability(const Grid& grid);
+Box BoxOf(const Grid& grid);
 
 // One iteration of the expectation maximisation.
 struct Iteration {
@@ -27,7 +57,7 @@ struct Iteration {
 };
 // Log-likelihood by iteration, from the second on: the first had no map, its figure is of nothing. A line
 // joins those of the same data; what is not of all data is hollow. Empty without a finite value.
-std::string LikelihoodPicture(const std::vector<Iteration>& iterations, double width);
+Picture LikelihoodPicture(const std::vector<Iteration>& iterations, double width);
 
 struct RoundTime {
   std::string note;
@@ -37,6 +67,6 @@ struct RoundTime {
   std::int64_t rounds = 1;  // one after the other, that this is of
 };
 // A bar for each, as high as a round took, as wide as there are rounds; empty without any.
-std::string RoundsPicture(const std::vector<RoundTime>& rounds, double width);
+Picture RoundsPicture(const std::vector<RoundTime>& rounds, double width);
 
 }  // namespace cairn::datasets::report

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/pages/style.h"
+#include "datasets/report/drawing/style.h"
 #include "datasets/reproduce/paper_figure.h"
 
 namespace cairn::datasets {
@@ -60,7 +60,7 @@ std::string PaperPageHtml(const std::string& title, const std::string& lead,
   std::string html =
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-      Escape(title) + "</title>\n<style>" + report::kStyle +
+      Escape(title) + "</title>\n<style>" + report::PageCss() +
       // On a phone pictures keep their size, and are scrolled sideways.
       "figure img { max-width:100%; height:auto; background:#fff; border:1px solid var(--line); }\n"
       "@media screen and (max-width:860px) { figure img { max-width:none; } }\n"

@@ -101,6 +101,7 @@ std::string Complaint(const Rule& rule, const std::string& file, const std::stri
     if (!rule.pure || !impure || vector_unit || include == "cstdio") return {};
     return rule.folder + "/ does no input or output, and knows no clock or thread";
   }
+  if (include.starts_with("fmt/")) return {};  // texts, as the standard library will have them: everybody's
   if (AnyMatches(rule, include) || (IsTest(file) && ATestMay(file, include))) return {};
   return "not in the table for " + rule.folder + "/ (tests/layering/include_rules.cc)";
 }
@@ -123,7 +124,7 @@ void ReadFile(const fs::path& root, const std::string& file, std::vector<Finding
 
 const std::vector<Rule>& Rules() {
   static const std::vector<Rule> kRules = {
-      {"schema", {"schema/*", "schema/kinds/", "Eigen/", "fmt/", "google/protobuf/", "xxhash.h"}, false},
+      {"schema", {"schema/*", "schema/kinds/", "Eigen/", "google/protobuf/", "xxhash.h"}, false},
       {"schema/store", {"schema/*", "schema/kinds/", "schema/store/", "hdf5.h", "hdf5_hl.h"}, false},
       {"schema/wire",
        {"schema/*", "schema/kinds/", "schema/wire/", "zmq.h", "zmq.hpp", "netinet/in.h", "arpa/inet.h",
@@ -220,7 +221,7 @@ const std::vector<Rule>& Rules() {
        false},
       {"datasets/evaluate",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/*", "datasets/evaluate/matching/",
-        "datasets/evaluate/maps/", "fmt/", "nlohmann/"},
+        "datasets/evaluate/maps/", "nlohmann/"},
        false},
       {"datasets/evaluate/matching",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/matching/"},
@@ -231,7 +232,7 @@ const std::vector<Rule>& Rules() {
        false},
       {"datasets/evaluate/learning",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/*", "datasets/evaluate/matching/",
-        "datasets/evaluate/learning/", "fmt/"},
+        "datasets/evaluate/learning/"},
        false},
       {"datasets/evaluate/testing",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/*", "datasets/evaluate/testing/"},
@@ -250,7 +251,7 @@ const std::vector<Rule>& Rules() {
        false},
       {"datasets/kinds",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/", "datasets/report/",
-        "datasets/kinds/", "fmt/"},
+        "datasets/kinds/"},
        false},
       {"datasets/export",
        {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "datasets/evaluate/maps/",

@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"datasets/import/a.cc", "\"datasets/simulate/loop.h\"", false},
         Case{"datasets/import/a_test.cc", "\"datasets/simulate/loop.h\"", true},
         Case{"datasets/evaluate/a.cc", "\"datasets/simulate/loop.h\"", false},
-        Case{"datasets/evaluate/a.cc", "\"datasets/report/drawing/svg.h\"", false},
+        Case{"datasets/evaluate/a.cc", "\"datasets/report/drawing/style.h\"", false},
         Case{"datasets/common/a.cc", "\"datasets/import/csv.h\"", false},
         Case{"worker/a.cc", "\"pipelines/registry.h\"", true},
         Case{"worker/a.cc", "\"pipelines/landmark_map/model/e_step.h\"", false},

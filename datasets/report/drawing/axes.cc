@@ -28,14 +28,19 @@ std::vector<double> Ticks(double low, double high, int count) {
   return ticks;
 }
 
-MapFrame::MapFrame(const Box& box, const Panel& panel) : box_(box), panel_(panel) {
-  pixels_per_m_ = std::min(panel.width / box.width_m(), panel.height / box.height_m());
-  const double grow_x = (panel.width / pixels_per_m_ - box.width_m()) / 2;
-  const double grow_y = (panel.height / pixels_per_m_ - box.height_m()) / 2;
-  box_ = {box.x_low_m - grow_x, box.x_high_m + grow_x, box.y_low_m - grow_y, box.y_high_m + grow_y};
-  left_ = panel.left;
-  top_ = panel.top;
+namespace {
+
+Axes AtOneScale(const Box& box, const Panel& panel) {
+  const double scale = std::min(panel.width / box.width_m(), panel.height / box.height_m());
+  const double grow_x = (panel.width / scale - box.width_m()) / 2,
+               grow_y = (panel.height / scale - box.height_m()) / 2;
+  return {
+      panel, {box.x_low_m - grow_x, box.x_high_m + grow_x}, {box.y_low_m - grow_y, box.y_high_m + grow_y}};
 }
+
+}  // namespace
+
+MapFrame::MapFrame(const Box& box, const Panel& panel) : Axes(AtOneScale(box, panel)) {}
 
 double PanelHeight(const Box& box, double width, double low, double high) {
   return std::clamp(std::round(width * box.height_m() / box.width_m()), low, high);

@@ -1,6 +1,8 @@
 // Where numbers lie on a picture: linear axes, round ticks, scale bars.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "schema/geometry.h"
@@ -17,6 +19,20 @@ double TickStep(double low, double high, int count);
 // The largest of 1, 2, 5 times a power of ten that is at most `value` > 0.
 double RoundBelow(double value);
 
+// An interval of numbers; empty where low > high, as it begins.
+struct Span {
+  double low = INFINITY, high = -INFINITY;
+
+  // What is not finite is left out.
+  void Take(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  bool empty() const { return low > high; }
+  double length() const { return high - low; }
+};
+
 // A rectangle of the world, in metres, y upwards.
 struct Box {
   double x_low_m = 0, x_high_m = 0, y_low_m = 0, y_high_m = 0;
@@ -28,23 +44,43 @@ struct Box {
 // A rectangle of the picture, in pixels, y downwards.
 struct Panel {
   double left = 0, top = 0, width = 0, height = 0;
+
+  double right() const { return left + width; }
+  double bottom() const { return top + height; }
 };
 
-// Metres to pixels at one scale for both axes; the box sits in the middle of the panel.
-class MapFrame {
+// Numbers to pixels: x from left to right, y upwards.
+class Axes {
+ public:
+  // `inset`: so many pixels are left free at the left and at the right.
+  Axes(const Panel& panel, const Span& x, const Span& y, double inset = 0)
+      : panel_(panel), x_(x), y_(y), inset_(inset) {}
+
+  double X(double x) const {
+    return panel_.left + inset_ + (panel_.width - 2 * inset_) * (x - x_.low) / x_.length();
+  }
+  double Y(double y) const { return panel_.top + panel_.height * (y_.high - y) / y_.length(); }
+  Point At(double x, double y) const { return {X(x), Y(y)}; }
+  const Panel& panel() const { return panel_; }
+  const Span& x() const { return x_; }
+  const Span& y() const { return y_; }
+
+ private:
+  Panel panel_;
+  Span x_, y_;
+  double inset_;
+};
+
+// Metres to pixels at one scale for both axes; the box, grown to fill the panel, sits in its middle.
+class MapFrame : public Axes {
  public:
   MapFrame(const Box& box, const Panel& panel);
 
-  double X(double x_m) const { return left_ + (x_m - box_.x_low_m) * pixels_per_m_; }
-  double Y(double y_m) const { return top_ + (box_.y_high_m - y_m) * pixels_per_m_; }
-  double pixels_per_m() const { return pixels_per_m_; }
-  const Box& box() const { return box_; }  // grown to fill the panel
-  const Panel& panel() const { return panel_; }
-
- private:
-  Box box_;
-  Panel panel_;
-  double pixels_per_m_ = 1, left_ = 0, top_ = 0;
+  Point At(Point point) const { return Axes::At(point.x_m, point.y_m); }
+  Panel At(const Box& box) const {
+    return {X(box.x_low_m), Y(box.y_high_m), box.width_m() * pixels_per_m(), box.height_m() * pixels_per_m()};
+  }
+  double pixels_per_m() const { return panel().width / x().length(); }
 };
 
 // Height of a panel of `width` pixels that shows `box` at one scale, kept between the limits.

@@ -1,36 +1,16 @@
-// Colours of pictures in files: the report's, on white paper.
+// Colours of pictures on white paper.
 #pragma once
 
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <string>
-
-#include "datasets/report/drawing/canvas.h"
 
 namespace cairn::datasets::report {
 
-inline constexpr Rgb kPaper{255, 255, 255}, kInk{28, 39, 51}, kSoft{91, 107, 123}, kLine{205, 213, 221};
-inline constexpr Rgb kRaster{233, 238, 242}, kTruePathGrey{214, 219, 225}, kTruth{133, 147, 161},
-    kBad{179, 38, 30};
-inline constexpr Rgb kTint{143, 184, 232}, kBlack{0, 0, 0};
-inline constexpr Rgb kDensity{36, 70, 120};
-inline constexpr std::size_t kRobotColours = 8;  // robots beyond them begin again
-inline constexpr std::array<Rgb, kRobotColours> kRobots = {{{31, 111, 181},
-                                                            {210, 96, 26},
-                                                            {22, 134, 92},
-                                                            {160, 79, 184},
-                                                            {14, 147, 166},
-                                                            {181, 54, 94},
-                                                            {138, 116, 17},
-                                                            {85, 96, 200}}};
+using Rgb = std::array<int, 3>;
 
-// "#1f6fb5"
-inline std::string Hex(Rgb colour) {
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", colour[0] & 0xFF, colour[1] & 0xFF, colour[2] & 0xFF);
-  return text;
-}
+inline constexpr Rgb kPaper{255, 255, 255}, kInk{28, 39, 51}, kSoft{91, 107, 123}, kBlack{0, 0, 0};
+inline constexpr Rgb kTint{143, 184, 232}, kDensity{36, 70, 120};
+inline constexpr std::size_t kRobotColours = 8;  // robots beyond them begin again
 
 // `share` of b in a.
 inline Rgb Mix(Rgb a, Rgb b, double share) {

@@ -7,7 +7,6 @@
 
 #include "datasets/common/confidence.h"
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/drawing/palette.h"
 #include "datasets/report/pages/parts.h"
 
 namespace cairn::datasets::report {
@@ -127,7 +126,7 @@ std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {
   if (result.Has("provenance/seconds_s")) {
     tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
   }
-  return "<div class=\"tiles\">\n" + tiles + "</div>\n";
+  return TilesHtml(tiles);
 }
 
 std::string ConfidenceHtml(const Blob& result) {
@@ -154,49 +153,12 @@ std::string TitleOf(const Blob& result) {
   return names.name.empty() ? of : of + ": " + names.name;
 }
 
-std::string LegendHtml(const Scene& scene) {
-  std::vector<LegendEntry> entries;
-  const auto line = [](const std::string& style_class) {
-    return "<line class=\"" + style_class + "\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>";
-  };
-  const auto dot = [](const std::string& style_class, const char* radius) {
-    return "<circle class=\"" + style_class + "\" cx=\"13\" cy=\"7\" r=\"" + radius + "\"/>";
-  };
-  for (const Path& path : scene.paths)
-    entries.push_back({line("path r" + std::to_string(path.index % kRobotColours)), RobotTitle(path.robot)});
-  if (!scene.paths.empty()) entries.push_back({dot("start", "5"), "start"});
-  if (!scene.odometry_below.empty()) entries.push_back({line("raw-path"), "odometry alone"});
-  if (!scene.landmarks.empty()) {
-    entries.push_back(
-        {"<ellipse class=\"ellipse\" cx=\"13\" cy=\"7\" rx=\"11\" ry=\"6\"/>" + dot("landmark", "3.2"),
-         "landmark and its 95% region"});
-  }
-  if (!scene.edges.empty())
-    entries.push_back(
-        {"<path class=\"edge\" d=\"M5 7h0M11 7h0M17 7h0M22 7h0\"/>", "edge that traces found occupied"});
-  if (std::ranges::any_of(scene.loops, [](const Scene::Loop& l) { return l.used; }))
-    entries.push_back({dot("loop", "2.4"), "loop that the path follows"});
-  if (std::ranges::any_of(scene.loops, [](const Scene::Loop& l) { return !l.used; }))
-    entries.push_back({line("miss"), "loop that others contradict"});
-  if (!scene.truth_walls.empty()) entries.push_back({line("wall"), "true wall"});
-  if (!scene.truth_landmarks.empty()) entries.push_back({dot("truth-landmark", "5.6"), "true landmark"});
-  if (!scene.error_lines.empty()) entries.push_back({line("miss"), "error"});
-  if (!scene.truth_paths.empty()) {
-    const bool gaps =
-        std::ranges::any_of(scene.truth_paths, [](const Path& path) { return !path.breaks.empty(); });
-    entries.push_back({line("truth-path"), gaps ? "true path, where it is known" : "true path"});
-  }
-  if (std::ranges::any_of(scene.landmarks, [](const MapLandmark& landmark) { return landmark.spurious; }))
-    entries.push_back({dot("landmark spurious", "3.2"), "spurious landmark"});
-  return LegendHtml(entries);
-}
-
 std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluation* evaluation) {
   const std::vector<std::string> names = result.Texts("robots");
   std::vector<std::string> head = {"robot", "poses"};
   if (log != nullptr) head.insert(head.end(), {"path", "time", "controls", "observations"});
   if (evaluation != nullptr) head.insert(head.end(), {"position RMSE", "heading RMSE"});
-  std::string rows = RowHtml(head, "th");
+  Table rows{head};
   for (std::size_t r = 0; r < names.size(); ++r) {
     const auto poses = static_cast<double>(result.at(RobotPrefix(r) + "poses/time_s").size());
     std::vector<std::string> cells = {RobotTitle(names[r]), Grouped(poses)};
@@ -212,9 +174,9 @@ std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluatio
       cells.push_back(Metres(score.rmse_m));
       cells.push_back(heading ? Grouped(*heading * 57.29577951308232, 1) + "°" : "–");
     }
-    rows += RowHtml(cells);
+    rows.push_back(std::move(cells));
   }
-  return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+  return TableHtml(rows);
 }
 
 std::string LandmarksTableHtml(const Scene& scene) {
@@ -222,15 +184,15 @@ std::string LandmarksTableHtml(const Scene& scene) {
   constexpr std::size_t kMostUnfolded = 30;
   std::vector<std::string> head = {"landmark", "x", "y", "95% within", "observations"};
   if (scored) head.emplace_back("error");
-  std::string rows = RowHtml(head, "th");
+  Table rows{head};
   for (const MapLandmark& landmark : scene.landmarks) {
     std::vector<std::string> cells = {landmark.name, Grouped(landmark.at.x_m, 2) + " m",
                                       Grouped(landmark.at.y_m, 2) + " m", Metres(landmark.ellipse.major_m),
                                       Grouped(landmark.count, 1)};
     if (scored) cells.push_back(landmark.spurious ? "spurious" : Metres(landmark.error_m));
-    rows += RowHtml(cells);
+    rows.push_back(std::move(cells));
   }
-  const std::string table = "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+  const std::string table = TableHtml(rows);
   if (scene.landmarks.size() <= kMostUnfolded) return table;
   return "<details><summary>All " + Grouped(static_cast<double>(scene.landmarks.size())) + "</summary>\n" +
          table + "</details>\n";

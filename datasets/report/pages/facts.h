@@ -23,9 +23,6 @@ std::string ConfidenceHtml(const Blob& result);
 // Which log, which job: "museum: landmark_map", from the provenance. Empty where that does not tell.
 std::string TitleOf(const Blob& result);
 
-// What the map's colours and marks mean.
-std::string LegendHtml(const Scene& scene);
-
 // A table a robot: its way, observations, error.
 std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluation* evaluation);
 

@@ -1,5 +1,7 @@
 #include "datasets/report/pages/grid_page.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -7,11 +9,9 @@
 #include "datasets/evaluate/matching/similarity.h"
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/map_canvas.h"
 #include "datasets/report/pages/facts.h"
-#include "datasets/report/pages/line_chart.h"
 #include "datasets/report/pages/parts.h"
+#include "datasets/report/pictures.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -19,28 +19,14 @@ namespace {
 // More cells than a phone has pixels for are drawn as blocks.
 constexpr std::int64_t kMostCellsOfPage = 3000, kMostCellsNarrow = 1000;
 
-Box PictureBox(const CellBox& cells) {
-  return {cells.origin_x_m, cells.origin_x_m + static_cast<double>(cells.columns) * cells.cell_m,
-          cells.origin_y_m, cells.origin_y_m + static_cast<double>(cells.rows) * cells.cell_m};
-}
-
 // A layer with what lies on it.
-std::string LayerPicture(const CellPicture& picture, const std::string& label, const Scene& scene,
-                         double width) {
-  const Box box = PictureBox(picture.box);
-  const double inner = width - MapMargins::kLeft - MapMargins::kRight;
-  const double height = PanelHeight(box, inner, 90, std::max(0.9 * inner, 480.0));
-  Svg svg(width, MapMargins::kTop + height + MapMargins::kBottom, label);
-  const MapFrame frame(box, {MapMargins::kLeft, MapMargins::kTop, inner, height});
-  MapCanvas canvas(svg, frame);
-  canvas.Axes(true);
+Picture LayerPicture(const CellPicture& picture, const std::string& label, const Scene& scene, double width) {
   const CellPicture blocks = InBlocks(picture, width < kWidePicture ? kMostCellsNarrow : kMostCellsOfPage);
-  canvas.Image(PictureBox(blocks.box), CellsPng(blocks));
-  canvas.Walls(scene);
-  canvas.Paths(scene.paths, "path");
-  canvas.Starts(scene.paths);
-  canvas.Finish();
-  return svg.Finish();
+  return MapPicture(scene, width,
+                    {.below = MapCells{CellsRaster(blocks), BoxOf(blocks.box)},
+                     .round_cells = true,
+                     .label = label,
+                     .highest = 0.9});
 }
 
 std::string LayerHtml(const Blob& map, MapLayer layer, const std::string& label, const Scene& scene,
@@ -51,41 +37,24 @@ std::string LayerHtml(const Blob& map, MapLayer layer, const std::string& label,
          DrawingHtml([&](double width) { return LayerPicture(*picture, label, scene, width); }, caption);
 }
 
-LegendEntry Swatch(Rgb colour, const std::string& text) {
-  return {"<rect class=\"swatch\" x=\"1\" y=\"1\" width=\"24\" height=\"12\" fill=\"" + Hex(colour) + "\"/>",
-          text};
-}
-
-// The scale of probabilities, and what is not on it.
-std::vector<LegendEntry> ProbabilityLegend() {
-  std::vector<LegendEntry> legend;
-  for (const auto& [p, text] :
-       {std::pair{0.0, "free"}, {0.25, "0.25"}, {0.5, "0.5"}, {0.75, "0.75"}, {1.0, "occupied"}})
-    legend.push_back(Swatch(OfProbability(p), text));
-  legend.push_back(Swatch(kUnknown, "nothing known"));
-  return legend;
-}
-
 std::vector<LegendEntry> DifferenceLegend() {
   std::vector<LegendEntry> legend;
   for (const double nats : {-kFullColourNats, -1.0, 1.0, kFullColourNats}) {
     const bool full = std::abs(nats) >= kFullColourNats;
-    legend.push_back(Swatch(OfDifference(nats),
-                            Short(nats) +
-                                (full ? " nat or " + std::string(nats < 0 ? "less" : "more") : " nat") +
-                                (nats < 0 ? ", free" : ", occupied")));
+    legend.push_back(SwatchEntry(OfDifference(nats),
+                                 Short(nats) +
+                                     (full ? " nat or " + std::string(nats < 0 ? "less" : "more") : " nat") +
+                                     (nats < 0 ? ", free" : ", occupied")));
   }
-  legend.push_back(Swatch(kSaysNothing, "the data do not tell"));
+  legend.push_back(SwatchEntry(kSaysNothing, "the data do not tell"));
   return legend;
 }
 
 void AddPaths(const Scene& scene, std::vector<LegendEntry>* legend) {
   for (const Path& path : scene.paths)
-    legend->push_back({"<line class=\"path r" + std::to_string(path.index % kRobotColours) +
-                           "\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>",
-                       "where " + RobotTitle(path.robot) + " scanned"});
-  if (!scene.truth_walls.empty())
-    legend->push_back({"<line class=\"wall\" x1=\"1\" y1=\"7\" x2=\"25\" y2=\"7\"/>", "true wall"});
+    legend->push_back(LineEntry(fmt::format("path r{}", path.index % kRobotColours),
+                                "where " + RobotTitle(path.robot) + " scanned"));
+  if (!scene.truth_walls.empty()) legend->push_back(LineEntry("wall", "true wall"));
 }
 
 std::string HistoryHtml(const Blob& map) {
@@ -101,7 +70,10 @@ std::string HistoryHtml(const Blob& map) {
   const std::string left_out =
       from_empty ? " Round 0, left out, is of the empty map: " + Grouped(values[0]) + " nat." : "";
   return ChartHtml(
-      {"Log-likelihood", "round", "log p(data | map) [nat]", {curve}},
+      {.title = "Log-likelihood",
+       .x_label = "round",
+       .y_label = "log p(data | map) [nat]",
+       .curves = {curve}},
       "Of the data, each time that a map or parameters of the sensors were taken over." + left_out);
 }
 
@@ -164,23 +136,21 @@ std::string Tiles(const Blob& map, const GridEvaluation* evaluation) {
     tiles += TileHtml("cut short", "the search, by the option rounds", "bad");
   if (map.Has("provenance/seconds_s"))
     tiles += TileHtml(Duration(map.Scalar<double>("provenance/seconds_s")), "wall time");
-  return tiles.empty() ? "" : "<div class=\"tiles\">\n" + tiles + "</div>\n";
+  return TilesHtml(tiles);
 }
 
 // Every single number that the result gives beside its map: parameters as given or estimated.
 std::string Parameters(const Blob& map) {
-  std::string rows;
+  Table rows{{"parameter", "value"}};
   for (const auto& [name, array] : map.fields()) {
     if (array.size() != 1 || name.starts_with("map/") || name.starts_with("provenance/") ||
         name.starts_with("history/"))
       continue;
-    if (array.type() == DType::kF64) rows += RowHtml({name, Short(array.As<double>()[0], 5)});
-    if (array.type() == DType::kI64) rows += RowHtml({name, std::to_string(array.As<std::int64_t>()[0])});
-    if (array.type() == DType::kI32) rows += RowHtml({name, std::to_string(array.As<std::int32_t>()[0])});
+    if (array.type() == DType::kF64) rows.push_back({name, Short(array.As<double>()[0], 5)});
+    if (array.type() == DType::kI64) rows.push_back({name, std::to_string(array.As<std::int64_t>()[0])});
+    if (array.type() == DType::kI32) rows.push_back({name, std::to_string(array.As<std::int32_t>()[0])});
   }
-  return rows.empty() ? ""
-                      : "<div class=\"scroll\"><table>\n" + RowHtml({"parameter", "value"}, "th") + rows +
-                            "</table></div>\n";
+  return rows.size() > 1 ? TableHtml(rows) : "";
 }
 
 // Cells of each kind that the dynamic layer marks.
@@ -194,10 +164,10 @@ std::string MovedHtml(const Blob& map) {
   }
   if (passed + went == 0) return "<p>Nothing here: no cell is marked.</p>\n";
   const std::vector<LegendEntry> legend{
-      Swatch(kForOccupied,
-             "an obstacle of the map through which beams passed before or after: " + Count(went, "cell")),
-      Swatch(kForFree,
-             "free, but a reading may have ended here that nothing explains: " + Count(passed, "cell"))};
+      SwatchEntry(kForOccupied, "an obstacle of the map through which beams passed before or after: " +
+                                    Count(went, "cell")),
+      SwatchEntry(kForFree,
+                  "free, but a reading may have ended here that nothing explains: " + Count(passed, "cell"))};
   return LayerHtml(
       map, MapLayer::kDynamic, "Readings that the map does not explain", {}, legend,
       "Somebody who passed leaves such cells, and so do readings that are wrong. A sonar's reading ended "
@@ -218,7 +188,8 @@ std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* 
       "Most likely map",
       LayerHtml(
           map, MapLayer::kMostLikely, "Most likely map", {},
-          {Swatch(kPaper, "free"), Swatch(kBlack, "occupied"), Swatch(kUnknown, "nothing known")},
+          {SwatchEntry(kPaper, "free"), SwatchEntry(kBlack, "occupied"),
+           SwatchEntry(kUnknown, "nothing known")},
           "The map under which the data are likeliest: a cell is free unless they speak for an obstacle, "
           "however little they say; how sure that is shows the map above."));
   html += SectionHtml(

@@ -43,18 +43,18 @@ std::string GridPageOf(const Blob& map, const Blob* log, const GridEvaluation* e
 }
 
 TEST(CellPicture, IsBlackWhereOccupiedWhiteWhereFreeGreyWhereUnknown) {
-  const cv::Mat image = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kMostLikely)));
+  const cv::Mat image = Decoded(CellsRaster(*PictureOf(WithAllLayers(), MapLayer::kMostLikely)).Png());
   ASSERT_EQ(image.size(), cv::Size(3, 2));
   EXPECT_EQ(image.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));  // the upper row first
   EXPECT_EQ(image.at<cv::Vec3b>(1, 0), cv::Vec3b(255, 255, 255));
   EXPECT_EQ(image.at<cv::Vec3b>(0, 2), cv::Vec3b(kUnknown[2], kUnknown[1], kUnknown[0]));
-  const cv::Mat probability = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kProbability)));
+  const cv::Mat probability = Decoded(CellsRaster(*PictureOf(WithAllLayers(), MapLayer::kProbability)).Png());
   EXPECT_NEAR(probability.at<cv::Vec3b>(0, 0)[0], 0.2 * 220, 1);              // p = 0.9
   EXPECT_NEAR(probability.at<cv::Vec3b>(1, 0)[0], 0.8 * 255 + 0.2 * 220, 1);  // p = 0.1
 }
 
 TEST(CellPicture, ShowsForWhatTheDataSpeak) {
-  const cv::Mat image = Decoded(CellsPng(*PictureOf(WithAllLayers(), MapLayer::kDifference)));
+  const cv::Mat image = Decoded(CellsRaster(*PictureOf(WithAllLayers(), MapLayer::kDifference)).Png());
   const auto& occupied = image.at<cv::Vec3b>(0, 0);  // blue, green, red
   const auto &free = image.at<cv::Vec3b>(1, 0), &doubtful = image.at<cv::Vec3b>(1, 1);
   EXPECT_GT(occupied[2], occupied[0] + 100);
@@ -67,7 +67,7 @@ TEST(CellPicture, ShowsWhatMoved) {
   Blob map = WithAllLayers();
   EXPECT_FALSE(PictureOf(map, MapLayer::kDynamic).has_value());
   map.Put("map/grid/dynamic", Array::Of<std::uint8_t>({2, 3}, std::vector<std::uint8_t>{1, 0, 0, 2, 0, 0}));
-  const cv::Mat image = Decoded(CellsPng(*PictureOf(map, MapLayer::kDynamic)));
+  const cv::Mat image = Decoded(CellsRaster(*PictureOf(map, MapLayer::kDynamic)).Png());
   const auto &went = image.at<cv::Vec3b>(0, 0), &passed = image.at<cv::Vec3b>(1, 0);
   EXPECT_GT(went[2], went[0] + 100);
   EXPECT_GT(passed[0], passed[2] + 100);
@@ -77,7 +77,7 @@ TEST(CellPicture, ShowsWhatMoved) {
 TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
   std::vector<std::string> rows(1, std::string(7000, '.'));
   rows[0][5001] = '#';
-  const cv::Mat image = Decoded(CellsPng(*PictureOf(DrawnMap(rows), MapLayer::kProbability)));
+  const cv::Mat image = Decoded(CellsRaster(*PictureOf(DrawnMap(rows), MapLayer::kProbability)).Png());
   EXPECT_LE(image.cols, 3000);
   int dark = 0;
   for (int x = 0; x < image.cols; ++x) dark += image.at<cv::Vec3b>(0, x)[0] < 128 ? 1 : 0;

@@ -52,9 +52,9 @@ std::string LandmarkMapHtml(const Blob& result, const Blob* log, const Evaluatio
   const std::vector<Iteration> iterations = Iterations(result);
   std::string html = "<p class=\"lead\">" + Escape(LeadHtml(result, log)) + "</p>\n";
   html += TilesHtml(result, evaluation) + ConfidenceHtml(result);
-  html += SectionHtml("Map",
-                      LegendHtml(scene) + DrawingHtml([&](double width) { return MapPicture(scene, width); },
-                                                      MapCaption(scene, evaluation)));
+  html += SectionHtml(
+      "Map", LegendHtml(LegendOf(scene)) + DrawingHtml([&](double width) { return MapPicture(scene, width); },
+                                                       MapCaption(scene, evaluation)));
   html += SectionHtml(
       "Before and after",
       DrawingHtml([&](double width) { return BeforeAfterPicture(scene, width); }, BeforeAfterCaption(scene)));

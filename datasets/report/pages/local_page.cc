@@ -9,7 +9,6 @@
 #include "datasets/evaluate/relations.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
-#include "datasets/report/pages/line_chart.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
 
@@ -49,7 +48,7 @@ std::string Tiles(const Blob& result, const LocalEvaluation* score) {
   }
   if (result.Has("provenance/seconds_s"))
     tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
-  return tiles.empty() ? "" : "<div class=\"tiles\">\n" + tiles + "</div>\n";
+  return TilesHtml(tiles);
 }
 
 // Without the jumps of angles that are known modulo a quarter turn.
@@ -106,9 +105,9 @@ std::string MapSection(const Scene& scene, const LocalEvaluation* evaluation) {
   caption += ". Where a run was cut, no line is drawn.";
   if (scene.paths.size() > 1)
     caption += " Each robot's path is in a frame of its own: how they lie to each other is not known.";
-  return SectionHtml(
-      "Path",
-      LegendHtml(scene) + DrawingHtml([&](double width) { return MapPicture(scene, width); }, caption));
+  return SectionHtml("Path",
+                     LegendHtml(LegendOf(scene)) +
+                         DrawingHtml([&](double width) { return MapPicture(scene, width); }, caption));
 }
 
 std::string GridSection(const LocalResult& local) {
@@ -117,7 +116,7 @@ std::string GridSection(const LocalResult& local) {
   return SectionHtml(
       "Local grid",
       PictureHtml(
-          LocalGridPng(*shot), "Local grids",
+          LocalGridPicture(*shot),
           "At " + Short(shot->time_s, 1) +
               " s. Grey: how often a cell is hit. Blue: dominant orientation of its edges. Red: the edges "
               "of the last scan. Below: the histogram of wall orientations in degrees modulo 90; the dot "
@@ -129,7 +128,7 @@ std::string TraceSection(const LocalResult& local) {
   if (trace == nullptr) return "";
   return SectionHtml(
       "Longest trace",
-      PictureHtml(TracePng(*trace), "An edge trace",
+      PictureHtml(TracePicture(*trace),
                   "The line is the robot's way. On both sides the interval of distances of edges, "
                   "bold where they are occupied; red: both ends of large intervals of orientation."));
 }
@@ -140,7 +139,7 @@ std::string MatchSection(const LocalResult& local, const Blob* log) {
   if (shown.empty()) return "";
   return SectionHtml(
       "Immediate on recorded traces",
-      PictureHtml(SuperposedPng(shown), "Immediate traces on recorded ones",
+      PictureHtml(SuperposedPicture(shown),
                   "Grey: a trace that was recorded before. Black: what the local grids show now, "
                   "edges as lines, and where there are none occupied cells as dots; the cross is "
                   "where matching put the robot, the frame the limit of the grids."));

@@ -114,23 +114,23 @@ TEST(LocalPage, SuperpositionsTurnTheGridsIntoTheTracesFrame) {
   ASSERT_EQ(shown.size(), 1U);
   EXPECT_NEAR(shown[0].turn_rad, -std::numbers::pi / 2, 1e-12);
   EXPECT_EQ(shown[0].z_m, 0.4);
-  EXPECT_TRUE(IsPng(SuperposedPng(shown)));
+  EXPECT_TRUE(IsPng(SuperposedPicture(shown).Png()));
 }
 
 TEST(LocalPage, PicturesAreDrawnWhereThereIsLittleToSee) {
   LocalResult local = ReadLocalResult(Result());
   EXPECT_TRUE(IsPng(DrawScenePng(LocalSceneOf(Result(), nullptr, nullptr))));
-  EXPECT_TRUE(IsPng(TracePng(local.traces[0])));
-  EXPECT_TRUE(IsPng(LocalGridPng(local.snapshots[0])));
+  EXPECT_TRUE(IsPng(TracePicture(local.traces[0]).Png()));
+  EXPECT_TRUE(IsPng(LocalGridPicture(local.snapshots[0]).Png()));
   local.traces[0].features.clear();
-  EXPECT_TRUE(IsPng(TracePng(local.traces[0])));
+  EXPECT_TRUE(IsPng(TracePicture(local.traces[0]).Png()));
   local.snapshots[0].histogram.assign(8, 0);
   local.snapshots[0].occupancy.assign(9, 0);
-  EXPECT_TRUE(IsPng(LocalGridPng(local.snapshots[0])));
+  EXPECT_TRUE(IsPng(LocalGridPicture(local.snapshots[0]).Png()));
   // An edge of which a distance is given and nothing else.
   Blob lone = Result();
   lone.PutVector<float>("features/left/distance_low_m", {1, 1, -1, 1});
-  for (const LocalTrace& trace : ReadLocalResult(lone).traces) EXPECT_TRUE(IsPng(TracePng(trace)));
+  for (const LocalTrace& trace : ReadLocalResult(lone).traces) EXPECT_TRUE(IsPng(TracePicture(trace).Png()));
   EXPECT_EQ(RichestOf({}), nullptr);
   EXPECT_EQ(LongestOf({}), nullptr);
 }

@@ -1,55 +1,47 @@
 #include "datasets/report/pages/local_pictures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "datasets/report/drawing/axes.h"
-#include "datasets/report/drawing/canvas.h"
 #include "datasets/report/drawing/format.h"
 
 namespace cairn::datasets::report {
 namespace {
 
-constexpr Rgb kPlotPaper{255, 255, 255}, kPlotInk{30, 34, 40}, kPale{176, 182, 190};
-constexpr Rgb kEdge{198, 70, 40}, kAlong{38, 104, 178};
 constexpr double kPictureMargin = 24;
+constexpr Rgb kShade{70, 84, 104};
 constexpr float kOccupied = 0.05F;  // hits a scan from which on a cell is drawn as occupied
 
 // A segment of `length` pixels about a point, at an angle of the world (y up).
-void Stroke(Canvas* canvas, Point at, double angle_rad, double length, Rgb colour, double width) {
+void Stroke(Picture* picture, Point at, double angle_rad, double length, std::string_view classes) {
   const double dx = length / 2 * std::cos(angle_rad), dy = -length / 2 * std::sin(angle_rad);
-  canvas->Line({at.x_m - dx, at.y_m - dy}, {at.x_m + dx, at.y_m + dy}, colour, width);
+  picture->Line({at.x_m - dx, at.y_m - dy}, {at.x_m + dx, at.y_m + dy}, classes);
 }
 
-Rgb Shade(double share) {
-  const double s = std::clamp(share, 0.0, 1.0);
-  const auto mix = [&](int white, int dark) {
-    return static_cast<int>(std::lround(white + s * (dark - white)));
-  };
-  return {mix(255, 70), mix(255, 84), mix(255, 104)};
-}
-
-void DrawHistogram(const LocalSnapshot& shot, double left, double top, double width, double height,
-                   Canvas* canvas) {
+void DrawHistogram(const LocalSnapshot& shot, const Panel& panel, Picture* picture) {
   const double most = *std::ranges::max_element(shot.histogram);
   const auto sectors = static_cast<double>(shot.histogram.size());
+  const double pitch = panel.width / sectors;
   double sin = 0, cos = 0;
   for (std::size_t k = 0; k < shot.histogram.size(); ++k) {
-    const double at = left + static_cast<double>(k) * width / sectors;
-    const double high = most > 0 ? shot.histogram[k] / most * height : 0;
-    canvas->Fill({at + 3, top + height - high}, {at + width / sectors - 3, top + height}, kPale);
+    const double left = panel.left + static_cast<double>(k) * pitch;
+    const double high = most > 0 ? shot.histogram[k] / most * panel.height : 0;
+    picture->Rect({left + 3, panel.bottom() - high, pitch - 6, high}, "bar");
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / sectors;  // modulo a quarter turn
     sin += shot.histogram[k] * std::sin(angle);
     cos += shot.histogram[k] * std::cos(angle);
-    canvas->Text({at + width / sectors / 2, top + height + 16},
-                 Short(90 * static_cast<double>(k) / sectors, 1), kPlotInk, 11, Align::kMiddle);
+    picture->Text({left + pitch / 2, panel.bottom() + 16},
+                  Short(90 * static_cast<double>(k) / sectors, 1) + "°", "tick middle");
   }
-  canvas->Line({left, top + height}, {left + width, top + height}, kPlotInk, 1);
+  picture->Line({panel.left, panel.bottom()}, {panel.right(), panel.bottom()}, "scale");
   if (most <= 0) return;
   double peak = std::atan2(sin, cos) / (2 * std::numbers::pi);
   if (peak < 0) peak += 1;
-  canvas->Dot({left + std::fmod((peak + 0.5 / sectors), 1.0) * width, top - 8}, 5, kEdge);
+  picture->Circle({panel.left + std::fmod(peak + 0.5 / sectors, 1.0) * panel.width, panel.top - 8}, 5,
+                  "spurious");
 }
 
 // The box of a trace in its own frame.
@@ -73,33 +65,33 @@ struct Strip {
   Point At(double z_m, double u_m) const { return {left + (z_m - low_z) * per_m, middle - u_m * per_m}; }
 };
 
+// `kind`: trace, or recorded, of one beneath another.
 void DrawSide(const LocalTrace& trace, std::size_t feature, const LocalSide& side, double sign,
-              const Strip& strip, Rgb colour, Canvas* canvas) {
+              const Strip& strip, std::string_view kind, Picture* picture) {
   if (!side.HasEdge()) return;
   const double z = trace.Z(feature);
   const Point low = strip.At(z, sign * side.distance_low_m), high = strip.At(z, sign * side.distance_high_m);
-  canvas->Line(low, high, colour, side.occupied ? 2 : 1);
-  canvas->Dot(low, side.occupied ? 2.6 : 1.7, colour);
-  canvas->Dot(high, side.occupied ? 2.6 : 1.7, colour);
+  picture->Line(low, high, fmt::format("{}{}", kind, side.occupied ? " occupied" : ""));
+  for (const Point& end : {low, high}) picture->Circle(end, side.occupied ? 2 : 1, kind);
   // "Only large intervals of edge orientation are shown" (figure 3).
   if (side.angle_high_rad - side.angle_low_rad < std::numbers::pi / 8) return;
   const Point middle{low.x_m, (low.y_m + high.y_m) / 2};
   for (const double angle : {side.angle_low_rad, side.angle_high_rad})
-    Stroke(canvas, middle, angle, 0.3 * strip.per_m, kEdge, 1.4);
+    Stroke(picture, middle, angle, 0.3 * strip.per_m, "miss");
 }
 
-void DrawTrace(const LocalTrace& trace, const Strip& strip, Rgb colour, Canvas* canvas) {
+void DrawTrace(const LocalTrace& trace, const Strip& strip, std::string_view kind, Picture* picture) {
   const Interval span = SpanOf(trace);
-  canvas->Line(strip.At(span.low_z, 0), strip.At(span.high_z, 0), colour, 1.2);
+  picture->Line(strip.At(span.low_z, 0), strip.At(span.high_z, 0), kind);
   for (std::size_t f = 0; f < trace.features.size(); ++f) {
-    DrawSide(trace, f, trace.features[f].left, 1, strip, colour, canvas);
-    DrawSide(trace, f, trace.features[f].right, -1, strip, colour, canvas);
+    DrawSide(trace, f, trace.features[f].left, 1, strip, kind, picture);
+    DrawSide(trace, f, trace.features[f].right, -1, strip, kind, picture);
   }
 }
 
-void DrawScale(const Strip& strip, Point at, Canvas* canvas) {
-  canvas->Line(at, {at.x_m + strip.per_m, at.y_m}, kPlotInk, 2);
-  canvas->Text({at.x_m + strip.per_m + 6, at.y_m + 4}, "1 m", kPlotInk, 12);
+void DrawMetre(double per_m, Point at, Picture* picture) {
+  picture->Line(at, {at.x_m + per_m, at.y_m}, "scale");
+  picture->Text({at.x_m + per_m + 6, at.y_m + 4}, "1 m", "tick strong");
 }
 
 // The immediate trace of a snapshot: on each side of each row the nearest edge, and the nearest occupied
@@ -108,7 +100,7 @@ struct Nearest {
   double edge_m = HUGE_VAL, edge_rad = 0, occupied_m = HUGE_VAL;
 };
 
-void DrawImmediate(const Superposed& shown, const Strip& strip, Canvas* canvas) {
+void DrawImmediate(const Superposed& shown, const Strip& strip, Picture* picture) {
   const LocalSnapshot& shot = shown.shot;
   const auto half_cells = shot.cells / 2;
   const auto half = static_cast<double>(half_cells) * shot.cell_m;
@@ -135,17 +127,17 @@ void DrawImmediate(const Superposed& shown, const Strip& strip, Canvas* canvas) 
     for (const double sign : {1.0, -1.0}) {
       const Nearest& side = (sign > 0 ? left : right)[slice];
       if (side.edge_m < HUGE_VAL)
-        Stroke(canvas, strip.At(z, shown.u_m + sign * side.edge_m), side.edge_rad, shot.cell_m * strip.per_m,
-               kPlotInk, 2);
+        Stroke(picture, strip.At(z, shown.u_m + sign * side.edge_m), side.edge_rad, shot.cell_m * strip.per_m,
+               "scale");
       else if (side.occupied_m < HUGE_VAL)
-        canvas->Dot(strip.At(z, shown.u_m + sign * side.occupied_m), 3, kPlotInk);
+        picture->Circle(strip.At(z, shown.u_m + sign * side.occupied_m), 2.5, "landmark");
     }
   }
   const Point robot = strip.At(shown.z_m, shown.u_m);
-  canvas->Line({robot.x_m - 7, robot.y_m}, {robot.x_m + 7, robot.y_m}, kEdge, 2);
-  canvas->Line({robot.x_m, robot.y_m - 7}, {robot.x_m, robot.y_m + 7}, kEdge, 2);
+  picture->Line({robot.x_m - 7, robot.y_m}, {robot.x_m + 7, robot.y_m}, "miss");
+  picture->Line({robot.x_m, robot.y_m - 7}, {robot.x_m, robot.y_m + 7}, "miss");
   const double frame = half * strip.per_m;
-  canvas->Frame({robot.x_m - frame, robot.y_m - frame}, {robot.x_m + frame, robot.y_m + frame}, kPale, 1);
+  picture->Rect({robot.x_m - frame, robot.y_m - frame, 2 * frame, 2 * frame}, "frame");
 }
 
 std::size_t EdgesOf(const LocalSnapshot& shot) {
@@ -179,47 +171,48 @@ std::optional<Superposed> Superpose(const LocalResult& result, const LocalSnapsh
 
 }  // namespace
 
-std::string LocalGridPng(const LocalSnapshot& shot) {
-  const double pixel = std::max(6.0, std::floor(620.0 / static_cast<double>(shot.cells)));
-  const double edge = pixel * static_cast<double>(shot.cells);
-  const double histogram = 110;
-  Canvas canvas(static_cast<int>(edge + 2 * kPictureMargin),
-                static_cast<int>(edge + histogram + 4 * kPictureMargin), kPlotPaper);
-  const double per_m = pixel / shot.cell_m, middle_x = kPictureMargin + edge / 2,
-               middle_y = kPictureMargin + edge / 2;
-  const auto at = [&](Point p) { return Point{middle_x + p.x_m * per_m, middle_y - p.y_m * per_m}; };
+Picture LocalGridPicture(const LocalSnapshot& shot) {
+  const double pixel = std::max(6.0, std::floor(620.0 / static_cast<double>(shot.cells))),
+               edge = pixel * static_cast<double>(shot.cells), histogram = 110;
+  Picture picture(edge + 2 * kPictureMargin, edge + histogram + 4 * kPictureMargin, "Local grids");
+  const Panel panel{kPictureMargin, kPictureMargin, edge, edge};
+  const double half_m = 0.5 * shot.cell_m * static_cast<double>(shot.cells);
+  const MapFrame frame({-half_m, half_m, -half_m, half_m}, panel);
   const float most = *std::ranges::max_element(shot.occupancy);
-  for (std::int64_t row = 0; row < shot.cells; ++row) {
+  Raster hits{
+      static_cast<std::uint32_t>(shot.cells), static_cast<std::uint32_t>(shot.cells), PngColour::kRgba, {}};
+  for (std::int64_t row = shot.cells - 1; row >= 0; --row) {
     for (std::int64_t column = 0; column < shot.cells; ++column) {
-      const Point centre = at(shot.Centre(column, row));
-      const std::size_t i = shot.Index(column, row);
-      const double share = most > 0 ? std::sqrt(shot.occupancy[i] / most) : 0;
-      if (share > 0.02)
-        canvas.Fill({centre.x_m - pixel / 2, centre.y_m - pixel / 2},
-                    {centre.x_m + pixel / 2, centre.y_m + pixel / 2}, Shade(0.75 * share));
-      if (!std::isnan(shot.edge_rad[i])) Stroke(&canvas, centre, shot.edge_rad[i], 0.8 * pixel, kAlong, 2);
+      hits.Add(kShade);
+      const double share = most > 0 ? std::sqrt(shot.occupancy[shot.Index(column, row)] / most) : 0;
+      hits.pixels.push_back(static_cast<std::uint8_t>(std::lround(191 * std::clamp(share, 0.0, 1.0))));
     }
   }
-  for (const LocalEdge& line : shot.edges) canvas.Line(at(line.a), at(line.b), kEdge, 4);
+  picture.Image(panel, std::move(hits));
+  for (std::int64_t row = 0; row < shot.cells; ++row) {
+    for (std::int64_t column = 0; column < shot.cells; ++column) {
+      const float angle = shot.edge_rad[shot.Index(column, row)];
+      if (!std::isnan(angle))
+        Stroke(&picture, frame.At(shot.Centre(column, row)), angle, 0.8 * pixel, "curve");
+    }
+  }
+  for (const LocalEdge& line : shot.edges) picture.Line(frame.At(line.a), frame.At(line.b), "sensed");
   constexpr double kRobotRadiusM = 0.25;
-  canvas.Ring({middle_x, middle_y}, kRobotRadiusM * per_m, kPlotInk, 2);
-  canvas.Frame({kPictureMargin, kPictureMargin}, {kPictureMargin + edge, kPictureMargin + edge}, kPale, 1);
-  DrawScale({0, 0, 0, per_m}, {kPictureMargin, kPictureMargin - 10}, &canvas);
-  DrawHistogram(shot, kPictureMargin, edge + 2.5 * kPictureMargin, edge, histogram, &canvas);
-  return canvas.Png();
+  picture.Circle(frame.At(Point{}), kRobotRadiusM * frame.pixels_per_m(), "ring");
+  picture.Rect(panel, "frame");
+  DrawMetre(frame.pixels_per_m(), {kPictureMargin, kPictureMargin - 10}, &picture);
+  DrawHistogram(shot, {kPictureMargin, edge + 2.5 * kPictureMargin, edge, histogram}, &picture);
+  return picture;
 }
 
-std::string TracePng(const LocalTrace& trace) {
+Picture TracePicture(const LocalTrace& trace) {
   const Interval span = SpanOf(trace);
   const double length_m = std::max(span.high_z - span.low_z, 1.0);
-  const double per_m = std::clamp(1300 / length_m, 30.0, 120.0);
-  const double height = 2 * span.side_m * per_m;
-  Canvas canvas(static_cast<int>(length_m * per_m + 2 * kPictureMargin),
-                static_cast<int>(height + 3 * kPictureMargin), kPlotPaper);
-  const Strip strip{kPictureMargin, kPictureMargin + height / 2, span.low_z, per_m};
-  DrawTrace(trace, strip, kPlotInk, &canvas);
-  DrawScale(strip, {kPictureMargin, height + 2 * kPictureMargin}, &canvas);
-  return canvas.Png();
+  const double per_m = std::clamp(1000 / length_m, 30.0, 120.0), height = 2 * span.side_m * per_m;
+  Picture picture(length_m * per_m + 2 * kPictureMargin, height + 3 * kPictureMargin, "An edge trace");
+  DrawTrace(trace, {kPictureMargin, kPictureMargin + height / 2, span.low_z, per_m}, "trace", &picture);
+  DrawMetre(per_m, {kPictureMargin, height + 2 * kPictureMargin}, &picture);
+  return picture;
 }
 
 std::vector<Superposed> Superpositions(const LocalResult& result, const std::vector<Track>& odometry) {
@@ -233,33 +226,29 @@ std::vector<Superposed> Superpositions(const LocalResult& result, const std::vec
   return shown;
 }
 
-std::string SuperposedPng(const std::vector<Superposed>& shown) {
+Picture SuperposedPicture(const std::vector<Superposed>& shown) {
   constexpr double kPerM = 90;
-  double width = 0, height = 0;
-  std::vector<std::pair<double, double>> sizes;  // low z, height
-  for (const Superposed& one : shown) {
+  Picture drawn;
+  double top = kPictureMargin, width = 0;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const Superposed& one = shown[i];
     const Interval span = SpanOf(one.trace);
     const auto half_cells = one.shot.cells / 2 + 1;
     const double half = static_cast<double>(half_cells) * one.shot.cell_m;
-    const double low = std::min(span.low_z, one.z_m - half), high = std::max(span.high_z, one.z_m + half);
-    sizes.emplace_back(low, 2 * std::max(span.side_m, half + std::abs(one.u_m)) * kPerM);
+    const double low = std::min(span.low_z, one.z_m - half), high = std::max(span.high_z, one.z_m + half),
+                 height = 2 * std::max(span.side_m, half + std::abs(one.u_m)) * kPerM;
+    const Strip strip{kPictureMargin, top + height / 2, low, kPerM};
+    DrawTrace(one.trace, strip, "recorded", &drawn);
+    DrawImmediate(one, strip, &drawn);
+    drawn.Text({kPictureMargin, top + 14},
+               fmt::format("({}) at {} s", static_cast<char>('a' + i), Short(one.shot.time_s, 0)), "heading");
+    top += height + kPictureMargin;
     width = std::max(width, (high - low) * kPerM);
-    height += sizes.back().second + kPictureMargin;
   }
-  Canvas canvas(static_cast<int>(width + 2 * kPictureMargin), static_cast<int>(height + 2 * kPictureMargin),
-                kPlotPaper);
-  double top = kPictureMargin;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    const Strip strip{kPictureMargin, top + sizes[i].second / 2, sizes[i].first, kPerM};
-    DrawTrace(shown[i].trace, strip, kPale, &canvas);
-    DrawImmediate(shown[i], strip, &canvas);
-    const char letter = static_cast<char>('a' + i);
-    canvas.Text({kPictureMargin, top + 14},
-                std::string("(") + letter + ") at " + Short(shown[i].shot.time_s, 0) + " s", kPlotInk, 14);
-    top += sizes[i].second + kPictureMargin;
-  }
-  DrawScale({kPictureMargin, 0, 0, kPerM}, {kPictureMargin, height + 1.2 * kPictureMargin}, &canvas);
-  return canvas.Png();
+  DrawMetre(kPerM, {kPictureMargin, top + 0.2 * kPictureMargin}, &drawn);
+  Picture picture(width + 2 * kPictureMargin, top + kPictureMargin, "Immediate traces on recorded ones");
+  picture.Add(drawn, {0, 0});
+  return picture;
 }
 
 }  // namespace cairn::datasets::report

@@ -1,21 +1,21 @@
-// The pictures of [DM98] figures 2 to 4. All return the bytes of a PNG.
+// The pictures of [DM98] figures 2 to 4.
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "datasets/report/drawing/picture.h"
 #include "datasets/report/pages/local_result.h"
 
 namespace cairn::datasets::report {
 
 // Figure 2: hit frequency in shades, a line in each cell that has a dominant orientation, the edges of the
 // last scan, and below the histogram of wall orientations with its peak.
-std::string LocalGridPng(const LocalSnapshot& shot);
+Picture LocalGridPicture(const LocalSnapshot& shot);
 
 // Figure 3: the path of the robot, and left and right of it the intervals of distance, bold where occupied;
 // short lines where orientations differ.
-std::string TracePng(const LocalTrace& trace);
+Picture TracePicture(const LocalTrace& trace);
 
 // Figure 4: what the local grids show at a time, over a trace that was recorded before.
 struct Superposed {
@@ -27,6 +27,6 @@ struct Superposed {
 // The best of a result: snapshots at which matching had corrected a position in an earlier trace, those with
 // most edges first; two at most. `odometry`: dead reckoning of each robot.
 std::vector<Superposed> Superpositions(const LocalResult& result, const std::vector<Track>& odometry);
-std::string SuperposedPng(const std::vector<Superposed>& shown);
+Picture SuperposedPicture(const std::vector<Superposed>& shown);
 
 }  // namespace cairn::datasets::report

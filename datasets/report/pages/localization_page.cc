@@ -77,7 +77,7 @@ std::string Tiles(const Blob& result, const LocalizedSteps& localized, const Loc
   }
   if (result.Has("provenance/seconds_s"))
     tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
-  return "<div class=\"tiles\">\n" + tiles + "</div>\n";
+  return TilesHtml(tiles);
 }
 
 // The start, the end, and some ten rows between them.
@@ -87,7 +87,7 @@ std::string ErrorTable(const LocalizationScore& score) {
                                    "of its mean", "of its most likely position",
                                    "within 1 m"};
   if (!score.heading.empty()) head.emplace_back("facing right");
-  std::string rows = RowHtml(head, "th");
+  Table rows{head};
   const std::size_t pitch = std::max<std::size_t>(1, score.rows.size() / 10);
   for (std::size_t k = 0; k < score.rows.size(); ++k) {
     if (k % pitch != 0 && k + 1 != score.rows.size()) continue;
@@ -100,9 +100,9 @@ std::string ErrorTable(const LocalizationScore& score) {
                                       ErrorOf(row.mode),
                                       Grouped(100 * row.within_1m) + "%"};
     if (!score.heading.empty()) cells.push_back(Grouped(100 * row.facing) + "%");
-    rows += RowHtml(cells);
+    rows.push_back(std::move(cells));
   }
-  return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+  return TableHtml(rows);
 }
 
 std::string BeliefSection(const LocalizedSteps& localized, const LocalizationScore* score,

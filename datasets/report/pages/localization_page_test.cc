@@ -79,11 +79,11 @@ TEST(LocalizedPictures, PositionsOnALineAreDrawnByWayOthersAsMaps) {
   Blob result = LocalizationFile();
   const Blob samples = LocalizedSamples();
   const LocalizationScore score = EvaluateLocalization(result, samples);
-  const std::string line = BeliefPicture(LocalizedSteps(result), &score, 0, 1040);
+  const std::string line = BeliefPicture(LocalizedSteps(result), &score, 0, 1040).Svg();
   EXPECT_EQ(OccurrencesOnPage(line, "<image"), 1U);
   EXPECT_EQ(OccurrencesOnPage(line, "class=\"truth-path\""), 1U);
   result.PutVector<double>("position/y_m", {0, 2, 0, 1});
-  const std::string maps = BeliefPicture(LocalizedSteps(result), &score, 0, 1040);
+  const std::string maps = BeliefPicture(LocalizedSteps(result), &score, 0, 1040).Svg();
   EXPECT_EQ(OccurrencesOnPage(maps, "<image"), 3U);
   ExpectContains(maps, "1 sensed, 1 m: error 0.5 m");
 }

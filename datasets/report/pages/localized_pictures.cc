@@ -1,21 +1,19 @@
 #include "datasets/report/pages/localized_pictures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "datasets/report/drawing/axes.h"
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/plots.h"
-#include "datasets/report/drawing/svg.h"
-#include "datasets/report/grid_picture.h"
-#include "datasets/report/pages/line_chart.h"
+#include "datasets/report/pages/parts.h"
+#include "datasets/report/pictures.h"
 
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kLocalizedPicturesLeft = 86, kChartHeight = 220;
+constexpr double kErrorHeight = 220;
 constexpr double kFlat = 6;         // a box so many times longer than it is high counts as a line
 constexpr std::size_t kBins = 150;  // of a belief, along the longer side of the positions' box
 
@@ -33,7 +31,8 @@ std::vector<Traverse> TraversesOf(const LocalizedSteps& localized) {
 }
 
 template <class Value>
-Curve MeanCurve(const LocalizationScore& score, const char* name, int colour, bool band, const Value& value) {
+Curve MeanCurve(const LocalizationScore& score, const char* name, std::size_t colour, bool band,
+                const Value& value) {
   Curve curve{.name = name, .points = {}, .colour = colour};
   for (const LocalizationRow& row : score.rows) {
     const MeanError& error = value(row);
@@ -47,7 +46,7 @@ Curve MeanCurve(const LocalizationScore& score, const char* name, int colour, bo
 
 // Root of the mean square over the traverses, by sensations.
 template <class Value>
-Curve RootMeanSquare(const std::vector<LocalizedStep>& steps, const char* name, int colour,
+Curve RootMeanSquare(const std::vector<LocalizedStep>& steps, const char* name, std::size_t colour,
                      const Value& value) {
   struct Sum {
     double squares = 0, travelled_m = 0, count = 0;
@@ -67,13 +66,12 @@ Curve RootMeanSquare(const std::vector<LocalizedStep>& steps, const char* name, 
 }
 
 Box LocalizedBox(const LocalizedSteps& localized) {
-  Box box{localized.positions.front().x_m, localized.positions.front().x_m, localized.positions.front().y_m,
-          localized.positions.front().y_m};
+  Span x, y;
   for (const Point& p : localized.positions) {
-    box = {std::min(box.x_low_m, p.x_m), std::max(box.x_high_m, p.x_m), std::min(box.y_low_m, p.y_m),
-           std::max(box.y_high_m, p.y_m)};
+    x.Take(p.x_m);
+    y.Take(p.y_m);
   }
-  return box;
+  return {x.low, x.high, y.low, y.high};
 }
 
 // Of the positions' longer side.
@@ -110,43 +108,33 @@ Grid Beliefs(const LocalizedSteps& localized, const Traverse& traverse, const Ax
   return grid;
 }
 
-const char* AxisName(const Axis& axis) { return axis.y ? "y [m]" : "x [m]"; }
-
 // Distance travelled from left to right, the positions' longer side upwards.
-std::string LineBelief(const LocalizedSteps& localized, const LocalizationScore* score,
-                       const Traverse& traverse, const Axis& axis, double width) {
+Picture LineBelief(const LocalizedSteps& localized, const LocalizationScore* score, const Traverse& traverse,
+                   const Axis& axis, double width) {
   constexpr double kHeight = 330;
-  const Panel p{kLocalizedPicturesLeft, 10, width - kLocalizedPicturesLeft - 10, kHeight};
-  Svg svg(width, kHeight + 54, "Belief of one robot by distance travelled");
+  const Panel panel{kChartLeft, 10, width - kChartLeft - kChartRight, kHeight};
+  Picture picture(width, panel.bottom() + kChartBottom, "Belief of one robot by distance travelled");
   const double travelled_m = std::max(1e-3, localized.steps[traverse.end - 1].travelled_m);
-  const auto steps = static_cast<double>(traverse.end - traverse.first);
-  // A column of the picture reaches half a step to either side; the first and the last are cut.
-  const double step_width = p.width / std::max(1.0, steps - 1);
-  const auto x = [&](double travelled) { return p.left + p.width * travelled / travelled_m; };
-  const auto y = [&](double at) { return p.top + p.height * (1 - (at - axis.low) / axis.length); };
-  svg.Rect(p.left, p.top, p.width, p.height, "panel");
-  svg.BeginClip(p.left, p.top, p.width, p.height);
+  const Axes axes(panel, {0, travelled_m}, {axis.low, axis.low + axis.length});
+  DrawAxes(axes, {.x = "distance travelled [m]", .y = axis.y ? "y [m]" : "x [m]", .y_ticks = 6}, &picture);
+  picture.BeginClip(panel);
+  // A column of cells reaches half a step to either side, a row half a bin; the outermost are cut.
   const Grid grid = Beliefs(localized, traverse, axis);
-  const double half_bin = 0.5 * p.height / static_cast<double>(grid.rows - 1);
-  svg.Image(p.left - 0.5 * step_width, p.top - half_bin, p.width + step_width, p.height + 2 * half_bin,
-            GridPng(grid, HighestProbability(grid)));
+  const double step = panel.width / std::max(1.0, static_cast<double>(grid.columns - 1)),
+               bin = panel.height / static_cast<double>(grid.rows - 1);
+  picture.Image({panel.left - step / 2, panel.top - bin / 2, panel.width + step, panel.height + bin},
+                GridRaster(grid));
   std::vector<Point> truth, mean;
   for (std::size_t k = traverse.first; k < traverse.end; ++k) {
-    const LocalizedStep& step = localized.steps[k];
-    if (score != nullptr) truth.push_back({x(step.travelled_m), y(axis.At(score->steps[k].truth))});
-    mean.push_back({x(step.travelled_m), y(axis.At(step.mean))});
+    const LocalizedStep& at = localized.steps[k];
+    if (score != nullptr) truth.push_back(axes.At(at.travelled_m, axis.At(score->steps[k].truth)));
+    mean.push_back(axes.At(at.travelled_m, axis.At(at.mean)));
   }
-  svg.Polyline(truth, "truth-path");
-  svg.Polyline(mean, "path r2");
-  svg.EndClip();
-  for (const double tick : Ticks(0, travelled_m, std::max(2, static_cast<int>(p.width / 90))))
-    svg.Text(x(tick), p.top + p.height + 15, Short(tick), "tick middle");
-  for (const double tick : Ticks(axis.low, axis.low + axis.length, 6))
-    svg.Text(p.left - 7, y(tick) + 4, Short(tick), "tick end");
-  svg.Rect(p.left, p.top, p.width, p.height, "frame");
-  svg.Text(p.left + p.width / 2, p.top + p.height + 34, "distance travelled [m]", "axis middle");
-  svg.VerticalText(p.left - 66, p.top + p.height / 2, AxisName(axis), "axis middle");
-  return svg.Finish();
+  picture.Polyline(truth, "truth-path");
+  picture.Polyline(mean, "path r2");
+  picture.EndClip();
+  DrawFrame(axes, &picture);
+  return picture;
 }
 
 // Of one step, in the plane.
@@ -166,39 +154,33 @@ Grid BeliefInPlane(const LocalizedSteps& localized, const LocalizedStep& step, c
   return grid;
 }
 
-void DrawMap(const LocalizedSteps& localized, const LocalizationScore* score, const Traverse& traverse,
-             std::size_t at, const Box& box, const Panel& panel, Svg* svg) {
+void DrawBelief(const LocalizedSteps& localized, const LocalizationScore* score, const Traverse& traverse,
+                std::size_t at, const Box& box, const Panel& panel, Picture* picture) {
   const LocalizedStep& step = localized.steps[at];
   const MapFrame frame(box, panel);
   const Grid grid = BeliefInPlane(localized, step, box);
-  const double top_m = grid.origin.y_m + static_cast<double>(grid.rows) * grid.cell_m;
-  svg->Rect(panel.left, panel.top, panel.width, panel.height, "panel");
-  svg->BeginClip(panel.left, panel.top, panel.width, panel.height);
-  svg->Image(frame.X(grid.origin.x_m), frame.Y(top_m),
-             static_cast<double>(grid.columns) * grid.cell_m * frame.pixels_per_m(),
-             static_cast<double>(grid.rows) * grid.cell_m * frame.pixels_per_m(),
-             GridPng(grid, HighestProbability(grid)));
+  picture->Rect(panel, "panel");
+  picture->BeginClip(panel);
+  picture->Image(frame.At(BoxOf(grid)), GridRaster(grid));
+  std::string title = fmt::format("{} sensed, {} m", step.sensations, Short(step.travelled_m, 1));
   if (score != nullptr) {
     std::vector<Point> truth;
-    for (std::size_t k = traverse.first; k <= at; ++k)
-      truth.push_back({frame.X(score->steps[k].truth.x_m), frame.Y(score->steps[k].truth.y_m)});
-    svg->Polyline(truth, "truth-path");
-    svg->Circle(truth.back().x_m, truth.back().y_m, 6, "truth-landmark");
+    for (std::size_t k = traverse.first; k <= at; ++k) truth.push_back(frame.At(score->steps[k].truth));
+    picture->Circle(truth.back(), 6, "truth-landmark");
+    picture->Polyline(std::move(truth), "truth-path");
+    title += fmt::format(": error {} m", Short(score->steps[at].believed_m));
   }
-  svg->Circle(frame.X(step.mean.x_m), frame.Y(step.mean.y_m), 3.5, "start r2");
-  svg->EndClip();
-  svg->Rect(panel.left, panel.top, panel.width, panel.height, "frame");
-  std::string title = std::to_string(step.sensations) + " sensed, " + Short(step.travelled_m, 1) + " m";
-  if (score != nullptr) title += ": error " + Short(score->steps[at].believed_m) + " m";
-  svg->Text(panel.left, panel.top - 6, title, "heading");
+  picture->Circle(frame.At(step.mean), 3.5, "start r2");
+  picture->EndClip();
+  picture->Rect(panel, "frame");
+  picture->Text({panel.left, panel.top - 6}, title, "heading");
 }
 
 // Six maps, at the start, at the end and between them, ever farther apart.
-std::string MapBeliefs(const LocalizedSteps& localized, const LocalizationScore* score,
-                       const Traverse& traverse, Box box, double full_width) {
-  constexpr double kGap = 20, kTitle = 26, kLocalizedPicturesNarrowest = 300;  // of a map
-  const auto columns =
-      static_cast<std::size_t>(std::clamp(full_width / kLocalizedPicturesNarrowest, 1.0, 3.0));
+Picture MapBeliefs(const LocalizedSteps& localized, const LocalizationScore* score, const Traverse& traverse,
+                   Box box, double full_width) {
+  constexpr double kGap = 20, kTitle = 26, kBelow = 6, kNarrowestMap = 300;
+  const auto columns = static_cast<std::size_t>(std::clamp(full_width / kNarrowestMap, 1.0, 3.0));
   const std::size_t last = traverse.end - traverse.first - 1;
   std::vector<std::size_t> shown;
   for (const double share : {0.0, 0.05, 0.12, 0.25, 0.5, 1.0}) {
@@ -206,17 +188,16 @@ std::string MapBeliefs(const LocalizedSteps& localized, const LocalizationScore*
     if (shown.empty() || at > shown.back()) shown.push_back(at);
   }
   box = {box.x_low_m - 0.5, box.x_high_m + 0.5, box.y_low_m - 0.5, box.y_high_m + 0.5};
-  const double width = (full_width - static_cast<double>(columns - 1) * kGap) / static_cast<double>(columns),
-               height = PanelHeight(box, width, 120, 400);
+  const double width = (full_width + kGap) / static_cast<double>(columns) - kGap,
+               height = PanelHeight(box, width, 120, 400), pitch = kTitle + height + kBelow;
   const std::size_t rows = (shown.size() + columns - 1) / columns;
-  Svg svg(full_width, static_cast<double>(rows) * (height + kTitle + 6), "Belief of one robot on its way");
+  Picture picture(full_width, static_cast<double>(rows) * pitch, "Belief of one robot on its way");
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    const std::size_t row = i / columns;
-    const Panel panel{static_cast<double>(i % columns) * (width + kGap),
-                      kTitle + static_cast<double>(row) * (height + kTitle + 6), width, height};
-    DrawMap(localized, score, traverse, traverse.first + shown[i], box, panel, &svg);
+    const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
+    DrawBelief(localized, score, traverse, traverse.first + shown[i], box,
+               {column * (width + kGap), kTitle + row * pitch, width, height}, &picture);
   }
-  return svg.Finish();
+  return picture;
 }
 
 LineChart MeanErrors(const LocalizationScore& score) {
@@ -236,10 +217,8 @@ LineChart EachError(const LocalizationScore& score) {
   LineChart each{"Each robot", "distance travelled [m]", "error [m]", {}};
   for (const LocalizationError& step : score.steps) {
     if (step.sensations == 0) {
-      each.curves.push_back({.name = "",
-                             .points = {},
-                             .colour = static_cast<int>(each.curves.size()),
-                             .faint = score.traverses > 6});
+      each.curves.push_back(
+          {.name = "", .points = {}, .colour = each.curves.size(), .faint = score.traverses > 6});
     }
     each.curves.back().points.push_back({step.travelled_m, step.believed_m});
   }
@@ -257,52 +236,32 @@ LineChart HowSure(const LocalizedSteps& localized, const LocalizationScore* scor
   return chart;
 }
 
-// The same for a file.
-Plot PlotOf(const LineChart& chart) {
-  Plot plot;
-  plot.title = chart.title;
-  plot.x_label = chart.x_label;
-  plot.y_label = chart.y_label;
-  for (const Curve& curve : chart.curves) {
-    PlotSeries series;
-    series.name = curve.name;
-    series.colour = kRobots[static_cast<std::size_t>(curve.colour) % kRobotColours];
-    for (std::size_t i = 0; i < curve.points.size(); ++i) {
-      PlotPoint point{curve.points[i].x, curve.points[i].y, std::nullopt};
-      if (curve.low.size() == curve.points.size()) point.bar = {curve.low[i].y, curve.high[i].y};
-      series.points.push_back(point);
-    }
-    plot.series.push_back(std::move(series));
-  }
-  return plot;
-}
-
 }  // namespace
 
 std::string ErrorHtml(const LocalizationScore& score, const std::string& caption) {
-  return ChartHtml(MeanErrors(score), caption, kChartHeight) + ChartHtml(EachError(score), "", kChartHeight);
+  return ChartHtml(MeanErrors(score), caption, kErrorHeight) + ChartHtml(EachError(score), "", kErrorHeight);
 }
 
 std::string SureHtml(const LocalizedSteps& localized, const LocalizationScore* score,
                      const std::string& caption) {
-  std::string html = ChartHtml(HowSure(localized, score), caption, kChartHeight);
+  std::string html = ChartHtml(HowSure(localized, score), caption, kErrorHeight);
   if (score == nullptr || score->heading != "unknown") return html;
   LineChart facing{"Believed of facing as it does", "distance travelled [m]", "mean over the robots [%]", {}};
   Curve curve{.name = "", .points = {}, .colour = 0};
   for (const LocalizationRow& row : score->rows) curve.points.push_back({row.travelled_m, 100 * row.facing});
   facing.curves.push_back(curve);
-  return html + ChartHtml(facing, "", kChartHeight);
+  return html + ChartHtml(facing, "", kErrorHeight);
 }
 
 std::string LocalizationPng(const LocalizedSteps& localized, const LocalizationScore* score) {
-  std::vector<Plot> plots;
-  if (score != nullptr) plots.push_back(PlotOf(MeanErrors(*score)));
-  plots.push_back(PlotOf(HowSure(localized, score)));
-  return DrawPlots(plots, {.columns = 1, .width = 900, .height = 320});
+  std::vector<LineChart> charts;
+  if (score != nullptr) charts.push_back(MeanErrors(*score));
+  charts.push_back(HowSure(localized, score));
+  return ChartsPicture(charts, 1, 900, 320).Png();
 }
 
-std::string BeliefPicture(const LocalizedSteps& localized, const LocalizationScore* score,
-                          std::size_t traverse, double width) {
+Picture BeliefPicture(const LocalizedSteps& localized, const LocalizationScore* score, std::size_t traverse,
+                      double width) {
   const Traverse of = TraversesOf(localized)[traverse];
   const Box box = LocalizedBox(localized);
   const double longer = std::max(box.width_m(), box.height_m()),

@@ -6,6 +6,7 @@
 
 #include "datasets/evaluate/learning/localization.h"
 #include "datasets/evaluate/learning/localized_steps.h"
+#include "datasets/report/drawing/picture.h"
 
 namespace cairn::datasets::report {
 
@@ -21,8 +22,8 @@ std::string LocalizationPng(const LocalizedSteps& localized, const LocalizationS
 
 // Of traverse number `traverse`, in the order of the result: belief, mean and, with a score, truth. Where the
 // positions lie along a line, distance travelled against position along it; else maps at some steps.
-std::string BeliefPicture(const LocalizedSteps& localized, const LocalizationScore* score,
-                          std::size_t traverse, double width);
+Picture BeliefPicture(const LocalizedSteps& localized, const LocalizationScore* score, std::size_t traverse,
+                      double width);
 
 // The traverse that is in the middle by its error averaged over its way (without a score, by how far off it
 // believes to be), and the worst.

@@ -1,16 +1,14 @@
 #include "datasets/report/pages/networks_page.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <vector>
 
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/plots.h"
 #include "datasets/report/pages/facts.h"
-#include "datasets/report/pages/line_chart.h"
 #include "datasets/report/pages/parts.h"
 
 namespace cairn::datasets::report {
@@ -97,11 +95,9 @@ std::string OutputsHtml(const Blob& result) {
   std::string html;
   const auto outputs = OutputsAlongRun(result);
   for (std::size_t n = 0; n < outputs.size(); ++n) {
-    html += ChartHtml({"Network " + std::to_string(n),
-                       "distance travelled [m]",
-                       "P(f = 1)",
-                       {Curve{"", outputs[n], static_cast<int>(n)}}},
-                      "", 150);
+    html += ChartHtml(
+        {"Network " + std::to_string(n), "distance travelled [m]", "P(f = 1)", {Curve{"", outputs[n], n}}},
+        "", 150);
   }
   return html.empty()
              ? ""
@@ -136,7 +132,7 @@ std::string Tiles(const Blob& result, const TrainingHistory& h) {
   tiles += TileHtml(Grouped(static_cast<double>(h.steps())), "steps");
   if (result.Has("provenance/seconds_s"))
     tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
-  return "<div class=\"tiles\">\n" + tiles + "</div>\n";
+  return TilesHtml(tiles);
 }
 
 std::string Warnings(const Blob& result) {
@@ -152,12 +148,12 @@ std::string Ancestry(const Blob& result) {
   const auto steps = result.Get<std::int64_t>("ancestry/steps");
   const auto errors = Column(result, "ancestry/training_error_m"),
              priors = Column(result, "ancestry/prior_error_m");
-  std::string rows = RowHtml({"result", "steps", "error reduction", "options"}, "th");
+  Table rows{{"result", "steps", "error reduction", "options"}};
   for (std::size_t i = 0; i < hashes.size(); ++i) {
-    rows += RowHtml(
+    rows.push_back(
         {hashes[i].substr(0, 8), std::to_string(steps[i]), Percent(1 - errors[i] / priors[i]), options[i]});
   }
-  return "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n";
+  return TableHtml(rows);
 }
 
 }  // namespace
@@ -176,22 +172,18 @@ std::string NetworksHtml(const Blob& result) {
 }
 
 std::string NetworksPng(const Blob& result) {
-  std::vector<Plot> plots;
+  std::vector<LineChart> charts;
   for (const auto& output : OutputsAlongRun(result)) {
-    Plot plot;
-    plot.title = "network " + std::to_string(plots.size());
-    plot.y_label = "P(f = 1)";
-    plot.y_low = 0;
-    plot.y_high = 1;
-    PlotSeries series;
-    for (const ChartPoint& at : output) series.points.push_back({at.x, at.y, std::nullopt});
-    series.colour = kRobots[plots.size() % kRobotColours];
-    plot.series.push_back(std::move(series));
-    plots.push_back(std::move(plot));
+    charts.push_back({.title = fmt::format("network {}", charts.size()),
+                      .x_label = {},
+                      .y_label = "P(f = 1)",
+                      .curves = {{.name = {}, .points = output, .colour = charts.size()}},
+                      .y_low = 0,
+                      .y_high = 1});
   }
-  if (plots.empty()) throw InputError("there are no networks in it to draw");
-  plots.back().x_label = "distance travelled in the first run [m]";
-  return DrawPlots(plots, {.columns = 1, .width = 900, .height = 110});
+  if (charts.empty()) throw InputError("there are no networks in it to draw");
+  charts.back().x_label = "distance travelled in the first run [m]";
+  return ChartsPicture(charts, 1, 900, 110).Png();
 }
 
 }  // namespace cairn::datasets::report

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/report/pages/line_chart.h"
+#include "datasets/report/drawing/charts.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::report {

@@ -43,6 +43,7 @@ TEST(NetworksPage, ShowsHowTrainingWentAndWhatTheNetworksSee) {
   ExpectContains(html, "4 samples of 3 inputs");
   for (const char* part : {"Error reduction", "Posterior error", "Gradient", "Network 0", "Network 1"})
     ExpectContains(html, std::string(">") + part + "<");
+  EXPECT_EQ(html.find(">Gradient<"), html.rfind(">Gradient<")) << "a chart is titled once";
   EXPECT_EQ(html.find("<h2>Warnings"), std::string::npos);
   EXPECT_EQ(html.find("<h2>Before this run"), std::string::npos);
   EXPECT_EQ(html.find("nan"), std::string::npos);

@@ -243,7 +243,7 @@ std::vector<Rectangle> NamesOn(const std::string& svg) {
 TEST(Names, CoverNeitherEachOtherNorALandmark) {
   for (const double width : {1040.0, 400.0}) {
     for (const double apart_m : {1.0, 3.0, 8.0}) {
-      const std::string svg = MapPicture(Crowd(48, apart_m, true), width);
+      const std::string svg = MapPicture(Crowd(48, apart_m, true), width).Svg();
       const std::vector<Rectangle> names = NamesOn(svg);
       ASSERT_FALSE(names.empty());
       std::vector<Rectangle> dots;
@@ -263,13 +263,13 @@ TEST(Names, CoverNeitherEachOtherNorALandmark) {
 }
 
 TEST(Names, WhereThereIsRoomAllAreThere) {
-  EXPECT_EQ(NamesOn(MapPicture(Crowd(8, 12, true), 1040)).size(), 9U);
+  EXPECT_EQ(NamesOn(MapPicture(Crowd(8, 12, true), 1040).Svg()).size(), 9U);
 }
 
 TEST(Names, OfHundredsThatAreMereNumbersNoneIs) {
-  EXPECT_TRUE(NamesOn(MapPicture(Crowd(475, 3, false), 1040)).empty());
-  EXPECT_FALSE(NamesOn(MapPicture(Crowd(40, 3, false), 1040)).empty());
-  EXPECT_FALSE(NamesOn(MapPicture(Crowd(475, 3, true), 1040)).empty()) << "identities are worth naming";
+  EXPECT_TRUE(NamesOn(MapPicture(Crowd(475, 3, false), 1040).Svg()).empty());
+  EXPECT_FALSE(NamesOn(MapPicture(Crowd(40, 3, false), 1040).Svg()).empty());
+  EXPECT_FALSE(NamesOn(MapPicture(Crowd(475, 3, true), 1040).Svg()).empty()) << "identities are worth naming";
 }
 
 // Relative luminance as the eye has it, of sRGB channels taken as they are.

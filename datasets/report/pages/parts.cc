@@ -1,8 +1,9 @@
 #include "datasets/report/pages/parts.h"
 
-#include "datasets/report/drawing/base64.h"
+#include <fmt/format.h>
+
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/pages/style.h"
+#include "datasets/report/drawing/style.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -15,13 +16,6 @@ std::string Footer(const Blob& result) {
   return "<footer>" + text + ". Lengths in metres, headings counter-clockwise.</footer>\n";
 }
 
-// Big-endian, of a PNG's header.
-std::uint32_t PngSide(std::string_view png, std::size_t at) {
-  std::uint32_t side = 0;
-  for (std::size_t i = at; i < at + 4; ++i) side = 256 * side + static_cast<unsigned char>(png.at(i));
-  return side;
-}
-
 }  // namespace
 
 std::string SectionHtml(const std::string& title, const std::string& body) {
@@ -29,36 +23,60 @@ std::string SectionHtml(const std::string& title, const std::string& body) {
 }
 
 std::string DrawingHtml(const Drawing& draw, const std::string& caption) {
-  const std::string wide = draw(kWidePicture);
+  const std::string wide = draw(kWidePicture).Svg();
   if (wide.empty()) return {};
-  return "<figure>\n<div class=\"wide\">" + wide + "</div>\n<div class=\"narrow\">" + draw(kNarrowPicture) +
-         "</div>\n<figcaption>" + caption + "</figcaption>\n</figure>\n";
+  return fmt::format(
+      "<figure>\n<div class=\"wide\">{}</div>\n<div class=\"narrow\">{}</div>\n"
+      "<figcaption>{}</figcaption>\n</figure>\n",
+      wide, draw(kNarrowPicture).Svg(), caption);
 }
 
-std::string PictureHtml(std::string_view png, const std::string& label, const std::string& caption) {
-  const std::string width = std::to_string(PngSide(png, 16)), height = std::to_string(PngSide(png, 20));
-  return "<figure>\n<div class=\"scroll\"><img width=\"" + width + "\" height=\"" + height + "\" alt=\"" +
-         Escape(label) + "\" src=\"data:image/png;base64," + Base64(png) + "\"></div>\n<figcaption>" +
-         caption + "</figcaption>\n</figure>\n";
+std::string PictureHtml(const Picture& picture, const std::string& caption) {
+  return fmt::format(
+      "<figure>\n<div class=\"scroll\"><div style=\"width:{}px\">{}</div></div>\n"
+      "<figcaption>{}</figcaption>\n</figure>\n",
+      Short(picture.width()), picture.Svg(), caption);
+}
+
+std::string ChartHtml(const LineChart& chart, const std::string& caption, double height) {
+  const std::string figure = DrawingHtml(
+      [&](double width) {
+        constexpr double kTop = 8;
+        Picture picture(width, kTop + height + kChartBottom, chart.title);
+        Draw(chart, {kChartLeft, kTop, width - kChartLeft - kChartRight, height}, &picture);
+        return picture;
+      },
+      caption);
+  if (figure.empty()) return {};
+  return fmt::format("<h3>{}</h3>\n{}{}", Escape(chart.title), LegendHtml(LegendOf({chart})), figure);
 }
 
 std::string LegendHtml(const std::vector<LegendEntry>& entries) {
   std::string items;
   for (const LegendEntry& entry : entries)
-    items += "<li><svg viewBox=\"0 0 26 14\" aria-hidden=\"true\">" + entry.drawing + "</svg>" +
-             Escape(entry.text) + "</li>\n";
+    items += fmt::format("<li><svg viewBox=\"0 0 {} {}\" aria-hidden=\"true\">{}</svg>{}</li>\n", kMarkWidth,
+                         kMarkHeight, entry.mark.SvgShapes(), Escape(entry.text));
   return items.empty() ? "" : "<ul class=\"legend\">\n" + items + "</ul>\n";
 }
 
-std::string TileHtml(const std::string& value, const std::string& what, const char* mood) {
-  return "<div class=\"tile " + std::string(mood) + "\"><b>" + Escape(value) + "</b><span>" + Escape(what) +
-         "</span></div>\n";
+std::string TableHtml(const Table& rows) {
+  std::string html;
+  for (const std::vector<std::string>& row : rows) {
+    const char* tag = html.empty() ? "th" : "td";
+    html += "<tr>";
+    for (const std::string& cell : row) html += fmt::format("<{0}>{1}</{0}>", tag, Escape(cell));
+    html += "</tr>\n";
+  }
+  return "<div class=\"scroll\"><table>\n" + html + "</table></div>\n";
 }
 
-std::string RowHtml(const std::vector<std::string>& cells, const char* tag) {
-  std::string row = "<tr>";
-  for (const std::string& cell : cells) row += "<" + std::string(tag) + ">" + Escape(cell) + "</" + tag + ">";
-  return row + "</tr>\n";
+std::string TilesHtml(const std::string& tiles) {
+  return tiles.empty() ? "" : "<div class=\"tiles\">\n" + tiles + "</div>\n";
+}
+
+std::string TileHtml(const std::string& value, const std::string& what, const char* mood) {
+  return fmt::format("<div class=\"tile {}\"><b>{}</b><span>{}</span></div>\n", mood, Escape(value),
+                     Escape(what));
 }
 
 std::string TimeHtml(const std::vector<RoundTime>& rounds) {
@@ -71,15 +89,16 @@ std::string TimeHtml(const std::vector<RoundTime>& rounds) {
     count += round.rounds;
   }
   return DrawingHtml([&](double width) { return RoundsPicture(rounds, width); },
-                     Count(count, "round") + " with " + Count(tasks, "task") + ": " + Duration(seconds) +
-                         " of wall time, " + Duration(compute) + " of computing.");
+                     fmt::format("{} with {}: {} of wall time, {} of computing.", Count(count, "round"),
+                                 Count(tasks, "task"), Duration(seconds), Duration(compute)));
 }
 
 std::string PageHtml(const std::string& title, const std::string& body, const Blob& result) {
-  return "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-         Escape(title) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" +
-         Escape(title) + "</h1>\n" + body + Footer(result) + "</main>\n</body>\n</html>\n";
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
+      "<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}{3}</main>\n</body>\n</html>\n",
+      Escape(title), PageCss(), body, Footer(result));
 }
 
 }  // namespace cairn::datasets::report

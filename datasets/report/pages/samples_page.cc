@@ -4,11 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "datasets/common/png.h"
-#include "datasets/report/drawing/axes.h"
 #include "datasets/report/drawing/format.h"
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/svg.h"
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
@@ -55,32 +51,20 @@ Sensed SensedOn(const Blob& samples, std::size_t run) {
   return sensed;
 }
 
-std::string SensedPng(const Sensed& sensed) {
-  std::vector<std::uint8_t> pixels;
-  for (const double share : sensed.share) {
-    const Rgb colour = std::isnan(share) ? kUnknown : Mix(kPaper, kDensity, share);
-    for (const int channel : colour) pixels.push_back(static_cast<std::uint8_t>(channel));
-  }
-  return EncodePng(static_cast<std::uint32_t>(sensed.samples), static_cast<std::uint32_t>(sensed.inputs),
-                   pixels);
-}
-
-std::string SensedPicture(const Sensed& sensed, double width) {
-  if (sensed.share.empty()) return {};
-  constexpr double kLeft = 60, kRight = 10, kTop = 8, kBottom = 40;
-  const Panel p{kLeft, kTop, width - kLeft - kRight,
-                std::clamp(4.0 * static_cast<double>(sensed.inputs), 90.0, 420.0)};
-  Svg svg(width, kTop + p.height + kBottom, "What was sensed along the run");
-  svg.Image(p.left, p.top, p.width, p.height, SensedPng(sensed));
+Picture SensedPicture(const Sensed& sensed, double width) {
+  if (sensed.share.empty()) return Picture();
+  constexpr double kTop = 8;
   const auto samples = static_cast<double>(sensed.samples), inputs = static_cast<double>(sensed.inputs);
-  for (const double tick : Ticks(0, samples, std::max(2, static_cast<int>(p.width / 90))))
-    svg.Text(p.left + p.width * tick / samples, p.top + p.height + 15, Short(tick), "tick middle");
-  for (const double tick : Ticks(0, inputs, std::max(2, static_cast<int>(p.height / 50))))
-    svg.Text(p.left - 6, p.top + p.height * tick / inputs + 4, Short(tick), "tick end");
-  svg.Rect(p.left, p.top, p.width, p.height, "frame");
-  svg.Text(p.left + p.width / 2, p.top + p.height + 34, "sample", "axis middle");
-  svg.VerticalText(p.left - 44, p.top + p.height / 2, "input", "axis middle");
-  return svg.Finish();
+  const Panel panel{kChartLeft, kTop, width - kChartLeft - kChartRight, std::clamp(4 * inputs, 90.0, 420.0)};
+  Picture picture(width, panel.bottom() + kChartBottom, "What was sensed along the run");
+  const Axes axes(panel, {0, samples}, {inputs, 0});  // the first input on top
+  DrawAxes(axes, {.x = "sample", .y = "input"}, &picture);
+  Raster raster{static_cast<std::uint32_t>(sensed.samples), static_cast<std::uint32_t>(sensed.inputs)};
+  for (const double share : sensed.share)
+    raster.Add(std::isnan(share) ? kUnknown : Mix(kPaper, kDensity, share));
+  picture.Image(panel, std::move(raster));
+  DrawFrame(axes, &picture);
+  return picture;
 }
 
 }  // namespace
@@ -101,11 +85,12 @@ std::string SamplesHtml(const Blob& samples) {
   const Scene scene = SamplesSceneOf(samples);
   const std::vector<std::string> inputs = samples.Texts("input_name");
   std::int64_t count = 0;
-  std::string rows = RowHtml({"run", "samples", "path"}, "th"), sensed;
+  Table rows{{"run", "samples", "path"}};
+  std::string sensed;
   for (std::size_t r = 0; r < scene.paths.size(); ++r) {
     const Path& path = scene.paths[r];
     count += static_cast<std::int64_t>(path.points.size());
-    rows += RowHtml(
+    rows.push_back(
         {path.robot, Grouped(static_cast<double>(path.points.size())), Grouped(LengthOf(path), 1) + " m"});
     const Sensed on = SensedOn(samples, r);
     const std::string figure =
@@ -118,12 +103,12 @@ std::string SamplesHtml(const Blob& samples) {
       Escape(Count(count, "sample") + " in " + Count(static_cast<std::int64_t>(scene.paths.size()), "run") +
              ", of " + Count(static_cast<std::int64_t>(inputs.size()), "input") + ".") +
       "</p>\n";
-  html +=
-      SectionHtml("Where they were taken",
-                  LegendHtml(scene) + DrawingHtml([&](double width) { return MapPicture(scene, width); },
-                                                  "By the positions that the samples are labelled with."));
+  html += SectionHtml(
+      "Where they were taken",
+      LegendHtml(LegendOf(scene)) + DrawingHtml([&](double width) { return MapPicture(scene, width); },
+                                                "By the positions that the samples are labelled with."));
   html += SectionHtml("What was sensed", sensed);
-  html += SectionHtml("Runs", "<div class=\"scroll\"><table>\n" + rows + "</table></div>\n");
+  html += SectionHtml("Runs", TableHtml(rows));
   return html + SectionHtml("Time", TimeHtml(RoundTimes(samples)));
 }
 

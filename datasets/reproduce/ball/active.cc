@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/plots.h"
+#include "datasets/report/drawing/charts.h"
 #include "datasets/reproduce/ball/variants.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/over_seeds.h"
@@ -170,7 +169,7 @@ std::vector<PaperFigure> ActiveFigures(const std::vector<ActiveScores>& scores) 
   figure.table.head = {"mean error [m] after"};
   for (const std::size_t k : shown) figure.table.head.push_back(Say("%.1f m", 0.5 * static_cast<double>(k)));
   figure.table.head.emplace_back("mean to 9.5 m");
-  report::Plot plot;
+  report::LineChart plot;
   plot.x_label = "distance travelled [m]";
   plot.y_label = "error [m]";
   plot.y_low = 0;
@@ -181,17 +180,17 @@ std::vector<PaperFigure> ActiveFigures(const std::vector<ActiveScores>& scores) 
     row.push_back(Metres(MeanErrorUntil(scores, look.stage)));
     figure.table.rows.push_back(std::move(row));
     const bool fixed = std::string(look.stage).starts_with("d");
-    report::PlotSeries series{look.title, {}, report::kRobots[colour++], fixed, false};
+    report::Curve series{.name = look.title, .points = {}, .colour = colour++, .dashed = fixed};
     for (std::size_t k = 0; k <= 50; ++k)
-      series.points.push_back({0.5 * static_cast<double>(k), ErrorAfter(scores, look.stage, k).mean, {}});
-    plot.series.push_back(std::move(series));
+      series.points.push_back({0.5 * static_cast<double>(k), ErrorAfter(scores, look.stage, k).mean});
+    plot.curves.push_back(std::move(series));
   }
   figure.measured =
       Say("four networks for +-%g m in each direction; one direction at each stop, but in the last row. "
           "A robot that looks where it pays has %.2f m on average until 9.5 m, one that looks each way "
           "in turn %.2f m.",
           kTrainedForM, MeanErrorUntil(scores, "active").mean, MeanErrorUntil(scores, "turn").mean);
-  figure.png = report::DrawPlots({plot}, {.columns = 1, .width = 640, .height = 320});
+  figure.png = report::ChartsPicture({plot}, 1, 640, 320).Png();
   return {figure};
 }
 

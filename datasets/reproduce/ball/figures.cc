@@ -4,21 +4,19 @@
 #include <cmath>
 #include <functional>
 
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/plots.h"
+#include "datasets/report/drawing/charts.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/over_seeds.h"
 
 namespace cairn::datasets {
 namespace {
 
-using report::Plot;
-using report::PlotPoint;
-using report::PlotSeries;
+using report::ChartPoint;
+using report::Curve;
+using report::LineChart;
 
 constexpr double kFound_m = 1;
-const report::Rgb kLearned = report::kRobots[0], kDetected = report::kRobots[1],
-                  kPerfect = report::kRobots[2], kThree = report::kRobots[3];
+constexpr std::size_t kLearned = 0, kDetected = 1, kPerfect = 2, kThree = 3;  // colours
 
 std::string Title(const std::string& set) { return "D-" + set.substr(1); }
 
@@ -105,31 +103,28 @@ class BallPage {
   // Reductions by window: learned ones as `stage` says for each window, and the hand-made features.
   Comparisons ByWindow(PaperFigure figure, const std::string& name,
                        const std::function<std::string(double)>& stage) {
-    std::vector<Plot> plots;
+    std::vector<LineChart> plots;
     figure.table.head = {"percent"};
     for (const std::string& window : WindowNames("+-", " m")) figure.table.head.push_back(window);
     Comparisons counts;
     for (const std::string& set : sets_) {
-      Plot plot{.title = Title(set),
-                .x_label = "uncertainty [+- m]",
-                .y_label = "error reduction [%]",
-                .series = {},
-                .x_names = WindowNames("", ""),
-                .y_low = {},
-                .y_high = {},
-                .marked_x = {}};
-      const auto add = [&](const std::string& label, report::Rgb colour, bool dashed,
+      LineChart plot{.title = Title(set),
+                     .x_label = "uncertainty [+- m]",
+                     .y_label = "error reduction [%]",
+                     .curves = {},
+                     .x_names = WindowNames("", "")};
+      const auto add = [&](const std::string& label, std::size_t colour, bool dashed,
                            const std::function<std::string(double)>& what) {
-        PlotSeries series{label, {}, colour, dashed, true};
+        Curve series{.name = label, .points = {}, .colour = colour, .dashed = dashed, .dots = true};
         figure.table.rows.push_back({Title(set) + " " + label});
         for (std::size_t w = 0; w < BallWindows().size(); ++w) {
           const OverSeeds over = Reduction(set, what(BallWindows()[w]), w);
           figure.table.rows.back().push_back(PercentText(over));
-          PlotPoint point{static_cast<double>(w), 100 * over.mean, {}};
+          ChartPoint point{static_cast<double>(w), 100 * over.mean, {}};
           if (over.half) point.bar = {100 * over.low(), 100 * over.high()};
           series.points.push_back(point);
         }
-        plot.series.push_back(std::move(series));
+        plot.curves.push_back(std::move(series));
       };
       add(name, kLearned, false, stage);
       add("doors, lights: detected", kDetected, true, [&](double) { return DetectedFeature(set); });
@@ -150,7 +145,7 @@ class BallPage {
         Say("BaLL is above in %d of %d comparisons of a set, a window and a hand-made feature "
             "(detected, perfect); by 95%% intervals that do not overlap above in %d, below in %d.",
             counts.above, counts.all, counts.apart, counts.below);
-    figure.png = report::DrawPlots(plots, {.columns = 3, .width = 300, .height = 240});
+    figure.png = report::ChartsPicture(plots, 3, 300, 240).Png();
     figures_.push_back(std::move(figure));
     return counts;
   }
@@ -182,20 +177,20 @@ class BallPage {
 
   void Figure5() {
     const BallScores& first = First(sets_.front());
-    std::vector<Plot> plots;
+    std::vector<LineChart> plots;
     std::string errors;
     for (std::size_t k = 0; k < first.belief.size(); ++k) {
       const BeliefRow& row = first.belief[k];
-      Plot plot;
+      LineChart plot;
       plot.title = Say("%zu sensed, %.1f m on the way: error %.2f m", k, row.travelled_m, row.error_m);
       if (k + 1 == first.belief.size()) plot.x_label = "along the corridor [m]; red: where the robot is";
       plot.marked_x = row.true_x_m;
       plot.y_low = 0;
       const auto bins = static_cast<double>(row.density.size());
-      PlotSeries series{.name = {}, .points = {}, .colour = kLearned};
+      Curve series{.name = {}, .points = {}, .colour = kLearned};
       for (std::size_t b = 0; b < row.density.size(); ++b)
-        series.points.push_back({(static_cast<double>(b) + 0.5) / bins * first.length_m, row.density[b], {}});
-      plot.series.push_back(std::move(series));
+        series.points.push_back({(static_cast<double>(b) + 0.5) / bins * first.length_m, row.density[b]});
+      plot.curves.push_back(std::move(series));
       plots.push_back(std::move(plot));
       errors += Say("%s %.1f", k == 0 ? "" : ",", row.error_m);
     }
@@ -206,7 +201,7 @@ class BallPage {
                   "position.",
          .measured =
              "the first of the 35 robots of the first seed; error in m, reading by reading:" + errors + ".",
-         .png = report::DrawPlots(plots, {.columns = 1, .width = 900, .height = 54})});
+         .png = report::ChartsPicture(plots, 1, 900, 54).Png()});
   }
 
   OverSeeds ErrorAfter(const std::string& set, const std::string& stage, std::size_t sensed) const {
@@ -246,27 +241,24 @@ class BallPage {
       figure.table.head.push_back(Say("%.1f m", 0.5 * static_cast<double>(k)));
     figure.table.head.emplace_back("below 1 m after");
     figure.table.head.emplace_back("readings a bit");
-    std::vector<Plot> plots;
+    std::vector<LineChart> plots;
     for (const std::string& set : sets_) {
-      Plot plot{.title = Title(set),
-                .x_label = "distance travelled [m]",
-                .y_label = "error [m]",
-                .series = {},
-                .x_names = {},
-                .y_low = 0,
-                .y_high = {},
-                .marked_x = {}};
-      const auto add = [&](const std::string& label, const std::string& stage, report::Rgb colour,
+      LineChart plot{.title = Title(set),
+                     .x_label = "distance travelled [m]",
+                     .y_label = "error [m]",
+                     .curves = {},
+                     .y_low = 0};
+      const auto add = [&](const std::string& label, const std::string& stage, std::size_t colour,
                            bool dashed) {
-        PlotSeries series{label, {}, colour, dashed, false};
+        Curve series{.name = label, .points = {}, .colour = colour, .dashed = dashed};
         const std::size_t rows = First(set).localization.at(stage).rows.size();
         for (std::size_t k = 0; k < rows; ++k) {
           const OverSeeds error = ErrorAfter(set, stage, k);
-          PlotPoint point{0.5 * static_cast<double>(k), error.mean, {}};
+          ChartPoint point{0.5 * static_cast<double>(k), error.mean, {}};
           if (error.half && k % 4 == 0) point.bar = {std::max(0.0, error.low()), error.high()};
           series.points.push_back(point);
         }
-        plot.series.push_back(std::move(series));
+        plot.curves.push_back(std::move(series));
         std::vector<std::string> cells = {Title(set) + " " + label};
         for (const std::size_t k : shown) {
           const OverSeeds error = ErrorAfter(set, stage, k);
@@ -288,51 +280,52 @@ class BallPage {
     figure.measured =
         "the mean over the belief of the distance to the true position, over 35 robots a seed. Readings a "
         "bit: those until 1 m over log2 of the error at the start in m.";
-    figure.png = report::DrawPlots(plots, {.columns = 3, .width = 300, .height = 240});
+    figure.png = report::ChartsPicture(plots, 3, 300, 240).Png();
     figures_.push_back(std::move(figure));
   }
 
-  static Plot Curve(const OutputCurve& curve, std::size_t network, const std::string& title, bool last) {
-    Plot plot;
+  static LineChart ChartOf(const OutputCurve& curve, std::size_t network, const std::string& title,
+                           bool last) {
+    LineChart plot;
     plot.title = title;
     if (last) plot.x_label = "along the corridor [m]";
     plot.y_low = 0;
     plot.y_high = 1;
-    PlotSeries series{.name = {}, .points = {}, .colour = report::kRobots[network % report::kRobots.size()]};
+    Curve series{.name = {}, .points = {}, .colour = network};
     for (std::size_t k = 0; k < curve.x_m.size(); ++k)
-      series.points.push_back({curve.x_m[k], curve.output[k * curve.networks + network], {}});
-    plot.series.push_back(std::move(series));
+      series.points.push_back({curve.x_m[k], curve.output[k * curve.networks + network]});
+    plot.curves.push_back(std::move(series));
     return plot;
   }
 
   void Figure7() {
     const BallScores& first = First(sets_.front());
-    std::vector<Plot> plots;
+    std::vector<LineChart> plots;
     for (const double window_m : {2.0, 10.0, 89.0})
-      plots.push_back(Curve(first.outputs.at(BallStage(1, window_m)), 0, Say("trained for +-%g m", window_m),
-                            window_m == 89.0));
+      plots.push_back(ChartOf(first.outputs.at(BallStage(1, window_m)), 0,
+                              Say("trained for +-%g m", window_m), window_m == 89.0));
     figures_.push_back(
         {.file = "figure_07.png",
          .title = "Figure 7: a network's output along the corridor, " + Title(first.set),
          .claim = "Trained for +-2 m it is sensitive to local features (doors, hallways, dark spots), "
                   "for +-89 m to the colour of the walls alone.",
          .measured = "the first seed's held-out run; a quarter of the simulated corridor is orange.",
-         .png = report::DrawPlots(plots, {.columns = 1, .width = 900, .height = 110})});
+         .png = report::ChartsPicture(plots, 1, 900, 110).Png()});
   }
 
   void Figure8() {
     const BallScores& first = First(sets_.front());
     const OutputCurve& curve = first.outputs.at(BallStage(kMostBallNetworks, kBallWindowM));
-    std::vector<Plot> plots;
+    std::vector<LineChart> plots;
     for (std::size_t i = 0; i < curve.networks; ++i)
-      plots.push_back(Curve(curve, i, Say("network %zu", i + 1), i + 1 == curve.networks));
+      plots.push_back(ChartOf(curve, i, Say("network %zu", i + 1), i + 1 == curve.networks));
     figures_.push_back({.file = "figure_08.png",
                         .title = "Figure 8: four networks trained together for +-2 m, " + Title(first.set),
                         .claim = "The networks specialise to different perceptual features.",
                         .measured = Say("the first seed's held-out run; the mean absolute correlation of two "
                                         "networks' outputs is %.2f.",
                                         first.correlation),
-                        .png = report::DrawPlots(plots, {.columns = 1, .width = 900, .height = 110})});
+                        .png = report::ChartsPicture(plots, 1, 900, 110).Png()});
   }
 
   void Correlations() {

@@ -207,7 +207,7 @@ PaperFigure Grid(const report::LocalResult& local) {
       Say("At %.0f s %td cells have an orientation, the last scan shows %zu edges; the histogram's "
           "highest sector holds %.0f%% of it.",
           shot->time_s, cells, shot->edges.size(), sum > 0 ? 100 * most / sum : 0);
-  figure.png = report::LocalGridPng(*shot);
+  figure.png = report::LocalGridPicture(*shot).Png();
   return figure;
 }
 
@@ -232,7 +232,7 @@ PaperFigure Trace(const report::LocalResult& local) {
       Say("%.1f m; %.0f%% of the features' sides have an edge, whose interval of distances is %.3f m "
           "wide on average.",
           features * trace->cell_m, 100 * sides / (2 * features), sides > 0 ? width_m / sides : 0);
-  figure.png = report::TracePng(*trace);
+  figure.png = report::TracePicture(*trace).Png();
   return figure;
 }
 
@@ -248,7 +248,7 @@ PaperFigure Match(const Kinds& kinds) {
     if (shown.empty()) continue;
     figure.measured = Say("The office of %s; the robot's position was corrected within the last two seconds.",
                           one.log == kinds.front().second.front().log ? "the first seed" : "a later seed");
-    figure.png = report::SuperposedPng(shown);
+    figure.png = report::SuperposedPicture(shown).Png();
     if (shown.size() > 1) break;
   }
   return figure;

@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <map>
 
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/plots.h"
+#include "datasets/report/drawing/charts.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/occupancy/figures.h"
 #include "datasets/reproduce/occupancy/panels.h"
@@ -13,7 +12,7 @@ namespace cairn::datasets {
 std::vector<PaperFigure> CurveFigures(const OccupancyStudy& study, const StageResults& results) {
   const std::vector<InverseSonar> settings = InverseSonars();
   PaperTable table{{"setting", "open found", "closed found", "false cells", "wall missed"}, {}};
-  std::map<std::string, report::PlotSeries> curves;
+  std::map<std::string, report::Curve> curves;
   for (std::size_t k = 0; k < settings.size(); ++k) {
     std::map<bool, HallScores> scores;  // by whether the door is closed
     for (const HallCase& hall : study.halls) {
@@ -30,17 +29,17 @@ std::vector<PaperFigure> CurveFigures(const OccupancyStudy& study, const StageRe
          Say("%.1f%%", 100 * missed)});
     const std::string shape = Say("wall %.2f m%s", settings[k].wall_m, settings[k].graded ? ", graded" : "");
     const auto [at, is_new] = curves.try_emplace(shape);
-    report::PlotSeries& curve = at->second;
+    report::Curve& curve = at->second;
     curve.name = shape;
-    if (is_new) curve.colour = report::kRobots[curves.size() - 1];
+    if (is_new) curve.colour = curves.size() - 1;
     curve.dots = true;
-    curve.points.push_back({100 * (1 - missed), 100.0 * open.doors_right / open.maps, {}});
+    curve.points.push_back({100 * (1 - missed), 100.0 * open.doors_right / open.maps});
   }
-  report::Plot plot;
+  report::LineChart plot;
   plot.title = "evidence_map: walls against doors";
   plot.x_label = "wall cells found [%]";
   plot.y_label = "open doors found [%]";
-  for (const auto& [shape, curve] : curves) plot.series.push_back(curve);
+  for (const auto& [shape, curve] : curves) plot.curves.push_back(curve);
   plot.y_low = 0;
   plot.y_high = 100;
   return {{.file = "curve.png",
@@ -49,7 +48,7 @@ std::vector<PaperFigure> CurveFigures(const OccupancyStudy& study, const StageRe
                "One setting misses the wall, another identifies large fractions of it but none of the doors.",
            .measured =
                "of p_occupied and p_free only the ratio of their log-odds counts for what is above a half",
-           .png = report::DrawPlots({plot}, {1, 520, 320}),
+           .png = report::ChartsPicture({plot}, 1, 520, 320).Png(),
            .table = table}};
 }
 }  // namespace cairn::datasets

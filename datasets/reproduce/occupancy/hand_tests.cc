@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "datasets/evaluate/grid.h"
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/plots.h"
+#include "datasets/report/drawing/charts.h"
 #include "datasets/reproduce/figure_panels.h"
 
 namespace cairn::datasets {
@@ -54,25 +53,24 @@ PaperFigure CrossingFigure(const OccupancyStudy& study, const StageResults& resu
 PaperFigure DensityFigure() {
   const ReadingModel model{0.6, 0.1, 0.12};
   ScoredReading reading{0, true, 6, {{2, 1}, {3.5, 1}}};
-  report::PlotSeries density;
+  report::Curve density;
   density.name = "p(z | m)";
-  density.colour = report::kRobots[0];
   double highest_near = 0, highest_far = 0;
   for (reading.z_m = 0; reading.z_m < reading.max_range_m; reading.z_m += 0.01) {
     const double p = std::exp(LogDensity(reading, model));
-    density.points.push_back({reading.z_m, p, {}});
+    density.points.push_back({reading.z_m, p});
     double& highest = reading.z_m < 2.75 ? highest_near : highest_far;
     highest = std::max(highest, p);
   }
   reading.echo = false;
   const double none = std::exp(LogDensity(reading, model));
   for (const double z : {reading.max_range_m, reading.max_range_m + 1e-3})
-    density.points.push_back({z, z == reading.max_range_m ? none : 0, {}});
-  report::Plot plot;
+    density.points.push_back({z, z == reading.max_range_m ? none : 0});
+  report::LineChart plot;
   plot.title = "obstacles at 2 and 3.5 m, reach 6 m";
   plot.x_label = "range z [m]";
   plot.y_label = "p(z | m) [1/m]";
-  plot.series = {density};
+  plot.curves = {density};
   return {.file = "figure_02.png",
           .title = "Figure 2: the forward model",
           .claim =
@@ -82,7 +80,7 @@ PaperFigure DensityFigure() {
               Say("peaks of %.2f at 2 m, %.2f at 3.5 m, %.2f of readings without echo (a width of %.2f m); "
                   "p_hit %.1f, p_rand %.1f, sigma %.2f m",
                   highest_near, highest_far, none, kNoEchoSdM, model.p_hit, model.p_rand, model.sigma_m),
-          .png = report::DrawPlots({plot}, {1, 620, 260})};
+          .png = report::ChartsPicture({plot}, 1, 620, 260).Png()};
 }
 
 }  // namespace cairn::datasets

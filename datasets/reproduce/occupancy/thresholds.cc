@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "datasets/evaluate/grid.h"
-#include "datasets/report/drawing/palette.h"
-#include "datasets/report/drawing/plots.h"
+#include "datasets/report/drawing/charts.h"
 #include "datasets/reproduce/figure_panels.h"
 
 namespace cairn::datasets {
@@ -58,24 +57,22 @@ class MeanCurve {
   double maps_ = 0;
 };
 
-report::Plot PlotOf(const std::array<std::vector<ThresholdPoint>, 3>& curves) {
-  report::Plot plot{.title = "By threshold",
-                    .x_label = "log10 of false cells a map, 1 at least",
-                    .y_label = "wall cells missed [%]",
-                    .series = {},
-                    .x_names = {},
-                    .y_low = 0,
-                    .y_high = 60,
-                    .marked_x = {}};
+report::LineChart ChartOf(const std::array<std::vector<ThresholdPoint>, 3>& curves) {
+  report::LineChart chart{.title = "By threshold",
+                          .x_label = "log10 of false cells a map, 1 at least",
+                          .y_label = "wall cells missed [%]",
+                          .curves = {},
+                          .y_low = 0,
+                          .y_high = 60};
   for (std::size_t m = 0; m < curves.size(); ++m) {
-    report::PlotSeries series{.name = kNames[m], .points = {}, .colour = report::kRobots[m], .dots = true};
+    report::Curve series{.name = kNames[m], .points = {}, .colour = m, .dots = true};
     for (const ThresholdPoint& point : curves[m]) {
       if (100 * point.missed_share <= 60)
-        series.points.push_back({std::log10(std::max(point.false_cells, 1.0)), 100 * point.missed_share, {}});
+        series.points.push_back({std::log10(std::max(point.false_cells, 1.0)), 100 * point.missed_share});
     }
-    plot.series.push_back(std::move(series));
+    chart.curves.push_back(std::move(series));
   }
-  return plot;
+  return chart;
 }
 
 PaperTable TableOf(const std::array<std::vector<ThresholdPoint>, 3>& curves) {
@@ -118,7 +115,7 @@ PaperFigure ThresholdFigure(const OccupancyStudy& study, const StageResults& res
       .measured = Say("least share of wall cells missed where a map may have so many false ones, over %zu "
                       "hallways; thresholds on the maps' log-odds",
                       study.halls.size()),
-      .png = report::DrawPlots({PlotOf(curves)}, {1, 520, 320}),
+      .png = report::ChartsPicture({ChartOf(curves)}, 1, 520, 320).Png(),
       .table = TableOf(curves)};
 }
 
