@@ -87,15 +87,17 @@ void VisitOptions(V& visit, Options& o) {
                "samples' array weight",
                {"samples", "space", "file"}},
         o.true_positions);
-  visit(Option{"sum",
-               "",
-               0,
-               0,
-               "how pairs are summed: all in reach, by sums along a line (forced, on positions that are near "
-               "one), "
-               "or whichever exact or error-bounded way the number and positions of samples make cheapest",
-               {"auto", "pairs", "line"}},
-        o.sum);
+  visit(
+      Option{"sum",
+             "",
+             0,
+             0,
+             "how pairs are summed: all in reach, by sums along a line (forced, on positions that are near "
+             "one), "
+             "by a tree over the plane (where nothing is known before, each distance to 1e-5), or whichever "
+             "exact or error-bounded way the number and positions of samples make cheapest",
+             {"auto", "pairs", "line", "tree"}},
+      o.sum);
   visit(Option{"method",
                "",
                0,

@@ -89,5 +89,14 @@ TEST(PlanSum, RefusesToBeForcedWhereItCannot) {
       "along the way only where nothing is known before");
 }
 
+TEST(PlanSum, EachPathMayBeAskedFor) {
+  for (const SumPath path : {SumPath::kPairs, SumPath::kLine, SumPath::kTree}) {
+    const std::string name = SumPlan{.path = path, .text = {}}.Name();
+    OptionValues values;
+    values["sum"].set_s(name);
+    EXPECT_EQ(ParseOptions<Options>(values).sum, name);
+  }
+}
+
 }  // namespace
 }  // namespace cairn::landmark_learning
