@@ -9,7 +9,7 @@
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/drawing/picture.h"
-#include "datasets/report/pages/landmark_page.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/report/pictures.h"
 #include "datasets/report/scene.h"
 #include "datasets/simulate/loop.h"

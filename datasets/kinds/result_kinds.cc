@@ -6,12 +6,7 @@
 
 #include "datasets/common/confidence.h"
 #include "datasets/report/draw_map.h"
-#include "datasets/report/pages/grid_page.h"
-#include "datasets/report/pages/landmark_page.h"
-#include "datasets/report/pages/local_page.h"
-#include "datasets/report/pages/localization_page.h"
-#include "datasets/report/pages/networks_page.h"
-#include "datasets/report/pages/samples_page.h"
+#include "datasets/report/pages/pages.h"
 
 namespace cairn::datasets {
 namespace {

@@ -1,19 +1,16 @@
 #include "datasets/report/drawing/format.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "schema/text.h"
 
 namespace cairn::datasets::report {
 namespace {
 
-std::string Fixed(double value, int digits) {
-  std::array<char, 400> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
-}
+std::string Fixed(double value, int digits) { return fmt::format("{:.{}f}", value, digits); }
 
 }  // namespace
 
@@ -41,15 +38,8 @@ std::string Duration(double seconds) {
   if (seconds < 10) return Fixed(seconds, 2) + " s";
   if (seconds < 59.95) return Fixed(seconds, 1) + " s";
   const auto whole = static_cast<std::int64_t>(std::llround(seconds));
-  std::array<char, 64> text{};
-  if (whole < 3600) {
-    std::snprintf(text.data(), text.size(), "%lld min %02lld s", static_cast<long long>(whole / 60),
-                  static_cast<long long>(whole % 60));
-  } else {
-    std::snprintf(text.data(), text.size(), "%lld h %02lld min", static_cast<long long>(whole / 3600),
-                  static_cast<long long>(whole / 60 % 60));
-  }
-  return text.data();
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
 std::string Count(std::int64_t count, const std::string& noun) {

@@ -1,5 +1,3 @@
-#include "datasets/report/pages/grid_page.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
 

@@ -1,5 +1,3 @@
-#include "datasets/report/pages/grid_page.h"
-
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -8,6 +6,7 @@
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/cell_picture.h"
 #include "datasets/report/drawing/palette.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/simulate/hall/hall.h"
 #include "datasets/testing.h"
 

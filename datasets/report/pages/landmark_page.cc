@@ -1,9 +1,8 @@
-#include "datasets/report/pages/landmark_page.h"
-
 #include <vector>
 
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
 #include "datasets/report/scene.h"

@@ -1,5 +1,3 @@
-#include "datasets/report/pages/local_page.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,6 +7,8 @@
 #include "datasets/evaluate/relations.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/local_pictures.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
 

@@ -1,5 +1,3 @@
-#include "datasets/report/pages/local_page.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,8 @@
 
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/draw_map.h"
+#include "datasets/report/pages/local_pictures.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/testing.h"
 #include "schema/kinds/kind.h"
 

@@ -29,4 +29,12 @@ struct Superposed {
 std::vector<Superposed> Superpositions(const LocalResult& result, const std::vector<Track>& odometry);
 Picture SuperposedPicture(const std::vector<Superposed>& shown);
 
+// Dead reckoning of each of the log's robots.
+std::vector<Track> OdometryOf(const Blob& log);
+
+// The snapshot that shows most: of those with the most edges in their last scan the one with most cells that
+// have an orientation. Null where there is none.
+const LocalSnapshot* RichestOf(const LocalResult& result);
+const LocalTrace* LongestOf(const LocalResult& result);
+
 }  // namespace cairn::datasets::report

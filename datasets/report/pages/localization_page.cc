@@ -1,5 +1,3 @@
-#include "datasets/report/pages/localization_page.h"
-
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -9,6 +7,7 @@
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/localized_pictures.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 
 namespace cairn::datasets::report {

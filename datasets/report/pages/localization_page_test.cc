@@ -1,10 +1,9 @@
-#include "datasets/report/pages/localization_page.h"
-
 #include <gtest/gtest.h>
 
 #include "datasets/evaluate/testing/localization.h"
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/pages/localized_pictures.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {

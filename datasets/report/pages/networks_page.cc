@@ -1,5 +1,3 @@
-#include "datasets/report/pages/networks_page.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 
 namespace cairn::datasets::report {

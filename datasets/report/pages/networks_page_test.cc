@@ -1,10 +1,9 @@
-#include "datasets/report/pages/networks_page.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "datasets/kinds/job_report.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/testing.h"
 
 namespace cairn::datasets::report {

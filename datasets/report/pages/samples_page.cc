@@ -1,11 +1,10 @@
-#include "datasets/report/pages/samples_page.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
 

@@ -6,7 +6,8 @@
 
 #include "datasets/evaluate/local.h"
 #include "datasets/report/draw_map.h"
-#include "datasets/report/pages/local_page.h"
+#include "datasets/report/pages/local_pictures.h"
+#include "datasets/report/pages/pages.h"
 #include "datasets/reproduce/figure_panels.h"
 #include "datasets/reproduce/local/wall_coverage.h"
 #include "datasets/reproduce/occupancy/panels.h"

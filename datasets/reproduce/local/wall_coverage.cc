@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "datasets/evaluate/maps/truth.h"
-#include "datasets/report/pages/local_page.h"
+#include "datasets/report/pages/local_pictures.h"
+#include "datasets/report/pages/pages.h"
 
 namespace cairn::datasets {
 namespace {

@@ -6,10 +6,10 @@
 #include <span>
 
 #include "datasets/common/array_text.h"
+#include "datasets/common/png.h"
 #include "datasets/common/samples.h"
 #include "datasets/simulate/corridor/camera.h"
 #include "datasets/simulate/corridor/change.h"
-#include "datasets/simulate/corridor/contact_sheet.h"
 #include "datasets/simulate/corridor/detectors.h"
 #include "datasets/simulate/corridor/sonar.h"
 #include "datasets/simulate/sonar.h"
@@ -34,6 +34,32 @@ constexpr double kDoorInView = 0.04, kLightInView = 0.003;
 // Labels come from tracking: their error changes slowly, by e^-1 within such a distance.
 constexpr double kLabelAlongM = 3;
 constexpr double kLabelHeadingRad = std::numbers::pi / 180;
+
+// The images of one run on a page, for people to look at: `per_row` in a row, each three times as large as it
+// is. All of a size; at least one.
+std::string ContactSheetPng(const std::vector<corridor::RgbImage>& images, int per_row) {
+  constexpr int kScale = 3, kGap = 6;  // pixels
+  const int columns = std::min(per_row, static_cast<int>(images.size()));
+  const int rows = (static_cast<int>(images.size()) + per_row - 1) / per_row;
+  const int cell_width = images.front().columns * kScale + kGap,
+            cell_height = images.front().rows * kScale + kGap;
+  const int width = columns * cell_width, height = rows * cell_height;
+  std::vector<std::uint8_t> page(
+      std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 255);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const int left = static_cast<int>(i) % per_row * cell_width,
+              top = static_cast<int>(i) / per_row * cell_height;
+    for (int y = 0; y < images[i].rows * kScale; ++y) {
+      for (int x = 0; x < images[i].columns * kScale; ++x) {
+        const auto from = static_cast<std::size_t>(3 * (y / kScale * images[i].columns + x / kScale));
+        const auto to = static_cast<std::size_t>(3 * ((top + y) * width + left + x));
+        std::copy_n(images[i].rgb.begin() + static_cast<std::ptrdiff_t>(from), 3,
+                    page.begin() + static_cast<std::ptrdiff_t>(to));
+      }
+    }
+  }
+  return EncodePng(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), page);
+}
 
 void CheckRange(const char* name, double value, double low, double high) {
   if (value >= low && value <= high) return;
@@ -146,7 +172,7 @@ SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOption
   }
   AddPoses(drive.snapshots, options.label_error_m, Rng(options.seed, stream, kLabelSubstream), &run);
   if (options.odometry) AddOdometry(drive.snapshots, Rng(options.seed, stream, kOdometrySubstream), &run);
-  if (pictures != nullptr) pictures->push_back({run.name, corridor::ContactSheetPng(shown, 10)});
+  if (pictures != nullptr) pictures->push_back({run.name, ContactSheetPng(shown, 10)});
   return run;
 }
 
