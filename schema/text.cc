@@ -1,8 +1,9 @@
 #include "schema/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <string>
 
 #include "schema/blob.h"
@@ -95,19 +96,15 @@ Status CheckTexts(const Blob& blob) {
 std::string Escaped(std::string_view text) {
   std::string shown;
   shown.reserve(text.size());
-  std::array<char, 16> code_text;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t bytes = Utf8Bytes(text, at);
     const char32_t code = bytes == 0 ? 0 : CodeAt(text, at, bytes);
-    if (bytes == 0) {
-      std::snprintf(code_text.data(), code_text.size(), "\\x%02x", static_cast<unsigned char>(text[at]));
-      shown += code_text.data();
-    } else if (IsControl(code) && code != '\n' && code != '\t') {
-      std::snprintf(code_text.data(), code_text.size(), "\\u%04x", static_cast<unsigned>(code));
-      shown += code_text.data();
-    } else {
+    if (bytes == 0)
+      shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[at]));
+    else if (IsControl(code) && code != '\n' && code != '\t')
+      shown += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
+    else
       shown.append(text, at, bytes);
-    }
     at += std::max<std::size_t>(bytes, 1);
   }
   return shown;
@@ -135,9 +132,7 @@ std::string BytesText(std::uint64_t bytes) {
   auto value = static_cast<double>(bytes);
   std::size_t unit = 0;
   for (; value >= 1000 && unit + 1 < kUnits.size(); ++unit) value /= 1000;
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", value, kUnits[unit]);
-  return text.data();
+  return fmt::format("{:.{}f} {}", value, unit == 0 ? 0 : 1, kUnits[unit]);
 }
 
 }  // namespace cairn

@@ -1,9 +1,10 @@
 #include "datasets/common/array_text.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 namespace cairn::datasets {
@@ -28,11 +29,8 @@ std::string ElementText(const Array& array, std::int64_t index) {
       return std::to_string(array.As<std::int32_t>()[i]);
     case DType::kI64:
       return std::to_string(array.As<std::int64_t>()[i]);
-    case DType::kF32: {
-      char text[32];
-      std::snprintf(text, sizeof text, "%.9g", static_cast<double>(array.As<float>()[i]));
-      return text;
-    }
+    case DType::kF32:
+      return fmt::format("{:.9g}", array.As<float>()[i]);
     case DType::kF64:
       return NumberText(array.As<double>()[i]);
     case DType::kText: {
@@ -69,10 +67,8 @@ std::string NumberText(double value) {
 }
 
 std::string ShortNumber(double value) {
-  char text[32];
   // Seconds since 1970 would all look alike in four digits.
-  std::snprintf(text, sizeof text, std::abs(value) < 1e5 ? "%.4g" : "%.12g", value);
-  return text;
+  return fmt::format("{:.{}g}", value, std::abs(value) < 1e5 ? 4 : 12);
 }
 
 }  // namespace cairn::datasets

@@ -1,6 +1,7 @@
 #include "datasets/common/confidence.h"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <limits>
 #include <optional>
 
@@ -34,12 +35,9 @@ std::optional<std::string> Unlike(const Blob& result) {
 
 std::string FoundText(const Blob& result, double starts) {
   const std::optional<double> lead = NumberIn(result, "search/lead_nats");
-  char ahead[80] = "no other map was found";
-  if (lead) std::snprintf(ahead, sizeof ahead, "%.1f nats ahead of the next different map", *lead);
-  char found[160];
-  std::snprintf(found, sizeof found, "found from %.0f of %.0f starts, %s",
-                NumberIn(result, "search/support").value_or(0.0), starts, ahead);
-  return found;
+  return fmt::format(
+      "found from {:.0f} of {:.0f} starts, {}", NumberIn(result, "search/support").value_or(0.0), starts,
+      lead ? fmt::format("{:.1f} nats ahead of the next different map", *lead) : "no other map was found");
 }
 
 }  // namespace

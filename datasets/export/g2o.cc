@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -37,9 +39,9 @@ std::string EdgeBetween(const Path& path, std::size_t i, std::size_t first_id) {
   Eigen::Matrix3d covariance =
       to_frame * (CovarianceOf(path, i) + CovarianceOf(path, i + 1)) / 2 * to_frame.transpose();
   covariance.diagonal() += Eigen::Vector3d(kLeastVarianceM2, kLeastVarianceM2, kLeastVarianceRad2);
-  return "EDGE_SE2 " + std::to_string(first_id + i) + " " + std::to_string(first_id + i + 1) + " " +
-         NumberText(offset.x()) + " " + NumberText(offset.y()) + " " +
-         NumberText(WrapAngle(b.heading_rad - a.heading_rad)) + Upper(covariance.inverse()) + "\n";
+  return fmt::format("EDGE_SE2 {} {} {} {} {}{}\n", first_id + i, first_id + i + 1, NumberText(offset.x()),
+                     NumberText(offset.y()), NumberText(WrapAngle(b.heading_rad - a.heading_rad)),
+                     Upper(covariance.inverse()));
 }
 
 double NoiseParameter(const Blob& log, const char* name, double otherwise) {
@@ -69,17 +71,17 @@ std::string LandmarkEdges(const Blob& result, const Blob& log, const Path& path,
   const auto range = log.Get<double>(prefix + "range_m");
   const auto bearing = log.Get<double>(prefix + "bearing_rad");
   if (time.size() != landmark.size())
-    throw InputError("'" + prefix + "' has " + std::to_string(time.size()) + " rows in the log, " +
-                     std::to_string(landmark.size()) + " in the result: was it made from this log?");
+    throw InputError(fmt::format("'{}' has {} rows in the log, {} in the result: was it made from this log?",
+                                 prefix, time.size(), landmark.size()));
   std::string text;
   for (std::size_t i = 0; i < time.size(); ++i) {
     if (landmark[i] < 0 || static_cast<std::size_t>(landmark[i]) >= landmarks) continue;
     const auto after = std::ranges::upper_bound(path.time_s, time[i]);
     if (after == path.time_s.begin()) continue;  // seen before the first pose
     const auto pose = static_cast<std::size_t>(after - path.time_s.begin()) - 1;
-    text += "EDGE_SE2_XY " + std::to_string(first_id + pose) + " " +
-            std::to_string(first_landmark_id + static_cast<std::size_t>(landmark[i])) + " " +
-            Seen(range[i], bearing[i], log) + "\n";
+    text += fmt::format("EDGE_SE2_XY {} {} {}\n", first_id + pose,
+                        first_landmark_id + static_cast<std::size_t>(landmark[i]),
+                        Seen(range[i], bearing[i], log));
   }
   return text;
 }
@@ -97,13 +99,13 @@ Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder
     for (std::size_t i = 0; i + 1 < path.poses.size(); ++i) edges += EdgeBetween(path, i, id);
     if (log != nullptr) edges += LandmarkEdges(result, *log, path, id, poses, landmarks.size());
     for (const Pose& pose : path.poses) {
-      vertices += "VERTEX_SE2 " + std::to_string(id++) + " " + NumberText(pose.x_m) + " " +
-                  NumberText(pose.y_m) + " " + NumberText(pose.heading_rad) + "\n";
+      vertices += fmt::format("VERTEX_SE2 {} {} {} {}\n", id++, NumberText(pose.x_m), NumberText(pose.y_m),
+                              NumberText(pose.heading_rad));
     }
   }
   for (const MapLandmark& landmark : landmarks) {
-    vertices += "VERTEX_XY " + std::to_string(id++) + " " + NumberText(landmark.at.x_m) + " " +
-                NumberText(landmark.at.y_m) + "\n";
+    vertices +=
+        fmt::format("VERTEX_XY {} {} {}\n", id++, NumberText(landmark.at.x_m), NumberText(landmark.at.y_m));
   }
   FolderWriter writer(folder, replace);
   writer.Write("graph.g2o", vertices + "FIX 0\n" + edges);

@@ -1,5 +1,7 @@
 #include "datasets/inspect/inspect.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -27,7 +29,7 @@ std::vector<std::string> TextsOrNone(const Blob& blob, const std::string& name) 
 }
 
 std::string Count(std::size_t count, const std::string& of) {
-  return std::to_string(count) + " " + of + (count == 1 ? "" : "s");
+  return fmt::format("{} {}{}", count, of, count == 1 ? "" : "s");
 }
 
 std::string Duration(std::span<const double> time_s) {
@@ -44,7 +46,7 @@ std::string RobotOfLog(const Blob& blob, const std::string& prefix) {
       static_cast<std::size_t>(std::ranges::count_if(range, [](double r) { return std::isnan(r); }));
   std::string text = Count(time.size(), "control") + Duration(time) + ", " + ShortNumber(travelled) + " m, " +
                      Count(range.size(), "observation");
-  if (contacts > 0) text += " (" + std::to_string(contacts) + " at the robot)";
+  if (contacts > 0) text += fmt::format(" ({} at the robot)", contacts);
   const auto robot_observations = ColumnOrNone<double>(blob, prefix + "robot_observations/time_s");
   if (!robot_observations.empty())
     text += ", " + Count(robot_observations.size(), "observation") + " of other robots";
@@ -72,8 +74,7 @@ std::string RobotOfMap(const Blob& blob, const std::string& prefix) {
       static_cast<std::size_t>(std::ranges::count_if(landmark, [](std::int32_t k) { return k >= 0; }));
   const std::string poses = Count(time.size(), "pose") + Duration(time);
   if (!blob.Has(prefix + "observations/map_landmark")) return poses;
-  return poses + ", " + std::to_string(associated) + " of " + Count(landmark.size(), "observation") +
-         " associated";
+  return fmt::format("{}, {} of {} associated", poses, associated, Count(landmark.size(), "observation"));
 }
 
 std::string Joined(const std::vector<std::string>& names) {
@@ -124,8 +125,9 @@ void AddSamples(const Blob& blob, Facts* facts) {
   if (blob.Has("run/0/image")) {
     const Shape& shape = blob.at("run/0/image").shape();
     if (shape.size() == 4)
-      facts->emplace_back("images", std::to_string(shape[1]) + " by " + std::to_string(shape[2]) +
-                                        " pixels; `cairn run image_features` makes inputs of them");
+      facts->emplace_back(
+          "images", fmt::format("{} by {} pixels; `cairn run image_features` makes inputs of them", shape[1],
+                                shape[2]));
   }
   const std::string x = Extent(blob, runs.size(), "x_m"), y = Extent(blob, runs.size(), "y_m");
   if (!x.empty() && !y.empty()) facts->emplace_back("extent", "x " + x + ", y " + y);
@@ -139,11 +141,10 @@ std::string GridOf(const Blob& blob) {
   };
   const Shape& shape = blob.at("map/grid/probability").shape();
   const auto probability = ColumnOrNone<double>(blob, "map/grid/probability");
-  return std::to_string(shape[1]) + " by " + std::to_string(shape[0]) + " cells of " + scalar("cell_m") +
-         " m from (" + scalar("origin_x_m") + ", " + scalar("origin_y_m") + ") m; " +
-         std::to_string(std::ranges::count_if(probability, [](double p) { return p > 0.5; })) +
-         " occupied, " +
-         std::to_string(std::ranges::count_if(probability, [](double p) { return p < 0.5; })) + " free";
+  return fmt::format("{} by {} cells of {} m from ({}, {}) m; {} occupied, {} free", shape[1], shape[0],
+                     scalar("cell_m"), scalar("origin_x_m"), scalar("origin_y_m"),
+                     std::ranges::count_if(probability, [](double p) { return p > 0.5; }),
+                     std::ranges::count_if(probability, [](double p) { return p < 0.5; }));
 }
 
 // "54, joined by 961 loops; the path follows 950".
@@ -156,8 +157,8 @@ std::string TracesOf(const Blob& blob) {
     loops += kind[k] == kLoop ? 1 : 0;
     followed += kind[k] == kLoop && used[k] != 0 ? 1 : 0;
   }
-  return std::to_string(blob.at("traces/robot").size()) + ", joined by " + Count(loops, "loop") +
-         "; the path follows " + std::to_string(followed);
+  return fmt::format("{}, joined by {}; the path follows {}", blob.at("traces/robot").size(),
+                     Count(loops, "loop"), followed);
 }
 
 Facts FactsOf(const Blob& blob) {

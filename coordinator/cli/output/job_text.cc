@@ -1,7 +1,8 @@
 #include "coordinator/cli/output/job_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/cli/common/invocation.h"
@@ -47,7 +48,7 @@ nlohmann::ordered_json ToJson(const coordinator::StoreFacts& store) {
 // "1/2 landmarks"
 std::string StageText(const wire::JobInfo& job) {
   const std::string name = job.stage_name().empty() ? "" : " " + job.stage_name();
-  return std::to_string(std::min(job.stage() + 1, job.stages())) + "/" + std::to_string(job.stages()) + name;
+  return fmt::format("{}/{}{}", std::min(job.stage() + 1, job.stages()), job.stages(), name);
 }
 
 // Of the stage under way: nobody knows what the later ones will take.
@@ -55,10 +56,9 @@ std::string LeftLine(const wire::JobInfo& job) {
   if (job.state() != "running") return "";
   if (job.eta_s() <= 0) return "unknown";
   const std::uint32_t later = job.stages() - std::min(job.stage() + 1, job.stages());
-  return "about " + LeftText(job) +
-         (later == 0 ? ""
-                     : " of this stage, and " + std::to_string(later) +
-                           (later == 1 ? " stage more" : " stages more"));
+  if (later == 0) return "about " + LeftText(job);
+  return fmt::format("about {} of this stage, and {} stage{} more", LeftText(job), later,
+                     later == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -71,41 +71,36 @@ std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
   std::vector<std::vector<std::string>> rows = {
       {"job", "name", "state", "stage", "round", "tasks", "workers", "time", "left", "note"}};
   for (const wire::JobInfo& job : jobs)
-    rows.push_back(
-        {job.id(), job.name(), job.state(), StageText(job), IsOver(job) ? "" : std::to_string(job.round()),
-         job.tasks() > 0 ? std::to_string(job.tasks_done()) + "/" + std::to_string(job.tasks()) : "",
-         std::to_string(job.workers()), Duration(job.seconds()), LeftText(job),
-         job.reason().empty() ? job.note() : job.reason()});
+    rows.push_back({job.id(), job.name(), job.state(), StageText(job),
+                    IsOver(job) ? "" : std::to_string(job.round()),
+                    job.tasks() > 0 ? fmt::format("{}/{}", job.tasks_done(), job.tasks()) : "",
+                    std::to_string(job.workers()), Duration(job.seconds()), LeftText(job),
+                    job.reason().empty() ? job.note() : job.reason()});
   return TextTable(rows);
 }
 
 std::string JobText(const wire::JobInfo& job) {
   std::string text;
   const auto line = [&text](const char* what, const std::string& value) {
-    if (value.empty()) return;
-    char column[16];
-    std::snprintf(column, sizeof column, "%-9s", what);
-    text += column + value + "\n";
+    if (!value.empty()) text += fmt::format("{:9}{}\n", what, value);
   };
   line("job", job.id());
   line("name", job.name());
   line("state", job.state());
   line("reason", job.reason());
   line("priority", job.priority() == 0 ? "" : std::to_string(job.priority()));
-  line("stage", std::to_string(std::min(job.stage() + 1, job.stages())) + " of " +
-                    std::to_string(job.stages()) + (job.stage_name().empty() ? "" : ", " + job.stage_name()));
-  line("round",
-       IsOver(job)
-           ? ""
-           : std::to_string(job.round()) +
-                 (job.rounds_left() == 0 ? "" : ", about " + std::to_string(job.rounds_left()) + " to do"));
-  if (job.tasks() > 0)
-    line("tasks", std::to_string(job.tasks_done()) + " of " + std::to_string(job.tasks()) + " in this round");
-  line("workers", IsOver(job) ? "" : std::to_string(job.workers()) + " at work on it");
+  line("stage", fmt::format("{} of {}{}", std::min(job.stage() + 1, job.stages()), job.stages(),
+                            job.stage_name().empty() ? "" : ", " + job.stage_name()));
+  if (!IsOver(job))
+    line("round",
+         fmt::format("{}{}", job.round(),
+                     job.rounds_left() == 0 ? "" : fmt::format(", about {} to do", job.rounds_left())));
+  if (job.tasks() > 0) line("tasks", fmt::format("{} of {} in this round", job.tasks_done(), job.tasks()));
+  if (!IsOver(job)) line("workers", fmt::format("{} at work on it", job.workers()));
   line("time", Duration(job.seconds()));
   line("left", LeftLine(job));
   line("note", job.note());
-  if (job.retries() > 0) line("retries", std::to_string(job.retries()) + " in all, the last:");
+  if (job.retries() > 0) line("retries", fmt::format("{} in all, the last:", job.retries()));
   for (const std::string& failure : job.failures()) line("", failure);
   return text;
 }

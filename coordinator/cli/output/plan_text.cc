@@ -1,5 +1,7 @@
 #include "coordinator/cli/output/plan_text.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -7,6 +9,7 @@
 namespace cairn::cli {
 namespace {
 
+// The shortest that reads as the same number, with an exponent where that is shorter.
 std::string Decimal(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
@@ -26,9 +29,9 @@ std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
   for (const OptionSpec& option : pipeline.options) {
     const auto given = stage.options().find(option.name);
     const bool is_default = given == stage.options().end();
-    text += "  " + option.name + " = " +
-            (is_default ? option.default_text + " (default)" : ValueText(given->second));
-    text += option.help.empty() ? "\n" : "   # " + option.help + "\n";
+    text += fmt::format("  {} = {}{}{}\n", option.name,
+                        is_default ? option.default_text + " (default)" : ValueText(given->second),
+                        option.help.empty() ? "" : "   # ", option.help);
   }
   return text;
 }
@@ -59,11 +62,11 @@ std::string LogText(const Blob& blob, bool log) {
     scans += ScansOf(blob, robot);
     poses += RowsOf(blob, robot + "poses/time_s");
   }
-  std::string text = std::to_string(robots) + (robots == 1 ? " robot, " : " robots, ");
-  if (!log) return text + std::to_string(poses) + " poses";
-  text += std::to_string(controls) + " controls, " + std::to_string(observations) + " observations";
-  if (scans > 0) text += ", " + std::to_string(scans) + " range scans";
-  if (poses > 0) text += ", " + std::to_string(poses) + " poses";
+  std::string text = fmt::format("{} robot{}, ", robots, robots == 1 ? "" : "s");
+  if (!log) return text + fmt::format("{} poses", poses);
+  text += fmt::format("{} controls, {} observations", controls, observations);
+  if (scans > 0) text += fmt::format(", {} range scans", scans);
+  if (poses > 0) text += fmt::format(", {} poses", poses);
   return text;
 }
 
@@ -74,8 +77,8 @@ std::string SamplesText(const Blob& blob) {
     const std::string time = "run/" + std::to_string(n) + "/time_s";
     if (blob.Has(time)) samples += blob.at(time).size();
   }
-  return std::to_string(runs) + (runs == 1 ? " run, " : " runs, ") + std::to_string(samples) + " samples, " +
-         std::to_string(inputs) + (inputs == 1 ? " input" : " inputs");
+  return fmt::format("{} run{}, {} samples, {} input{}", runs, runs == 1 ? "" : "s", samples, inputs,
+                     inputs == 1 ? "" : "s");
 }
 
 }  // namespace
