@@ -2,35 +2,46 @@
 
 #include <algorithm>
 
-#include "schema/kinds/tables.h"
+#include "schema/kinds/grid_map.h"
+#include "schema/kinds/learning.h"
+#include "schema/kinds/local_map.h"
+#include "schema/kinds/log.h"
+#include "schema/kinds/provenance.h"
 
 namespace cairn {
 namespace {
 
 constexpr Kind kKinds[] = {
-    {.name = "landmark_map", .mark = "map/landmark_x_m", .arrays = LandmarkMapArrays},
-    {.name = "grid_map", .mark = "map/grid/probability", .arrays = GridMapArrays},
-    {.name = "networks", .mark = "networks/hidden_weight", .is_plural = true, .arrays = NetworkArrays},
-    {.name = "localization", .mark = "belief/position", .arrays = LocalizationArrays},
-    {.name = "local_map", .mark = "traces/first_z", .arrays = LocalMapArrays},
+    {.name = "landmark_map", .mark = "map/landmark_x_m", .arrays = ArraysOf<kinds::LandmarkMap>},
+    {.name = "grid_map", .mark = "map/grid/probability", .arrays = ArraysOf<kinds::GridMap>},
+    {.name = "networks",
+     .mark = "networks/hidden_weight",
+     .is_plural = true,
+     .arrays = ArraysOf<kinds::Networks>},
+    {.name = "localization", .mark = "belief/position", .arrays = ArraysOf<kinds::Localization>},
+    {.name = "local_map", .mark = "traces/first_z", .arrays = ArraysOf<kinds::LocalMap>},
     {.name = "log",
      .mark = "robot/0/odometry/time_s",
      .is_given = true,
      .has_units = true,
-     .arrays = LogArrays},
+     .arrays = ArraysOf<kinds::Log>},
     {.name = "poses",
      .mark = "robot/0/poses/time_s",
      .is_plural = true,
      .is_given = true,
      .has_units = true,
-     .arrays = PoseArrays},
+     .arrays = ArraysOf<kinds::Poses>},
     {.name = "samples",
      .mark = "run/0/input",
      .is_plural = true,
      .is_given = true,
      .has_units = true,
-     .arrays = SamplesArrays},
-    {.name = "errors", .mark = "error", .is_plural = true, .is_given = true, .arrays = ErrorArrays},
+     .arrays = ArraysOf<kinds::Samples>},
+    {.name = "errors",
+     .mark = "error",
+     .is_plural = true,
+     .is_given = true,
+     .arrays = ArraysOf<kinds::Errors>},
 };
 
 }  // namespace
@@ -40,6 +51,11 @@ std::span<const Kind> Kinds() { return kKinds; }
 const Kind* FindKind(std::string_view name) {
   const Kind* kind = std::ranges::find(kKinds, name, &Kind::name);
   return kind == std::end(kKinds) ? nullptr : kind;
+}
+
+std::span<const ArraySpec> ProvenanceArrays() {
+  static const std::vector<ArraySpec> arrays = ArraysUnder<kinds::Provenance>("provenance/");
+  return arrays;
 }
 
 std::string KindOf(const Blob& blob) {

@@ -22,6 +22,8 @@ struct Kind {
 
 std::span<const Kind> Kinds();
 
+std::span<const ArraySpec> ProvenanceArrays();  // in a file of any kind
+
 // Null where there is none of that name: of a file of a newer Cairn, or of a pipeline that has a kind of its
 // own.
 const Kind* FindKind(std::string_view name);

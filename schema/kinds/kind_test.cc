@@ -9,7 +9,10 @@
 #include <set>
 #include <sstream>
 
-#include "schema/kinds/tables.h"
+#include "schema/kinds/grid_map.h"
+#include "schema/kinds/learning.h"
+#include "schema/kinds/local_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn {
 namespace {
@@ -64,6 +67,75 @@ TEST(Kinds, ReferToArraysThatTheyHave) {
     }
     const std::string mark = std::regex_replace(std::string(kind.mark), std::regex("/0/"), "/N/");
     EXPECT_TRUE(names.contains(mark)) << kind.name;
+  }
+}
+
+// An array of every name in `specs`, two of whatever there are several of, that holds what it may.
+Blob Filled(std::span<const ArraySpec> specs) {
+  Blob blob;
+  for (const ArraySpec& spec : specs) {
+    Shape shape;
+    std::istringstream axes{std::string(spec.shape)};
+    for (std::string axis; std::getline(axes, axis, ',');)
+      shape.push_back(std::isdigit(axis[0]) != 0 ? std::stoi(axis) : 2);
+    std::size_t size = 1;
+    for (const std::int64_t n : shape) size *= static_cast<std::size_t>(n);
+    const double value = spec.values.rows_of.empty() && spec.values.least > 0 ? 1
+                         : spec.values.rows_of.empty()                        ? 0
+                                                                              : 1;
+    for (const char* const number : {"/0/", "/1/"}) {
+      std::string name = std::regex_replace(std::string(spec.name), std::regex("/N/"), number);
+      name = std::regex_replace(name, std::regex("/SENSOR/"), "/laser2/");
+      if (spec.type == DType::kText)
+        blob.Put(name, shape.empty() ? Array::Text("a") : Array::Texts({"a", "b"}));
+      else if (spec.type == DType::kU8)
+        blob.Put(name, Array::Of(shape, std::vector<std::uint8_t>(size, static_cast<std::uint8_t>(value))));
+      else if (spec.type == DType::kI32)
+        blob.Put(name, Array::Of(shape, std::vector<std::int32_t>(size, static_cast<std::int32_t>(value))));
+      else if (spec.type == DType::kI64)
+        blob.Put(name, Array::Of(shape, std::vector<std::int64_t>(size, static_cast<std::int64_t>(value))));
+      else if (spec.type == DType::kF32)
+        blob.Put(name, Array::Of(shape, std::vector<float>(size, static_cast<float>(value))));
+      else
+        blob.Put(name, Array::Of(shape, std::vector<double>(size, value)));
+    }
+  }
+  return blob;
+}
+
+template <class K>
+class Struct : public testing::Test {};
+using Structs = testing::Types<kinds::Log, kinds::Poses, kinds::LandmarkMap, kinds::GridMap, kinds::LocalMap,
+                               kinds::Samples, kinds::Errors, kinds::Networks, kinds::Localization>;
+TYPED_TEST_SUITE(Struct, Structs);
+
+TYPED_TEST(Struct, HoldsWhatItsFileDoes) {
+  const Blob blob = Filled(ArraysOf<TypeParam>());
+  EXPECT_NO_THROW(CheckArrays(blob, ArraysOf<TypeParam>()));
+  EXPECT_TRUE(BlobOf(FieldsIn<TypeParam>("", blob)).fields() == blob.fields());
+}
+
+TYPED_TEST(Struct, IsReadWithoutAnyOfItsArrays) {
+  const Blob blob = Filled(ArraysOf<TypeParam>());
+  for (const auto& [name, array] : blob.fields()) {
+    Blob::Fields fields = blob.fields();
+    fields.erase(name);
+    if (name == "robots" || name == "runs") continue;  // which say how many groups there are
+    EXPECT_TRUE(BlobOf(FieldsIn<TypeParam>("", Blob(fields))).fields() == fields) << name;
+  }
+}
+
+TYPED_TEST(Struct, RefusesAnArrayOfAnotherShape) {
+  const Blob good = Filled(ArraysOf<TypeParam>());
+  for (const auto& [name, array] : good.fields()) {
+    Blob blob = good;
+    blob.Put(name, array.type() == DType::kText ? Array::Text("a") : Array::Scalar<double>(0));
+    if (array.shape().empty()) blob.PutVector<float>(name, {0, 0});
+    try {
+      CheckArrays(blob, ArraysOf<TypeParam>());
+      ADD_FAILURE() << name;
+    } catch (const InputError&) {
+    }
   }
 }
 

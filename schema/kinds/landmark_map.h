@@ -1,0 +1,124 @@
+// schema/FORMAT.md, `landmark_map`: landmarks, and the robots' paths among them.
+#pragma once
+
+#include "schema/kinds/poses.h"
+
+namespace cairn::kinds {
+
+// Where a grid lies.
+struct GridPlace {
+  Column<double> origin_x_m, origin_y_m, cell_m;
+  static void Fields(const auto& field) {
+    field({"origin_x_m", "", Position()}, &GridPlace::origin_x_m);
+    field({"origin_y_m", "", Position()}, &GridPlace::origin_y_m);
+    field({"cell_m", "", Positive()}, &GridPlace::cell_m);
+  }
+};
+
+struct LandmarkMap {
+  struct RobotPoses : UncertainPoses {
+    Column<double> mode_x_m, mode_y_m, mode_heading_rad;
+    Pose Mode(std::size_t i) const { return {mode_x_m[i], mode_y_m[i], mode_heading_rad[i]}; }
+    static void Fields(const auto& field) {
+      UncertainPoses::Fields(field);
+      field({"mode_x_m", "P", Position()}, &RobotPoses::mode_x_m);
+      field({"mode_y_m", "P", Position()}, &RobotPoses::mode_y_m);
+      field({"mode_heading_rad", "P", Finite()}, &RobotPoses::mode_heading_rad);
+    }
+  };
+  struct Beliefs {
+    Column<double> time_s, value;
+    Column<std::int32_t> box;
+    static void Fields(const auto& field) {
+      field({"time_s", "S", Rising()}, &Beliefs::time_s);
+      field({"box", "S,4", Free()}, &Beliefs::box);
+      field({"value", "V", From(0)}, &Beliefs::value);
+    }
+  };
+  struct Robot {
+    RobotPoses poses;
+    Column<std::int32_t> map_landmark;  // of each observation
+    Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio;
+    Beliefs beliefs;
+    static void Fields(const auto& field) {
+      field("poses", &Robot::poses);
+      field({"observations/map_landmark", "O", IndexInto("map/landmark_x_m").OrNone()}, &Robot::map_landmark);
+      field({"observations/probability", "O", Share()}, &Robot::probability);
+      field("beliefs", &Robot::beliefs);
+      field({"heading_drift_rad_per_m", "", Finite()}, &Robot::heading_drift_rad_per_m);
+      field({"heading_walk_rad_per_sqrt_m", "", NotNegative()}, &Robot::heading_walk_rad_per_sqrt_m);
+      field({"turn_ratio", "", NotNegative()}, &Robot::turn_ratio);
+    }
+  };
+  struct Map {
+    Column<double> landmark_x_m, landmark_y_m, landmark_covariance_m2, landmark_count, probability;
+    Column<std::int32_t> landmark_identity, landmark_type;
+    GridPlace grid;
+    static void Fields(const auto& field) {
+      field({"landmark_x_m", "K", Position()}, &Map::landmark_x_m);
+      field({"landmark_y_m", "K", Position()}, &Map::landmark_y_m);
+      field({"landmark_covariance_m2", "K,2,2", Finite()}, &Map::landmark_covariance_m2);
+      field({"landmark_identity", "K", IndexInto("landmarks").OrNone()}, &Map::landmark_identity);
+      field({"landmark_type", "K", IndexInto("types").OrNone()}, &Map::landmark_type);
+      field({"landmark_count", "K", From(0)}, &Map::landmark_count);
+      field({"grid/probability", "G,ny,nx", Share()}, &Map::probability);
+      field("grid", &Map::grid);
+    }
+  };
+  struct History {
+    Column<double> log_likelihood, prefix;
+    Column<std::int64_t> robots, guessed, confirmed;
+    static void Fields(const auto& field) {
+      field({"log_likelihood", "I", Free()}, &History::log_likelihood);
+      field({"prefix", "I", Share()}, &History::prefix);
+      field({"robots", "I", From(0)}, &History::robots);
+      field({"guessed", "I", From(0)}, &History::guessed);
+      field({"confirmed", "I", From(0)}, &History::confirmed);
+    }
+  };
+  struct Search {
+    Column<double> start_drift_rad_per_m, start_prefix, drift_rad_per_m, log_likelihood, score_nats,
+        lead_nats;
+    Column<std::int32_t> refit_of, landmarks, same_map, best, support, starts;
+    Texts unlike;
+    static void Fields(const auto& field) {
+      field({"start_drift_rad_per_m", "C", Finite()}, &Search::start_drift_rad_per_m);
+      field({"start_prefix", "C", Share()}, &Search::start_prefix);
+      field({"refit_of", "C", IndexInto("search/start_drift_rad_per_m").OrNone()}, &Search::refit_of);
+      field({"drift_rad_per_m", "C", Free()}, &Search::drift_rad_per_m);
+      field({"log_likelihood", "C", Free()}, &Search::log_likelihood);
+      field({"landmarks", "C", From(0)}, &Search::landmarks);
+      field({"score_nats", "C", Free()}, &Search::score_nats);
+      field({"same_map", "C", YesNo()}, &Search::same_map);
+      field({"best", "", IndexInto("search/start_drift_rad_per_m")}, &Search::best);
+      field({"support", "", From(0)}, &Search::support);
+      field({"starts", "", From(0)}, &Search::starts);
+      field({"unlike", "U"}, &Search::unlike);
+      field({"lead_nats", "", Free()}, &Search::lead_nats);
+    }
+  };
+
+  Texts robots, landmarks, types, log_hash, refinement_reason;
+  Column<double> until_s;
+  std::vector<Robot> robot;
+  Map map;
+  History history;
+  Column<std::uint8_t> refinement_done;
+  Search search;
+
+  static void Fields(const auto& field) {
+    field({"robots", "R"}, &LandmarkMap::robots);
+    field({"landmarks", "L"}, &LandmarkMap::landmarks);
+    field({"types", "T"}, &LandmarkMap::types);
+    field({"log_hash", ""}, &LandmarkMap::log_hash);
+    field({"until_s", "", Finite()}, &LandmarkMap::until_s);
+    field("robot", &LandmarkMap::robot);
+    field("map", &LandmarkMap::map);
+    field("history", &LandmarkMap::history);
+    field({"refinement/done", "", YesNo()}, &LandmarkMap::refinement_done);
+    field({"refinement/reason", ""}, &LandmarkMap::refinement_reason);
+    field("search", &LandmarkMap::search);
+  }
+};
+
+}  // namespace cairn::kinds

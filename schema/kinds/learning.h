@@ -1,0 +1,177 @@
+// schema/FORMAT.md, `samples`, `errors`, `networks`, `localization`: landmarks that are learned, and what
+// they serve.
+#pragma once
+
+#include "schema/kinds/fields.h"
+
+namespace cairn::kinds {
+
+struct Samples {
+  struct Run {
+    Column<double> time_s, x_m, y_m, heading_rad, turn_rad, forward_m, left_m, weight;
+    Column<float> input, feature;
+    Column<std::uint8_t> image;
+    static void Fields(const auto& field) {
+      field({"time_s", "K", Rising()}, &Run::time_s);
+      field({"x_m", "K", Position()}, &Run::x_m);
+      field({"y_m", "K", Position()}, &Run::y_m);
+      field({"heading_rad", "K", Finite()}, &Run::heading_rad);
+      field({"odometry/turn_rad", "K", Free()}, &Run::turn_rad);  // of the first sample not looked at
+      field({"odometry/forward_m", "K", Free()}, &Run::forward_m);
+      field({"odometry/left_m", "K", Free()}, &Run::left_m);
+      field({"input", "K,I", Finite()}, &Run::input);
+      field({"weight", "K", From(0)}, &Run::weight);
+      field({"image", "K,rows,columns,3", Free()}, &Run::image);
+      field({"feature", "K,F", Share()}, &Run::feature);
+    }
+  };
+  struct TrueRun {
+    Column<double> x_m, y_m, heading_rad;
+    static void Fields(const auto& field) {
+      field({"x_m", "K", Position()}, &TrueRun::x_m);
+      field({"y_m", "K", Position()}, &TrueRun::y_m);
+      field({"heading_rad", "K", Finite()}, &TrueRun::heading_rad);
+    }
+  };
+
+  Texts runs, input_name, feature_name;
+  std::vector<Run> run;
+  Column<double> label_error_m;
+  std::vector<TrueRun> true_run;
+
+  static void Fields(const auto& field) {
+    field({"runs", "R"}, &Samples::runs);
+    field({"input_name", "I"}, &Samples::input_name);
+    field("run", &Samples::run);
+    field({"feature_name", "F"}, &Samples::feature_name);
+    field({"label_error_m", "", NotNegative()}, &Samples::label_error_m);
+    field("truth/run", &Samples::true_run);
+  }
+};
+
+struct Errors {
+  Column<double> x_m, y_m, error;
+  static void Fields(const auto& field) {
+    field({"position/x_m", "P", Position()}, &Errors::x_m);
+    field({"position/y_m", "P", Position()}, &Errors::y_m);
+    field({"error", "P,P", From(0)}, &Errors::error);
+  }
+};
+
+struct Networks {
+  struct Weights {
+    Column<double> hidden_weight, hidden_bias, hidden_2_weight, hidden_2_bias, output_weight, output_bias,
+        input_mean, input_scale;
+    Texts input_name;
+    static void Fields(const auto& field) {
+      field({"hidden_weight", "n,H,I", Finite()}, &Weights::hidden_weight);
+      field({"hidden_bias", "n,H", Finite()}, &Weights::hidden_bias);
+      field({"hidden_2_weight", "n,H2,H", Finite()}, &Weights::hidden_2_weight);
+      field({"hidden_2_bias", "n,H2", Finite()}, &Weights::hidden_2_bias);
+      field({"output_weight", "n,J", Finite()}, &Weights::output_weight);
+      field({"output_bias", "n", Finite()}, &Weights::output_bias);
+      field({"input_mean", "I", Finite()}, &Weights::input_mean);
+      field({"input_scale", "I", Above0()}, &Weights::input_scale);
+      field({"input_name", "I"}, &Weights::input_name);
+    }
+  };
+  struct Map {
+    Column<double> x_m, y_m, along_m, heading_rad;
+    Column<std::int32_t> run;
+    Column<float> output;
+    static void Fields(const auto& field) {
+      field({"x_m", "K", Position()}, &Map::x_m);
+      field({"y_m", "K", Position()}, &Map::y_m);
+      field({"along_m", "K", NotNegative()}, &Map::along_m);
+      field({"heading_rad", "K", Finite()}, &Map::heading_rad);
+      field({"run", "K", IndexInto("runs")}, &Map::run);
+      field({"output", "K,n", Share()}, &Map::output);
+    }
+  };
+  struct History {
+    Column<double> training_error_m, validation_error_m, gradient_norm;
+    static void Fields(const auto& field) {
+      field({"training_error_m", "S", Finite()}, &History::training_error_m);
+      field({"validation_error_m", "S", Finite().OrNan()}, &History::validation_error_m);
+      field({"gradient_norm", "S", Finite()}, &History::gradient_norm);
+    }
+  };
+  struct Ancestry {
+    Texts hash, options;
+    Column<std::int64_t> steps;
+    Column<double> training_error_m, prior_error_m;
+    static void Fields(const auto& field) {
+      field({"hash", "A"}, &Ancestry::hash);
+      field({"options", "A"}, &Ancestry::options);
+      field({"steps", "A", From(0)}, &Ancestry::steps);
+      field({"training_error_m", "A", Finite().OrNan()}, &Ancestry::training_error_m);
+      field({"prior_error_m", "A", Finite().OrNan()}, &Ancestry::prior_error_m);
+    }
+  };
+
+  Weights networks;
+  Map map;
+  Texts runs, options, warnings;
+  History history;
+  Column<double> prior_error_m, validation_prior_error_m, window_m, heading_window_deg, starts_error_m;
+  Column<std::int64_t> starts_chosen;
+  Ancestry ancestry;
+
+  static void Fields(const auto& field) {
+    field("networks", &Networks::networks);
+    field("map", &Networks::map);
+    field({"runs", "R"}, &Networks::runs);
+    field("history", &Networks::history);
+    field({"prior_error_m", "", Finite()}, &Networks::prior_error_m);
+    field({"validation_prior_error_m", "", Finite().OrNan()}, &Networks::validation_prior_error_m);
+    field({"window_m", "", NotNegative()}, &Networks::window_m);
+    field({"heading_window_deg", "", NotNegative()}, &Networks::heading_window_deg);
+    field({"options", "O"}, &Networks::options);
+    field({"warnings", "W"}, &Networks::warnings);
+    field({"starts/error_m", "C", Finite()}, &Networks::starts_error_m);
+    field({"starts/chosen", "", IndexInto("starts/error_m")}, &Networks::starts_chosen);
+    field("ancestry", &Networks::ancestry);
+  }
+};
+
+struct Localization {
+  struct Steps {
+    Column<std::int32_t> traverse, run, sample;
+    Column<double> travelled_m, mean_x_m, mean_y_m, mode_x_m, mode_y_m, spread_m;
+    Column<std::int64_t> entries;
+    static void Fields(const auto& field) {
+      field({"traverse", "S", Rising()}, &Steps::traverse);
+      field({"run", "S", IndexInto("runs")}, &Steps::run);
+      field({"sample", "S", From(0)}, &Steps::sample);
+      field({"travelled_m", "S", NotNegative()}, &Steps::travelled_m);
+      field({"mean_x_m", "S", Position()}, &Steps::mean_x_m);
+      field({"mean_y_m", "S", Position()}, &Steps::mean_y_m);
+      field({"mode_x_m", "S", Position()}, &Steps::mode_x_m);
+      field({"mode_y_m", "S", Position()}, &Steps::mode_y_m);
+      field({"spread_m", "S", NotNegative()}, &Steps::spread_m);
+      field({"entries", "S", RowsOf("belief/position")}, &Steps::entries);
+    }
+  };
+
+  Steps step;
+  Column<std::int32_t> belief_place;
+  Column<float> belief_probability;
+  Column<double> place_x_m, place_y_m, place_heading_rad, window_m;
+  Texts heading, runs, feature_name, samples_hash;
+
+  static void Fields(const auto& field) {
+    field("step", &Localization::step);
+    field({"belief/position", "B", IndexInto("position/x_m")}, &Localization::belief_place);
+    field({"belief/probability", "B", Share()}, &Localization::belief_probability);
+    field({"position/x_m", "P", Position()}, &Localization::place_x_m);
+    field({"position/y_m", "P", Position()}, &Localization::place_y_m);
+    field({"position/heading_rad", "P", Finite()}, &Localization::place_heading_rad);
+    field({"heading", ""}, &Localization::heading);
+    field({"runs", "R"}, &Localization::runs);
+    field({"feature_name", "F"}, &Localization::feature_name);
+    field({"samples_hash", ""}, &Localization::samples_hash);
+    field({"window_m", "", NotNegative()}, &Localization::window_m);
+  }
+};
+
+}  // namespace cairn::kinds

@@ -1,0 +1,151 @@
+// schema/FORMAT.md, `local_map`: traces of walls and edges, and how they hang together.
+#pragma once
+
+#include "schema/kinds/poses.h"
+
+namespace cairn::kinds {
+
+// How far an edge may be from the way, m: no sensor of a robot sees as far.
+inline constexpr Values kFromPath = Between(-1000, 1000).OrNan();
+inline constexpr Values kLocalCell{.least = Above0().least, .most = 10};
+
+struct LocalMap {
+  struct Walls {
+    Column<double> time_s, angle_rad, strength;
+    Column<std::uint8_t> locked, other_area;
+    static void Fields(const auto& field) {
+      field({"time_s", "S", Rising()}, &Walls::time_s);
+      field({"angle_rad", "S", Finite().OrNan()}, &Walls::angle_rad);
+      field({"strength", "S", Share()}, &Walls::strength);
+      field({"locked", "S", YesNo()}, &Walls::locked);
+      field({"other_area", "S", YesNo()}, &Walls::other_area);
+    }
+  };
+  struct Cuts {
+    Column<double> time_s;
+    Texts why;
+    static void Fields(const auto& field) {
+      field({"time_s", "C", Rising()}, &Cuts::time_s);
+      field({"why", "C"}, &Cuts::why);
+    }
+  };
+  struct Positions {
+    Column<double> time_s, z_m, u_m, range_z_m, range_u_m;
+    Column<std::int32_t> trace;
+    Column<std::uint8_t> corrected;
+    static void Fields(const auto& field) {
+      field({"time_s", "Q", Rising()}, &Positions::time_s);
+      field({"trace", "Q", IndexInto("traces/robot")}, &Positions::trace);
+      field({"z_m", "Q", Position()}, &Positions::z_m);
+      field({"u_m", "Q", Position()}, &Positions::u_m);
+      field({"range_z_m", "Q", NotNegative()}, &Positions::range_z_m);
+      field({"range_u_m", "Q", NotNegative()}, &Positions::range_u_m);
+      field({"corrected", "Q", YesNo()}, &Positions::corrected);
+    }
+  };
+  struct Robot {
+    PoseTable poses;
+    Walls walls;
+    Cuts cuts;
+    Positions positions;
+    static void Fields(const auto& field) {
+      field({"poses", "S"}, &Robot::poses);
+      field("walls", &Robot::walls);
+      field("cuts", &Robot::cuts);
+      field("positions", &Robot::positions);
+    }
+  };
+  struct Traces {
+    Column<std::int32_t> robot, first_z;
+    Column<double> first_s, last_s, x_m, y_m, direction_rad;
+    Column<std::int64_t> features;
+    static void Fields(const auto& field) {
+      field({"robot", "T", IndexInto("robots")}, &Traces::robot);
+      field({"first_s", "T", Finite()}, &Traces::first_s);
+      field({"last_s", "T", Finite()}, &Traces::last_s);
+      field({"x_m", "T", Position()}, &Traces::x_m);
+      field({"y_m", "T", Position()}, &Traces::y_m);
+      field({"direction_rad", "T", Finite()}, &Traces::direction_rad);
+      field({"first_z", "T", Position()}, &Traces::first_z);
+      field({"features", "T", RowsOf("features/left/angle_low_rad")}, &Traces::features);
+    }
+  };
+  struct Side {
+    Column<float> angle_low_rad, angle_high_rad, distance_low_m, distance_high_m, cross_m;
+    Column<std::uint8_t> occupied;
+    static void Fields(const auto& field) {
+      field({"angle_low_rad", "F", Finite().OrNan()}, &Side::angle_low_rad);
+      field({"angle_high_rad", "F", Finite().OrNan()}, &Side::angle_high_rad);
+      field({"distance_low_m", "F", kFromPath}, &Side::distance_low_m);
+      field({"distance_high_m", "F", kFromPath}, &Side::distance_high_m);
+      field({"cross_m", "F", kFromPath}, &Side::cross_m);
+      field({"occupied", "F", YesNo()}, &Side::occupied);
+    }
+  };
+  struct Connections {
+    Column<std::int32_t> from, to, kind;
+    Column<double> from_s, to_s, from_z_m, from_u_m, to_z_m, to_u_m, quality;
+    Column<std::uint8_t> used;
+    static void Fields(const auto& field) {
+      field({"from", "K", IndexInto("traces/robot")}, &Connections::from);
+      field({"to", "K", IndexInto("traces/robot")}, &Connections::to);
+      field({"kind", "K", Between(0, 2)}, &Connections::kind);
+      field({"from_s", "K", Finite()}, &Connections::from_s);
+      field({"to_s", "K", Finite()}, &Connections::to_s);
+      field({"from_z_m", "K", Position()}, &Connections::from_z_m);
+      field({"from_u_m", "K", Position()}, &Connections::from_u_m);
+      field({"to_z_m", "K", Position()}, &Connections::to_z_m);
+      field({"to_u_m", "K", Position()}, &Connections::to_u_m);
+      field({"quality", "K", Share()}, &Connections::quality);
+      field({"used", "K", YesNo()}, &Connections::used);
+    }
+  };
+  struct Edges {
+    Column<double> x0_m, y0_m, x1_m, y1_m;
+    static void Fields(const auto& field) {
+      field({"x0_m", "E", Position()}, &Edges::x0_m);
+      field({"y0_m", "E", Position()}, &Edges::y0_m);
+      field({"x1_m", "E", Position()}, &Edges::x1_m);
+      field({"y1_m", "E", Position()}, &Edges::y1_m);
+    }
+  };
+  struct Snapshots {
+    Column<std::int32_t> robot;
+    Column<double> time_s, frame_rad, histogram;
+    Column<float> occupancy, edge_rad;
+    Column<std::int64_t> edges;
+    Edges edge;
+    static void Fields(const auto& field) {
+      field({"robot", "P", IndexInto("robots")}, &Snapshots::robot);
+      field({"time_s", "P", Finite()}, &Snapshots::time_s);
+      field({"frame_rad", "P", Finite()}, &Snapshots::frame_rad);
+      field({"occupancy", "P,n,n", From(0)}, &Snapshots::occupancy);
+      field({"edge_rad", "P,n,n", Finite().OrNan()}, &Snapshots::edge_rad);
+      field({"histogram", "P,8", Finite()}, &Snapshots::histogram);
+      field({"edges", "P", RowsOf("snapshots/edge/x0_m")}, &Snapshots::edges);
+      field("edge", &Snapshots::edge);
+    }
+  };
+
+  Texts robots, log_hash;
+  std::vector<Robot> robot;
+  Column<double> cell_m;
+  Traces traces;
+  Side left, right;
+  Connections connections;
+  Snapshots snapshots;
+
+  static void Fields(const auto& field) {
+    field({"robots", "R"}, &LocalMap::robots);
+    field({"log_hash", ""}, &LocalMap::log_hash);
+    field("robot", &LocalMap::robot);
+    field({"cell_m", "", kLocalCell}, &LocalMap::cell_m);
+    field("traces", &LocalMap::traces);
+    field("features/left", &LocalMap::left);
+    field("features/right", &LocalMap::right);
+    field("connections", &LocalMap::connections);
+    field("snapshots", &LocalMap::snapshots);
+  }
+};
+
+}  // namespace cairn::kinds

@@ -1,0 +1,53 @@
+// schema/FORMAT.md, `poses`: where robots were, by anybody.
+#pragma once
+
+#include "schema/geometry.h"
+#include "schema/kinds/fields.h"
+
+namespace cairn::kinds {
+
+// A row a time.
+struct PoseTable {
+  Column<double> time_s, x_m, y_m, heading_rad;
+
+  std::size_t size() const { return time_s.size(); }
+  Pose operator[](std::size_t i) const { return {x_m[i], y_m[i], heading_rad[i]}; }
+  // Headings as they are.
+  void Set(const std::vector<double>& times_s, const std::vector<Pose>& poses) {
+    time_s = times_s;
+    x_m = ColumnOf(poses, &Pose::x_m);
+    y_m = ColumnOf(poses, &Pose::y_m);
+    heading_rad = ColumnOf(poses, &Pose::heading_rad);
+  }
+  static void Fields(const auto& field) {
+    field({"time_s", "P", Rising()}, &PoseTable::time_s);
+    field({"x_m", "P", Position()}, &PoseTable::x_m);
+    field({"y_m", "P", Position()}, &PoseTable::y_m);
+    field({"heading_rad", "P", Finite()}, &PoseTable::heading_rad);
+  }
+};
+
+struct UncertainPoses : PoseTable {
+  Column<double> covariance;  // of x, y, heading
+
+  static void Fields(const auto& field) {
+    PoseTable::Fields(field);
+    field({"covariance", "P,3,3", Finite()}, &UncertainPoses::covariance);
+  }
+};
+
+struct Poses {
+  struct Robot {
+    UncertainPoses poses;
+    static void Fields(const auto& field) { field("poses", &Robot::poses); }
+  };
+  Texts robots;
+  std::vector<Robot> robot;
+
+  static void Fields(const auto& field) {
+    field({"robots", "R"}, &Poses::robots);
+    field("robot", &Poses::robot);
+  }
+};
+
+}  // namespace cairn::kinds
