@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "schema/kinds/log.h"
+
 namespace cairn::datasets {
 namespace {
 
@@ -15,32 +17,15 @@ void RequireRobot(std::size_t robot, const std::vector<std::string>& names) {
 }
 
 template <class T>
-std::vector<T> Backwards(const Blob& blob, const std::string& name, std::size_t rows) {
-  const auto values = blob.Get<T>(name);
-  if (values.size() != rows) throw InputError("'" + name + "': columns of different length");
-  return {values.rbegin(), values.rend()};
+std::vector<T> Backwards(const Column<T>& column, std::size_t rows) {
+  if (column.size() != rows) throw InputError("'" + column.name() + "': columns of different length");
+  return {column.values().rbegin(), column.values().rend()};
 }
 
-std::vector<double> TimesFromEnd(const std::vector<double>& backwards, double end_s) {
-  std::vector<double> times;
-  for (const double time : backwards) times.push_back(end_s - time);
+std::vector<double> TimesFromEnd(const Column<double>& time_s, double end_s) {
+  std::vector<double> times = Backwards(time_s, time_s.size());
+  for (double& time : times) time = end_s - time;
   return times;
-}
-
-// True poses and associations, as far as there are any.
-void ReverseTruth(const Blob& truth, double end_s, Blob* reversed) {
-  const std::string prefix = "truth/" + Prefix(0);
-  if (truth.Has("observations/landmark")) {
-    const std::size_t seen = truth.Get<std::int32_t>("observations/landmark").size();
-    reversed->PutVector(prefix + "observations/landmark",
-                        Backwards<std::int32_t>(truth, "observations/landmark", seen));
-  }
-  if (!truth.Has("poses/time_s")) return;
-  const std::size_t poses = truth.Get<double>("poses/time_s").size();
-  reversed->PutVector(prefix + "poses/time_s",
-                      TimesFromEnd(Backwards<double>(truth, "poses/time_s", poses), end_s));
-  for (const char* name : {"poses/x_m", "poses/y_m", "poses/heading_rad"})
-    reversed->PutVector(prefix + name, Backwards<double>(truth, name, poses));
 }
 
 }  // namespace
@@ -61,16 +46,16 @@ Blob RobotsOf(const Blob& log, const std::vector<std::size_t>& robots) {
 
 Blob Reversed(const Blob& log, std::size_t robot) {
   RequireRobot(robot, log.Texts("robots"));
-  const Blob own = log.Sub(Prefix(robot));
   const Blob alone = RobotsOf(log, {robot});
+  const auto parts = Read<kinds::Log>(alone);
+  const kinds::Log::Odometry& own = parts.robot[0].odometry;
+  const kinds::Log::Observations& seen = parts.robot[0].observations;
   Blob reversed = alone.Without("truth/");
   reversed.PutAll("truth/landmarks/", alone.Sub("truth/landmarks/"));
-  const std::size_t controls = own.Get<double>("odometry/time_s").size();
-  const std::size_t seen = own.Get<double>("observations/time_s").size();
+  const std::size_t controls = own.time_s.size(), rows = seen.time_s.size();
   if (controls == 0) return reversed;
-  const auto end_s = Backwards<double>(own, "odometry/time_s", controls);
-  const auto turn = Backwards<double>(own, "odometry/turn_rad", controls);
-  const auto forward = Backwards<double>(own, "odometry/forward_m", controls);
+  const auto end_s = Backwards(own.time_s, controls), turn = Backwards(own.turn_rad, controls),
+             forward = Backwards(own.forward_m, controls);
   // A control is a turn and then a way; backwards the way comes first, so that each turn goes with the next
   // way. The first turn of all is undone last, in a control of its own.
   std::vector<double> time_s, turn_rad, forward_m;
@@ -82,16 +67,24 @@ Blob Reversed(const Blob& log, std::size_t robot) {
     forward_m.push_back(start ? 0.0 : -forward[i]);
   }
   const std::string prefix = Prefix(0);
-  reversed.PutVector(prefix + "odometry/time_s", time_s);
-  reversed.PutVector(prefix + "odometry/turn_rad", turn_rad);
-  reversed.PutVector(prefix + "odometry/forward_m", forward_m);
-  reversed.PutVector(prefix + "observations/time_s",
-                     TimesFromEnd(Backwards<double>(own, "observations/time_s", seen), end_s[0]));
-  reversed.PutVector(prefix + "observations/landmark",
-                     Backwards<std::int32_t>(own, "observations/landmark", seen));
-  for (const char* name : {"observations/range_m", "observations/bearing_rad"})
-    reversed.PutVector(prefix + name, Backwards<double>(own, name, seen));
-  ReverseTruth(alone.Sub("truth/" + prefix), end_s[0], &reversed);
+  PutFields(prefix + "odometry/", kinds::Log::Odometry{time_s, turn_rad, forward_m}, &reversed);
+  PutFields(prefix + "observations/",
+            kinds::Log::Observations{TimesFromEnd(seen.time_s, end_s[0]),
+                                     Backwards(seen.range_m, rows),
+                                     Backwards(seen.bearing_rad, rows),
+                                     Backwards(seen.landmark, rows),
+                                     {}},
+            &reversed);
+  kinds::Log::TrueRobot truth;
+  if (!parts.truth.robot.empty()) truth = parts.truth.robot[0];
+  kinds::Log::TrueRobot back;
+  if (truth.landmark) back.landmark = Backwards(truth.landmark, truth.landmark.size());
+  if (const kinds::PoseTable& poses = truth.poses; poses.time_s) {
+    const std::size_t count = poses.time_s.size();
+    back.poses = {TimesFromEnd(poses.time_s, end_s[0]), Backwards(poses.x_m, count),
+                  Backwards(poses.y_m, count), Backwards(poses.heading_rad, count)};
+  }
+  PutFields("truth/" + prefix, back, &reversed);
   return reversed;
 }
 

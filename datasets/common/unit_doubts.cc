@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "datasets/common/array_text.h"
+#include "schema/kinds/learning.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 namespace {
@@ -162,66 +164,37 @@ bool AllFinite(std::span<const double> values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
-// A column of reals; empty where there is none of that length.
-std::span<const double> ColumnOf(const Blob& blob, const std::string& name, std::size_t rows) {
-  if (!blob.Has(name) || blob.at(name).type() != DType::kF64) return {};
-  const auto column = blob.Get<double>(name);
-  return column.size() == rows ? column : std::span<const double>();
-}
-
-std::vector<std::string> NamesIn(const Blob& blob, const char* name) {
-  return blob.Has(name) && blob.at(name).type() == DType::kText ? blob.Texts(name)
-                                                                : std::vector<std::string>();
-}
-
-class BlobDoubts {
+class Doubts {
  public:
-  explicit BlobDoubts(const Blob& blob) : blob_(blob) {}
-
-  std::vector<std::string> Take() {
-    const std::vector<std::string> robots = NamesIn(blob_, "robots"), runs = NamesIn(blob_, "runs");
-    for (std::size_t n = 0; n < robots.size(); ++n) AddRobot("robot/" + std::to_string(n) + "/", robots[n]);
-    for (std::size_t n = 0; n < runs.size(); ++n)
-      OfPoses("run/" + std::to_string(n) + "/", "run '" + runs[n] + "'", "samples");
-    return std::move(doubts_);
+  void AddRobot(const kinds::Log& log, std::size_t n) {
+    const std::string who = "robot '" + log.robots[n] + "'";
+    const kinds::Log::Robot& robot = log.robot[n];
+    const kinds::Log::Odometry& odometry = robot.odometry;
+    Add(who, "odometry",
+        DoubtControls(odometry.time_s.OrNone(), odometry.turn_rad.OrNone(), odometry.forward_m.OrNone()));
+    const auto of_table = [&](const char* table, const auto& seen) {
+      Add(who, table,
+          DoubtObservations(seen.time_s.OrNone(), seen.range_m.OrNone(), seen.bearing_rad.OrNone(),
+                            static_cast<bool>(log.max_range_m)));
+      Add(who, table, DoubtClock(odometry.time_s.OrNone(), seen.time_s.OrNone()));
+    };
+    of_table("observations", robot.observations);
+    of_table("robot_observations", robot.observations);
+    OfPoses(robot.poses, who, "poses");
+    if (n < log.truth.robot.size()) OfPoses(log.truth.robot[n].poses, who, "true poses");
   }
+  void OfPoses(const auto& poses, const std::string& who, const char* table) {
+    Add(who, table,
+        DoubtPoses(poses.time_s.OrNone(), poses.x_m.OrNone(), poses.y_m.OrNone(),
+                   poses.heading_rad.OrNone()));
+  }
+  std::vector<std::string> Take() { return std::move(doubts_); }
 
  private:
-  std::size_t RowsOf(const std::string& prefix) const {
-    const std::string name = prefix + "time_s";
-    return blob_.Has(name) ? static_cast<std::size_t>(blob_.at(name).size()) : 0;
-  }
-
   void Add(const std::string& who, const std::string& table, const std::optional<UnitDoubt>& doubt) {
     if (doubt) doubts_.push_back(DoubtText("", who, table, *doubt));
   }
 
-  void AddRobot(const std::string& prefix, const std::string& name) {
-    const std::string who = "robot '" + name + "'";
-    const auto column = [&](const std::string& table, const char* what) {
-      return ColumnOf(blob_, prefix + table + what, RowsOf(prefix + table));
-    };
-    Add(who, "odometry",
-        DoubtControls(column("odometry/", "time_s"), column("odometry/", "turn_rad"),
-                      column("odometry/", "forward_m")));
-    const std::string most = "sensor/max_range_m";
-    for (const std::string table : {"observations", "robot_observations"}) {
-      const std::string rows = table + "/";
-      Add(who, table,
-          DoubtObservations(column(rows, "time_s"), column(rows, "range_m"), column(rows, "bearing_rad"),
-                            blob_.Has(most)));
-      Add(who, table, DoubtClock(column("odometry/", "time_s"), column(rows, "time_s")));
-    }
-    OfPoses(prefix + "poses/", who, "poses");
-    OfPoses("truth/" + prefix + "poses/", who, "true poses");
-  }
-
-  void OfPoses(const std::string& prefix, const std::string& who, const char* table) {
-    const auto column = [&](const char* name) { return ColumnOf(blob_, prefix + name, RowsOf(prefix)); };
-    Add(who, table, DoubtPoses(column("time_s"), column("x_m"), column("y_m"), column("heading_rad")));
-  }
-
-  const Blob& blob_;
   std::vector<std::string> doubts_;
 };
 
@@ -302,7 +275,14 @@ std::string DoubtText(const std::string& where, const std::string& who, const st
 void NoteUnitsAreRight(Blob* blob) { blob->PutScalar<std::uint8_t>(kNoted, 1); }
 
 std::vector<std::string> FindUnitDoubts(const Blob& blob) {
-  return blob.Has(kNoted) ? std::vector<std::string>() : BlobDoubts(blob).Take();
+  if (blob.Has(kNoted)) return {};
+  Doubts doubts;
+  const auto log = Read<kinds::Log>(blob);
+  for (std::size_t n = 0; n < log.robots.OrNone().size(); ++n) doubts.AddRobot(log, n);
+  const auto samples = Read<kinds::Samples>(blob);
+  for (std::size_t n = 0; n < samples.runs.OrNone().size(); ++n)
+    doubts.OfPoses(samples.run[n], "run '" + samples.runs[n] + "'", "samples");
+  return doubts.Take();
 }
 
 }  // namespace cairn::datasets

@@ -11,13 +11,18 @@
 #include "datasets/evaluate/matching/align.h"
 #include "datasets/evaluate/matching/associations.h"
 #include "datasets/evaluate/track.h"
+#include "schema/kinds/provenance.h"
 
 namespace cairn::datasets {
 namespace {
 
 class Evaluator {
  public:
-  Evaluator(const Blob& result, const Blob& log) : result_(result), log_(log) {}
+  Evaluator(const Blob& result, const Blob& log)
+      : result_blob_(result),
+        log_blob_(log),
+        result_(Read<kinds::LandmarkMap>(result)),
+        log_(Read<kinds::Log>(log)) {}
 
   Evaluation Run() {
     Check();
@@ -37,39 +42,38 @@ class Evaluator {
       out_.associations = topology.associations;
       out_.wrong = topology.wrong;
     }
-    out_.iterations = result_.at("history/log_likelihood").size();
-    if (RefinementRefused(result_)) out_.refinement_refused = NotRefined(result_);
-    if (result_.Has("provenance/seconds_s")) out_.seconds = result_.Scalar<double>("provenance/seconds_s");
+    out_.iterations = static_cast<std::int64_t>(result_.history.log_likelihood.size());
+    if (RefinementRefused(result_blob_)) out_.refinement_refused = NotRefined(result_blob_);
+    out_.seconds = kinds::Provenance::In(result_blob_).seconds_s.Optional();
     return out_;
   }
 
  private:
   void Check() const {
-    if (log_.Sub("truth/").fields().empty()) {
+    if (log_blob_.Sub("truth/").fields().empty()) {
       throw InputError("the log has no truth: nothing to evaluate against");
     }
     for (const char* name : {"robots", "map/landmark_x_m", "map/landmark_y_m", "history/log_likelihood"}) {
-      if (!result_.Has(name)) throw InputError(std::string("not a landmark_map: '") + name + "' is missing");
+      if (!result_blob_.Has(name))
+        throw InputError(std::string("not a landmark_map: '") + name + "' is missing");
     }
-    const std::vector<std::string> robots = result_.Texts("robots"), expected = log_.Texts("robots");
+    const std::vector<std::string>&robots = result_.robots, &expected = log_.robots;
     if (robots != expected) {
       throw InputError("the result's robots (" + Joined(robots) + ") are not the log's (" + Joined(expected) +
                        "): was it made from this log?");
     }
-    CheckMadeFrom(result_, log_);
+    CheckMadeFrom(result_blob_, log_blob_);
   }
 
   // A path lies within the robot's controls; where it stood still at the end the path may end before them.
   void CheckTimes(std::size_t robot, const std::vector<double>& times_s) const {
-    const std::string odometry = "robot/" + std::to_string(robot) + "/odometry/time_s";
-    if (times_s.empty() || !log_.Has(odometry)) return;
-    const auto controls_s = log_.Get<double>(odometry);
+    const auto controls_s = log_.robot[robot].odometry.time_s.OrNone();
     constexpr double kSlack_s = 1.1;  // observations may be up to 1 s outside the controls
-    if (controls_s.empty() ||
+    if (times_s.empty() || controls_s.empty() ||
         (times_s.back() >= controls_s.front() - kSlack_s && times_s.back() <= controls_s.back() + kSlack_s)) {
       return;
     }
-    throw InputError("the result's poses of robot '" + log_.Texts("robots")[robot] +
+    throw InputError("the result's poses of robot '" + log_.robots[robot] +
                      "' do not have the log's times: was it made from this log?");
   }
 
@@ -80,10 +84,11 @@ class Evaluator {
   }
 
   void ReadLandmarks() {
-    extracted_ = ReadPoints(result_, "map/landmark_x_m", "map/landmark_y_m");
-    has_landmarks_ = log_.Has("truth/landmarks/x_m");
-    if (has_landmarks_) all_true_ = ReadPoints(log_, "truth/landmarks/x_m", "truth/landmarks/y_m");
-    identity_ = MapIdentities(result_, log_, extracted_.size());
+    extracted_ = PointsOf(result_.map.landmark_x_m, result_.map.landmark_y_m);
+    const kinds::Log::Landmarks& truth = log_.truth.landmarks;
+    has_landmarks_ = static_cast<bool>(truth.x_m);
+    if (has_landmarks_) all_true_ = PointsOf(truth.x_m, truth.y_m);
+    identity_ = MapIdentities(result_, log_);
   }
 
   // The true landmarks that count come first to be known here: associations name them by their index among
@@ -92,7 +97,7 @@ class Evaluator {
     map_associations_ = ReadMapAssociations(result_, log_, extracted_.size());
     if (!has_landmarks_) return;
     truth_associations_ = ReadTrueAssociations(log_, all_true_.size());
-    const std::vector<bool> observed = ObservedLandmarks(log_, all_true_.size());
+    const std::vector<bool> observed = ObservedLandmarks(log_);
     for (std::size_t t = 0; t < all_true_.size(); ++t) {
       if (!observed[t]) continue;
       true_index_.push_back(t);
@@ -101,22 +106,20 @@ class Evaluator {
   }
 
   void ReadTracks() {
-    const std::vector<std::string> names = log_.Texts("robots");
-    for (std::size_t r = 0; r < names.size(); ++r) {
-      const std::string poses = "robot/" + std::to_string(r) + "/poses/";
-      if (!result_.Has(poses + "mode_x_m")) {
-        throw InputError("not a landmark_map: '" + poses + "mode_x_m' is missing");
-      }
-      const Track estimate = ReadTrack(result_, poses, "mode_");
+    for (std::size_t r = 0; r < log_.robot.size(); ++r) {
+      const kinds::LandmarkMap::RobotPoses& poses = result_.robot[r].poses;
+      if (!poses.mode_x_m) throw InputError("not a landmark_map: '" + poses.mode_x_m.name() + "' is missing");
+      Track estimate{poses.time_s.OrNone().empty() ? std::vector<double>() : poses.time_s.vector(), {}};
+      for (std::size_t i = 0; i < estimate.time_s.size(); ++i) estimate.poses.push_back(poses.Mode(i));
       CheckTimes(r, estimate.time_s);
-      const Track truth = ReadTrack(log_, "truth/" + poses);
+      const Track truth = r < log_.truth.robot.size() ? TrackOf(log_.truth.robot[r].poses) : Track();
       std::vector<std::pair<Pose, Pose>> pairs;
       for (std::size_t i = 0; i < estimate.time_s.size(); ++i) {
         const auto at = PoseAt(truth, estimate.time_s[i]);
         if (at) pairs.emplace_back(estimate.poses[i], *at);
       }
       pose_pairs_.push_back(std::move(pairs));
-      out_.robots.push_back({.name = names[r], .rmse_m = {}, .heading_rmse_rad = {}, .poses = 0});
+      out_.robots.push_back({.name = log_.robots[r], .rmse_m = {}, .heading_rmse_rad = {}, .poses = 0});
     }
   }
 
@@ -213,8 +216,10 @@ class Evaluator {
     out_.landmarks = score;
   }
 
-  const Blob& result_;
-  const Blob& log_;
+  const Blob& result_blob_;
+  const Blob& log_blob_;
+  const kinds::LandmarkMap result_;
+  const kinds::Log log_;
   Evaluation out_;
   bool has_landmarks_ = false;
   std::vector<Point> extracted_, all_true_, true_;
@@ -228,17 +233,16 @@ class Evaluator {
 // Later observations count as false ones: a result of a prefix is held against what the prefix shows.
 Blob TruthUntil(const Blob& log, double until_s) {
   Blob cut = log;
-  for (std::size_t r = 0; r < log.Texts("robots").size(); ++r) {
-    const std::string observations = "robot/" + std::to_string(r) + "/observations/";
-    const std::string truth = "truth/" + observations + "landmark";
-    if (!log.Has(truth)) continue;
-    const auto time_s = log.Get<double>(observations + "time_s");
-    const auto old = log.Get<std::int32_t>(truth);
-    std::vector<std::int32_t> landmark(old.begin(), old.end());
+  const auto parts = Read<kinds::Log>(log);
+  for (std::size_t r = 0; r < parts.truth.robot.size(); ++r) {
+    const Column<std::int32_t>& truth = parts.truth.robot[r].landmark;
+    if (!truth) continue;
+    const std::span<const double> time_s = parts.robot[r].observations.time_s;
+    std::vector<std::int32_t> landmark = truth.vector();
     for (std::size_t i = 0; i < std::min(landmark.size(), time_s.size()); ++i) {
       if (time_s[i] > until_s) landmark[i] = kNoTruth;
     }
-    cut.PutVector(truth, landmark);
+    cut.PutVector(truth.name(), landmark);
   }
   return cut;
 }

@@ -8,6 +8,7 @@
 #include "datasets/evaluate/made_from.h"
 #include "datasets/evaluate/maps/doors.h"
 #include "datasets/evaluate/track.h"
+#include "schema/kinds/provenance.h"
 
 namespace cairn::datasets {
 namespace {
@@ -18,8 +19,7 @@ constexpr double kSamePosesM = 1e-4;  // poses this near to the true ones are in
 std::vector<PointPair> PosePairs(const std::vector<ScoredSensor>& scans, const Blob& log) {
   std::vector<PointPair> pairs;
   for (const ScoredSensor& sensor : scans) {
-    const std::size_t end = sensor.name.find('/', std::string("robot/").size());
-    const Track truth = ReadTrack(log, "truth/" + sensor.name.substr(0, end) + "/poses/");
+    const Track truth = ReadTrack(log, "truth/robot/" + std::to_string(sensor.robot) + "/poses/");
     for (std::size_t i = 0; i < sensor.poses.size(); ++i) {
       const auto at = PoseAt(truth, sensor.time_s[i]);
       if (at) pairs.push_back({{at->x_m, at->y_m}, {sensor.poses[i].x_m, sensor.poses[i].y_m}});
@@ -99,7 +99,7 @@ GridEvaluation GridScore(const Blob& map, const std::optional<MapTruth>& truth,
   evaluation.cell_m = probability.box.cell_m;
   evaluation.map = ScoreLayer(probability, truth, doors, scans);
   if (HasMostLikely(map)) evaluation.most_likely = ScoreLayer(ReadMostLikely(map), truth, doors, scans);
-  if (map.Has("provenance/seconds_s")) evaluation.seconds = map.Scalar<double>("provenance/seconds_s");
+  evaluation.seconds = kinds::Provenance::In(map).seconds_s.Optional();
   return evaluation;
 }
 

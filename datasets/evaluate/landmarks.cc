@@ -4,19 +4,15 @@
 #include <map>
 #include <string>
 
-#include "schema/error.h"
-
 namespace cairn::datasets {
 namespace {
 
 // Index into truth/landmarks of each of the log's (or result's) landmark names; kNoTruth where truth lacks
 // it.
-std::vector<std::int32_t> TruthOfNames(const std::vector<std::string>& names, const Blob& log) {
+std::vector<std::int32_t> TruthOfNames(const std::vector<std::string>& names, const kinds::Log& log) {
   std::map<std::string, std::int32_t> index;
-  if (log.Has("truth/landmarks/name")) {
-    std::int32_t next = 0;
-    for (const std::string& name : log.Texts("truth/landmarks/name")) index.emplace(name, next++);
-  }
+  std::int32_t next = 0;
+  for (const std::string& name : log.truth.landmarks.name.OrNone()) index.emplace(name, next++);
   std::vector<std::int32_t> truth;
   for (const std::string& name : names) {
     const auto it = index.find(name);
@@ -25,12 +21,10 @@ std::vector<std::int32_t> TruthOfNames(const std::vector<std::string>& names, co
   return truth;
 }
 
-// Marks what the log's own identities tell of robot `r`; false where one is unknown.
-bool MarkByIdentity(const Blob& log, std::size_t r, const std::vector<std::int32_t>& truth_of,
+// Marks what a robot's own identities tell; false where one is unknown.
+bool MarkByIdentity(const kinds::Log::Robot& robot, const std::vector<std::int32_t>& truth_of,
                     std::vector<bool>& observed) {
-  const std::string name = "robot/" + std::to_string(r) + "/observations/landmark";
-  if (!log.Has(name)) return true;
-  for (const std::int32_t landmark : log.Get<std::int32_t>(name)) {
+  for (const std::int32_t landmark : robot.observations.landmark.OrNone()) {
     if (landmark < 0) return false;
     const std::int32_t truth = truth_of[static_cast<std::size_t>(landmark)];
     if (truth != kNoTruth) observed[static_cast<std::size_t>(truth)] = true;
@@ -40,40 +34,35 @@ bool MarkByIdentity(const Blob& log, std::size_t r, const std::vector<std::int32
 
 }  // namespace
 
-std::vector<Point> ReadPoints(const Blob& blob, const std::string& x_name, const std::string& y_name) {
-  const auto x = blob.Get<double>(x_name);
-  const auto y = blob.Get<double>(y_name);
+std::vector<Point> PointsOf(std::span<const double> x_m, std::span<const double> y_m) {
   std::vector<Point> points;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    points.push_back({x[i], y[i]});
-  }
+  for (std::size_t i = 0; i < x_m.size(); ++i) points.push_back({x_m[i], y_m[i]});
   return points;
 }
 
-std::vector<bool> ObservedLandmarks(const Blob& log, std::size_t landmarks) {
+std::vector<bool> ObservedLandmarks(const kinds::Log& log) {
+  const std::size_t landmarks = log.truth.landmarks.x_m.size();
   std::vector<bool> observed(landmarks, false);
-  const std::vector<std::int32_t> truth_of = TruthOfNames(log.Texts("landmarks"), log);
-  for (std::size_t r = 0; r < log.Texts("robots").size(); ++r) {
-    const std::string name = "truth/robot/" + std::to_string(r) + "/observations/landmark";
-    if (log.Has(name)) {
-      for (const std::int32_t landmark : log.Get<std::int32_t>(name)) {
+  const std::vector<std::int32_t> truth_of = TruthOfNames(log.landmarks, log);
+  for (std::size_t r = 0; r < log.robot.size(); ++r) {
+    if (r < log.truth.robot.size() && log.truth.robot[r].landmark) {
+      for (const std::int32_t landmark : log.truth.robot[r].landmark) {
         if (landmark >= 0) observed[static_cast<std::size_t>(landmark)] = true;
       }
-    } else if (!MarkByIdentity(log, r, truth_of, observed)) {
+    } else if (!MarkByIdentity(log.robot[r], truth_of, observed)) {
       return std::vector<bool>(landmarks, true);
     }
   }
   return observed;
 }
 
-std::vector<std::int32_t> MapIdentities(const Blob& result, const Blob& log, std::size_t landmarks) {
-  std::vector<std::int32_t> truth(landmarks, kNoTruth);
-  if (!result.Has("map/landmark_identity")) return truth;
-  const auto identity = result.Get<std::int32_t>("map/landmark_identity");
-  const std::vector<std::int32_t> truth_of = TruthOfNames(result.Texts("landmarks"), log);
-  for (std::size_t k = 0; k < landmarks; ++k) {
-    if (identity[k] < 0) continue;
-    truth[k] = truth_of[static_cast<std::size_t>(identity[k])];
+std::vector<std::int32_t> MapIdentities(const kinds::LandmarkMap& map, const kinds::Log& log) {
+  std::vector<std::int32_t> truth(map.map.landmark_x_m.size(), kNoTruth);
+  if (!map.map.landmark_identity) return truth;
+  const std::vector<std::int32_t> truth_of = TruthOfNames(map.landmarks, log);
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    const std::int32_t identity = map.map.landmark_identity[k];
+    if (identity >= 0) truth[k] = truth_of[static_cast<std::size_t>(identity)];
   }
   return truth;
 }

@@ -10,6 +10,9 @@
 #include "datasets/evaluate/made_from.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/evaluate/track.h"
+#include "schema/kinds/local_map.h"
+#include "schema/kinds/log.h"
+#include "schema/kinds/provenance.h"
 
 namespace cairn::datasets {
 namespace {
@@ -39,20 +42,24 @@ class ErrorSum {
   PathError sum_;
 };
 
-// A robot's path, the truth, and what odometry alone makes of it.
+// A robot's path, the truth, and what odometry alone makes of it; what else the result and the truth have of
+// it.
 struct Robot {
   Track estimate, truth, odometry;
+  kinds::LocalMap::Robot found;
+  kinds::Log::TrueRobot of_truth;
 };
 
-std::vector<Robot> ReadRobots(const Blob& result, const Blob& log) {
-  if (result.Texts("robots") != log.Texts("robots"))
+std::vector<Robot> RobotsOf(const kinds::LocalMap& map, const kinds::Log& log) {
+  if (map.robots.values() != log.robots.values())
     throw InputError("the result's robots are not the log's: was it made from this log?");
   std::vector<Robot> robots;
   bool known = false;
-  for (std::size_t r = 0; r < log.Texts("robots").size(); ++r) {
-    const std::string prefix = "robot/" + std::to_string(r) + "/";
-    robots.push_back({ReadTrack(result, prefix + "poses/"), ReadTrack(log, "truth/" + prefix + "poses/"),
-                      DeadReckoned(log, prefix + "odometry/")});
+  for (std::size_t r = 0; r < log.robot.size(); ++r) {
+    kinds::Log::TrueRobot truth;
+    if (r < log.truth.robot.size()) truth = log.truth.robot[r];
+    robots.push_back({TrackOf(map.robot[r].poses), TrackOf(truth.poses), DeadReckoned(log.robot[r].odometry),
+                      map.robot[r], truth});
     known = known || !robots.back().truth.time_s.empty();
   }
   if (!known) throw InputError("the log has no true poses: nothing to evaluate against");
@@ -118,19 +125,15 @@ void ScorePaths(const std::vector<Robot>& robots, LocalEvaluation* out) {
 // Where the truth has the traces' frames: x is z, y is u.
 class TrueFrames {
  public:
-  TrueFrames(const Blob& result, const std::vector<Robot>& robots) {
-    const auto robot = result.Get<std::int32_t>("traces/robot");
-    const std::size_t n = robot.size();
-    const auto x = result.Get<double>("traces/x_m"), y = result.Get<double>("traces/y_m"),
-               direction = result.Get<double>("traces/direction_rad"),
-               first = result.Get<double>("traces/first_s"), last = result.Get<double>("traces/last_s");
-    for (std::size_t k = 0; k < n; ++k) {
-      const Robot& who = robots.at(static_cast<std::size_t>(robot[k]));
-      const Pose origin{x[k], y[k], direction[k]};
-      frames_.push_back(Place(who, first[k], last[k], [&](std::size_t i) {
-        return std::optional(From(origin, who.estimate.poses[i]));
+  TrueFrames(const kinds::LocalMap::Traces& traces, const std::vector<Robot>& robots) {
+    for (std::size_t k = 0; k < traces.robot.size(); ++k) {
+      const Robot& who = robots.at(static_cast<std::size_t>(traces.robot[k]));
+      const Pose origin{traces.x_m[k], traces.y_m[k], traces.direction_rad[k]};
+      const double first_s = traces.first_s[k], last_s = traces.last_s[k];
+      frames_.push_back(Place(who, first_s, last_s, [&](std::size_t i) {
+        return std::optional(Between(origin, who.estimate.poses[i]));
       }));
-      odometric_.push_back(Place(who, first[k], last[k], [&](std::size_t i) {
+      odometric_.push_back(Place(who, first_s, last_s, [&](std::size_t i) {
         return PoseAt(who.odometry, who.estimate.time_s[i], HUGE_VAL);
       }));
     }
@@ -152,12 +155,6 @@ class TrueFrames {
   }
 
  private:
-  static Pose From(const Pose& origin, const Pose& at) {
-    const double c = std::cos(origin.heading_rad), s = std::sin(origin.heading_rad);
-    const double dx = at.x_m - origin.x_m, dy = at.y_m - origin.y_m;
-    return {c * dx + s * dy, c * dy - s * dx, at.heading_rad - origin.heading_rad};
-  }
-
   // The frame of `pose_of` each pose of the estimate. Turned as the path is, on average, and moved to where
   // its middle is: a short way says little of its turn.
   template <class PoseOf>
@@ -202,24 +199,19 @@ std::optional<double> OffM(const TrueFrames& frames, std::int32_t trace, double 
   return DistanceM(*there, {at->x_m, at->y_m});
 }
 
-void ScorePositions(const Blob& result, const std::vector<Robot>& robots, const TrueFrames& frames,
-                    LocalEvaluation* out) {
+void ScorePositions(const std::vector<Robot>& robots, const TrueFrames& frames, LocalEvaluation* out) {
   ErrorSum sum, odometry;
   std::int64_t corrections = 0;
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    const std::string prefix = "robot/" + std::to_string(r) + "/positions/";
-    if (!result.Has(prefix + "trace")) continue;
-    const auto trace = result.Get<std::int32_t>(prefix + "trace");
-    const auto time = result.Get<double>(prefix + "time_s"), z = result.Get<double>(prefix + "z_m"),
-               u = result.Get<double>(prefix + "u_m");
-    const auto corrected = result.Get<std::uint8_t>(prefix + "corrected");
-    for (std::size_t i = 0; i < trace.size(); ++i) {
-      const auto off_m = OffM(frames, trace[i], z[i], u[i], robots[r].truth, time[i]);
+  for (const Robot& robot : robots) {
+    const kinds::LocalMap::Positions& at = robot.found.positions;
+    for (std::size_t i = 0; i < at.trace.OrNone().size(); ++i) {
+      const double time_s = at.time_s[i];
+      const auto off_m = OffM(frames, at.trace[i], at.z_m[i], at.u_m[i], robot.truth, time_s);
       if (!off_m) continue;
       sum.Add(*off_m);
-      corrections += corrected[i];
-      const auto reckoned = frames.ByOdometry(static_cast<std::size_t>(trace[i]), robots[r], time[i]);
-      const auto truth = PoseAt(robots[r].truth, time[i]);
+      corrections += at.corrected[i];
+      const auto reckoned = frames.ByOdometry(static_cast<std::size_t>(at.trace[i]), robot, time_s);
+      const auto truth = PoseAt(robot.truth, time_s);
       if (reckoned && truth) odometry.Add(DistanceM(*reckoned, {truth->x_m, truth->y_m}));
     }
   }
@@ -230,24 +222,19 @@ void ScorePositions(const Blob& result, const std::vector<Robot>& robots, const 
   out->corrected = static_cast<double>(corrections) / static_cast<double>(error.poses);
 }
 
-void ScoreLoops(const Blob& result, const std::vector<Robot>& robots, const TrueFrames& frames,
+void ScoreLoops(const kinds::LocalMap& map, const std::vector<Robot>& robots, const TrueFrames& frames,
                 LoopScore* out) {
-  const auto kind = result.Get<std::int32_t>("connections/kind");
-  const auto from = result.Get<std::int32_t>("connections/from"),
-             to = result.Get<std::int32_t>("connections/to");
-  const auto z = result.Get<double>("connections/from_z_m"), u = result.Get<double>("connections/from_u_m"),
-             to_s = result.Get<double>("connections/to_s");
-  const auto used = result.Get<std::uint8_t>("connections/used");
-  const auto robot = result.Get<std::int32_t>("traces/robot");
+  const kinds::LocalMap::Connections& c = map.connections;
   std::int64_t right = 0;
-  for (std::size_t k = 0; k < kind.size(); ++k) {
-    if (kind[k] != kLoop) continue;
-    const Track& truth = robots.at(static_cast<std::size_t>(robot[static_cast<std::size_t>(to[k])])).truth;
-    const auto off_m = OffM(frames, from[k], z[k], u[k], truth, to_s[k]);
-    const bool wrong = off_m && *off_m > kWrongLoopM;
-    ++(used[k] ? out->found : out->rejected);
-    if (wrong) ++(used[k] ? out->wrong : out->rejected_wrong);
-    if (!used[k] || !off_m || wrong) continue;
+  for (std::size_t k = 0; k < c.kind.size(); ++k) {
+    if (c.kind[k] != kLoop) continue;
+    const std::int32_t robot = map.traces.robot[static_cast<std::size_t>(c.to[k])];
+    const Track& truth = robots.at(static_cast<std::size_t>(robot)).truth;
+    const auto off_m = OffM(frames, c.from[k], c.from_z_m[k], c.from_u_m[k], truth, c.to_s[k]);
+    const bool used = c.used[k] != 0, wrong = off_m && *off_m > kWrongLoopM;
+    ++(used ? out->found : out->rejected);
+    if (wrong) ++(used ? out->wrong : out->rejected_wrong);
+    if (!used || !off_m || wrong) continue;
     ++right;
     out->mean_m += *off_m;
   }
@@ -261,16 +248,13 @@ struct WallSums {
   double error_rad = 0, first_lock_s = 0;
 };
 
-void AddWalls(const Blob& result, const Blob& log, const std::string& prefix, const Robot& robot,
-              WallSums* sums) {
-  const std::string walls = prefix + "walls/";
-  if (!result.Has(walls + "time_s") || !log.Has("truth/" + walls + "time_s")) return;
-  const auto time = result.Get<double>(walls + "time_s");
-  const auto angle = result.Get<double>(walls + "angle_rad");
-  const auto locked = result.Get<std::uint8_t>(walls + "locked"),
-             other = result.Get<std::uint8_t>(walls + "other_area");
-  const auto true_time = log.Get<double>("truth/" + walls + "time_s");
-  const auto true_angle = log.Get<double>("truth/" + walls + "angle_rad");
+void AddWalls(const Robot& robot, WallSums* sums) {
+  const kinds::LocalMap::Walls& walls = robot.found.walls;
+  if (!walls.time_s || !robot.of_truth.walls_time_s) return;
+  const std::span<const double> time = walls.time_s, angle = walls.angle_rad,
+                                true_time = robot.of_truth.walls_time_s,
+                                true_angle = robot.of_truth.walls_angle_rad;
+  const std::span<const std::uint8_t> locked = walls.locked, other = walls.other_area;
   bool begun = false;
   for (std::size_t i = 0; i < time.size(); ++i) {
     const auto next = std::ranges::lower_bound(true_time, time[i]);
@@ -292,10 +276,9 @@ void AddWalls(const Blob& result, const Blob& log, const std::string& prefix, co
   }
 }
 
-std::optional<WallScore> ScoreWalls(const Blob& result, const Blob& log, const std::vector<Robot>& robots) {
+std::optional<WallScore> ScoreWalls(const std::vector<Robot>& robots) {
   WallSums sums;
-  for (std::size_t r = 0; r < robots.size(); ++r)
-    AddWalls(result, log, "robot/" + std::to_string(r) + "/", robots[r], &sums);
+  for (const Robot& robot : robots) AddWalls(robot, &sums);
   if (sums.scored == 0) return std::nullopt;
   const auto share = [](std::int64_t part, std::int64_t of) -> std::optional<double> {
     if (of == 0) return std::nullopt;
@@ -356,19 +339,18 @@ LocalEvaluation EvaluateLocal(const Blob& result, const Blob& log) {
   for (const char* name : {"robots", "traces/robot", "connections/kind"})
     if (!result.Has(name)) throw InputError(std::string("not a local_map: '") + name + "' is missing");
   CheckMadeFrom(result, log);
-  const std::vector<Robot> robots = ReadRobots(result, log);
+  const auto map = Read<kinds::LocalMap>(result);
+  const std::vector<Robot> robots = RobotsOf(map, Read<kinds::Log>(log));
   LocalEvaluation out;
   ScorePaths(robots, &out);
-  const TrueFrames frames(result, robots);
-  ScorePositions(result, robots, frames, &out);
-  ScoreLoops(result, robots, frames, &out.loops);
-  out.walls = ScoreWalls(result, log, robots);
+  const TrueFrames frames(map.traces, robots);
+  ScorePositions(robots, frames, &out);
+  ScoreLoops(map, robots, frames, &out.loops);
+  out.walls = ScoreWalls(robots);
   out.trace_count = static_cast<std::int64_t>(frames.size());
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    const std::string cuts = "robot/" + std::to_string(r) + "/cuts/time_s";
-    if (result.Has(cuts)) out.cuts += result.at(cuts).size();
-  }
-  if (result.Has("provenance/seconds_s")) out.seconds = result.Scalar<double>("provenance/seconds_s");
+  for (const Robot& robot : robots)
+    out.cuts += static_cast<std::int64_t>(robot.found.cuts.time_s.OrNone().size());
+  out.seconds = kinds::Provenance::In(result).seconds_s.Optional();
   return out;
 }
 

@@ -29,9 +29,9 @@ std::size_t RobotOf(const Blob& blob, const std::string& robot) {
 
 }  // namespace
 
-Track DeadReckoned(const Blob& blob, const std::string& prefix) {
-  const auto time = blob.Get<double>(prefix + "time_s"), turn = blob.Get<double>(prefix + "turn_rad"),
-             forward = blob.Get<double>(prefix + "forward_m");
+Track DeadReckoned(const kinds::Log::Odometry& odometry) {
+  const std::span<const double> time = odometry.time_s, turn = odometry.turn_rad,
+                                forward = odometry.forward_m;
   Track track;
   Pose pose;
   for (std::size_t i = 0; i < time.size(); ++i) {
@@ -99,11 +99,11 @@ RelationScore ScoreRelations(const Track& track, const std::vector<Relation>& re
 
 Track ReadTrajectory(const Blob& blob, const std::string& robot) {
   const std::string prefix = "robot/" + std::to_string(RobotOf(blob, robot)) + "/";
-  if (blob.Has(prefix + "poses/mode_x_m")) return ReadTrack(blob, prefix + "poses/", "mode_");
   for (const char* group : {"poses/", "laser/", "sonar/"}) {
-    if (blob.Has(prefix + group + "x_m")) return ReadTrack(blob, prefix + group);
+    if (blob.Has(prefix + group + "x_m")) return TrackOf(kinds::LikeliestPoses(prefix + group, blob));
   }
-  if (blob.Has(prefix + "odometry/time_s")) return DeadReckoned(blob, prefix + "odometry/");
+  if (blob.Has(prefix + "odometry/time_s"))
+    return DeadReckoned(FieldsIn<kinds::Log::Odometry>(prefix + "odometry/", blob));
   throw InputError("there are neither poses nor odometry of the robot in it");
 }
 

@@ -12,6 +12,7 @@
 #include "datasets/evaluate/track.h"
 #include "schema/blob.h"
 #include "schema/geometry.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 
@@ -25,10 +26,8 @@ struct Relation {
 // there are none.
 std::vector<Relation> ReadRelations(const std::string& path);
 
-// Where a robot's controls (`prefix`turn_rad, forward_m) alone lead from the origin; of rows of one time the
-// last.
-// Throws InputError where columns differ in length, a value is not finite or a time runs backwards.
-Track DeadReckoned(const Blob& blob, const std::string& prefix);
+// Where a robot's controls alone lead from the origin; of rows of one time the last.
+Track DeadReckoned(const kinds::Log::Odometry& odometry);
 
 struct RelationScore {
   std::int64_t scored = 0, outside = 0;  // relations; those of a time before the first pose or after the last

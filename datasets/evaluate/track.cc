@@ -5,18 +5,9 @@
 
 namespace cairn::datasets {
 
-Track ReadTrack(const Blob& blob, const std::string& prefix, const std::string& field) {
-  Track track;
-  if (!blob.Has(prefix + "time_s")) return track;
-  const auto time = blob.Get<double>(prefix + "time_s");
-  const auto x = blob.Get<double>(prefix + field + "x_m");
-  const auto y = blob.Get<double>(prefix + field + "y_m");
-  const auto heading = blob.Get<double>(prefix + field + "heading_rad");
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    track.time_s.push_back(time[i]);
-    track.poses.push_back({x[i], y[i], heading[i]});
-  }
-  return track;
+Track TrackOf(const kinds::PoseTable& poses) {
+  if (!poses.time_s) return {};
+  return {poses.time_s.vector(), poses.poses()};
 }
 
 std::optional<Pose> PoseAt(const Track& track, double time_s, double max_gap_s) {

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "schema/blob.h"
 #include "schema/geometry.h"
+#include "schema/kinds/poses.h"
 
 namespace cairn::datasets {
 
@@ -17,9 +16,11 @@ struct Track {
   std::vector<Pose> poses;
 };
 
-// Columns `<prefix>time_s`, `<prefix><field>x_m`, `…y_m`, `…heading_rad`; an empty track where there is no
-// time_s.
-Track ReadTrack(const Blob& blob, const std::string& prefix, const std::string& field = "");
+// An empty track where there is no time_s.
+Track TrackOf(const kinds::PoseTable& poses);
+inline Track ReadTrack(const Blob& blob, const std::string& prefix) {
+  return TrackOf(FieldsIn<kinds::PoseTable>(prefix, blob));
+}
 
 // The pose at `time_s`: position interpolated linearly, heading along the shorter arc. Nothing before the
 // track's start, after its end, and inside a gap of more than `max_gap_s`.

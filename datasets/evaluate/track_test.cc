@@ -46,8 +46,8 @@ Blob Columns(const std::vector<double>& time, const std::vector<double>& x) {
 }
 
 TEST(ReadTrack, ReadsColumns) {
-  EXPECT_EQ(ReadTrack(Columns({0, 1}, {2, 3}), "p/", "mode_").poses[1].x_m, 3);
-  EXPECT_TRUE(ReadTrack(Blob(), "p/", "mode_").time_s.empty());
+  EXPECT_EQ(TrackOf(kinds::LikeliestPoses("p/", Columns({0, 1}, {2, 3}))).poses[1].x_m, 3);
+  EXPECT_TRUE(ReadTrack(Blob(), "p/").time_s.empty());
   EXPECT_THROW(ReadTrack(Columns({0, 1}, {2, 3}), "p/"), InputError);
 }
 

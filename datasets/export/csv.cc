@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cmath>
 
 #include "datasets/common/array_text.h"
 #include "datasets/export/export.h"
 #include "datasets/export/parts.h"
+#include "schema/kinds/landmark_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 namespace {
@@ -27,160 +30,124 @@ std::string Name(const std::vector<std::string>& names, std::int32_t index) {
   return Field(names[static_cast<std::size_t>(index)]);
 }
 
-class CsvExport {
+// Columns beside each other, those that any robot has; of each robot its times, name and rows.
+class RobotTable {
  public:
-  CsvExport(const Blob& blob, const std::string& folder, bool replace)
-      : blob_(blob), robots_(blob.Texts("robots")), writer_(folder, replace) {}
-
-  void WriteLog() {
-    const std::vector<std::string> landmarks = blob_.Texts("landmarks");
-    Table("odometry.csv", {"turn_rad", "forward_m"}, "", "odometry/");
-    std::string rows;
-    for (std::size_t n = 0; n < robots_.size(); ++n) {
-      const std::string prefix = Prefix("", n) + "observations/";
-      const auto time = blob_.Get<double>(prefix + "time_s");
-      const auto range = blob_.Get<double>(prefix + "range_m");
-      const auto bearing = blob_.Get<double>(prefix + "bearing_rad");
-      const auto landmark = blob_.Get<std::int32_t>(prefix + "landmark");
-      for (std::size_t i = 0; i < time.size(); ++i) {
-        rows += NumberText(time[i]) + "," + Field(robots_[n]) + "," + Name(landmarks, landmark[i]) + "," +
-                Number(range[i]) + "," + Number(bearing[i]) + "\n";
-      }
-    }
-    writer_.Write("observations.csv", "time_s,robot,landmark,range_m,bearing_rad\n" + rows);
-    WriteTruth();
+  explicit RobotTable(std::vector<const char*> names) : names_(std::move(names)) {}
+  // `columns`: as the names; may be missing.
+  void Add(const std::string& robot, const Column<double>& time_s,
+           const std::vector<Column<double>>& columns) {
+    if (time_s) robots_.push_back({robot, time_s, columns});
   }
-
-  void WriteResult() {
-    Table("poses.csv", {"x_m", "y_m", "heading_rad", "mode_x_m", "mode_y_m", "mode_heading_rad"}, "",
-          "poses/");
-    if (blob_.Has("map/landmark_x_m")) WriteLandmarks();
-    WriteAssociations();
-  }
-
-  Written Finish() { return writer_.Finish(); }
-
- private:
-  static std::string Prefix(const std::string& before, std::size_t robot) {
-    return before + "robot/" + std::to_string(robot) + "/";
-  }
-
-  // time_s, robot and those `columns` that the robots have, of every robot that has any.
-  void Table(const std::string& file, const std::vector<std::string>& columns, const std::string& before,
-             const std::string& group) {
+  void Write(const std::string& file, FolderWriter* writer) const {
     std::string header = "time_s,robot", rows;
-    std::vector<std::string> present;
-    for (const std::string& column : columns) {
-      for (std::size_t n = 0; n < robots_.size(); ++n) {
-        if (!blob_.Has(Prefix(before, n) + group + column)) continue;
-        present.push_back(column);
-        header += "," + column;
-        break;
-      }
+    std::vector<std::size_t> present;
+    for (std::size_t c = 0; c < names_.size(); ++c) {
+      if (std::ranges::none_of(robots_, [&](const Robot& r) { return static_cast<bool>(r.columns[c]); }))
+        continue;
+      present.push_back(c);
+      header += "," + std::string(names_[c]);
     }
     if (present.empty()) return;
-    for (std::size_t n = 0; n < robots_.size(); ++n) {
-      const std::string prefix = Prefix(before, n) + group;
-      if (blob_.Has(prefix + "time_s")) rows += Rows(prefix, Field(robots_[n]), present);
-    }
-    writer_.Write(file, header + "\n" + rows);
-  }
-
-  std::string Rows(const std::string& prefix, const std::string& robot,
-                   const std::vector<std::string>& names) const {
-    const auto time = blob_.Get<double>(prefix + "time_s");
-    std::vector<std::span<const double>> columns;
-    columns.reserve(names.size());
-    for (const std::string& name : names) {
-      columns.push_back(blob_.Get<double>(prefix + name));
-    }
-    std::string rows;
-    for (std::size_t i = 0; i < time.size(); ++i) {
-      rows += NumberText(time[i]) + "," + robot;
-      for (const auto& column : columns) rows += "," + Number(column[i]);
-      rows += "\n";
-    }
-    return rows;
-  }
-
-  void WriteTruth() {
-    Table("truth_poses.csv", {"x_m", "y_m", "heading_rad"}, "truth/", "poses/");
-    if (!blob_.Has("truth/landmarks/name")) return;
-    const std::vector<std::string> names = blob_.Texts("truth/landmarks/name");
-    const auto x = blob_.Get<double>("truth/landmarks/x_m");
-    const auto y = blob_.Get<double>("truth/landmarks/y_m");
-    std::string rows;
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      rows += Field(names[k]) + "," + NumberText(x[k]) + "," + NumberText(y[k]) + "\n";
-    }
-    writer_.Write("truth_landmarks.csv", "landmark,x_m,y_m\n" + rows);
-    WriteTruthAssociations(names);
-  }
-
-  void WriteTruthAssociations(const std::vector<std::string>& names) {
-    std::string rows;
-    bool any = false;
-    for (std::size_t n = 0; n < robots_.size(); ++n) {
-      const std::string name = Prefix("truth/", n) + "observations/landmark";
-      if (!blob_.Has(name)) continue;
-      any = true;
-      const auto time = blob_.Get<double>(Prefix("", n) + "observations/time_s");
-      const auto landmark = blob_.Get<std::int32_t>(name);
-      for (std::size_t i = 0; i < landmark.size(); ++i) {
-        rows += NumberText(time[i]) + "," + Field(robots_[n]) + "," + Name(names, landmark[i]) + "\n";
+    for (const Robot& robot : robots_) {
+      for (std::size_t i = 0; i < robot.time_s.size(); ++i) {
+        rows += NumberText(robot.time_s[i]) + "," + Field(robot.name);
+        for (const std::size_t c : present) rows += "," + Number(robot.columns[c][i]);
+        rows += "\n";
       }
     }
-    if (any) writer_.Write("truth_associations.csv", "time_s,robot,landmark\n" + rows);
+    writer->Write(file, header + "\n" + rows);
   }
 
-  void WriteLandmarks() {
-    const std::vector<MapLandmark> landmarks = ReadMapLandmarks(blob_);
-    const std::vector<std::string> names =
-        blob_.Has("landmarks") ? blob_.Texts("landmarks") : std::vector<std::string>();
-    std::vector<std::int32_t> identities(landmarks.size(), -1);
-    std::vector<double> counts(landmarks.size(), NAN);
-    if (blob_.Has("map/landmark_identity")) {
-      const auto column = blob_.Get<std::int32_t>("map/landmark_identity");
-      identities.assign(column.begin(), column.end());
-    }
-    if (blob_.Has("map/landmark_count")) {
-      const auto column = blob_.Get<double>("map/landmark_count");
-      counts.assign(column.begin(), column.end());
-    }
-    std::string rows;
-    for (std::size_t k = 0; k < landmarks.size(); ++k) {
-      const MapLandmark& landmark = landmarks[k];
-      rows += std::to_string(k);
-      for (const double value :
-           {landmark.at.x_m, landmark.at.y_m, landmark.var_xx_m2, landmark.var_xy_m2, landmark.var_yy_m2}) {
-        rows += "," + Number(value);
-      }
-      rows += "," + Name(names, identities[k]) + "," + Number(counts[k]) + "\n";
-    }
-    writer_.Write("landmarks.csv",
-                  "map_landmark,x_m,y_m,var_xx_m2,var_xy_m2,var_yy_m2,landmark,observations\n" + rows);
-  }
-
-  void WriteAssociations() {
-    std::string rows;
-    for (std::size_t n = 0; n < robots_.size(); ++n) {
-      const std::string prefix = Prefix("", n) + "observations/";
-      if (!blob_.Has(prefix + "map_landmark")) continue;
-      const auto landmark = blob_.Get<std::int32_t>(prefix + "map_landmark");
-      const auto probability = blob_.Get<double>(prefix + "probability");
-      for (std::size_t i = 0; i < landmark.size(); ++i) {
-        rows += Field(robots_[n]) + "," + std::to_string(i) + "," +
-                (landmark[i] < 0 ? "" : std::to_string(landmark[i])) + "," + Number(probability[i]) + "\n";
-      }
-    }
-    if (!rows.empty())
-      writer_.Write("associations.csv", "robot,observation,map_landmark,probability\n" + rows);
-  }
-
-  const Blob& blob_;
-  const std::vector<std::string> robots_;
-  FolderWriter writer_;
+ private:
+  struct Robot {
+    std::string name;
+    Column<double> time_s;
+    std::vector<Column<double>> columns;
+  };
+  std::vector<const char*> names_;
+  std::vector<Robot> robots_;
 };
+
+void WriteTruth(const kinds::Log& log, FolderWriter* writer) {
+  RobotTable poses({"x_m", "y_m", "heading_rad"});
+  std::string associations;
+  bool any = false;
+  const std::vector<std::string>& names = log.truth.landmarks.name.OrNone();
+  for (std::size_t n = 0; n < std::min(log.robot.size(), log.truth.robot.size()); ++n) {
+    const kinds::Log::TrueRobot& robot = log.truth.robot[n];
+    poses.Add(log.robots[n], robot.poses.time_s, {robot.poses.x_m, robot.poses.y_m, robot.poses.heading_rad});
+    if (!log.truth.landmarks.name || !robot.landmark) continue;
+    any = true;
+    for (std::size_t i = 0; i < robot.landmark.size(); ++i)
+      associations += NumberText(log.robot[n].observations.time_s[i]) + "," + Field(log.robots[n]) + "," +
+                      Name(names, robot.landmark[i]) + "\n";
+  }
+  poses.Write("truth_poses.csv", writer);
+  if (!log.truth.landmarks.name) return;
+  std::string rows;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    rows += Field(names[k]) + "," + NumberText(log.truth.landmarks.x_m[k]) + "," +
+            NumberText(log.truth.landmarks.y_m[k]) + "\n";
+  writer->Write("truth_landmarks.csv", "landmark,x_m,y_m\n" + rows);
+  if (any) writer->Write("truth_associations.csv", "time_s,robot,landmark\n" + associations);
+}
+
+void WriteLog(const kinds::Log& log, FolderWriter* writer) {
+  RobotTable odometry({"turn_rad", "forward_m"});
+  const std::vector<std::string>& landmarks = log.landmarks.values();
+  std::string rows;
+  for (std::size_t n = 0; n < log.robot.size(); ++n) {
+    const kinds::Log::Robot& robot = log.robot[n];
+    odometry.Add(log.robots[n], robot.odometry.time_s, {robot.odometry.turn_rad, robot.odometry.forward_m});
+    const kinds::Log::Observations& seen = robot.observations;
+    for (std::size_t i = 0; i < seen.time_s.size(); ++i)
+      rows += NumberText(seen.time_s[i]) + "," + Field(log.robots[n]) + "," +
+              Name(landmarks, seen.landmark[i]) + "," + Number(seen.range_m[i]) + "," +
+              Number(seen.bearing_rad[i]) + "\n";
+  }
+  odometry.Write("odometry.csv", writer);
+  writer->Write("observations.csv", "time_s,robot,landmark,range_m,bearing_rad\n" + rows);
+  WriteTruth(log, writer);
+}
+
+void WriteLandmarks(const kinds::LandmarkMap& of, const std::vector<MapLandmark>& landmarks,
+                    FolderWriter* writer) {
+  const std::span<const std::int32_t> identity = of.map.landmark_identity.OrNone();
+  const std::span<const double> count = of.map.landmark_count.OrNone();
+  std::string rows;
+  for (std::size_t k = 0; k < landmarks.size(); ++k) {
+    const MapLandmark& landmark = landmarks[k];
+    rows += std::to_string(k);
+    for (const double value :
+         {landmark.at.x_m, landmark.at.y_m, landmark.var_xx_m2, landmark.var_xy_m2, landmark.var_yy_m2})
+      rows += "," + Number(value);
+    rows += "," + Name(of.landmarks.OrNone(), identity.empty() ? -1 : identity[k]) + "," +
+            Number(count.empty() ? NAN : count[k]) + "\n";
+  }
+  writer->Write("landmarks.csv",
+                "map_landmark,x_m,y_m,var_xx_m2,var_xy_m2,var_yy_m2,landmark,observations\n" + rows);
+}
+
+void WriteResult(const kinds::LandmarkMap& map, const std::vector<MapLandmark>& landmarks,
+                 FolderWriter* writer) {
+  RobotTable table({"x_m", "y_m", "heading_rad", "mode_x_m", "mode_y_m", "mode_heading_rad"});
+  std::string rows;
+  for (std::size_t n = 0; n < map.robot.size(); ++n) {
+    const kinds::LandmarkMap::Robot& robot = map.robot[n];
+    const kinds::LandmarkMap::RobotPoses& p = robot.poses;
+    table.Add(map.robots[n], p.time_s,
+              {p.x_m, p.y_m, p.heading_rad, p.mode_x_m, p.mode_y_m, p.mode_heading_rad});
+    const std::span<const std::int32_t> landmark = robot.map_landmark.OrNone();
+    for (std::size_t i = 0; i < landmark.size(); ++i)
+      rows += Field(map.robots[n]) + "," + std::to_string(i) + "," +
+              (landmark[i] < 0 ? "" : std::to_string(landmark[i])) + "," + Number(robot.probability[i]) +
+              "\n";
+  }
+  table.Write("poses.csv", writer);
+  if (map.map.landmark_x_m) WriteLandmarks(map, landmarks, writer);
+  if (!rows.empty()) writer->Write("associations.csv", "robot,observation,map_landmark,probability\n" + rows);
+}
 
 }  // namespace
 
@@ -188,12 +155,12 @@ Written ExportCsv(const Blob& blob, const std::string& folder, bool replace) {
   const bool is_log = blob.Has("robot/0/odometry/time_s");
   if (!is_log && !blob.Has("robot/0/poses/time_s"))
     throw InputError("there are neither controls nor poses in it");
-  CsvExport csv(blob, folder, replace);
+  FolderWriter writer(folder, replace);
   if (is_log)
-    csv.WriteLog();
+    WriteLog(Read<kinds::Log>(blob), &writer);
   else
-    csv.WriteResult();
-  return csv.Finish();
+    WriteResult(Read<kinds::LandmarkMap>(blob), ReadMapLandmarks(blob), &writer);
+  return writer.Finish();
 }
 
 }  // namespace cairn::datasets

@@ -7,6 +7,8 @@
 #include "datasets/common/array_text.h"
 #include "datasets/export/export.h"
 #include "datasets/export/parts.h"
+#include "schema/kinds/landmark_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 namespace {
@@ -44,44 +46,41 @@ std::string EdgeBetween(const Path& path, std::size_t i, std::size_t first_id) {
                      Upper(covariance.inverse()));
 }
 
-double NoiseParameter(const Blob& log, const char* name, double otherwise) {
-  return log.Has(name) ? std::max(log.Scalar<double>(name), 1e-3) : otherwise;
+double Nominal(const Column<double>& figure, double otherwise) {
+  return figure ? std::max(figure.Scalar(), 1e-3) : otherwise;
 }
 
 // A landmark as seen from a pose, and the information of that.
-std::string Seen(double range_m, double bearing_rad, const Blob& log) {
-  Eigen::Matrix2d information =
-      Eigen::Matrix2d::Identity() * std::pow(NoiseParameter(log, "noise/contact_m", 0.5), -2);
+std::string Seen(double range_m, double bearing_rad, const kinds::Log::Noise& noise) {
+  Eigen::Matrix2d information = Eigen::Matrix2d::Identity() * std::pow(Nominal(noise.contact_m, 0.5), -2);
   if (std::isnan(range_m)) return "0 0" + Upper(information);
-  const double across = std::max(range_m, 0.1) * NoiseParameter(log, "noise/bearing_rad", 0.02);
-  const Eigen::Vector2d weights(std::pow(NoiseParameter(log, "noise/range_m", 0.1), -2),
-                                std::pow(across, -2));
+  const double across = std::max(range_m, 0.1) * Nominal(noise.bearing_rad, 0.02);
+  const Eigen::Vector2d weights(std::pow(Nominal(noise.range_m, 0.1), -2), std::pow(across, -2));
   information = Rotation(bearing_rad) * weights.asDiagonal() * Rotation(bearing_rad).transpose();
   return NumberText(range_m * std::cos(bearing_rad)) + " " + NumberText(range_m * std::sin(bearing_rad)) +
          Upper(information);
 }
 
 // Edges from a robot's poses, the first of which is vertex `first_id`, to landmarks.
-std::string LandmarkEdges(const Blob& result, const Blob& log, const Path& path, std::size_t first_id,
-                          std::size_t first_landmark_id, std::size_t landmarks) {
-  const std::string prefix = "robot/" + std::to_string(path.index) + "/observations/";
-  if (!result.Has(prefix + "map_landmark")) return {};
-  const auto landmark = result.Get<std::int32_t>(prefix + "map_landmark");
-  const auto time = log.Get<double>(prefix + "time_s");
-  const auto range = log.Get<double>(prefix + "range_m");
-  const auto bearing = log.Get<double>(prefix + "bearing_rad");
+std::string LandmarkEdges(const kinds::LandmarkMap& map, const kinds::Log& log, const Path& path,
+                          std::size_t first_id, std::size_t first_landmark_id, std::size_t landmarks) {
+  const std::span<const std::int32_t> landmark = map.robot.at(path.index).map_landmark.OrNone();
+  if (!map.robot[path.index].map_landmark) return {};
+  const kinds::Log::Observations& seen = log.robot.at(path.index).observations;
+  const std::span<const double> time = seen.time_s, range = seen.range_m, bearing = seen.bearing_rad;
   if (time.size() != landmark.size())
-    throw InputError(fmt::format("'{}' has {} rows in the log, {} in the result: was it made from this log?",
-                                 prefix, time.size(), landmark.size()));
+    throw InputError("'robot/" + std::to_string(path.index) + "/observations/' has " +
+                     std::to_string(time.size()) + " rows in the log, " + std::to_string(landmark.size()) +
+                     " in the result: was it made from this log?");
   std::string text;
   for (std::size_t i = 0; i < time.size(); ++i) {
     if (landmark[i] < 0 || static_cast<std::size_t>(landmark[i]) >= landmarks) continue;
     const auto after = std::ranges::upper_bound(path.time_s, time[i]);
     if (after == path.time_s.begin()) continue;  // seen before the first pose
     const auto pose = static_cast<std::size_t>(after - path.time_s.begin()) - 1;
-    text += fmt::format("EDGE_SE2_XY {} {} {}\n", first_id + pose,
-                        first_landmark_id + static_cast<std::size_t>(landmark[i]),
-                        Seen(range[i], bearing[i], log));
+    text += "EDGE_SE2_XY " + std::to_string(first_id + pose) + " " +
+            std::to_string(first_landmark_id + static_cast<std::size_t>(landmark[i])) + " " +
+            Seen(range[i], bearing[i], log.noise) + "\n";
   }
   return text;
 }
@@ -97,7 +96,9 @@ Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder
   std::size_t id = 0;
   for (const Path& path : paths) {
     for (std::size_t i = 0; i + 1 < path.poses.size(); ++i) edges += EdgeBetween(path, i, id);
-    if (log != nullptr) edges += LandmarkEdges(result, *log, path, id, poses, landmarks.size());
+    if (log != nullptr)
+      edges += LandmarkEdges(Read<kinds::LandmarkMap>(result), Read<kinds::Log>(*log), path, id, poses,
+                             landmarks.size());
     for (const Pose& pose : path.poses) {
       vertices += fmt::format("VERTEX_SE2 {} {} {} {}\n", id++, NumberText(pose.x_m), NumberText(pose.y_m),
                               NumberText(pose.heading_rad));

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <limits>
 #include <set>
-#include <span>
 #include <system_error>
 
+#include "schema/kinds/landmark_map.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::datasets {
@@ -20,18 +20,6 @@ std::string FileName(const std::string& robot, std::size_t index, std::set<std::
   }
   if (name.empty() || !taken->insert(name).second) taken->insert(name += "_" + std::to_string(index));
   return name;
-}
-
-void ReadPath(const Blob& blob, const std::string& prefix, Path* path) {
-  const auto times = blob.Get<double>(prefix + "time_s");
-  path->time_s.assign(times.begin(), times.end());
-  const std::string mode = blob.Has(prefix + "mode_x_m") ? prefix + "mode_" : prefix;
-  const auto x = blob.Get<double>(mode + "x_m"), y = blob.Get<double>(mode + "y_m");
-  const auto heading = blob.Get<double>(mode + "heading_rad");
-  for (std::size_t i = 0; i < times.size(); ++i) path->poses.push_back({x[i], y[i], heading[i]});
-  if (!blob.Has(prefix + "covariance")) return;
-  const auto covariance = blob.Get<double>(prefix + "covariance");
-  path->covariances.assign(covariance.begin(), covariance.end());
 }
 
 // The probability that a cell holds any landmark: the layers, which may be one, joined.
@@ -56,12 +44,17 @@ std::vector<Path> ReadPaths(const Blob& blob) {
   std::set<std::string> taken;
   const std::vector<std::string> robots = blob.Texts("robots");
   for (std::size_t n = 0; n < robots.size(); ++n) {
-    const std::string prefix = "robot/" + std::to_string(n) + "/poses/";
-    const std::string found = blob.Has(prefix + "time_s") ? prefix : "truth/" + prefix;
-    if (!blob.Has(found + "time_s")) continue;
-    Path path{n, robots[n], FileName(robots[n], n, &taken), {}, {}, {}};
-    ReadPath(blob, found, &path);
-    paths.push_back(std::move(path));
+    std::string prefix = "robot/" + std::to_string(n) + "/poses/";
+    if (!blob.Has(prefix + "time_s")) prefix = "truth/" + prefix;
+    const kinds::PoseTable poses = kinds::LikeliestPoses(prefix, blob);
+    if (!poses.time_s) continue;
+    const std::span<const double> covariances = Column<double>::In(blob, prefix + "covariance").OrNone();
+    paths.push_back({n,
+                     robots[n],
+                     FileName(robots[n], n, &taken),
+                     poses.time_s.vector(),
+                     poses.poses(),
+                     {covariances.begin(), covariances.end()}});
   }
   if (paths.empty()) throw InputError("there are no poses in it");
   return paths;
@@ -89,15 +82,13 @@ bool IsGridMap(const Blob& blob) {
 
 std::vector<MapLandmark> ReadMapLandmarks(const Blob& blob) {
   std::vector<MapLandmark> landmarks;
-  if (!blob.Has("map/landmark_x_m")) return landmarks;
-  const auto x = blob.Get<double>("map/landmark_x_m"), y = blob.Get<double>("map/landmark_y_m");
-  for (std::size_t k = 0; k < x.size(); ++k) landmarks.push_back({{x[k], y[k]}});
-  if (!blob.Has("map/landmark_covariance_m2")) return landmarks;
-  const auto covariance = blob.Get<double>("map/landmark_covariance_m2");
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    landmarks[k].var_xx_m2 = covariance[4 * k];
-    landmarks[k].var_xy_m2 = covariance[4 * k + 1];
-    landmarks[k].var_yy_m2 = covariance[4 * k + 3];
+  const auto map = FieldsIn<kinds::LandmarkMap::Map>("map/", blob);
+  for (std::size_t k = 0; k < map.landmark_x_m.OrNone().size(); ++k) {
+    landmarks.push_back({{map.landmark_x_m[k], map.landmark_y_m[k]}});
+    if (!map.landmark_covariance_m2) continue;
+    landmarks[k].var_xx_m2 = map.landmark_covariance_m2[4 * k];
+    landmarks[k].var_xy_m2 = map.landmark_covariance_m2[4 * k + 1];
+    landmarks[k].var_yy_m2 = map.landmark_covariance_m2[4 * k + 3];
   }
   return landmarks;
 }

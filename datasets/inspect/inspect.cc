@@ -8,25 +8,16 @@
 #include "datasets/common/array_text.h"
 #include "datasets/common/confidence.h"
 #include "datasets/common/unit_doubts.h"
+#include "schema/kinds/grid_map.h"
 #include "schema/kinds/kind.h"
+#include "schema/kinds/learning.h"
+#include "schema/kinds/local_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 namespace {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
-
-// A column where the file has it as its kind says, else empty: inspecting forgives what a pipeline would
-// refuse.
-template <class T>
-std::span<const T> ColumnOrNone(const Blob& blob, const std::string& name) {
-  if (!blob.Has(name) || blob.at(name).type() != DTypeOf<T>()) return {};
-  return blob.Get<T>(name);
-}
-
-std::vector<std::string> TextsOrNone(const Blob& blob, const std::string& name) {
-  if (!blob.Has(name) || blob.at(name).type() != DType::kText) return {};
-  return blob.Texts(name);
-}
 
 std::string Count(std::size_t count, const std::string& of) {
   return fmt::format("{} {}{}", count, of, count == 1 ? "" : "s");
@@ -36,45 +27,40 @@ std::string Duration(std::span<const double> time_s) {
   return time_s.size() < 2 ? "" : " over " + ShortNumber(time_s.back() - time_s.front()) + " s";
 }
 
-std::string RobotOfLog(const Blob& blob, const std::string& prefix) {
-  const auto time = ColumnOrNone<double>(blob, prefix + "odometry/time_s");
+// Inspecting forgives what a pipeline would refuse: what is missing, or not as its kind says, counts as
+// nothing.
+std::string RobotOfLog(const kinds::Log& log, std::size_t n) {
+  const kinds::Log::Robot& robot = log.robot[n];
   double travelled = 0;
-  for (const double forward : ColumnOrNone<double>(blob, prefix + "odometry/forward_m"))
-    travelled += std::abs(forward);
-  const auto range = ColumnOrNone<double>(blob, prefix + "observations/range_m");
+  for (const double forward : robot.odometry.forward_m.OrNone()) travelled += std::abs(forward);
+  const auto time = robot.odometry.time_s.OrNone(), range = robot.observations.range_m.OrNone();
   const auto contacts =
       static_cast<std::size_t>(std::ranges::count_if(range, [](double r) { return std::isnan(r); }));
   std::string text = Count(time.size(), "control") + Duration(time) + ", " + ShortNumber(travelled) + " m, " +
                      Count(range.size(), "observation");
-  if (contacts > 0) text += fmt::format(" ({} at the robot)", contacts);
-  const auto robot_observations = ColumnOrNone<double>(blob, prefix + "robot_observations/time_s");
-  if (!robot_observations.empty())
-    text += ", " + Count(robot_observations.size(), "observation") + " of other robots";
-  for (const auto& [name, array] : blob.fields()) {
-    constexpr std::string_view kBeams = "/beam_x_m";
-    if (!name.starts_with(prefix) || !name.ends_with(kBeams)) continue;
-    const std::string sensor = name.substr(0, name.size() - kBeams.size());
-    text += ", " + Count(ColumnOrNone<double>(blob, sensor + "/time_s").size(), "scan") + " of " +
-            std::to_string(array.size()) + " beams (" + sensor.substr(prefix.size()) +
-            (blob.Has(sensor + "/turret_rad") ? ", on a turret)" : ")");
-  }
-  const auto hints = ColumnOrNone<double>(blob, prefix + "hints/time_s");
-  if (!hints.empty()) text += ", " + Count(hints.size(), "hint");
-  const auto poses = ColumnOrNone<double>(blob, prefix + "poses/time_s");
-  if (!poses.empty()) text += ", " + Count(poses.size(), "pose");
-  const auto truth = ColumnOrNone<double>(blob, "truth/" + prefix + "poses/time_s");
-  if (!truth.empty()) text += ", " + Count(truth.size(), "true pose");
+  if (contacts > 0) text += " (" + std::to_string(contacts) + " at the robot)";
+  const auto add = [&](const Column<double>& column, const char* what, const char* of) {
+    if (!column.OrNone().empty()) text += ", " + Count(column.size(), what) + of;
+  };
+  add(robot.robot_observations.time_s, "observation", " of other robots");
+  for (const kinds::Log::RangeSensor& of : robot.sensors)
+    text += ", " + Count(of.time_s.OrNone().size(), "scan") + " of " +
+            std::to_string(of.beam_x_m.OrNone().size()) + " beams (" + of.sensor +
+            (of.turret_rad ? ", on a turret)" : ")");
+  add(robot.hints_time_s, "hint", "");
+  add(robot.poses.time_s, "pose", "");
+  if (n < log.truth.robot.size()) add(log.truth.robot[n].poses.time_s, "true pose", "");
   return text;
 }
 
-std::string RobotOfMap(const Blob& blob, const std::string& prefix) {
-  const auto time = ColumnOrNone<double>(blob, prefix + "poses/time_s");
-  const auto landmark = ColumnOrNone<std::int32_t>(blob, prefix + "observations/map_landmark");
-  const auto associated =
-      static_cast<std::size_t>(std::ranges::count_if(landmark, [](std::int32_t k) { return k >= 0; }));
+std::string RobotOfMap(const kinds::LandmarkMap::Robot& robot) {
+  const auto time = robot.poses.time_s.OrNone();
+  const auto landmark = robot.map_landmark.OrNone();
   const std::string poses = Count(time.size(), "pose") + Duration(time);
-  if (!blob.Has(prefix + "observations/map_landmark")) return poses;
-  return fmt::format("{}, {} of {} associated", poses, associated, Count(landmark.size(), "observation"));
+  if (!robot.map_landmark) return poses;
+  return poses + ", " +
+         std::to_string(std::ranges::count_if(landmark, [](std::int32_t k) { return k >= 0; })) + " of " +
+         Count(landmark.size(), "observation") + " associated";
 }
 
 std::string Joined(const std::vector<std::string>& names) {
@@ -92,10 +78,10 @@ double PathLengthM(std::span<const double> x_m, std::span<const double> y_m) {
 }
 
 // "-1 to 3 m", of a column of all runs; empty where there is none.
-std::string Extent(const Blob& blob, std::size_t runs, const std::string& column) {
+std::string Extent(const kinds::Samples& samples, Column<double> kinds::Samples::Run::* column) {
   std::optional<double> low, high;
-  for (std::size_t n = 0; n < runs; ++n) {
-    for (const double value : ColumnOrNone<double>(blob, "run/" + std::to_string(n) + "/" + column)) {
+  for (const kinds::Samples::Run& run : samples.run) {
+    for (const double value : (run.*column).OrNone()) {
       low = std::min(low.value_or(value), value);
       high = std::max(high.value_or(value), value);
     }
@@ -103,93 +89,84 @@ std::string Extent(const Blob& blob, std::size_t runs, const std::string& column
   return low ? ShortNumber(*low) + " to " + ShortNumber(*high) + " m" : "";
 }
 
-void AddSamples(const Blob& blob, Facts* facts) {
-  const std::vector<std::string> runs = TextsOrNone(blob, "runs"), inputs = TextsOrNone(blob, "input_name");
+void AddSamples(const kinds::Samples& of, Facts* facts) {
+  const std::vector<std::string>& runs = of.runs.OrNone();
   std::size_t samples = 0;
   for (std::size_t n = 0; n < runs.size(); ++n) {
-    const std::string prefix = "run/" + std::to_string(n) + "/";
-    const auto time = ColumnOrNone<double>(blob, prefix + "time_s");
-    const double travelled_m =
-        PathLengthM(ColumnOrNone<double>(blob, prefix + "x_m"), ColumnOrNone<double>(blob, prefix + "y_m"));
+    const auto time = of.run[n].time_s.OrNone();
+    const double travelled_m = PathLengthM(of.run[n].x_m.OrNone(), of.run[n].y_m.OrNone());
     facts->emplace_back("run " + runs[n], Count(time.size(), "sample") + Duration(time) + ", " +
                                               ShortNumber(travelled_m) + " m");
     samples += time.size();
   }
   facts->emplace_back("samples", Count(samples, "sample") + " in " + Count(runs.size(), "run") + ", " +
-                                     Count(inputs.size(), "input") + " each");
-  const std::vector<std::string> features = TextsOrNone(blob, "feature_name");
+                                     Count(of.input_name.OrNone().size(), "input") + " each");
+  const std::vector<std::string>& features = of.feature_name.OrNone();
   if (!features.empty()) facts->emplace_back("hand-made features", Joined(features));
-  if (blob.Has("label_error_m") && !ColumnOrNone<double>(blob, "label_error_m").empty())
-    facts->emplace_back("label error",
-                        ShortNumber(ColumnOrNone<double>(blob, "label_error_m").front()) + " m");
-  if (blob.Has("run/0/image")) {
-    const Shape& shape = blob.at("run/0/image").shape();
-    if (shape.size() == 4)
-      facts->emplace_back(
-          "images", fmt::format("{} by {} pixels; `cairn run image_features` makes inputs of them", shape[1],
-                                shape[2]));
+  if (!of.label_error_m.OrNone().empty())
+    facts->emplace_back("label error", ShortNumber(of.label_error_m[0]) + " m");
+  if (!of.run.empty() && of.run[0].image && of.run[0].image.shape().size() == 4) {
+    const Shape& shape = of.run[0].image.shape();
+    facts->emplace_back("images", std::to_string(shape[1]) + " by " + std::to_string(shape[2]) +
+                                      " pixels; `cairn run image_features` makes inputs of them");
   }
-  const std::string x = Extent(blob, runs.size(), "x_m"), y = Extent(blob, runs.size(), "y_m");
+  const std::string x = Extent(of, &kinds::Samples::Run::x_m), y = Extent(of, &kinds::Samples::Run::y_m);
   if (!x.empty() && !y.empty()) facts->emplace_back("extent", "x " + x + ", y " + y);
 }
 
 // "289 by 134 cells of 0.05 m from (-2.7, -1.6) m; 5120 occupied, 20480 free", above and below a half.
-std::string GridOf(const Blob& blob) {
-  const auto scalar = [&](const char* name) {
-    const auto value = ColumnOrNone<double>(blob, std::string("map/grid/") + name);
-    return value.empty() ? "?" : ShortNumber(value.front());
+std::string GridOf(const kinds::GridMap::Grid& grid) {
+  const auto scalar = [](const Column<double>& of) {
+    return of.OrNone().empty() ? "?" : ShortNumber(of.front());
   };
-  const Shape& shape = blob.at("map/grid/probability").shape();
-  const auto probability = ColumnOrNone<double>(blob, "map/grid/probability");
-  return fmt::format("{} by {} cells of {} m from ({}, {}) m; {} occupied, {} free", shape[1], shape[0],
-                     scalar("cell_m"), scalar("origin_x_m"), scalar("origin_y_m"),
-                     std::ranges::count_if(probability, [](double p) { return p > 0.5; }),
-                     std::ranges::count_if(probability, [](double p) { return p < 0.5; }));
+  const Shape& shape = grid.probability.shape();
+  return std::to_string(shape[1]) + " by " + std::to_string(shape[0]) + " cells of " + scalar(grid.cell_m) +
+         " m from (" + scalar(grid.origin_x_m) + ", " + scalar(grid.origin_y_m) + ") m; " +
+         std::to_string(std::ranges::count_if(grid.probability, [](double p) { return p > 0.5; })) +
+         " occupied, " +
+         std::to_string(std::ranges::count_if(grid.probability, [](double p) { return p < 0.5; })) + " free";
 }
 
 // "54, joined by 961 loops; the path follows 950".
-std::string TracesOf(const Blob& blob) {
-  const auto kind = ColumnOrNone<std::int32_t>(blob, "connections/kind");
-  const auto used = ColumnOrNone<std::uint8_t>(blob, "connections/used");
+std::string TracesOf(const kinds::LocalMap& map) {
+  const auto kind = map.connections.kind.OrNone();
+  const auto used = map.connections.used.OrNone();
   constexpr std::int32_t kLoop = 2;
   std::size_t loops = 0, followed = 0;
   for (std::size_t k = 0; k < std::min(kind.size(), used.size()); ++k) {
     loops += kind[k] == kLoop ? 1 : 0;
     followed += kind[k] == kLoop && used[k] != 0 ? 1 : 0;
   }
-  return fmt::format("{}, joined by {}; the path follows {}", blob.at("traces/robot").size(),
-                     Count(loops, "loop"), followed);
+  return std::to_string(map.traces.robot.size()) + ", joined by " + Count(loops, "loop") +
+         "; the path follows " + std::to_string(followed);
 }
 
 Facts FactsOf(const Blob& blob) {
   Facts facts;
-  if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(blob, &facts);
-  const std::vector<std::string> robots = TextsOrNone(blob, "robots");
-  for (std::size_t n = 0; n < robots.size(); ++n) {
-    const std::string prefix = "robot/" + std::to_string(n) + "/";
-    const bool log = blob.Has(prefix + "odometry/time_s");
-    facts.emplace_back("robot " + robots[n], log ? RobotOfLog(blob, prefix) : RobotOfMap(blob, prefix));
-  }
-  if (blob.Has("landmarks")) {
-    const std::size_t count = TextsOrNone(blob, "landmarks").size();
-    facts.emplace_back("identities", count == 0 ? "unknown" : Count(count, "landmark"));
-  }
-  if (blob.Has("truth/landmarks/name")) {
-    facts.emplace_back("true landmarks", std::to_string(TextsOrNone(blob, "truth/landmarks/name").size()));
-  }
-  if (blob.Has("map/landmark_x_m")) {
-    facts.emplace_back("map landmarks",
-                       std::to_string(ColumnOrNone<double>(blob, "map/landmark_x_m").size()));
+  if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(Read<kinds::Samples>(blob), &facts);
+  const auto log = Read<kinds::Log>(blob);
+  const auto map = Read<kinds::LandmarkMap>(blob);
+  for (std::size_t n = 0; n < log.robots.OrNone().size(); ++n)
+    facts.emplace_back("robot " + log.robots[n],
+                       log.robot[n].odometry.time_s ? RobotOfLog(log, n) : RobotOfMap(map.robot[n]));
+  if (log.landmarks)
+    facts.emplace_back("identities",
+                       log.landmarks.empty() ? "unknown" : Count(log.landmarks.size(), "landmark"));
+  if (log.truth.landmarks.name)
+    facts.emplace_back("true landmarks", std::to_string(log.truth.landmarks.name.size()));
+  if (map.map.landmark_x_m) {
+    facts.emplace_back("map landmarks", std::to_string(map.map.landmark_x_m.size()));
     facts.emplace_back("confidence", ConfidenceText(blob));
-    if (blob.Has("refinement/reason"))
+    if (map.refinement_reason)
       facts.emplace_back("refinement", NotRefined(blob).empty() ? "done" : NotRefined(blob));
   }
-  if (blob.Has("map/grid/probability") && blob.at("map/grid/probability").shape().size() == 2)
-    facts.emplace_back("grid", GridOf(blob));
-  if (blob.Has("traces/robot")) facts.emplace_back("traces", TracesOf(blob));
-  const auto likelihoods = ColumnOrNone<double>(blob, "history/log_likelihood");
+  const auto grid = FieldsIn<kinds::GridMap::Grid>("map/grid/", blob);
+  if (grid.probability && grid.probability.shape().size() == 2) facts.emplace_back("grid", GridOf(grid));
+  const auto local = Read<kinds::LocalMap>(blob);
+  if (local.traces.robot) facts.emplace_back("traces", TracesOf(local));
+  const auto likelihoods = map.history.log_likelihood.OrNone();
   if (!likelihoods.empty()) {
-    facts.emplace_back(blob.Has("map/landmark_x_m") ? "iterations" : "rounds",
+    facts.emplace_back(map.map.landmark_x_m ? "iterations" : "rounds",
                        std::to_string(likelihoods.size()) + ", log-likelihood " +
                            ShortNumber(likelihoods.front()) + " to " + ShortNumber(likelihoods.back()));
   }

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <map>
 
 #include "datasets/common/control.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/report/drawing/format.h"
+#include "schema/kinds/grid_map.h"
+#include "schema/kinds/landmark_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -25,21 +26,22 @@ Path ToPath(const Track& track, const std::string& robot, std::size_t index) {
 class SceneMaker {
  public:
   SceneMaker(const Blob& result, const Blob* log, const Evaluation* evaluation)
-      : result_(result), log_(log), evaluation_(evaluation) {}
+      : result_(result),
+        map_(FieldsIn<kinds::LandmarkMap::Map>("map/", result)),
+        log_(log == nullptr ? std::nullopt : std::optional(Read<kinds::Log>(*log))),
+        evaluation_(evaluation) {}
 
   Scene Make() {
-    std::vector<std::string> names;
-    if (result_.Has("robots")) names = result_.Texts("robots");
+    const std::vector<std::string> names = Texts::In(result_, "robots").OrNone();
     for (std::size_t r = 0; r < names.size(); ++r) {
-      const std::string poses = "robot/" + std::to_string(r) + "/poses/";
-      const Track track = ReadTrack(result_, poses, result_.Has(poses + "mode_x_m") ? "mode_" : "");
+      const Track track = TrackOf(kinds::LikeliestPoses("robot/" + std::to_string(r) + "/poses/", result_));
       scene_.paths.push_back(ToPath(track, names[r], r));
-      if (log_ != nullptr && !track.poses.empty()) AddOdometry(track, names[r], r);
-      if (log_ != nullptr && evaluation_ != nullptr) AddTruthPath(names[r], r);
+      if (log_ && !track.poses.empty()) AddOdometry(track, names[r], r);
+      if (log_ && evaluation_ != nullptr) AddTruthPath(names[r], r);
     }
-    if (result_.Has("map/landmark_x_m")) AddLandmarks();
-    if (log_ != nullptr && evaluation_ != nullptr) AddTruthLandmarks();
-    if (result_.Has("map/grid/probability")) AddGrid();
+    if (map_.landmark_x_m) AddLandmarks();
+    if (log_ && evaluation_ != nullptr) AddTruthLandmarks();
+    if (map_.probability) AddGrid();
     return std::move(scene_);
   }
 
@@ -47,22 +49,18 @@ class SceneMaker {
   Point FromTruth(Point truth) const { return Inverse(evaluation_->alignment)(truth); }
 
   // Of the observations at the robot itself.
-  std::vector<double> ContactTimes(const std::string& observations) const {
-    const auto time = log_->Get<double>(observations + "time_s");
-    const auto range = log_->Get<double>(observations + "range_m");
+  static std::vector<double> ContactTimes(const kinds::Log::Observations& observations) {
     std::vector<double> contacts;
-    for (std::size_t i = 0; i < time.size(); ++i) {
-      if (std::isnan(range[i])) contacts.push_back(time[i]);
+    for (std::size_t i = 0; i < observations.time_s.size(); ++i) {
+      if (std::isnan(observations.range_m[i])) contacts.push_back(observations.time_s[i]);
     }
     return contacts;
   }
 
   void AddOdometry(const Track& track, const std::string& name, std::size_t r) {
-    const std::string robot = "robot/" + std::to_string(r) + "/";
-    const auto time = log_->Get<double>(robot + "odometry/time_s");
-    const auto turn = log_->Get<double>(robot + "odometry/turn_rad");
-    const auto forward = log_->Get<double>(robot + "odometry/forward_m");
-    const std::vector<double> marks = ContactTimes(robot + "observations/");
+    const kinds::Log::Odometry& odometry = log_->robot.at(r).odometry;
+    const std::span<const double> time = odometry.time_s;
+    const std::vector<double> marks = ContactTimes(log_->robot[r].observations);
     Path path{.robot = name, .index = r, .points = {}}, at_marks = path;
     Pose pose = track.poses.front();
     path.points.push_back({pose.x_m, pose.y_m});
@@ -72,7 +70,7 @@ class SceneMaker {
         at_marks.points.push_back({pose.x_m, pose.y_m});
       }
       if (time[i] <= track.time_s.front()) continue;
-      pose = Apply(pose, {turn[i], forward[i]});
+      pose = Apply(pose, {odometry.turn_rad[i], odometry.forward_m[i]});
       path.points.push_back({pose.x_m, pose.y_m});
     }
     for (; next_mark < marks.size(); ++next_mark) at_marks.points.push_back({pose.x_m, pose.y_m});
@@ -81,7 +79,8 @@ class SceneMaker {
   }
 
   void AddTruthPath(const std::string& name, std::size_t r) {
-    const Track truth = ReadTrack(*log_, "truth/robot/" + std::to_string(r) + "/poses/");
+    if (r >= log_->truth.robot.size()) return;
+    const Track truth = TrackOf(log_->truth.robot[r].poses);
     Path path = ToPath(truth, name, r);
     if (path.points.empty()) return;
     path.breaks = BreaksOf(truth.time_s);
@@ -90,17 +89,16 @@ class SceneMaker {
   }
 
   void AddLandmarks() {
-    const auto points = ReadPoints(result_, "map/landmark_x_m", "map/landmark_y_m");
-    const auto covariance = result_.Get<double>("map/landmark_covariance_m2");
-    const auto count = result_.Get<double>("map/landmark_count");
-    const auto identity = result_.Get<std::int32_t>("map/landmark_identity");
+    const std::vector<Point> points = PointsOf(map_.landmark_x_m, map_.landmark_y_m);
+    const std::span<const double> covariance = map_.landmark_covariance_m2;
+    const std::span<const std::int32_t> identity = map_.landmark_identity;
     const std::vector<std::string> names = result_.Texts("landmarks");
     for (std::size_t k = 0; k < points.size(); ++k) {
       MapLandmark landmark;
       landmark.at = points[k];
       landmark.ellipse = EllipseOf(points[k], {covariance[4 * k], covariance[4 * k + 1],
                                                covariance[4 * k + 2], covariance[4 * k + 3]});
-      landmark.count = count[k];
+      landmark.count = map_.landmark_count[k];
       const bool known = identity[k] >= 0;
       landmark.identified = known;
       landmark.name = known ? names[static_cast<std::size_t>(identity[k])] : std::to_string(k);
@@ -111,8 +109,8 @@ class SceneMaker {
 
   void AddTruthLandmarks() {
     if (!evaluation_->landmarks) return;
-    const auto truth = ReadPoints(*log_, "truth/landmarks/x_m", "truth/landmarks/y_m");
-    const std::vector<bool> observed = ObservedLandmarks(*log_, truth.size());
+    const std::vector<Point> truth = PointsOf(log_->truth.landmarks.x_m, log_->truth.landmarks.y_m);
+    const std::vector<bool> observed = ObservedLandmarks(*log_);
     for (std::size_t t = 0; t < truth.size(); ++t) {
       if (observed[t]) scene_.truth_landmarks.push_back(FromTruth(truth[t]));
     }
@@ -126,15 +124,14 @@ class SceneMaker {
   }
 
   void AddGrid() {
-    const Array& array = result_.at("map/grid/probability");
-    if (array.shape().size() != 3 || array.size() == 0) return;
-    const auto values = array.As<double>();
-    Grid grid;
-    grid.origin = {result_.Scalar<double>("map/grid/origin_x_m"),
-                   result_.Scalar<double>("map/grid/origin_y_m")};
-    grid.cell_m = result_.Scalar<double>("map/grid/cell_m");
-    grid.rows = array.shape()[1];
-    grid.columns = array.shape()[2];
+    const Shape& shape = map_.probability.shape();
+    const std::span<const double> values = map_.probability;
+    if (shape.size() != 3 || values.empty()) return;
+    Grid grid{{map_.grid.origin_x_m.Scalar(), map_.grid.origin_y_m.Scalar()},
+              map_.grid.cell_m.Scalar(),
+              shape[2],
+              shape[1],
+              {}};
     const auto cells = static_cast<std::size_t>(grid.rows * grid.columns);
     grid.probability.assign(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(cells));
     for (std::size_t i = cells; i < values.size(); ++i) {
@@ -144,7 +141,8 @@ class SceneMaker {
   }
 
   const Blob& result_;
-  const Blob* log_;
+  const kinds::LandmarkMap::Map map_;
+  const std::optional<kinds::Log> log_;
   const Evaluation* evaluation_;
   Scene scene_;
 };
@@ -231,25 +229,17 @@ Scene MakeScene(const Blob& result, const Blob* log, const Evaluation* evaluatio
 
 Scene GridSceneOf(const Blob& map, const Blob* log, const GridEvaluation* evaluation) {
   Scene scene;
-  const std::vector<std::string> robots =
-      map.Has("robots") ? map.Texts("robots") : std::vector<std::string>{};
-  std::map<std::size_t, Path> paths;
-  for (const auto& [name, array] : map.fields()) {
-    constexpr std::string_view kFirst = "robot/", kLast = "held_out";
-    if (!name.starts_with(kFirst) || !name.ends_with(kLast)) continue;
-    const std::string sensor = name.substr(0, name.size() - kLast.size());
-    const std::size_t robot = std::strtoul(name.c_str() + kFirst.size(), nullptr, 10);
-    const auto x = map.Get<double>(sensor + "x_m"), y = map.Get<double>(sensor + "y_m");
-    Path& path = paths[robot];
-    if (x.size() <= path.points.size()) continue;
-    path = {
-        .robot = robot < robots.size() ? robots[robot] : std::to_string(robot), .index = robot, .points = {}};
-    for (std::size_t i = 0; i < x.size(); ++i) path.points.push_back({x[i], y[i]});
-    if (!map.Has(sensor + "time_s")) continue;
-    const auto time = map.Get<double>(sensor + "time_s");
-    if (time.size() == x.size()) path.breaks = BreaksOf(time);
+  const auto of = Read<kinds::GridMap>(map);
+  for (std::size_t r = 0; r < of.robot.size(); ++r) {
+    const auto has_scans = [](const kinds::GridMap::Sensor& s) { return s.held_out ? s.x_m.size() : 0; };
+    const auto most = std::ranges::max_element(of.robot[r].sensors, {}, has_scans);
+    if (most == of.robot[r].sensors.end() || has_scans(*most) == 0) continue;
+    const std::vector<std::string>& names = of.robots.OrNone();
+    Path path{.robot = r < names.size() ? names[r] : std::to_string(r), .index = r, .points = {}};
+    for (std::size_t i = 0; i < most->x_m.size(); ++i) path.points.push_back({most->x_m[i], most->y_m[i]});
+    if (most->time_s) path.breaks = BreaksOf(most->time_s);
+    scene.paths.push_back(std::move(path));
   }
-  for (auto& [robot, path] : paths) scene.paths.push_back(std::move(path));
   if (log != nullptr && evaluation != nullptr && log->Has("truth/walls/x_m")) {
     for (const Wall& wall : ReadSegments(*log, "truth/walls/", evaluation->to_map))
       scene.truth_walls.emplace_back(wall.a, wall.b);

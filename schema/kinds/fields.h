@@ -40,6 +40,17 @@ struct Field {
   Values values;
 };
 
+namespace fields_internal {
+template <class T>
+constexpr DType ElementOf() {
+  if constexpr (std::is_same_v<T, std::string>)
+    return DType::kText;
+  else
+    return DTypeOf<T>();
+}
+
+}  // namespace fields_internal
+
 // An array of a file that may be missing: whoever needs it gets an InputError that names it.
 // NOLINTBEGIN(google-explicit-constructor): it stands for its elements
 template <class T>
@@ -59,15 +70,13 @@ class Column {
     else
       values_ = array_.As<T>();
   }
-  static Column In(const Blob& blob, std::string name) {
+  static Column In(const Blob& blob, const std::string& name) {
+    constexpr DType kType = fields_internal::ElementOf<T>();
     Column column;
-    if constexpr (kIsText) {
-      if (blob.Has(name)) blob.Texts(name);
-    } else {
-      if (blob.Has(name)) blob.Get<T>(name);  // or it is of another type
-    }
-    if (blob.Has(name)) column = Column(blob.at(name));
-    column.name_ = std::move(name);
+    const bool has = blob.Has(name);
+    if (has && blob.at(name).type() == kType) column = Column(blob.at(name));
+    column.name_ = name;
+    if (has && !column) column.other_ = DTypeName(blob.at(name).type());
     return column;
   }
 
@@ -84,6 +93,8 @@ class Column {
   auto begin() const { return values().begin(); }
   auto end() const { return values().end(); }
   operator Elements() const { return values(); }
+  // Of what is missing or of another type: nothing.
+  const Elements& OrNone() const { return values_; }
   // A copy.
   std::vector<T> vector() const { return {begin(), end()}; }
   // Of one element.
@@ -108,14 +119,17 @@ class Column {
       return Array::Scalar<T>(value);
   }
   const Column& Needed() const {
-    if (!is_there_) throw InputError("there is no '" + name_ + "'");
-    return *this;
+    if (is_there_) return *this;
+    if (other_ == nullptr) throw InputError("there is no '" + name_ + "'");
+    throw InputError("'" + name_ + "' holds " + other_ + " where " +
+                     DTypeName(fields_internal::ElementOf<T>()) + " is needed");
   }
 
   std::string name_;
   Array array_;
   Elements values_;
   bool is_there_ = false;
+  const char* other_ = nullptr;  // the type that it is of instead
 };
 // NOLINTEND(google-explicit-constructor)
 using Texts = Column<std::string>;
@@ -374,6 +388,11 @@ T FieldsIn(const std::string& prefix, const Blob& blob) {
   });
   return value;
 }
+// A whole file, as its kind has it.
+template <fields_internal::Listed T>
+T Read(const Blob& blob) {
+  return FieldsIn<T>("", blob);
+}
 template <fields_internal::Listed T>
 Blob BlobOf(const T& value) {
   Blob blob;
@@ -382,14 +401,6 @@ Blob BlobOf(const T& value) {
 }
 
 namespace fields_internal {
-
-template <class T>
-constexpr DType ElementOf() {
-  if constexpr (std::is_same_v<T, std::string>)
-    return DType::kText;
-  else
-    return DTypeOf<T>();
-}
 
 // The arrays that a kind's struct lists; `texts` keeps their names and shapes. Of a table of poses, whose
 // rows are P, `rows` is what the file calls them.

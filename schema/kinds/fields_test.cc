@@ -122,8 +122,11 @@ TEST(Column, NamesWhatIsMissingToWhoeverNeedsIt) {
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "there is no 'y_m'");
   }
-  EXPECT_THROW(Texts::In(blob, "x_m"), InputError);
-  EXPECT_THROW(Column<float>::In(blob, "x_m"), InputError);
+  const auto of_texts = Texts::In(blob, "x_m");
+  EXPECT_FALSE(of_texts);
+  EXPECT_TRUE(of_texts.OrNone().empty());
+  EXPECT_THROW(of_texts.values(), InputError);
+  EXPECT_THROW(Column<float>::In(blob, "x_m").values(), InputError);
 }
 
 }  // namespace

@@ -12,6 +12,11 @@ struct PoseTable {
 
   std::size_t size() const { return time_s.size(); }
   Pose operator[](std::size_t i) const { return {x_m[i], y_m[i], heading_rad[i]}; }
+  std::vector<Pose> poses() const {
+    std::vector<Pose> all;
+    for (std::size_t i = 0; i < x_m.size(); ++i) all.push_back((*this)[i]);
+    return all;
+  }
   // Headings as they are.
   void Set(const std::vector<double>& times_s, const std::vector<Pose>& poses) {
     time_s = times_s;
@@ -26,6 +31,13 @@ struct PoseTable {
     field({"heading_rad", "P", Finite()}, &PoseTable::heading_rad);
   }
 };
+
+// Under `prefix`, the most likely poses where the file has them, else the means.
+inline PoseTable LikeliestPoses(const std::string& prefix, const Blob& blob) {
+  auto poses = FieldsIn<PoseTable>(blob.Has(prefix + "mode_x_m") ? prefix + "mode_" : prefix, blob);
+  poses.time_s = Column<double>::In(blob, prefix + "time_s");
+  return poses;
+}
 
 struct UncertainPoses : PoseTable {
   Column<double> covariance;  // of x, y, heading

@@ -64,8 +64,10 @@ BlobPtr Run(const proto::Stage& stage, const Blob& log, const BlobPtr& map = nul
 // The motion that lays the map's landmarks over the true ones.
 datasets::Similarity Alignment(const Blob& map, const Blob& log, const datasets::Evaluation& score,
                                bool with_scale) {
-  const auto ours = datasets::ReadPoints(map, "map/landmark_x_m", "map/landmark_y_m");
-  const auto theirs = datasets::ReadPoints(log, "truth/landmarks/x_m", "truth/landmarks/y_m");
+  const auto ours =
+      datasets::PointsOf(map.Get<double>("map/landmark_x_m"), map.Get<double>("map/landmark_y_m"));
+  const auto theirs =
+      datasets::PointsOf(log.Get<double>("truth/landmarks/x_m"), log.Get<double>("truth/landmarks/y_m"));
   std::vector<datasets::PointPair> pairs;
   for (const auto& [k, t] : score.pairs)
     pairs.push_back({ours[static_cast<std::size_t>(k)], theirs[static_cast<std::size_t>(t)]});
@@ -76,7 +78,7 @@ datasets::Similarity Alignment(const Blob& map, const Blob& log, const datasets:
 std::vector<Off> PosesOff(const Blob& found, const Blob& log, std::size_t robot,
                           const datasets::Similarity& alignment) {
   const std::string prefix = "robot/" + std::to_string(robot) + "/";
-  const datasets::Track poses = datasets::ReadTrack(found, prefix + "poses/", "mode_");
+  const datasets::Track poses = datasets::TrackOf(kinds::LikeliestPoses(prefix + "poses/", found));
   const datasets::Track truth = datasets::ReadTrack(log, "truth/" + prefix + "poses/");
   const auto seen_s = log.Get<double>(prefix + "observations/time_s");
   std::vector<Off> off(kShown);

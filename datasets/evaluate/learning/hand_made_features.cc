@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "datasets/evaluate/learning/learned_networks.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::datasets {
 namespace {
@@ -30,30 +31,26 @@ std::vector<std::size_t> ColumnsOf(const std::vector<std::string>& features,
   return columns;
 }
 
-FeatureRun ReadRun(const Blob& file, std::size_t number, const std::string& name,
-                   const std::vector<std::string>& names, const std::vector<std::size_t>& columns) {
-  const std::string prefix = "run/" + std::to_string(number) + "/";
-  const auto x = file.Get<double>(prefix + "x_m"), y = file.Get<double>(prefix + "y_m");
-  const auto feature = file.Get<float>(prefix + "feature");
-  FeatureRun run{name, number, {x.begin(), x.end()}, {y.begin(), y.end()}, {}, {}};
-  if (file.Has(prefix + "heading_rad")) {
-    const auto heading = file.Get<double>(prefix + "heading_rad");
-    run.heading_rad.assign(heading.begin(), heading.end());
-  }
-  for (std::size_t k = 0; k < x.size(); ++k)
-    for (const std::size_t column : columns) run.output.push_back(feature[k * names.size() + column]);
+FeatureRun RunOf(const kinds::Samples::Run& of, std::size_t number, const std::string& name,
+                 std::size_t features, const std::vector<std::size_t>& columns) {
+  FeatureRun run{name, number, of.x_m.vector(), of.y_m.vector(), {}, {}};
+  if (of.heading_rad) run.heading_rad = of.heading_rad.vector();
+  const std::span<const float> feature = of.feature;
+  for (std::size_t k = 0; k < run.x_m.size(); ++k)
+    for (const std::size_t column : columns) run.output.push_back(feature[k * features + column]);
   return run;
 }
 
 }  // namespace
 
 std::vector<FeatureRun> ReadFeatureRuns(const Blob& file, const std::vector<std::string>& features) {
-  if (!file.Has("feature_name")) throw InputError("there are no hand-made features");
-  const std::vector<std::string> names = file.Texts("feature_name"), runs = file.Texts("runs");
+  const auto samples = Read<kinds::Samples>(file);
+  if (!samples.feature_name) throw InputError("there are no hand-made features");
+  const std::vector<std::string>&names = samples.feature_name.values(), &runs = samples.runs.values();
   const std::vector<std::size_t> columns = ColumnsOf(features, names);
   std::vector<FeatureRun> read;
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    FeatureRun run = ReadRun(file, r, runs[r], names, columns);
+    FeatureRun run = RunOf(samples.run[r], r, runs[r], names.size(), columns);
     if (!run.x_m.empty()) read.push_back(std::move(run));
   }
   if (read.empty()) throw InputError("there are no samples");

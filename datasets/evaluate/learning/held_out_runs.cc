@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "schema/kinds/learning.h"
+
 namespace cairn::datasets {
 namespace {
 
@@ -17,17 +19,6 @@ void CheckInputs(const std::vector<std::string>& names, const LearnedNetworks& n
       throw InputError("input " + std::to_string(i) + " is '" + names[i] + "', in the networks '" +
                        nets.input_name[i] + "'");
   }
-}
-
-HeldOutRun ReadRun(const Blob& file, std::size_t number, const std::string& name) {
-  const std::string prefix = "run/" + std::to_string(number) + "/";
-  HeldOutRun run{.name = name,
-                 .number = number,
-                 .x_m = file.Get<double>(prefix + "x_m"),
-                 .y_m = file.Get<double>(prefix + "y_m"),
-                 .input = file.Get<float>(prefix + "input")};
-  if (file.Has(prefix + "heading_rad")) run.heading_rad = file.Get<double>(prefix + "heading_rad");
-  return run;
 }
 
 using RunPosition = std::pair<double, double>;
@@ -53,11 +44,13 @@ bool DecidedWhenToStop(const std::string& name, const LearnedNetworks& nets) {
 }  // namespace
 
 HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
-  const std::vector<std::string> names = file.Texts("runs");
-  CheckInputs(file.Texts("input_name"), nets);
+  const auto samples = Read<kinds::Samples>(file);
+  const std::vector<std::string>& names = samples.runs.values();
+  CheckInputs(samples.input_name, nets);
   HeldOutRuns held_out;
   for (std::size_t r = 0; r < names.size(); ++r) {
-    HeldOutRun run = ReadRun(file, r, names[r]);
+    const kinds::Samples::Run& of = samples.run[r];
+    HeldOutRun run{names[r], r, of.x_m, of.y_m, of.input, of.heading_rad.OrNone()};
     if (run.x_m.empty()) continue;
     if (DecidedWhenToStop(names[r], nets)) held_out.stopped_by.push_back(names[r]);
     if (WasTrainedOn(run, nets))

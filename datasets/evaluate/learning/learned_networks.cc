@@ -3,56 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "schema/kinds/learning.h"
+
 namespace cairn::datasets {
 namespace {
 
-template <class T>
-std::vector<double> Numbers(const Blob& file, const std::string& name) {
-  const std::span<const T> values = file.Get<T>(name);
-  return {values.begin(), values.end()};
-}
-
-void ReadShape(const Blob& file, LearnedNetworks* nets) {
-  const Shape& shape = file.at("networks/hidden_weight").shape();
+void TakeShape(const kinds::Networks::Weights& of, LearnedNetworks* nets) {
+  const Shape& shape = of.hidden_weight.shape();
   nets->networks = static_cast<std::size_t>(shape[0]);
   nets->hidden = static_cast<std::size_t>(shape[1]);
   nets->inputs = static_cast<std::size_t>(shape[2]);
   if (nets->networks < 1 || nets->networks > kMostNetworks)
-    throw InputError("'networks/hidden_weight': " + std::to_string(nets->networks) +
+    throw InputError("'" + of.hidden_weight.name() + "': " + std::to_string(nets->networks) +
                      " networks; allowed: 1 to " + std::to_string(kMostNetworks) +
                      ", as there are 2^n feature vectors");
-  if (file.Has("networks/hidden_2_weight"))
-    nets->hidden_2 = static_cast<std::size_t>(file.at("networks/hidden_2_weight").shape()[1]);
+  if (of.hidden_2_weight) nets->hidden_2 = static_cast<std::size_t>(of.hidden_2_weight.shape()[1]);
   const std::size_t last = nets->hidden_2 > 0 ? nets->hidden_2 : nets->hidden;
   if (nets->hidden == 0 || nets->inputs == 0 ||
-      file.at("networks/output_weight").shape()[1] != static_cast<std::int64_t>(last))
-    throw InputError("'networks/output_weight' is not of the last hidden layer, or a layer has no units");
-}
-
-void ReadWeights(const Blob& file, LearnedNetworks* nets) {
-  nets->hidden_weight = Numbers<double>(file, "networks/hidden_weight");
-  nets->hidden_bias = Numbers<double>(file, "networks/hidden_bias");
-  if (nets->hidden_2 > 0) {
-    nets->hidden_2_weight = Numbers<double>(file, "networks/hidden_2_weight");
-    nets->hidden_2_bias = Numbers<double>(file, "networks/hidden_2_bias");
-  }
-  nets->output_weight = Numbers<double>(file, "networks/output_weight");
-  nets->output_bias = Numbers<double>(file, "networks/output_bias");
-  nets->input_mean = Numbers<double>(file, "networks/input_mean");
-  nets->input_scale = Numbers<double>(file, "networks/input_scale");
-  nets->input_name = file.Texts("networks/input_name");
-}
-
-void ReadMap(const Blob& file, LearnedNetworks* nets) {
-  nets->x_m = Numbers<double>(file, "map/x_m");
-  if (nets->x_m.empty())
-    throw InputError("'map/x_m' is empty: there are no training samples to evaluate with");
-  nets->y_m = Numbers<double>(file, "map/y_m");
-  nets->output = Numbers<float>(file, "map/output");
-  if (file.Has("map/heading_rad")) nets->heading_rad = Numbers<double>(file, "map/heading_rad");
-  nets->runs = file.Texts("runs");
-  const auto run = file.Get<std::int32_t>("map/run");
-  nets->run.assign(run.begin(), run.end());
+      of.output_weight.shape()[1] != static_cast<std::int64_t>(last))
+    throw InputError("'" + of.output_weight.name() +
+                     "' is not of the last hidden layer, or a layer has no units");
 }
 
 double Sigmoid(double x) { return 1.0 / (1.0 + std::exp(-x)); }
@@ -72,12 +42,31 @@ std::vector<double> Layer(std::span<const double> in, std::span<const double> we
 }  // namespace
 
 LearnedNetworks ReadLearnedNetworks(const Blob& file) {
+  const auto of = Read<kinds::Networks>(file);
+  const kinds::Networks::Weights& w = of.networks;
   LearnedNetworks nets;
-  ReadShape(file, &nets);
-  ReadWeights(file, &nets);
-  ReadMap(file, &nets);
-  if (file.Has("window_m")) nets.window_m = file.Scalar<double>("window_m");
-  if (file.Has("heading_window_deg")) nets.heading_window_deg = file.Scalar<double>("heading_window_deg");
+  TakeShape(w, &nets);
+  nets.hidden_weight = w.hidden_weight.vector();
+  nets.hidden_bias = w.hidden_bias.vector();
+  if (nets.hidden_2 > 0) {
+    nets.hidden_2_weight = w.hidden_2_weight.vector();
+    nets.hidden_2_bias = w.hidden_2_bias.vector();
+  }
+  nets.output_weight = w.output_weight.vector();
+  nets.output_bias = w.output_bias.vector();
+  nets.input_mean = w.input_mean.vector();
+  nets.input_scale = w.input_scale.vector();
+  nets.input_name = w.input_name.values();
+  nets.x_m = of.map.x_m.vector();
+  if (nets.x_m.empty())
+    throw InputError("'map/x_m' is empty: there are no training samples to evaluate with");
+  nets.y_m = of.map.y_m.vector();
+  nets.output.assign(of.map.output.begin(), of.map.output.end());
+  if (of.map.heading_rad) nets.heading_rad = of.map.heading_rad.vector();
+  nets.runs = of.runs.values();
+  nets.run = of.map.run.vector();
+  nets.window_m = of.window_m.Or(nets.window_m);
+  nets.heading_window_deg = of.heading_window_deg.Or(nets.heading_window_deg);
   return nets;
 }
 

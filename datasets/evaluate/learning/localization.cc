@@ -7,6 +7,7 @@
 
 #include "datasets/evaluate/learning/localized_steps.h"
 #include "schema/headings.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::datasets {
 namespace {
@@ -16,18 +17,21 @@ constexpr double kFoundM = 1.0;
 class LocalizationEvaluator {
  public:
   LocalizationEvaluator(const Blob& result, const Blob& samples)
-      : result_(result), samples_(samples), localized_(result) {}
+      : samples_blob_(samples),
+        result_(Read<kinds::Localization>(result)),
+        samples_(Read<kinds::Samples>(samples)),
+        localized_(result) {}
 
   LocalizationScore Run() {
     Check();
     ReadErrors();
     LocalizationScore score;
-    score.window_m = result_.Scalar<double>("window_m");
-    score.features = result_.Texts("feature_name");
+    score.window_m = result_.window_m.Scalar();
+    score.features = result_.feature_name.values();
     score.runs = Visited();
     score.positions = static_cast<std::int64_t>(localized_.positions.size());
     score.against_truth = HasTruth();
-    if (!localized_.heading_rad.empty()) score.heading = result_.Text("heading");
+    if (!localized_.heading_rad.empty()) score.heading = result_.heading.Scalar();
     std::size_t most = 0;
     for (const LocalizationError& step : steps_) {
       score.traverses += step.sensations == 0 ? 1 : 0;
@@ -41,19 +45,19 @@ class LocalizationEvaluator {
 
  private:
   void Check() const {
-    const std::string made_from = result_.Text("samples_hash"),
-                      given = samples_.Without("truth/").ContentHash().Hex();
+    const std::string made_from = result_.samples_hash.Scalar(),
+                      given = samples_blob_.Without("truth/").ContentHash().Hex();
     if (made_from != given) {
       throw InputError("the result was made from other samples: their content, truth aside, is " + made_from +
                        ", that of the samples given here is " + given);
     }
   }
 
-  bool HasTruth() const { return samples_.Has("truth/run/0/x_m"); }
+  bool HasTruth() const { return !samples_.true_run.empty() && samples_.true_run[0].x_m; }
 
   std::vector<std::string> Visited() const {
-    const std::vector<std::string> runs = samples_.Texts("runs");
-    const auto run = result_.Get<std::int32_t>("step/run");
+    const std::vector<std::string>& runs = samples_.runs.values();
+    const std::span<const std::int32_t> run = result_.step.run;
     std::vector<std::string> visited;
     for (std::size_t r = 0; r < runs.size(); ++r) {
       if (std::ranges::count(run, static_cast<std::int32_t>(r)) > 0) visited.push_back(runs[r]);
@@ -62,12 +66,11 @@ class LocalizationEvaluator {
   }
 
   Point TrueAt(std::int32_t run, std::int32_t sample) const {
-    const std::string of_run = "run/" + std::to_string(run) + "/",
-                      prefix = (HasTruth() ? "truth/" : "") + of_run;
-    const auto x = samples_.Get<double>(prefix + "x_m"), y = samples_.Get<double>(prefix + "y_m");
-    const auto at = static_cast<std::size_t>(sample);
+    const auto of_run = static_cast<std::size_t>(run), at = static_cast<std::size_t>(sample);
+    const Column<double>&x = HasTruth() ? samples_.true_run.at(of_run).x_m : samples_.run.at(of_run).x_m,
+          &y = HasTruth() ? samples_.true_run[of_run].y_m : samples_.run[of_run].y_m;
     if (sample < 0 || at >= x.size() || at >= y.size())
-      throw InputError("'step/sample' names a sample that '" + prefix + "x_m' does not have");
+      throw InputError("'step/sample' names a sample that '" + x.name() + "' does not have");
     return {x[at], y[at]};
   }
 
@@ -84,11 +87,11 @@ class LocalizationEvaluator {
   // What is believed of facing alike, within 90 degrees.
   double BelievedFacing(const LocalizedStep& step) const {
     if (localized_.heading_rad.empty()) return 0;
-    const std::string name = (HasTruth() ? "truth/run/" : "run/") + std::to_string(step.run) + "/heading_rad";
-    const auto headings = samples_.Get<double>(name);
-    const auto at = static_cast<std::size_t>(step.sample);
+    const auto run = static_cast<std::size_t>(step.run), at = static_cast<std::size_t>(step.sample);
+    const Column<double>& headings =
+        HasTruth() ? samples_.true_run.at(run).heading_rad : samples_.run.at(run).heading_rad;
     if (at >= headings.size())
-      throw InputError("'step/sample' names a sample that '" + name + "' does not have");
+      throw InputError("'step/sample' names a sample that '" + headings.name() + "' does not have");
     double facing = 0;
     for (std::size_t i = step.first; i < step.end; ++i) {
       const auto position = static_cast<std::size_t>(localized_.position[i]);
@@ -147,8 +150,9 @@ class LocalizationEvaluator {
     }
   }
 
-  const Blob& result_;
-  const Blob& samples_;
+  const Blob& samples_blob_;
+  const kinds::Localization result_;
+  const kinds::Samples samples_;
   const LocalizedSteps localized_;
   std::vector<LocalizationError> steps_;
 };

@@ -4,40 +4,38 @@
 #include <cmath>
 #include <string>
 
+#include "datasets/evaluate/landmarks.h"
+#include "schema/kinds/learning.h"
+
 namespace cairn::datasets {
-namespace {
-
-std::vector<Point> Points(const Blob& file, const std::string& x_name, const std::string& y_name) {
-  const auto x = file.Get<double>(x_name), y = file.Get<double>(y_name);
-  std::vector<Point> points;
-  for (std::size_t k = 0; k < x.size(); ++k) points.push_back({x[k], y[k]});
-  return points;
-}
-
-}  // namespace
-
 LocalizedSteps::LocalizedSteps(const Blob& result) {
   for (const char* name : {"step/traverse", "belief/position", "samples_hash"}) {
     if (!result.Has(name)) throw InputError(std::string("not a localization: '") + name + "' is missing");
   }
-  positions = Points(result, "position/x_m", "position/y_m");
-  if (result.Has("position/heading_rad")) heading_rad = result.Get<double>("position/heading_rad");
-  position = result.Get<std::int32_t>("belief/position");
-  probability = result.Get<float>("belief/probability");
-  const std::vector<Point> means = Points(result, "step/mean_x_m", "step/mean_y_m"),
-                           modes = Points(result, "step/mode_x_m", "step/mode_y_m");
-  const auto traverse = result.Get<std::int32_t>("step/traverse"), run = result.Get<std::int32_t>("step/run"),
-             sample = result.Get<std::int32_t>("step/sample");
-  const auto travelled = result.Get<double>("step/travelled_m"), spread = result.Get<double>("step/spread_m");
-  const auto entries = result.Get<std::int64_t>("step/entries");
+  const auto of = Read<kinds::Localization>(result);
+  const kinds::Localization::Steps& step = of.step;
+  positions = PointsOf(of.position_x_m, of.position_y_m);
+  heading_rad = of.position_heading_rad.OrNone();
+  position = of.belief_position;
+  probability = of.belief_probability;
+  const std::span<const std::int32_t> traverse = step.traverse;
+  const std::span<const std::int64_t> entries = step.entries;
   if (traverse.empty()) throw InputError("there are no steps");
   CheckBelief(entries);
   std::size_t entry = 0;
   for (std::size_t k = 0; k < traverse.size(); ++k) {
     const bool begins = k == 0 || traverse[k] != traverse[k - 1];
     const auto count = static_cast<std::size_t>(entries[k]);
-    steps.push_back({traverse[k], run[k], sample[k], begins ? 0 : steps.back().sensations + 1, travelled[k],
-                     spread[k], means[k], modes[k], entry, entry + count});
+    steps.push_back({traverse[k],
+                     step.run[k],
+                     step.sample[k],
+                     begins ? 0 : steps.back().sensations + 1,
+                     step.travelled_m[k],
+                     step.spread_m[k],
+                     {step.mean_x_m[k], step.mean_y_m[k]},
+                     {step.mode_x_m[k], step.mode_y_m[k]},
+                     entry,
+                     entry + count});
     entry += count;
   }
 }

@@ -2,23 +2,16 @@
 
 #include <cmath>
 
+#include "schema/kinds/grid_map.h"
+#include "schema/kinds/log.h"
+
 namespace cairn::datasets {
 namespace {
 
-std::vector<Pose> PosesOf(const Blob& blob, const std::string& prefix) {
-  const auto x = blob.Get<double>(prefix + "x_m"), y = blob.Get<double>(prefix + "y_m"),
-             heading = blob.Get<double>(prefix + "heading_rad");
-  std::vector<Pose> poses;
-  for (std::size_t i = 0; i < x.size(); ++i) poses.push_back({x[i], y[i], heading[i]});
-  return poses;
-}
-
 // The map's scans are the log's, in order, some left out.
-void TakeRanges(const Blob& log, ScoredSensor* sensor) {
-  const auto time = log.Get<double>(sensor->name + "time_s");
+void TakeRanges(const kinds::Log::RangeSensor& log, ScoredSensor* sensor) {
   const std::size_t beams = sensor->beams.size();
-  const auto range = log.Get<double>(sensor->name + "range_m");
-  const std::string turret = sensor->name + "turret_rad";
+  const std::span<const double> time = log.time_s, range = log.range_m;
   std::size_t next = 0;
   for (const double time_s : sensor->time_s) {
     while (next < time.size() && time[next] != time_s) ++next;
@@ -27,25 +20,25 @@ void TakeRanges(const Blob& log, ScoredSensor* sensor) {
                        " s: was the map made from this log?");
     const auto row = range.subspan(next * beams, beams);
     sensor->range_m.insert(sensor->range_m.end(), row.begin(), row.end());
-    if (log.Has(turret)) sensor->turret_rad.push_back(log.Get<double>(turret)[next]);
+    if (log.turret_rad) sensor->turret_rad.push_back(log.turret_rad[next]);
     ++next;
   }
 }
 
-ScoredSensor ReadSensor(const Blob& map, const Blob& log, const std::string& name) {
-  if (!log.Has(name + "range_m"))
-    throw InputError("the log has no '" + name + "', of which the map was made");
+ScoredSensor SensorOf(const kinds::GridMap::Sensor& map, const Blob& log, std::size_t robot) {
   ScoredSensor sensor;
-  sensor.name = name;
-  sensor.opening_rad = log.Scalar<double>(name + "opening_rad");
-  sensor.max_range_m = log.Scalar<double>(name + "max_range_m");
-  sensor.beams = PosesOf(log, name + "beam_");
-  const auto time = map.Get<double>(name + "time_s");
-  sensor.time_s.assign(time.begin(), time.end());
-  sensor.poses = PosesOf(map, name);
-  const auto held_out = map.Get<std::uint8_t>(name + "held_out");
-  sensor.held_out.assign(held_out.begin(), held_out.end());
-  TakeRanges(log, &sensor);
+  sensor.name = "robot/" + std::to_string(robot) + "/" + map.sensor + "/";
+  sensor.robot = robot;
+  const auto in_log = FieldsIn<kinds::Log::RangeSensor>(sensor.name, log);
+  if (!in_log.range_m) throw InputError("the log has no '" + sensor.name + "', of which the map was made");
+  sensor.opening_rad = in_log.opening_rad.Scalar();
+  sensor.max_range_m = in_log.max_range_m.Scalar();
+  for (std::size_t b = 0; b < in_log.beam_x_m.size(); ++b)
+    sensor.beams.push_back({in_log.beam_x_m[b], in_log.beam_y_m[b], in_log.beam_heading_rad[b]});
+  sensor.time_s = map.time_s.vector();
+  sensor.poses = map.poses();
+  sensor.held_out = map.held_out.vector();
+  TakeRanges(in_log, &sensor);
   return sensor;
 }
 
@@ -61,10 +54,10 @@ Pose ScoredSensor::BeamPose(std::size_t scan, std::size_t beam) const {
 
 std::vector<ScoredSensor> ReadScoredScans(const Blob& map, const Blob& log) {
   std::vector<ScoredSensor> sensors;
-  for (const auto& [name, array] : map.fields()) {
-    constexpr std::string_view kLast = "held_out";
-    if (name.starts_with("robot/") && name.ends_with(kLast))
-      sensors.push_back(ReadSensor(map, log, name.substr(0, name.size() - kLast.size())));
+  const auto of = Read<kinds::GridMap>(map);
+  for (std::size_t r = 0; r < of.robot.size(); ++r) {
+    for (const kinds::GridMap::Sensor& sensor : of.robot[r].sensors)
+      if (sensor.held_out) sensors.push_back(SensorOf(sensor, log, r));
   }
   if (sensors.empty())
     throw InputError("the map does not say at which poses which scans were taken (robot/…/held_out)");

@@ -13,6 +13,7 @@ namespace cairn::datasets {
 
 struct ScoredSensor {
   std::string name;  // "robot/0/sonar/"
+  std::size_t robot = 0;
   double opening_rad = 0, max_range_m = 0;
   std::vector<Pose> beams;             // on the robot
   std::vector<double> time_s;          // of each scan

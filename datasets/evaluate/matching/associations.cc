@@ -8,83 +8,69 @@
 namespace cairn::datasets {
 namespace {
 
-std::string ObservationsOf(std::size_t robot) { return "robot/" + std::to_string(robot) + "/observations/"; }
-
-std::vector<std::int32_t> ReadIndices(const Blob& blob, const std::string& name, std::size_t rows,
-                                      std::size_t landmarks) {
-  const auto indices = blob.Get<std::int32_t>(name);
+// As many as the log's observations of the robot.
+std::vector<std::int32_t> Indices(const Column<std::int32_t>& indices, const kinds::Log::Robot& robot,
+                                  std::size_t landmarks) {
+  const std::size_t rows = robot.observations.time_s.OrNone().size();
   if (indices.size() != rows) {
-    throw InputError("'" + name + "' has " + std::to_string(indices.size()) + " rows; the log has " +
-                     std::to_string(rows) + " observations of this robot: was it made from this log?");
+    throw InputError("'" + indices.name() + "' has " + std::to_string(indices.size()) +
+                     " rows; the log has " + std::to_string(rows) +
+                     " observations of this robot: was it made from this log?");
   }
   for (std::size_t i = 0; i < rows; ++i) {
     if (indices[i] < -1 || indices[i] >= static_cast<std::int64_t>(landmarks)) {
-      throw InputError("'" + name + "', row " + std::to_string(i) + ": landmark " +
+      throw InputError("'" + indices.name() + "', row " + std::to_string(i) + ": landmark " +
                        std::to_string(indices[i]) + " of " + std::to_string(landmarks));
     }
   }
-  return {indices.begin(), indices.end()};
+  return indices.vector();
 }
 
-std::size_t ObservationCount(const Blob& log, std::size_t robot) {
-  const std::string name = ObservationsOf(robot) + "time_s";
-  return log.Has(name) ? log.Get<double>(name).size() : 0;
-}
+bool HasObservations(const kinds::Log::Robot& robot) { return !robot.observations.time_s.OrNone().empty(); }
 
 }  // namespace
 
-Associations ReadMapAssociations(const Blob& result, const Blob& log, std::size_t landmarks) {
-  Associations associations(log.Texts("robots").size());
+Associations ReadMapAssociations(const kinds::LandmarkMap& map, const kinds::Log& log,
+                                 std::size_t landmarks) {
+  Associations associations(log.robot.size());
   for (std::size_t r = 0; r < associations.size(); ++r) {
-    const std::size_t rows = ObservationCount(log, r);
-    const std::string name = ObservationsOf(r) + "map_landmark";
-    if (rows > 0 || result.Has(name)) associations[r] = ReadIndices(result, name, rows, landmarks);
+    const Column<std::int32_t> none, &of = r < map.robot.size() ? map.robot[r].map_landmark : none;
+    if (HasObservations(log.robot[r]) || of) associations[r] = Indices(of, log.robot[r], landmarks);
   }
   return associations;
 }
 
-std::optional<Associations> ReadTrueAssociations(const Blob& log, std::size_t landmarks) {
-  Associations associations(log.Texts("robots").size());
-  bool complete = true;
+std::optional<Associations> ReadTrueAssociations(const kinds::Log& log, std::size_t landmarks) {
+  Associations associations(log.robot.size());
   for (std::size_t r = 0; r < associations.size(); ++r) {
-    const std::size_t rows = ObservationCount(log, r);
-    const std::string name = "truth/" + ObservationsOf(r) + "landmark";
-    if (log.Has(name))
-      associations[r] = ReadIndices(log, name, rows, landmarks);
-    else
-      complete = complete && rows == 0;
+    if (r < log.truth.robot.size() && log.truth.robot[r].landmark)
+      associations[r] = Indices(log.truth.robot[r].landmark, log.robot[r], landmarks);
+    else if (HasObservations(log.robot[r]))
+      return std::nullopt;
   }
-  if (!complete) return std::nullopt;
   return associations;
 }
 
-std::vector<std::vector<bool>> ReadLookedAt(const Blob& result, const Associations& map) {
+std::vector<std::vector<bool>> ReadLookedAt(const kinds::LandmarkMap& map, const Associations& of) {
   std::vector<std::vector<bool>> looked_at;
-  for (std::size_t r = 0; r < map.size(); ++r) {
+  for (std::size_t r = 0; r < of.size(); ++r) {
     std::vector<bool>& of_robot = looked_at.emplace_back();
-    const std::string name = ObservationsOf(r) + "probability";
-    std::vector<double> probability(map[r].size(), 0.0);
-    if (result.Has(name)) {
-      const auto stored = result.Get<double>(name);
-      if (stored.size() != map[r].size()) {
-        throw InputError("'" + name + "' has " + std::to_string(stored.size()) + " rows for " +
-                         std::to_string(map[r].size()) + " observations");
-      }
-      probability.assign(stored.begin(), stored.end());
-    }
-    for (std::size_t i = 0; i < map[r].size(); ++i)
-      of_robot.push_back(map[r][i] >= 0 || probability[i] > 0.0);
+    const std::span<const double> probability =
+        r < map.robot.size() ? map.robot[r].probability.OrNone() : std::span<const double>();
+    if (!probability.empty() && probability.size() != of[r].size())
+      throw InputError("'" + map.robot[r].probability.name() + "' has " + std::to_string(probability.size()) +
+                       " rows for " + std::to_string(of[r].size()) + " observations");
+    for (std::size_t i = 0; i < of[r].size(); ++i)
+      of_robot.push_back(of[r][i] >= 0 || (!probability.empty() && probability[i] > 0.0));
   }
   return looked_at;
 }
 
-std::vector<std::vector<bool>> ReadContacts(const Blob& log, const Associations& map) {
+std::vector<std::vector<bool>> ReadContacts(const kinds::Log& log, const Associations& map) {
   std::vector<std::vector<bool>> contacts;
   for (std::size_t r = 0; r < map.size(); ++r) {
     contacts.emplace_back(map[r].size(), true);
-    const std::string name = ObservationsOf(r) + "range_m";
-    if (!log.Has(name)) continue;
-    const auto range = log.Get<double>(name);
+    const std::span<const double> range = log.robot[r].observations.range_m.OrNone();
     for (std::size_t i = 0; i < std::min(range.size(), map[r].size()); ++i)
       contacts[r][i] = std::isnan(range[i]);
   }

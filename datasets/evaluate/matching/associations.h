@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "datasets/evaluate/matching/align.h"
-#include "schema/blob.h"
+#include "schema/kinds/landmark_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 
@@ -17,19 +18,19 @@ using Associations = std::vector<std::vector<std::int32_t>>;
 // robot/N/observations/map_landmark.
 // Throws InputError where one is missing, is not as long as the log's observations, or names a landmark
 // outside [-1, landmarks).
-Associations ReadMapAssociations(const Blob& result, const Blob& log, std::size_t landmarks);
+Associations ReadMapAssociations(const kinds::LandmarkMap& map, const kinds::Log& log, std::size_t landmarks);
 
 // truth/robot/N/observations/landmark; nothing where a robot with observations lacks it.
 // Throws InputError as above.
-std::optional<Associations> ReadTrueAssociations(const Blob& log, std::size_t landmarks);
+std::optional<Associations> ReadTrueAssociations(const kinds::Log& log, std::size_t landmarks);
 
 // Which observations a map looked at: those that it has a landmark for, or says with some probability
 // (robot/N/observations/probability) that it has none. Of the others, and of later data than it was made of,
 // it says nothing.
-std::vector<std::vector<bool>> ReadLookedAt(const Blob& result, const Associations& map);
+std::vector<std::vector<bool>> ReadLookedAt(const kinds::LandmarkMap& map, const Associations& of);
 
 // Which observations were contact detections, where the robot stood: those without a range.
-std::vector<std::vector<bool>> ReadContacts(const Blob& log, const Associations& map);
+std::vector<std::vector<bool>> ReadContacts(const kinds::Log& log, const Associations& map);
 
 struct TopologyScore {
   bool correct = false;

@@ -79,34 +79,35 @@ TEST(ReadLookedAt, IsToldByTheProbabilityOfBeingOfNone) {
   Blob result;
   result.PutVector("robot/0/observations/probability", std::vector<double>{0.9, 0.0, 0.4, 0.0});
   const Associations map = {{0, -1, -1, 0}};
-  EXPECT_EQ(ReadLookedAt(result, map), (Flags{{true, false, true, true}}));
-  EXPECT_EQ(ReadLookedAt(Blob(), map), (Flags{{true, false, false, true}}));
-  EXPECT_THROW(ReadLookedAt(result, {{0, -1}}), InputError);
+  EXPECT_EQ(ReadLookedAt(Read<kinds::LandmarkMap>(result), map), (Flags{{true, false, true, true}}));
+  EXPECT_EQ(ReadLookedAt({}, map), (Flags{{true, false, false, true}}));
+  EXPECT_THROW(ReadLookedAt(Read<kinds::LandmarkMap>(result), {{0, -1}}), InputError);
 }
 
 TEST(MajorityPairs, GivesEachMapLandmarkItsMostFrequentTruth) {
   EXPECT_EQ(MajorityPairs({{0, 0, 0, 1, -1}}, {{5, 5, 6, -1, 8}}, 3), (IndexPairs{{0, 5}}));
 }
 
-Blob DriveLog() {
+kinds::Log DriveLog(bool truth = true) {
   Blob log;
   log.Put("robots", Array::Texts({"a"}));
   log.PutVector("robot/0/observations/time_s", std::vector<double>{1, 2});
-  log.PutVector("truth/robot/0/observations/landmark", std::vector<std::int32_t>{0, 1});
-  return log;
+  if (truth) log.PutVector("truth/robot/0/observations/landmark", std::vector<std::int32_t>{0, 1});
+  return Read<kinds::Log>(log);
 }
 
 TEST(ReadAssociations, RefusesWrongLengthsAndIndices) {
   Blob result;
   result.PutVector("robot/0/observations/map_landmark", std::vector<std::int32_t>{0, -1});
-  EXPECT_EQ(ReadMapAssociations(result, DriveLog(), 1), (Associations{{0, -1}}));
-  EXPECT_THROW(ReadMapAssociations(result, DriveLog(), 0), InputError);
-  EXPECT_THROW(ReadMapAssociations(Blob(), DriveLog(), 1), InputError);
+  const auto map = [&] { return Read<kinds::LandmarkMap>(result); };
+  EXPECT_EQ(ReadMapAssociations(map(), DriveLog(), 1), (Associations{{0, -1}}));
+  EXPECT_THROW(ReadMapAssociations(map(), DriveLog(), 0), InputError);
+  EXPECT_THROW(ReadMapAssociations({}, DriveLog(), 1), InputError);
   result.PutVector("robot/0/observations/map_landmark", std::vector<std::int32_t>{0});
-  EXPECT_THROW(ReadMapAssociations(result, DriveLog(), 1), InputError);
+  EXPECT_THROW(ReadMapAssociations(map(), DriveLog(), 1), InputError);
   EXPECT_THROW(ReadTrueAssociations(DriveLog(), 1), InputError);
   EXPECT_EQ(ReadTrueAssociations(DriveLog(), 2), (Associations{{0, 1}}));
-  EXPECT_FALSE(ReadTrueAssociations(DriveLog().Without("truth/"), 2));
+  EXPECT_FALSE(ReadTrueAssociations(DriveLog(false), 2));
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ void PutMap(const Blob& log, const std::vector<double>& counts, Blob& result) {
 
 Blob PerfectLandmarkMap(const Blob& truth_log) {
   const std::size_t landmarks = truth_log.Get<double>("truth/landmarks/x_m").size();
-  const auto associations = ReadTrueAssociations(truth_log, landmarks);
+  const auto associations = ReadTrueAssociations(Read<kinds::Log>(truth_log), landmarks);
   if (!associations) throw InputError("the log's truth does not say which landmark each observation is of");
   std::vector<double> counts(landmarks, 0.0);
   for (const auto& robot : *associations) {

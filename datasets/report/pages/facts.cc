@@ -8,11 +8,12 @@
 #include "datasets/common/confidence.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/parts.h"
+#include "schema/kinds/landmark_map.h"
+#include "schema/kinds/log.h"
+#include "schema/kinds/provenance.h"
 
 namespace cairn::datasets::report {
 namespace {
-
-std::string RobotPrefix(std::size_t r) { return "robot/" + std::to_string(r) + "/"; }
 
 std::string Metres(const std::optional<double>& value, int digits = 2) {
   return value ? Grouped(*value, digits) + " m" : "–";
@@ -25,15 +26,13 @@ struct LogFacts {
   std::int64_t observations = 0;
 };
 
-LogFacts FactsOf(const Blob& log, std::size_t r) {
+LogFacts FactsOf(const kinds::Log::Robot& robot) {
   LogFacts facts;
-  const std::string robot = RobotPrefix(r);
-  for (const double forward : log.Get<double>(robot + "odometry/forward_m"))
-    facts.travelled_m += std::abs(forward);
-  const auto time = log.Get<double>(robot + "odometry/time_s");
+  for (const double forward : robot.odometry.forward_m) facts.travelled_m += std::abs(forward);
+  const std::span<const double> time = robot.odometry.time_s;
   if (!time.empty()) facts.seconds = time.back() - time.front();
   facts.controls = static_cast<std::int64_t>(time.size());
-  facts.observations = log.at(robot + "observations/time_s").size();
+  facts.observations = static_cast<std::int64_t>(robot.observations.time_s.size());
   return facts;
 }
 
@@ -82,8 +81,8 @@ std::string LeadHtml(const Blob& result, const Blob* log) {
   std::string text = Count(static_cast<std::int64_t>(robots), "robot");
   if (log != nullptr) {
     LogFacts sum;
-    for (std::size_t r = 0; r < robots; ++r) {
-      const LogFacts facts = FactsOf(*log, r);
+    for (const kinds::Log::Robot& robot : Read<kinds::Log>(*log).robot) {
+      const LogFacts facts = FactsOf(robot);
       sum.travelled_m += facts.travelled_m;
       sum.seconds += facts.seconds;
       sum.observations += facts.observations;
@@ -123,10 +122,12 @@ std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {
   if (result.Has("history/log_likelihood")) {
     tiles += TileHtml(std::to_string(result.at("history/log_likelihood").size()), "iterations");
   }
-  if (result.Has("provenance/seconds_s")) {
-    tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
-  }
-  return TilesHtml(tiles);
+  return TilesHtml(tiles + WallTimeTile(result));
+}
+
+std::string WallTimeTile(const Blob& result) {
+  const auto seconds = kinds::Provenance::In(result).seconds_s.Optional();
+  return seconds ? TileHtml(Duration(*seconds), "wall time") : "";
 }
 
 std::string ConfidenceHtml(const Blob& result) {
@@ -134,9 +135,9 @@ std::string ConfidenceHtml(const Blob& result) {
 }
 
 std::string TitleOf(const Blob& result) {
-  if (!result.Has("provenance/job_yaml") || result.at("provenance/job_yaml").type() != DType::kText)
-    return {};
-  const JobNames names = NamesIn(result.Text("provenance/job_yaml"));
+  const Texts yaml = kinds::Provenance::In(result).job_yaml;
+  if (!yaml) return {};
+  const JobNames names = NamesIn(yaml.Scalar());
   // The log, or what else it is of; networks and tables of errors that a job reads beside it are none of
   // these.
   std::string of;
@@ -154,16 +155,18 @@ std::string TitleOf(const Blob& result) {
 }
 
 std::string RobotsTableHtml(const Blob& result, const Blob* log, const Evaluation* evaluation) {
-  const std::vector<std::string> names = result.Texts("robots");
+  const auto map = Read<kinds::LandmarkMap>(result);
+  const auto in_log = Read<kinds::Log>(log != nullptr ? *log : Blob());
+  const std::vector<std::string>& names = map.robots.values();
   std::vector<std::string> head = {"robot", "poses"};
   if (log != nullptr) head.insert(head.end(), {"path", "time", "controls", "observations"});
   if (evaluation != nullptr) head.insert(head.end(), {"position RMSE", "heading RMSE"});
   Table rows{head};
   for (std::size_t r = 0; r < names.size(); ++r) {
-    const auto poses = static_cast<double>(result.at(RobotPrefix(r) + "poses/time_s").size());
+    const auto poses = static_cast<double>(map.robot[r].poses.time_s.size());
     std::vector<std::string> cells = {RobotTitle(names[r]), Grouped(poses)};
     if (log != nullptr) {
-      const LogFacts facts = FactsOf(*log, r);
+      const LogFacts facts = FactsOf(in_log.robot.at(r));
       cells.insert(cells.end(), {Grouped(facts.travelled_m) + " m", Duration(facts.seconds),
                                  Grouped(static_cast<double>(facts.controls)),
                                  Grouped(static_cast<double>(facts.observations))});
@@ -200,36 +203,25 @@ std::string LandmarksTableHtml(const Scene& scene) {
 
 std::vector<Iteration> Iterations(const Blob& result) {
   std::vector<Iteration> iterations;
-  if (!result.Has("history/log_likelihood")) return iterations;
-  const auto values = result.Get<double>("history/log_likelihood");
-  const auto prefix = result.Get<double>("history/prefix");
-  const auto robots = result.Get<std::int64_t>("history/robots");
-  for (std::size_t i = 0; i < values.size(); ++i) iterations.push_back({values[i], prefix[i], robots[i]});
+  const auto history = FieldsIn<kinds::LandmarkMap::History>("history/", result);
+  for (std::size_t i = 0; i < history.log_likelihood.OrNone().size(); ++i)
+    iterations.push_back({history.log_likelihood[i], history.prefix[i], history.robots[i]});
   return iterations;
 }
 
 std::vector<RoundTime> RoundTimes(const Blob& result) {
   std::vector<RoundTime> rounds;
-  if (!result.Has("provenance/round/seconds_s")) return rounds;
-  const auto seconds = result.Get<double>("provenance/round/seconds_s");
-  const auto compute = result.Get<double>("provenance/round/compute_s");
-  const auto tasks = result.Get<std::int64_t>("provenance/round/tasks");
-  const std::vector<std::string> notes = result.Texts("provenance/round/note");
-  std::vector<std::int64_t> counts;  // older files: each row is a round
-  if (result.Has("provenance/round/rounds")) {
-    const auto stored = result.Get<std::int64_t>("provenance/round/rounds");
-    counts.assign(stored.begin(), stored.end());
-  }
-  for (std::size_t i = 0; i < seconds.size(); ++i)
-    rounds.push_back({notes[i], seconds[i], compute[i], tasks[i], counts.empty() ? 1 : counts[i]});
+  const kinds::Provenance::Rounds of = kinds::Provenance::In(result).round;
+  for (std::size_t i = 0; i < of.seconds_s.OrNone().size(); ++i)  // in older files each row is a round
+    rounds.push_back(
+        {of.note[i], of.seconds_s[i], of.compute_s[i], of.tasks[i], of.rounds ? of.rounds[i] : 1});
   return rounds;
 }
 
 std::string ProvenanceHtml(const Blob& result) {
   std::string text;
-  if (result.Has("provenance/job_yaml")) {
-    text += "<pre>" + Escape(result.Text("provenance/job_yaml")) + "</pre>\n";
-  }
+  if (const Texts yaml = kinds::Provenance::In(result).job_yaml)
+    text += "<pre>" + Escape(yaml.Scalar()) + "</pre>\n";
   return text;
 }
 

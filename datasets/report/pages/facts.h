@@ -17,6 +17,9 @@ std::string LeadHtml(const Blob& result, const Blob* log);
 // The key numbers, as tiles.
 std::string TilesHtml(const Blob& result, const Evaluation* evaluation);
 
+// How long the result took, as a tile; nothing where the provenance does not tell.
+std::string WallTimeTile(const Blob& result);
+
 // How sure the map is, in the words of the run's summary.
 std::string ConfidenceHtml(const Blob& result);
 

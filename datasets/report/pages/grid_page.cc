@@ -11,6 +11,7 @@
 #include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
+#include "schema/kinds/grid_map.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -57,12 +58,12 @@ void AddPaths(const Scene& scene, std::vector<LegendEntry>* legend) {
 }
 
 std::string HistoryHtml(const Blob& map) {
-  if (!map.Has("history/log_likelihood")) return {};
-  const auto values = map.Get<double>("history/log_likelihood");
+  const auto history = FieldsIn<kinds::GridMap::History>("history/", map);
+  if (!history.log_likelihood) return {};
+  const std::span<const double> values = history.log_likelihood;
+  const std::span<const std::int64_t> occupied = history.occupied.OrNone();
   // The empty map is so much less likely than any other that beside it the others' curve is flat.
-  const bool from_empty = values.size() > 2 && map.Has("history/occupied") &&
-                          map.at("history/occupied").size() > 0 &&
-                          map.Get<std::int64_t>("history/occupied")[0] == 0;
+  const bool from_empty = values.size() > 2 && !occupied.empty() && occupied[0] == 0;
   Curve curve;
   for (std::size_t round = from_empty ? 1 : 0; round < values.size(); ++round)
     curve.points.push_back({static_cast<double>(round), values[round]});
@@ -102,11 +103,12 @@ struct ScanCount {
 };
 ScanCount CountScans(const Blob& map) {
   ScanCount count;
-  for (const auto& [name, array] : map.fields()) {
-    if (!name.starts_with("robot/") || !name.ends_with("/held_out")) continue;
-    for (const std::uint8_t held_out : map.Get<std::uint8_t>(name)) {
-      ++count.scans;
-      count.held_out += held_out;
+  for (const kinds::GridMap::Robot& robot : Read<kinds::GridMap>(map).robot) {
+    for (const kinds::GridMap::Sensor& sensor : robot.sensors) {
+      for (const std::uint8_t held_out : sensor.held_out.OrNone()) {
+        ++count.scans;
+        count.held_out += held_out;
+      }
     }
   }
   return count;
@@ -131,11 +133,9 @@ std::string Tiles(const Blob& map, const GridEvaluation* evaluation) {
   }
   if (map.Has("history/log_likelihood"))
     tiles += TileHtml(std::to_string(map.at("history/log_likelihood").size()), "rounds");
-  if (map.Has("search/cut_short") && map.Scalar<std::uint8_t>("search/cut_short") != 0)
+  if (Read<kinds::GridMap>(map).cut_short.Or(0) != 0)
     tiles += TileHtml("cut short", "the search, by the option rounds", "bad");
-  if (map.Has("provenance/seconds_s"))
-    tiles += TileHtml(Duration(map.Scalar<double>("provenance/seconds_s")), "wall time");
-  return TilesHtml(tiles);
+  return TilesHtml(tiles + WallTimeTile(map));
 }
 
 // Every single number that the result gives beside its map: parameters as given or estimated.

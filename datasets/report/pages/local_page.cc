@@ -11,6 +11,8 @@
 #include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
 #include "datasets/report/pictures.h"
+#include "schema/kinds/local_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -46,9 +48,7 @@ std::string Tiles(const Blob& result, const LocalEvaluation* score) {
     tiles += TileHtml(std::to_string(score->loops.wrong) + " of " + std::to_string(score->loops.found),
                       "loops wrong by more than half a metre", score->loops.wrong == 0 ? "good" : "bad");
   }
-  if (result.Has("provenance/seconds_s"))
-    tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
-  return TilesHtml(tiles);
+  return TilesHtml(tiles + WallTimeTile(result));
 }
 
 // Without the jumps of angles that are known modulo a quarter turn.
@@ -60,19 +60,18 @@ void AddUnwrapped(double time_s, double angle_rad, std::vector<ChartPoint>* poin
 
 // Of one robot: as it was found, and as truth has it.
 std::string WallsHtml(const Blob& result, const Blob* log, std::size_t robot) {
-  const std::string walls = "robot/" + std::to_string(robot) + "/walls/";
-  if (!result.Has(walls + "time_s")) return "";
-  const auto time = result.Get<double>(walls + "time_s"), angle = result.Get<double>(walls + "angle_rad");
+  const std::string prefix = "robot/" + std::to_string(robot) + "/";
+  const auto walls = FieldsIn<kinds::LocalMap::Walls>(prefix + "walls/", result);
+  if (!walls.time_s) return "";
+  const std::span<const double> time = walls.time_s, angle = walls.angle_rad;
   Curve found{.name = "found", .points = {}, .colour = 0}, truth{.name = "true", .points = {}, .colour = 1};
   for (std::size_t i = 0; i < time.size(); ++i)
     if (std::isfinite(angle[i])) AddUnwrapped(time[i], angle[i], &found.points);
-  if (log != nullptr && log->Has("truth/" + walls + "time_s")) {
-    const auto true_s = log->Get<double>("truth/" + walls + "time_s"),
-               true_rad = log->Get<double>("truth/" + walls + "angle_rad");
-    const std::string prefix = "robot/" + std::to_string(robot) + "/";
-    const Track poses = ReadTrack(*log, "truth/" + prefix + "poses/"),
-                odometry = DeadReckoned(*log, prefix + "odometry/");
-    for (std::size_t i = 0; i < std::min(true_s.size(), true_rad.size()); ++i) {
+  const auto of_truth = FieldsIn<kinds::Log::TrueRobot>("truth/" + prefix, log != nullptr ? *log : Blob());
+  if (of_truth.walls_time_s) {
+    const std::span<const double> true_s = of_truth.walls_time_s, true_rad = of_truth.walls_angle_rad;
+    const Track poses = TrackOf(of_truth.poses), odometry = OdometryOf(*log).at(robot);
+    for (std::size_t i = 0; i < true_s.size(); ++i) {
       const auto at = PoseAt(poses, true_s[i]), reckoned = PoseAt(odometry, true_s[i], HUGE_VAL);
       if (!at || !reckoned) continue;
       const double angle_rad = true_rad[i] + reckoned->heading_rad - at->heading_rad;
@@ -149,8 +148,8 @@ std::string MatchSection(const LocalResult& local, const Blob* log) {
 
 std::vector<Track> OdometryOf(const Blob& log) {
   std::vector<Track> tracks;
-  for (std::size_t r = 0; r < log.Texts("robots").size(); ++r)
-    tracks.push_back(DeadReckoned(log, "robot/" + std::to_string(r) + "/odometry/"));
+  for (const kinds::Log::Robot& robot : Read<kinds::Log>(log).robot)
+    tracks.push_back(DeadReckoned(robot.odometry));
   return tracks;
 }
 
@@ -182,10 +181,9 @@ std::vector<Path> OdometryFrom(const LocalResult& local, const std::vector<std::
 
 // Where a run was cut: the pose after each of the stored times begins anew.
 std::vector<std::size_t> CutsOf(const Blob& result, std::size_t robot, const Track& track) {
-  const std::string name = "robot/" + std::to_string(robot) + "/cuts/time_s";
+  const auto cuts = Column<double>::In(result, "robot/" + std::to_string(robot) + "/cuts/time_s");
   std::vector<std::size_t> breaks;
-  if (!result.Has(name)) return breaks;
-  for (const double time_s : result.Get<double>(name)) {
+  for (const double time_s : cuts.OrNone()) {
     const auto next =
         static_cast<std::size_t>(std::ranges::upper_bound(track.time_s, time_s) - track.time_s.begin());
     if (next > 0 && next < track.time_s.size() && (breaks.empty() || next > breaks.back()))

@@ -74,9 +74,7 @@ std::string Tiles(const Blob& result, const LocalizedSteps& localized, const Loc
     tiles += TileHtml(Metres(MeanSpread(localized, false)), "as far off as it believes to be, at the start");
     tiles += TileHtml(Metres(MeanSpread(localized, true)), "and at the end");
   }
-  if (result.Has("provenance/seconds_s"))
-    tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
-  return TilesHtml(tiles);
+  return TilesHtml(tiles + WallTimeTile(result));
 }
 
 // The start, the end, and some ten rows between them.

@@ -9,6 +9,7 @@
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/pages.h"
 #include "datasets/report/pages/parts.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -30,16 +31,9 @@ struct TrainingHistory {
   }
 };
 
-std::vector<double> Column(const Blob& result, const std::string& name) {
-  const auto values = result.Get<double>(name);
-  return {values.begin(), values.end()};
-}
-
-TrainingHistory HistoryOf(const Blob& result) {
-  TrainingHistory h{Column(result, "history/training_error_m"), Column(result, "history/validation_error_m"),
-                    Column(result, "history/gradient_norm"), result.Scalar<double>("prior_error_m"),
-                    result.Scalar<double>("validation_prior_error_m")};
-  return h;
+TrainingHistory HistoryOf(const kinds::Networks& of) {
+  return {of.history.training_error_m.vector(), of.history.validation_error_m.vector(),
+          of.history.gradient_norm.vector(), of.prior_error_m.Scalar(), of.validation_prior_error_m.Scalar()};
 }
 
 // By step, from 1.
@@ -71,9 +65,10 @@ std::string TrainingHtml(const TrainingHistory& h) {
 }  // namespace
 
 std::vector<std::vector<ChartPoint>> OutputsAlongRun(const Blob& result) {
-  const auto run = result.Get<std::int32_t>("map/run");
-  const auto along = result.Get<double>("map/along_m");
-  const auto output = result.Get<float>("map/output");
+  const auto map = FieldsIn<kinds::Networks::Map>("map/", result);
+  const std::span<const std::int32_t> run = map.run;
+  const std::span<const double> along = map.along_m;
+  const std::span<const float> output = map.output;
   if (run.empty()) throw InputError("'map/run' is empty: there is nothing to draw");
   const std::size_t networks = output.size() / run.size();
   std::vector<std::size_t> order;
@@ -105,52 +100,44 @@ std::string OutputsHtml(const Blob& result) {
 }
 
 // Of each network, layer by layer.
-std::string HiddenUnits(const Blob& result) {
+std::string HiddenUnits(const kinds::Networks::Weights& weights) {
   std::string units;
-  for (const char* name : {"networks/hidden_bias", "networks/hidden_2_bias"}) {
-    if (result.Has(name))
-      units += (units.empty() ? "" : " + ") + std::to_string(result.at(name).shape().back());
-  }
+  for (const Column<double>* bias : {&weights.hidden_bias, &weights.hidden_2_bias})
+    if (*bias) units += (units.empty() ? "" : " + ") + std::to_string(bias->shape().back());
   return units;
 }
 
-std::string Tiles(const Blob& result, const TrainingHistory& h) {
-  const double window_m = result.Scalar<double>("window_m");
+std::string Tiles(const Blob& result, const kinds::Networks& of, const TrainingHistory& h) {
+  const double window_m = of.window_m.Scalar();
   const double held_out = h.BestHeldOut();
   std::string tiles =
-      TileHtml(std::to_string(result.at("networks/output_bias").size()), "networks") +
-      TileHtml(HiddenUnits(result), "hidden units of each") +
+      TileHtml(std::to_string(of.networks.output_bias.size()), "networks") +
+      TileHtml(HiddenUnits(of.networks), "hidden units of each") +
       TileHtml(window_m > 0 ? "±" + Short(window_m) + " m" : "global", "uncertainty trained for") +
       TileHtml(Percent(h.Reduction()), "error reduction, runs trained on");
   if (std::isfinite(held_out))
     tiles += TileHtml(Percent(held_out), "the best on the held-out run, which chose it");
-  if (result.Has("starts/chosen"))
-    tiles += TileHtml(std::to_string(result.Scalar<std::int64_t>("starts/chosen")) + " of " +
-                          std::to_string(result.at("starts/error_m").size()),
-                      "start (from 0 on) that went on");
+  if (of.starts_chosen)
+    tiles += TileHtml(
+        std::to_string(of.starts_chosen.Scalar()) + " of " + std::to_string(of.starts_error_m.size()),
+        "start (from 0 on) that went on");
   tiles += TileHtml(Grouped(static_cast<double>(h.steps())), "steps");
-  if (result.Has("provenance/seconds_s"))
-    tiles += TileHtml(Duration(result.Scalar<double>("provenance/seconds_s")), "wall time");
-  return TilesHtml(tiles);
+  return TilesHtml(tiles + WallTimeTile(result));
 }
 
-std::string Warnings(const Blob& result) {
-  if (!result.Has("warnings")) return "";
+std::string Warnings(const Texts& warnings) {
+  if (!warnings) return "";
   std::string items;
-  for (const std::string& warning : result.Texts("warnings")) items += "<li>" + Escape(warning) + "</li>\n";
+  for (const std::string& warning : warnings) items += "<li>" + Escape(warning) + "</li>\n";
   return "<ul class=\"bad\">\n" + items + "</ul>\n";
 }
 
-std::string Ancestry(const Blob& result) {
-  if (!result.Has("ancestry/hash")) return "";
-  const auto hashes = result.Texts("ancestry/hash"), options = result.Texts("ancestry/options");
-  const auto steps = result.Get<std::int64_t>("ancestry/steps");
-  const auto errors = Column(result, "ancestry/training_error_m"),
-             priors = Column(result, "ancestry/prior_error_m");
+std::string Ancestry(const kinds::Networks::Ancestry& of) {
+  if (!of.hash) return "";
   Table rows{{"result", "steps", "error reduction", "options"}};
-  for (std::size_t i = 0; i < hashes.size(); ++i) {
-    rows.push_back(
-        {hashes[i].substr(0, 8), std::to_string(steps[i]), Percent(1 - errors[i] / priors[i]), options[i]});
+  for (std::size_t i = 0; i < of.hash.size(); ++i) {
+    rows.push_back({of.hash[i].substr(0, 8), std::to_string(of.steps[i]),
+                    Percent(1 - of.training_error_m[i] / of.prior_error_m[i]), of.options[i]});
   }
   return TableHtml(rows);
 }
@@ -158,16 +145,17 @@ std::string Ancestry(const Blob& result) {
 }  // namespace
 
 std::string NetworksHtml(const Blob& result) {
-  const TrainingHistory h = HistoryOf(result);
-  const auto samples = result.at("map/x_m").size();
-  std::string html = "<p class=\"lead\">" + Count(samples, "sample") + " of " +
-                     Count(result.at("networks/input_mean").size(), "input") + " trained on.</p>\n";
-  html += Tiles(result, h);
-  html += SectionHtml("Warnings", Warnings(result));
+  const auto of = Read<kinds::Networks>(result);
+  const TrainingHistory h = HistoryOf(of);
+  std::string html = "<p class=\"lead\">" + Count(static_cast<std::int64_t>(of.map.x_m.size()), "sample") +
+                     " of " + Count(static_cast<std::int64_t>(of.networks.input_mean.size()), "input") +
+                     " trained on.</p>\n";
+  html += Tiles(result, of, h);
+  html += SectionHtml("Warnings", Warnings(of.warnings));
   html += SectionHtml("Training", TrainingHtml(h));
   html += SectionHtml("What the networks see", OutputsHtml(result));
   html += SectionHtml("Time", TimeHtml(RoundTimes(result)));
-  return html + SectionHtml("Before this run", Ancestry(result));
+  return html + SectionHtml("Before this run", Ancestry(of.ancestry));
 }
 
 std::string NetworksPng(const Blob& result) {
