@@ -6,12 +6,22 @@
 
 namespace cairn {
 
+// Their `Fields` are as schema/kinds/fields.h says.
 struct Point {
   double x_m = 0, y_m = 0;
+  static void Fields(const auto& field) {
+    field("x_m", &Point::x_m);
+    field("y_m", &Point::y_m);
+  }
 };
 
 struct Pose {
   double x_m = 0, y_m = 0, heading_rad = 0;
+  static void Fields(const auto& field) {
+    field("x_m", &Pose::x_m);
+    field("y_m", &Pose::y_m);
+    field("heading_rad", &Pose::heading_rad);
+  }
 };
 
 inline double DistanceM(Point a, Point b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }

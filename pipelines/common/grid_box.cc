@@ -62,18 +62,4 @@ Extent ParseExtent(const std::string& option, const std::string& text) {
   return extent;
 }
 
-void PutGridBox(const std::string& prefix, const GridBox& box, Blob* blob) {
-  blob->PutScalar(prefix + "origin_x_m", box.origin_x_m);
-  blob->PutScalar(prefix + "origin_y_m", box.origin_y_m);
-  blob->PutScalar(prefix + "cell_m", box.cell_m);
-  blob->PutScalar(prefix + "columns", box.columns);
-  blob->PutScalar(prefix + "rows", box.rows);
-}
-
-GridBox GridBoxOf(const std::string& prefix, const Blob& blob) {
-  return {blob.Scalar<double>(prefix + "origin_x_m"), blob.Scalar<double>(prefix + "origin_y_m"),
-          blob.Scalar<double>(prefix + "cell_m"), blob.Scalar<std::int64_t>(prefix + "columns"),
-          blob.Scalar<std::int64_t>(prefix + "rows")};
-}
-
 }  // namespace cairn

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn {
 
@@ -30,6 +30,13 @@ struct GridBox {
     return origin_x_m + (static_cast<double>(column) + 0.5) * cell_m;
   }
   double CentreY(std::int64_t row) const { return origin_y_m + (static_cast<double>(row) + 0.5) * cell_m; }
+  static void Fields(const auto& field) {
+    field("origin_x_m", &GridBox::origin_x_m);
+    field("origin_y_m", &GridBox::origin_y_m);
+    field("cell_m", &GridBox::cell_m);
+    field("columns", &GridBox::columns);
+    field("rows", &GridBox::rows);
+  }
 };
 
 // Grows to hold points; `ToGrid` gives the box of whole cells, whose corners are multiples of the cell, so
@@ -60,9 +67,5 @@ class Extent {
 // "x0,y0,x1,y1" in metres.
 // Throws InputError that names `option` where that is not four numbers, or x0 < x1 and y0 < y1 do not hold.
 Extent ParseExtent(const std::string& option, const std::string& text);
-
-// origin_x_m, origin_y_m, cell_m, and the shape as columns, rows (i64).
-void PutGridBox(const std::string& prefix, const GridBox& box, Blob* blob);
-GridBox GridBoxOf(const std::string& prefix, const Blob& blob);
 
 }  // namespace cairn

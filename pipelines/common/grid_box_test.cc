@@ -44,8 +44,8 @@ TEST(GridBox, AnExtentIsFourNumbersLowerLeftFirst) {
 
 TEST(GridBox, ComesBackFromABlob) {
   Blob blob;
-  PutGridBox("grid/", {-1, 2, 0.5, 7, 9}, &blob);
-  const GridBox box = GridBoxOf("grid/", blob);
+  PutFields("grid/", GridBox{-1, 2, 0.5, 7, 9}, &blob);
+  const GridBox box = FieldsIn<GridBox>("grid/", blob);
   EXPECT_EQ(box.origin_y_m, 2);
   EXPECT_EQ(box.columns, 7);
   EXPECT_EQ(box.rows, 9);

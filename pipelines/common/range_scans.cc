@@ -8,6 +8,7 @@
 
 #include "pipelines/common/pose_track.h"
 #include "schema/error.h"
+#include "schema/kinds/grid_map.h"
 
 namespace cairn {
 namespace {
@@ -226,37 +227,27 @@ void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result) {
   result->Put("robots", log.at("robots"));
   result->Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
   for (const RangeScans& sensor : scans.sensors) {
-    std::vector<double> x, y, heading;
-    for (const Pose& pose : sensor.pose) {
-      x.push_back(pose.x_m);
-      y.push_back(pose.y_m);
-      heading.push_back(WrapAngle(pose.heading_rad));
-    }
-    result->PutVector(sensor.name + "time_s", sensor.time_s);
-    result->PutVector(sensor.name + "x_m", x);
-    result->PutVector(sensor.name + "y_m", y);
-    result->PutVector(sensor.name + "heading_rad", heading);
-    result->PutVector(sensor.name + "held_out", sensor.held_out);
+    kinds::GridMap::Sensor of;
+    of.Set(sensor.time_s, sensor.pose);
+    of.heading_rad = ColumnOf(sensor.pose, [](const Pose& pose) { return WrapAngle(pose.heading_rad); });
+    of.held_out = sensor.held_out;
+    PutFields(sensor.name, of, result);
   }
 }
 
 Blob SensorBlob(const RangeScans& sensor) {
-  std::vector<double> beams;
-  for (const Pose& beam : sensor.beams) beams.insert(beams.end(), {beam.x_m, beam.y_m, beam.heading_rad});
   Blob blob;
   blob.Put("name", Array::Text(sensor.name));
-  blob.Put("beam", Array::Of<double>({static_cast<std::int64_t>(sensor.beams.size()), 3}, beams));
+  PutRows("beam/", sensor.beams, &blob);
   blob.PutScalar("opening_rad", sensor.opening_rad);
   blob.PutScalar("max_range_m", sensor.max_range_m);
   return blob;
 }
 
 Blob ScansBlob(const RangeScans& sensor) {
-  std::vector<double> pose;
-  for (const Pose& p : sensor.pose) pose.insert(pose.end(), {p.x_m, p.y_m, p.heading_rad});
   Blob blob;
   blob.PutVector("time_s", sensor.time_s);
-  blob.Put("pose", Array::Of<double>({static_cast<std::int64_t>(sensor.scans()), 3}, pose));
+  PutRows("pose/", sensor.pose, &blob);
   if (!sensor.turret_rad.empty()) blob.PutVector("turret_rad", sensor.turret_rad);
   blob.PutVector("held_out", sensor.held_out);
   blob.PutVector("row", sensor.row);
@@ -266,23 +257,15 @@ Blob ScansBlob(const RangeScans& sensor) {
 RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log) {
   RangeScans result;
   result.name = sensor.Text("name");
-  const auto beam = sensor.Get<double>("beam"), pose = scans.Get<double>("pose");
-  for (std::size_t b = 0; b < beam.size(); b += 3)
-    result.beams.push_back({beam[b], beam[b + 1], beam[b + 2]});
-  for (std::size_t s = 0; s < pose.size(); s += 3) result.pose.push_back({pose[s], pose[s + 1], pose[s + 2]});
+  result.beams = RowsIn<Pose>(sensor, "beam/");
+  result.pose = RowsIn<Pose>(scans, "pose/");
   result.opening_rad = sensor.Scalar<double>("opening_rad");
   result.max_range_m = sensor.Scalar<double>("max_range_m");
-  const auto time = scans.Get<double>("time_s");
-  const auto held_out = scans.Get<std::uint8_t>("held_out");
-  result.time_s.assign(time.begin(), time.end());
-  result.held_out.assign(held_out.begin(), held_out.end());
-  if (scans.Has("turret_rad")) {
-    const auto turret = scans.Get<double>("turret_rad");
-    result.turret_rad.assign(turret.begin(), turret.end());
-  }
-  const auto row = scans.Get<std::int64_t>("row");
-  result.row.assign(row.begin(), row.end());
-  result.range_m = RowsOf(log.at(result.name + "range_m"), row, result.beams.size());
+  result.time_s = Column<double>::In(scans, "time_s").vector();
+  result.held_out = Column<std::uint8_t>::In(scans, "held_out").vector();
+  if (const auto turret = Column<double>::In(scans, "turret_rad")) result.turret_rad = turret.vector();
+  result.row = Column<std::int64_t>::In(scans, "row").vector();
+  result.range_m = RowsOf(log.at(result.name + "range_m"), result.row, result.beams.size());
   return result;
 }
 

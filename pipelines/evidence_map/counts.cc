@@ -37,7 +37,7 @@ struct Sparse {
 struct Place {
   Place(const GridBox& whole, const Blob& partial)
       : grid(whole),
-        box(GridBoxOf("", partial)),
+        box(cairn::Read<GridBox>(partial)),
         column(partial.Scalar<std::int64_t>("first_column")),
         row(partial.Scalar<std::int64_t>("first_row")) {}
 
@@ -99,7 +99,7 @@ Blob ToBlob(const Counts& counts) {
     if (counts.occupied[k] != 0) occupied.Add(k, counts.occupied[k]);
   }
   Blob blob;
-  PutGridBox("", counts.box, &blob);
+  PutFields("", counts.box, &blob);
   blob.PutScalar("first_column", counts.first_column);
   blob.PutScalar("first_row", counts.first_row);
   blob.PutVector("free_low", low);

@@ -113,7 +113,7 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
   const GridBox grid = GridOf(scans, options_.grid, kBytesPerCell);
   Step step;
   Blob box, poses;
-  PutGridBox("", grid, &box);
+  PutFields("", grid, &box);
   PutScanPoses(scans, *log, &poses);
   auto& blobs = *step.plan.mutable_state()->mutable_blobs();
   blobs["grid"] = step.Share(std::move(box));
@@ -128,7 +128,7 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
 
 Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) const {
   const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
-  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
   const bool cone = scans.opening_rad > 0;
   const Counts counts =
       cone ? CountCones(scans, grid, {options_.wall_m, options_.graded}, options_.use_no_return, progress)
@@ -139,7 +139,7 @@ Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) con
 }
 
 Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs) const {
-  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
   const auto cells = static_cast<std::size_t>(grid.cells());
   std::array<Totals, 2> totals;  // of rays, of cones
   for (std::size_t k = 0; k < partials.size(); ++k) {

@@ -26,8 +26,8 @@ class Turn {
       : options_(options),
         partials_(partials),
         inputs_(inputs),
-        schedule_(Schedule::Load(state)),
-        map_(MapState::Of(*inputs.Get(kMapBlob))) {
+        schedule_(ScalarsIn<Schedule>(state)),
+        map_(Read<MapState>(*inputs.Get(kMapBlob))) {
     *step_.plan.mutable_state() = state;
   }
 
@@ -48,7 +48,7 @@ class Turn {
       case Phase::kCertainty:
         CAIRN_DEMAND(false, "the result follows");
     }
-    schedule_.Store(step_.plan.mutable_state());
+    PutScalars(schedule_, "", step_.plan.mutable_state());
     PlanTasks(&step_.plan);
     step_.plan.set_note(Note());
     ExpectRest(options_.rounds, options_.estimate, &step_.plan);
@@ -91,7 +91,7 @@ class Turn {
       return;
     }
     map_ = std::move(candidate);
-    Share(kMapBlob, map_.ToBlob());
+    Share(kMapBlob, cairn::BlobOf(map_));
     Keep(evidence, target);
     // The only tile has searched until nothing gained.
     const bool ended = !SeveralTiles() || gain < kSettledSearch * SumOf(evidence).readings;
@@ -128,12 +128,12 @@ class Turn {
   }
 
   void ImproveParameters() {
-    const std::vector<Evidence> evidence = EvidenceOf(*BlobOf(kEvidenceBlob));
+    const std::vector<Evidence> evidence = RowsIn<Evidence>(*BlobOf(kEvidenceBlob));
     if (schedule_.steps == 0) schedule_.begun_nats = schedule_.target_nats;
-    Share(kBeforeBlob, map_.ToBlob());
+    Share(kBeforeBlob, cairn::BlobOf(map_));
     for (std::size_t k = 0; k < map_.models.size(); ++k)
       map_.models[k] = Improved(map_.models[k], evidence[k], LeastSigma(map_.box));
-    Share(kMapBlob, map_.ToBlob());
+    Share(kMapBlob, cairn::BlobOf(map_));
     schedule_.phase = Phase::kParameters;
     ++schedule_.steps;
   }
@@ -144,8 +144,8 @@ class Turn {
     const double target = TargetOf(evidence, map_), gain = target - schedule_.target_nats;
     const double readings = SumOf(evidence).readings;
     if (gain <= 0) {
-      map_ = MapState::Of(*inputs_.Get(kBeforeBlob));
-      Share(kMapBlob, map_.ToBlob());
+      map_ = Read<MapState>(*inputs_.Get(kBeforeBlob));
+      Share(kMapBlob, cairn::BlobOf(map_));
     } else {
       Keep(evidence, target);
     }
@@ -163,7 +163,8 @@ class Turn {
     std::vector<Evidence> evidence(map_.models.size());
     for (std::size_t i = 0; i < partials_.size(); ++i) {
       const BlobPtr partial = partials_.Get(i);
-      evidence[static_cast<std::size_t>(partial->Scalar<std::int64_t>("sensor"))].Add(Evidence::Of(*partial));
+      evidence[static_cast<std::size_t>(partial->Scalar<std::int64_t>("sensor"))].Add(
+          Read<Evidence>(*partial));
     }
     return evidence;
   }
@@ -175,7 +176,7 @@ class Turn {
   // The evidence of the map that the search now holds.
   void Keep(const std::vector<Evidence>& evidence, double target) {
     schedule_.target_nats = target;
-    Share(kEvidenceBlob, EvidenceBlob(evidence));
+    Share(kEvidenceBlob, cairn::BlobOf(evidence));
     const BlobPtr history = inputs_.Has(kHistoryBlob) ? inputs_.Get(kHistoryBlob) : nullptr;
     Share(kHistoryBlob, WithRow(history.get(), SumOf(evidence), target, map_));
   }

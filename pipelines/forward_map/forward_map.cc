@@ -86,18 +86,18 @@ std::vector<RangeScans> SensorsOf(const Task& task, const Inputs& inputs) {
 }
 
 Blob RunTile(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  const MapState map = MapState::Of(*inputs.Get(kMapBlob));
-  const std::vector<Tile> tiles = TilesOf(*inputs.Get("tiles"));
+  const MapState map = Read<MapState>(*inputs.Get(kMapBlob));
+  const std::vector<Tile> tiles = RowsIn<Tile>(*inputs.Get("tiles"));
   const Tile& tile = tiles[static_cast<std::size_t>(task.params().at("tile").i())];
   const std::vector<RangeScans> sensors = SensorsOf(task, inputs);
-  if (task.kind() == "certainty") return CertaintyOfTile(options, map, tile, sensors, progress).ToBlob();
+  if (task.kind() == "certainty") return BlobOf(CertaintyOfTile(options, map, tile, sensors, progress));
   const bool first = task.params().at("searches").i() == 1;
   const Elsewhere elsewhere = first ? Elsewhere::kExplained : Elsewhere::kAsInTheMap;
   return ToBlob({SearchTile(options, map, tile, sensors, elsewhere, progress)});
 }
 
 Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  MapState map = MapState::Of(*inputs.Get(kMapBlob));
+  MapState map = Read<MapState>(*inputs.Get(kMapBlob));
   const std::int64_t sensor = task.params().at("sensor").i();
   const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get(kLogBlob));
   const SensorModel& model = map.models[static_cast<std::size_t>(sensor)];
@@ -111,8 +111,7 @@ Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Pr
   }
   const auto taken = static_cast<std::size_t>(task.params().at("taken").i());
   if (taken > 0) Apply(ProposalsOf(*inputs.Get(kProposalsBlob)), taken, &map.occupied);
-  Blob blob =
-      Weigh(scans, 0, scans.scans(), map.box, map.occupied, model, options.no_echo, progress).ToBlob();
+  Blob blob = BlobOf(Weigh(scans, 0, scans.scans(), map.box, map.occupied, model, options.no_echo, progress));
   blob.PutScalar("sensor", sensor);
   return blob;
 }
@@ -148,14 +147,14 @@ Step ForwardMap::Start(const Inputs& inputs) const {
   std::size_t tiles = 0;
   for (std::int64_t split = 0; split < kSplits; ++split) {
     const std::vector<Tile> cut = CutTiles(load, options_.tile_mcrossings * 1e6, kShares[split]);
-    Share(TilesBlob(split), ToBlob(cut), &step);
+    Share(TilesBlob(split), BlobOf(cut), &step);
     (*step.plan.mutable_state()->mutable_scalars())[TilesKey(split)].set_i(
         static_cast<std::int64_t>(cut.size()));
     tiles = std::max(tiles, cut.size());
   }
-  Share(kMapBlob, map.ToBlob(), &step);
+  Share(kMapBlob, BlobOf(map), &step);
   (*step.plan.mutable_state()->mutable_scalars())[kCrossings].set_d(load.Sum());
-  Schedule().Store(step.plan.mutable_state());
+  PutScalars(Schedule(), "", step.plan.mutable_state());
   PlanTasks(&step.plan);
   step.plan.set_note(StartNote(scans, map.box, tiles));
   ExpectRest(options_.rounds, options_.estimate, &step.plan);
@@ -168,14 +167,15 @@ Blob ForwardMap::Run(const Task& task, const Inputs& inputs, Progress& progress)
 }
 
 Step ForwardMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  if (Schedule::Load(state).phase != Phase::kCertainty)
+  if (ScalarsIn<Schedule>(state).phase != Phase::kCertainty)
     return AdvanceSearch(options_, state, partials, inputs);
   Step step;
   *step.plan.mutable_state() = state;
-  step.plan.set_result(step.Share(ResultOf(
-      options_, ReadScans(options_, inputs), *inputs.Get("log"), MapState::Of(*inputs.Get(kMapBlob)),
-      TilesOf(*inputs.Get(TilesBlob(0))), *inputs.Get(kHistoryBlob), Schedule::Load(state), partials)));
-  const Schedule schedule = Schedule::Load(state);
+  step.plan.set_result(
+      step.Share(ResultOf(options_, ReadScans(options_, inputs), *inputs.Get("log"),
+                          Read<MapState>(*inputs.Get(kMapBlob)), RowsIn<Tile>(*inputs.Get(TilesBlob(0))),
+                          *inputs.Get(kHistoryBlob), ScalarsIn<Schedule>(state), partials)));
+  const Schedule schedule = ScalarsIn<Schedule>(state);
   step.plan.set_note(schedule.cut_short ? "done; cut short after " + std::to_string(schedule.searches) +
                                               " searches, all that 'rounds' allows"
                                         : "done");

@@ -26,6 +26,14 @@ struct SensorModel {
   // That it tells of obstacles.
   double p_sound() const { return 1 - p_rand - p_lost; }
   friend bool operator==(const SensorModel&, const SensorModel&) = default;
+  static void Fields(const auto& field) {
+    field("p_hit", &SensorModel::p_hit);
+    field("p_rand", &SensorModel::p_rand);
+    field("p_lost", &SensorModel::p_lost);
+    field("sigma_m", &SensorModel::sigma_m);
+    field("no_echo_sigma_m", &SensorModel::no_echo_m);
+    field("z_max_m", &SensorModel::z_max_m);
+  }
 };
 
 // exp(-(x / sigma)^2 / 2) / (sigma sqrt(2 pi)) up to kReach standard deviations, then 0; 1/m.

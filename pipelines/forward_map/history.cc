@@ -3,16 +3,16 @@
 namespace cairn::forward_map {
 namespace {
 
-template <class T>
-void Append(const Blob* history, const std::string& name, T value, Blob* blob) {
-  std::vector<T> values;
-  if (history != nullptr) {
-    const auto before = history->Get<T>(name);
-    values.assign(before.begin(), before.end());
+struct HistoryRow {
+  double log_likelihood = 0, target = 0, expected_log_likelihood = 0;
+  std::int64_t occupied = 0;
+  static void Fields(const auto& field) {
+    field("log_likelihood", &HistoryRow::log_likelihood);
+    field("target", &HistoryRow::target);
+    field("expected_log_likelihood", &HistoryRow::expected_log_likelihood);
+    field("occupied", &HistoryRow::occupied);
   }
-  values.push_back(value);
-  blob->PutVector(name, values);
-}
+};
 
 }  // namespace
 
@@ -22,26 +22,13 @@ Evidence SumOf(const std::vector<Evidence>& evidence) {
   return sum;
 }
 
-Blob EvidenceBlob(const std::vector<Evidence>& evidence) {
-  Blob blob;
-  for (std::size_t k = 0; k < evidence.size(); ++k)
-    blob.PutAll(std::to_string(k) + "/", evidence[k].ToBlob());
-  return blob;
-}
-
-std::vector<Evidence> EvidenceOf(const Blob& blob) {
-  std::vector<Evidence> evidence;
-  for (std::size_t k = 0; k < blob.fields().size(); ++k)
-    evidence.push_back(Evidence::Of(blob.Sub(std::to_string(k) + "/")));
-  return evidence;
-}
-
 Blob WithRow(const Blob* history, const Evidence& evidence, double target_nats, const MapState& map) {
+  std::vector<HistoryRow> rows;
+  if (history != nullptr) AppendRows("history/", *history, &rows);
+  rows.push_back({evidence.log_likelihood, target_nats, evidence.log_likelihood - evidence.entropy,
+                  static_cast<std::int64_t>(map.CountOccupied())});
   Blob blob;
-  Append(history, "history/log_likelihood", evidence.log_likelihood, &blob);
-  Append(history, "history/target", target_nats, &blob);
-  Append(history, "history/expected_log_likelihood", evidence.log_likelihood - evidence.entropy, &blob);
-  Append(history, "history/occupied", static_cast<std::int64_t>(map.CountOccupied()), &blob);
+  PutRows("history/", rows, &blob);
   return blob;
 }
 

@@ -10,9 +10,6 @@ namespace cairn::forward_map {
 // Sums of the sensors' evidence.
 Evidence SumOf(const std::vector<Evidence>& evidence);
 
-Blob EvidenceBlob(const std::vector<Evidence>& evidence);
-std::vector<Evidence> EvidenceOf(const Blob& blob);
-
 // `history` (may be null) and one more row: history/log_likelihood, target, expected_log_likelihood,
 // occupied.
 Blob WithRow(const Blob* history, const Evidence& evidence, double target_nats, const MapState& map);

@@ -2,27 +2,6 @@
 
 namespace cairn::forward_map {
 
-Blob MapState::ToBlob() const {
-  Blob blob;
-  PutGridBox("", box, &blob);
-  blob.Put("occupied", Array::Of<std::uint8_t>({box.rows, box.columns}, occupied));
-  std::vector<double> values;
-  for (const SensorModel& m : models)
-    values.insert(values.end(), {m.p_hit, m.p_rand, m.p_lost, m.sigma_m, m.no_echo_m, m.z_max_m});
-  blob.Put("model", Array::Of<double>({static_cast<std::int64_t>(models.size()), 6}, values));
-  return blob;
-}
-
-MapState MapState::Of(const Blob& blob) {
-  const auto occupied = blob.Get<std::uint8_t>("occupied");
-  const auto values = blob.Get<double>("model");
-  MapState state{GridBoxOf("", blob), {occupied.begin(), occupied.end()}, {}};
-  for (std::size_t i = 0; i + 5 < values.size(); i += 6)
-    state.models.push_back(
-        {values[i], values[i + 1], values[i + 2], values[i + 3], values[i + 4], values[i + 5]});
-  return state;
-}
-
 double MapState::CountOccupied() const {
   std::int64_t count = 0;
   for (const std::uint8_t cell : occupied) count += cell;

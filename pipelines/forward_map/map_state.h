@@ -8,6 +8,7 @@
 #include "pipelines/forward_map/forward_model.h"
 #include "pipelines/forward_map/search.h"
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::forward_map {
 
@@ -16,8 +17,11 @@ struct MapState {
   std::vector<std::uint8_t> occupied;  // [rows][columns]
   std::vector<SensorModel> models;     // of each sensor
 
-  Blob ToBlob() const;
-  static MapState Of(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("box", &MapState::box);
+    field("occupied", &MapState::occupied);
+    field("model", &MapState::models);
+  }
   double CountOccupied() const;
   // log p(m) but for a constant.
   double LogPrior(const MapPrior& prior) const;

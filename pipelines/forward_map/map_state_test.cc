@@ -16,7 +16,7 @@ MapState SomeMap() {
 }
 
 TEST(MapState, ComesBackFromItsBlob) {
-  const MapState map = SomeMap(), back = MapState::Of(map.ToBlob());
+  const MapState map = SomeMap(), back = Read<MapState>(BlobOf(map));
   EXPECT_EQ(back.occupied, map.occupied);
   EXPECT_EQ(back.models, map.models);
   EXPECT_EQ(back.box.origin_x_m, -1);

@@ -81,37 +81,9 @@ std::string TilesBlob(std::int64_t split) { return "tiles/" + std::to_string(spl
 std::string SensorBlobName(std::int64_t sensor) { return "sensor/" + std::to_string(sensor); }
 std::string ScansBlobName(std::int64_t sensor) { return "scans/" + std::to_string(sensor); }
 
-void Schedule::Store(State* state) const {
-  auto& scalars = *state->mutable_scalars();
-  scalars["phase"].set_i(static_cast<std::int64_t>(phase));
-  scalars["searches"].set_i(searches);
-  scalars["split"].set_i(split);
-  scalars["quiet"].set_i(quiet);
-  scalars["taken"].set_i(taken);
-  scalars["steps"].set_i(steps);
-  scalars["target_nats"].set_d(target_nats);
-  scalars["begun_nats"].set_d(begun_nats);
-  scalars["settled"].set_b(settled);
-  scalars["cut_short"].set_b(cut_short);
-}
-
-Schedule Schedule::Load(const State& state) {
-  const auto& scalars = state.scalars();
-  return {.phase = static_cast<Phase>(scalars.at("phase").i()),
-          .searches = scalars.at("searches").i(),
-          .split = scalars.at("split").i(),
-          .quiet = scalars.at("quiet").i(),
-          .taken = scalars.at("taken").i(),
-          .steps = scalars.at("steps").i(),
-          .settled = scalars.at("settled").b(),
-          .cut_short = scalars.at("cut_short").b(),
-          .target_nats = scalars.at("target_nats").d(),
-          .begun_nats = scalars.at("begun_nats").d()};
-}
-
 void PlanTasks(proto::Step* plan) {
   plan->clear_tasks();
-  const Schedule schedule = Schedule::Load(plan->state());
+  const Schedule schedule = ScalarsIn<Schedule>(plan->state());
   switch (schedule.phase) {
     case Phase::kSearch:
       return PlanTiles("search", SearchUs(schedule), schedule, schedule.split, plan);
@@ -126,7 +98,7 @@ void PlanTasks(proto::Step* plan) {
 }
 
 void ExpectRest(std::int64_t rounds, bool estimate, proto::Step* plan) {
-  const Schedule schedule = Schedule::Load(plan->state());
+  const Schedule schedule = ScalarsIn<Schedule>(plan->state());
   if (schedule.phase == Phase::kCertainty) return;
   const double crossings = CrossingsIn(plan->state());
   const auto tiles = static_cast<double>(plan->state().scalars().at(TilesKey(0)).i());

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/common/state_scalars.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::forward_map {
@@ -30,8 +31,18 @@ struct Schedule {
   double target_nats = 0;     // log p(Z | m) + log p(m) of the map that the search holds
   double begun_nats = 0;      // the same when the parameters last began to change
 
-  void Store(State* state) const;
-  static Schedule Load(const State& state);
+  static void Fields(const auto& field) {
+    field("phase", &Schedule::phase);
+    field("searches", &Schedule::searches);
+    field("split", &Schedule::split);
+    field("quiet", &Schedule::quiet);
+    field("taken", &Schedule::taken);
+    field("steps", &Schedule::steps);
+    field("settled", &Schedule::settled);
+    field("cut_short", &Schedule::cut_short);
+    field("target_nats", &Schedule::target_nats);
+    field("begun_nats", &Schedule::begun_nats);
+  }
 };
 
 // Ways to cut tiles: their borders differ, so that none is in the way of both.

@@ -5,6 +5,7 @@
 
 #include "pipelines/forward_map/beams.h"
 #include "pipelines/forward_map/weigh.h"
+#include "schema/kinds/grid_map.h"
 
 namespace cairn::forward_map {
 namespace {
@@ -48,15 +49,6 @@ void MarkPassers(const RangeScans& scans, std::span<const std::int32_t> cause, c
   });
 }
 
-void PutModel(const std::string& name, const SensorModel& model, Blob* result) {
-  result->PutScalar(name + "p_hit", model.p_hit);
-  result->PutScalar(name + "p_rand", model.p_rand);
-  result->PutScalar(name + "p_lost", model.p_lost);
-  result->PutScalar(name + "sigma_m", model.sigma_m);
-  result->PutScalar(name + "no_echo_sigma_m", model.no_echo_m);
-  result->PutScalar(name + "z_max_m", model.z_max_m);
-}
-
 void PutMap(const Options& options, const MapState& map, const Cells& cells, Blob* result) {
   const GridBox& box = map.box;
   std::vector<double> probability;
@@ -64,13 +56,15 @@ void PutMap(const Options& options, const MapState& map, const Cells& cells, Blo
     probability.push_back(std::isnan(difference) ? difference : ProbabilityOf(difference, options.prior));
   }
   const Shape shape = {box.rows, box.columns};
-  result->Put("map/grid/probability", Array::Of<double>(shape, probability));
-  result->Put("map/grid/log_odds_difference", Array::Of<double>(shape, cells.difference));
-  result->Put("map/grid/occupied", Array::Of<std::uint8_t>(shape, cells.occupied));
-  result->Put("map/grid/dynamic", Array::Of<std::uint8_t>(shape, cells.dynamic));
-  result->PutScalar("map/grid/origin_x_m", box.origin_x_m);
-  result->PutScalar("map/grid/origin_y_m", box.origin_y_m);
-  result->PutScalar("map/grid/cell_m", box.cell_m);
+  kinds::GridMap::Grid grid;
+  grid.origin_x_m = box.origin_x_m;
+  grid.origin_y_m = box.origin_y_m;
+  grid.cell_m = box.cell_m;
+  grid.probability = {shape, probability};
+  grid.log_odds_difference = {shape, cells.difference};
+  grid.occupied = {shape, cells.occupied};
+  grid.dynamic = {shape, cells.dynamic};
+  PutFields("map/grid/", grid, result);
 }
 
 }  // namespace
@@ -95,7 +89,7 @@ Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, 
     const RangeScans& sensor = scans.sensors[k];
     const BlobPtr explained = partials.Get(tiles.size() + k);
     result.Put(sensor.name + "cause", explained->at("cause"));
-    PutModel(sensor.name, map.models[k], &result);
+    PutFields(sensor.name, map.models[k], &result);
     MarkPassers(sensor, explained->Get<std::int32_t>("cause"), options, map.models[k], map.box, &cells);
   }
   PutMap(options, map, cells, &result);

@@ -186,13 +186,6 @@ Proposal SearchTile(const Options& options, const MapState& map, const Tile& til
   return ProposalOf(before, tile_gains.gains.occupied(), by_way_of_wide, tile, map.box);
 }
 
-Blob Certainty::ToBlob() const {
-  Blob blob;
-  blob.PutVector("difference_nats", difference_nats);
-  blob.PutVector("came_and_went", came_and_went);
-  return blob;
-}
-
 Certainty CertaintyOfTile(const Options& options, const MapState& map, const Tile& tile,
                           const std::vector<RangeScans>& sensors, Progress& progress) {
   const TileGains made =

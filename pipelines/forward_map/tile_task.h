@@ -9,6 +9,7 @@
 #include "pipelines/forward_map/options.h"
 #include "pipelines/forward_map/tiles.h"
 #include "pipelines/pipeline.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::forward_map {
 
@@ -41,7 +42,10 @@ struct Certainty {
   std::vector<double> difference_nats;
   std::vector<std::uint8_t> came_and_went;
 
-  Blob ToBlob() const;
+  static void Fields(const auto& field) {
+    field("difference_nats", &Certainty::difference_nats);
+    field("came_and_went", &Certainty::came_and_went);
+  }
 };
 Certainty CertaintyOfTile(const Options& options, const MapState& map, const Tile& tile,
                           const std::vector<RangeScans>& sensors, Progress& progress);

@@ -91,21 +91,4 @@ std::vector<Tile> CutTiles(const Load& load, double most, double share) {
   return tiles;
 }
 
-Blob ToBlob(const std::vector<Tile>& tiles) {
-  std::vector<std::int32_t> values;
-  for (const Tile& tile : tiles)
-    values.insert(values.end(), {tile.column, tile.row, tile.columns, tile.rows});
-  Blob blob;
-  blob.Put("tile", Array::Of<std::int32_t>({static_cast<std::int64_t>(tiles.size()), 4}, values));
-  return blob;
-}
-
-std::vector<Tile> TilesOf(const Blob& blob) {
-  std::vector<Tile> tiles;
-  const auto values = blob.Get<std::int32_t>("tile");
-  for (std::size_t i = 0; i + 3 < values.size(); i += 4)
-    tiles.push_back({values[i], values[i + 1], values[i + 2], values[i + 3]});
-  return tiles;
-}
-
 }  // namespace cairn::forward_map

@@ -6,6 +6,7 @@
 
 #include "pipelines/common/range_scans.h"
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::forward_map {
 
@@ -16,6 +17,12 @@ struct Tile {
     return at_column >= column && at_column < column + columns && at_row >= row && at_row < row + rows;
   }
   friend bool operator==(const Tile&, const Tile&) = default;
+  static void Fields(const auto& field) {
+    field("column", &Tile::column);
+    field("row", &Tile::row);
+    field("columns", &Tile::columns);
+    field("rows", &Tile::rows);
+  }
 };
 
 // How many beams meet how many cells, in blocks of kBlock x kBlock cells; estimated from some of the scans.
@@ -33,8 +40,5 @@ Load EstimateLoad(const std::vector<RangeScans>& sensors, const GridBox& box, do
 // Cuts the grid in two, each part again, until none has more than `most` crossings or is a block; each cut
 // leaves `share` of the work on its lower side, so that other shares have other borders. In a fixed order.
 std::vector<Tile> CutTiles(const Load& load, double most, double share);
-
-Blob ToBlob(const std::vector<Tile>& tiles);
-std::vector<Tile> TilesOf(const Blob& blob);
 
 }  // namespace cairn::forward_map

@@ -35,7 +35,7 @@ TEST(CutTiles, HaveBordersThatDifferByTheShare) {
   EXPECT_NE(CutTiles(load, 700, 0.35), CutTiles(load, 700, 0.5));
   EXPECT_EQ(CutTiles(load, 1e9, 0.5), (std::vector<Tile>{{0, 0, 100, 70}}));
   EXPECT_EQ(CutTiles(load, 0, 0.5).size(), 35U);  // blocks are never cut
-  EXPECT_EQ(TilesOf(ToBlob(CutTiles(load, 700, 0.35))), CutTiles(load, 700, 0.35));
+  EXPECT_EQ(RowsIn<Tile>(BlobOf(CutTiles(load, 700, 0.35))), CutTiles(load, 700, 0.35));
 }
 
 TEST(EstimateLoad, IsAboutTheNumberOfCellsThatBeamsMeet) {

@@ -54,18 +54,6 @@ void Evidence::Add(const Evidence& other) {
   squares_m2 += other.squares_m2;
 }
 
-Blob Evidence::ToBlob() const {
-  Blob blob;
-  blob.PutVector<double>("evidence",
-                         {readings, log_likelihood, entropy, random, lost, hits, misses, squares_m2});
-  return blob;
-}
-
-Evidence Evidence::Of(const Blob& blob) {
-  const auto v = blob.Get<double>("evidence");
-  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
-}
-
 Evidence Weigh(const RangeScans& scans, std::size_t first, std::size_t end, const GridBox& box,
                std::span<const std::uint8_t> occupied, const SensorModel& model, bool no_echo,
                Progress& progress) {

@@ -9,6 +9,7 @@
 #include "pipelines/common/range_scans.h"
 #include "pipelines/forward_map/forward_model.h"
 #include "pipelines/pipeline.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::forward_map {
 
@@ -24,8 +25,16 @@ struct Evidence {
   double squares_m2 = 0;      // of E[c_k] (z - d_k)^2
 
   void Add(const Evidence& other);
-  Blob ToBlob() const;
-  static Evidence Of(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("readings", &Evidence::readings);
+    field("log_likelihood", &Evidence::log_likelihood);
+    field("entropy", &Evidence::entropy);
+    field("random", &Evidence::random);
+    field("lost", &Evidence::lost);
+    field("hits", &Evidence::hits);
+    field("misses", &Evidence::misses);
+    field("squares_m2", &Evidence::squares_m2);
+  }
 };
 
 // Of the scans [first, end). occupied: [rows][columns] of `box`.

@@ -58,7 +58,7 @@ TEST(Weigh, OfSlicesAddsUp) {
   const Evidence whole = Weigh(sensors[0], 0, 30, map.box, map.occupied, map.models[0], true, progress);
   EXPECT_EQ(sum.readings, whole.readings);
   EXPECT_NEAR(sum.log_likelihood, whole.log_likelihood, 1e-9 * std::abs(whole.log_likelihood));
-  EXPECT_NEAR(Evidence::Of(sum.ToBlob()).misses, whole.misses, 1e-9 * whole.misses);
+  EXPECT_NEAR(Read<Evidence>(BlobOf(sum)).misses, whole.misses, 1e-9 * whole.misses);
   EXPECT_NEAR(whole.random + whole.hits, whole.readings, 0.5 * whole.readings);
 }
 

@@ -23,8 +23,8 @@ class Round {
         options_(options),
         state_(state),
         inputs_(inputs),
-        data_(TrainingData::FromBlob(*inputs.Get("data"))),
-        planner_(options_, seed, data_),
+        data_(Read<TrainingData>(*inputs.Get("data"))),
+        planner_(options_, seed, data_, FieldsIn<SumPlan>("sum/", *inputs.Get("data"))),
         t_(Training::Of(inputs)) {}
 
   Step End(Partials& partials) {

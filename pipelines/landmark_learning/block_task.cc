@@ -108,12 +108,11 @@ std::vector<Group> GroupsOf(const Pairs& pairs, const std::vector<IndexRange>& s
 
 }  // namespace
 
-GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
+GradientShare GradientOfStretches(const Options& options, const SumPlan& plan, const SampleSet& training,
                                   const Parameters<float>& parameters,
                                   const std::vector<IndexRange>& true_positions, double scale,
                                   const InputNoise& noise, int learns) {
   GradientShare sum;
-  const SumPlan plan = PlanSum(options, training.positions);
   for (const Group& group : GroupsOf(PairsOf(options, plan, training), true_positions)) {
     const InputRows rows(training.inputs(), group.reach, parameters.shape.inputs, noise);
     const auto activations = Forward(parameters, rows.data(), group.reach.size());
@@ -131,15 +130,14 @@ GradientShare GradientOfStretches(const Options& options, const SampleSet& train
   return sum;
 }
 
-GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
+GradientShare GradientOfBlock(const Options& options, const SumPlan& plan, const SampleSet& training,
                               const Parameters<float>& parameters, const IndexRange& true_positions) {
-  return GradientOfStretches(options, training, parameters, {true_positions}, 1.0);
+  return GradientOfStretches(options, plan, training, parameters, {true_positions}, 1.0);
 }
 
-OutputGradientShare OutputGradientOfBlock(const Options& options, const SampleSet& training,
-                                          const Parameters<float>& parameters,
+OutputGradientShare OutputGradientOfBlock(const Options& options, const SumPlan& plan,
+                                          const SampleSet& training, const Parameters<float>& parameters,
                                           const IndexRange& true_positions) {
-  const SumPlan plan = PlanSum(options, training.positions);
   const IndexRange reach = ReachOf(PairsOf(options, plan, training), true_positions);
   const auto activations =
       Forward(parameters, RowsFrom(training, reach.first, parameters.shape.inputs), reach.size());
@@ -148,13 +146,12 @@ OutputGradientShare OutputGradientOfBlock(const Options& options, const SampleSe
   return {gradients.error, reach, std::move(gradients.d_output)};
 }
 
-OutputGradientShare OutputGradientOfOutputs(const Options& options, const SampleSet& training,
-                                            std::span<const float> outputs, int networks,
-                                            const IndexRange& true_positions) {
+OutputGradientShare OutputGradientOfOutputs(const Options& options, const SumPlan& plan,
+                                            const SampleSet& training, std::span<const float> outputs,
+                                            int networks, const IndexRange& true_positions) {
   const auto row = static_cast<std::size_t>(networks);
   if (outputs.size() != static_cast<std::size_t>(training.size()) * row)
     throw InputError("the outputs are of other samples or networks");
-  const SumPlan plan = PlanSum(options, training.positions);
   const IndexRange reach = ReachOf(PairsOf(options, plan, training), true_positions);
   const auto own = outputs.subspan(static_cast<std::size_t>(reach.first) * row,
                                    static_cast<std::size_t>(reach.size()) * row);

@@ -8,6 +8,7 @@
 #include "pipelines/landmark_learning/networks/input_noise.h"
 #include "pipelines/landmark_learning/networks/networks.h"
 #include "pipelines/landmark_learning/options.h"
+#include "pipelines/landmark_learning/sum_path.h"
 
 namespace cairn::landmark_learning {
 
@@ -17,11 +18,11 @@ struct GradientShare {
   double error = 0.0;
   std::vector<float> gradient;  // [parameters]
 };
-GradientShare GradientOfBlock(const Options& options, const SampleSet& training,
+GradientShare GradientOfBlock(const Options& options, const SumPlan& sum, const SampleSet& training,
                               const Parameters<float>& parameters, const IndexRange& true_positions);
 // The same of several, in order, whose P(a) are `scale` times as large, with noise on the inputs, by the
 // weights of the networks from `learns` on.
-GradientShare GradientOfStretches(const Options& options, const SampleSet& training,
+GradientShare GradientOfStretches(const Options& options, const SumPlan& sum, const SampleSet& training,
                                   const Parameters<float>& parameters,
                                   const std::vector<IndexRange>& true_positions, double scale,
                                   const InputNoise& noise = {}, int learns = 0);
@@ -32,14 +33,14 @@ struct OutputGradientShare {
   IndexRange reach{0, 0};       // samples
   std::vector<float> d_output;  // dE/dg, [reach][networks]
 };
-OutputGradientShare OutputGradientOfBlock(const Options& options, const SampleSet& training,
-                                          const Parameters<float>& parameters,
+OutputGradientShare OutputGradientOfBlock(const Options& options, const SumPlan& sum,
+                                          const SampleSet& training, const Parameters<float>& parameters,
                                           const IndexRange& true_positions);
 
 // From the outputs of all samples: [samples][networks].
-OutputGradientShare OutputGradientOfOutputs(const Options& options, const SampleSet& training,
-                                            std::span<const float> outputs, int networks,
-                                            const IndexRange& true_positions);
+OutputGradientShare OutputGradientOfOutputs(const Options& options, const SumPlan& sum,
+                                            const SampleSet& training, std::span<const float> outputs,
+                                            int networks, const IndexRange& true_positions);
 
 // A block's share of the E_posterior of `sensed`, which are taken for samples of `map`: held-out ones for
 // training samples, or these for each other.

@@ -45,7 +45,8 @@ TEST_F(Compact, CellsOfOneSampleEachAreTheSamples) {
   ASSERT_EQ(cells.size(), set_.size());
   const std::vector<float> g(g_.begin(), g_.end());
   const auto share = OutputGradientOfCells<float>(options_, cells, g, 3, {0, cells.size()});
-  const OutputGradientShare exact = OutputGradientOfOutputs(options_, set_, g, 3, {0, set_.size()});
+  const OutputGradientShare exact =
+      OutputGradientOfOutputs(options_, PlanSum(options_, set_.positions), set_, g, 3, {0, set_.size()});
   EXPECT_NEAR(share.error, exact.error, 1e-5 * exact.error);
   ASSERT_EQ(share.d_output.size(), exact.d_output.size());
   for (std::size_t i = 0; i < share.d_output.size(); ++i)
@@ -54,7 +55,9 @@ TEST_F(Compact, CellsOfOneSampleEachAreTheSamples) {
 
 TEST_F(Compact, SmallCellsAreCloseToTheSamples) {
   const std::vector<float> g(g_.begin(), g_.end());
-  const double exact = OutputGradientOfOutputs(options_, set_, g, 3, {0, set_.size()}).error;
+  const double exact =
+      OutputGradientOfOutputs(options_, PlanSum(options_, set_.positions), set_, g, 3, {0, set_.size()})
+          .error;
   const Cells cells = CellsOf(set_, 0.15);
   ASSERT_LT(cells.size(), set_.size() * 3 / 4);
   EXPECT_NEAR(OutputGradientOfCells<float>(options_, cells, g, 3, {0, cells.size()}).error, exact,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipelines/pipeline.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_learning {
 
@@ -20,8 +21,11 @@ struct HistoryRows {
 
   std::size_t size() const { return error.size(); }
   void Append(const HistoryRows& more);
-  Blob ToBlob() const;
-  static HistoryRows FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("error", &HistoryRows::error);
+    field("validation", &HistoryRows::validation);
+    field("norm", &HistoryRows::norm);
+  }
 };
 
 class History {
@@ -40,8 +44,10 @@ class History {
   // From the first step on.
   HistoryRows All(const Inputs& inputs) const;
 
-  Blob ToBlob() const;
-  static History FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("blocks", &History::blocks_);
+    field("tail", &History::tail_);
+  }
 
  private:
   std::vector<std::int64_t> blocks_;  // the length of each

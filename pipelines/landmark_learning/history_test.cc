@@ -19,7 +19,7 @@ TEST(History, NamesFewBlobsHowEverManySteps) {
   std::size_t made = 0, most_names = 0;
   for (int s = 0; s < kSteps; ++s) {
     const MapInputs inputs = InputsOfRound(state, store, {});
-    history = History::FromBlob(history.ToBlob());  // what travels
+    history = Read<History>(BlobOf(history));  // what travels
     history.Add(s, s % 3 == 0 ? 0.5 * s : kNone, 2.0 * s);
     Step step;
     history.Share(state, inputs, &step);
@@ -29,7 +29,7 @@ TEST(History, NamesFewBlobsHowEverManySteps) {
     }
     state = step.plan.state();
     most_names = std::max(most_names, static_cast<std::size_t>(state.blobs_size()));
-    EXPECT_LT(history.ToBlob().ByteCount(), 4000U);
+    EXPECT_LT(BlobOf(history).ByteCount(), 4000U);
   }
   EXPECT_LE(most_names, 9U);  // 40,000 / 128 is below 2^9
   EXPECT_LT(made, std::size_t{kSteps} * 3 * 8 * 9);

@@ -114,7 +114,10 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
   AttachErrors(options_, inputs, &data);
   RequireSamplesInReach(options_, data);
   Training training;
-  const Planner planner(options_, seed_, data);
+  const SumPlan sum = PlanSum(options_, data.training.positions);
+  const Planner planner(options_, seed_, data, sum);
+  Blob stored = BlobOf(data);
+  PutFields("sum/", sum, &stored);
   training.learning = FirstLearning(options_);
   training.phase = planner.FirstPhase(training.learning.end);
   training.prior = PriorError(options_, data.training, data.training);
@@ -128,17 +131,17 @@ Step LandmarkLearning::Start(const Inputs& inputs) const {
     Step& step = starts.emplace_back();
     training.weights =
         parent ? parent->weights : RandomParameters<double>(shape, options_.init_width, rng).values;
-    (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(data.ToBlob());
+    (*step.plan.mutable_state()->mutable_blobs())["data"] = step.Share(stored);
     training.Share({}, inputs, &step);
     planner.Plan(training, &step);
   }
   const int count = static_cast<int>(starts.size());
   Step step = count > 1 ? FanOut(std::move(starts)) : std::move(starts.front());
   if (count > 1) ExpectTrials(options_, 0, count, &step.plan);
-  step.plan.set_note(
-      std::to_string(data.training.size()) + " samples of " + std::to_string(data.mean.size()) +
-      " inputs to train on, " + std::to_string(data.held_out.size()) + " held out; " +
-      PlanSum(options_, data.training.positions).text + (overlooked.empty() ? "" : "; " + overlooked));
+  step.plan.set_note(std::to_string(data.training.size()) + " samples of " +
+                     std::to_string(data.mean.size()) + " inputs to train on, " +
+                     std::to_string(data.held_out.size()) + " held out; " + sum.text +
+                     (overlooked.empty() ? "" : "; " + overlooked));
   return step;
 }
 

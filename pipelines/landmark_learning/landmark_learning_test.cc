@@ -86,13 +86,16 @@ TEST(LandmarkLearning, BlocksSeeTheSameNoise) {
   const auto networks = RandomParameters<float>({4, static_cast<int>(data.mean.size()), 6}, 2.0, rng);
   const InputNoise noise{1.0, 5, 17};
   const int count = data.training.size();
-  const auto whole = GradientOfStretches(options, data.training, networks, {{0, count}}, 1.0, noise);
-  const auto clean = GradientOfStretches(options, data.training, networks, {{0, count}}, 1.0);
+  const auto whole = GradientOfStretches(options, PlanSum(options, data.training.positions), data.training,
+                                         networks, {{0, count}}, 1.0, noise);
+  const auto clean = GradientOfStretches(options, PlanSum(options, data.training.positions), data.training,
+                                         networks, {{0, count}}, 1.0);
   EXPECT_GT(std::abs(whole.error - clean.error), 1e-3);
   double error = 0.0;
   std::vector<double> gradient(whole.gradient.size(), 0.0);
   for (const IndexRange& block : {IndexRange{0, 70}, IndexRange{70, 71}, IndexRange{71, count}}) {
-    const auto part = GradientOfStretches(options, data.training, networks, {block}, 1.0, noise);
+    const auto part = GradientOfStretches(options, PlanSum(options, data.training.positions), data.training,
+                                          networks, {block}, 1.0, noise);
     error += part.error;
     for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] += part.gradient[i];
   }
@@ -224,8 +227,9 @@ TEST(LandmarkLearning, AStepInPhasesIsTheStep) {
   Rng rng(7);
   const auto parameters =
       RandomParameters<double>(ShapeOf(options, data.mean.size()), options.init_width, rng);
-  const GradientShare whole = GradientOfBlock(
-      options, data.training, InFloat(parameters.shape, parameters.values), {0, data.training.size()});
+  const GradientShare whole =
+      GradientOfBlock(options, PlanSum(options, data.training.positions), data.training,
+                      InFloat(parameters.shape, parameters.values), {0, data.training.size()});
   const double norm = Norm({whole.gradient.begin(), whole.gradient.end()});
   for (const auto& [method, rounds] : {std::pair("adam", 3 * 3 + 1), std::pair("pseudo", 2 * 3 + 2 + 1)}) {
     int made = 0;
@@ -249,12 +253,14 @@ TEST(GradientOfBlock, BlocksAddUpToOneGradient) {
   const int count = data.training.size();
   for (const double window_m : {1.5, 0.0}) {
     const Options options{.window_m = window_m};
-    const GradientShare whole = GradientOfBlock(options, data.training, parameters, {0, count});
+    const GradientShare whole = GradientOfBlock(options, PlanSum(options, data.training.positions),
+                                                data.training, parameters, {0, count});
     std::vector<double> sum(whole.gradient.size(), 0.0);
     double error = 0.0;
     for (int first = 0; first < count; first += 50) {
       const GradientShare share =
-          GradientOfBlock(options, data.training, parameters, {first, std::min(count, first + 50)});
+          GradientOfBlock(options, PlanSum(options, data.training.positions), data.training, parameters,
+                          {first, std::min(count, first + 50)});
       error += share.error;
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += share.gradient[i];
     }

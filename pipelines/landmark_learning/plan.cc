@@ -33,9 +33,6 @@ void SetLearning(const Learning& learning, TaskBuilder* task) {
   task->Set("learns", learning.first).Set("in_use", learning.end);
 }
 
-// The path that is planned, so that no task plans it again.
-void SetSum(const SumPlan& sum, TaskBuilder* task) { task->Set("sum", sum.Name()); }
-
 }  // namespace
 
 // Blocks of all true positions; one where a sweep over all samples is what a block would cost too.
@@ -76,7 +73,6 @@ void Planner::PlanGradient(const Training& t, proto::Step* plan) const {
     TaskBuilder task = Add(kind, of_truth * true_positions, {"data", "parameters"}, plan);
     SetBlock(block, &task);
     SetLearning(t.learning, &task);
-    SetSum(sum_, &task);
     task.Set("step", t.steps);
   }
 }
@@ -110,7 +106,6 @@ void Planner::PlanPhase(const Training& t, proto::Step* plan) const {
       TaskBuilder task = Add(kind, flops / static_cast<double>(blocks.size()), blobs, plan);
       SetBlock(block, &task);
       SetLearning(t.learning, &task);
-      SetSum(sum_, &task);
       task.Set("step", t.steps);
     }
   };

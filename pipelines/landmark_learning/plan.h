@@ -10,11 +10,11 @@ namespace cairn::landmark_learning {
 
 class Planner {
  public:
-  Planner(const Options& options, std::uint64_t seed, const TrainingData& data)
+  Planner(const Options& options, std::uint64_t seed, const TrainingData& data, SumPlan sum)
       : options_(options),
         seed_(seed),
         data_(data),
-        sum_(PlanSum(options, data.training.positions)),
+        sum_(std::move(sum)),
         flops_per_vector_(FlopsPerVector(options, sum_.path, data.training.positions)) {}
 
   // The tasks of the next round, on what `step` has in its State.

@@ -140,10 +140,6 @@ SumPlan Tree() {
 
 }  // namespace
 
-const char* SumPlan::Name() const {
-  return path == SumPath::kLine ? "line" : path == SumPath::kTree ? "tree" : "pairs";
-}
-
 SumPlan PlanSum(const Options& options, const Positions& positions) {
   const SumPlan pairs{SumPath::kPairs, {}, "sum over all pairs in reach"};
   if (options.sum == "pairs" || (options.sum == "auto" && options.batch > 0)) return pairs;

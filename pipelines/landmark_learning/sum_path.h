@@ -5,6 +5,7 @@
 
 #include "pipelines/landmark_learning/error_sum/pairs.h"
 #include "pipelines/landmark_learning/options.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_learning {
 
@@ -14,6 +15,7 @@ enum class SumPath {
   kTree,   // TreeSums
 };
 
+// Made once, when training starts; it goes with the data.
 struct SumPlan {
   SumPath path = SumPath::kPairs;
   Positions projected = {};  // onto the line, where that changes positions: x_m is the way along it, y_m zero
@@ -22,7 +24,11 @@ struct SumPlan {
   const Positions& PositionsOf(const Positions& samples) const {
     return projected.size() > 0 ? projected : samples;
   }
-  const char* Name() const;  // as option `sum`
+  static void Fields(const auto& field) {
+    field("path", &SumPlan::path);
+    field("projected", &SumPlan::projected);
+    field("text", &SumPlan::text);
+  }
 };
 
 // As the options ask for.

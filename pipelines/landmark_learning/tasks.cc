@@ -28,7 +28,7 @@ InputNoise NoiseOf(const Options& options, std::uint64_t seed, const Task& task)
   return {options.input_noise, seed, Param(task, "step")};
 }
 
-Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData& data,
+Blob GradientTask(const Options& options, const SumPlan& sum, std::uint64_t seed, const TrainingData& data,
                   const Parameters<float>& all, const Task& task) {
   const std::int64_t step = Param(task, "step");
   const IndexRange block = BlockOf(task);
@@ -40,7 +40,7 @@ Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData
     true_positions.assign(drawn.begin() + block.first, drawn.begin() + block.end);
   }
   const GradientShare share =
-      GradientOfStretches(options, data.training, NetworksOf(all, task), true_positions, scale,
+      GradientOfStretches(options, sum, data.training, NetworksOf(all, task), true_positions, scale,
                           NoiseOf(options, seed, task), static_cast<int>(Param(task, "learns")));
   Blob partial;
   partial.PutScalar("error", share.error);
@@ -48,9 +48,9 @@ Blob GradientTask(const Options& options, std::uint64_t seed, const TrainingData
   return partial;
 }
 
-Blob OutputGradientTask(const Options& options, const TrainingData& data, const Parameters<float>& all,
-                        const Task& task) {
-  const OutputGradientShare share = OutputGradientOfBlock(options, data.training, all, BlockOf(task));
+Blob OutputGradientTask(const Options& options, const SumPlan& sum, const TrainingData& data,
+                        const Parameters<float>& all, const Task& task) {
+  const OutputGradientShare share = OutputGradientOfBlock(options, sum, data.training, all, BlockOf(task));
   Blob partial;
   partial.PutScalar("error", share.error);
   partial.PutScalar<std::int64_t>("first", std::int64_t{share.reach.first} * all.shape.networks);
@@ -74,7 +74,8 @@ Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const I
   return partial;
 }
 
-Blob PairsTask(const Options& options, const TrainingData& data, const Blob& outputs, const Task& task) {
+Blob PairsTask(const Options& options, const SumPlan& sum, const TrainingData& data, const Blob& outputs,
+               const Task& task) {
   const int networks = static_cast<int>(Param(task, "in_use"));
   const auto g = outputs.Get<float>("output");
   OutputGradientShare share;
@@ -83,7 +84,7 @@ Blob PairsTask(const Options& options, const TrainingData& data, const Blob& out
                                                  BlockOf(task));
     share = {of_cells.error, {0, data.training.size()}, std::move(of_cells.d_output)};
   } else {
-    share = OutputGradientOfOutputs(options, data.training, g, networks, BlockOf(task));
+    share = OutputGradientOfOutputs(options, sum, data.training, g, networks, BlockOf(task));
   }
   Blob partial;
   partial.PutScalar("error", share.error);
@@ -114,7 +115,7 @@ Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const B
 // At a position along the line.
 Blob SearchTask(const Options& options, const TrainingData& data, const NetworkShape& shape,
                 const Inputs& inputs, const Task& task) {
-  const Conjugate line = Conjugate::FromBlob(inputs.Get("training")->Sub("conjugate/"));
+  const Conjugate line = FieldsIn<Conjugate>("conjugate/", *inputs.Get("training"));
   const auto from = inputs.Get("parameters")->Get<double>("weights");
   const auto length = static_cast<std::size_t>(Param(task, "length"));
   const auto weights =
@@ -152,18 +153,17 @@ Blob FitTask(const Options& options, const TrainingData& data, const Parameters<
 
 }  // namespace
 
-Blob RunTask(const Options& asked, std::uint64_t seed, const Task& task, const Inputs& inputs,
+Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const Inputs& inputs,
              Progress& progress) {
   progress.Tick();
-  Options options = asked;
-  if (task.params().contains("sum")) options.sum = task.params().at("sum").s();
-  const TrainingData data = TrainingData::FromBlob(*inputs.Get("data"));
+  const TrainingData data = Read<TrainingData>(*inputs.Get("data"));
+  const auto sum = FieldsIn<SumPlan>("sum/", *inputs.Get("data"));
   const NetworkShape shape = ShapeOf(options, data.mean.size());
-  if (task.kind() == "pairs") return PairsTask(options, data, *inputs.Get("outputs"), task);
+  if (task.kind() == "pairs") return PairsTask(options, sum, data, *inputs.Get("outputs"), task);
   if (task.kind() == "search") return SearchTask(options, data, shape, inputs, task);
   const Parameters<float> all = InFloat(shape, *inputs.Get("parameters"));
-  if (task.kind() == "gradient") return GradientTask(options, seed, data, all, task);
-  if (task.kind() == "output_gradient") return OutputGradientTask(options, data, all, task);
+  if (task.kind() == "gradient") return GradientTask(options, sum, seed, data, all, task);
+  if (task.kind() == "output_gradient") return OutputGradientTask(options, sum, data, all, task);
   if (task.kind() == "outputs") return OutputsTask(data, all, NoiseOf(options, seed, task), task);
   if (task.kind() == "weights")
     return WeightsTask(data, all, *inputs.Get("gradient"), NoiseOf(options, seed, task), task);

@@ -28,47 +28,13 @@ void Training::Share(const State& before, const Inputs& inputs, Step* step) {
     names["best"] = step->Share(WeightsBlob(best));
   else if (!best.empty())
     names["best"] = before.blobs().at("best");
-  Blob blob;
-  blob.PutScalar("phase", static_cast<std::int32_t>(phase));
-  blob.PutScalar("steps", steps);
-  blob.PutScalar("network_steps", network_steps);
-  blob.PutScalar("first", learning.first);
-  blob.PutScalar("end", learning.end);
-  blob.PutAll("descent/", descent.ToBlob());
-  blob.PutAll("conjugate/", conjugate.ToBlob());
-  blob.PutAll("history/", history.ToBlob());
-  blob.PutScalar("prior", prior);
-  blob.PutScalar("validation_prior", validation_prior);
-  blob.PutScalar("best_validation", best_validation);
-  blob.PutScalar("since_best", since_best);
-  blob.PutScalar("last_error", last_error);
-  blob.PutScalar("rising", rising);
-  blob.Put("warnings", Array::Texts(warnings));
-  blob.PutVector("saturated", saturated);
-  names["training"] = step->Share(std::move(blob));
+  names["training"] = step->Share(BlobOf(*this));
 }
 
 Training Training::Of(const Inputs& inputs) {
-  const BlobPtr blob = inputs.Get("training");
-  Training t;
+  auto t = Read<Training>(*inputs.Get("training"));
   t.weights = WeightsIn(*inputs.Get("parameters"));
   if (inputs.Has("best")) t.best = WeightsIn(*inputs.Get("best"));
-  t.phase = static_cast<Phase>(blob->Scalar<std::int32_t>("phase"));
-  t.steps = blob->Scalar<std::int64_t>("steps");
-  t.network_steps = blob->Scalar<std::int64_t>("network_steps");
-  t.learning = {blob->Scalar<std::int32_t>("first"), blob->Scalar<std::int32_t>("end")};
-  t.descent = Descent::FromBlob(blob->Sub("descent/"));
-  t.conjugate = Conjugate::FromBlob(blob->Sub("conjugate/"));
-  t.history = History::FromBlob(blob->Sub("history/"));
-  t.prior = blob->Scalar<double>("prior");
-  t.validation_prior = blob->Scalar<double>("validation_prior");
-  t.best_validation = blob->Scalar<double>("best_validation");
-  t.since_best = blob->Scalar<std::int64_t>("since_best");
-  t.last_error = blob->Scalar<double>("last_error");
-  t.rising = blob->Scalar<std::int64_t>("rising");
-  t.warnings = blob->Texts("warnings");
-  const auto saturated = blob->Get<std::int32_t>("saturated");
-  t.saturated.assign(saturated.begin(), saturated.end());
   return t;
 }
 

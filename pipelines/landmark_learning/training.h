@@ -30,6 +30,10 @@ enum class Phase : std::int32_t {
 // Networks end and above are not in use yet; of those below, the ones from `first` on learn.
 struct Learning {
   int first, end;
+  static void Fields(const auto& field) {
+    field("first", &Learning::first);
+    field("end", &Learning::end);
+  }
 };
 
 inline constexpr std::size_t kMostWarnings = 50;
@@ -65,6 +69,25 @@ struct Training {
   // What is wrong with the step that was recorded last, and was not before it: a network whose gradient is
   // exactly zero, an error that has risen for ten steps running. Empty: nothing.
   std::string Warn(const std::vector<std::int32_t>& now_saturated);
+
+  // But for the weights, which are blobs of their own.
+  static void Fields(const auto& field) {
+    field("phase", &Training::phase);
+    field("steps", &Training::steps);
+    field("network_steps", &Training::network_steps);
+    field("learning", &Training::learning);
+    field("descent", &Training::descent);
+    field("conjugate", &Training::conjugate);
+    field("history", &Training::history);
+    field("prior", &Training::prior);
+    field("validation_prior", &Training::validation_prior);
+    field("best_validation", &Training::best_validation);
+    field("since_best", &Training::since_best);
+    field("last_error", &Training::last_error);
+    field("rising", &Training::rising);
+    field("warnings", &Training::warnings);
+    field("saturated", &Training::saturated);
+  }
 
  private:
   bool best_is_new_ = false;

@@ -103,7 +103,7 @@ CandidateRounds::CandidateRounds(const Options& options, std::vector<cairn::Step
     }
     candidate.drift_rad_per_m = RobotStates::Load(state, robots_.size()).odometry[0].drift_rad_per_m;
     candidate.log_likelihood = scalars.at("log_likelihood").d();
-    candidate.landmarks = LandmarksFromBlob(*BlobOf(k, "landmarks"));
+    candidate.landmarks = RowsIn<Landmark>(*BlobOf(k, "landmarks"));
     const auto of = BlobOf(k, kAssociations)->Get<std::int32_t>("landmark");
     candidate.associations.assign(of.begin(), of.end());
   }
@@ -130,13 +130,13 @@ bool CandidateRounds::WentOnFrom(int candidate) const {
 }
 
 double CandidateRounds::MeanIncrementM() const {
-  const RobotSteps steps = RobotSteps::FromBlob(*BlobOf(0, "steps/0"));
+  const RobotSteps steps = Read<RobotSteps>(*BlobOf(0, "steps/0"));
   return steps.DistanceTravelled().back() / static_cast<double>(steps.observations.size());
 }
 
 void CandidateRounds::GoOnFrom(int best, int beyond, const std::vector<Proposal>& proposals) {
   (*steps_[static_cast<std::size_t>(best)].plan.mutable_state()->mutable_scalars())[kWentOn].set_b(true);
-  const RobotSteps first_robot = RobotSteps::FromBlob(*BlobOf(0, "steps/0"));
+  const RobotSteps first_robot = Read<RobotSteps>(*BlobOf(0, "steps/0"));
   const int wave = waves() + 1;
   std::vector<cairn::Step> added;
   for (const Proposal& proposal : proposals) {
@@ -182,7 +182,7 @@ cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
   DropAssociations(step.plan.mutable_state());
   StoreStart(candidates_[k].start, parent, step.plan.mutable_state());
   PlanRound(options_, robots_, schedule, RobotStates::Load(before, robots_.size()),
-            {{"counts", StoredCounts(counts)}, {"perception", perception.ToBlob()}}, &step);
+            {{"counts", StoredCounts(counts)}, {"perception", cairn::BlobOf(perception)}}, &step);
   return step;
 }
 

@@ -24,7 +24,7 @@ namespace {
 std::vector<RobotSteps> StepsOf(const Inputs& inputs, std::size_t robots) {
   std::vector<RobotSteps> steps;
   for (std::size_t r = 0; r < robots; ++r)
-    steps.push_back(RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r))));
+    steps.push_back(Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r))));
   return steps;
 }
 
@@ -138,8 +138,8 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
   std::map<std::string, Blob> fresh{
       {"history", history},
       {"counts", StoredCounts(wide)},
-      {"perception", MakePerception(MapFromCounts(sharp, rules), rules).ToBlob()},
-      {"landmarks", ToBlob(landmarks)}};
+      {"perception", BlobOf(MakePerception(MapFromCounts(sharp, rules), rules))},
+      {"landmarks", BlobOf(landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   RobotStates robot_states = RobotStates::Load(state, robots.size());
   PlanGuesses(options, sum, left, schedule, &robot_states, &fresh, step.plan.mutable_state());
@@ -163,13 +163,13 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
                            : MadeMap(partials, LeavesTables(options, done) ? &left : nullptr, robots.size());
   const RoundSum& sum = m_step.sum;
   if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
-    CheckLikelihood(sum.log_likelihood(), Perception::FromBlob(*inputs.Get("perception")),
+    CheckLikelihood(sum.log_likelihood(), Read<Perception>(*inputs.Get("perception")),
                     StepsOf(inputs, robots.size()));
   }
   const Blob& before = *inputs.Get("history");
   const auto robots_before = before.Get<std::int64_t>("robots");
   if (!robots_before.empty() && robots_before.back() < done.robots) {
-    CheckRobotsFitTheMap(sum, Perception::FromBlob(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
+    CheckRobotsFitTheMap(sum, Read<Perception>(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
                          robots);
   }
   const Blob history = Extended(before, done, sum);
@@ -183,7 +183,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
     if (!done.refined) {
       not_refined = NoRefinement(options, settings, inputs, steps);
       if (not_refined.empty()) {
-        const std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
+        const std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
         const Refinement refined =
             RefineMap(AssociatedPaths(sum, steps, robot_states.odometry), settings, landmarks);
         if (refined.refused.empty())
@@ -208,8 +208,8 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   cairn::Step step;
   std::map<std::string, Blob> fresh{{"history", history},
                                     {"counts", StoredCounts(sum.counts())},
-                                    {"perception", m_step.perception.ToBlob()},
-                                    {"landmarks", ToBlob(m_step.landmarks)}};
+                                    {"perception", BlobOf(m_step.perception)},
+                                    {"landmarks", BlobOf(m_step.landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   PlanGuesses(options, sum, left, next, &robot_states, &fresh, step.plan.mutable_state());
   PlanRound(options, robots, next, robot_states, fresh, &step);

@@ -82,7 +82,7 @@ class Found : public Inputs {
 
 Blob RunIncremental(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps"));
+  const RobotSteps steps = Read<RobotSteps>(*inputs.Get("steps"));
   const Slice slice{steps, 0, steps.size(), task.params().at("name").s()};
   GrowingMap map(settings);
   // [TBF98] section 6: a routine that does not revise past estimates
@@ -93,7 +93,7 @@ Blob RunIncremental(const Options& options, const Task& task, const Inputs& inpu
   const Visitor visitor{[&](int step, const LayeredGrid& belief) { builder.Add(step, belief); }, nullptr};
   ForwardOnly(slice, alphas, DiracStart(settings.map.grid), visitor);
   Blob partial = builder.Finish(alphas);
-  partial.PutAll("landmarks/", ToBlob(landmarks));
+  partial.PutAll("landmarks/", BlobOf(landmarks));
   return partial;
 }
 

@@ -81,7 +81,7 @@ RobotStates MakeAllSteps(const Blob& log, const Options& options, const InitialS
             ? WorkWhereLost(count, settings.Model(&*initial.perception))
             : WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
     robot_states.sharp.push_back(WorkOfStep(steps, settings.Model(nullptr)));
-    robot_states.blobs["steps/" + std::to_string(r)] = step->Share(steps.ToBlob());
+    robot_states.blobs["steps/" + std::to_string(r)] = step->Share(BlobOf(steps));
     all->push_back(steps);
   }
   return robot_states;
@@ -91,10 +91,10 @@ std::map<std::string, Blob> FirstBlobs(const InitialState& initial) {
   std::map<std::string, Blob> blobs{{"history", EmptyHistory()},
                                     {"counts", StoredCounts(NoCounts(initial.settings.map))}};
   if (initial.given) {
-    blobs["landmarks"] = ToBlob(initial.given->landmarks);
-    blobs["perception"] = initial.perception->ToBlob();
+    blobs["landmarks"] = BlobOf(initial.given->landmarks);
+    blobs["perception"] = BlobOf(*initial.perception);
   } else if (initial.schedule.summarise) {
-    blobs["landmarks"] = ToBlob(std::vector<Landmark>{});
+    blobs["landmarks"] = BlobOf(std::vector<Landmark>{});
   }
   return blobs;
 }

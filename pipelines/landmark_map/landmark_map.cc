@@ -171,7 +171,7 @@ void LandmarkMap::Refine(const std::vector<Landmark>& landmarks, const Settings&
   const Perception perception =
       MakePerception(MapFromCounts(counts, initial.settings.map), initial.settings.map);
   (*state.mutable_blobs())["counts"] = step->Share(StoredCounts(counts));
-  (*state.mutable_blobs())["perception"] = step->Share(perception.ToBlob());
+  (*state.mutable_blobs())["perception"] = step->Share(BlobOf(perception));
 }
 
 cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inputs) const {

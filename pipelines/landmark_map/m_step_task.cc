@@ -34,15 +34,14 @@ Blob RunMStep(const Task& task, const Inputs& inputs) {
   RequireMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
   Blob blob;
   blob.PutAll("sum/", sum.ToBlob());
-  blob.PutAll("perception/",
-              MakePerception(MapFromCounts(sum.counts(), settings.map), settings.map).ToBlob());
-  blob.PutAll("landmarks/", ToBlob(ExtractLandmarks(sum.counts(), settings.map)));
+  PutFields("perception/", MakePerception(MapFromCounts(sum.counts(), settings.map), settings.map), &blob);
+  PutRows("landmarks/", ExtractLandmarks(sum.counts(), settings.map), &blob);
   return blob;
 }
 
 MStep MStep::FromBlob(const Blob& blob, std::size_t robots) {
-  return {RoundSum::FromBlob(blob.Sub("sum/"), robots), Perception::FromBlob(blob.Sub("perception/")),
-          LandmarksFromBlob(blob.Sub("landmarks/"))};
+  return {RoundSum::FromBlob(blob.Sub("sum/"), robots), FieldsIn<Perception>("perception/", blob),
+          RowsIn<Landmark>(blob, "landmarks/")};
 }
 
 }  // namespace cairn::landmark_map

@@ -17,6 +17,29 @@ namespace {
 // A pose as the result lists it: mean, covariance, mode.
 struct Row {
   double time_s, x_m, y_m, heading_rad, covariance[9], mode_x_m, mode_y_m, mode_heading_rad;
+  static void Fields(const auto& field) {
+    field("time_s", &Row::time_s);
+    field("x_m", &Row::x_m);
+    field("y_m", &Row::y_m);
+    field("heading_rad", &Row::heading_rad);
+    field({"covariance", "P,3,3"}, &Row::covariance);
+    field("mode_x_m", &Row::mode_x_m);
+    field("mode_y_m", &Row::mode_y_m);
+    field("mode_heading_rad", &Row::mode_heading_rad);
+  }
+};
+
+// Of history/: an iteration.
+struct Iteration {
+  double log_likelihood, prefix;
+  std::int64_t robots, guessed, confirmed;
+  static void Fields(const auto& field) {
+    field("log_likelihood", &Iteration::log_likelihood);
+    field("prefix", &Iteration::prefix);
+    field("robots", &Iteration::robots);
+    field("guessed", &Iteration::guessed);
+    field("confirmed", &Iteration::confirmed);
+  }
 };
 
 // A pose and a heading correction at a step.
@@ -77,7 +100,7 @@ class PathWriter {
       Add(PoseOfStep(s), s);
     }
     AddControls(&control, until_s_, steps_.size() - 1);
-    Put(prefix, result);
+    PutRows(prefix, rows_, result);
   }
 
  private:
@@ -138,25 +161,6 @@ class PathWriter {
     return there;
   }
 
-  void Put(const std::string& prefix, Blob* result) const {
-    const auto put = [&](const char* name, double Row::* field) {
-      std::vector<double> values;
-      for (const Row& row : rows_) values.push_back(row.*field);
-      result->PutVector(prefix + name, values);
-    };
-    put("time_s", &Row::time_s);
-    put("x_m", &Row::x_m);
-    put("y_m", &Row::y_m);
-    put("heading_rad", &Row::heading_rad);
-    put("mode_x_m", &Row::mode_x_m);
-    put("mode_y_m", &Row::mode_y_m);
-    put("mode_heading_rad", &Row::mode_heading_rad);
-    std::vector<double> covariance;
-    for (const Row& row : rows_) covariance.insert(covariance.end(), row.covariance, row.covariance + 9);
-    result->Put(prefix + "covariance",
-                Array::Of<double>({static_cast<std::int64_t>(rows_.size()), 3, 3}, covariance));
-  }
-
   const RobotSteps& steps_;
   const Odometry& odometry_;
   double drift_rad_per_m_, spacing_m_, until_s_;
@@ -184,7 +188,7 @@ void FindInImages(const Settings& settings, const Inputs& inputs, const RoundSum
   std::vector<ImageObservations> images;
   double variance_m2 = 0.0, poses = 0.0;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
+    const RobotSteps steps = Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r)));
     const std::vector<Blob> summaries = sum.SummariesOf(r);
     AppendImages(steps.WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
                  Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
@@ -255,7 +259,7 @@ void PutMap(const LayeredGrid& map, const MapRules& rules, Blob* result) {
 }
 
 void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules, Blob* result) {
-  const Blob blob = ToBlob(landmarks);
+  const Blob blob = BlobOf(landmarks);
   for (const char* name : {"x_m", "y_m", "covariance_m2", "count"}) {
     result->Put(std::string("map/landmark_") + name, blob.at(name));
   }
@@ -282,42 +286,23 @@ LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& in
 
 }  // namespace
 
-Blob EmptyHistory() {
-  Blob history;
-  history.PutVector<double>("log_likelihood", {});
-  history.PutVector<double>("prefix", {});
-  history.PutVector<std::int64_t>("robots", {});
-  history.PutVector<std::int64_t>("guessed", {});
-  history.PutVector<std::int64_t>("confirmed", {});
-  return history;
-}
+Blob EmptyHistory() { return BlobOf(std::vector<Iteration>()); }
 
 Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
-  Blob extended;
-  const auto append = [&]<class T>(const char* name, T value) {
-    const auto old = history.Get<T>(name);
-    std::vector<T> values(old.begin(), old.end());
-    values.push_back(value);
-    extended.PutVector(name, values);
-  };
-  std::int64_t guessed = 0, confirmed = 0;
+  auto iterations = RowsIn<Iteration>(history);
+  iterations.push_back({sum.log_likelihood(), done.prefix, done.robots, 0, 0});
   for (std::size_t r = 0; r < static_cast<std::size_t>(done.robots); ++r) {
-    guessed += sum.guessed(r);
-    confirmed += sum.confirmed(r);
+    iterations.back().guessed += sum.guessed(r);
+    iterations.back().confirmed += sum.confirmed(r);
   }
-  append("log_likelihood", sum.log_likelihood());
-  append("prefix", done.prefix);
-  append("robots", done.robots);
-  append("guessed", guessed);
-  append("confirmed", confirmed);
-  return extended;
+  return BlobOf(iterations);
 }
 
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
                 const std::vector<OdometryFit>& odometry, const Blob& history,
                 const std::string& not_refined) {
   const std::vector<std::string> robots = log.Texts("robots");
-  std::vector<Landmark> landmarks = LandmarksFromBlob(*inputs.Get("landmarks"));
+  std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
   std::vector<Associated> associated;
   for (std::size_t r = 0; r < robots.size(); ++r) associated.push_back(AssociatedIn(sum.SummariesOf(r)));
   const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
@@ -332,7 +317,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
   result.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
-    const RobotSteps steps = RobotSteps::FromBlob(*inputs.Get("steps/" + std::to_string(r)));
+    const RobotSteps steps = Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r)));
     const Odometry track = Until(Integrate(log.Sub(prefix), robots[r]), settings.steps.until_s);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
     PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,

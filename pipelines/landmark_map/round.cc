@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/common/state_scalars.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
@@ -13,14 +14,6 @@ namespace cairn::landmark_map {
 namespace {
 
 constexpr std::int64_t kNone = -1;
-
-// Calls f(name, field) for every figure of a robot's odometry.
-template <class S, class F>
-void VisitOdometry(S& fit, const F& f) {
-  f("drift_rad_per_m", fit.drift_rad_per_m);
-  f("heading_walk_rad_per_sqrt_m", fit.heading_walk_rad_per_sqrt_m);
-  f("turn_ratio", fit.turn_ratio);
-}
 
 // State scalar, text: a letter a slice of a robot, g where it is guessed; none where all are in order and end
 // where their work does.
@@ -99,8 +92,9 @@ class RoundPlanner {
     task.Set("work", 1e6 * options_.slice_mcells)
         .Set("overlap", robot_states_.overlap[chain.robot])
         .Set("slice", slice);
-    VisitOdometry(robot_states_.odometry[chain.robot],
-                  [&](const char* figure, double value) { task.Set(figure, value); });
+    OdometryFit::Fields([&](const Field& figure, const auto& member) {
+      task.Set(std::string(figure.name), robot_states_.odometry[chain.robot].*member);
+    });
     task.Set("summarise", schedule_.summarise).Set("joint", schedule_.robots > 1);
     task.Set("warm", LeavesTables(options_, schedule_));
     task.Read("settings").Read("steps", "steps/" + std::to_string(chain.robot));
@@ -161,9 +155,7 @@ void RobotStates::Store(State* state) const {
     (*state->mutable_scalars())["work/" + number].set_d(work[r]);
     (*state->mutable_scalars())["sharp/" + number].set_d(sharp[r]);
     (*state->mutable_scalars())["overlap/" + number].set_i(overlap[r]);
-    VisitOdometry(odometry[r], [&](const char* name, double value) {
-      (*state->mutable_scalars())[name + ("/" + number)].set_d(value);
-    });
+    PutScalars(odometry[r], "/" + number, state);
   }
 }
 
@@ -177,9 +169,7 @@ RobotStates RobotStates::Load(const State& state, std::size_t robots) {
     robot_states.work.push_back(state.scalars().at("work/" + number).d());
     robot_states.sharp.push_back(state.scalars().at("sharp/" + number).d());
     robot_states.overlap.push_back(state.scalars().at("overlap/" + number).i());
-    VisitOdometry(robot_states.odometry.emplace_back(), [&](const char* name, double& value) {
-      value = state.scalars().at(name + ("/" + number)).d();
-    });
+    robot_states.odometry.push_back(ScalarsIn<OdometryFit>(state, "/" + number));
   }
   return robot_states;
 }
@@ -191,7 +181,9 @@ bool LeavesTables(const Options& options, const Schedule& schedule) {
 
 OdometryFit OdometryOf(const Task& task) {
   OdometryFit fit;
-  VisitOdometry(fit, [&](const char* name, double& value) { value = task.params().at(name).d(); });
+  OdometryFit::Fields([&](const Field& figure, const auto& member) {
+    fit.*member = task.params().at(std::string(figure.name)).d();
+  });
   return fit;
 }
 

@@ -9,6 +9,8 @@
 #include <numeric>
 #include <utility>
 
+#include "schema/kinds/landmark_map.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -129,39 +131,29 @@ std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, 
 
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings) {
   const Candidate& best = candidates[static_cast<std::size_t>(choice.best)];
-  std::vector<double> start, prefix, drift, likelihood, score;
-  std::vector<std::int32_t> landmarks, same, refit_of;
-  for (const Candidate& c : candidates) {
-    refit_of.push_back(c.refit_of);
-    start.push_back(c.start.drift_rad_per_m);
-    prefix.push_back(c.start.prefix);
-    drift.push_back(c.drift_rad_per_m);
-    likelihood.push_back(c.failure ? std::numeric_limits<double>::quiet_NaN() : c.log_likelihood);
-    score.push_back(ScoreOf(c, settings));
-    landmarks.push_back(static_cast<std::int32_t>(c.landmarks.size()));
-    same.push_back(!c.failure && SameMap(best, c) ? 1 : 0);
-  }
-  Blob blob;
-  blob.PutVector("start_drift_rad_per_m", start);
-  blob.PutVector("start_prefix", prefix);
-  blob.PutVector("refit_of", refit_of);
-  blob.PutVector("drift_rad_per_m", drift);
-  blob.PutVector("log_likelihood", likelihood);
-  blob.PutVector("landmarks", landmarks);
-  blob.PutVector("score_nats", score);
-  blob.PutVector("same_map", same);
-  blob.PutScalar<std::int32_t>("best", choice.best);
-  blob.PutScalar<std::int32_t>("support", choice.support);
-  blob.PutScalar<std::int32_t>("starts", choice.starts);
-  if (choice.lead_nats) blob.PutScalar<double>("lead_nats", *choice.lead_nats);
-  return blob;
+  const auto column = [&](const auto& of) { return ColumnOf(candidates, of); };
+  kinds::LandmarkMap::Search search;
+  search.start_drift_rad_per_m = column([](const Candidate& c) { return c.start.drift_rad_per_m; });
+  search.start_prefix = column([](const Candidate& c) { return c.start.prefix; });
+  search.refit_of = column(&Candidate::refit_of);
+  search.drift_rad_per_m = column(&Candidate::drift_rad_per_m);
+  search.log_likelihood = column([](const Candidate& c) {
+    return c.failure ? std::numeric_limits<double>::quiet_NaN() : c.log_likelihood;
+  });
+  search.landmarks = column([](const Candidate& c) { return static_cast<std::int32_t>(c.landmarks.size()); });
+  search.score_nats = column([&](const Candidate& c) { return ScoreOf(c, settings); });
+  search.same_map = column([&](const Candidate& c) { return !c.failure && SameMap(best, c) ? 1 : 0; });
+  search.best = choice.best;
+  search.support = choice.support;
+  search.starts = choice.starts;
+  if (choice.lead_nats) search.lead_nats = *choice.lead_nats;
+  return BlobOf(search);
 }
 
 Blob OneStartOnly() {
-  Blob blob;
-  blob.PutScalar<std::int32_t>("support", 1);
-  blob.PutScalar<std::int32_t>("starts", 1);
-  return blob;
+  kinds::LandmarkMap::Search search;
+  search.support = search.starts = 1;
+  return BlobOf(search);
 }
 
 std::string Sentence(const std::vector<Candidate>& candidates, const Choice& choice) {

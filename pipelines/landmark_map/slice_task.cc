@@ -60,11 +60,11 @@ class SliceTask {
         settings_(Settings::FromBlob(*inputs.Get("settings"))),
         gauge_free_(settings_.gauge_free && Param("robot").i() == 0 && Param("joint").b()),
         anywhere_(gauge_free_ || StartsAnywhere(options, static_cast<std::size_t>(Param("robot").i()))),
-        steps_(RobotSteps::FromBlob(*inputs.Get("steps")).WithoutDrift(odometry_.drift_rad_per_m)),
+        steps_(Read<RobotSteps>(*inputs.Get("steps")).WithoutDrift(odometry_.drift_rad_per_m)),
         slice_{steps_, first, end, Param("name").s()} {
     settings_.noise = odometry_.Widths(settings_.noise);
     const bool mapped = inputs.Has("perception");
-    if (mapped) perception_ = Perception::FromBlob(*inputs.Get("perception"));
+    if (mapped) perception_ = Read<Perception>(*inputs.Get("perception"));
     model_ = settings_.Model(mapped ? &perception_ : nullptr);
     // Where the map has no landmark a first contact detection is false: a thousandth as likely, which it
     // survives only so.
@@ -179,7 +179,7 @@ class SliceTask {
                        Progress& progress) const {
     std::vector<Landmark> landmarks;
     const bool summarise = Param("summarise").b();
-    if (summarise) landmarks = LandmarksFromBlob(*inputs_.Get("landmarks"));
+    if (summarise) landmarks = RowsIn<Landmark>(*inputs_.Get("landmarks"));
     PartialBuilder builder(settings_, slice_, static_cast<int>(Param("robot").i()),
                            summarise ? &landmarks : nullptr, NoCounts(settings_.map));
     if (options_.beliefs) builder.KeepBeliefs();

@@ -59,23 +59,28 @@ class Turn {
       : options_(options),
         partials_(partials),
         inputs_(inputs),
-        phase_(state.scalars().at(kPhase).s()),
-        robots_(static_cast<std::size_t>(state.scalars().at(kRobots).i())) {
+        standing_(ScalarsIn<Standing>(state)),
+        robots_(static_cast<std::size_t>(standing_.robots)) {
     *step_.plan.mutable_state() = state;
   }
 
   Step Take() && {
-    if (phase_ == "walls" || phase_ == "walls again") {
-      Orient();
-    } else if (phase_ == "traces") {
-      KeepTraces();
-      LoadGraph();
-      PlanPairs(1, {});
-    } else if (phase_ == "pairs") {
-      LoadGraph();
-      JoinPairs();
-    } else {
-      KeepPositions();
+    switch (standing_.phase) {
+      case Phase::kWalls:
+      case Phase::kWallsAgain:
+        Orient();
+        break;
+      case Phase::kTraces:
+        KeepTraces();
+        LoadGraph();
+        PlanPairs(1, {});
+        break;
+      case Phase::kPairs:
+        LoadGraph();
+        JoinPairs();
+        break;
+      case Phase::kFollow:
+        KeepPositions();
     }
     return std::move(step_);
   }
@@ -92,21 +97,25 @@ class Turn {
       if (blob->ContentHash().Binary() == hash) return blob;
     return inputs_.Get(name);
   }
-  void SetPhase(const char* phase) { (*state().mutable_scalars())[kPhase].set_s(phase); }
+  void Enter(Phase phase, std::int64_t round = 0) {
+    PutScalars(Standing{phase, standing_.robots, round}, "", &state());
+  }
 
   void Orient() {
-    const bool first = phase_ == "walls";
+    const bool first = standing_.phase == Phase::kWalls;
     const Watched watched = WatchedBy(partials_, robots_);
     std::string note;
     for (std::size_t r = 0; r < robots_; ++r) {
       const BlobPtr rows = inputs_.Get(first ? RowsName(r) : PathName(r));
-      std::vector<Scan> scans = ScansOf(*rows);
+      std::vector<Scan> scans = RowsIn<Scan>(*rows);
       const OrientationTrack track =
           TrackOrientation(SightsOf(scans, watched.edges_m[r]), options_.orientation);
       Share(WallsName(r), WallsBlob(track, first ? nullptr : inputs_.Get(WallsName(r)).get()));
       const double scale = first ? 1 : FitScale(watched.approaches[r]);
       Correct(track, scale, &scans);
-      Share(PathName(r), WithPoses(*rows, scans));
+      Blob path = *rows;
+      PutRows("", scans, &path);
+      Share(PathName(r), std::move(path));
       char text[160];
       if (first)
         std::snprintf(text, sizeof text, "odometry drifts by %.3f rad/m, %.1f%% of turns, %.3f rad/sqrt(m)",
@@ -118,12 +127,11 @@ class Turn {
       if (!first) Share(NodesName(r), NodesBlob(ChooseNodes(scans, options_.nodes)));
       PlanSegments(r, scans, first ? "walls" : "traces");
     }
-    const char* phase = first ? "walls again" : "traces";
-    SetPhase(phase);
+    Enter(first ? Phase::kWallsAgain : Phase::kTraces);
     double scans = 0;
     for (std::size_t r = 0; r < robots_; ++r)
       scans += static_cast<double>(inputs_.Get(RowsName(r))->at("time_s").size());
-    ExpectRest(phase, options_, 0, scans, -1, &step_.plan);
+    ExpectRest(options_, scans, -1, &step_.plan);
     step_.plan.set_note(note);
   }
 
@@ -176,7 +184,7 @@ class Turn {
   void LoadGraph() {
     traces_ = ReadTraces(*BlobOf(kTraces), options_.grid.cell_m);
     for (std::size_t r = 0; r < robots_; ++r) {
-      Robot robot{ScansOf(*inputs_.Get(PathName(r))), {}};
+      Robot robot{RowsIn<Scan>(*inputs_.Get(PathName(r))), {}};
       for (const std::int64_t scan : inputs_.Get(NodesName(r))->Get<std::int64_t>("scan"))
         robot.nodes.push_back(static_cast<std::size_t>(scan));
       const std::vector<OdometryEdge> odometry_edges = MakeOdometryEdges(
@@ -190,15 +198,13 @@ class Turn {
       all_.push_back(std::move(robot));
     }
     if (!state().blobs().contains(kPlaced)) return;
-    const BlobPtr placed = inputs_.Get(kPlaced);
-    const auto at = placed->Get<double>("at");
-    for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].at = {at[2 * k], at[2 * k + 1]};
+    const auto placed = RowsIn<Point>(*inputs_.Get(kPlaced));
+    for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].at = placed.at(k);
   }
 
   // `loops`: of the round before.
   void PlanPairs(std::int64_t round, std::vector<Loop> loops) {
-    (*state().mutable_scalars())[kRound].set_i(round);
-    SetPhase("pairs");
+    Enter(Phase::kPairs, round);
     const double wider = std::pow(0.5, static_cast<double>(round - 1));
     const std::vector<Pair> pairs = round > options_.loop_rounds
                                         ? std::vector<Pair>()
@@ -210,7 +216,7 @@ class Turn {
       step_.plan.set_note(text);
     }
     if (pairs.empty()) return Finish(std::move(loops));
-    Share(kPairs, PairsBlob(pairs));
+    Share(kPairs, cairn::BlobOf(pairs));
     for (std::size_t first = 0; first < pairs.size();) {
       const auto node = static_cast<std::size_t>(pairs[first].node);
       std::size_t end = first;
@@ -225,7 +231,7 @@ class Turn {
           .Read("pairs", kPairs, rows(first, end));
       first = end;
     }
-    ExpectRest("pairs", options_, round, Scans(), static_cast<double>(pairs.size()), &step_.plan);
+    ExpectRest(options_, Scans(), static_cast<double>(pairs.size()), &step_.plan);
   }
 
   double Scans() const {
@@ -235,9 +241,9 @@ class Turn {
   }
 
   void JoinPairs() {
-    const std::vector<Pair> pairs = PairsOfBlob(*inputs_.Get(kPairs));
+    const std::vector<Pair> pairs = RowsIn<Pair>(*inputs_.Get(kPairs));
     std::vector<Candidate> matches;
-    for (std::size_t k = 0; k < partials_.size(); ++k) AppendMatches(*partials_.Get(k), &matches);
+    for (std::size_t k = 0; k < partials_.size(); ++k) AppendRows("", *partials_.Get(k), &matches);
     std::vector<LoopConstraint> constraints;
     std::vector<std::size_t> of;  // pairs
     for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -251,16 +257,9 @@ class Turn {
     for (const PathNode& node : nodes_) start.push_back(node.dead);
     const OptimizedGraph optimized =
         OptimizePoseGraph(start, odometry_edges_, constraints, options_.pose_graph);
-    std::vector<double> placed;
-    for (std::size_t k = 0; k < nodes_.size(); ++k) {
-      nodes_[k].at = optimized.node[k];
-      placed.insert(placed.end(), {nodes_[k].at.x_m, nodes_[k].at.y_m});
-    }
-    Blob blob;
-    blob.PutVector("at", placed);
-    Share(kPlaced, std::move(blob));
+    for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].at = optimized.node[k];
+    Share(kPlaced, cairn::BlobOf(optimized.node));
     const auto used = std::ranges::count_if(optimized.weight, [](double w) { return w > 0; });
-    const std::int64_t round = state().scalars().at(kRound).i();
     char text[160];
     std::snprintf(text, sizeof text, "%zu pairs, %zu matched, %lld followed", pairs.size(),
                   constraints.size(), static_cast<long long>(used));
@@ -274,7 +273,7 @@ class Turn {
                        constraints[k].quality,
                        optimized.weight[k] > 0});
     }
-    PlanPairs(round + 1, std::move(loops));
+    PlanPairs(standing_.round + 1, std::move(loops));
     step_.plan.set_note(text);
   }
 
@@ -292,8 +291,7 @@ class Turn {
       MoveTo(all_[r].nodes, at.data() + first, &all_[r].scans);
       first += all_[r].nodes.size();
       const std::string robot = "robot/" + std::to_string(r) + "/";
-      PutPoses(robot + "poses/", all_[r].scans, &result);
-      PutWalls(robot + "walls/", all_[r].scans, *inputs_.Get(WallsName(r)), &result);
+      PutPath(robot, all_[r].scans, *inputs_.Get(WallsName(r)), &result);
       result.PutAll(robot + "cuts/", *inputs_.Get(CutsName(r)));
       parts.scans.push_back(all_[r].scans);
     }
@@ -301,19 +299,19 @@ class Turn {
     PutConnections(parts, &result);
     result.PutAll("snapshots/", *BlobOf(kSnapshots));
     Share(kResult, std::move(result));
-    Share(kConnections, ConnectionsBlob(MakeConnections(parts)));
+    Share(kConnections, cairn::BlobOf(MakeConnections(parts)));
     PlanFollowing();
   }
 
   void PlanFollowing() {
-    SetPhase("follow");
+    Enter(Phase::kFollow);
     for (std::size_t r = 0; r < robots_; ++r) {
       if (all_[r].scans.empty()) continue;
       AddScanTask("follow", kFollowUs, {r, 0, 0, all_[r].scans.size()}, PathName(r), &step_.plan)
           .Read("traces", kTraces)
           .Read("connections", kConnections);
     }
-    ExpectRest("follow", options_, 0, Scans(), 0, &step_.plan);
+    ExpectRest(options_, Scans(), 0, &step_.plan);
   }
 
   void KeepPositions() {
@@ -334,7 +332,7 @@ class Turn {
   const Options& options_;
   Partials& partials_;
   const Inputs& inputs_;
-  std::string phase_;
+  Standing standing_;
   std::size_t robots_;
   std::vector<Robot> all_;
   std::vector<PathNode> nodes_;
@@ -351,7 +349,7 @@ Step AdvanceLocalMap(const Options& options, const State& state, Partials& parti
 
 Blob MatchPairs(const Inputs& inputs, const Options& options, Progress& progress) {
   const std::vector<RecordedTrace> traces = ReadTraces(*inputs.Get("traces"), options.grid.cell_m);
-  const std::vector<Pair> pairs = PairsOfBlob(*inputs.Get("pairs"));
+  const std::vector<Pair> pairs = RowsIn<Pair>(*inputs.Get("pairs"));
   const BlobPtr surroundings = inputs.Get("surroundings");
   const auto features = surroundings->Get<float>("features");
   const auto robot = surroundings->Get<double>("robot");
@@ -369,7 +367,7 @@ Blob MatchPairs(const Inputs& inputs, const Options& options, Progress& progress
     const std::size_t at = 2 * (kQuarters * node + quarter);
     matches.push_back(MatchPair(pair, trace, around, {robot[at], robot[at + 1]}, options.pairs));
   }
-  return MatchesBlob(matches);
+  return BlobOf(matches);
 }
 
 }  // namespace cairn::local_map

@@ -12,6 +12,7 @@
 #include "pipelines/local_map/tasks/orientation_task.h"
 #include "pipelines/local_map/tasks/scan_reader.h"
 #include "schema/error.h"
+#include "schema/kinds/local_map.h"
 
 namespace cairn::local_map {
 namespace {
@@ -40,16 +41,7 @@ std::string NoteOf(const std::vector<RobotRuns>& robots, std::size_t unposed) {
 }
 
 Blob CutsBlob(const std::vector<Cut>& cuts) {
-  std::vector<double> time;
-  std::vector<std::string> why;
-  for (const Cut& cut : cuts) {
-    time.push_back(cut.time_s);
-    why.push_back(cut.why);
-  }
-  Blob blob;
-  blob.PutVector("time_s", time);
-  blob.Put("why", Array::Texts(why));
-  return blob;
+  return BlobOf(kinds::LocalMap::Cuts{cairn::ColumnOf(cuts, &Cut::time_s), cairn::ColumnOf(cuts, &Cut::why)});
 }
 
 }  // namespace
@@ -62,8 +54,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
   const std::vector<RobotRuns> robots = CutRuns(scans, reckoning, options_.runs);
   Step step;
   State& state = *step.plan.mutable_state();
-  (*state.mutable_scalars())[kPhase].set_s("walls");
-  (*state.mutable_scalars())[kRobots].set_i(static_cast<std::int64_t>(robots.size()));
+  PutScalars(Standing{.robots = static_cast<std::int64_t>(robots.size())}, "", &state);
   auto& blobs = *state.mutable_blobs();
   blobs[kLogInput] = log->ContentHash().Binary();
   for (std::size_t r = 0; r < robots.size(); ++r) {
@@ -75,7 +66,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
   }
   double scan_count = 0;
   for (const RobotRuns& runs : robots) scan_count += static_cast<double>(runs.scans.size());
-  ExpectRest("walls", options_, 0, scan_count, -1, &step.plan);
+  ExpectRest(options_, scans, -1, &step.plan);
   step.plan.set_note(NoteOf(robots, scans.unposed));
   return step;
 }
@@ -93,11 +84,9 @@ Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& gri
     for (const std::int64_t scan : blob->Get<std::int64_t>("scan"))
       nodes.push_back(scan - static_cast<std::int64_t>(first));
   }
-  const BlobPtr log = inputs.Get("log");
-  const std::string hints = "robot/" + std::to_string(robot) + "/hints/time_s";
-  Recorded recorded =
-      Record(*scans, own, nodes, log->Has(hints) ? log->Get<double>(hints) : std::span<const double>(), grid,
-             options, progress);
+  const auto hints =
+      Column<double>::In(*inputs.Get("log"), "robot/" + std::to_string(robot) + "/hints/time_s");
+  Recorded recorded = Record(*scans, own, nodes, hints.OrNone(), grid, options, progress);
   for (RecordedTrace& trace : recorded.traces) {
     trace.robot = robot;
     trace.first += first;
@@ -115,7 +104,7 @@ Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& gri
 
 Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, ScanReader* scans,
                Progress& progress) {
-  const std::vector<Scan> rows = ScansOf(*inputs.Get("rows"));
+  const std::vector<Scan> rows = RowsIn<Scan>(*inputs.Get("rows"));
   std::vector<double> moved_m(rows.size());
   for (std::size_t s = 1; s < rows.size(); ++s) {
     if (rows[s].run == rows[s - 1].run) continue;
@@ -124,7 +113,7 @@ Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, S
   const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
   Blob partial;
   partial.PutAll("positions/", Follow(*scans, robot, ReadTraces(*inputs.Get("traces"), options.grid.cell_m),
-                                      ConnectionsOfBlob(*inputs.Get("connections")), moved_m, options.grid,
+                                      RowsIn<Connection>(*inputs.Get("connections")), moved_m, options.grid,
                                       options.localizer, progress));
   return partial;
 }

@@ -45,21 +45,21 @@ constexpr double kTrackUs = 60, kPlanUs = 15, kJoinUs = 10, kKeepUs = 1, kUsualP
 
 double PairUs(std::int64_t round) { return kPairUs * std::pow(0.6, static_cast<double>(round - 1)); }
 
-void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double scans,
-                double pairs, proto::Step* plan) {
+void ExpectRest(const Options& options, double scans, double pairs, proto::Step* plan) {
+  const auto [phase, robots, round] = ScalarsIn<Standing>(plan->state());
   const double walls = scans * kWallsUs, traces = scans * kTracesUs, follow = scans * kFollowUs;
-  const double robots = static_cast<double>(plan->state().scalars().at(kRobots).i());
-  const bool is_walls = kind == "walls" || kind == "walls again";
-  plan->set_advance_cost(scans * (is_walls           ? kTrackUs
-                                  : kind == "traces" ? kPlanUs
-                                  : kind == "pairs"  ? kJoinUs
-                                                     : kKeepUs));
-  if (kind == "walls") ExpectRounds(1, walls + scans * kTrackUs, 0, plan);
+  const bool is_walls = phase == Phase::kWalls || phase == Phase::kWallsAgain;
+  plan->set_advance_cost(scans * (is_walls                  ? kTrackUs
+                                  : phase == Phase::kTraces ? kPlanUs
+                                  : phase == Phase::kPairs  ? kJoinUs
+                                                            : kKeepUs));
+  if (phase == Phase::kWalls) ExpectRounds(1, walls + scans * kTrackUs, 0, plan);
   if (is_walls) ExpectRounds(1, traces + scans * kPlanUs, 0, plan);
+  if (phase == Phase::kFollow) return;
   const double of_round = pairs < 0 ? kUsualPairs * scans : pairs;
-  for (std::int64_t next = round + 1; kind != "follow" && next <= options.loop_rounds; ++next)
+  for (std::int64_t next = round + 1; next <= options.loop_rounds; ++next)
     ExpectRounds(1, of_round * PairUs(next) + scans * kJoinUs, 0, plan);
-  if (kind != "follow") ExpectRounds(1, follow, robots, plan);
+  ExpectRounds(1, follow, static_cast<double>(robots), plan);
 }
 
 }  // namespace cairn::local_map

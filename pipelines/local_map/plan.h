@@ -8,6 +8,7 @@
 #include "pipelines/common/task_builder.h"
 #include "pipelines/local_map/options.h"
 #include "pipelines/local_map/path/runs.h"
+#include "pipelines/local_map/state.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::local_map {
@@ -19,7 +20,7 @@ inline std::string PathName(std::size_t r) { return "path " + std::to_string(r);
 inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // of each scan
 inline std::string NodesName(std::size_t r) { return "nodes " + std::to_string(r); }  // scans of nodes
 inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
-inline constexpr char kLogInput[] = "log", kPhase[] = "phase", kRobots[] = "robots", kRound[] = "round";
+inline constexpr char kLogInput[] = "log";
 inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";
 inline constexpr char kPlaced[] = "placed", kSnapshots[] = "snapshots";
 inline constexpr char kConnections[] = "connections", kResult[] = "result";
@@ -36,10 +37,9 @@ std::vector<Stretch> CutSegments(std::size_t robot, const std::vector<Scan>& sca
 // round than in the one before.
 inline constexpr double kWallsUs = 12, kTracesUs = 50, kFollowUs = 300, kPairUs = 600;
 double PairUs(std::int64_t round);
-// After the tasks: what ADVANCE takes, and what is expected to follow a round of `kind`, by the scans of all
-// robots and the pairs of the round (below 0: not known yet).
-void ExpectRest(const std::string& kind, const Options& options, std::int64_t round, double scans,
-                double pairs, proto::Step* plan);
+// After the tasks: what ADVANCE takes, and what is expected to follow the round that the State stands at, by
+// the scans of all robots and the pairs of the round (below 0: not known yet).
+void ExpectRest(const Options& options, double scans, double pairs, proto::Step* plan);
 
 // A task that reads scans [first, end) of the rows `rows_name` of the state.
 TaskBuilder AddScanTask(const char* kind, double us_of_scan, const Stretch& stretch,

@@ -4,38 +4,65 @@
 #include <limits>
 #include <numbers>
 
+#include "schema/kinds/local_map.h"
+
 namespace cairn::local_map {
 namespace {
 
 constexpr double kTurn_rad = std::numbers::pi / 2;
 
-struct SideColumns {
-  std::vector<float> angle_low, angle_high, distance_low, distance_high, cross;
-  std::vector<std::uint8_t> occupied;
-
-  void Add(const Side& side) {
-    angle_low.push_back(side.angle_rad.low);
-    angle_high.push_back(side.angle_rad.high);
-    distance_low.push_back(side.distance_m.low);
-    distance_high.push_back(side.distance_m.high);
-    cross.push_back(side.cross_m);
-    occupied.push_back(side.occupied);
-  }
-  void Put(const std::string& prefix, Blob* result) const {
-    result->PutVector(prefix + "angle_low_rad", angle_low);
-    result->PutVector(prefix + "angle_high_rad", angle_high);
-    result->PutVector(prefix + "distance_low_m", distance_low);
-    result->PutVector(prefix + "distance_high_m", distance_high);
-    result->PutVector(prefix + "cross_m", cross);
-    result->PutVector(prefix + "occupied", occupied);
+// Of FORMAT.md's features/left/ and features/right/.
+struct SideRow {
+  Side side;
+  static void Fields(const auto& field) {
+    field("angle_low_rad", [](auto& row) -> auto& { return row.side.angle_rad.low; });
+    field("angle_high_rad", [](auto& row) -> auto& { return row.side.angle_rad.high; });
+    field("distance_low_m", [](auto& row) -> auto& { return row.side.distance_m.low; });
+    field("distance_high_m", [](auto& row) -> auto& { return row.side.distance_m.high; });
+    field("cross_m", [](auto& row) -> auto& { return row.side.cross_m; });
+    field("occupied", [](auto& row) -> auto& { return row.side.occupied; });
   }
 };
 
-struct ConnectionColumns {
-  std::vector<std::int32_t> from, to, kind;
-  std::vector<double> from_s, to_s, from_z, from_u, to_z, to_u, quality;
-  std::vector<std::uint8_t> used;
+// Of traces/.
+struct TraceRow {
+  std::int32_t robot = 0, first_z = 0;
+  double first_s = 0, last_s = 0, x_m = 0, y_m = 0, direction_rad = 0;
+  std::size_t features = 0;
+  static void Fields(const auto& field) {
+    field("robot", &TraceRow::robot);
+    field("first_z", &TraceRow::first_z);
+    field("first_s", &TraceRow::first_s);
+    field("last_s", &TraceRow::last_s);
+    field("x_m", &TraceRow::x_m);
+    field("y_m", &TraceRow::y_m);
+    field("direction_rad", &TraceRow::direction_rad);
+    field("features", &TraceRow::features);
+  }
 };
+
+// Of connections/.
+struct ConnectionRow {
+  std::int32_t from = 0, to = 0, kind = 0;
+  double from_s = 0, to_s = 0;
+  Position at_from, at_to;
+  double quality = 0;
+  bool used = false;
+  static void Fields(const auto& field) {
+    field("from", &ConnectionRow::from);
+    field("to", &ConnectionRow::to);
+    field("kind", &ConnectionRow::kind);
+    field("from_s", &ConnectionRow::from_s);
+    field("to_s", &ConnectionRow::to_s);
+    field("from_z_m", [](auto& row) -> auto& { return row.at_from.z_m; });
+    field("from_u_m", [](auto& row) -> auto& { return row.at_from.u_m; });
+    field("to_z_m", [](auto& row) -> auto& { return row.at_to.z_m; });
+    field("to_u_m", [](auto& row) -> auto& { return row.at_to.u_m; });
+    field("quality", &ConnectionRow::quality);
+    field("used", &ConnectionRow::used);
+  }
+};
+using ConnectionRows = std::vector<ConnectionRow>;
 
 // Where the optimized path has a point, in a trace's frame.
 Position OnTrace(const Parts& parts, std::size_t t, const Point& at) {
@@ -45,24 +72,14 @@ Position OnTrace(const Parts& parts, std::size_t t, const Point& at) {
 }
 
 void Add(const Parts& parts, std::size_t from, std::size_t to, int kind, const Scan& at_from,
-         const Scan& at_to, double quality, bool used, ConnectionColumns* c) {
-  const Position there = OnTrace(parts, from, {at_from.pose.x_m, at_from.pose.y_m});
-  const Position here = OnTrace(parts, to, {at_to.pose.x_m, at_to.pose.y_m});
-  c->from.push_back(static_cast<std::int32_t>(from));
-  c->to.push_back(static_cast<std::int32_t>(to));
-  c->kind.push_back(kind);
-  c->from_s.push_back(at_from.time_s);
-  c->to_s.push_back(at_to.time_s);
-  c->from_z.push_back(there.z_m);
-  c->from_u.push_back(there.u_m);
-  c->to_z.push_back(here.z_m);
-  c->to_u.push_back(here.u_m);
-  c->quality.push_back(quality);
-  c->used.push_back(used ? 1 : 0);
+         const Scan& at_to, double quality, bool used, ConnectionRows* rows) {
+  rows->push_back({static_cast<std::int32_t>(from), static_cast<std::int32_t>(to), kind, at_from.time_s,
+                   at_to.time_s, OnTrace(parts, from, {at_from.pose.x_m, at_from.pose.y_m}),
+                   OnTrace(parts, to, {at_to.pose.x_m, at_to.pose.y_m}), quality, used});
 }
 
 // One trace led to the next: the best connections that there are, but across cuts.
-void AddNeighbours(const Parts& parts, ConnectionColumns* c) {
+void AddNeighbours(const Parts& parts, ConnectionRows* c) {
   constexpr double kAcrossCut = 0.1;
   for (std::size_t t = 1; t < parts.traces.size(); ++t) {
     const RecordedTrace &before = parts.traces[t - 1], &now = parts.traces[t];
@@ -74,7 +91,7 @@ void AddNeighbours(const Parts& parts, ConnectionColumns* c) {
   }
 }
 
-void AddLoops(const Parts& parts, ConnectionColumns* c) {
+void AddLoops(const Parts& parts, ConnectionRows* c) {
   for (const Loop& loop : parts.loops) {
     const PathNode& node = parts.nodes[loop.node];
     const std::int32_t to = TraceAt(parts, node.robot, node.scan);
@@ -98,21 +115,19 @@ void AddLoops(const Parts& parts, ConnectionColumns* c) {
     }
     Add(parts, loop.trace, static_cast<std::size_t>(to), 2, scans[nearest], scans[node.scan], loop.quality,
         loop.used, c);
-    c->from_z.back() = at.z_m;
-    c->from_u.back() = at.u_m;
+    c->back().at_from = at;
   }
 }
 
 }  // namespace
 
 Blob WallsBlob(const OrientationTrack& track, const Blob* before) {
-  std::vector<double> angle, strength;
+  std::vector<double> angle;
   std::vector<std::uint8_t> other, locked;
   bool seen = false;
   for (const Orientation& at : track.at) {
     seen |= at.strength > 0;
     angle.push_back(at.angle_rad);
-    strength.push_back(at.strength);
     other.push_back(at.other ? 1 : 0);
     locked.push_back(seen ? 1 : 0);
   }
@@ -120,93 +135,54 @@ Blob WallsBlob(const OrientationTrack& track, const Blob* before) {
     const auto first = before->Get<double>("angle_rad");
     for (std::size_t s = 0; s < angle.size(); ++s) angle[s] += first[s];
   }
-  Blob blob;
-  blob.PutVector("angle_rad", angle);
-  blob.PutVector("strength", strength);
-  blob.PutVector("other_area", other);
-  blob.PutVector("locked", locked);
-  return blob;
+  return BlobOf(
+      kinds::LocalMap::Walls{{}, angle, cairn::ColumnOf(track.at, &Orientation::strength), locked, other});
 }
 
-void PutPoses(const std::string& prefix, const std::vector<Scan>& scans, Blob* result) {
-  std::vector<double> time, x, y, heading;
-  for (const Scan& scan : scans) {
-    time.push_back(scan.time_s);
-    x.push_back(scan.pose.x_m);
-    y.push_back(scan.pose.y_m);
-    heading.push_back(WrapAngle(scan.pose.heading_rad));
-  }
-  result->PutVector(prefix + "time_s", time);
-  result->PutVector(prefix + "x_m", x);
-  result->PutVector(prefix + "y_m", y);
-  result->PutVector(prefix + "heading_rad", heading);
-}
-
-void PutWalls(const std::string& prefix, const std::vector<Scan>& scans, const Blob& walls, Blob* result) {
-  std::vector<double> time, angle;
-  const auto continuous = walls.Get<double>("angle_rad");
-  const auto locked = walls.Get<std::uint8_t>("locked");
+void PutPath(const std::string& prefix, const std::vector<Scan>& scans, const Blob& walls, Blob* result) {
+  const std::vector<double> time_s = cairn::ColumnOf(scans, &Scan::time_s);
+  kinds::LocalMap::Robot robot;
+  robot.poses.Set(time_s, cairn::ColumnOf(scans, &Scan::pose));
+  robot.poses.heading_rad =
+      cairn::ColumnOf(scans, [](const Scan& scan) { return WrapAngle(scan.pose.heading_rad); });
+  robot.walls = Read<kinds::LocalMap::Walls>(walls);
+  robot.walls.time_s = time_s;
+  std::vector<double> angle = robot.walls.angle_rad.vector();
   for (std::size_t s = 0; s < scans.size(); ++s) {
-    time.push_back(scans[s].time_s);
-    const double turned = std::remainder(continuous[s], kTurn_rad);
-    angle.push_back(locked[s] == 0 ? std::numeric_limits<double>::quiet_NaN()
-                    : turned < 0   ? turned + kTurn_rad
-                                   : turned);
+    const double turned = std::remainder(angle[s], kTurn_rad);
+    angle[s] = robot.walls.locked[s] == 0 ? std::numeric_limits<double>::quiet_NaN()
+               : turned < 0               ? turned + kTurn_rad
+                                          : turned;
   }
-  result->PutVector(prefix + "time_s", time);
-  result->PutVector(prefix + "angle_rad", angle);
-  for (const char* name : {"strength", "locked", "other_area"}) result->Put(prefix + name, walls.at(name));
+  robot.walls.angle_rad = angle;
+  PutFields(prefix, robot, result);
 }
 
 void PutTraces(const Parts& parts, Blob* result) {
-  std::vector<std::int32_t> robot, first_z;
-  std::vector<double> first_s, last_s, x, y, direction;
-  std::vector<std::int64_t> features;
-  SideColumns left, right;
+  std::vector<TraceRow> traces;
+  std::vector<SideRow> left, right;
   for (const RecordedTrace& trace : parts.traces) {
     const std::vector<Scan>& scans = parts.scans[trace.robot];
     const Point origin = trace.frame.Local({}, trace.trace.cell_m()), by = MovedBy(trace, parts.nodes);
-    robot.push_back(static_cast<std::int32_t>(trace.robot));
-    first_s.push_back(scans[trace.first].time_s);
-    last_s.push_back(scans[trace.end - 1].time_s);
-    x.push_back(origin.x_m + by.x_m);
-    y.push_back(origin.y_m + by.y_m);
-    direction.push_back(WrapAngle(trace.frame.quarter * kTurn_rad));
-    first_z.push_back(trace.trace.first_z());
-    features.push_back(static_cast<std::int64_t>(trace.trace.features().size()));
+    traces.push_back({static_cast<std::int32_t>(trace.robot), trace.trace.first_z(),
+                      scans[trace.first].time_s, scans[trace.end - 1].time_s, origin.x_m + by.x_m,
+                      origin.y_m + by.y_m, WrapAngle(trace.frame.quarter * kTurn_rad),
+                      trace.trace.features().size()});
     for (const Feature& feature : trace.trace.features()) {
-      left.Add(feature.left);
-      right.Add(feature.right);
+      left.push_back({feature.left});
+      right.push_back({feature.right});
     }
   }
-  result->PutVector("traces/robot", robot);
-  result->PutVector("traces/first_s", first_s);
-  result->PutVector("traces/last_s", last_s);
-  result->PutVector("traces/x_m", x);
-  result->PutVector("traces/y_m", y);
-  result->PutVector("traces/direction_rad", direction);
-  result->PutVector("traces/first_z", first_z);
-  result->PutVector("traces/features", features);
-  left.Put("features/left/", result);
-  right.Put("features/right/", result);
+  PutRows("traces/", traces, result);
+  PutRows("features/left/", left, result);
+  PutRows("features/right/", right, result);
 }
 
 void PutConnections(const Parts& parts, Blob* result) {
-  ConnectionColumns c;
-  AddNeighbours(parts, &c);
-  AddLoops(parts, &c);
-  const std::string prefix = "connections/";
-  result->PutVector(prefix + "from", c.from);
-  result->PutVector(prefix + "to", c.to);
-  result->PutVector(prefix + "kind", c.kind);
-  result->PutVector(prefix + "from_s", c.from_s);
-  result->PutVector(prefix + "to_s", c.to_s);
-  result->PutVector(prefix + "from_z_m", c.from_z);
-  result->PutVector(prefix + "from_u_m", c.from_u);
-  result->PutVector(prefix + "to_z_m", c.to_z);
-  result->PutVector(prefix + "to_u_m", c.to_u);
-  result->PutVector(prefix + "quality", c.quality);
-  result->PutVector(prefix + "used", c.used);
+  ConnectionRows rows;
+  AddNeighbours(parts, &rows);
+  AddLoops(parts, &rows);
+  PutRows("connections/", rows, result);
 }
 
 }  // namespace cairn::local_map

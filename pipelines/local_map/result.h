@@ -14,8 +14,8 @@ namespace cairn::local_map {
 // through whose path this one was made; may be null.
 Blob WallsBlob(const OrientationTrack& track, const Blob* before);
 
-void PutPoses(const std::string& prefix, const std::vector<Scan>& scans, Blob* result);
-void PutWalls(const std::string& prefix, const std::vector<Scan>& scans, const Blob& walls, Blob* result);
+// poses/ and walls/ of a robot.
+void PutPath(const std::string& prefix, const std::vector<Scan>& scans, const Blob& walls, Blob* result);
 void PutTraces(const Parts& parts, Blob* result);
 void PutConnections(const Parts& parts, Blob* result);
 

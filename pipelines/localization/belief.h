@@ -31,6 +31,10 @@ struct Poses {
 struct OwnMotion {
   Position moved;  // x_m: forward
   double turn_rad = 0.0;
+  static void Fields(const auto& field) {
+    field("moved", &OwnMotion::moved);
+    field("turn_rad", &OwnMotion::turn_rad);
+  }
 };
 
 // The positions and how much room each has to itself: positions may lie densely here and sparsely there, but

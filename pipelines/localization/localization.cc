@@ -73,7 +73,7 @@ Step Localization::Start(const Inputs& inputs) const {
   const Source source = Source::Of(options_, inputs);
   const Poses poses = BeliefPositions(options_, source);
   Step step = Plan({});
-  (*step.plan.mutable_state()->mutable_blobs())["source"] = step.Share(source.ToBlob());
+  (*step.plan.mutable_state()->mutable_blobs())["source"] = step.Share(BlobOf(source));
   AddTasks("map", poses.positions.size(), kPositionsOfTask, MapCost(source, 1), {"source"}, &step.plan);
   const auto traverses = static_cast<double>(TraverseCount(options_, source));
   ExpectRounds(1, traverses * TraverseCost(options_, source, poses.positions.size()),
@@ -87,11 +87,11 @@ Step Localization::Start(const Inputs& inputs) const {
 
 Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   progress.Tick();
-  const Source source = Source::FromBlob(*inputs.Get("source"));
+  const Source source = Read<Source>(*inputs.Get("source"));
   const Poses poses = BeliefPositions(options_, source);
   const RowRange range = RowsOfTask(task);
-  if (task.kind() == "map") return MapOfBlock(options_, source, poses, range.first, range.end).ToBlob();
-  const FeatureMap map = FeatureMap::FromBlob(*inputs.Get("map"));
+  if (task.kind() == "map") return BlobOf(MapOfBlock(options_, source, poses, range.first, range.end));
+  const FeatureMap map = Read<FeatureMap>(*inputs.Get("map"));
   const BeliefSpace space(poses, map.room);
   const double least_sd_m = 0.5 * SpacingM(PositionIndex(poses.positions), poses);
   ResultRows rows;
@@ -105,13 +105,13 @@ Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progres
 }
 
 Step Localization::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  const Source source = Source::FromBlob(*inputs.Get("source"));
+  const Source source = Read<Source>(*inputs.Get("source"));
   const Poses poses = BeliefPositions(options_, source);
   if (!state.blobs().contains("map")) {
     FeatureMap map;
-    for (std::size_t i = 0; i < partials.size(); ++i) map.Append(FeatureMap::FromBlob(*partials.Get(i)));
+    for (std::size_t i = 0; i < partials.size(); ++i) map.Append(Read<FeatureMap>(*partials.Get(i)));
     Step step = Plan(state);
-    (*step.plan.mutable_state()->mutable_blobs())["map"] = step.Share(map.ToBlob());
+    (*step.plan.mutable_state()->mutable_blobs())["map"] = step.Share(BlobOf(map));
     AddTasks("localize", TraverseCount(options_, source), kTraversesOfTask,
              TraverseCost(options_, source, poses.positions.size()), {"source", "map"}, &step.plan);
     step.plan.set_advance_cost(kKeptUs * static_cast<double>(TraverseCount(options_, source)) *

@@ -13,6 +13,10 @@ namespace cairn::localization {
 struct FeatureGroup {
   std::size_t first = 0, end = 0;
   std::size_t size() const { return end - first; }
+  static void Fields(const auto& field) {
+    field("first", &FeatureGroup::first);
+    field("end", &FeatureGroup::end);
+  }
 };
 
 // E_posterior of a robot that believes `belief` and senses the group's features next, the truth being as

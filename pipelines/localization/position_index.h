@@ -12,6 +12,10 @@ namespace cairn::localization {
 struct Position {
   double x_m = 0.0, y_m = 0.0;
   friend bool operator==(const Position&, const Position&) = default;
+  static void Fields(const auto& field) {
+    field("x_m", &Position::x_m);
+    field("y_m", &Position::y_m);
+  }
 };
 
 inline double DistanceM(const Position& a, const Position& b) {

@@ -71,13 +71,7 @@ std::string ResultRows::Note() const {
 
 Blob ResultOf(const Options& options, const Source& source, const Poses& poses, const ResultRows& rows) {
   Blob result = rows.ToBlob();
-  std::vector<double> x, y;
-  for (const Position& position : poses.positions) {
-    x.push_back(position.x_m);
-    y.push_back(position.y_m);
-  }
-  result.PutVector("position/x_m", x);
-  result.PutVector("position/y_m", y);
+  PutRows("position/", poses.positions, &result);
   if (source.headings()) {
     result.PutVector("position/heading_rad", poses.heading_rad);
     result.Put("heading", Array::Text(options.heading));

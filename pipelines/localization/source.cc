@@ -223,29 +223,6 @@ std::vector<Learned> ReadNetworks(const Options& options, const Inputs& inputs) 
   return learned;
 }
 
-template <class T>
-std::vector<T> Taken(const Blob& blob, const std::string& name) {
-  const auto values = blob.Get<T>(name);
-  return {values.begin(), values.end()};
-}
-
-void PutPositions(const std::vector<Position>& positions, const std::string& prefix, Blob* blob) {
-  std::vector<double> x, y;
-  for (const Position& position : positions) {
-    x.push_back(position.x_m);
-    y.push_back(position.y_m);
-  }
-  blob->PutVector(prefix + "x_m", x);
-  blob->PutVector(prefix + "y_m", y);
-}
-
-std::vector<Position> TakenPositions(const Blob& blob, const std::string& prefix) {
-  const auto x = blob.Get<double>(prefix + "x_m"), y = blob.Get<double>(prefix + "y_m");
-  std::vector<Position> positions;
-  for (std::size_t k = 0; k < x.size(); ++k) positions.push_back({x[k], y[k]});
-  return positions;
-}
-
 }  // namespace
 
 void Source::UseNetworks(const Options& options, const Blob& samples, const std::vector<Learned>& learned) {
@@ -321,60 +298,6 @@ Source Source::Of(const Options& options, const Inputs& inputs) {
                      std::to_string(source.map_positions.size()) + " samples");
   }
   source.DecideOnHeadings(options);
-  return source;
-}
-
-Blob Source::ToBlob() const {
-  Blob blob;
-  blob.Put("run_names", Array::Texts(run_names));
-  blob.Put("feature_names", Array::Texts(feature_names));
-  blob.Put("samples_hash", Array::Text(samples_hash));
-  std::vector<std::int64_t> group_end;
-  for (const FeatureGroup& group : groups) group_end.push_back(static_cast<std::int64_t>(group.end));
-  blob.PutVector("group_end", group_end);
-  PutPositions(map_positions, "map/", &blob);
-  blob.PutVector("map/heading_rad", map_heading_rad);
-  blob.PutVector("map/output", map_output);
-  std::vector<std::int32_t> index;
-  for (const Run& run : runs) {
-    const std::string prefix = PrefixOf(index.size());
-    index.push_back(run.index);
-    PutPositions(run.positions, prefix, &blob);
-    blob.PutVector(prefix + "heading_rad", run.heading_rad);
-    std::vector<double> odometry;
-    for (const OwnMotion& own : run.odometry)
-      odometry.insert(odometry.end(), {own.moved.x_m, own.moved.y_m, own.turn_rad});
-    blob.PutVector(prefix + "odometry", odometry);
-    blob.PutVector(prefix + "output", run.output);
-  }
-  blob.PutVector("run_index", index);
-  return blob;
-}
-
-Source Source::FromBlob(const Blob& blob) {
-  Source source{.run_names = blob.Texts("run_names"),
-                .feature_names = blob.Texts("feature_names"),
-                .groups = {},
-                .map_positions = TakenPositions(blob, "map/"),
-                .map_heading_rad = Taken<double>(blob, "map/heading_rad"),
-                .map_output = Taken<double>(blob, "map/output"),
-                .runs = {},
-                .samples_hash = blob.Text("samples_hash")};
-  for (const std::int64_t end : blob.Get<std::int64_t>("group_end")) {
-    const std::size_t first = source.groups.empty() ? 0 : source.groups.back().end;
-    source.groups.push_back({first, static_cast<std::size_t>(end)});
-  }
-  for (const std::int32_t index : blob.Get<std::int32_t>("run_index")) {
-    const std::string prefix = PrefixOf(source.runs.size());
-    source.runs.push_back({index,
-                           TakenPositions(blob, prefix),
-                           Taken<double>(blob, prefix + "heading_rad"),
-                           Taken<float>(blob, prefix + "output"),
-                           {}});
-    const auto odometry = blob.Get<double>(prefix + "odometry");
-    for (std::size_t i = 0; i < odometry.size(); i += 3)
-      source.runs.back().odometry.push_back({{odometry[i], odometry[i + 1]}, odometry[i + 2]});
-  }
   return source;
 }
 

@@ -9,6 +9,7 @@
 #include "pipelines/localization/options.h"
 #include "pipelines/localization/position_index.h"
 #include "pipelines/pipeline.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::localization {
 
@@ -23,6 +24,13 @@ struct Run {
   std::vector<float> output;        // [samples][features]: P(f_i = 1 | s)
   // Since the sample before, facing as at this one; empty where there is none.
   std::vector<OwnMotion> odometry;
+  static void Fields(const auto& field) {
+    field("index", &Run::index);
+    field("positions", &Run::positions);
+    field("heading_rad", &Run::heading_rad);
+    field("output", &Run::output);
+    field("odometry", &Run::odometry);
+  }
 };
 
 struct Source {
@@ -53,8 +61,16 @@ struct Source {
   // - headings are needed and not there.
   static Source Of(const Options& options, const Inputs& inputs);
 
-  Blob ToBlob() const;
-  static Source FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("run_names", &Source::run_names);
+    field("feature_names", &Source::feature_names);
+    field("groups", &Source::groups);
+    field("map_positions", &Source::map_positions);
+    field("map_heading_rad", &Source::map_heading_rad);
+    field("map_output", &Source::map_output);
+    field("run", &Source::runs);
+    field("samples_hash", &Source::samples_hash);
+  }
 
  private:
   void UseNetworks(const Options& options, const Blob& samples, const std::vector<Learned>& learned);

@@ -116,18 +116,6 @@ Poses BeliefPositions(const Options& options, const Source& source) {
   return poses;
 }
 
-Blob FeatureMap::ToBlob() const {
-  Blob blob;
-  blob.PutVector("probability", probability);
-  blob.PutVector("room", room);
-  return blob;
-}
-
-FeatureMap FeatureMap::FromBlob(const Blob& blob) {
-  const auto probability = blob.Get<double>("probability"), room = blob.Get<double>("room");
-  return {{probability.begin(), probability.end()}, {room.begin(), room.end()}};
-}
-
 void FeatureMap::Append(const FeatureMap& block) {
   probability.insert(probability.end(), block.probability.begin(), block.probability.end());
   room.insert(room.end(), block.room.begin(), block.room.end());

@@ -7,6 +7,7 @@
 #include "pipelines/localization/options.h"
 #include "pipelines/localization/source.h"
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::localization {
 
@@ -22,8 +23,10 @@ struct FeatureMap {
   std::vector<double> probability;  // P(f_i = 1 | xi): [positions][features]
   std::vector<double> room;         // [positions], see BeliefSpace
 
-  Blob ToBlob() const;
-  static FeatureMap FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("probability", &FeatureMap::probability);
+    field("room", &FeatureMap::room);
+  }
   void Append(const FeatureMap& block);
 };
 

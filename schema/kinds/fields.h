@@ -272,7 +272,7 @@ void AppendRows(const std::string& prefix, const Blob& blob, std::vector<T>* row
                                   [&](std::size_t i) -> T& { return (*rows)[first + i]; });
 }
 template <fields_internal::Listed T>
-std::vector<T> RowsIn(const std::string& prefix, const Blob& blob) {
+std::vector<T> RowsIn(const Blob& blob, const std::string& prefix = "") {
   std::vector<T> rows;
   AppendRows(prefix, blob, &rows);
   return rows;
@@ -301,6 +301,8 @@ void Put(const std::string& name, const T& value, Blob* blob) {
     if (value) blob->Put(name, value.array());
   } else if constexpr (kIs<T, std::optional>) {
     if (value) Put(name, *value, blob);
+  } else if constexpr (std::is_same_v<T, Array>) {
+    blob->Put(name, value);
   } else if constexpr (kIs<T, PerSensor>) {
     const std::string before = name.substr(0, name.rfind('/') + 1);
     for (const auto& sensor : value) PutFields(before + sensor.sensor + "/", sensor, blob);
@@ -334,6 +336,8 @@ void Take(const std::string& name, const Blob& blob, T* value) {
     *value = T::In(blob, name);
   } else if constexpr (kIs<T, std::optional>) {
     if (blob.Has(name)) Take(name, blob, &value->emplace());
+  } else if constexpr (std::is_same_v<T, Array>) {
+    *value = blob.at(name);
   } else if constexpr (kIs<T, PerSensor>) {
     const std::string before = name.substr(0, name.rfind('/') + 1);
     for (const std::string_view sensor : kRangeSensors) {
@@ -353,7 +357,7 @@ void Take(const std::string& name, const Blob& blob, T* value) {
       value->clear();
       for (const auto element : stored) value->push_back(static_cast<E>(element));
     } else if constexpr (std::is_trivially_copyable_v<E>) {
-      *value = RowsIn<E>(name + "/", blob);
+      *value = RowsIn<E>(blob, name + "/");
     } else {
       for (std::size_t i = 0, count = CountGroups(blob, name); i < count; ++i)
         value->push_back(FieldsIn<E>(name + "/" + std::to_string(i) + "/", blob));
@@ -381,17 +385,27 @@ void PutFields(const std::string& prefix, const T& value, Blob* blob) {
   });
 }
 template <fields_internal::Listed T>
+void TakeFields(const std::string& prefix, const Blob& blob, T* value) {
+  T::Fields([&](const Field& field, const auto& member) {
+    fields_internal::Take(prefix + std::string(field.name), blob, &std::invoke(member, *value));
+  });
+}
+template <fields_internal::Listed T>
 T FieldsIn(const std::string& prefix, const Blob& blob) {
   T value;
-  T::Fields([&](const Field& field, const auto& member) {
-    fields_internal::Take(prefix + std::string(field.name), blob, &std::invoke(member, value));
-  });
+  TakeFields(prefix, blob, &value);
   return value;
 }
 // A whole file, as its kind has it.
 template <fields_internal::Listed T>
 T Read(const Blob& blob) {
   return FieldsIn<T>("", blob);
+}
+template <fields_internal::Listed T>
+Blob BlobOf(const std::vector<T>& rows) {
+  Blob blob;
+  PutRows("", rows, &blob);
+  return blob;
 }
 template <fields_internal::Listed T>
 Blob BlobOf(const T& value) {

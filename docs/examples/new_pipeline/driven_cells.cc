@@ -20,7 +20,7 @@ Step DrivenCells::Start(const Inputs& inputs) const {
   const GridBox grid = GridOf(scans, options_.grid, kBytesPerCell);
   Step step;
   Blob box, poses;
-  PutGridBox("", grid, &box);
+  PutFields("", grid, &box);
   PutScanPoses(scans, *log, &poses);
   auto& blobs = *step.plan.mutable_state()->mutable_blobs();
   blobs["grid"] = step.Share(std::move(box));
@@ -35,7 +35,7 @@ Step DrivenCells::Start(const Inputs& inputs) const {
 }
 
 Blob DrivenCells::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
   const Blob poses = inputs.Get("scan poses")->Sub(task.params().at("sensor").s());
   const auto x = poses.Get<double>("x_m"), y = poses.Get<double>("y_m");
   std::set<std::int64_t> driven;  // in order, whatever the order of the poses
@@ -50,7 +50,7 @@ Blob DrivenCells::Run(const Task& task, const Inputs& inputs, Progress& progress
 }
 
 Step DrivenCells::Advance(const State&, Partials& partials, const Inputs& inputs) const {
-  const GridBox grid = GridBoxOf("", *inputs.Get("grid"));
+  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
   std::vector<double> probability(static_cast<std::size_t>(grid.cells()),
                                   std::numeric_limits<double>::quiet_NaN());
   for (std::size_t k = 0; k < partials.size(); ++k)

@@ -63,8 +63,8 @@ BlobPtr Ptr(Blob blob) { return std::make_shared<const Blob>(std::move(blob)); }
 
 GradientShare WholeGradient(const Options& options, const TrainingData& data) {
   Rng rng(3);
-  return GradientOfBlock(options, data.training, RandomParameters<float>({2, 5, 4}, 1.0, rng),
-                         {0, data.training.size()});
+  return GradientOfBlock(options, PlanSum(options, data.training.positions), data.training,
+                         RandomParameters<float>({2, 5, 4}, 1.0, rng), {0, data.training.size()});
 }
 
 // A fine table of distances is the distance, in the error and in its gradient.
@@ -72,7 +72,7 @@ TEST(ErrorTable, OfDistancesIsTheDistance) {
   TrainingData data = TrainingData::Of(CorridorSamples().Make(), "run 1");
   const GradientShare wanted = WholeGradient({.networks = 2}, data);
   AttachTable(Table(0.02, [](double d) { return d; }), &data);
-  const TrainingData back = TrainingData::FromBlob(data.ToBlob());
+  const TrainingData back = Read<TrainingData>(BlobOf(data));
   const GradientShare share = WholeGradient({.networks = 2, .error = "table"}, back);
   EXPECT_NEAR(share.error, wanted.error, 0.01 * wanted.error);
   double largest = 0.0;

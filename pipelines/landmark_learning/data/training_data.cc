@@ -169,37 +169,6 @@ void FindNorm(const RawSet& set, std::size_t inputs, std::vector<double>* mean, 
   for (const double s : squares) scale->push_back(s > 0.0 ? std::sqrt(s / count) : 1.0);
 }
 
-void Store(const SampleSet& set, const std::string& prefix, Blob* blob) {
-  blob->PutVector(prefix + "x_m", set.positions.x_m);
-  blob->PutVector(prefix + "y_m", set.positions.y_m);
-  blob->PutVector(prefix + "along_m", set.positions.along_m);
-  blob->PutVector(prefix + "run", set.run);
-  blob->PutVector(prefix + "weight", set.weight);
-  blob->PutVector(prefix + "row", set.positions.row);
-  blob->Put(prefix + "table", set.positions.table);
-  blob->Put(prefix + "input", set.input);
-  blob->PutVector(prefix + "heading_rad", set.heading_rad);
-}
-
-template <class T>
-std::vector<T> Taken(const Blob& blob, const std::string& name) {
-  const auto values = blob.Get<T>(name);
-  return {values.begin(), values.end()};
-}
-
-SampleSet Load(const std::string& prefix, const Blob& blob) {
-  SampleSet set{{Taken<double>(blob, prefix + "x_m"), Taken<double>(blob, prefix + "y_m"),
-                 Taken<double>(blob, prefix + "along_m"), Taken<std::int32_t>(blob, prefix + "row"),
-                 blob.at(prefix + "table")},
-                Taken<std::int32_t>(blob, prefix + "run"),
-                Taken<double>(blob, prefix + "weight"),
-                blob.at(prefix + "input"),
-                {},
-                Taken<double>(blob, prefix + "heading_rad")};
-  PutDirections(&set);
-  return set;
-}
-
 void RequireKnownRuns(const std::vector<std::string>& runs, const std::string& holdout,
                       const std::vector<std::string>& unseen) {
   const auto refuse = [&](const char* option, const std::string& run) {
@@ -241,22 +210,6 @@ TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, c
   data.training = Normalised(Sorted(training, inputs), data.mean, data.scale);
   data.held_out = Normalised(Sorted(held_out, inputs), data.mean, data.scale);
   return data;
-}
-
-Blob TrainingData::ToBlob() const {
-  Blob blob;
-  blob.Put("runs", Array::Texts(runs));
-  blob.Put("input_name", Array::Texts(input_names));
-  blob.PutVector("mean", mean);
-  blob.PutVector("scale", scale);
-  Store(training, "training/", &blob);
-  Store(held_out, "held_out/", &blob);
-  return blob;
-}
-
-TrainingData TrainingData::FromBlob(const Blob& blob) {
-  return {blob.Texts("runs"),           blob.Texts("input_name"), Taken<double>(blob, "mean"),
-          Taken<double>(blob, "scale"), Load("training/", blob),  Load("held_out/", blob)};
 }
 
 }  // namespace cairn::landmark_learning

@@ -7,6 +7,7 @@
 
 #include "pipelines/landmark_learning/error_sum/pairs.h"
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_learning {
 
@@ -23,6 +24,13 @@ struct SampleSet {
 
   const float* inputs() const { return input.As<float>().data(); }
   int size() const { return positions.size(); }
+  static void Fields(const auto& field) {
+    field("positions", &SampleSet::positions);
+    field("run", &SampleSet::run);
+    field("weight", &SampleSet::weight);
+    field("input", &SampleSet::input);
+    field("heading_rad", &SampleSet::heading_rad);
+  }
 };
 
 // Of each input.
@@ -46,8 +54,14 @@ struct TrainingData {
   static TrainingData Of(const Blob& samples, const std::string& holdout, const InputNorm* given = nullptr,
                          const std::vector<std::string>& unseen = {});
 
-  Blob ToBlob() const;
-  static TrainingData FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("runs", &TrainingData::runs);
+    field("input_name", &TrainingData::input_names);
+    field("mean", &TrainingData::mean);
+    field("scale", &TrainingData::scale);
+    field("training", &TrainingData::training);
+    field("held_out", &TrainingData::held_out);
+  }
 };
 
 }  // namespace cairn::landmark_learning

@@ -44,9 +44,9 @@ TEST(TrainingData, IsSortedInSpaceWithEachSamplesOwnInputsAndWay) {
 
 TEST(TrainingData, ComesBackAsItWasStored) {
   const TrainingData data = TrainingData::Of(CorridorSamples().Make(), "run 0");
-  EXPECT_EQ(TrainingData::FromBlob(data.ToBlob()).ToBlob().ContentHash(), data.ToBlob().ContentHash());
+  EXPECT_EQ(BlobOf(Read<TrainingData>(BlobOf(data))).ContentHash(), BlobOf(data).ContentHash());
   const TrainingData facing = TrainingData::Of(CorridorSamples{.both_ways = true}.Make(), "run 0");
-  const TrainingData back = TrainingData::FromBlob(facing.ToBlob());
+  const TrainingData back = Read<TrainingData>(BlobOf(facing));
   EXPECT_EQ(back.training.heading_rad, facing.training.heading_rad);
   EXPECT_EQ(back.held_out.positions.cos_heading, facing.held_out.positions.cos_heading);
   EXPECT_EQ(back.training.positions.sin_heading.size(), 160U);

@@ -20,6 +20,15 @@ struct Positions {
   std::vector<double> cos_heading = {}, sin_heading = {};  // empty where it is not known
 
   int size() const { return static_cast<int>(x_m.size()); }
+  static void Fields(const auto& field) {
+    field("x_m", &Positions::x_m);
+    field("y_m", &Positions::y_m);
+    field("along_m", &Positions::along_m);
+    field("row", &Positions::row);
+    field("table", &Positions::table);
+    field("cos_heading", &Positions::cos_heading);
+    field("sin_heading", &Positions::sin_heading);
+  }
 };
 
 enum class BeliefShape {

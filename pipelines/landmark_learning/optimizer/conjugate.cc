@@ -66,24 +66,4 @@ std::vector<double> AlongLine(std::vector<double> weights, const std::vector<flo
   return weights;
 }
 
-Blob Conjugate::ToBlob() const {
-  Blob blob;
-  blob.PutVector("gradient", gradient);
-  blob.PutVector("direction", direction);
-  blob.PutScalar("start", start);
-  blob.PutScalar("slope", slope);
-  blob.PutScalar("length", length);
-  blob.PutScalar("since_restart", since_restart);
-  blob.PutScalar("failures", failures);
-  return blob;
-}
-
-Conjugate Conjugate::FromBlob(const Blob& blob) {
-  const auto gradient = blob.Get<float>("gradient"), direction = blob.Get<float>("direction");
-  return {{gradient.begin(), gradient.end()},   {direction.begin(), direction.end()},
-          blob.Scalar<double>("start"),         blob.Scalar<double>("slope"),
-          blob.Scalar<double>("length"),        blob.Scalar<std::int64_t>("since_restart"),
-          blob.Scalar<std::int64_t>("failures")};
-}
-
 }  // namespace cairn::landmark_learning

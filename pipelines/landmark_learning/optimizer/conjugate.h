@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_learning {
 
@@ -33,9 +34,15 @@ struct Conjugate {
   // for the next search.
   double Choose(const std::vector<double>& errors);
   bool Stuck() const { return failures >= kMostFailures; }
-
-  Blob ToBlob() const;
-  static Conjugate FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("gradient", &Conjugate::gradient);
+    field("direction", &Conjugate::direction);
+    field("start", &Conjugate::start);
+    field("slope", &Conjugate::slope);
+    field("length", &Conjugate::length);
+    field("since_restart", &Conjugate::since_restart);
+    field("failures", &Conjugate::failures);
+  }
 };
 
 // weights + length * direction

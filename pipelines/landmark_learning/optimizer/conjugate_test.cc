@@ -39,7 +39,7 @@ TEST(Conjugate, FindsTheBottomOfAValleyAndNeverGoesUp) {
   double before = valley.Error(x);
   for (int step = 0; step < 120 && !line.Stuck(); ++step) {
     line.Turn(before, valley.Gradient(x), 0.01);
-    line = Conjugate::FromBlob(line.ToBlob());  // what travels
+    line = Read<Conjugate>(BlobOf(line));  // what travels
     const double taken = line.Choose(ErrorsAlong(valley, line, x));
     x = AlongLine(x, line.direction, taken);
     EXPECT_LE(valley.Error(x), before);

@@ -33,21 +33,4 @@ void Descent::Step(const DescentRules& rules, const std::vector<double>& gradien
   }
 }
 
-Blob Descent::ToBlob() const {
-  Blob blob;
-  blob.PutScalar<std::int64_t>("step", step);
-  blob.PutVector("first", first);
-  blob.PutVector("second", second);
-  return blob;
-}
-
-Descent Descent::FromBlob(const Blob& blob) {
-  Descent descent;
-  descent.step = blob.Scalar<std::int64_t>("step");
-  const auto first = blob.Get<float>("first"), second = blob.Get<float>("second");
-  descent.first.assign(first.begin(), first.end());
-  descent.second.assign(second.begin(), second.end());
-  return descent;
-}
-
 }  // namespace cairn::landmark_learning

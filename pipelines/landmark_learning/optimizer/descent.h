@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_learning {
 
@@ -28,9 +29,11 @@ struct Descent {
   std::vector<float> first, second;  // momentum, or Adam's moments; empty before the first step
 
   void Step(const DescentRules& rules, const std::vector<double>& gradient, std::vector<double>* weights);
-
-  Blob ToBlob() const;
-  static Descent FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("step", &Descent::step);
+    field("first", &Descent::first);
+    field("second", &Descent::second);
+  }
 };
 
 }  // namespace cairn::landmark_learning

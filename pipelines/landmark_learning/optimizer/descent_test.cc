@@ -53,14 +53,14 @@ TEST(Descent, ComesBackAsItWasStored) {
   std::vector<double> w{1.0, 2.0}, same = w;
   Descent descent;
   descent.Step({}, {0.5, -0.5}, &w);
-  Descent back = Descent::FromBlob(descent.ToBlob());
+  Descent back = Read<Descent>(BlobOf(descent));
   same = w;
   descent.Step({}, {0.1, 0.2}, &w);
   back.Step({}, {0.1, 0.2}, &same);
   EXPECT_EQ(w, same);
-  Blob torn = descent.ToBlob();
+  Blob torn = BlobOf(descent);
   torn.PutVector("second", std::vector<double>{1.0, 2.0});
-  EXPECT_THROW(Descent::FromBlob(torn), InputError);
+  EXPECT_THROW(Read<Descent>(torn), InputError);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "pipelines/common/layered_grid.h"
 #include "pipelines/landmark_map/model/m_step.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_map {
 
@@ -14,6 +15,15 @@ struct PoseSummary {
   double covariance[9];          // x, y, heading
   // The most likely cell, refined by the mean over its neighbours.
   double mode_x_m, mode_y_m, mode_heading_rad;
+  static void Fields(const auto& field) {
+    field("x_m", &PoseSummary::x_m);
+    field("y_m", &PoseSummary::y_m);
+    field("heading_rad", &PoseSummary::heading_rad);
+    field({"covariance", "P,3,3"}, &PoseSummary::covariance);
+    field("mode_x_m", &PoseSummary::mode_x_m);
+    field("mode_y_m", &PoseSummary::mode_y_m);
+    field("mode_heading_rad", &PoseSummary::mode_heading_rad);
+  }
 };
 PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid);
 
@@ -24,6 +34,14 @@ struct Landmark {
   int type;                // layer of the map; without identity: the first of those layers
   double count;            // expected number of observations of it
   int landmark_class = 0;  // without identity: the most likely one
+  static void Fields(const auto& field) {
+    field("x_m", &Landmark::x_m);
+    field("y_m", &Landmark::y_m);
+    field({"covariance_m2", "K,2,2"}, &Landmark::covariance_m2);
+    field("type", &Landmark::type);
+    field("count", &Landmark::count);
+    field("landmark_class", &Landmark::landmark_class);
+  }
 };
 
 // Identified landmarks: one a type, the mean around the mode. Others: peaks of the counts, strongest first,

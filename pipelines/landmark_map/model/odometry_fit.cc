@@ -87,32 +87,6 @@ void IncrementSums::Join(const IncrementSums& earlier, double link_path_m) {
   Add(earlier.turn_, 1.0, &turn_);
 }
 
-void IncrementSums::Store(const std::string& prefix, Blob* blob) const {
-  blob->PutScalar<double>(prefix + "turned_rad", turned_rad_);
-  blob->PutScalar<double>(prefix + "path_m", path_m_);
-  blob->PutScalar<double>(prefix + "first_rad", first_rad_);
-  blob->PutScalar<double>(prefix + "last_rad", last_rad_);
-  blob->PutVector<double>(prefix + "walk", {walk_.squares, walk_.known});
-  blob->PutVector<double>(prefix + "turn", {turn_.squares, turn_.known});
-}
-
-IncrementSums IncrementSums::Load(const std::string& prefix, const Blob& blob) {
-  const auto evidence = [&](const char* name) {
-    const auto values = blob.Get<double>(prefix + name);
-    if (values.size() != 2) throw InputError("'" + prefix + name + "' is not a pair");
-    return WidthEvidence{values[0], values[1]};
-  };
-  IncrementSums sums;
-  sums.any_ = true;
-  sums.turned_rad_ = blob.Scalar<double>(prefix + "turned_rad");
-  sums.path_m_ = blob.Scalar<double>(prefix + "path_m");
-  sums.first_rad_ = blob.Scalar<double>(prefix + "first_rad");
-  sums.last_rad_ = blob.Scalar<double>(prefix + "last_rad");
-  sums.walk_ = evidence("walk");
-  sums.turn_ = evidence("turn");
-  return sums;
-}
-
 double FitDrift(const IncrementSums& sums, const MotionNoise& nominal, double so_far) {
   const double path_m = sums.path_m();
   if (!(path_m > 0.0)) return so_far;

@@ -8,6 +8,7 @@
 
 #include "pipelines/common/motion.h"
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_map {
 
@@ -17,6 +18,11 @@ struct OdometryFit {
   double heading_walk_rad_per_sqrt_m = 0.0;
   double turn_ratio = 0.0;
 
+  static void Fields(const auto& field) {
+    field("drift_rad_per_m", &OdometryFit::drift_rad_per_m);
+    field("heading_walk_rad_per_sqrt_m", &OdometryFit::heading_walk_rad_per_sqrt_m);
+    field("turn_ratio", &OdometryFit::turn_ratio);
+  }
   static OdometryFit Of(const MotionNoise& nominal) {
     return {0.0, nominal.heading_walk_rad_per_sqrt_m, nominal.turn_ratio};
   }
@@ -29,6 +35,10 @@ struct OdometryFit {
 // right.
 struct WidthEvidence {
   double squares = 0.0, known = 0.0;
+  static void Fields(const auto& field) {
+    field("squares", &WidthEvidence::squares);
+    field("known", &WidthEvidence::known);
+  }
 };
 
 // Sums over motion increments, the latest motion increment first; slices of a robot join.
@@ -48,8 +58,15 @@ class IncrementSums {
   const WidthEvidence& walk() const { return walk_; }
   const WidthEvidence& turn() const { return turn_; }
 
-  void Store(const std::string& prefix, Blob* blob) const;
-  static IncrementSums Load(const std::string& prefix, const Blob& blob);
+  static void Fields(const auto& field) {
+    field("any", &IncrementSums::any_);
+    field("turned_rad", &IncrementSums::turned_rad_);
+    field("path_m", &IncrementSums::path_m_);
+    field("first_rad", &IncrementSums::first_rad_);
+    field("last_rad", &IncrementSums::last_rad_);
+    field("walk", &IncrementSums::walk_);
+    field("turn", &IncrementSums::turn_);
+  }
 
  private:
   bool any_ = false;

@@ -64,10 +64,10 @@ TEST(IncrementSums, SlicesJoinToTheWhole) {
     (i < 2 ? late : early).AddIncrement(increment, half, widths);
   }
   Blob blob;
-  early.Store("increments/", &blob);
+  PutFields("increments/", early, &blob);
   IncrementSums joined;
   joined.Join(late, 7.0);  // nothing before: its own link is not there
-  joined.Join(IncrementSums::Load("increments/", blob), 2.0);
+  joined.Join(FieldsIn<IncrementSums>("increments/", blob), 2.0);
   EXPECT_NEAR(joined.turned_rad(), whole.turned_rad(), 1e-12);
   EXPECT_NEAR(joined.path_m(), 8.0, 1e-12);
   EXPECT_NEAR(whole.path_m(), 8.0, 1e-12);

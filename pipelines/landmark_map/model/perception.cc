@@ -51,18 +51,6 @@ void MultiplyByLookup(const Layer& table, const Offset& offset, Layer* layer) {
 
 }  // namespace
 
-Blob Perception::ToBlob() const {
-  Blob blob;
-  likelihood.Store("likelihood/", &blob);
-  blob.PutVector("outside", outside);
-  return blob;
-}
-
-Perception Perception::FromBlob(const Blob& blob) {
-  const auto outside = blob.Get<double>("outside");
-  return {LayeredGrid::Load("likelihood/", blob), {outside.begin(), outside.end()}};
-}
-
 Box PlacesThatSee(const Observation& observation, const GridSpec& grid, const Perception& perception,
                   int layer) {
   const Box& table = perception.likelihood.layers[observation.type].box;

@@ -3,6 +3,7 @@
 
 #include "pipelines/common/layered_grid.h"
 #include "pipelines/landmark_map/model/steps.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_map {
 
@@ -18,9 +19,10 @@ struct GridSpec {
 struct Perception {
   LayeredGrid likelihood;
   std::vector<double> outside;
-
-  Blob ToBlob() const;
-  static Perception FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("likelihood", &Perception::likelihood);
+    field("outside", &Perception::outside);
+  }
 };
 
 // The cells of layer `layer` from which the observation would fall into the map's table.

@@ -8,6 +8,7 @@
 
 #include "pipelines/common/motion.h"
 #include "schema/blob.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::landmark_map {
 
@@ -18,6 +19,11 @@ struct Observation {
   std::int32_t type = 0;  // layer of the map; without identity: the number of identities plus its class
   double x_m = 0.0, y_m = 0.0;
   bool contact() const { return x_m == 0.0 && y_m == 0.0; }
+  static void Fields(const auto& field) {
+    field("type", &Observation::type);
+    field("x_m", &Observation::x_m);
+    field("y_m", &Observation::y_m);
+  }
 };
 
 // Arrays over the S steps of a robot; motion increment [s] leads to step s (motion increment 0 is empty).
@@ -36,8 +42,17 @@ struct RobotSteps {
   // observations turn back by drift * distance travelled so far.
   RobotSteps WithoutDrift(double drift_rad_per_m) const;
 
-  Blob ToBlob() const;
-  static RobotSteps FromBlob(const Blob& blob);
+  static void Fields(const auto& field) {
+    field("time_s", &RobotSteps::time_s);
+    field("odo_x_m", &RobotSteps::odo_x_m);
+    field("odo_y_m", &RobotSteps::odo_y_m);
+    field("odo_heading_rad", &RobotSteps::odo_heading_rad);
+    field("path_m", &RobotSteps::path_m);
+    field("turn_rad", &RobotSteps::turn_rad);
+    field("first_observation", &RobotSteps::first_observation);
+    field("observation", &RobotSteps::observations);
+    field("row_observation", &RobotSteps::row_observation);
+  }
 };
 
 // How finely time is cut.

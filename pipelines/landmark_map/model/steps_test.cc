@@ -166,12 +166,12 @@ TEST(WithoutDrift, StraightensAWayThatOdometryBends) {
   EXPECT_NEAR(straight.odo_x_m.back(), 20.0, 0.01);
   EXPECT_NEAR(straight.odo_y_m.back(), 0.0, 0.06);
   EXPECT_NEAR(straight.observations[0].y_m, 0.0, 0.01);
-  EXPECT_EQ(bent.WithoutDrift(0.0).ToBlob().ContentHash(), bent.ToBlob().ContentHash());
+  EXPECT_EQ(BlobOf(bent.WithoutDrift(0.0)).ContentHash(), BlobOf(bent).ContentHash());
 }
 
 TEST(MakeSteps, BlobsGiveTheSameStepsBack) {
   const RobotSteps steps = MakeSteps(Robot({1.0, 3.0}, {0, 1}, {1, 1}, {0, 0}), "a", kRules, nullptr);
-  EXPECT_EQ(RobotSteps::FromBlob(steps.ToBlob()).ToBlob().ContentHash(), steps.ToBlob().ContentHash());
+  EXPECT_EQ(BlobOf(Read<RobotSteps>(BlobOf(steps))).ContentHash(), BlobOf(steps).ContentHash());
 }
 
 TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {

@@ -7,43 +7,6 @@
 
 namespace cairn::landmark_map {
 
-Blob ToBlob(const std::vector<Landmark>& landmarks) {
-  std::vector<double> x, y, covariance, count;
-  std::vector<std::int32_t> type, landmark_class;
-  for (const Landmark& l : landmarks) {
-    x.push_back(l.x_m);
-    y.push_back(l.y_m);
-    covariance.insert(covariance.end(), l.covariance_m2, l.covariance_m2 + 4);
-    type.push_back(l.type);
-    landmark_class.push_back(l.landmark_class);
-    count.push_back(l.count);
-  }
-  Blob blob;
-  blob.PutVector("x_m", x);
-  blob.PutVector("y_m", y);
-  blob.Put("covariance_m2", Array::Of<double>({static_cast<std::int64_t>(x.size()), 2, 2}, covariance));
-  blob.PutVector("type", type);
-  blob.PutVector("landmark_class", landmark_class);
-  blob.PutVector("count", count);
-  return blob;
-}
-
-std::vector<Landmark> LandmarksFromBlob(const Blob& blob) {
-  const auto x = blob.Get<double>("x_m"), y = blob.Get<double>("y_m"), v = blob.Get<double>("covariance_m2"),
-             count = blob.Get<double>("count");
-  const auto type = blob.Get<std::int32_t>("type"), landmark_class = blob.Get<std::int32_t>("landmark_class");
-  std::vector<Landmark> landmarks;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    landmarks.push_back({x[i],
-                         y[i],
-                         {v[4 * i], v[4 * i + 1], v[4 * i + 2], v[4 * i + 3]},
-                         type[i],
-                         count[i],
-                         landmark_class[i]});
-  }
-  return landmarks;
-}
-
 PartialBuilder::PartialBuilder(const Settings& settings, const Slice& slice, int robot,
                                const std::vector<Landmark>* landmarks, LayeredGrid no_counts)
     : settings_(settings),
@@ -121,26 +84,12 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   counts_.Store("counts/", &partial);
   partial.PutScalar<double>("log_likelihood", alphas.log_likelihood);
   partial.PutScalar<double>("work", alphas.work);
-  increments_.Store("increments/", &partial);
+  PutFields("increments/", increments_, &partial);
   partial.PutScalar<double>("first_path_m", slice_.steps.path_m[slice_.first]);
   partial.PutScalar<std::int32_t>("robot", robot_);
   partial.PutScalar<std::int32_t>("first", slice_.first);
   if (landmarks_ == nullptr) return partial;
-  const auto n = static_cast<std::int64_t>(poses_.size());
-  const auto put = [&](const char* name, auto get) {
-    std::vector<double> values;
-    for (const PoseSummary& pose : poses_) values.push_back(get(pose));
-    partial.PutVector(std::string("pose/") + name, values);
-  };
-  put("x_m", [](const PoseSummary& p) { return p.x_m; });
-  put("y_m", [](const PoseSummary& p) { return p.y_m; });
-  put("heading_rad", [](const PoseSummary& p) { return p.heading_rad; });
-  put("mode_x_m", [](const PoseSummary& p) { return p.mode_x_m; });
-  put("mode_y_m", [](const PoseSummary& p) { return p.mode_y_m; });
-  put("mode_heading_rad", [](const PoseSummary& p) { return p.mode_heading_rad; });
-  std::vector<double> covariance;
-  for (const PoseSummary& p : poses_) covariance.insert(covariance.end(), p.covariance, p.covariance + 9);
-  partial.Put("pose/covariance", Array::Of<double>({n, 3, 3}, covariance));
+  PutRows("pose/", poses_, &partial);
   partial.PutVector("association/landmark", association_);
   partial.PutVector("association/probability", association_probability_);
   if (!beliefs_.layers.empty()) beliefs_.StoreSparse("belief/", &partial);
@@ -180,8 +129,6 @@ Associated AssociatedIn(const std::vector<Blob>& summaries) {
 
 namespace {
 
-std::string IncrementsOf(std::size_t robot) { return "increments/" + std::to_string(robot) + "/"; }
-
 }  // namespace
 
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
@@ -205,7 +152,7 @@ void RoundSum::Add(const Blob& partial) {
   const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
   log_likelihood_of_[robot] += partial.Scalar<double>("log_likelihood");
   work_[robot] += partial.Scalar<double>("work");
-  increments_[robot].Join(IncrementSums::Load("increments/", partial), first_path_m_[robot]);
+  increments_[robot].Join(FieldsIn<IncrementSums>("increments/", partial), first_path_m_[robot]);
   first_path_m_[robot] = partial.Scalar<double>("first_path_m");
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(SummaryOf(partial));
   if (partial.Has("confirmed")) {
@@ -214,33 +161,14 @@ void RoundSum::Add(const Blob& partial) {
   }
 }
 
-Blob RoundSum::ToBlob() const {
-  Blob blob;
-  counts_.Store("counts/", &blob);
-  blob.PutScalar<double>("log_likelihood", log_likelihood_);
-  blob.PutVector("log_likelihood_of", log_likelihood_of_);
-  blob.PutVector("work", work_);
-  blob.PutVector("guessed", guessed_);
-  blob.PutVector("confirmed", confirmed_);
-  blob.PutVector("first_path_m", first_path_m_);
-  for (std::size_t r = 0; r < increments_.size(); ++r) increments_[r].Store(IncrementsOf(r), &blob);
-  return blob;
-}
+Blob RoundSum::ToBlob() const { return BlobOf(*this); }
 
 RoundSum RoundSum::FromBlob(const Blob& blob, std::size_t robots) {
-  RoundSum sum(LayeredGrid::Load("counts/", blob), robots);
-  const auto get = [&]<class T>(const char* name, std::vector<T>* values) {
-    const auto stored = blob.Get<T>(name);
-    if (stored.size() != robots) throw InputError(std::string("'") + name + "' is not of as many robots");
-    values->assign(stored.begin(), stored.end());
-  };
-  sum.log_likelihood_ = blob.Scalar<double>("log_likelihood");
-  get("log_likelihood_of", &sum.log_likelihood_of_);
-  get("work", &sum.work_);
-  get("guessed", &sum.guessed_);
-  get("confirmed", &sum.confirmed_);
-  get("first_path_m", &sum.first_path_m_);
-  for (std::size_t r = 0; r < robots; ++r) sum.increments_[r] = IncrementSums::Load(IncrementsOf(r), blob);
+  RoundSum sum({}, robots);
+  TakeFields("", blob, &sum);
+  for (const std::size_t of : {sum.log_likelihood_of_.size(), sum.work_.size(), sum.increments_.size(),
+                               sum.guessed_.size(), sum.confirmed_.size(), sum.first_path_m_.size()})
+    if (of != robots) throw InputError("a sum over other robots");
   return sum;
 }
 

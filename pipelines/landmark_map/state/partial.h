@@ -11,9 +11,6 @@
 
 namespace cairn::landmark_map {
 
-Blob ToBlob(const std::vector<Landmark>& landmarks);
-std::vector<Landmark> LandmarksFromBlob(const Blob& blob);
-
 // Fields: counts/…, increments/…, log_likelihood, work, robot, first, first_path_m (distance travelled to the
 // slice's first step); with landmarks also pose/… (a row a step), association/… (a row an observation of the
 // slice) and, where they are kept, belief/… (a layer a step, added up over headings).
@@ -82,6 +79,17 @@ class RoundSum {
   std::int64_t confirmed(std::size_t robot) const { return confirmed_[robot]; }
   // The partials of one robot that hold summaries, in the order of steps.
   std::vector<Blob> SummariesOf(std::size_t robot) const;
+  // All but the summaries.
+  static void Fields(const auto& field) {
+    field("counts", &RoundSum::counts_);
+    field("log_likelihood", &RoundSum::log_likelihood_);
+    field("log_likelihood_of", &RoundSum::log_likelihood_of_);
+    field("work", &RoundSum::work_);
+    field("increments", &RoundSum::increments_);
+    field("guessed", &RoundSum::guessed_);
+    field("confirmed", &RoundSum::confirmed_);
+    field("first_path_m", &RoundSum::first_path_m_);
+  }
 
  private:
   LayeredGrid counts_;

@@ -5,25 +5,6 @@
 
 namespace cairn::landmark_map {
 
-void Schedule::Store(State* state) const {
-  auto& scalars = *state->mutable_scalars();
-  scalars["iteration"].set_i(iteration);
-  scalars["prefix"].set_d(prefix);
-  scalars["robots"].set_i(robots);
-  scalars["settled"].set_i(settled);
-  scalars["log_likelihood"].set_d(log_likelihood);
-  scalars["summarise"].set_b(summarise);
-  scalars["growth"].set_d(growth);
-  scalars["refined"].set_b(refined);
-}
-
-Schedule Schedule::Load(const State& state) {
-  const auto& scalars = state.scalars();
-  return {scalars.at("iteration").i(), scalars.at("prefix").d(),         scalars.at("robots").i(),
-          scalars.at("settled").i(),   scalars.at("log_likelihood").d(), scalars.at("summarise").b(),
-          scalars.at("growth").d(),    scalars.at("refined").b()};
-}
-
 Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
                         double observations) const {
   Schedule next = *this;

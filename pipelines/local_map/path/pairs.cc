@@ -109,46 +109,4 @@ LoopConstraint MakeLoopConstraint(const Pair& pair, const Candidate& match,
   return constraint;
 }
 
-Blob PairsBlob(const std::vector<Pair>& pairs) {
-  std::vector<std::int32_t> of;
-  std::vector<double> at;
-  for (const Pair& pair : pairs) {
-    of.insert(of.end(), {pair.node, pair.trace});
-    at.insert(at.end(), {pair.at.z_m, pair.at.u_m, pair.range_m});
-  }
-  const auto count = static_cast<std::int64_t>(pairs.size());
-  Blob blob;
-  blob.Put("of", Array::Of<std::int32_t>({count, 2}, of));
-  blob.Put("at", Array::Of<double>({count, 3}, at));
-  return blob;
-}
-
-std::vector<Pair> PairsOfBlob(const Blob& blob) {
-  const auto of = blob.Get<std::int32_t>("of");
-  const auto at = blob.Get<double>("at");
-  std::vector<Pair> pairs;
-  for (std::size_t p = 0; 2 * p < of.size(); ++p)
-    pairs.push_back({of[2 * p], of[2 * p + 1], {at[3 * p], at[3 * p + 1]}, at[3 * p + 2]});
-  return pairs;
-}
-
-Blob MatchesBlob(const std::vector<Candidate>& matches) {
-  std::vector<double> numbers;
-  for (const Candidate& m : matches)
-    numbers.insert(numbers.end(),
-                   {m.z_m, m.u_m, m.sd_z_m, m.sd_u_m, m.score, m.sides, static_cast<double>(m.known),
-                    m.confidence, m.confidence_z, m.confidence_u});
-  Blob blob;
-  blob.PutVector("matches", numbers);
-  return blob;
-}
-
-void AppendMatches(const Blob& blob, std::vector<Candidate>* matches) {
-  constexpr std::size_t kNumbers = 10;
-  const auto n = blob.Get<double>("matches");
-  for (std::size_t k = 0; k + kNumbers <= n.size(); k += kNumbers)
-    matches->push_back({n[k], n[k + 1], n[k + 2], n[k + 3], n[k + 4], n[k + 5], static_cast<int>(n[k + 6]),
-                        n[k + 7], n[k + 8], n[k + 9]});
-}
-
 }  // namespace cairn::local_map

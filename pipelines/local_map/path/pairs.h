@@ -8,6 +8,7 @@
 #include "pipelines/local_map/traces/arrays.h"
 #include "pipelines/local_map/traces/find_on.h"
 #include "pipelines/pipeline.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::local_map {
 
@@ -38,6 +39,12 @@ struct Pair {
   std::int32_t node = 0, trace = 0;
   Position at;  // in the trace's frame, by the path
   double range_m = 0;
+  static void Fields(const auto& field) {
+    field("node", &Pair::node);
+    field("trace", &Pair::trace);
+    field("at", &Pair::at);
+    field("range_m", &Pair::range_m);
+  }
 };
 
 // Of each node, the traces of its robot that the path says are near.
@@ -53,10 +60,5 @@ Candidate MatchPair(const Pair& pair, const RecordedTrace& trace, const EdgeTrac
 LoopConstraint MakeLoopConstraint(const Pair& pair, const Candidate& match,
                                   const std::vector<PathNode>& nodes, const RecordedTrace& trace,
                                   const PairOptions& options);
-
-Blob PairsBlob(const std::vector<Pair>& pairs);  // a row each
-std::vector<Pair> PairsOfBlob(const Blob& blob);
-Blob MatchesBlob(const std::vector<Candidate>& matches);
-void AppendMatches(const Blob& blob, std::vector<Candidate>* matches);
 
 }  // namespace cairn::local_map

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "schema/error.h"
+#include "schema/kinds/poses.h"
 
 namespace cairn::local_map {
 namespace {
@@ -45,13 +46,10 @@ Odometry OfPoses(const Blob& log, const std::string& prefix, const std::string& 
 Blob PosesOf(const std::vector<std::string>& names, const std::vector<Odometry>& robots) {
   Blob poses;
   poses.Put("robots", Array::Texts(names));
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    const std::string prefix = Prefix(r) + "poses/";
-    poses.PutVector(prefix + "time_s", robots[r].time_s);
-    poses.PutVector(prefix + "x_m", robots[r].x_m);
-    poses.PutVector(prefix + "y_m", robots[r].y_m);
-    poses.PutVector(prefix + "heading_rad", robots[r].heading_rad);
-  }
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    PutFields(Prefix(r) + "poses/",
+              kinds::PoseTable{robots[r].time_s, robots[r].x_m, robots[r].y_m, robots[r].heading_rad},
+              &poses);
   return poses;
 }
 
@@ -174,44 +172,11 @@ std::vector<RobotRuns> CutRuns(const PosedScans& scans, const DeadReckoning& rec
 }
 
 Blob RowsOf(const RobotRuns& runs) {
-  std::vector<double> time, path;
-  std::vector<std::int32_t> run;
-  std::vector<std::uint8_t> jumped;
-  for (const Scan& scan : runs.scans) {
-    time.push_back(scan.time_s);
-    path.push_back(scan.path_m);
-    run.push_back(scan.run);
-    jumped.push_back(scan.jumped ? 1 : 0);
-  }
-  Blob blob;
-  blob.PutVector("time_s", time);
-  blob.PutVector("path_m", path);
-  blob.PutVector("run", run);
-  blob.PutVector("jumped", jumped);
+  Blob blob = BlobOf(runs.scans);
   const auto count = static_cast<std::int64_t>(runs.scans.size());
   blob.Put("row_of_log",
            Array::Of<std::int64_t>({count, static_cast<std::int64_t>(runs.sensors.size())}, runs.row_of_log));
-  return WithPoses(std::move(blob), runs.scans);
-}
-
-Blob WithPoses(Blob rows, const std::vector<Scan>& scans) {
-  std::vector<double> pose;
-  for (const Scan& scan : scans)
-    pose.insert(pose.end(), {scan.pose.x_m, scan.pose.y_m, scan.pose.heading_rad});
-  rows.Put("pose", Array::Of<double>({static_cast<std::int64_t>(scans.size()), 3}, pose));
-  return rows;
-}
-
-std::vector<Scan> ScansOf(const Blob& rows) {
-  const auto time = rows.Get<double>("time_s"), pose = rows.Get<double>("pose");
-  const auto path = rows.Get<double>("path_m");
-  const auto run = rows.Get<std::int32_t>("run");
-  const auto jumped = rows.Get<std::uint8_t>("jumped");
-  std::vector<Scan> scans;
-  for (std::size_t s = 0; s < time.size(); ++s)
-    scans.push_back(
-        {time[s], {pose[3 * s], pose[3 * s + 1], pose[3 * s + 2]}, path[s], run[s], jumped[s] != 0});
-  return scans;
+  return blob;
 }
 
 }  // namespace cairn::local_map

@@ -10,6 +10,7 @@
 #include "pipelines/common/range_scans.h"
 #include "schema/blob.h"
 #include "schema/geometry.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::local_map {
 
@@ -31,6 +32,13 @@ struct Scan {
   double path_m = 0;     // distance travelled so far
   std::int32_t run = 0;  // which run of this robot
   bool jumped = false;   // odometry did, since the scan before
+  static void Fields(const auto& field) {
+    field("time_s", &Scan::time_s);
+    field("pose", &Scan::pose);
+    field("path_m", &Scan::path_m);
+    field("run", &Scan::run);
+    field("jumped", &Scan::jumped);
+  }
 };
 
 struct RobotRuns {
@@ -60,9 +68,7 @@ inline constexpr double kTogether_s = 0.02;
 std::vector<RobotRuns> CutRuns(const PosedScans& scans, const DeadReckoning& reckoning,
                                const RunOptions& options);
 
-// The scans as arrays of a row each, so that a task may take some; the same with other poses; and back.
+// The scans as arrays of a row each, so that a task may take some; RowsIn<Scan> reads them.
 Blob RowsOf(const RobotRuns& runs);
-Blob WithPoses(Blob rows, const std::vector<Scan>& scans);
-std::vector<Scan> ScansOf(const Blob& rows);
 
 }  // namespace cairn::local_map

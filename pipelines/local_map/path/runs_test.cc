@@ -118,7 +118,7 @@ TEST(Runs, ALogWithoutOdometryGoesByItsPoses) {
 
 TEST(Runs, RowsAreThoseScans) {
   const RobotRuns runs = RunsOfLog(Log(20, 10, 0, 5));
-  const std::vector<Scan> back = ScansOf(RowsOf(runs));
+  const std::vector<Scan> back = RowsIn<Scan>(RowsOf(runs));
   ASSERT_EQ(back.size(), runs.scans.size());
   for (std::size_t s = 0; s < back.size(); ++s) {
     EXPECT_EQ(back[s].pose.x_m, runs.scans[s].pose.x_m);

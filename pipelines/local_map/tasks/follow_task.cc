@@ -2,35 +2,28 @@
 
 #include <algorithm>
 
+#include "schema/kinds/fields.h"
+
 namespace cairn::local_map {
 namespace {
 
 constexpr double kTurnSd_m = 0.02, kCutSd_m = 0.5, kLoopSd_m = 0.03;  // of connections
 
-struct Columns {
-  std::vector<double> time_s, z_m, u_m, range_z_m, range_u_m;
-  std::vector<std::int32_t> trace;
-  std::vector<std::uint8_t> corrected;
-
-  void Add(double time, std::size_t of, const Held& held) {
-    time_s.push_back(time);
-    trace.push_back(static_cast<std::int32_t>(of));
-    z_m.push_back(held.at.z_m);
-    u_m.push_back(held.at.u_m);
-    range_z_m.push_back(held.range.z_m);
-    range_u_m.push_back(held.range.u_m);
-    corrected.push_back(held.corrected ? 1 : 0);
-  }
-  Blob ToBlob() const {
-    Blob blob;
-    blob.PutVector("time_s", time_s);
-    blob.PutVector("trace", trace);
-    blob.PutVector("z_m", z_m);
-    blob.PutVector("u_m", u_m);
-    blob.PutVector("range_z_m", range_z_m);
-    blob.PutVector("range_u_m", range_u_m);
-    blob.PutVector("corrected", corrected);
-    return blob;
+// Of FORMAT.md's positions/.
+struct PositionRow {
+  double time_s = 0;
+  std::int32_t trace = 0;
+  Position at;
+  SearchWindow range;
+  bool corrected = false;
+  static void Fields(const auto& field) {
+    field("time_s", &PositionRow::time_s);
+    field("trace", &PositionRow::trace);
+    field("z_m", [](auto& row) -> auto& { return row.at.z_m; });
+    field("u_m", [](auto& row) -> auto& { return row.at.u_m; });
+    field("range_z_m", [](auto& row) -> auto& { return row.range.z_m; });
+    field("range_u_m", [](auto& row) -> auto& { return row.range.u_m; });
+    field("corrected", &PositionRow::corrected);
   }
 };
 
@@ -109,28 +102,6 @@ std::vector<Connection> MakeConnections(const Parts& parts) {
   return connections;
 }
 
-Blob ConnectionsBlob(const std::vector<Connection>& connections) {
-  std::vector<std::int32_t> of;
-  std::vector<double> origin;
-  for (const Connection& c : connections) {
-    of.insert(of.end(), {c.from, c.to, c.quarter});
-    origin.insert(origin.end(), {c.origin.z_m, c.origin.u_m, c.sd_m});
-  }
-  Blob blob;
-  blob.PutVector("of", of);
-  blob.PutVector("origin", origin);
-  return blob;
-}
-
-std::vector<Connection> ConnectionsOfBlob(const Blob& blob) {
-  const auto of = blob.Get<std::int32_t>("of");
-  const auto origin = blob.Get<double>("origin");
-  std::vector<Connection> connections;
-  for (std::size_t c = 0; c + 3 <= of.size(); c += 3)
-    connections.push_back({of[c], of[c + 1], of[c + 2], {origin[c], origin[c + 1]}, origin[c + 2]});
-  return connections;
-}
-
 Blob Follow(ScanReader& scans, std::size_t robot, const std::vector<RecordedTrace>& traces,
             const std::vector<Connection>& connections, const std::vector<double>& moved_m,
             const GridOptions& grid, const LocalizerOptions& options, Progress& progress) {
@@ -139,7 +110,7 @@ Blob Follow(ScanReader& scans, std::size_t robot, const std::vector<RecordedTrac
   LocalGrids grids(aligned, scans.rings());
   Growing growing(robot, traces, connections);
   TraceLocalizer localizer(grids, options, growing.left());
-  Columns columns;
+  std::vector<PositionRow> rows;
   const SearchWindow fresh{options.least_m, options.least_m};
   for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s % 20 == 0) progress.Tick();
@@ -147,11 +118,13 @@ Blob Follow(ScanReader& scans, std::size_t robot, const std::vector<RecordedTrac
     localizer.Update(grids, growing.graph(), moved_m[s]);
     for (std::size_t n = 0; n < growing.graph().size(); ++n) {
       const std::optional<Held>& held = localizer.held(static_cast<int>(n));
-      if (held && held->active) columns.Add(scans.time_s(s), growing.TraceOf(n), *held);
+      if (held && held->active)
+        rows.push_back({scans.time_s(s), static_cast<std::int32_t>(growing.TraceOf(n)), held->at, held->range,
+                        held->corrected});
     }
     growing.GrowUntil(s + 1, grids, fresh, &localizer);
   }
-  return columns.ToBlob();
+  return BlobOf(rows);
 }
 
 }  // namespace cairn::local_map

@@ -14,8 +14,6 @@ namespace cairn::local_map {
 // Connections of one trace with the next, and those by loops that are used, with the traces' places in the
 // world frame.
 std::vector<Connection> MakeConnections(const Parts& parts);
-Blob ConnectionsBlob(const std::vector<Connection>& connections);
-std::vector<Connection> ConnectionsOfBlob(const Blob& blob);
 
 // `traces`: all; those of `robot` are used, in its order. FORMAT.md's positions/. `moved_m`: [scans] sd of
 // what the robot may have moved beside its odometry since the scan before.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "schema/error.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn::local_map {
 namespace {
@@ -24,9 +25,8 @@ int SectorsOf(const std::vector<Pose>& beams, double opening_rad, std::int64_t r
 }
 
 std::vector<double> TurretOf(const Blob& log, const std::string& sensor) {
-  if (!log.Has(sensor + "turret_rad")) return {};
-  const auto heading = log.Get<double>(sensor + "turret_rad");
-  return {heading.begin(), heading.end()};
+  const auto turret = Column<double>::In(log, sensor + "turret_rad");
+  return turret ? turret.vector() : std::vector<double>();
 }
 
 }  // namespace
@@ -42,9 +42,7 @@ Blob RingsBlob(const PosedScans& scans, const std::vector<std::size_t>& sensors)
 ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std::int64_t ring_beams) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(rings.Scalar<std::int64_t>("count")); ++k) {
     const std::string name = rings.Text(Numbered(k) + "name");
-    const auto beam = rings.Get<double>(Numbered(k) + "beam");
-    std::vector<Pose> beams;
-    for (std::size_t b = 0; b < beam.size(); b += 3) beams.push_back({beam[b], beam[b + 1], beam[b + 2]});
+    const auto beams = RowsIn<Pose>(rings, Numbered(k) + "beam/");
     const double opening_rad = rings.Scalar<double>(Numbered(k) + "opening_rad");
     const double max_range_m = rings.Scalar<double>(Numbered(k) + "max_range_m");
     rings_.emplace_back(beams, opening_rad, max_range_m, SectorsOf(beams, opening_rad, ring_beams));
@@ -52,11 +50,9 @@ ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std
     range_m_.push_back(log.at(name + "range_m"));
     turret_rad_.push_back(TurretOf(log, name));
   }
-  const auto time = rows.Get<double>("time_s"), pose = rows.Get<double>("pose");
-  const auto row_of_log = rows.Get<std::int64_t>("row_of_log");
-  time_s_.assign(time.begin(), time.end());
-  pose_.assign(pose.begin(), pose.end());
-  row_of_log_.assign(row_of_log.begin(), row_of_log.end());
+  time_s_ = Column<double>::In(rows, "time_s").vector();
+  pose_ = RowsIn<Pose>(rows, "pose/");
+  row_of_log_ = Column<std::int64_t>::In(rows, "row_of_log").vector();
   scan_.resize(rings_.size());
 }
 

@@ -26,7 +26,7 @@ class ScanReader {
   const std::vector<SensorRing>& rings() const { return rings_; }
   const std::vector<ScaleWatch::Ring>& beams() const { return beams_; }
   double time_s(std::size_t scan) const { return time_s_[scan]; }
-  Pose pose(std::size_t scan) const { return {pose_[3 * scan], pose_[3 * scan + 1], pose_[3 * scan + 2]}; }
+  Pose pose(std::size_t scan) const { return pose_[scan]; }
   // One a ring, valid until the next call; without ranges where the ring was not read.
   std::span<const RingScan> Read(std::size_t scan);
 
@@ -35,7 +35,8 @@ class ScanReader {
   std::vector<ScaleWatch::Ring> beams_;
   std::vector<Array> range_m_;                   // of each ring, keeps them alive
   std::vector<std::vector<double>> turret_rad_;  // of each ring's scans; empty: no turret
-  std::vector<double> time_s_, pose_;
+  std::vector<double> time_s_;
+  std::vector<Pose> pose_;
   std::vector<std::int64_t> row_of_log_;
   std::vector<RingScan> scan_;
 };

@@ -43,6 +43,10 @@ struct Feature {
 
 struct Position {
   double z_m = 0, u_m = 0;
+  static void Fields(const auto& field) {
+    field("z_m", &Position::z_m);
+    field("u_m", &Position::u_m);
+  }
 };
 
 class EdgeTrace {

@@ -42,6 +42,18 @@ struct Candidate {
   double confidence = 0;
   // The same of its z whatever its u, and of its u whatever its z: a blank corridor tells u alone.
   double confidence_z = 0, confidence_u = 0;
+  static void Fields(const auto& field) {
+    field("z_m", &Candidate::z_m);
+    field("u_m", &Candidate::u_m);
+    field("sd_z_m", &Candidate::sd_z_m);
+    field("sd_u_m", &Candidate::sd_u_m);
+    field("score", &Candidate::score);
+    field("sides", &Candidate::sides);
+    field("known", &Candidate::known);
+    field("confidence", &Candidate::confidence);
+    field("confidence_z", &Candidate::confidence_z);
+    field("confidence_u", &Candidate::confidence_u);
+  }
 };
 
 // `other` runs the same way (Reversed, if not); its origin is sought in `range` about `at`. The best comes

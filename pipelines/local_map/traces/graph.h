@@ -15,6 +15,13 @@ struct Connection {
   int quarter = 0;  // `to` runs so many quarter turns left of `from`
   Position origin;  // of `to`, in the frame of `from`
   double sd_m = 0;  // of that, each axis: small where one led to the other, large for a loop or across a cut
+  static void Fields(const auto& field) {
+    field("from", &Connection::from);
+    field("to", &Connection::to);
+    field("quarter", &Connection::quarter);
+    field("origin", &Connection::origin);
+    field("sd_m", &Connection::sd_m);
+  }
 };
 
 // A position in the frame of `from`, in that of `to`; and back.
