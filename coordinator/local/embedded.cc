@@ -59,6 +59,11 @@ std::set<std::string> ReadStages(const fs::path& path) {
   return stages;
 }
 
+bool IsLink(const fs::path& path) {
+  std::error_code error;
+  return fs::is_symlink(fs::symlink_status(path, error));
+}
+
 // The figures that a plan's State carries for people.
 std::map<std::string, double> ExpectedOf(const proto::Step& step) {
   const std::string prefix = "expected/";
@@ -138,7 +143,9 @@ void Run::RemoveReplaced() {
   std::vector<fs::path> files;
   for (const char* page : {"map.png", "picture.png", "report.html"}) {
     files.push_back(fs::path(options_.dir) / page);
-    for (const std::string& stage : stages) files.push_back(fs::path(options_.dir) / stage / page);
+    for (const std::string& stage : stages)
+      if (const fs::path folder = fs::path(options_.dir) / stage; !IsLink(folder))
+        files.push_back(folder / page);
   }
   for (std::uint32_t done = 0; done < Known()->stage; ++done)
     stages.erase(job_.stages(static_cast<int>(done)).name());
@@ -361,9 +368,13 @@ EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
   fs::create_directories(options.dir, error);
   if (error) return NoFolder(SystemFailure(options.dir, "cannot make the folder", error.value()));
   const fs::path store = fs::path(options.dir) / ".cairn";
-  if (fs::is_symlink(fs::symlink_status(store, error)))
+  if (IsLink(store))
     return End(EmbeddedEnd::kConflict,
                store.string() + " is a link; a run keeps what it needs in its own folder");
+  for (const proto::Stage& stage : job.stages())
+    if (const fs::path pages = fs::path(options.dir) / stage.name(); IsLink(pages))
+      return End(EmbeddedEnd::kInputError,
+                 pages.string() + " is a link; the pages of a stage go into a folder of the run's own");
   Result<StoreFolder> folder = StoreFolder::Open(store);
   if (!folder.ok()) return NoFolder(folder.status());
   RemoveLeftovers(options.dir);

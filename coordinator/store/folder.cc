@@ -21,7 +21,24 @@ namespace fs = std::filesystem;
 
 namespace {
 constexpr const char* kGone = ".deleted";  // a job's folder of checkpoints, once the job is deleted
+
+Status ALink(const fs::path& path) {
+  return {Code::kRefused, path.string() + " is a link; a store keeps what it needs in its own folder"};
 }
+
+// Whoever hands on a store must not choose which of the next person's files are written or removed. Where the
+// results of a service lie is its own user's choice.
+Status RefuseLinks(const fs::path& dir) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(dir, error), end; !error && it != end; it.increment(error)) {
+    if (it.depth() == 0 && it->path().filename() == "results")
+      it.disable_recursion_pending();
+    else if (it->is_symlink(error))
+      return ALink(it->path());
+  }
+  return error ? SystemFailure(dir, "look through", error.value()) : Status::Ok();
+}
+}  // namespace
 
 Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   std::error_code error;
@@ -45,11 +62,13 @@ Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
   if (IsForeign(dir))
     return Status(Code::kCorrupt, dir.string() + " holds files of something else, and no store");
   const fs::path lock_file = dir / "lock";
-  const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (lock < 0 && errno == ELOOP) return ALink(lock_file);
   if (lock < 0) return SystemFailure(lock_file, "open", errno);
   StoreFolder folder(dir, lock);
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
+  if (Status status = RefuseLinks(dir); !status.ok()) return status;
   if (Status status = folder.CheckVersion(); !status.ok()) return status;
   return folder;
 }

@@ -22,6 +22,7 @@ class StoreFolder {
   // Makes it where it does not exist, with mode 0700, and locks it until the object goes.
   // kCorrupt: a folder that holds something, but no store.
   // kBusy: another process has it.
+  // kRefused: there is a link in it (but among a service's results); nothing is followed out of a store.
   // kVersion: it is of a newer version, or from before files had checksum trailers; then nothing in it is
   // touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);

@@ -10,7 +10,10 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -165,6 +168,68 @@ TEST_F(Embedded, ALinkInPlaceOfItsFolderIsRefused) {
   fs::rename(victim, fs::path(options_.dir) / ".cairn");
   EXPECT_EQ(Run().end, EmbeddedEnd::kInputError) << "a folder of that name with something else in it";
   EXPECT_TRUE(fs::exists(fs::path(options_.dir) / ".cairn" / "thesis.txt"));
+}
+
+// Of all below a folder: path -> bytes; folders have none.
+std::map<std::string, std::string> AllBelow(const fs::path& folder) {
+  std::map<std::string, std::string> all;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    std::ifstream in(entry.path(), std::ios::binary);
+    all[entry.path()] = entry.is_directory() ? "" : std::string(std::istreambuf_iterator<char>(in), {});
+  }
+  return all;
+}
+
+// Each of what a store has could, as a link, lead a run to the next person's files.
+TEST_F(Embedded, NoLinkInsideOfItsFolderIsFollowed) {
+  const fs::path victim = folder_.path() / "victim", store = fs::path(options_.dir) / ".cairn";
+  fs::create_directories(victim);
+  for (const char* name : {"1.part", "1.h5", "pack-1.h5", "86c939568204c39f723a34a4e9b96aef.h5", "map.png",
+                           "report.html", "version", "1"})
+    std::ofstream(victim / name) << (std::string_view(name) == "version" ? "3\n" : "mine");
+  std::ofstream(victim / "my.sqlite") << "";
+  const auto before = AllBelow(victim);
+  const std::pair<const char*, fs::path> links[] = {{".cairn/uploads", victim},
+                                                    {".cairn/blobs", victim},
+                                                    {".cairn/checkpoints", victim},
+                                                    {".cairn/checkpoints/run", victim},
+                                                    {".cairn/checkpoints/run/1.h5", victim / "1.h5"},
+                                                    {".cairn/jobs.sqlite", victim / "my.sqlite"},
+                                                    {".cairn/jobs.sqlite-wal", victim / "made"},
+                                                    {".cairn/lock", victim / "made"},
+                                                    {".cairn/served", victim / "1"},
+                                                    {".cairn/version", victim / "version"},
+                                                    {".cairn/workers.log", victim / "1"},
+                                                    {".cairn/blobs/deep/er", victim},
+                                                    {"toy", victim}};
+  for (const bool force : {false, true}) {
+    for (const auto& [name, target] : links) {
+      fs::remove_all(options_.dir);
+      fs::create_directories((fs::path(options_.dir) / name).parent_path());
+      fs::create_directories(store);
+      if (std::string_view(name) != ".cairn/version") std::ofstream(store / "version") << "3\n";
+      fs::create_symlink(target, fs::path(options_.dir) / name);
+      options_.force = force;
+      const EmbeddedResult result = Run();
+      EXPECT_EQ(result.end, EmbeddedEnd::kInputError) << name;
+      EXPECT_NE(result.reason.find("is a link"), std::string::npos) << name << ": " << result.reason;
+      EXPECT_EQ(AllBelow(victim), before) << name;
+    }
+  }
+}
+
+// The stages of a run that is replaced come from its own record.
+TEST_F(Embedded, WhatItReplacesIsNotSoughtBehindALink) {
+  const fs::path victim = folder_.path() / "victim";
+  fs::create_directories(victim);
+  fs::create_directories(fs::path(options_.dir) / ".cairn");
+  for (const char* name : {"map.png", "report.html"}) std::ofstream(victim / name) << "mine";
+  std::ofstream(fs::path(options_.dir) / ".cairn" / "version") << "3\n";
+  std::ofstream(fs::path(options_.dir) / ".cairn" / "replaced") << "foo\n";
+  fs::create_directory_symlink(victim, fs::path(options_.dir) / "foo");
+  const auto before = AllBelow(victim);
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_EQ(AllBelow(victim), before);
 }
 
 TEST_F(Embedded, AResultFileOfSomebodyElseIsNotOverwritten) {
