@@ -112,7 +112,9 @@ Status WriteKeyPair(const std::filesystem::path& stem, const KeyPair& keys) {
   const Status written = WriteNew(stem.string() + ".key", secret, 0600);
   Wipe(secret);
   if (!written.ok()) return written;
-  return WriteNew(stem.string() + ".pub", keys.public_key + "\n", 0644);
+  const Status handed_out = WriteNew(stem.string() + ".pub", keys.public_key + "\n", 0644);
+  if (!handed_out.ok()) ::unlink((stem.string() + ".key").c_str());  // the public key there is not its own
+  return handed_out;
 }
 
 Result<KeyPair> ReadKeyPair(const std::filesystem::path& path) {

@@ -21,7 +21,7 @@ bool IsPublicKey(std::string_view text);
 // Of a public key, what logs show of it.
 std::string ShortKey(const std::string& public_key);
 // Writes `stem`.key (both keys, mode 0600) and `stem`.pub (the public one, to hand out). kBusy where one
-// exists.
+// exists; on any failure no secret is left.
 Status WriteKeyPair(const std::filesystem::path& stem, const KeyPair& keys);
 // Reads a .key file. kRefused where it is another's, or others than its owner may read it. From then on this
 // process leaves no core dump.

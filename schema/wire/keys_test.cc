@@ -36,6 +36,15 @@ TEST(Keys, AreNeverOverwritten) {
   EXPECT_EQ(back.value().secret_key, keys.secret_key);
 }
 
+// The coordinator's public key, say, which each machine of a fleet has.
+TEST(Keys, WhereThePublicOneIsThereAlreadyNoSecretIsLeftThatDoesNotFit) {
+  const PrivateFolder folder;
+  std::ofstream(folder.path() / "site.pub") << GenerateKeyPair().public_key << "\n";
+  EXPECT_EQ(WriteKeyPair(folder.path() / "site", GenerateKeyPair()).code(), Code::kBusy);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "site.key"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "site.pub"));
+}
+
 TEST(Keys, ASecretThatOthersCanReadIsRefused) {
   const PrivateFolder folder;
   ASSERT_TRUE(WriteKeyPair(folder.path() / "site", GenerateKeyPair()).ok());
