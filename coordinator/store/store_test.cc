@@ -141,6 +141,16 @@ TEST(StoreFolder, AFolderThatHoldsSomethingElseIsRefusedAndNotTouched) {
   EXPECT_FALSE(fs::exists(folder / "lock"));
 }
 
+// In a container it may have the number that the one before had.
+TEST(StoreFolder, OneThatAProcessWithThisNumberBeganIsNoForeignFolder) {
+  TempFolder temp;
+  fs::create_directories(temp.path() / "s");
+  const std::string begun = ".version." + std::to_string(::getpid()) + "-0.tmp";
+  std::ofstream(temp.path() / "s" / begun) << "3";
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+  EXPECT_FALSE(fs::exists(temp.path() / "s" / begun));
+}
+
 TEST(StoreFolder, WhatIsNotTheStoresStaysInIt) {
   TempFolder temp;
   ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());

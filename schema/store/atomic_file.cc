@@ -2,12 +2,16 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -17,8 +21,8 @@ namespace {
 
 class Descriptor {
  public:
-  Descriptor(const std::filesystem::path& path, int flags)
-      : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  Descriptor(const std::filesystem::path& path, int flags, mode_t mode = 0)
+      : fd_(::open(path.c_str(), flags | O_CLOEXEC, mode)) {}
   ~Descriptor() { Close(); }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
@@ -37,17 +41,45 @@ std::filesystem::path FolderOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-std::filesystem::path TemporaryFor(const std::filesystem::path& path) {
-  static std::atomic<unsigned> counter{0};
-  return FolderOf(path) / ("." + path.filename().string() + "." + std::to_string(::getpid()) + "-" +
-                           std::to_string(counter++) + ".tmp");
-}
+// The name of a temporary file of `path`, which is this process's as long as the object lives.
+class Temporary {
+ public:
+  explicit Temporary(const std::filesystem::path& path) {
+    static std::atomic<unsigned> counter{0};
+    path_ = FolderOf(path) / ("." + path.filename().string() + "." + std::to_string(::getpid()) + "-" +
+                              std::to_string(counter++) + ".tmp");
+    const std::lock_guard lock(mutex_);
+    names_.insert(path_.filename());
+  }
+  ~Temporary() {
+    const std::lock_guard lock(mutex_);
+    names_.erase(path_.filename());
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  static bool IsInUse(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    return names_.contains(name);
+  }
+
+ private:
+  static inline std::mutex mutex_;
+  static inline std::set<std::string> names_;
+  std::filesystem::path path_;
+};
 
 bool AreDigits(std::string_view text) {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// The process that a temporary file belongs to; 0: the name is none that TemporaryFor makes.
+// A process with this one's number may have been killed before it: in a container the number is often 1.
+bool IsAlive(pid_t owner, const std::string& name) {
+  if (owner == ::getpid()) return Temporary::IsInUse(name);
+  return ::kill(owner, 0) == 0 || errno != ESRCH;
+}
+
+// The process that a temporary file belongs to; 0: the name is none that Temporary makes.
 pid_t OwnerOf(std::string_view name) {
   constexpr std::string_view kEnd = ".tmp";
   if (!name.starts_with('.') || !name.ends_with(kEnd)) return 0;
@@ -73,9 +105,21 @@ int WriteAll(int fd, std::span<const std::byte> bytes) {
 }
 
 // Returns errno, or 0.
-int WriteSynced(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  Descriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
+int SetRights(int fd, const FileRights& rights) {
+  struct stat has{};
+  if (::fstat(fd, &has) != 0) return errno;
+  if ((has.st_uid != rights.owner || has.st_gid != rights.group) &&
+      ::fchown(fd, rights.owner, rights.group) != 0)
+    return errno;
+  return ::fchmod(fd, rights.mode) == 0 ? 0 : errno;
+}
+
+// Returns errno, or 0.
+int WriteSynced(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                const FileRights* rights) {
+  Descriptor file(path, O_WRONLY | O_CREAT | O_EXCL, rights == nullptr ? 0666 : 0600);
   if (file.get() < 0) return errno;
+  if (const int error = rights == nullptr ? 0 : SetRights(file.get(), *rights)) return error;
   if (const int error = WriteAll(file.get(), bytes)) return error;
   if (::fsync(file.get()) != 0 || file.Close() != 0) return errno;
   return 0;
@@ -104,6 +148,26 @@ bool IsRefusal(int error_number) {
   }
 }
 
+Status Replace(const std::filesystem::path& path, std::span<const std::byte> bytes,
+               const FileRights* rights) {
+  if (IsNoFile(path))
+    return {Code::kRefused, path.string() + ": is a device, a pipe or a socket; a file is needed"};
+  std::optional<Temporary> temporary;
+  int error = EEXIST;
+  while (error == EEXIST) {  // left by a process that had this one's number
+    temporary.emplace(path);
+    error = WriteSynced(temporary->path(), bytes, rights);
+  }
+  if (error == 0 && ::rename(temporary->path().c_str(), path.c_str()) != 0) error = errno;
+  if (error != 0) {
+    ::unlink(temporary->path().c_str());
+    return SystemFailure(path, "cannot write", error);
+  }
+  if (const int sync = TrySyncFolder(FolderOf(path)))
+    return SystemFailure(path, "cannot sync its folder", sync);
+  return Status::Ok();
+}
+
 }  // namespace
 
 Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number) {
@@ -130,23 +194,16 @@ bool IsNoFile(const std::filesystem::path& path) {
 }
 
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  if (IsNoFile(path))
-    return {Code::kRefused, path.string() + ": is a device, a pipe or a socket; a file is needed"};
-  const std::filesystem::path temporary = TemporaryFor(path);
-  int error = WriteSynced(temporary, bytes);
-  if (error == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) {
-    // Another process's file of that name stays (EEXIST): only what was made here is removed.
-    if (error != EEXIST) ::unlink(temporary.c_str());
-    return SystemFailure(path, "cannot write", error);
-  }
-  if (const int sync = TrySyncFolder(FolderOf(path)))
-    return SystemFailure(path, "cannot sync its folder", sync);
-  return Status::Ok();
+  return Replace(path, bytes, nullptr);
 }
 
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text) {
-  return WriteFileAtomically(path, std::as_bytes(std::span(text)));
+  return Replace(path, std::as_bytes(std::span(text)), nullptr);
+}
+
+Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text,
+                           const FileRights& rights) {
+  return Replace(path, std::as_bytes(std::span(text)), &rights);
 }
 
 Status SyncFolder(const std::filesystem::path& folder) {
@@ -158,8 +215,9 @@ std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder
   std::vector<std::filesystem::path> leftovers;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const pid_t owner = OwnerOf(entry.path().filename().string());
-    if (owner > 0 && ::kill(owner, 0) != 0 && errno == ESRCH) leftovers.push_back(entry.path());
+    const std::string name = entry.path().filename().string();
+    const pid_t owner = OwnerOf(name);
+    if (owner > 0 && !IsAlive(owner, name)) leftovers.push_back(entry.path());
   }
   return leftovers;
 }

@@ -2,6 +2,8 @@
 // folder.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <span>
@@ -19,13 +21,25 @@ namespace cairn {
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
 
+// Who may do what with a file.
+struct FileRights {
+  uid_t owner;
+  gid_t group;
+  mode_t mode;
+};
+// The same; the new file has these rights before it stands in the old one's place. kRefused where this user
+// may not give it them.
+Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text,
+                           const FileRights& rights);
+
 // There is a device, a pipe or a socket, perhaps by a link: a rename would put a file in its place.
 bool IsNoFile(const std::filesystem::path& path);
 
 // So that what was renamed or removed in it stays so.
 Status SyncFolder(const std::filesystem::path& folder);
 
-// What processes that are no more have left behind right in `folder` while they wrote.
+// What processes that are no more have left behind right in `folder` while they wrote, among them those
+// whose number this process has.
 std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder);
 // Removes them. What cannot be removed stays.
 void RemoveLeftovers(const std::filesystem::path& folder);

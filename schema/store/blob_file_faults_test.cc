@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <fstream>
 #include <thread>
@@ -272,14 +273,41 @@ TEST(BlobFileFaults, NamesThatAFileCannotHoldAreRefused) {
   EXPECT_TRUE(folder.Files().empty());
 }
 
+// In a container, say, where each process is number 1.
+TEST(WriteFileAtomically, ALeftoverOfAProcessWithThisNumberIsInNobodysWay) {
+  const TempFolder folder;
+  const std::string begin = ".x.h5." + std::to_string(::getpid()) + "-";
+  const auto names = [&](int number) { return folder / (begin + std::to_string(number) + ".tmp"); };
+  for (int number = 0; number < 2000; ++number) std::ofstream(names(number)) << "half";
+  ASSERT_TRUE(WriteTextAtomically(folder / "x.h5", "whole").ok());
+  EXPECT_EQ(Bytes(folder / "x.h5").size(), 5U);
+  EXPECT_EQ(folder.Files().size(), 2001U) << "nobody else's file is touched";
+  RemoveLeftovers(folder / "");
+  EXPECT_EQ(folder.Files(), std::vector<std::string>{"x.h5"});
+}
+
+TEST(RemoveLeftovers, LeavesWhatThisProcessIsWriting) {
+  const TempFolder folder;
+  std::atomic<bool> done{false};
+  std::thread remover([&] {
+    while (!done) RemoveLeftovers(folder / "");
+  });
+  const std::string text(100'000, 'x');
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(WriteTextAtomically(folder / "x.h5", text).ok());
+  done = true;
+  remover.join();
+}
+
 TEST(RemoveLeftovers, TakesOnlyWhatADeadProcessLeft) {
   const TempFolder folder;
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
   ASSERT_EQ(::waitpid(child, nullptr, 0), child);
   const std::string of_dead = ".log.h5." + std::to_string(child) + "-3.tmp";
-  const std::string of_living = ".log.h5." + std::to_string(::getpid()) + "-3.tmp";
-  for (const std::string& name : {of_dead, of_living, std::string("log.h5"), std::string(".other.tmp")})
+  const std::string of_living = ".log.h5." + std::to_string(::getppid()) + "-3.tmp";
+  const std::string of_one_with_this_number = ".log.h5." + std::to_string(::getpid()) + "-3.tmp";
+  for (const std::string& name :
+       {of_dead, of_living, of_one_with_this_number, std::string("log.h5"), std::string(".other.tmp")})
     std::ofstream(folder / name) << "x";
   RemoveLeftovers(folder / "");
   std::vector<std::string> files = folder.Files();
