@@ -227,7 +227,11 @@ herr_t LookAtLink(hid_t file, const char* name, const H5L_info_t* info, void* da
   Links& links = *static_cast<Links*>(data);
   const std::string quoted = std::string("'") + name + "' is a ";
   H5O_info_t object;
-  if (info->type == H5L_TYPE_SOFT) {
+  // HDF5 goes each time from the root to what it is asked for, and no array of Cairn's lies half so deep.
+  constexpr std::ptrdiff_t kMostLevels = 32;
+  if (std::count(name, name + std::strlen(name), '/') >= kMostLevels) {
+    links.refused = "groups within groups, more than " + std::to_string(kMostLevels) + " deep";
+  } else if (info->type == H5L_TYPE_SOFT) {
     links.refused = quoted + "soft link; Cairn reads what stands there itself";
   } else if (info->type != H5L_TYPE_HARD) {
     links.refused = quoted + "link to another file (an external link); Cairn reads none but this one";

@@ -91,6 +91,15 @@ TEST_F(ForeignFile, ASecondNameIsRefusedForCairnWouldReadOneOfThem) {
   ExpectRefused("'aaa' is a second name of what has another in this file (a hard link)");
 }
 
+// The time to visit them grows with the cube of their depth: to read 3,000 levels would take minutes.
+TEST_F(ForeignFile, DeepGroupsAreRefusedBeforeTheyAreVisited) {
+  Handle at(H5Gcreate2(file_.get(), "deep", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  for (int level = 1; level < 64; ++level)
+    at = Handle(H5Gcreate2(at.get(), "d", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  at.Close();
+  ExpectRefused("groups within groups, more than 32 deep");
+}
+
 TEST_F(ForeignFile, ASoftLinkIsRefused) {
   ASSERT_GE(H5Lcreate_soft("/types", file_.get(), "aaa", H5P_DEFAULT, H5P_DEFAULT), 0);
   ExpectRefused("'aaa' is a soft link");
