@@ -179,7 +179,7 @@ class Doubts {
       Add(who, table, DoubtClock(odometry.time_s.OrNone(), seen.time_s.OrNone()));
     };
     of_table("observations", robot.observations);
-    of_table("robot_observations", robot.observations);
+    of_table("robot_observations", robot.robot_observations);
     OfPoses(robot.poses, who, "poses");
     if (n < log.truth.robot.size()) OfPoses(log.truth.robot[n].poses, who, "true poses");
   }

@@ -90,11 +90,14 @@ TEST(PlanSum, RefusesToBeForcedWhereItCannot) {
 }
 
 TEST(PlanSum, EachPathMayBeAskedFor) {
-  for (const SumPath path : {SumPath::kPairs, SumPath::kLine, SumPath::kTree}) {
-    const std::string name = SumPlan{.path = path, .text = {}}.Name();
+  const std::pair<const char*, SumPath> paths[] = {
+      {"pairs", SumPath::kPairs}, {"line", SumPath::kLine}, {"tree", SumPath::kTree}};
+  for (const auto& [name, path] : paths) {
     OptionValues values;
     values["sum"].set_s(name);
-    EXPECT_EQ(ParseOptions<Options>(values).sum, name);
+    Options options = ParseOptions<Options>(values);
+    options.window_m = 0.0;
+    EXPECT_EQ(PlanSum(options, Corridor(10, 0.0)).path, path) << name;
   }
 }
 

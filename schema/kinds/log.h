@@ -53,14 +53,14 @@ struct Log {
   struct Robot {
     Odometry odometry;
     Observations observations;
-    RobotObservations sightings;
+    RobotObservations robot_observations;
     Column<double> hints_time_s;
     PoseTable poses;
     PerSensor<RangeSensor> sensors;
     static void Fields(const auto& field) {
       field("odometry", &Robot::odometry);
       field("observations", &Robot::observations);
-      field("sightings", &Robot::sightings);
+      field("robot_observations", &Robot::robot_observations);
       field({"hints/time_s", "H", Rising()}, &Robot::hints_time_s);
       field("poses", &Robot::poses);
       field("SENSOR", &Robot::sensors);

@@ -127,10 +127,6 @@ Associated AssociatedIn(const std::vector<Blob>& summaries) {
   return all;
 }
 
-namespace {
-
-}  // namespace
-
 RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
     : counts_(std::move(no_counts)),
       log_likelihood_of_(robots, 0.0),
