@@ -31,8 +31,8 @@ if ! $all; then
 fi
 
 deploy/install.sh --dev
-say "building (release)"
-deploy/build.sh --check release
+say "building (release), benchmarks and studies too"
+deploy/build.sh --check release all cairn_benches cairn_studies
 for sanitizer in asan tsan; do
   say "building ($sanitizer)"
   deploy/build.sh "$sanitizer" cairn_unit_tests

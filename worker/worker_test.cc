@@ -5,7 +5,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "worker/testing/rig.h"
 #include "worker/testing/toy_pipeline.h"
 

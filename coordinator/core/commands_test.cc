@@ -1,7 +1,7 @@
 // What a job's owner tells it, in every state.
 #include <gtest/gtest.h>
 
-#include "coordinator/core/core_fixture.h"
+#include "coordinator/core/testing/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

@@ -1,7 +1,7 @@
 // Nothing is acknowledged before it is durable, and what cannot be made durable did not happen.
 #include <gtest/gtest.h>
 
-#include "coordinator/core/core_fixture.h"
+#include "coordinator/core/testing/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

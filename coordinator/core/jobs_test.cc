@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "coordinator/core/core_fixture.h"
+#include "coordinator/core/testing/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coordinator/core/core_fixture.h"
+#include "coordinator/core/testing/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

@@ -1,7 +1,7 @@
 // Workers: handshake, leases, hanging, stragglers, placement.
 #include <gtest/gtest.h>
 
-#include "coordinator/core/core_fixture.h"
+#include "coordinator/core/testing/core_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

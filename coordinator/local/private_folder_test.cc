@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

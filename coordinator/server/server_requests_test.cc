@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "coordinator/server/rights.h"
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

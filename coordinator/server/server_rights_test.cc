@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 #include "schema/wire/keys.h"
 
 namespace cairn::coordinator {

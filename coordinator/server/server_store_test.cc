@@ -1,7 +1,7 @@
 // What a store may take, and for how long jobs stay in it.
 #include <fstream>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/served_file.h"
 
 namespace cairn::coordinator {

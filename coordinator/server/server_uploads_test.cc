@@ -1,7 +1,7 @@
 // Inputs that come in pieces, over real files.
 #include <fstream>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 #include "schema/store/flat_file.h"
 
 namespace cairn::coordinator {

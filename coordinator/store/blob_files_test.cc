@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {

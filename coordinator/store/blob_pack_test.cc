@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

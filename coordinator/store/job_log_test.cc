@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/job_table.h"
 
 namespace cairn::coordinator {

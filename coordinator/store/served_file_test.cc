@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 
 namespace cairn::coordinator {
 namespace {

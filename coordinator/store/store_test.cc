@@ -4,7 +4,7 @@
 #include <fstream>
 #include <map>
 
-#include "coordinator/server/server_fixture.h"
+#include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/job_yaml.h"
 #include "coordinator/store/recovery.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn {
 namespace {

@@ -6,7 +6,7 @@
 #include "pipelines/evidence_map/log_odds.h"
 #include "pipelines/evidence_map/ray_counts.h"
 #include "pipelines/evidence_map/testing.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::evidence_map {
 namespace {

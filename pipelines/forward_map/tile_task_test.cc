@@ -7,7 +7,7 @@
 
 #include "pipelines/forward_map/testing.h"
 #include "pipelines/forward_map/weigh.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::forward_map {
 namespace {

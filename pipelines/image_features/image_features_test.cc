@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "pipelines/image_features/band_features.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/rng.h"
 
 namespace cairn::image_features {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::landmark_learning {
 namespace {

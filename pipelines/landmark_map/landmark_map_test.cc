@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_map/testing.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::landmark_map {
 namespace {

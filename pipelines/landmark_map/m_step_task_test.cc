@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <memory>
 
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/state/speculation.h"
 #include "pipelines/landmark_map/testing.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::landmark_map {
 namespace {

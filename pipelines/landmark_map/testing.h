@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/blob.h"
 #include "schema/rng.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "pipelines/in_process.h"
 #include "pipelines/local_map/testing/corridor.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::local_map {
 namespace {

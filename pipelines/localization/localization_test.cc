@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_learning/testing.h"
 #include "pipelines/localization/testing.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::localization {
 namespace {

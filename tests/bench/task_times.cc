@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/in_process.h"
 #include "pipelines/registry.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/store/blob_file.h"
 #include "tests/bench/bench_main.h"
 #include "tests/bench/stage_option.h"

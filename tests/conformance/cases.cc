@@ -6,9 +6,9 @@
 #include <span>
 
 #include "pipelines/common/testing_room.h"
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/testing.h"
 #include "pipelines/localization/testing.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/rng.h"
 #include "worker/testing/toy_pipeline.h"
 

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/numerics.h"
 #include "schema/rng.h"
 #include "tests/conformance/replay.h"

@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "coordinator/local/embedded.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/numerics.h"
 #include "schema/rng.h"
 #include "schema/store/blob_file.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "pipelines/common/testing_room.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/numerics.h"
 #include "tests/conformance/cases.h"
 #include "tests/conformance/moved.h"

@@ -12,7 +12,7 @@
 #include <zmq.hpp>
 
 #include "coordinator/client.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/numerics.h"
 #include "schema/wire/testing/private_folder.h"
 #include "tests/conformance/cases.h"

@@ -10,7 +10,7 @@
 
 #include "coordinator/client.h"
 #include "datasets/inspect/diff.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/numerics.h"
 #include "schema/rng.h"
 #include "tests/conformance/cases.h"

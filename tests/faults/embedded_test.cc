@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/store/blob_file.h"
 #include "schema/wire/testing/private_folder.h"
 #include "worker/testing/toy_pipeline.h"

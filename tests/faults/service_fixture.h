@@ -19,7 +19,7 @@
 
 #include "coordinator/client.h"
 #include "coordinator/store/checkpoint_file.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/wire/testing/private_folder.h"
 #include "tests/faults/process.h"
 #include "worker/testing/toy_pipeline.h"

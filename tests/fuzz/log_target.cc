@@ -7,7 +7,7 @@
 #include "datasets/export/export.h"
 #include "datasets/kinds/job_report.h"
 #include "datasets/report/draw_map.h"
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/kinds/kind.h"
 #include "schema/numerics.h"
 #include "tests/conformance/cases.h"

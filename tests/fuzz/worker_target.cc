@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 #include "tests/fuzz/byte_source.h"
 #include "tests/fuzz/frames.h"
 #include "tests/fuzz/scramble.h"

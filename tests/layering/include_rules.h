@@ -33,7 +33,7 @@ std::string ToText(const Finding& finding);
 // The .h and .cc files below `root`'s folders that have a rule, in order.
 std::vector<std::string> SourcesBelow(const std::filesystem::path& root);
 
-// Tests, and what only tests include: testing.h, testing_grid.h, core_bench.h, all of a folder testing/.
+// Tests, and what only tests include: testing.h, testing_grid.h, all of a folder testing/.
 bool IsTest(const std::string& file);
 
 // Reads every .h and .cc below `root`'s folders that have a rule. `files_read` counts them.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "datasets/simulate/loop.h"
-#include "pipelines/in_process.h"
 #include "pipelines/registry.h"
+#include "pipelines/testing/in_process.h"
 #include "schema/error.h"
 
 namespace cairn {

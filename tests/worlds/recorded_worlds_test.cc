@@ -7,8 +7,8 @@
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/import/recorded/mrclam.h"
 #include "datasets/import/recorded/recorded.h"
-#include "pipelines/in_process.h"
 #include "pipelines/registry.h"
+#include "pipelines/testing/in_process.h"
 #include "tests/bench/stage_option.h"
 
 namespace cairn {

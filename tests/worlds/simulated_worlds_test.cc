@@ -11,9 +11,9 @@
 #include "datasets/common/confidence.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/simulate/loop.h"
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"
+#include "pipelines/testing/in_process.h"
 #include "tests/bench/stage_option.h"
 
 namespace cairn {

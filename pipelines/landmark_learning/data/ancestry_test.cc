@@ -5,9 +5,9 @@
 #include <limits>
 #include <memory>
 
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_learning/testing.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::landmark_learning {
 namespace {

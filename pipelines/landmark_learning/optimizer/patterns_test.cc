@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::landmark_learning {
 namespace {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <numeric>
 
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdlib>
 
 #include "pipelines/local_map/traces/find_on.h"
-#include "tests/bench/trace_errors.h"
 #include "tests/bench/trace_world.h"
+#include "tests/studies/trace_errors.h"
 
 namespace cairn::local_map {
 namespace {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The ways to train, compared on one simulated corridor that no setting was chosen on: error reduction reached on the runs
 # trained on, and on a run that nothing saw, and the processor time that two workers and their coordinator took.
-#   tests/bench/training_methods.sh [SET [SEED]]     d1, d2 or d3; a seed. CAIRN_BIN: the folder of the programs
+#   tests/studies/training_methods.sh [SET [SEED]]     d1, d2 or d3; a seed. CAIRN_BIN: the folder of the programs
 set -euo pipefail
 bin=${CAIRN_BIN:-$(dirname "$0")/../../build/release/bin}
 PATH=$(realpath "$bin"):$PATH

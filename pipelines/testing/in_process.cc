@@ -1,4 +1,4 @@
-#include "pipelines/in_process.h"
+#include "pipelines/testing/in_process.h"
 
 namespace cairn {
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Error reduction on the Sussex route (docs/datasets.md): networks learn from the run `training` and are scored on the
 # other, which decides nothing. Prints the median over seeds, with the least and the most, for windows of +-2 m and none.
-#   CAIRN_DATA=... tests/bench/sussex.sh [SEEDS [OPTION=VALUE...]]     10 seeds: half an hour of a core
-#   ROWS='2 2' CAIRN_DATA=... tests/bench/sussex.sh                    two networks for +-2 m alone
+#   CAIRN_DATA=... tests/studies/sussex.sh [SEEDS [OPTION=VALUE...]]     10 seeds: half an hour of a core
+#   ROWS='2 2' CAIRN_DATA=... tests/studies/sussex.sh                    two networks for +-2 m alone
 # The ceilings beside them are estimates of what ideal codes of n bits give at positions that look alike.
 set -euo pipefail
 [ -d "${CAIRN_DATA:-}/sussex-route" ] || { echo "CAIRN_DATA names no folder that holds sussex-route" >&2; exit 2; }

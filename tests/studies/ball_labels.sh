@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # How far the errors of the position labels bound what BaLL learns: simulated corridors whose labels are 0.1 m and
 # 0.3 m off, 1, 2 and 4 networks for +-2 m; three runs trained on, a fourth that nothing saw.
-#   tests/bench/ball_labels.sh [SEED]
+#   tests/studies/ball_labels.sh [SEED]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 PATH=$PWD/build/release/bin:$PATH

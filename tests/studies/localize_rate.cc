@@ -19,15 +19,13 @@
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/simulate/loop.h"
-#include "pipelines/in_process.h"
 #include "pipelines/registry.h"
+#include "pipelines/testing/in_process.h"
 #include "tests/bench/bench_main.h"
 #include "tests/bench/stage_option.h"
 
 namespace cairn {
 namespace {
-
-using Pose;
 
 constexpr std::size_t kShown = 6;  // observations
 constexpr std::size_t kAsked = 4;  // the fifth
@@ -87,7 +85,7 @@ std::vector<Off> PosesOff(const Blob& found, const Blob& log, std::size_t robot,
     if (!ours || !theirs) continue;
     const Pose moved = alignment(*ours);
     off[n] = {std::hypot(moved.x_m - theirs->x_m, moved.y_m - theirs->y_m),
-              std::abs(datasets::WrapAngle(moved.heading_rad - theirs->heading_rad))};
+              std::abs(WrapAngle(moved.heading_rad - theirs->heading_rad))};
   }
   return off;
 }

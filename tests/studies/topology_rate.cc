@@ -22,9 +22,9 @@
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/import/csv.h"
 #include "datasets/simulate/loop.h"
-#include "pipelines/in_process.h"
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"
+#include "pipelines/testing/in_process.h"
 #include "tests/bench/stage_option.h"
 namespace cairn {
 namespace {
@@ -195,7 +195,7 @@ int main(int argc, char** argv) {
   app.add_option("--csv", arguments.csv, "Logs from the folders in this one, instead of simulated ones");
   app.add_flag("--rounds", arguments.rounds, "A line a round, too");
   app.add_flag("--statistics", arguments.statistics, "Print the ranges of the logs' statistics, map nothing");
-  cairn::cli::AddLoopOptions(&app, &arguments.world);
+  cairn::cli::AddLoopOptions(cairn::cli::Command(&app), &arguments.world);
   CLI11_PARSE(app, argc, argv);
   try {
     cairn::TakeStageOptions(&arguments);

@@ -13,7 +13,7 @@
 #include "schema/rng.h"
 #include "schema/store/blob_file.h"
 #include "tests/bench/bench_main.h"
-#include "tests/bench/trace_errors.h"
+#include "tests/studies/trace_errors.h"
 
 namespace cairn::local_map {
 namespace {

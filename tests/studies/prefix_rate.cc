@@ -13,8 +13,8 @@
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/reproduce/landmarks/study.h"
 #include "datasets/simulate/loop.h"
-#include "pipelines/in_process.h"
 #include "pipelines/registry.h"
+#include "pipelines/testing/in_process.h"
 #include "tests/bench/bench_main.h"
 #include "tests/bench/stage_option.h"
 

@@ -2,7 +2,7 @@
 # A simulated corridor driven one way against both ways: error reduction within +-2 m, and the way after which a robot that
 # knew nothing is found to within 1 m. Three runs of each way are trained on, one of each is scored on and localised in;
 # seeds are corridors. Means over the seeds with their 95% intervals.
-#   tests/bench/both_ways.sh [SET [FIRST [LAST]]]     d1 101 105: some minutes of a core
+#   tests/studies/both_ways.sh [SET [FIRST [LAST]]]     d1 101 105: some minutes of a core
 set -euo pipefail
 here=$(cd "$(dirname "$0")/../.." && pwd)
 PATH=$here/build/release/bin:$PATH

@@ -3,7 +3,7 @@
 # out in ten blocks of time, under the maps of evidence_map and of forward_map, both as by default and both scored by
 # the same forward model, fitted to each on the other nine tenths (`cairn evaluate`). Needs CAIRN_DATA.
 #
-#   tests/bench/heldout.sh [NAME...]      # logs by name; without one, all
+#   tests/studies/heldout.sh [NAME...]      # logs by name; without one, all
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 data=${CAIRN_DATA:?names no folder: where are the recorded logs?}
