@@ -252,7 +252,7 @@ TEST(ImportCsvData, TakesTheTwentyLoops) {
   if (DataFolder().empty()) GTEST_SKIP() << "CAIRN_DATA is not set";
   const std::string folder = DataFolder() + "/loops-csv/";
   BadLines bad(false);
-  CsvReader index(folder + "index.csv", {{"difficulty", "number", "controls", "contacts"}}, &bad);
+  CsvReader index(folder + "index.csv", {{"difficulty", "number", "controls", "presses"}}, &bad);
   int logs = 0;
   for (; index.Next(); ++logs) {
     const std::string loop = folder + std::string(index.Text(0)) + "-" + std::string(index.Text(1)) + "/";

@@ -86,7 +86,7 @@ TEST(PlanSum, RefusesToBeForcedWhereItCannot) {
   EXPECT_EQ(
       SumPathComplaint({.belief = "gaussian", .sum = "line"}),
       "sum = line: it takes a uniform belief in samples that face whichever way, and distances, and errors "
-      "along the way only where nothing is known before");
+      "along the path only where nothing is known before");
 }
 
 TEST(PlanSum, EachPathMayBeAskedFor) {

@@ -66,7 +66,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
   }
   double scan_count = 0;
   for (const RobotRuns& runs : robots) scan_count += static_cast<double>(runs.scans.size());
-  ExpectRest(options_, scans, -1, &step.plan);
+  ExpectRest(options_, scan_count, -1, &step.plan);
   step.plan.set_note(NoteOf(robots, scans.unposed));
   return step;
 }

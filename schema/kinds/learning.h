@@ -154,18 +154,18 @@ struct Localization {
   };
 
   Steps step;
-  Column<std::int32_t> belief_place;
+  Column<std::int32_t> belief_position;
   Column<float> belief_probability;
-  Column<double> place_x_m, place_y_m, place_heading_rad, window_m;
+  Column<double> position_x_m, position_y_m, position_heading_rad, window_m;
   Texts heading, runs, feature_name, samples_hash;
 
   static void Fields(const auto& field) {
     field("step", &Localization::step);
-    field({"belief/position", "B", IndexInto("position/x_m")}, &Localization::belief_place);
+    field({"belief/position", "B", IndexInto("position/x_m")}, &Localization::belief_position);
     field({"belief/probability", "B", Share()}, &Localization::belief_probability);
-    field({"position/x_m", "P", Position()}, &Localization::place_x_m);
-    field({"position/y_m", "P", Position()}, &Localization::place_y_m);
-    field({"position/heading_rad", "P", Finite()}, &Localization::place_heading_rad);
+    field({"position/x_m", "P", Position()}, &Localization::position_x_m);
+    field({"position/y_m", "P", Position()}, &Localization::position_y_m);
+    field({"position/heading_rad", "P", Finite()}, &Localization::position_heading_rad);
     field({"heading", ""}, &Localization::heading);
     field({"runs", "R"}, &Localization::runs);
     field({"feature_name", "F"}, &Localization::feature_name);

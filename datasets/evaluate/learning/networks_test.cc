@@ -182,7 +182,7 @@ TEST(EvaluateNetworks, AWindowThatReachesNobodyHasNoScore) {
   EXPECT_TRUE(json["windows"][0]["posterior_error_m"].is_null());
   EXPECT_TRUE(json["windows"][0]["sampled"]["posterior_error_m"].is_null());
   ExpectContains(MakeScores(e).ToText(),
-                 "1.000     0       2         unknown        unknown            unknown ");
+                 "1.000     0               2         unknown        unknown            unknown ");
 }
 
 TEST(EvaluateNetworks, ARunOfManySamplesIsCutIntoTenBlocks) {

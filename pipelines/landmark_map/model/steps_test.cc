@@ -203,7 +203,7 @@ TEST(MakeSteps, BadLogsAreRefusedWithRobotRowAndReason) {
   has(hollow, "control 1: not a number");
   Blob wild = Robot({}, {}, {}, {});
   wild.PutVector<double>("odometry/forward_m", {1, 1e300, 1, 1});
-  has(wild, "control 1: a way or turn too large");
+  has(wild, "control 1: a distance or turn too large");
   Blob empty = Robot({}, {}, {}, {});
   for (const char* name : {"odometry/time_s", "odometry/turn_rad", "odometry/forward_m"})
     empty.PutVector<double>(name, {});
