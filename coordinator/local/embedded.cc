@@ -89,6 +89,8 @@ class Run {
 
   EmbeddedResult Do(const std::function<void(const EmbeddedProgress&)>& on_progress,
                     const std::atomic<bool>& stop);
+  // The folder stays locked; the memory for blobs is given back.
+  void EndHub() { server_.reset(); }
 
  private:
   fs::path ResultFile(const std::string& stage) const { return fs::path(options_.dir) / (stage + ".h5"); }
@@ -378,7 +380,12 @@ EmbeddedResult RunEmbedded(const EmbeddedOptions& options, proto::Job job,
   Result<StoreFolder> folder = StoreFolder::Open(store);
   if (!folder.ok()) return NoFolder(folder.status());
   RemoveLeftovers(options.dir);
-  return Run(options, std::move(job), std::move(named), std::move(folder).value()).Do(on_progress, stop);
+  Run run(options, std::move(job), std::move(named), std::move(folder).value());
+  EmbeddedResult result = run.Do(on_progress, stop);
+  run.EndHub();
+  const bool done = result.end == EmbeddedEnd::kDone || result.end == EmbeddedEnd::kAlreadyDone;
+  if (done && options.when_done) options.when_done(result);
+  return result;
 }
 
 }  // namespace cairn::coordinator

@@ -89,6 +89,26 @@ TEST_F(Embedded, GivesTheBitsOfTheInProcessRunAndThenSaysThatItIsDone) {
   EXPECT_EQ(Run().end, EmbeddedEnd::kAlreadyDone);
 }
 
+// A run beside it would have its pictures replaced by those of this one.
+TEST_F(Embedded, ItsFolderIsItsOwnWhileThePagesAreWritten) {
+  int called = 0;
+  options_.when_done = [&](const EmbeddedResult& done) {
+    ++called;
+    EXPECT_TRUE(fs::exists(done.results.at("toy")));
+    EmbeddedOptions other = options_;
+    other.force = true;
+    other.when_done = {};
+    EXPECT_EQ(RunEmbedded(other, job_, {{"log", log_}}, {}, stop_).end, EmbeddedEnd::kBusy);
+  };
+  EXPECT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_EQ(called, 1);
+  EXPECT_EQ(Run().end, EmbeddedEnd::kAlreadyDone);
+  EXPECT_EQ(called, 2);
+  SetOption("rounds", 3);
+  EXPECT_EQ(Run().end, EmbeddedEnd::kConflict);
+  EXPECT_EQ(called, 2) << "nothing is written beside a result of another run";
+}
+
 TEST_F(Embedded, EveryWorkerAlsoOneThatIsStartedAgainReadsTheInputsFromSharedMemory) {
   SetOption("rounds", 200);
   bool killed = false;

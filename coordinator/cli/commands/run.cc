@@ -106,6 +106,12 @@ int Run(const RunArguments& options, const Invocation& call) {
   if (!options.force) CheckPagesAreOurs(embedded.dir, stages);
   Console console(call);
   embedded.log = console.Sink();
+  RunSummary summary;
+  embedded.when_done = [&](const coordinator::EmbeddedResult& done) {
+    console.Clear();
+    summary = Summarize(parsed, embedded.dir, done.results);
+    RememberPages(embedded.dir, stages);
+  };
   const coordinator::EmbeddedResult result = coordinator::RunEmbedded(
       embedded, parsed.job, inputs,
       [&](const coordinator::EmbeddedProgress& progress) { console.Progress(progress.info); },
@@ -116,8 +122,6 @@ int Run(const RunArguments& options, const Invocation& call) {
     Explain(result, embedded.dir);
     return code;
   }
-  RunSummary summary = Summarize(parsed, embedded.dir, result.results);
-  RememberPages(embedded.dir, stages);
   if (result.end == coordinator::EmbeddedEnd::kAlreadyDone)
     summary.note = "finished already; nothing was run";
   if (result.resumed) summary.note = "resumed where it was";
