@@ -31,9 +31,11 @@ Status CheckOwner(const std::filesystem::path& path) {
   struct stat info{};
   if (::stat(path.c_str(), &info) != 0) return {Code::kNotFound, path.string() + ": " + std::strerror(errno)};
   if (!S_ISREG(info.st_mode)) return {Code::kRefused, path.string() + ": not a file"};
-  if ((info.st_mode & 022) != 0 || (info.st_uid != ::geteuid() && info.st_uid != 0)) {
+  if ((info.st_mode & 022) != 0)
     return {Code::kRefused, path.string() + ": others can write this list; chmod go-w it"};
-  }
+  if (info.st_uid != ::geteuid() && info.st_uid != 0)
+    return {Code::kRefused, path.string() + ": this list belongs to user " + std::to_string(info.st_uid) +
+                                ", who can write it; do this as that user, or chown it"};
   return Status::Ok();
 }
 

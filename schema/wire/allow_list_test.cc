@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <functional>
@@ -70,6 +71,13 @@ TEST_F(AllowListTest, OneThatOthersCanWriteIsRefused) {
   EXPECT_EQ(ReadAllowList(folder_.path() / "none").status().code(), Code::kNotFound);
   ASSERT_EQ(::mkfifo((folder_.path() / "fifo").c_str(), 0600), 0);
   EXPECT_EQ(ReadAllowList(folder_.path() / "fifo").status().code(), Code::kRefused);
+}
+
+TEST_F(AllowListTest, OneOfAnotherUserIsRefusedWithThatReason) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root gives files away";
+  Write(a_ + " worker\nend\n");
+  ASSERT_EQ(::chown(path_.c_str(), 65534, 65534), 0);
+  EXPECT_NE(ReadAllowList(path_).status().message().find("belongs to user 65534"), std::string::npos);
 }
 
 TEST_F(AllowListTest, RolesAreWrittenAsTheyAreRead) {

@@ -1,96 +1,19 @@
 #include "schema/wire/keys.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "coordinator/cli/commands/allow_list_file.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/home.h"
 #include "coordinator/cli/common/invocation.h"
 #include "schema/store/atomic_file.h"
-#include "schema/wire/allow_list.h"
 
 namespace cairn::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The name of the list in a folder of keys.
-constexpr const char* kAllowListName = "allowed";
-
-// Two that change the list at a time do so one after the other.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder)
-      : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    if (fd_ < 0) throw InputError(folder.string() + ": no folder of keys (`cairn keys new` makes one)");
-    ::flock(fd_, LOCK_EX);
-  }
-  ~FolderLock() { ::close(fd_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int fd_;
-};
-
-std::string FirstWord(const std::string& line) {
-  std::istringstream words(line);
-  std::string word;
-  words >> word;
-  return word;
-}
-
-constexpr const char* kEnd = "end";  // schema/wire/allow_list.h
-
-// All lines but the end and those of the keys in `gone`.
-std::string LinesWithout(const fs::path& list, const wire::AllowedKeys& gone) {
-  std::ifstream file(list);
-  std::string kept;
-  for (std::string line; std::getline(file, line);)
-    if (const std::string first = FirstWord(line); first != kEnd && !gone.contains(first))
-      kept += line + "\n";
-  return kept;
-}
-
-wire::AllowedKeys ReadList(const fs::path& list) {
-  return fs::exists(list) ? Take(wire::ReadAllowList(list)) : wire::AllowedKeys{};
-}
-
-// Of the lines of keys.
-void WriteList(const fs::path& list, const std::string& text) {
-  const mode_t before = ::umask(077);
-  const cairn::Status status = WriteTextAtomically(list, text + kEnd + "\n");
-  ::umask(before);
-  Check(status);
-}
-
-// Lets `key` in as `roles`, or gives it these where it is on the list already; makes the list where there is
-// none.
-void AllowKey(const fs::path& list, const std::string& key, const wire::Roles& roles,
-              const std::string& name) {
-  const FolderLock lock(list.parent_path());
-  ReadList(list);  // a list that is damaged is not made worse
-  const std::string line = key + " " + wire::RoleText(roles) + (name.empty() ? "" : " " + name) + "\n";
-  WriteList(list, LinesWithout(list, {{key, {}}}) + line);
-}
-
-// Takes off the key, or those of that name; returns how many there were.
-int RevokeKeys(const fs::path& list, const std::string& key_or_name) {
-  const FolderLock lock(list.parent_path());
-  wire::AllowedKeys gone;
-  for (const auto& [key, allowed] : ReadList(list))
-    if (key == key_or_name || allowed.name == key_or_name) gone.emplace(key, allowed);
-  if (!gone.empty()) WriteList(list, LinesWithout(list, gone));
-  return static_cast<int>(gone.size());
-}
 
 struct KeysArguments {
   std::string dir;

@@ -1,0 +1,98 @@
+#include "coordinator/cli/commands/allow_list_file.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "coordinator/cli/common/failure.h"
+#include "schema/store/atomic_file.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Two that change the list at a time do so one after the other.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder)
+      : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    if (fd_ < 0) throw InputError(folder.string() + ": no folder of keys (`cairn keys new` makes one)");
+    ::flock(fd_, LOCK_EX);
+  }
+  ~FolderLock() { ::close(fd_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int fd_;
+};
+
+std::string FirstWord(const std::string& line) {
+  std::istringstream words(line);
+  std::string word;
+  words >> word;
+  return word;
+}
+
+constexpr const char* kEnd = "end";  // schema/wire/allow_list.h
+
+// All lines but the end and those of the keys in `gone`.
+std::string LinesWithout(const fs::path& list, const wire::AllowedKeys& gone) {
+  std::ifstream file(list);
+  std::string kept;
+  for (std::string line; std::getline(file, line);)
+    if (const std::string first = FirstWord(line); first != kEnd && !gone.contains(first))
+      kept += line + "\n";
+  return kept;
+}
+
+wire::AllowedKeys Read(const fs::path& list) {
+  return fs::exists(list) ? Take(wire::ReadAllowList(list)) : wire::AllowedKeys{};
+}
+
+// Whoever could read the list that is replaced, the coordinator above all, can read the new one.
+FileRights RightsFor(const fs::path& list) {
+  struct stat info{};
+  if (::stat(list.c_str(), &info) != 0) return {::geteuid(), ::getegid(), 0600};
+  return {info.st_uid, info.st_gid, info.st_mode & 0777};
+}
+
+// Of the lines of keys.
+void Write(const fs::path& list, const std::string& text) {
+  Check(WriteTextAtomically(list, text + kEnd + "\n", RightsFor(list)));
+}
+
+// What the coordinator reads where the list is a link to one that several share.
+fs::path Target(const fs::path& list) {
+  if (!fs::is_symlink(fs::symlink_status(list))) return list;
+  if (!fs::exists(list)) throw InputError(list.string() + ": a link that leads nowhere");
+  return fs::canonical(list);
+}
+
+}  // namespace
+
+void AllowKey(const fs::path& named, const std::string& key, const wire::Roles& roles,
+              const std::string& name) {
+  const fs::path list = Target(named);
+  const FolderLock lock(list.parent_path());
+  Read(list);  // a list that is damaged is not made worse
+  const std::string line = key + " " + wire::RoleText(roles) + (name.empty() ? "" : " " + name) + "\n";
+  Write(list, LinesWithout(list, {{key, {}}}) + line);
+}
+
+int RevokeKeys(const fs::path& named, const std::string& key_or_name) {
+  const fs::path list = Target(named);
+  const FolderLock lock(list.parent_path());
+  wire::AllowedKeys gone;
+  for (const auto& [key, allowed] : Read(list))
+    if (key == key_or_name || allowed.name == key_or_name) gone.emplace(key, allowed);
+  if (!gone.empty()) Write(list, LinesWithout(list, gone));
+  return static_cast<int>(gone.size());
+}
+
+}  // namespace cairn::cli
