@@ -132,6 +132,10 @@ std::string PageOf(const std::vector<ScoredStage>& stages) {
 }
 
 WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& stages) {
+  for (const ScoredStage& stage : stages)
+    if (const fs::path folder = dir / stage.name; fs::is_symlink(fs::symlink_status(folder)))
+      throw InputError("'" + folder.string() +
+                       "' is a link, which would lead the pages of a stage elsewhere");
   WrittenPages written;
   fs::create_directories(dir);
   for (std::size_t i = 0; i < stages.size(); ++i) {

@@ -36,6 +36,7 @@ struct WrittenPages {
 // Writes DIR/report.html of all stages, and a picture of each: map.png of a map, picture.png of anything
 // else. That of the stage that people look for (the last landmark_map, else the last map, else the last
 // stage) goes into `dir`, those of others into DIR/STAGE/.
+// Throws InputError where a DIR/STAGE is a link.
 WrittenPages WritePages(const std::filesystem::path& dir, const std::vector<ScoredStage>& stages);
 
 // The page alone.
