@@ -28,6 +28,12 @@ for name in ../up /etc/passwd .. a/b .hidden "$(head -c 70 /dev/zero | tr '\0' x
   job "  - {name: '$name', pipeline: landmark_map, log: log}"
   refuses_job 'job.yaml:3: .*no name'
 done
+
+# Names of what a run writes itself.
+for name in map.png picture.png report.html a.h5; do
+  job '  - {name: a, pipeline: landmark_map, log: log}' "  - {name: '$name', pipeline: landmark_map, log: log}"
+  refuses_job "job.yaml:4: stage '$name' has the name of a file that a run writes"
+done
 [ ! -e out ] || die "a job that was refused made its folder"
 
 # Bombs: aliases of aliases, deep nesting, very many stages, one very long line.
