@@ -221,6 +221,9 @@ refuses 'text.h5' cairn evaluate text.h5 --truth log.h5
 refuses 'log.h5' cairn evaluate log.h5 --truth log.h5
 refuses 'out_of_nowhere' cairn report out_of_nowhere
 refuses 'there already' cairn simulate loop log.h5
+ln -s nowhere/new.h5 dangling.h5
+refuses 'dangling.h5. is there already' cairn simulate loop dangling.h5
+[ -L dangling.h5 ] || die "a link that leads nowhere was replaced"
 for folder in cut fine controls_only; do
   [ ! -d "$folder" ] || ! find "$folder" -name '*.tmp' | grep -q . || die "a half-written file is left in $folder"
 done

@@ -34,7 +34,8 @@ void CheckOverwrite(const std::string& path, bool force) {
   if (path.empty()) throw InputError("the name of the file to write is empty");
   if (fs::is_directory(path)) throw InputError("'" + path + "' is a folder; a file is needed");
   if (IsNoFile(path)) throw InputError("'" + path + "' is a device, a pipe or a socket; a file is needed");
-  if (fs::exists(path) && !force) throw InputError("'" + path + "' is there already (--force replaces it)");
+  if (fs::exists(fs::symlink_status(path)) && !force)
+    throw InputError("'" + path + "' is there already (--force replaces it)");
   const fs::path folder = fs::absolute(path).parent_path();
   if (!fs::is_directory(folder)) throw InputError("there is no folder '" + folder.string() + "' to write to");
 }
