@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "schema/build_info.h"
 #include "schema/numerics.h"
@@ -181,6 +182,11 @@ int Run(const Arguments& a, const PipelineFactory& factory) {
   return code;
 }
 
+// A full disk may show only when the last bytes are written.
+int Print(const std::string& text) {
+  return std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0 ? kExitLost : kExitDone;
+}
+
 // Belief tables come and go by the hundred. By default the C library gives the larger ones back to the system
 // each time, which takes them in again page by page: a twentieth of a search's time.
 void KeepMemory() {
@@ -203,9 +209,11 @@ int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipeli
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitRefused;
+    std::ostringstream help;
+    if (app.exit(error, help) != 0) return kExitRefused;
+    return Print(help.str());
   }
-  if (arguments.describe) return std::puts(DescribePipelines(pipelines).c_str()) < 0 ? kExitLost : kExitDone;
+  if (arguments.describe) return Print(DescribePipelines(pipelines) + "\n");
   if (arguments.connect.empty()) {
     std::fputs("cairn-worker: --connect ENDPOINT is missing (see --help)\n", stderr);
     return kExitRefused;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <new>
+#include <sstream>
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/renamed.h"
@@ -148,7 +149,10 @@ int ParseAndRun(const Program& program, int argc, char** argv) {
                      : "there is no command '" + word + "'" + Suggest(word, commands));
       return kExitBadInput;
     }
-    return app.exit(help);
+    std::ostringstream text;
+    const int code = app.exit(help, text);
+    std::fputs(text.str().c_str(), stdout);
+    return code;
   } catch (const CLI::ParseError& error) {
     return UsageError(app, error, argc, argv);
   }

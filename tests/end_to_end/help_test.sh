@@ -19,6 +19,12 @@ refuses "there is no command 'rnu'; did you mean 'run'" cairn help rnu
 refuses "export: there is no 'foo'" cairn help export foo
 exits 0 cairn help run landmark_map
 refuses "there is no pipeline 'landmrk_map'; did you mean 'landmark_map'" cairn run landmrk_map --help
+for command in 'cairn --help' 'cairn --version' 'cairn help run' 'cairn run --help' 'cairn-worker --help' \
+  'cairn-worker --version' 'cairn-worker --describe'; do
+  code=0
+  $command >/dev/full 2>stderr || code=$?
+  [ "$code" -eq 1 ] || die "exit code $code, not 1, where nothing can be written: $command"
+done
 for command in $commands; do
   exits 0 cairn "$command" --help
   says 'xample'
