@@ -42,7 +42,7 @@ refuses_import 'nowhere.csv' cairn import csv --odometry nowhere.csv log.h5
 
 # What no other command would take is not written.
 printf 'x_m,y_m,a,b\n0,0,0,2\n1e10,1,2,0\n' >costs.csv
-refuses_import "'place/x_m', entry 1: 10000000000" cairn import errors costs.csv log.h5
+refuses_import "'position/x_m', entry 1: 10000000000" cairn import errors costs.csv log.h5
 odometry "${good_rows[@]}" >odometry.csv
 printf 'landmark,x_m,y_m\nx,1e10,0\n' >places.csv
 observations '2,a,x,1,0' >observations.csv
