@@ -70,7 +70,7 @@ refuses "there is no file 'nowhere.h5'" \
 # Options.
 refuses 'networks=0: .*allowed: a whole number from 1 to 12' train samples.h5 --set networks=0 --out no
 refuses 'networks=40: .*allowed: a whole number from 1 to 12' cairn run landmark_learning samples.h5 --set networks=40 --out no
-refuses 'window_m = 1e-05 m reaches no other place from any of the 160 samples' \
+refuses 'window_m = 1e-05 m reaches no other position from any of the 160 samples' \
   train samples.h5 --set window_m=0.00001 --out no
 refuses "holdout: there is no run 'run9'" train samples.h5 --set holdout=run9 --out no
 refuses "batch does not go with method=pseudo" train samples.h5 --set method=pseudo --set batch=64 --out no

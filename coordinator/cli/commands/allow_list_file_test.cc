@@ -43,7 +43,9 @@ TEST_F(AllowListFile, ANewOneIsItsOwnersAlone) { EXPECT_EQ(Look(list_).st_mode &
 TEST_F(AllowListFile, AChangeKeepsTheModeAndTheGroup) {
   ASSERT_EQ(::chmod(list_.c_str(), 0644), 0);
   // Only root may give a file to a group of its choice.
-  if (::geteuid() == 0) ASSERT_EQ(::chown(list_.c_str(), 0, 65534), 0);
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chown(list_.c_str(), 0, 65534), 0);
+  }
   const gid_t group = Look(list_).st_gid;
   EXPECT_EQ(RevokeKeys(list_, "desk"), 1);
   EXPECT_EQ(Look(list_).st_mode & 0777, 0644U);
