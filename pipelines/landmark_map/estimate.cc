@@ -17,7 +17,9 @@ constexpr double kCellMb = sizeof(double) / 1e6;
 constexpr double kUsualIterations = 5.0, kJoinedIterations = 4.0, kLastRounds = 2.0;
 constexpr double kUsualWaves = 2.0, kRefits = 8.0, kNewStarts = 3.0;  // of the search; candidates a wave
 constexpr double kTask_s = 2e-3;                                      // of each, whatever its size
-constexpr double kSaved_s = 0.25;    // of a round: in a shorter one partials are not saved
+constexpr double kSaved_s = 0.25;  // of a round: in a shorter one partials are not saved
+// Observations that find a robot: with fewer its belief stays wide, and EM goes on for as long as it may.
+constexpr std::size_t kTellAPose = 3;
 constexpr double kFilled = 0.3;      // of a belief's boxes: the rest is zero, and not handed over
 constexpr double kAhead = 16.0;      // partials that a worker fetches ahead of the one that it reads
 constexpr double kProgramMb = 40.0;  // a worker that has done nothing yet, and its copy of the log
@@ -52,31 +54,35 @@ Slices CutIntoSlices(const OpenLoop& loop, double slice_work) {
   return slices;
 }
 
-// The cells under each heading where a robot may start that may be anywhere: the first landmark that it
-// observes tells where if it has a name, and its way up to there; else every place of the map may be.
-// `known_m`: how far to either side that landmark may stand, by odometry alone, from where the first robot
-// saw it.
-double PlacesWhereLost(const RobotSteps& steps, const Settings& settings, double known_m, double map_cells) {
-  if (steps.observations.empty()) return map_cells;
-  const Observation& first = steps.observations[0];
-  const bool named = first.type < settings.map.types, contact = first.x_m == 0 && first.y_m == 0;
-  if (contact && !named) return map_cells;
-  constexpr double kReach = 7.0;  // standard deviations to both sides, of landmark and observation
-  const double reach_m = std::hypot(kReach * settings.map.observation_m, known_m);
-  const double table = named ? 2.0 * reach_m / settings.map.grid.cell_m : std::sqrt(map_cells);
-  return CellsWhereLost(steps, settings.Model(nullptr), std::min(table, std::sqrt(map_cells)));
+// Where by odometry the first robot may have stood when it saw landmarks, by their types: one with a name for
+// the first time, those without one at any time.
+std::map<std::int32_t, Box> SeenFrom(const RobotSteps& steps, const OpenLoop& loop, int names) {
+  std::map<std::int32_t, Box> seen;
+  for (int s = 0; s < steps.size(); ++s) {
+    for (int k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k) {
+      const std::int32_t type = steps.observations[k].type;
+      Box& from = seen[type];
+      if (type >= names || from.empty()) from = Union(from, loop.boxes[static_cast<std::size_t>(s)]);
+    }
+  }
+  return seen;
 }
 
-// For each landmark that the first robot sees, by name or not, half the edge of the belief when it first
-// does.
-std::map<std::int32_t, double> KnownTo(const RobotSteps& steps, const OpenLoop& loop, double cell_m) {
-  std::map<std::int32_t, double> known_m;
-  for (int s = 0; s < steps.size(); ++s) {
-    const Box& box = loop.boxes[static_cast<std::size_t>(s)];
-    for (int k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k)
-      known_m.try_emplace(steps.observations[k].type, 0.5 * cell_m * std::max(box.nx, box.ny));
-  }
-  return known_m;
+// The cells under each heading where a robot may start that may be anywhere: those from which its way leads
+// to where the landmark may stand that it observes first. `seen`: as above; without one, a landmark that has
+// a name stands in one place of the map, and others in any.
+double PlacesWhereLost(const RobotSteps& steps, const Settings& settings,
+                       const std::map<std::int32_t, Box>& seen, double map_cells) {
+  if (steps.observations.empty()) return map_cells;
+  const std::int32_t type = steps.observations[0].type;
+  const bool named = type < settings.map.types;
+  const auto from = seen.find(type);
+  const double whole = std::sqrt(map_cells);
+  constexpr double kReach = 7.0;  // standard deviations to both sides, of landmark and observation
+  const double observed = 2.0 * kReach * settings.map.observation_m / settings.map.grid.cell_m;
+  const double edge =
+      from != seen.end() ? std::sqrt(static_cast<double>(from->second.cells())) : (named ? 0.0 : whole);
+  return CellsWhereLost(steps, settings.Model(nullptr), std::min(std::hypot(observed, edge), whole));
 }
 
 double StepsLost(const RobotSteps& steps) { return std::min(kStepsLost, static_cast<double>(steps.size())); }
@@ -213,24 +219,24 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   const auto candidates = static_cast<double>(starts.size());
   double partials = candidates * PartialsMb(slices, layers), partials_where_lost = 0.0;
   double largest = slices.step;
-  const std::map<std::int32_t, double> known_m = KnownTo(robots[0], first, settings.map.grid.cell_m);
+  std::map<std::int32_t, Box> seen;
+  if (given == nullptr) seen = SeenFrom(robots[0], first, settings.map.types);
   const auto map = static_cast<double>(
       (given != nullptr ? BoxOf(given->likelihood) : GrownByRadius(reach, settings.map)).cells());
   // The first one's frame is loose once others join.
   const bool all_anywhere = options.start == "anywhere" || (settings.gauge_free && robots.size() > 1);
-  double lost_round_s = 0.0;
+  double lost_round_s = 0.0, lost_rounds = joined;
   for (std::size_t r = all_anywhere ? 0 : 1; r < robots.size(); ++r) {
-    const auto known =
-        robots[r].observations.empty() ? known_m.end() : known_m.find(robots[r].observations[0].type);
-    const double places =
-        PlacesWhereLost(robots[r], settings, known == known_m.end() ? 0.0 : known->second, map);
+    const double places = PlacesWhereLost(robots[r], settings, seen, map);
     const Slices lost = SlicesWhereLost(places, robots[r], settings, slice_work);
     estimate.task_mb = std::max(estimate.task_mb, TaskMb(lost, counts));
     largest = std::max(largest, lost.step);
+    if (robots[r].observations.size() < kTellAPose)
+      lost_rounds = 1.0 + static_cast<double>(options.iterations);
     lost_round_s += 1e-9 * CellNanoseconds(robots[r], model, false) * StepsLost(robots[r]) * lost.step;
     partials_where_lost += PartialsMb(lost, layers);
   }
-  estimate.seconds += joined * lost_round_s;
+  estimate.seconds += lost_rounds * lost_round_s;
   const double ahead =
       std::min(std::max(partials, partials_where_lost), kAhead * kFilled * kCellMb * largest);
   partials = std::max(partials, partials_where_lost);
@@ -239,7 +245,7 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   double m_step = 0.0;
   for (const std::int32_t type : types) m_step += MStepMb(reach, type < settings.map.types, settings.map);
   estimate.task_mb = std::max(estimate.task_mb, m_step);
-  estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, partials) + ahead + kProgramMb;
+  estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, 2.0 * partials) + ahead + kProgramMb;
   estimate.store_mb = (only_round ? 1.0 : 2.0) * (saved + candidates * 2.0 * kCellMb * counts);
   if (options.incremental)
     estimate.seconds = SecondsOfOnePass(robots[0], first, model, GrownByRadius(reach, settings.map), layers);

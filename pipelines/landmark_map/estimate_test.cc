@@ -57,7 +57,7 @@ TEST(Estimate, OnePassHasAPlanOfItsOwn) {
 
 // Five robots of four controls each, which turn by 0.3 rad a control and see a landmark of their own at a
 // distance: once the others join, the first one's start is as unknown as theirs, and that round is nearly all
-// of the job. Such a job took 9.4 s (tests/bench/estimates.sh, turning-robots).
+// of the job. Such a job took 30 s (tests/bench/estimates.sh, turning-robots).
 TEST(Estimate, CountsTheFirstRobotWhoseFrameIsLoose) {
   constexpr int kRobots = 5;
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -80,8 +80,8 @@ TEST(Estimate, CountsTheFirstRobotWhoseFrameIsLoose) {
   log.Put("landmarks", Array::Texts(landmarks));
   const Step step = LandmarkMap({}).Start(MapInputs({{"log", std::make_shared<const Blob>(log)}}));
   const double seconds = step.plan.state().scalars().at("expected/seconds").d();
-  EXPECT_GT(seconds, 9.4 / 3.0);
-  EXPECT_LT(seconds, 9.4 * 3.0);
+  EXPECT_GT(seconds, 30.0 / 3.0);
+  EXPECT_LT(seconds, 30.0 * 3.0);
 }
 
 // A chain of one slice hands nothing over, and what a round of a moment returns is not saved.
