@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "pipelines/landmark_map/model/work.h"
 
@@ -148,22 +149,33 @@ double SecondsOfSearch(const Options& options, const RobotSteps& robot, double f
                    (kNewStarts / count * all + kRefits * kUsualIterations * robot.size() * step_s);
 }
 
-// One pass forward: by odometry alone until that first comes back to something, then in a map that is far
-// from what EM would make of it, so that beliefs lie, in ratio, between both; each observation makes a map.
-double SecondsOfOnePass(const RobotSteps& robot, const OpenLoop& loop, const EStepModel& model,
-                        const Box& map, double types) {
-  constexpr double kForward = 0.5;  // of a cell's time over both passes
-  constexpr double kMapNs = 20.0;   // of a cell of a map that is made
+// Beliefs of one pass forward: by odometry alone until that first comes back to something, then in a map that
+// is far from what EM would make of it, so that they lie, in ratio, between both.
+OpenLoop ReckonOnePass(const RobotSteps& robot, OpenLoop loop, const EStepModel& model) {
+  const double in_a_map = WorkOfStep(robot, model), cell_m = model.grid.cell_m;
   const int back = FirstReturn(robot, loop, model);
-  const double in_a_map = WorkOfStep(robot, model);
-  double cells = 0.0, maps = 0.0;
-  for (int s = 0; s < robot.size(); ++s) {
-    const double open = loop.cells[static_cast<std::size_t>(s)] + kStepCells;
-    cells += s < back ? open : std::min(open, std::sqrt(open * in_a_map));
-    maps += robot.first_observation[s + 1] > robot.first_observation[s] ? 1.0 : 0.0;
+  for (int s = back; s < robot.size(); ++s) {
+    const auto at = static_cast<std::size_t>(s);
+    loop.cells[at] = std::min(loop.cells[at], std::sqrt(loop.cells[at] * in_a_map));
+    // No wider than when it came back.
+    const Box& widest = loop.boxes[static_cast<std::size_t>(back)];
+    const Box here{static_cast<std::int32_t>(std::lround(robot.odo_x_m[s] / cell_m)),
+                   static_cast<std::int32_t>(std::lround(robot.odo_y_m[s] / cell_m)), 1, 1};
+    loop.boxes[at] = Intersection(loop.boxes[at], here.Grown(std::max(widest.nx, widest.ny) / 2 + 1));
   }
-  return 1e-9 * (kForward * CellNanoseconds(robot, model, false) * cells +
-                 kMapNs * maps * types * static_cast<double>(map.cells()));
+  return loop;
+}
+
+// Each observation makes a map.
+double SecondsOfOnePass(const RobotSteps& robot, const OpenLoop& pass, const EStepModel& model,
+                        double map_cells) {
+  constexpr double kForward = 0.8;  // of what a cell takes over both passes of a slice
+  constexpr double kMapNs = 30.0;   // of a cell of a map that is made
+  double maps = 0.0;
+  for (int s = 0; s < robot.size(); ++s)
+    maps += robot.first_observation[s + 1] > robot.first_observation[s] ? 1.0 : 0.0;
+  return 1e-9 * (kForward * CellNanoseconds(robot, model, false) * WorkOf(pass.cells, robot.size()) +
+                 kMapNs * maps * map_cells);
 }
 
 double MStepMb(const Box& box, bool identified, const MapRules& rules) {
@@ -190,7 +202,8 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   int used = 0;  // steps, in the first round of some start
   for (const cairn::Step& start : starts)
     used = std::max(used, StepsInUse(Schedule::Load(start.plan.state()), robots[0].size()));
-  const OpenLoop first = ReckonOpenLoop(robots[0], model, used);
+  OpenLoop first = ReckonOpenLoop(robots[0], model, used);
+  if (options.incremental) first = ReckonOnePass(robots[0], std::move(first), model);
   const std::set<std::int32_t> types = TypesSeen(robots);
   Box reach;
   for (const Box& box : first.boxes) reach = Union(reach, box);
@@ -214,7 +227,7 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
     const double rounds = kLastRounds + (r > 0 ? joined : 0.0);
     estimate.seconds += rounds * (robots[r].size() * step_s(robots[r]) + kTask_s);
   }
-  const Slices slices = CutIntoSlices(first, slice_work);
+  const Slices slices = CutIntoSlices(first, options.incremental ? HUGE_VAL : slice_work);
   estimate.task_mb = TaskMb(slices, counts);
   const auto candidates = static_cast<double>(starts.size());
   double partials = candidates * PartialsMb(slices, layers), partials_where_lost = 0.0;
@@ -247,8 +260,11 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   estimate.task_mb = std::max(estimate.task_mb, m_step);
   estimate.memory_mb = estimate.task_mb + std::min(kCacheMb, 2.0 * partials) + ahead + kProgramMb;
   estimate.store_mb = (only_round ? 1.0 : 2.0) * (saved + candidates * 2.0 * kCellMb * counts);
-  if (options.incremental)
-    estimate.seconds = SecondsOfOnePass(robots[0], first, model, GrownByRadius(reach, settings.map), layers);
+  if (options.incremental) {
+    const auto cells = static_cast<double>(GrownByRadius(reach, settings.map).cells());
+    estimate.cells = WorkOf(first.cells, used);
+    estimate.seconds = SecondsOfOnePass(robots[0], first, model, layers * cells);
+  }
   return estimate;
 }
 
