@@ -32,7 +32,7 @@ measure() {
   awk -v name="$name" -v s="$(expected seconds)" -v m="$(expected memory_mb)" -v t="$ticks" -v hz="$(getconf CLK_TCK)" \
     -v r="$resident" -v d="$store" -v e="$(expected store_mb)" 'BEGIN {
     cpu = t / hz; mb = r * 1.024e-3; disk = d * 1.024e-3
-    printf "%-16s seconds: expected %6.1f, used %6.1f (x%.2f)   MB: expected %5.0f, used %5.0f (x%.2f)   ",
+    printf "%-16s seconds: expected %6.2f, used %6.2f (x%.2f)   MB: expected %5.0f, used %5.0f (x%.2f)   ",
       name, s, cpu, cpu / s, m, mb, mb / m
     printf "store MB: expected %5.0f, used %5.0f\n", e, disk }'
 }
