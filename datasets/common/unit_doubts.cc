@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "datasets/common/array_text.h"
+#include "schema/geometry.h"
 #include "schema/kinds/learning.h"
 #include "schema/kinds/log.h"
 
@@ -21,8 +22,14 @@ constexpr char kDegrees[] = " in degrees? Cairn reads radians (of a CSV whose he
 constexpr char kMillimetres[] = " in millimetres? Cairn reads metres (of a CSV whose header says _mm, mm)";
 constexpr char kCentimetres[] = " in centimetres? Cairn reads metres (of a CSV whose header says _cm, cm)";
 constexpr char kNotMillimetres[] = " in metres, under a header that says _mm?";
-constexpr char kMilliseconds[] =
-    "are times in milliseconds? Cairn reads seconds (of a CSV whose header says _ms, ms)";
+
+// Of times that are at least `per` times larger than any robot's.
+std::string SmallerTimes(double per) {
+  const char* unit = per >= 1e6 ? "nanoseconds" : per >= 1e3 ? "microseconds" : "milliseconds";
+  return std::string("are times in ") + unit +
+         "? Cairn reads seconds (of a CSV whose header says _ms, _us or _ns, those: where it says one "
+         "already, they may be smaller still)";
+}
 
 std::string Few(double value) { return ShortNumber(value); }
 
@@ -80,7 +87,8 @@ std::optional<UnitDoubt> DoubtTimes(std::span<const double> time_s) {
   for (std::size_t i = 0; i < time_s.size(); ++i) {
     if (std::abs(time_s[i]) > kLatestTime_s)
       return UnitDoubt{i, time_s[i],
-                       "a time of " + Few(time_s[i]) + " s lies beyond the year 2103: " + kMilliseconds};
+                       "a time of " + Few(time_s[i]) + " s lies beyond the year 2103: " +
+                           SmallerTimes(std::abs(time_s[i]) / kLatestTime_s)};
   }
   return std::nullopt;
 }
@@ -122,7 +130,8 @@ std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& 
   if (pause_s >= kMostPause_s && travelled_m > 0 && travelled_m < kLeastSpeed_mps * moving_s)
     return UnitDoubt{0, time_s.front(),
                      "its rows are " + Few(pause_s) + " s apart, and it goes " +
-                         Few(1000 * travelled_m / moving_s) + " mm/s: " + kMilliseconds};
+                         Few(1000 * travelled_m / moving_s) +
+                         " mm/s: " + SmallerTimes(kLeastSpeed_mps * moving_s / travelled_m)};
   if (going_s >= kLeastGoing_s && travelled_m < kLeastMeanSpeed_mps * going_s)
     return UnitDoubt{0, time_s.front(),
                      "where it goes it does " + Few(1000 * travelled_m / going_s) +
@@ -164,14 +173,90 @@ bool AllFinite(std::span<const double> values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
+// A stretch of a track, and the headings on it; they stand between `low` and `high`.
+struct Stretch {
+  double travelled_m = 0, direction_rad = 0, low_rad = 0, high_rad = 0;
+};
+
+// Long enough for their directions to say something; empty where there are too few of them.
+std::vector<Stretch> StretchesOf(std::span<const double> x_m, std::span<const double> y_m,
+                                 std::span<const double> heading_rad) {
+  constexpr double kLeast_m = 0.1;
+  constexpr std::size_t kFew = 20;
+  std::vector<Stretch> stretches;
+  double heading = heading_rad.empty() ? 0 : heading_rad[0], low = heading, high = heading;
+  for (std::size_t i = 1, first = 0; i < x_m.size(); ++i) {
+    heading += std::remainder(heading_rad[i] - heading_rad[i - 1], kFullTurn_rad);
+    low = std::min(low, heading);
+    high = std::max(high, heading);
+    const double dx = x_m[i] - x_m[first], dy = y_m[i] - y_m[first];
+    if (std::hypot(dx, dy) < kLeast_m) continue;
+    stretches.push_back({std::hypot(dx, dy), std::atan2(dy, dx), low, high});
+    low = high = heading;
+    first = i;
+  }
+  if (stretches.size() < kFew) stretches.clear();
+  return stretches;
+}
+
+// How much of the way is across the headings, where `sign` * heading + `offset_rad` are meant; 0 to 1.
+double Aside(const std::vector<Stretch>& stretches, double sign, double offset_rad) {
+  double aside_m = 0, travelled_m = 0;
+  for (const Stretch& stretch : stretches) {
+    const double middle = sign * (stretch.low_rad + stretch.high_rad) / 2 + offset_rad;
+    const double off = std::abs(std::remainder(stretch.direction_rad - middle, std::numbers::pi));
+    const double beyond = std::max(0.0, off - (stretch.high_rad - stretch.low_rad) / 2);
+    aside_m += stretch.travelled_m * std::sin(beyond);
+    travelled_m += stretch.travelled_m;
+  }
+  return travelled_m > 0 ? aside_m / travelled_m : 0;
+}
+
+// What the headings may be instead; null where nothing fits.
+const char* OtherHeadings(const std::vector<Stretch>& stretches) {
+  constexpr double kQuarter_rad = std::numbers::pi / 2, kFits = kMostAside / 3;
+  if (Aside(stretches, -1, kQuarter_rad) < kFits)
+    return "are headings a compass's, clockwise from north, or are x and y exchanged?";
+  if (Aside(stretches, -1, 0) < kFits) return "do headings grow clockwise, or does y point to the right?";
+  if (Aside(stretches, 1, kQuarter_rad) < kFits) return "do headings begin at the y axis?";
+  return nullptr;
+}
+
+// Each time's last pose of a robot that follows the controls from the origin.
+struct Track {
+  std::vector<double> time_s, x_m, y_m, heading_rad;
+};
+
+Track TrackOfControls(std::span<const double> time_s, std::span<const double> turn_rad,
+                      std::span<const double> forward_m) {
+  Track track;
+  if (turn_rad.size() != time_s.size() || forward_m.size() != time_s.size()) return track;
+  Pose pose;
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    pose.heading_rad += turn_rad[i];
+    pose.x_m += forward_m[i] * std::cos(pose.heading_rad);
+    pose.y_m += forward_m[i] * std::sin(pose.heading_rad);
+    if (i + 1 < time_s.size() && time_s[i + 1] == time_s[i]) continue;
+    track.time_s.push_back(time_s[i]);
+    track.x_m.push_back(pose.x_m);
+    track.y_m.push_back(pose.y_m);
+    track.heading_rad.push_back(pose.heading_rad);
+  }
+  return track;
+}
+
 class Doubts {
  public:
   void AddRobot(const kinds::Log& log, std::size_t n) {
     const std::string who = "robot '" + log.robots[n] + "'";
     const kinds::Log::Robot& robot = log.robot[n];
     const kinds::Log::Odometry& odometry = robot.odometry;
+    const auto time_s = odometry.time_s.OrNone(), turn_rad = odometry.turn_rad.OrNone(),
+               forward_m = odometry.forward_m.OrNone();
+    const auto doubt = DoubtControls(time_s, turn_rad, forward_m);
+    const Track track = TrackOfControls(time_s, turn_rad, forward_m);
     Add(who, "odometry",
-        DoubtControls(odometry.time_s.OrNone(), odometry.turn_rad.OrNone(), odometry.forward_m.OrNone()));
+        doubt ? doubt : DoubtHeadings(track.time_s, track.x_m, track.y_m, track.heading_rad));
     const auto of_table = [&](const char* table, const auto& seen) {
       Add(who, table,
           DoubtObservations(seen.time_s.OrNone(), seen.range_m.OrNone(), seen.bearing_rad.OrNone(),
@@ -222,13 +307,39 @@ std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<co
     return std::abs(other) < std::abs(change) ? other : change;
   };
   const auto distance = [&](std::size_t i) { return std::hypot(x_m[i] - x_m[i - 1], y_m[i] - y_m[i - 1]); };
-  return DoubtMoves(time_s, turn, distance, "headings", "positions");
+  if (auto doubt = DoubtMoves(time_s, turn, distance, "headings", "positions")) return doubt;
+  if (!turns) return std::nullopt;
+  // Of a slow robot only this tells: headings that go on beyond full turns, and do not point where it goes.
+  const auto most = std::ranges::max_element(heading_rad, {}, [](double h) { return std::abs(h); });
+  if (most == heading_rad.end() || std::abs(*most) < 2 * kFullTurn_rad) return std::nullopt;
+  const std::vector<Stretch> stretches = StretchesOf(x_m, y_m, heading_rad);
+  if (Aside(stretches, 1, 0) <= kMostAside || OtherHeadings(stretches) != nullptr) return std::nullopt;
+  const auto row = static_cast<std::size_t>(most - heading_rad.begin());
+  return UnitDoubt{row, time_s[row],
+                   "headings reach " + Few(*most) + ", and it does not go where they point: are they" +
+                       std::string(kDegrees)};
+}
+
+std::optional<UnitDoubt> DoubtHeadings(std::span<const double> time_s, std::span<const double> x_m,
+                                       std::span<const double> y_m, std::span<const double> heading_rad) {
+  if (x_m.size() != time_s.size() || y_m.size() != time_s.size() || heading_rad.size() != time_s.size())
+    return std::nullopt;
+  if (!AllFinite(x_m) || !AllFinite(y_m) || !AllFinite(heading_rad)) return std::nullopt;
+  const std::vector<Stretch> stretches = StretchesOf(x_m, y_m, heading_rad);
+  const double aside = Aside(stretches, 1, 0);
+  if (aside <= kMostAside) return std::nullopt;
+  const char* const others = OtherHeadings(stretches);
+  return UnitDoubt{0, time_s.front(),
+                   "it does not go where its headings point: " + Few(std::round(100 * aside)) +
+                       " percent of the way is across them: " +
+                       (others != nullptr ? others : "are headings a compass's, mirrored, or in degrees?") +
+                       " Cairn's headings are 0 along x and grow counter-clockwise"};
 }
 
 std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::span<const double> range_m,
                                            std::span<const double> bearing_rad, bool range_is_known) {
   if (range_m.size() != time_s.size() || bearing_rad.size() != time_s.size()) return std::nullopt;
-  constexpr double kRounding_rad = 0.01;
+  constexpr double kRounding_rad = 0.01, kFewMillimetres = 2000;  // or 20 m in centimetres
   const auto worst = [&](std::span<const double> values, double most) -> std::optional<std::size_t> {
     std::optional<std::size_t> row;
     double largest = most;
@@ -249,7 +360,8 @@ std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::
   if (range_is_known) return std::nullopt;
   if (const auto row = worst(range_m, kMostLandmarkRange_m))
     return UnitDoubt{*row, time_s[*row],
-                     "ranges reach " + Few(range_m[*row]) + ": are they" + kMillimetres +
+                     "ranges reach " + Few(range_m[*row]) + ": are they" +
+                         (range_m[*row] < kFewMillimetres ? kCentimetres : kMillimetres) +
                          "; of a sensor that sees so far say --max-range-m"};
   return std::nullopt;
 }

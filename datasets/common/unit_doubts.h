@@ -23,6 +23,8 @@ inline constexpr double kMostLandmarkRange_m = 300;  // where no largest range w
 inline constexpr double kLatestTime_s = 4.2e9;       // Unix time of 2103
 inline constexpr double kMostPause_s = 10;           // between rows in the middle, of a robot that …
 inline constexpr double kLeastSpeed_mps = 0.01;      // … is slower than this where it moves
+inline constexpr double kMostAside =
+    0.3;  // of the way that it goes: how much across its heading; all known logs: 0.09
 
 struct UnitDoubt {
   std::size_t row = 0;  // of the table
@@ -34,9 +36,14 @@ struct UnitDoubt {
 // of a doubt about all rows the one that shows it best.
 std::optional<UnitDoubt> DoubtControls(std::span<const double> time_s, std::span<const double> turn_rad,
                                        std::span<const double> forward_m);
-// Headings may be missing (empty), and go on beyond a full turn where they do so without jumps.
+// Headings may be missing (empty), and go on beyond a full turn where they do so without jumps, and where
+// the robot goes where they point.
 std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<const double> x_m,
                                     std::span<const double> y_m, std::span<const double> heading_rad);
+// Of odometry's poses: whether the robot goes, forwards or backwards, where its headings point. A compass's
+// headings (clockwise, from north), mirrored ones, and x and y exchanged do not.
+std::optional<UnitDoubt> DoubtHeadings(std::span<const double> time_s, std::span<const double> x_m,
+                                       std::span<const double> y_m, std::span<const double> heading_rad);
 // `range_is_known`: somebody gave the sensor's largest range, by which ranges are checked already.
 std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::span<const double> range_m,
                                            std::span<const double> bearing_rad, bool range_is_known);

@@ -192,12 +192,74 @@ TEST_F(UnitsOfFiles, TimesInMillisecondsAreSeenByHowSlowItIs) {
   const std::vector<double> unix_ms = {1.7e12, 1.7e12 + 100}, zeros = {0, 0};
   ExpectContains(DoubtControls(unix_ms, zeros, zeros)->text,
                  "beyond the year 2103: are times in milliseconds?");
+  ExpectContains(Only(Csv({.time = 1e6})), "are times in microseconds?");
+  ExpectContains(Only(Csv({.time = 1e6})), "where it says one already, they may be smaller still");
 }
 
 TEST_F(UnitsOfFiles, RangesInMillimetresAreNamedUnlessTheSensorIsKnown) {
   ExpectContains(Only(Csv({.range = 1000})), "ranges reach 2500: are they in millimetres?");
+  ExpectContains(Only(Csv({.range = 200})), "ranges reach 500: are they in centimetres?");
   const std::vector<double> time = {1}, range = {2500}, bearing = {0};
   EXPECT_FALSE(DoubtObservations(time, range, bearing, true));
+}
+
+// A robot that goes around circles, its poses as odometry.csv has them.
+class HeadingsOfFiles : public ImportTest {
+ protected:
+  // `heading`: of the angle at which it goes.
+  template <class Heading>
+  std::vector<std::string> DoubtsWith(const Heading& heading, bool swapped = false) {
+    std::string odometry = "time_s,x_m,y_m,heading_rad\n";
+    for (int i = 0; i < 800; ++i) {
+      const double angle = 0.02 * i, x = 3 * std::sin(angle), y = 3 - 3 * std::cos(angle);
+      char line[128];
+      std::snprintf(line, sizeof line, "%.1f,%.4f,%.4f,%.4f\n", 0.1 * i, swapped ? y : x, swapped ? x : y,
+                    std::remainder(heading(angle), 2 * std::numbers::pi));
+      odometry += line;
+    }
+    CsvImportOptions options;
+    options.odometry = folder_.Put("odometry.csv", odometry);
+    const std::vector<std::string> at_import = ImportCsv(options, &log_).unit_doubts;
+    EXPECT_EQ(FindUnitDoubts(log_).size(), at_import.size()) << "inspect, run and submit ask as import does";
+    return at_import;
+  }
+};
+
+TEST_F(HeadingsOfFiles, OfARobotThatGoesWhereTheyPointAreNotInDoubt) {
+  EXPECT_TRUE(DoubtsWith([](double angle) { return angle; }).empty());
+  EXPECT_TRUE(DoubtsWith([](double angle) { return angle + std::numbers::pi; }).empty()) << "backwards";
+}
+
+TEST_F(HeadingsOfFiles, ThatDoNotFitTheWayAreAskedFor) {
+  const auto ask = [](const std::vector<std::string>& doubts, const std::string& question) {
+    ASSERT_EQ(doubts.size(), 1U);
+    ExpectContains(doubts.front(), "robot 'robot', row 1 of its odometry (0 s): it does not go where");
+    ExpectContains(doubts.front(), question);
+  };
+  constexpr double kQuarter = std::numbers::pi / 2;
+  ask(DoubtsWith([](double angle) { return kQuarter - angle; }), "are headings a compass's, clockwise");
+  ask(DoubtsWith([](double angle) { return angle; }, true), "or are x and y exchanged?");
+  ask(DoubtsWith([](double angle) { return -angle; }), "do headings grow clockwise");
+  ask(DoubtsWith([](double angle) { return angle - kQuarter; }), "do headings begin at the y axis?");
+  ask(DoubtsWith([](double angle) { return 3 * angle; }), "in degrees?");
+}
+
+// 1.2 degrees a second, written as radians: no turn is too fast.
+TEST(UnitDoubts, HeadingsInDegreesOfASlowRobotAreInDoubt) {
+  std::vector<double> time, x, zero, degrees, around;
+  for (int i = 0; i < 300; ++i) {
+    time.push_back(0.25 * i);
+    x.push_back(0.1 * i);
+    zero.push_back(0);
+    degrees.push_back(0.3 * i);
+    around.push_back(4 * std::numbers::pi);
+  }
+  const auto doubt = DoubtPoses(time, x, zero, degrees);
+  ASSERT_TRUE(doubt);
+  EXPECT_EQ(doubt->row, 299U);
+  ExpectContains(doubt->text,
+                 "headings reach 89.7, and it does not go where they point: are they in degrees?");
+  EXPECT_FALSE(DoubtPoses(time, x, zero, around));
 }
 
 TEST(UnitDoubts, BearingsInRadiansUnderAHeaderThatSaysDegreesAreInDoubt) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/common/odometry_holes.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/error.h"
 
@@ -93,7 +94,10 @@ void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* repor
   if (robot.odometry_poses.time_s.empty())
     Tell(odometry.from, who, "odometry",
          DoubtControls(odometry.time_s, odometry.turn_rad, odometry.forward_m), report);
-  DoubtPosesOf(robot.odometry_poses, who, "odometry", report);
+  const Poses& poses = robot.odometry_poses;
+  const auto doubt = DoubtPoses(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad);
+  Tell(poses.from, who, "odometry",
+       doubt ? doubt : DoubtHeadings(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad), report);
   for (const auto& [table, rows] : {std::pair{"observations", &robot.observations},
                                     std::pair{"robot_observations", &robot.robot_observations}}) {
     Tell(rows->from, who, table,
@@ -214,6 +218,7 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
   report->landmarks = static_cast<std::int64_t>(rows.landmarks.size());
   log.Put("robots", Array::Texts(names));
   log.Put("landmarks", Array::Texts(rows.landmarks));
+  for (std::string& hole : OdometryHolesOf(log)) report->warnings.push_back(std::move(hole));
   if (rows.truth_landmarks) {
     log.Put("truth/landmarks/name", Array::Texts(rows.truth_landmarks->name));
     log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);

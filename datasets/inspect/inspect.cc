@@ -7,6 +7,7 @@
 
 #include "datasets/common/array_text.h"
 #include "datasets/common/confidence.h"
+#include "datasets/common/odometry_holes.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/kind.h"
@@ -208,7 +209,7 @@ Result<Inspection> Inspect(const std::string& path) {
   if (!file.ok()) return file.status();
   const Blob& blob = file.value().blob;
   Inspection inspection{
-      info.value().kind, info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {}, {}};
+      info.value().kind, info.value().format, blob.ContentHash().Hex(), FactsOf(blob), {}, {}, {}};
   inspection.changed = file.value().changed;
   const Kind* kind = FindKind(inspection.kind);
   try {
@@ -217,6 +218,7 @@ Result<Inspection> Inspect(const std::string& path) {
     inspection.wrong = error.what();
   }
   if (kind != nullptr && kind->has_units) inspection.unit_doubts = FindUnitDoubts(blob);
+  inspection.warnings = OdometryHolesOf(blob);
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

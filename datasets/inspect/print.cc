@@ -58,6 +58,7 @@ std::string InspectText(const Inspection& inspection) {
   for (const auto& [name, fact] : inspection.facts)
     text += "  " + Padded(name, fact_width) + "  " + fact + "\n";
   for (const std::string& doubt : inspection.unit_doubts) text += "  in doubt: " + doubt + "\n";
+  for (const std::string& warning : inspection.warnings) text += "  warning: " + warning + "\n";
   text += "\n";
   for (const DatasetSummary& dataset : inspection.datasets) {
     std::string line =
@@ -81,6 +82,7 @@ std::string InspectJson(const Inspection& inspection) {
                             {"wrong", inspection.wrong},
                             {"facts", facts},
                             {"unit_doubts", inspection.unit_doubts},
+                            {"warnings", inspection.warnings},
                             {"datasets", datasets}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -1,0 +1,16 @@
+// Where odometry is missing in the midst of a log: between two rows much farther apart than usual the robot
+// moved, and observed. A robot that stands still may say nothing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// A sentence for people for each robot of the log that has such holes: when and how long the longest is. Of
+// columns that are missing or of another type it says nothing.
+std::vector<std::string> OdometryHolesOf(const Blob& blob);
+
+}  // namespace cairn::datasets
