@@ -1,7 +1,12 @@
 #include "datasets/import/csv.h"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -15,6 +20,31 @@ namespace {
 
 // Numbers with six digits after the point, as far as a message needs them.
 std::string Shown(double value) { return std::to_string(value); }
+
+// What programs write where they know no name.
+bool MeansUnknown(std::string_view name) {
+  constexpr std::array kWords = {"-1", "unknown", "none", "nan", "null", "na", "n/a"};
+  std::string lower(name);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::find(kWords, lower) != kWords.end();
+}
+
+// Why a time may lie beyond a log of `first` to `last`: its unit, or its clock; nothing where it is only
+// late.
+std::string OtherTimes(double time, double first, double last) {
+  constexpr std::array kUnits = {std::pair{1e3, "milliseconds"}, std::pair{1e6, "microseconds"},
+                                 std::pair{1e9, "nanoseconds"}};
+  constexpr double kUnixTime_s = 9e8;  // since 1998
+  const double all = last - first;
+  for (const auto& [per, unit] : kUnits) {
+    const bool of_another_clock = time > kUnixTime_s && time < 1e3 * kUnixTime_s && last < kUnixTime_s;
+    if (!of_another_clock && time / per >= first && time / per <= last + all && time > 100 * last)
+      return std::string("; is it in ") + unit + "? Or is it of another clock?";
+  }
+  constexpr double kLate_s = 60;
+  const double beyond = time < first ? first - time : time - last;
+  return beyond > kLate_s ? "; do both files use one clock (Unix time or from 0, UTC or local)?" : "";
+}
 
 class CsvImport {
  public:
@@ -87,8 +117,25 @@ class CsvImport {
   }
   static bool InOrder(double time, double last, CsvReader* reader) {
     if (time >= last) return true;
-    reader->Bad("time runs backwards", Shown(time) + " after " + Shown(last));
+    reader->Bad("time runs backwards",
+                Shown(time) + " after " + Shown(last) +
+                    (reader->Has(kRobot) ? "" : "; rows of several robots need a column 'robot'"));
     return false;
+  }
+
+  std::int64_t Skipped() const {
+    return std::accumulate(bad_.counts().begin(), bad_.counts().end(), std::int64_t{0},
+                           [](std::int64_t sum, const auto& reason) { return sum + reason.second; });
+  }
+
+  // Refuses a file of which all rows were skipped; `before`: what was skipped before it.
+  void RequireGoodRows(const std::string& path, std::size_t good, std::int64_t before) const {
+    if (good > 0 || Skipped() == before) return;
+    std::string reasons;
+    for (const auto& [reason, count] : bad_.counts())
+      reasons += (reasons.empty() ? "" : ", ") + reason + " (" + std::to_string(count) + ")";
+    throw InputError(path + ": --skip-bad leaves nothing of it; skipped so far: " + reasons +
+                     ". Without --skip-bad the first such row is named");
   }
 
   void ReadOdometry() {
@@ -148,19 +195,26 @@ class CsvImport {
 
   // Whether the line may name this landmark; it is bad where it may not.
   bool LandmarkIsKnown(std::string_view name, CsvReader* reader) {
-    if (name.empty() || !rows_.truth_landmarks || truth_.Find(name) >= 0) return true;
-    reader->Bad("unknown landmark", "'" + std::string(name) + "' is none of the true landmarks");
+    if (name.empty() || truth_.Find(name) >= 0) return true;
+    const std::string quoted = "'" + std::string(name) + "'";
+    if (MeansUnknown(name)) {
+      reader->Bad("no landmark's name", quoted + ": leave the field empty where it is unknown");
+      return false;
+    }
+    if (!rows_.truth_landmarks) return true;
+    const std::string example = truth_.names().empty() ? "" : " ('" + truth_.names().front() + "' is one)";
+    reader->Bad("unknown landmark", quoted + " is none of the true landmarks of " + options_.truth_landmarks +
+                                        example + ": are they called the same in both files?");
     return false;
   }
 
   // Whether there is a pose to observe from; the line is bad where there is none.
   static bool WhileDriving(double time, const std::vector<double>& controls, CsvReader* reader) {
     const double first = controls.front(), last = controls.back();
-    if (time < first) reader->Bad("before the first control", Shown(time) + " before " + Shown(first));
-    if (time > last)
-      reader->Bad("after the last control",
-                  Shown(time) + " after " + Shown(last) +
-                      (time > 100 * last && last > 0 ? "; is it in milliseconds?" : ""));
+    const std::string others = OtherTimes(time, first, last);
+    if (time < first)
+      reader->Bad("before the first control", Shown(time) + " before " + Shown(first) + others);
+    if (time > last) reader->Bad("after the last control", Shown(time) + " after " + Shown(last) + others);
     return time >= first && time <= last;
   }
 
@@ -174,6 +228,10 @@ class CsvImport {
     }
     const auto r = reader->Number(3), b = r ? reader->Number(4) : r;
     if (!b) return false;
+    if (*r == 0) {
+      reader->Bad("range 0", "some sensors say it where nothing was seen: leave such rows out");
+      return false;
+    }
     *range = *r;
     *bearing = *b;
     const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.noise);
@@ -184,6 +242,8 @@ class CsvImport {
   void ReadObservations() {
     CsvReader reader =
         Open(options_.observations, {{"time_s", "robot?", "landmark", "range_m", "bearing_rad"}});
+    const std::int64_t skipped = Skipped();
+    std::size_t good = 0;
     while (reader.Next()) {
       const auto time = reader.Number(0);
       double range = 0, bearing = 0;
@@ -196,11 +256,16 @@ class CsvImport {
       robot->observations.Add(*time, landmark, range, bearing);
       robot->observations.from.file = options_.observations;
       robot->observations.from.line.push_back(reader.line());
+      ++good;
     }
+    RequireGoodRows(options_.observations, good, skipped);
   }
 
   void ReadTruthPoses() {
     CsvReader reader = Open(options_.truth_poses, {{"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
+    const std::int64_t skipped = Skipped();
+    std::size_t good = 0, outside = 0;
+    std::string example;
     while (reader.Next()) {
       const auto time = reader.Number(0), x = time ? reader.Number(2) : time, y = x ? reader.Number(3) : x;
       const auto heading = y ? reader.Number(4) : y;
@@ -208,7 +273,18 @@ class CsvImport {
       if (robot == nullptr || !InOrder(*time, robot->truth.time_s, &reader)) continue;
       robot->truth.from.file = options_.truth_poses;
       robot->truth.Add(*time, *x, *y, *heading, reader.line());
+      ++good;
+      const double first = robot->odometry.time_s.front(), last = robot->odometry.time_s.back();
+      if (*time >= first && *time <= last) continue;
+      if (outside++ == 0)
+        example = Shown(*time) + " s, where odometry is of " + Shown(first) + " to " + Shown(last) + " s" +
+                  OtherTimes(*time, first, last);
     }
+    RequireGoodRows(options_.truth_poses, good, skipped);
+    if (2 * outside > good)
+      report_.warnings.push_back(
+          options_.truth_poses + ": " + std::to_string(outside) + " of " + std::to_string(good) +
+          " poses lie outside the time of the log, where nothing is measured by them: " + example);
   }
 
   void Associate() {

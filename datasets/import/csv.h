@@ -38,9 +38,10 @@ struct CsvImportOptions {
 // (numbers by value). Bad are: not a number, not finite, wrong number of columns, time runs backwards,
 // unknown robot (none that odometry names), unknown landmark (none that truth_landmarks names, where given),
 // before the first control or after the last (a robot that stood still there needs a row that says so),
-// negative range, beyond the sensor's maximum, outside its field of view, range or bearing alone, no such
-// observation (associations).
-// Throws InputError "FILE:LINE: REASON: DETAIL".
+// negative range, range 0, beyond the sensor's maximum, outside its field of view, range or bearing alone, a
+// landmark called "-1", "unknown", "none", "nan", "null" or "na", no such observation (associations).
+// Throws InputError "FILE:LINE: REASON: DETAIL"; of a file of observations or true poses of which all rows
+// were skipped, too.
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

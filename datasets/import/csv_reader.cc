@@ -206,7 +206,9 @@ std::optional<double> CsvReader::Number(std::size_t index) {
   const char* reason = "";
   const std::optional<double> value = ParseNumber(text, &reason);
   if (!value) {
-    Bad(reason, columns_[index] + " is '" + std::string(Text(index)) + "'");
+    const bool date = columns_[index].starts_with("time_") && text.find_first_of(":/") != text.npos;
+    Bad(reason, columns_[index] + " is '" + std::string(Text(index)) + "'" +
+                    (date ? "; times are seconds of any clock, such as Unix time, no dates" : ""));
     return std::nullopt;
   }
   return *value / per_unit_[index];

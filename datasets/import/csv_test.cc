@@ -131,6 +131,77 @@ TEST_F(ImportCsvTest, WithoutAssociationsTruthIsByName) {
   EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{1, -1}));
 }
 
+TEST_F(ImportCsvTest, WhatProgramsWriteForAnUnknownLandmarkIsNoName) {
+  for (const std::string name : {"-1", "unknown", "None", "NaN", "null"}) {
+    PutObservations("1,Rosa,door,2,0\n2,Rosa," + name + ",2,0\n");
+    ExpectContains(Failure(), "observations.csv:3: no landmark's name: '" + name +
+                                  "': leave the field empty where it is unknown");
+  }
+}
+
+TEST_F(ImportCsvTest, ALandmarkThatTheTruthDoesNotNameIsAskedForInBothFiles) {
+  PutObservations("1,Rosa,door,2,0\n");
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\nDoor A,1,2\n");
+  const std::string said = Failure();
+  ExpectContains(said, "observations.csv:2: unknown landmark: 'door' is none of the true landmarks of ");
+  ExpectContains(said, "landmarks.csv ('Door A' is one): are they called the same in both files?");
+}
+
+TEST_F(ImportCsvTest, ARangeOfZeroIsNoRange) {
+  PutObservations("1,Rosa,door,0,0.1\n");
+  ExpectContains(Failure(), "observations.csv:2: range 0: some sensors say it where nothing was seen");
+}
+
+TEST_F(ImportCsvTest, ObservationsOfAnotherClockAreAskedFor) {
+  PutObservations("7200,Rosa,door,2,0\n");
+  ExpectContains(Failure(),
+                 "after the last control: 7200.000000 after 3.000000; do both files use one clock");
+  PutObservations("1700000001,Rosa,door,2,0\n");
+  ExpectContains(Failure(), "after 3.000000; do both files use one clock");
+  PutObservations("2000000,Rosa,door,2,0\n");
+  ExpectContains(Failure(), "after 3.000000; is it in microseconds?");
+}
+
+TEST_F(ImportCsvTest, AFileOfWhichAllRowsAreSkippedIsRefused) {
+  options_.skip_bad = true;
+  PutObservations("3600,Rosa,door,2,0\n3601,Rosa,door,2,0\n");
+  ExpectContains(
+      Failure(),
+      "observations.csv: --skip-bad leaves nothing of it; skipped so far: after the last control (2)");
+}
+
+TEST_F(ImportCsvTest, TruthOutsideTheLogIsWarnedOf) {
+  PutObservations("1,Rosa,door,2,0\n");
+  options_.truth_poses = folder_.Put("p.csv", "time_s,robot,x_m,y_m,heading_rad\n7201,Rosa,0,0,0\n");
+  const ImportReport report = Import();
+  ASSERT_EQ(report.warnings.size(), 1U);
+  ExpectContains(report.warnings.front(), "p.csv: 1 of 1 poses lie outside the time of the log");
+  ExpectContains(report.warnings.front(), "do both files use one clock");
+}
+
+TEST_F(ImportCsvTest, TimesThatBeginAnewWithoutAColumnOfRobotsAskForIt) {
+  options_.odometry = folder_.Put("o.csv", "time_s,turn_rad,forward_m\n1,0,1\n9,0,1\n1,0,1\n");
+  ExpectContains(Failure(),
+                 "o.csv:4: time runs backwards: 1.000000 after 9.000000; rows of several robots "
+                 "need a column 'robot'");
+}
+
+TEST_F(ImportCsvTest, DatesAreToldWhatTimesAre) {
+  options_.odometry = folder_.Put("o.csv", "time_s,turn_rad,forward_m\n2024-05-01T12:00:00,0,1\n");
+  ExpectContains(Failure(), "times are seconds of any clock, such as Unix time, no dates");
+}
+
+TEST_F(ImportCsvTest, AHoleInTheOdometryIsWarnedOf) {
+  std::string rows = "time_s,x_m,y_m,heading_rad\n";
+  for (int i = 0; i <= 600; ++i)
+    if (i <= 200 || i >= 300) rows += std::to_string(0.1 * i) + "," + std::to_string(0.05 * i) + ",0,0\n";
+  options_.odometry = folder_.Put("o.csv", rows);
+  options_.observations = folder_.Put("s.csv", "time_s,landmark,range_m,bearing_rad\n25,door,2,0\n");
+  const ImportReport report = Import();
+  ASSERT_EQ(report.warnings.size(), 1U);
+  ExpectContains(report.warnings.front(), "its odometry lacks 10 s from 20 s on");
+}
+
 TEST_F(ImportCsvTest, NoiseParametersComeAlong) {
   options_.noise.contact_m = 0.3;
   options_.noise.max_range_m = 8;
