@@ -132,7 +132,7 @@ class LocalizationEvaluator {
     row.traverses = static_cast<std::int64_t>(there.size());
     row.believed = MeanOf(there, [](const LocalizationError& step) { return step.believed_m; });
     row.mean = MeanOf(there, [](const LocalizationError& step) { return step.mean_m; });
-    row.mode = MeanOf(there, [](const LocalizationError& step) { return step.mode_m; });
+    if (sensations > 0) row.mode = MeanOf(there, [](const LocalizationError& step) { return step.mode_m; });
     row.travelled_m = MeanOf(there, [](const LocalizationError& step) { return step.travelled_m; }).mean_m;
     for (const LocalizationError& step : there)
       row.within_1m += (step.mean_m < kFoundM ? 1.0 : 0.0) / static_cast<double>(there.size());
@@ -179,7 +179,12 @@ Scores ScoresOfRow(const LocalizationScore& score, std::size_t k) {
   scores.Add("traverses", row.traverses);
   AddError("error", row.believed, &scores);
   AddError("error_of_mean", row.mean, &scores);
-  AddError("error_of_mode", row.mode, &scores);
+  if (row.mode) {
+    AddError("error_of_mode", *row.mode, &scores);
+  } else {
+    scores.Add("error_of_mode.mean_m", {}, "-");
+    scores.AddForPrograms("error_of_mode.mean_m_95", {});
+  }
   scores.Add("within_1m", Share{row.within_1m});
   if (score.heading.empty())
     scores.AddForPrograms("facing", {});

@@ -25,8 +25,9 @@ struct LocalizationRow {
   double travelled_m = 0;  // mean
   MeanError believed;      // [Thr98] eq. 21: the mean over the belief of the distance to the true position
   MeanError mean;          // of the belief's mean from the true position
-  MeanError mode;          // of its most likely position
-  double within_1m = 0;    // share of traverses whose mean is that near
+  // Of its most likely position; none while nothing is sensed and every position is as likely.
+  std::optional<MeanError> mode;
+  double within_1m = 0;  // share of traverses whose mean is that near
   // Mean over the traverses of what is believed of facing as it does; where headings count.
   double facing = 0;
 };

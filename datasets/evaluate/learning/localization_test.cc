@@ -24,7 +24,9 @@ TEST(EvaluateLocalization, TakesTheMeanErrorOverTraversesByHand) {
   EXPECT_EQ(score.rows[1].traverses, 2);
   EXPECT_NEAR(score.rows[1].believed.mean_m, 0.25, 1e-6);
   EXPECT_NEAR(score.rows[1].travelled_m, 1.0, 1e-6);
-  EXPECT_NEAR(score.rows[1].mode.mean_m, 0.0, 1e-6);
+  EXPECT_FALSE(score.rows[0].mode) << "of positions that are all as likely none is the most likely";
+  ASSERT_TRUE(score.rows[1].mode);
+  EXPECT_NEAR(score.rows[1].mode->mean_m, 0.0, 1e-6);
   EXPECT_NEAR(score.rows[1].within_1m, 1.0, 1e-6);
   // t of one degree of freedom is 12.706; the standard error of 0.5 and 0 is 0.25.
   ASSERT_TRUE(score.rows[1].believed.interval_95);
@@ -67,6 +69,8 @@ TEST(EvaluateLocalization, PrintsForPeopleAndPrograms) {
   EXPECT_NEAR(json["rows"][1]["error"]["mean_m"].get<double>(), 0.25, 1e-6);
   EXPECT_TRUE(json["window_m"].is_null());
   EXPECT_EQ(json["rows"][2]["error"]["mean_m_95"], nullptr);
+  EXPECT_TRUE(json["rows"][0]["error_of_mode"]["mean_m"].is_null());
+  EXPECT_NEAR(json["rows"][1]["error_of_mode"]["mean_m"].get<double>(), 0.0, 1e-6);
   ExpectContains(MakeScores(score).ToText(), "under_1m_after_m                1.000 m\n");
 }
 

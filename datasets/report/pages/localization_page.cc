@@ -94,7 +94,7 @@ std::string ErrorTable(const LocalizationScore& score) {
                                       std::to_string(row.traverses),
                                       ErrorOf(row.believed),
                                       ErrorOf(row.mean),
-                                      ErrorOf(row.mode),
+                                      row.mode ? ErrorOf(*row.mode) : "–",
                                       Grouped(100 * row.within_1m) + "%"};
     if (!score.heading.empty()) cells.push_back(Grouped(100 * row.facing) + "%");
     rows.push_back(std::move(cells));

@@ -35,11 +35,12 @@ Curve MeanCurve(const LocalizationScore& score, const char* name, std::size_t co
                 const Value& value) {
   Curve curve{.name = name, .points = {}, .colour = colour};
   for (const LocalizationRow& row : score.rows) {
-    const MeanError& error = value(row);
-    curve.points.push_back({row.travelled_m, error.mean_m});
-    if (!band || !error.interval_95) continue;
-    curve.low.push_back({row.travelled_m, std::max(0.0, error.interval_95->low)});
-    curve.high.push_back({row.travelled_m, error.interval_95->high});
+    const std::optional<MeanError> error = value(row);
+    if (!error) continue;
+    curve.points.push_back({row.travelled_m, error->mean_m});
+    if (!band || !error->interval_95) continue;
+    curve.low.push_back({row.travelled_m, std::max(0.0, error->interval_95->low)});
+    curve.high.push_back({row.travelled_m, error->interval_95->high});
   }
   return curve;
 }
@@ -210,7 +211,7 @@ LineChart MeanErrors(const LocalizationScore& score) {
            MeanCurve(score, "of the belief's mean", 2, false,
                      [](const LocalizationRow& row) -> const MeanError& { return row.mean; }),
            MeanCurve(score, "of the most likely position", 1, false,
-                     [](const LocalizationRow& row) -> const MeanError& { return row.mode; })}};
+                     [](const LocalizationRow& row) { return row.mode; })}};
 }
 
 LineChart EachError(const LocalizationScore& score) {
