@@ -66,7 +66,9 @@ std::string ConfidenceText(const Blob& result) {
   const Confidence confidence = ReadConfidence(result);
   if (confidence == Confidence::kNone) return std::string(Word(confidence)) + ": there was no search";
   const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
-  if (search.starts.Or(0) == 1) return "unknown: EM started once, no other map to compare with";
+  if (search.starts.Or(0) == 1)
+    return "unknown: EM started once, no other map to compare with; it searches where the drift of the "
+           "heading is stated at import (--heading-drift-rad-per-m), or with --set starts=10";
   const std::string found = FoundText(search);
   if (const auto unlike = Unlike(search))
     return "unknown: " + found + "; how often such maps are right was not measured (" + *unlike + ")";

@@ -58,7 +58,10 @@ TEST(ConfidenceText, StartsThatAgreeAndASingleStart) {
   Blob once;
   once.PutScalar<std::int32_t>("search/support", 1);
   once.PutScalar<std::int32_t>("search/starts", 1);
-  EXPECT_EQ(ConfidenceText(once), "unknown: EM started once, no other map to compare with");
+  EXPECT_EQ(
+      ConfidenceText(once),
+      "unknown: EM started once, no other map to compare with; it searches where the drift of the heading is "
+      "stated at import (--heading-drift-rad-per-m), or with --set starts=10");
   EXPECT_EQ(ConfidenceText(Blob()), "not stated: there was no search");
 }
 
