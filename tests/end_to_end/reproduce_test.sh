@@ -24,6 +24,9 @@ while read -r title; do
 done <<<"$differing"
 [ "$(grep -c '"holds": true' stdout)" -ge 13 ] || die "few claims are checked"
 
+says 'a hundredth of its mass or more at (1 place|[0-9]+ places) \(told apart'
+grep -q 'checked is whether its topology is right' figures/index.html || die "the page does not say what is checked"
+
 # The map is right, in the picture's own words, and the logs beside it give it again.
 grep '"measured": "plain EM: topology right' stdout >/dev/null || die "figure 6 is not right"
 exits 0 cairn evaluate figures/results/map.h5 --truth figures/inputs/first.h5 --json

@@ -329,8 +329,8 @@ class LandmarkPage {
         PlacesWithShare(beliefs.At(beliefs.StepAt(ObservedAt(Input("first"), turn - 2))), 2 * kNearM, 0.01);
     Add("", "Figure 8: where the robot may be at the last step",
         "The approach assigns high probability to several locations for the last step.",
-        Say("after observation %d the belief of the last step, once EM has settled, has %d %s, %.0f m apart, "
-            "that hold a hundredth of it or more.",
+        Say("after observation %d, once EM has settled, the belief of the last step has a hundredth of "
+            "its mass or more at %d %s (told apart from %.0f m on).",
             turn - 2, places, places == 1 ? "place" : "places", 2 * kNearM),
         "", places >= 2);
   }
@@ -339,7 +339,8 @@ class LandmarkPage {
     const Blob& log = Input("other");
     const Evaluation score = Score("other_map", "other");
     Add("figure_12_13.png", "Figures 12 and 13: a second dataset",
-        "Raw data of another part of the building (2,091 controls), and the most likely map with the path.",
+        "Raw data of another part of the building (2,091 controls), and the most likely map with the path. "
+        "Of the map the paper gives no figures: checked is whether its topology is right.",
         Say("%zu controls, final odometric error %.1f m; ", log.Get<double>("robot/0/odometry/time_s").size(),
             FinalOdometricErrorM(log, 0)) +
             ScoreText(score) + ".",
