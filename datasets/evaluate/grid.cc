@@ -123,7 +123,7 @@ void AddDoors(const std::vector<DoorScore>& doors, Scores* scores) {
     scores->AddRowsForPrograms("door.each", {});
     return;
   }
-  scores->Add("door.open", std::ranges::all_of(doors, &DoorScore::open), ", of all of them");
+  scores->Add("door.open", std::ranges::all_of(doors, &DoorScore::open), ", whether all are");
   std::vector<Scores> each;
   for (const DoorScore& door : doors) {
     Scores& row = each.emplace_back();

@@ -114,7 +114,7 @@ Scores MakeScores(const RelationScore& score) {
   scores.Add("relations.translation_rms_m", score.translation_rms_m);
   scores.Add("relations.rotation_rms_deg", score.rotation_rms_deg);
   scores.Add("relations.scored", score.scored);
-  scores.Add("relations.outside", score.outside, " the time of the poses");
+  scores.Add("relations.outside", score.outside, ", outside the time of the poses");
   return scores;
 }
 

@@ -119,19 +119,25 @@ bool IsImageName(const fs::path& path) {
   return std::ranges::find(kImages, ending) != kImages.end();
 }
 
-// Of these files or folders the first that is a log, else the first that is anything.
+// Of these files or folders the first that is a log, else the first that is anything; `more`: how many others
+// are something too.
 std::optional<Recognized> FirstOf(std::vector<std::string> paths,
-                                  std::optional<Recognized> (*recognize)(const std::string&)) {
+                                  std::optional<Recognized> (*recognize)(const std::string&),
+                                  std::size_t* more) {
   std::ranges::sort(paths);
+  *more = 0;
   constexpr std::size_t kMostLooked = 50;
   std::optional<Recognized> first;
+  std::size_t known = 0;
   for (std::size_t i = 0; i < std::min(kMostLooked, paths.size()); ++i) {
     auto found = recognize(paths[i]);
     if (!found || found->what == kRelations) continue;
-    found->what = "a folder with " + found->what + ", " + fs::path(paths[i]).filename().string();
-    if (found->command.ends_with(" log.h5")) return found;
-    if (!first) first = std::move(found);
+    ++known;
+    found->what += ", " + fs::path(paths[i]).filename().string();
+    const auto is_log = [](const Recognized& one) { return one.command.ends_with(" log.h5"); };
+    if (!first || (is_log(*found) && !is_log(*first))) first = std::move(found);
   }
+  *more = known > 0 ? known - 1 : 0;
   return first;
 }
 
@@ -162,7 +168,10 @@ std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
   if (images > 1)
     return Recognized{"a folder of " + std::to_string(images) + " images",
                       "cairn import images " + folder + " POSES.csv images.h5"};
-  return FirstOf(std::move(files), RecognizeFile);
+  std::size_t more = 0;
+  auto found = FirstOf(std::move(files), RecognizeFile, &more);
+  if (found) found->what = "a folder with " + found->what;
+  return found;
 }
 
 // Itself, or where that is nothing the folders in it: a collection of logs.
@@ -172,7 +181,13 @@ std::optional<Recognized> RecognizeFolder(const std::string& path) {
   std::error_code error;
   for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
     if (entry->is_directory(error)) folders.push_back(entry->path().string());
-  return FirstOf(std::move(folders), RecognizeOneFolder);
+  std::size_t more = 0;
+  auto found = FirstOf(std::move(folders), RecognizeOneFolder, &more);
+  if (found)
+    found->what = (more > 0 ? "a folder of " + std::to_string(more + 1) + " folders to inspect, such as "
+                            : "a folder with ") +
+                  found->what;
+  return found;
 }
 
 }  // namespace

@@ -55,6 +55,13 @@ TEST(Recognize, TellsFoldersByTheirFiles) {
   ExpectContains(CommandOf(benchmark / ""), "cairn import carmen");
   benchmark.Put("a-poses.txt", "976052890.244 0.6 -0.03 -0.35\n");
   ExpectContains(CommandOf(benchmark / ""), "freiburg.log");  // the log before what goes with it
+  const TestFolder collection;
+  for (const char* run : {"one", "two", "three"}) {
+    std::filesystem::create_directories(collection / run);
+    collection.Put(std::string(run) + "/x.log", "FLASER 1 2\n");
+  }
+  EXPECT_EQ(Recognize(collection / "")->what,
+            "a folder of 3 folders to inspect, such as a folder with a CARMEN log, x.log, one");
   ExpectContains(command({"README", "base-01/odometry.csv", "base-02/odometry.csv"}), "base-01/odometry.csv");
   EXPECT_EQ(command({"diary.txt"}), "");
   EXPECT_EQ(command({}), "");

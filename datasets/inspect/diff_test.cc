@@ -27,6 +27,19 @@ TEST(DiffBlobs, SaysWhereValuesDifferAndByHowMuch) {
   EXPECT_EQ(differences[0].largest, 1.0);
 }
 
+TEST(DiffBlobs, OfTextsItNamesTheFirstThatDiffers) {
+  Blob a, b;
+  a.Put("names", Array::Texts({"same", "a"}));
+  b.Put("names", Array::Texts({"same", "another text"}));
+  const auto differences = DiffBlobs(a, b);
+  ASSERT_EQ(differences.size(), 1U);
+  EXPECT_EQ(differences[0].what, "values");
+  EXPECT_EQ(differences[0].first_index, (std::vector<std::int64_t>{1}));
+  ExpectContains(differences[0].b, "another text");
+  EXPECT_EQ(differences[0].elements, 1);
+  EXPECT_FALSE(differences[0].largest);
+}
+
 TEST(DiffBlobs, ItIsBitsThatCount) {
   Blob a, b;
   a.PutVector<double>("x", {0.0, NAN});
