@@ -71,6 +71,19 @@ std::string UnknownFlag(const CLI::App& app, const std::string& command, int arg
   return "";
 }
 
+// "import csv ", the command that is meant and the one below it, as far as there are such.
+std::string CommandWords(const CLI::App& app, int argc, char** argv) {
+  std::string words;
+  const CLI::App* within = &app;
+  for (int i = 1; i < argc && i < 3; ++i) {
+    const std::vector<std::string> commands = CommandNames(*within);
+    if (std::ranges::find(commands, argv[i]) == commands.end()) break;
+    within = within->get_subcommand(argv[i]);
+    words += std::string(argv[i]) + " ";
+  }
+  return words;
+}
+
 int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const std::string word = argc > 1 ? argv[1] : "";
   const std::vector<std::string> commands = CommandNames(app);
@@ -82,13 +95,13 @@ int UsageError(const CLI::App& app, const CLI::ParseError& error, int argc, char
   } else if (argc == 1) {
     std::fputs(app.help().c_str(), stderr);
   } else if (const std::string flag = UnknownFlag(app, known ? word : "", argc, argv); !flag.empty()) {
-    Complain(flag + " (" + app.get_name() + " " + (known ? word + " " : "") + "--help lists them)");
+    Complain(flag + " (" + app.get_name() + " " + CommandWords(app, argc, argv) + "--help lists them)");
   } else {
     // Where there may be several inputs the ending tells which name is the output's.
     const std::string said = error.what();
     const bool output = said == "OUT.h5 is required";
     Complain(said + (output ? ": the file to write, whose name ends in .h5" : "") + " (" + app.get_name() +
-             " " + (known ? word + " " : "") + "--help says more)");
+             " " + CommandWords(app, argc, argv) + "--help says more)");
   }
   return kExitBadInput;
 }

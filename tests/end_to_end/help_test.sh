@@ -8,8 +8,11 @@ exits 0 cairn help
 says '^Subcommands:'
 exits 0 cairn help run
 says 'cairn run landmark_map'
+[ -z "$(sed -n 's/^  cairn run .*--out \([a-z]*\).*/\1/p' stdout | sort | uniq -d)" ] || die "its examples cannot be run in a row"
 refuses "there is no option '--ouput'; did you mean '--out'" cairn run landmark_map log.h5 --ouput result
 refuses "there is no option '--skip-bed'; did you mean '--skip-bad'" cairn import csv --odometry o.csv --skip-bed log.h5
+refuses "(cairn import csv --help lists them)" cairn import csv --odometry o.csv --skip-bed log.h5
+refuses "(cairn import csv --help says more)" cairn import csv --odometry o.csv
 exits 0 cairn pipelines
 says '^landmark_map +log'
 exits 0 cairn run landmark_map --help

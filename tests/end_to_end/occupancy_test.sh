@@ -32,3 +32,6 @@ for closed in '' --closed; do
   cairn evaluate hallway --truth hallway.h5 --json >score.json || die "evaluate fails on the hallway"
   grep -q "\"open\": $([ -z "$closed" ] && echo true || echo false)" score.json || die "door wrong $closed: $(cat score.json)"
 done
+exits 0 cairn evaluate hallway --truth hallway  # another map is the truth, by its folder
+mkdir nothing
+refuses "there is none of log, samples, grid_map in" cairn evaluate hallway --truth nothing

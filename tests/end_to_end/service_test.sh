@@ -21,6 +21,7 @@ early=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
 exits 0 cairn status "$early"
 says "^waiting: no worker is connected \(start 'cairn worker'\)"
 exits 0 cairn cancel "$early"
+says 'is cancelled$'
 workers=()
 for _ in 1 2; do
   cairn worker >>worker.log 2>&1 &

@@ -117,7 +117,7 @@ datasets::Scores ScoreOf(const EvaluateArguments& options) {
   if (!options.relations.empty()) return ScoreOfRelations(options);
   CheckFeatureOptions(options);
   if (!options.features.empty()) return ScoreOfFeatures(options);
-  const BlobFile truth = ReadFile(ResultPath(options.truth, "log"), options.changed);
+  const BlobFile truth = ReadFirstOf(options.truth, {"log", "samples", "grid_map"}, options.changed);
   return ScoreOfResult(options, truth);
 }
 

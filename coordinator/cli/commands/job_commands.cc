@@ -28,8 +28,9 @@ int Tell(const JobCommandsArguments& options, const Invocation&) {
     } else if (options.json) {
       std::fputs(JobJson(info.value()).c_str(), stdout);
     } else {
-      std::printf("%s is %s%s\n", job.c_str(), info.value().state().c_str(),
-                  info.value().reason().empty() ? "" : (": " + info.value().reason()).c_str());
+      const std::string &state = info.value().state(), &reason = info.value().reason();
+      const bool says_more = !reason.empty() && reason != state;
+      std::printf("%s is %s%s\n", job.c_str(), state.c_str(), says_more ? (": " + reason).c_str() : "");
     }
   }
   Check(refused);

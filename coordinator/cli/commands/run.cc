@@ -135,7 +135,7 @@ void AddRun(Command app, Invocation& call) {
   Command command;
   const auto options = AddCommand<RunArguments>(
       app, call, "run", "Runs a job here, on workers of its own; the same command again resumes it",
-      "cairn run job.yaml --out result\n  cairn run landmark_map log.h5 --set cell_m=0.5 --out result "
+      "cairn run job.yaml --out result\n  cairn run landmark_map log.h5 --set cell_m=0.5 --out map "
       "--workers 4",
       Run, &command);
   AddJobArguments(command, options->job);

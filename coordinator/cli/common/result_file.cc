@@ -75,7 +75,8 @@ BlobFile ReadFirstOf(const std::string& path, const std::vector<std::string>& ki
   for (const std::string& file : FilesOf(path)) there.insert(Take(ListBlobFile(file)).kind);
   const auto first =
       std::ranges::find_if(kinds, [&](const std::string& kind) { return there.contains(kind); });
-  return ReadResult(path, first == kinds.end() ? kinds.back() : *first, changed_too);
+  if (first == kinds.end()) throw InputError("there is none of " + Join(kinds) + " in '" + path + "'");
+  return ReadResult(path, *first, changed_too);
 }
 
 }  // namespace cairn::cli
