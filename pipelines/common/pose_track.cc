@@ -12,7 +12,13 @@ std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) 
 
 std::size_t IndexOf(const std::vector<std::string>& robots, const std::string& name) {
   const auto found = std::ranges::find(robots, name);
-  if (found == robots.end()) throw InputError("there are no poses of robot '" + name + "'");
+  if (found == robots.end()) {
+    std::string others;
+    for (const std::string& robot : robots) others += (others.empty() ? "'" : ", '") + robot + "'";
+    throw InputError("there are no poses of robot '" + name + "'; the table has poses of " +
+                     (others.empty() ? "nobody" : others) +
+                     ". Robots have one name in both (`cairn import tum --robot NAME` gives it)");
+  }
   return static_cast<std::size_t>(found - robots.begin());
 }
 

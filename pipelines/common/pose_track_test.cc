@@ -90,7 +90,8 @@ TEST(PoseTrack, WhatCannotBeUsedIsNamed) {
   EXPECT_NE(refusal(bare, nullptr).find("neither poses nor odometry"), std::string::npos);
   Blob others;
   others.Put("robots", Array::Texts({"bob"}));
-  EXPECT_NE(refusal(LogWithOdometry(), &others).find("no poses of robot 'ann'"), std::string::npos);
+  EXPECT_NE(refusal(LogWithOdometry(), &others).find("no poses of robot 'ann'; the table has poses of 'bob'"),
+            std::string::npos);
   Blob back = bare;
   PutPoses("robot/0/poses/", {1, 0}, {0, 0}, {0, 0}, {0, 0}, &back);
   EXPECT_NE(refusal(back, nullptr).find("pose 1: time runs backwards"), std::string::npos);

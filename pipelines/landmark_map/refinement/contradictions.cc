@@ -30,11 +30,12 @@ void CheckOnePositionPerLandmark(const LayeredGrid& counts, const MapRules& rule
     if (count.Sum() < 2.0 * kLeast) continue;
     const std::vector<Landmark> places = Places(count, rules);
     if (places.size() < 2 || places[1].count < std::max(kLeast, kShare * count.Sum())) continue;
-    char text[256];
+    char text[400];
     std::snprintf(
         text, sizeof text,
         "' stands in two places: %.0f of its %.0f observations are around (%.2f, %.2f) m, %.0f around "
-        "(%.2f, %.2f) m; were identities mixed up?",
+        "(%.2f, %.2f) m; do bearings grow counter-clockwise from ahead, are ranges in metres, "
+        "do odometry and observations use one clock, and were identities mixed up?",
         places[0].count, count.Sum(), places[0].x_m, places[0].y_m, places[1].count, places[1].x_m,
         places[1].y_m);
     throw InputError("the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text);

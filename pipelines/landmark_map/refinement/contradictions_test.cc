@@ -47,6 +47,9 @@ TEST(CheckOnePositionPerLandmark, NamesTheLandmarkAndBothPlaces) {
     ExpectContains(error.what(), "'tower' stands in two places: 10 of its 16");
     ExpectContains(error.what(), "(2.00, 1.00)");
     ExpectContains(error.what(), "6 around (18.00, 1.00)");
+    for (const char* cause : {"do bearings grow counter-clockwise", "are ranges in metres", "use one clock",
+                              "were identities mixed up?"})
+      ExpectContains(error.what(), cause);
   }
 }
 
