@@ -289,19 +289,19 @@ Picture BeforeAfterPicture(const Scene& scene, double width) {
   const double inner = pitch_x - kGap - left - kMapRight;
   const double height = PanelHeight(box, inner, 0.45 * inner, 1.28 * inner);
   const double pitch_y = kTitle + Outer(height);
-  Picture picture(width, beside ? pitch_y : 2 * pitch_y, "Raw odometry and corrected paths");
-  for (const bool corrected : {false, true}) {
-    const Panel panel{left + (corrected && beside ? pitch_x : 0),
-                      kMapTop + kTitle + (corrected && !beside ? pitch_y : 0), inner, height};
-    picture.Text({panel.left, panel.top - kMapTop - 2},
-                 corrected ? "corrected: most likely poses" : "raw odometry", "heading");
-    DrawMap(box, panel, !corrected || !beside, &picture, [&](MapPainter painter) {
-      painter.Paths(corrected ? scene.paths : scene.odometry, "path");
-      if (corrected)
+  Picture picture(width, beside ? pitch_y : 2 * pitch_y, "Raw odometry and most likely poses");
+  for (const bool mapped : {false, true}) {
+    const Panel panel{left + (mapped && beside ? pitch_x : 0),
+                      kMapTop + kTitle + (mapped && !beside ? pitch_y : 0), inner, height};
+    picture.Text({panel.left, panel.top - kMapTop - 2}, mapped ? "most likely poses" : "raw odometry",
+                 "heading");
+    DrawMap(box, panel, !mapped || !beside, &picture, [&](MapPainter painter) {
+      painter.Paths(mapped ? scene.paths : scene.odometry, "path");
+      if (mapped)
         painter.Landmarks(scene);
       else
         painter.Marks(scene.odometry_marks);
-      painter.Starts(corrected ? scene.paths : scene.odometry);
+      painter.Starts(mapped ? scene.paths : scene.odometry);
     });
   }
   return picture;

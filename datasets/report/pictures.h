@@ -29,7 +29,7 @@ Picture MapPicture(const Scene& scene, double width, const MapView& view = {});
 // What its colours and marks mean.
 std::vector<LegendEntry> LegendOf(const Scene& scene);
 
-// Dead reckoning and the corrected paths side by side (on a narrow page one above the other) at one scale;
+// Dead reckoning and the most likely poses side by side (on a narrow page one above the other) at one scale;
 // empty where the scene has no odometry.
 Picture BeforeAfterPicture(const Scene& scene, double width);
 

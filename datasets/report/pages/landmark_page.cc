@@ -25,7 +25,7 @@ std::string MapCaption(const Scene& scene, const Evaluation* evaluation) {
 }
 
 std::string BeforeAfterCaption(const Scene& scene) {
-  std::string caption = "Both at one scale, each path from its first corrected pose.";
+  std::string caption = "Both at one scale, each path from its first most likely pose.";
   bool marks = false;
   for (const Path& path : scene.odometry_marks) marks = marks || !path.points.empty();
   if (marks) caption += " Dots: where raw odometry has the robot when it is at a landmark.";

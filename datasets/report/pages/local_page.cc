@@ -38,12 +38,13 @@ std::string Tiles(const Blob& result, const LocalEvaluation* score) {
   if (score != nullptr) {
     const double path_m = score->path.mean_m, odometry_m = score->odometry.mean_m;
     tiles +=
-        TileHtml(Short(path_m, 3) + " m", "mean error of the path", path_m < odometry_m ? "good" : "bad");
-    tiles += TileHtml(Short(odometry_m, 3) + " m", "mean error of odometry alone");
-    if (score->traces) tiles += TileHtml(Short(score->traces->mean_m, 3) + " m", "in the traces' frames");
+        TileHtml(Grouped(path_m, 3) + " m", "mean error of the path", path_m < odometry_m ? "good" : "bad");
+    tiles += TileHtml(Grouped(odometry_m, 3) + " m", "mean error of odometry alone");
+    if (score->traces) tiles += TileHtml(Grouped(score->traces->mean_m, 3) + " m", "in the traces' frames");
     if (score->walls) {
-      tiles += TileHtml(Short(score->walls->error_deg) + " degrees", "mean error of the walls' direction");
-      tiles += TileHtml(Short(100 * score->walls->within_2_deg, 1) + "%", "of the time under 2 degrees");
+      tiles +=
+          TileHtml(Grouped(score->walls->error_deg, 2) + " degrees", "mean error of the walls' direction");
+      tiles += TileHtml(Grouped(100 * score->walls->within_2_deg, 1) + "%", "of the time under 2 degrees");
     }
     tiles += TileHtml(std::to_string(score->loops.wrong) + " of " + std::to_string(score->loops.found),
                       "loops wrong by more than half a metre", score->loops.wrong == 0 ? "good" : "bad");

@@ -100,9 +100,11 @@ TEST(LocalPage, AnEvaluationAddsErrors) {
   const Blob log = Log();
   LocalEvaluation score;
   score.path.mean_m = 0.123;
+  score.odometry.mean_m = 0.04;
   score.loops.found = 7;
   const std::string page = LocalHtml(Result(), &log, &score);
-  EXPECT_NE(page.find("0.123 m"), std::string::npos);
+  ExpectContains(page, "<b>0.123 m</b>");
+  ExpectContains(page, "<b>0.040 m</b>");  // to as many decimals as what it is held against
   EXPECT_NE(page.find("0 of 7"), std::string::npos);
 }
 

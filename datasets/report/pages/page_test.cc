@@ -145,6 +145,13 @@ TEST_F(Page, LettersAreLargeEnoughOnAPhoneAndOnADesk) {
     EXPECT_TRUE(WidthOf(svg) == kWidePicture || WidthOf(svg) == kNarrowPicture) << svg;
 }
 
+TEST_F(Page, ANumberInATableStaysOnOneLineWithItsUnit) {
+  ExpectContains(Between(html_, "<style>", "</style>").at(0), "td { white-space:nowrap; }");
+  EXPECT_GE(CountOf(html_, "<table>"), 2);
+  EXPECT_EQ(CountOf(html_, "<table>"), CountOf(html_, "<div class=\"scroll\"><table>"))
+      << "what is then too wide can be scrolled";
+}
+
 TEST_F(Page, IsCalledByItsLogAndItsJob) {
   ExpectContains(html_, "<title>victoria-park: night &lt;run&gt;</title>");
   ExpectContains(html_, "<h1>victoria-park: night &lt;run&gt;</h1>");
@@ -156,6 +163,8 @@ TEST_F(Page, SaysHowSureTheMapIsInTheWordsOfTheSummary) {
   const auto said = Between(html_, "<p class=\"confidence\">", "</p>");
   ASSERT_EQ(said.size(), 1U);
   ExpectContains(said[0], ConfidenceText(map_));
+  EXPECT_EQ(html_.find("corrected"), std::string::npos)
+      << "nothing says that the map is better than odometry";
 }
 
 // The first iteration had no map; its 0 is no likelihood that the others' compare with.
