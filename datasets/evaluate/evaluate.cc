@@ -196,6 +196,12 @@ class Evaluator {
       score.heading_rmse_rad = std::sqrt(heading_squares / static_cast<double>(pairs.size()));
       out_.trajectory_rmse_m = std::max(out_.trajectory_rmse_m.value_or(0), *score.rmse_m);
     }
+    if (out_.trajectory_rmse_m) return;
+    const bool known = std::ranges::any_of(log_.truth.robot, [](const kinds::Log::TrueRobot& robot) {
+      return !robot.poses.time_s.OrNone().empty();
+    });
+    out_.no_trajectory = known ? "no true pose is of a time at which the robot drove: is it another clock?"
+                               : "the truth has no poses";
   }
 
   void ScoreLandmarks() {
@@ -266,7 +272,7 @@ void AddLandmarks(const std::optional<LandmarkScore>& score, Scores* scores) {
 
 void AddTrajectories(const Evaluation& evaluation, Scores* scores) {
   scores->Add("trajectory.rmse_m", OrNone(evaluation.trajectory_rmse_m),
-              evaluation.trajectory_rmse_m ? ", the worst robot" : "");
+              evaluation.trajectory_rmse_m ? ", the worst robot" : "unknown: " + evaluation.no_trajectory);
   std::vector<Scores> robots;
   for (const RobotScore& robot : evaluation.robots) {
     Scores& row = robots.emplace_back();

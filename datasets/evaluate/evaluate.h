@@ -38,6 +38,7 @@ struct RobotScore {
 struct Evaluation {
   std::optional<LandmarkScore> landmarks;   // none: the truth has no landmarks
   std::optional<double> trajectory_rmse_m;  // the worst robot's
+  std::string no_trajectory;                // why there is none
   std::vector<RobotScore> robots;
   std::optional<bool> topology_correct;  // matching/associations.h; none: the truth has no associations
   // Where it has: observations that are truly of a landmark, and those of them that are in none of the map's;

@@ -8,6 +8,7 @@
 
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/simulate/loop.h"
+#include "datasets/testing.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {
@@ -327,6 +328,19 @@ TEST(EvaluationText, SaysThatARefinementWasRefused) {
             std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(MakeScores(evaluation).ToJson()).at("refinement"),
             "refused: the least squares has no solution");
+}
+
+TEST(EvaluationText, SaysWhyThereIsNoErrorOfTheTrajectory) {
+  const Blob result = PerfectLandmarkMap(SquareLog());
+  Blob late = SquareLog();
+  std::vector<double> time_s = Column(late, "truth/robot/0/poses/time_s");
+  for (double& time : time_s) time += 3600;
+  late.PutVector("truth/robot/0/poses/time_s", time_s);
+  ExpectContains(
+      MakeScores(Evaluate(result, late)).ToText(),
+      "trajectory.rmse_m               unknown: no true pose is of a time at which the robot drove");
+  const Blob blind = SquareLog().Without("truth/robot/0/poses/");
+  ExpectContains(MakeScores(Evaluate(result, blind)).ToText(), "unknown: the truth has no poses");
 }
 
 TEST(EvaluationText, SaysTheMainThings) {

@@ -123,7 +123,8 @@ void AddDoors(const std::vector<DoorScore>& doors, Scores* scores) {
     scores->AddRowsForPrograms("door.each", {});
     return;
   }
-  scores->Add("door.open", std::ranges::all_of(doors, &DoorScore::open), ", whether all are");
+  const bool all_open = std::ranges::all_of(doors, &DoorScore::open);
+  scores->Add("door.open", all_open, all_open ? ", every door" : ", not every door");
   std::vector<Scores> each;
   for (const DoorScore& door : doors) {
     Scores& row = each.emplace_back();

@@ -131,6 +131,7 @@ TEST(EvaluateGrid, SaysWhatItMeasuredAsTheIssueNamesIt) {
   for (const char* name :
        {"cells.false_occupied", "cells.missed_occupied", "door.open", "heldout.log_likelihood"})
     ExpectContains(text, name);
+  ExpectContains(text, "yes, every door\n");
 }
 
 TEST(EvaluateGrid, WithoutTruthOnlyReadingsAreScored) {

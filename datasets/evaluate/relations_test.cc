@@ -23,6 +23,8 @@ TEST(Relations, ErrorsAreOfTheDifferenceOfRelativePoses) {
   const RelationScore score = ScoreRelations(Corner(), relations, 0);
   EXPECT_EQ(score.scored, 2);
   EXPECT_EQ(score.outside, 1);
+  ExpectContains(MakeScores(score).ToText(),
+                 "relations.outside               1, outside the time of the poses\n");
   const double heading = 0.1 * kPiOfRelations;  // of the pose at 12 s
   EXPECT_NEAR(score.translation_m, 0.3 / 2, 1e-12);
   EXPECT_NEAR(score.translation_rms_m, 0.3 / std::sqrt(2), 1e-12);
