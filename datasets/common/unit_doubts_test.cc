@@ -182,6 +182,7 @@ TEST_F(UnitsOfFiles, TurnsAndHeadingsInDegreesAreNamedWithTheirLine) {
   ExpectContains(Only(Mrclam({.turn = 1 / kUnitDegree_rad})), "are turns in degrees?");
   ExpectContains(Only(Tum({.turn = 1 / kUnitDegree_rad})), "are headings in degrees?");
   ExpectContains(Only(Vectors({.turn = 1 / kUnitDegree_rad})), "are headings in degrees?");
+  ExpectContains(Only(Vectors({.turn = 1 / kUnitDegree_rad})), ".csv: run '");
 }
 
 TEST_F(UnitsOfFiles, TimesInMillisecondsAreSeenByHowSlowItIs) {

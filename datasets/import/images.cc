@@ -47,7 +47,7 @@ class ImagesImport {
     CountWithoutPose(named);
     const Readings readings = ReadImages(named);
     ReadTable(&readings, &bad_);
-    for (SampleRun& run : samples_.runs) CheckRun(Table(), &run, &report_);
+    for (SampleRun& run : samples_.runs) CheckRun(Table(), 0, &run, &report_);
     if (track_) report_.unit_doubts = track_->unit_doubts();
     if (samples_.runs.empty()) throw InputError(Table() + ": there are no samples in it");
     report_.skipped.insert(bad_.counts().begin(), bad_.counts().end());

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <ranges>
 #include <string_view>
 #include <vector>
 
@@ -48,6 +49,14 @@ bool HasColumns(std::string_view header, std::initializer_list<const char*> colu
   return std::ranges::all_of(columns, [&](const char* column) { return header.find(column) != header.npos; });
 }
 
+// Columns that are counted, as beams are: "time_s,r0,r1,r2".
+bool LooksLikeScans(std::string_view header) {
+  const auto counted = [](auto column) {
+    return std::ranges::any_of(column, [](unsigned char c) { return std::isdigit(c) != 0; });
+  };
+  return std::ranges::count_if(header | std::views::split(','), counted) >= 2;
+}
+
 std::optional<Recognized> RecognizeTable(const std::string& path, std::string_view header) {
   const std::string file = Quoted(path);
   const bool pose = HasColumns(header, {"x_", "y_", "time_"});
@@ -60,6 +69,10 @@ std::optional<Recognized> RecognizeTable(const std::string& path, std::string_vi
   if (pose && HasColumns(header, {"image"}))
     return Recognized{"a table of images and where they were taken",
                       "cairn import images FOLDER " + file + " images.h5"};
+  if (!pose && LooksLikeScans(header))
+    return Recognized{"a table of scans",
+                      "cairn import carmen SCANS.log log.h5, once its rows are lines of a CARMEN log "
+                      "(docs/my-own-log.md)"};
   if (!pose) return std::nullopt;
   return Recognized{"a table of poses", "cairn import vectors " + file +
                                             " samples.h5 where other columns are sensor readings, or "

@@ -27,6 +27,10 @@ TEST(Recognize, TellsFilesByTheirFirstLine) {
   ExpectContains(command("e.csv", "time_s;turn_deg;forward_mm\n"), "cairn import csv --odometry");
   ExpectContains(command("f.csv", "time_s,landmark,range_m,bearing_rad\n"), "--observations /");
   ExpectContains(command("g.csv", "time_s,x_m,y_m,heading_rad,sonar\n"), "cairn import vectors");
+  const auto scans = Recognize(folder.Put("scans.csv", "time_s,r0,r1,r2\n0,1,2,3\n"));
+  ASSERT_TRUE(scans);
+  EXPECT_EQ(scans->what, "a table of scans");
+  ExpectContains(scans->command, "cairn import carmen SCANS.log log.h5, once its rows are lines of a CARMEN");
   ExpectContains(command("it's.csv", "image,time_s,x_m,y_m\n"), "it'\\''s.csv' images.h5");
   EXPECT_EQ(command("h.txt", "Dear diary\n"), "");
   EXPECT_EQ(command("i.txt", ""), "");

@@ -52,14 +52,15 @@ void AddOdometryRow(const SampleRow& row, SampleRun* run) {
   run->left_m.push_back(row.left_m);
 }
 
-void CheckRun(const std::string& where, SampleRun* checked, ImportReport* report) {
+void CheckRun(const std::string& file, std::int64_t last_line, SampleRun* checked, ImportReport* report) {
   SampleRun& run = *checked;
   const std::size_t samples = run.time_s.size();
   if (samples < 2) {
-    throw InputError(where + ": a run has two samples or more; '" + run.name + "' has " +
+    const std::string line = last_line > 0 ? ":" + std::to_string(last_line) : "";
+    throw InputError(file + line + ": a run has two samples or more; '" + run.name + "' has " +
                      (samples == 0 ? "none" : "one"));
   }
-  const std::string who = where + ": run '" + run.name + "'";
+  const std::string who = file + ": run '" + run.name + "'";
   if (const auto doubt = DoubtPoses(run.time_s, run.x_m, run.y_m, run.heading_rad))
     report->unit_doubts.push_back(DoubtText("", who, "samples", *doubt));
   if (const auto doubt = DoubtControls(run.time_s, run.turn_rad, run.forward_m))

@@ -35,7 +35,8 @@ void AddOdometryRow(const SampleRow& row, SampleRun* run);
 
 // Puts headings within a turn; warns of samples that repeat a pose, and doubts the units of moves that no
 // robot makes.
-// Throws InputError "WHERE: REASON" for a run of less than two samples.
-void CheckRun(const std::string& where, SampleRun* run, ImportReport* report);
+// `last_line`: of the run in its file; 0: it has none. Throws InputError "FILE:LINE: REASON" for a run of
+// less than two samples.
+void CheckRun(const std::string& file, std::int64_t last_line, SampleRun* run, ImportReport* report);
 
 }  // namespace cairn::datasets

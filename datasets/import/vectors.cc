@@ -78,7 +78,7 @@ class VectorsImport {
     }
     if (columns.turn && Total(bad_.counts()) > bad_before)
       throw InputError(path + ": has odometry, in which skipped lines leave a gap");
-    CheckRun(path + ":" + std::to_string(reader.line()), &run, &report_);
+    CheckRun(path, reader.line(), &run, &report_);
     samples_.runs.push_back(std::move(run));
   }
 
