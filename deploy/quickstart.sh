@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# From a fresh clone to a landmark map: installs what is missing, builds, makes a log, maps it.
+# From a fresh clone to a map: installs what is missing, builds, makes a log, maps it.
 #
 #   deploy/quickstart.sh                 a log of real robots where CAIRN_DATA names a folder that holds MRCLAM,
 #                                        else a simulated one: 4 robots, 25 m of odometric error
@@ -47,4 +47,4 @@ if [ -z "$log" ]; then
   fi
 fi
 say "mapping $log"
-exec "$cairn" run landmark_map "$log" --out "$out/$name" --workers "$workers"
+exec "$cairn" map "$log" --out "$out/$name" --workers "$workers"

@@ -16,6 +16,7 @@ namespace cairn::cli {
 namespace {
 
 void AddCommands(Command app, Invocation& call) {
+  AddMap(app, call);
   AddRun(app, call);
   AddCoordinator(app, call);
   AddSimulate(app, call);
@@ -95,7 +96,7 @@ int Main(int argc, char** argv) {
       {.name = "cairn",
        .purpose =
            "Cairn turns robot logs into maps and learned landmarks, the same bits on a laptop or a cluster.",
-       .example = "cairn simulate loop log.h5 && cairn run landmark_map log.h5 --out result",
+       .example = "cairn simulate loop log.h5 && cairn map log.h5 --out result",
        .add_commands = AddCommands,
        .instead = Instead},
       argc, argv);

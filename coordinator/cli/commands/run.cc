@@ -1,3 +1,5 @@
+#include "coordinator/cli/commands/run.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <thread>
@@ -20,16 +22,10 @@
 namespace cairn::cli {
 namespace {
 
-struct RunArguments {
+struct RunCommandArguments {
   JobArguments job;
-  std::string out;
-  int workers = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-  std::uint64_t task_memory_mb = 0;
-  double checkpoint_interval_s = coordinator::EmbeddedOptions().checkpoint_interval_s;
-  std::uint64_t checkpoint_rounds = 0;
-  bool force = false;
+  RunArguments run;
   bool dry_run = false;
-  bool json = false;
 };
 
 int ExitCode(coordinator::EmbeddedEnd end) {
@@ -61,7 +57,7 @@ void Explain(const coordinator::EmbeddedResult& result, const std::string& out) 
 }
 
 // Plans the first stage as a real run would, in a folder of its own that is gone afterwards.
-int DryRun(const RunArguments& options, const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
+int DryRun(bool json, const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
            const Catalog& catalog) {
   Result<coordinator::PrivateFolder> folder = coordinator::PrivateFolder::Make();
   if (!folder.ok()) Throw(folder.status());
@@ -77,7 +73,7 @@ int DryRun(const RunArguments& options, const proto::Job& job, const std::map<st
     return ExitCode(planned.end);
   }
   const Plan plan{job, inputs, catalog, planned.info.note(), planned.expected};
-  std::fputs((options.json ? PlanJson(plan) : PlanText(plan)).c_str(), stdout);
+  std::fputs((json ? PlanJson(plan) : PlanText(plan)).c_str(), stdout);
   return kExitDone;
 }
 
@@ -87,13 +83,30 @@ std::vector<std::string> StageNames(const proto::Job& job) {
   return names;
 }
 
-int Run(const RunArguments& options, const Invocation& call) {
-  const auto workers = static_cast<std::uint64_t>(std::max(0, options.workers));
-  Check(PrepareProcess({.files = 48 + 4 * workers, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
+int Run(const RunCommandArguments& options, const Invocation& call) {
+  PrepareToRun(options.run.workers);
   const Catalog catalog = LoadCatalog();
   ParsedJob parsed = ResolveJob(options.job, catalog);
-  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, options.job.units_are_right);
-  if (options.dry_run) return DryRun(options, parsed.job, inputs, catalog);
+  RunArguments run = options.run;
+  run.units_are_right = options.job.units_are_right;
+  if (!options.dry_run) return RunJob(run, std::move(parsed), call);
+  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, run.units_are_right);
+  return DryRun(run.json, parsed.job, inputs, catalog);
+}
+
+}  // namespace
+
+int RunArguments::MostWorkers() {
+  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+void PrepareToRun(int workers) {
+  const auto processes = static_cast<std::uint64_t>(std::max(0, workers));
+  Check(PrepareProcess({.files = 48 + 4 * processes, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
+}
+
+int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call) {
+  const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, options.units_are_right);
   coordinator::EmbeddedOptions embedded;
   embedded.dir = options.out.empty() ? parsed.job.name() : options.out;
   embedded.workers = options.workers;
@@ -129,35 +142,38 @@ int Run(const RunArguments& options, const Invocation& call) {
   return kExitDone;
 }
 
-}  // namespace
+void AddRunArguments(Command command, RunArguments& arguments) {
+  command.Add("--workers", arguments.workers, "Worker processes (as many as there are cores)")
+      .Within(1, 1024);
+  command
+      .Add("--task-memory-mb", arguments.task_memory_mb,
+           "Memory that a task may take beside its inputs; the job's own limit counts where it is lower")
+      .Within(std::uint64_t{1}, coordinator::kMostTaskMemory_mb);
+  command
+      .Add("--checkpoint-interval", arguments.checkpoint_interval_s,
+           "Seconds between checkpoints, from which a run that is killed goes on")
+      .Within(0.0, 3600.0)
+      .ShowDefault();
+  command
+      .Add("--checkpoint-rounds", arguments.checkpoint_rounds,
+           "A checkpoint every so many rounds, instead of by seconds (0: by seconds)")
+      .Within(std::uint64_t{0}, std::uint64_t{1'000'000'000});
+  command.AddFlag("--force", arguments.force, "Forget what an earlier run left in the folder");
+  command.AddFlag("--json", arguments.json, "The summary, or the plan, as JSON");
+}
 
 void AddRun(Command app, Invocation& call) {
   Command command;
-  const auto options = AddCommand<RunArguments>(
+  const auto options = AddCommand<RunCommandArguments>(
       app, call, "run", "Runs a job here, on workers of its own; the same command again resumes it",
       "cairn run job.yaml --out result\n  cairn run landmark_map log.h5 --set cell_m=0.5 --out map "
       "--workers 4",
       Run, &command);
   AddJobArguments(command, options->job);
-  command.Add("--out", options->out, "Folder of the results (the job's name)");
-  command.Add("--workers", options->workers, "Worker processes (as many as there are cores)").Within(1, 1024);
-  command
-      .Add("--task-memory-mb", options->task_memory_mb,
-           "Memory that a task may take beside its inputs; the job's own limit counts where it is lower")
-      .Within(std::uint64_t{1}, coordinator::kMostTaskMemory_mb);
-  command
-      .Add("--checkpoint-interval", options->checkpoint_interval_s,
-           "Seconds between checkpoints, from which a run that is killed goes on")
-      .Within(0.0, 3600.0)
-      .ShowDefault();
-  command
-      .Add("--checkpoint-rounds", options->checkpoint_rounds,
-           "A checkpoint every so many rounds, instead of by seconds (0: by seconds)")
-      .Within(std::uint64_t{0}, std::uint64_t{1'000'000'000});
-  command.AddFlag("--force", options->force, "Forget what an earlier run left in the folder");
+  command.Add("--out", options->run.out, "Folder of the results (the job's name)");
+  AddRunArguments(command, options->run);
   command.AddFlag("--dry-run", options->dry_run,
                   "Check everything, plan the first stage, print the plan with estimates, run nothing");
-  command.AddFlag("--json", options->json, "The summary, or the plan, as JSON");
 }
 
 }  // namespace cairn::cli

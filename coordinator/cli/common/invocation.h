@@ -36,6 +36,7 @@ std::shared_ptr<Options> AddCommand(Command app, Invocation& call, const char* n
 
 // Each adds its command to `app`.
 void AddRun(Command app, Invocation& call);
+void AddMap(Command app, Invocation& call);
 void AddCoordinator(Command app, Invocation& call);
 void AddWorker(Command app, Invocation& call);
 void AddSubmit(Command app, Invocation& call);

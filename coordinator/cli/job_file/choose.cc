@@ -1,0 +1,172 @@
+#include "coordinator/cli/job_file/choose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "schema/error.h"
+#include "schema/geometry.h"
+#include "schema/kinds/log.h"
+
+namespace cairn::cli {
+namespace {
+
+// Up to so many readings are explained together; each takes some 50 µs of laser, several times that of sonar.
+constexpr std::size_t kMostForwardReadings = 2'000'000;
+constexpr double kMostCells = 4e6;
+constexpr double kLaserCell_m = 0.05, kSonarCell_m = 0.1;  // the cone of a sonar is wider than any cell
+
+// Of all robots together.
+struct Holdings {
+  std::size_t robots = 0, with_scans = 0, with_poses = 0, observations = 0, named = 0, scans = 0,
+              readings = 0;
+  std::vector<std::string> sensors = {};  // each once
+  Point low = {}, high = {};              // where robots went, by poses, else by odometry
+  double reach_m = 0;                     // the middle range of the sensor that sees furthest
+
+  bool HasLaser() const {
+    return std::ranges::any_of(sensors, [](const std::string& name) { return name.starts_with("laser"); });
+  }
+};
+
+void Cover(const Pose& pose, Holdings* all) {
+  all->low = {std::min(all->low.x_m, pose.x_m), std::min(all->low.y_m, pose.y_m)};
+  all->high = {std::max(all->high.x_m, pose.x_m), std::max(all->high.y_m, pose.y_m)};
+}
+
+double MiddleRange(const kinds::Log::RangeSensor& sensor) {
+  std::vector<double> ranges;
+  for (const double range : sensor.range_m)
+    if (std::isfinite(range)) ranges.push_back(range);
+  if (ranges.empty()) return 0;
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::ranges::nth_element(ranges, middle);
+  return *middle;
+}
+
+void AddScans(const kinds::Log::Robot& robot, Holdings* all) {
+  const std::size_t before = all->scans;
+  for (const kinds::Log::RangeSensor& sensor : robot.sensors) {
+    if (sensor.time_s.OrNone().empty() || sensor.range_m.OrNone().empty()) continue;
+    all->scans += sensor.time_s.size();
+    all->readings += sensor.range_m.size();
+    all->reach_m = std::max(all->reach_m, MiddleRange(sensor));
+    if (std::ranges::find(all->sensors, sensor.sensor) == all->sensors.end())
+      all->sensors.push_back(sensor.sensor);
+  }
+  if (all->scans > before) ++all->with_scans;
+}
+
+void AddPath(const kinds::Log::Robot& robot, Holdings* all) {
+  if (!robot.poses.time_s.OrNone().empty()) {
+    ++all->with_poses;
+    for (const Pose& pose : robot.poses.poses()) Cover(pose, all);
+    return;
+  }
+  Pose pose;
+  for (std::size_t i = 0; i < robot.odometry.time_s.OrNone().size(); ++i) {
+    pose = Compose(pose, {0, 0, robot.odometry.turn_rad[i]});
+    pose = Compose(pose, {robot.odometry.forward_m[i], 0, 0});
+    Cover(pose, all);
+  }
+}
+
+Holdings Look(const kinds::Log& log) {
+  Holdings all{.robots = log.robot.size()};
+  for (const kinds::Log::Robot& robot : log.robot) {
+    all.observations += robot.observations.time_s.OrNone().size();
+    for (const std::int32_t landmark : robot.observations.landmark.OrNone()) all.named += landmark >= 0;
+    AddScans(robot, &all);
+    AddPath(robot, &all);
+  }
+  return all;
+}
+
+double CellOf(const Holdings& all) {
+  const double width_m = all.high.x_m - all.low.x_m + 2 * all.reach_m;
+  const double height_m = all.high.y_m - all.low.y_m + 2 * all.reach_m;
+  double cell_m = all.HasLaser() ? kLaserCell_m : kSonarCell_m;
+  while (width_m * height_m > kMostCells * cell_m * cell_m) cell_m *= 2;
+  return cell_m;
+}
+
+proto::Stage& AddStage(const std::string& name, const std::string& pipeline, ChosenJob* chosen) {
+  proto::Stage& stage = *chosen->job.add_stages();
+  stage.set_name(name);
+  stage.set_pipeline(pipeline);
+  (*stage.mutable_inputs())["log"] = "log";
+  return stage;
+}
+
+std::string Counted(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string Listed(const std::vector<std::string>& names) {
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// Whose poses the grid is made with: a stage's, the log's own (empty), or nobody's.
+std::optional<std::string> ChoosePoses(const Holdings& all, ChosenJob* chosen) {
+  std::optional<std::string> poses;
+  if (all.observations > 0) {
+    poses = "landmarks";
+  } else if (all.with_poses == all.robots) {
+    chosen->reasons.push_back("path: the log has poses of its own, which are taken as they are");
+    return "";
+  }
+  if (all.with_poses == all.robots) return poses;
+  AddStage("path", "local_map", chosen);
+  chosen->reasons.push_back(
+      fmt::format("path: local_map, of {} of {}", Counted(all.scans, "range scan"), Listed(all.sensors)));
+  if (poses) return poses;
+  if (all.robots > 1) {
+    chosen->reasons.push_back(
+        fmt::format("no grid: nothing in the log says where its {} robots stand to each other", all.robots));
+    return std::nullopt;
+  }
+  return "path";
+}
+
+void ChooseGrid(const Holdings& all, const std::string& poses, ChosenJob* chosen) {
+  const bool forward = all.readings <= kMostForwardReadings;
+  proto::Stage& grid = AddStage("grid", forward ? "forward_map" : "evidence_map", chosen);
+  const double cell_m = CellOf(all);
+  (*grid.mutable_options())["cell_m"].set_d(cell_m);
+  (*grid.mutable_options())["skip_unposed"].set_b(true);
+  if (!poses.empty()) (*grid.mutable_inputs())["poses"] = poses;
+  chosen->reasons.push_back(fmt::format(
+      "grid: {}, of {} in cells of {:g} m, with the poses of {}{}", grid.pipeline(),
+      Counted(all.readings, "reading"), cell_m, poses.empty() ? "the log" : "'" + poses + "'",
+      forward ? ""
+              : fmt::format("; forward_map, which explains readings together, would take long of more "
+                            "than {}",
+                            kMostForwardReadings)));
+}
+
+}  // namespace
+
+ChosenJob ChooseJob(const Blob& log) {
+  const Holdings all = Look(Read<kinds::Log>(log));
+  if (all.observations == 0 && all.scans == 0)
+    throw InputError(
+        "the log has no observations of landmarks and no range scans: there is nothing to make a map of");
+  ChosenJob chosen;
+  chosen.job.set_name("map");
+  if (all.observations > 0) {
+    AddStage("landmarks", "landmark_map", &chosen);
+    chosen.reasons.push_back(fmt::format(
+        "landmarks: landmark_map, of {} by {}; {}", Counted(all.observations, "observation"),
+        Counted(all.robots, "robot"),
+        all.named == 0                  ? "none says which landmark it is of"
+        : all.named == all.observations ? "all say which landmark they are of"
+                                        : fmt::format("{} say which landmark they are of", all.named)));
+  }
+  if (all.scans == 0) return chosen;
+  if (const auto poses = ChoosePoses(all, &chosen)) ChooseGrid(all, *poses, &chosen);
+  return chosen;
+}
+
+}  // namespace cairn::cli

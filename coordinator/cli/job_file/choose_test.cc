@@ -1,0 +1,112 @@
+#include "coordinator/cli/job_file/choose.h"
+
+#include <gtest/gtest.h>
+
+#include "schema/error.h"
+#include "schema/kinds/log.h"
+
+namespace cairn::cli {
+namespace {
+
+using kinds::Log;
+
+struct Of {
+  std::size_t robots = 1;
+  int observations = 0, scans = 0;
+  std::string sensor = "laser";
+  bool poses = false;
+  double forward_m = 1;
+};
+
+Blob LogOf(const Of& of) {
+  Log log;
+  std::vector<std::string> names;
+  for (std::size_t r = 0; r < of.robots; ++r) {
+    names.push_back("robot " + std::to_string(r));
+    Log::Robot robot;
+    robot.odometry = {std::vector{0.0, 1.0}, std::vector{0.0, 0.0}, std::vector{of.forward_m, of.forward_m}};
+    std::vector<double> times;
+    for (int i = 0; i < of.observations; ++i) times.push_back(0.1 * i);
+    robot.observations.time_s = times;
+    robot.observations.landmark = std::vector<std::int32_t>(times.size(), -1);
+    robot.observations.range_m = std::vector<double>(times.size(), 1.0);
+    robot.observations.bearing_rad = std::vector<double>(times.size(), 0.0);
+    if (of.poses) robot.poses.Set({0, 1}, {Pose{}, Pose{1, 0, 0}});
+    if (of.scans > 0) {
+      Log::RangeSensor sensor;
+      sensor.sensor = of.sensor;
+      std::vector<double> scan_times;
+      for (int i = 0; i < of.scans; ++i) scan_times.push_back(0.01 * i);
+      sensor.time_s = scan_times;
+      sensor.range_m = Column<double>({of.scans, 2}, std::vector<double>(2 * scan_times.size(), 3.0));
+      sensor.beam_x_m = sensor.beam_y_m = sensor.beam_heading_rad = std::vector{0.0, 0.0};
+      sensor.opening_rad = 0.0;
+      sensor.max_range_m = 10.0;
+      robot.sensors.push_back(sensor);
+    }
+    log.robot.push_back(robot);
+  }
+  log.robots = names;
+  return BlobOf(log);
+}
+
+// "landmarks landmark_map; grid forward_map of landmarks".
+std::string Stages(const ChosenJob& chosen) {
+  std::string text;
+  for (const proto::Stage& stage : chosen.job.stages()) {
+    text += (text.empty() ? "" : "; ") + stage.name() + " " + stage.pipeline();
+    if (stage.inputs().contains("poses")) text += " of " + stage.inputs().at("poses");
+  }
+  return text;
+}
+
+TEST(ChooseJob, RunsWhatTheLogHoldsDataFor) {
+  EXPECT_EQ(Stages(ChooseJob(LogOf({.observations = 3}))), "landmarks landmark_map");
+  EXPECT_EQ(Stages(ChooseJob(LogOf({.scans = 5}))), "path local_map; grid forward_map of path");
+  EXPECT_EQ(Stages(ChooseJob(LogOf({.observations = 3, .scans = 5}))),
+            "landmarks landmark_map; path local_map; grid forward_map of landmarks");
+  EXPECT_EQ(Stages(ChooseJob(LogOf({.robots = 2, .observations = 3}))), "landmarks landmark_map");
+}
+
+TEST(ChooseJob, TakesTheLogsOwnPosesWhereEveryRobotHasThem) {
+  const ChosenJob chosen = ChooseJob(LogOf({.scans = 5, .poses = true}));
+  EXPECT_EQ(Stages(chosen), "grid forward_map");
+  EXPECT_EQ(chosen.reasons.front(), "path: the log has poses of its own, which are taken as they are");
+  EXPECT_EQ(Stages(ChooseJob(LogOf({.observations = 3, .scans = 5, .poses = true}))),
+            "landmarks landmark_map; grid forward_map of landmarks");
+}
+
+TEST(ChooseJob, MakesNoGridOfRobotsThatNothingTiesTogether) {
+  const ChosenJob chosen = ChooseJob(LogOf({.robots = 2, .scans = 5}));
+  EXPECT_EQ(Stages(chosen), "path local_map");
+  EXPECT_EQ(chosen.reasons.back(), "no grid: nothing in the log says where its 2 robots stand to each other");
+}
+
+TEST(ChooseJob, ManyReadingsAreMappedCellByCell) {
+  EXPECT_EQ(Stages(ChooseJob(LogOf({.scans = 1'000'001}))), "path local_map; grid evidence_map of path");
+}
+
+TEST(ChooseJob, CellsFitTheSensorAndGrowWithTheArea) {
+  const auto cell_m = [](const Of& of) {
+    return ChooseJob(LogOf(of)).job.stages().rbegin()->options().at("cell_m").d();
+  };
+  EXPECT_EQ(cell_m({.scans = 5}), 0.05);
+  EXPECT_EQ(cell_m({.scans = 5, .sensor = "sonar"}), 0.1);
+  // 3 km by 6 m: 18,036 m² hold 7.2 million cells of 0.05 m.
+  EXPECT_EQ(cell_m({.scans = 5, .forward_m = 1500}), 0.1);
+}
+
+TEST(ChooseJob, EveryStageHasAReason) {
+  for (const Of& of : {Of{.observations = 3}, Of{.scans = 5}, Of{.observations = 3, .scans = 5}}) {
+    const ChosenJob chosen = ChooseJob(LogOf(of));
+    ASSERT_EQ(chosen.reasons.size(), static_cast<std::size_t>(chosen.job.stages_size()));
+    for (int i = 0; i < chosen.job.stages_size(); ++i)
+      EXPECT_TRUE(
+          chosen.reasons[static_cast<std::size_t>(i)].starts_with(chosen.job.stages(i).name() + ": "));
+  }
+}
+
+TEST(ChooseJob, OfALogWithNothingToMapItSaysSo) { EXPECT_THROW(ChooseJob(LogOf({})), InputError); }
+
+}  // namespace
+}  // namespace cairn::cli
