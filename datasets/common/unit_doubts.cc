@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "datasets/common/array_text.h"
+#include "datasets/common/motion_doubts.h"
 #include "schema/geometry.h"
 #include "schema/kinds/learning.h"
 #include "schema/kinds/log.h"
@@ -394,7 +395,8 @@ std::vector<std::string> FindUnitDoubts(const Blob& blob) {
   const auto samples = Read<kinds::Samples>(blob);
   for (std::size_t n = 0; n < samples.runs.OrNone().size(); ++n)
     doubts.OfPoses(samples.run[n], "run '" + samples.runs[n] + "'", "samples");
-  return doubts.Take();
+  std::vector<std::string> all = doubts.Take();
+  return all.empty() ? FindMotionDoubts(log) : all;
 }
 
 }  // namespace cairn::datasets

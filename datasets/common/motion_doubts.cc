@@ -1,0 +1,391 @@
+#include "datasets/common/motion_doubts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
+
+#include "schema/geometry.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kLongest_s = 5;  // between the scans of a pair
+
+// Dead reckoning by odometry that means something else than it says.
+struct Reading {
+  double forward = 1, turn = 1, delay_s = 0;
+};
+
+class Reckoning {
+ public:
+  explicit Reckoning(const kinds::Log::Odometry& odometry, const Reading& reading = {})
+      : time_s_(odometry.time_s), delay_s_(reading.delay_s) {
+    Pose pose;
+    double driven = 0, turned = 0;
+    for (std::size_t i = 0; i < time_s_.size(); ++i) {
+      pose = Compose(pose, {0, 0, reading.turn * odometry.turn_rad[i]});
+      pose = Compose(pose, {reading.forward * odometry.forward_m[i], 0, 0});
+      poses_.push_back(pose);
+      driven_m_.push_back(driven += std::abs(odometry.forward_m[i]));
+      turned_rad_.push_back(turned += std::abs(odometry.turn_rad[i]));
+    }
+  }
+
+  Pose At(double time_s) const {
+    const auto [i, share] = Place(time_s + delay_s_);
+    const Pose &a = poses_[i], &b = poses_[std::min(i + 1, poses_.size() - 1)];
+    return {std::lerp(a.x_m, b.x_m, share), std::lerp(a.y_m, b.y_m, share),
+            std::lerp(a.heading_rad, b.heading_rad, share)};
+  }
+  double DrivenM(double time_s) const { return Of(driven_m_, time_s); }
+  double TurnedRad(double time_s) const { return Of(turned_rad_, time_s); }
+
+ private:
+  std::pair<std::size_t, double> Place(double time_s) const {
+    const auto after = std::ranges::upper_bound(time_s_, time_s);
+    if (after == time_s_.begin()) return {0, 0};
+    const auto i = static_cast<std::size_t>(after - time_s_.begin()) - 1;
+    if (i + 1 >= time_s_.size()) return {i, 0};
+    return {i, (time_s - time_s_[i]) / (time_s_[i + 1] - time_s_[i])};
+  }
+  double Of(const std::vector<double>& sums, double time_s) const {
+    const auto [i, share] = Place(time_s);
+    return std::lerp(sums[i], sums[std::min(i + 1, sums.size() - 1)], share);
+  }
+
+  std::span<const double> time_s_;
+  double delay_s_;
+  std::vector<Pose> poses_;
+  std::vector<double> driven_m_, turned_rad_;
+};
+
+struct Pair {
+  std::size_t first, second;
+};
+
+class Scans {
+ public:
+  explicit Scans(const kinds::Log::RangeSensor& sensor)
+      : sensor_(sensor), beams_(sensor.beam_heading_rad.size()) {
+    for (const double range : sensor.range_m)
+      if (std::isfinite(range)) longest_m_ = std::max(longest_m_, range);
+  }
+
+  std::span<const double> time_s() const { return sensor_.time_s; }
+
+  // Of what it met, on the robot; at most `most` beams, evenly.
+  std::vector<Point> Points(std::size_t scan, std::size_t most) const {
+    std::vector<Point> points;
+    const std::size_t step = (beams_ + most - 1) / most;
+    for (std::size_t b = 0; b < beams_; b += step) {
+      const std::optional<double> range = Range(scan, b);
+      if (!range || *range > kFar_m) continue;
+      const Pose beam = Beam(scan, b), end = Compose(beam, {*range, 0, 0});
+      points.push_back({end.x_m, end.y_m});
+    }
+    return points;
+  }
+  // Of the beam that points best along `heading_rad` of the robot.
+  std::optional<double> Along(std::size_t scan, double heading_rad) const {
+    constexpr double kOff_rad = 0.15;
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < beams_; ++b) {
+      const double off = std::abs(WrapAngle(Beam(scan, b).heading_rad - heading_rad));
+      if (off < least) {
+        least = off;
+        best = b;
+      }
+    }
+    return least <= kOff_rad ? Range(scan, best) : std::nullopt;
+  }
+
+ private:
+  static constexpr double kFar_m = 8;  // beams of a turn lie too far apart beyond
+
+  std::optional<double> Range(std::size_t scan, std::size_t beam) const {
+    constexpr double kWithin = 0.98;  // what is as far as any may be the sensor's reach
+    const double range = sensor_.range_m[scan * beams_ + beam];
+    if (!std::isfinite(range) || range > kWithin * longest_m_) return std::nullopt;
+    return range;
+  }
+  Pose Beam(std::size_t scan, std::size_t beam) const {
+    const double turret = sensor_.turret_rad.OrNone().empty() ? 0 : sensor_.turret_rad[scan];
+    return Compose({0, 0, turret},
+                   {sensor_.beam_x_m[beam], sensor_.beam_y_m[beam], sensor_.beam_heading_rad[beam]});
+  }
+
+  const kinds::Log::RangeSensor& sensor_;
+  std::size_t beams_;
+  double longest_m_ = 0;
+};
+
+// Errors of two readings of the same odometry, pair by pair.
+struct Comparison {
+  double as_is_m = 0, other_m = 0;  // on average
+  double sigmas = 0;                // of the mean difference: below 0 where the other fits better
+  std::size_t pairs = 0;
+};
+
+Comparison Compare(std::span<const double> as_is, std::span<const double> other) {
+  Comparison all{.pairs = as_is.size()};
+  const auto n = static_cast<double>(as_is.size());
+  double mean = 0, squares = 0;
+  for (std::size_t i = 0; i < as_is.size(); ++i) {
+    all.as_is_m += as_is[i] / n;
+    all.other_m += other[i] / n;
+    mean += (other[i] - as_is[i]) / n;
+  }
+  for (std::size_t i = 0; i < as_is.size(); ++i) squares += std::pow(other[i] - as_is[i] - mean, 2);
+  all.sigmas = mean / std::max(std::sqrt(squares) / n, 1e-9);
+  return all;
+}
+
+// The other reading is not an accident: far more than chance, and by a good part of the error.
+bool IsBetter(const Comparison& c, double part) {
+  constexpr double kSigmas = -5;
+  return c.sigmas < kSigmas && c.other_m < part * c.as_is_m;
+}
+
+constexpr std::size_t kFewPairs = 40;
+
+// Pairs of scans between which the robot drives straight on for a step: of what was driven, and by how much
+// what is ahead came nearer, or what is behind went away.
+struct Approaches {
+  std::vector<double> driven_m, nearer_m;
+};
+
+Approaches FindApproaches(const Scans& scans, const Reckoning& odometry) {
+  constexpr double kStep_m = 0.3, kLongestStep_m = 0.8, kStraight_rad = 0.1;
+  Approaches all;
+  const auto time_s = scans.time_s();
+  for (std::size_t i = 0, j = 0; i < time_s.size(); ++i) {
+    while (j < time_s.size() && odometry.DrivenM(time_s[j]) - odometry.DrivenM(time_s[i]) < kStep_m) ++j;
+    if (j == time_s.size()) break;
+    if (odometry.DrivenM(time_s[j]) - odometry.DrivenM(time_s[i]) > kLongestStep_m ||
+        odometry.TurnedRad(time_s[j]) - odometry.TurnedRad(time_s[i]) > kStraight_rad ||
+        time_s[j] - time_s[i] > kLongest_s)
+      continue;
+    const double driven = Between(odometry.At(time_s[i]), odometry.At(time_s[j])).x_m;
+    for (const double sign : {1.0, -1.0}) {
+      const double heading = sign > 0 ? 0 : std::numbers::pi;
+      const auto before = scans.Along(i, heading), after = scans.Along(j, heading);
+      if (!before || !after) continue;
+      all.driven_m.push_back(sign * driven);
+      all.nearer_m.push_back(*before - *after);
+    }
+  }
+  return all;
+}
+
+std::vector<double> ErrorsOf(const Approaches& approaches, double factor) {
+  constexpr double kOther_m = 0.3;  // then it is another thing that was met
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < approaches.driven_m.size(); ++i)
+    errors.push_back(std::min(kOther_m, std::abs(approaches.nearer_m[i] - factor * approaches.driven_m[i])));
+  return errors;
+}
+
+// Pairs of scans between which the robot turns.
+std::vector<Pair> FindTurns(const Scans& scans, const Reckoning& odometry) {
+  constexpr double kStep_rad = 0.3, kMostStep_rad = 1, kMostDriven_m = 1.5;
+  constexpr std::size_t kMostPairs = 400;
+  std::vector<Pair> pairs;
+  const auto time_s = scans.time_s();
+  for (std::size_t i = 0, j = 0; i < time_s.size(); ++i) {
+    while (j < time_s.size() && odometry.TurnedRad(time_s[j]) - odometry.TurnedRad(time_s[i]) < kStep_rad)
+      ++j;
+    if (j == time_s.size()) break;
+    if (odometry.TurnedRad(time_s[j]) - odometry.TurnedRad(time_s[i]) <= kMostStep_rad &&
+        odometry.DrivenM(time_s[j]) - odometry.DrivenM(time_s[i]) <= kMostDriven_m &&
+        time_s[j] - time_s[i] <= kLongest_s)
+      pairs.push_back({i, j});
+  }
+  if (pairs.size() <= kMostPairs) return pairs;
+  std::vector<Pair> some;
+  for (std::size_t k = 0; k < kMostPairs; ++k) some.push_back(pairs[k * pairs.size() / kMostPairs]);
+  return some;
+}
+
+// How far what the second scan met lies, on average, from what the first met.
+double Distance(const std::vector<Point>& first, const std::vector<Point>& second, const Pose& moved) {
+  constexpr double kOther_m = 0.5;
+  double sum = 0;
+  for (const Point& point : second) {
+    const Pose seen = Compose(moved, {point.x_m, point.y_m, 0});
+    double nearest = kOther_m * kOther_m;
+    for (const Point& other : first) {
+      const double dx = other.x_m - seen.x_m, dy = other.y_m - seen.y_m;
+      nearest = std::min(nearest, dx * dx + dy * dy);
+    }
+    sum += std::sqrt(nearest);
+  }
+  return sum / static_cast<double>(second.size());
+}
+
+struct SeenTurn {
+  std::vector<Point> first, second;
+  double first_s, second_s;
+};
+
+std::vector<double> ErrorsOf(const std::vector<SeenTurn>& turns, const Reckoning& odometry) {
+  std::vector<double> errors;
+  for (const SeenTurn& turn : turns)
+    errors.push_back(
+        Distance(turn.first, turn.second, Between(odometry.At(turn.first_s), odometry.At(turn.second_s))));
+  return errors;
+}
+
+// Pairs of observations soon after each other, between which the robot turns or drives: of one landmark, or,
+// where they do not say of which, perhaps of one.
+std::vector<SeenTurn> FindSeenAgain(const kinds::Log::Observations& seen, const Reckoning& odometry) {
+  constexpr double kLeastTurn_rad = 0.15, kMostTurn_rad = 1.5, kMostDriven_m = 5;
+  constexpr std::size_t kNext = 4, kMostPairs = 2000;
+  std::vector<SeenTurn> pairs;
+  const auto point = [&](std::size_t i) -> std::vector<Point> {
+    return {
+        {seen.range_m[i] * std::cos(seen.bearing_rad[i]), seen.range_m[i] * std::sin(seen.bearing_rad[i])}};
+  };
+  const auto full = [&](std::size_t i) {
+    return std::isfinite(seen.range_m[i]) && std::isfinite(seen.bearing_rad[i]);
+  };
+  for (std::size_t i = 0; i < seen.time_s.size() && pairs.size() < kMostPairs; ++i) {
+    const double first_s = seen.time_s[i];
+    std::size_t found = 0;
+    for (std::size_t j = i + 1; j < seen.time_s.size() && found < kNext; ++j) {
+      const double second_s = seen.time_s[j];
+      if (second_s - first_s > kLongest_s ||
+          odometry.DrivenM(second_s) - odometry.DrivenM(first_s) > kMostDriven_m)
+        break;
+      const double turned = odometry.TurnedRad(second_s) - odometry.TurnedRad(first_s);
+      const bool others = seen.landmark[i] >= 0 && seen.landmark[i] != seen.landmark[j];
+      if (others || turned < kLeastTurn_rad || turned > kMostTurn_rad || !full(i) || !full(j)) continue;
+      pairs.push_back({point(i), point(j), first_s, second_s});
+      ++found;
+    }
+  }
+  return pairs;
+}
+
+// A reading of odometry that people have written by mistake, and the question to ask.
+struct Mistake {
+  Reading reading;
+  const char* question;
+};
+
+constexpr std::array kOfDistances = {
+    Mistake{{.forward = -1},
+            "what is ahead goes away as it drives forward: is forward negative, or do the beams point "
+            "backwards?"},
+    Mistake{{.forward = 0.5}, "what is ahead comes nearer by half of what odometry says"},
+    Mistake{{.forward = 0.7}, "what is ahead comes nearer by 0.7 of what odometry says"},
+    Mistake{{.forward = 1.4}, "what is ahead comes nearer by 1.4 times what odometry says"},
+    Mistake{{.forward = 2}, "what is ahead comes nearer by twice what odometry says"},
+};
+// Not of the size of turns: a real robot (MRCLAM 9, robot 1) turns by half of what its odometry says.
+constexpr std::array kOfTurns = {
+    Mistake{{.turn = -1},
+            "what it sees turns the wrong way when it turns: are turns, or the directions in which it sees, "
+            "clockwise? Cairn "
+            "counts counter-clockwise"},
+    Mistake{{.delay_s = 1}, "they fit odometry of 1 s later better: do both have the same clock?"},
+    Mistake{{.delay_s = -1}, "they fit odometry of 1 s earlier better: do both have the same clock?"},
+    Mistake{{.delay_s = 2}, "they fit odometry of 2 s later better: do both have the same clock?"},
+    Mistake{{.delay_s = -2}, "they fit odometry of 2 s earlier better: do both have the same clock?"},
+};
+
+// What is ahead is often another thing than before; what lies all around hardly ever.
+constexpr double kPartOfDistances = 0.65, kPartOfTurns = 0.9;
+
+// The mistake that fits best, if one fits better than none.
+template <class ErrorsWith>
+std::optional<std::string> Best(std::span<const Mistake> mistakes, double part, const char* what,
+                                std::span<const double> as_is, const ErrorsWith& errors_with) {
+  if (as_is.size() < kFewPairs) return std::nullopt;
+  std::optional<std::string> best;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const Mistake& mistake : mistakes) {
+    const Comparison compared = Compare(as_is, errors_with(mistake.reading));
+    if (!IsBetter(compared, part) || compared.other_m >= least_m) continue;
+    least_m = compared.other_m;
+    best = fmt::format("of {} pairs of {}, {:.2f} m off on average as it is, {:.2f} m otherwise: {}",
+                       compared.pairs, what, compared.as_is_m, compared.other_m, mistake.question);
+  }
+  return best;
+}
+
+std::optional<std::string> DoubtDistances(const Scans& scans, const kinds::Log::Odometry& odometry) {
+  const Approaches approaches = FindApproaches(scans, Reckoning(odometry));
+  return Best(kOfDistances, kPartOfDistances, "scans", ErrorsOf(approaches, 1),
+              [&](const Reading& reading) { return ErrorsOf(approaches, reading.forward); });
+}
+
+std::optional<std::string> DoubtTurns(const Scans& scans, const kinds::Log::Odometry& odometry) {
+  constexpr std::size_t kMostBeams = 60, kFewPoints = 4;
+  const Reckoning as_is(odometry);
+  std::vector<SeenTurn> turns;
+  for (const Pair& pair : FindTurns(scans, as_is)) {
+    SeenTurn turn{scans.Points(pair.first, kMostBeams), scans.Points(pair.second, kMostBeams),
+                  scans.time_s()[pair.first], scans.time_s()[pair.second]};
+    if (turn.first.size() >= kFewPoints && turn.second.size() >= kFewPoints) turns.push_back(std::move(turn));
+  }
+  return Best(kOfTurns, kPartOfTurns, "scans", ErrorsOf(turns, as_is),
+              [&](const Reading& reading) { return ErrorsOf(turns, Reckoning(odometry, reading)); });
+}
+
+std::optional<std::string> DoubtSeenAgain(const kinds::Log::Observations& seen,
+                                          const kinds::Log::Odometry& odometry) {
+  const Reckoning as_is(odometry);
+  const std::vector<SeenTurn> turns = FindSeenAgain(seen, as_is);
+  return Best(kOfTurns, kPartOfTurns, "observations", ErrorsOf(turns, as_is),
+              [&](const Reading& reading) { return ErrorsOf(turns, Reckoning(odometry, reading)); });
+}
+
+// So that nothing below is asked of tables that do not fit each other.
+bool IsWhole(const kinds::Log::Odometry& odometry) {
+  const std::size_t rows = odometry.time_s.OrNone().size();
+  return rows > 1 && odometry.turn_rad.OrNone().size() == rows && odometry.forward_m.OrNone().size() == rows;
+}
+
+bool IsWhole(const kinds::Log::RangeSensor& sensor) {
+  const std::size_t scans = sensor.time_s.OrNone().size(), beams = sensor.beam_heading_rad.OrNone().size();
+  const std::size_t turrets = sensor.turret_rad.OrNone().size();
+  return scans > 1 && beams > 0 && sensor.range_m.OrNone().size() == scans * beams &&
+         sensor.beam_x_m.OrNone().size() == beams && sensor.beam_y_m.OrNone().size() == beams &&
+         (turrets == 0 || turrets == scans);
+}
+
+bool IsWhole(const kinds::Log::Observations& seen) {
+  const std::size_t rows = seen.time_s.OrNone().size();
+  return rows > 1 && seen.landmark.OrNone().size() == rows && seen.range_m.OrNone().size() == rows &&
+         seen.bearing_rad.OrNone().size() == rows;
+}
+
+}  // namespace
+
+std::vector<std::string> FindMotionDoubts(const kinds::Log& log) {
+  std::vector<std::string> doubts;
+  for (std::size_t n = 0; n < log.robot.size(); ++n) {
+    const kinds::Log::Robot& robot = log.robot[n];
+    if (!IsWhole(robot.odometry)) continue;
+    if (IsWhole(robot.observations))
+      if (const auto doubt = DoubtSeenAgain(robot.observations, robot.odometry))
+        doubts.push_back(fmt::format("robot '{}', its observations: {}", log.robots[n], *doubt));
+    for (const kinds::Log::RangeSensor& sensor : robot.sensors) {
+      if (!IsWhole(sensor)) continue;
+      const Scans scans(sensor);
+      for (const auto& doubt : {DoubtDistances(scans, robot.odometry), DoubtTurns(scans, robot.odometry)})
+        if (doubt)
+          doubts.push_back(fmt::format("robot '{}', its {}: {}", log.robots[n], sensor.sensor, *doubt));
+    }
+  }
+  return doubts;
+}
+
+}  // namespace cairn::datasets

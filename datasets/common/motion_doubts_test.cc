@@ -1,0 +1,123 @@
+#include "datasets/common/motion_doubts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "datasets/simulate/office/office.h"
+
+namespace cairn::datasets {
+namespace {
+
+kinds::Log Office(std::uint64_t seed) {
+  return Read<kinds::Log>(SimulateOffice({.minutes = 4, .seed = seed}));
+}
+
+// `change` of each of the values.
+template <class F>
+std::vector<double> Each(const Column<double>& column, const F& change) {
+  std::vector<double> values;
+  for (const double value : column) values.push_back(change(value));
+  return values;
+}
+
+std::string All(const std::vector<std::string>& doubts) {
+  std::string text;
+  for (const std::string& doubt : doubts) text += doubt + "\n";
+  return text;
+}
+
+TEST(MotionDoubts, ThereAreNoneOfLogsThatAreRight) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    EXPECT_EQ(All(FindMotionDoubts(Office(seed))), "") << "office " << seed;
+}
+
+struct Mistaken {
+  const char* name;
+  void (*make)(kinds::Log::Robot* robot);
+  const char* says;
+};
+
+class MotionDoubt : public testing::TestWithParam<Mistaken> {};
+
+TEST_P(MotionDoubt, IsRaisedOfEachMistakeOnEachSeed) {
+  for (std::uint64_t seed = 11; seed <= 14; ++seed) {
+    kinds::Log log = Office(seed);
+    GetParam().make(&log.robot[0]);
+    const std::string doubts = All(FindMotionDoubts(log));
+    EXPECT_NE(doubts.find(GetParam().says), std::string::npos) << "seed " << seed << ": " << doubts;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, MotionDoubt,
+    testing::Values(
+        Mistaken{"turns", [](auto* r) { r->odometry.turn_rad = Each(r->odometry.turn_rad, std::negate()); },
+                 "are turns, or the directions in which it sees, clockwise?"},
+        Mistaken{"backwards",
+                 [](auto* r) { r->odometry.forward_m = Each(r->odometry.forward_m, std::negate()); },
+                 "is forward negative"},
+        Mistaken{"feet",
+                 [](auto* r) {
+                   r->odometry.forward_m = Each(r->odometry.forward_m, [](double d) { return d * 0.7; });
+                 },
+                 "1.4 times what odometry says"},
+        Mistaken{"twice",
+                 [](auto* r) {
+                   r->odometry.forward_m = Each(r->odometry.forward_m, [](double d) { return d * 2; });
+                 },
+                 "by half of what odometry says"},
+        Mistaken{"clock",
+                 [](auto* r) {
+                   for (auto& s : r->sensors) s.time_s = Each(s.time_s, [](double t) { return t + 2; });
+                 },
+                 "2 s earlier"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+// A robot on a circle among four poles, which sees each that is ahead of it twice a second.
+kinds::Log Circle(bool named, double sees) {
+  constexpr double kTurn_rad = 0.05, kForward_m = 0.1, kReach_m = 6;
+  const std::vector<Point> poles = {{3, 1}, {-2, 4}, {0, -3}, {-4, -1}};
+  kinds::Log::Robot robot;
+  std::vector<double> time_s, turn_rad, forward_m, seen_s, range_m, bearing_rad;
+  std::vector<std::int32_t> landmark;
+  Pose pose;
+  for (int i = 0; i < 600; ++i) {
+    pose = Compose(Compose(pose, {0, 0, kTurn_rad}), {kForward_m, 0, 0});
+    time_s.push_back(0.25 * i);
+    turn_rad.push_back(kTurn_rad);
+    forward_m.push_back(kForward_m);
+    for (std::size_t k = 0; k < poles.size() && i % 2 == 0; ++k) {
+      const Pose seen = Between(pose, {poles[k].x_m, poles[k].y_m, 0});
+      if (seen.x_m <= 0 || std::hypot(seen.x_m, seen.y_m) > kReach_m) continue;
+      seen_s.push_back(time_s.back());
+      range_m.push_back(std::hypot(seen.x_m, seen.y_m));
+      bearing_rad.push_back(sees * std::atan2(seen.y_m, seen.x_m));
+      landmark.push_back(named ? static_cast<std::int32_t>(k) : -1);
+    }
+  }
+  robot.odometry = {time_s, turn_rad, forward_m};
+  robot.observations = {seen_s, range_m, bearing_rad, landmark, std::vector<std::int32_t>(seen_s.size(), -1)};
+  kinds::Log log;
+  log.robots = std::vector<std::string>{"anna"};
+  log.robot = {robot};
+  return log;
+}
+
+TEST(MotionDoubts, BearingsThatAreMirroredShowWithNamesAndWithout) {
+  for (const bool named : {true, false}) {
+    EXPECT_EQ(All(FindMotionDoubts(Circle(named, 1))), "");
+    const std::string doubts = All(FindMotionDoubts(Circle(named, -1)));
+    EXPECT_NE(doubts.find("directions in which it sees, clockwise?"), std::string::npos) << doubts;
+  }
+}
+
+TEST(MotionDoubts, OfTablesThatDoNotFitThereIsNothingToSay) {
+  kinds::Log log = Office(1);
+  log.robot[0].odometry.turn_rad = std::vector<double>{1.0};
+  EXPECT_EQ(All(FindMotionDoubts(log)), "");
+  EXPECT_EQ(All(FindMotionDoubts(kinds::Log())), "");
+}
+
+}  // namespace
+}  // namespace cairn::datasets
