@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "datasets/common/array_text.h"
-#include "datasets/common/confidence.h"
+#include "datasets/common/verdict.h"
 #include "datasets/common/odometry_holes.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/grid_map.h"
@@ -157,14 +157,17 @@ Facts FactsOf(const Blob& blob) {
     facts.emplace_back("true landmarks", std::to_string(log.truth.landmarks.name.size()));
   if (map.map.landmark_x_m) {
     facts.emplace_back("map landmarks", std::to_string(map.map.landmark_x_m.size()));
-    facts.emplace_back("confidence", ConfidenceText(blob));
+    facts.emplace_back("verdict", LandmarkMapVerdict(blob).Text());
     if (map.refinement_reason)
       facts.emplace_back("refinement", NotRefined(blob).empty() ? "done" : NotRefined(blob));
   }
   const auto grid = FieldsIn<kinds::GridMap::Grid>("map/grid/", blob);
   if (grid.probability && grid.probability.shape().size() == 2) facts.emplace_back("grid", GridOf(grid));
   const auto local = Read<kinds::LocalMap>(blob);
-  if (local.traces.robot) facts.emplace_back("traces", TracesOf(local));
+  if (local.traces.robot) {
+    facts.emplace_back("traces", TracesOf(local));
+    facts.emplace_back("verdict", LocalMapVerdict(blob).Text());
+  }
   const auto likelihoods = map.history.log_likelihood.OrNone();
   if (!likelihoods.empty()) {
     facts.emplace_back(map.map.landmark_x_m ? "iterations" : "rounds",

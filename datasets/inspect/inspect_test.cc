@@ -52,8 +52,13 @@ TEST(Inspect, TellsOfTracesAndTheirLoops) {
   map.Put("robots", Array::Texts({"ann"}));
   map.PutVector<std::int32_t>("traces/robot", {0, 0, 0});
   map.PutVector<std::int32_t>("connections/kind", {0, 2, 2, 1});
+  map.PutVector<std::int32_t>("connections/from", {0, 1, 2, 1});
+  map.PutVector<double>("connections/from_s", {1, 5, 6, 7});
+  map.PutVector<double>("connections/to_s", {1, 2, 2, 7});
   map.PutVector<std::uint8_t>("connections/used", {1, 1, 0, 1});
-  ExpectContains(InspectText(Inspected(map, "local_map")), "3, joined by 2 loops; the path follows 1\n");
+  const std::string text = InspectText(Inspected(map, "local_map"));
+  ExpectContains(text, "3, joined by 2 loops; the path follows 1\n");
+  ExpectContains(text, "low: 1 of 2 loops contradict the path; what comes after");
 }
 
 TEST(Inspect, TellsWhatAMapHolds) {

@@ -17,7 +17,16 @@ const ResultKind& RowOf(const ReportedStage& stage) {
   return *row;
 }
 
-std::string BodyHtml(const ReportedStage& stage) { return RowOf(stage).page(stage); }
+std::string BodyHtml(const ReportedStage& stage) {
+  const ResultKind& row = RowOf(stage);
+  std::string html;
+  if (row.verdict != nullptr) {
+    const Verdict verdict = row.verdict(*stage.result);
+    html = "<p class=\"verdict\">How far to trust it: <b>" + std::string(Word(verdict.trust)) + "</b>. " +
+           Escape(verdict.why) + ".</p>\n";
+  }
+  return html + row.page(stage);
+}
 
 std::string StageHtml(const ReportedStage& stage, std::size_t number) {
   return "<article id=\"stage-" + std::to_string(number) + "\">\n<h1 class=\"stage\">" + Escape(stage.name) +

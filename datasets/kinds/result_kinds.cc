@@ -4,9 +4,10 @@
 
 #include <algorithm>
 
-#include "datasets/common/confidence.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/report/pages/pages.h"
+#include "schema/kinds/grid_map.h"
+#include "schema/kinds/local_map.h"
 
 namespace cairn::datasets {
 namespace {
@@ -39,10 +40,33 @@ Scores SummaryOfLandmarkMap(const Blob& map) {
                                   likelihood.empty() ? 0.0 : likelihood.back()));
   scores.AddForPrograms("landmarks", landmarks);
   scores.AddForPrograms("iterations", iterations);
-  scores.Add("confidence", ConfidenceText(map));
-  if (RefinementRefused(map)) scores.Add("refinement", NotRefined(map));
   scores.AddForPrograms("log_likelihood",
                         likelihood.empty() ? ScoreValue() : ScoreValue(double{likelihood.back()}));
+  return scores;
+}
+
+Scores SummaryOfLocalMap(const Blob& result) {
+  const auto map = Read<kinds::LocalMap>(result);
+  const auto traces = static_cast<std::int64_t>(map.traces.robot.size());
+  Scores scores;
+  scores.AddForPeople("found", fmt::format("{} trace{}, joined by {} connections", traces, traces == 1 ? "" : "s",
+                                           map.connections.kind.size()));
+  scores.AddForPrograms("traces", traces);
+  scores.AddForPrograms("connections", static_cast<std::int64_t>(map.connections.kind.size()));
+  return scores;
+}
+
+Scores SummaryOfGridMap(const Blob& result) {
+  const auto map = Read<kinds::GridMap>(result);
+  const Shape& shape = map.grid.probability.shape();
+  const double cell_m = map.grid.cell_m.Scalar();
+  const std::int64_t occupied = std::ranges::count_if(map.grid.probability, [](double p) { return p > 0.5; });
+  Scores scores;
+  scores.AddForPeople("found", fmt::format("{:.1f} by {:.1f} m in cells of {:g} m, {} of them occupied",
+                                           static_cast<double>(shape[1]) * cell_m,
+                                           static_cast<double>(shape[0]) * cell_m, cell_m, occupied));
+  scores.AddForPrograms("cell_m", cell_m);
+  scores.AddForPrograms("occupied", occupied);
   return scores;
 }
 
@@ -62,7 +86,8 @@ constexpr ResultKind kResultKinds[] = {
          [](const ReportedStage& s, int width_px) {
            return DrawMapPng(*s.result, s.source, EvaluationOf<Evaluation>(s), width_px);
          },
-     .summary = SummaryOfLandmarkMap},
+     .summary = SummaryOfLandmarkMap,
+     .verdict = LandmarkMapVerdict},
     {.name = "grid_map",
      .is_map = true,
      .made_of = "log",
@@ -76,7 +101,9 @@ constexpr ResultKind kResultKinds[] = {
      .picture =
          [](const ReportedStage& s, int width_px) {
            return DrawGridPng(*s.result, s.source, EvaluationOf<GridEvaluation>(s), width_px);
-         }},
+         },
+     .summary = SummaryOfGridMap,
+     .verdict = GridMapVerdict},
     {.name = "local_map",
      .is_map = true,
      .made_of = "log",
@@ -92,7 +119,9 @@ constexpr ResultKind kResultKinds[] = {
          [](const ReportedStage& s, int width_px) {
            return DrawScenePng(report::LocalSceneOf(*s.result, s.source, EvaluationOf<LocalEvaluation>(s)),
                                width_px);
-         }},
+         },
+     .summary = SummaryOfLocalMap,
+     .verdict = LocalMapVerdict},
     {.name = "networks",
      .made_of = "samples",
      .evaluate = [](const Blob& networks, const Blob& samples, const ScoreOptions& options) -> Evaluated {

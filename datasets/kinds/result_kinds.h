@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "datasets/common/verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/grid.h"
 #include "datasets/evaluate/learning/localization.h"
@@ -51,7 +52,8 @@ struct ResultKind {
   bool page_takes_source = true;
   std::string (*page)(const ReportedStage& stage) = nullptr;  // the HTML between title and footer
   std::string (*picture)(const ReportedStage& stage, int width_px) = nullptr;  // a PNG file
-  Scores (*summary)(const Blob& result) = nullptr;  // what was found, and how sure it is
+  Scores (*summary)(const Blob& result) = nullptr;   // what was found
+  Verdict (*verdict)(const Blob& result) = nullptr;  // how far to trust it
 };
 
 // In the order in which a folder's results are looked for.

@@ -36,9 +36,9 @@ leaves() {
 
 simulate tour.h5
 leaves map.png 'tour: landmark_map' landmark_map tour.h5
-confidence=$(sed -n 's/^confidence //p' stdout | sed "s/&/\&amp;/g; s/'/\&#39;/g")
-[ -n "$confidence" ] || die "the summary does not say how sure the map is"
-grep -qF "$confidence" 'out of landmark_map/report.html' || die "the page says another confidence than the summary"
+verdict=$(sed -n 's/^verdict *[a-z ]*: //p' stdout | sed "s/&/\&amp;/g; s/'/\&#39;/g")
+[ -n "$verdict" ] || die "the summary does not say how far to trust the map"
+grep -qF "$verdict" 'out of landmark_map/report.html' || die "the page says another verdict than the summary"
 cairn simulate hallway --door-readings 1 --seed 102 hall.h5 >/dev/null
 leaves map.png 'hall: evidence_map' evidence_map hall.h5
 leaves map.png 'hall: forward_map' forward_map hall.h5
@@ -93,5 +93,5 @@ done
 is_page fetched/report.html 'loop: chain'
 chain_page fetched/report.html
 for picture in fetched/map.png fetched/raw/map.png fetched/forward/map.png; do is_picture $picture; done
-grep -qF 'class="confidence"' fetched/report.html || die "a fetched page does not say how sure the map is"
+grep -qF 'class="verdict"' fetched/report.html || die "a fetched page does not say how far to trust the map"
 kill -TERM "$coordinator"

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "coordinator/cli/commands/simulate/loop_options.h"
-#include "datasets/common/confidence.h"
+#include "datasets/common/verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/import/csv.h"
 #include "datasets/simulate/loop.h"
@@ -99,7 +99,7 @@ void RunLog(const std::string& name, const Blob& log, const Arguments& arguments
               name.c_str(), right ? "right" : "wrong", static_cast<long long>(score.landmarks->found),
               static_cast<long long>(score.landmarks->missed),
               static_cast<long long>(score.landmarks->spurious), rmse_m,
-              score.trajectory_rmse_m.value_or(-1.0), datasets::ConfidenceText(*result).c_str());
+              score.trajectory_rmse_m.value_or(-1.0), datasets::LandmarkMapVerdict(*result).Text().c_str());
   std::fflush(stdout);
 }
 

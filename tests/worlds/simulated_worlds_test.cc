@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/confidence.h"
+#include "datasets/common/verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/simulate/loop.h"
 #include "pipelines/landmark_map/measured.h"
@@ -56,13 +56,13 @@ void ExpectTheTruth(const Mapped& mapped, double rmse_m) {
 }
 
 bool StatesARate(const Mapped& mapped) {
-  return datasets::ConfidenceText(*mapped.result).find("right in 99 of 100") != std::string::npos;
+  return datasets::LandmarkMapVerdict(*mapped.result).Text().find("right in 99 of 100") != std::string::npos;
 }
 
 TEST(SimulatedWorlds, TheMuseumsSeventyMetresAndHalfATurn) {
   const Mapped mapped = Map("museum", 5, {});
   ExpectTheTruth(mapped, 1.0);
-  EXPECT_TRUE(StatesARate(mapped)) << datasets::ConfidenceText(*mapped.result);
+  EXPECT_TRUE(StatesARate(mapped)) << datasets::LandmarkMapVerdict(*mapped.result).Text();
 }
 
 // Seeds on which nothing was measured, of each kind of log on which something was.
@@ -81,9 +81,9 @@ TEST(SimulatedWorlds, OtherSeedsAreLikeThoseThatRatesWereMeasuredOn) {
 TEST(SimulatedWorlds, WithOtherOptionsNoRateIsStated) {
   const Mapped mapped = Map("paper", 3, {}, {"revise=false"});
   EXPECT_FALSE(StatesARate(mapped));
-  EXPECT_NE(datasets::ConfidenceText(*mapped.result).find("was not measured (the option revise"),
+  EXPECT_NE(datasets::LandmarkMapVerdict(*mapped.result).Text().find("was not measured (the option revise"),
             std::string::npos)
-      << datasets::ConfidenceText(*mapped.result);
+      << datasets::LandmarkMapVerdict(*mapped.result).Text();
 }
 
 // It drifts by 3.6 nominal standard deviations where the first starts reach to two: no two of them agree.

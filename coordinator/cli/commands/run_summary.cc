@@ -60,15 +60,23 @@ StageSummary Summary(const ScoredStage& stage, const std::string& file, const st
   const datasets::ResultKind* row = datasets::FindResultKind(stage.kind);
   if (row == nullptr) return summary;
   summary.is_map = row->is_map;
+  if (row->verdict != nullptr) summary.verdict = row->verdict(*stage.result);
   if (row->summary == nullptr) return summary;
   summary.found = row->summary(*stage.result);
   if (stage.evaluated) summary.evaluation = MakeScores(*stage.evaluated);
   return summary;
 }
 
+nlohmann::ordered_json ToJson(const datasets::Verdict& verdict) {
+  nlohmann::ordered_json json = {{"trust", Word(verdict.trust)}, {"why", verdict.why}};
+  for (const auto& [name, number] : verdict.numbers) json[name] = number;
+  return json;
+}
+
 nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& report) {
   nlohmann::ordered_json json = {{"stage", stage.stage}, {"kind", stage.kind}, {"result", stage.result}};
   if (!stage.picture.empty()) json["picture"] = stage.picture;
+  if (stage.verdict) json["verdict"] = ToJson(*stage.verdict);
   if (!stage.found) return json;
   json["map"] = stage.result;
   json["report"] = report;
@@ -82,6 +90,7 @@ nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& repo
 std::string FoundText(const StageSummary& stage) {
   constexpr std::size_t kColumn = 10;
   std::string text = stage.found->ToText(kColumn);
+  if (stage.verdict) text += "verdict    " + stage.verdict->Text() + "\n";
   if (stage.evaluation) text += "\nagainst the log's ground truth:\n" + stage.evaluation->ToText();
   return text;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coordinator/cli/job_file/job_file.h"
+#include "datasets/common/verdict.h"
 #include "datasets/evaluate/scores.h"
 
 namespace cairn::cli {
@@ -16,6 +17,7 @@ namespace cairn::cli {
 struct StageSummary {
   std::string stage, kind, result, picture;  // the last two are paths; no picture: empty
   bool is_map = false;
+  std::optional<datasets::Verdict> verdict = {};
   std::optional<datasets::Scores> found = {};       // what it says of itself; none: nothing
   std::optional<datasets::Scores> evaluation = {};  // where its source has truth
 };

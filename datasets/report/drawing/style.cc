@@ -188,7 +188,7 @@ h2 { font-size:18px; margin:40px 0 8px; } h3 { font-size:14px; margin:18px 0 4px
 .lead, figcaption { color:var(--soft); } .lead { margin:0 0 22px; }
 .stage { font-size:23px; margin:44px 0 4px; padding-top:14px; border-top:2px solid var(--line); }
 .stage small { color:var(--soft); font-size:15px; font-weight:400; } nav { margin:0 0 20px; } nav a { margin-right:18px; }
-a { color:var(--accent); } .confidence b { font-weight:600; }
+a { color:var(--accent); } .verdict b { font-weight:600; }
 .narrow { display:none; } .narrow > svg { max-width:640px; margin:0 auto; }
 figure { margin:0; } figcaption { font-size:13.5px; margin-top:6px; max-width:100ch; }
 svg { --robot:var(--soft); display:block; width:100%; height:auto; overflow:visible; }

@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "datasets/common/confidence.h"
+#include "datasets/common/verdict.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/parts.h"
 #include "schema/kinds/landmark_map.h"
@@ -91,8 +91,6 @@ std::string LeadHtml(const Blob& result, const Blob* log) {
             Count(sum.observations, "landmark observation");
   }
   text += ". The map has " + Count(result.at("map/landmark_x_m").size(), "landmark") + ".";
-  if (RefinementRefused(result))
-    text += " Its refinement was " + NotRefined(result) + "; the landmarks stand where EM left them.";
   return text;
 }
 
@@ -128,10 +126,6 @@ std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {
 std::string WallTimeTile(const Blob& result) {
   const auto seconds = kinds::Provenance::In(result).seconds_s.Optional();
   return seconds ? TileHtml(Duration(*seconds), "wall time") : "";
-}
-
-std::string ConfidenceHtml(const Blob& result) {
-  return "<p class=\"confidence\">Confidence: <b>" + Escape(ConfidenceText(result)) + "</b>.</p>\n";
 }
 
 std::string TitleOf(const Blob& result) {

@@ -20,9 +20,6 @@ std::string TilesHtml(const Blob& result, const Evaluation* evaluation);
 // How long the result took, as a tile; nothing where the provenance does not tell.
 std::string WallTimeTile(const Blob& result);
 
-// How sure the map is, in the words of the run's summary.
-std::string ConfidenceHtml(const Blob& result);
-
 // Which log, which job: "museum: landmark_map", from the provenance. Empty where that does not tell.
 std::string TitleOf(const Blob& result);
 

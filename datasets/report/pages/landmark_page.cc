@@ -50,7 +50,7 @@ std::string LandmarkMapHtml(const Blob& result, const Blob* log, const Evaluatio
   const Scene scene = MakeScene(result, log, evaluation);
   const std::vector<Iteration> iterations = Iterations(result);
   std::string html = "<p class=\"lead\">" + Escape(LeadHtml(result, log)) + "</p>\n";
-  html += TilesHtml(result, evaluation) + ConfidenceHtml(result);
+  html += TilesHtml(result, evaluation);
   html += SectionHtml(
       "Map", LegendHtml(LegendOf(scene)) + DrawingHtml([&](double width) { return MapPicture(scene, width); },
                                                        MapCaption(scene, evaluation)));

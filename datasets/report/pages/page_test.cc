@@ -8,7 +8,7 @@
 #include <regex>
 #include <vector>
 
-#include "datasets/common/confidence.h"
+#include "datasets/common/verdict.h"
 #include "datasets/evaluate/testing/grid.h"
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/kinds/job_report.h"
@@ -160,9 +160,9 @@ TEST_F(Page, IsCalledByItsLogAndItsJob) {
 }
 
 TEST_F(Page, SaysHowSureTheMapIsInTheWordsOfTheSummary) {
-  const auto said = Between(html_, "<p class=\"confidence\">", "</p>");
+  const auto said = Between(html_, "<p class=\"verdict\">", "</p>");
   ASSERT_EQ(said.size(), 1U);
-  ExpectContains(said[0], ConfidenceText(map_));
+  ExpectContains(said[0], LandmarkMapVerdict(map_).why);
   EXPECT_EQ(html_.find("corrected"), std::string::npos)
       << "nothing says that the map is better than odometry";
 }
@@ -325,7 +325,7 @@ TEST_F(Page, OfAChainShowsEveryStage) {
   ASSERT_EQ(stages.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) ExpectContains(stages[i], "<h2>Map</h2>");
   ExpectContains(stages[1], "raw &lt;1&gt; <small>grid_map</small>");
-  ExpectContains(stages[0], "class=\"confidence\"");
+  ExpectContains(stages[0], "class=\"verdict\"");
   // Each clip path is of a rectangle: one that is named twice is the same twice.
   const std::regex clip("<clipPath id=\"([^\"]+)\">(<rect[^>]*>)");
   std::map<std::string, std::string> rectangles;

@@ -1,0 +1,225 @@
+#include "datasets/common/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "schema/kinds/grid_map.h"
+#include "schema/kinds/landmark_map.h"
+#include "schema/kinds/local_map.h"
+
+namespace cairn::datasets {
+namespace {
+
+void AddCount(const std::string& name, std::size_t count, Verdict* verdict) {
+  verdict->numbers.emplace_back(name, static_cast<double>(count));
+}
+
+// How many of the maps that were called so were right: 375 of 376, 27 of 30, 4 of 13.
+const char* Frequency(Confidence confidence) {
+  if (confidence == Confidence::kHigh) return "99 of 100";
+  return confidence == Confidence::kFair ? "9 of 10" : "3 of 10";
+}
+
+// In what the job differs from those on which the rates were measured; none: in nothing.
+std::optional<std::string> Unlike(const kinds::LandmarkMap::Search& search) {
+  if (!search.unlike) return "the file does not say what it was made from";
+  std::string all;
+  for (const std::string& what : search.unlike) all += (all.empty() ? "" : ", ") + what;
+  if (all.empty()) return {};
+  return all;
+}
+
+std::string FoundText(const kinds::LandmarkMap::Search& search) {
+  const std::optional<double> lead = search.lead_nats.Optional();
+  char ahead[80] = "no other map was found";
+  if (lead) std::snprintf(ahead, sizeof ahead, "%.1f nats ahead of the next different map", *lead);
+  char found[160];
+  std::snprintf(found, sizeof found, "found from %d of %d starts, %s", search.support.Or(0),
+                search.starts.Or(0), ahead);
+  return found;
+}
+
+// What the search says of the map it chose.
+Verdict SearchVerdict(const Blob& result) {
+  Verdict verdict;
+  const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
+  const Confidence confidence = ReadConfidence(result);
+  if (confidence == Confidence::kNone) {
+    verdict.why = "there was no search";
+    return verdict;
+  }
+  verdict.numbers = {{"starts", search.starts.Or(0)}, {"starts_that_found_it", search.support.Or(0)}};
+  if (const auto lead = search.lead_nats.Optional()) verdict.numbers.emplace_back("lead_nats", *lead);
+  const std::string found = FoundText(search);
+  if (search.starts.Or(0) == 1) {
+    verdict.why =
+        "EM started once, no other map to compare with; it searches where the drift of the heading is stated "
+        "at "
+        "import (--heading-drift-rad-per-m), or with --set starts=10";
+  } else if (const auto unlike = Unlike(search)) {
+    verdict.why = found + "; how often such maps are right was not measured (" + *unlike + ")";
+  } else {
+    verdict.trust = confidence;
+    verdict.why = std::string("right in ") + Frequency(confidence) + " such simulations; " + found;
+  }
+  return verdict;
+}
+
+// From when to when, in seconds.
+using Span = std::pair<double, double>;
+
+struct WeakestTime {
+  double time_s = 0;
+  std::size_t spans = 0;  // that go over it
+};
+
+// Of the time from the first span's start to the last one's end, without a tenth at either end.
+WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
+  constexpr double kEnds = 0.1;
+  std::vector<std::pair<double, int>> changes;
+  double first_s = spans.front().first, last_s = spans.front().second;
+  for (const auto& [from_s, to_s] : spans) {
+    changes.emplace_back(from_s, 1);
+    changes.emplace_back(to_s, -1);
+    first_s = std::min(first_s, from_s);
+    last_s = std::max(last_s, to_s);
+  }
+  std::ranges::sort(changes);
+  const double begin_s = std::lerp(first_s, last_s, kEnds), end_s = std::lerp(first_s, last_s, 1 - kEnds);
+  WeakestTime weakest{begin_s, spans.size()};
+  std::ptrdiff_t over = 0;
+  for (std::size_t i = 0; i + 1 < changes.size(); ++i) {
+    over += changes[i].second;
+    const bool within = changes[i + 1].first > begin_s && changes[i].first < end_s;
+    if (!within || changes[i].first == changes[i + 1].first ||
+        static_cast<std::size_t>(over) >= weakest.spans)
+      continue;
+    weakest = {std::max(begin_s, changes[i].first), static_cast<std::size_t>(over)};
+  }
+  return weakest;
+}
+
+constexpr std::int32_t kLoop = 2;  // LocalMap::Connections::kind
+
+}  // namespace
+
+Confidence ReadConfidence(const Blob& result) {
+  constexpr std::int32_t kFairSupport = 2, kHighSupport = 3;
+  constexpr double kFairLead = 3.0, kHighLead = 10.0;
+  const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
+  if (!search.support) return Confidence::kNone;
+  const std::int32_t support = search.support.Scalar();
+  const double lead = search.lead_nats.Or(std::numeric_limits<double>::infinity());
+  if (support >= kHighSupport && lead >= kHighLead) return Confidence::kHigh;
+  return support >= kFairSupport && lead >= kFairLead ? Confidence::kFair : Confidence::kLow;
+}
+
+const char* Word(Confidence confidence) {
+  switch (confidence) {
+    case Confidence::kNone:
+      return "not known";
+    case Confidence::kLow:
+      return "low";
+    case Confidence::kFair:
+      return "fair";
+    case Confidence::kHigh:
+      return "high";
+  }
+  return "";
+}
+
+std::string NotRefined(const Blob& result) {
+  const Texts reason = Texts::In(result, "refinement/reason");
+  return reason ? reason.Scalar() : "";
+}
+
+bool RefinementRefused(const Blob& result) { return NotRefined(result).starts_with("refused"); }
+
+std::string Verdict::Text() const { return std::string(Word(trust)) + ": " + why; }
+
+Verdict LandmarkMapVerdict(const Blob& result) {
+  Verdict verdict = SearchVerdict(result);
+  std::size_t observations = 0, explained = 0;
+  for (const auto& robot : Read<kinds::LandmarkMap>(result).robot) {
+    observations += robot.map_landmark.OrNone().size();
+    for (const std::int32_t landmark : robot.map_landmark.OrNone()) explained += landmark >= 0;
+  }
+  AddCount("observations", observations, &verdict);
+  AddCount("observations_explained", explained, &verdict);
+  if (explained < observations)
+    verdict.why += fmt::format("; {} of {} observations are of none of its landmarks",
+                               observations - explained, observations);
+  if (RefinementRefused(result)) verdict.why += "; refinement was " + NotRefined(result);
+  return verdict;
+}
+
+Verdict LocalMapVerdict(const Blob& result) {
+  constexpr std::size_t kHighTies = 20, kFairTies = 5;
+  const auto map = Read<kinds::LocalMap>(result);
+  std::size_t loops = 0, contradicted = 0;
+  std::vector<std::vector<Span>> closed(map.robot.size());  // by each robot's loops
+  for (std::size_t i = 0; i < map.connections.kind.OrNone().size(); ++i) {
+    if (map.connections.kind[i] != kLoop) continue;
+    ++loops;
+    contradicted += map.connections.used[i] == 0;
+    const auto trace = static_cast<std::size_t>(map.connections.from[i]);
+    const auto robot = static_cast<std::size_t>(map.traces.robot[trace]);
+    if (map.connections.used[i] != 0 && robot < closed.size())
+      closed[robot].push_back(std::minmax(map.connections.from_s[i], map.connections.to_s[i]));
+  }
+  Verdict verdict;
+  AddCount("loops", loops, &verdict);
+  AddCount("loops_contradicted", contradicted, &verdict);
+  if (loops == contradicted) {
+    verdict.why = "no place was recognised twice, so nothing checks the path";
+    return verdict;
+  }
+  WeakestTime weakest{0, loops};
+  for (const std::vector<Span>& of_robot : closed)
+    if (!of_robot.empty())
+      if (const WeakestTime time = FindWeakestTime(of_robot); time.spans < weakest.spans) weakest = time;
+  AddCount("loops_over_weakest_time", weakest.spans, &verdict);
+  if (5 * contradicted > loops || weakest.spans < kFairTies)
+    verdict.trust = Confidence::kLow;
+  else
+    verdict.trust =
+        weakest.spans >= kHighTies && 50 * contradicted <= loops ? Confidence::kHigh : Confidence::kFair;
+  verdict.why = contradicted == 0 ? fmt::format("the path closes all of {} loops", loops)
+                                  : fmt::format("{} of {} loops contradict the path", contradicted, loops);
+  if (weakest.spans < kHighTies)
+    verdict.why += fmt::format(
+        "; what comes after {:.0f} s hangs on {} of them, and where a robot slipped or was "
+        "carried nothing else says so",
+        weakest.time_s, weakest.spans);
+  return verdict;
+}
+
+Verdict GridMapVerdict(const Blob& result) {
+  constexpr std::int32_t kNothingDetected = -1, kRandom = -2, kLost = -4;
+  const auto map = Read<kinds::GridMap>(result);
+  std::size_t readings = 0, explained = 0;
+  for (const auto& robot : map.robot) {
+    for (const auto& sensor : robot.sensors) {
+      for (const std::int32_t cause : sensor.cause.OrNone()) {
+        if (cause < kLost || cause == kRandom - 1) continue;  // not used, or beyond the map
+        ++readings;
+        explained += cause >= kNothingDetected;
+      }
+    }
+  }
+  Verdict verdict;
+  verdict.why = "the map is as good as the poses it is made with, and cannot tell how good they are";
+  if (readings == 0) return verdict;
+  AddCount("readings", readings, &verdict);
+  AddCount("readings_explained", explained, &verdict);
+  verdict.why +=
+      fmt::format("; it explains {:.1f}% of {} readings",
+                  100.0 * static_cast<double>(explained) / static_cast<double>(readings), readings);
+  return verdict;
+}
+
+}  // namespace cairn::datasets

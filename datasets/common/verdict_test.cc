@@ -1,0 +1,175 @@
+#include "datasets/common/verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "schema/kinds/local_map.h"
+
+namespace cairn::datasets {
+namespace {
+
+Blob Searched(int support, double lead_nats) {
+  Blob result;
+  result.PutScalar<std::int32_t>("search/support", support);
+  result.PutScalar<std::int32_t>("search/starts", 12);
+  result.PutScalar<double>("search/lead_nats", lead_nats);
+  result.Put("search/unlike", Array::Texts({}));
+  return result;
+}
+
+std::string TextOf(const Blob& result) { return LandmarkMapVerdict(result).Text(); }
+
+TEST(LandmarkMapVerdict, StatesARateOnlyOfWhatItWasMeasuredOn) {
+  Blob result = Searched(7, 164.8);
+  result.Put("search/unlike", Array::Texts({"it has 4 robots", "the option revise is not the default"}));
+  EXPECT_EQ(
+      TextOf(result),
+      "not known: found from 7 of 12 starts, 164.8 nats ahead of the next different map; how often such "
+      "maps are right was not measured (it has 4 robots, the option revise is not the default)");
+  for (const std::string& text : {TextOf(result), TextOf(result.Without("search/unlike"))}) {
+    EXPECT_EQ(text.find("right in"), std::string::npos) << text;
+    EXPECT_EQ(text.find("high"), std::string::npos) << text;
+  }
+}
+
+TEST(LandmarkMapVerdict, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
+  EXPECT_EQ(
+      TextOf(Searched(3, 57.25)),
+      "high: right in 99 of 100 such simulations; found from 3 of 12 starts, 57.2 nats ahead of the next "
+      "different map");
+  EXPECT_EQ(TextOf(Searched(7, 4.5)),
+            "fair: right in 9 of 10 such simulations; found from 7 of 12 starts, 4.5 nats ahead of the next "
+            "different map");
+  EXPECT_EQ(TextOf(Searched(1, 102.0)),
+            "low: right in 3 of 10 such simulations; found from 1 of 12 starts, 102.0 nats ahead of the next "
+            "different map");
+}
+
+TEST(ReadConfidence, NeedsBothStartsThatAgreeAndALead) {
+  EXPECT_EQ(ReadConfidence(Searched(3, 10.0)), Confidence::kHigh);
+  EXPECT_EQ(ReadConfidence(Searched(3, 9.9)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(2, 99.0)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(2, 3.0)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(9, 2.9)), Confidence::kLow);
+  EXPECT_EQ(ReadConfidence(Searched(1, 99.0)), Confidence::kLow);
+}
+
+TEST(LandmarkMapVerdict, StartsThatAgreeAndASingleStart) {
+  EXPECT_EQ(TextOf(Searched(12, 1.0).Without("search/lead_nats")),
+            "high: right in 99 of 100 such simulations; found from 12 of 12 starts, no other map was found");
+  Blob once;
+  once.PutScalar<std::int32_t>("search/support", 1);
+  once.PutScalar<std::int32_t>("search/starts", 1);
+  EXPECT_EQ(TextOf(once),
+            "not known: EM started once, no other map to compare with; it searches where the drift of the "
+            "heading is "
+            "stated at import (--heading-drift-rad-per-m), or with --set starts=10");
+  EXPECT_EQ(TextOf(Blob()), "not known: there was no search");
+}
+
+TEST(LandmarkMapVerdict, AFileThatHoldsSomethingElseStatesNone) {
+  Blob result;
+  result.Put("search/support", Array::Text("three"));
+  EXPECT_EQ(ReadConfidence(result), Confidence::kNone);
+  result.PutVector<double>("search/support", {3.0, 4.0});
+  EXPECT_EQ(ReadConfidence(result), Confidence::kNone);
+}
+
+// Of one robot's trace: loops from the first time to the second.
+Blob LocalMapOf(const std::vector<std::pair<double, double>>& loops, std::size_t contradicted = 0) {
+  kinds::LocalMap map;
+  map.robots = std::vector<std::string>{"robot"};
+  map.robot.resize(1);
+  map.traces.robot = std::vector<std::int32_t>{0};
+  std::vector<std::int32_t> trace(loops.size(), 0), kind(loops.size(), 2);
+  std::vector<double> from_s, to_s;
+  std::vector<std::uint8_t> used(loops.size(), 1);
+  for (const auto& [from, to] : loops) {
+    from_s.push_back(from);
+    to_s.push_back(to);
+  }
+  for (std::size_t i = 0; i < contradicted; ++i) used[i] = 0;
+  map.connections.from = map.connections.to = trace;
+  map.connections.kind = kind;
+  map.connections.from_s = from_s;
+  map.connections.to_s = to_s;
+  map.connections.used = used;
+  return BlobOf(map);
+}
+
+std::vector<std::pair<double, double>> Loops(int count, double from_s, double to_s) {
+  std::vector<std::pair<double, double>> loops;
+  for (int i = 0; i < count; ++i) loops.emplace_back(from_s, to_s);
+  return loops;
+}
+
+TEST(LocalMapVerdict, ManyLoopsThatAgreeAreTrusted) {
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(20, 1, 9))).Text(), "high: the path closes all of 20 loops");
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(19, 9, 1))).trust, Confidence::kFair);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(4, 1, 9))).trust, Confidence::kLow);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(100, 1, 9), 2)).trust, Confidence::kHigh);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(100, 1, 9), 3)).trust, Confidence::kFair);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(100, 1, 9), 21)).Text(),
+            "low: 21 of 100 loops contradict the path");
+}
+
+TEST(LocalMapVerdict, ATimeThatFewLoopsGoOverIsNamed) {
+  auto loops = Loops(30, 1, 50);
+  const auto later = Loops(30, 60, 100);
+  loops.insert(loops.end(), later.begin(), later.end());
+  const Verdict untied = LocalMapVerdict(LocalMapOf(loops));
+  EXPECT_EQ(untied.trust, Confidence::kLow);
+  EXPECT_NE(untied.why.find("what comes after 50 s hangs on 0 of them"), std::string::npos) << untied.why;
+  for (int i = 0; i < 5; ++i) loops.emplace_back(100, 1);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops)).trust, Confidence::kFair);
+  for (int i = 0; i < 15; ++i) loops.emplace_back(40, 61);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops)).trust, Confidence::kHigh);
+  // Those that the others contradict tie nothing.
+  std::ranges::rotate(loops, loops.end() - 20);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops, 1)).trust, Confidence::kFair);
+}
+
+TEST(LocalMapVerdict, WithoutALoopNothingIsKnown) {
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf({})).Text(),
+            "not known: no place was recognised twice, so nothing checks the path");
+}
+
+TEST(LandmarkMapVerdict, SaysWhatItsLandmarksDoNotExplain) {
+  Blob result = Searched(5, 20);
+  result.PutVector<std::int32_t>("robot/0/observations/map_landmark", {0, -1, 1, -1, -1});
+  result.Put("robots", Array::Texts({"robot"}));
+  EXPECT_NE(TextOf(result).find("; 3 of 5 observations are of none of its landmarks"), std::string::npos)
+      << TextOf(result);
+}
+
+TEST(GridMapVerdict, CountsTheReadingsThatTheMapExplains) {
+  Blob result;
+  result.Put("robots", Array::Texts({"robot"}));
+  // A cell, nothing detected, random, not used, lost, beyond the map.
+  result.Put("robot/0/laser/cause", Array::Of<std::int32_t>({1, 6}, {7, -1, -2, -3, -4, -5}));
+  const Verdict verdict = GridMapVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kNone);
+  EXPECT_NE(verdict.why.find("it explains 50.0% of 4 readings"), std::string::npos) << verdict.why;
+}
+
+TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {
+  Blob result;
+  EXPECT_EQ(NotRefined(result), "") << "older files do not say";
+  result.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
+  EXPECT_EQ(NotRefined(result), "refused: the least squares has no solution");
+  EXPECT_TRUE(RefinementRefused(result));
+  result.Put("refinement/reason", Array::Text("not tried: refine=false"));
+  EXPECT_EQ(NotRefined(result), "not tried: refine=false");
+  EXPECT_FALSE(RefinementRefused(result));
+  result.Put("refinement/reason", Array::Text(""));
+  EXPECT_EQ(NotRefined(result), "");
+  EXPECT_FALSE(RefinementRefused(result));
+  result.PutVector<double>("refinement/reason", {1.0});
+  EXPECT_EQ(NotRefined(result), "") << "a file may hold anything";
+}
+
+}  // namespace
+}  // namespace cairn::datasets
