@@ -153,7 +153,8 @@ Verdict LandmarkMapVerdict(const Blob& result) {
   if (explained < observations)
     verdict.why += fmt::format("; {} of {} observations are of none of its landmarks",
                                observations - explained, observations);
-  if (RefinementRefused(result)) verdict.why += "; refinement was " + NotRefined(result);
+  if (RefinementRefused(result))
+    verdict.why += "; refinement was " + NotRefined(result) + ", the landmarks stand where EM left them";
   return verdict;
 }
 

@@ -124,8 +124,7 @@ TEST_F(ReportOfALoop, SaysThatARefinementWasRefused) {
   refused.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   ExpectContains(
       PageOf(refused, &log_, &evaluation_),
-      "Its refinement was refused: the least squares has no solution; the landmarks stand where EM "
-      "left them.");
+      "; refinement was refused: the least squares has no solution, the landmarks stand where EM left them.");
 }
 
 TEST_F(ReportOfALoop, WithoutLogAndTruthLeavesOutWhatItDoesNotKnow) {

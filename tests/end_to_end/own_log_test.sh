@@ -13,7 +13,7 @@ awk '/^```sh$/ {on = 1; next} /^```$/ {on = 0} on' "$CAIRN_SOURCE/docs/my-own-lo
 while IFS= read -r command; do
   bash -euc "$command" >stdout 2>stderr || die "the tutorial's command failed: $command"
 done <commands
-for file in my.h5 my-map/landmark_map.h5 my-map/map.png my-map/report.html my-map-tables/landmarks.csv my-map-picture/*.png my-with-truth.h5; do
+for file in my.h5 my-map/landmarks.h5 my-map/map.png my-map/report.html my-map-tables/landmarks.csv my-map-picture/*.png my-with-truth.h5; do
   [ -s "$file" ] || die "the tutorial did not make $file"
 done
 

@@ -47,6 +47,8 @@ Blob Result() {
   result.PutVector<std::int32_t>("connections/to", {0});
   result.PutVector<std::int32_t>("connections/kind", {2});
   result.PutVector<std::uint8_t>("connections/used", {1});
+  result.PutVector<double>("connections/from_s", {0});
+  result.PutVector<double>("connections/to_s", {1});
   for (const char* column : {"from_z_m", "from_u_m", "to_z_m", "to_u_m"})
     result.PutVector<double>(std::string("connections/") + column, {0.5});
   result.PutVector<double>("snapshots/time_s", {20});
