@@ -1,7 +1,10 @@
 // Points and poses in the plane: metres, x ahead at heading 0, headings in radians counter-clockwise from x.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numbers>
 
 namespace cairn {
@@ -58,5 +61,42 @@ inline Pose Interpolate(const Pose& a, const Pose& b, double share) {
   return {a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m),
           WrapAngle(a.heading_rad + share * WrapAngle(b.heading_rad - a.heading_rad))};
 }
+
+// Where a grid lies and how fine it is. Cell (i, j), column i and row j, covers [origin + i cell, origin + (i
+// + 1) cell) in x, likewise in y; row 0 is the lowest.
+struct GridBox {
+  double origin_x_m = 0, origin_y_m = 0, cell_m = 1;
+  std::int64_t columns = 0, rows = 0;
+
+  std::int64_t cells() const { return columns * rows; }
+  // May lie outside; what is farther than any map reaches counts as that far: no number is too large for an
+  // index.
+  std::int64_t ColumnOf(double x_m) const { return CellAt((x_m - origin_x_m) / cell_m); }
+  std::int64_t RowOf(double y_m) const { return CellAt((y_m - origin_y_m) / cell_m); }
+  bool Holds(std::int64_t column, std::int64_t row) const {
+    return column >= 0 && column < columns && row >= 0 && row < rows;
+  }
+  std::size_t Index(std::int64_t column, std::int64_t row) const {
+    return static_cast<std::size_t>(row * columns + column);
+  }
+  double CentreX(std::int64_t column) const {
+    return origin_x_m + (static_cast<double>(column) + 0.5) * cell_m;
+  }
+  double CentreY(std::int64_t row) const { return origin_y_m + (static_cast<double>(row) + 0.5) * cell_m; }
+  Point Centre(std::int64_t column, std::int64_t row) const { return {CentreX(column), CentreY(row)}; }
+  static void Fields(const auto& field) {
+    field("origin_x_m", &GridBox::origin_x_m);
+    field("origin_y_m", &GridBox::origin_y_m);
+    field("cell_m", &GridBox::cell_m);
+    field("columns", &GridBox::columns);
+    field("rows", &GridBox::rows);
+  }
+
+ private:
+  static std::int64_t CellAt(double cells) {
+    constexpr double kFar = 1e12;
+    return static_cast<std::int64_t>(std::floor(std::clamp(cells, -kFar, kFar)));
+  }
+};
 
 }  // namespace cairn

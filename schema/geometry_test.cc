@@ -46,5 +46,23 @@ TEST(Geometry, InterpolationTurnsTheShorterWay) {
 
 TEST(Geometry, DistancesAreEuclidean) { EXPECT_DOUBLE_EQ(DistanceM({1, 1}, {4, 5}), 5); }
 
+TEST(GridBox, CellsBeginWhereTheyAreCountedFrom) {
+  const GridBox box{-1, 2, 0.5, 4, 3};
+  EXPECT_EQ(box.cells(), 12);
+  EXPECT_EQ(box.ColumnOf(-1), 0);
+  EXPECT_EQ(box.ColumnOf(-1.001), -1);
+  EXPECT_EQ(box.RowOf(3.499), 2);
+  EXPECT_FALSE(box.Holds(0, box.RowOf(3.5)));
+  EXPECT_EQ(box.Index(1, 2), 9U);
+  EXPECT_DOUBLE_EQ(box.Centre(3, 0).x_m, 0.75);
+  EXPECT_DOUBLE_EQ(box.Centre(3, 0).y_m, 2.25);
+}
+
+TEST(GridBox, NoPlaceIsTooFarForAnIndex) {
+  const GridBox box{0, 0, 1e-3, 1, 1};
+  EXPECT_FALSE(box.Holds(box.ColumnOf(1e300), 0));
+  EXPECT_FALSE(box.Holds(box.ColumnOf(-1e300), 0));
+}
+
 }  // namespace
 }  // namespace cairn

@@ -46,16 +46,7 @@ class TaskInputs : public Inputs {
   }
   // People give what a stage begins with: a pipeline may rely on the form of what is there.
   void Check() const {
-    for (const auto& [name, blob] : blobs_) {
-      try {
-        // As what it is, and as what is read of it: a local_map may stand for poses.
-        const std::string kind = KindOf(*blob);
-        CheckKind(*blob, kind);
-        if (name != kind && FindKind(name) != nullptr) CheckKind(*blob, name);
-      } catch (const InputError& error) {
-        throw InputError("input '" + name + "': " + error.what());
-      }
-    }
+    for (const auto& [name, blob] : blobs_) CheckInput(*blob, name);
   }
   bool Has(const std::string& name) const override { return blobs_.contains(name); }
   BlobPtr Get(const std::string& name) const override {

@@ -70,7 +70,7 @@ class Tree {
   }
 
   const Occupancy& cells_;
-  const CellBox& box_;
+  const GridBox& box_;
   std::int64_t first_x_ = 0, first_y_ = 0;  // keys of cell [0,0]
   std::size_t nodes_ = 0;
   std::string bytes_;

@@ -69,7 +69,7 @@ Occupancy ReadCells(const Blob& blob) {
     if (!(p > 0.5)) p = std::numeric_limits<double>::quiet_NaN();
   }
   for (const MapLandmark& landmark : ReadMapLandmarks(blob)) {
-    const std::int64_t column = cells.box.Column(landmark.at.x_m), row = cells.box.Row(landmark.at.y_m);
+    const std::int64_t column = cells.box.ColumnOf(landmark.at.x_m), row = cells.box.RowOf(landmark.at.y_m);
     if (cells.box.Holds(column, row)) cells.probability[cells.box.Index(column, row)] = 1;
   }
   return cells;

@@ -7,6 +7,7 @@
 #include "datasets/common/odometry_holes.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/error.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 namespace {
@@ -33,44 +34,40 @@ std::vector<double> WithinATurn(std::vector<double> angles) {
   return angles;
 }
 
-void PutOdometry(const std::string& prefix, const Odometry& odometry, Blob* log) {
-  log->PutVector(prefix + "odometry/time_s", odometry.time_s);
-  log->PutVector(prefix + "odometry/turn_rad", odometry.turn_rad);
-  log->PutVector(prefix + "odometry/forward_m", odometry.forward_m);
+kinds::PoseTable TableOf(const Poses& poses) {
+  return {poses.time_s, poses.x_m, poses.y_m, WithinATurn(poses.heading_rad)};
 }
 
-void PutObservations(const std::string& prefix, const char* which, const Observations& observations,
-                     Blob* log) {
-  log->PutVector(prefix + "time_s", observations.time_s);
-  log->PutVector(prefix + which, observations.landmark);
-  log->PutVector(prefix + "range_m", observations.range_m);
-  log->PutVector(prefix + "bearing_rad", WithinATurn(observations.bearing_rad));
-}
-
-void PutRanges(const std::string& prefix, const RangeRows& ranges, Blob* log) {
-  log->PutVector(prefix + "time_s", ranges.time_s);
-  const auto scans = static_cast<std::int64_t>(ranges.time_s.size());
-  const auto beams = static_cast<std::int64_t>(ranges.beam_x_m.size());
-  log->Put(prefix + "range_m", Array::Of<double>({scans, beams}, ranges.range_m));
-  log->PutVector(prefix + "beam_x_m", ranges.beam_x_m);
-  log->PutVector(prefix + "beam_y_m", ranges.beam_y_m);
-  log->PutVector(prefix + "beam_heading_rad", ranges.beam_heading_rad);
-  log->PutScalar(prefix + "opening_rad", ranges.opening_rad);
-  log->PutScalar(prefix + "max_range_m", ranges.max_range_m);
+kinds::Log::RangeSensor SensorOf(const RangeRows& rows) {
+  const auto scans = static_cast<std::int64_t>(rows.time_s.size()),
+             beams = static_cast<std::int64_t>(rows.beam_x_m.size());
+  return {rows.sensor,
+          rows.time_s,
+          {{scans, beams}, rows.range_m},
+          rows.beam_x_m,
+          rows.beam_y_m,
+          rows.beam_heading_rad,
+          {},
+          rows.opening_rad,
+          rows.max_range_m};
 }
 
 void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {
   const std::string prefix = "robot/" + std::to_string(index) + "/";
-  PutOdometry(prefix, robot.odometry, log);
-  if (!robot.poses.time_s.empty()) PutPoses(prefix + "poses/", robot.poses, log);
-  for (const RangeRows& ranges : robot.ranges) PutRanges(prefix + ranges.sensor + "/", ranges, log);
-  PutObservations(prefix + "observations/", "landmark", robot.observations, log);
-  if (!robot.robot_observations.time_s.empty())
-    PutObservations(prefix + "robot_observations/", "robot", robot.robot_observations, log);
-  if (!robot.observations.truth_landmark.empty()) {
-    log->PutVector("truth/" + prefix + "observations/landmark", robot.observations.truth_landmark);
-  }
-  if (!robot.truth.time_s.empty()) PutPoses("truth/" + prefix + "poses/", robot.truth, log);
+  const Observations &seen = robot.observations, &sighted = robot.robot_observations;
+  kinds::Log::Robot of;
+  of.odometry = {robot.odometry.time_s, robot.odometry.turn_rad, robot.odometry.forward_m};
+  of.observations = {seen.time_s, seen.range_m, WithinATurn(seen.bearing_rad), seen.landmark, {}};
+  if (!sighted.time_s.empty())
+    of.robot_observations = {sighted.time_s, sighted.range_m, WithinATurn(sighted.bearing_rad),
+                             sighted.landmark};
+  if (!robot.poses.time_s.empty()) of.poses = TableOf(robot.poses);
+  for (const RangeRows& ranges : robot.ranges) of.sensors.push_back(SensorOf(ranges));
+  PutFields(prefix, of, log);
+  kinds::Log::TrueRobot truth;
+  if (!seen.truth_landmark.empty()) truth.landmark = seen.truth_landmark;
+  if (!robot.truth.time_s.empty()) truth.poses = TableOf(robot.truth);
+  PutFields("truth/" + prefix, truth, log);
 }
 
 void Count(const RobotRows& robot, ImportReport* report) {
@@ -120,10 +117,7 @@ void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string&
 }
 
 void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob) {
-  blob->PutVector(prefix + "time_s", poses.time_s);
-  blob->PutVector(prefix + "x_m", poses.x_m);
-  blob->PutVector(prefix + "y_m", poses.y_m);
-  blob->PutVector(prefix + "heading_rad", WithinATurn(poses.heading_rad));
+  PutFields(prefix, TableOf(poses), blob);
 }
 
 void Odometry::Add(double time, double turn, double forward) {

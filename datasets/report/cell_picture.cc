@@ -77,7 +77,7 @@ std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer) {
 }
 
 CellPicture InBlocks(const CellPicture& picture, std::int64_t most) {
-  const CellBox& box = picture.box;
+  const GridBox& box = picture.box;
   const std::int64_t block = (std::max(box.columns, box.rows) + most - 1) / most;
   if (block <= 1) return picture;
   CellPicture blocks{{box.origin_x_m, box.origin_y_m, box.cell_m * static_cast<double>(block),
@@ -102,7 +102,7 @@ Raster CellsRaster(const CellPicture& picture, std::int64_t most) {
   return raster;
 }
 
-Box BoxOf(const CellBox& cells) {
+Box BoxOf(const GridBox& cells) {
   return {cells.origin_x_m, cells.origin_x_m + static_cast<double>(cells.columns) * cells.cell_m,
           cells.origin_y_m, cells.origin_y_m + static_cast<double>(cells.rows) * cells.cell_m};
 }

@@ -20,7 +20,7 @@ enum class MapLayer {
 };
 
 struct CellPicture {
-  CellBox box;
+  GridBox box;
   std::vector<std::uint8_t> rgb;  // [rows][columns][3], row 0 the lowest y
 
   Rgb At(std::int64_t column, std::int64_t row) const {
@@ -47,7 +47,7 @@ CellPicture InBlocks(const CellPicture& picture, std::int64_t most);
 // A pixel a cell, north up; of a larger map a pixel a block, as above.
 Raster CellsRaster(const CellPicture& picture, std::int64_t most = 3000);
 
-Box BoxOf(const CellBox& cells);
+Box BoxOf(const GridBox& cells);
 
 // The scale of probabilities, and what is not on it.
 std::vector<LegendEntry> ProbabilityLegend();

@@ -10,6 +10,7 @@
 #include "datasets/simulate/sonar.h"
 #include "datasets/simulate/walls.h"
 #include "datasets/simulate/world.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 namespace {
@@ -126,11 +127,9 @@ void PutObservations(const std::string& robot, const Drive& drive, const std::ve
     bearing.push_back(std::isnan(s.bearing_rad) ? s.bearing_rad : ToNanoAngle(s.bearing_rad));
     truth.push_back(s.landmark);
   }
-  log.PutVector(robot + "/observations/time_s", time);
-  log.PutVector(robot + "/observations/landmark", landmark);
-  log.PutVector(robot + "/observations/range_m", range);
-  log.PutVector(robot + "/observations/bearing_rad", bearing);
-  if (typed) log.PutVector(robot + "/observations/type", type);
+  kinds::Log::Observations observations{time, range, bearing, landmark, {}};
+  if (typed) observations.type = type;
+  PutFields(robot + "/observations/", observations, &log);
   log.PutVector("truth/" + robot + "/observations/landmark", truth);
 }
 
@@ -144,17 +143,13 @@ std::vector<int> DrawTypes(const CorridorWorld& world, const SimulateLoopOptions
 }
 
 void PutLandmarks(const CorridorWorld& world, const std::vector<int>& types, bool identities, Blob& log) {
-  std::vector<double> x, y;
-  for (const Point& node : world.nodes) {
-    x.push_back(ToMicro(node.x_m));
-    y.push_back(ToMicro(node.y_m));
-  }
   log.Put("landmarks", Array::Texts(identities ? world.names : std::vector<std::string>{}));
-  log.Put("truth/landmarks/name", Array::Texts(world.names));
-  log.PutVector("truth/landmarks/x_m", x);
-  log.PutVector("truth/landmarks/y_m", y);
-  if (!types.empty())
-    log.PutVector("truth/landmarks/type", std::vector<std::int32_t>(types.begin(), types.end()));
+  kinds::Log::Landmarks truth{world.names,
+                              ColumnOf(world.nodes, [](const Point& node) { return ToMicro(node.x_m); }),
+                              ColumnOf(world.nodes, [](const Point& node) { return ToMicro(node.y_m); }),
+                              {}};
+  if (!types.empty()) truth.type = types;
+  PutFields("truth/landmarks/", truth, &log);
 }
 
 struct Driven {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "datasets/common/control.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::datasets {
 
@@ -23,9 +24,7 @@ void PutOdometry(const std::string& robot, const Drive& drive, const OdometryDra
     turn.push_back(odometry.controls[i].turn_rad);
     forward.push_back(odometry.controls[i].forward_m);
   }
-  log.PutVector(robot + "/odometry/time_s", time);
-  log.PutVector(robot + "/odometry/turn_rad", turn);
-  log.PutVector(robot + "/odometry/forward_m", forward);
+  PutFields(robot + "/odometry/", kinds::Log::Odometry{time, turn, forward}, &log);
 }
 
 void PutNoise(const OdometryNoise& noise, Blob& log) {
@@ -37,18 +36,17 @@ void PutNoise(const OdometryNoise& noise, Blob& log) {
 
 void PutNoObservations(const std::string& robot, Blob& log) {
   log.Put("landmarks", Array::Texts({}));
-  for (const char* name : {"time_s", "range_m", "bearing_rad"})
-    log.PutVector<double>(robot + "/observations/" + name, {});
-  log.PutVector<std::int32_t>(robot + "/observations/landmark", {});
+  const std::vector<double> none;
+  PutFields(robot + "/observations/",
+            kinds::Log::Observations{none, none, none, std::vector<std::int32_t>(), {}}, &log);
 }
 
 void PutPoses(const std::string& prefix, const Drive& drive, Blob& log) {
-  std::vector<double> time, x, y, heading;
+  std::vector<double> time;
+  std::vector<Pose> poses;
   const auto add = [&](double time_s, const Pose& pose) {
     time.push_back(ToMilli(time_s));
-    x.push_back(ToMicro(pose.x_m));
-    y.push_back(ToMicro(pose.y_m));
-    heading.push_back(ToNanoAngle(pose.heading_rad));
+    poses.push_back({ToMicro(pose.x_m), ToMicro(pose.y_m), ToNanoAngle(pose.heading_rad)});
   };
   Pose pose = drive.start;
   add(0, pose);
@@ -56,10 +54,9 @@ void PutPoses(const std::string& prefix, const Drive& drive, Blob& log) {
     pose = Apply(pose, drive.controls[i]);
     add(drive.times_s[i], pose);
   }
-  log.PutVector(prefix + "time_s", time);
-  log.PutVector(prefix + "x_m", x);
-  log.PutVector(prefix + "y_m", y);
-  log.PutVector(prefix + "heading_rad", heading);
+  kinds::PoseTable table;
+  table.Set(time, poses);
+  PutFields(prefix, table, &log);
 }
 
 }  // namespace cairn::datasets

@@ -1,43 +1,13 @@
-// Where a grid map lies and how fine it is.
+// Where a grid map (schema/geometry.h, GridBox) is to lie.
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 
-#include "schema/kinds/fields.h"
+#include "schema/geometry.h"
 
 namespace cairn {
-
-// Cell (i, j), column i and row j, covers [origin + i cell, origin + (i + 1) cell) in x, likewise in y.
-struct GridBox {
-  double origin_x_m = 0, origin_y_m = 0, cell_m = 1;
-  std::int64_t columns = 0, rows = 0;
-
-  std::int64_t cells() const { return columns * rows; }
-  // May lie outside.
-  std::int64_t ColumnOf(double x_m) const {
-    return static_cast<std::int64_t>(std::floor((x_m - origin_x_m) / cell_m));
-  }
-  std::int64_t RowOf(double y_m) const {
-    return static_cast<std::int64_t>(std::floor((y_m - origin_y_m) / cell_m));
-  }
-  bool Holds(std::int64_t column, std::int64_t row) const {
-    return column >= 0 && column < columns && row >= 0 && row < rows;
-  }
-  double CentreX(std::int64_t column) const {
-    return origin_x_m + (static_cast<double>(column) + 0.5) * cell_m;
-  }
-  double CentreY(std::int64_t row) const { return origin_y_m + (static_cast<double>(row) + 0.5) * cell_m; }
-  static void Fields(const auto& field) {
-    field("origin_x_m", &GridBox::origin_x_m);
-    field("origin_y_m", &GridBox::origin_y_m);
-    field("cell_m", &GridBox::cell_m);
-    field("columns", &GridBox::columns);
-    field("rows", &GridBox::rows);
-  }
-};
 
 // Grows to hold points; `ToGrid` gives the box of whole cells, whose corners are multiples of the cell, so
 // that maps of one log at one resolution lie on each other.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "schema/error.h"
+#include "schema/kinds/fields.h"
 
 namespace cairn {
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "schema/error.h"
+#include "schema/kinds/poses.h"
 
 namespace cairn {
 namespace {
@@ -45,22 +46,10 @@ PoseTrack PoseTrack::Of(const Blob& log, const Blob* poses, std::size_t index, d
 }
 
 void PoseTrack::Read(const Blob& blob, const std::string& prefix, const std::string& robot) {
-  const auto time = blob.Get<double>(prefix + "time_s");
-  const auto x = blob.Get<double>(prefix + "x_m"), y = blob.Get<double>(prefix + "y_m");
-  const auto heading = blob.Get<double>(prefix + "heading_rad");
-  if (time.empty() || x.size() != time.size() || y.size() != time.size() || heading.size() != time.size())
-    throw InputError("robot '" + robot + "': " + prefix + " is empty or its arrays differ in length");
-  const auto refuse = [&](std::size_t i, const char* why) {
-    throw InputError("robot '" + robot + "', pose " + std::to_string(i) + ": " + why);
-  };
-  time_s_.assign(time.begin(), time.end());
-  pose_.reserve(time.size());
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    if (!std::isfinite(time[i]) || !std::isfinite(x[i]) || !std::isfinite(y[i]) || !std::isfinite(heading[i]))
-      refuse(i, "not a number");
-    if (i > 0 && time[i] < time[i - 1]) refuse(i, "time runs backwards");
-    pose_.push_back({x[i], y[i], heading[i]});
-  }
+  const auto poses = FieldsIn<kinds::PoseTable>(prefix, blob);
+  if (poses.time_s.empty()) throw InputError("robot '" + robot + "': " + prefix + " is empty");
+  time_s_ = poses.time_s.vector();
+  pose_ = poses.poses();
 }
 
 std::optional<Pose> PoseTrack::Odometric(double time_s) const {

@@ -16,11 +16,10 @@ class PoseTrack {
  public:
   // Of robot `index` of the log: from `poses` (may be null; kind `poses` or `landmark_map`, whose robot of
   // the same name it is), else from the log's robot/N/poses/, else from its odometry alone. Poses that are
-  // more than `gap_s` apart (0: any) say nothing of the time between them.
+  // more than `gap_s` apart (0: any) say nothing of the time between them. Both were checked as their kinds.
   // Throws InputError that names the robot where
   // - `poses` is there and has none of that name;
-  // - there is nothing of the three, or the arrays are empty or differ in length;
-  // - times run backwards, or a pose is not of numbers.
+  // - there is nothing of the three, or the arrays are empty.
   static PoseTrack Of(const Blob& log, const Blob* poses, std::size_t index, double gap_s);
 
   // Between two poses as odometry says, with what it is off by at the second spread evenly over the time;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "schema/error.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn {
 namespace {
@@ -79,6 +80,7 @@ TEST(PoseTrack, PosesGivenComeBeforeTheLogsOwnAndGoByName) {
 TEST(PoseTrack, WhatCannotBeUsedIsNamed) {
   const auto refusal = [](const Blob& log, const Blob* poses) {
     try {
+      CheckInput(log, "log");
       PoseTrack::Of(log, poses, 0, 0);
     } catch (const InputError& error) {
       return std::string(error.what());
@@ -94,10 +96,10 @@ TEST(PoseTrack, WhatCannotBeUsedIsNamed) {
             std::string::npos);
   Blob back = bare;
   PutPoses("robot/0/poses/", {1, 0}, {0, 0}, {0, 0}, {0, 0}, &back);
-  EXPECT_NE(refusal(back, nullptr).find("pose 1: time runs backwards"), std::string::npos);
+  EXPECT_NE(refusal(back, nullptr).find("'robot/0/poses/time_s', entry 1"), std::string::npos);
   Blob nan = bare;
   PutPoses("robot/0/poses/", {1}, {std::nan("")}, {0}, {0}, &nan);
-  EXPECT_NE(refusal(nan, nullptr).find("pose 0: not a number"), std::string::npos);
+  EXPECT_NE(refusal(nan, nullptr).find("'robot/0/poses/x_m': nan"), std::string::npos);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "pipelines/common/pose_track.h"
 #include "schema/error.h"
 #include "schema/kinds/grid_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn {
 namespace {
@@ -24,8 +25,8 @@ std::string Numbered(const std::string& name, std::size_t scan, double time_s) {
   throw InputError(Numbered(name, scan, time_s) + ": " + why);
 }
 
-// The groups that range scans may stand in, in their order (schema/FORMAT.md).
-const std::vector<std::string> kGroups{"sonar", "infrared", "laser", "laser2", "laser3", "laser4", "laser5"};
+// The groups that range scans may stand in, in their order.
+const std::vector<std::string> kGroups(std::begin(kRangeSensors), std::end(kRangeSensors));
 
 std::vector<std::string> Chosen(const GridOptions& options) {
   const std::vector<std::string> names = ByCommas(options.sensors);
@@ -37,42 +38,9 @@ std::vector<std::string> Chosen(const GridOptions& options) {
   return names.empty() ? kGroups : names;
 }
 
-void ReadBeams(const Blob& group, RangeScans* sensor) {
-  const auto x = group.Get<double>("beam_x_m"), y = group.Get<double>("beam_y_m");
-  const auto heading = group.Get<double>("beam_heading_rad");
-  if (x.size() != y.size() || x.size() != heading.size())
-    throw InputError(sensor->name + ": beam_x_m, beam_y_m and beam_heading_rad differ in length");
-  for (std::size_t b = 0; b < x.size(); ++b) {
-    if (!std::isfinite(x[b]) || !std::isfinite(y[b]) || !std::isfinite(heading[b]))
-      throw InputError(sensor->name + ": beam " + std::to_string(b) + " is not of numbers");
-    sensor->beams.push_back({x[b], y[b], heading[b]});
-  }
-  sensor->opening_rad = group.Scalar<double>("opening_rad");
-  sensor->max_range_m = group.Scalar<double>("max_range_m");
-  if (!(sensor->opening_rad >= 0 && sensor->opening_rad < std::numbers::pi))
-    throw InputError(sensor->name + ": an opening is from 0 to below pi");
-  if (!(sensor->max_range_m > 0) || !std::isfinite(sensor->max_range_m))
-    throw InputError(sensor->name + ": max_range_m is not a length");
-}
-
-void ReadTurret(const Blob& group, RangeScans* sensor) {
-  if (!group.Has("turret_rad")) return;
-  const auto turret = group.Get<double>("turret_rad");
-  if (turret.size() != sensor->scans())
-    throw InputError(sensor->name + ": turret_rad and time_s differ in length");
-  for (std::size_t s = 0; s < turret.size(); ++s)
-    if (!std::isfinite(turret[s])) Refuse(sensor->name, s, sensor->time_s[s], "turret_rad is not a number");
-  sensor->turret_rad.assign(turret.begin(), turret.end());
-}
-
 void CheckRanges(const RangeScans& sensor) {
   const auto range = sensor.range_m.As<double>();
   const std::size_t beams = sensor.beams.size();
-  if (range.size() != sensor.scans() * beams) {
-    throw InputError(sensor.name + ": range_m has " + std::to_string(range.size()) + " numbers, where " +
-                     std::to_string(sensor.scans()) + " scans of " + std::to_string(beams) +
-                     " beams are needed");
-  }
   for (std::size_t r = 0; r < range.size(); ++r) {
     if (std::isnan(range[r]) || (range[r] >= 0 && range[r] <= sensor.max_range_m)) continue;
     Refuse(sensor.name, r / beams, sensor.time_s[r / beams],
@@ -121,8 +89,6 @@ std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
   std::vector<double> times, turret;
   for (std::size_t s = 0; s < sensor->scans(); ++s) {
     const double time_s = sensor->time_s[s];
-    if (!std::isfinite(time_s)) Refuse(sensor->name, s, time_s, "its time is not a number");
-    if (s > 0 && time_s < sensor->time_s[s - 1]) Refuse(sensor->name, s, time_s, "time runs backwards");
     const auto pose = track.At(time_s);
     if (!pose && !skip) {
       Refuse(sensor->name, s, time_s,
@@ -141,15 +107,17 @@ std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
   return dropped;
 }
 
-RangeScans ReadSensor(const Blob& group, const std::string& name) {
+RangeScans SensorOf(const kinds::Log::RangeSensor& of, const std::string& name) {
   RangeScans sensor;
   sensor.name = name;
-  ReadBeams(group, &sensor);
-  const auto time = group.Get<double>("time_s");
-  sensor.time_s.assign(time.begin(), time.end());
-  ReadTurret(group, &sensor);
-  group.Get<double>("range_m");  // or it is missing or of another type
-  sensor.range_m = group.at("range_m");
+  for (std::size_t b = 0; b < of.beam_x_m.size(); ++b)
+    sensor.beams.push_back({of.beam_x_m[b], of.beam_y_m[b], of.beam_heading_rad[b]});
+  sensor.opening_rad = of.opening_rad.Scalar();
+  sensor.max_range_m = of.max_range_m.Scalar();
+  if (!(sensor.opening_rad < std::numbers::pi)) throw InputError(name + ": an opening is from 0 to below pi");
+  sensor.time_s = of.time_s.vector();
+  if (of.turret_rad) sensor.turret_rad = of.turret_rad.vector();
+  sensor.range_m = of.range_m.array();
   CheckRanges(sensor);
   return sensor;
 }
@@ -184,7 +152,7 @@ PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions&
     for (const std::string& kind : kGroups) {
       const std::string name = robot + kind + "/";
       if (std::ranges::find(chosen, kind) == chosen.end() || !log.Has(name + "range_m")) continue;
-      RangeScans sensor = ReadSensor(log.Sub(name), name);
+      RangeScans sensor = SensorOf(FieldsIn<kinds::Log::RangeSensor>(name, log), name);
       scans.unposed +=
           PlaceScans(PoseTrack::Of(log, poses, r, options.pose_gap_s), options.skip_unposed, &sensor);
       for (std::size_t s = 0; s < sensor.scans(); ++s)

@@ -73,12 +73,11 @@ void VisitGridOptions(V& visit, GridOptions& o) {
 // The sensors of all robots in the order of robots, then sonar and infra-red before lasers, as `options`
 // choose. Poses come from `poses` (its robot/N/poses/, by the robot's name), else from the log's own, else
 // from dead reckoning; `poses` may be null. Between two of them a robot moves as its odometry says, with the
-// difference spread evenly over time, or straight where there is none.
+// difference spread evenly over time, or straight where there is none. The log was checked as its kind.
 // Throws InputError that names sensor and scan where
 // - there are no scans, or none with a pose; an option names a sensor that there can not be;
-// - a range is negative or beyond the sensor's reach;
-// - times run backwards, or there is no pose for one and `skip_unposed` is false;
-// - arrays are of wrong sizes, or beams, opening or reach are not sensible.
+// - a range is beyond the sensor's reach, or its opening is half a turn or more;
+// - there is no pose for a time and `skip_unposed` is false.
 struct PosedScans {
   std::vector<RangeScans> sensors;
   std::size_t unposed = 0;  // scans left out

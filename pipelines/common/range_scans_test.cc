@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "schema/error.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn {
 namespace {
@@ -32,6 +33,7 @@ Blob Log() {
 
 std::string Refusal(const Blob& log, const GridOptions& options = {}) {
   try {
+    CheckInput(log, "log");  // as before a job starts
     GridOf(ReadRangeScans(log, nullptr, options), options, 8);
   } catch (const InputError& error) {
     return error.what();
@@ -75,9 +77,9 @@ TEST(RangeScans, BeamsTurnWithTheirTurretRowByRow) {
   EXPECT_LT(turned.origin_x_m + static_cast<double>(turned.columns) * turned.cell_m,
             plain.origin_x_m + static_cast<double>(plain.columns) * plain.cell_m - 3);
   log.PutVector<double>("robot/0/sonar/turret_rad", {0, 1});
-  EXPECT_NE(Refusal(log).find("turret_rad and time_s differ"), std::string::npos) << Refusal(log);
+  EXPECT_NE(Refusal(log).find("turret_rad' has the shape [2]"), std::string::npos) << Refusal(log);
   log.PutVector<double>("robot/0/sonar/turret_rad", {0, kNone, 0});
-  EXPECT_NE(Refusal(log).find("scan 1"), std::string::npos) << Refusal(log);
+  EXPECT_NE(Refusal(log).find("turret_rad', entry 1"), std::string::npos) << Refusal(log);
 }
 
 TEST(RangeScans, InfraredIsASensorOfItsOwn) {
@@ -207,16 +209,16 @@ TEST(RangeScans, WhatIsWrongIsNamedWithSensorAndScan) {
     return with("range_m", Array::Of<double>({3, 2}, std::vector<double>{1, 2, 3, bad, 4, 5}));
   };
   EXPECT_EQ(Refusal(Log()), "accepted");
-  EXPECT_NE(ranges(-0.1).find("scan 1 (5.000000 s): beam 1 measures -0.1"), std::string::npos);
-  EXPECT_NE(ranges(6.1).find("beyond max_range_m"), std::string::npos);
-  EXPECT_NE(ranges(1 / 0.0).find("beyond max_range_m"), std::string::npos);
-  EXPECT_NE(
-      with("range_m", Array::Of<double>({2, 2}, std::vector<double>{1, 2, 3, 4})).find("where 3 scans of 2"),
-      std::string::npos);
-  EXPECT_NE(with("time_s", Array::Vector<double>({0, 7, 5})).find("scan 2 (5.000000 s): time runs backwards"),
+  EXPECT_NE(ranges(-0.1).find("range_m', entry 3: -0.1"), std::string::npos);
+  EXPECT_NE(ranges(6.1).find("scan 1 (5.000000 s): beam 1 measures 6.1"), std::string::npos);
+  EXPECT_NE(ranges(1 / 0.0).find("range_m', entry 3: inf"), std::string::npos);
+  EXPECT_NE(with("range_m", Array::Of<double>({2, 2}, std::vector<double>{1, 2, 3, 4}))
+                .find("range_m' has the shape [2,2]"),
             std::string::npos);
-  EXPECT_NE(with("opening_rad", Array::Scalar<double>(4)).find("below pi"), std::string::npos);
-  EXPECT_NE(with("beam_x_m", Array::Vector<double>({0})).find("differ in length"), std::string::npos);
+  EXPECT_NE(with("time_s", Array::Vector<double>({0, 7, 5})).find("time_s', entry 2"), std::string::npos);
+  EXPECT_NE(with("opening_rad", Array::Scalar<double>(4)).find("opening_rad': 4"), std::string::npos);
+  EXPECT_NE(with("beam_x_m", Array::Vector<double>({0})).find("beam_x_m' has the shape [1]"),
+            std::string::npos);
   Blob none = Log().Without("robot/0/sonar/");
   EXPECT_NE(Refusal(none).find("the log has no range scans"), std::string::npos);
   GridOptions options;

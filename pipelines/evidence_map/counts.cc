@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "schema/kinds/fields.h"
+
 namespace cairn::evidence_map {
 namespace {
 

@@ -8,6 +8,7 @@
 #include "pipelines/evidence_map/cone_counts.h"
 #include "pipelines/evidence_map/log_odds.h"
 #include "pipelines/evidence_map/ray_counts.h"
+#include "schema/kinds/grid_map.h"
 
 namespace cairn::evidence_map {
 namespace {
@@ -86,13 +87,9 @@ Blob ResultOf(const GridBox& grid, const std::vector<double>& log_odds) {
     stored.push_back(static_cast<float>(l));
   }
   const Shape shape{grid.rows, grid.columns};
-  Blob result;
-  result.Put("map/grid/probability", Array::Of<double>(shape, probability));
-  result.Put("map/grid/log_odds", Array::Of<float>(shape, stored));
-  result.PutScalar("map/grid/origin_x_m", grid.origin_x_m);
-  result.PutScalar("map/grid/origin_y_m", grid.origin_y_m);
-  result.PutScalar("map/grid/cell_m", grid.cell_m);
-  return result;
+  kinds::GridMap map;
+  map.grid = {kinds::GridPlace::Of(grid), {shape, probability}, {}, {shape, stored}, {}, {}};
+  return BlobOf(map);
 }
 
 std::string NoteOf(const PosedScans& scans, const GridBox& grid) {

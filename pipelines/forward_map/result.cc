@@ -56,10 +56,7 @@ void PutMap(const Options& options, const MapState& map, const Cells& cells, Blo
     probability.push_back(std::isnan(difference) ? difference : ProbabilityOf(difference, options.prior));
   }
   const Shape shape = {box.rows, box.columns};
-  kinds::GridMap::Grid grid;
-  grid.origin_x_m = box.origin_x_m;
-  grid.origin_y_m = box.origin_y_m;
-  grid.cell_m = box.cell_m;
+  kinds::GridMap::Grid grid{kinds::GridPlace::Of(box), {}, {}, {}, {}, {}};
   grid.probability = {shape, probability};
   grid.log_odds_difference = {shape, cells.difference};
   grid.occupied = {shape, cells.occupied};

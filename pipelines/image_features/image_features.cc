@@ -26,12 +26,6 @@ ImageShape ShapeOf(const Options& options, const Blob& samples, const std::strin
   const std::string name = RunPrefix(index) + "image";
   if (!samples.Has(name)) throw InputError("run '" + run + "' has no images");
   const Shape& shape = samples.at(name).shape();
-  samples.Get<std::uint8_t>(name);  // or it is of another type
-  if (shape.size() != 4 || shape[3] != 3)
-    throw InputError("'" + name + "' has another shape than samples, rows, columns, 3");
-  if (shape[0] != samples.at(RunPrefix(index) + "time_s").size())
-    throw InputError("run '" + run + "' has " + std::to_string(shape[0]) + " images for " +
-                     std::to_string(samples.at(RunPrefix(index) + "time_s").size()) + " samples");
   const std::int64_t least = std::min(
       {shape[1], shape[2], std::int64_t{options.texture_rows}, std::int64_t{options.texture_columns}});
   if (least < options.bands) {
@@ -132,8 +126,6 @@ Step ImageFeatures::Advance(const State&, Partials& partials, const Inputs& inpu
     const std::string name = RunPrefix(r) + "input";
     const auto count = static_cast<std::size_t>(samples->at(RunPrefix(r) + "time_s").size());
     const auto had = had_names.empty() ? std::span<const float>() : samples->Get<float>(name);
-    if (had.size() != count * had_names.size())
-      throw InputError("'" + name + "' has another size than samples times inputs");
     std::vector<float> input;
     while (input.size() < count * names.size())
       Append(*partials.Get(task++), features, had, had_names.size(), &input);

@@ -90,9 +90,9 @@ TEST(ImageFeatures, RefusesWhatIsNoImage) {
       Refusal(garden, {.bands = 31}),
       "run 'out': images of 40 by 30 pixels cannot be cut into 31 bands, nor can a smaller one for texture");
   garden.Put("run/1/image", Array::Of({3, 40, 30, 3}, std::vector<std::uint8_t>(3 * 3600)));
-  EXPECT_EQ(Refusal(garden), "run 'home' has 3 images for 2 samples");
+  EXPECT_NE(Refusal(garden).find("'run/1/image' has the shape [3,"), std::string::npos) << Refusal(garden);
   garden.Put("run/1/image", Array::Of({2, 40, 30, 4}, std::vector<std::uint8_t>(2 * 4800)));
-  EXPECT_EQ(Refusal(garden), "'run/1/image' has another shape than samples, rows, columns, 3");
+  EXPECT_NE(Refusal(garden).find("'run/1/image' has the shape ["), std::string::npos) << Refusal(garden);
   EXPECT_EQ(Refusal(garden.Without("run/1/image")), "run 'home' has no images");
 }
 

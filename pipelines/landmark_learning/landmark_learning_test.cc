@@ -292,16 +292,16 @@ TEST(LandmarkLearning, SaysWhatIsWrongWithTheSamples) {
   EXPECT_EQ(Complaint(good, few), "");
   EXPECT_EQ(Complaint(good, {.steps = 1, .holdout = "x"}), "holdout: there is no run 'x' among the samples");
   EXPECT_EQ(Complaint(with("run/1/x_m", Array::Vector<double>({1.0})), few),
-            "run 'run 1': its arrays are not of one length: 1 x_m, 80 y_m, 400 numbers in 5 inputs");
+            "input 'samples': 'run/1/x_m' has the shape [1], where [K] is needed: K is 80 by 'run/1/time_s'");
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> x(80, 0.0);
   x[3] = nan;
   EXPECT_EQ(Complaint(with("run/1/x_m", Array::Vector(x)), few),
-            "run 'run 1', sample 3: 'x_m' is not a finite number");
+            "input 'samples': 'run/1/x_m', entry 3: nan, where -1e+09 to 1e+09 is needed");
   std::vector<float> input(400, 0.0F);
   input[12] = std::numeric_limits<float>::infinity();
   EXPECT_EQ(Complaint(with("run/2/input", Array::Of<float>({80, 5}, input)), few),
-            "run 'run 2', sample 2: input 2 is not a finite number");
+            "input 'samples': 'run/2/input', entry 12: inf, where a finite number is needed");
   EXPECT_NE(Complaint(good, {.window_m = 1e-9, .steps = 1}).find("reaches no other position"),
             std::string::npos);
   EXPECT_EQ(Complaint(CorridorSamples{.runs = 1, .samples = 1}.Make(), few),
@@ -311,7 +311,8 @@ TEST(LandmarkLearning, SaysWhatIsWrongWithTheSamples) {
   EXPECT_EQ(Complaint(good, {.heading_window_deg = 90.0, .steps = 1}),
             "heading_window_deg: it takes samples whose headings are known, 'heading_rad' of each run");
   EXPECT_EQ(Complaint(with("run/1/heading_rad", Array::Vector<double>({1.0})), few),
-            "run 'run 1': its arrays are not of one length: 80 x_m, 1 heading_rad");
+            "input 'samples': 'run/1/heading_rad' has the shape [1], where [K] is needed: K is 80 by "
+            "'run/1/time_s'");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "pipelines/landmark_learning/testing.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -51,11 +52,10 @@ TEST(TruthWeights, ThatAreMissingOrNoWeightsAreRefused) {
   EXPECT_THROW(Weights(samples, "file"), InputError);
   samples.PutVector<double>("run/0/weight", {1, -1, 0});
   try {
-    Weights(samples, "samples");
+    CheckInput(samples, "samples");  // as before a job starts
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "run 'a': 'weight' must be a number from 0 up for each of its 3 samples; sample 1");
+    EXPECT_STREQ(error.what(), "input 'samples': 'run/0/weight', entry 1: -1, where 0 or more is needed");
   }
 }
 

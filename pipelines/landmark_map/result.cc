@@ -10,6 +10,7 @@
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
 #include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
+#include "schema/kinds/landmark_map.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -253,9 +254,9 @@ void PutMap(const LayeredGrid& map, const MapRules& rules, Blob* result) {
     }
   }
   result->Put("map/grid/probability", Array::Of<double>({classes, box.ny, box.nx}, cells));
-  result->PutScalar<double>("map/grid/origin_x_m", (box.x0 - 0.5) * grid.cell_m);
-  result->PutScalar<double>("map/grid/origin_y_m", (box.y0 - 0.5) * grid.cell_m);
-  result->PutScalar<double>("map/grid/cell_m", grid.cell_m);
+  PutFields("map/grid/",
+            kinds::GridPlace{(box.x0 - 0.5) * grid.cell_m, (box.y0 - 0.5) * grid.cell_m, grid.cell_m},
+            result);
 }
 
 void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules, Blob* result) {

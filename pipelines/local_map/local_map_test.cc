@@ -142,8 +142,7 @@ TEST(LocalMap, RefusesALogWithoutRangesOrWithTimeThatRunsBackwards) {
   std::vector<double> times(time.begin(), time.end());
   times[5] = 0;
   backwards.PutVector("robot/0/sonar/time_s", times);
-  EXPECT_NE(refusal(backwards).find("scan 5"), std::string::npos);
-  EXPECT_NE(refusal(backwards).find("backwards"), std::string::npos);
+  EXPECT_NE(refusal(backwards).find("'robot/0/sonar/time_s', entry 5"), std::string::npos);
 }
 
 }  // namespace

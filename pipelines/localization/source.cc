@@ -7,11 +7,10 @@
 #include "pipelines/localization/learned.h"
 #include "schema/error.h"
 #include "schema/headings.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::localization {
 namespace {
-
-std::string PrefixOf(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
 
 std::string JoinNames(const std::vector<std::string>& names) {
   std::string joined;
@@ -19,67 +18,13 @@ std::string JoinNames(const std::vector<std::string>& names) {
   return joined;
 }
 
-// Rows of `columns` numbers, all of them finite.
-std::span<const float> RowsOf(const Blob& samples, std::size_t run, const std::string& name,
-                              const std::string& array, std::size_t rows, std::size_t columns) {
-  const auto values = samples.Get<float>(PrefixOf(run) + array);
-  if (values.size() != rows * columns) {
-    throw InputError("run '" + name + "': '" + array + "' has " + std::to_string(values.size()) +
-                     " numbers, where " + std::to_string(rows) + " samples of " + std::to_string(columns) +
-                     " are needed");
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!std::isfinite(values[i])) {
-      throw InputError("run '" + name + "', sample " + std::to_string(i / columns) + ": " + array + " " +
-                       std::to_string(i % columns) + " is not a finite number");
-    }
-  }
-  return values;
-}
-
-std::vector<Position> PositionsOf(const Blob& samples, std::size_t run, const std::string& name) {
-  const auto x = samples.Get<double>(PrefixOf(run) + "x_m"), y = samples.Get<double>(PrefixOf(run) + "y_m");
-  if (x.size() != y.size() || x.empty())
-    throw InputError("run '" + name + "': x_m and y_m are empty or not of one length");
-  std::vector<Position> positions;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    if (!std::isfinite(x[k]) || !std::isfinite(y[k])) {
-      throw InputError("run '" + name + "', sample " + std::to_string(k) + ": the position is not finite");
-    }
-    positions.push_back({x[k], y[k]});
-  }
-  return positions;
-}
-
-// Empty where they are not known.
-std::vector<double> HeadingsOf(const Blob& samples, std::size_t run, const std::string& name,
-                               std::size_t rows) {
-  const std::string array = PrefixOf(run) + "heading_rad";
-  if (!samples.Has(array)) return {};
-  const auto headings = samples.Get<double>(array);
-  if (headings.size() != rows)
-    throw InputError("run '" + name + "': x_m and heading_rad are not of one length");
-  for (std::size_t k = 0; k < rows; ++k) {
-    if (!std::isfinite(headings[k]))
-      throw InputError("run '" + name + "', sample " + std::to_string(k) + ": the heading is not finite");
-  }
-  return {headings.begin(), headings.end()};
-}
-
 // Of each sample since the one before; empty where there is none, or labels are asked for.
-std::vector<OwnMotion> OdometryOf(const Options& options, const Blob& samples, std::size_t run,
-                                  const std::string& name, std::size_t rows) {
-  const std::string prefix = PrefixOf(run) + "odometry/";
-  if (options.odometry == "labels" || !samples.Has(prefix + "forward_m")) return {};
-  const auto turn = samples.Get<double>(prefix + "turn_rad"),
-             forward = samples.Get<double>(prefix + "forward_m");
-  const bool sideways = samples.Has(prefix + "left_m");
-  const auto left = sideways ? samples.Get<double>(prefix + "left_m") : std::span<const double>();
-  if (turn.size() != rows || forward.size() != rows || (sideways && left.size() != rows))
-    throw InputError("run '" + name + "': its odometry does not have a row for each sample");
+std::vector<OwnMotion> OdometryOf(const Options& options, const kinds::Samples::Run& run,
+                                  const std::string& name) {
+  if (options.odometry == "labels" || !run.forward_m) return {};
   std::vector<OwnMotion> odometry;
-  for (std::size_t k = 0; k < rows; ++k) {
-    const OwnMotion own{{forward[k], sideways ? left[k] : 0.0}, turn[k]};
+  for (std::size_t k = 0; k < run.forward_m.size(); ++k) {
+    const OwnMotion own{{run.forward_m[k], run.left_m ? run.left_m[k] : 0.0}, run.turn_rad[k]};
     if (k > 0 && !std::isfinite(own.moved.x_m + own.moved.y_m + own.turn_rad))
       throw InputError("run '" + name + "', sample " + std::to_string(k) + ": its odometry is not finite");
     odometry.push_back(own);
@@ -88,32 +33,34 @@ std::vector<OwnMotion> OdometryOf(const Options& options, const Blob& samples, s
 }
 
 // With nothing sensed yet.
-Run ReadRun(const Options& options, const Blob& samples, std::size_t run, const std::string& name) {
-  Run read{static_cast<std::int32_t>(run), PositionsOf(samples, run, name), {}, {}, {}};
-  read.heading_rad = HeadingsOf(samples, run, name, read.positions.size());
-  read.odometry = OdometryOf(options, samples, run, name, read.positions.size());
-  if (!read.odometry.empty() && read.heading_rad.empty())
+Run RunOf(const Options& options, const kinds::Samples& samples, std::size_t index) {
+  const kinds::Samples::Run& of = samples.run[index];
+  const std::string& name = samples.runs[index];
+  Run run{static_cast<std::int32_t>(index), {}, {}, {}, OdometryOf(options, of, name)};
+  for (std::size_t k = 0; k < of.x_m.size(); ++k) run.positions.push_back({of.x_m[k], of.y_m[k]});
+  if (run.positions.empty()) throw InputError("run '" + name + "': there are no samples");
+  if (of.heading_rad) run.heading_rad = of.heading_rad.vector();
+  if (!run.odometry.empty() && run.heading_rad.empty())
     throw InputError("run '" + name +
                      "': its odometry says nothing without headings ('heading_rad'); "
                      "odometry=labels does not look at it");
-  return read;
+  return run;
 }
 
 // Features by networks: those of several stand beside each other.
 class NetworkExtractor {
  public:
-  NetworkExtractor(const Blob& samples, const std::vector<Learned>& learned)
-      : samples_(samples), run_names_(samples.Texts("runs")), learned_(learned) {
-    const std::vector<std::string> inputs = samples.Texts("input_name");
+  NetworkExtractor(const kinds::Samples& samples, const std::vector<Learned>& learned)
+      : samples_(samples), learned_(learned) {
+    const std::vector<std::string>& inputs = samples.input_name.values();
     width_ = inputs.size();
     for (const Learned& networks : learned) columns_.push_back(networks.ColumnsIn(inputs));
   }
 
   std::vector<float> OutputOf(std::size_t run, std::size_t rows) const {
-    const auto inputs = RowsOf(samples_, run, run_names_[run], "input", rows, width_);
     std::vector<std::vector<float>> parts;
     for (std::size_t n = 0; n < learned_.size(); ++n)
-      parts.push_back(learned_[n].OutputsOf(inputs, width_, columns_[n]));
+      parts.push_back(learned_[n].OutputsOf(samples_.run[run].input, width_, columns_[n]));
     return BesideEachOther(parts, rows);
   }
 
@@ -137,8 +84,7 @@ class NetworkExtractor {
     return all;
   }
 
-  const Blob& samples_;
-  const std::vector<std::string> run_names_;
+  const kinds::Samples& samples_;
   const std::vector<Learned>& learned_;
   std::size_t width_ = 0;
   std::vector<std::vector<std::size_t>> columns_;
@@ -147,11 +93,11 @@ class NetworkExtractor {
 // Some columns of the hand-made features.
 class HandMadeExtractor {
  public:
-  HandMadeExtractor(const Blob& samples, const std::vector<std::string>& wanted)
-      : samples_(samples), run_names_(samples.Texts("runs")) {
-    if (!samples_.Has("feature_name"))
+  HandMadeExtractor(const kinds::Samples& samples, const std::vector<std::string>& wanted)
+      : samples_(samples) {
+    if (!samples_.feature_name)
       throw InputError("without networks the samples need hand-made features, and they have none");
-    const std::vector<std::string> all = samples_.Texts("feature_name");
+    const std::vector<std::string>& all = samples_.feature_name.values();
     all_columns_ = all.size();
     names_ = wanted.empty() ? all : wanted;
     if (names_.empty()) throw InputError("the samples have no features");
@@ -165,24 +111,16 @@ class HandMadeExtractor {
   const std::vector<std::string>& names() const { return names_; }
 
   std::vector<float> OutputOf(std::size_t run, std::size_t rows) const {
-    const std::string& name = run_names_[run];
-    const auto all = RowsOf(samples_, run, name, "feature", rows, all_columns_);
+    const std::span<const float> all = samples_.run[run].feature;
     std::vector<float> picked;
     for (std::size_t row = 0; row < rows; ++row) {
       for (const std::size_t column : columns_) picked.push_back(all[row * all_columns_ + column]);
-    }
-    const auto bad = std::ranges::find_if(picked, [](float g) { return g < 0.0F || g > 1.0F; });
-    if (bad != picked.end()) {
-      throw InputError("run '" + name + "', sample " +
-                       std::to_string(static_cast<std::size_t>(bad - picked.begin()) / columns_.size()) +
-                       ": a feature that is no probability");
     }
     return picked;
   }
 
  private:
-  const Blob& samples_;
-  const std::vector<std::string> run_names_;
+  const kinds::Samples& samples_;
   std::vector<std::string> names_;
   std::vector<std::size_t> columns_;
   std::size_t all_columns_ = 0;
@@ -225,7 +163,8 @@ std::vector<Learned> ReadNetworks(const Options& options, const Inputs& inputs) 
 
 }  // namespace
 
-void Source::UseNetworks(const Options& options, const Blob& samples, const std::vector<Learned>& learned) {
+void Source::UseNetworks(const Options& options, const kinds::Samples& samples,
+                         const std::vector<Learned>& learned) {
   const NetworkExtractor extractor(samples, learned);
   for (std::size_t n = 0; n < learned.size(); ++n) {
     const std::size_t first = feature_names.size();
@@ -238,19 +177,19 @@ void Source::UseNetworks(const Options& options, const Blob& samples, const std:
   map_heading_rad = learned.front().headings_rad();
   map_output = extractor.MapOutput();
   for (const std::size_t r : RunsToLocaliseIn(options, run_names, learned.front().trained_on())) {
-    Run run = ReadRun(options, samples, r, run_names[r]);
+    Run run = RunOf(options, samples, r);
     run.output = extractor.OutputOf(r, run.positions.size());
     runs.push_back(std::move(run));
   }
 }
 
-void Source::UseHandMade(const Options& options, const Blob& samples) {
+void Source::UseHandMade(const Options& options, const kinds::Samples& samples) {
   const HandMadeExtractor extractor(samples, ByCommas(options.features));
   feature_names = extractor.names();
   groups = {{0, feature_names.size()}};
   const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, run_names, {});
   for (std::size_t r = 0; r < run_names.size(); ++r) {
-    Run run = ReadRun(options, samples, r, run_names[r]);
+    Run run = RunOf(options, samples, r);
     run.output = extractor.OutputOf(r, run.positions.size());
     if (std::ranges::count(wanted, r) > 0) {
       runs.push_back(std::move(run));
@@ -283,15 +222,16 @@ void Source::DecideOnHeadings(const Options& options) {
 }
 
 Source Source::Of(const Options& options, const Inputs& inputs) {
-  const BlobPtr samples = inputs.Get("samples");
+  const BlobPtr blob = inputs.Get("samples");
+  const auto samples = Read<kinds::Samples>(*blob);
   Source source;
-  source.run_names = samples->Texts("runs");
-  source.samples_hash = samples->Without("truth/").ContentHash().Hex();
+  source.run_names = samples.runs.values();
+  source.samples_hash = blob->Without("truth/").ContentHash().Hex();
   const std::vector<Learned> learned = ReadNetworks(options, inputs);
   if (learned.empty())
-    source.UseHandMade(options, *samples);
+    source.UseHandMade(options, samples);
   else
-    source.UseNetworks(options, *samples, learned);
+    source.UseNetworks(options, samples, learned);
   if (source.map_positions.empty()) throw InputError("runs: no run is left to make the map of");
   if (static_cast<std::size_t>(options.nearest) > source.map_positions.size()) {
     throw InputError("nearest = " + std::to_string(options.nearest) + ", but the map has only " +

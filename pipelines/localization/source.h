@@ -9,7 +9,7 @@
 #include "pipelines/localization/options.h"
 #include "pipelines/localization/position_index.h"
 #include "pipelines/pipeline.h"
-#include "schema/kinds/fields.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::localization {
 
@@ -51,13 +51,12 @@ struct Source {
   // Inputs `samples` and, where there are, `networks`, `networks_2` and `networks_3`: then the map is that of
   // the networks' training samples, which must be the same for all, and features are the networks' outputs; a
   // network's inputs are found among the samples' by their names. Else features are the samples' hand-made
-  // ones, and the map is that of all runs that are not localised in.
+  // ones, and the map is that of all runs that are not localised in. All were checked as their kinds.
   // Throws InputError that names run and row where
   // - a run is asked for that is not there, or that the networks were trained on;
   // - no run is left to localise in, or none for the map, or the map has fewer samples than `nearest`;
   // - features or the networks' inputs are not among the samples', or several networks were trained on
   //   different samples;
-  // - arrays do not fit each other, a number is not finite, or a feature is no probability;
   // - headings are needed and not there.
   static Source Of(const Options& options, const Inputs& inputs);
 
@@ -73,8 +72,9 @@ struct Source {
   }
 
  private:
-  void UseNetworks(const Options& options, const Blob& samples, const std::vector<Learned>& learned);
-  void UseHandMade(const Options& options, const Blob& samples);
+  void UseNetworks(const Options& options, const kinds::Samples& samples,
+                   const std::vector<Learned>& learned);
+  void UseHandMade(const Options& options, const kinds::Samples& samples);
   void DecideOnHeadings(const Options& options);
 };
 

@@ -1,5 +1,7 @@
 #include "pipelines/testing/in_process.h"
 
+#include "schema/kinds/kind.h"
+
 namespace cairn {
 
 BlobPtr MapInputs::Get(const std::string& name) const {
@@ -28,7 +30,10 @@ BlobPtr RunInProcess(const Pipeline& pipeline, const std::map<std::string, BlobP
                      const std::function<void(const proto::Step&)>& on_step) {
   NoProgress progress;
   BlobsByHash store;  // tasks may name the stage's inputs too
-  for (const auto& [name, blob] : inputs) store[blob->ContentHash().Binary()] = blob;
+  for (const auto& [name, blob] : inputs) {
+    CheckInput(*blob, name);  // as a worker does
+    store[blob->ContentHash().Binary()] = blob;
+  }
   Step step = pipeline.Start(MapInputs(inputs));
   while (true) {
     for (const BlobPtr& blob : step.blobs) store[blob->ContentHash().Binary()] = blob;

@@ -69,6 +69,16 @@ void CheckKind(const Blob& blob, std::string_view name) {
   CheckArrays(blob, ProvenanceArrays());
 }
 
+void CheckInput(const Blob& blob, const std::string& role) {
+  try {
+    const std::string kind = KindOf(blob);
+    CheckKind(blob, kind);
+    if (role != kind && FindKind(role) != nullptr) CheckKind(blob, role);
+  } catch (const InputError& error) {
+    throw InputError("input '" + role + "': " + error.what());
+  }
+}
+
 std::string WithArticle(std::string_view name) {
   const Kind* kind = FindKind(name);
   return (kind != nullptr && kind->is_plural ? "" : "a ") + std::string(name);

@@ -8,6 +8,8 @@ namespace cairn::kinds {
 // Where a grid lies.
 struct GridPlace {
   Column<double> origin_x_m, origin_y_m, cell_m;
+
+  static GridPlace Of(const GridBox& box) { return {box.origin_x_m, box.origin_y_m, box.cell_m}; }
   static void Fields(const auto& field) {
     field({"origin_x_m", "", Position()}, &GridPlace::origin_x_m);
     field({"origin_y_m", "", Position()}, &GridPlace::origin_y_m);

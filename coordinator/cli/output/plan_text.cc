@@ -6,6 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "schema/kinds/learning.h"
+#include "schema/kinds/log.h"
+
 namespace cairn::cli {
 namespace {
 
@@ -36,47 +39,28 @@ std::string StageText(const proto::Stage& stage, const PipelineSpec& pipeline) {
   return text;
 }
 
-std::int64_t RowsOf(const Blob& blob, const std::string& name) {
-  return blob.Has(name) ? blob.at(name).size() : 0;
-}
-
-// Scans of all its range sensors: the groups that have beams.
-std::int64_t ScansOf(const Blob& blob, const std::string& robot) {
-  constexpr std::string_view kBeams = "/beam_x_m";
-  std::int64_t scans = 0;
-  for (const auto& [name, array] : blob.fields()) {
-    if (name.starts_with(robot) && name.ends_with(kBeams))
-      scans += RowsOf(blob, name.substr(0, name.size() - kBeams.size()) + "/time_s");
-  }
-  return scans;
-}
-
 // Of a log, or of a table of poses.
-std::string LogText(const Blob& blob, bool log) {
-  const std::int64_t robots = blob.at("robots").size();
-  std::int64_t controls = 0, observations = 0, scans = 0, poses = 0;
-  for (std::int64_t i = 0; i < robots; ++i) {
-    const std::string robot = "robot/" + std::to_string(i) + "/";
-    controls += RowsOf(blob, robot + "odometry/time_s");
-    observations += RowsOf(blob, robot + "observations/time_s");
-    scans += ScansOf(blob, robot);
-    poses += RowsOf(blob, robot + "poses/time_s");
+std::string LogText(const kinds::Log& log) {
+  std::size_t controls = 0, observations = 0, scans = 0, poses = 0;
+  for (const kinds::Log::Robot& robot : log.robot) {
+    controls += robot.odometry.time_s.OrNone().size();
+    observations += robot.observations.time_s.OrNone().size();
+    for (const kinds::Log::RangeSensor& sensor : robot.sensors) scans += sensor.time_s.OrNone().size();
+    poses += robot.poses.time_s.OrNone().size();
   }
+  const std::size_t robots = log.robot.size();
   std::string text = fmt::format("{} robot{}, ", robots, robots == 1 ? "" : "s");
-  if (!log) return text + fmt::format("{} poses", poses);
+  if (!log.robot[0].odometry.time_s) return text + fmt::format("{} poses", poses);
   text += fmt::format("{} controls, {} observations", controls, observations);
   if (scans > 0) text += fmt::format(", {} range scans", scans);
   if (poses > 0) text += fmt::format(", {} poses", poses);
   return text;
 }
 
-std::string SamplesText(const Blob& blob) {
-  const std::int64_t runs = blob.at("runs").size(), inputs = blob.at("input_name").size();
-  std::int64_t samples = 0;
-  for (std::int64_t n = 0; n < runs; ++n) {
-    const std::string time = "run/" + std::to_string(n) + "/time_s";
-    if (blob.Has(time)) samples += blob.at(time).size();
-  }
+std::string SamplesText(const kinds::Samples& of) {
+  const std::size_t runs = of.runs.size(), inputs = of.input_name.size();
+  std::size_t samples = 0;
+  for (const kinds::Samples::Run& run : of.run) samples += run.time_s.OrNone().size();
   return fmt::format("{} run{}, {} samples, {} input{}", runs, runs == 1 ? "" : "s", samples, inputs,
                      inputs == 1 ? "" : "s");
 }
@@ -100,9 +84,10 @@ std::string ValueText(const proto::Value& value) {
 }
 
 std::string ContentText(const Blob& blob) {
-  if (blob.Has("robots") && blob.Has("robot/0/odometry/time_s")) return LogText(blob, true);
-  if (blob.Has("robots") && blob.Has("robot/0/poses/time_s")) return LogText(blob, false);
-  if (blob.Has("runs") && blob.Has("run/0/time_s") && blob.Has("input_name")) return SamplesText(blob);
+  const bool moves = blob.Has("robot/0/odometry/time_s") || blob.Has("robot/0/poses/time_s");
+  if (const auto log = Read<kinds::Log>(blob); moves && !log.robot.empty()) return LogText(log);
+  if (blob.Has("runs") && blob.Has("run/0/time_s") && blob.Has("input_name"))
+    return SamplesText(Read<kinds::Samples>(blob));
   if (blob.Has("position/x_m") && blob.Has("error")) {
     const auto places = static_cast<std::size_t>(blob.at("position/x_m").size());
     return "what it costs to take one of " + std::to_string(places) + " places for another";

@@ -55,10 +55,10 @@ class Passage {
   void CollectFree() {
     const double reach_m = width_m_ + 2 * kThroughM + 2 * map_.box.cell_m;
     const Point middle{(door_.a.x_m + door_.b.x_m) / 2, (door_.a.y_m + door_.b.y_m) / 2};
-    for (std::int64_t row = map_.box.Row(middle.y_m - reach_m); row <= map_.box.Row(middle.y_m + reach_m);
+    for (std::int64_t row = map_.box.RowOf(middle.y_m - reach_m); row <= map_.box.RowOf(middle.y_m + reach_m);
          ++row) {
-      for (std::int64_t column = map_.box.Column(middle.x_m - reach_m);
-           column <= map_.box.Column(middle.x_m + reach_m); ++column) {
+      for (std::int64_t column = map_.box.ColumnOf(middle.x_m - reach_m);
+           column <= map_.box.ColumnOf(middle.x_m + reach_m); ++column) {
         const Place place = PlaceOf({column, row});
         const bool in_strip = place.along_m >= 0 && place.along_m <= width_m_ &&
                               std::abs(place.across_m) <= kThroughM + map_.box.cell_m;

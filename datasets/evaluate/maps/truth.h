@@ -14,7 +14,7 @@
 namespace cairn::datasets {
 
 struct MapTruth {
-  CellBox box;                     // the map's cells, and as many more around as it takes
+  GridBox box;                     // the map's cells, and as many more around as it takes
   std::vector<std::uint8_t> wall;  // [cells] 1: a wall crosses it
   std::vector<std::uint8_t> due;   // … of which some reading tells: a map should have it
   std::vector<std::uint8_t> free;  // 1: no wall, and reached from the robot's way without crossing one
@@ -23,14 +23,14 @@ struct MapTruth {
 
 // Walls of a log's truth, `to_map` moving its frame into the map's. A wall's cell is due where a beam of
 // `scans` has it in its cone, at most a cell's edge behind the nearest point of any wall in it.
-MapTruth TruthOfWalls(const CellBox& map, const std::vector<Wall>& walls,
+MapTruth TruthOfWalls(const GridBox& map, const std::vector<Wall>& walls,
                       const std::vector<ScoredSensor>& scans);
 
 // Of another grid map: due are all cells that it has as occupied, free those that it has as free.
-MapTruth TruthOfMap(const CellBox& map, const Occupancy& reference);
+MapTruth TruthOfMap(const GridBox& map, const Occupancy& reference);
 
 // truth/walls/ (or truth/doors/) of a log, in the map's frame.
-// Throws InputError where columns differ in shape, or a number is not finite.
+// Throws InputError where columns differ in shape.
 std::vector<Wall> ReadSegments(const Blob& log, const std::string& prefix, const Similarity& to_map);
 
 struct CellScore {

@@ -115,7 +115,7 @@ ScanCount CountScans(const Blob& map) {
 }
 
 std::string Lead(const Blob& map) {
-  const CellBox box = ReadOccupancy(map).box;
+  const GridBox box = ReadOccupancy(map).box;
   const ScanCount count = CountScans(map);
   std::string text = Short(static_cast<double>(box.columns) * box.cell_m) + " by " +
                      Short(static_cast<double>(box.rows) * box.cell_m) + " m in cells of " +

@@ -14,7 +14,7 @@ namespace {
 report::Box BoxOf(const std::vector<PanelPicture>& panels) {
   std::optional<report::Box> box;
   for (const PanelPicture& panel : panels) {
-    const CellBox& cells = panel.cells->box;
+    const GridBox& cells = panel.cells->box;
     const report::Box here{
         cells.origin_x_m, cells.origin_x_m + static_cast<double>(cells.columns) * cells.cell_m,
         cells.origin_y_m, cells.origin_y_m + static_cast<double>(cells.rows) * cells.cell_m};

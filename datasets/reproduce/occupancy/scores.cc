@@ -6,7 +6,7 @@ namespace cairn::datasets {
 namespace {
 
 bool OccupiedNear(const Occupancy& map, Point at) {
-  const std::int64_t column = map.box.Column(at.x_m), row = map.box.Row(at.y_m);
+  const std::int64_t column = map.box.ColumnOf(at.x_m), row = map.box.RowOf(at.y_m);
   for (std::int64_t y = row - 1; y <= row + 1; ++y) {
     for (std::int64_t x = column - 1; x <= column + 1; ++x)
       if (map.IsOccupied(x, y)) return true;
@@ -32,8 +32,8 @@ double Stripes(const Occupancy& map, double wall_m, double from_m, double to_m) 
   const double side = wall_m > 0 ? -1 : 1;
   double sum = 0, pairs = 0;
   for (double off = 0.15; off <= 0.75; off += map.box.cell_m) {
-    const std::int64_t row = map.box.Row(wall_m + side * off);
-    for (std::int64_t column = map.box.Column(from_m); column < map.box.Column(to_m); ++column) {
+    const std::int64_t row = map.box.RowOf(wall_m + side * off);
+    for (std::int64_t column = map.box.ColumnOf(from_m); column < map.box.ColumnOf(to_m); ++column) {
       if (!map.box.Holds(column, row) || !map.box.Holds(column + 1, row)) continue;
       const double a = map.probability[map.box.Index(column, row)],
                    b = map.probability[map.box.Index(column + 1, row)];

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "pipelines/common/task_builder.h"
+#include "schema/kinds/landmark_map.h"
 
 namespace cairn::driven_cells {
 namespace {
@@ -58,9 +59,7 @@ Step DrivenCells::Advance(const State&, Partials& partials, const Inputs& inputs
       probability[static_cast<std::size_t>(cell)] = options_.p_occupied;
   Blob result;
   result.Put("map/grid/probability", Array::Of<double>({grid.rows, grid.columns}, probability));
-  result.PutScalar("map/grid/origin_x_m", grid.origin_x_m);
-  result.PutScalar("map/grid/origin_y_m", grid.origin_y_m);
-  result.PutScalar("map/grid/cell_m", grid.cell_m);
+  PutFields("map/grid/", kinds::GridPlace::Of(grid), &result);
   result.PutAll("", *inputs.Get("scan poses"));
   Step step;
   step.plan.set_result(step.Share(std::move(result)));

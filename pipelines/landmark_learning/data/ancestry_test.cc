@@ -113,10 +113,11 @@ TEST_F(Ancestry, WeightsOfAnotherShapeAreRefused) {
   Blob torn = *parent_;
   torn.PutVector<double>("networks/output_bias", {1.0});
   EXPECT_EQ(AncestryComplaint(kFew, torn),
-            "the input 'weights': 'networks/output_bias' does not have the other arrays' shape");
+            "input 'weights': 'networks/output_bias' has the shape [1], where [n] is needed: n is 2 by "
+            "'networks/hidden_weight'");
   torn.PutVector<double>("networks/output_bias", {1.0, std::numeric_limits<double>::quiet_NaN()});
   EXPECT_EQ(AncestryComplaint(kFew, torn),
-            "the input 'weights': 'networks/output_bias', entry 1 is not a finite number");
+            "input 'weights': 'networks/output_bias', entry 1: nan, where a finite number is needed");
 }
 
 }  // namespace

@@ -54,17 +54,10 @@ void AttachTable(const Blob& errors, TrainingData* data) {
   const auto x = errors.Get<double>("position/x_m"), y = errors.Get<double>("position/y_m");
   const auto values = errors.Get<double>("error");
   const auto rows = static_cast<std::int64_t>(x.size());
-  if (rows == 0 || y.size() != x.size() || errors.at("error").shape() != Shape{rows, rows})
-    throw InputError("the input 'errors': 'error' must be [P,P], 'position/x_m' and 'position/y_m' [P]");
+  if (rows == 0) throw InputError("the input 'errors': there are no positions in it");
   CheckTableSize(rows, "the input 'errors'");
-  std::vector<float> table;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!std::isfinite(values[i]) || values[i] < 0.0)
-      throw InputError("the input 'errors': 'error', row " + std::to_string(i / x.size()) + ", column " +
-                       std::to_string(i % x.size()) + " is not a number from 0 up");
-    // [Thr98] section 3.1: any e
-    table.push_back(static_cast<float>(values[i]));
-  }
+  // [Thr98] section 3.1: any e
+  const std::vector<float> table(values.begin(), values.end());
   ForEachSample(data, [&](SampleSet& set, std::size_t k) {
     set.positions.row[k] =
         static_cast<std::int32_t>(Nearest(set.positions.x_m[k], set.positions.y_m[k], x, y));

@@ -7,9 +7,8 @@ namespace cairn::landmark_learning {
 
 inline constexpr std::int64_t kMostTableRows = 4096;  // a table of 64 MB
 
-// Gives each sample the row of the position nearest to it. `errors`: schema/FORMAT.md, `errors`.
-// Throws InputError where the arrays do not fit each other, or there are more than kMostTableRows positions.
-// Throws InputError that names row and column where an error is negative or not finite.
+// Gives each sample the row of the position nearest to it. `errors`: schema/FORMAT.md, `errors`, checked as
+// its kind. Throws InputError where there are no positions, or more than kMostTableRows.
 void AttachTable(const Blob& errors, TrainingData* data);
 
 // e is the way that a robot travels between two samples through the free cells of `map` (schema/FORMAT.md,

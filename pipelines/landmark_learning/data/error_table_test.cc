@@ -113,9 +113,10 @@ TEST(ErrorTable, WhatCannotBeReachedOrReadIsRefused) {
             "the input 'map' is for error=travel, not error=distance");
   Blob bad = Table(1.0, [](double d) { return d == 3.0 ? -1.0 : d; });
   EXPECT_EQ(ErrorTableComplaint(table, {{"errors", Ptr(bad)}}),
-            "the input 'errors': 'error', row 0, column 3 is not a number from 0 up");
+            "input 'errors': 'error', entry 3: -1, where 0 or more is needed");
   bad.PutVector<double>("position/y_m", {0.0});
-  EXPECT_NE(ErrorTableComplaint(table, {{"errors", Ptr(bad)}}).find("must be [P,P]"), std::string::npos);
+  EXPECT_NE(ErrorTableComplaint(table, {{"errors", Ptr(bad)}}).find("'position/y_m' has the shape [1]"),
+            std::string::npos);
 }
 
 }  // namespace

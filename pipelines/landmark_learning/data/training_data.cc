@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "schema/error.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -17,18 +18,6 @@ struct RawRun {
   std::vector<float> inputs;
 };
 
-template <class T>
-std::vector<T> Column(const Blob& samples, const std::string& run, const std::string& prefix,
-                      const char* name) {
-  const auto values = samples.Get<T>(prefix + name);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (!std::isfinite(static_cast<double>(values[k])))
-      throw InputError("run '" + run + "', sample " + std::to_string(k) + ": '" + name +
-                       "' is not a finite number");
-  }
-  return {values.begin(), values.end()};
-}
-
 // The same snapshot twice would be told apart from itself. (A robot that stands still has times of its own.)
 void CheckNoDuplicates(const Positions& positions, const std::vector<double>& time_s,
                        const std::string& run) {
@@ -40,43 +29,17 @@ void CheckNoDuplicates(const Positions& positions, const std::vector<double>& ti
   }
 }
 
-RawRun ReadRun(const Blob& samples, const std::string& run, std::size_t index, std::size_t inputs) {
-  const std::string prefix = "run/" + std::to_string(index) + "/";
+RawRun RunOf(const kinds::Samples::Run& of, const std::string& run) {
   RawRun raw;
-  raw.positions.x_m = Column<double>(samples, run, prefix, "x_m");
-  raw.positions.y_m = Column<double>(samples, run, prefix, "y_m");
-  const auto rows = samples.Get<float>(prefix + "input");
+  raw.positions.x_m = of.x_m.vector();
+  raw.positions.y_m = of.y_m.vector();
   const std::size_t count = raw.positions.x_m.size();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!std::isfinite(rows[i])) {
-      throw InputError("run '" + run + "', sample " + std::to_string(i / inputs) + ": input " +
-                       std::to_string(i % inputs) + " is not a finite number");
-    }
-  }
-  if (raw.positions.y_m.size() != count || rows.size() != count * inputs) {
-    throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
-                     " x_m, " + std::to_string(raw.positions.y_m.size()) + " y_m, " +
-                     std::to_string(rows.size()) + " numbers in " + std::to_string(inputs) + " inputs");
-  }
   if (count < 2)
     throw InputError("run '" + run + "' has " + std::to_string(count) + " samples; two are the least");
-  if (samples.Has(prefix + "weight")) {
-    raw.weight = Column<double>(samples, run, prefix, "weight");
-    const auto bad = std::ranges::find_if(raw.weight, [](double w) { return w < 0.0; });
-    if (raw.weight.size() != count || bad != raw.weight.end())
-      throw InputError(
-          "run '" + run + "': 'weight' must be a number from 0 up for each of its " + std::to_string(count) +
-          " samples" +
-          (bad == raw.weight.end() ? "" : "; sample " + std::to_string(bad - raw.weight.begin())));
-  }
-  if (samples.Has(prefix + "heading_rad")) {
-    raw.heading = Column<double>(samples, run, prefix, "heading_rad");
-    if (raw.heading.size() != count)
-      throw InputError("run '" + run + "': its arrays are not of one length: " + std::to_string(count) +
-                       " x_m, " + std::to_string(raw.heading.size()) + " heading_rad");
-  }
-  CheckNoDuplicates(raw.positions, Column<double>(samples, run, prefix, "time_s"), run);
-  raw.inputs.assign(rows.begin(), rows.end());
+  if (of.weight) raw.weight = of.weight.vector();
+  if (of.heading_rad) raw.heading = of.heading_rad.vector();
+  CheckNoDuplicates(raw.positions, of.time_s.vector(), run);
+  raw.inputs = of.input.vector();
   double along = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     if (k > 0)
@@ -184,19 +147,20 @@ void RequireKnownRuns(const std::vector<std::string>& runs, const std::string& h
 
 }  // namespace
 
-TrainingData TrainingData::Of(const Blob& samples, const std::string& holdout, const InputNorm* given,
+TrainingData TrainingData::Of(const Blob& blob, const std::string& holdout, const InputNorm* given,
                               const std::vector<std::string>& unseen) {
   TrainingData data;
-  const std::vector<std::string> all = samples.Texts("runs");
+  const auto samples = Read<kinds::Samples>(blob);
+  const std::vector<std::string>& all = samples.runs.values();
   RequireKnownRuns(all, holdout, unseen);
-  data.input_names = samples.Texts("input_name");
+  data.input_names = samples.input_name.values();
   const std::size_t inputs = data.input_names.size();
   if (inputs == 0)
     throw InputError("the samples have no inputs; of images `cairn run image_features` makes some");
   RawSet training, held_out;
   for (std::size_t r = 0; r < all.size(); ++r) {
     if (std::ranges::count(unseen, all[r]) > 0) continue;
-    Append(ReadRun(samples, all[r], r, inputs), data.runs.size(),
+    Append(RunOf(samples.run[r], all[r]), data.runs.size(),
            !holdout.empty() && all[r] == holdout ? &held_out : &training);
     data.runs.push_back(all[r]);
   }

@@ -44,14 +44,13 @@ struct TrainingData {
   std::vector<double> mean, scale;
   SampleSet training, held_out;
 
-  // From an input of kind `samples` (schema/FORMAT.md). `given`: a mean and a scale to normalise by, or null:
-  // those of the training samples. `unseen`: runs that are as if they were not there.
+  // From an input of kind `samples` (schema/FORMAT.md), checked as its kind. `given`: a mean and a scale to
+  // normalise by, or null: those of the training samples. `unseen`: runs that are as if they were not there.
   // Throws InputError that names run and row where
   // - there are no inputs, or no run is left to train on;
-  // - arrays differ in length, or a number is not finite, or a weight is negative;
   // - a run has one sample, or two of one time and position;
   // - `holdout` is no run, or an unseen run is none or the one held out.
-  static TrainingData Of(const Blob& samples, const std::string& holdout, const InputNorm* given = nullptr,
+  static TrainingData Of(const Blob& blob, const std::string& holdout, const InputNorm* given = nullptr,
                          const std::vector<std::string>& unseen = {});
 
   static void Fields(const auto& field) {

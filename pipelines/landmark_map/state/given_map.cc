@@ -6,6 +6,8 @@
 #include <span>
 #include <string>
 
+#include "schema/kinds/landmark_map.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -98,20 +100,19 @@ std::vector<int> TypesOf(const Blob& map, const Blob& log, const MapRules& rules
   return types;
 }
 
-std::vector<Landmark> ReadLandmarks(const Blob& map, const std::vector<int>& types) {
-  const auto x = map.Get<double>("map/landmark_x_m"), y = map.Get<double>("map/landmark_y_m"),
-             v = map.Get<double>("map/landmark_covariance_m2"), count = map.Get<double>("map/landmark_count");
-  const auto identity = map.Get<std::int32_t>("map/landmark_identity");
-  if (y.size() != x.size() || v.size() != 4 * x.size() || count.size() != x.size() ||
-      identity.size() != x.size())
-    Refuse("its landmark columns differ in length");
+std::vector<Landmark> LandmarksOf(const kinds::LandmarkMap& of, const std::vector<int>& types) {
+  const kinds::LandmarkMap::Map& map = of.map;
+  const std::span<const double> v = map.landmark_covariance_m2;
   std::vector<Landmark> landmarks;
-  const auto named = static_cast<std::int64_t>(map.Texts("landmarks").size());
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    if (identity[k] < -1 || identity[k] >= named) Refuse("a landmark has an identity that it does not name");
-    const int type = types[static_cast<std::size_t>(identity[k] < 0 ? named : identity[k])];
-    if (type >= 0)
-      landmarks.push_back({x[k], y[k], {v[4 * k], v[4 * k + 1], v[4 * k + 2], v[4 * k + 3]}, type, count[k]});
+  for (std::size_t k = 0; k < map.landmark_x_m.size(); ++k) {
+    const std::int32_t identity = map.landmark_identity[k];
+    const int type = types[identity < 0 ? of.landmarks.size() : static_cast<std::size_t>(identity)];
+    if (type < 0) continue;
+    landmarks.push_back({map.landmark_x_m[k],
+                         map.landmark_y_m[k],
+                         {v[4 * k], v[4 * k + 1], v[4 * k + 2], v[4 * k + 3]},
+                         type,
+                         map.landmark_count[k]});
   }
   return landmarks;
 }
@@ -135,7 +136,7 @@ GivenMap ReadGivenMap(const Blob& map, const Blob& log, const Settings& settings
     given.map.layers[static_cast<std::size_t>(types[k])] =
         Resample(cells.subspan(k * area, area), source, settings.map.grid.cell_m);
   }
-  given.landmarks = ReadLandmarks(map, types);
+  given.landmarks = LandmarksOf(Read<kinds::LandmarkMap>(map), types);
   Box box;
   for (const Layer& layer : given.map.layers) box = Union(box, layer.box);
   if (box.empty()) Refuse("it holds none of the landmarks that the log can name");

@@ -16,18 +16,14 @@ std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) 
 
 // Of a robot whose log has poses only: the turn at once, then the way.
 Odometry OfPoses(const Blob& log, const std::string& prefix, const std::string& name) {
-  const auto time = log.Get<double>(prefix + "time_s"), x = log.Get<double>(prefix + "x_m");
-  const auto y = log.Get<double>(prefix + "y_m"), heading = log.Get<double>(prefix + "heading_rad");
-  if (time.empty() || x.size() != time.size() || y.size() != time.size() || heading.size() != time.size())
-    throw InputError("robot '" + name + "': " + prefix + " is empty or its arrays differ in length");
+  const auto poses = FieldsIn<kinds::PoseTable>(prefix, log);
+  const std::span<const double> time = poses.time_s, x = poses.x_m, y = poses.y_m,
+                                heading = poses.heading_rad;
+  if (time.empty()) throw InputError("robot '" + name + "': " + prefix + " is empty");
   Odometry path;
   double path_m = 0, turned = 0, unwrapped = heading[0];
   for (std::size_t i = 0; i < time.size(); ++i) {
-    const std::string at = "robot '" + name + "', pose " + std::to_string(i) + ": ";
-    if (!std::isfinite(time[i]) || !std::isfinite(x[i]) || !std::isfinite(y[i]) || !std::isfinite(heading[i]))
-      throw InputError(at + "not a number");
     if (i > 0) {
-      if (time[i] < time[i - 1]) throw InputError(at + "time runs backwards");
       const double turn = WrapAngle(heading[i] - heading[i - 1]);
       unwrapped += turn;
       turned += std::abs(turn);
