@@ -11,10 +11,11 @@
 
 namespace cairn {
 
-// The user's input is wrong. what() names the file and line, or the step and robot, and says what is allowed.
+// The user's input is wrong. what() names the file and line, or the step and robot, and says what is allowed;
+// what it quotes is escaped as by Escaped (schema/text.h), so that no byte of it ends the message.
 class InputError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit InputError(const std::string& why);
 };
 
 // Prints the condition, the place and the message, and aborts.

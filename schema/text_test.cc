@@ -20,6 +20,11 @@ TEST(Text, NothingThatATerminalObeysIsShown) {
   EXPECT_EQ(Escaped("two\nlines\tGrüße 日本 🤖"), "two\nlines\tGrüße 日本 🤖");
 }
 
+TEST(InputError, SaysAllOfWhatItQuotes) {
+  const InputError error(std::string("od.csv:3: turn_rad is '0\0x', which is no number", 47));
+  EXPECT_STREQ(error.what(), "od.csv:3: turn_rad is '0\\u0000x', which is no number");
+}
+
 // Every byte after every other: what is left is UTF-8 without a control character.
 TEST(Text, WhateverTheBytesWhatIsShownIsPlain) {
   for (int first = 0; first < 256; ++first) {

@@ -27,6 +27,7 @@ Blob Garden(int samples) {
     blob.Put(prefix + "image", Array::Of({samples, 40, 30, 3}, image));
     blob.Put(prefix + "input", Array::Of({samples, 1}, range));
     blob.PutVector(prefix + "time_s", std::vector<double>(range.begin(), range.end()));
+    for (const char* name : {"x_m", "y_m"}) blob.PutVector(prefix + name, std::vector<double>(range.size()));
   }
   return blob;
 }

@@ -51,15 +51,23 @@ class Checker {
 
   void Run() {
     CheckOwners();
+    std::map<std::string, std::string> there, missing;  // of a group, one of its needed arrays
     for (const ArraySpec& spec : specs_) {
       for (const Owner& owner : OwnersOf(spec)) {
         const std::string name = NameFor(spec.name, owner);
         if (blob_.Has(name)) Check(spec, owner, name);
+        if (spec.is_needed) (blob_.Has(name) ? there : missing).emplace(GroupOf(name), name);
       }
+    }
+    for (const auto& [group, name] : missing) {
+      if (there.contains(group))
+        throw InputError(fmt::format("there is no '{}', which '{}' needs beside it", name, there[group]));
     }
   }
 
  private:
+  static std::string GroupOf(const std::string& name) { return name.substr(0, name.rfind('/') + 1); }
+
   // Of an axis: how long, and by which array.
   struct Length {
     std::int64_t rows;

@@ -61,12 +61,14 @@ struct ArraySpec {
   std::string_view shape;
   DType type;
   Values values = {};
+  bool is_needed = false;  // wherever another needed array of its group is there
 };
 
 inline constexpr std::string_view kRangeSensors[] = {"sonar",  "infrared", "laser", "laser2",
                                                      "laser3", "laser4",   "laser5"};
 
-// Checks those of the arrays that are there; whoever needs one says that it is missing.
+// Checks those of the arrays that are there, and that none is missing that another of its group needs beside
+// it; whoever needs a whole group says that it is missing.
 // Throws InputError that names the array, the entry and what is allowed.
 void CheckArrays(const Blob& blob, std::span<const ArraySpec> specs);
 

@@ -17,6 +17,9 @@ constexpr ArraySpec kToy[] = {
     {"robot/N/x_m", "C", DType::kF64, Position()},
     {"robot/N/SENSOR/range_m", "K,B", DType::kF64, From(0).OrNan()},
     {"robot/N/SENSOR/beam_rad", "B", DType::kF64, Finite()},
+    {"robot/N/track/time_s", "H", DType::kF64, Rising(), true},
+    {"robot/N/track/length_m", "H", DType::kF64, Position(), true},
+    {"robot/N/track/width_m", "H", DType::kF64, Position()},
     {"robot/N/friend", "F", DType::kI32, IndexInto("robots").OrNone()},
     {"walls/x_m", "W,2", DType::kF64, Position()},
     {"parts/rows", "Q", DType::kI64, RowsOf("part/share")},
@@ -88,6 +91,23 @@ TEST(CheckArrays, RefusesTypesAndShapesThatDoNotFit) {
   Blob walls = Good();
   walls.Put("walls/x_m", Array::Of<double>({1, 3}, std::vector<double>{0, 1, 2}));
   EXPECT_EQ(WhyNot(walls), "'walls/x_m' has the shape [1,3], where [W,2] is needed");
+}
+
+// A table that lacks a column; a group may stand in its place, which is no array.
+TEST(CheckArrays, RefusesATableThatLacksWhatItNeeds) {
+  const std::string why =
+      "there is no 'robot/1/track/length_m', which 'robot/1/track/time_s' needs beside it";
+  Blob blob = Good();
+  blob.PutVector<double>("robot/1/track/width_m", {0, 1});
+  EXPECT_EQ(WhyNot(blob), "");
+  blob.PutVector<double>("robot/1/track/time_s", {0, 1});
+  EXPECT_EQ(WhyNot(blob), why);
+  blob.PutVector<double>("robot/1/track/length_m/x", {0, 1});
+  EXPECT_EQ(WhyNot(blob), why);
+  Blob whole = Good();
+  whole.PutVector<double>("robot/1/track/time_s", {0, 1});
+  whole.PutVector<double>("robot/1/track/length_m", {0, 1});
+  EXPECT_EQ(WhyNot(whole), "");
 }
 
 TEST(CheckArrays, RefusesValuesThatMayNotBe) {

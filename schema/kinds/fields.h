@@ -38,7 +38,14 @@ struct Field {
       : name(name_of), shape(shape_of), values(values_of) {}
   std::string_view name, shape;
   Values values;
+  bool is_needed = false;
 };
+// Of an array that is there wherever another needed one of its group is: a table has all of these columns.
+constexpr Field Needed(const char* name, const char* shape = "", Values values = Free()) {
+  Field field(name, shape, values);
+  field.is_needed = true;
+  return field;
+}
 
 namespace fields_internal {
 template <class T>
@@ -430,7 +437,7 @@ void AddSpecs(const std::string& prefix, std::string_view rows, std::deque<std::
       const std::string_view array = texts->back();
       texts->push_back(std::string(renamed ? rows : field.shape.substr(0, 1)) +
                        std::string(field.shape.substr(field.shape.empty() ? 0 : 1)));
-      specs->push_back({array, texts->back(), ElementOf<typename F::Value>(), field.values});
+      specs->push_back({array, texts->back(), ElementOf<typename F::Value>(), field.values, field.is_needed});
     } else if constexpr (kIs<F, PerSensor>) {
       AddSpecs<typename F::value_type>(name + "/", field.shape, texts, specs);
     } else if constexpr (kIs<F, std::vector>) {

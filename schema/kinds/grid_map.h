@@ -32,7 +32,7 @@ struct GridMap {
     Column<float> log_odds;
     Column<std::uint8_t> occupied, dynamic;
     static void Fields(const auto& field) {
-      field({"probability", "ny,nx", Share().OrNan()}, &Grid::probability);
+      field(Needed("probability", "ny,nx", Share().OrNan()), &Grid::probability);
       field({"log_odds", "ny,nx", Free()}, &Grid::log_odds);
       field({"log_odds_difference", "ny,nx", Free()}, &Grid::log_odds_difference);
       field({"occupied", "ny,nx", YesNo()}, &Grid::occupied);

@@ -139,6 +139,19 @@ TYPED_TEST(Struct, RefusesAnArrayOfAnotherShape) {
   }
 }
 
+TYPED_TEST(Struct, RefusesATableWithoutAColumnThatItNeeds) {
+  const Blob good = Filled(ArraysOf<TypeParam>());
+  int needed = 0;
+  for (const ArraySpec& spec : ArraysOf<TypeParam>()) {
+    if (!spec.is_needed) continue;
+    ++needed;
+    std::string name = std::regex_replace(std::string(spec.name), std::regex("/N/"), "/1/");
+    name = std::regex_replace(name, std::regex("/SENSOR/"), "/laser2/");
+    EXPECT_THROW(CheckArrays(good.Without(name), ArraysOf<TypeParam>()), InputError) << name;
+  }
+  EXPECT_GE(needed, 2);
+}
+
 TEST(KindOf, GoesByTheArraysThatAKindMustHave) {
   Blob blob;
   EXPECT_EQ(KindOf(blob), "result");

@@ -11,9 +11,9 @@ struct GridPlace {
 
   static GridPlace Of(const GridBox& box) { return {box.origin_x_m, box.origin_y_m, box.cell_m}; }
   static void Fields(const auto& field) {
-    field({"origin_x_m", "", Position()}, &GridPlace::origin_x_m);
-    field({"origin_y_m", "", Position()}, &GridPlace::origin_y_m);
-    field({"cell_m", "", Positive()}, &GridPlace::cell_m);
+    field(Needed("origin_x_m", "", Position()), &GridPlace::origin_x_m);
+    field(Needed("origin_y_m", "", Position()), &GridPlace::origin_y_m);
+    field(Needed("cell_m", "", Positive()), &GridPlace::cell_m);
   }
 };
 
@@ -32,9 +32,9 @@ struct LandmarkMap {
     Column<double> time_s, value;
     Column<std::int32_t> box;
     static void Fields(const auto& field) {
-      field({"time_s", "S", Rising()}, &Beliefs::time_s);
-      field({"box", "S,4", Free()}, &Beliefs::box);
-      field({"value", "V", From(0)}, &Beliefs::value);
+      field(Needed("time_s", "S", Rising()), &Beliefs::time_s);
+      field(Needed("box", "S,4", Free()), &Beliefs::box);
+      field(Needed("value", "V", From(0)), &Beliefs::value);
     }
   };
   struct Robot {
@@ -44,8 +44,9 @@ struct LandmarkMap {
     Beliefs beliefs;
     static void Fields(const auto& field) {
       field("poses", &Robot::poses);
-      field({"observations/map_landmark", "O", IndexInto("map/landmark_x_m").OrNone()}, &Robot::map_landmark);
-      field({"observations/probability", "O", Share()}, &Robot::probability);
+      field(Needed("observations/map_landmark", "O", IndexInto("map/landmark_x_m").OrNone()),
+            &Robot::map_landmark);
+      field(Needed("observations/probability", "O", Share()), &Robot::probability);
       field("beliefs", &Robot::beliefs);
       field({"heading_drift_rad_per_m", "", Finite()}, &Robot::heading_drift_rad_per_m);
       field({"heading_walk_rad_per_sqrt_m", "", NotNegative()}, &Robot::heading_walk_rad_per_sqrt_m);
@@ -57,13 +58,13 @@ struct LandmarkMap {
     Column<std::int32_t> landmark_identity, landmark_type;
     GridPlace grid;
     static void Fields(const auto& field) {
-      field({"landmark_x_m", "K", Position()}, &Map::landmark_x_m);
-      field({"landmark_y_m", "K", Position()}, &Map::landmark_y_m);
+      field(Needed("landmark_x_m", "K", Position()), &Map::landmark_x_m);
+      field(Needed("landmark_y_m", "K", Position()), &Map::landmark_y_m);
       field({"landmark_covariance_m2", "K,2,2", Finite()}, &Map::landmark_covariance_m2);
       field({"landmark_identity", "K", IndexInto("landmarks").OrNone()}, &Map::landmark_identity);
       field({"landmark_type", "K", IndexInto("types").OrNone()}, &Map::landmark_type);
       field({"landmark_count", "K", From(0)}, &Map::landmark_count);
-      field({"grid/probability", "G,ny,nx", Share()}, &Map::probability);
+      field(Needed("grid/probability", "G,ny,nx", Share()), &Map::probability);
       field("grid", &Map::grid);
     }
   };

@@ -12,14 +12,14 @@ struct Samples {
     Column<float> input, feature;
     Column<std::uint8_t> image;
     static void Fields(const auto& field) {
-      field({"time_s", "K", Rising()}, &Run::time_s);
-      field({"x_m", "K", Position()}, &Run::x_m);
-      field({"y_m", "K", Position()}, &Run::y_m);
+      field(Needed("time_s", "K", Rising()), &Run::time_s);
+      field(Needed("x_m", "K", Position()), &Run::x_m);
+      field(Needed("y_m", "K", Position()), &Run::y_m);
       field({"heading_rad", "K", Finite()}, &Run::heading_rad);
-      field({"odometry/turn_rad", "K", Free()}, &Run::turn_rad);  // of the first sample not looked at
-      field({"odometry/forward_m", "K", Free()}, &Run::forward_m);
+      field(Needed("odometry/turn_rad", "K", Free()), &Run::turn_rad);  // of the first sample not looked at
+      field(Needed("odometry/forward_m", "K", Free()), &Run::forward_m);
       field({"odometry/left_m", "K", Free()}, &Run::left_m);
-      field({"input", "K,I", Finite()}, &Run::input);
+      field(Needed("input", "K,I", Finite()), &Run::input);
       field({"weight", "K", From(0)}, &Run::weight);
       field({"image", "K,rows,columns,3", Free()}, &Run::image);
       field({"feature", "K,F", Share()}, &Run::feature);
@@ -28,8 +28,8 @@ struct Samples {
   struct TrueRun {
     Column<double> x_m, y_m, heading_rad;
     static void Fields(const auto& field) {
-      field({"x_m", "K", Position()}, &TrueRun::x_m);
-      field({"y_m", "K", Position()}, &TrueRun::y_m);
+      field(Needed("x_m", "K", Position()), &TrueRun::x_m);
+      field(Needed("y_m", "K", Position()), &TrueRun::y_m);
       field({"heading_rad", "K", Finite()}, &TrueRun::heading_rad);
     }
   };
@@ -52,8 +52,8 @@ struct Samples {
 struct Errors {
   Column<double> x_m, y_m, error;
   static void Fields(const auto& field) {
-    field({"position/x_m", "P", Position()}, &Errors::x_m);
-    field({"position/y_m", "P", Position()}, &Errors::y_m);
+    field(Needed("position/x_m", "P", Position()), &Errors::x_m);
+    field(Needed("position/y_m", "P", Position()), &Errors::y_m);
     field({"error", "P,P", From(0)}, &Errors::error);
   }
 };
@@ -64,15 +64,15 @@ struct Networks {
         input_mean, input_scale;
     Texts input_name;
     static void Fields(const auto& field) {
-      field({"hidden_weight", "n,H,I", Finite()}, &Weights::hidden_weight);
-      field({"hidden_bias", "n,H", Finite()}, &Weights::hidden_bias);
+      field(Needed("hidden_weight", "n,H,I", Finite()), &Weights::hidden_weight);
+      field(Needed("hidden_bias", "n,H", Finite()), &Weights::hidden_bias);
       field({"hidden_2_weight", "n,H2,H", Finite()}, &Weights::hidden_2_weight);
       field({"hidden_2_bias", "n,H2", Finite()}, &Weights::hidden_2_bias);
-      field({"output_weight", "n,J", Finite()}, &Weights::output_weight);
-      field({"output_bias", "n", Finite()}, &Weights::output_bias);
-      field({"input_mean", "I", Finite()}, &Weights::input_mean);
-      field({"input_scale", "I", Above0()}, &Weights::input_scale);
-      field({"input_name", "I"}, &Weights::input_name);
+      field(Needed("output_weight", "n,J", Finite()), &Weights::output_weight);
+      field(Needed("output_bias", "n", Finite()), &Weights::output_bias);
+      field(Needed("input_mean", "I", Finite()), &Weights::input_mean);
+      field(Needed("input_scale", "I", Above0()), &Weights::input_scale);
+      field(Needed("input_name", "I"), &Weights::input_name);
     }
   };
   struct Map {
@@ -80,20 +80,20 @@ struct Networks {
     Column<std::int32_t> run;
     Column<float> output;
     static void Fields(const auto& field) {
-      field({"x_m", "K", Position()}, &Map::x_m);
-      field({"y_m", "K", Position()}, &Map::y_m);
-      field({"along_m", "K", NotNegative()}, &Map::along_m);
+      field(Needed("x_m", "K", Position()), &Map::x_m);
+      field(Needed("y_m", "K", Position()), &Map::y_m);
+      field(Needed("along_m", "K", NotNegative()), &Map::along_m);
       field({"heading_rad", "K", Finite()}, &Map::heading_rad);
-      field({"run", "K", IndexInto("runs")}, &Map::run);
-      field({"output", "K,n", Share()}, &Map::output);
+      field(Needed("run", "K", IndexInto("runs")), &Map::run);
+      field(Needed("output", "K,n", Share()), &Map::output);
     }
   };
   struct History {
     Column<double> training_error_m, validation_error_m, gradient_norm;
     static void Fields(const auto& field) {
-      field({"training_error_m", "S", Finite()}, &History::training_error_m);
-      field({"validation_error_m", "S", Finite().OrNan()}, &History::validation_error_m);
-      field({"gradient_norm", "S", Finite()}, &History::gradient_norm);
+      field(Needed("training_error_m", "S", Finite()), &History::training_error_m);
+      field(Needed("validation_error_m", "S", Finite().OrNan()), &History::validation_error_m);
+      field(Needed("gradient_norm", "S", Finite()), &History::gradient_norm);
     }
   };
   struct Ancestry {
@@ -101,11 +101,11 @@ struct Networks {
     Column<std::int64_t> steps;
     Column<double> training_error_m, prior_error_m;
     static void Fields(const auto& field) {
-      field({"hash", "A"}, &Ancestry::hash);
-      field({"options", "A"}, &Ancestry::options);
-      field({"steps", "A", From(0)}, &Ancestry::steps);
-      field({"training_error_m", "A", Finite().OrNan()}, &Ancestry::training_error_m);
-      field({"prior_error_m", "A", Finite().OrNan()}, &Ancestry::prior_error_m);
+      field(Needed("hash", "A"), &Ancestry::hash);
+      field(Needed("options", "A"), &Ancestry::options);
+      field(Needed("steps", "A", From(0)), &Ancestry::steps);
+      field(Needed("training_error_m", "A", Finite().OrNan()), &Ancestry::training_error_m);
+      field(Needed("prior_error_m", "A", Finite().OrNan()), &Ancestry::prior_error_m);
     }
   };
 
@@ -140,16 +140,16 @@ struct Localization {
     Column<double> travelled_m, mean_x_m, mean_y_m, mode_x_m, mode_y_m, spread_m;
     Column<std::int64_t> entries;
     static void Fields(const auto& field) {
-      field({"traverse", "S", Rising()}, &Steps::traverse);
-      field({"run", "S", IndexInto("runs")}, &Steps::run);
-      field({"sample", "S", From(0)}, &Steps::sample);
-      field({"travelled_m", "S", NotNegative()}, &Steps::travelled_m);
-      field({"mean_x_m", "S", Position()}, &Steps::mean_x_m);
-      field({"mean_y_m", "S", Position()}, &Steps::mean_y_m);
-      field({"mode_x_m", "S", Position()}, &Steps::mode_x_m);
-      field({"mode_y_m", "S", Position()}, &Steps::mode_y_m);
-      field({"spread_m", "S", NotNegative()}, &Steps::spread_m);
-      field({"entries", "S", RowsOf("belief/position")}, &Steps::entries);
+      field(Needed("traverse", "S", Rising()), &Steps::traverse);
+      field(Needed("run", "S", IndexInto("runs")), &Steps::run);
+      field(Needed("sample", "S", From(0)), &Steps::sample);
+      field(Needed("travelled_m", "S", NotNegative()), &Steps::travelled_m);
+      field(Needed("mean_x_m", "S", Position()), &Steps::mean_x_m);
+      field(Needed("mean_y_m", "S", Position()), &Steps::mean_y_m);
+      field(Needed("mode_x_m", "S", Position()), &Steps::mode_x_m);
+      field(Needed("mode_y_m", "S", Position()), &Steps::mode_y_m);
+      field(Needed("spread_m", "S", NotNegative()), &Steps::spread_m);
+      field(Needed("entries", "S", RowsOf("belief/position")), &Steps::entries);
     }
   };
 
@@ -161,10 +161,10 @@ struct Localization {
 
   static void Fields(const auto& field) {
     field("step", &Localization::step);
-    field({"belief/position", "B", IndexInto("position/x_m")}, &Localization::belief_position);
-    field({"belief/probability", "B", Share()}, &Localization::belief_probability);
-    field({"position/x_m", "P", Position()}, &Localization::position_x_m);
-    field({"position/y_m", "P", Position()}, &Localization::position_y_m);
+    field(Needed("belief/position", "B", IndexInto("position/x_m")), &Localization::belief_position);
+    field(Needed("belief/probability", "B", Share()), &Localization::belief_probability);
+    field(Needed("position/x_m", "P", Position()), &Localization::position_x_m);
+    field(Needed("position/y_m", "P", Position()), &Localization::position_y_m);
     field({"position/heading_rad", "P", Finite()}, &Localization::position_heading_rad);
     field({"heading", ""}, &Localization::heading);
     field({"runs", "R"}, &Localization::runs);

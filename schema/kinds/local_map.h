@@ -14,19 +14,19 @@ struct LocalMap {
     Column<double> time_s, angle_rad, strength;
     Column<std::uint8_t> locked, other_area;
     static void Fields(const auto& field) {
-      field({"time_s", "S", Rising()}, &Walls::time_s);
-      field({"angle_rad", "S", Finite().OrNan()}, &Walls::angle_rad);
-      field({"strength", "S", Share()}, &Walls::strength);
-      field({"locked", "S", YesNo()}, &Walls::locked);
-      field({"other_area", "S", YesNo()}, &Walls::other_area);
+      field(Needed("time_s", "S", Rising()), &Walls::time_s);
+      field(Needed("angle_rad", "S", Finite().OrNan()), &Walls::angle_rad);
+      field(Needed("strength", "S", Share()), &Walls::strength);
+      field(Needed("locked", "S", YesNo()), &Walls::locked);
+      field(Needed("other_area", "S", YesNo()), &Walls::other_area);
     }
   };
   struct Cuts {
     Column<double> time_s;
     Texts why;
     static void Fields(const auto& field) {
-      field({"time_s", "C", Rising()}, &Cuts::time_s);
-      field({"why", "C"}, &Cuts::why);
+      field(Needed("time_s", "C", Rising()), &Cuts::time_s);
+      field(Needed("why", "C"), &Cuts::why);
     }
   };
   struct Positions {
@@ -34,13 +34,13 @@ struct LocalMap {
     Column<std::int32_t> trace;
     Column<std::uint8_t> corrected;
     static void Fields(const auto& field) {
-      field({"time_s", "Q", Rising()}, &Positions::time_s);
-      field({"trace", "Q", IndexInto("traces/robot")}, &Positions::trace);
-      field({"z_m", "Q", Position()}, &Positions::z_m);
-      field({"u_m", "Q", Position()}, &Positions::u_m);
-      field({"range_z_m", "Q", NotNegative()}, &Positions::range_z_m);
-      field({"range_u_m", "Q", NotNegative()}, &Positions::range_u_m);
-      field({"corrected", "Q", YesNo()}, &Positions::corrected);
+      field(Needed("time_s", "Q", Rising()), &Positions::time_s);
+      field(Needed("trace", "Q", IndexInto("traces/robot")), &Positions::trace);
+      field(Needed("z_m", "Q", Position()), &Positions::z_m);
+      field(Needed("u_m", "Q", Position()), &Positions::u_m);
+      field(Needed("range_z_m", "Q", NotNegative()), &Positions::range_z_m);
+      field(Needed("range_u_m", "Q", NotNegative()), &Positions::range_u_m);
+      field(Needed("corrected", "Q", YesNo()), &Positions::corrected);
     }
   };
   struct Robot {
@@ -60,26 +60,26 @@ struct LocalMap {
     Column<double> first_s, last_s, x_m, y_m, direction_rad;
     Column<std::int64_t> features;
     static void Fields(const auto& field) {
-      field({"robot", "T", IndexInto("robots")}, &Traces::robot);
-      field({"first_s", "T", Finite()}, &Traces::first_s);
-      field({"last_s", "T", Finite()}, &Traces::last_s);
-      field({"x_m", "T", Position()}, &Traces::x_m);
-      field({"y_m", "T", Position()}, &Traces::y_m);
-      field({"direction_rad", "T", Finite()}, &Traces::direction_rad);
-      field({"first_z", "T", Position()}, &Traces::first_z);
-      field({"features", "T", RowsOf("features/left/angle_low_rad")}, &Traces::features);
+      field(Needed("robot", "T", IndexInto("robots")), &Traces::robot);
+      field(Needed("first_s", "T", Finite()), &Traces::first_s);
+      field(Needed("last_s", "T", Finite()), &Traces::last_s);
+      field(Needed("x_m", "T", Position()), &Traces::x_m);
+      field(Needed("y_m", "T", Position()), &Traces::y_m);
+      field(Needed("direction_rad", "T", Finite()), &Traces::direction_rad);
+      field(Needed("first_z", "T", Position()), &Traces::first_z);
+      field(Needed("features", "T", RowsOf("features/left/angle_low_rad")), &Traces::features);
     }
   };
   struct Side {
     Column<float> angle_low_rad, angle_high_rad, distance_low_m, distance_high_m, cross_m;
     Column<std::uint8_t> occupied;
     static void Fields(const auto& field) {
-      field({"angle_low_rad", "F", Finite().OrNan()}, &Side::angle_low_rad);
-      field({"angle_high_rad", "F", Finite().OrNan()}, &Side::angle_high_rad);
-      field({"distance_low_m", "F", kFromPath}, &Side::distance_low_m);
-      field({"distance_high_m", "F", kFromPath}, &Side::distance_high_m);
-      field({"cross_m", "F", kFromPath}, &Side::cross_m);
-      field({"occupied", "F", YesNo()}, &Side::occupied);
+      field(Needed("angle_low_rad", "F", Finite().OrNan()), &Side::angle_low_rad);
+      field(Needed("angle_high_rad", "F", Finite().OrNan()), &Side::angle_high_rad);
+      field(Needed("distance_low_m", "F", kFromPath), &Side::distance_low_m);
+      field(Needed("distance_high_m", "F", kFromPath), &Side::distance_high_m);
+      field(Needed("cross_m", "F", kFromPath), &Side::cross_m);
+      field(Needed("occupied", "F", YesNo()), &Side::occupied);
     }
   };
   struct Connections {
@@ -87,26 +87,26 @@ struct LocalMap {
     Column<double> from_s, to_s, from_z_m, from_u_m, to_z_m, to_u_m, quality;
     Column<std::uint8_t> used;
     static void Fields(const auto& field) {
-      field({"from", "K", IndexInto("traces/robot")}, &Connections::from);
-      field({"to", "K", IndexInto("traces/robot")}, &Connections::to);
-      field({"kind", "K", Between(0, 2)}, &Connections::kind);
-      field({"from_s", "K", Finite()}, &Connections::from_s);
-      field({"to_s", "K", Finite()}, &Connections::to_s);
-      field({"from_z_m", "K", Position()}, &Connections::from_z_m);
-      field({"from_u_m", "K", Position()}, &Connections::from_u_m);
-      field({"to_z_m", "K", Position()}, &Connections::to_z_m);
-      field({"to_u_m", "K", Position()}, &Connections::to_u_m);
-      field({"quality", "K", Share()}, &Connections::quality);
-      field({"used", "K", YesNo()}, &Connections::used);
+      field(Needed("from", "K", IndexInto("traces/robot")), &Connections::from);
+      field(Needed("to", "K", IndexInto("traces/robot")), &Connections::to);
+      field(Needed("kind", "K", Between(0, 2)), &Connections::kind);
+      field(Needed("from_s", "K", Finite()), &Connections::from_s);
+      field(Needed("to_s", "K", Finite()), &Connections::to_s);
+      field(Needed("from_z_m", "K", Position()), &Connections::from_z_m);
+      field(Needed("from_u_m", "K", Position()), &Connections::from_u_m);
+      field(Needed("to_z_m", "K", Position()), &Connections::to_z_m);
+      field(Needed("to_u_m", "K", Position()), &Connections::to_u_m);
+      field(Needed("quality", "K", Share()), &Connections::quality);
+      field(Needed("used", "K", YesNo()), &Connections::used);
     }
   };
   struct Edges {
     Column<double> x0_m, y0_m, x1_m, y1_m;
     static void Fields(const auto& field) {
-      field({"x0_m", "E", Position()}, &Edges::x0_m);
-      field({"y0_m", "E", Position()}, &Edges::y0_m);
-      field({"x1_m", "E", Position()}, &Edges::x1_m);
-      field({"y1_m", "E", Position()}, &Edges::y1_m);
+      field(Needed("x0_m", "E", Position()), &Edges::x0_m);
+      field(Needed("y0_m", "E", Position()), &Edges::y0_m);
+      field(Needed("x1_m", "E", Position()), &Edges::x1_m);
+      field(Needed("y1_m", "E", Position()), &Edges::y1_m);
     }
   };
   struct Snapshots {
@@ -116,13 +116,13 @@ struct LocalMap {
     Column<std::int64_t> edges;
     Edges edge;
     static void Fields(const auto& field) {
-      field({"robot", "P", IndexInto("robots")}, &Snapshots::robot);
-      field({"time_s", "P", Finite()}, &Snapshots::time_s);
-      field({"frame_rad", "P", Finite()}, &Snapshots::frame_rad);
-      field({"occupancy", "P,n,n", From(0)}, &Snapshots::occupancy);
-      field({"edge_rad", "P,n,n", Finite().OrNan()}, &Snapshots::edge_rad);
-      field({"histogram", "P,8", Finite()}, &Snapshots::histogram);
-      field({"edges", "P", RowsOf("snapshots/edge/x0_m")}, &Snapshots::edges);
+      field(Needed("robot", "P", IndexInto("robots")), &Snapshots::robot);
+      field(Needed("time_s", "P", Finite()), &Snapshots::time_s);
+      field(Needed("frame_rad", "P", Finite()), &Snapshots::frame_rad);
+      field(Needed("occupancy", "P,n,n", From(0)), &Snapshots::occupancy);
+      field(Needed("edge_rad", "P,n,n", Finite().OrNan()), &Snapshots::edge_rad);
+      field(Needed("histogram", "P,8", Finite()), &Snapshots::histogram);
+      field(Needed("edges", "P", RowsOf("snapshots/edge/x0_m")), &Snapshots::edges);
       field("edge", &Snapshots::edge);
     }
   };

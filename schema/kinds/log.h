@@ -9,19 +9,19 @@ struct Log {
   struct Odometry {
     Column<double> time_s, turn_rad, forward_m;
     static void Fields(const auto& field) {
-      field({"time_s", "C", Rising()}, &Odometry::time_s);
-      field({"turn_rad", "C", Finite()}, &Odometry::turn_rad);
-      field({"forward_m", "C", Position()}, &Odometry::forward_m);
+      field(Needed("time_s", "C", Rising()), &Odometry::time_s);
+      field(Needed("turn_rad", "C", Finite()), &Odometry::turn_rad);
+      field(Needed("forward_m", "C", Position()), &Odometry::forward_m);
     }
   };
   struct Observations {
     Column<double> time_s, range_m, bearing_rad;
     Column<std::int32_t> landmark, type;
     static void Fields(const auto& field) {
-      field({"time_s", "O", Rising()}, &Observations::time_s);
-      field({"landmark", "O", IndexInto("landmarks").OrNone()}, &Observations::landmark);
-      field({"range_m", "O", NotNegative().OrNan()}, &Observations::range_m);
-      field({"bearing_rad", "O", Finite().OrNan()}, &Observations::bearing_rad);
+      field(Needed("time_s", "O", Rising()), &Observations::time_s);
+      field(Needed("landmark", "O", IndexInto("landmarks").OrNone()), &Observations::landmark);
+      field(Needed("range_m", "O", NotNegative().OrNan()), &Observations::range_m);
+      field(Needed("bearing_rad", "O", Finite().OrNan()), &Observations::bearing_rad);
       field({"type", "O", IndexInto("types").OrNone()}, &Observations::type);
     }
   };
@@ -29,10 +29,10 @@ struct Log {
     Column<double> time_s, range_m, bearing_rad;
     Column<std::int32_t> robot;
     static void Fields(const auto& field) {
-      field({"time_s", "S", Rising()}, &RobotObservations::time_s);
-      field({"robot", "S", IndexInto("robots")}, &RobotObservations::robot);
-      field({"range_m", "S", NotNegative().OrNan()}, &RobotObservations::range_m);
-      field({"bearing_rad", "S", Finite().OrNan()}, &RobotObservations::bearing_rad);
+      field(Needed("time_s", "S", Rising()), &RobotObservations::time_s);
+      field(Needed("robot", "S", IndexInto("robots")), &RobotObservations::robot);
+      field(Needed("range_m", "S", NotNegative().OrNan()), &RobotObservations::range_m);
+      field(Needed("bearing_rad", "S", Finite().OrNan()), &RobotObservations::bearing_rad);
     }
   };
   struct RangeSensor {
@@ -40,14 +40,14 @@ struct Log {
     Column<double> time_s, range_m, beam_x_m, beam_y_m, beam_heading_rad, turret_rad, opening_rad,
         max_range_m;
     static void Fields(const auto& field) {
-      field({"time_s", "K", Rising()}, &RangeSensor::time_s);
-      field({"range_m", "K,B", NotNegative().OrNan()}, &RangeSensor::range_m);
-      field({"beam_x_m", "B", Position()}, &RangeSensor::beam_x_m);
-      field({"beam_y_m", "B", Position()}, &RangeSensor::beam_y_m);
-      field({"beam_heading_rad", "B", Finite()}, &RangeSensor::beam_heading_rad);
+      field(Needed("time_s", "K", Rising()), &RangeSensor::time_s);
+      field(Needed("range_m", "K,B", NotNegative().OrNan()), &RangeSensor::range_m);
+      field(Needed("beam_x_m", "B", Position()), &RangeSensor::beam_x_m);
+      field(Needed("beam_y_m", "B", Position()), &RangeSensor::beam_y_m);
+      field(Needed("beam_heading_rad", "B", Finite()), &RangeSensor::beam_heading_rad);
       field({"turret_rad", "K", Finite()}, &RangeSensor::turret_rad);
-      field({"opening_rad", "", Between(0, 3.15)}, &RangeSensor::opening_rad);
-      field({"max_range_m", "", Positive()}, &RangeSensor::max_range_m);
+      field(Needed("opening_rad", "", Between(0, 3.15)), &RangeSensor::opening_rad);
+      field(Needed("max_range_m", "", Positive()), &RangeSensor::max_range_m);
     }
   };
   struct Robot {
@@ -97,8 +97,8 @@ struct Log {
     static void Fields(const auto& field) {
       field({"poses", "Q"}, &TrueRobot::poses);
       field({"observations/landmark", "O", IndexInto("truth/landmarks/x_m").OrNone()}, &TrueRobot::landmark);
-      field({"walls/time_s", "A", Rising()}, &TrueRobot::walls_time_s);
-      field({"walls/angle_rad", "A", Finite()}, &TrueRobot::walls_angle_rad);
+      field(Needed("walls/time_s", "A", Rising()), &TrueRobot::walls_time_s);
+      field(Needed("walls/angle_rad", "A", Finite()), &TrueRobot::walls_angle_rad);
       field("SENSOR", &TrueRobot::sensors);
     }
   };
@@ -108,8 +108,8 @@ struct Log {
     Column<std::int32_t> type;
     static void Fields(const auto& field) {
       field({"name", "M"}, &Landmarks::name);
-      field({"x_m", "M", Position()}, &Landmarks::x_m);
-      field({"y_m", "M", Position()}, &Landmarks::y_m);
+      field(Needed("x_m", "M", Position()), &Landmarks::x_m);
+      field(Needed("y_m", "M", Position()), &Landmarks::y_m);
       field({"type", "M", IndexInto("types").OrNone()}, &Landmarks::type);
     }
   };
@@ -122,17 +122,17 @@ struct Log {
     static void Fields(const auto& field) {
       field("robot", &Truth::robot);
       field("landmarks", &Truth::landmarks);
-      field({"walls/x_m", "W,2", Position()}, &Truth::walls_x_m);
-      field({"walls/y_m", "W,2", Position()}, &Truth::walls_y_m);
+      field(Needed("walls/x_m", "W,2", Position()), &Truth::walls_x_m);
+      field(Needed("walls/y_m", "W,2", Position()), &Truth::walls_y_m);
       field({"walls/smooth", "W", YesNo()}, &Truth::walls_smooth);
       field({"walls/from_s", "W", Free()}, &Truth::walls_from_s);
       field({"walls/until_s", "W", Free()}, &Truth::walls_until_s);
-      field({"doors/x_m", "D,2", Position()}, &Truth::doors_x_m);
-      field({"doors/y_m", "D,2", Position()}, &Truth::doors_y_m);
-      field({"doors/open", "D", YesNo()}, &Truth::doors_open);
-      field({"person/time_s", "E", Rising()}, &Truth::person_time_s);
-      field({"person/x_m", "E", Position()}, &Truth::person_x_m);
-      field({"person/y_m", "E", Position()}, &Truth::person_y_m);
+      field(Needed("doors/x_m", "D,2", Position()), &Truth::doors_x_m);
+      field(Needed("doors/y_m", "D,2", Position()), &Truth::doors_y_m);
+      field(Needed("doors/open", "D", YesNo()), &Truth::doors_open);
+      field(Needed("person/time_s", "E", Rising()), &Truth::person_time_s);
+      field(Needed("person/x_m", "E", Position()), &Truth::person_x_m);
+      field(Needed("person/y_m", "E", Position()), &Truth::person_y_m);
     }
   };
 

@@ -25,10 +25,10 @@ struct PoseTable {
     heading_rad = ColumnOf(poses, &Pose::heading_rad);
   }
   static void Fields(const auto& field) {
-    field({"time_s", "P", Rising()}, &PoseTable::time_s);
-    field({"x_m", "P", Position()}, &PoseTable::x_m);
-    field({"y_m", "P", Position()}, &PoseTable::y_m);
-    field({"heading_rad", "P", Finite()}, &PoseTable::heading_rad);
+    field(Needed("time_s", "P", Rising()), &PoseTable::time_s);
+    field(Needed("x_m", "P", Position()), &PoseTable::x_m);
+    field(Needed("y_m", "P", Position()), &PoseTable::y_m);
+    field(Needed("heading_rad", "P", Finite()), &PoseTable::heading_rad);
   }
 };
 

@@ -11,11 +11,11 @@ struct Provenance {
     Column<std::int64_t> rounds, tasks;
     Column<double> seconds_s, compute_s;
     static void Fields(const auto& field) {
-      field({"note", "M"}, &Rounds::note);
+      field(Needed("note", "M"), &Rounds::note);
       field({"rounds", "M", From(0)}, &Rounds::rounds);
-      field({"tasks", "M", From(0)}, &Rounds::tasks);
-      field({"seconds_s", "M", From(0)}, &Rounds::seconds_s);
-      field({"compute_s", "M", From(0)}, &Rounds::compute_s);
+      field(Needed("tasks", "M", From(0)), &Rounds::tasks);
+      field(Needed("seconds_s", "M", From(0)), &Rounds::seconds_s);
+      field(Needed("compute_s", "M", From(0)), &Rounds::compute_s);
     }
   };
 

@@ -160,7 +160,8 @@ Case LandmarkMapSideBySide() {
 
 Case LandmarkLearning(const std::string& name, double window_m, bool both_ways = false) {
   Blob samples = landmark_learning::CorridorSamples{.samples = 700, .both_ways = both_ways}.Make();
-  samples.PutVector<double>("truth/run/0/x_m", std::vector<double>(700, 1.0));
+  for (const char* name : {"x_m", "y_m"})
+    samples.PutVector(std::string("truth/run/0/") + name, std::vector<double>(700, 1.0));
   Case c{.name = name, .stage = {}, .inputs = {{"samples", Share(std::move(samples))}}};
   Set(c.stage, "window_m", window_m);
   SetInteger(c.stage, "networks", 5);
@@ -202,9 +203,11 @@ Case ImageFeatures() {
     const std::string prefix = "run/" + std::to_string(run) + "/";
     samples.Put(prefix + "image", Array::Of<std::uint8_t>({count, 240, 200, 3}, image));
     samples.Put(prefix + "input", Array::Of({count, 0}, std::vector<float>()));
-    samples.PutVector(prefix + "time_s", std::vector<double>(static_cast<std::size_t>(count), 0.0));
+    for (const char* name : {"time_s", "x_m", "y_m"})
+      samples.PutVector(prefix + name, std::vector<double>(static_cast<std::size_t>(count), 0.0));
   }
-  samples.PutVector<double>("truth/run/1/x_m", {1, 2, 3, 4, 5});
+  for (const char* name : {"x_m", "y_m"})
+    samples.PutVector<double>(std::string("truth/run/1/") + name, {1, 2, 3, 4, 5});
   return {.name = "image_features",
           .stage = {},
           .inputs = {{"samples", Share(std::move(samples))}},
@@ -213,7 +216,9 @@ Case ImageFeatures() {
 
 Case Localization(const std::string& name, const char* sensing, const char* belief) {
   Blob samples = localization::CorridorWithFeatures().Make();
-  samples.PutVector("truth/run/0/x_m", std::vector<double>(samples.Get<double>("run/0/time_s").size(), 1.0));
+  for (const char* name : {"x_m", "y_m"})
+    samples.PutVector(std::string("truth/run/0/") + name,
+                      std::vector<double>(samples.Get<double>("run/0/time_s").size(), 1.0));
   Case c{.name = name, .stage = {}, .inputs = {{"samples", Share(std::move(samples))}}};
   SetInteger(c.stage, "traverses", 9);
   Set(c.stage, "travelled_m", 5.0);
@@ -285,7 +290,8 @@ Case TrainingOn(const std::string& error) {
 Case EvidenceMap() {
   Blob log = Room{.scans = 600, .beams = 180}.Log();
   log.PutAll("robot/0/sonar/", Room{.opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
-  log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, {1.0, 2.0}));
+  for (const char* name : {"x_m", "y_m"})
+    log.Put(std::string("truth/walls/") + name, Array::Of<double>({1, 2}, {1.0, 2.0}));
   Case c{.name = "evidence_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}, .rounds = 1};
   Set(c.stage, "cell_m", 0.01);
   Set(c.stage, "heldout", 0.1);
@@ -296,7 +302,8 @@ Case EvidenceMap() {
 Case ForwardMap(const std::string& name, double tile_mcrossings) {
   Blob log = Room{}.Log();
   log.PutAll("robot/0/sonar/", Room{.opening_rad = 0.26, .seed = 2}.Log().Sub("robot/0/sonar/"));
-  log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, {1.0, 2.0}));
+  for (const char* name : {"x_m", "y_m"})
+    log.Put(std::string("truth/walls/") + name, Array::Of<double>({1, 2}, {1.0, 2.0}));
   Case c{.name = name, .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
   Set(c.stage, "cell_m", 0.1);
   Set(c.stage, "heldout", 0.2);
@@ -309,7 +316,8 @@ Case ForwardMap(const std::string& name, double tile_mcrossings) {
 Case LocalMap() {
   Blob log = Room{.scans = 300}.Log();
   log.PutAll("robot/0/sonar/", Room{.scans = 300, .opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
-  log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, {1.0, 2.0}));
+  for (const char* name : {"x_m", "y_m"})
+    log.Put(std::string("truth/walls/") + name, Array::Of<double>({1, 2}, {1.0, 2.0}));
   Case c{.name = "local_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
   SetInteger(c.stage, "segment_scans", 100);
   return c;

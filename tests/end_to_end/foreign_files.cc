@@ -93,6 +93,7 @@ int main(int argc, char** argv) try {
   WriteFlipped(result, Read(result), folder / "flipped.h5");
   WriteWithoutTrailer(result, folder / "changed.h5");
   WriteWithoutTrailer(log, folder / "changed-log.h5");
+  Write(folder / "column.h5", "log", Read(log).blob.Without("robot/0/odometry/forward_m"));
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -57,6 +57,10 @@ refuses 'is not UTF-8' cairn import csv --odometry latin.csv latin.h5
 printf 'time_s,robot,turn_rad,forward_m\n1,a,\x1b[2J\xff,1\n' >number.csv
 refuses 'number.csv:2: not a number' cairn import csv --odometry number.csv number.h5
 plain 'import csv'
+printf 'time_s,robot,turn_rad,forward_m\n1,a,0\0x,1\n' >number.csv
+refuses "number.csv:2: not a number: turn_rad is '0.u0000x'.*--skip-bad skips such lines" \
+  cairn import csv --odometry number.csv number.h5
+plain 'import csv'
 cp log.h5 $'bad\x1b[2J\xff.h5'
 any cairn inspect $'bad\x1b[2J\xff.h5'
 any cairn inspect $'none\x1b[2J\xff.h5'
@@ -126,6 +130,13 @@ with h5py.File("edited.h5", "r+") as f:
   exits 2 cairn export tum edited.h5 exported --changed
   says "^cairn: edited.h5: 'robot/0/poses/"
 fi
+
+# A table that lacks a column: what is left of it is not all that there is.
+for command in 'inspect strange/column.h5' 'export csv strange/column.h5 columns' 'run landmark_map strange/column.h5'; do
+  # shellcheck disable=SC2086
+  refuses "there is no 'robot/0/odometry/forward_m', which 'robot/0/odometry/time_s' needs" cairn $command
+done
+[ ! -e columns ] || die "cairn export made tables of a log without its distances"
 
 # A gzip bomb is stopped while it is unpacked.
 {

@@ -155,7 +155,8 @@ Blob ToyLog(int controls) {
   log.PutVector("robot/0/odometry/time_s", time_s);
   log.PutVector("robot/0/odometry/turn_rad", turn_rad);
   log.PutVector("robot/0/odometry/forward_m", forward_m);
-  log.PutVector("truth/robot/0/poses/x_m", forward_m);
+  for (const char* name : {"time_s", "x_m", "y_m", "heading_rad"})
+    log.PutVector(std::string("truth/robot/0/poses/") + name, time_s);
   return log;
 }
 
