@@ -31,25 +31,18 @@ OdometricPose Within(const Odometry& odometry, std::size_t i, double part) {
 
 }  // namespace
 
-Odometry Integrate(const Blob& robot, const std::string& name) {
-  const auto time = robot.Get<double>("odometry/time_s");
-  const auto turn = robot.Get<double>("odometry/turn_rad");
-  const auto forward = robot.Get<double>("odometry/forward_m");
+Odometry Integrate(const kinds::Log::Odometry& controls, const std::string& name) {
+  const std::span<const double> time = controls.time_s, turn = controls.turn_rad,
+                                forward = controls.forward_m;
   if (time.empty()) throw InputError("robot '" + name + "' has no controls: there is nothing to map");
-  if (turn.size() != time.size() || forward.size() != time.size()) {
-    throw InputError("robot '" + name + "': odometry arrays differ in length");
-  }
   Odometry odometry;
   odometry.time_s = {time[0] - UsualInterval(time)};
   odometry.x_m = odometry.y_m = odometry.heading_rad = odometry.path_m = odometry.turn_rad = {0.0};
   for (std::size_t i = 0; i < time.size(); ++i) {
-    if (!std::isfinite(time[i]) || !std::isfinite(turn[i]) || !std::isfinite(forward[i]))
-      Refuse(name, i, "not a number");
     constexpr double kFarthest_m = 1e5, kLargestTurn_rad = 1e3;  // no robot does so in one control
     if (std::abs(forward[i]) > kFarthest_m || std::abs(turn[i]) > kLargestTurn_rad) {
       Refuse(name, i, "a distance or turn too large to be one");
     }
-    if (time[i] < odometry.time_s.back()) Refuse(name, i, "time runs backwards");
     const double heading = odometry.heading_rad.back() + turn[i];
     odometry.time_s.push_back(time[i]);
     odometry.heading_rad.push_back(heading);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "schema/blob.h"
+#include "schema/kinds/log.h"
 
 namespace cairn {
 
@@ -22,12 +22,11 @@ struct OdometricPose {
   double time_s, x_m, y_m, heading_rad, path_m, turn_rad;
 };
 
-// Integrates turn_rad, then forward_m, of the subtree robot/N/odometry/.
+// Integrates turn_rad, then forward_m, of a log that was checked as its kind.
 // Throws InputError that names robot and row where
-// - there are no controls, or their arrays differ in length;
-// - a number is not finite, a way beyond 100 km or a turn beyond 1000 rad;
-// - time runs backwards.
-Odometry Integrate(const Blob& robot, const std::string& name);
+// - there are no controls;
+// - a distance is beyond 100 km or a turn beyond 1000 rad.
+Odometry Integrate(const kinds::Log::Odometry& controls, const std::string& name);
 
 // The pose at `time_s`: after all controls that have ended by then, and after the turn and a part of the way
 // of the one under way; ends are clamped.

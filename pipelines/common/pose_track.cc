@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "schema/error.h"
-#include "schema/kinds/poses.h"
 
 namespace cairn {
 namespace {
@@ -30,24 +29,24 @@ Pose Part(const Pose& from, double part, const Pose& by) {
 }  // namespace
 
 PoseTrack PoseTrack::Of(const Blob& log, const Blob* poses, std::size_t index, double gap_s) {
-  const std::string name = log.Texts("robots").at(index), robot = Prefix(index);
+  const std::string name = log.Texts("robots").at(index);
+  const auto robot = FieldsIn<kinds::Log::Robot>(Prefix(index), log);
   PoseTrack track;
   track.gap_s_ = gap_s;
-  if (log.Has(robot + "odometry/time_s") && log.at(robot + "odometry/time_s").size() > 0)
-    track.odometry_ = Integrate(log.Sub(robot), name);
+  if (robot.HasControls()) track.odometry_ = Integrate(robot.odometry, name);
   if (poses != nullptr) {
-    track.Read(*poses, Prefix(IndexOf(poses->Texts("robots"), name)) + "poses/", name);
-  } else if (log.Has(robot + "poses/time_s")) {
-    track.Read(log, robot + "poses/", name);
+    const std::string prefix = Prefix(IndexOf(poses->Texts("robots"), name));
+    track.Set(FieldsIn<kinds::PoseTable>(prefix + "poses/", *poses), name);
+  } else if (robot.poses.time_s) {
+    track.Set(robot.poses, name);
   } else if (!track.odometry_) {
     throw InputError("robot '" + name + "' has neither poses nor odometry: where it was is not known");
   }
   return track;
 }
 
-void PoseTrack::Read(const Blob& blob, const std::string& prefix, const std::string& robot) {
-  const auto poses = FieldsIn<kinds::PoseTable>(prefix, blob);
-  if (poses.time_s.empty()) throw InputError("robot '" + robot + "': " + prefix + " is empty");
+void PoseTrack::Set(const kinds::PoseTable& poses, const std::string& robot) {
+  if (poses.time_s.empty()) throw InputError("robot '" + robot + "': '" + poses.time_s.name() + "' is empty");
   time_s_ = poses.time_s.vector();
   pose_ = poses.poses();
 }

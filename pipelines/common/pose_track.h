@@ -28,7 +28,7 @@ class PoseTrack {
 
  private:
   PoseTrack() = default;
-  void Read(const Blob& blob, const std::string& prefix, const std::string& robot);
+  void Set(const kinds::PoseTable& poses, const std::string& robot);
   std::optional<Pose> Odometric(double time_s) const;
 
   double gap_s_ = 0;

@@ -36,31 +36,30 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
               const Blob* parent, const Blob* starts) {
   const Parameters<float> parameters =
       InFloat(ShapeOf(options, data.mean.size()), t.best.empty() ? t.weights : t.best);
-  Blob result;
-  PutNetworkArrays(parameters, &result);
-  result.PutVector("networks/input_mean", data.mean);
-  result.PutVector("networks/input_scale", data.scale);
-  result.Put("networks/input_name", Array::Texts(data.input_names));
+  kinds::Networks of;
+  of.networks = WeightsOf(parameters);
+  of.networks.input_mean = data.mean;
+  of.networks.input_scale = data.scale;
+  of.networks.input_name = data.input_names;
   const SampleSet& set = data.training;
-  result.PutVector("map/x_m", set.positions.x_m);
-  result.PutVector("map/y_m", set.positions.y_m);
-  result.PutVector("map/along_m", set.positions.along_m);
-  if (!set.heading_rad.empty()) result.PutVector("map/heading_rad", set.heading_rad);
-  result.PutVector("map/run", set.run);
-  result.Put("map/output", Array::Of<float>({set.size(), parameters.shape.networks},
-                                            Forward(parameters, set.inputs(), set.size()).output));
-  result.Put("runs", Array::Texts(data.runs));
-  result.PutVector("history/training_error_m", history.error);
-  result.PutVector("history/validation_error_m", history.validation);
-  result.PutVector("history/gradient_norm", history.norm);
-  result.PutScalar("prior_error_m", t.prior);
-  result.PutScalar("validation_prior_error_m", t.validation_prior);
-  result.PutScalar("window_m", options.window_m);
-  result.PutScalar("heading_window_deg", options.heading_window_deg);
-  result.Put("options", Array::Texts(OptionTexts(options)));
-  if (!t.warnings.empty()) result.Put("warnings", Array::Texts(t.warnings));
+  of.map.x_m = set.positions.x_m;
+  of.map.y_m = set.positions.y_m;
+  of.map.along_m = set.positions.along_m;
+  if (!set.heading_rad.empty()) of.map.heading_rad = set.heading_rad;
+  of.map.run = set.run;
+  of.map.output = {{set.size(), parameters.shape.networks},
+                   Forward(parameters, set.inputs(), set.size()).output};
+  of.runs = data.runs;
+  of.history = {history.error, history.validation, history.norm};
+  of.prior_error_m = t.prior;
+  of.validation_prior_error_m = t.validation_prior;
+  of.window_m = options.window_m;
+  of.heading_window_deg = options.heading_window_deg;
+  of.options = OptionTexts(options);
+  if (!t.warnings.empty()) of.warnings = t.warnings;
+  if (parent != nullptr) of.ancestry = AncestryOf(*parent);
+  Blob result = BlobOf(of);
   if (starts != nullptr) result.PutAll("", *starts);
-  if (parent != nullptr) PutAncestry(*parent, &result);
   Step step;
   step.plan.set_result(step.Share(result));
   return step;

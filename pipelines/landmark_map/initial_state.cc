@@ -10,8 +10,6 @@
 namespace cairn::landmark_map {
 namespace {
 
-std::string RobotPath(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
-
 // Which layers of the map a robot's observations may be of: any class may seem another.
 std::vector<bool> TypesSeen(const RobotSteps& robot, const MapRules& rules) {
   std::vector<bool> seen(static_cast<std::size_t>(rules.layers()), false);
@@ -58,9 +56,10 @@ InitialState MakeInitialState(const Options& options, const Inputs& inputs) {
   return initial;
 }
 
-RobotStates MakeAllSteps(const Blob& log, const Options& options, const InitialState& initial,
+RobotStates MakeAllSteps(const Blob& blob, const Options& options, const InitialState& initial,
                          cairn::Step* step, std::vector<RobotSteps>* all) {
-  const std::vector<std::string> robots = log.Texts("robots");
+  const auto log = Read<kinds::Log>(blob);
+  const std::vector<std::string>& robots = log.robots;
   const Settings& settings = initial.settings;
   std::vector<bool> shared;
   if (initial.given) shared = TypesIn(initial.given->map);
@@ -70,8 +69,7 @@ RobotStates MakeAllSteps(const Blob& log, const Options& options, const InitialS
   robot_states.overlap.assign(robots.size(), kOverlap);
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const bool anywhere = StartsAnywhere(options, r);
-    const RobotSteps steps =
-        MakeSteps(log.Sub(RobotPath(r)), robots[r], settings.steps, anywhere ? &shared : nullptr);
+    const RobotSteps steps = MakeSteps(log.robot[r], robots[r], settings.steps, anywhere ? &shared : nullptr);
     if (shared.empty()) shared = TypesSeen(steps, settings.map);
     if (initial.given && !anywhere) CheckReach(initial.given->map, steps, settings);
     robot_states.step_counts.push_back(steps.size());

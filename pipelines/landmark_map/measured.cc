@@ -89,17 +89,16 @@ std::vector<std::string> ChangedOptions(Options options) {
 }
 
 // What no log of the kinds above has.
-std::vector<std::string> OtherSensing(const Blob& log) {
+std::vector<std::string> OtherSensing(const kinds::Log& log) {
   std::vector<std::string> unlike;
-  const std::size_t robots = log.Texts("robots").size();
+  const std::size_t robots = log.robots.size();
   if (robots != 1) unlike.push_back("it has " + std::to_string(robots) + " robots");
-  if (!log.Texts("landmarks").empty()) unlike.emplace_back("landmarks have identities");
-  if (log.Has("types") && log.Texts("types").size() > 1) unlike.emplace_back("landmarks are of types");
-  const auto range = log.Get<double>("robot/0/observations/range_m");
-  if (std::ranges::any_of(range, [](double r) { return !std::isnan(r); }))
+  if (!log.landmarks.empty()) unlike.emplace_back("landmarks have identities");
+  if (log.types.OrNone().size() > 1) unlike.emplace_back("landmarks are of types");
+  if (std::ranges::any_of(log.robot[0].observations.range_m, [](double r) { return !std::isnan(r); }))
     unlike.emplace_back("landmarks are seen at a distance");
-  for (const char* name : {"noise/false_ratio", "noise/miss_ratio"})
-    if (log.Has(name)) unlike.push_back(std::string("it states ") + name);
+  for (const Column<double>& ratio : {log.noise.false_ratio, log.noise.miss_ratio})
+    if (ratio) unlike.push_back("it states " + ratio.name());
   return unlike;
 }
 
@@ -120,25 +119,24 @@ std::vector<std::string> BeyondOf(const LogStatistics& log, double landmarks, co
 
 }  // namespace
 
-LogStatistics MeasureLog(const Blob& log) {
-  const auto stated = [&](const char* name, double unit) {
-    return log.Has(name) ? log.Scalar<double>(name) / unit : 0.0;
-  };
-  const Blob robot = log.Sub("robot/0/");
+LogStatistics MeasureLog(const Blob& blob) {
+  const auto log = Read<kinds::Log>(blob);
+  const kinds::Log::Robot& robot = log.robot.at(0);
+  const kinds::Log::Noise& stated = log.noise;
   double travelled_m = 0.0;
-  for (const double forward : robot.Get<double>("odometry/forward_m")) travelled_m += std::abs(forward);
-  return {static_cast<double>(robot.at("observations/time_s").size()),
+  for (const double forward : robot.odometry.forward_m) travelled_m += std::abs(forward);
+  return {static_cast<double>(robot.observations.time_s.size()),
           travelled_m,
           MedianDistanceBetween(robot),
-          stated("noise/heading_drift_rad_per_m", kDegree_rad),
-          stated("noise/heading_walk_rad_per_sqrt_m", kDegree_rad),
-          stated("noise/forward_ratio", 1.0),
-          stated("noise/turn_ratio", 1.0),
-          stated("noise/contact_m", 1.0)};
+          stated.heading_drift_rad_per_m.Or(0.0) / kDegree_rad,
+          stated.heading_walk_rad_per_sqrt_m.Or(0.0) / kDegree_rad,
+          stated.forward_ratio.Or(0.0),
+          stated.turn_ratio.Or(0.0),
+          stated.contact_m.Or(0.0)};
 }
 
 std::vector<std::string> UnlikeMeasured(const Options& options, const Blob& log, std::size_t landmarks) {
-  std::vector<std::string> unlike = OtherSensing(log);
+  std::vector<std::string> unlike = OtherSensing(Read<kinds::Log>(log));
   for (const std::string& name : ChangedOptions(options))
     unlike.push_back("the option " + name + " is not the default");
   // Of the kind that it is most like.

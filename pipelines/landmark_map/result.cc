@@ -299,10 +299,11 @@ Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
   return BlobOf(iterations);
 }
 
-Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
+Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
                 const std::vector<OdometryFit>& odometry, const Blob& history,
                 const std::string& not_refined) {
-  const std::vector<std::string> robots = log.Texts("robots");
+  const auto log = Read<kinds::Log>(blob);
+  const std::vector<std::string>& robots = log.robots;
   std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
   std::vector<Associated> associated;
   for (std::size_t r = 0; r < robots.size(); ++r) associated.push_back(AssociatedIn(sum.SummariesOf(r)));
@@ -312,14 +313,14 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
     FindInImages(settings, inputs, sum, odometry, &landmarks, &associated);
   }
   Blob result;
-  result.Put("robots", log.at("robots"));
-  result.Put("landmarks", log.at("landmarks"));
-  if (settings.map.classes.count > 1) result.Put("types", log.at("types"));
-  result.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
+  result.Put("robots", log.robots.array());
+  result.Put("landmarks", log.landmarks.array());
+  if (settings.map.classes.count > 1) result.Put("types", log.types.array());
+  result.Put("log_hash", Array::Text(blob.Without("truth/").ContentHash().Hex()));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
     const RobotSteps steps = Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r)));
-    const Odometry track = Until(Integrate(log.Sub(prefix), robots[r]), settings.steps.until_s);
+    const Odometry track = Until(Integrate(log.robot[r].odometry, robots[r]), settings.steps.until_s);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
     PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
                settings.steps.until_s)
@@ -336,7 +337,7 @@ Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs,
     KeepLandmarks(AreLandmarks(result, landmarks, settings.detection, reach), &landmarks, &result);
   }
   PutLandmarks(landmarks, settings.map, &result);
-  PutMap(FinalMap(log, settings, inputs, counts), settings.map, &result);
+  PutMap(FinalMap(blob, settings, inputs, counts), settings.map, &result);
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);
   result.Put("refinement/reason", Array::Text(not_refined));

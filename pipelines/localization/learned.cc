@@ -12,7 +12,8 @@ namespace {
 using landmark_learning::Parameters;
 
 Parameters<float> ParametersOf(const Blob& file) {
-  const Parameters<double> read = landmark_learning::NetworksIn(file);
+  const Parameters<double> read =
+      landmark_learning::NetworksIn(FieldsIn<kinds::Networks::Weights>("networks/", file));
   return landmark_learning::InFloat(read.shape, read.values);
 }
 

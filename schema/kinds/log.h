@@ -57,6 +57,7 @@ struct Log {
     Column<double> hints_time_s;
     PoseTable poses;
     PerSensor<RangeSensor> sensors;
+    bool HasControls() const { return odometry.time_s && !odometry.time_s.empty(); }
     static void Fields(const auto& field) {
       field("odometry", &Robot::odometry);
       field("observations", &Robot::observations);

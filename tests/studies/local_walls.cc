@@ -176,7 +176,7 @@ Pose TrueAt(const Blob& log, double time_s) {
 Found Judge(const Blob& log) {
   const std::string sonar = "robot/0/sonar/", infrared = "robot/0/infrared/";
   const std::vector<TrueWall> walls = WallsOf(log);
-  const Odometry odometry = Integrate(log.Sub("robot/0/"), "robot 0");
+  const Odometry odometry = Integrate(FieldsIn<kinds::Log::Odometry>("robot/0/odometry/", log), "robot 0");
   const auto times = log.Get<double>(sonar + "time_s"),
              angles = log.Get<double>("truth/robot/0/walls/angle_rad");
   GridOptions options;

@@ -6,7 +6,7 @@
 
 #include "pipelines/landmark_learning/data/training_data.h"
 #include "pipelines/landmark_learning/networks/networks.h"
-#include "schema/blob.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::landmark_learning {
 
@@ -15,15 +15,13 @@ struct Parent {
   InputNorm norm;               // the weights mean nothing under another one
 };
 
-// From a file of kind `networks`.
-// Throws InputError where
-// - it is none;
-// - it has other networks than `wanted`, or other inputs than `input_names`;
-// - a number is not finite, or a scale not above 0.
+// From a file that was checked as of kind `networks`.
+// Throws InputError where it is none, or has other networks than `wanted`, or other inputs than
+// `input_names`.
 Parent ReadParent(const Blob& networks, const NetworkShape& wanted,
                   const std::vector<std::string>& input_names);
 
-// ancestry/…, of `parent` and all before it, where there is one: schema/FORMAT.md.
-void PutAncestry(const Blob& parent, Blob* result);
+// `parent` itself and all before it.
+kinds::Networks::Ancestry AncestryOf(const Blob& parent);
 
 }  // namespace cairn::landmark_learning

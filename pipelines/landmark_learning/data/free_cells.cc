@@ -6,6 +6,8 @@
 #include <queue>
 #include <utility>
 
+#include "schema/kinds/grid_map.h"
+
 namespace cairn::landmark_learning {
 namespace {
 
@@ -15,22 +17,20 @@ constexpr int kSteps[16][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},  {1, 1}, {1, -
 }  // namespace
 
 FreeCells FreeCells::Of(const Blob& map) {
-  if (!map.Has("map/grid/probability"))
+  const auto grid = FieldsIn<kinds::GridMap::Grid>("map/grid/", map);
+  if (!grid.probability)
     throw InputError("the input 'map': no occupancy map in it ('map/grid/probability' is missing)");
-  const Shape& shape = map.at("map/grid/probability").shape();
-  if (shape.size() != 2 || shape[0] < 1 || shape[1] < 1)
+  const Shape& shape = grid.probability.shape();
+  if (shape.size() != 2 || grid.probability.empty())
     throw InputError(
         "the input 'map': 'map/grid/probability' must be [rows,columns]; a landmark map is no such map");
   FreeCells cells;
   cells.rows_ = shape[0];
   cells.columns_ = shape[1];
-  cells.origin_x_m_ = map.Scalar<double>("map/grid/origin_x_m");
-  cells.origin_y_m_ = map.Scalar<double>("map/grid/origin_y_m");
-  cells.cell_m_ = map.Scalar<double>("map/grid/cell_m");
-  if (!(cells.cell_m_ > 0.0) || !std::isfinite(cells.cell_m_) || !std::isfinite(cells.origin_x_m_) ||
-      !std::isfinite(cells.origin_y_m_))
-    throw InputError("the input 'map': 'map/grid/cell_m' must be above 0, the origin finite");
-  for (const double p : map.Get<double>("map/grid/probability")) cells.free_.push_back(!(p >= 0.5));
+  cells.origin_x_m_ = grid.origin_x_m.Scalar();
+  cells.origin_y_m_ = grid.origin_y_m.Scalar();
+  cells.cell_m_ = grid.cell_m.Scalar();
+  for (const double p : grid.probability) cells.free_.push_back(!(p >= 0.5));
   return cells;
 }
 

@@ -11,8 +11,8 @@ namespace cairn::landmark_learning {
 
 class FreeCells {
  public:
-  // From a `grid_map` (schema/FORMAT.md).
-  // Throws InputError where it is none, its grid has no cells, or its origin or cell size are not sensible.
+  // From a map that was checked as its kind.
+  // Throws InputError where it is no `grid_map`, or its grid has no cells.
   static FreeCells Of(const Blob& map);
 
   // The cell that holds a position; none where it is occupied or outside.

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "schema/kinds/kind.h"
+
 namespace cairn::landmark_learning {
 namespace {
 
@@ -59,7 +61,7 @@ TEST(FreeCells, WhatIsNoMapIsRefused) {
   EXPECT_THROW(FreeCells::Of(Blob()), InputError);
   Blob map = Map({".."});
   map.PutScalar("map/grid/cell_m", 0.0);
-  EXPECT_THROW(FreeCells::Of(map), InputError);
+  EXPECT_THROW(CheckInput(map, "map"), InputError);
   map.Put("map/grid/probability", Array::Of<double>({1, 1, 2}, std::vector<double>{0, 0}));
   EXPECT_THROW(FreeCells::Of(map), InputError);
 }

@@ -2,15 +2,15 @@
 #pragma once
 
 #include "pipelines/landmark_learning/networks/networks.h"
-#include "schema/blob.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::landmark_learning {
 
-// Weights and biases, in double.
-void PutNetworkArrays(const Parameters<float>& parameters, Blob* file);
+// Weights and biases, in double; the inputs' names and normalisation are the caller's.
+kinds::Networks::Weights WeightsOf(const Parameters<float>& parameters);
 
-// Throws InputError that names the array: one that is missing, of a shape that does not fit the others, with
-// a number that is not finite.
-Parameters<double> NetworksIn(const Blob& file);
+// Of a file that was checked as its kind.
+// Throws InputError that names the array: one that is missing, or does not fit the last hidden layer.
+Parameters<double> NetworksIn(const kinds::Networks::Weights& file);
 
 }  // namespace cairn::landmark_learning

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,13 +10,13 @@ namespace cairn::landmark_map {
 namespace {
 
 // A missed contact detection doubles a distance: the median does not mind.
-void AppendDistancesBetween(const Blob& robot, std::vector<double>* distances) {
-  const auto end = robot.Get<double>("odometry/time_s"), forward = robot.Get<double>("odometry/forward_m");
+void AppendDistancesBetween(const kinds::Log::Robot& robot, std::vector<double>* distances) {
+  const std::span<const double> end = robot.odometry.time_s, forward = robot.odometry.forward_m;
   std::size_t control = 0;
   double travelled = 0.0;
   bool first = true;
-  for (const double time : robot.Get<double>("observations/time_s")) {
-    for (; control < end.size() && control < forward.size() && end[control] <= time; ++control) {
+  for (const double time : robot.observations.time_s) {
+    for (; control < end.size() && end[control] <= time; ++control) {
       travelled += std::abs(forward[control]);
     }
     if (!first) distances->push_back(travelled);
@@ -34,16 +34,14 @@ double Median(std::vector<double> values) {
 
 }  // namespace
 
-Sensing LookAt(const Blob& log, std::size_t robots) {
+Sensing LookAt(const kinds::Log& log) {
   Sensing sensing;
   std::vector<double> between;
-  for (std::size_t r = 0; r < robots; ++r) {
-    const Blob robot = log.Sub("robot/" + std::to_string(r) + "/");
-    for (const std::int32_t landmark : robot.Get<std::int32_t>("observations/landmark")) {
+  for (const kinds::Log::Robot& robot : log.robot) {
+    for (const std::int32_t landmark : robot.observations.landmark)
       sensing.identified += landmark >= 0 ? 1 : 0;
-    }
     AppendDistancesBetween(robot, &between);
-    for (const double range : robot.Get<double>("observations/range_m")) {
+    for (const double range : robot.observations.range_m) {
       ++sensing.observations;
       if (std::isnan(range)) continue;
       ++sensing.ranged;
@@ -55,7 +53,7 @@ Sensing LookAt(const Blob& log, std::size_t robots) {
   return sensing;
 }
 
-double MedianDistanceBetween(const Blob& robot) {
+double MedianDistanceBetween(const kinds::Log::Robot& robot) {
   std::vector<double> between;
   AppendDistancesBetween(robot, &between);
   return Median(std::move(between));

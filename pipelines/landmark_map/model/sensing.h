@@ -1,10 +1,9 @@
 // What a log's observations are like, all together.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
-#include "schema/blob.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::landmark_map {
 
@@ -14,9 +13,9 @@ struct Sensing {
   double between_m = 0.0;  // distance from one observation to the next, the median
 };
 
-Sensing LookAt(const Blob& log, std::size_t robots);
+Sensing LookAt(const kinds::Log& log);
 
 // From one of a robot's observations to the next; 0 where there are no two.
-double MedianDistanceBetween(const Blob& robot);
+double MedianDistanceBetween(const kinds::Log::Robot& robot);
 
 }  // namespace cairn::landmark_map

@@ -21,44 +21,28 @@ struct Detection {
 }
 
 // For each row, the layer of the landmark.
-std::vector<std::int32_t> ReadTypes(const Blob& robot, const std::string& name, const StepRules& rules) {
-  const auto landmark = robot.Get<std::int32_t>("observations/landmark");
+std::vector<std::int32_t> TypesOf(const kinds::Log::Observations& seen, const std::string& name,
+                                  const StepRules& rules) {
+  const std::span<const std::int32_t> landmark = seen.landmark;
   std::vector<std::int32_t> types(landmark.size(), rules.types);
-  if (rules.classes > 1) {
-    const auto landmark_class = robot.Get<std::int32_t>("observations/type");
-    if (landmark_class.size() != landmark.size())
-      throw InputError("robot '" + name + "': observation arrays differ in length");
-    for (std::size_t i = 0; i < landmark_class.size(); ++i) {
-      if (landmark_class[i] < 0 || landmark_class[i] >= rules.classes)
-        Refuse(name, i, "a type that the log does not list");
-      types[i] += landmark_class[i];
-    }
-  }
   for (std::size_t i = 0; i < landmark.size(); ++i) {
-    if (landmark[i] < -1 || landmark[i] >= rules.types)
-      Refuse(name, i, "a landmark that the log does not list");
+    if (rules.classes > 1) {
+      if (seen.type[i] < 0) Refuse(name, i, "without a type, where the log has types");
+      types[i] += seen.type[i];
+    }
     if (landmark[i] >= 0) types[i] = landmark[i];
   }
   return types;
 }
 
-std::vector<Detection> ReadDetections(const Blob& robot, const std::string& name, const Odometry& odometry,
-                                      const StepRules& rules) {
-  const auto time = robot.Get<double>("observations/time_s");
-  const std::vector<std::int32_t> types = ReadTypes(robot, name, rules);
-  const auto range = robot.Get<double>("observations/range_m");
-  const auto bearing = robot.Get<double>("observations/bearing_rad");
-  if (types.size() != time.size() || range.size() != time.size() || bearing.size() != time.size()) {
-    throw InputError("robot '" + name + "': observation arrays differ in length");
-  }
+std::vector<Detection> DetectionsOf(const kinds::Log::Observations& seen, const std::string& name,
+                                    const Odometry& odometry, const StepRules& rules) {
+  const std::vector<std::int32_t> types = TypesOf(seen, name, rules);
+  const std::span<const double> time = seen.time_s, range = seen.range_m, bearing = seen.bearing_rad;
   std::vector<Detection> detections;
   for (std::size_t i = 0; i < time.size(); ++i) {
-    if (!std::isfinite(time[i])) Refuse(name, i, "its time is not a number");
-    if (i > 0 && time[i] < time[i - 1]) Refuse(name, i, "time runs backwards");
     if (std::isnan(range[i]) != std::isnan(bearing[i]))
       Refuse(name, i, "range without bearing, or the reverse");
-    if (std::isinf(range[i]) || std::isinf(bearing[i]) || range[i] < 0)
-      Refuse(name, i, "not a range and bearing");
     constexpr double kSlack_s = 1.0;  // sensors and odometry seldom stop in the same instant
     if (time[i] < odometry.time_s.front() - kSlack_s) Refuse(name, i, "before the first control");
     if (time[i] > odometry.time_s.back() + kSlack_s) Refuse(name, i, "after the last control");
@@ -206,10 +190,10 @@ RobotSteps RobotSteps::WithoutDrift(double drift_rad_per_m) const {
   return steps;
 }
 
-RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
+RobotSteps MakeSteps(const kinds::Log::Robot& robot, const std::string& name, const StepRules& rules,
                      const std::vector<bool>* shared) {
-  const Odometry whole = Integrate(robot, name);
-  std::vector<Detection> detections = ReadDetections(robot, name, whole, rules);
+  const Odometry whole = Integrate(robot.odometry, name);
+  std::vector<Detection> detections = DetectionsOf(robot.observations, name, whole, rules);
   RobotSteps steps;
   steps.row_observation.assign(detections.size(), -1);
   const Odometry odometry = Until(whole, rules.until_s);

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "pipelines/common/motion.h"
-#include "schema/blob.h"
-#include "schema/kinds/fields.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::landmark_map {
 
@@ -75,7 +74,7 @@ struct StepRules {
 //   reverse, a negative or infinite one;
 // - an observation lies more than a second outside the controls' times;
 // - `shared` is given and the robot has seen none of these.
-RobotSteps MakeSteps(const Blob& robot, const std::string& name, const StepRules& rules,
+RobotSteps MakeSteps(const kinds::Log::Robot& robot, const std::string& name, const StepRules& rules,
                      const std::vector<bool>* shared);
 
 }  // namespace cairn::landmark_map

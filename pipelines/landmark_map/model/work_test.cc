@@ -14,7 +14,7 @@ struct World {
   explicit World(const Options& options)
       : log(SquareLog{.laps = 6, .side_m = 20.0}.Make()),
         settings(Resolve(options, log)),
-        steps(MakeSteps(log.Sub("robot/0/"), "rover", settings.steps, nullptr)) {}
+        steps(MakeSteps(Read<kinds::Log>(log).robot[0], "rover", settings.steps, nullptr)) {}
   Blob log;
   Settings settings;
   RobotSteps steps;

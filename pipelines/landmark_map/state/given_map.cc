@@ -64,15 +64,14 @@ Layer Resample(std::span<const double> cells, const Source& source, double cell_
   return layer;
 }
 
-Source SourceOf(const Blob& map, const Settings& settings) {
-  const Array& cells = map.at("map/grid/probability");
-  if (cells.shape().size() != 3 || cells.size() == 0) Refuse("its grid has no cells");
-  const Source source{map.Scalar<double>("map/grid/origin_x_m"), map.Scalar<double>("map/grid/origin_y_m"),
-                      map.Scalar<double>("map/grid/cell_m"), cells.shape()[2], cells.shape()[1]};
+Source SourceOf(const kinds::LandmarkMap::Map& map, const Settings& settings) {
+  if (map.probability.empty()) Refuse("its grid has no cells");
+  const Shape& shape = map.probability.shape();
+  const Source source{map.grid.origin_x_m.Scalar(), map.grid.origin_y_m.Scalar(), map.grid.cell_m.Scalar(),
+                      shape[2], shape[1]};
   constexpr double kFarthest_m = 1e6;
   const double width = source.nx * source.cell_m, height = source.ny * source.cell_m;
-  if (!(source.cell_m > 0.0) || !(std::abs(source.x_m) + width <= kFarthest_m) ||
-      !(std::abs(source.y_m) + height <= kFarthest_m))
+  if (!(std::abs(source.x_m) + width <= kFarthest_m) || !(std::abs(source.y_m) + height <= kFarthest_m))
     Refuse("its grid's origin and cell size are no sensible figures");
   const double cell = settings.map.grid.cell_m;
   const double megabytes = (width / cell + 1.0) * (height / cell + 1.0) * sizeof(double) / 1e6;
@@ -83,17 +82,15 @@ Source SourceOf(const Blob& map, const Settings& settings) {
 }
 
 // The log's type for each of the map's layers; -1: the log has no such landmark.
-std::vector<int> TypesOf(const Blob& map, const Blob& log, const MapRules& rules) {
-  const std::vector<std::string> names = map.Texts("landmarks"), known = log.Texts("landmarks");
+std::vector<int> TypesOf(const kinds::LandmarkMap& map, const kinds::Log& log, const MapRules& rules) {
+  const std::vector<std::string>& known = log.landmarks;
   std::vector<int> types;
-  for (const std::string& name : names) {
+  for (const std::string& name : map.landmarks) {
     const auto it = std::ranges::find(known, name);
     types.push_back(it == known.end() ? -1 : static_cast<int>(it - known.begin()));
   }
-  const auto classes = [](const Blob& blob) {
-    return blob.Has("types") ? blob.Texts("types") : std::vector<std::string>{};
-  };
-  if (rules.classes.count > 1 ? classes(map) != classes(log) : classes(map).size() > 1)
+  const auto &classes = map.types.OrNone(), &of_log = log.types.OrNone();
+  if (rules.classes.count > 1 ? classes != of_log : classes.size() > 1)
     Refuse("its types of landmarks are not the log's");
   for (int landmark_class = 0; landmark_class < rules.classes.count; ++landmark_class)
     types.push_back(rules.types + landmark_class);  // no identity
@@ -119,14 +116,15 @@ std::vector<Landmark> LandmarksOf(const kinds::LandmarkMap& of, const std::vecto
 
 }  // namespace
 
-GivenMap ReadGivenMap(const Blob& map, const Blob& log, const Settings& settings) {
+GivenMap ReadGivenMap(const Blob& blob, const Blob& log, const Settings& settings) {
   for (const char* name : {"landmarks", "map/grid/probability", "map/landmark_x_m"}) {
-    if (!map.Has(name)) Refuse(std::string("no landmark_map: '") + name + "' is missing");
+    if (!blob.Has(name)) Refuse(std::string("no landmark_map: '") + name + "' is missing");
   }
-  const Source source = SourceOf(map, settings);
-  const std::vector<int> types = TypesOf(map, log, settings.map);
-  const auto cells = map.Get<double>("map/grid/probability");
-  const auto layers = static_cast<std::size_t>(map.at("map/grid/probability").shape()[0]);
+  const auto map = Read<kinds::LandmarkMap>(blob);
+  const Source source = SourceOf(map.map, settings);
+  const std::vector<int> types = TypesOf(map, Read<kinds::Log>(log), settings.map);
+  const std::span<const double> cells = map.map.probability;
+  const auto layers = static_cast<std::size_t>(map.map.probability.shape()[0]);
   if (layers > types.size()) Refuse("its grid has more layers than it names landmarks");
   GivenMap given;
   given.map.layers.resize(static_cast<std::size_t>(settings.map.layers()));
@@ -136,7 +134,7 @@ GivenMap ReadGivenMap(const Blob& map, const Blob& log, const Settings& settings
     given.map.layers[static_cast<std::size_t>(types[k])] =
         Resample(cells.subspan(k * area, area), source, settings.map.grid.cell_m);
   }
-  given.landmarks = LandmarksOf(Read<kinds::LandmarkMap>(map), types);
+  given.landmarks = LandmarksOf(map, types);
   Box box;
   for (const Layer& layer : given.map.layers) box = Union(box, layer.box);
   if (box.empty()) Refuse("it holds none of the landmarks that the log can name");

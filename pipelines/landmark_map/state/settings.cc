@@ -10,7 +10,6 @@
 
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/model/sensing.h"
-#include "schema/kinds/array_spec.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -62,13 +61,11 @@ void VisitSettings(S& s, const F& f) {
   f("memory_mb", s.memory_mb);
 }
 
-double NoiseParameter(const Blob& log, const std::string& name, double otherwise) {
-  if (!log.Has(name)) return otherwise;
+double NoiseParameter(const Column<double>& stated, double otherwise) {
   constexpr double kLargest = 1e3;  // m, rad, or a ratio: whoever errs more knows nothing
-  const double value = log.Scalar<double>(name);
-  if (!(value >= 0.0 && value <= kLargest))
-    throw InputError("the log's " + name + " is not a sensible figure (0 to 1000)");
-  return value;
+  if (stated.Or(0.0) > kLargest)
+    throw InputError("the log's " + stated.name() + " is not a sensible figure (0 to 1000)");
+  return stated.Or(otherwise);
 }
 
 // 1, 2 or 5 times a power of ten, the one nearest in ratio.
@@ -88,13 +85,10 @@ double Extent(const Odometry& odometry) {
 
 // The time of the log's observation of this number, from 1 on, over all robots; infinite where it has no
 // such.
-double TimeOfObservation(const Blob& log, std::size_t robots, std::int64_t number) {
+double TimeOfObservation(const kinds::Log& log, std::int64_t number) {
   std::vector<double> times;
-  for (std::size_t r = 0; r < robots; ++r) {
-    for (const double time : log.Get<double>("robot/" + std::to_string(r) + "/observations/time_s")) {
-      if (std::isfinite(time)) times.push_back(time);
-    }
-  }
+  for (const kinds::Log::Robot& robot : log.robot)
+    times.insert(times.end(), robot.observations.time_s.begin(), robot.observations.time_s.end());
   if (number < 1 || number > static_cast<std::int64_t>(times.size()))
     return std::numeric_limits<double>::infinity();
   std::ranges::sort(times);
@@ -112,12 +106,12 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
 }
 
 // Starts spread over the drift that the log states.
-bool TellsDrift(const Blob& log) { return log.Has("noise/heading_drift_rad_per_m"); }
+bool TellsDrift(const kinds::Log& log) { return static_cast<bool>(log.noise.heading_drift_rad_per_m); }
 
 // A 90th of the extent. Range-bearing observations without identity are told apart by where they are: a cell
 // should not blur them further than the sensor does, but a fifth is as much as the time allows. Where the log
 // tells its drift there are many starts, which need the coarse grid.
-double DefaultCell(const Blob& log, const Sensing& sensing, double extent_m, double range_bearing_m) {
+double DefaultCell(const kinds::Log& log, const Sensing& sensing, double extent_m, double range_bearing_m) {
   const double cell_m = RoundNumber(std::max(extent_m, 0.9) / 90.0);
   const bool identified = sensing.identified == sensing.observations;
   if (sensing.ranged == 0 || identified || TellsDrift(log) || !(range_bearing_m > 0.0)) return cell_m;
@@ -127,7 +121,7 @@ double DefaultCell(const Blob& log, const Sensing& sensing, double extent_m, dou
 // With identities there is little to be taken for another, and the exact model may call a start impossible.
 // Range-bearing observations tie a path down at every step: where the log does not tell its drift, starts far
 // from it only cost.
-int StartsOf(const Options& options, const Blob& log, const Sensing& sensing) {
+int StartsOf(const Options& options, const kinds::Log& log, const Sensing& sensing) {
   constexpr int kSearch = 10;
   if (options.starts > 0) return static_cast<int>(options.starts);
   const bool identified = sensing.identified == sensing.observations;
@@ -137,7 +131,7 @@ int StartsOf(const Options& options, const Blob& log, const Sensing& sensing) {
 // Over what distance a constant drift is unknown. Of several starts one is right to within a part of the
 // drift: the distance between theirs, of which an even spread has 1/12 in square. Where the log does not tell
 // how much it drifts the starts may all lie beside it.
-double DriftLength(const Options& options, const Blob& log, int starts, double cell_m) {
+double DriftLength(const Options& options, const kinds::Log& log, int starts, double cell_m) {
   if (options.drift_length_m > 0) return options.drift_length_m;
   const double length_m = 150.0 * cell_m;
   if (starts < 2 || !TellsDrift(log)) return length_m;
@@ -147,40 +141,35 @@ double DriftLength(const Options& options, const Blob& log, int starts, double c
 // Odometry's errors where the log does not tell them. They are where EM starts and are estimated from there:
 // with identities from far above, for a width too small loses robots for good and one too large costs time
 // only. Without identities a large width lets landmarks be taken for one another.
-MotionNoise NoiseOf(const Options& options, const Blob& log, const Sensing& sensing, double drift_length_m) {
+MotionNoise NoiseOf(const Options& options, const kinds::Log& log, const Sensing& sensing,
+                    double drift_length_m) {
   const double wide = sensing.identified == sensing.observations || sensing.ranged > 0 ? 3.0 : 1.0;
   const double scale = options.noise_scale;
-  return {NoiseParameter(log, "noise/heading_drift_rad_per_m", 0.1 * kDegree) * scale,
-          NoiseParameter(log, "noise/heading_walk_rad_per_sqrt_m", wide * 0.7 * kDegree) * scale,
-          drift_length_m, NoiseParameter(log, "noise/forward_ratio", 0.02) * scale,
-          NoiseParameter(log, "noise/turn_ratio", wide * 0.02) * scale};
+  return {NoiseParameter(log.noise.heading_drift_rad_per_m, 0.1 * kDegree) * scale,
+          NoiseParameter(log.noise.heading_walk_rad_per_sqrt_m, wide * 0.7 * kDegree) * scale, drift_length_m,
+          NoiseParameter(log.noise.forward_ratio, 0.02) * scale,
+          NoiseParameter(log.noise.turn_ratio, wide * 0.02) * scale};
 }
 
 // A figure of a data sheet is not exact: what it calls impossible happens once in a hundred times.
-ClassRules LandmarkClassesOf(const Blob& log) {
-  const char* const name = "noise/type_confusion";
+ClassRules LandmarkClassesOf(const kinds::Log& log) {
   constexpr double kSurprise = 0.01, kUnstated = 0.1;
   constexpr std::size_t kMost = 256;  // each is a layer of the map
   ClassRules classes;
-  if (!log.Has("types") || log.Texts("types").size() < 2) return classes;
-  classes.count = static_cast<int>(log.Texts("types").size());
+  if (log.types.OrNone().size() < 2) return classes;
+  classes.count = static_cast<int>(log.types.size());
   const auto n = static_cast<std::size_t>(classes.count);
   if (n > kMost) throw InputError("the log has more than 256 types: are they identities (landmarks)?");
   const auto wrong = [&](double share) { return share / static_cast<double>(n); };
   classes.confusion.assign(n * n, wrong(kUnstated));
   for (std::size_t k = 0; k < n; ++k) classes.confusion[k * n + k] += 1.0 - kUnstated;
-  if (!log.Has(name)) return classes;
-  const auto stated = log.Get<double>(name);
-  if (stated.size() != n * n) throw InputError(std::string("the log's ") + name + " is not types by types");
+  const Column<double>& stated = log.noise.type_confusion;
+  if (!stated) return classes;
   for (std::size_t k = 0; k < n; ++k) {
     double sum = 0.0;
-    for (std::size_t j = 0; j < n; ++j) {
-      if (!(stated[k * n + j] >= 0.0))
-        throw InputError(std::string("the log's ") + name + " is no probability");
-      sum += stated[k * n + j];
-    }
+    for (std::size_t j = 0; j < n; ++j) sum += stated[k * n + j];
     if (!(std::abs(sum - 1.0) < 1e-3))
-      throw InputError(std::string("the log's ") + name + " has a row that does not sum to 1");
+      throw InputError("the log's " + stated.name() + " has a row that does not sum to 1");
     for (std::size_t j = 0; j < n; ++j)
       classes.confusion[k * n + j] = wrong(kSurprise) + (1.0 - kSurprise) * stated[k * n + j] / sum;
   }
@@ -189,10 +178,10 @@ ClassRules LandmarkClassesOf(const Blob& log) {
 
 // What other sensors than buttons have in view nobody knows without the walls; a landmark that has a name is
 // there.
-Detection DetectionOf(const Blob& log, const Sensing& sensing) {
+Detection DetectionOf(const kinds::Log& log, const Sensing& sensing) {
   const Detection none;
-  return {std::min(0.9, NoiseParameter(log, "noise/false_ratio", none.false_ratio)),
-          std::clamp(NoiseParameter(log, "noise/miss_ratio", none.miss_ratio), 1e-3, 0.9),
+  return {std::min(0.9, NoiseParameter(log.noise.false_ratio, none.false_ratio)),
+          std::clamp(NoiseParameter(log.noise.miss_ratio, none.miss_ratio), 1e-3, 0.9),
           sensing.ranged == 0 && sensing.identified == 0};
 }
 
@@ -236,12 +225,6 @@ void CheckGridSize(const Options& options, const Settings& settings, double exte
   }
 }
 
-bool HasScans(const Blob& log) {
-  return std::ranges::any_of(kRangeSensors, [&](std::string_view sensor) {
-    return log.Has("robot/0/" + std::string(sensor) + "/range_m");
-  });
-}
-
 }  // namespace
 
 double DriftStep(int starts) {
@@ -277,17 +260,18 @@ Settings Settings::FromBlob(const Blob& blob) {
   return settings;
 }
 
-Settings Resolve(const Options& options, const Blob& log) {
-  const std::size_t robots = log.Texts("robots").size();
+Settings Resolve(const Options& options, const Blob& blob) {
+  const auto log = Read<kinds::Log>(blob);
+  const std::size_t robots = log.robot.size();
   if (robots == 0) throw InputError("the log has no robots");
-  const Odometry odometry = Integrate(log.Sub("robot/0/"), log.Texts("robots")[0]);
+  const Odometry odometry = Integrate(log.robot[0].odometry, log.robots[0]);
   const double extent = Extent(odometry);
-  const Sensing sensing = LookAt(log, robots);
+  const Sensing sensing = LookAt(log);
   if (sensing.observations == 0)
-    throw InputError(
-        HasScans(log) ? "the log has range scans and no observations of landmarks: evidence_map, forward_map "
-                        "and local_map make maps of scans"
-                      : "the log has controls only: without observations there is no map");
+    throw InputError(log.robot[0].sensors.empty()
+                         ? "the log has controls only: without observations there is no map"
+                         : "the log has range scans and no observations of landmarks: evidence_map, "
+                           "forward_map and local_map make maps of scans");
 
   if (options.model == "exact" && sensing.ranged > 0) {
     throw InputError("model exact is for contact detections; this log has ranges and bearings: take robust");
@@ -304,20 +288,20 @@ Settings Resolve(const Options& options, const Blob& log) {
   }
   Settings settings;
   GridSpec& grid = settings.map.grid;
-  const double bearing_sd = NoiseParameter(log, "noise/bearing_rad", 0.02);
-  const double range_sd = NoiseParameter(log, "noise/range_m", 0.03 * sensing.mean_range_m);
+  const double bearing_sd = NoiseParameter(log.noise.bearing_rad, 0.02);
+  const double range_sd = NoiseParameter(log.noise.range_m, 0.03 * sensing.mean_range_m);
   const double range_bearing_m = std::hypot(range_sd, bearing_sd * sensing.mean_range_m);
   grid.cell_m = options.cell_m > 0 ? options.cell_m : DefaultCell(log, sensing, extent, range_bearing_m);
   grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
   const double step_rad = 2.0 * std::numbers::pi / grid.headings;
-  settings.map.types = static_cast<int>(log.Texts("landmarks").size());
+  settings.map.types = static_cast<int>(log.landmarks.size());
   settings.map.classes = LandmarkClassesOf(log);
   if (options.model == "exact" && settings.map.classes.count > 1)
     throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
   const double bearing = bearing_sd + step_rad / std::sqrt(12.0);
-  settings.map.observation_m = sensing.ranged == 0 ? NoiseParameter(log, "noise/contact_m", 0.3)
+  settings.map.observation_m = sensing.ranged == 0 ? NoiseParameter(log.noise.contact_m, 0.3)
                                                    : std::hypot(range_sd, bearing * sensing.mean_range_m);
-  settings.observation_noise = {NoiseParameter(log, "noise/contact_m", settings.map.observation_m), range_sd,
+  settings.observation_noise = {NoiseParameter(log.noise.contact_m, settings.map.observation_m), range_sd,
                                 bearing_sd};
   SetReach(options, sensing, &settings.map);
   settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
@@ -336,7 +320,7 @@ Settings Resolve(const Options& options, const Blob& log) {
   const double max_increment_m =
       options.max_increment_m > 0 ? options.max_increment_m : grid.cell_m / step_rad;
   settings.steps = {max_increment_m, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
-                    TimeOfObservation(log, robots, options.prefix_observations)};
+                    TimeOfObservation(log, options.prefix_observations)};
   settings.steps.classes = settings.map.classes.count;
   settings.detection = DetectionOf(log, sensing);
   settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;

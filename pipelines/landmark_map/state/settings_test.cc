@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pipelines/landmark_map/testing.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -31,14 +32,21 @@ TEST(Resolve, TypesAreTakenForOneAnotherAsTheLogSays) {
   EXPECT_EQ(Settings::FromBlob(settings.ToBlob()).ToBlob().ContentHash(), settings.ToBlob().ContentHash());
 }
 
+// As a worker hands the log on.
+Settings ResolveChecked(const Blob& log) {
+  CheckInput(log, "log");
+  return Resolve({}, log);
+}
+
 TEST(Resolve, TypesThatMakeNoSenseAreRefused) {
+  EXPECT_NO_THROW(ResolveChecked(TypedLog({0.9, 0.1, 0.3, 0.7})));
   for (const std::vector<double>& wrong : std::vector<std::vector<double>>{
            {0.9, 0.2, 0.3, 0.7}, {1.5, -0.5, 0.3, 0.7}, {std::nan(""), 1, 0.3, 0.7}}) {
-    EXPECT_THROW(Resolve({}, TypedLog(wrong)), InputError);
+    EXPECT_THROW(ResolveChecked(TypedLog(wrong)), InputError);
   }
   Blob three = TypedLog({});
   three.PutVector<double>("noise/type_confusion", {1, 0, 0});
-  EXPECT_THROW(Resolve({}, three), InputError);
+  EXPECT_THROW(ResolveChecked(three), InputError);
   Blob many = TypedLog({});
   many.Put("types", Array::Texts(std::vector<std::string>(257, "x")));
   EXPECT_THROW(Resolve({}, many), InputError);
@@ -101,7 +109,7 @@ TEST(Resolve, IncrementsAreAsLongAsTheGridBearsOrAsLongAsOneSays) {
   for (int i = 0; i < 2; ++i) {
     const Settings settings = Resolve({.cell_m = 1.0, .max_increment_m = most_m[i]}, log);
     EXPECT_EQ(settings.steps.max_increment_m, most_m[i]);
-    const RobotSteps made = MakeSteps(log.Sub("robot/0/"), "rover", settings.steps, nullptr);
+    const RobotSteps made = MakeSteps(Read<kinds::Log>(log).robot[0], "rover", settings.steps, nullptr);
     for (const double travelled : made.path_m) EXPECT_LE(travelled, most_m[i] + 1e-9);
     steps[i] = made.size();
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "schema/error.h"
-#include "schema/kinds/poses.h"
 
 namespace cairn::local_map {
 namespace {
@@ -15,11 +14,10 @@ constexpr double kLeastJump_m = 0.7, kLeastJump_rad = 1.6;
 std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
 
 // Of a robot whose log has poses only: the turn at once, then the way.
-Odometry OfPoses(const Blob& log, const std::string& prefix, const std::string& name) {
-  const auto poses = FieldsIn<kinds::PoseTable>(prefix, log);
+Odometry OfPoses(const kinds::PoseTable& poses, const std::string& name) {
   const std::span<const double> time = poses.time_s, x = poses.x_m, y = poses.y_m,
                                 heading = poses.heading_rad;
-  if (time.empty()) throw InputError("robot '" + name + "': " + prefix + " is empty");
+  if (time.empty()) throw InputError("robot '" + name + "': '" + poses.time_s.name() + "' is empty");
   Odometry path;
   double path_m = 0, turned = 0, unwrapped = heading[0];
   for (std::size_t i = 0; i < time.size(); ++i) {
@@ -40,13 +38,10 @@ Odometry OfPoses(const Blob& log, const std::string& prefix, const std::string& 
 }
 
 Blob PosesOf(const std::vector<std::string>& names, const std::vector<Odometry>& robots) {
-  Blob poses;
-  poses.Put("robots", Array::Texts(names));
-  for (std::size_t r = 0; r < robots.size(); ++r)
-    PutFields(Prefix(r) + "poses/",
-              kinds::PoseTable{robots[r].time_s, robots[r].x_m, robots[r].y_m, robots[r].heading_rad},
-              &poses);
-  return poses;
+  kinds::Poses all{names, {}};
+  for (const Odometry& robot : robots)
+    all.robot.push_back({{{robot.time_s, robot.x_m, robot.y_m, robot.heading_rad}, {}}});
+  return BlobOf(all);
 }
 
 struct Reading {
@@ -139,16 +134,16 @@ Odometry WithoutJumps(Odometry odometry, const RunOptions& options, std::vector<
   return odometry;
 }
 
-DeadReckoning ReckonAll(const Blob& log, const RunOptions& options) {
-  const std::vector<std::string> names = log.Texts("robots");
+DeadReckoning ReckonAll(const Blob& blob, const RunOptions& options) {
+  const auto log = Read<kinds::Log>(blob);
+  const std::vector<std::string>& names = log.robots;
   DeadReckoning reckoning;
   for (std::size_t r = 0; r < names.size(); ++r) {
-    const std::string prefix = Prefix(r), odometry = prefix + "odometry/time_s";
-    const bool moves = log.Has(odometry) && log.at(odometry).size() > 0;
-    if (!moves && !log.Has(prefix + "poses/time_s"))
+    const kinds::Log::Robot& robot = log.robot[r];
+    if (!robot.HasControls() && !robot.poses.time_s)
       throw InputError("robot '" + names[r] + "' has neither odometry nor poses: where it was is not known");
     const Odometry raw =
-        moves ? Integrate(log.Sub(prefix), names[r]) : OfPoses(log, prefix + "poses/", names[r]);
+        robot.HasControls() ? Integrate(robot.odometry, names[r]) : OfPoses(robot.poses, names[r]);
     reckoning.robots.push_back(WithoutJumps(raw, options, &reckoning.jumps.emplace_back()));
   }
   reckoning.poses = PosesOf(names, reckoning.robots);
