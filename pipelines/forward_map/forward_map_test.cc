@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "pipelines/forward_map/map_state.h"
 #include "pipelines/forward_map/result.h"
+#include "pipelines/forward_map/state.h"
 #include "pipelines/forward_map/testing.h"
 #include "pipelines/forward_map/weigh.h"
 #include "pipelines/testing/in_process.h"

@@ -1,7 +1,7 @@
 // How the search went: a row for each map or set of parameters that it took over.
 #pragma once
 
-#include "pipelines/forward_map/map_state.h"
+#include "pipelines/forward_map/state.h"
 #include "pipelines/forward_map/weigh.h"
 #include "schema/blob.h"
 

@@ -74,13 +74,6 @@ void PlanExplaining(proto::Step* plan) {
 
 }  // namespace
 
-std::string TilesKey(std::int64_t split) { return "tiles/" + std::to_string(split); }
-std::string ScansKey(std::int64_t sensor) { return "scans/" + std::to_string(sensor); }
-std::string SliceKey(std::int64_t sensor) { return "slice/" + std::to_string(sensor); }
-std::string TilesBlob(std::int64_t split) { return "tiles/" + std::to_string(split); }
-std::string SensorBlobName(std::int64_t sensor) { return "sensor/" + std::to_string(sensor); }
-std::string ScansBlobName(std::int64_t sensor) { return "scans/" + std::to_string(sensor); }
-
 void PlanTasks(proto::Step* plan) {
   plan->clear_tasks();
   const Schedule schedule = ScalarsIn<Schedule>(plan->state());

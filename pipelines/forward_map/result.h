@@ -2,9 +2,9 @@
 #pragma once
 
 #include "pipelines/common/range_scans.h"
-#include "pipelines/forward_map/map_state.h"
 #include "pipelines/forward_map/options.h"
 #include "pipelines/forward_map/plan.h"
+#include "pipelines/forward_map/state.h"
 #include "pipelines/forward_map/tiles.h"
 #include "pipelines/pipeline.h"
 

@@ -10,7 +10,7 @@
 #include "pipelines/common/testing_room.h"
 #include "pipelines/forward_map/flip_gains.h"
 #include "pipelines/forward_map/forward_model.h"
-#include "pipelines/forward_map/map_state.h"
+#include "pipelines/forward_map/state.h"
 #include "schema/rng.h"
 
 namespace cairn::forward_map {

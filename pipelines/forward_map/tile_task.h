@@ -5,8 +5,8 @@
 
 #include "pipelines/common/range_scans.h"
 #include "pipelines/forward_map/flip_gains.h"
-#include "pipelines/forward_map/map_state.h"
 #include "pipelines/forward_map/options.h"
+#include "pipelines/forward_map/state.h"
 #include "pipelines/forward_map/tiles.h"
 #include "pipelines/pipeline.h"
 #include "schema/kinds/fields.h"

@@ -9,8 +9,8 @@
 
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/round_sum.h"
+#include "pipelines/landmark_learning/state.h"
 #include "pipelines/landmark_learning/testing.h"
-#include "pipelines/landmark_learning/training.h"
 #include "pipelines/testing/in_process.h"
 
 namespace cairn::landmark_learning {

@@ -10,7 +10,7 @@
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_learning/advance.h"
-#include "pipelines/landmark_learning/training.h"
+#include "pipelines/landmark_learning/state.h"
 
 namespace cairn::landmark_learning {
 namespace {

@@ -8,7 +8,7 @@
 #include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/optimizer/batch.h"
 #include "pipelines/landmark_learning/optimizer/patterns.h"
-#include "pipelines/landmark_learning/training.h"
+#include "pipelines/landmark_learning/state.h"
 
 namespace cairn::landmark_learning {
 namespace {

@@ -59,7 +59,7 @@ void PlanAssociations(const Options& options, const std::vector<std::string>& ro
   const State after = state;
   Schedule schedule = Schedule::Load(state);
   schedule.robots = 1;
-  schedule.summarise = true;
+  schedule.phase = Phase::kSummary;
   schedule.Store(&state);
   step->plan.clear_tasks();
   PlanTasks(options, robots, &step->plan);
@@ -174,7 +174,7 @@ cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
   Schedule schedule = Schedule::Load(before);
   schedule.robots = 1;
   schedule.settled = 0;
-  schedule.summarise = false;
+  schedule.phase = Phase::kMap;
   cairn::Step step;
   *step.plan.mutable_state() = before;
   step.plan.mutable_state()->mutable_scalars()->erase(kWentOn);

@@ -129,7 +129,7 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   Schedule schedule = Schedule::Load(state);
   ++schedule.iteration;
-  schedule.refined = true;
+  schedule.phase = Phase::kRefinedSummary;
   cairn::Step step;
   // The path is found in the map, to which the map's own uncertainty is nothing; the result's map has it.
   const MapRules& rules = settings.map;
@@ -158,7 +158,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   RobotStates robot_states = RobotStates::Load(state, robots.size());
 
   WhatIsLeft left(robots.size());
-  const MStep m_step = done.summarise
+  const MStep m_step = done.summarises()
                            ? Summary(partials, settings, &left, robots.size())
                            : MadeMap(partials, LeavesTables(options, done) ? &left : nullptr, robots.size());
   const RoundSum& sum = m_step.sum;
@@ -173,14 +173,14 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
                          robots);
   }
   const Blob history = Extended(before, done, sum);
-  if (done.summarise) {
+  if (done.summarises()) {
     const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
-    if (!done.refined) {
+    if (!done.is_refined()) {
       CheckRobotsAgree(sum, history, settings.places, steps[0].observations.size());
       CheckOnePositionPerLandmark(sum.counts(), settings.map, log->Texts("landmarks"));
     }
     std::string not_refined;
-    if (!done.refined) {
+    if (!done.is_refined()) {
       not_refined = NoRefinement(options, settings, inputs, steps);
       if (not_refined.empty()) {
         const std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));

@@ -125,7 +125,7 @@ Box BoxOf(const LayeredGrid& grid) {
 // Steps that EM of the first robot looks at from such a start on, after the first round.
 double VisitsFrom(Schedule schedule, const Options& options, int steps) {
   double visits = 0.0;
-  if (schedule.summarise) return visits;  // the first round is the last one
+  if (schedule.summarises()) return visits;  // the first round is the last one
   while (schedule.prefix < 1.0) {
     schedule = schedule.Next(options, 1, 0.0, 0.0);
     visits += StepsInUse(schedule, steps);

@@ -36,7 +36,7 @@ InitialState MakeInitialState(const Options& options, const Inputs& inputs) {
   InitialState initial{Resolve(options, log), {}, {}, {}};
   initial.schedule.prefix = initial.settings.growth_start;
   initial.schedule.growth = initial.settings.growth_factor;
-  initial.schedule.summarise = options.iterations == 0;
+  if (options.iterations == 0) initial.schedule.phase = Phase::kSummary;
   if (options.iterations == 0) initial.settings.starts = 1;  // nothing to choose from
   const std::size_t robots = log.Texts("robots").size();
   if (!inputs.Has("map")) {
@@ -91,7 +91,7 @@ std::map<std::string, Blob> FirstBlobs(const InitialState& initial) {
   if (initial.given) {
     blobs["landmarks"] = BlobOf(initial.given->landmarks);
     blobs["perception"] = BlobOf(*initial.perception);
-  } else if (initial.schedule.summarise) {
+  } else if (initial.schedule.summarises()) {
     blobs["landmarks"] = BlobOf(std::vector<Landmark>{});
   }
   return blobs;

@@ -33,7 +33,7 @@ bool WithoutIdentities(const std::vector<RobotSteps>& steps, const MapRules& rul
 // The first robot's EM has ended: what comes next is one map's affair.
 bool SearchIsOver(const State& state) {
   const Schedule next = Schedule::Load(state);
-  return next.summarise || next.robots > 1;
+  return next.summarises() || next.robots > 1;
 }
 
 // How many times as many cells beliefs have on the one grid as on the other.
@@ -163,7 +163,7 @@ void LandmarkMap::Refine(const std::vector<Landmark>& landmarks, const Settings&
   Schedule schedule = Schedule::Load(state);
   schedule.robots = 1;
   schedule.settled = 0;
-  schedule.summarise = false;
+  schedule.phase = Phase::kMap;
   schedule.Store(&state);
   robot_states.Store(&state);
   GuessNothing(&state);

@@ -47,7 +47,7 @@ class StepCost {
 };
 
 double CostOf(const Schedule& schedule, const StepCost& step_us, const RobotStates& robot_states) {
-  double cost = schedule.summarise ? 0.0 : kMStepUs;
+  double cost = schedule.summarises() ? 0.0 : kMStepUs;
   for (std::size_t r = 0; r < static_cast<std::size_t>(schedule.robots); ++r)
     cost += step_us[r] * StepsInUse(schedule, robot_states.step_counts[r]);
   return cost;
@@ -139,28 +139,28 @@ void ExpectEm(const Options& options, const Schedule& now, const RobotStates& ro
   const auto robots = static_cast<std::int64_t>(robot_states.step_counts.size());
   StepCost step_us(options, robot_states, now);
   Sum alone, all;
-  for (Schedule s = now; !s.summarise;) {
+  for (Schedule s = now; !s.summarises();) {
     Options usual = options;
     const std::int64_t iterations = s.robots < robots || robots == 1 ? kIterationsToCome : kJoinedToCome;
     usual.iterations = std::min(options.iterations, std::max(iterations, s.settled + 1));
     const bool joined = s.robots > now.robots;  // the others have found themselves
     s = s.Next(usual, robots, 0.0, 0.0);
     step_us.Next(joined);
-    const bool first = s.robots == 1 && !s.summarise;
+    const bool first = s.robots == 1 && !s.summarises();
     (first ? alone : all).Add(1.0, CostOf(s, step_us, robot_states));
   }
   plan->clear_advance_cost();
-  if (options.refine && !now.refined) {
+  if (options.refine && !now.is_refined()) {
     double refine = 0.0;
     for (const std::int64_t steps : robot_states.step_counts)
       refine += kRefinementUs * static_cast<double>(steps);
-    if (now.summarise)
+    if (now.summarises())
       plan->set_advance_cost(refine);
     else
       all.cost += refine;
     Schedule last = now;
     last.robots = robots;
-    last.summarise = true;
+    last.phase = Phase::kSummary;
     step_us.Next(true);
     all.Add(kRefined, kRefined * CostOf(last, step_us, robot_states));
   }
@@ -179,7 +179,7 @@ SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::St
     const State& state = step.plan.state();
     const auto& later = step.plan.later();
     const Schedule now = Schedule::Load(state);
-    const bool runs = step.plan.tasks_size() > 0, over = now.summarise || now.robots > 1;
+    const bool runs = step.plan.tasks_size() > 0, over = now.summarises() || now.robots > 1;
     const bool alone = runs && !over && later.size() > 1;
     const double rounds = alone ? later[0].rounds() : 0.0, cost = alone ? later[0].cost() : 0.0;
     rounds_ = std::max(rounds_, rounds + (runs && !over ? 1.0 : 0.0));  // and one for the associations

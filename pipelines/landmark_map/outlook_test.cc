@@ -66,8 +66,8 @@ TEST(ExpectEm, ARobotThatMayStartAnywhereLooksForItselfInEachIteration) {
 }
 
 TEST(ExpectEm, NothingFollowsTheLastRound) {
-  EXPECT_EQ(Outlook({}, {.summarise = true, .refined = true}).later_size(), 0);
-  EXPECT_EQ(Outlook({.refine = false}, {.summarise = true}).later_size(), 0);
+  EXPECT_EQ(Outlook({}, {.phase = Phase::kRefinedSummary}).later_size(), 0);
+  EXPECT_EQ(Outlook({.refine = false}, {.phase = Phase::kSummary}).later_size(), 0);
   EXPECT_EQ(Outlook({.incremental = true}, {}).later_size(), 0);
 }
 

@@ -95,11 +95,11 @@ class RoundPlanner {
     OdometryFit::Fields([&](const Field& figure, const auto& member) {
       task.Set(std::string(figure.name), robot_states_.odometry[chain.robot].*member);
     });
-    task.Set("summarise", schedule_.summarise).Set("joint", schedule_.robots > 1);
+    task.Set("summarise", schedule_.summarises()).Set("joint", schedule_.robots > 1);
     task.Set("warm", LeavesTables(options_, schedule_));
     task.Read("settings").Read("steps", "steps/" + std::to_string(chain.robot));
     if (plan_->state().blobs().contains("perception")) task.Read("perception");
-    if (schedule_.summarise) task.Read("landmarks");
+    if (schedule_.summarises()) task.Read("landmarks");
     if (!chain.guessed.empty()) task.Read("guesses", kGuesses + std::to_string(chain.robot));
     if (before != kNone) task.ReadPartial("before", before);
     if (beta != kNone) task.ReadPartial("beta", beta);
@@ -142,7 +142,7 @@ Blob StoredCounts(const LayeredGrid& counts) {
 }
 
 int StepsInUse(const Schedule& schedule, std::int64_t steps) {
-  const double part = schedule.summarise ? 1.0 : schedule.prefix;
+  const double part = schedule.summarises() ? 1.0 : schedule.prefix;
   return std::clamp(static_cast<int>(std::ceil(part * static_cast<double>(steps))), 1,
                     static_cast<int>(steps));
 }
@@ -175,7 +175,8 @@ RobotStates RobotStates::Load(const State& state, std::size_t robots) {
 }
 
 bool LeavesTables(const Options& options, const Schedule& schedule) {
-  const bool last = schedule.refined || (schedule.summarise && (!options.refine || options.iterations == 0));
+  const bool last =
+      schedule.is_refined() || (schedule.summarises() && (!options.refine || options.iterations == 0));
   return options.speculate && !last && schedule.prefix >= 1.0 && schedule.settled + 1 >= kSharpAfter;
 }
 
@@ -216,7 +217,7 @@ void PlanTasks(const Options& options, const std::vector<std::string>& robots, p
   for (std::int64_t r = 0; r < schedule.robots; ++r) {
     planner.AddRobot(static_cast<std::size_t>(r), robots[static_cast<std::size_t>(r)]);
   }
-  if (!schedule.summarise) planner.AddMStep(robots.size());
+  if (!schedule.summarises()) planner.AddMStep(robots.size());
   ExpectEm(options, schedule, robot_states, plan);
 }
 

@@ -22,7 +22,7 @@ Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double 
     next.robots = all_robots;
     next.settled = 0;
   } else {
-    next.summarise = true;
+    next.phase = Phase::kSummary;
   }
   return next;
 }

@@ -8,7 +8,7 @@ namespace cairn::landmark_map {
 namespace {
 
 TEST(Schedule, IsWhatItWasAfterTheState) {
-  const Schedule schedule{3, 0.4, 2, 1, -12.5, true, 1.3};
+  const Schedule schedule{Phase::kSummary, 3, 0.4, 2, 1, -12.5, 1.3};
   State state;
   schedule.Store(&state);
   const Schedule again = Schedule::Load(state);
@@ -17,7 +17,7 @@ TEST(Schedule, IsWhatItWasAfterTheState) {
   EXPECT_EQ(again.robots, 2);
   EXPECT_EQ(again.settled, 1);
   EXPECT_EQ(again.log_likelihood, -12.5);
-  EXPECT_TRUE(again.summarise);
+  EXPECT_EQ(again.phase, Phase::kSummary);
   EXPECT_EQ(again.growth, 1.3);
 }
 
@@ -35,8 +35,8 @@ TEST(Schedule, ThePrefixGrowsToAllThenIterationsCountThenTheOtherRobotsJoinThenI
   EXPECT_EQ(next().robots, 3);
   EXPECT_EQ(s.settled, 0);
   next();
-  EXPECT_FALSE(s.summarise);
-  EXPECT_TRUE(next().summarise);
+  EXPECT_FALSE(s.summarises());
+  EXPECT_TRUE(next().summarises());
   EXPECT_EQ(s.iteration, 6);
 }
 
@@ -46,11 +46,11 @@ TEST(Schedule, AnIterationThatChangesLittleEndsThem) {
   constexpr double kObservations = 20.0;
   s = s.Next(options, 1, -100.0, kObservations);
   s = s.Next(options, 1, -90.0, kObservations);
-  EXPECT_FALSE(s.summarise);
+  EXPECT_FALSE(s.summarises());
   s = s.Next(options, 1, -89.975, kObservations);
-  EXPECT_FALSE(s.summarise);
+  EXPECT_FALSE(s.summarises());
   s = s.Next(options, 1, -89.96, kObservations);
-  EXPECT_TRUE(s.summarise);
+  EXPECT_TRUE(s.summarises());
 }
 
 TEST(StepsInUse, AtLeastOneAndAllForTheSummary) {
@@ -58,7 +58,7 @@ TEST(StepsInUse, AtLeastOneAndAllForTheSummary) {
   s.prefix = 0.05;
   EXPECT_EQ(StepsInUse(s, 10), 1);
   EXPECT_EQ(StepsInUse(s, 101), 6);
-  s.summarise = true;
+  s.phase = Phase::kSummary;
   EXPECT_EQ(StepsInUse(s, 101), 101);
 }
 

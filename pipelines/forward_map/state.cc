@@ -1,6 +1,13 @@
-#include "pipelines/forward_map/map_state.h"
+#include "pipelines/forward_map/state.h"
 
 namespace cairn::forward_map {
+
+std::string TilesKey(std::int64_t split) { return "tiles/" + std::to_string(split); }
+std::string ScansKey(std::int64_t sensor) { return "scans/" + std::to_string(sensor); }
+std::string SliceKey(std::int64_t sensor) { return "slice/" + std::to_string(sensor); }
+std::string TilesBlob(std::int64_t split) { return "tiles/" + std::to_string(split); }
+std::string SensorBlobName(std::int64_t sensor) { return "sensor/" + std::to_string(sensor); }
+std::string ScansBlobName(std::int64_t sensor) { return "scans/" + std::to_string(sensor); }
 
 double MapState::CountOccupied() const {
   std::int64_t count = 0;

@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/training.h"
+#include "pipelines/landmark_learning/state.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "pipelines/forward_map/map_state.h"
+#include "pipelines/forward_map/state.h"
 
 #include <gtest/gtest.h>
 
