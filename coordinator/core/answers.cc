@@ -1,7 +1,8 @@
 // Answers to tasks. The first one to a task counts, of whoever was given it; a second one must be the same.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "coordinator/core/core.h"
 #include "coordinator/core/round_facts.h"
@@ -9,11 +10,7 @@
 namespace cairn::coordinator {
 namespace {
 
-std::string Seconds(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f s", seconds);
-  return text;
-}
+std::string Seconds(double seconds) { return fmt::format("{:.1f} s", seconds); }
 
 // "stage 'map', round 3: 12 tasks in 0.8 s, 3.1 s of work: iteration 3"
 std::string RoundText(const Job& job, const proto::RoundFacts& round) {

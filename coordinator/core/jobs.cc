@@ -1,17 +1,14 @@
 // Jobs come, end, and come back.
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 
 #include "coordinator/core/core.h"
 
 namespace cairn::coordinator {
 namespace {
 
-std::string Days(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g days", seconds / 86400);
-  return text;
-}
+std::string Days(double seconds) { return fmt::format("{:.3g} days", seconds / 86400); }
 
 }  // namespace
 

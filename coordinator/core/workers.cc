@@ -1,6 +1,7 @@
 // Handshake, heartbeats, leases: who is there and whether it moves.
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 
 #include "coordinator/core/core.h"
 
@@ -8,11 +9,7 @@ namespace cairn::coordinator {
 namespace {
 
 // Without zeros that say nothing.
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string Number(double value) { return fmt::format("{:g}", value); }
 
 }  // namespace
 

@@ -1,8 +1,9 @@
 #include "coordinator/store/job_yaml.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
-#include <cstdio>
 #include <map>
 
 #include "schema/hash.h"
@@ -17,9 +18,7 @@ std::string Quoted(const std::string& text) {
     if (c == '"' || c == '\\') {
       quoted += std::string("\\") + c;
     } else if (static_cast<unsigned char>(c) < 0x20) {
-      std::array<char, 8> escape{};
-      std::snprintf(escape.data(), escape.size(), "\\x%02x", static_cast<unsigned>(c));
-      quoted += escape.data();
+      quoted += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
     } else {
       quoted += c;
     }

@@ -1,8 +1,9 @@
 #include "coordinator/store/served_file.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <charconv>
-#include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -22,9 +23,7 @@ std::string LineOf(const std::string& seconds) {
 }  // namespace
 
 Status WriteServed(const std::filesystem::path& path, double served_s) {
-  std::array<char, 64> seconds{};
-  std::snprintf(seconds.data(), seconds.size(), "%.3f", served_s);
-  return WriteTextAtomically(path, LineOf(seconds.data()));
+  return WriteTextAtomically(path, LineOf(fmt::format("{:.3f}", served_s)));
 }
 
 Result<double> ReadServed(const std::filesystem::path& path) {

@@ -35,12 +35,9 @@ std::optional<std::string> Unlike(const kinds::LandmarkMap::Search& search) {
 
 std::string FoundText(const kinds::LandmarkMap::Search& search) {
   const std::optional<double> lead = search.lead_nats.Optional();
-  char ahead[80] = "no other map was found";
-  if (lead) std::snprintf(ahead, sizeof ahead, "%.1f nats ahead of the next different map", *lead);
-  char found[160];
-  std::snprintf(found, sizeof found, "found from %d of %d starts, %s", search.support.Or(0),
-                search.starts.Or(0), ahead);
-  return found;
+  const std::string ahead =
+      lead ? fmt::format("{:.1f} nats ahead of the next different map", *lead) : "no other map was found";
+  return fmt::format("found from {} of {} starts, {}", search.support.Or(0), search.starts.Or(0), ahead);
 }
 
 // What the search says of the map it chose.

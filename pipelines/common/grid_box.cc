@@ -1,7 +1,8 @@
 #include "pipelines/common/grid_box.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <vector>
 
 #include "pipelines/common/options.h"
@@ -10,11 +11,7 @@
 namespace cairn {
 namespace {
 
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string Number(double value) { return fmt::format("{:.4g}", value); }
 
 }  // namespace
 

@@ -1,17 +1,14 @@
 #include "pipelines/common/options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace cairn::options_internal {
 namespace {
 
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string Number(double value) { return fmt::format("{:g}", value); }
 
 std::string Allowed(const Option& option) {
   return "from " + Number(option.low) + " to " + Number(option.high) + (*option.unit ? " " : "") +

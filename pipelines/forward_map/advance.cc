@@ -1,7 +1,8 @@
 #include "pipelines/forward_map/advance.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 
 #include "pipelines/forward_map/history.h"
 #include "pipelines/forward_map/plan.h"
@@ -193,29 +194,25 @@ class Turn {
     return inputs_.Get(name);
   }
 
-  std::string Note() const {
-    char text[200];
-    const char* what = "";
+  const char* What() const {
     switch (schedule_.phase) {
       case Phase::kBegin:
         break;
       case Phase::kSearch:
-        what = "searching";
-        break;
+        return "searching";
       case Phase::kWeigh:
-        what = "weighing";
-        break;
+        return "weighing";
       case Phase::kParameters:
-        what = "the sensors' parameters";
-        break;
+        return "the sensors' parameters";
       case Phase::kCertainty:
-        what = schedule_.cut_short ? "cut short by 'rounds'; how sure the map is" : "how sure the map is";
-        break;
+        return schedule_.cut_short ? "cut short by 'rounds'; how sure the map is" : "how sure the map is";
     }
-    std::snprintf(text, sizeof text, "search %lld, log-likelihood %.1f, %.0f obstacles; %s",
-                  static_cast<long long>(schedule_.searches), schedule_.target_nats, map_.CountOccupied(),
-                  what);
-    return text;
+    return "";
+  }
+
+  std::string Note() const {
+    return fmt::format("search {}, log-likelihood {:.1f}, {:.0f} obstacles; {}", schedule_.searches,
+                       schedule_.target_nats, map_.CountOccupied(), What());
   }
 
   const Options& options_;

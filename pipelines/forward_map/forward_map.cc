@@ -1,8 +1,9 @@
 #include "pipelines/forward_map/forward_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "pipelines/forward_map/advance.h"
 #include "pipelines/forward_map/history.h"
@@ -39,20 +40,16 @@ PosedScans ReadScans(const Options& options, const Inputs& inputs) {
 
 void CheckFailures(const Options& options) {
   if (options.p_rand + options.p_lost <= kMostFailures) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "p_rand = %g and p_lost = %g together are more than %g", options.p_rand,
-                options.p_lost, kMostFailures);
-  throw InputError(text);
+  throw InputError(fmt::format("p_rand = {:g} and p_lost = {:g} together are more than {:g}", options.p_rand,
+                               options.p_lost, kMostFailures));
 }
 
 void CheckMemory(const Options& options) {
   const double mb = options.tile_mcrossings * kBytesOfCrossing * 1e6 / 1048576;
   if (mb <= static_cast<double>(options.grid.memory_mb)) return;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "a task of tile_mcrossings = %g million takes %.0f MiB, and memory_mb allows %lld",
-                options.tile_mcrossings, std::floor(mb), static_cast<long long>(options.grid.memory_mb));
-  throw InputError(text);
+  throw InputError(
+      fmt::format("a task of tile_mcrossings = {:g} million takes {:.0f} MiB, and memory_mb allows {}",
+                  options.tile_mcrossings, std::floor(mb), options.grid.memory_mb));
 }
 
 void Share(const std::string& name, Blob blob, Step* step) {
@@ -119,12 +116,9 @@ Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Pr
 std::string StartNote(const PosedScans& scans, const GridBox& box, std::size_t tiles) {
   std::size_t readings = 0;
   for (const RangeScans& sensor : scans.sensors) readings += sensor.scans() * sensor.beams.size();
-  char text[200];
-  std::snprintf(
-      text, sizeof text, "%zu readings, %lld x %lld cells, %zu tiles%s", readings,
-      static_cast<long long>(box.columns), static_cast<long long>(box.rows), tiles,
+  return fmt::format(
+      "{} readings, {} x {} cells, {} tiles{}", readings, box.columns, box.rows, tiles,
       scans.unposed > 0 ? (", " + std::to_string(scans.unposed) + " scans without pose").c_str() : "");
-  return text;
 }
 
 }  // namespace

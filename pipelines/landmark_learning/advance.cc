@@ -1,8 +1,9 @@
 #include "pipelines/landmark_learning/advance.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -154,9 +155,7 @@ class Round {
           AlongLine(t_.weights, t_.conjugate.direction, t_.conjugate.length * Conjugate::kTried[i]));
     }
     const double taken = t_.conjugate.Choose(errors);
-    char note[80];
-    std::snprintf(note, sizeof note, "step %lld: goes %.3g of its line", static_cast<long long>(t_.steps + 1),
-                  taken);
+    const std::string note = fmt::format("step {}: goes {:.3g} of its line", t_.steps + 1, taken);
     if (t_.conjugate.Stuck()) return Result("no step along the slope lowers the error: training ends");
     t_.weights = AlongLine(std::move(t_.weights), t_.conjugate.direction, taken);
     ++t_.steps;

@@ -1,6 +1,7 @@
 #include "pipelines/landmark_learning/landmark_learning.h"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <optional>
 #include <string>
 #include <utility>
@@ -40,12 +41,10 @@ void RequireHeadings(const Options& options, const TrainingData& data) {
 // The gradient is zero wherever no sample is in reach of another.
 void RequireSamplesInReach(const Options& options, const TrainingData& data) {
   if (PriorError(options, data.training, data.training) > 0.0) return;
-  char text[160];
-  std::snprintf(
-      text, sizeof text,
-      "window_m = %g m reaches no other position from any of the %d samples: there is nothing to tell apart",
-      options.window_m, data.training.size());
-  throw InputError(text);
+  throw InputError(
+      fmt::format("window_m = {:g} m reaches no other position from any of the {} samples: there is nothing "
+                  "to tell apart",
+                  options.window_m, data.training.size()));
 }
 
 // Errors that are no function of two positions alone.

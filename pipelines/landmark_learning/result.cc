@@ -1,7 +1,8 @@
 #include "pipelines/landmark_learning/result.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 
 #include "pipelines/landmark_learning/data/ancestry.h"
 #include "pipelines/landmark_learning/networks/arrays.h"
@@ -20,15 +21,12 @@ const char* UnitOf(const Options& options) {
 }  // namespace
 
 std::string NoteOf(const Options& options, const Training& t) {
-  char text[200];
   const double error = t.history.last_error(), validation = t.history.last_validation();
-  const int length = std::snprintf(text, sizeof text, "step %lld: error %.3f%s of %.3f%s, reduced by %.1f%%",
-                                   static_cast<long long>(t.steps + 1), error, UnitOf(options), t.prior,
-                                   UnitOf(options), 100.0 * (1.0 - error / t.prior));
-  if (!std::isnan(validation)) {
-    std::snprintf(text + length, sizeof text - static_cast<std::size_t>(length), "; held out %.1f%%",
-                  100.0 * (1.0 - validation / t.validation_prior));
-  }
+  std::string text =
+      fmt::format("step {}: error {:.3f}{} of {:.3f}{}, reduced by {:.1f}%", t.steps + 1, error,
+                  UnitOf(options), t.prior, UnitOf(options), 100.0 * (1.0 - error / t.prior));
+  if (!std::isnan(validation))
+    text += fmt::format("; held out {:.1f}%", 100.0 * (1.0 - validation / t.validation_prior));
   return text;
 }
 

@@ -1,8 +1,9 @@
 #include "pipelines/landmark_learning/starts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -25,12 +26,9 @@ Step Choose(const Options& options, const std::vector<double>& scores, std::vect
   starts.PutVector("starts/error_m", scores);
   starts.PutScalar<std::int64_t>("starts/chosen", best);
   (*chosen.plan.mutable_state()->mutable_blobs())["starts"] = chosen.Share(std::move(starts));
-  char note[160];
-  std::snprintf(
-      note, sizeof note, "step %lld: of %zu starts, of errors from %.3f to %.3f, start %lld goes on",
-      static_cast<long long>(StartStepsOf(options)), scores.size(), scores[static_cast<std::size_t>(best)],
-      *std::ranges::max_element(scores), static_cast<long long>(best));
-  chosen.plan.set_note(note);
+  chosen.plan.set_note(fmt::format(
+      "step {}: of {} starts, of errors from {:.3f} to {:.3f}, start {} goes on", StartStepsOf(options),
+      scores.size(), scores[static_cast<std::size_t>(best)], *std::ranges::max_element(scores), best));
   return chosen;
 }
 

@@ -1,8 +1,9 @@
 #include "pipelines/landmark_learning/sum_path.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -87,12 +88,8 @@ LineCase LookAtLine(const Belief& belief, const ErrorRule& error, const Position
 }
 
 std::string LineText(const LineCase& found, double bound) {
-  char text[160];
-  if (found.exact)
-    std::snprintf(text, sizeof text, "sum along the line, relative error below %.1e", bound);
-  else
-    std::snprintf(text, sizeof text, "sum along the line, distances up to %.3g m short", found.line.off_m);
-  return text;
+  return found.exact ? fmt::format("sum along the line, relative error below {:.1e}", bound)
+                     : fmt::format("sum along the line, distances up to {:.3g} m short", found.line.off_m);
 }
 
 }  // namespace
@@ -132,10 +129,9 @@ SumPlan Line(const Belief& belief, const ErrorRule& error, const Positions& posi
 }
 
 SumPlan Tree() {
-  char text[120];
-  std::snprintf(text, sizeof text, "sum by a tree, each distance and E off by at most %.0e of itself",
-                kFarBound);
-  return {SumPath::kTree, {}, text};
+  return {SumPath::kTree,
+          {},
+          fmt::format("sum by a tree, each distance and E off by at most {:.0e} of itself", kFarBound)};
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #include "pipelines/landmark_map/em.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <string>
 #include <vector>
@@ -113,12 +114,9 @@ MStep MadeMap(Partials& partials, WhatIsLeft* left, std::size_t robots) {
 }
 
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "iteration %lld: log-likelihood %.2f, %zu landmarks, %.0f%% of the data, %lld robot%s",
-                static_cast<long long>(done.iteration + 1), log_likelihood, landmarks, 100.0 * done.prefix,
-                static_cast<long long>(done.robots), done.robots == 1 ? "" : "s");
-  return text;
+  return fmt::format("iteration {}: log-likelihood {:.2f}, {} landmarks, {:.0f}% of the data, {} robot{}",
+                     done.iteration + 1, log_likelihood, landmarks, 100.0 * done.prefix, done.robots,
+                     done.robots == 1 ? "" : "s");
 }
 
 // The last E-step once more, with the refined map.

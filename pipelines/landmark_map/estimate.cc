@@ -1,8 +1,9 @@
 #include "pipelines/landmark_map/estimate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <utility>
@@ -269,16 +270,12 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
 }
 
 std::string Sentence(const Estimate& estimate, const Settings& settings, const RobotStates& robot_states) {
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "planned: cells of %g m, %d headings, %lld steps of the first robot, %.0f tasks in the first of "
-      "some %.0f rounds, which moves about %.3g million cells: some %.2g s on one core; a worker may "
-      "need %.0f MB, the store %.0f MB",
-      settings.map.grid.cell_m, settings.map.grid.headings,
-      static_cast<long long>(robot_states.step_counts[0]), estimate.tasks, estimate.rounds,
-      estimate.cells / 1e6, estimate.seconds, estimate.memory_mb, estimate.store_mb);
-  return text;
+  return fmt::format(
+      "planned: cells of {:g} m, {} headings, {} steps of the first robot, {:.0f} tasks in the first of some "
+      "{:.0f} rounds, which moves about {:.3g} million cells: some {:.2g} s on one core; a worker may need "
+      "{:.0f} MB, the store {:.0f} MB",
+      settings.map.grid.cell_m, settings.map.grid.headings, robot_states.step_counts[0], estimate.tasks,
+      estimate.rounds, estimate.cells / 1e6, estimate.seconds, estimate.memory_mb, estimate.store_mb);
 }
 
 double MStepBytes(const LayeredGrid& counts, const MapRules& rules) {
@@ -291,13 +288,10 @@ double MStepBytes(const LayeredGrid& counts, const MapRules& rules) {
 
 void RequireMemory(const std::string& what, double bytes, double memory_mb) {
   if (bytes <= 1e6 * memory_mb) return;
-  char text[256];
-  std::snprintf(
-      text, sizeof text,
-      "%s would need about %.0f MB, more than memory_mb = %.0f: take a larger cell_m or heading_deg, "
-      "or a smaller slice_mcells",
-      what.c_str(), std::ceil(bytes / 1e6), memory_mb);
-  throw InputError(text);
+  throw InputError(
+      fmt::format("{} would need about {:.0f} MB, more than memory_mb = {:.0f}: take a larger cell_m or "
+                  "heading_deg, or a smaller slice_mcells",
+                  what, std::ceil(bytes / 1e6), memory_mb));
 }
 
 }  // namespace cairn::landmark_map

@@ -1,9 +1,10 @@
 #include "pipelines/landmark_map/measured.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <string_view>
 
@@ -48,11 +49,7 @@ bool Within(double value, double least, double most) {
   return value >= (1.0 - kLeeway) * least && value <= (1.0 + kLeeway) * most;
 }
 
-std::string Text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string Text(double value) { return fmt::format("{:.3g}", value); }
 
 std::string Beyond(const std::string& name, double value, double least, double most) {
   if (value == 0.0) return name + " is not stated";

@@ -1,8 +1,9 @@
 #include "pipelines/landmark_map/result.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <string>
 
@@ -344,10 +345,8 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;
   step.plan.set_result(step.Share(std::move(result)));
-  char note[120];
-  std::snprintf(note, sizeof note, "%zu landmarks, log-likelihood %.2f", landmarks.size(),
-                sum.log_likelihood());
-  step.plan.set_note(note);
+  step.plan.set_note(
+      fmt::format("{} landmarks, log-likelihood {:.2f}", landmarks.size(), sum.log_likelihood()));
   return step;
 }
 

@@ -1,8 +1,9 @@
 #include "pipelines/landmark_map/search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -157,12 +158,11 @@ Blob OneStartOnly() {
 }
 
 std::string Sentence(const std::vector<Candidate>& candidates, const Choice& choice) {
-  char ahead[80] = "all found the same map";
-  if (choice.lead_nats)
-    std::snprintf(ahead, sizeof ahead, "%.1f nats ahead of the next different map", *choice.lead_nats);
-  return "candidate " + std::to_string(choice.best + 1) + " of " + std::to_string(candidates.size()) +
-         " is best, " + ahead + "; found from " + std::to_string(choice.support) + " of " +
-         std::to_string(choice.starts) + " starts";
+  const std::string ahead =
+      choice.lead_nats ? fmt::format("{:.1f} nats ahead of the next different map", *choice.lead_nats)
+                       : "all found the same map";
+  return fmt::format("candidate {} of {} is best, {}; found from {} of {} starts", choice.best + 1,
+                     candidates.size(), ahead, choice.support, choice.starts);
 }
 
 }  // namespace cairn::landmark_map

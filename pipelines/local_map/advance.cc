@@ -1,8 +1,9 @@
 #include "pipelines/local_map/advance.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include "pipelines/local_map/path/corrected_path.h"
@@ -116,14 +117,11 @@ class Turn {
       Blob path = *rows;
       PutRows("", scans, &path);
       Share(PathName(r), std::move(path));
-      char text[160];
-      if (first)
-        std::snprintf(text, sizeof text, "odometry drifts by %.3f rad/m, %.1f%% of turns, %.3f rad/sqrt(m)",
-                      track.drift_rad_per_m, 100 * track.turn_scale, track.walk_rad_per_sqrt_m);
-      else
-        std::snprintf(text, sizeof text, "odometry's metre is %.4f m by %zu walls", scale,
-                      watched.approaches[r].size());
-      note += (note.empty() ? "" : "; ") + std::string(text);
+      if (!note.empty()) note += "; ";
+      note += first ? fmt::format("odometry drifts by {:.3f} rad/m, {:.1f}% of turns, {:.3f} rad/sqrt(m)",
+                                  track.drift_rad_per_m, 100 * track.turn_scale, track.walk_rad_per_sqrt_m)
+                    : fmt::format("odometry's metre is {:.4f} m by {} walls", scale,
+                                  watched.approaches[r].size());
       if (!first) Share(NodesName(r), NodesBlob(ChooseNodes(scans, options_.nodes)));
       PlanSegments(r, scans, first ? "walls" : "traces");
     }
@@ -210,10 +208,8 @@ class Turn {
                                         ? std::vector<Pair>()
                                         : ChoosePairs(nodes_, traces_, wider, options_.pairs);
     if (round == 1) {
-      char text[100];
-      std::snprintf(text, sizeof text, "%zu traces, %zu nodes, %zu pairs", traces_.size(), nodes_.size(),
-                    pairs.size());
-      step_.plan.set_note(text);
+      step_.plan.set_note(
+          fmt::format("{} traces, {} nodes, {} pairs", traces_.size(), nodes_.size(), pairs.size()));
     }
     if (pairs.empty()) return Finish(std::move(loops));
     Share(kPairs, cairn::BlobOf(pairs));
@@ -260,9 +256,6 @@ class Turn {
     for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].at = optimized.node[k];
     Share(kPlaced, cairn::BlobOf(optimized.node));
     const auto used = std::ranges::count_if(optimized.weight, [](double w) { return w > 0; });
-    char text[160];
-    std::snprintf(text, sizeof text, "%zu pairs, %zu matched, %lld followed", pairs.size(),
-                  constraints.size(), static_cast<long long>(used));
     std::vector<Loop> loops;
     for (std::size_t k = 0; k < constraints.size(); ++k) {
       const Pair& pair = pairs[of[k]];
@@ -274,7 +267,8 @@ class Turn {
                        optimized.weight[k] > 0});
     }
     PlanPairs(standing_.round + 1, std::move(loops));
-    step_.plan.set_note(text);
+    step_.plan.set_note(
+        fmt::format("{} pairs, {} matched, {} followed", pairs.size(), constraints.size(), used));
   }
 
   void Finish(std::vector<Loop> loops) {

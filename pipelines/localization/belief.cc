@@ -1,8 +1,9 @@
 #include "pipelines/localization/belief.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "schema/error.h"
 #include "schema/headings.h"
@@ -48,10 +49,8 @@ std::vector<double> BeliefSpace::Near(const Position& centre, double window_m) c
   // [Thr98] section 5.1.7: uniform around where the robot is
   for (const std::size_t position : index_.Within(centre, window_m)) belief[position] = anywhere_[position];
   if (Normalise(&belief)) return belief;
-  char text[160];
-  std::snprintf(text, sizeof text, "window_m = %g m reaches no position of the map from (%g, %g) m", window_m,
-                centre.x_m, centre.y_m);
-  throw InputError(text);
+  throw InputError(fmt::format("window_m = {:g} m reaches no position of the map from ({:g}, {:g}) m",
+                               window_m, centre.x_m, centre.y_m));
 }
 
 template <class Aim, class Weight>

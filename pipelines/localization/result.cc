@@ -1,6 +1,6 @@
 #include "pipelines/localization/result.h"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 namespace cairn::localization {
 
@@ -62,11 +62,9 @@ std::string ResultRows::Note() const {
     last += ends ? spread_m_[k] : 0.0;
     traverses += ends ? 1 : 0;
   }
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "%d traverses: sure to within %.2f m on average at their ends, %.2f m at their starts",
-                traverses, last / traverses, first / traverses);
-  return text;
+  return fmt::format(
+      "{} traverses: sure to within {:.2f} m on average at their ends, {:.2f} m at their starts", traverses,
+      last / traverses, first / traverses);
 }
 
 Blob ResultOf(const Options& options, const Source& source, const Poses& poses, const ResultRows& rows) {

@@ -1,10 +1,11 @@
 #include "pipelines/localization/space.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <numbers>
 
 #include "pipelines/localization/sensing.h"
@@ -36,10 +37,8 @@ void AddCells(double cell_m, const Box& box, const std::vector<Position>& traini
   const double columns = std::floor((box.high.x_m - box.low.x_m) / cell_m) + 1,
                rows = std::floor((box.high.y_m - box.low.y_m) / cell_m) + 1;
   if (columns * rows > kMostCells) {
-    char text[160];
-    std::snprintf(text, sizeof text, "cell_m = %g m makes %.0f by %.0f cells; at most %.0f are allowed",
-                  cell_m, columns, rows, kMostCells);
-    throw InputError(text);
+    throw InputError(fmt::format("cell_m = {:g} m makes {:.0f} by {:.0f} cells; at most {:.0f} are allowed",
+                                 cell_m, columns, rows, kMostCells));
   }
   const PositionIndex index(training);
   const Position middle{0.5 * (box.low.x_m + box.high.x_m), 0.5 * (box.low.y_m + box.high.y_m)};

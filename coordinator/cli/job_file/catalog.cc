@@ -1,7 +1,8 @@
 #include "coordinator/cli/job_file/catalog.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "coordinator/cli/common/programs.h"
@@ -15,11 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string Number(double value) { return fmt::format("{:g}", value); }
 
 OptionSpec ToOption(const json& j) {
   OptionSpec option;

@@ -1,5 +1,7 @@
 #include "pipelines/landmark_learning/data/error_table.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <map>
@@ -42,9 +44,9 @@ void PutTable(const Array& table, TrainingData* data) {
 }
 
 std::string NameOf(const TrainingData& data, const SampleSet& set, std::size_t k) {
-  char position[80];
-  std::snprintf(position, sizeof position, "at (%.3f, %.3f) m", set.positions.x_m[k], set.positions.y_m[k]);
-  return "run '" + data.runs[static_cast<std::size_t>(set.run[k])] + "', the sample " + position;
+  return fmt::format("run '{}', the sample at ({:.3f}, {:.3f}) m",
+                     data.runs[static_cast<std::size_t>(set.run[k])], set.positions.x_m[k],
+                     set.positions.y_m[k]);
 }
 
 }  // namespace

@@ -1,18 +1,15 @@
 #include "pipelines/landmark_map/model/e_step.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace cairn::landmark_map {
 namespace {
 
-std::string Time(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f", seconds);
-  return text;
-}
+std::string Time(double seconds) { return fmt::format("{:.3f}", seconds); }
 
 template <class E = NoPathError>
 [[noreturn]] void Refuse(const Slice& slice, int step, const std::string& why) {

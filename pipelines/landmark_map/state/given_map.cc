@@ -1,8 +1,9 @@
 #include "pipelines/landmark_map/state/given_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <string>
 
@@ -158,13 +159,10 @@ void CheckReach(const LayeredGrid& map, const RobotSteps& steps, const Settings&
   constexpr double kErrs = 1.2;  // odometry's distance may be short by so much
   const double reach_m = kErrs * steps.DistanceTravelled().back() + range_m + 2.0 * settings.map.radius_m;
   if (nearest_m <= reach_m) return;
-  char text[256];
-  std::snprintf(
-      text, sizeof text,
-      "it is nowhere nearer than %.0f m to the origin, where the first robot starts, and that sees "
-      "no farther than %.0f m: another place, or another frame (start=anywhere looks for the place)",
-      nearest_m, reach_m);
-  Refuse(text);
+  Refuse(fmt::format(
+      "it is nowhere nearer than {:.0f} m to the origin, where the first robot starts, and that sees no "
+      "farther than {:.0f} m: another place, or another frame (start=anywhere looks for the place)",
+      nearest_m, reach_m));
 }
 
 void CheckLikelihood(double log_likelihood, const Perception& perception,
@@ -177,13 +175,10 @@ void CheckLikelihood(double log_likelihood, const Perception& perception,
     }
   }
   if (log_likelihood > all_false) return;
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "under it the data are no more likely (%.1f nats) than if every observation were false "
-                "(%.1f): is it a map of this place, in the frame of the first robot's start? start=anywhere "
-                "looks for the place",
-                log_likelihood, all_false);
-  Refuse(text);
+  Refuse(fmt::format(
+      "under it the data are no more likely ({:.1f} nats) than if every observation were false ({:.1f}): is "
+      "it a map of this place, in the frame of the first robot's start? start=anywhere looks for the place",
+      log_likelihood, all_false));
 }
 
 }  // namespace cairn::landmark_map

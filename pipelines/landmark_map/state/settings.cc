@@ -1,8 +1,9 @@
 #include "pipelines/landmark_map/state/settings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -215,13 +216,10 @@ void CheckGridSize(const Options& options, const Settings& settings, double exte
   const double layers = anywhere ? settings.map.grid.headings : 1.0;  // a start anywhere fills every heading
   const double megabytes = 3.0 * side * side * layers * sizeof(double) / 1e6;
   if (megabytes > options.memory_mb) {
-    char text[256];
-    std::snprintf(
-        text, sizeof text,
-        "the grid would need about %.0f MB (%.0f x %.0f cells x %.0f headings), more than memory_mb = %.0f: "
-        "take a larger cell_m or heading_deg",
-        megabytes, side, side, layers, options.memory_mb);
-    throw InputError(text);
+    throw InputError(
+        fmt::format("the grid would need about {:.0f} MB ({:.0f} x {:.0f} cells x {:.0f} headings), more "
+                    "than memory_mb = {:.0f}: take a larger cell_m or heading_deg",
+                    megabytes, side, side, layers, options.memory_mb));
   }
 }
 
