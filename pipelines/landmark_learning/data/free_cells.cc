@@ -25,22 +25,15 @@ FreeCells FreeCells::Of(const Blob& map) {
     throw InputError(
         "the input 'map': 'map/grid/probability' must be [rows,columns]; a landmark map is no such map");
   FreeCells cells;
-  cells.rows_ = shape[0];
-  cells.columns_ = shape[1];
-  cells.origin_x_m_ = grid.origin_x_m.Scalar();
-  cells.origin_y_m_ = grid.origin_y_m.Scalar();
-  cells.cell_m_ = grid.cell_m.Scalar();
+  cells.box_ = {grid.origin_x_m.Scalar(), grid.origin_y_m.Scalar(), grid.cell_m.Scalar(), shape[1], shape[0]};
   for (const double p : grid.probability) cells.free_.push_back(!(p >= 0.5));
   return cells;
 }
 
 std::optional<std::size_t> FreeCells::At(double x_m, double y_m) const {
-  const double x = std::floor((x_m - origin_x_m_) / cell_m_), y = std::floor((y_m - origin_y_m_) / cell_m_);
-  if (!(x >= 0.0 && y >= 0.0 && x < static_cast<double>(columns_) && y < static_cast<double>(rows_)))
-    return {};
-  const auto column = static_cast<std::int64_t>(x), row = static_cast<std::int64_t>(y);
+  const std::int64_t column = box_.ColumnOf(x_m), row = box_.RowOf(y_m);
   if (!IsFree(column, row)) return {};
-  return static_cast<std::size_t>(row * columns_ + column);
+  return box_.Index(column, row);
 }
 
 // All cells that the straight step touches must be free: it cuts no corner.
@@ -63,12 +56,13 @@ std::vector<double> FreeCells::PathLengthsFrom(std::size_t cell) const {
     const auto [so_far, at] = open.top();
     open.pop();
     if (so_far > path_m[at]) continue;
-    const auto x = static_cast<std::int64_t>(at) % columns_, y = static_cast<std::int64_t>(at) / columns_;
+    const auto x = static_cast<std::int64_t>(at) % box_.columns,
+               y = static_cast<std::int64_t>(at) / box_.columns;
     for (const auto& [dx, dy] : kSteps) {
       if (!CanStep(x, y, dx, dy)) continue;
-      const auto to = static_cast<std::size_t>((y + dy) * columns_ + x + dx);
+      const auto to = box_.Index(x + dx, y + dy);
       // [Thr98] section 5.1.5: the way that a robot must travel
-      const double there = so_far + cell_m_ * std::sqrt(static_cast<double>(dx * dx + dy * dy));
+      const double there = so_far + box_.cell_m * std::sqrt(static_cast<double>(dx * dx + dy * dy));
       if (there >= path_m[to]) continue;
       path_m[to] = there;
       open.push({there, to});

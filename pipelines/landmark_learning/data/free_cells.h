@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::landmark_learning {
 
@@ -24,13 +25,10 @@ class FreeCells {
   std::vector<double> PathLengthsFrom(std::size_t cell) const;
 
  private:
-  bool IsFree(std::int64_t x, std::int64_t y) const {
-    return x >= 0 && y >= 0 && x < columns_ && y < rows_ && free_[static_cast<std::size_t>(y * columns_ + x)];
-  }
+  bool IsFree(std::int64_t x, std::int64_t y) const { return box_.Holds(x, y) && free_[box_.Index(x, y)]; }
   bool CanStep(std::int64_t x, std::int64_t y, int dx, int dy) const;
 
-  std::int64_t columns_ = 0, rows_ = 0;
-  double origin_x_m_ = 0.0, origin_y_m_ = 0.0, cell_m_ = 1.0;
+  GridBox box_;
   std::vector<bool> free_;
 };
 

@@ -17,7 +17,7 @@ constexpr double kTogether = 0.1;   // of its images show the other too: they ar
 constexpr double kNeeded = 0.02;    // of its range-bearing observations no other landmark could have
 constexpr std::int32_t kNoLandmark = -1;
 
-double Distance(const Position& a, const Position& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
+double Distance(const Point& a, const Point& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 
 // What the sensor sees, as the log shows it: nine range-bearing observations of ten are nearer and further
 // ahead.
@@ -27,7 +27,7 @@ struct FieldOfView {
   explicit FieldOfView(const std::vector<ImageObservations>& images) {
     std::vector<double> ranges, angles;
     for (const ImageObservations& image : images) {
-      for (const Position& position : image.seen) {
+      for (const Point& position : image.seen) {
         ranges.push_back(Distance(image.from, position));
         angles.push_back(std::abs(Angle(image, position)));
       }
@@ -35,12 +35,12 @@ struct FieldOfView {
     range_m = NineTenths(&ranges);
     half_rad = NineTenths(&angles);
   }
-  bool Holds(const ImageObservations& image, const Position& position) const {
+  bool Holds(const ImageObservations& image, const Point& position) const {
     return Distance(image.from, position) <= range_m && std::abs(Angle(image, position)) <= half_rad;
   }
 
  private:
-  static double Angle(const ImageObservations& image, const Position& position) {
+  static double Angle(const ImageObservations& image, const Point& position) {
     return std::remainder(
         std::atan2(position.y_m - image.from.y_m, position.x_m - image.from.x_m) - image.heading_rad,
         2.0 * std::numbers::pi);
@@ -79,11 +79,11 @@ class ImageClusters {
     shift_[i] = {};
     for (int k = 0; k < 3; ++k) {
       Pair(i);
-      Position sum{};
+      Point sum{};
       double n = 0;
       for (std::size_t s = 0; s < given_[i].size(); ++s) {
         if (given_[i][s] == kNoLandmark) continue;
-        const Position& to = positions_[static_cast<std::size_t>(given_[i][s])];
+        const Point& to = positions_[static_cast<std::size_t>(given_[i][s])];
         sum.x_m += to.x_m - images_[i].seen[s].x_m;
         sum.y_m += to.y_m - images_[i].seen[s].y_m;
         ++n;
@@ -92,7 +92,7 @@ class ImageClusters {
     }
   }
 
-  Position Seen(std::size_t i, std::size_t s) const {
+  Point Seen(std::size_t i, std::size_t s) const {
     return {images_[i].seen[s].x_m + shift_[i].x_m, images_[i].seen[s].y_m + shift_[i].y_m};
   }
 
@@ -124,7 +124,7 @@ class ImageClusters {
   }
 
   void Move() {
-    std::vector<Position> sum(positions_.size());
+    std::vector<Point> sum(positions_.size());
     count_.assign(positions_.size(), 0.0);
     for (std::size_t i = 0; i < images_.size(); ++i) {
       for (std::size_t s = 0; s < given_[i].size(); ++s) {
@@ -142,7 +142,7 @@ class ImageClusters {
 
   // Keeps the landmarks that `keep` names, in their order.
   void Keep(const std::vector<bool>& keep) {
-    std::vector<Position> positions;
+    std::vector<Point> positions;
     std::vector<double> count;
     std::vector<std::int32_t> now(positions_.size(), kNoLandmark);
     for (std::size_t k = 0; k < positions_.size(); ++k) {
@@ -193,7 +193,7 @@ class ImageClusters {
     return observations;
   }
 
-  double Looked(const Position& position) const {
+  double Looked(const Point& position) const {
     double images = 0;
     for (const ImageObservations& image : images_) images += view_.Holds(image, position) ? 1 : 0;
     return images;
@@ -203,10 +203,10 @@ class ImageClusters {
   const ImageRules& rules_;
   double gate_m_;
   FieldOfView view_;
-  std::vector<Position> positions_;
+  std::vector<Point> positions_;
   std::vector<double> count_;
   std::vector<std::vector<std::int32_t>> given_;
-  std::vector<Position> shift_;
+  std::vector<Point> shift_;
 };
 
 // The rarer of two goes; the next pass gives its range-bearing observations to the other.

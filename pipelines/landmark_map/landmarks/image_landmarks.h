@@ -6,18 +6,15 @@
 
 #include "pipelines/landmark_map/landmarks/summary.h"
 #include "pipelines/landmark_map/model/steps.h"
+#include "schema/geometry.h"
 
 namespace cairn::landmark_map {
 
-struct Position {
-  double x_m = 0.0, y_m = 0.0;
-};
-
 // What a robot saw at one step, laid out from its most likely pose; `heading_rad` is where it looked.
 struct ImageObservations {
-  Position from;
+  Point from;
   double heading_rad = 0.0;
-  std::vector<Position> seen;
+  std::vector<Point> seen;
   std::size_t robot = 0;
   std::vector<std::int32_t> observation;  // of each: its index in the robot's steps
 };

@@ -12,10 +12,10 @@ namespace cairn::landmark_map {
 namespace {
 
 constexpr double kObservationM = 0.05, kPoseM = 0.15, kSigmaM = 0.16;
-const std::vector<Position> kTriplet = {{0.0, 0.0}, {0.2, 0.0}, {0.1, 0.2}};
+const std::vector<Point> kTriplet = {{0.0, 0.0}, {0.2, 0.0}, {0.1, 0.2}};
 
 // Images from a ring of 3 m around the places, each with its own error of the pose.
-std::vector<ImageObservations> ImagesOf(const std::vector<Position>& positions, int count) {
+std::vector<ImageObservations> ImagesOf(const std::vector<Point>& positions, int count) {
   Rng rng(7);
   std::vector<ImageObservations> images;
   for (int i = 0; i < count; ++i) {
@@ -23,7 +23,7 @@ std::vector<ImageObservations> ImagesOf(const std::vector<Position>& positions, 
     ImageObservations image{
         {3.0 * std::cos(angle), 3.0 * std::sin(angle)}, angle + std::numbers::pi, {}, 0, {}};
     const double dx = kPoseM * rng.Normal(), dy = kPoseM * rng.Normal();
-    for (const Position& p : positions) {
+    for (const Point& p : positions) {
       image.seen.push_back(
           {p.x_m + dx + kObservationM * rng.Normal(), p.y_m + dy + kObservationM * rng.Normal()});
     }
@@ -32,7 +32,7 @@ std::vector<ImageObservations> ImagesOf(const std::vector<Position>& positions, 
   return images;
 }
 
-double ToNearest(const Position& position, const std::vector<Landmark>& landmarks) {
+double ToNearest(const Point& position, const std::vector<Landmark>& landmarks) {
   double nearest = 1e9;
   for (const Landmark& l : landmarks) {
     nearest = std::min(nearest, std::hypot(l.x_m - position.x_m, l.y_m - position.y_m));
@@ -43,7 +43,7 @@ double ToNearest(const Position& position, const std::vector<Landmark>& landmark
 TEST(FindImageLandmarks, TellsApartWhatStandsCloserThanAPoseIsExact) {
   const ImageLandmarks found = FindImageLandmarks(ImagesOf(kTriplet, 60), {kSigmaM, 0.05, 0});
   ASSERT_EQ(found.landmarks.size(), 3U);
-  for (const Position& p : kTriplet) EXPECT_LT(ToNearest(p, found.landmarks), 0.06);
+  for (const Point& p : kTriplet) EXPECT_LT(ToNearest(p, found.landmarks), 0.06);
   for (const Landmark& l : found.landmarks) EXPECT_GE(l.count, 50.0);
 }
 
