@@ -21,7 +21,7 @@ elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
 else()
   set(CAIRN_MARCH "" CACHE STRING "Target of -march")
 endif()
-set(CAIRN_TESTS "" CACHE STRING "Folders whose unit tests are built (schema;worker); empty: all, end to end too")
+set(CAIRN_TESTS "" CACHE STRING "Folders whose unit tests are built, as regular expressions (worker;schema.*); empty: all, end to end too")
 set(CAIRN_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize takes them: address,undefined or thread")
 # A user's compiler may warn of what ours does not; our checks (deploy/test.sh --all, the sanitizers' presets) switch it on.
 option(CAIRN_WERROR "Warnings are errors" OFF)

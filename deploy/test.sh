@@ -3,8 +3,9 @@
 #
 #   deploy/test.sh          the release tests
 #   deploy/test.sh --all    also the format check, clang-tidy on what changed, the core's unit tests under
-#                           ASan + UBSan, worker and coordinator under TSan, what depends on optional packages without
-#                           them, and the longer end-to-end tests; warnings are errors
+#                           ASan + UBSan, worker and coordinator under TSan, benchmarks and studies built, what
+#                           depends on optional packages without them, and the longer end-to-end tests;
+#                           warnings are errors
 #
 # Tests on real logs look for them in the folder that CAIRN_DATA names, and are skipped without it.
 set -euo pipefail
@@ -16,7 +17,7 @@ all=false
 for argument in "$@"; do
   case $argument in
     --all) all=true ;;
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) fail "unknown argument '$argument'; allowed: --all" ;;
   esac
 done

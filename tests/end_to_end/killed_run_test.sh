@@ -3,8 +3,8 @@
 source "$(dirname "$0")/common.sh"
 kills=${KILLS:-10}
 
-cairn simulate loop --difficulty base --robots 3 --seed 5 log.h5 >/dev/null
-job=(cairn run landmark_map log.h5 --set cell_m=0.4 --workers 2)
+cairn simulate loop --difficulty base --robots 2 --seed 5 log.h5 >/dev/null
+job=(cairn run landmark_map log.h5 --set cell_m=0.4 --set starts=3 --set waves=0 --workers 2 --checkpoint-rounds 1)
 exits 0 "${job[@]}" --out undisturbed
 
 # The moments are spread over the run by what it has saved, not by the clock: after the first checkpoint, the next, …

@@ -1,5 +1,6 @@
 // The simulated corridor is as hard for what is made by hand as the paper's was. It was tuned on seeds 1 to
-// 20, before anything was learned in it; these seeds are others. More of them: corridor_table (tests/bench).
+// 20, before anything was learned in it; these seeds are others. More of them: corridor_table
+// (tests/studies).
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,6 +1,6 @@
 // What every option of `cairn simulate loop` hides, landmark_map finds again: it gets the log without its
 // truth, and is scored against it. The seeds are ones that settings were tuned on; rates over many seeds are
-// topology_rate's (tests/bench).
+// topology_rate's (tests/studies).
 #include <gtest/gtest.h>
 
 #include <cmath>
