@@ -49,8 +49,8 @@ Scores SummaryOfLocalMap(const Blob& result) {
   const auto map = Read<kinds::LocalMap>(result);
   const auto traces = static_cast<std::int64_t>(map.traces.robot.size());
   Scores scores;
-  scores.AddForPeople("found", fmt::format("{} trace{}, joined by {} connections", traces, traces == 1 ? "" : "s",
-                                           map.connections.kind.size()));
+  scores.AddForPeople("found", fmt::format("{} trace{}, joined by {} connections", traces,
+                                           traces == 1 ? "" : "s", map.connections.kind.size()));
   scores.AddForPrograms("traces", traces);
   scores.AddForPrograms("connections", static_cast<std::int64_t>(map.connections.kind.size()));
   return scores;
@@ -87,7 +87,8 @@ constexpr ResultKind kResultKinds[] = {
            return DrawMapPng(*s.result, s.source, EvaluationOf<Evaluation>(s), width_px);
          },
      .summary = SummaryOfLandmarkMap,
-     .verdict = LandmarkMapVerdict},
+     .verdict = LandmarkMapVerdict,
+     .exports = "csv g2o octomap png ros tum"},
     {.name = "grid_map",
      .is_map = true,
      .made_of = "log",
@@ -103,7 +104,9 @@ constexpr ResultKind kResultKinds[] = {
            return DrawGridPng(*s.result, s.source, EvaluationOf<GridEvaluation>(s), width_px);
          },
      .summary = SummaryOfGridMap,
-     .verdict = GridMapVerdict},
+     .verdict = GridMapVerdict,
+     .exports = "octomap png ros",
+     .tells_free_space = true},
     {.name = "local_map",
      .is_map = true,
      .made_of = "log",
@@ -121,7 +124,8 @@ constexpr ResultKind kResultKinds[] = {
                                width_px);
          },
      .summary = SummaryOfLocalMap,
-     .verdict = LocalMapVerdict},
+     .verdict = LocalMapVerdict,
+     .exports = "csv g2o png tum"},
     {.name = "networks",
      .made_of = "samples",
      .evaluate = [](const Blob& networks, const Blob& samples, const ScoreOptions& options) -> Evaluated {

@@ -5,6 +5,7 @@
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
+#include "datasets/kinds/result_kinds.h"
 
 namespace cairn::cli {
 namespace {
@@ -19,17 +20,20 @@ struct ExportArguments {
   bool force = false;
 };
 
-bool WantsGrid(const ExportArguments& options) {
+bool IsForPlanning(const ExportArguments& options) {
   return options.format == "ros" || options.format == "octomap";
 }
 
-// Grids are asked of a folder's grid_map where it has one, all else of its landmark_map, or where it has none
-// of its local_map.
-Blob ReadSource(const ExportArguments& options) {
-  std::vector<std::string> kinds = {"local_map", "landmark_map"};
-  if (WantsGrid(options)) kinds = {"grid_map", "landmark_map", "local_map"};
-  if (options.format == "png") kinds = {"landmark_map", "grid_map", "local_map"};
-  return ReadFirstOf(options.from, kinds, options.changed).blob;
+// Of a folder's results the first that the format knows; maps for planners rather of one that tells what is
+// free.
+BlobFile ReadSource(const ExportArguments& options) {
+  std::vector<std::string> kinds;
+  for (const datasets::ResultKind& kind : datasets::ResultKinds()) {
+    if (kind.exports.find(options.format) == std::string_view::npos) continue;
+    const bool first = IsForPlanning(options) && kind.tells_free_space;
+    kinds.insert(first ? kinds.begin() : kinds.end(), std::string(kind.name));
+  }
+  return ReadFirstOf(options.from, kinds, options.changed);
 }
 
 datasets::RosMode ModeOf(const std::string& mode) {
@@ -51,9 +55,10 @@ datasets::Written Write(const ExportArguments& options, const Blob& blob) {
 }
 
 int Export(const ExportArguments& options, const Invocation&) {
-  const Blob source = ReadSource(options);
-  for (const std::string& file : Take(Write(options, source))) std::printf("%s\n", file.c_str());
-  if (WantsGrid(options) && source.Has("map/landmark_x_m")) {
+  const BlobFile source = ReadSource(options);
+  const datasets::ResultKind* kind = datasets::FindResultKind(source.kind);
+  for (const std::string& file : Take(Write(options, source.blob))) std::printf("%s\n", file.c_str());
+  if (IsForPlanning(options) && kind != nullptr && !kind->tells_free_space) {
     std::fprintf(stderr,
                  "note: a landmark map says nothing of free space: where no landmark is nothing is known. To "
                  "plan ways make a grid map (evidence_map, forward_map)\n");

@@ -27,7 +27,8 @@ void AddChangedFlag(Command command, bool* changed_too);
 BlobFile ReadFile(const std::string& path, bool changed_too = false);
 BlobFile ReadResult(const std::string& path, const std::string& kind, bool changed_too = false);
 
-// A file of any kind; of a folder the one result of the first of these kinds that there is, else of the last.
+// A file of any kind; of a folder the one result of the first of these kinds that there is, else of the
+// first.
 BlobFile ReadFirstOf(const std::string& path, const std::vector<std::string>& kinds,
                      bool changed_too = false);
 
