@@ -33,7 +33,7 @@ Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, 
       uploads_(options_.uploads, [this](const Hash& hash) { return blobs_.Has(hash); }),
       access_control_(options_.allow_list),
       refusals_(log_),
-      last_job_number_(table.LastNumber().ok() ? table.LastNumber().value() : 0),
+      last_job_number_(table.LastNumber()),
       writer_(folder, files_, use_, std::move(table), [&transport] { transport.Wake(); }) {
   Restore();
 }
@@ -186,10 +186,7 @@ void Server::Take(const std::string& peer, wire::Envelope& envelope,
   }
 }
 
-void Server::TakeDurable(const std::string& job, std::uint64_t number) {
-  Handle(PersistDone{job, number});
-  WriteRow(job);
-}
+void Server::TakeDurable(const std::string& job, std::uint64_t number) { Handle(PersistDone{job, number}); }
 
 Status Server::ForUsers(const Status& status) const {
   const std::string store = folder_.dir().string() + "/";

@@ -84,11 +84,10 @@ class Server {
   void Do(const Persist& persist);
   void Do(const DropBlobs& drop);
   void Do(const ForgetJob& forget);
+  void Do(const JobChanged&) {}  // users ask how a job stands
   void Do(const Answer& answer);
-  void Do(const JobChanged& changed);
   void Do(const Report& report);
   void Do(const Refused& refused);
-  void WriteRow(const std::string& job);
   void WriteServed();
   // A line for the service's log and, where it names a job, for that job's.
   void Note(Severity severity, const std::string& job, const std::string& text);
@@ -145,12 +144,11 @@ class Server {
   std::string last_refusal_;
   AccessControl access_control_;
   Refusals refusals_;
-  std::set<std::string> warned_;  // peers that were told once that they have no business here
-  std::map<std::string, std::string> row_states_;  // job -> state in the job table
-  std::uint64_t last_job_number_;                  // that was ever given
-  WaitingLines waiting_lines_;                     // of jobs' logs
-  std::uint64_t log_ticket_ = 0;                   // of the lines that were written last
-  DiskWriter writer_;                              // last: it is joined first
+  std::set<std::string> warned_;   // peers that were told once that they have no business here
+  std::uint64_t last_job_number_;  // that was ever given
+  WaitingLines waiting_lines_;     // of jobs' logs
+  std::uint64_t log_ticket_ = 0;   // of the lines that were written last
+  DiskWriter writer_;              // last: it is joined first
 };
 
 }  // namespace cairn::coordinator

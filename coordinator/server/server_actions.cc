@@ -60,7 +60,6 @@ void Server::Do(const DropBlobs& drop) {
 }
 
 void Server::Do(const ForgetJob& forget) {
-  row_states_.erase(forget.job);
   waiting_lines_.Forget(forget.job);
   writer_.Add(ForgetWork{
       forget.job, options_.results_folder ? options_.results_folder(forget.job) : std::filesystem::path()});
@@ -77,23 +76,6 @@ void Server::Do(const Answer& answer) {
   gone.set_state("deleted");
   if (const auto info = core_.Find(answer.job); info || reply.ok()) *reply.add_jobs() = info.value_or(gone);
   Reply(answer.asker, std::move(message));
-}
-
-// Rounds are written to the table with their checkpoints; a change of state at once, of a job that is
-// durable.
-void Server::Do(const JobChanged& changed) {
-  const Job* job = core_.FindJob(changed.job);
-  if (job != nullptr && job->saving.durable && row_states_[changed.job] != MakeInfo(*job, Now()).state())
-    WriteRow(changed.job);
-}
-
-void Server::WriteRow(const std::string& job) {
-  const Job* known = core_.FindJob(job);
-  if (known == nullptr) return;
-  const wire::JobInfo info = MakeInfo(*known, Now());
-  row_states_[job] = info.state();
-  const std::string now = UtcNow();
-  writer_.Add(WriteRowWork{{info, now, now}});
 }
 
 void Server::WriteServed() {

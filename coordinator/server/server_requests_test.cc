@@ -210,7 +210,7 @@ TEST(ServerRequests, ACancelledJobLeavesItsRecordAloneAndADeletedOneNothing) {
   EXPECT_TRUE(fixture.Ask(Query("", "status")).jobs().empty());
   fixture.server.reset();
   EXPECT_TRUE(std::filesystem::is_empty(fixture.folder->Blobs()));
-  EXPECT_TRUE(JobTable::Open(fixture.folder->JobTable()).value().Read().value().empty());
+  EXPECT_TRUE(JobTable::Open(fixture.folder->JobTable()).value().ReadLog("a", 0).value().empty());
   fixture.Start();
   EXPECT_TRUE(fixture.server->core().Jobs().empty());
 }

@@ -3,13 +3,11 @@
 // Store:  DIR/lock                        flock'ed while a coordinator serves
 //         DIR/version                     of the store, a number
 //         DIR/served                      for how long it was served, in all (store/served_file.h)
-//         DIR/jobs.sqlite                 job table (WAL); rebuilt from the checkpoints where it is lost
-//         DIR/blobs/<hash>.h5             a blob that checkpoints name
-//         DIR/blobs/pack-<hash>.h5        many small ones in one
-//         DIR/blobs/<hash>.flat           an input, as it was uploaded
-//         DIR/uploads/<n>.part            inputs that are on their way; gone with the next start
-//         DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done
-//         DIR/results/<job>/<stage>.h5    results, published whole
+//         DIR/jobs.sqlite                 jobs' logs and the highest number of one (WAL); begun anew where it
+//         is lost DIR/blobs/<hash>.h5             a blob that checkpoints name DIR/blobs/pack-<hash>.h5 many
+//         small ones in one DIR/blobs/<hash>.flat           an input, as it was uploaded DIR/uploads/<n>.part
+//         inputs that are on their way; gone with the next start DIR/checkpoints/<job>/<n>.h5    the last two
+//         of every job, one of a job that is done DIR/results/<job>/<stage>.h5    results, published whole
 #pragma once
 
 #include <atomic>

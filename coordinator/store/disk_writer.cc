@@ -114,7 +114,7 @@ std::optional<DiskDone> DiskWriter::Do(Item& item) {
   return done;
 }
 
-DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
+DiskDone DiskWriter::Do(const WriteCheckpointWork& work) {
   const proto::Checkpoint& checkpoint = work.checkpoint;
   DiskDone done;
   done.job = checkpoint.job_id();
@@ -137,11 +137,13 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) const {
   std::error_code ignored;
   done.status = MakeFolder(path.parent_path());
   if (done.status.ok()) done.status = WriteCheckpoint(path, checkpoint);
-  if (done.status.ok())
+  if (done.status.ok()) {
     RemoveOldCheckpoints(checkpoint);
-  else  // Whole perhaps, but not known to be durable: the core forgets its blobs, so it must not be counted
-        // on.
+    static_cast<void>(table_.NoteNumber(checkpoint.job_id()));  // the checkpoint tells it too
+  } else {
+    // Whole perhaps, but not known to be durable: the core forgets its blobs, so it must not be counted on.
     fs::remove(path, ignored);
+  }
   return done;
 }
 
@@ -161,12 +163,6 @@ void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const
     std::error_code ignored;  // an old checkpoint too many does no harm
     fs::remove(folder_.CheckpointFile(checkpoint.job_id(), numbers[i]), ignored);
   }
-}
-
-DiskDone DiskWriter::Do(const WriteRowWork& work) {
-  DiskDone done;
-  done.status = table_.Write(work.row);
-  return done;
 }
 
 DiskDone DiskWriter::Do(const WriteServedWork& work) const {
@@ -194,8 +190,7 @@ DiskDone DiskWriter::Do(const ForgetWork& work) {
   done.status = folder_.IsStillThere();
   if (done.status.ok()) done.status = table_.NoteRemoval(work.job);
   if (done.status.ok()) done.status = folder_.Forget(work.job, work.results);
-  if (done.status.ok())
-    static_cast<void>(table_.Remove(work.job));  // a row too many: the next start's to remove
+  if (done.status.ok()) static_cast<void>(table_.Remove(work.job));  // a log too many does no harm
   return done;
 }
 

@@ -45,9 +45,6 @@ struct WriteBlobsWork {
 struct RemoveBlobsWork {
   std::vector<Hash> hashes;
 };
-struct WriteRowWork {
-  JobRow row;
-};
 // All that there is of a job: see StoreFolder::Forget.
 struct ForgetWork {
   std::string job;
@@ -70,8 +67,8 @@ struct CleanWork {
   CleanOptions options;
 };
 using DiskWork =
-    std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, WriteRowWork, ForgetWork,
-                 WriteServedWork, WriteLogWork, ReadLogWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
+    std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, ForgetWork, WriteServedWork,
+                 WriteLogWork, ReadLogWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
 
 // What came of a checkpoint, of blobs, of a piece or the end of an upload, or of a question; of rows, log
 // lines, the time served and the beginning of an upload only a failure is told. (A removal that fails is made
@@ -110,9 +107,8 @@ class DiskWriter {
   void Loop();
   std::optional<DiskDone> Do(Item& item);
   std::optional<Item> Next();  // waits, and counts what the store takes by and by; none: closed
-  DiskDone Do(const WriteCheckpointWork& work) const;
+  DiskDone Do(const WriteCheckpointWork& work);
   DiskDone Do(const WriteBlobsWork& work) const;
-  DiskDone Do(const WriteRowWork& work);
   DiskDone Do(const WriteServedWork& work) const;
   DiskDone Do(const CleanWork& work) const;
   DiskDone Do(const ForgetWork& work);

@@ -122,7 +122,7 @@ TEST_F(LogTable, NoFlippedByteNorTruncationGoesFurtherThanAStatus) {
 }
 
 // The file as version 2 wrote it, made by the statements of that version.
-TEST_F(LogTable, OneOfVersion2IsUpgradedWithItsRows) {
+TEST_F(LogTable, OneOfVersion2IsUpgradedWithItsNumbers) {
   {
     sqlite3* db = nullptr;
     ASSERT_EQ(sqlite3_open(path().c_str(), &db), SQLITE_OK);
@@ -132,7 +132,7 @@ TEST_F(LogTable, OneOfVersion2IsUpgradedWithItsRows) {
         stage INTEGER NOT NULL, stages INTEGER NOT NULL, round INTEGER NOT NULL, note TEXT NOT NULL,
         input_error INTEGER NOT NULL, seconds REAL NOT NULL,
         submitted_utc TEXT NOT NULL, updated_utc TEXT NOT NULL);
-      INSERT INTO jobs VALUES ('1-a', 'a', 'done', '', 0, 1, 7, '', 0, 1.5, 'then', 'now');
+      INSERT INTO jobs VALUES ('15-a', 'a', 'done', '', 0, 1, 7, '', 0, 1.5, 'then', 'now');
       CREATE TABLE last_removed (one INTEGER PRIMARY KEY CHECK (one = 1), number INTEGER NOT NULL);
       INSERT INTO last_removed VALUES (1, 12);
       PRAGMA user_version = 2;)sql",
@@ -142,9 +142,7 @@ TEST_F(LogTable, OneOfVersion2IsUpgradedWithItsRows) {
   }
   for (int i = 1; i <= 2; ++i) {
     JobTable table = Open();
-    ASSERT_EQ(table.Read().value().size(), 1u);
-    EXPECT_EQ(table.Read().value()[0].info.round(), 7u);
-    EXPECT_EQ(table.LastNumber().value(), 12u);
+    EXPECT_EQ(table.LastNumber(), 15u);
     ASSERT_TRUE(table.AppendLog(Lines("1-a", 1)).ok());
     EXPECT_EQ(table.ReadLog("1-a", 0).value().size(), static_cast<std::size_t>(i));
   }

@@ -1,5 +1,5 @@
-// The job table: what jobs there are, where they stand, and their logs, for people and their tools. The
-// checkpoints are the truth; a table that is lost or damaged is made anew from them, without the logs.
+// The job table: of jobs what no checkpoint tells, their logs and the highest number that one ever had. One
+// that is lost or damaged is made anew, without the logs.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,6 @@ struct sqlite3;
 
 namespace cairn::coordinator {
 
-struct JobRow {
-  wire::JobInfo info;
-  std::string submitted_utc;  // kept from the first time that a job is written
-  std::string updated_utc;
-};
-
 // What the id of a job begins with: 7 of `7-museum`; 0: no number.
 std::uint64_t NumberOfJob(const std::string& id);
 
@@ -35,15 +29,14 @@ class JobTable {
   JobTable(JobTable&&) noexcept = default;
   JobTable& operator=(JobTable&&) noexcept = default;
 
-  // Inserts or replaces a job's row, but for submitted_utc.
-  Status Write(const JobRow& row);
+  // When a job is durable.
+  Status NoteNumber(const std::string& job);
   // Before a job's checkpoints go. Durable when it returns, so that the job's number is never used again.
   Status NoteRemoval(const std::string& job);
-  // Its row and its log.
+  // Its log.
   Status Remove(const std::string& job);
-  // The highest number that the id of a job began with which is in the table, or was removed.
-  Result<std::uint64_t> LastNumber() const;
-  Result<std::vector<JobRow>> Read() const;  // by id
+  // The highest number that the id of a job began with.
+  std::uint64_t LastNumber() const { return last_number_; }
   // job_log.h
   Status AppendLog(const std::map<std::string, JobLines>& by_job);
   Result<std::vector<wire::LogLine>> ReadLog(const std::string& job, std::uint64_t after) const;
@@ -57,6 +50,7 @@ class JobTable {
   Status MakeOrUpgrade() const;
 
   std::unique_ptr<sqlite3, Close> db_;
+  std::uint64_t last_number_ = 0;
 };
 
 }  // namespace cairn::coordinator

@@ -157,7 +157,7 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
 Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
   Result<JobTable> table = JobTable::Open(folder.JobTable());
   if (table.ok() || table.status().code() != Code::kCorrupt) return table;
-  log(Severity::kWarning, "made the job table anew from the checkpoints: " + table.status().message());
+  log(Severity::kWarning, "made the job table anew, without the logs of jobs: " + table.status().message());
   Quarantine(folder.JobTable());
   std::error_code ignored;
   fs::remove(folder.JobTable().string() + "-wal", ignored);

@@ -13,17 +13,22 @@ void RemoveAll(const std::filesystem::path& path) {
   for (const char* ending : {"", "-wal", "-shm", "-journal"}) ::unlink((path.string() + ending).c_str());
 }
 
+std::map<std::string, coordinator::JobLines> ALine(const std::string& job) {
+  coordinator::JobLines lines;
+  lines.lines.emplace_back().set_text("the job begins");
+  return {{job, lines}};
+}
+
 Outcome Run(std::span<const std::uint8_t> bytes) {
   static const ScratchFolder folder;
   folder.Put("jobs.sqlite", AsText(bytes));
   Outcome outcome = Outcome::kRefused;
   {
     Result<coordinator::JobTable> table = coordinator::JobTable::Open(folder.path() / "jobs.sqlite");
-    coordinator::JobRow row;
-    row.info.set_id("9-new");
-    if (table.ok() && table.value().Read().ok() && table.value().Write(row).ok()) {
-      const auto rows = table.value().Read();
-      if (rows.ok() && !rows.value().empty()) outcome = Outcome::kAccepted;
+    if (table.ok() && table.value().ReadLog("1-toy", 0).ok() &&
+        table.value().AppendLog(ALine("9-new")).ok()) {
+      const auto lines = table.value().ReadLog("9-new", 0);
+      if (lines.ok() && !lines.value().empty()) outcome = Outcome::kAccepted;
     }
   }
   RemoveAll(folder.path() / "jobs.sqlite");
@@ -35,10 +40,7 @@ std::vector<Bytes> Seeds() {
   const std::filesystem::path path = folder.path() / "seed.sqlite";
   {
     coordinator::JobTable table = coordinator::JobTable::Open(path).value();
-    coordinator::JobRow row;
-    row.info.set_id("1-toy");
-    row.info.set_state("running");
-    CAIRN_DEMAND(table.Write(row).ok(), "no seed");
+    CAIRN_DEMAND(table.NoteNumber("1-toy").ok() && table.AppendLog(ALine("1-toy")).ok(), "no seed");
   }
   std::ifstream in(path, std::ios::binary);
   return {Bytes{std::istreambuf_iterator<char>(in), {}}};
