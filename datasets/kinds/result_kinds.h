@@ -52,10 +52,10 @@ struct ResultKind {
   bool page_takes_source = true;
   std::string (*page)(const ReportedStage& stage) = nullptr;  // the HTML between title and footer
   std::string (*picture)(const ReportedStage& stage, int width_px) = nullptr;  // a PNG file
-  Scores (*summary)(const Blob& result) = nullptr;   // what was found
-  Verdict (*verdict)(const Blob& result) = nullptr;  // how far to trust it
-  std::string_view exports = {};                     // the formats of `cairn export` that it can be written in
-  bool tells_free_space = false;                     // so that ways can be planned in it
+  Scores (*summary)(const Blob& result) = nullptr;                             // what was found
+  Verdict (*verdict)(const Blob& result) = nullptr;                            // how far to trust it
+  std::string_view exports = {};  // the formats of `cairn export` that it can be written in
+  bool tells_free_space = false;  // so that ways can be planned in it
 };
 
 // In the order in which a folder's results are looked for.

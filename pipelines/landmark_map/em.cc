@@ -77,20 +77,19 @@ void PlanGuesses(const Options& options, const RoundSum& sum, const WhatIsLeft& 
 }
 
 // Why the map is not refined: empty where it is to be. A given map has a frame of its own.
-std::string NoRefinement(const Options& options, const Settings& settings, const Inputs& inputs,
-                         const std::vector<RobotSteps>& steps) {
+std::string NoRefinement(const Options& options, const Settings& settings, const Inputs& inputs) {
   if (inputs.Has("map")) return "not tried: the map was given";
   if (!options.refine) return "not tried: refine=false";
   if (!options.revise) return "not tried: revise=false";
   if (options.iterations == 0) return "not tried: iterations=0";
   if (settings.map.exact) return "not tried: model=exact";
-  for (const RobotSteps& robot : steps) {
-    for (const Observation& seen : robot.observations) {
-      if (seen.type >= settings.map.types && !seen.contact())
-        return "not tried: landmarks without identity were seen at a distance";
-    }
-  }
   return {};
+}
+
+bool AnyAtADistance(const std::vector<RobotSteps>& steps) {
+  return std::ranges::any_of(steps, [](const RobotSteps& robot) {
+    return std::ranges::any_of(robot.observations, [](const Observation& seen) { return !seen.contact(); });
+  });
 }
 
 // The last E-step's sum, which no map follows.
@@ -178,9 +177,10 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
       CheckOnePositionPerLandmark(sum.counts(), settings.map, log->Texts("landmarks"));
     }
     std::string not_refined;
+    const bool at_a_distance = AnyAtADistance(steps);
     if (!done.is_refined()) {
-      not_refined = NoRefinement(options, settings, inputs, steps);
-      if (not_refined.empty()) {
+      not_refined = NoRefinement(options, settings, inputs);
+      if (not_refined.empty() && !at_a_distance) {
         const std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
         const Refinement refined =
             RefineMap(AssociatedPaths(sum, steps, robot_states.odometry), settings, landmarks);
@@ -189,7 +189,8 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
         not_refined = "refused: " + refined.refused;
       }
     }
-    return MakeResult(*log, settings, inputs, sum, robot_states.odometry, history, not_refined);
+    return MakeResult(*log, settings, inputs, sum, robot_states.odometry, history, not_refined,
+                      at_a_distance);
   }
 
   if (options.calibrate) {

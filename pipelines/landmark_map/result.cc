@@ -9,6 +9,7 @@
 
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
+#include "pipelines/landmark_map/refinement/joint_refinement.h"
 #include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
 #include "schema/kinds/landmark_map.h"
@@ -74,12 +75,13 @@ Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b,
 class PathWriter {
  public:
   PathWriter(const RobotSteps& steps, const Odometry& odometry, const std::vector<Blob>& summaries,
-             double drift_rad_per_m, double spacing_m, double until_s)
+             double drift_rad_per_m, double spacing_m, double until_s, const RefinedPath* refined)
       : steps_(steps),
         odometry_(odometry),
         drift_rad_per_m_(drift_rad_per_m),
         spacing_m_(spacing_m),
         until_s_(until_s),
+        refined_(refined),
         travelled_(steps.DistanceTravelled()),
         path_of_first_(PoseAt(odometry, steps.time_s.front()).path_m),
         mean_{Joined(summaries, "pose/x_m"), Joined(summaries, "pose/y_m"),
@@ -134,6 +136,7 @@ class PathWriter {
 
   // The pose `at` lies at or after step `s` (-1: before the first).
   Row RowAt(const OdometricPose& at, int s) const {
+    if (refined_ != nullptr) return RefinedRow(refined_->At(at.time_s), at.time_s);
     const int last = steps_.size() - 1, anchor = std::max(s, 0), next = std::min(anchor + 1, last);
     Anchor mean, mode;
     double part = 0.0;
@@ -156,6 +159,13 @@ class PathWriter {
     return row;
   }
 
+  static Row RefinedRow(const RefinedPath::Pose& pose, double time_s) {
+    const double heading_rad = WrapAngle(pose.heading_rad);
+    Row row{time_s, pose.x_m, pose.y_m, heading_rad, {}, pose.x_m, pose.y_m, heading_rad};
+    for (int k = 0; k < 9; ++k) row.covariance[k] = pose.covariance(k / 3, k % 3);
+    return row;
+  }
+
   // Beyond the first or last step: odometry from there on, its drift taken off.
   Anchor Drifting(const Anchor& anchor, int s, double turn, const OdometricPose& at) const {
     Anchor there = Carry(steps_, s, {anchor.x_m, anchor.y_m, anchor.correction_rad + 0.5 * turn}, at);
@@ -166,6 +176,7 @@ class PathWriter {
   const RobotSteps& steps_;
   const Odometry& odometry_;
   double drift_rad_per_m_, spacing_m_, until_s_;
+  const RefinedPath* refined_;  // nullptr: the path is EM's
   std::vector<double> travelled_;
   double path_of_first_;
   double last_path_m_ = 0.0;
@@ -301,8 +312,8 @@ Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
 }
 
 Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<OdometryFit>& odometry, const Blob& history,
-                const std::string& not_refined) {
+                const std::vector<OdometryFit>& odometry, const Blob& history, std::string not_refined,
+                bool jointly) {
   const auto log = Read<kinds::Log>(blob);
   const std::vector<std::string>& robots = log.robots;
   std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
@@ -312,6 +323,18 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   // Which class a landmark is of only the counts tell.
   if (settings.map.classes.count == 1 && !IsGivenMap(inputs, counts) && !settings.incremental) {
     FindInImages(settings, inputs, sum, odometry, &landmarks, &associated);
+  }
+  const std::vector<Landmark> found = landmarks;
+  JointRefinement refined;
+  if (jointly && not_refined.empty()) {
+    std::vector<RobotSteps> steps;
+    for (std::size_t r = 0; r < robots.size(); ++r)
+      steps.push_back(Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r))));
+    std::vector<AssociatedPath> paths = AssociatedPaths(sum, steps, odometry);
+    for (std::size_t r = 0; r < robots.size(); ++r) paths[r].associated = associated[r];
+    refined = RefineJointly(log, paths, settings, landmarks);
+    landmarks = refined.landmarks;
+    if (!refined.refused.empty()) not_refined = "refused: " + refined.refused;
   }
   Blob result;
   result.Put("robots", log.robots.array());
@@ -324,11 +347,13 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     const Odometry track = Until(Integrate(log.robot[r].odometry, robots[r]), settings.steps.until_s);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
     PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
-               settings.steps.until_s)
+               settings.steps.until_s, refined.paths.empty() ? nullptr : &refined.paths[r])
         .Write(prefix + "poses/", &result);
     PutAssociations(steps, associated[r], prefix + "observations/", &result);
     PutBeliefs(steps, summaries, prefix + "beliefs/", &result);
-    result.PutScalar<double>(prefix + "heading_drift_rad_per_m", odometry[r].drift_rad_per_m);
+    const double drift_rad_per_m =
+        refined.paths.empty() ? odometry[r].drift_rad_per_m : refined.paths[r].errors().drift_rad_per_m;
+    result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift_rad_per_m);
     result.PutScalar<double>(prefix + "heading_walk_rad_per_sqrt_m", odometry[r].heading_walk_rad_per_sqrt_m);
     result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);
   }
@@ -338,7 +363,9 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     KeepLandmarks(AreLandmarks(result, landmarks, settings.detection, reach), &landmarks, &result);
   }
   PutLandmarks(landmarks, settings.map, &result);
-  PutMap(FinalMap(blob, settings, inputs, counts), settings.map, &result);
+  const LayeredGrid final_counts =
+      refined.paths.empty() ? counts : Recentred(counts, found, landmarks, settings.map);
+  PutMap(FinalMap(blob, settings, inputs, final_counts), settings.map, &result);
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);
   result.Put("refinement/reason", Array::Text(not_refined));

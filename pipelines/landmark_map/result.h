@@ -16,9 +16,9 @@ Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum);
 
 // The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N, and where EM made no
 // iteration the stage's map. `not_refined`: why the landmarks are not those of the least squares; empty: they
-// are.
+// are, or, `jointly`, are to be, and so are all paths.
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<OdometryFit>& odometry, const Blob& history,
-                const std::string& not_refined);
+                const std::vector<OdometryFit>& odometry, const Blob& history, std::string not_refined,
+                bool jointly);
 
 }  // namespace cairn::landmark_map

@@ -89,12 +89,10 @@ void VisitOptions(V& visit, Options& o) {
           "one pass forward in place of EM, for comparison: each observation is looked at once, in a map of "
           "those before it, and neither the map nor a pose is ever revised (one robot, model robust)"},
       o.incremental);
-  visit(
-      Option{
-          "refine", "", 0, 0,
-          "in the end landmarks get the positions of least squares over the associations (model robust; not "
-          "of range-bearing observations without identity)"},
-      o.refine);
+  visit(Option{"refine", "", 0, 0,
+               "in the end landmarks get the positions of least squares over the associations, and paths too "
+               "where landmarks are seen at a distance (model robust)"},
+        o.refine);
   visit(Option{"beliefs", "", 0, 0,
                "the result also holds each step's belief, added up over headings: robot/N/beliefs"},
         o.beliefs);

@@ -1,0 +1,231 @@
+#include "pipelines/landmark_map/refinement/joint_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr double kDegreeInRad = std::numbers::pi / 180.0;
+
+// The rows of a robot's observations that are of a landmark.
+struct SeenRow {
+  double time_s, x_m, y_m;
+  int landmark;
+};
+
+int LandmarkNamed(const std::vector<Landmark>& landmarks, int identity) {
+  const auto found = std::ranges::find(landmarks, identity, &Landmark::type);
+  return found == landmarks.end() ? -1 : static_cast<int>(found - landmarks.begin());
+}
+
+std::vector<SeenRow> RowsOfLandmarks(const kinds::Log::Observations& seen, const AssociatedPath& path,
+                                     const Settings& settings, const std::vector<Landmark>& landmarks) {
+  const auto time = seen.time_s.values(), range = seen.range_m.values(), bearing = seen.bearing_rad.values();
+  const auto identity = seen.landmark.values();
+  std::vector<SeenRow> rows;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (time[i] > settings.steps.until_s) break;
+    int landmark = -1;
+    if (identity[i] >= 0) {
+      landmark = LandmarkNamed(landmarks, identity[i]);
+    } else if (const std::int32_t used = path.steps.row_observation[i]; used >= 0) {
+      const auto k = static_cast<std::size_t>(used);
+      if (path.associated.probability[k] >= 0.5) landmark = path.associated.landmark[k];
+    }
+    if (landmark < 0) continue;
+    const bool contact = std::isnan(range[i]);
+    rows.push_back({time[i], contact ? 0.0 : range[i] * std::cos(bearing[i]),
+                    contact ? 0.0 : range[i] * std::sin(bearing[i]), landmark});
+  }
+  return rows;
+}
+
+// EM's poses at the nodes: odometry from the step before each, turned as that step is.
+std::vector<Eigen::Vector3d> EmPath(const AssociatedPath& path, const Odometry& odometry,
+                                    const NodeTrack& track) {
+  const RobotSteps& steps = path.steps;  // without the drift
+  std::vector<Eigen::Vector3d> nodes;
+  for (const double time_s : track.time_s) {
+    const auto after = std::ranges::upper_bound(steps.time_s, time_s) - steps.time_s.begin();
+    const auto s = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after, 1) - 1);
+    const OdometricPose step = PoseAt(odometry, steps.time_s[s]), at = PoseAt(odometry, time_s);
+    const double heading = steps.odo_heading_rad[s] + path.correction_rad[s];
+    const double turn = heading - step.heading_rad;
+    const double dx = at.x_m - step.x_m, dy = at.y_m - step.y_m;
+    Eigen::Vector3d node(path.x_m[s] + std::cos(turn) * dx - std::sin(turn) * dy,
+                         path.y_m[s] + std::sin(turn) * dx + std::cos(turn) * dy,
+                         heading + at.heading_rad - step.heading_rad);
+    if (!nodes.empty()) {
+      const double said = at.heading_rad - PoseAt(odometry, track.time_s[nodes.size() - 1]).heading_rad;
+      const double turned = node[2] - nodes.back()[2];
+      node[2] = nodes.back()[2] + said + std::remainder(turned - said, 2.0 * std::numbers::pi);
+    }
+    nodes.push_back(node);
+  }
+  return nodes;
+}
+
+Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen) {
+  const double cosine = std::cos(node[2]), sine = std::sin(node[2]);
+  return {node[0] + cosine * seen.x_m - sine * seen.y_m, node[1] + sine * seen.x_m + cosine * seen.y_m};
+}
+
+// The problem up to some node of each robot.
+LeastSquaresProblem Beginning(const LeastSquaresProblem& whole, double until_s) {
+  LeastSquaresProblem part = whole;
+  for (NodeTrack& track : part.robots) {
+    const auto nodes =
+        std::max<std::ptrdiff_t>(1, std::ranges::upper_bound(track.time_s, until_s) - track.time_s.begin());
+    track.time_s.resize(static_cast<std::size_t>(nodes));
+    track.controls.resize(static_cast<std::size_t>(nodes - 1));
+  }
+  std::erase_if(part.sightings, [&](const Sighting& seen) {
+    return static_cast<std::size_t>(seen.node) >=
+           part.robots[static_cast<std::size_t>(seen.robot)].time_s.size();
+  });
+  return part;
+}
+
+// From odometry alone, half as much of the data again at a time: each part is settled before the next is
+// reckoned from where it ends. `first`: the first pose of each robot.
+LeastSquaresPoint TakenUpByOdometry(const LeastSquaresProblem& problem, const LeastSquaresPoint& first) {
+  constexpr std::size_t kFirst = 20;
+  std::vector<double> times;
+  for (const Sighting& seen : problem.sightings)
+    times.push_back(
+        problem.robots[static_cast<std::size_t>(seen.robot)].time_s[static_cast<std::size_t>(seen.node)]);
+  std::ranges::sort(times);
+  LeastSquaresPoint point;
+  for (const auto& nodes : first.nodes) point.nodes.push_back({nodes.front()});
+  point.landmarks = first.landmarks;
+  point.errors.resize(problem.robots.size());
+  std::vector<bool> placed(point.landmarks.size(), false);
+  for (std::size_t count = kFirst;; count += count / 2) {
+    const bool all = count >= times.size();
+    const LeastSquaresProblem part =
+        Beginning(problem, all ? std::numeric_limits<double>::infinity() : times[count - 1]);
+    for (std::size_t r = 0; r < part.robots.size(); ++r) {
+      auto& nodes = point.nodes[r];
+      NodeTrack rest;
+      rest.controls.assign(part.robots[r].controls.begin() + static_cast<std::ptrdiff_t>(nodes.size() - 1),
+                           part.robots[r].controls.end());
+      const auto on = DeadReckoned(rest, nodes.back(), point.errors[r]);
+      nodes.insert(nodes.end(), on.begin() + 1, on.end());
+    }
+    for (const Sighting& seen : part.sightings) {
+      const auto landmark = static_cast<std::size_t>(seen.landmark);
+      if (placed[landmark]) continue;
+      placed[landmark] = true;
+      point.landmarks[landmark] = PlaceSeen(
+          point.nodes[static_cast<std::size_t>(seen.robot)][static_cast<std::size_t>(seen.node)], seen);
+    }
+    point = Descend(part, point, all ? 0 : 30).point;
+    if (all) return point;
+  }
+}
+
+// What a point costs under which another start is tried: none of a small problem, for there it takes no time;
+// of a large one half a nat a residual, as right widths give it.
+double LeastOfManyTried(const LeastSquaresProblem& problem) {
+  constexpr std::size_t kSmall = 2000;
+  const std::size_t sightings = problem.sightings.size();
+  return sightings < kSmall ? 0.0 : static_cast<double>(sightings);
+}
+
+// The least squares, EM's point in it, and each robot's odometry.
+struct Built {
+  LeastSquaresProblem problem;
+  LeastSquaresPoint em;
+  std::vector<Odometry> odometry;
+};
+
+Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths, const Settings& settings,
+            const std::vector<Landmark>& landmarks) {
+  Built built;
+  const std::vector<std::string>& robots = log.robots;
+  bool ranged = false;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const kinds::Log::Robot& robot = log.robot[r];
+    built.odometry.push_back(Until(Integrate(robot.odometry, robots[r]), settings.steps.until_s));
+    const std::vector<SeenRow> rows = RowsOfLandmarks(robot.observations, paths[r], settings, landmarks);
+    std::vector<double> times;
+    for (const SeenRow& row : rows) times.push_back(row.time_s);
+    std::vector<int> node_of;
+    built.problem.robots.push_back(TrackThrough(built.odometry[r], times, &node_of));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      built.problem.sightings.push_back(
+          {static_cast<int>(r), node_of[i], rows[i].landmark, rows[i].x_m, rows[i].y_m});
+      ranged |= !built.problem.sightings.back().contact();
+    }
+    const OdometryFit& fit = paths[r].odometry;
+    built.problem.widths.push_back(
+        {fit.heading_walk_rad_per_sqrt_m, fit.turn_ratio, settings.noise.forward_ratio});
+    built.em.nodes.push_back(EmPath(paths[r], built.odometry[r], built.problem.robots[r]));
+    built.em.errors.push_back({.drift_rad_per_m = fit.drift_rad_per_m});
+  }
+  if (!settings.gauge_free) built.em.nodes[0][0].setZero();
+  built.problem.landmarks = static_cast<int>(landmarks.size());
+  for (const Landmark& landmark : landmarks) built.em.landmarks.emplace_back(landmark.x_m, landmark.y_m);
+  built.problem.noise = settings.observation_noise;
+  // Wide, for a data sheet may be wrong by a factor; the scale of a way no contact detection tells.
+  const double least_drift = (log.noise.heading_drift_rad_per_m ? 0.1 : 1.0) * kDegreeInRad;
+  built.problem.priors = {std::max(settings.noise.heading_drift_rad_per_m, least_drift),
+                          ranged ? std::max(settings.noise.forward_ratio, 0.02) : 0.0,
+                          settings.noise.turn_ratio};
+  return built;
+}
+
+}  // namespace
+
+JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
+                              const Settings& settings, const std::vector<Landmark>& landmarks) {
+  const Built built = Build(log, paths, settings, landmarks);
+  if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}};
+  const double em_cost = CostOf(built.problem, built.em);
+  LeastSquaresEnd end = Descend(built.problem, built.em);
+  if (end.cost > LeastOfManyTried(built.problem)) {
+    const LeastSquaresEnd other = Descend(built.problem, TakenUpByOdometry(built.problem, built.em));
+    if (other.cost < end.cost) end = other;
+  }
+  if (!(end.cost <= em_cost)) return {"the least squares explains less than EM's own path", landmarks, {}};
+
+  LeastSquaresProblem problem = built.problem;
+  constexpr int kRounds = 6;
+  constexpr double kSettled = 1.05;  // factor on a width
+  for (int round = 0; round < kRounds; ++round) {
+    problem.repeats = RepeatsIn(problem, end.point);
+    const double change = ReestimateWidths(built.problem, end.point, &problem);
+    if (change == 0.0) return {"the least squares has no solution", landmarks, {}};
+    end = Descend(problem, end.point);
+    if (change < kSettled) break;
+  }
+  constexpr double kMostScale = 0.5;
+  for (const SystematicErrors& errors : end.point.errors) {
+    if (!(std::max(std::abs(errors.way), std::abs(errors.turn)) < kMostScale))
+      return {"odometry's ways or turns would be wrong by half", landmarks, {}};
+  }
+  const LeastSquaresCovariances covariances = CovariancesOf(problem, end.point);
+  if (covariances.landmarks.empty()) return {"the least squares has no solution", landmarks, {}};
+  JointRefinement refined{"", landmarks, {}};
+  std::vector<bool> seen(landmarks.size(), false);
+  for (const Sighting& sighting : problem.sightings) seen[static_cast<std::size_t>(sighting.landmark)] = true;
+  for (std::size_t l = 0; l < landmarks.size(); ++l) {
+    if (!seen[l]) continue;
+    Landmark& landmark = refined.landmarks[l];
+    landmark.x_m = end.point.landmarks[l].x();
+    landmark.y_m = end.point.landmarks[l].y();
+    for (int k = 0; k < 4; ++k) landmark.covariance_m2[k] = covariances.landmarks[l](k / 2, k % 2);
+  }
+  for (std::size_t r = 0; r < paths.size(); ++r) {
+    refined.paths.emplace_back(built.odometry[r], problem.robots[r], end.point.nodes[r], covariances.nodes[r],
+                               end.point.errors[r], problem.widths[r]);
+  }
+  return refined;
+}
+
+}  // namespace cairn::landmark_map

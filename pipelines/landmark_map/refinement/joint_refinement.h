@@ -1,0 +1,29 @@
+// The bottom of the basin that EM has found: joint least squares over all that was seen, as exactly as the
+// log has it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/refinement/refine.h"
+#include "pipelines/landmark_map/refinement/refined_path.h"
+#include "schema/kinds/log.h"
+
+namespace cairn::landmark_map {
+
+struct JointRefinement {
+  std::string refused;  // why the result stays as EM left it; empty: it is this one
+  std::vector<Landmark> landmarks;
+  std::vector<RefinedPath> paths;  // of each robot
+};
+
+// Unknown are the poses at all observations of landmarks, the landmarks, and each robot's drift and scales
+// (of ways only where ranges tell it); widths are estimated too. An observation is of the landmark that it
+// names, or of that which EM takes it for, if that is likelier than not. It descends from EM's path and from
+// odometry's, which is taken up piece by piece, and the better end counts. Not where EM's own path explains
+// more.
+JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
+                              const Settings& settings, const std::vector<Landmark>& landmarks);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,106 @@
+// Joint least squares over the poses of all robots, the landmarks, and what each robot's odometry errs by all
+// along.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/model/observation_noise.h"
+#include "pipelines/landmark_map/refinement/motion_edge.h"
+
+namespace cairn::landmark_map {
+
+// A robot's nodes, in the order of time, and the controls from each to the next.
+struct NodeTrack {
+  std::vector<double> time_s;                  // [N]
+  std::vector<std::vector<Control>> controls;  // [N - 1]
+};
+
+// A landmark seen from a node.
+struct Sighting {
+  int robot = 0, node = 0, landmark = 0;
+  double x_m = 0.0, y_m = 0.0;  // from the robot, in its own frame; (0, 0): a contact detection
+  bool contact() const { return x_m == 0.0 && y_m == 0.0; }
+};
+
+// Standard deviations of one robot's odometry: of its heading's random walk, of turns, of ways.
+struct EdgeWidths {
+  double walk_rad_per_sqrt_m = 0.0, turn_rad_per_sqrt_rad = 0.0, way_m_per_sqrt_m = 0.0;
+};
+
+// Scales of Cauchy priors of SystematicErrors: wide ones have heavy tails. 0: it is none.
+struct SystematicPriors {
+  double drift_rad_per_m = 0.0, way = 0.0, turn = 0.0;
+};
+
+// What one sighting errs by the next one of the same landmark errs by, too, where a sensor is not calibrated
+// or a landmark is no point: so many sightings tell as much as one whose errors are its own.
+struct SightingRepeats {
+  double along = 1.0, across = 1.0;
+};
+
+struct LeastSquaresProblem {
+  std::vector<NodeTrack> robots;
+  std::vector<Sighting> sightings;  // of one robot in the order of nodes
+  int landmarks = 0;
+  std::vector<EdgeWidths> widths;  // [robots]
+  ObservationNoise noise;
+  SightingRepeats repeats;
+  SystematicPriors priors;
+};
+
+// A point in the space of the unknowns.
+struct LeastSquaresPoint {
+  std::vector<std::vector<Eigen::Vector3d>> nodes;  // of each robot: x, y, heading, unwrapped along the track
+  std::vector<Eigen::Vector2d> landmarks;
+  std::vector<SystematicErrors> errors;  // of each robot
+};
+
+// Of an edge's motion.
+Eigen::Matrix3d CovarianceOf(const EdgeSpread& spread, const EdgeWidths& widths);
+
+// Where its nodes are by odometry alone, from the first one on.
+std::vector<Eigen::Vector3d> DeadReckoned(const NodeTrack& track, const Eigen::Vector3d& first,
+                                          const SystematicErrors& errors);
+
+// Minus the logarithm of the point's probability, up to a constant [nats]. Sightings have tails as heavy as
+// Cauchy's from kCauchySigmas on; the widths are the problem's.
+inline constexpr double kCauchySigmas = 3.0;
+double CostOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
+
+// The least that Levenberg and Marquardt's steps come to from `start`. The first robot's first pose stays
+// where it is.
+struct LeastSquaresEnd {
+  LeastSquaresPoint point;
+  double cost = 0.0;
+  int steps = 0;
+  bool settled = false;  // no step promises a thousandth of a nat, and a millionth of the cost
+};
+LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPoint& start,
+                        int most_steps = 50);
+
+// One step of the estimate of all widths by redundancy: what the residuals are, in units of their widths,
+// over what they are expected to be where as many unknowns as there are fit themselves to them (W. Foerstner,
+// Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten, 1979). A prior of kPriorResiduals
+// residuals as wide as those of `nominal` holds each. Returns by what factor one has changed at most; 0: the
+// equations have no solution.
+inline constexpr double kPriorResiduals = 5.0;
+double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPoint& point,
+                        LeastSquaresProblem* problem);
+
+// By the correlation of successive errors, (1 + r) / (1 - r) of a first-order process; 1 where that is not
+// significant.
+SightingRepeats RepeatsIn(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
+
+// Covariances at the least.
+struct LeastSquaresCovariances {
+  std::vector<std::vector<Eigen::Matrix3d>> nodes;  // as in the point
+  std::vector<Eigen::Matrix2d> landmarks;
+};
+// In the frame in which the landmarks together neither shift nor turn, which is that of whoever lays them
+// over the true ones (an S-transformation); where fewer than two were seen, in that of the first pose. Empty:
+// no solution.
+LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
+
+}  // namespace cairn::landmark_map
