@@ -170,4 +170,7 @@ wire::JobInfo MakeInfo(const Job& job, double now_s);
 // The job as it stands, with or without the partials of its round; the job itself says when it may be saved.
 proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partials);
 
+// What a worker says of a failure may be of any length; of a reason so much is kept, told and saved.
+std::string CutReason(const std::string& reason);
+
 }  // namespace cairn::coordinator

@@ -77,8 +77,9 @@ void Core::SetState(Job& job, proto::JobState state, const std::string& reason) 
   actions_.push_back(JobChanged{job.id});
 }
 
-void Core::FailJob(Job& job, const std::string& reason, bool input_error) {
+void Core::FailJob(Job& job, const std::string& whole_reason, bool input_error) {
   if (job.Ended()) return;
+  const std::string reason = CutReason(whole_reason);
   WithdrawAll(job);
   ledger_.Release(job.holds.partials);
   SetState(job, proto::JOB_FAILED, reason);

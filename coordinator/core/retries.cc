@@ -40,7 +40,13 @@ void Core::Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std
   FailAttempt(job, key.task(), wrong + ", by " + who);
 }
 
-void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& why) {
+std::string CutReason(const std::string& reason) {
+  constexpr std::size_t kMost = 4096;
+  return reason.size() <= kMost ? reason : reason.substr(0, kMost) + " …";
+}
+
+void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& whole_reason) {
+  const std::string why = CutReason(whole_reason);
   if (job.Ended() || job.tasks.task(task).status == TaskStatus::kDone) return;
   const std::string name = job.TaskName(task);
   const int failures = job.tasks.Blame(task);

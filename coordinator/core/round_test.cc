@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "coordinator/core/job.h"
 #include "coordinator/core/testing/core_fixture.h"
 
 namespace cairn::coordinator {
@@ -93,6 +94,21 @@ TEST(CheckStep, NamesWhatIsWrong) {
   step = Chain(1);
   (*step.mutable_state()->mutable_blobs())["map"] = "short";
   EXPECT_NE(CheckStep(step).find("'map'"), std::string::npos);
+  step = Chain(3);
+  step.mutable_tasks(1)->set_kind(std::string(1000, 'x'));
+  EXPECT_EQ(CheckStep(step), "task 1: its kind is no name")
+      << "a reason does not repeat what may be of any length";
+}
+
+TEST(CheckStep, ARoundHasALimit) {
+  proto::Step step;
+  for (int i = 0; i <= 200'000; ++i) step.add_tasks();
+  EXPECT_EQ(CheckStep(step), "a round of more than 200000 tasks");
+}
+
+TEST(CutReason, KeepsWhatPeopleRead) {
+  EXPECT_EQ(CutReason("short"), "short");
+  EXPECT_LT(CutReason(std::string(1'000'000, 'x')).size(), 5000U);
 }
 
 TEST(HashOfStep, DoesNotDependOnTheOrderInWhichAMapWasFilled) {

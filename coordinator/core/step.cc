@@ -6,6 +6,7 @@
 #include <string>
 
 #include "coordinator/core/round.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -13,10 +14,14 @@ namespace {
 bool IsHash(const std::string& binary) { return binary.size() == sizeof(Hash::bytes); }
 
 constexpr int kMostPhases = 100;
+// Of a round; the largest that a pipeline has planned was of some thousands.
+constexpr int kMostTasks = 200'000;
+constexpr std::size_t kMostInputs = 2'000'000;
 
 bool IsAmount(double value) { return value >= 0 && std::isfinite(value); }
 
 std::string CheckTask(const proto::Task& task, std::uint32_t place) {
+  if (task.kind().size() > kMostNameBytes) return "task " + std::to_string(place) + ": its kind is no name";
   const std::string name = "task " + std::to_string(place) + " (" + task.kind() + ")";
   if (task.index() != place) return name + " says that its index is " + std::to_string(task.index());
   for (const proto::InputRef& input : task.inputs()) {
@@ -31,6 +36,11 @@ std::string CheckTask(const proto::Task& task, std::uint32_t place) {
 }  // namespace
 
 std::string CheckStep(const proto::Step& step) {
+  std::size_t inputs = 0;
+  for (const proto::Task& task : step.tasks()) inputs += static_cast<std::size_t>(task.inputs_size());
+  if (step.tasks_size() > kMostTasks) return "a round of more than " + std::to_string(kMostTasks) + " tasks";
+  if (inputs > kMostInputs)
+    return "a round whose tasks have more than " + std::to_string(kMostInputs) + " inputs";
   for (int i = 0; i < step.tasks_size(); ++i) {
     const std::string wrong = CheckTask(step.tasks(i), static_cast<std::uint32_t>(i));
     if (!wrong.empty()) return wrong;

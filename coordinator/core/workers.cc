@@ -61,6 +61,8 @@ Worker* Core::Heard(const std::string& peer) {
 }
 
 void Core::On(const WorkerHeartbeat& event) {
+  constexpr int kMostTasks = 10'000;  // far more than a worker ever has
+  if (event.heartbeat.tasks_size() > kMostTasks) return;
   Worker* worker = Heard(event.peer);
   if (worker == nullptr) return;
   const wire::Heartbeat& heartbeat = event.heartbeat;

@@ -1,6 +1,11 @@
 #include "schema/wire/codec.h"
 
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/message.h>
 #include <google/protobuf/stubs/logging.h>
+#include <google/protobuf/wire_format_lite.h>
 
 #include <utility>
 
@@ -50,6 +55,68 @@ std::vector<const BlobMeta*> ListMetas(Envelope& envelope) {
 Status Corrupt(const std::string& why) { return {Code::kCorrupt, "malformed message: " + why}; }
 Status OverLimit(const std::string& limit) {
   return {Code::kRefused, "a message over the limit of " + limit};
+}
+
+// Of a message without fields.
+std::size_t EmptyBytes(const google::protobuf::Descriptor& type) {
+  constexpr std::size_t kMapEntry = 128;
+  if (type.options().map_entry()) return kMapEntry;
+  const auto* message = google::protobuf::MessageFactory::generated_factory()->GetPrototype(&type);
+  return message == nullptr ? kMapEntry : message->SpaceUsedLong();
+}
+
+// Takes from `left` about what the fields of a message in `in` take in memory once they are parsed, and says
+// whether there was so much: two bytes may stand for an empty message of hundreds.
+bool TakeParsedBytes(const google::protobuf::Descriptor& type, google::protobuf::io::CodedInputStream* in,
+                     int depth, std::size_t* left) {
+  using google::protobuf::internal::WireFormatLite;
+  constexpr std::size_t kPointerAndText = 48;
+  constexpr int kDeepest = 100;
+  const auto take = [left](std::size_t bytes) {
+    if (bytes > *left) return false;
+    *left -= bytes;
+    return true;
+  };
+  while (const std::uint32_t tag = in->ReadTag()) {
+    const auto* field = type.FindFieldByNumber(WireFormatLite::GetTagFieldNumber(tag));
+    std::uint32_t length = 0;
+    if (WireFormatLite::GetTagWireType(tag) != WireFormatLite::WIRETYPE_LENGTH_DELIMITED) {
+      if (!take(sizeof(std::uint64_t)) || !WireFormatLite::SkipField(in, tag)) return false;
+      continue;
+    }
+    if (!in->ReadVarint32(&length) || !take(kPointerAndText)) return false;
+    if (field == nullptr || field->message_type() == nullptr) {
+      // Of packed numbers each byte may be one.
+      const std::size_t most = field != nullptr && field->is_packable() ? sizeof(std::uint64_t) : 1;
+      if (!take(most * length) || !in->Skip(static_cast<int>(length))) return false;
+      continue;
+    }
+    const google::protobuf::Descriptor& of = *field->message_type();
+    if (depth == kDeepest || !take(EmptyBytes(of))) return false;
+    const auto limit = in->PushLimit(static_cast<int>(length));
+    if (!TakeParsedBytes(of, in, depth + 1, left) || in->BytesUntilLimit() != 0) return false;
+    in->PopLimit(limit);
+  }
+  return true;
+}
+
+// Only what a task has computed may be large.
+bool IsDone(std::span<const std::byte> envelope) {
+  using google::protobuf::internal::WireFormatLite;
+  google::protobuf::io::CodedInputStream in(reinterpret_cast<const std::uint8_t*>(envelope.data()),
+                                            static_cast<int>(envelope.size()));
+  bool is_done = true;
+  while (const std::uint32_t tag = in.ReadTag())
+    is_done = WireFormatLite::SkipField(&in, tag) &&
+              WireFormatLite::GetTagFieldNumber(tag) == Envelope::kDoneFieldNumber && is_done;
+  return is_done;
+}
+
+// False also of what cannot be parsed.
+bool IsSmallOnceParsed(std::span<const std::byte> envelope, std::size_t most) {
+  google::protobuf::io::CodedInputStream in(reinterpret_cast<const std::uint8_t*>(envelope.data()),
+                                            static_cast<int>(envelope.size()));
+  return TakeParsedBytes(*Envelope::descriptor(), &in, 0, &most) && in.ConsumedEntireMessage();
 }
 
 Status CheckSizes(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
@@ -111,6 +178,10 @@ Frames Encode(Message message) {
 Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
   if (Status sizes = CheckSizes(frames, limits); !sizes.ok()) return sizes;
   Message message;
+  const std::size_t most = IsDone(frames[0]) ? limits.parsed_bytes : limits.parsed_bytes / 8;
+  if (!IsSmallOnceParsed(frames[0], most))
+    return Corrupt("the envelope cannot be parsed, or takes more than " + std::to_string(most) +
+                   " bytes in memory");
   const google::protobuf::LogSilencer quiet;  // a peer must not fill our log with protobuf's complaints
   if (!message.envelope.ParseFromArray(frames[0].data(), static_cast<int>(frames[0].size()))) {
     return Corrupt("the envelope cannot be parsed");

@@ -167,6 +167,23 @@ TEST(Codec, RefusesWhatIsOverALimit) {
   EXPECT_FALSE(DecodeRaw(whole, {.envelope_bytes = whole[0].size(), .message_bytes = total - 1}).ok());
 }
 
+// Two bytes are an empty JobInfo, which takes hundreds once it is parsed.
+TEST(Codec, RefusesWhatTakesMuchMoreMemoryThanItIsLong) {
+  Message message;
+  for (int i = 0; i < 1000; ++i) message.envelope.mutable_reply()->add_jobs();
+  const RawFrames raw = Raw(Encode(message));
+  ASSERT_LT(raw[0].size(), 2100U);
+  EXPECT_TRUE(DecodeRaw(raw).ok());
+  const std::size_t takes = message.envelope.SpaceUsedLong();
+  EXPECT_TRUE(DecodeRaw(raw, {.parsed_bytes = 16 * takes}).ok());
+  EXPECT_FALSE(DecodeRaw(raw, {.parsed_bytes = 4 * takes}).ok());
+  // So with texts, and with what is known to nobody.
+  Message texts;
+  for (int i = 0; i < 1000; ++i) texts.envelope.mutable_have()->add_hashes();
+  EXPECT_FALSE(DecodeRaw(Raw(Encode(texts)), {.parsed_bytes = 160'000}).ok());
+  EXPECT_TRUE(DecodeRaw(Raw(Encode(texts)), {.parsed_bytes = 800'000}).ok());
+}
+
 TEST(Codec, AnUnknownKindIsAnotherVersion) {
   const Result<Message> empty = DecodeRaw({{}});
   ASSERT_FALSE(empty.ok());

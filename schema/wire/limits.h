@@ -10,6 +10,8 @@ namespace cairn::wire {
 // On one message. What is over is refused, and its sender's connection dropped.
 struct Limits {
   std::size_t envelope_bytes = std::size_t{64} << 20;
+  std::size_t parsed_bytes = std::size_t{512}
+                             << 20;  // an envelope takes in memory: Done; others an eighth of it
   std::size_t message_bytes = std::size_t{4} << 30;  // all frames of a message together, and any one of them
   std::size_t frames = std::size_t{1} << 16;         // of a message
 };

@@ -34,6 +34,25 @@ cairn simulate loop --difficulty paper --sonar --seed 7 both.h5 >/dev/null
 exits 0 cairn map both.h5 --out both
 for stage in landmarks path grid; do [ -s "both/$stage.h5" ] || die "no $stage: $(ls both)"; done
 
+# The log that was named is the one that is mapped, whatever links lead to it and to the folder; not even --force puts a
+# result in its place; a name that no job file can hold is refused before anything is computed.
+mkdir -p linked/elsewhere/out linked/user
+cp landmarks.h5 linked/user/log.h5
+cairn simulate loop --difficulty paper --seed 8 linked/elsewhere/log.h5 >/dev/null
+ln -s ../elsewhere/out linked/user/link
+(cd linked/user && cairn map log.h5 --out link >/dev/null 2>&1) || die "a folder behind a link"
+same_bits landmarks/landmarks.h5 linked/elsewhere/out/landmarks.h5
+mkdir -p dots/a dots/z/deep
+cp landmarks.h5 dots/z/log.h5
+ln -s ../z/deep dots/a/link
+cairn map dots/a/link/../log.h5 --dry-run | grep -q 'dots/z/log.h5' || die "another log than the one that was named"
+mkdir place
+cp landmarks.h5 place/landmarks.h5
+refuses "the result of stage 'landmarks' would take its place" cairn map place/landmarks.h5 --out place --force
+cmp -s landmarks.h5 place/landmarks.h5 || die "a log was replaced"
+cp landmarks.h5 $'not utf-8 \xff.h5'
+refuses 'cannot stand in a job file' cairn map $'not utf-8 \xff.h5' --out none
+
 # What is no log of Cairn's.
 printf 'time_s,turn_rad,forward_m\n1,0,1\n' >own.csv
 refuses 'first make a log of it: cairn import csv' cairn map own.csv --out none

@@ -5,6 +5,7 @@
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/scalar.h"
+#include "coordinator/cli/job_file/arguments.h"
 #include "coordinator/cli/job_file/catalog.h"
 #include "coordinator/cli/job_file/choose.h"
 #include "coordinator/store/job_yaml.h"
@@ -47,9 +48,13 @@ Blob ReadLog(const std::string& path) {
 
 // The job file, its reasons on top. `folder`: where it stands, from which its inputs are named.
 std::string JobFileText(const MapArguments& options, ChosenJob chosen, const fs::path& folder) {
-  const fs::path log = fs::absolute(options.log).lexically_normal();
   chosen.job.set_seed(options.seed);
-  (*chosen.job.mutable_inputs())["log"] = log.lexically_relative(fs::absolute(folder).lexically_normal());
+  // Both without links, so that `..` means the same by name as on disk.
+  const std::string log = fs::canonical(options.log).lexically_relative(fs::canonical(folder));
+  if (const std::string wrong = WhatIsWrongWithName(log, kMostTextBytes); !wrong.empty())
+    throw InputError("'" + log + "' cannot stand in a job file, for it " + wrong +
+                     "; rename it, or `cairn run PIPELINE` of it");
+  (*chosen.job.mutable_inputs())["log"] = log;
   std::string text = "# Made by `cairn map` of what the log holds. Change it and `cairn run` it.\n";
   for (const std::string& reason : chosen.reasons) text += "# " + reason + "\n";
   return text + coordinator::JobAsYaml(chosen.job);
@@ -82,7 +87,7 @@ int Map(const MapArguments& options, const Invocation& call) {
   WriteJob(job, JobFileText(options, chosen, run.out), run.force);
   if (!run.json)
     for (const std::string& reason : chosen.reasons) std::fprintf(stderr, "%s\n", Escaped(reason).c_str());
-  return RunJob(run, ReadJobFile(job.string(), LoadCatalog()), call);
+  return RunJob(run, ResolveJob({.what = job.string()}, LoadCatalog()), call);
 }
 
 }  // namespace

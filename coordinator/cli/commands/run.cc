@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <thread>
 
 #include "coordinator/cli/commands/run_summary.h"
@@ -83,6 +84,20 @@ std::vector<std::string> StageNames(const proto::Job& job) {
   return names;
 }
 
+// Not even --force puts a result in the place of what it is made from.
+void CheckResultsReplaceNoInput(const std::string& dir, const std::vector<std::string>& stages,
+                                const ParsedJob& parsed) {
+  for (const auto& [name, input] : parsed.inputs) {
+    for (const std::string& stage : stages) {
+      const std::string result = dir + "/" + stage + ".h5";
+      std::error_code ignored;  // of files that are not there: not the same
+      if (std::filesystem::equivalent(result, input.path, ignored))
+        throw InputError(input.where + ": the result of stage '" + stage + "' would take its place in '" +
+                         dir + "'; name another folder");
+    }
+  }
+}
+
 int Run(const RunCommandArguments& options, const Invocation& call) {
   PrepareToRun(options.run.workers);
   const Catalog catalog = LoadCatalog();
@@ -116,6 +131,7 @@ int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call
   embedded.checkpoint_rounds = options.checkpoint_rounds;
   embedded.force = options.force;
   const std::vector<std::string> stages = StageNames(parsed.job);
+  CheckResultsReplaceNoInput(embedded.dir, stages, parsed);
   if (!options.force) CheckPagesAreOurs(embedded.dir, stages);
   Console console(call);
   embedded.log = console.Sink();
