@@ -2,11 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <charconv>
 #include <cmath>
 
 #include "pipelines/landmark_learning/data/ancestry.h"
 #include "pipelines/landmark_learning/networks/arrays.h"
-#include "pipelines/landmark_learning/options_text.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -17,6 +18,21 @@ const char* UnitOf(const Options& options) {
   if (options.error == "kl") return " nat";
   return options.error == "table" ? "" : " m";
 }
+
+// "name=value" of each option, in the order of options.h.
+struct OptionTexts {
+  std::vector<std::string> all;
+
+  void Add(const Option& option, const std::string& value) { all.push_back(option.name + ("=" + value)); }
+  void operator()(const Option& option, const std::string& value) { Add(option, value); }
+  void operator()(const Option& option, const std::int64_t& value) { Add(option, std::to_string(value)); }
+  void operator()(const Option& option, const bool& value) { Add(option, value ? "true" : "false"); }
+  void operator()(const Option& option, const double& value) {
+    std::array<char, 32> text{};  // the shortest that reads back as the same number
+    const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+    Add(option, std::string(text.data(), end));
+  }
+};
 
 }  // namespace
 
@@ -53,7 +69,10 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   of.validation_prior_error_m = t.validation_prior;
   of.window_m = options.window_m;
   of.heading_window_deg = options.heading_window_deg;
-  of.options = OptionTexts(options);
+  OptionTexts texts;
+  Options copy = options;
+  VisitOptions(texts, copy);
+  of.options = texts.all;
   if (!t.warnings.empty()) of.warnings = t.warnings;
   if (parent != nullptr) of.ancestry = AncestryOf(*parent);
   Blob result = BlobOf(of);

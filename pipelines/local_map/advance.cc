@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string>
 
-#include "pipelines/local_map/path/corrected_path.h"
 #include "pipelines/local_map/path/scale_watch.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"

@@ -1,4 +1,4 @@
-// What a log's observations are like, all together.
+// What a log's observations are like, all together, and how exact one is.
 #pragma once
 
 #include <cstdint>
@@ -17,5 +17,22 @@ Sensing LookAt(const kinds::Log& log);
 
 // From one of a robot's observations to the next; 0 where there are no two.
 double MedianDistanceBetween(const kinds::Log::Robot& robot);
+
+// Standard deviations of where an observed landmark stands relative to the robot: along the ray to it, and
+// across.
+struct ObservationWidths {
+  double along_m, across_m;
+};
+
+// A range-bearing observation errs in its range and in its bearing: the farther it is, the wider it lies
+// across its ray.
+struct ObservationNoise {
+  double contact_m = 0.3;  // of a landmark at the robot itself, along either axis
+  double range_m = 0.3;
+  double bearing_rad = 0.02;
+
+  // Of a landmark seen at (x_m, y_m) from the robot; (0, 0): a contact detection.
+  ObservationWidths At(double x_m, double y_m) const;
+};
 
 }  // namespace cairn::landmark_map

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "pipelines/common/odometry.h"
-#include "pipelines/landmark_map/model/sensing.h"
 
 namespace cairn::landmark_map {
 namespace {

@@ -4,7 +4,7 @@
 #include "pipelines/landmark_map/landmarks/false_landmarks.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/model/m_step.h"
-#include "pipelines/landmark_map/model/observation_noise.h"
+#include "pipelines/landmark_map/model/sensing.h"
 #include "pipelines/landmark_map/model/steps.h"
 #include "pipelines/landmark_map/state/options.h"
 #include "schema/blob.h"

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include "pipelines/local_map/path/runs.h"
+
 namespace cairn::local_map {
 
 struct OrientationOptions {
@@ -52,5 +54,10 @@ struct OrientationTrack {
 // other_rad of it.
 OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
                                   const OrientationOptions& options);
+
+// Takes the walls' orientation out of the scans' headings, so that walls lie along the axes, and turns each
+// way between two scans likewise, and makes it `scale` times as long. `walls`: of each scan, in the frame
+// of its pose.
+void Correct(const OrientationTrack& walls, double scale, std::vector<Scan>* scans);
 
 }  // namespace cairn::local_map

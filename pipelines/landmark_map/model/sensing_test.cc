@@ -1,4 +1,4 @@
-#include "pipelines/landmark_map/model/observation_noise.h"
+#include "pipelines/landmark_map/model/sensing.h"
 
 #include <gtest/gtest.h>
 
