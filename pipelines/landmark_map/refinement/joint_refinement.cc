@@ -172,11 +172,14 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths, con
   built.problem.landmarks = static_cast<int>(landmarks.size());
   for (const Landmark& landmark : landmarks) built.em.landmarks.emplace_back(landmark.x_m, landmark.y_m);
   built.problem.noise = settings.observation_noise;
+  // Of turns narrow, but with the same heavy tails: over a few bends a scale of turns is hard to tell from a
+  // drift.
+  constexpr double kTurns = 0.005;
   // Wide, for a data sheet may be wrong by a factor; the scale of a way no contact detection tells.
   const double least_drift = (log.noise.heading_drift_rad_per_m ? 0.1 : 1.0) * kDegreeInRad;
   built.problem.priors = {std::max(settings.noise.heading_drift_rad_per_m, least_drift),
                           ranged ? std::max(settings.noise.forward_ratio, 0.02) : 0.0,
-                          settings.noise.turn_ratio};
+                          std::min(settings.noise.turn_ratio, kTurns)};
   return built;
 }
 
@@ -195,8 +198,8 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
   if (!(end.cost <= em_cost)) return {"the least squares explains less than EM's own path", landmarks, {}};
 
   LeastSquaresProblem problem = built.problem;
-  constexpr int kRounds = 6;
-  constexpr double kSettled = 1.05;  // factor on a width
+  constexpr int kRounds = 4;
+  constexpr double kSettled = 1.1;  // factor on a width
   for (int round = 0; round < kRounds; ++round) {
     problem.repeats = RepeatsIn(problem, end.point);
     const double change = ReestimateWidths(built.problem, end.point, &problem);

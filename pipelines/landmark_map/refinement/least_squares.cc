@@ -17,7 +17,7 @@ constexpr double kLeastDistance_m = 0.01;  // nearer than that there is no beari
 constexpr double kUnheld = 1e5;            // of an unknown that no residual is of
 // Nats that a step must promise, and their share of the cost: a large problem's least lies no lower than its
 // noise.
-constexpr double kLeastDecrease = 1e-3, kLeastShareOfCost = 1e-6;
+constexpr double kLeastDecrease = 1e-3, kLeastShareOfCost = 1e-5;
 
 // What the mean of a sighting's weighted square is of a Gaussian's: E[s / (1 + s / 9)] / 2, s a chi square of
 // two.
@@ -367,7 +367,7 @@ double CostOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point
 LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPoint& start, int most_steps) {
   NormalEquationsOf equations(problem, start);
   LeastSquaresEnd end{start, equations.Evaluate(start, true)};
-  double damping = 1e-4, growth = 2.0;
+  double damping = 1e-6, growth = 2.0;
   while (end.steps < most_steps && !end.settled) {
     ++end.steps;
     if (!equations.Factorise(damping)) {

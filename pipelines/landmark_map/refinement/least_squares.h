@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/model/observation_noise.h"
+#include "pipelines/landmark_map/model/sensing.h"
 #include "pipelines/landmark_map/refinement/motion_edge.h"
 
 namespace cairn::landmark_map {
@@ -75,7 +75,7 @@ struct LeastSquaresEnd {
   LeastSquaresPoint point;
   double cost = 0.0;
   int steps = 0;
-  bool settled = false;  // no step promises a thousandth of a nat, and a millionth of the cost
+  bool settled = false;  // no step promises a thousandth of a nat, and a hundred thousandth of the cost
 };
 LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPoint& start,
                         int most_steps = 50);

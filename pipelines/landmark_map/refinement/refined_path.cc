@@ -21,6 +21,34 @@ Eigen::Vector2d Rotated(const Eigen::Vector2d& v, double angle_rad) {
   return {cosine * v.x() - sine * v.y(), sine * v.x() + cosine * v.y()};
 }
 
+bool SameWay(double a, double b) { return (a >= 0.0) == (b >= 0.0); }
+
+// The same motion in fewer controls: those of a short arc become half its turn, its way, and the other half,
+// which is wrong by a turn squared 24th of the way.
+std::vector<Control> JoinedArcs(std::span<const Control> controls) {
+  constexpr double kMostTurn_rad = 0.05, kMostWay_m = 0.1;
+  std::vector<Control> joined;
+  for (std::size_t i = 0; i < controls.size();) {
+    Control arc = controls[i++];
+    const std::size_t first = i;
+    for (; i < controls.size(); ++i) {
+      const Control& next = controls[i];
+      if (!SameWay(next.turn_rad, arc.turn_rad) || !SameWay(next.forward_m, arc.forward_m) ||
+          std::abs(arc.turn_rad + next.turn_rad) > kMostTurn_rad ||
+          std::abs(arc.forward_m + next.forward_m) > kMostWay_m)
+        break;
+      arc = {arc.turn_rad + next.turn_rad, arc.forward_m + next.forward_m};
+    }
+    if (i == first) {
+      joined.push_back(arc);
+    } else {
+      joined.push_back({0.5 * arc.turn_rad, arc.forward_m});
+      joined.push_back({0.5 * arc.turn_rad, 0.0});
+    }
+  }
+  return joined;
+}
+
 }  // namespace
 
 std::vector<Control> ControlsBetween(const Odometry& odometry, double from_s, double to_s) {
@@ -46,9 +74,9 @@ NodeTrack TrackThrough(const Odometry& odometry, std::span<const double> times_s
   NodeTrack track;
   track.time_s = {odometry.time_s.front()};
   const auto go_on = [&](double time_s) {
-    std::vector<Control> controls = ControlsBetween(odometry, track.time_s.back(), time_s);
+    const std::vector<Control> controls = ControlsBetween(odometry, track.time_s.back(), time_s);
     if (controls.empty()) return;
-    track.controls.push_back(std::move(controls));
+    track.controls.push_back(JoinedArcs(controls));
     track.time_s.push_back(time_s);
   };
   node_of->clear();
