@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/landmark_map.h"
@@ -55,8 +56,7 @@ Verdict SearchVerdict(const Blob& result) {
   if (search.starts.Or(0) == 1) {
     verdict.why =
         "EM started once, no other map to compare with; it searches where the drift of the heading is stated "
-        "at "
-        "import (--heading-drift-rad-per-m), or with --set starts=10";
+        "at import (--heading-drift-rad-per-m), or with `cairn run landmark_map LOG --set starts=10`";
   } else if (const auto unlike = Unlike(search)) {
     verdict.why = found + "; how often such maps are right was not measured (" + *unlike + ")";
   } else {
@@ -100,6 +100,96 @@ WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
   return weakest;
 }
 
+// By how many times ranges or bearings err more than was stated of them.
+double WiderThanStated(const kinds::LandmarkMap::Fit& fit) {
+  double wider = 0;
+  for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
+    if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
+      wider = std::max(wider, fit.found[k] / fit.stated[k]);
+  return wider;
+}
+
+// Of landmarks that observations name there is no search: the fit of the least squares is what the verdict
+// rests on. Else it may lower what the search says.
+void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* verdict) {
+  constexpr std::int64_t kFew = 50, kLongRun = 5;
+  constexpr double kFewMisfits = 0.03, kManyMisfits = 0.2, kNearlyAll = 0.9, kGross = 6, kMuchWider = 1.5;
+  const kinds::LandmarkMap::Fit& fit = map.fit;
+  if (!fit.observations) return;
+  const std::int64_t observations = fit.observations.Scalar(), misfits = fit.misfits.Scalar(),
+                     run = fit.longest_run.Scalar(), jumps = fit.odometry_misfits.Or(0);
+  const double share =
+      static_cast<double>(misfits) / static_cast<double>(std::max<std::int64_t>(1, observations));
+  verdict->numbers.emplace_back("observations_fitted", static_cast<double>(observations));
+  verdict->numbers.emplace_back("misfits", static_cast<double>(misfits));
+  verdict->numbers.emplace_back("misfits_in_a_row", static_cast<double>(run));
+  verdict->numbers.emplace_back("odometry_misfits", static_cast<double>(jumps));
+  const std::span<const double> sigmas = fit.worst_sigmas.OrNone();
+  const double worst = sigmas.empty() ? 0 : sigmas.front(), wider = WiderThanStated(fit);
+  const bool fits =
+      share <= kFewMisfits && run < kLongRun && jumps == 0 && worst < kGross && wider <= kMuchWider;
+  const bool all_named =
+      std::ranges::all_of(map.map.landmark_identity.OrNone(), [](int id) { return id >= 0; });
+  if (!map.search.support && all_named) {
+    verdict->trust = share > kManyMisfits                                            ? Confidence::kLow
+                     : fits && observations >= kFew && explained_share >= kNearlyAll ? Confidence::kHigh
+                                                                                     : Confidence::kFair;
+    verdict->why = fmt::format("{} observations fit the map", observations - misfits);
+  } else if (!fits) {
+    verdict->trust = std::min(verdict->trust, share > kManyMisfits ? Confidence::kLow : Confidence::kFair);
+  }
+  if (misfits > 0)
+    verdict->why += fmt::format(
+        "; {} of {} observations do not fit the map, the worst is {:.1f} standard deviations off, "
+        "at {:.1f} s",
+        misfits, observations, worst, fit.worst_time_s.OrNone().empty() ? 0.0 : fit.worst_time_s.front());
+  if (wider > kMuchWider)
+    verdict->why +=
+        fmt::format("; ranges or bearings err by {:.1f} times what is stated, or was expected", wider);
+  if (run >= kLongRun)
+    verdict->why += fmt::format(
+        "; {} in a row do not from {:.1f} s on: were names exchanged, or was a landmark or "
+        "the robot moved?",
+        run, fit.longest_run_from_s.Scalar());
+  if (jumps > 0)
+    verdict->why += fmt::format(
+        "; odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?",
+        jumps == 1 ? std::string("once") : fmt::format("{} times", jumps), fit.worst_odometry_s.Or(0));
+}
+
+// What a robot travels before its first loop or after its last, where nothing checks the path.
+struct Untied {
+  double travelled_m = 0, from_s = 0, until_s = 0;
+  bool is_long = false;  // for its whole path
+};
+
+Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<Span>>& closed) {
+  constexpr double kLong_m = 20, kLongShare = 0.1;
+  Untied longest;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const kinds::PoseTable& poses = map.robot[r].poses;
+    double first_s = HUGE_VAL, last_s = -HUGE_VAL;
+    for (const auto& [from_s, to_s] : closed[r]) {
+      first_s = std::min(first_s, from_s);
+      last_s = std::max(last_s, to_s);
+    }
+    double before_m = 0, after_m = 0, all_m = 0;
+    for (std::size_t i = 1; i < poses.time_s.OrNone().size(); ++i) {
+      const double step_m = std::hypot(poses.x_m[i] - poses.x_m[i - 1], poses.y_m[i] - poses.y_m[i - 1]);
+      all_m += step_m;
+      if (poses.time_s[i] <= first_s) before_m += step_m;
+      if (poses.time_s[i - 1] >= last_s) after_m += step_m;
+    }
+    const double most_m = std::max(before_m, after_m);
+    if (most_m <= longest.travelled_m) continue;
+    longest = {.travelled_m = most_m,
+               .from_s = after_m >= before_m ? last_s : poses.time_s.front(),
+               .until_s = after_m >= before_m ? poses.time_s.back() : first_s,
+               .is_long = most_m > std::max(kLong_m, kLongShare * all_m)};
+  }
+  return longest;
+}
+
 constexpr std::int32_t kLoop = 2;  // LocalMap::Connections::kind
 
 }  // namespace
@@ -139,14 +229,17 @@ bool RefinementRefused(const Blob& result) { return NotRefined(result).starts_wi
 std::string Verdict::Text() const { return std::string(Word(trust)) + ": " + why; }
 
 Verdict LandmarkMapVerdict(const Blob& result) {
+  const auto map = Read<kinds::LandmarkMap>(result);
   Verdict verdict = SearchVerdict(result);
   std::size_t observations = 0, explained = 0;
-  for (const auto& robot : Read<kinds::LandmarkMap>(result).robot) {
+  for (const auto& robot : map.robot) {
     observations += robot.map_landmark.OrNone().size();
     for (const std::int32_t landmark : robot.map_landmark.OrNone()) explained += landmark >= 0;
   }
   AddCount("observations", observations, &verdict);
   AddCount("observations_explained", explained, &verdict);
+  const auto all = static_cast<double>(std::max<std::size_t>(1, observations));
+  JudgeFit(map, static_cast<double>(explained) / all, &verdict);
   if (explained < observations)
     verdict.why += fmt::format("; {} of {} observations are of none of its landmarks",
                                observations - explained, observations);
@@ -181,13 +274,21 @@ Verdict LocalMapVerdict(const Blob& result) {
     if (!of_robot.empty())
       if (const WeakestTime time = FindWeakestTime(of_robot); time.spans < weakest.spans) weakest = time;
   AddCount("loops_over_weakest_time", weakest.spans, &verdict);
+  const Untied untied = LongestUntied(map, closed);
+  verdict.numbers.emplace_back("untied_m", untied.travelled_m);
   if (5 * contradicted > loops || weakest.spans < kFairTies)
     verdict.trust = Confidence::kLow;
   else
-    verdict.trust =
-        weakest.spans >= kHighTies && 50 * contradicted <= loops ? Confidence::kHigh : Confidence::kFair;
+    verdict.trust = weakest.spans >= kHighTies && 50 * contradicted <= loops && !untied.is_long
+                        ? Confidence::kHigh
+                        : Confidence::kFair;
   verdict.why = contradicted == 0 ? fmt::format("the path closes all of {} loops", loops)
                                   : fmt::format("{} of {} loops contradict the path", contradicted, loops);
+  if (untied.is_long)
+    verdict.why += fmt::format(
+        "; from {:.0f} to {:.0f} s, over {:.0f} m, no place is recognised, and nothing checks the "
+        "path",
+        untied.from_s, untied.until_s, untied.travelled_m);
   if (weakest.spans < kHighTies)
     verdict.why += fmt::format(
         "; what comes after {:.0f} s hangs on {} of them, and where a robot slipped or was "

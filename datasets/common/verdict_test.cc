@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "schema/kinds/landmark_map.h"
 #include "schema/kinds/local_map.h"
 
 namespace cairn::datasets {
@@ -63,10 +64,11 @@ TEST(LandmarkMapVerdict, StartsThatAgreeAndASingleStart) {
   Blob once;
   once.PutScalar<std::int32_t>("search/support", 1);
   once.PutScalar<std::int32_t>("search/starts", 1);
-  EXPECT_EQ(TextOf(once),
-            "not known: EM started once, no other map to compare with; it searches where the drift of the "
-            "heading is "
-            "stated at import (--heading-drift-rad-per-m), or with --set starts=10");
+  EXPECT_EQ(
+      TextOf(once),
+      "not known: EM started once, no other map to compare with; it searches where the drift of the heading "
+      "is "
+      "stated at import (--heading-drift-rad-per-m), or with `cairn run landmark_map LOG --set starts=10`");
   EXPECT_EQ(TextOf(Blob()), "not known: there was no search");
 }
 
@@ -130,6 +132,62 @@ TEST(LocalMapVerdict, ATimeThatFewLoopsGoOverIsNamed) {
   // Those that the others contradict tie nothing.
   std::ranges::rotate(loops, loops.end() - 20);
   EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops, 1)).trust, Confidence::kFair);
+}
+
+TEST(LocalMapVerdict, ALongWayAfterTheLastLoopIsNamed) {
+  const auto verdict_of = [](double after_m) {
+    Blob map = LocalMapOf(Loops(30, 1, 50));
+    kinds::PoseTable poses;
+    poses.Set({0, 50, 60}, {Pose{0, 0, 0}, Pose{100, 0, 0}, Pose{100 + after_m, 0, 0}});
+    map.PutAll("robot/0/poses/", BlobOf(poses));
+    return LocalMapVerdict(map);
+  };
+  EXPECT_EQ(verdict_of(15).trust, Confidence::kHigh);
+  EXPECT_EQ(verdict_of(30).Text(),
+            "fair: the path closes all of 30 loops; from 50 to 60 s, over 30 m, no place is recognised, and "
+            "nothing "
+            "checks the path");
+}
+
+// With so many of `observations` misfits, and a map whose landmarks have names.
+Blob FittedMap(std::int64_t observations, std::int64_t misfits, std::int64_t run, std::int64_t jumps,
+               double worst_sigmas = 4, double range_found_m = 0.1) {
+  kinds::LandmarkMap map;
+  map.robots = std::vector<std::string>{"robot"};
+  map.robot.resize(1);
+  map.robot[0].map_landmark = std::vector<std::int32_t>(static_cast<std::size_t>(observations), 0);
+  map.map.landmark_identity = std::vector<std::int32_t>{0};
+  map.fit.observations = observations;
+  map.fit.misfits = misfits;
+  map.fit.longest_run = run;
+  map.fit.longest_run_from_s = 12.5;
+  map.fit.odometry_misfits = jumps;
+  map.fit.worst_odometry_s = 20.0;
+  map.fit.worst_sigmas = std::vector<double>{worst_sigmas};
+  map.fit.worst_time_s = std::vector<double>{7.0};
+  map.fit.kind = std::vector<std::string>{"range"};
+  map.fit.stated = std::vector<double>{0.1};
+  map.fit.found = std::vector<double>{range_found_m};
+  return BlobOf(map);
+}
+
+TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
+  EXPECT_EQ(TextOf(FittedMap(200, 1, 1, 0)),
+            "high: 199 observations fit the map; 1 of 200 observations do not fit the map, the worst is 4.0 "
+            "standard deviations off, at 7.0 s");
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(20, 0, 0, 0)).trust, Confidence::kFair) << "too few to tell";
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 1, 1, 0, 7)).trust, Confidence::kFair) << "one is far off";
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair)
+      << "ranges err twice as much";
+  const Verdict moved = LandmarkMapVerdict(FittedMap(200, 6, 6, 0));
+  EXPECT_EQ(moved.trust, Confidence::kFair);
+  EXPECT_NE(moved.why.find("6 in a row do not from 12.5 s on"), std::string::npos) << moved.why;
+  const Verdict slipped = LandmarkMapVerdict(FittedMap(200, 0, 0, 1));
+  EXPECT_EQ(slipped.trust, Confidence::kFair);
+  EXPECT_NE(slipped.why.find("odometry does not fit once, worst at 20.0 s"), std::string::npos)
+      << slipped.why;
 }
 
 TEST(LocalMapVerdict, WithoutALoopNothingIsKnown) {

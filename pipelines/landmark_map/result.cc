@@ -369,6 +369,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);
   result.Put("refinement/reason", Array::Text(not_refined));
+  if (!refined.paths.empty()) result.PutAll("fit/", refined.fit.ToBlob());
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;
   step.plan.set_result(step.Share(std::move(result)));

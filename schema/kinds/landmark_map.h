@@ -101,6 +101,28 @@ struct LandmarkMap {
     }
   };
 
+  // Whether the model explains what was measured.
+  struct Fit {
+    Texts kind;
+    Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s;
+    Column<std::int64_t> observations, misfits, longest_run, odometry_misfits;
+    Column<std::int32_t> worst_robot;
+    static void Fields(const auto& field) {
+      field({"kind", "F"}, &Fit::kind);
+      field({"stated", "F", NotNegative()}, &Fit::stated);
+      field({"found", "F", NotNegative()}, &Fit::found);
+      field({"observations", "", From(0)}, &Fit::observations);
+      field({"misfits", "", From(0)}, &Fit::misfits);
+      field({"longest_run", "", From(0)}, &Fit::longest_run);
+      field({"longest_run_from_s", "", Finite()}, &Fit::longest_run_from_s);
+      field({"odometry_misfits", "", From(0)}, &Fit::odometry_misfits);
+      field({"worst_odometry_s", "", Finite()}, &Fit::worst_odometry_s);
+      field({"worst_robot", "W", IndexInto("robots")}, &Fit::worst_robot);
+      field({"worst_time_s", "W", Finite()}, &Fit::worst_time_s);
+      field({"worst_sigmas", "W", From(0)}, &Fit::worst_sigmas);
+    }
+  };
+
   Texts robots, landmarks, types, log_hash, refinement_reason;
   Column<double> until_s;
   std::vector<Robot> robot;
@@ -108,6 +130,7 @@ struct LandmarkMap {
   History history;
   Column<std::uint8_t> refinement_done;
   Search search;
+  Fit fit;
 
   static void Fields(const auto& field) {
     field({"robots", "R"}, &LandmarkMap::robots);
@@ -121,6 +144,7 @@ struct LandmarkMap {
     field({"refinement/done", "", YesNo()}, &LandmarkMap::refinement_done);
     field({"refinement/reason", ""}, &LandmarkMap::refinement_reason);
     field("search", &LandmarkMap::search);
+    field("fit", &LandmarkMap::fit);
   }
 };
 

@@ -188,14 +188,15 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths, con
 JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
                               const Settings& settings, const std::vector<Landmark>& landmarks) {
   const Built built = Build(log, paths, settings, landmarks);
-  if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}};
+  if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}, {}};
   const double em_cost = CostOf(built.problem, built.em);
   LeastSquaresEnd end = Descend(built.problem, built.em);
   if (end.cost > LeastOfManyTried(built.problem)) {
     const LeastSquaresEnd other = Descend(built.problem, TakenUpByOdometry(built.problem, built.em));
     if (other.cost < end.cost) end = other;
   }
-  if (!(end.cost <= em_cost)) return {"the least squares explains less than EM's own path", landmarks, {}};
+  if (!(end.cost <= em_cost))
+    return {"the least squares explains less than EM's own path", landmarks, {}, {}};
 
   LeastSquaresProblem problem = built.problem;
   constexpr int kRounds = 4;
@@ -203,18 +204,18 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
   for (int round = 0; round < kRounds; ++round) {
     problem.repeats = RepeatsIn(problem, end.point);
     const double change = ReestimateWidths(built.problem, end.point, &problem);
-    if (change == 0.0) return {"the least squares has no solution", landmarks, {}};
+    if (change == 0.0) return {"the least squares has no solution", landmarks, {}, {}};
     end = Descend(problem, end.point);
     if (change < kSettled) break;
   }
   constexpr double kMostScale = 0.5;
   for (const SystematicErrors& errors : end.point.errors) {
     if (!(std::max(std::abs(errors.way), std::abs(errors.turn)) < kMostScale))
-      return {"odometry's ways or turns would be wrong by half", landmarks, {}};
+      return {"odometry's ways or turns would be wrong by half", landmarks, {}, {}};
   }
   const LeastSquaresCovariances covariances = CovariancesOf(problem, end.point);
-  if (covariances.landmarks.empty()) return {"the least squares has no solution", landmarks, {}};
-  JointRefinement refined{"", landmarks, {}};
+  if (covariances.landmarks.empty()) return {"the least squares has no solution", landmarks, {}, {}};
+  JointRefinement refined{"", landmarks, {}, FitOf(built.problem, problem, end.point)};
   std::vector<bool> seen(landmarks.size(), false);
   for (const Sighting& sighting : problem.sightings) seen[static_cast<std::size_t>(sighting.landmark)] = true;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {

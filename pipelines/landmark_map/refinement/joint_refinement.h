@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/refinement/model_fit.h"
 #include "pipelines/landmark_map/refinement/refine.h"
 #include "pipelines/landmark_map/refinement/refined_path.h"
 #include "schema/kinds/log.h"
@@ -16,6 +17,7 @@ struct JointRefinement {
   std::string refused;  // why the result stays as EM left it; empty: it is this one
   std::vector<Landmark> landmarks;
   std::vector<RefinedPath> paths;  // of each robot
+  ModelFit fit;
 };
 
 // Unknown are the poses at all observations of landmarks, the landmarks, and each robot's drift and scales

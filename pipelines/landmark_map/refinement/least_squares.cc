@@ -445,6 +445,27 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
   return Rescale(contact, nominal.noise.contact_m, &noise.contact_m, change);
 }
 
+std::vector<double> SightingSigmas(const LeastSquaresProblem& problem, const LeastSquaresPoint& point) {
+  const NormalEquationsOf equations(problem, point);
+  std::vector<double> sigmas;
+  for (const Sighting& seen : problem.sightings)
+    sigmas.push_back(equations.Seen(point, seen).residual.error.norm());
+  return sigmas;
+}
+
+std::vector<std::vector<double>> EdgeSigmas(const LeastSquaresProblem& problem,
+                                            const LeastSquaresPoint& point) {
+  const NormalEquationsOf equations(problem, point);
+  std::vector<std::vector<double>> sigmas(problem.robots.size());
+  for (std::size_t r = 0; r < problem.robots.size(); ++r) {
+    for (std::size_t k = 0; k < problem.robots[r].controls.size(); ++k) {
+      const Eigen::Vector3d error = equations.Edge(point, r, k).error;
+      sigmas[r].push_back(std::sqrt(std::max(0.0, error.dot(equations.Weight(r, k) * error))));
+    }
+  }
+  return sigmas;
+}
+
 SightingRepeats RepeatsIn(const LeastSquaresProblem& problem, const LeastSquaresPoint& point) {
   const NormalEquationsOf equations(problem, point);
   std::vector<std::vector<std::optional<Eigen::Vector2d>>> before(

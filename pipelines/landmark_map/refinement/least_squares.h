@@ -80,6 +80,12 @@ struct LeastSquaresEnd {
 LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPoint& start,
                         int most_steps = 50);
 
+// How many standard deviations each sighting is off, along its ray and across it together.
+std::vector<double> SightingSigmas(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
+// The same of each robot's motions from node to node, in all three of their errors together.
+std::vector<std::vector<double>> EdgeSigmas(const LeastSquaresProblem& problem,
+                                            const LeastSquaresPoint& point);
+
 // One step of the estimate of all widths by redundancy: what the residuals are, in units of their widths,
 // over what they are expected to be where as many unknowns as there are fit themselves to them (W. Foerstner,
 // Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten, 1979). A prior of kPriorResiduals

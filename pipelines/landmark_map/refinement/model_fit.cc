@@ -1,0 +1,86 @@
+#include "pipelines/landmark_map/refinement/model_fit.h"
+
+#include <algorithm>
+
+#include "schema/kinds/landmark_map.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+std::vector<ModelFit::Width> WidthsOf(const LeastSquaresProblem& nominal,
+                                      const LeastSquaresProblem& problem) {
+  const bool contacts = std::ranges::any_of(problem.sightings, &Sighting::contact);
+  const bool at_a_distance = !std::ranges::all_of(problem.sightings, &Sighting::contact);
+  std::vector<ModelFit::Width> widths;
+  if (at_a_distance) {
+    widths.push_back({"range", nominal.noise.range_m, problem.noise.range_m});
+    widths.push_back({"bearing", nominal.noise.bearing_rad, problem.noise.bearing_rad});
+  }
+  if (contacts) widths.push_back({"contact", nominal.noise.contact_m, problem.noise.contact_m});
+  return widths;
+}
+
+}  // namespace
+
+ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& problem,
+               const LeastSquaresPoint& point) {
+  constexpr std::size_t kWorst = 10;
+  ModelFit fit;
+  fit.widths = WidthsOf(nominal, problem);
+  const std::vector<double> sigmas = SightingSigmas(problem, point);
+  std::int64_t run = 0;
+  double run_from_s = 0;
+  for (std::size_t i = 0; i < sigmas.size(); ++i) {
+    const Sighting& seen = problem.sightings[i];
+    const double time_s =
+        problem.robots[static_cast<std::size_t>(seen.robot)].time_s[static_cast<std::size_t>(seen.node)];
+    ++fit.observations;
+    const bool goes_on = i > 0 && problem.sightings[i - 1].robot == seen.robot;
+    if (!goes_on) run = 0;
+    if (!(sigmas[i] >= kMisfitSigmas)) {
+      run = 0;
+      continue;
+    }
+    ++fit.misfits;
+    if (run++ == 0) run_from_s = time_s;
+    if (run > fit.longest_run) {
+      fit.longest_run = run;
+      fit.longest_run_from_s = run_from_s;
+    }
+    fit.worst.push_back({seen.robot, time_s, sigmas[i]});
+  }
+  double furthest = 0;
+  const std::vector<std::vector<double>> edges = EdgeSigmas(problem, point);
+  for (std::size_t r = 0; r < edges.size(); ++r) {
+    for (std::size_t k = 0; k < edges[r].size(); ++k) {
+      if (edges[r][k] < kJumpSigmas) continue;
+      ++fit.odometry_misfits;
+      if (edges[r][k] > furthest) {
+        furthest = edges[r][k];
+        fit.worst_odometry_s = problem.robots[r].time_s[k + 1];
+      }
+    }
+  }
+  std::ranges::stable_sort(fit.worst, std::greater(), &ModelFit::Misfit::sigmas);
+  fit.worst.resize(std::min(fit.worst.size(), kWorst));
+  return fit;
+}
+
+Blob ModelFit::ToBlob() const {
+  kinds::LandmarkMap::Fit fit;
+  fit.kind = cairn::ColumnOf(widths, &Width::kind);
+  fit.stated = cairn::ColumnOf(widths, &Width::stated);
+  fit.found = cairn::ColumnOf(widths, &Width::found);
+  fit.observations = observations;
+  fit.misfits = misfits;
+  fit.longest_run = longest_run;
+  fit.longest_run_from_s = longest_run_from_s;
+  fit.odometry_misfits = odometry_misfits;
+  fit.worst_odometry_s = worst_odometry_s;
+  fit.worst_robot = cairn::ColumnOf(worst, &Misfit::robot);
+  fit.worst_time_s = cairn::ColumnOf(worst, &Misfit::time_s);
+  fit.worst_sigmas = cairn::ColumnOf(worst, &Misfit::sigmas);
+  return BlobOf(fit);
+}
+
+}  // namespace cairn::landmark_map

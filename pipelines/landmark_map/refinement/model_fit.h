@@ -1,0 +1,50 @@
+// Whether the model explains what was measured: how large errors turned out against what was stated of them,
+// and which observations do not fit.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipelines/landmark_map/refinement/least_squares.h"
+#include "schema/blob.h"
+
+namespace cairn::landmark_map {
+
+// An observation does not fit from so many standard deviations on, along and across its ray together: of a
+// thousand Gaussian ones one does.
+inline constexpr double kMisfitSigmas = 3.717;
+
+// Of a Gaussian motion in the plane one of sixty thousand.
+inline constexpr double kJumpSigmas = 5;
+
+struct ModelFit {
+  // Of one kind of error: the stated width, and that which the residuals have.
+  struct Width {
+    std::string kind;  // "range", "bearing", "contact"
+    double stated = 0, found = 0;
+  };
+  struct Misfit {
+    std::int32_t robot = 0;
+    double time_s = 0, sigmas = 0;
+  };
+  std::vector<Width> widths;
+  std::int64_t observations = 0, misfits = 0;
+  // The longest run of one robot's observations that do not fit, one after the other.
+  std::int64_t longest_run = 0;
+  double longest_run_from_s = 0;
+  // Motions between successive nodes from kJumpSigmas on, and when the worst of them ends.
+  std::int64_t odometry_misfits = 0;
+  double worst_odometry_s = 0;
+  std::vector<Misfit> worst;  // ten at most, the worst first
+
+  // As schema/FORMAT.md has it, under `fit/`.
+  Blob ToBlob() const;
+};
+
+// Of the least squares' end. `nominal`: the problem as it was stated; `problem`: with the widths that were
+// found.
+ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& problem,
+               const LeastSquaresPoint& point);
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,80 @@
+#include "pipelines/landmark_map/refinement/model_fit.h"
+
+#include <gtest/gtest.h>
+
+namespace cairn::landmark_map {
+namespace {
+
+// A robot drives 20 m straight on, a metre at a time, and sees a landmark from each metre, exactly where it
+// is.
+struct Straight {
+  LeastSquaresProblem problem;
+  LeastSquaresPoint point;
+};
+
+Straight Drive() {
+  Straight drive;
+  NodeTrack track;
+  drive.point.nodes.resize(1);
+  drive.point.landmarks = {{10.0, 5.0}};
+  drive.point.errors.resize(1);
+  for (int k = 0; k <= 20; ++k) {
+    track.time_s.push_back(k);
+    if (k > 0) track.controls.push_back({{0.0, 1.0}});
+    drive.point.nodes[0].emplace_back(k, 0.0, 0.0);
+    drive.problem.sightings.push_back({0, k, 0, 10.0 - k, 5.0});
+  }
+  drive.problem.robots = {track};
+  drive.problem.landmarks = 1;
+  drive.problem.widths = {{0.01, 0.01, 0.02}};
+  drive.problem.noise.range_m = 0.1;
+  drive.problem.noise.bearing_rad = 0.02;
+  return drive;
+}
+
+TEST(FitOf, WhatIsExactFits) {
+  const Straight drive = Drive();
+  const ModelFit fit = FitOf(drive.problem, drive.problem, drive.point);
+  EXPECT_EQ(fit.observations, 21);
+  EXPECT_EQ(fit.misfits, 0);
+  EXPECT_EQ(fit.longest_run, 0);
+  EXPECT_EQ(fit.odometry_misfits, 0);
+  EXPECT_TRUE(fit.worst.empty());
+}
+
+TEST(FitOf, NamesTheLongestRunAndTheWorst) {
+  Straight drive = Drive();
+  for (const int k : {2, 3, 9, 10, 11, 12, 15})
+    drive.problem.sightings[static_cast<std::size_t>(k)].y_m -= 2.0;
+  drive.problem.sightings[11].y_m -= 2.0;
+  const ModelFit fit = FitOf(drive.problem, drive.problem, drive.point);
+  EXPECT_EQ(fit.misfits, 7);
+  EXPECT_EQ(fit.longest_run, 4);
+  EXPECT_EQ(fit.longest_run_from_s, 9.0);
+  ASSERT_EQ(fit.worst.size(), 7U);
+  EXPECT_EQ(fit.worst.front().time_s, 11.0);
+  EXPECT_GT(fit.worst.front().sigmas, fit.worst.back().sigmas);
+}
+
+TEST(FitOf, ASlipIsAMisfitOfOdometry) {
+  Straight drive = Drive();
+  drive.problem.robots[0].controls[6] = {{0.5, 1.0}};
+  const ModelFit fit = FitOf(drive.problem, drive.problem, drive.point);
+  EXPECT_EQ(fit.odometry_misfits, 1);
+  EXPECT_EQ(fit.worst_odometry_s, 7.0);
+}
+
+TEST(FitOf, TellsStatedWidthsFromFoundOnes) {
+  const Straight drive = Drive();
+  LeastSquaresProblem found = drive.problem;
+  found.noise.range_m = 0.3;
+  const ModelFit fit = FitOf(drive.problem, found, drive.point);
+  ASSERT_EQ(fit.widths.size(), 2U) << "range and bearing: there is no contact";
+  EXPECT_EQ(fit.widths[0].kind, "range");
+  EXPECT_EQ(fit.widths[0].stated, 0.1);
+  EXPECT_EQ(fit.widths[0].found, 0.3);
+  EXPECT_EQ(fit.widths[1].kind, "bearing");
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map
