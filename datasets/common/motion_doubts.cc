@@ -147,10 +147,12 @@ Comparison Compare(std::span<const double> as_is, std::span<const double> other)
   return all;
 }
 
-// The other reading is not an accident: far more than chance, and by a good part of the error.
+// The other reading is not an accident: far more than chance, and by a good part of the error, or so that it
+// fits.
 bool IsBetter(const Comparison& c, double part) {
-  constexpr double kSigmas = -5;
-  return c.sigmas < kSigmas && c.other_m < part * c.as_is_m;
+  constexpr double kSigmas = -5, kManySigmas = -10, kFits_m = 0.12, kLittle = 0.9;
+  return (c.sigmas < kSigmas && c.other_m < part * c.as_is_m) ||
+         (c.sigmas < kManySigmas && c.other_m < kFits_m && c.other_m < kLittle * c.as_is_m);
 }
 
 constexpr std::size_t kFewPairs = 40;
@@ -283,10 +285,15 @@ constexpr std::array kOfDistances = {
     Mistake{{.forward = -1},
             "what is ahead goes away as it drives forward: is forward negative, or do the beams point "
             "backwards?"},
+    Mistake{{.forward = 0.3048}, "what is ahead comes nearer by 0.3 of what odometry says: is that in feet?"},
     Mistake{{.forward = 0.5}, "what is ahead comes nearer by half of what odometry says"},
     Mistake{{.forward = 0.7}, "what is ahead comes nearer by 0.7 of what odometry says"},
+    Mistake{{.forward = 0.8}, "what is ahead comes nearer by 0.8 of what odometry says"},
+    Mistake{{.forward = 1.25}, "what is ahead comes nearer by 1.25 times what odometry says"},
     Mistake{{.forward = 1.4}, "what is ahead comes nearer by 1.4 times what odometry says"},
     Mistake{{.forward = 2}, "what is ahead comes nearer by twice what odometry says"},
+    Mistake{{.forward = 3.2808},
+            "what is ahead comes nearer by 3.3 times what odometry says: is the sensor in feet?"},
 };
 // Not of the size of turns: a real robot (MRCLAM 9, robot 1) turns by half of what its odometry says.
 constexpr std::array kOfTurns = {
@@ -322,8 +329,15 @@ std::optional<std::string> Best(std::span<const Mistake> mistakes, double part, 
 
 std::optional<std::string> DoubtDistances(const Scans& scans, const kinds::Log::Odometry& odometry) {
   const Approaches approaches = FindApproaches(scans, Reckoning(odometry));
-  return Best(kOfDistances, kPartOfDistances, "scans", ErrorsOf(approaches, 1),
-              [&](const Reading& reading) { return ErrorsOf(approaches, reading.forward); });
+  const std::vector<double> as_is = ErrorsOf(approaches, 1);
+  // What stays as far ahead, whatever is driven, goes along, or is no wall: it fits small distances as well
+  // as none.
+  constexpr double kMoves = 0.8;
+  const double still_m = Compare(as_is, ErrorsOf(approaches, 0)).other_m;
+  return Best(kOfDistances, kPartOfDistances, "scans", as_is, [&](const Reading& reading) {
+    std::vector<double> errors = ErrorsOf(approaches, reading.forward);
+    return Compare(as_is, errors).other_m < kMoves * still_m ? errors : as_is;
+  });
 }
 
 std::optional<std::string> DoubtTurns(const Scans& scans, const kinds::Log::Odometry& odometry) {

@@ -62,6 +62,16 @@ INSTANTIATE_TEST_SUITE_P(
                    r->odometry.forward_m = Each(r->odometry.forward_m, [](double d) { return d * 0.7; });
                  },
                  "1.4 times what odometry says"},
+        Mistaken{"a_fifth",
+                 [](auto* r) {
+                   r->odometry.forward_m = Each(r->odometry.forward_m, [](double d) { return d * 1.2; });
+                 },
+                 "0.8 of what odometry says"},
+        Mistaken{"metres_called_feet",
+                 [](auto* r) {
+                   r->odometry.forward_m = Each(r->odometry.forward_m, [](double d) { return d * 0.3048; });
+                 },
+                 "is the sensor in feet?"},
         Mistaken{"twice",
                  [](auto* r) {
                    r->odometry.forward_m = Each(r->odometry.forward_m, [](double d) { return d * 2; });

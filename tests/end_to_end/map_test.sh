@@ -20,7 +20,7 @@ same_bits landmarks/landmarks.h5 by_copy/landmarks.h5
 
 # What a person has changed stays.
 sed -i 's/^seed: .*/seed: 9/' landmarks/job.yaml
-refuses 'is not what this log asks for' cairn map landmarks.h5 --out landmarks
+refuses 'says something else' cairn map landmarks.h5 --out landmarks
 grep -q '^seed: 9' landmarks/job.yaml || die "the job file was replaced"
 
 # Ranges: a path by walls, and a grid of it.

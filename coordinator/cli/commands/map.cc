@@ -1,12 +1,11 @@
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "coordinator/cli/commands/run.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/scalar.h"
-#include "coordinator/cli/job_file/arguments.h"
-#include "coordinator/cli/job_file/catalog.h"
 #include "coordinator/cli/job_file/choose.h"
 #include "coordinator/store/job_yaml.h"
 #include "datasets/common/text_file.h"
@@ -46,48 +45,60 @@ Blob ReadLog(const std::string& path) {
   return std::move(file.blob);
 }
 
-// The job file, its reasons on top. `folder`: where it stands, from which its inputs are named.
-std::string JobFileText(const MapArguments& options, ChosenJob chosen, const fs::path& folder) {
-  chosen.job.set_seed(options.seed);
-  // Both without links, so that `..` means the same by name as on disk.
-  const std::string log = fs::canonical(options.log).lexically_relative(fs::canonical(folder));
+// The log as the job file in `folder` names it: by where both are without links, so that `..` means the same
+// by name as on disk.
+std::string NameIn(const fs::path& folder, const std::string& path) {
+  const std::string log = fs::canonical(path).lexically_relative(fs::weakly_canonical(fs::absolute(folder)));
   if (const std::string wrong = WhatIsWrongWithName(log, kMostTextBytes); !wrong.empty())
     throw InputError("'" + log + "' cannot stand in a job file, for it " + wrong +
                      "; rename it, or `cairn run PIPELINE` of it");
-  (*chosen.job.mutable_inputs())["log"] = log;
+  return log;
+}
+
+// Its reasons on top.
+std::string JobFileText(const ChosenJob& chosen) {
   std::string text = "# Made by `cairn map` of what the log holds. Change it and `cairn run` it.\n";
   for (const std::string& reason : chosen.reasons) text += "# " + reason + "\n";
   return text + coordinator::JobAsYaml(chosen.job);
 }
 
-// The job file is there, as it was chosen.
-void WriteJob(const fs::path& path, const std::string& text, bool force) {
-  if (!force && fs::exists(fs::symlink_status(path))) {
-    if (datasets::ReadText(path.string()) == text) return;
-    throw InputError("'" + path.string() +
-                     "' is there already and is not what this log asks for; `cairn run " + path.string() +
-                     " --out " + path.parent_path().string() + "` runs it as it is, --force writes it anew");
+int PrintJob(const ChosenJob& chosen, bool as_json) {
+  const std::string text = JobFileText(chosen);
+  if (as_json) {
+    const nlohmann::ordered_json json = {{"job_file", text}, {"reasons", chosen.reasons}};
+    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    std::fputs(text.c_str(), stdout);
   }
-  Check(WriteTextAtomically(path, text));
+  return kExitDone;
+}
+
+// Whoever has changed the job file wants it run, and not another.
+void CheckJobFileIsOurs(const fs::path& path, const std::string& text) {
+  if (!fs::exists(fs::symlink_status(path)) || datasets::ReadText(path.string()) == text) return;
+  throw InputError("'" + path.string() +
+                   "' is there already and says something else (another log or seed, or what you changed); "
+                   "`cairn run " +
+                   path.string() + " --out ANOTHER` runs it, --force writes it anew");
 }
 
 int Map(const MapArguments& options, const Invocation& call) {
   PrepareToRun(options.run.workers);
-  const ChosenJob chosen = ChooseJob(ReadLog(options.log));
-  if (options.dry_run) {
-    std::fputs(JobFileText(options, chosen, ".").c_str(), stdout);
-    return kExitDone;
-  }
+  ChosenJob chosen = ChooseJob(ReadLog(options.log));
   RunArguments run = options.run;
   if (run.out.empty()) run.out = "map";
-  const fs::path job = fs::path(run.out) / "job.yaml";
-  std::error_code failed;
-  fs::create_directories(run.out, failed);
-  if (failed) Throw(SystemFailure(run.out, "cannot be made", failed.value()));
-  WriteJob(job, JobFileText(options, chosen, run.out), run.force);
+  chosen.job.set_seed(options.seed);
+  (*chosen.job.mutable_inputs())["log"] = NameIn(options.dry_run ? "." : run.out, options.log);
+  if (options.dry_run) return PrintJob(chosen, run.json);
+  const fs::path file = fs::path(run.out) / "job.yaml";
+  const std::string text = JobFileText(chosen);
+  if (IsNoFile(file)) throw InputError("'" + file.string() + "' is a device, a pipe or a socket");
+  if (!run.force) CheckJobFileIsOurs(file, text);
   if (!run.json)
     for (const std::string& reason : chosen.reasons) std::fprintf(stderr, "%s\n", Escaped(reason).c_str());
-  return RunJob(run, ResolveJob({.what = job.string()}, LoadCatalog()), call);
+  ParsedJob parsed{chosen.job, {}};
+  parsed.inputs["log"] = {options.log, "the log"};
+  return RunJob(run, std::move(parsed), call, [&] { Check(WriteTextAtomically(file, text)); });
 }
 
 }  // namespace

@@ -120,7 +120,8 @@ void PrepareToRun(int workers) {
   Check(PrepareProcess({.files = 48 + 4 * processes, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
 }
 
-int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call) {
+int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call,
+           const std::function<void()>& beside_results) {
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, options.units_are_right);
   coordinator::EmbeddedOptions embedded;
   embedded.dir = options.out.empty() ? parsed.job.name() : options.out;
@@ -138,6 +139,7 @@ int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call
   RunSummary summary;
   embedded.when_done = [&](const coordinator::EmbeddedResult& done) {
     console.Clear();
+    if (beside_results) beside_results();
     summary = Summarize(parsed, embedded.dir, done.results);
     RememberPages(embedded.dir, stages);
   };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "coordinator/cli/common/command.h"
@@ -30,8 +31,11 @@ void AddRunArguments(Command command, RunArguments& arguments);
 void PrepareToRun(int workers);
 
 // Shows its progress, leaves the results with their pages in arguments.out and prints a summary of them; goes
-// on with an earlier run of the same job there. The exit code. Throws InputError of inputs that cannot be
-// read or are in doubt, and of files in the folder that are not Cairn's.
-int RunJob(const RunArguments& arguments, ParsedJob parsed, const Invocation& call);
+// on with an earlier run of the same job there. `beside_results`: done while the folder is still this run's,
+// before the pages are written. The exit code.
+// Throws InputError of inputs that cannot be read or are in doubt, and of files in the folder that are not
+// Cairn's.
+int RunJob(const RunArguments& arguments, ParsedJob parsed, const Invocation& call,
+           const std::function<void()>& beside_results = {});
 
 }  // namespace cairn::cli

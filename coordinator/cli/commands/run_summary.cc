@@ -88,7 +88,7 @@ nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& repo
 
 // What was found, how sure it is, how good it is.
 std::string FoundText(const StageSummary& stage) {
-  constexpr std::size_t kColumn = 10;
+  constexpr std::size_t kColumn = 11;
   std::string text = stage.found->ToText(kColumn);
   if (stage.verdict) text += "verdict    " + stage.verdict->Text() + "\n";
   if (stage.evaluation) text += "\nagainst the log's ground truth:\n" + stage.evaluation->ToText();
