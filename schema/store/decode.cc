@@ -120,6 +120,24 @@ Status CheckLiesInThisFile(hid_t dataset, const std::string& name) {
   return Status::Ok();
 }
 
+// HDF5 unpacks a chunk whole: a small file may hold one that unpacks to gigabytes for an array of a few
+// bytes.
+bool ChunksAreCredible(const Open& open, const std::vector<hsize_t>& dims) {
+  constexpr double kMost = 64 << 20;
+  const Handle creation(H5Dget_create_plist(open.dataset.get()), H5Pclose);
+  if (!creation.ok()) return false;
+  std::vector<hsize_t> chunk(dims.size());
+  const int rank = static_cast<int>(dims.size());
+  if (rank == 0 || H5Pget_layout(creation.get()) != H5D_CHUNKED) return true;
+  if (H5Pget_chunk(creation.get(), rank, chunk.data()) != rank) return false;
+  double chunk_bytes = static_cast<double>(H5Tget_size(open.type.get())), all_bytes = chunk_bytes;
+  for (std::size_t axis = 0; axis < dims.size(); ++axis) {
+    chunk_bytes *= static_cast<double>(chunk[axis]);
+    all_bytes *= static_cast<double>(dims[axis]);
+  }
+  return chunk_bytes <= std::max(kMost, all_bytes);
+}
+
 Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P_DEFAULT) {
   Open open;
   open.dataset = Handle(H5Dopen2(file, name.c_str(), access), H5Dclose);
@@ -135,6 +153,9 @@ Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P
   if (rank > 0) H5Sget_simple_extent_dims(open.space.get(), dims.data(), nullptr);
   open.info.shape.assign(dims.begin(), dims.end());
   open.info.stored_bytes = H5Dget_storage_size(open.dataset.get());
+  if (!ChunksAreCredible(open, dims))
+    return Corrupt("dataset '" + name +
+                   "': its chunks are far larger than it; `h5repack` writes a copy that Cairn reads");
   if (H5Sget_simple_extent_type(open.space.get()) == H5S_NULL || !SizeIsCredible(open.info)) {
     return Corrupt("dataset '" + name + "': its shape and its data do not agree");
   }

@@ -67,6 +67,21 @@ TEST_F(ForeignFile, ExternalStorageBringsNoOtherFileIn) {
   ExpectRefused("dataset 'robots': its data are in another file (external storage)");
 }
 
+TEST_F(ForeignFile, AChunkFarLargerThanItsDatasetIsNotUnpacked) {
+  const hsize_t size = 50, unlimited = H5S_UNLIMITED, chunk = hsize_t{1} << 30;
+  const Handle space(H5Screate_simple(1, &size, &unlimited), H5Sclose);
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(creation.get(), 1, &chunk);
+  H5Pset_deflate(creation.get(), 1);
+  {
+    const Handle data(H5Dcreate2(file_.get(), "robots", H5T_STD_U8LE, space.get(), H5P_DEFAULT,
+                                 creation.get(), H5P_DEFAULT),
+                      H5Dclose);
+    ASSERT_TRUE(data.ok());
+  }
+  ExpectRefused("dataset 'robots': its chunks are far larger than it");
+}
+
 TEST_F(ForeignFile, AVirtualDatasetBringsNoOtherFileIn) {
   ASSERT_TRUE(WriteBlobFile(folder_ / "other.h5", "log", OddBlob()).ok());
   const hsize_t size = 50;
