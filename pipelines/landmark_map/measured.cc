@@ -25,21 +25,24 @@ struct Measured {
 //   for d in paper base hard extreme museum; do topology_rate $d 1 120 --figures; done
 // prints them (61 to 100, on which nothing was measured, are drawn from the same worlds).
 constexpr std::array<Measured, 5> kMeasured = {{
-    {{21, 315.7, 12.32, 0.1, 0.5, 0.01, 0.01, 0.2},
-     {24, 361.7, 16.86, 0.2, 1, 0.03, 0.03, 0.4},
+    {{21, 315.7, 12.32, 0.2878, 0.1, 0.5, 0.01, 0.01, 0.2},
+     {24, 361.7, 16.86, 1.125, 0.2, 1, 0.03, 0.03, 0.4},
      12,
      16},  // paper
-    {{65, 952.1, 13.12, 0.04, 0.3, 0.01, 0.01, 0.2},
-     {70, 1052, 16.33, 0.09, 0.7, 0.03, 0.03, 0.4},
+    {{65, 952.1, 13.12, 0.355, 0.04, 0.3, 0.01, 0.01, 0.2},
+     {70, 1052, 16.33, 0.7034, 0.09, 0.7, 0.03, 0.03, 0.4},
      15,
-     20},                                                                                              // base
-    {{65, 947, 13.17, 0.1, 0.7, 0.01, 0.01, 0.2}, {70, 1050, 16.2, 0.3, 1, 0.03, 0.03, 0.4}, 15, 20},  // hard
-    {{22, 566.3, 21.41, 0.2, 0.7, 0.01, 0.01, 0.2},
-     {27, 646.4, 27.41, 0.4, 1, 0.03, 0.03, 0.4},
+     20},  // base
+    {{65, 947, 13.17, 0.3546, 0.1, 0.7, 0.01, 0.01, 0.2},
+     {70, 1050, 16.2, 0.6987, 0.3, 1, 0.03, 0.03, 0.4},
+     15,
+     20},  // hard
+    {{22, 566.3, 21.41, 0.2552, 0.2, 0.7, 0.01, 0.01, 0.2},
+     {27, 646.4, 27.41, 0.8714, 0.4, 1, 0.03, 0.03, 0.4},
      12,
      17},  // extreme
-    {{50, 710.1, 13.33, 0.1, 0.3, 0.01, 0.01, 0.2},
-     {50, 798.9, 16.67, 0.3, 0.7, 0.03, 0.03, 0.4},
+    {{50, 710.1, 13.33, 0.3025, 0.1, 0.3, 0.01, 0.01, 0.2},
+     {50, 798.9, 16.67, 0.7237, 0.3, 0.7, 0.03, 0.03, 0.4},
      14,
      20},  // museum
 }};
@@ -122,9 +125,11 @@ LogStatistics MeasureLog(const Blob& blob) {
   const kinds::Log::Noise& stated = log.noise;
   double travelled_m = 0.0;
   for (const double forward : robot.odometry.forward_m) travelled_m += std::abs(forward);
+  const DistancesBetween between = MeasureDistancesBetween(robot);
   return {static_cast<double>(robot.observations.time_s.size()),
           travelled_m,
-          MedianDistanceBetween(robot),
+          between.median_m,
+          between.spread,
           stated.heading_drift_rad_per_m.Or(0.0) / kDegree_rad,
           stated.heading_walk_rad_per_sqrt_m.Or(0.0) / kDegree_rad,
           stated.forward_ratio.Or(0.0),

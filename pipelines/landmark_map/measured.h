@@ -16,6 +16,9 @@ struct LogStatistics {
   double observations = 0;
   double travelled_m = 0;
   double between_m = 0;  // the median distance from one observation to the next
+  // From the tenth part of these distances that is shortest to the longest tenth, over the median: of
+  // landmarks at even distances, as on a ring, it is nothing, and any of them may be taken for the next.
+  double between_spread = 0;
   double heading_drift_deg_per_m = 0, heading_walk_deg_per_sqrt_m = 0, forward_ratio = 0, turn_ratio = 0;
   double contact_m = 0;  // as the log states them; 0: it does not
 };
@@ -27,6 +30,7 @@ void VisitLogStatistics(S& statistics, const F& f) {
   f("observations", statistics.observations);
   f("travelled_m", statistics.travelled_m);
   f("between_m", statistics.between_m);
+  f("between_spread", statistics.between_spread);
   f("heading_drift_deg_per_m", statistics.heading_drift_deg_per_m);
   f("heading_walk_deg_per_sqrt_m", statistics.heading_walk_deg_per_sqrt_m);
   f("forward_ratio", statistics.forward_ratio);

@@ -22,6 +22,7 @@ TEST(MeasureLog, AreTheLogsOwn) {
   EXPECT_EQ(statistics.observations, 8);
   EXPECT_NEAR(statistics.travelled_m, 120.0, 2.0);
   EXPECT_NEAR(statistics.between_m, 15.0, 0.5);
+  EXPECT_LT(statistics.between_spread, 0.1) << "a square's corners lie at even distances";
   EXPECT_EQ(statistics.contact_m, 0.3);
   EXPECT_NEAR(statistics.heading_drift_deg_per_m, 0.1, 1e-12);
   EXPECT_EQ(statistics.turn_ratio, 0.0);
@@ -32,6 +33,8 @@ TEST(UnlikeMeasured, NamesEachDifference) {
   const auto unlike = UnlikeMeasured({}, log, 4);
   EXPECT_TRUE(Says(unlike, "observations is 8, not "));
   EXPECT_TRUE(Says(unlike, "contact_m is not stated"));
+  EXPECT_TRUE(Says(unlike, "between_spread is "))
+      << "landmarks at even distances: each may be taken for the next";
   EXPECT_TRUE(Says(unlike, "landmarks is 4, not "));
   EXPECT_FALSE(Says(unlike, "option"));
   EXPECT_FALSE(Says(unlike, "robots"));

@@ -53,10 +53,15 @@ Sensing LookAt(const kinds::Log& log) {
   return sensing;
 }
 
-double MedianDistanceBetween(const kinds::Log::Robot& robot) {
+DistancesBetween MeasureDistancesBetween(const kinds::Log::Robot& robot) {
   std::vector<double> between;
   AppendDistancesBetween(robot, &between);
-  return Median(std::move(between));
+  if (between.empty()) return {};
+  const double median_m = Median(between);
+  std::ranges::sort(between);
+  const std::size_t tenth = between.size() / 10;
+  const double spread_m = between[between.size() - 1 - tenth] - between[tenth];
+  return {median_m, median_m > 0 ? spread_m / median_m : 0};
 }
 
 ObservationWidths ObservationNoise::At(double x_m, double y_m) const {

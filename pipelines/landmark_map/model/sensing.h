@@ -15,8 +15,12 @@ struct Sensing {
 
 Sensing LookAt(const kinds::Log& log);
 
-// From one of a robot's observations to the next; 0 where there are no two.
-double MedianDistanceBetween(const kinds::Log::Robot& robot);
+// From one observation of a robot to the next: the median, and from the tenth part that is shortest to the
+// longest tenth, over the median. Nothing of fewer than two observations.
+struct DistancesBetween {
+  double median_m = 0, spread = 0;
+};
+DistancesBetween MeasureDistancesBetween(const kinds::Log::Robot& robot);
 
 // Standard deviations of where an observed landmark stands relative to the robot: along the ray to it, and
 // across.
