@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "datasets/common/array_text.h"
-#include "datasets/common/verdict.h"
 #include "datasets/common/odometry_holes.h"
 #include "datasets/common/unit_doubts.h"
+#include "datasets/common/verdict.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/kind.h"
 #include "schema/kinds/learning.h"
