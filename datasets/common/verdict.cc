@@ -182,9 +182,10 @@ Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<S
     }
     const double most_m = std::max(before_m, after_m);
     if (most_m <= longest.travelled_m) continue;
+    const double begin_s = poses.time_s.front(), end_s = poses.time_s.back();
     longest = {.travelled_m = most_m,
-               .from_s = after_m >= before_m ? last_s : poses.time_s.front(),
-               .until_s = after_m >= before_m ? poses.time_s.back() : first_s,
+               .from_s = after_m >= before_m ? std::max(begin_s, last_s) : begin_s,
+               .until_s = after_m >= before_m ? end_s : std::min(end_s, first_s),
                .is_long = most_m > std::max(kLong_m, kLongShare * all_m)};
   }
   return longest;

@@ -149,6 +149,17 @@ TEST(LocalMapVerdict, ALongWayAfterTheLastLoopIsNamed) {
             "checks the path");
 }
 
+TEST(LocalMapVerdict, ARobotWithoutALoopIsNamedBesideOneWithMany) {
+  Blob map = LocalMapOf(Loops(30, 1, 50));
+  map.Put("robots", Array::Texts({"a", "b"}));
+  kinds::PoseTable poses;
+  poses.Set({3, 9}, {Pose{0, 0, 0}, Pose{40, 0, 0}});
+  map.PutAll("robot/1/poses/", BlobOf(poses));
+  EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kFair);
+  EXPECT_NE(LocalMapVerdict(map).why.find("from 3 to 9 s, over 40 m"), std::string::npos)
+      << LocalMapVerdict(map).why;
+}
+
 // With so many of `observations` misfits, and a map whose landmarks have names.
 Blob FittedMap(std::int64_t observations, std::int64_t misfits, std::int64_t run, std::int64_t jumps,
                double worst_sigmas = 4, double range_found_m = 0.1) {
