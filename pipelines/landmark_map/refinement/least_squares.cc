@@ -1,3 +1,5 @@
+// Over 500 lines: residuals, their derivatives and the normal equations are one class that nobody else should
+// see, and the descent, the widths and the covariances are each read off it.
 #include "pipelines/landmark_map/refinement/least_squares.h"
 
 #include <Eigen/LU>
