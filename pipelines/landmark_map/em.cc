@@ -172,13 +172,13 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   const Blob history = Extended(before, done, sum);
   if (done.summarises()) {
     const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
+    const bool at_a_distance = AnyAtADistance(steps);
+    std::vector<InTwoPlaces> in_two_places;
+    std::string not_refined;
     if (!done.is_refined()) {
       CheckRobotsAgree(sum, history, settings.places, steps[0].observations.size());
-      CheckOnePositionPerLandmark(sum.counts(), settings.map, log->Texts("landmarks"));
-    }
-    std::string not_refined;
-    const bool at_a_distance = AnyAtADistance(steps);
-    if (!done.is_refined()) {
+      in_two_places = LandmarksInTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
+      if (!at_a_distance) CheckOnePositionPerLandmark(in_two_places, {}, nullptr);
       not_refined = NoRefinement(options, settings, inputs);
       if (not_refined.empty() && !at_a_distance) {
         const std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
@@ -189,8 +189,8 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
         not_refined = "refused: " + refined.refused;
       }
     }
-    return MakeResult(*log, settings, inputs, sum, robot_states.odometry, history, not_refined,
-                      at_a_distance);
+    return MakeResult(*log, settings, inputs, sum, robot_states.odometry, history, not_refined, at_a_distance,
+                      in_two_places);
   }
 
   if (options.calibrate) {

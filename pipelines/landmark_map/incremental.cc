@@ -105,7 +105,7 @@ cairn::Step IncrementalResult(const State& state, Partials& partials, const Inpu
   const Found found(inputs, partial->Sub("landmarks/"), StoredCounts(sum.counts()));
   return MakeResult(*inputs.Get("log"), settings, found, sum, RobotStates::Load(state, 1).odometry,
                     Extended(*inputs.Get("history"), Schedule::Load(state), sum),
-                    "not tried: the incremental baseline revises nothing", false);
+                    "not tried: the incremental baseline revises nothing", false, {});
 }
 
 void CheckIncremental(const Options& options, const Inputs& inputs) {

@@ -313,7 +313,7 @@ Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
 
 Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
                 const std::vector<OdometryFit>& odometry, const Blob& history, std::string not_refined,
-                bool jointly) {
+                bool jointly, const std::vector<InTwoPlaces>& in_two_places) {
   const auto log = Read<kinds::Log>(blob);
   const std::vector<std::string>& robots = log.robots;
   std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
@@ -336,6 +336,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     landmarks = refined.landmarks;
     if (!refined.refused.empty()) not_refined = "refused: " + refined.refused;
   }
+  CheckOnePositionPerLandmark(in_two_places, landmarks, refined.paths.empty() ? nullptr : &refined.fit);
   Blob result;
   result.Put("robots", log.robots.array());
   result.Put("landmarks", log.landmarks.array());

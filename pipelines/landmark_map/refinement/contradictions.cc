@@ -7,6 +7,8 @@
 namespace cairn::landmark_map {
 namespace {
 
+constexpr double kShareElsewhere = 0.25, kLeastElsewhere = 4.0;  // of a landmark's observations
+
 // The landmarks that a layer of counts would hold if it could hold several.
 std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
   MapRules several = rules;
@@ -22,14 +24,15 @@ std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
 
 }  // namespace
 
-void CheckOnePositionPerLandmark(const LayeredGrid& counts, const MapRules& rules,
-                                 const std::vector<std::string>& names) {
-  constexpr double kShare = 0.25, kLeast = 4.0;
+std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
+                                              const std::vector<std::string>& names) {
+  std::vector<InTwoPlaces> found;
   for (int type = 0; type < rules.types; ++type) {
     const Layer& count = counts.layers[static_cast<std::size_t>(type)];
-    if (count.Sum() < 2.0 * kLeast) continue;
+    if (count.Sum() < 2.0 * kLeastElsewhere) continue;
     const std::vector<Landmark> places = Places(count, rules);
-    if (places.size() < 2 || places[1].count < std::max(kLeast, kShare * count.Sum())) continue;
+    if (places.size() < 2 || places[1].count < std::max(kLeastElsewhere, kShareElsewhere * count.Sum()))
+      continue;
     char text[400];
     std::snprintf(
         text, sizeof text,
@@ -38,7 +41,23 @@ void CheckOnePositionPerLandmark(const LayeredGrid& counts, const MapRules& rule
         "do odometry and observations use one clock, and were identities mixed up?",
         places[0].count, count.Sum(), places[0].x_m, places[0].y_m, places[1].count, places[1].x_m,
         places[1].y_m);
-    throw InputError("the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text);
+    found.push_back(
+        {type, std::hypot(places[0].x_m - places[1].x_m, places[0].y_m - places[1].y_m),
+         "the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text});
+  }
+  return found;
+}
+
+void CheckOnePositionPerLandmark(const std::vector<InTwoPlaces>& found,
+                                 const std::vector<Landmark>& landmarks, const ModelFit* fit) {
+  for (const InTwoPlaces& landmark : found) {
+    const auto at = std::ranges::find(landmarks, landmark.type, &Landmark::type);
+    if (fit == nullptr || at == landmarks.end()) throw InputError(landmark.reason);
+    const std::vector<double>& off_m = fit->off_m[static_cast<std::size_t>(at - landmarks.begin())];
+    const auto elsewhere = static_cast<double>(
+        std::ranges::count_if(off_m, [&](double off) { return off > 0.25 * landmark.apart_m; }));
+    if (elsewhere >= std::max(kLeastElsewhere, kShareElsewhere * static_cast<double>(off_m.size())))
+      throw InputError(landmark.reason);
   }
 }
 

@@ -4,15 +4,26 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/landmark_map/refinement/model_fit.h"
 #include "pipelines/landmark_map/state/partial.h"
 
 namespace cairn::landmark_map {
 
-// A landmark with an identity stands in one place.
-// Throws InputError that names it and both places where a quarter of what was expected of it, and four
-// observations at least, lies around a second one: identities were mixed up, or a robot lost its way.
-void CheckOnePositionPerLandmark(const LayeredGrid& counts, const MapRules& rules,
-                                 const std::vector<std::string>& names);
+// A landmark with an identity stands in one place: those of which a quarter of what was expected, and four
+// observations at least, lies around a second one. Identities were mixed up, or a robot lost its way.
+struct InTwoPlaces {
+  int type = 0;
+  double apart_m = 0.0;
+  std::string reason;  // names it and both places
+};
+std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
+                                              const std::vector<std::string>& names);
+
+// Of those that EM finds in two places, least squares may find the one: where all but a quarter of a
+// landmark's observations lie within a quarter of the way from one to the other.
+// Throws InputError with the first reason that stays. `fit`: nullptr where there was no least squares.
+void CheckOnePositionPerLandmark(const std::vector<InTwoPlaces>& found,
+                                 const std::vector<Landmark>& landmarks, const ModelFit* fit);
 
 // Of robots that start anywhere, in their first round, under a map that is not theirs.
 // Throws InputError that names the robot where the map makes its observations no likelier than if every one

@@ -39,23 +39,39 @@ void ExpectContains(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-TEST(CheckOnePositionPerLandmark, NamesTheLandmarkAndBothPlaces) {
-  try {
-    CheckOnePositionPerLandmark(CountsAt(10.0, 6.0), RulesOfContradictions(), {"tower"});
-    FAIL();
-  } catch (const InputError& error) {
-    ExpectContains(error.what(), "'tower' stands in two places: 10 of its 16");
-    ExpectContains(error.what(), "(2.00, 1.00)");
-    ExpectContains(error.what(), "6 around (18.00, 1.00)");
-    for (const char* cause : {"do bearings grow counter-clockwise", "are ranges in metres", "use one clock",
-                              "were identities mixed up?"})
-      ExpectContains(error.what(), cause);
-  }
+TEST(LandmarksInTwoPlaces, NamesTheLandmarkAndBothPlaces) {
+  const auto found = LandmarksInTwoPlaces(CountsAt(10.0, 6.0), RulesOfContradictions(), {"tower"});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].type, 0);
+  EXPECT_DOUBLE_EQ(found[0].apart_m, 16.0);
+  ExpectContains(found[0].reason, "'tower' stands in two places: 10 of its 16");
+  ExpectContains(found[0].reason, "(2.00, 1.00)");
+  ExpectContains(found[0].reason, "6 around (18.00, 1.00)");
+  for (const char* cause : {"do bearings grow counter-clockwise", "are ranges in metres", "use one clock",
+                            "were identities mixed up?"})
+    ExpectContains(found[0].reason, cause);
 }
 
-TEST(CheckOnePositionPerLandmark, AFewMisreadNamesAreNone) {
-  EXPECT_NO_THROW(CheckOnePositionPerLandmark(CountsAt(100.0, 12.0), RulesOfContradictions(), {"tower"}));
-  EXPECT_NO_THROW(CheckOnePositionPerLandmark(CountsAt(5.0, 3.0), RulesOfContradictions(), {"tower"}));
+TEST(LandmarksInTwoPlaces, AFewMisreadNamesAreNone) {
+  EXPECT_TRUE(LandmarksInTwoPlaces(CountsAt(100.0, 12.0), RulesOfContradictions(), {"tower"}).empty());
+  EXPECT_TRUE(LandmarksInTwoPlaces(CountsAt(5.0, 3.0), RulesOfContradictions(), {"tower"}).empty());
+}
+
+TEST(CheckOnePositionPerLandmark, LeastSquaresFindsTheOneOrDoesNot) {
+  const std::vector<InTwoPlaces> found{{1, 8.0, "two places"}};
+  std::vector<Landmark> landmarks(2);
+  landmarks[0].type = 0;
+  landmarks[1].type = 1;
+  ModelFit fit;
+  fit.off_m = {std::vector<double>(16, 9.0), std::vector<double>(16, 1.9)};
+  std::fill_n(fit.off_m[1].begin(), 3, 2.1);
+  EXPECT_NO_THROW(CheckOnePositionPerLandmark({}, landmarks, nullptr));
+  EXPECT_NO_THROW(CheckOnePositionPerLandmark(found, landmarks, &fit));
+  fit.off_m[1][3] = 2.1;
+  EXPECT_THROW(CheckOnePositionPerLandmark(found, landmarks, &fit), InputError);
+  EXPECT_THROW(CheckOnePositionPerLandmark(found, landmarks, nullptr), InputError);
+  landmarks.pop_back();
+  EXPECT_THROW(CheckOnePositionPerLandmark(found, landmarks, &fit), InputError);
 }
 
 TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {

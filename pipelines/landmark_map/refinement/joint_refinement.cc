@@ -70,11 +70,6 @@ std::vector<Eigen::Vector3d> EmPath(const AssociatedPath& path, const Odometry& 
   return nodes;
 }
 
-Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen) {
-  const double cosine = std::cos(node[2]), sine = std::sin(node[2]);
-  return {node[0] + cosine * seen.x_m - sine * seen.y_m, node[1] + sine * seen.x_m + cosine * seen.y_m};
-}
-
 // The problem up to some node of each robot.
 LeastSquaresProblem Beginning(const LeastSquaresProblem& whole, double until_s) {
   LeastSquaresProblem part = whole;

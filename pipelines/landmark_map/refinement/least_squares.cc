@@ -27,6 +27,12 @@ constexpr double kMeanWeightedSquare = 0.7205;
 
 double SquareOfIt(double x) { return x * x; }
 
+// What of a sighting's curvature holds the motions, where their residuals are compared with what is expected
+// of them: with a the mean of the score's derivative (0.7205), b that of its square (0.5372), A the motions'
+// matrix and H the sightings', a residual's covariance lacks M^-1 (A + (2 a - b) H) M^-1 with M = A + a H,
+// which is (A + b H)^-1 to first order; in the equations H counts 0.8399, its mean weight.
+constexpr double kHoldingShare = 0.5372 / 0.8399;
+
 // Where each unknown stands in the vector of all.
 class UnknownLayout {
  public:
@@ -148,9 +154,11 @@ class NormalEquationsOf {
   const SparseFactor& factor() const { return factor_; }
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
 
-  // Minus the logarithm of the probability, and with `linearise` its matrix and gradient.
-  double Evaluate(const LeastSquaresPoint& point, bool linearise) {
+  // Minus the logarithm of the probability, and with `linearise` its matrix and gradient, in which sightings
+  // count `sighting_share`.
+  double Evaluate(const LeastSquaresPoint& point, bool linearise, double sighting_share = 1.0) {
     cost_ = 0.0;
+    sighting_share_ = sighting_share;
     if (linearise) {
       entries_.clear();
       gradient_ = Eigen::VectorXd::Zero(layout_.size());
@@ -296,7 +304,7 @@ class NormalEquationsOf {
     cost_ += 0.5 * kTail * std::log1p(term.residual.error.cwiseAbs2().dot(share) / kTail);
     if (linearise)
       AddTerm<2, 5>(term.residual.error, term.by, term.at,
-                    Eigen::Matrix2d((Weight(term.residual, seen) * share).asDiagonal()));
+                    Eigen::Matrix2d((sighting_share_ * Weight(term.residual, seen) * share).asDiagonal()));
   }
 
   const LeastSquaresProblem& problem_;
@@ -304,7 +312,7 @@ class NormalEquationsOf {
   Eigen::Vector3d anchor_;
   std::vector<std::vector<EdgeSpread>> spreads_;       // of each robot's edges
   std::vector<std::vector<Eigen::Matrix3d>> weights_;  // inverse covariances
-  double cost_ = 0.0;
+  double cost_ = 0.0, sighting_share_ = 1.0;
   Eigen::VectorXd gradient_, diagonal_;
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::SparseMatrix<double> matrix_;
@@ -324,24 +332,38 @@ Eigen::Matrix<double, kErrors, kErrors> Fitted(const Eigen::Matrix<double, kErro
   return by * covariance * by.transpose();
 }
 
+constexpr double kMostLog = 1.1;  // of a factor on a width, at a time
+
 // Squares of residuals, in units of a width, and how many of them are not used up by the fit.
 struct Redundancy {
   double squares = 0.0, count = 0.0;
-  // The factor on the width, under the prior that it is `ratio` times what it is now.
+  // The likeliest factor on the width, under the prior that it is `ratio` times what it is now: with u its
+  // logarithm, the least of count u + squares exp(-2 u) / 2 + (u - log(ratio))^2 / (2 kLogWidthSd^2).
   double Factor(double ratio) const {
-    return std::sqrt((squares + kPriorResiduals * ratio * ratio) / (std::max(0.0, count) + kPriorResiduals));
+    const double mean = std::log(ratio), weight = 1.0 / SquareOfIt(kLogWidthSd);
+    double low = -kMostLog, high = kMostLog;
+    for (int k = 0; k < 50; ++k) {
+      const double u = 0.5 * (low + high);
+      const double slope = std::max(0.0, count) - squares * std::exp(-2.0 * u) + weight * (u - mean);
+      (slope < 0.0 ? low : high) = u;
+    }
+    return std::exp(0.5 * (low + high));
   }
 };
 
 double Rescale(const Redundancy& of, double nominal, double* width, double change) {
   if (!(*width > 0.0) || !(nominal > 0.0)) return change;
-  constexpr double kMost = 3.0;  // at a time
-  const double factor = std::clamp(of.Factor(nominal / *width), 1.0 / kMost, kMost);
+  const double factor = of.Factor(nominal / *width);
   *width *= factor;
   return std::max({change, factor, 1.0 / factor});
 }
 
 }  // namespace
+
+Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen) {
+  const double cosine = std::cos(node[2]), sine = std::sin(node[2]);
+  return {node[0] + cosine * seen.x_m - sine * seen.y_m, node[1] + sine * seen.x_m + cosine * seen.y_m};
+}
 
 Eigen::Matrix3d CovarianceOf(const EdgeSpread& spread, const EdgeWidths& widths) {
   return SquareOfIt(widths.walk_rad_per_sqrt_m) * spread.walk +
@@ -401,7 +423,7 @@ LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPo
 double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPoint& point,
                         LeastSquaresProblem* problem) {
   NormalEquationsOf equations(*problem, point);
-  equations.Evaluate(point, true);
+  equations.Evaluate(point, true, kHoldingShare);
   if (!equations.Factorise(0.0)) return 0.0;
   const SelectedInverse inverse(equations.factor());
   double change = 1.0;
@@ -436,7 +458,7 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
     const Eigen::Matrix2d fitted = Fitted<2, 5>(term.by, term.at, inverse);
     const auto add = [&](int k, Redundancy* to) {
       to->squares += weight * SquareOfIt(term.residual.error[k]);
-      to->count += kMeanWeightedSquare * (1.0 - weight * share[k] * fitted(k, k));
+      to->count += kMeanWeightedSquare * (1.0 - kHoldingShare * weight * share[k] * fitted(k, k));
     };
     add(0, seen.contact() ? &contact : &range);
     add(1, seen.contact() ? &contact : &bearing);
@@ -466,6 +488,18 @@ std::vector<std::vector<double>> EdgeSigmas(const LeastSquaresProblem& problem,
     }
   }
   return sigmas;
+}
+
+std::vector<std::vector<double>> SightingErrors_m(const LeastSquaresProblem& problem,
+                                                  const LeastSquaresPoint& point) {
+  std::vector<std::vector<double>> errors_m(point.landmarks.size());
+  for (const Sighting& seen : problem.sightings) {
+    const auto robot = static_cast<std::size_t>(seen.robot), node = static_cast<std::size_t>(seen.node),
+               landmark = static_cast<std::size_t>(seen.landmark);
+    errors_m[landmark].push_back(
+        (PlaceSeen(point.nodes[robot][node], seen) - point.landmarks[landmark]).norm());
+  }
+  return errors_m;
 }
 
 SightingRepeats RepeatsIn(const LeastSquaresProblem& problem, const LeastSquaresPoint& point) {

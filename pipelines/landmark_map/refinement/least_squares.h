@@ -23,6 +23,8 @@ struct Sighting {
   double x_m = 0.0, y_m = 0.0;  // from the robot, in its own frame; (0, 0): a contact detection
   bool contact() const { return x_m == 0.0 && y_m == 0.0; }
 };
+// Where it sees the landmark from its node.
+Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen);
 
 // Standard deviations of one robot's odometry: of its heading's random walk, of turns, of ways.
 struct EdgeWidths {
@@ -85,13 +87,16 @@ std::vector<double> SightingSigmas(const LeastSquaresProblem& problem, const Lea
 // The same of each robot's motions from node to node, in all three of their errors together.
 std::vector<std::vector<double>> EdgeSigmas(const LeastSquaresProblem& problem,
                                             const LeastSquaresPoint& point);
+// How far from each landmark its sightings see it [m].
+std::vector<std::vector<double>> SightingErrors_m(const LeastSquaresProblem& problem,
+                                                  const LeastSquaresPoint& point);
 
 // One step of the estimate of all widths by redundancy: what the residuals are, in units of their widths,
 // over what they are expected to be where as many unknowns as there are fit themselves to them (W. Foerstner,
-// Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten, 1979). A prior of kPriorResiduals
-// residuals as wide as those of `nominal` holds each. Returns by what factor one has changed at most; 0: the
-// equations have no solution.
-inline constexpr double kPriorResiduals = 5.0;
+// Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten, 1979). A width's logarithm has a prior
+// around that of `nominal`, which may well be wrong by a factor of three. Returns by what factor one has
+// changed at most; 0: the equations have no solution.
+inline constexpr double kLogWidthSd = 1.0;
 double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPoint& point,
                         LeastSquaresProblem* problem);
 

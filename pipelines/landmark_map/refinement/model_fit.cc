@@ -28,6 +28,7 @@ ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& pr
   ModelFit fit;
   fit.widths = WidthsOf(nominal, problem);
   const std::vector<double> sigmas = SightingSigmas(problem, point);
+  fit.off_m = SightingErrors_m(problem, point);
   std::int64_t run = 0;
   double run_from_s = 0;
   for (std::size_t i = 0; i < sigmas.size(); ++i) {

@@ -36,9 +36,10 @@ struct ModelFit {
   // Motions between successive nodes from kJumpSigmas on, and when the worst of them ends.
   std::int64_t odometry_misfits = 0;
   double worst_odometry_s = 0;
-  std::vector<Misfit> worst;  // ten at most, the worst first
+  std::vector<Misfit> worst;               // ten at most, the worst first
+  std::vector<std::vector<double>> off_m;  // of each landmark: how far from it its observations see it
 
-  // As schema/FORMAT.md has it, under `fit/`.
+  // As schema/FORMAT.md has it, under `fit/`; without `off_m`.
   Blob ToBlob() const;
 };
 
