@@ -133,7 +133,18 @@ class Painter {
     const cv::Scalar pale = Colour(Mix(kPaper, colour, look.stroke_opacity.value_or(1)));
     for (const std::vector<Point>& piece :
          look.dashes.empty() ? std::vector<std::vector<Point>>{outline} : Dashes(outline, look))
-      cv::polylines(below, std::vector{Fixed(piece, seen_.tl())}, closed, pale, width, cv::LINE_AA, kShift);
+      cv::polylines(below, std::vector{Corners(Fixed(piece, seen_.tl()))}, closed, pale, width, cv::LINE_AA,
+                    kShift);
+  }
+
+  // Without those that lie within a pixel inside of the corner before; the ends stay.
+  static std::vector<cv::Point> Corners(const std::vector<cv::Point>& line) {
+    std::vector<cv::Point> corners;
+    for (const cv::Point& at : line) {
+      if (&at == &line.front() || &at == &line.back() || cv::norm(at - corners.back()) >= 1 << kShift)
+        corners.push_back(at);
+    }
+    return corners;
   }
 
   // Dashes go on along the whole line.
