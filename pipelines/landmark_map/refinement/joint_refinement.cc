@@ -119,7 +119,7 @@ LeastSquaresPoint TakenUpByOdometry(const LeastSquaresProblem& problem, const Le
       point.landmarks[landmark] = PlaceSeen(
           point.nodes[static_cast<std::size_t>(seen.robot)][static_cast<std::size_t>(seen.node)], seen);
     }
-    point = Descend(part, point, all ? 0 : 30).point;
+    point = Descend(part, point, all ? 0 : 30, kNearTheLeast).point;
     if (all) return point;
   }
 }
@@ -185,24 +185,27 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
   const Built built = Build(log, paths, settings, landmarks);
   if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}, {}};
   const double em_cost = CostOf(built.problem, built.em);
-  LeastSquaresEnd end = Descend(built.problem, built.em);
+  constexpr int kMostSteps = 50;
+  LeastSquaresEnd end = Descend(built.problem, built.em, kMostSteps, kNearTheLeast);
   if (end.cost > LeastOfManyTried(built.problem)) {
-    const LeastSquaresEnd other = Descend(built.problem, TakenUpByOdometry(built.problem, built.em));
+    const LeastSquaresEnd other =
+        Descend(built.problem, TakenUpByOdometry(built.problem, built.em), kMostSteps, kNearTheLeast);
     if (other.cost < end.cost) end = other;
   }
   if (!(end.cost <= em_cost))
     return {"the least squares explains less than EM's own path", landmarks, {}, {}};
 
   LeastSquaresProblem problem = built.problem;
-  constexpr int kRounds = 4;
+  constexpr int kRounds = 4, kStepsARound = 3;
   constexpr double kSettled = 1.1;  // factor on a width
   for (int round = 0; round < kRounds; ++round) {
     problem.repeats = RepeatsIn(problem, end.point);
     const double change = ReestimateWidths(built.problem, end.point, &problem);
     if (change == 0.0) return {"the least squares has no solution", landmarks, {}, {}};
-    end = Descend(problem, end.point);
     if (change < kSettled) break;
+    end = Descend(problem, end.point, kStepsARound);
   }
+  end = Descend(problem, end.point);
   constexpr double kMostScale = 0.5;
   for (const SystematicErrors& errors : end.point.errors) {
     if (!(std::max(std::abs(errors.way), std::abs(errors.turn)) < kMostScale))

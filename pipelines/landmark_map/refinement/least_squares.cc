@@ -17,9 +17,7 @@ namespace {
 constexpr double kAnchor_m = 1e-2;  // standard deviation that holds the first pose: nothing else pulls at it
 constexpr double kLeastDistance_m = 0.01;  // nearer than that there is no bearing
 constexpr double kUnheld = 1e5;            // of an unknown that no residual is of
-// Nats that a step must promise, and their share of the cost: a large problem's least lies no lower than its
-// noise.
-constexpr double kLeastDecrease = 1e-3, kLeastShareOfCost = 1e-5;
+constexpr double kLeastDecrease = 1e-3;    // nats that a step must promise
 
 // What the mean of a sighting's weighted square is of a Gaussian's: E[s / (1 + s / 9)] / 2, s a chi square of
 // two.
@@ -388,7 +386,8 @@ double CostOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point
 }
 
 // K. Madsen, H. Nielsen, O. Tingleff, Methods for non-linear least squares problems, 2004: algorithm 3.16
-LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPoint& start, int most_steps) {
+LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPoint& start, int most_steps,
+                        double share) {
   NormalEquationsOf equations(problem, start);
   LeastSquaresEnd end{start, equations.Evaluate(start, true)};
   double damping = 1e-6, growth = 2.0;
@@ -404,18 +403,19 @@ LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPo
     for (int k = 0; k < step.size(); ++k)
       promised += 0.5 * step[k] * (damping * equations.diagonal()[k] * step[k] - equations.gradient()[k]);
     const LeastSquaresPoint tried = equations.layout().Moved(end.point, step);
-    const double cost = equations.Evaluate(tried, false);
+    const double cost = equations.Evaluate(tried, true);
     if (std::isfinite(cost) && cost < end.cost) {
       const double gain = (end.cost - cost) / promised;
       damping = std::max(1e-12, damping * std::max(1.0 / 9.0, 1.0 - std::pow(2.0 * gain - 1.0, 3)));
       growth = 2.0;
       end.point = tried;
-      end.cost = equations.Evaluate(tried, true);
+      end.cost = cost;
     } else {
+      equations.Evaluate(end.point, true);
       damping *= growth;
       growth *= 2.0;
     }
-    end.settled = promised < kLeastDecrease + kLeastShareOfCost * end.cost;
+    end.settled = promised < kLeastDecrease + share * end.cost;
   }
   return end;
 }

@@ -77,10 +77,13 @@ struct LeastSquaresEnd {
   LeastSquaresPoint point;
   double cost = 0.0;
   int steps = 0;
-  bool settled = false;  // no step promises a thousandth of a nat, and a hundred thousandth of the cost
+  bool settled = false;  // no step promises more than a thousandth of a nat and `share` of the cost
 };
+// Shares of the cost: where nothing more changes, and near enough to go on otherwise. A large problem's least
+// lies no lower than its noise.
+inline constexpr double kAtTheLeast = 1e-5, kNearTheLeast = 1e-4;
 LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPoint& start,
-                        int most_steps = 50);
+                        int most_steps = 50, double share = kAtTheLeast);
 
 // How many standard deviations each sighting is off, along its ray and across it together.
 std::vector<double> SightingSigmas(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
