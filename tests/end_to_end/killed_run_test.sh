@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # kill -9 of the whole `cairn run` at several moments, then the same command again: the same bits, and no worker is left.
+# KILLS=10 and more: the long version.
 source "$(dirname "$0")/common.sh"
-kills=${KILLS:-10}
+kills=${KILLS:-5}
 
 cairn simulate loop --difficulty base --robots 2 --seed 5 log.h5 >/dev/null
 job=(cairn run landmark_map log.h5 --set cell_m=0.4 --set starts=3 --set waves=0 --workers 2 --checkpoint-rounds 1)
