@@ -191,6 +191,27 @@ class NormalEquationsOf {
     if (seen.contact()) return {1.0, 1.0};
     return {1.0 / problem_.repeats.along, 1.0 / problem_.repeats.across};
   }
+  // Of each landmark whose sightings have errors that go on: how the gradient would change if all of them
+  // erred by a standard deviation of what they have in common, along their rays or across.
+  std::vector<Eigen::VectorXd> CommonErrors(const LeastSquaresPoint& point) const {
+    const SightingRepeats& repeats = problem_.repeats;
+    const Eigen::Vector2d correlation((repeats.along - 1.0) / (repeats.along + 1.0),
+                                      (repeats.across - 1.0) / (repeats.across + 1.0));
+    std::vector<Eigen::VectorXd> errors;
+    for (int k = 0; k < 2; ++k) {
+      if (!(correlation[k] > 0.0)) continue;
+      const std::size_t first = errors.size();
+      errors.resize(first + point.landmarks.size(), Eigen::VectorXd::Zero(layout_.size()));
+      for (const Sighting& seen : problem_.sightings) {
+        if (seen.contact()) continue;
+        const SightingTerm term = Seen(point, seen);
+        const double pull = std::sqrt(correlation[k]) * Weight(term.residual, seen) * ShareOf(seen)[k];
+        Eigen::VectorXd& error = errors[first + static_cast<std::size_t>(seen.landmark)];
+        for (int i = 0; i < 5; ++i) error[term.at[i]] += pull * term.by(k, i);
+      }
+    }
+    return errors;
+  }
   // A Cauchy's: what a sighting counts less than a Gaussian's.
   double Weight(const SightingResidual& residual, const Sighting& seen) const {
     return 1.0 / (1.0 + residual.error.cwiseAbs2().dot(ShareOf(seen)) / SquareOfIt(kCauchySigmas));
@@ -530,7 +551,8 @@ SightingRepeats RepeatsIn(const LeastSquaresProblem& problem, const LeastSquares
 
 // With d the rigid motion that lays the landmarks, moved by small amounts, over where they were, d = A dl: a
 // pose in the landmarks' frame is p - G d, G what a rigid motion does to it. Its covariance takes the columns
-// Cov(., A dl) alone.
+// Cov(., A dl) alone. What a landmark's sightings err by in common is no unknown, but is considered: how far
+// it would shift all (S. Schmidt, Application of state-space methods to navigation problems, 1966).
 LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point) {
   NormalEquationsOf equations(problem, point);
   equations.Evaluate(point, true);
@@ -575,19 +597,38 @@ LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const 
     own += motion * of_motion * motion.transpose() - with * motion.transpose() - motion * with.transpose();
     return Eigen::Matrix<double, kSize, kSize>(0.5 * (own + own.transpose()));
   };
+  const auto moved_node = [&](std::size_t r, std::size_t k) {
+    Eigen::Matrix3d motion = Eigen::Matrix3d::Zero();
+    motion.topRows<2>() = moved_by(point.nodes[r][k][0], point.nodes[r][k][1]);
+    motion(2, 2) = 1.0;
+    return motion;
+  };
+  const auto moved_landmark = [&](std::size_t l) {
+    return moved_by(point.landmarks[l].x(), point.landmarks[l].y());
+  };
   LeastSquaresCovariances covariances;
   for (std::size_t r = 0; r < point.nodes.size(); ++r) {
     auto& of_robot = covariances.nodes.emplace_back();
-    for (std::size_t k = 0; k < point.nodes[r].size(); ++k) {
-      Eigen::Matrix3d motion = Eigen::Matrix3d::Zero();
-      motion.topRows<2>() = moved_by(point.nodes[r][k][0], point.nodes[r][k][1]);
-      motion(2, 2) = 1.0;
-      of_robot.push_back(transformed.template operator()<3>(layout.Node(r, k), motion));
-    }
+    for (std::size_t k = 0; k < point.nodes[r].size(); ++k)
+      of_robot.push_back(transformed.template operator()<3>(layout.Node(r, k), moved_node(r, k)));
   }
-  for (std::size_t l = 0; l < point.landmarks.size(); ++l) {
-    const Eigen::Matrix<double, 2, 3> motion = moved_by(point.landmarks[l].x(), point.landmarks[l].y());
-    covariances.landmarks.push_back(transformed.template operator()<2>(layout.Landmark(l), motion));
+  for (std::size_t l = 0; l < point.landmarks.size(); ++l)
+    covariances.landmarks.push_back(
+        transformed.template operator()<2>(layout.Landmark(l), moved_landmark(l)));
+
+  for (const Eigen::VectorXd& bias : equations.CommonErrors(point)) {
+    const Eigen::VectorXd shift = equations.factor().solve(bias);
+    const Eigen::Vector3d of_landmarks = columns.transpose() * shift;
+    for (std::size_t r = 0; r < point.nodes.size(); ++r) {
+      for (std::size_t k = 0; k < point.nodes[r].size(); ++k) {
+        const Eigen::Vector3d off = shift.segment<3>(layout.Node(r, k)) - moved_node(r, k) * of_landmarks;
+        covariances.nodes[r][k] += off * off.transpose();
+      }
+    }
+    for (std::size_t l = 0; l < point.landmarks.size(); ++l) {
+      const Eigen::Vector2d off = shift.segment<2>(layout.Landmark(l)) - moved_landmark(l) * of_landmarks;
+      covariances.landmarks[l] += off * off.transpose();
+    }
   }
   return covariances;
 }
