@@ -22,6 +22,8 @@ constexpr double kLeastDecrease = 1e-3;    // nats that a step must promise
 // What the mean of a sighting's weighted square is of a Gaussian's: E[s / (1 + s / 9)] / 2, s a chi square of
 // two.
 constexpr double kMeanWeightedSquare = 0.7205;
+// No motion's square counts more: a robot that was carried does not tell how wide odometry's errors are.
+constexpr double kMostSquareOfMotion = 9.0;
 
 double SquareOfIt(double x) { return x * x; }
 
@@ -456,9 +458,10 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
       const Eigen::Matrix3d& weight = equations.Weight(r, k);
       const Eigen::Matrix3d free = weight - weight * Fitted<3, 9>(term.by, term.at, inverse) * weight;
       const Eigen::Vector3d weighted = weight * term.error;
+      const double share = std::min(1.0, kMostSquareOfMotion / term.error.dot(weighted));
       const auto add = [&](const Eigen::Matrix3d& spread, double width, Redundancy* to) {
         const Eigen::Matrix3d part = SquareOfIt(width) * spread;
-        to->squares += weighted.dot(part * weighted);
+        to->squares += share * weighted.dot(part * weighted);
         to->count += (part * free).trace();
       };
       const EdgeSpread& spread = equations.Spread(r, k);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -148,6 +149,23 @@ TEST(ReestimateWidths, AreThoseOfTheErrors) {
   EXPECT_NEAR(bearing_rad, 1.0 * kDegree, 0.05 * kDegree);
   EXPECT_NEAR(heading, 0.5 * kDegree, 0.06 * kDegree);
   EXPECT_NEAR(way, 0.02, 0.003);
+}
+
+// Three metres that odometry counts and the robot did not go. Counted in full the width is 0.126, and they
+// are 8 of it.
+TEST(ReestimateWidths, OneMotionThatDoesNotFitWidensThemLess) {
+  EightWorld world(2, 0.1 * kDegree, 1.02, 600);
+  world.problem.robots[0].controls[300][0].forward_m += 3.0;
+  const LeastSquaresProblem nominal = world.problem;
+  LeastSquaresPoint point = Descend(world.problem, world.truth).point;
+  for (int round = 0; round < 4; ++round) {
+    ReestimateWidths(nominal, point, &world.problem);
+    point = Descend(world.problem, point).point;
+  }
+  EXPECT_LT(world.problem.widths[0].way_m_per_sqrt_m, 0.1);
+  const std::vector<double> sigmas = EdgeSigmas(world.problem, point)[0];
+  EXPECT_EQ(std::ranges::max_element(sigmas) - sigmas.begin(), 300);
+  EXPECT_GT(sigmas[300], 9.0);
 }
 
 // Each sighting errs along its ray by what the one before did, but for a tenth.
