@@ -42,7 +42,7 @@ std::string FoundText(const kinds::LandmarkMap::Search& search) {
 }
 
 // What the search says of the map it chose.
-Verdict SearchVerdict(const Blob& result) {
+Verdict SearchVerdict(const Blob& result, bool at_a_distance) {
   Verdict verdict;
   const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
   const Confidence confidence = ReadConfidence(result);
@@ -54,9 +54,11 @@ Verdict SearchVerdict(const Blob& result) {
   if (const auto lead = search.lead_nats.Optional()) verdict.numbers.emplace_back("lead_nats", *lead);
   const std::string found = FoundText(search);
   if (search.starts.Or(0) == 1) {
-    verdict.why =
-        "EM started once, no other map to compare with; it searches where the drift of the heading is stated "
-        "at import (--heading-drift-rad-per-m), or with `cairn run landmark_map LOG --set starts=10`";
+    verdict.why = "EM started once, no other map to compare with";
+    if (search.why) verdict.why += " (" + search.why.Scalar() + ")";
+  } else if (at_a_distance) {
+    verdict.trust = confidence;
+    verdict.why = found;
   } else if (const auto unlike = Unlike(search)) {
     verdict.why = found + "; how often such maps are right was not measured (" + *unlike + ")";
   } else {
@@ -130,14 +132,13 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
       share <= kFewMisfits && run < kLongRun && jumps == 0 && worst < kGross && wider <= kMuchWider;
   const bool all_named =
       std::ranges::all_of(map.map.landmark_identity.OrNone(), [](int id) { return id >= 0; });
-  if (!map.search.support && all_named) {
-    verdict->trust = share > kManyMisfits                                            ? Confidence::kLow
-                     : fits && observations >= kFew && explained_share >= kNearlyAll ? Confidence::kHigh
-                                                                                     : Confidence::kFair;
-    verdict->why = fmt::format("{} observations fit the map", observations - misfits);
-  } else if (!fits) {
-    verdict->trust = std::min(verdict->trust, share > kManyMisfits ? Confidence::kLow : Confidence::kFair);
-  }
+  const bool many = observations >= kFew && explained_share >= kNearlyAll;
+  const Confidence by_fit = share > kManyMisfits ? Confidence::kLow
+                            : fits && many       ? Confidence::kHigh
+                                                 : Confidence::kFair;
+  const bool named = !map.search.support && all_named;
+  verdict->trust = named ? by_fit : std::min(verdict->trust, by_fit);
+  verdict->why += fmt::format("{}{} observations fit the map", named ? "" : "; ", observations - misfits);
   if (misfits > 0)
     verdict->why += fmt::format(
         "; {} of {} observations do not fit the map, the worst is {:.1f} standard deviations off, "
@@ -231,7 +232,7 @@ std::string Verdict::Text() const { return std::string(Word(trust)) + ": " + why
 
 Verdict LandmarkMapVerdict(const Blob& result) {
   const auto map = Read<kinds::LandmarkMap>(result);
-  Verdict verdict = SearchVerdict(result);
+  Verdict verdict = SearchVerdict(result, map.fit.observations.Or(0) > 0);
   std::size_t observations = 0, explained = 0;
   for (const auto& robot : map.robot) {
     observations += robot.map_landmark.OrNone().size();

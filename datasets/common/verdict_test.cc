@@ -64,11 +64,10 @@ TEST(LandmarkMapVerdict, StartsThatAgreeAndASingleStart) {
   Blob once;
   once.PutScalar<std::int32_t>("search/support", 1);
   once.PutScalar<std::int32_t>("search/starts", 1);
-  EXPECT_EQ(
-      TextOf(once),
-      "not known: EM started once, no other map to compare with; it searches where the drift of the heading "
-      "is "
-      "stated at import (--heading-drift-rad-per-m), or with `cairn run landmark_map LOG --set starts=10`");
+  EXPECT_EQ(TextOf(once), "not known: EM started once, no other map to compare with");
+  once.Put("search/why", Array::Text("as many as were asked for"));
+  EXPECT_EQ(TextOf(once),
+            "not known: EM started once, no other map to compare with (as many as were asked for)");
   EXPECT_EQ(TextOf(Blob()), "not known: there was no search");
 }
 
@@ -180,6 +179,25 @@ Blob FittedMap(std::int64_t observations, std::int64_t misfits, std::int64_t run
   map.fit.stated = std::vector<double>{0.1};
   map.fit.found = std::vector<double>{range_found_m};
   return BlobOf(map);
+}
+
+// Whichever of both says less.
+TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTell) {
+  const auto searched = [](int support, double lead_nats, Blob map) {
+    map.PutAll("", Searched(support, lead_nats));
+    map.PutVector<std::int32_t>("map/landmark_identity", {-1});
+    map.Put("search/unlike", Array::Texts({"landmarks are seen at a distance"}));
+    return LandmarkMapVerdict(map);
+  };
+  const Verdict high = searched(5, 57.25, FittedMap(200, 1, 1, 0));
+  EXPECT_EQ(high.trust, Confidence::kHigh);
+  EXPECT_EQ(
+      high.why.substr(0, 104),
+      "found from 5 of 12 starts, 57.2 nats ahead of the next different map; 199 observations fit the map; ");
+  EXPECT_EQ(searched(1, 57.25, FittedMap(200, 1, 1, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(searched(5, 4.0, FittedMap(200, 1, 1, 0)).trust, Confidence::kFair);
+  EXPECT_EQ(searched(5, 57.25, FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
+  EXPECT_EQ(searched(5, 57.25, FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
 }
 
 TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {

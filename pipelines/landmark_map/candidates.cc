@@ -124,7 +124,9 @@ int CandidateRounds::waves() const {
 
 bool CandidateRounds::WentOnFrom(int candidate) const {
   for (std::size_t k = 0; k < steps_.size(); ++k) {
-    if (WentOn(k) && SameMap(candidates_[k], candidates_[static_cast<std::size_t>(candidate)])) return true;
+    if (WentOn(k) &&
+        SameMap(candidates_[k], candidates_[static_cast<std::size_t>(candidate)], settings_.alike))
+      return true;
   }
   return false;
 }

@@ -1,5 +1,7 @@
 #include "pipelines/landmark_map/landmark_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -85,14 +87,20 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
     }
     if (finer > 0.0) (*starts[0].plan.mutable_state()->mutable_scalars())[kFiner].set_d(finer);
   } else if (!inputs.Has("map") && options_.iterations > 0 && WithoutIdentities(steps, settings.map)) {
-    (*starts[0].plan.mutable_state()->mutable_blobs())["search"] = starts[0].Share(OneStartOnly());
+    Blob search = OneStartOnly();
+    search.Put("why", Array::Text(ChooseStarts(options_, *log).why));
+    (*starts[0].plan.mutable_state()->mutable_blobs())["search"] = starts[0].Share(std::move(search));
   }
   const Estimate estimate =
       EstimateJob(options_, settings, steps, starts, initial.perception ? &*initial.perception : nullptr);
   RequireMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
   cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : Merged(options_, std::move(starts));
   estimate.Store(step.plan.mutable_state());
-  step.plan.set_note(Sentence(estimate, settings, robot_states));
+  const std::string why = inputs.Has("map")          ? "the map is given"
+                          : options_.iterations == 0 ? "iterations=0 leaves nothing to choose"
+                                                     : ChooseStarts(options_, *log).why;
+  step.plan.set_note(Sentence(estimate, settings, robot_states) +
+                     fmt::format("; {} start{}: {}", settings.starts, settings.starts == 1 ? "" : "s", why));
   return step;
 }
 
@@ -200,6 +208,7 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
     Refine(candidates[static_cast<std::size_t>(choice.best)].landmarks, settings, inputs, &step);
   Blob search = ToBlob(candidates, choice, settings);
   const std::size_t landmarks = candidates[static_cast<std::size_t>(choice.best)].landmarks.size();
+  search.Put("why", Array::Text(ChooseStarts(options_, *inputs.Get("log")).why));
   search.Put("unlike", Array::Texts(UnlikeMeasured(options_, *inputs.Get("log"), landmarks)));
   (*step.plan.mutable_state()->mutable_blobs())["search"] = step.Share(std::move(search));
   PlanTasks(options_, inputs.Get("log")->Texts("robots"), &step.plan);

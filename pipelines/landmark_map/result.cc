@@ -9,7 +9,7 @@
 
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
-#include "pipelines/landmark_map/refinement/joint_refinement.h"
+#include "pipelines/landmark_map/refinement/all_rows.h"
 #include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
 #include "schema/kinds/landmark_map.h"
@@ -225,16 +225,9 @@ void FindInImages(const Settings& settings, const Inputs& inputs, const RoundSum
   }
 }
 
-void PutAssociations(const RobotSteps& steps, const Associated& associated, const std::string& prefix,
-                     Blob* result) {
-  std::vector<std::int32_t> rows;
-  std::vector<double> row_probability;
-  for (const std::int32_t k : steps.row_observation) {
-    rows.push_back(k < 0 ? -1 : associated.landmark[static_cast<std::size_t>(k)]);
-    row_probability.push_back(k < 0 ? 0.0 : associated.probability[static_cast<std::size_t>(k)]);
-  }
-  result->PutVector(prefix + "map_landmark", rows);
-  result->PutVector(prefix + "probability", row_probability);
+void PutAssociations(const RowAssociations& rows, const std::string& prefix, Blob* result) {
+  result->PutVector(prefix + "map_landmark", rows.landmark);
+  result->PutVector(prefix + "probability", rows.probability);
 }
 
 // Nothing where the partials have none.
@@ -324,15 +317,19 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   if (settings.map.classes.count == 1 && !IsGivenMap(inputs, counts) && !settings.incremental) {
     FindInImages(settings, inputs, sum, odometry, &landmarks, &associated);
   }
-  const std::vector<Landmark> found = landmarks;
+  std::vector<RobotSteps> steps;
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    steps.push_back(Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r))));
+  std::vector<AssociatedPath> paths = AssociatedPaths(sum, steps, odometry);
+  std::vector<RowAssociations> rows;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    paths[r].associated = associated[r];
+    rows.push_back(RowsOfEm(paths[r]));
+  }
+  std::vector<Landmark> found = landmarks;
   JointRefinement refined;
   if (jointly && not_refined.empty()) {
-    std::vector<RobotSteps> steps;
-    for (std::size_t r = 0; r < robots.size(); ++r)
-      steps.push_back(Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r))));
-    std::vector<AssociatedPath> paths = AssociatedPaths(sum, steps, odometry);
-    for (std::size_t r = 0; r < robots.size(); ++r) paths[r].associated = associated[r];
-    refined = RefineJointly(log, paths, settings, landmarks);
+    refined = RefineWithAllRows(log, paths, settings, &found, &rows);
     landmarks = refined.landmarks;
     if (!refined.refused.empty()) not_refined = "refused: " + refined.refused;
   }
@@ -344,14 +341,13 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.Put("log_hash", Array::Text(blob.Without("truth/").ContentHash().Hex()));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
-    const RobotSteps steps = Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r)));
     const Odometry track = Until(Integrate(log.robot[r].odometry, robots[r]), settings.steps.until_s);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
-    PathWriter(steps, track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
+    PathWriter(steps[r], track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
                settings.steps.until_s, refined.paths.empty() ? nullptr : &refined.paths[r])
         .Write(prefix + "poses/", &result);
-    PutAssociations(steps, associated[r], prefix + "observations/", &result);
-    PutBeliefs(steps, summaries, prefix + "beliefs/", &result);
+    PutAssociations(rows[r], prefix + "observations/", &result);
+    PutBeliefs(steps[r], summaries, prefix + "beliefs/", &result);
     const double drift_rad_per_m =
         refined.paths.empty() ? odometry[r].drift_rad_per_m : refined.paths[r].errors().drift_rad_per_m;
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift_rad_per_m);

@@ -60,10 +60,9 @@ double ScoreOf(const Candidate& candidate, const Settings& settings) {
          std::log(settings.places) * static_cast<double>(candidate.landmarks.size());
 }
 
-bool SameMap(const Candidate& a, const Candidate& b) {
-  constexpr double kAlike = 0.99;
+bool SameMap(const Candidate& a, const Candidate& b, double alike) {
   CAIRN_DEMAND(a.associations.size() == b.associations.size(), "maps of the same observations");
-  const double least = kAlike * static_cast<double>(a.associations.size());
+  const double least = alike * static_cast<double>(a.associations.size());
   return static_cast<double>(InAgreement(a.associations, b.associations)) >= least &&
          static_cast<double>(InAgreement(b.associations, a.associations)) >= least;
 }
@@ -81,7 +80,7 @@ Choice Choose(const std::vector<Candidate>& candidates, const Settings& settings
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (candidates[k].refit_of < 0) ++choice.starts;
     if (candidates[k].failure) continue;
-    if (SameMap(best, candidates[k])) {
+    if (SameMap(best, candidates[k], settings.alike)) {
       if (candidates[k].refit_of < 0) ++choice.support;
       continue;
     }
@@ -143,7 +142,8 @@ Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, cons
   });
   search.landmarks = column([](const Candidate& c) { return static_cast<std::int32_t>(c.landmarks.size()); });
   search.score_nats = column([&](const Candidate& c) { return ScoreOf(c, settings); });
-  search.same_map = column([&](const Candidate& c) { return !c.failure && SameMap(best, c) ? 1 : 0; });
+  search.same_map =
+      column([&](const Candidate& c) { return !c.failure && SameMap(best, c, settings.alike) ? 1 : 0; });
   search.best = choice.best;
   search.support = choice.support;
   search.starts = choice.starts;

@@ -39,8 +39,8 @@ struct Candidate {
 double ScoreOf(const Candidate& candidate, const Settings& settings);
 
 // Do both maps say alike which observations are of one landmark? Where their landmarks stand does not matter:
-// maps that are bent differently are one map. Up to one observation in a hundred may differ.
-bool SameMap(const Candidate& a, const Candidate& b);
+// maps that are bent differently are one map. So many observations must be `alike`, as a share of all.
+bool SameMap(const Candidate& a, const Candidate& b, double alike);
 
 struct Choice {
   int best = 0;

@@ -74,4 +74,50 @@ struct SquareLog {
   }
 };
 
+// A robot that goes twice round a figure of eight among six posts and sees, exactly to `range_m` and
+// `bearing_rad`, those within 12 m that are ahead. Nothing says which is which, nor how odometry errs.
+struct PostsLog {
+  double drift_rad_per_m = 3.0 * std::numbers::pi / 180.0;
+  double range_m = 0.05, bearing_rad = 0.01;
+  std::uint64_t seed = 1;
+
+  Blob Make() const {
+    constexpr double kPosts[][2] = {{3, 4}, {-4, 12}, {8, 9}, {5, -6}, {-6, -4}, {9, -12}};
+    constexpr double kRadius_m = 8.0, kStep_m = 0.4;
+    const int round = static_cast<int>(2.0 * std::numbers::pi * kRadius_m / kStep_m);
+    Rng rng(seed);
+    std::vector<double> time, turn, forward, seen_s, range, bearing;
+    double x = 0, y = 0, heading = 0;
+    for (int k = 0; k < 4 * round; ++k) {
+      const double turned = (k / round % 2 == 0 ? 1.0 : -1.0) * 2.0 * std::numbers::pi / round;
+      heading += turned;
+      x += kStep_m * std::cos(heading);
+      y += kStep_m * std::sin(heading);
+      time.push_back(0.4 * (k + 1));
+      turn.push_back(turned + drift_rad_per_m * kStep_m + 0.003 * rng.Normal());
+      forward.push_back(kStep_m + 0.005 * rng.Normal());
+      for (const auto& post : kPosts) {
+        const double distance = std::hypot(post[0] - x, post[1] - y);
+        const double ahead =
+            std::remainder(std::atan2(post[1] - y, post[0] - x) - heading, 2.0 * std::numbers::pi);
+        if (k % 2 != 0 || distance > 12.0 || std::abs(ahead) > 1.5) continue;
+        seen_s.push_back(time.back());
+        range.push_back(distance + range_m * rng.Normal());
+        bearing.push_back(ahead + bearing_rad * rng.Normal());
+      }
+    }
+    Blob log;
+    log.Put("robots", Array::Texts({"rover"}));
+    log.Put("landmarks", Array::Texts({}));
+    log.PutVector("robot/0/odometry/time_s", time);
+    log.PutVector("robot/0/odometry/turn_rad", turn);
+    log.PutVector("robot/0/odometry/forward_m", forward);
+    log.PutVector("robot/0/observations/landmark", std::vector<std::int32_t>(seen_s.size(), -1));
+    log.PutVector("robot/0/observations/time_s", seen_s);
+    log.PutVector("robot/0/observations/range_m", range);
+    log.PutVector("robot/0/observations/bearing_rad", bearing);
+    return log;
+  }
+};
+
 }  // namespace cairn::landmark_map

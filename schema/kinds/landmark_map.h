@@ -83,7 +83,7 @@ struct LandmarkMap {
     Column<double> start_drift_rad_per_m, start_prefix, drift_rad_per_m, log_likelihood, score_nats,
         lead_nats;
     Column<std::int32_t> refit_of, landmarks, same_map, best, support, starts;
-    Texts unlike;
+    Texts unlike, why;
     static void Fields(const auto& field) {
       field({"start_drift_rad_per_m", "C", Finite()}, &Search::start_drift_rad_per_m);
       field({"start_prefix", "C", Share()}, &Search::start_prefix);
@@ -97,6 +97,7 @@ struct LandmarkMap {
       field({"support", "", From(0)}, &Search::support);
       field({"starts", "", From(0)}, &Search::starts);
       field({"unlike", "U"}, &Search::unlike);
+      field({"why", ""}, &Search::why);
       field({"lead_nats", "", Free()}, &Search::lead_nats);
     }
   };

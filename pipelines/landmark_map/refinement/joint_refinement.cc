@@ -23,7 +23,7 @@ int LandmarkNamed(const std::vector<Landmark>& landmarks, int identity) {
   return found == landmarks.end() ? -1 : static_cast<int>(found - landmarks.begin());
 }
 
-std::vector<SeenRow> RowsOfLandmarks(const kinds::Log::Observations& seen, const AssociatedPath& path,
+std::vector<SeenRow> RowsOfLandmarks(const kinds::Log::Observations& seen, const RowAssociations& associated,
                                      const Settings& settings, const std::vector<Landmark>& landmarks) {
   const auto time = seen.time_s.values(), range = seen.range_m.values(), bearing = seen.bearing_rad.values();
   const auto identity = seen.landmark.values();
@@ -33,9 +33,8 @@ std::vector<SeenRow> RowsOfLandmarks(const kinds::Log::Observations& seen, const
     int landmark = -1;
     if (identity[i] >= 0) {
       landmark = LandmarkNamed(landmarks, identity[i]);
-    } else if (const std::int32_t used = path.steps.row_observation[i]; used >= 0) {
-      const auto k = static_cast<std::size_t>(used);
-      if (path.associated.probability[k] >= 0.5) landmark = path.associated.landmark[k];
+    } else if (associated.probability[i] >= 0.5) {
+      landmark = associated.landmark[i];
     }
     if (landmark < 0) continue;
     const bool contact = std::isnan(range[i]);
@@ -139,7 +138,8 @@ struct Built {
   std::vector<Odometry> odometry;
 };
 
-Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths, const Settings& settings,
+Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
+            const std::vector<RowAssociations>& associated, const Settings& settings,
             const std::vector<Landmark>& landmarks) {
   Built built;
   const std::vector<std::string>& robots = log.robots;
@@ -147,7 +147,7 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths, con
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const kinds::Log::Robot& robot = log.robot[r];
     built.odometry.push_back(Until(Integrate(robot.odometry, robots[r]), settings.steps.until_s));
-    const std::vector<SeenRow> rows = RowsOfLandmarks(robot.observations, paths[r], settings, landmarks);
+    const std::vector<SeenRow> rows = RowsOfLandmarks(robot.observations, associated[r], settings, landmarks);
     std::vector<double> times;
     for (const SeenRow& row : rows) times.push_back(row.time_s);
     std::vector<int> node_of;
@@ -181,8 +181,9 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths, con
 }  // namespace
 
 JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
-                              const Settings& settings, const std::vector<Landmark>& landmarks) {
-  const Built built = Build(log, paths, settings, landmarks);
+                              const std::vector<RowAssociations>& rows, const Settings& settings,
+                              const std::vector<Landmark>& landmarks) {
+  const Built built = Build(log, paths, rows, settings, landmarks);
   if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}, {}};
   const double em_cost = CostOf(built.problem, built.em);
   constexpr int kMostSteps = 50;

@@ -9,6 +9,7 @@
 #include "pipelines/landmark_map/refinement/model_fit.h"
 #include "pipelines/landmark_map/refinement/refine.h"
 #include "pipelines/landmark_map/refinement/refined_path.h"
+#include "pipelines/landmark_map/refinement/row_associations.h"
 #include "schema/kinds/log.h"
 
 namespace cairn::landmark_map {
@@ -22,10 +23,11 @@ struct JointRefinement {
 
 // Unknown are the poses at all observations of landmarks, the landmarks, and each robot's drift and scales
 // (of ways only where ranges tell it); widths are estimated too. An observation is of the landmark that it
-// names, or of that which EM takes it for, if that is likelier than not. It descends from EM's path and from
-// odometry's, which is taken up piece by piece, and the better end counts. Not where EM's own path explains
-// more.
+// names, or of that which `rows`, of each robot, take it for, if that is likelier than not. It descends from
+// EM's path and from odometry's, which is taken up piece by piece, and the better end counts. Not where EM's
+// own path explains more.
 JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
-                              const Settings& settings, const std::vector<Landmark>& landmarks);
+                              const std::vector<RowAssociations>& rows, const Settings& settings,
+                              const std::vector<Landmark>& landmarks);
 
 }  // namespace cairn::landmark_map

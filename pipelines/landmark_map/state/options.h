@@ -50,8 +50,7 @@ void VisitOptions(V& visit, Options& o) {
           "cell_m", "m", 0, 100,
           "edge of a map cell; 0: a 90th of the first robot's extent, on which several starts are searched "
           "even where this is finer; of range-bearing observations without identity whose log states no "
-          "drift as fine as "
-          "one range-bearing observation is exact, down to a fifth of that"},
+          "drift as fine as one range-bearing observation is exact, down to a fifth of that"},
       o.cell_m);
   visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
         o.heading_deg);
@@ -96,11 +95,13 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"beliefs", "", 0, 0,
                "the result also holds each step's belief, added up over headings: robot/N/beliefs"},
         o.beliefs);
-  visit(Option{"starts", "", 0, 1000,
-               "candidate starts of EM, which differ in the drift taken off the first robot's odometry and "
-               "in how much data comes first; the data choose one; 0: 10 without identities, 1 with them, "
-               "with model exact, and for range-bearing observations whose log states no drift"},
-        o.starts);
+  visit(
+      Option{"starts", "", 0, 1000,
+             "candidate starts of EM, which differ in the drift taken off the first robot's odometry and "
+             "in how much data comes first; the data choose one; 0: auto, 1 where every observation names "
+             "its landmark and with model exact, else 10, or as many as should take ten minutes of one core; "
+             "--dry-run and the result say how many and why"},
+      o.starts);
   visit(
       Option{"waves", "", 0, 1000,
              "how often at most the search goes on: around its best candidate, with starts of drifts near "

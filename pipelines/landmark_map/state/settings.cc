@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pipelines/common/odometry.h"
+#include "pipelines/landmark_map/model/work.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -57,6 +58,7 @@ void VisitSettings(S& s, const F& f) {
   f("gauge_free", s.gauge_free);
   f("incremental", s.incremental);
   f("starts", s.starts);
+  f("alike", s.alike);
   f("places", s.places);
   f("memory_mb", s.memory_mb);
 }
@@ -108,45 +110,48 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
 // Starts spread over the drift that the log states.
 bool TellsDrift(const kinds::Log& log) { return static_cast<bool>(log.noise.heading_drift_rad_per_m); }
 
+double ExtentCell(double extent_m) { return RoundNumber(std::max(extent_m, 0.9) / 90.0); }
+
 // A 90th of the extent. Range-bearing observations without identity are told apart by where they are: a cell
-// should not blur them further than the sensor does, but a fifth is as much as the time allows. Where the log
-// tells its drift there are many starts, which need the coarse grid.
+// should not blur them further than the sensor does, but a fifth is as much as the time allows. Not where the
+// log tells its drift.
 double DefaultCell(const kinds::Log& log, const Sensing& sensing, double extent_m, double range_bearing_m) {
-  const double cell_m = RoundNumber(std::max(extent_m, 0.9) / 90.0);
+  const double cell_m = ExtentCell(extent_m);
   const bool identified = sensing.identified == sensing.observations;
   if (sensing.ranged == 0 || identified || TellsDrift(log) || !(range_bearing_m > 0.0)) return cell_m;
   return std::clamp(RoundNumber(range_bearing_m), 0.2 * cell_m, cell_m);
 }
 
-// With identities there is little to be taken for another, and the exact model may call a start impossible.
-// Range-bearing observations tie a path down at every step: where the log does not tell its drift, starts far
-// from it only cost.
-int StartsOf(const Options& options, const kinds::Log& log, const Sensing& sensing) {
-  constexpr int kSearch = 10;
-  if (options.starts > 0) return static_cast<int>(options.starts);
-  const bool identified = sensing.identified == sensing.observations;
-  return identified || options.model == "exact" || (sensing.ranged > 0 && !TellsDrift(log)) ? 1 : kSearch;
+// Starts of a log of range-bearing observations that states no drift lie so far apart that hardly any robot
+// drifts beyond them: EM follows what lies between. Those of contact detections must come near.
+constexpr double kUnstatedDrift = 0.1 * kDegree, kUnstatedDriftSearched = 0.75 * kDegree;
+
+double DriftOf(const kinds::Log& log, const Sensing& sensing, int starts) {
+  return NoiseParameter(log.noise.heading_drift_rad_per_m,
+                        starts > 1 && sensing.ranged > 0 ? kUnstatedDriftSearched : kUnstatedDrift);
 }
 
 // Over what distance a constant drift is unknown. Of several starts one is right to within a part of the
-// drift: the distance between theirs, of which an even spread has 1/12 in square. Where the log does not tell
-// how much it drifts the starts may all lie beside it.
-double DriftLength(const Options& options, const kinds::Log& log, int starts, double cell_m) {
+// drift: the distance between theirs, of which an even spread has 1/12 in square. Where nothing tells how
+// much it drifts the starts may all lie beside it.
+double DriftLength(const Options& options, const kinds::Log& log, const Sensing& sensing, int starts,
+                   double cell_m) {
   if (options.drift_length_m > 0) return options.drift_length_m;
   const double length_m = 150.0 * cell_m;
-  if (starts < 2 || !TellsDrift(log)) return length_m;
+  if (starts < 2 || !(TellsDrift(log) || sensing.ranged > 0)) return length_m;
   return std::min(1.0, SquareOf(DriftStep(starts)) / 12.0) * length_m;
 }
 
 // Odometry's errors where the log does not tell them. They are where EM starts and are estimated from there:
 // with identities from far above, for a width too small loses robots for good and one too large costs time
 // only. Without identities a large width lets landmarks be taken for one another.
-MotionNoise NoiseOf(const Options& options, const kinds::Log& log, const Sensing& sensing,
-                    double drift_length_m) {
+MotionNoise NoiseOf(const Options& options, const kinds::Log& log, const Sensing& sensing, int starts,
+                    double cell_m) {
   const double wide = sensing.identified == sensing.observations || sensing.ranged > 0 ? 3.0 : 1.0;
   const double scale = options.noise_scale;
-  return {NoiseParameter(log.noise.heading_drift_rad_per_m, 0.1 * kDegree) * scale,
-          NoiseParameter(log.noise.heading_walk_rad_per_sqrt_m, wide * 0.7 * kDegree) * scale, drift_length_m,
+  return {DriftOf(log, sensing, starts) * scale,
+          NoiseParameter(log.noise.heading_walk_rad_per_sqrt_m, wide * 0.7 * kDegree) * scale,
+          DriftLength(options, log, sensing, starts, cell_m),
           NoiseParameter(log.noise.forward_ratio, 0.02) * scale,
           NoiseParameter(log.noise.turn_ratio, wide * 0.02) * scale};
 }
@@ -222,6 +227,157 @@ void CheckGridSize(const Options& options, const Settings& settings, double exte
   }
 }
 
+void CheckOptions(const Options& options, const Sensing& sensing) {
+  if (options.model == "exact" && sensing.ranged > 0) {
+    throw InputError("model exact is for contact detections; this log has ranges and bearings: take robust");
+  }
+  if (options.cell_m > 0 && options.cell_m < 1e-3) throw InputError("cell_m: 0, or at least 0.001 m");
+  if (options.tables == "whole" && !(options.box_m > 0)) {
+    throw InputError("tables whole are those of the box that robots never leave: say box_m");
+  }
+  if (options.heading_deg > 0 && options.heading_deg < 0.25) {
+    throw InputError("heading_deg: 0, or at least 0.25 degrees");
+  }
+  if (options.growth_factor > 0 && options.growth_factor < 1.1) {
+    throw InputError("growth_factor: 0, or at least 1.1");
+  }
+}
+
+// A log, and what is read off it before anything is decided.
+struct Seen {
+  kinds::Log log;
+  Odometry odometry;  // the first robot's
+  double extent_m = 0.0;
+  Sensing sensing;
+  double range_sd_m = 0.0, bearing_sd_rad = 0.0;
+  double default_cell_m = 0.0;
+};
+
+// Throws InputError where the log has no robots, or no observations of landmarks.
+Seen ReadSeen(const Blob& blob) {
+  Seen seen;
+  seen.log = Read<kinds::Log>(blob);
+  const kinds::Log& log = seen.log;
+  if (log.robot.empty()) throw InputError("the log has no robots");
+  seen.odometry = Integrate(log.robot[0].odometry, log.robots[0]);
+  seen.extent_m = Extent(seen.odometry);
+  seen.sensing = LookAt(log);
+  if (seen.sensing.observations == 0)
+    throw InputError(log.robot[0].sensors.empty()
+                         ? "the log has controls only: without observations there is no map"
+                         : "the log has range scans and no observations of landmarks: evidence_map, "
+                           "forward_map and local_map make maps of scans");
+  const double mean_range_m = seen.sensing.mean_range_m;
+  seen.bearing_sd_rad = NoiseParameter(log.noise.bearing_rad, 0.02);
+  seen.range_sd_m = NoiseParameter(log.noise.range_m, 0.03 * mean_range_m);
+  seen.default_cell_m = DefaultCell(log, seen.sensing, seen.extent_m,
+                                    std::hypot(seen.range_sd_m, seen.bearing_sd_rad * mean_range_m));
+  return seen;
+}
+
+Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
+  const kinds::Log& log = seen.log;
+  const Sensing& sensing = seen.sensing;
+  const double extent = seen.extent_m;
+  const std::size_t robots = log.robot.size();
+  Settings settings;
+  GridSpec& grid = settings.map.grid;
+  const double bearing_sd = seen.bearing_sd_rad, range_sd = seen.range_sd_m;
+  grid.cell_m = options.cell_m > 0 ? options.cell_m : seen.default_cell_m;
+  grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
+  const double step_rad = 2.0 * std::numbers::pi / grid.headings;
+  settings.map.types = static_cast<int>(log.landmarks.size());
+  settings.map.classes = LandmarkClassesOf(log);
+  if (options.model == "exact" && settings.map.classes.count > 1)
+    throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
+  const double bearing = bearing_sd + step_rad / std::sqrt(12.0);
+  settings.map.observation_m = sensing.ranged == 0 ? NoiseParameter(log.noise.contact_m, 0.3)
+                                                   : std::hypot(range_sd, bearing * sensing.mean_range_m);
+  settings.observation_noise = {NoiseParameter(log.noise.contact_m, settings.map.observation_m), range_sd,
+                                bearing_sd};
+  SetReach(options, sensing, &settings.map);
+  settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
+  settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
+  settings.map.false_rate_per_m2 = options.false_rate_per_m2;
+  settings.map.exact = options.model == "exact";
+
+  settings.incremental = options.incremental;
+  settings.gauge_free = robots > 1 && sensing.ranged > 0;
+  settings.starts = starts;
+  // Landmarks seen at a distance may stand closer than a cell is wide: single observations say little.
+  settings.alike = sensing.ranged == 0 ? 0.99 : 0.95;
+  settings.noise = NoiseOf(options, log, sensing, starts, grid.cell_m);
+  constexpr double kShortestIncrement = 0.1;  // cells: below, steps are many and say nothing
+  if (options.max_increment_m > 0 && options.max_increment_m < kShortestIncrement * grid.cell_m) {
+    throw InputError("max_increment_m: 0, or at least a tenth of a cell");
+  }
+  const double max_increment_m =
+      options.max_increment_m > 0 ? options.max_increment_m : grid.cell_m / step_rad;
+  settings.steps = {max_increment_m, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
+                    TimeOfObservation(log, options.prefix_observations)};
+  settings.steps.classes = settings.map.classes.count;
+  settings.detection = DetectionOf(log, sensing);
+  settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
+  settings.memory_mb = options.memory_mb;
+  settings.prune = options.prune;
+  settings.keep_kernels = options.keep_kernels;
+  settings.whole_tables = options.tables == "whole";
+  settings.box_m = options.box_m;
+  settings.places = SquareOf(extent / grid.cell_m + 1.0);
+  constexpr double kTrusted_rad = 24.0 * kDegree;
+  settings.growth_start = options.growth_start > 0 ? options.growth_start
+                          : sensing.ranged == 0    ? TrustedShare(seen.odometry, settings.noise, kTrusted_rad)
+                                                   : 0.05;
+  constexpr double kFast = 2.0, kCareful = 1.3;  // a landmark that is not told must be recognised
+  const bool careful = sensing.identified < sensing.observations;
+  settings.growth_factor = options.growth_factor > 0 ? options.growth_factor : careful ? kCareful : kFast;
+  CheckGridSize(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
+                robots > 1 && sensing.ranged == 0);
+  return settings;
+}
+
+// What a start should take, in seconds of one core: its E-steps on all data and on parts that grow to it.
+double SecondsOfStart(const Settings& settings, const Seen& seen) {
+  constexpr double kOnAllData = 5.0;
+  const double growing =
+      settings.growth_start < 1.0 ? 1.0 / (1.0 - 1.0 / settings.growth_factor) : 1.0;  // a geometric series
+  const RobotSteps steps = MakeSteps(seen.log.robot[0], seen.log.robots[0], settings.steps, nullptr);
+  const EStepModel model = settings.Model(nullptr);
+  return 1e-9 * CellNanoseconds(steps, model, true) * WorkOfStep(steps, model) * steps.size() *
+         (growing + kOnAllData);
+}
+
+// The same options on the grid that several starts are searched on: two and a half default cells are enough
+// to find the basin, five are not (Victoria Park rolls up).
+Options OnSearchGrid(const Options& options, const Seen& seen) {
+  constexpr double kCoarser = 2.5;
+  Options coarse = options;
+  coarse.cell_m = std::min(ExtentCell(seen.extent_m), kCoarser * seen.default_cell_m);
+  if (options.cell_m >= coarse.cell_m) return options;
+  coarse.heading_deg = 0.0;
+  return coarse;
+}
+
+StartChoice ChooseFor(const Options& options, const Seen& seen) {
+  constexpr int kMost = 10;
+  constexpr double kMost_s = 600.0;
+  const Sensing& sensing = seen.sensing;
+  if (options.starts > 0) return {static_cast<int>(options.starts), "as many as were asked for"};
+  if (options.model == "exact") return {1, "under model=exact a start may be impossible"};
+  if (sensing.identified == sensing.observations) return {1, "every observation names its landmark"};
+  const Settings settings = ResolveWith(OnSearchGrid(options, seen), seen, kMost);
+  const double fit = kMost_s / SecondsOfStart(settings, seen);
+  const double most_deg =
+      DriftStep(kMost) * 0.5 * (kMost / 2 - 1) * settings.noise.heading_drift_rad_per_m / kDegree;
+  const std::string why = fmt::format(
+      "observations name no landmark, and {} a drift of the heading: starts are spread over {:.3g} deg/m to "
+      "either side",
+      TellsDrift(seen.log) ? "the log states" : "the log does not state", most_deg);
+  if (fit >= kMost) return {kMost, why};
+  return {std::max(1, static_cast<int>(fit)),
+          why + fmt::format("; more would take over {:.0f} s of one core", kMost_s)};
+}
+
 }  // namespace
 
 double DriftStep(int starts) {
@@ -257,93 +413,20 @@ Settings Settings::FromBlob(const Blob& blob) {
   return settings;
 }
 
-Settings Resolve(const Options& options, const Blob& blob) {
-  const auto log = Read<kinds::Log>(blob);
-  const std::size_t robots = log.robot.size();
-  if (robots == 0) throw InputError("the log has no robots");
-  const Odometry odometry = Integrate(log.robot[0].odometry, log.robots[0]);
-  const double extent = Extent(odometry);
-  const Sensing sensing = LookAt(log);
-  if (sensing.observations == 0)
-    throw InputError(log.robot[0].sensors.empty()
-                         ? "the log has controls only: without observations there is no map"
-                         : "the log has range scans and no observations of landmarks: evidence_map, "
-                           "forward_map and local_map make maps of scans");
+StartChoice ChooseStarts(const Options& options, const Blob& log) {
+  return ChooseFor(options, ReadSeen(log));
+}
 
-  if (options.model == "exact" && sensing.ranged > 0) {
-    throw InputError("model exact is for contact detections; this log has ranges and bearings: take robust");
-  }
-  if (options.cell_m > 0 && options.cell_m < 1e-3) throw InputError("cell_m: 0, or at least 0.001 m");
-  if (options.tables == "whole" && !(options.box_m > 0)) {
-    throw InputError("tables whole are those of the box that robots never leave: say box_m");
-  }
-  if (options.heading_deg > 0 && options.heading_deg < 0.25) {
-    throw InputError("heading_deg: 0, or at least 0.25 degrees");
-  }
-  if (options.growth_factor > 0 && options.growth_factor < 1.1) {
-    throw InputError("growth_factor: 0, or at least 1.1");
-  }
-  Settings settings;
-  GridSpec& grid = settings.map.grid;
-  const double bearing_sd = NoiseParameter(log.noise.bearing_rad, 0.02);
-  const double range_sd = NoiseParameter(log.noise.range_m, 0.03 * sensing.mean_range_m);
-  const double range_bearing_m = std::hypot(range_sd, bearing_sd * sensing.mean_range_m);
-  grid.cell_m = options.cell_m > 0 ? options.cell_m : DefaultCell(log, sensing, extent, range_bearing_m);
-  grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
-  const double step_rad = 2.0 * std::numbers::pi / grid.headings;
-  settings.map.types = static_cast<int>(log.landmarks.size());
-  settings.map.classes = LandmarkClassesOf(log);
-  if (options.model == "exact" && settings.map.classes.count > 1)
-    throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
-  const double bearing = bearing_sd + step_rad / std::sqrt(12.0);
-  settings.map.observation_m = sensing.ranged == 0 ? NoiseParameter(log.noise.contact_m, 0.3)
-                                                   : std::hypot(range_sd, bearing * sensing.mean_range_m);
-  settings.observation_noise = {NoiseParameter(log.noise.contact_m, settings.map.observation_m), range_sd,
-                                bearing_sd};
-  SetReach(options, sensing, &settings.map);
-  settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
-  settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
-  settings.map.false_rate_per_m2 = options.false_rate_per_m2;
-  settings.map.exact = options.model == "exact";
-
-  settings.incremental = options.incremental;
-  settings.gauge_free = robots > 1 && sensing.ranged > 0;
-  settings.starts = StartsOf(options, log, sensing);
-  settings.noise = NoiseOf(options, log, sensing, DriftLength(options, log, settings.starts, grid.cell_m));
-  constexpr double kShortestIncrement = 0.1;  // cells: below, steps are many and say nothing
-  if (options.max_increment_m > 0 && options.max_increment_m < kShortestIncrement * grid.cell_m) {
-    throw InputError("max_increment_m: 0, or at least a tenth of a cell");
-  }
-  const double max_increment_m =
-      options.max_increment_m > 0 ? options.max_increment_m : grid.cell_m / step_rad;
-  settings.steps = {max_increment_m, 4.0 * grid.cell_m, 30.0 * kDegree, settings.map.types,
-                    TimeOfObservation(log, options.prefix_observations)};
-  settings.steps.classes = settings.map.classes.count;
-  settings.detection = DetectionOf(log, sensing);
-  settings.shape = options.motion_error == "triangular" ? ErrorShape::kTriangular : ErrorShape::kGaussian;
-  settings.memory_mb = options.memory_mb;
-  settings.prune = options.prune;
-  settings.keep_kernels = options.keep_kernels;
-  settings.whole_tables = options.tables == "whole";
-  settings.box_m = options.box_m;
-  settings.places = SquareOf(extent / grid.cell_m + 1.0);
-  constexpr double kTrusted_rad = 24.0 * kDegree;
-  settings.growth_start = options.growth_start > 0 ? options.growth_start
-                          : sensing.ranged == 0    ? TrustedShare(odometry, settings.noise, kTrusted_rad)
-                                                   : 0.05;
-  constexpr double kFast = 2.0, kCareful = 1.3;  // a landmark that is not told must be recognised
-  const bool careful = sensing.identified < sensing.observations;
-  settings.growth_factor = options.growth_factor > 0 ? options.growth_factor : careful ? kCareful : kFast;
-  CheckGridSize(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
-                robots > 1 && sensing.ranged == 0);
-  return settings;
+Settings Resolve(const Options& options, const Blob& log) {
+  const Seen seen = ReadSeen(log);
+  CheckOptions(options, seen.sensing);
+  return ResolveWith(options, seen, ChooseFor(options, seen).count);
 }
 
 Options ForSearch(const Options& options, const Blob& log) {
   const Settings asked = Resolve(options, log);
-  if (asked.starts < 2 || !(options.cell_m > 0)) return options;
-  Options coarse = options;
-  coarse.cell_m = coarse.heading_deg = 0.0;
+  if (asked.starts < 2) return options;
+  const Options coarse = OnSearchGrid(options, ReadSeen(log));
   // Beyond that a map does not make the fine grid small enough: the job is reckoned, and refused, as it
   // stands.
   constexpr double kFinest = 1.0 / 25.0;

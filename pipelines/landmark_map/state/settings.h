@@ -1,6 +1,8 @@
 // What Start decides from the log and the options.
 #pragma once
 
+#include <string>
+
 #include "pipelines/landmark_map/landmarks/false_landmarks.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/model/m_step.h"
@@ -28,6 +30,7 @@ struct Settings {
   bool gauge_free = false;   // the first robot, too, starts anywhere once others have joined
   bool incremental = false;  // what is found is not looked at again
   int starts = 1;            // candidate starts
+  double alike = 0.99;       // maps that say the same of so many observations are one
   double places = 1.0;       // cells in which a landmark may stand
   double memory_mb = 4096.0;
 
@@ -40,6 +43,15 @@ struct Settings {
 // one more, spread evenly over two to either side.
 double DriftStep(int starts);
 
+// How many candidate starts EM has, and for people why so many: as many as the options ask for; where they
+// leave it open one of a log whose observations all name their landmark, under model=exact, else
+// ten, or as many as should take ten minutes of one core, reckoned from sizes.
+struct StartChoice {
+  int count = 1;
+  std::string why;
+};
+StartChoice ChooseStarts(const Options& options, const Blob& log);
+
 // From the options, the log's noise parameters, and defaults where both are silent.
 // Throws InputError where
 // - the log has no robots, or no observations of landmarks;
@@ -50,7 +62,8 @@ double DriftStep(int starts);
 // - the grid would need more than memory_mb.
 Settings Resolve(const Options& options, const Blob& log);
 
-// The same options for the search of several starts: on the default grid, where a finer one is asked for.
+// The same options for the search of several starts: on the default grid, or, where that is finer than a 90th
+// of the first robot's extent, one up to two and a half times as coarse, if the map's is finer.
 Options ForSearch(const Options& options, const Blob& log);
 
 }  // namespace cairn::landmark_map

@@ -137,6 +137,56 @@ TEST(Resolve, ManyStartsLeaveLessOfTheDriftUnknown) {
   EXPECT_NEAR(Resolve({.cell_m = 1.0, .starts = 18}, log).noise.drift_length_m, one / 48.0, 1e-9);
 }
 
+TEST(ChooseStarts, OneWhereObservationsTellWhichLandmarkIsWhichElseTen) {
+  const auto choice = [](const SquareLog& log, const Options& options = {}) {
+    return ChooseStarts(options, log.Make());
+  };
+  EXPECT_EQ(choice({.identified = true}).count, 1);
+  EXPECT_EQ(choice({.identified = true}).why, "every observation names its landmark");
+  EXPECT_EQ(choice({}, {.model = "exact"}).count, 1);
+  EXPECT_EQ(choice({}).count, 10);
+  EXPECT_EQ(choice({.ranged = true}).count, 10);
+  EXPECT_NE(choice({.ranged = true}).why.find("does not state a drift of the heading"), std::string::npos);
+  EXPECT_EQ(choice({.ranged = true}, {.starts = 4}).count, 4);
+  EXPECT_EQ(Resolve({}, SquareLog{.ranged = true}.Make()).starts, 10);
+}
+
+// By sizes: ten times as long a log under errors that fill the grid.
+TEST(ChooseStarts, NoMoreThanTenMinutesHold) {
+  const SquareLog log{.laps = 300, .side_m = 20.0, .ranged = true};
+  const StartChoice many = ChooseStarts({}, log.Make());
+  EXPECT_EQ(many.count, 10);
+  const StartChoice few = ChooseStarts({.cell_m = 0.2, .noise_scale = 10, .drift_length_m = 1e5}, log.Make());
+  EXPECT_LT(few.count, 10);
+  EXPECT_GE(few.count, 1);
+  EXPECT_NE(few.why.find("more would take over 600 s"), std::string::npos) << few.why;
+}
+
+// Of range-bearing observations starts span the drift of nearly every robot; of contact detections that log
+// tells nothing, and starts stay near.
+TEST(Resolve, StartsOfALogThatStatesNoDriftSpanThatOfAnyRobotWhereLandmarksAreSeenAtADistance) {
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const auto drift = [](bool ranged, std::int64_t starts) {
+    return Resolve({.starts = starts}, SquareLog{.ranged = ranged}.Make()).noise.heading_drift_rad_per_m;
+  };
+  EXPECT_NEAR(drift(true, 10), 0.75 * kDegree, 1e-12);
+  EXPECT_NEAR(drift(true, 1), 0.1 * kDegree, 1e-12);
+  EXPECT_NEAR(drift(false, 10), 0.1 * kDegree, 1e-12);
+  Blob told = SquareLog{.ranged = true}.Make();
+  told.PutScalar<double>("noise/heading_drift_rad_per_m", 0.002);
+  EXPECT_EQ(Resolve({}, told).noise.heading_drift_rad_per_m, 0.002);
+}
+
+// The least cells are a fifth of a 90th of the extent.
+TEST(ForSearch, IsOnCellsAtMostTwoAndAHalfTimesAsWide) {
+  const Blob log = PostsLog{}.Make();
+  const double fine_m = Resolve({}, log).map.grid.cell_m;
+  const double coarse_m = Resolve(ForSearch({}, log), log).map.grid.cell_m;
+  EXPECT_GT(coarse_m, fine_m);
+  EXPECT_LE(coarse_m, 2.5 * fine_m);
+  EXPECT_EQ(ForSearch({.starts = 1}, log).cell_m, 0.0);
+}
+
 TEST(Resolve, ALogOfScansIsSentToThePipelinesThatTakeThem) {
   Blob log = SquareLog{}.Make();
   for (const char* column : {"time_s", "range_m", "bearing_rad"})
