@@ -10,6 +10,7 @@
 
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/landmark_map.h"
+#include "schema/kinds/learning.h"
 #include "schema/kinds/local_map.h"
 
 namespace cairn::datasets {
@@ -194,6 +195,28 @@ Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<S
 
 constexpr std::int32_t kLoop = 2;  // LocalMap::Connections::kind
 
+// By how much a map predicts readings better that it was not made of than one that knows nothing.
+void AddCheck(const kinds::GridMap::Fit& fit, Verdict* verdict) {
+  constexpr double kTellsNats = 0.1;
+  if (fit.checked_readings.Or(0) == 0) return;
+  const double gain = fit.checked_nats.Scalar() - fit.ignorant_nats.Scalar();
+  AddCount("checked_readings", static_cast<std::size_t>(fit.checked_readings.Scalar()), verdict);
+  verdict->numbers.emplace_back("checked_gain_nats", gain);
+  if (gain < kTellsNats) {
+    verdict->trust = Confidence::kLow;
+    verdict->why = fmt::format(
+        "{} readings that were left out are hardly likelier in the map of the others than in one that knows "
+        "nothing of any place: its poses, its readings or what is believed of its sensors are wrong",
+        fit.checked_readings.Scalar());
+    return;
+  }
+  verdict->why = fmt::format(
+      "{} readings that were left out are each {:.2f} nats likelier in the map of the others than in one "
+      "that knows "
+      "nothing of any place; ",
+      fit.checked_readings.Scalar(), gain);
+}
+
 }  // namespace
 
 Confidence ReadConfidence(const Blob& result) {
@@ -313,13 +336,53 @@ Verdict GridMapVerdict(const Blob& result) {
     }
   }
   Verdict verdict;
-  verdict.why = "the map is as good as the poses it is made with, and cannot tell how good they are";
+  AddCheck(map.fit, &verdict);
+  if (verdict.trust == Confidence::kNone)
+    verdict.why += "the map is as good as the poses it is made with, and cannot tell how good they are";
+  if (map.cut_short.Or(0) != 0)
+    verdict.why += "; its search ended because 'rounds' allows no more, not because nothing was left to find";
   if (readings == 0) return verdict;
   AddCount("readings", readings, &verdict);
   AddCount("readings_explained", explained, &verdict);
   verdict.why +=
       fmt::format("; it explains {:.1f}% of {} readings",
                   100.0 * static_cast<double>(explained) / static_cast<double>(readings), readings);
+  return verdict;
+}
+
+Verdict NetworksVerdict(const Blob& result) {
+  const auto networks = Read<kinds::Networks>(result);
+  const std::span<const double> held_out = networks.history.validation_error_m.OrNone();
+  std::size_t best = held_out.size();
+  for (std::size_t step = 0; step < held_out.size(); ++step)
+    if (std::isfinite(held_out[step]) && (best == held_out.size() || held_out[step] < held_out[best]))
+      best = step;
+  Verdict verdict;
+  const double prior = networks.prior_error_m.Or(NAN),
+               held_out_prior = networks.validation_prior_error_m.Or(NAN);
+  if (best == held_out.size() || !(held_out_prior > 0) || !(prior > 0)) {
+    verdict.why =
+        "no run was held out of their training ('holdout'), and nothing else tells what they are worth on "
+        "another";
+    return verdict;
+  }
+  const double reduced = 1 - held_out[best] / held_out_prior;
+  const double reduced_in_training = 1 - networks.history.training_error_m[best] / prior;
+  verdict.numbers = {{"held_out_reduction", reduced}, {"training_reduction", reduced_in_training}};
+  verdict.trust = reduced > 0 && 2 * reduced >= reduced_in_training ? Confidence::kFair : Confidence::kLow;
+  if (reduced <= 0) {
+    verdict.why =
+        "on the run that was held out they are of no more use than a detector that always says the same";
+    return verdict;
+  }
+  verdict.why = fmt::format(
+      "on the run that was held out they take {:.1f}% off the error of a robot that senses nothing, on those "
+      "that they "
+      "were trained on {:.1f}%",
+      100 * reduced, 100 * reduced_in_training);
+  verdict.why += verdict.trust == Confidence::kLow
+                     ? ": most of what they have learned is of no use elsewhere"
+                     : "; which step's weights are kept was chosen by the former, so it is a little too good";
   return verdict;
 }
 

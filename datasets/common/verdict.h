@@ -47,8 +47,16 @@ Verdict LandmarkMapVerdict(const Blob& result);
 // pipelines/local_map/EXPERIMENTS.md says. Not known where no loop was found.
 Verdict LocalMapVerdict(const Blob& result);
 
-// Of a grid_map: how many readings the map explains. Whether the poses are right it cannot tell: not known.
+// Of a grid_map: by how many nats readings that were left out are likelier in the map of the others than in
+// one that knows nothing (`fit/`), whether the search ended by itself, how many readings the map explains.
+// Whether the poses are right it cannot tell: not known. Low: by less than 0.1.
 Verdict GridMapVerdict(const Blob& result);
+
+// Of networks: by how much they reduce the error of a robot that senses nothing (which is what a detector
+// that always says the same leaves it at) on the run that was held out, beside those that they were trained
+// on, at the step whose weights are kept. Fair: at least half as much; never high, for that run chose the
+// step. Low: less. Not known where no run was held out.
+Verdict NetworksVerdict(const Blob& result);
 
 // Why the landmarks of a map are not those of the least squares over its associations (refinement/reason):
 // "refused: the weighted squares of its residuals rose from 210.4 to 388.0", "not tried: refine=false". Empty

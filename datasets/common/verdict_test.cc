@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -240,6 +241,49 @@ TEST(GridMapVerdict, CountsTheReadingsThatTheMapExplains) {
   const Verdict verdict = GridMapVerdict(result);
   EXPECT_EQ(verdict.trust, Confidence::kNone);
   EXPECT_NE(verdict.why.find("it explains 50.0% of 4 readings"), std::string::npos) << verdict.why;
+}
+
+TEST(GridMapVerdict, SaysHowWellReadingsThatWereLeftOutAreForetold) {
+  Blob result;
+  result.PutScalar<std::int64_t>("fit/checked_readings", 900);
+  result.PutScalar<double>("fit/checked_nats", 0.5);
+  result.PutScalar<double>("fit/ignorant_nats", -1.25);
+  Verdict verdict = GridMapVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kNone);
+  EXPECT_EQ(verdict.why.find("900 readings that were left out are each 1.75 nats likelier"), 0U)
+      << verdict.why;
+  EXPECT_EQ(verdict.numbers.at(1), (std::pair<std::string, double>("checked_gain_nats", 1.75)));
+  EXPECT_EQ(verdict.why.find("its search ended"), std::string::npos);
+  result.PutScalar<std::uint8_t>("search/cut_short", 1);
+  EXPECT_NE(GridMapVerdict(result).why.find("its search ended because 'rounds'"), std::string::npos);
+  result.PutScalar<double>("fit/ignorant_nats", 0.45);
+  verdict = GridMapVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kLow);
+  EXPECT_NE(verdict.why.find("hardly likelier"), std::string::npos) << verdict.why;
+}
+
+Blob TrainedNetworks(const std::vector<double>& training, const std::vector<double>& held_out) {
+  Blob result;
+  result.PutVector("history/training_error_m", training);
+  result.PutVector("history/validation_error_m", held_out);
+  result.PutScalar<double>("prior_error_m", 10);
+  result.PutScalar<double>("validation_prior_error_m", std::isnan(held_out[0]) ? NAN : 8);
+  return result;
+}
+
+TEST(NetworksVerdict, IsByTheRunThatWasHeldOut) {
+  Verdict verdict = NetworksVerdict(TrainedNetworks({9, 6, 5}, {8, 6, 7}));
+  EXPECT_EQ(verdict.trust, Confidence::kFair);
+  EXPECT_EQ(verdict.numbers[0].second, 0.25);
+  EXPECT_EQ(verdict.numbers[1].second, 0.4);
+  EXPECT_EQ(verdict.why.find("on the run that was held out they take 25.0% off"), 0U) << verdict.why;
+  EXPECT_EQ(NetworksVerdict(TrainedNetworks({9, 3, 2}, {8, 6, 7})).trust, Confidence::kLow);
+  verdict = NetworksVerdict(TrainedNetworks({9, 6}, {8, 9}));
+  EXPECT_EQ(verdict.trust, Confidence::kLow);
+  EXPECT_NE(verdict.why.find("a detector that always says the same"), std::string::npos) << verdict.why;
+  verdict = NetworksVerdict(TrainedNetworks({9, 6}, {NAN, NAN}));
+  EXPECT_EQ(verdict.trust, Confidence::kNone);
+  EXPECT_NE(verdict.why.find("no run was held out"), std::string::npos) << verdict.why;
 }
 
 TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {

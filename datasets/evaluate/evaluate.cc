@@ -32,6 +32,7 @@ class Evaluator {
     Align();
     ScoreTrajectories();
     if (has_landmarks_) ScoreLandmarks();
+    ScoreCalibration();
     if (truth_associations_) {
       const TopologyScore topology =
           ScoreTopology(map_associations_, ReadLookedAt(result_, map_associations_),
@@ -222,6 +223,15 @@ class Evaluator {
     out_.landmarks = score;
   }
 
+  void ScoreCalibration() {
+    std::vector<std::pair<std::size_t, Point>> matched;
+    for (const auto& [k, t] : out_.pairs)
+      matched.emplace_back(static_cast<std::size_t>(k), all_true_[static_cast<std::size_t>(t)]);
+    std::vector<Track> truth;
+    for (const auto& robot : log_.truth.robot) truth.push_back(TrackOf(robot.poses));
+    out_.calibration = Calibrate(result_, matched, truth);
+  }
+
   const Blob& result_blob_;
   const Blob& log_blob_;
   const kinds::LandmarkMap result_;
@@ -316,6 +326,7 @@ Scores MakeScores(const Evaluation& evaluation) {
   AddLandmarks(evaluation.landmarks, &scores);
   AddTrajectories(evaluation, &scores);
   AddTopology(evaluation, &scores);
+  AddCalibration(evaluation.calibration, &scores);
   scores.Add("iterations", evaluation.iterations);
   scores.Add("seconds", OrNone(evaluation.seconds));
   if (!evaluation.refinement_refused.empty()) scores.Add("refinement", evaluation.refinement_refused);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/evaluate/calibration.h"
 #include "datasets/evaluate/matching/point_match.h"
 #include "datasets/evaluate/matching/similarity.h"
 #include "datasets/evaluate/scores.h"
@@ -44,6 +45,7 @@ struct Evaluation {
   // Where it has: observations that are truly of a landmark, and those of them that are in none of the map's;
   // observations that are in one, and those of them that are truly of another, or of nothing.
   std::int64_t observations = 0, unused = 0, associations = 0, wrong = 0;
+  Calibration calibration;
   std::int64_t iterations = 0;     // of the expectation maximisation, that without a map included
   std::optional<double> seconds;   // wall time, where the result's provenance tells it
   std::string refinement_refused;  // why its landmarks are not refined; empty: it was not refused

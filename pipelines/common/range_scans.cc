@@ -49,6 +49,8 @@ void CheckRanges(const RangeScans& sensor) {
   }
 }
 
+constexpr double kCheckedShare = 0.1;  // where none are held out
+
 // Scan `s` of `count`: whether it lies in the last part of its tenth of the log.
 std::uint8_t IsHeldOut(std::size_t s, std::size_t count, double share) {
   constexpr std::size_t kPeriods = 10;
@@ -157,6 +159,9 @@ PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions&
           PlaceScans(PoseTrack::Of(log, poses, r, options.pose_gap_s), options.skip_unposed, &sensor);
       for (std::size_t s = 0; s < sensor.scans(); ++s)
         sensor.held_out.push_back(IsHeldOut(s, sensor.scans(), options.heldout));
+      sensor.checked = sensor.held_out;
+      for (std::size_t s = 0; s < sensor.scans() && options.heldout == 0; ++s)
+        sensor.checked[s] = IsHeldOut(s, sensor.scans(), kCheckedShare);
       if (sensor.scans() > 0) scans.sensors.push_back(std::move(sensor));
     }
   }
@@ -218,6 +223,7 @@ Blob ScansBlob(const RangeScans& sensor) {
   PutRows("pose/", sensor.pose, &blob);
   if (!sensor.turret_rad.empty()) blob.PutVector("turret_rad", sensor.turret_rad);
   blob.PutVector("held_out", sensor.held_out);
+  blob.PutVector("checked", sensor.checked);
   blob.PutVector("row", sensor.row);
   return blob;
 }
@@ -231,6 +237,7 @@ RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log) {
   result.max_range_m = sensor.Scalar<double>("max_range_m");
   result.time_s = Column<double>::In(scans, "time_s").vector();
   result.held_out = Column<std::uint8_t>::In(scans, "held_out").vector();
+  result.checked = Column<std::uint8_t>::In(scans, "checked").vector();
   if (const auto turret = Column<double>::In(scans, "turret_rad")) result.turret_rad = turret.vector();
   result.row = Column<std::int64_t>::In(scans, "row").vector();
   result.range_m = RowsOf(log.at(result.name + "range_m"), result.row, result.beams.size());

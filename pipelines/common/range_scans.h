@@ -22,6 +22,7 @@ struct RangeScans {
   std::vector<double> time_s;          // [S]
   std::vector<Pose> pose;              // [S] of the robot
   std::vector<std::uint8_t> held_out;  // [S] 1: kept for evaluation, not for the map
+  std::vector<std::uint8_t> checked;   // [S] 1: a map of the others is checked with it (checked_readings.h)
   std::vector<std::int64_t> row;       // [S] which of the log's scans
   Array range_m;                       // [S,B] f64; NaN: nothing within reach, or no answer
 

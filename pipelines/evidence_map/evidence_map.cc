@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <utility>
 
+#include "pipelines/common/checked_readings.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/evidence_map/cone_counts.h"
 #include "pipelines/evidence_map/log_odds.h"
@@ -19,7 +22,11 @@ constexpr double kTasks = 12, kLeastCells = 1 << 23, kMostCells = 1 << 28;
 // A slice begins at such a scan alone: there its ranges, of eight bytes, are aligned however many beams there
 // are, and need no copy.
 constexpr std::size_t kScansTogether = 8;
-constexpr double kBytesPerCell = 64;  // where maps of both kinds of sensors and the result are at hand
+// Where maps of both kinds of sensors, of the scans that the map is checked with, and the result are at hand.
+constexpr double kBytesPerCell = 72;
+
+// In a task's partial, the counts of those scans that the map is checked with.
+constexpr const char* kCheckedCounts = "checked/";
 
 // Microseconds of a core: a cell that a task goes over, by rays and by cones; one of its map; one of it that
 // is added up, and one of the result.
@@ -77,6 +84,69 @@ const Blob* PosesOf(const Inputs& inputs, BlobPtr* keep) {
   return keep->get();
 }
 
+Counts CountsOf(const Options& options, const RangeScans& scans, const GridBox& grid, Progress& progress) {
+  return scans.opening_rad > 0
+             ? CountCones(scans, grid, {options.wall_m, options.graded}, options.use_no_return, progress)
+             : CountRays(scans, grid, options.use_no_return, progress);
+}
+
+// Adds up partials of counts: those of rays and those of cones.
+class Sums {
+ public:
+  Sums(const Options& options, const GridBox& grid) : options_(options), grid_(grid) {}
+
+  void Add(const Blob& partial, bool is_of_cones) {
+    const auto cells = static_cast<std::size_t>(grid_.cells());
+    Totals& sum = totals_[is_of_cones ? 1 : 0];
+    if (sum.free.empty()) sum = {std::vector<std::int64_t>(cells), std::vector<std::int64_t>(cells)};
+    AddTo(grid_, partial, &sum);
+  }
+
+  void TakeAway(const Sums& part) {
+    const auto take = [](std::vector<std::int64_t>* from, const std::vector<std::int64_t>& what) {
+      for (std::size_t k = 0; k < what.size(); ++k) (*from)[k] -= what[k];
+    };
+    for (std::size_t kind = 0; kind < totals_.size(); ++kind) {
+      take(&totals_[kind].free, part.totals_[kind].free);
+      take(&totals_[kind].occupied, part.totals_[kind].occupied);
+    }
+  }
+
+  std::vector<double> LogOdds() const {
+    std::vector<Evidence> evidence;
+    if (!totals_[0].free.empty()) evidence.push_back({totals_.data(), options_.laser, 1});
+    if (!totals_[1].free.empty()) evidence.push_back({&totals_[1], options_.sonar, kWhole});
+    return LogOddsOf(evidence, static_cast<std::size_t>(grid_.cells()), options_.prior, options_.clamp_nats);
+  }
+
+ private:
+  const Options& options_;
+  const GridBox& grid_;
+  std::array<Totals, 2> totals_;  // of rays, of cones
+};
+
+// What readings of the sensor are like: [Thr01]'s figures, as forward_map begins with them.
+ReadingModel ModelOf(const Options& options, const RangeScans& sensor, const Blob& log) {
+  ReadingModel model;
+  const bool stated = sensor.opening_rad > 0 && log.Has("noise/sonar_m");
+  model.sigma_m =
+      std::max(stated ? log.Scalar<double>("noise/sonar_m") : model.sigma_m, options.grid.cell_m / 2);
+  model.no_echo_m = model.sigma_m;
+  model.z_max_m = sensor.max_range_m;
+  model.no_echo = options.use_no_return;
+  return model;
+}
+
+// Of a map without the scans that it is checked with.
+CheckedReadings CheckOf(const Options& options, const PosedScans& scans, const Blob& log, const GridBox& grid,
+                        std::vector<double> log_odds) {
+  for (double& l : log_odds) l = std::isnan(l) ? l : Probability(l);
+  CheckedReadings all;
+  for (const RangeScans& sensor : scans.sensors)
+    all.Add(Check(sensor, grid, log_odds, ModelOf(options, sensor, log)));
+  return all;
+}
+
 Blob ResultOf(const GridBox& grid, const std::vector<double>& log_odds) {
   std::vector<double> probability;
   std::vector<float> stored;
@@ -124,32 +194,37 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
 }
 
 Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) const {
-  const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
+  RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
   const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
   const bool cone = scans.opening_rad > 0;
-  const Counts counts =
-      cone ? CountCones(scans, grid, {options_.wall_m, options_.graded}, options_.use_no_return, progress)
-           : CountRays(scans, grid, options_.use_no_return, progress);
-  Blob partial = ToBlob(counts);
+  Blob partial = ToBlob(CountsOf(options_, scans, grid, progress));
   partial.PutScalar<std::uint8_t>("cone", cone ? 1 : 0);
+  const RangeScans checked = CheckedOnly(std::move(scans));
+  if (std::ranges::find(checked.held_out, 0) != checked.held_out.end())
+    partial.PutAll(kCheckedCounts, ToBlob(CountsOf(options_, checked, grid, progress)));
   return partial;
 }
 
 Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs) const {
   const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
-  const auto cells = static_cast<std::size_t>(grid.cells());
-  std::array<Totals, 2> totals;  // of rays, of cones
+  Sums sums(options_, grid);
+  auto of_checked = std::make_unique<Sums>(options_, grid);
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
-    Totals& sum = totals[partial->Scalar<std::uint8_t>("cone")];
-    if (sum.free.empty()) sum = {std::vector<std::int64_t>(cells), std::vector<std::int64_t>(cells)};
-    AddTo(grid, *partial, &sum);
+    const bool is_of_cones = partial->Scalar<std::uint8_t>("cone") != 0;
+    sums.Add(*partial, is_of_cones);
+    const Blob checked = partial->Sub(kCheckedCounts);
+    if (!checked.fields().empty()) of_checked->Add(checked, is_of_cones);
   }
-  std::vector<Evidence> evidence;
-  if (!totals[0].free.empty()) evidence.push_back({&totals[0], options_.laser, 1});
-  if (!totals[1].free.empty()) evidence.push_back({&totals[1], options_.sonar, kWhole});
-  Blob result = ResultOf(grid, LogOddsOf(evidence, cells, options_.prior, options_.clamp_nats));
+  std::vector<double> log_odds = sums.LogOdds();
+  sums.TakeAway(*of_checked);
+  of_checked.reset();
+  Blob result = ResultOf(grid, std::exchange(log_odds, {}));
   result.PutAll("", *inputs.Get("scan poses"));
+  BlobPtr keep;
+  const BlobPtr log = inputs.Get("log");
+  const PosedScans scans = ReadRangeScans(*log, PosesOf(inputs, &keep), options_.grid);
+  PutCheck(CheckOf(options_, scans, *log, grid, sums.LogOdds()), &result);
   Step step;
   step.plan.set_result(step.Share(std::move(result)));
   return step;

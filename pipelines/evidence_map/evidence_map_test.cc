@@ -82,6 +82,24 @@ TEST(EvidenceMap, OfManySlicesIsThatOfAllScansAtOnce) {
   }
 }
 
+// What the scans that the map is checked with had added is taken out of it exactly: the check is that of a
+// map which never knew them.
+TEST(EvidenceMap, IsCheckedWithReadingsThatItWasMadeWithout) {
+  for (const double opening_rad : {0.0, 0.26}) {
+    Options options;
+    options.grid.box_m = "-1,-1,7,6";
+    const Room room{.scans = 200, .opening_rad = opening_rad};
+    const BlobPtr whole = Map(room, options).result;
+    options.grid.heldout = 0.1;
+    const BlobPtr without = Map(room, options).result;
+    EXPECT_FALSE(whole->at("map/grid/log_odds") == without->at("map/grid/log_odds"));
+    for (const char* name : {"fit/checked_nats", "fit/ignorant_nats"})
+      EXPECT_EQ(whole->Scalar<double>(name), without->Scalar<double>(name)) << name;
+    EXPECT_EQ(whole->Scalar<std::int64_t>("fit/checked_readings"), 20 * room.beams);
+    EXPECT_GT(whole->Scalar<double>("fit/checked_nats"), whole->Scalar<double>("fit/ignorant_nats") + 0.2);
+  }
+}
+
 TEST(EvidenceMap, PosesGivenMoveTheMap) {
   Blob poses;
   poses.Put("robots", Array::Texts({"rover"}));

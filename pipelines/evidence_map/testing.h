@@ -19,6 +19,7 @@ inline RangeScans OneBeam(const std::vector<Pose>& poses, const std::vector<doub
   scans.max_range_m = max_range_m;
   scans.pose = poses;
   scans.held_out.assign(poses.size(), 0);
+  scans.checked = scans.held_out;
   for (std::size_t s = 0; s < poses.size(); ++s) {
     scans.time_s.push_back(static_cast<double>(s));
     scans.row.push_back(static_cast<std::int64_t>(s));

@@ -251,6 +251,22 @@ TEST(ForwardMap, SaysWhatExplainsEachReading) {
 }
 
 // Nothing in reach: no obstacles, and all that the beams crossed is free.
+// In place of a second search: each cell as the other readings have it, all others as in the map.
+TEST(ForwardMap, IsCheckedAlmostAsAMapThatIsMadeWithoutThoseReadings) {
+  Options options = At(0.1);
+  options.grid.box_m = "-1,-1,7,6";
+  for (const double opening_rad : {0.0, 0.26}) {
+    const Room room{.scans = 200, .opening_rad = opening_rad};
+    options.grid.heldout = 0;
+    const BlobPtr whole = MapOf(room.Log(), options);
+    options.grid.heldout = 0.1;
+    const BlobPtr without = MapOf(room.Log(), options);
+    EXPECT_EQ(whole->Scalar<std::int64_t>("fit/checked_readings"), 20 * room.beams);
+    EXPECT_NEAR(whole->Scalar<double>("fit/checked_nats"), without->Scalar<double>("fit/checked_nats"), 0.15);
+    EXPECT_GT(whole->Scalar<double>("fit/checked_nats"), whole->Scalar<double>("fit/ignorant_nats") + 0.5);
+  }
+}
+
 TEST(ForwardMap, OfReadingsWithoutEchoIsFree) {
   const BlobPtr result = MapOf(Room{.max_range_m = 0.3, .random_share = 0}.Log(), At(0.1));
   int free = 0;

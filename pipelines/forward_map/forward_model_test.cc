@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "pipelines/common/checked_readings.h"
 #include "schema/rng.h"
 
 namespace cairn::forward_map {
@@ -97,6 +99,22 @@ TEST(ExpectedLogLikelihood, WithEntropyIsABoundThatOnlyTheEStepReaches) {
   other.random += 0.1;
   EXPECT_LT(ExpectedLogLikelihood(1.1, obstacles, kModel, other) + Entropy(other),
             std::log(Density(1.1, obstacles, kModel)) - 1e-3);
+}
+
+// What checks maps, and knows nothing of this code, says the same of maps whose cells are occupied or free.
+TEST(Density, IsThatByWhichMapsAreChecked) {
+  const SensorModel model{0.6, 0.1, 0.05, 0.2, 0.3, 8};
+  const ReadingModel same{0.6, 0.1, 0.05, 0.2, 0.3, 8, true};
+  const std::vector<double> obstacles = {1, 2.5, 2.75, 7.9};
+  std::vector<MetCell> cells = {{0.5, 0}, {4, 0}};
+  for (const double distance_m : obstacles) cells.push_back({distance_m, 1});
+  std::ranges::sort(cells, {}, &MetCell::distance_m);
+  for (double z_m = 0; z_m <= 8; z_m += 0.125) {
+    for (const End end : {End::kInMap, End::kBeyond}) {
+      const double density = Density(z_m, obstacles, model, end);
+      EXPECT_NEAR(DensityOf(z_m, cells, same, end == End::kBeyond), density, 1e-12 * density) << z_m;
+    }
+  }
 }
 
 }  // namespace

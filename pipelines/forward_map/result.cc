@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipelines/common/checked_readings.h"
 #include "pipelines/forward_map/beams.h"
 #include "pipelines/forward_map/weigh.h"
 #include "schema/kinds/grid_map.h"
@@ -14,20 +15,40 @@ struct Cells {
   std::vector<std::uint8_t> occupied;
   std::vector<double> difference;
   std::vector<std::uint8_t> dynamic;
+  std::vector<double> unchecked;  // the difference without the readings that the map is checked with
 };
 
 void TakeTile(const Blob& certainty, const Tile& tile, const GridBox& box, Cells* cells) {
   const auto difference = certainty.Get<double>("difference_nats");
+  const auto of_checked = certainty.Get<double>("of_checked_nats");
   const auto came_and_went = certainty.Get<std::uint8_t>("came_and_went");
   for (std::size_t own = 0; own < difference.size(); ++own) {
     const auto at = static_cast<std::int64_t>(own);
     const auto cell = static_cast<std::size_t>((tile.row + at / tile.columns) * box.columns + tile.column +
                                                at % tile.columns);
     cells->difference[cell] = difference[own];
+    cells->unchecked[cell] = difference[own] - of_checked[own];
     // What was an obstacle while sigma was larger, and no reading tells of any more.
     if (std::isnan(difference[own])) cells->occupied[cell] = 0;
     if (came_and_went[own] != 0) cells->dynamic[cell] = kCameAndWent;
   }
+}
+
+// Of what the other readings say of each cell, all other cells as in the map.
+CheckedReadings CheckOf(const Options& options, const PosedScans& scans, const MapState& map,
+                        const Cells& cells) {
+  constexpr double kSaysNothing = 0.01;
+  std::vector<double> probability;
+  for (const double difference : cells.unchecked)
+    probability.push_back(std::abs(difference) >= kSaysNothing ? ProbabilityOf(difference, options.prior)
+                                                               : std::numeric_limits<double>::quiet_NaN());
+  CheckedReadings all;
+  for (std::size_t k = 0; k < scans.sensors.size(); ++k) {
+    const SensorModel& m = map.models[k];
+    const ReadingModel model{m.p_hit, m.p_rand, m.p_lost, m.sigma_m, m.no_echo_m, m.z_max_m, options.no_echo};
+    all.Add(Check(scans.sensors[k], map.box, probability, model));
+  }
+  return all;
 }
 
 // Marks where readings ended that are of nothing in the map, in cells that are known to be free: on rays the
@@ -74,8 +95,9 @@ double ProbabilityOf(double difference_nats, double prior) {
 Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, const MapState& map,
               const std::vector<Tile>& tiles, const Blob& history, const Schedule& schedule,
               Partials& partials) {
-  Cells cells{.occupied = map.occupied, .difference = {}, .dynamic = {}};
+  Cells cells{.occupied = map.occupied, .difference = {}, .dynamic = {}, .unchecked = {}};
   cells.difference.assign(map.occupied.size(), std::numeric_limits<double>::quiet_NaN());
+  cells.unchecked = cells.difference;
   cells.dynamic.assign(map.occupied.size(), kStays);
   for (std::size_t i = 0; i < tiles.size(); ++i) TakeTile(*partials.Get(i), tiles[i], map.box, &cells);
   Blob result = history;
@@ -90,6 +112,7 @@ Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, 
     MarkPassers(sensor, explained->Get<std::int32_t>("cause"), options, map.models[k], map.box, &cells);
   }
   PutMap(options, map, cells, &result);
+  PutCheck(CheckOf(options, scans, map, cells), &result);
   return result;
 }
 

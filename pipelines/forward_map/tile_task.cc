@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipelines/common/checked_readings.h"
 #include "pipelines/forward_map/beams.h"
 #include "pipelines/forward_map/dynamic.h"
 
@@ -188,8 +189,13 @@ Proposal SearchTile(const Options& options, const MapState& map, const Tile& til
 
 Certainty CertaintyOfTile(const Options& options, const MapState& map, const Tile& tile,
                           const std::vector<RangeScans>& sensors, Progress& progress) {
-  const TileGains made =
-      GainsOfTile(map, map.models, tile, sensors, options.no_echo, Elsewhere::kAsInTheMap, progress);
+  const auto gains_of = [&](const std::vector<RangeScans>& of) {
+    return GainsOfTile(map, map.models, tile, of, options.no_echo, Elsewhere::kAsInTheMap, progress);
+  };
+  const TileGains made = gains_of(sensors);
+  std::vector<RangeScans> checked;
+  for (const RangeScans& sensor : sensors) checked.push_back(CheckedOnly(sensor));
+  const TileGains of_checked = gains_of(checked);  // a flip's gain is a sum over readings
   Certainty certainty;
   for (std::int32_t cell = 0; cell < made.patch.cells(); ++cell) {
     const bool occupied = made.gains.occupied()[static_cast<std::size_t>(cell)] != 0;
@@ -200,6 +206,8 @@ Certainty CertaintyOfTile(const Options& options, const MapState& map, const Til
                                                                : gain);
     const bool passing = occupied && CameAndWentNats(made.gains, made.time_s, cell) > options.dynamic_nats;
     certainty.came_and_went.push_back(passing ? 1 : 0);
+    const double checked_gain = of_checked.gains.Seen(cell) ? of_checked.gains.GainOf(cell) : 0;
+    certainty.of_checked_nats.push_back(occupied ? -checked_gain : checked_gain);
   }
   return certainty;
 }

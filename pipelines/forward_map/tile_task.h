@@ -37,13 +37,14 @@ Proposal SearchTile(const Options& options, const MapState& map, const Tile& til
 
 // [Thr01] section 3.4, of the tile's cells: the difference that decides, log p(Z | m: occupied) -
 // log p(Z | m: free), NaN where no reading that matters met the cell; and whether an occupied one came and
-// went (dynamic.h).
+// went (dynamic.h). And how much of the difference those readings contribute that the map is checked with.
 struct Certainty {
-  std::vector<double> difference_nats;
+  std::vector<double> difference_nats, of_checked_nats;
   std::vector<std::uint8_t> came_and_went;
 
   static void Fields(const auto& field) {
     field("difference_nats", &Certainty::difference_nats);
+    field("of_checked_nats", &Certainty::of_checked_nats);
     field("came_and_went", &Certainty::came_and_went);
   }
 };

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -82,6 +83,29 @@ TEST(GainsOfTile, ReadingsThatEndInOtherTilesAreExplainedThereAtFirst) {
     sum_together += together.gains.GainOf(cell);
   }
   EXPECT_LT(sum_together, sum_alone - 100);
+}
+
+// The difference of a cell is a sum over readings: without those of the scans that the map is checked with it
+// is what a log that never had them says.
+TEST(CertaintyOfTile, TellsWhatTheReadingsContributeThatTheMapIsCheckedWith) {
+  NoProgress progress;
+  const Room room{.scans = 200, .beams = 12};
+  MapState map = EmptyMapOf(room, 0.2);
+  for (std::size_t cell = 0; cell < map.occupied.size(); cell += 7) map.occupied[cell] = 1;
+  const Tile all{0, 0, static_cast<std::int32_t>(map.box.columns), static_cast<std::int32_t>(map.box.rows)};
+  std::vector<RangeScans> sensors = SensorsOf(room);
+  const Certainty whole = CertaintyOfTile({}, map, all, sensors, progress);
+  sensors[0].held_out = sensors[0].checked;
+  const Certainty without = CertaintyOfTile({}, map, all, sensors, progress);
+  double taken_out = 0;
+  for (std::size_t cell = 0; cell < whole.difference_nats.size(); ++cell) {
+    EXPECT_EQ(without.of_checked_nats[cell], 0);
+    taken_out = std::max(taken_out, std::abs(whole.of_checked_nats[cell]));
+    if (std::isnan(without.difference_nats[cell])) continue;
+    EXPECT_NEAR(whole.difference_nats[cell] - whole.of_checked_nats[cell], without.difference_nats[cell],
+                1e-9);
+  }
+  EXPECT_GT(taken_out, 1);
 }
 
 }  // namespace

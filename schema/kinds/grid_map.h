@@ -51,10 +51,22 @@ struct GridMap {
     }
   };
 
+  // Whether the map predicts readings that it was not made of.
+  struct Fit {
+    Column<std::int64_t> checked_readings;
+    Column<double> checked_nats, ignorant_nats;
+    static void Fields(const auto& field) {
+      field({"checked_readings", "", From(0)}, &Fit::checked_readings);
+      field({"checked_nats", "", Free()}, &Fit::checked_nats);
+      field({"ignorant_nats", "", Free()}, &Fit::ignorant_nats);
+    }
+  };
+
   Grid grid;
   Texts robots, log_hash;
   std::vector<Robot> robot;
   History history;
+  Fit fit;
   Column<std::int64_t> searches;
   Column<std::uint8_t> cut_short;
 
@@ -64,6 +76,7 @@ struct GridMap {
     field({"log_hash", ""}, &GridMap::log_hash);
     field("robot", &GridMap::robot);
     field("history", &GridMap::history);
+    field("fit", &GridMap::fit);
     field({"search/searches", "", From(0)}, &GridMap::searches);
     field({"search/cut_short", "", YesNo()}, &GridMap::cut_short);
   }

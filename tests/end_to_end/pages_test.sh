@@ -86,6 +86,9 @@ cairn worker >worker.log 2>&1 &
 exits 0 cairn submit chain.yaml --json
 id=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
 exits 0 cairn watch "$id"
+head -n 1 stdout | grep -qE '^verdict +landmarks: (high|fair|low|not known): ' || die "watch does not begin with the verdict"
+exits 0 cairn watch "$id" --json
+says '"trust": "'
 exits 0 cairn results "$id" --out fetched
 for line in fetched/landmarks.h5 fetched/map.png fetched/raw/map.png fetched/forward/map.png fetched/report.html; do
   says "^$line$"

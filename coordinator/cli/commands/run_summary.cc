@@ -67,16 +67,10 @@ StageSummary Summary(const ScoredStage& stage, const std::string& file, const st
   return summary;
 }
 
-nlohmann::ordered_json ToJson(const datasets::Verdict& verdict) {
-  nlohmann::ordered_json json = {{"trust", Word(verdict.trust)}, {"why", verdict.why}};
-  for (const auto& [name, number] : verdict.numbers) json[name] = number;
-  return json;
-}
-
 nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& report) {
   nlohmann::ordered_json json = {{"stage", stage.stage}, {"kind", stage.kind}, {"result", stage.result}};
   if (!stage.picture.empty()) json["picture"] = stage.picture;
-  if (stage.verdict) json["verdict"] = ToJson(*stage.verdict);
+  if (stage.verdict) json["verdict"] = VerdictJson(*stage.verdict);
   if (!stage.found) return json;
   json["map"] = stage.result;
   json["report"] = report;
@@ -89,7 +83,7 @@ nlohmann::ordered_json ToJson(const StageSummary& stage, const std::string& repo
 // What was found, how sure it is, how good it is.
 std::string FoundText(const StageSummary& stage) {
   constexpr std::size_t kColumn = 11;
-  std::string text = stage.found->ToText(kColumn);
+  std::string text = stage.found ? stage.found->ToText(kColumn) : "";
   if (stage.verdict) text += "verdict    " + stage.verdict->Text() + "\n";
   if (stage.evaluation) text += "\nagainst the log's ground truth:\n" + stage.evaluation->ToText();
   return text;
@@ -102,6 +96,12 @@ std::string ResultLines(const StageSummary& stage) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json VerdictJson(const datasets::Verdict& verdict) {
+  nlohmann::ordered_json json = {{"trust", Word(verdict.trust)}, {"why", verdict.why}};
+  for (const auto& [name, number] : verdict.numbers) json[name] = number;
+  return json;
+}
 
 RunSummary Summarize(const ParsedJob& parsed, const std::string& dir,
                      const std::map<std::string, std::string>& results) {
@@ -133,11 +133,11 @@ std::string RunSummary::Text() const {
   for (const StageSummary& stage : stages) text += ResultLines(stage);
   if (!report.empty()) text += "report     " + report + "\n";
   for (const auto& [stage, why] : unscored) text += "not scored: " + stage + ": " + why + "\n";
-  const auto finders =
-      std::ranges::count_if(stages, [](const StageSummary& s) { return s.found.has_value(); });
+  const auto tells = [](const StageSummary& s) { return s.found.has_value() || s.verdict.has_value(); };
+  const auto tellers = std::ranges::count_if(stages, tells);
   for (const StageSummary& stage : stages) {
-    if (!stage.found) continue;
-    if (finders > 1) text += "\n" + stage.stage + "\n";
+    if (!tells(stage)) continue;
+    if (tellers > 1) text += "\n" + stage.stage + "\n";
     text += FoundText(stage);
   }
   return text;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@
 #include "datasets/evaluate/scores.h"
 
 namespace cairn::cli {
+
+// {"trust": "high", "why": …} and what it rests on.
+nlohmann::ordered_json VerdictJson(const datasets::Verdict& verdict);
 
 // Of one stage.
 struct StageSummary {

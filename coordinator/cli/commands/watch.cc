@@ -2,16 +2,20 @@
 #include <chrono>
 #include <cstdio>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "coordinator/cli/commands/client_arguments.h"
+#include "coordinator/cli/commands/report.h"
+#include "coordinator/cli/commands/run_summary.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/stop_signal.h"
 #include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/job_text.h"
+#include "schema/kinds/kind.h"
 
 namespace cairn::cli {
 namespace {
@@ -71,6 +75,50 @@ const Answer* AnswerOf(const Result<Answer>& answer, Console& console) {
   return nullptr;
 }
 
+// How far to trust what a job has found: of each stage that can be trusted or not, by its name. The service
+// knows no kind of result, so they are fetched for it. None where they do not come.
+std::vector<std::pair<std::string, datasets::Verdict>> VerdictsOf(const std::string& job,
+                                                                  coordinator::Client& client,
+                                                                  Console& console) {
+  const Result<std::map<std::string, BlobPtr>> results = client.Results(job);
+  if (!results.ok()) {
+    console.Log(Console::Level::kWarning,
+                "how far to trust the results is not known: " + results.status().message());
+    return {};
+  }
+  std::vector<ScoredStage> stages;
+  for (const auto& [stage, blob] : results.value())
+    stages.push_back({.name = stage, .kind = KindOf(*blob), .result = blob});
+  SortByJob(&stages);
+  std::vector<std::pair<std::string, datasets::Verdict>> verdicts;
+  for (const ScoredStage& stage : stages) {
+    const datasets::ResultKind* row = datasets::FindResultKind(stage.kind);
+    if (row != nullptr && row->verdict != nullptr)
+      verdicts.emplace_back(stage.name, row->verdict(*stage.result));
+  }
+  return verdicts;
+}
+
+// The verdict is the first thing that is said of a job that is done.
+std::string EndOf(const wire::JobInfo& info, bool json, coordinator::Client& client, Console& console) {
+  if (info.state() != "done") return json ? JobJson(info) : JobText(info);
+  const auto verdicts = VerdictsOf(info.id(), client, console);
+  if (!json) {
+    std::string text;
+    for (const auto& [stage, verdict] : verdicts)
+      text += "verdict  " + (verdicts.size() > 1 ? stage + ": " : "") + verdict.Text() + "\n";
+    return text + JobText(info);
+  }
+  auto facts = nlohmann::ordered_json::parse(JobJson(info));
+  facts["verdicts"] = nlohmann::ordered_json::array();
+  for (const auto& [stage, verdict] : verdicts) {
+    nlohmann::ordered_json of_stage = {{"stage", stage}};
+    of_stage.update(VerdictJson(verdict));
+    facts["verdicts"].push_back(of_stage);
+  }
+  return Dump(facts);
+}
+
 int WatchOne(const WatchArguments& options, coordinator::Client& client, const std::string& job,
              Console& console) {
   News news(console);
@@ -80,7 +128,7 @@ int WatchOne(const WatchArguments& options, coordinator::Client& client, const s
     if (info == nullptr) continue;
     if (IsOver(*info)) {
       console.Clear();
-      std::fputs((options.json ? JobJson(*info) : JobText(*info)).c_str(), stdout);
+      std::fputs(EndOf(*info, options.json, client, console).c_str(), stdout);
       return ExitCodeOf(*info);
     }
     news.Tell(*info, WaitsFor(client, *info));

@@ -1,0 +1,278 @@
+#include "datasets/evaluate/calibration.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "datasets/evaluate/matching/similarity.h"
+
+namespace cairn::datasets {
+namespace {
+
+// M. Abramowitz and I. A. Stegun, Handbook of mathematical functions, 26.4.4 and 26.4.5.
+double ChiSquareAbove(double x, int degrees) {
+  const double half = x / 2;
+  const bool is_odd = degrees % 2 == 1;
+  double above = is_odd ? std::erfc(std::sqrt(half)) : std::exp(-half);
+  for (double a = is_odd ? 0.5 : 1.0; a < degrees / 2.0; a += 1)
+    above += std::exp(a * std::log(half) - half - std::lgamma(a + 1));
+  return above;
+}
+
+// e' C^-1 e by C's Cholesky factor; none where C is singular.
+template <std::size_t kSize>
+std::optional<double> SquaredInSigmas(const std::array<double, kSize>& error,
+                                      std::span<const double> covariance) {
+  constexpr double kLeastVariance = 1e-12;  // of a micrometre, a microradian
+  double factor[kSize][kSize] = {}, squares = 0;
+  std::array<double, kSize> solved{};
+  for (std::size_t i = 0; i < kSize; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double rest = covariance[kSize * i + j];
+      for (std::size_t k = 0; k < j; ++k) rest -= factor[i][k] * factor[j][k];
+      if (i == j && !(rest > kLeastVariance)) return std::nullopt;
+      factor[i][j] = i == j ? std::sqrt(rest) : rest / factor[j][j];
+    }
+    double rest = error[i];
+    for (std::size_t k = 0; k < i; ++k) rest -= factor[i][k] * solved[k];
+    solved[i] = rest / factor[i][i];
+    squares += solved[i] * solved[i];
+  }
+  return squares;
+}
+
+// Adds up errors of so many dimensions.
+template <std::size_t kSize>
+class ErrorsInSigmas {
+ public:
+  void Add(const std::array<double, kSize>& error, std::span<const double> covariance) {
+    constexpr double kRight = 1e-6;
+    const std::optional<double> squares = SquaredInSigmas(error, covariance);
+    ++score_.count;
+    if (!squares) {
+      const bool is_right = std::ranges::all_of(error, [](double e) { return std::abs(e) < kRight; });
+      ++score_.certain;
+      score_.within_50 += is_right;
+      score_.within_95 += is_right;
+      return;
+    }
+    score_.within_50 += *squares < bound_50_;
+    score_.within_95 += *squares < bound_95_;
+    sum_ += *squares;
+  }
+
+  // `draws`: so many degrees of freedom are independent; 0: none are.
+  std::optional<CalibrationScore> Score(const CalibrationFrame& frame, std::int64_t draws,
+                                        std::string interval_takes) const {
+    if (score_.count == 0) return std::nullopt;
+    CalibrationScore score = score_;
+    score.frame = frame;
+    score.interval_takes = std::move(interval_takes);
+    if (score.count == score.certain) return score;
+    score.nees_per_dof = sum_ / static_cast<double>(kSize) / static_cast<double>(score.count - score.certain);
+    if (draws < 1) return score;
+    const auto quantile = [&](double p) {
+      return ChiSquareQuantile(p, static_cast<int>(draws)) / static_cast<double>(draws);
+    };
+    score.nees_99 = Interval{quantile(0.005), quantile(0.995)};
+    return score;
+  }
+
+ private:
+  double bound_50_ = ChiSquareQuantile(0.5, kSize), bound_95_ = ChiSquareQuantile(0.95, kSize);
+  CalibrationScore score_;
+  double sum_ = 0;
+};
+
+class Calibrator {
+ public:
+  Calibrator(const kinds::LandmarkMap& map, const std::vector<std::pair<std::size_t, Point>>& matched,
+             const std::vector<Track>& truth)
+      : map_(map), matched_(matched), truth_(truth) {}
+
+  std::optional<CalibrationScore> Landmarks() const {
+    const std::span<const double> covariance = map_.map.landmark_covariance_m2.OrNone();
+    const std::optional<Frame> frame = FrameOfLandmarks();
+    if (covariance.empty() || !frame) return std::nullopt;
+    const Similarity back = Inverse(frame->to_truth);
+    ErrorsInSigmas<2> errors;
+    for (const auto& [k, truth] : matched_) {
+      const Point ours = Landmark(k), theirs = back(truth);
+      errors.Add({ours.x_m - theirs.x_m, ours.y_m - theirs.y_m}, covariance.subspan(4 * k, 4));
+    }
+    const std::int64_t all = 2 * static_cast<std::int64_t>(matched_.size());
+    if (frame->on == "first pose")
+      return errors.Score(*frame, 2,
+                          "all landmarks are one draw, as an error of the first heading turns them together");
+    if (frame->on == "landmarks")
+      return errors.Score(*frame, all - frame->dof,
+                          "landmarks err independently, but for the 3 degrees of freedom of the alignment");
+    return errors.Score(*frame, all, "landmarks err independently");
+  }
+
+  std::optional<CalibrationScore> Poses() const {
+    std::optional<Frame> frame = OnLandmarks();
+    if (!frame) frame = OnPoses();
+    if (!frame) return std::nullopt;
+    const Similarity back = Inverse(frame->to_truth);
+    ErrorsInSigmas<3> errors;
+    const std::int64_t robots =
+        ForEachPose([&](const Pose& ours, const Pose& truth, std::span<const double> covariance) {
+          const Pose theirs = back(truth);
+          errors.Add({ours.x_m - theirs.x_m, ours.y_m - theirs.y_m,
+                      WrapAngle(ours.heading_rad - theirs.heading_rad)},
+                     covariance);
+        });
+    if (frame->on == "poses")
+      return errors.Score(
+          *frame, 3 * robots - frame->dof,
+          "each robot's path is one draw, as its poses err together, and the alignment takes one");
+    return errors.Score(*frame, 3 * robots, "each robot's path is one draw, as its poses err together");
+  }
+
+ private:
+  struct Frame : CalibrationFrame {
+    Similarity to_truth;
+  };
+
+  Point Landmark(std::size_t k) const { return {map_.map.landmark_x_m[k], map_.map.landmark_y_m[k]}; }
+
+  std::optional<Frame> FrameOfLandmarks() const {
+    const std::optional<std::size_t> first = RobotCertainOfItsFirstPose();
+    const bool from_first = first && map_.refinement_done.Or(0) != 0;
+    std::optional<Frame> frame = from_first ? FromFirstPose(*first) : OnLandmarks();
+    if (frame) return frame;
+    frame = from_first ? OnLandmarks() : std::nullopt;
+    if (!frame) frame = OnPoses();
+    if (frame) frame->is_own = false;
+    return frame;
+  }
+
+  std::optional<std::size_t> RobotCertainOfItsFirstPose() const {
+    for (std::size_t r = 0; r < map_.robot.size(); ++r) {
+      const std::span<const double> covariance = map_.robot[r].poses.covariance.OrNone();
+      if (!covariance.empty() && std::ranges::all_of(covariance.first(9), [](double c) { return c == 0; }))
+        return r;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Frame> FromFirstPose(std::size_t robot) const {
+    const kinds::PoseTable& poses = map_.robot[robot].poses;
+    const auto truth = robot < truth_.size() ? PoseAt(truth_[robot], poses.time_s[0]) : std::nullopt;
+    if (!truth) return std::nullopt;
+    Frame frame{{"first pose", 1, 0, true}, {.angle_rad = truth->heading_rad - poses[0].heading_rad}};
+    const Pose turned = frame.to_truth(poses[0]);
+    frame.to_truth.x_m = truth->x_m - turned.x_m;
+    frame.to_truth.y_m = truth->y_m - turned.y_m;
+    return frame;
+  }
+
+  // Two landmarks leave one degree of freedom, their distance.
+  std::optional<Frame> OnLandmarks() const {
+    if (matched_.size() < 3) return std::nullopt;
+    std::vector<PointPair> points;
+    for (const auto& [k, truth] : matched_) points.push_back({Landmark(k), truth});
+    return Frame{{"landmarks", static_cast<std::int64_t>(points.size()), 3, true}, FitRigid(points)};
+  }
+
+  std::optional<Frame> OnPoses() const {
+    std::vector<PointPair> points;
+    ForEachPose([&](const Pose& ours, const Pose& theirs, std::span<const double>) {
+      points.push_back({{ours.x_m, ours.y_m}, {theirs.x_m, theirs.y_m}});
+    });
+    if (points.size() < 2) return std::nullopt;
+    return Frame{{"poses", static_cast<std::int64_t>(points.size()), 3, false}, FitRigid(points)};
+  }
+
+  // Where covariance and truth are known. Returns of how many robots.
+  template <class Take>
+  std::int64_t ForEachPose(const Take& take) const {
+    std::int64_t robots = 0;
+    for (std::size_t r = 0; r < std::min(map_.robot.size(), truth_.size()); ++r) {
+      const kinds::LandmarkMap::RobotPoses& poses = map_.robot[r].poses;
+      const std::span<const double> covariance = poses.covariance.OrNone();
+      bool any = false;
+      for (std::size_t i = 0; 9 * i < covariance.size(); ++i) {
+        const auto truth = PoseAt(truth_[r], poses.time_s[i]);
+        if (truth) take(poses[i], *truth, covariance.subspan(9 * i, 9));
+        any = any || truth;
+      }
+      robots += any;
+    }
+    return robots;
+  }
+
+  const kinds::LandmarkMap& map_;
+  const std::vector<std::pair<std::size_t, Point>>& matched_;
+  const std::vector<Track>& truth_;
+};
+
+std::string FrameText(const CalibrationFrame& frame) {
+  std::string text =
+      frame.on == "first pose"
+          ? " of a robot, laid on the true one there"
+          : fmt::format(": a rigid motion found from {} of them, which takes {} degrees of freedom",
+                        frame.points, frame.dof);
+  if (!frame.is_own) text += "; the covariances are stated in another frame, which truth does not tell";
+  return text;
+}
+
+void AddErrorsInSigmas(const std::string& name, const std::optional<CalibrationScore>& score,
+                       Scores* scores) {
+  if (!score) {
+    scores->AddForPrograms(name, {});
+    return;
+  }
+  Scores group;
+  group.Add("count", score->count,
+            score->certain > 0 ? fmt::format(", {} of them with a singular covariance", score->certain) : "");
+  group.AddForPrograms("certain", score->certain);
+  group.Add("within_50", ShareOf(score->within_50, score->count), ", where 50% are expected");
+  group.Add("within_95", ShareOf(score->within_95, score->count), ", where 95% are expected");
+  std::string words = score->nees_per_dof ? " per degree of freedom" : "";
+  if (score->nees_99 && score->nees_per_dof) {
+    if (*score->nees_per_dof > score->nees_99->high) words += ": the covariances are too small";
+    if (*score->nees_per_dof < score->nees_99->low) words += ": the covariances are too large";
+  }
+  group.Add("nees", OrNone(score->nees_per_dof), words);
+  if (score->nees_99)
+    group.Add("nees_99", *score->nees_99, ", if " + score->interval_takes);
+  else
+    group.Add("nees_99", {}, "none: " + score->interval_takes);
+  group.AddForPrograms("interval_takes", score->interval_takes);
+  group.Add("frame.on", score->frame.on, FrameText(score->frame));
+  group.AddForPrograms("frame.motion", "rigid");
+  group.AddForPrograms("frame.points", score->frame.points);
+  group.AddForPrograms("frame.dof", score->frame.dof);
+  group.AddForPrograms("frame.is_own", score->frame.is_own);
+  scores->AddGroup(name, group);
+}
+
+}  // namespace
+
+double ChiSquareQuantile(double p, int degrees) {
+  double low = 0, high = degrees + 20 * std::sqrt(2.0 * degrees) + 100;
+  for (int i = 0; i < 100; ++i) {
+    const double middle = (low + high) / 2;
+    (ChiSquareAbove(middle, degrees) > 1 - p ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+Calibration Calibrate(const kinds::LandmarkMap& map,
+                      const std::vector<std::pair<std::size_t, Point>>& matched,
+                      const std::vector<Track>& truth) {
+  const Calibrator calibrator(map, matched, truth);
+  return {calibrator.Landmarks(), calibrator.Poses()};
+}
+
+void AddCalibration(const Calibration& calibration, Scores* scores) {
+  AddErrorsInSigmas("calibration.landmarks", calibration.landmarks, scores);
+  AddErrorsInSigmas("calibration.poses", calibration.poses, scores);
+}
+
+}  // namespace cairn::datasets
