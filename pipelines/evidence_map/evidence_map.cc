@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/evidence_map/cone_counts.h"
 #include "pipelines/evidence_map/log_odds.h"
@@ -72,6 +73,12 @@ void AddTasks(const std::string& log, const RangeScans& scans, const GridBox& gr
   }
 }
 
+GridBox GridIn(const Inputs& inputs, const Options& options) {
+  const auto grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  RequireGrid(grid, MostCells(options.grid, kBytesPerCell));
+  return grid;
+}
+
 const Blob* PosesOf(const Inputs& inputs, BlobPtr* keep) {
   if (inputs.Has("poses")) *keep = inputs.Get("poses");
   return keep->get();
@@ -125,7 +132,7 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
 
 Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) const {
   const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
-  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  const GridBox grid = GridIn(inputs, options_);
   const bool cone = scans.opening_rad > 0;
   const Counts counts =
       cone ? CountCones(scans, grid, {options_.wall_m, options_.graded}, options_.use_no_return, progress)
@@ -136,12 +143,12 @@ Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) con
 }
 
 Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs) const {
-  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  const GridBox grid = GridIn(inputs, options_);
   const auto cells = static_cast<std::size_t>(grid.cells());
   std::array<Totals, 2> totals;  // of rays, of cones
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
-    Totals& sum = totals[partial->Scalar<std::uint8_t>("cone")];
+    Totals& sum = totals[partial->Scalar<std::uint8_t>("cone") != 0 ? 1 : 0];
     if (sum.free.empty()) sum = {std::vector<std::int64_t>(cells), std::vector<std::int64_t>(cells)};
     AddTo(grid, *partial, &sum);
   }
