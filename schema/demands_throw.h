@@ -1,5 +1,5 @@
-// A demand (error.h) that fails within a task: the task is over, and not the process, which has tasks of other
-// jobs in hand. What a task was handed others have made, who may lie.
+// A demand (error.h) that fails within a task: the task is over, and not the process, which has tasks of
+// other jobs in hand. What a task was handed others have made, who may lie.
 #pragma once
 
 namespace cairn {
