@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "schema/flat_blob.h"
+#include "schema/text.h"
 #include "schema/wire/poller.h"
 
 namespace cairn::coordinator {
@@ -92,6 +93,12 @@ Result<wire::JobInfo> OnlyJob(const Result<wire::Message>& reply, const std::str
   return jobs[0];
 }
 
+// Files and folders are called after jobs and stages.
+bool IsFileName(const std::string& name) {
+  return !name.empty() && name[0] != '.' && name.find('/') == std::string::npos &&
+         WhatIsWrongWithName(name).empty();
+}
+
 // What came where a reply was expected.
 Result<wire::Message> Judge(wire::Received received) {
   if (!received.status.ok()) return received.status;
@@ -101,6 +108,9 @@ Result<wire::Message> Judge(wire::Received received) {
     return Status(Code::kVersion, std::string("the service answers with '") + wire::KindName(envelope) +
                                       "': its version differs");
   }
+  for (const wire::JobInfo& job : envelope.reply().jobs())
+    if (!IsFileName(job.id()))
+      return Status(Code::kCorrupt, "the service names a job whose id is no file's name");
   // Where something is missing it may be sent: no refusal yet.
   if (!envelope.reply().ok() && envelope.reply().missing().empty())
     return Status(Code::kRefused, envelope.reply().message());
@@ -342,8 +352,7 @@ Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {
   }
   std::map<std::string, BlobPtr> results;
   for (const std::string& name : reply.names())
-    if (name.empty() || name[0] == '.' || name.find('/') != std::string::npos ||
-        name.find('\0') != std::string::npos)
+    if (!IsFileName(name))
       return Status(Code::kCorrupt, "the service sends a result whose name is no file's name");
   for (std::size_t i = 0; i < blobs.size(); ++i) results[reply.names(static_cast<int>(i))] = blobs[i].blob;
   return results;

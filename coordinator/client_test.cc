@@ -347,5 +347,16 @@ TEST_F(ClientTest, AResultsNameDoesNotLeadOutOfItsFolder) {
   }
 }
 
+TEST_F(ClientTest, AJobsIdDoesNotLeadOutOfTheFolderOfResults) {
+  for (const char* id : {"../../../home", "/etc/grid", "..", ".ssh", "", "a/b", "\x1b[2J"}) {
+    FakeService service(folder_.Ipc("s"), [&](const wire::Message&) {
+      wire::Message reply = Ok();
+      reply.envelope.mutable_reply()->add_jobs()->set_id(id);
+      return reply;
+    });
+    EXPECT_EQ(Connect().List().status().code(), Code::kCorrupt) << id;
+  }
+}
+
 }  // namespace
 }  // namespace cairn::coordinator

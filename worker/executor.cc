@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "schema/demands_throw.h"
 #include "schema/kinds/kind.h"
 #include "schema/numerics.h"
 #include "schema/text.h"
@@ -179,6 +180,7 @@ wire::Message Executor::AnswerOrFailure(AssignedTask& task) {
   const std::string failure = queue_.FailureOf(task);
   if (!failure.empty()) return Failure(task.assign, false, failure);
   TaskMemory memory(task.assign.memory_mb(), memory_mb_);
+  const DemandsThrow demands_throw;
   wire::Message answer;
   try {
     answer = Answer(task, memory);

@@ -133,6 +133,9 @@ TEST(Worker, SaysWhichTaskFailedAndWhy) {
         throw 3;  // NOLINT
       case 4:
         throw Cancelled{};
+      case 5:
+        Array::Vector<double>({1, 2}).Rows(1, 2);  // which demands that there are such rows
+        return Number(1);
       default:
         return Number(1);
     }
@@ -152,6 +155,10 @@ TEST(Worker, SaysWhichTaskFailedAndWhy) {
     EXPECT_EQ(answer.envelope.failed().input_error(), expected[i].first);
     EXPECT_EQ(answer.envelope.failed().message(), expected[i].second);
   }
+  rig.Assign(RunTask(5));
+  const wire::Message bug = rig.Serve();
+  EXPECT_FALSE(bug.envelope.failed().input_error());
+  EXPECT_NE(bug.envelope.failed().message().find("a bug"), std::string::npos);
   rig.Assign(RunTask(9));
   EXPECT_TRUE(rig.Serve().envelope.has_done()) << "a failure ends the task, not the worker";
 }

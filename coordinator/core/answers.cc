@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "coordinator/core/core.h"
@@ -61,6 +62,16 @@ void Core::RefuseAnswer(const Worker& worker, const wire::TaskKey& key) {
                                      ", which was not given to this worker on " + worker.hello.host()}});
 }
 
+// What did not come with an answer is the job's, or the worker could read it anyway: else it would get to
+// read any blob whose hash it knows by naming it.
+bool Core::MayName(const Job& job, const Worker& worker, const Hash& blob) const {
+  if (!ledger_.Held(blob)) return false;
+  if (worker.has.contains(blob)) return true;
+  return std::ranges::any_of(
+      std::array{&job.holds.inputs, &job.holds.results, &job.holds.step, &job.holds.partials},
+      [&](const BlobLedger::Hold* hold) { return hold->contains(blob); });
+}
+
 bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it) {
   const wire::TaskKey& key = event.done.key();
   if (!job.step || key.stage() != job.stage || key.round() != job.round || key.task() >= job.partials.size())
@@ -73,7 +84,7 @@ bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
   }
   const bool came = std::find(event.blobs.begin(), event.blobs.end(), partial) != event.blobs.end();
   std::string wrong;
-  if (partial.empty() || !(came || ledger_.Held(partial))) wrong = "its answer came without its blob";
+  if (partial.empty() || !(came || MayName(job, worker, partial))) wrong = "its answer came without its blob";
   if (event.blobs.size() > 1 || (event.blobs.size() == 1 && !came))
     wrong = "its answer came with a blob that it does not name";
   if (!wrong.empty()) {
@@ -107,8 +118,8 @@ bool Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
   const HashSet came(event.blobs.begin(), event.blobs.end());
   if (wrong.empty())
     for (const Hash& blob : BlobsOfStep(step))
-      if (!ledger_.Held(blob) && !came.contains(blob))
-        wrong = "its plan names the blob " + blob.Hex() + " that nobody has";
+      if (!came.contains(blob) && !MayName(job, worker, blob))
+        wrong = "its plan names the blob " + blob.Hex() + ", which is neither the job's nor came with it";
   if (!wrong.empty()) {
     if (had_it) Exclude(job, key, worker, wrong);
     return false;

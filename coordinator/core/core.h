@@ -113,6 +113,7 @@ class Core {
   // answers.cc
   void RefuseAnswer(const Worker& worker, const wire::TaskKey& key);
   // True where it is what was waited for.
+  bool MayName(const Job& job, const Worker& worker, const Hash& blob) const;
   bool AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   bool AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_it);
   void CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, const Hash& second,

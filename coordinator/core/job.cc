@@ -106,6 +106,11 @@ bool IsPlainName(const std::string& name) {
          });
 }
 
+bool IsFileOfARun(const std::string& name) {
+  return name.ends_with(".h5") || name == "map.png" || name == "picture.png" || name == "report.html" ||
+         name == "job.yaml";
+}
+
 std::string CheckJob(const proto::Job& job) {
   if (job.stages_size() == 0) return "the job has no stages";
   if (job.priority() < kLowestPriority || job.priority() > kHighestPriority)
@@ -124,6 +129,8 @@ std::string CheckJob(const proto::Job& job) {
       return "'" + stage.name() +
              "' cannot be a stage's name: letters, digits, '_', '-' and '.' can, up to 100, " +
              "and no '.' first";
+    if (IsFileOfARun(stage.name()))
+      return "stage '" + stage.name() + "' has the name of a file that a run writes";
     for (const auto& [name, source] : stage.inputs())
       if (!known.contains(source))
         return "stage '" + stage.name() + "' reads '" + source + "' as its " + name +

@@ -152,6 +152,9 @@ bool IsPlainName(const std::string& name);
 // What is wrong with a job's chain of stages or its settings, for people; empty where nothing is.
 std::string CheckJob(const proto::Job& job);
 
+// Whether a run writes a file of this name beside the folders of its stages.
+bool IsFileOfARun(const std::string& name);
+
 // Equal where two jobs compute the same: all but the paths from which the inputs were read, priority and
 // limits.
 Hash HashOfJob(const proto::Job& job);

@@ -182,6 +182,55 @@ TEST(CoreWorkers, AWorkerMayReadOnlyWhatItWasHandedOrMade) {
   EXPECT_FALSE(fixture.core.MayRead(task.peer, H(4711)));
 }
 
+// By naming it in an answer: job "a" holds H(2000), job "b" is another's.
+TEST(CoreWorkers, AWorkerDoesNotGetToReadABlobByNamingIt) {
+  for (const bool in_a_plan : {false, true}) {
+    CoreFixture fixture;
+    proto::Job secret = TestJob();
+    (*secret.mutable_input_blobs())["log"] = H(2000).Binary();
+    fixture.Submit("a", secret);
+    fixture.Do(PauseJob{"a"});
+    fixture.Submit("b");
+    fixture.Join("w");
+    const auto start = fixture.Next();
+    ASSERT_EQ(start.assign.key().job(), "b");
+    CoreFixture::Assigned task = start;
+    if (in_a_plan) {
+      proto::Step step = TestStep(1);
+      (*step.mutable_state()->mutable_blobs())["mine"] = H(2000).Binary();
+      fixture.AnswerPlan(start, step);
+      EXPECT_EQ(fixture.core.FindJob("b")->step, std::nullopt);
+    } else {
+      fixture.AnswerPlan(start, TestStep(2));
+      wire::Done done;
+      *done.mutable_key() = fixture.Next().assign.key();
+      done.set_partial(H(2000).Binary());
+      fixture.Do(TaskDone{"w", done, {}});
+      EXPECT_EQ(fixture.Info("b").tasks_done(), 0u);
+    }
+    EXPECT_FALSE(fixture.core.MayRead("w", H(2000))) << in_a_plan;
+  }
+}
+
+// Nor is anything that its job holds sent again: a plan names the state's blobs of the round before.
+TEST(CoreWorkers, AnAnswerMayNameWhatItsJobHolds) {
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("w");
+  proto::Step step = TestStep(1);
+  (*step.mutable_state()->mutable_blobs())["kept"] = H(5).Binary();
+  fixture.AnswerPlan(fixture.Next(), step, {H(5)});
+  fixture.AnswerRun(fixture.Next(), H(10));
+  fixture.Do(WorkerLost{"w"});
+  fixture.assigned.clear();
+  fixture.Join("x");  // which has neither
+  (*step.mutable_state()->mutable_blobs())["partial"] = H(10).Binary();
+  const auto plan = fixture.Next();
+  ASSERT_EQ(plan.peer, "x");
+  fixture.AnswerPlan(plan, step);
+  EXPECT_EQ(fixture.Info().round(), 1u);
+}
+
 TEST(CoreWorkers, OnlyTheRunningTaskIsBlamedForADeadWorker) {
   CoreFixture fixture;
   Begin(fixture, 2, 2);

@@ -1,14 +1,12 @@
 #include "coordinator/server/job_limits.h"
 
-#include <algorithm>
-#include <cctype>
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 namespace {
 
 bool IsPlain(const std::string& text, std::size_t most_bytes) {
-  return text.size() <= most_bytes &&
-         std::none_of(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; });
+  return WhatIsWrongWithName(text, most_bytes).empty();
 }
 
 }  // namespace
@@ -23,7 +21,9 @@ std::string CheckLimits(const proto::Job& job, const wire::JobLimits& limits) {
   for (const auto& [name, path] : job.inputs()) plain = plain && IsPlain(name, most) && IsPlain(path, most);
   for (const auto& [name, hash] : job.input_blobs()) plain = plain && IsPlain(name, most);
   for (const proto::Stage& stage : job.stages()) {
-    plain = plain && IsPlain(stage.pipeline(), most);
+    plain = plain && IsPlain(stage.name(), most) && IsPlain(stage.pipeline(), most);
+    for (const auto& [name, source] : stage.inputs())
+      plain = plain && IsPlain(name, most) && IsPlain(source, most);
     for (const auto& [name, value] : stage.options())
       plain = plain && IsPlain(name, most) && IsPlain(value.s(), most);
   }

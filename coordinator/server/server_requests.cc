@@ -62,11 +62,16 @@ void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
 }
 
 void Server::Serve(const std::string& peer, const wire::Have& have) {
+  if (have.hashes_size() > options_.limits.hashes)
+    return RefuseJob(peer, wire::RefusalKind::kJob,
+                     "a question for more than " + std::to_string(options_.limits.hashes) + " blobs");
   wire::Message reply;
   reply.envelope.mutable_reply()->set_ok(true);
   for (const std::string& binary : have.hashes()) {
     const Result<Hash> hash = Hash::FromBinary(binary);
-    if (!hash.ok() || !blobs_.Has(hash.value())) reply.envelope.mutable_reply()->add_missing(binary);
+    if (!hash.ok())
+      return RefuseJob(peer, wire::RefusalKind::kJob, "a question for a blob by what is no content hash");
+    if (!blobs_.Has(hash.value())) reply.envelope.mutable_reply()->add_missing(binary);
   }
   Reply(peer, std::move(reply));
 }

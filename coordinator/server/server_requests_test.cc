@@ -28,6 +28,19 @@ TEST(ServerRequests, HaveNamesWhatIsMissing) {
   EXPECT_EQ(reply.missing(0), TextBlob("another").hash.Binary());
 }
 
+TEST(ServerRequests, HaveOfWhatIsNoHashOrOfTooManyIsRefusedAndNotRepeated) {
+  ServerFixture fixture;
+  wire::Message empty, many;
+  empty.envelope.mutable_have()->add_hashes("");
+  for (int i = 0; i <= wire::JobLimits().hashes; ++i)
+    many.envelope.mutable_have()->add_hashes(TextBlob("another").hash.Binary());
+  for (const wire::Message& have : {empty, many}) {
+    const wire::Reply reply = fixture.Ask(have);
+    EXPECT_FALSE(reply.ok());
+    EXPECT_EQ(reply.missing_size(), 0);
+  }
+}
+
 TEST(ServerRequests, ASubmittedJobIsDurableWhenItIsAnswered) {
   ServerFixture fixture;
   const wire::Reply reply = fixture.Ask(fixture.Submission(fixture.MakeJob(), true));

@@ -247,6 +247,11 @@ TEST_F(Rights, ASubmissionThatIsTooLargeOrOfAnotherProtocolIsRefused) {
   refused([](wire::Message& m) { m.envelope.mutable_submit()->set_protocol(1); }, RefusalKind::kVersion);
   refused([&](wire::Message& m) { job(m)->set_name(std::string(5000, 'x')); }, RefusalKind::kJob);
   refused([&](wire::Message& m) { job(m)->set_name("\x1b[2J"); }, RefusalKind::kJob);
+  for (const char* hostile : {"a\nb", "\x1b[2J", "\u009b2J", "a\u202eb", "a\u2028b"}) {
+    refused([&](wire::Message& m) { job(m)->set_name(hostile); }, RefusalKind::kJob);
+    refused([&](wire::Message& m) { (*job(m)->mutable_stages(0)->mutable_inputs())[hostile] = "log"; },
+            RefusalKind::kJob);
+  }
   refused([&](wire::Message& m) { (*job(m)->mutable_inputs())["log"] = std::string(2 << 20, 'x'); },
           RefusalKind::kJob);
   refused(
@@ -255,7 +260,8 @@ TEST_F(Rights, ASubmissionThatIsTooLargeOrOfAnotherProtocolIsRefused) {
       },
       RefusalKind::kJob);
   refused([&](wire::Message& m) { job(m)->clear_stages(); }, RefusalKind::kJob);
-  for (const char* path : {"..", "../../etc/passwd", "/etc/passwd", "a/b", ".hidden", ""})
+  for (const char* path : {"..", "../../etc/passwd", "/etc/passwd", "a/b", ".hidden", "", "report.html",
+                           "job.yaml", "map.png", "picture.png", "grid.h5"})
     refused([&](wire::Message& m) { job(m)->mutable_stages(0)->set_name(path); }, RefusalKind::kJob);
   refused([&](wire::Message& m) { (*job(m)->mutable_input_blobs())["log"] = "short"; }, RefusalKind::kJob);
   EXPECT_TRUE(fixture_.server->core().Jobs().empty());

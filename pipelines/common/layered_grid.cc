@@ -4,9 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/taps.h"
 
 namespace cairn {
+namespace {
+
+constexpr std::int32_t kFarthest = 1 << 28;  // cells
+
+}  // namespace
 
 Box Union(const Box& a, const Box& b) {
   if (a.empty()) return b;
@@ -20,6 +26,12 @@ Box Intersection(const Box& a, const Box& b) {
   const int x1 = std::min(a.x0 + a.nx, b.x0 + b.nx), y1 = std::min(a.y0 + a.ny, b.y0 + b.ny);
   if (x1 <= x0 || y1 <= y0) return {};
   return {x0, y0, x1 - x0, y1 - y0};
+}
+
+Layer::Layer(const Box& b) : box(b) {
+  for (const std::int32_t corner : {b.x0, b.y0, b.nx, b.ny})
+    RequireWithin("a box", std::int64_t{corner}, -kFarthest, kFarthest);
+  values.assign(static_cast<std::size_t>(b.cells()), 0.0);
 }
 
 void Layer::Cover(const Box& wanted) {
@@ -131,7 +143,6 @@ std::vector<Layer> LayersOf(const std::string& prefix, const Blob& blob) {
   if (boxes.size() % 4 != 0) throw InputError("'" + prefix + "box' does not hold four numbers a layer");
   std::vector<Layer> layers(boxes.size() / 4);
   for (std::size_t i = 0; i < layers.size(); ++i) {
-    constexpr std::int32_t kFarthest = 1 << 28;
     for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
       if (boxes[k] < -kFarthest || boxes[k] > kFarthest || (k % 4 > 1 && boxes[k] < 0))
         throw InputError("'" + prefix + "box' holds a box that is none: layer " + std::to_string(i));

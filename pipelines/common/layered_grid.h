@@ -42,7 +42,8 @@ struct Layer {
   std::vector<double> values;
 
   Layer() = default;
-  explicit Layer(const Box& b) : box(b), values(static_cast<std::size_t>(b.cells()), 0.0) {}
+  // Zeros. Throws InputError where the box lies so far away that sums of cells would leave 32 bits.
+  explicit Layer(const Box& b);
   RowOf<double> Row(int y) { return {values.data() + std::int64_t{y - box.y0} * box.nx, box.x0}; }
   RowOf<const double> Row(int y) const { return {values.data() + std::int64_t{y - box.y0} * box.nx, box.x0}; }
   double At(int x, int y) const { return box.Contains(x, y) ? Row(y)[x] : 0.0; }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn {
 namespace {
 
@@ -83,6 +85,11 @@ MotionKernel::MotionKernel(const MotionIncrement& increment, const IncrementErro
       along_(error.along_m / cell_m),
       headings_(headings),
       heading_step_(2.0 * std::numbers::pi / headings) {
+  constexpr double kFarthest = 1 << 26;  // cells
+  for (const double cells : {dx_, dy_, along_})
+    RequireWithin("a motion's cells", cells, -kFarthest, kFarthest);
+  RequireWithin("the error of a motion's heading", error.heading_rad, 0.0,
+                std::numeric_limits<double>::max());
   // Beyond an eighth of the circle a heading is as good as unknown, and taps would go round it.
   const double half_sigma = std::min(error.heading_rad / std::numbers::sqrt2 / heading_step_, headings / 8.0);
   // [TBF98] eq. 1, footnote 1: the error of the heading

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <span>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/pose_track.h"
 #include "schema/error.h"
 #include "schema/kinds/grid_map.h"
@@ -124,6 +126,27 @@ RangeScans SensorOf(const kinds::Log::RangeSensor& of, const std::string& name) 
   return sensor;
 }
 
+void CheckHandedOver(const RangeScans& sensor, const Blob& scans) {
+  RequireWithin("the number of beams", static_cast<std::int64_t>(sensor.beams.size()), 1,
+                std::numeric_limits<std::int32_t>::max());
+  RequirePoses("a beam's pose", sensor.beams);
+  RequireWithin("opening_rad", sensor.opening_rad, 0.0, std::nextafter(std::numbers::pi, 0.0));
+  RequireWithin("max_range_m", sensor.max_range_m, 0.0, kFar_m);
+  RequireSize("pose", sensor.pose.size(), sensor.scans());
+  RequirePoses("a scan's pose", sensor.pose);
+  RequireSize("held_out", sensor.held_out.size(), sensor.scans());
+  RequireSize("row", sensor.row.size(), sensor.scans());
+  if (!scans.Has("turret_rad")) return;
+  RequireSize("turret_rad", sensor.turret_rad.size(), sensor.scans());
+  RequireAllWithin("turret_rad", sensor.turret_rad, -1e9, 1e9);
+}
+
+void CheckRows(const RangeScans& sensor, const Array& range_m) {
+  RequireSize("the shape of range_m", range_m.shape().size(), 2);
+  RequireSize("a row of range_m", static_cast<std::size_t>(range_m.shape()[1]), sensor.beams.size());
+  RequireAllWithin("row", sensor.row, std::int64_t{0}, range_m.shape()[0] - 1);
+}
+
 // All that the sensor's beams met.
 void AddEnds(const RangeScans& sensor, Extent* extent) {
   std::vector<Pose> unit;  // each beam's direction, on the robot
@@ -175,8 +198,11 @@ PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions&
   return scans;
 }
 
+double MostCells(const GridOptions& options, double bytes_per_cell) {
+  return static_cast<double>(options.memory_mb) * 1048576 / bytes_per_cell;
+}
+
 GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell) {
-  const double most_cells = static_cast<double>(options.memory_mb) * 1048576 / bytes_per_cell;
   Extent extent;
   if (!options.box_m.empty()) extent = ParseExtent("box_m", options.box_m);
   for (const RangeScans& sensor : scans.sensors) {
@@ -193,7 +219,7 @@ GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes
     if (options.box_m.empty()) AddEnds(sensor, &extent);
   }
   if (options.box_m.empty()) extent.Grow(kMarginM);
-  return extent.ToGrid(options.cell_m, most_cells);
+  return extent.ToGrid(options.cell_m, MostCells(options, bytes_per_cell));
 }
 
 void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result) {
@@ -240,7 +266,11 @@ RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log) {
   result.checked = Column<std::uint8_t>::In(scans, "checked").vector();
   if (const auto turret = Column<double>::In(scans, "turret_rad")) result.turret_rad = turret.vector();
   result.row = Column<std::int64_t>::In(scans, "row").vector();
-  result.range_m = RowsOf(log.at(result.name + "range_m"), result.row, result.beams.size());
+  CheckHandedOver(result, scans);
+  const Array& range_m = log.at(result.name + "range_m");
+  CheckRows(result, range_m);
+  result.range_m = RowsOf(range_m, result.row, result.beams.size());
+  CheckRanges(result);
   return result;
 }
 

@@ -85,6 +85,9 @@ struct PosedScans {
 };
 PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options);
 
+// That memory_mb allows.
+double MostCells(const GridOptions& options, double bytes_per_cell);
+
 // The grid of `options`, or one that holds all poses and all that was met, with a margin of 0.5 m, at most
 // `bytes_per_cell` of memory_mb.
 // Throws InputError where box_m does not hold all poses.
@@ -98,6 +101,7 @@ void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result);
 // For tasks: a sensor without its scans; what is known of its scans but their ranges, as arrays of S rows, so
 // that a task may take some; and the scans of these, whose ranges are read from the log itself, which is not
 // copied.
+// ScansOf throws InputError where these do not fit each other, or name rows that the log lacks.
 Blob SensorBlob(const RangeScans& sensor);
 Blob ScansBlob(const RangeScans& sensor);
 RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "pipelines/common/handed_over.h"
 #include "schema/kinds/fields.h"
 
 namespace cairn::evidence_map {
@@ -41,7 +42,12 @@ struct Place {
       : grid(whole),
         box(cairn::Read<GridBox>(partial)),
         column(partial.Scalar<std::int64_t>("first_column")),
-        row(partial.Scalar<std::int64_t>("first_row")) {}
+        row(partial.Scalar<std::int64_t>("first_row")) {
+    RequireWithin("a window's columns", box.columns, 0, whole.columns + 2);
+    RequireWithin("a window's rows", box.rows, 0, whole.rows + 2);
+    RequireWithin("a window's first_column", column, -whole.columns - 2, whole.columns);
+    RequireWithin("a window's first_row", row, -whole.rows - 2, whole.rows);
+  }
 
   bool HasRow(std::int64_t j) const { return row + j >= 0 && row + j < grid.rows; }
   std::int64_t first_inside() const { return std::max<std::int64_t>(0, -column); }
@@ -55,6 +61,8 @@ struct Place {
 void AddSparse(const Place& place, const Blob& partial, const std::string& name, std::int64_t unit,
                std::vector<std::int64_t>* totals) {
   const auto cell = partial.Get<std::int32_t>(name + "_cell"), count = partial.Get<std::int32_t>(name);
+  RequireSize(name, count.size(), cell.size());
+  RequireAllWithin(name + "_cell", cell, std::int64_t{0}, place.box.cells() - 1);
   for (std::size_t k = 0; k < cell.size(); ++k) {
     const std::int64_t j = cell[k] / place.box.columns, i = cell[k] % place.box.columns;
     if (!place.HasRow(j) || i < place.first_inside() || i >= place.end_inside()) continue;
@@ -114,6 +122,8 @@ Blob ToBlob(const Counts& counts) {
 void AddTo(const GridBox& grid, const Blob& partial, Totals* totals) {
   const Place place(grid, partial);
   const auto low = partial.Get<std::uint8_t>("free_low"), high = partial.Get<std::uint8_t>("free_high");
+  RequireSize("free_low", low.size(), static_cast<std::size_t>(place.box.cells()));
+  RequireSize("free_high", high.size(), low.size());
   for (std::int64_t j = 0; j < place.box.rows; ++j) {
     if (!place.HasRow(j)) continue;
     const std::int64_t to = place.CellOf(j, 0), from = j * place.box.columns;

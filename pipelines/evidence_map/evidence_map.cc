@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pipelines/common/checked_readings.h"
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/evidence_map/cone_counts.h"
 #include "pipelines/evidence_map/log_odds.h"
@@ -77,6 +78,12 @@ void AddTasks(const std::string& log, const RangeScans& scans, const GridBox& gr
     first = s + 1;
     sum = 0;
   }
+}
+
+GridBox GridIn(const Inputs& inputs, const Options& options) {
+  const auto grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  RequireGrid(grid, MostCells(options.grid, kBytesPerCell));
+  return grid;
 }
 
 const Blob* PosesOf(const Inputs& inputs, BlobPtr* keep) {
@@ -195,7 +202,7 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
 
 Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) const {
   RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
-  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  const GridBox grid = GridIn(inputs, options_);
   const bool cone = scans.opening_rad > 0;
   Blob partial = ToBlob(CountsOf(options_, scans, grid, progress));
   partial.PutScalar<std::uint8_t>("cone", cone ? 1 : 0);
@@ -206,7 +213,7 @@ Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) con
 }
 
 Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs) const {
-  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  const GridBox grid = GridIn(inputs, options_);
   Sums sums(options_, grid);
   auto of_checked = std::make_unique<Sums>(options_, grid);
   for (std::size_t k = 0; k < partials.size(); ++k) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/forward_map/advance.h"
 #include "pipelines/forward_map/history.h"
 #include "pipelines/forward_map/plan.h"
@@ -74,28 +76,37 @@ void ShareSensors(const std::vector<RangeScans>& sensors, const Load& load, Step
   }
 }
 
-std::vector<RangeScans> SensorsOf(const Task& task, const Inputs& inputs) {
+MapState MapIn(const Options& options, const Inputs& inputs) {
+  MapState map = Read<MapState>(*inputs.Get(kMapBlob));
+  map.Check(MostCells(options.grid, kBytesOfCell));
+  return map;
+}
+
+std::vector<RangeScans> SensorsOf(const Task& task, const Inputs& inputs, const MapState& map) {
+  const auto count = static_cast<std::int64_t>(map.models.size());
   std::vector<RangeScans> sensors;
-  for (std::int64_t k = 0; k < task.params().at(kSensors).i(); ++k)
+  for (std::int64_t k = 0; k < IntegerOf(task, kSensors, count, count); ++k)
     sensors.push_back(
         ScansOf(*inputs.Get(SensorBlobName(k)), *inputs.Get(ScansBlobName(k)), *inputs.Get(kLogBlob)));
   return sensors;
 }
 
 Blob RunTile(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  const MapState map = Read<MapState>(*inputs.Get(kMapBlob));
+  const MapState map = MapIn(options, inputs);
   const std::vector<Tile> tiles = RowsIn<Tile>(*inputs.Get("tiles"));
-  const Tile& tile = tiles[static_cast<std::size_t>(task.params().at("tile").i())];
-  const std::vector<RangeScans> sensors = SensorsOf(task, inputs);
+  const auto last = static_cast<std::int64_t>(tiles.size()) - 1;
+  const Tile& tile = tiles[static_cast<std::size_t>(IntegerOf(task, "tile", 0, last))];
+  tile.Check(map.box);
+  const std::vector<RangeScans> sensors = SensorsOf(task, inputs, map);
   if (task.kind() == "certainty") return BlobOf(CertaintyOfTile(options, map, tile, sensors, progress));
-  const bool first = task.params().at("searches").i() == 1;
+  const bool first = IntegerOf(task, "searches", 0, std::numeric_limits<std::int32_t>::max()) == 1;
   const Elsewhere elsewhere = first ? Elsewhere::kExplained : Elsewhere::kAsInTheMap;
   return ToBlob({SearchTile(options, map, tile, sensors, elsewhere, progress)});
 }
 
 Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  MapState map = Read<MapState>(*inputs.Get(kMapBlob));
-  const std::int64_t sensor = task.params().at("sensor").i();
+  MapState map = MapIn(options, inputs);
+  const std::int64_t sensor = IntegerOf(task, "sensor", 0, static_cast<std::int64_t>(map.models.size()) - 1);
   const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get(kLogBlob));
   const SensorModel& model = map.models[static_cast<std::size_t>(sensor)];
   if (task.kind() == "explain") {
@@ -106,8 +117,9 @@ Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Pr
                  ExplainAll(scans, map.box, map.occupied, model, options.no_echo, progress)));
     return blob;
   }
-  const auto taken = static_cast<std::size_t>(task.params().at("taken").i());
-  if (taken > 0) Apply(ProposalsOf(*inputs.Get(kProposalsBlob)), taken, &map.occupied);
+  const std::int64_t taken = IntegerOf(task, "taken", 0, std::numeric_limits<std::int32_t>::max());
+  if (taken > 0)
+    Apply(ProposalsOf(*inputs.Get(kProposalsBlob)), static_cast<std::size_t>(taken), &map.occupied);
   Blob blob = BlobOf(Weigh(scans, 0, scans.scans(), map.box, map.occupied, model, options.no_echo, progress));
   blob.PutScalar("sensor", sensor);
   return blob;

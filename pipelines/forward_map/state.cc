@@ -1,5 +1,7 @@
 #include "pipelines/forward_map/state.h"
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::forward_map {
 
 std::string TilesKey(std::int64_t split) { return "tiles/" + std::to_string(split); }
@@ -8,6 +10,22 @@ std::string SliceKey(std::int64_t sensor) { return "slice/" + std::to_string(sen
 std::string TilesBlob(std::int64_t split) { return "tiles/" + std::to_string(split); }
 std::string SensorBlobName(std::int64_t sensor) { return "sensor/" + std::to_string(sensor); }
 std::string ScansBlobName(std::int64_t sensor) { return "scans/" + std::to_string(sensor); }
+
+void MapState::Check(double most_cells) const {
+  RequireGrid(box, most_cells);
+  RequireSize("occupied", occupied.size(), static_cast<std::size_t>(box.cells()));
+  RequireAllWithin("occupied", occupied, std::int64_t{0}, std::int64_t{1});
+  constexpr double kLeast_m = 1e-9;
+  for (const SensorModel& model : models) {
+    RequireWithin("p_hit", model.p_hit, 1e-6, 1 - 1e-6);
+    RequireWithin("p_rand", model.p_rand, 1e-9, 1.0);
+    RequireWithin("p_lost", model.p_lost, 0.0, 1.0);
+    RequireWithin("p_rand and p_lost", model.p_rand + model.p_lost, 0.0, 1.0);
+    RequireWithin("sigma_m", model.sigma_m, kLeast_m, kFar_m);
+    RequireWithin("no_echo_sigma_m", model.no_echo_m, kLeast_m, kFar_m);
+    RequireWithin("z_max_m", model.z_max_m, kLeast_m, kFar_m);
+  }
+}
 
 double MapState::CountOccupied() const {
   std::int64_t count = 0;
@@ -48,9 +66,11 @@ Blob ToBlob(const std::vector<Proposal>& proposals) {
 std::vector<Proposal> ProposalsOf(const Blob& blob) {
   const auto cells = blob.Get<std::int64_t>("cell"), end = blob.Get<std::int64_t>("end");
   const auto gain = blob.Get<double>("gain_nats");
+  RequireSize("gain_nats", gain.size(), end.size());
   std::vector<Proposal> proposals;
   std::int64_t first = 0;
   for (std::size_t i = 0; i < end.size(); ++i) {
+    RequireWithin("the end of a proposal", end[i], first, static_cast<std::int64_t>(cells.size()));
     proposals.push_back({{cells.begin() + first, cells.begin() + end[i]}, gain[i]});
     first = end[i];
   }
@@ -58,8 +78,13 @@ std::vector<Proposal> ProposalsOf(const Blob& blob) {
 }
 
 void Apply(const std::vector<Proposal>& proposals, std::size_t count, std::vector<std::uint8_t>* occupied) {
-  for (std::size_t i = 0; i < count; ++i)
+  const auto cells = static_cast<std::int64_t>(occupied->size());
+  RequireWithin("the number of proposals", static_cast<std::int64_t>(count), 0,
+                static_cast<std::int64_t>(proposals.size()));
+  for (std::size_t i = 0; i < count; ++i) {
+    RequireAllWithin("a proposal's cell", proposals[i].cells, std::int64_t{0}, cells - 1);
     for (const std::int64_t cell : proposals[i].cells) (*occupied)[static_cast<std::size_t>(cell)] ^= 1;
+  }
 }
 
 }  // namespace cairn::forward_map

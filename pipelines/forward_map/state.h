@@ -82,6 +82,8 @@ struct MapState {
     field("occupied", &MapState::occupied);
     field("model", &MapState::models);
   }
+  // Throws InputError where it is none, or has more cells.
+  void Check(double most_cells) const;
   double CountOccupied() const;
   // log p(m) but for a constant.
   double LogPrior(const MapPrior& prior) const;
@@ -94,8 +96,10 @@ struct Proposal {
 };
 
 Blob ToBlob(const std::vector<Proposal>& proposals);
+// Throws InputError where the arrays do not fit each other.
 std::vector<Proposal> ProposalsOf(const Blob& blob);
-// Flips what the first `count` propose.
+// Flips what the first `count` propose. Throws InputError where there are fewer, or a cell is none of the
+// map.
 void Apply(const std::vector<Proposal>& proposals, std::size_t count, std::vector<std::uint8_t>* occupied);
 
 }  // namespace cairn::forward_map

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "pipelines/common/beam_cells.h"
+#include "pipelines/common/handed_over.h"
 
 namespace cairn::forward_map {
 namespace {
@@ -52,6 +54,17 @@ void Cut(const Load& load, const Blocks& part, double most, double share, std::v
 }
 
 }  // namespace
+
+void Tile::Check(const GridBox& grid) const {
+  const auto within = [](const char* name, std::int64_t value, std::int64_t least, std::int64_t most) {
+    RequireWithin(name, value, least, most);
+  };
+  within("a tile's columns", columns, 1, grid.columns);
+  within("a tile's rows", rows, 1, grid.rows);
+  within("a tile's column", column, 0, grid.columns - columns);
+  within("a tile's row", row, 0, grid.rows - rows);
+  within("a tile's cells", std::int64_t{columns} * rows, 1, std::numeric_limits<std::int32_t>::max());
+}
 
 double Load::Sum() const {
   double sum = 0;

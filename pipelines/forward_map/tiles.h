@@ -16,6 +16,8 @@ struct Tile {
   bool Holds(std::int64_t at_column, std::int64_t at_row) const {
     return at_column >= column && at_column < column + columns && at_row >= row && at_row < row + rows;
   }
+  // Throws InputError where it does not lie in the grid, or is larger than one counts.
+  void Check(const GridBox& grid) const;
   friend bool operator==(const Tile&, const Tile&) = default;
   static void Fields(const auto& field) {
     field("column", &Tile::column);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/image_features/band_features.h"
 
@@ -13,6 +15,8 @@ constexpr std::int64_t kBytesOfATask = 1 << 23;  // of images: some 10 ms of a c
 
 // Microseconds of a core: a byte of images, and a byte of what is copied into the result.
 constexpr double kByteUs = 5e-3, kCopiedUs = 5e-4;
+
+constexpr std::int64_t kMostPixels = 1 << 20;  // along a side
 
 // `run/N/image`: [samples][rows][columns][3].
 struct ImageShape {
@@ -56,11 +60,13 @@ Blob Unchanged(const Blob& samples) {
   return result;
 }
 
-// Appends `count` samples' features, each with the inputs that it had.
+// Appends a partial's features, of `count` samples of the run, each with the inputs that it had.
 void Append(const Blob& partial, std::size_t features, std::span<const float> had, std::size_t per_sample,
-            std::vector<float>* input) {
+            std::size_t count, std::vector<float>* input) {
   const auto rows = partial.Get<float>("feature");
   const std::size_t before = input->size() / (features + per_sample);
+  RequireWithin("the samples of a partial", static_cast<std::int64_t>(rows.size() / features), 1,
+                static_cast<std::int64_t>(count - before));
   for (std::size_t k = 0; k < rows.size() / features; ++k) {
     const auto row = rows.subspan(k * features, features);
     const auto own = had.subspan((before + k) * per_sample, per_sample);
@@ -98,6 +104,11 @@ Step ImageFeatures::Start(const Inputs& inputs) const {
 Blob ImageFeatures::Run(const Task&, const Inputs& inputs, Progress& progress) const {
   const BlobPtr images = inputs.Get("images");
   const Shape& shape = images->at("image").shape();
+  RequireSize("the shape of images", shape.size(), 4);
+  RequireWithin("the number of images", shape[0], 1, std::numeric_limits<std::int32_t>::max());
+  RequireWithin("an image's rows", shape[1], options_.bands, kMostPixels);
+  RequireWithin("an image's columns", shape[2], options_.bands, kMostPixels);
+  RequireWithin("an image's colours", shape[3], 3, 3);
   const auto rgb = images->Get<std::uint8_t>("image");
   const auto bytes = static_cast<std::size_t>(shape[1] * shape[2] * shape[3]);
   std::vector<float> rows;
@@ -128,7 +139,7 @@ Step ImageFeatures::Advance(const State&, Partials& partials, const Inputs& inpu
     const auto had = had_names.empty() ? std::span<const float>() : samples->Get<float>(name);
     std::vector<float> input;
     while (input.size() < count * names.size())
-      Append(*partials.Get(task++), features, had, had_names.size(), &input);
+      Append(*partials.Get(task++), features, had, had_names.size(), count, &input);
     result.Put(name, Array::Of<float>(
                          {static_cast<std::int64_t>(count), static_cast<std::int64_t>(names.size())}, input));
   }

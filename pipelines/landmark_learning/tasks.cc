@@ -1,47 +1,115 @@
 #include "pipelines/landmark_learning/tasks.h"
 
+#include <iterator>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/compact.h"
 #include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/optimizer/batch.h"
 #include "pipelines/landmark_learning/optimizer/patterns.h"
 #include "pipelines/landmark_learning/state.h"
+#include "pipelines/landmark_learning/sum_path.h"
 
 namespace cairn::landmark_learning {
 namespace {
 
-std::int64_t Param(const Task& task, const char* name) { return task.params().at(name).i(); }
+constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
 
-IndexRange BlockOf(const Task& task) {
-  return {static_cast<int>(Param(task, "first")), static_cast<int>(Param(task, "end"))};
+void Check(const Positions& positions, std::size_t count) {
+  RequireWithin("the number of samples", static_cast<std::int64_t>(count), 0, kMost);
+  for (const auto* coordinates : {&positions.x_m, &positions.y_m, &positions.along_m}) {
+    RequireSize("positions", coordinates->size(), count);
+    RequireAllWithin("a position", *coordinates, -kFar_m, kFar_m);
+  }
+  for (const auto* direction : {&positions.cos_heading, &positions.sin_heading}) {
+    RequireSize("headings", direction->size(), positions.cos_heading.empty() ? 0 : count);
+    RequireAllWithin("the cosine of a heading", *direction, -1.0, 1.0);
+  }
+  if (positions.row.empty()) return;
+  RequireSize("rows of the table of errors", positions.row.size(), count);
+  RequireSize("the shape of the table of errors", positions.table.shape().size(), 2);
+  const std::int64_t rows = positions.table.shape()[0];
+  RequireSize("the table of errors", positions.table.As<float>().size(),
+              static_cast<std::size_t>(rows * rows));
+  RequireAllWithin("a row of the table of errors", positions.row, std::int64_t{0}, rows - 1);
+}
+
+// What sums need of positions.
+void CheckKnown(const Options& options, const Positions& positions) {
+  const auto count = static_cast<std::size_t>(positions.size());
+  if (BeliefOf(options).LooksAtHeadings()) RequireSize("headings", positions.cos_heading.size(), count);
+  if (ErrorOf(options) == ErrorKind::kTable)
+    RequireSize("rows of the table of errors", positions.row.size(), count);
+}
+
+void Check(const Options& options, const SampleSet& set, std::size_t inputs) {
+  const std::size_t count = set.positions.x_m.size();
+  Check(set.positions, count);
+  CheckKnown(options, set.positions);
+  RequireSize("weight", set.weight.size(), count);
+  RequireAllWithin("weight", set.weight, 0.0, 1.0 + 1e-6);
+  RequireSize("input", set.input.As<float>().size(), count * inputs);
+}
+
+void Check(const Options& options, const TrainingData& data, const SumPlan& sum) {
+  RequireWithin("the number of inputs", static_cast<std::int64_t>(data.mean.size()), 1, kMost);
+  Check(options, data.training, data.mean.size());
+  Check(options, data.held_out, data.mean.size());
+  RequireWithin("the path of the sum", static_cast<std::int64_t>(sum.path), 0,
+                static_cast<std::int64_t>(SumPath::kTree));
+  if (sum.projected.size() == 0) return;
+  Check(sum.projected, data.training.weight.size());
+  CheckKnown(options, sum.projected);
+}
+
+// Of so many that there are.
+IndexRange BlockOf(const Task& task, std::size_t count) {
+  const std::int64_t end = IntegerOf(task, "end", 1, static_cast<std::int64_t>(count));
+  return {static_cast<int>(IntegerOf(task, "first", 0, end - 1)), static_cast<int>(end)};
+}
+IndexRange BlockOf(const Task& task, const SampleSet& set) { return BlockOf(task, set.weight.size()); }
+
+int InUse(const Task& task, std::int64_t networks) {
+  return static_cast<int>(IntegerOf(task, "in_use", 1, networks));
 }
 
 // Those in use.
 Parameters<float> NetworksOf(const Parameters<float>& all, const Task& task) {
-  return SomeNetworks(all, 0, static_cast<int>(Param(task, "in_use")));
+  return SomeNetworks(all, 0, InUse(task, all.shape.networks));
+}
+
+// The first network in use that learns.
+int LearnsFrom(const Task& task) {
+  return static_cast<int>(IntegerOf(task, "learns", 0, IntegerOf(task, "in_use", 1, kMost) - 1));
+}
+
+std::int64_t StepOf(const Task& task) {
+  return IntegerOf(task, "step", 0, std::numeric_limits<std::int64_t>::max());
 }
 
 InputNoise NoiseOf(const Options& options, std::uint64_t seed, const Task& task) {
-  return {options.input_noise, seed, Param(task, "step")};
+  return {options.input_noise, seed, StepOf(task)};
 }
 
 Blob GradientTask(const Options& options, const SumPlan& sum, std::uint64_t seed, const TrainingData& data,
                   const Parameters<float>& all, const Task& task) {
-  const std::int64_t step = Param(task, "step");
-  const IndexRange block = BlockOf(task);
-  std::vector<IndexRange> true_positions{block};
+  std::vector<IndexRange> true_positions;
   double scale = 1.0;
-  const auto drawn = DrawnStretches(data.training.size(), options.batch, seed, step);
+  const auto drawn = DrawnStretches(data.training.size(), options.batch, seed, StepOf(task));
   if (TruePositionsIn(drawn) < data.training.size()) {  // the block is one of stretches
+    const IndexRange block = BlockOf(task, drawn.size());
     scale = static_cast<double>(data.training.size()) / TruePositionsIn(drawn);
     true_positions.assign(drawn.begin() + block.first, drawn.begin() + block.end);
+  } else {
+    true_positions = {BlockOf(task, data.training)};
   }
   const GradientShare share =
       GradientOfStretches(options, sum, data.training, NetworksOf(all, task), true_positions, scale,
-                          NoiseOf(options, seed, task), static_cast<int>(Param(task, "learns")));
+                          NoiseOf(options, seed, task), LearnsFrom(task));
   Blob partial;
   partial.PutScalar("error", share.error);
   partial.PutVector("gradient", share.gradient);
@@ -50,7 +118,8 @@ Blob GradientTask(const Options& options, const SumPlan& sum, std::uint64_t seed
 
 Blob OutputGradientTask(const Options& options, const SumPlan& sum, const TrainingData& data,
                         const Parameters<float>& all, const Task& task) {
-  const OutputGradientShare share = OutputGradientOfBlock(options, sum, data.training, all, BlockOf(task));
+  const OutputGradientShare share =
+      OutputGradientOfBlock(options, sum, data.training, all, BlockOf(task, data.training));
   Blob partial;
   partial.PutScalar("error", share.error);
   partial.PutScalar<std::int64_t>("first", std::int64_t{share.reach.first} * all.shape.networks);
@@ -64,7 +133,7 @@ std::int64_t FirstOf(const IndexRange& block, int networks) { return std::int64_
 // The three phases of a step. What is no error is a table, named `gradients` as all that adds up is.
 Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const InputNoise& noise,
                  const Task& task) {
-  const IndexRange block = BlockOf(task);
+  const IndexRange block = BlockOf(task, data.training);
   const Parameters<float> networks = NetworksOf(all, task);
   Blob partial;
   partial.PutScalar("error", 0.0);
@@ -76,15 +145,17 @@ Blob OutputsTask(const TrainingData& data, const Parameters<float>& all, const I
 
 Blob PairsTask(const Options& options, const SumPlan& sum, const TrainingData& data, const Blob& outputs,
                const Task& task) {
-  const int networks = static_cast<int>(Param(task, "in_use"));
+  const int networks = InUse(task, options.networks);
   const auto g = outputs.Get<float>("output");
+  RequireSize("output", g.size(), data.training.weight.size() * static_cast<std::size_t>(networks));
   OutputGradientShare share;
   if (options.cell_m > 0.0) {
-    auto of_cells = OutputGradientOfCells<float>(options, CellsOf(data.training, options.cell_m), g, networks,
-                                                 BlockOf(task));
+    const Cells cells = CellsOf(data.training, options.cell_m);
+    auto of_cells =
+        OutputGradientOfCells<float>(options, cells, g, networks, BlockOf(task, cells.weight.size()));
     share = {of_cells.error, {0, data.training.size()}, std::move(of_cells.d_output)};
   } else {
-    share = OutputGradientOfOutputs(options, sum, data.training, g, networks, BlockOf(task));
+    share = OutputGradientOfOutputs(options, sum, data.training, g, networks, BlockOf(task, data.training));
   }
   Blob partial;
   partial.PutScalar("error", share.error);
@@ -95,16 +166,18 @@ Blob PairsTask(const Options& options, const SumPlan& sum, const TrainingData& d
 
 Blob WeightsTask(const TrainingData& data, const Parameters<float>& all, const Blob& gradient_of_sum,
                  const InputNoise& noise, const Task& task) {
-  const IndexRange block = BlockOf(task);
+  const IndexRange block = BlockOf(task, data.training);
   const Parameters<float> networks = NetworksOf(all, task);
   const int in_use = networks.shape.networks;
+  const auto all_d_output = gradient_of_sum.Get<double>("gradient");
+  RequireSize("gradient", all_d_output.size(),
+              data.training.weight.size() * static_cast<std::size_t>(in_use));
   const auto d_output =
-      gradient_of_sum.Get<double>("gradient")
-          .subspan(static_cast<std::size_t>(FirstOf(block, in_use)),
-                   static_cast<std::size_t>(block.size()) * static_cast<std::size_t>(in_use));
+      all_d_output.subspan(static_cast<std::size_t>(FirstOf(block, in_use)),
+                           static_cast<std::size_t>(block.size()) * static_cast<std::size_t>(in_use));
   const InputRows rows(data.training.inputs(), block, networks.shape.inputs, noise);
   const auto gradient =
-      BackwardFrom(static_cast<int>(Param(task, "learns")), networks, rows.data(), block.size(),
+      BackwardFrom(LearnsFrom(task), networks, rows.data(), block.size(),
                    Forward(networks, rows.data(), block.size()), {d_output.begin(), d_output.end()});
   Blob partial;
   partial.PutScalar("error", 0.0);
@@ -117,19 +190,21 @@ Blob SearchTask(const Options& options, const TrainingData& data, const NetworkS
                 const Inputs& inputs, const Task& task) {
   const Conjugate line = FieldsIn<Conjugate>("conjugate/", *inputs.Get("training"));
   const auto from = inputs.Get("parameters")->Get<double>("weights");
-  const auto length = static_cast<std::size_t>(Param(task, "length"));
+  const auto length = static_cast<std::size_t>(
+      IntegerOf(task, "length", 0, static_cast<std::int64_t>(std::size(Conjugate::kTried)) - 1));
+  RequireSize("direction", line.direction.size(), from.size());
   const auto weights =
       AlongLine({from.begin(), from.end()}, line.direction, line.length * Conjugate::kTried.at(length));
   Blob partial;
   partial.PutScalar<std::int64_t>("length", static_cast<std::int64_t>(length));
-  partial.PutScalar(
-      "error", ErrorOfBlock(options, data.training, data.training, InFloat(shape, weights), BlockOf(task)));
+  partial.PutScalar("error", ErrorOfBlock(options, data.training, data.training, InFloat(shape, weights),
+                                          BlockOf(task, data.training)));
   return partial;
 }
 
 Blob FitTask(const Options& options, const TrainingData& data, const Parameters<float>& rounded,
              const Inputs& inputs, const Task& task, Progress& progress) {
-  const int network = static_cast<int>(Param(task, "network"));
+  const auto network = static_cast<int>(IntegerOf(task, "network", 0, rounded.shape.networks - 1));
   const BlobPtr blob = inputs.Get("parameters");
   const auto weights = blob->Get<double>("weights");
   Parameters<double> all(rounded.shape);
@@ -137,6 +212,8 @@ Blob FitTask(const Options& options, const TrainingData& data, const Parameters<
   Parameters<double> own = SomeNetworks(all, network, network + 1);
   const BlobPtr gradient_of_sum = inputs.Get("gradient");
   const auto slope = gradient_of_sum->Get<double>("gradient");
+  RequireSize("gradient", slope.size(),
+              data.training.weight.size() * static_cast<std::size_t>(all.shape.networks));
   const auto now =
       Forward(SomeNetworks(rounded, network, network + 1), data.training.inputs(), data.training.size());
   std::vector<float> target;
@@ -158,6 +235,7 @@ Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const
   progress.Tick();
   const TrainingData data = Read<TrainingData>(*inputs.Get("data"));
   const auto sum = FieldsIn<SumPlan>("sum/", *inputs.Get("data"));
+  Check(options, data, sum);
   const NetworkShape shape = ShapeOf(options, data.mean.size());
   if (task.kind() == "pairs") return PairsTask(options, sum, data, *inputs.Get("outputs"), task);
   if (task.kind() == "search") return SearchTask(options, data, shape, inputs, task);
@@ -171,7 +249,7 @@ Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const
   CAIRN_DEMAND(task.kind() == "validate", "a kind of task that is planned");
   Blob partial;
   partial.PutScalar("validation", ErrorOfBlock(options, data.held_out, data.training, NetworksOf(all, task),
-                                               BlockOf(task)));
+                                               BlockOf(task, data.held_out)));
   return partial;
 }
 

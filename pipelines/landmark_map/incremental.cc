@@ -82,7 +82,8 @@ class Found : public Inputs {
 
 Blob RunIncremental(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  const RobotSteps steps = Read<RobotSteps>(*inputs.Get("steps"));
+  const RobotSteps steps =
+      RobotSteps::In(*inputs.Get("steps"), settings.map.layers(), settings.map.grid.cell_m);
   const Slice slice{steps, 0, steps.size(), task.params().at("name").s()};
   GrowingMap map(settings);
   // [TBF98] section 6: a routine that does not revise past estimates

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/state/settings.h"
 
@@ -12,9 +13,10 @@ std::string PartialInput(std::size_t index) { return "partial/" + std::to_string
 namespace {
 
 RoundSum SumOf(const Task& task, const Inputs& inputs, const MapRules& rules) {
-  const auto robots = static_cast<std::size_t>(task.params().at("robots").i());
+  const auto robots = static_cast<std::size_t>(IntegerOf(task, "robots", 1, 1 << 24));
   RoundSum sum = inputs.Has("sum") ? RoundSum::FromBlob(inputs.Get("sum")->Sub("sum/"), robots)
                                    : RoundSum(NoCounts(rules), robots);
+  RequireSize("the layers of a sum", sum.counts().layers.size(), static_cast<std::size_t>(rules.layers()));
   for (std::size_t i = 0; inputs.Has(PartialInput(i)); ++i) sum.Add(*inputs.Get(PartialInput(i)));
   return sum;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/state_scalars.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/landmark_map/m_step_task.h"
@@ -183,7 +184,9 @@ bool LeavesTables(const Options& options, const Schedule& schedule) {
 OdometryFit OdometryOf(const Task& task) {
   OdometryFit fit;
   OdometryFit::Fields([&](const Field& figure, const auto& member) {
-    fit.*member = task.params().at(std::string(figure.name)).d();
+    const double value = task.params().at(std::string(figure.name)).d();
+    RequireWithin(figure.name, value, -1e6, 1e6);
+    fit.*member = value;
   });
   return fit;
 }

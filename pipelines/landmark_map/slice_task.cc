@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/initial_state.h"
 #include "pipelines/landmark_map/model/e_step.h"
@@ -17,6 +18,8 @@
 
 namespace cairn::landmark_map {
 namespace {
+
+constexpr std::int64_t kMostSteps = 1 << 28;
 
 // A table that another task handed over; a layer for each heading.
 LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std::string& prefix,
@@ -33,13 +36,13 @@ LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std
 // where the forward task before it ended to where the backward task after it began, and `forward` tasks may
 // go on to the end of all.
 std::pair<int, int> SliceBounds(const Task& task, const Inputs& inputs) {
-  const auto count = static_cast<int>(task.params().at("count").i());
+  const auto count = static_cast<int>(IntegerOf(task, "count", 0, kMostSteps));
   int first = 0, end = count;
   if (inputs.Has("before")) first = inputs.Get("before")->Scalar<std::int32_t>("end");
   if (inputs.Has("beta")) end = inputs.Get("beta")->Scalar<std::int32_t>("first");
   if (inputs.Has("guesses")) {
     const auto firsts = inputs.Get("guesses")->Get<std::int32_t>("first");
-    const auto slice = static_cast<std::size_t>(task.params().at("slice").i());
+    const auto slice = static_cast<std::size_t>(IntegerOf(task, "slice", 0, kMostSteps));
     if (slice < firsts.size()) first = firsts[slice];
     if (slice + 1 < firsts.size()) end = firsts[slice + 1];
   }
@@ -58,13 +61,17 @@ class SliceTask {
         inputs_(inputs),
         odometry_(OdometryOf(task)),
         settings_(Settings::FromBlob(*inputs.Get("settings"))),
-        gauge_free_(settings_.gauge_free && Param("robot").i() == 0 && Param("joint").b()),
-        anywhere_(gauge_free_ || StartsAnywhere(options, static_cast<std::size_t>(Param("robot").i()))),
-        steps_(Read<RobotSteps>(*inputs.Get("steps")).WithoutDrift(odometry_.drift_rad_per_m)),
+        robot_(static_cast<int>(IntegerOf(task, "robot", 0, std::numeric_limits<std::int32_t>::max()))),
+        gauge_free_(settings_.gauge_free && robot_ == 0 && Param("joint").b()),
+        anywhere_(gauge_free_ || StartsAnywhere(options, static_cast<std::size_t>(robot_))),
+        steps_(RobotSteps::In(*inputs.Get("steps"), settings_.map.layers(), settings_.map.grid.cell_m)
+                   .WithoutDrift(odometry_.drift_rad_per_m)),
         slice_{steps_, first, end, Param("name").s()} {
+    IntegerOf(task, "count", end, steps_.size());
     settings_.noise = odometry_.Widths(settings_.noise);
     const bool mapped = inputs.Has("perception");
     if (mapped) perception_ = Read<Perception>(*inputs.Get("perception"));
+    if (mapped) perception_.Check(settings_.map.layers());
     model_ = settings_.Model(mapped ? &perception_ : nullptr);
     // Where the map has no landmark a first contact detection is false: a thousandth as likely, which it
     // survives only so.
@@ -98,7 +105,7 @@ class SliceTask {
 
   // Both from a guess of alpha before the slice and of beta at its end, which come with them.
   Blob Guess(Progress& progress) const {
-    const auto overlap = static_cast<int>(Param("overlap").i());
+    const auto overlap = static_cast<int>(Overlap());
     const int start = std::max(0, slice_.first - overlap);
     LayeredGrid before = start == 0 ? AtTheStart() : Warm();
     if (start < slice_.first) {
@@ -119,6 +126,7 @@ class SliceTask {
 
  private:
   const proto::Value& Param(const char* name) const { return task_.params().at(name); }
+  std::int64_t Overlap() const { return IntegerOf(task_, "overlap", 0, kMostSteps); }
 
   LayeredGrid AtTheStart() const {
     return anywhere_ ? UniformStart(model_, slice_) : DiracStart(model_.grid);
@@ -132,7 +140,7 @@ class SliceTask {
 
   // The same from the round before, at the step where the overlap begins.
   LayeredGrid Warm() const {
-    const auto slice = static_cast<std::size_t>(Param("slice").i());
+    const auto slice = static_cast<std::size_t>(IntegerOf(task_, "slice", 0, kMostSteps));
     const Guesses guesses = Guesses::FromBlob(*inputs_.Get("guesses"));
     if (slice >= guesses.warm.size() ||
         guesses.warm[slice].layers.size() != static_cast<std::size_t>(model_.grid.headings)) {
@@ -144,7 +152,7 @@ class SliceTask {
   // beta of the slice's last step, from what follows.
   LayeredGrid GuessedBeta(const Alphas& alphas, int overlap, Progress& progress) const {
     const LayeredGrid& alpha = alphas.tables.back();
-    const int end = std::min(slice_.end + overlap, static_cast<int>(Param("count").i()));
+    const int end = std::min(slice_.end + overlap, steps_.size());
     if (end == slice_.end || !options_.revise) return UniformBeta(alpha);
     EStepModel model = model_;
     model.memory_bytes -= sizeof(double) * static_cast<double>(alphas.Cells());
@@ -179,9 +187,9 @@ class SliceTask {
                        Progress& progress) const {
     std::vector<Landmark> landmarks;
     const bool summarise = Param("summarise").b();
-    if (summarise) landmarks = RowsIn<Landmark>(*inputs_.Get("landmarks"));
-    PartialBuilder builder(settings_, slice_, static_cast<int>(Param("robot").i()),
-                           summarise ? &landmarks : nullptr, NoCounts(settings_.map));
+    if (summarise) landmarks = LandmarksIn(*inputs_.Get("landmarks"), settings_.map);
+    PartialBuilder builder(settings_, slice_, robot_, summarise ? &landmarks : nullptr,
+                           NoCounts(settings_.map));
     if (options_.beliefs) builder.KeepBeliefs();
     const Visitor visitor = CountingIn(&builder, sizeof(double) * static_cast<double>(alphas.Cells()));
     beta = options_.revise
@@ -200,8 +208,8 @@ class SliceTask {
 
   // What a guess of the next slice in the next round begins from.
   void PutWarm(const Alphas& alphas, const LayeredGrid& before, Blob* partial) const {
-    const std::int64_t overlap = Param("overlap").i(), at = slice_.end - slice_.first - overlap - 1;
-    if (!Param("warm").b() || overlap == 0 || at < -1 || slice_.end == Param("count").i()) return;
+    const std::int64_t overlap = Overlap(), at = slice_.end - slice_.first - overlap - 1;
+    if (!Param("warm").b() || overlap == 0 || at < -1 || slice_.end == steps_.size()) return;
     (at < 0 ? before : alphas.tables[static_cast<std::size_t>(at)]).StoreSparse("warm/", partial);
   }
 
@@ -234,6 +242,7 @@ class SliceTask {
   const Inputs& inputs_;
   const OdometryFit odometry_;
   Settings settings_;
+  const int robot_;
   const bool gauge_free_;  // the first robot, whose start is the frame's origin no more
   const bool anywhere_;
   const RobotSteps steps_;

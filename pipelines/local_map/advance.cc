@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/local_map/path/scale_watch.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
@@ -22,15 +23,23 @@ struct Watched {
   std::vector<std::vector<Approach>> approaches;
 };
 
+// That a partial is of.
+std::size_t RobotOf(const Blob& partial, std::size_t robots) {
+  const auto robot = partial.Scalar<std::int64_t>("robot");
+  RequireWithin("robot", robot, 0, static_cast<std::int64_t>(robots) - 1);
+  return static_cast<std::size_t>(robot);
+}
+
 Watched WatchedBy(Partials& partials, std::size_t robots) {
   Watched watched{std::vector<std::vector<float>>(robots), std::vector<std::vector<Approach>>(robots)};
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
-    const auto r = static_cast<std::size_t>(partial->Scalar<std::int64_t>("robot"));
+    const std::size_t r = RobotOf(*partial, robots);
     const auto edges = partial->Get<float>("edges_m");
     watched.edges_m[r].insert(watched.edges_m[r].end(), edges.begin(), edges.end());
     const auto along2 = partial->Get<double>("along2_m2"),
                distance = partial->Get<double>("along_distance_m2");
+    RequireSize("along_distance_m2", distance.size(), along2.size());
     for (std::size_t a = 0; a < along2.size(); ++a) watched.approaches[r].push_back({along2[a], distance[a]});
   }
   return watched;
@@ -38,6 +47,7 @@ Watched WatchedBy(Partials& partials, std::size_t robots) {
 
 std::vector<OrientationSight> SightsOf(const std::vector<Scan>& scans, const std::vector<float>& edges) {
   std::vector<OrientationSight> sights(scans.size());
+  RequireSize("edges_m", edges.size(), scans.size() * kBins);
   for (std::size_t s = 0; s < scans.size(); ++s) {
     sights[s].path_m = scans[s].path_m;
     sights[s].heading_rad = scans[s].pose.heading_rad;
@@ -160,10 +170,13 @@ class Turn {
       const auto at = partial->Get<double>("node_robot");
       robot.insert(robot.end(), at.begin(), at.end());
       snapshots.push_back(partial->Sub("snapshot/"));
-      const auto r = static_cast<std::size_t>(partial->Scalar<std::int64_t>("robot"));
-      const auto last = static_cast<std::size_t>(partial->Scalar<std::int64_t>("last"));
+      const std::size_t r = RobotOf(*partial, robots_);
+      const BlobPtr walls = inputs_.Get(WallsName(r));
+      const auto angle_rad = walls->Get<double>("angle_rad");
+      const auto last = partial->Scalar<std::int64_t>("last");
+      RequireWithin("last", last, 0, static_cast<std::int64_t>(angle_rad.size()) - 1);
       of.push_back(static_cast<std::int32_t>(r));
-      frame.push_back(WrapAngle(inputs_.Get(WallsName(r))->Get<double>("angle_rad")[last]));
+      frame.push_back(WrapAngle(angle_rad[static_cast<std::size_t>(last)]));
     }
     Share(kSnapshots, JoinSnapshots(snapshots, of, frame));
     const auto nodes = static_cast<std::int64_t>(robot.size() / (2 * kQuarters));
@@ -182,7 +195,10 @@ class Turn {
     traces_ = ReadTraces(*BlobOf(kTraces), options_.grid.cell_m);
     for (std::size_t r = 0; r < robots_; ++r) {
       Robot robot{RowsIn<Scan>(*inputs_.Get(PathName(r))), {}};
-      for (const std::int64_t scan : inputs_.Get(NodesName(r))->Get<std::int64_t>("scan"))
+      const BlobPtr nodes = inputs_.Get(NodesName(r));
+      RequireAllWithin("a node's scan", nodes->Get<std::int64_t>("scan"), std::int64_t{0},
+                       static_cast<std::int64_t>(robot.scans.size()) - 1);
+      for (const std::int64_t scan : nodes->Get<std::int64_t>("scan"))
         robot.nodes.push_back(static_cast<std::size_t>(scan));
       const std::vector<OdometryEdge> odometry_edges = MakeOdometryEdges(
           robot.scans, robot.nodes, static_cast<std::int32_t>(nodes_.size()), options_.nodes);
@@ -193,6 +209,14 @@ class Turn {
         nodes_.push_back({r, scan, robot.scans[scan].path_m, at, at});
       }
       all_.push_back(std::move(robot));
+    }
+    for (const RecordedTrace& trace : traces_) {
+      RequireWithin("a trace's robot", static_cast<std::int64_t>(trace.robot), 0,
+                    static_cast<std::int64_t>(robots_) - 1);
+      const auto scans = static_cast<std::int64_t>(all_[trace.robot].scans.size());
+      RequireWithin("a trace's end", static_cast<std::int64_t>(trace.end), 1, scans);
+      RequireWithin("a trace's first scan", static_cast<std::int64_t>(trace.first), 0,
+                    static_cast<std::int64_t>(trace.end) - 1);
     }
     if (!state().blobs().contains(kPlaced)) return;
     const auto placed = RowsIn<Point>(*inputs_.Get(kPlaced));
@@ -239,6 +263,13 @@ class Turn {
     const std::vector<Pair> pairs = RowsIn<Pair>(*inputs_.Get(kPairs));
     std::vector<Candidate> matches;
     for (std::size_t k = 0; k < partials_.size(); ++k) AppendRows("", *partials_.Get(k), &matches);
+    RequireSize("matches", matches.size(), pairs.size());
+    for (const Pair& pair : pairs) {
+      RequireWithin("a pair's node", std::int64_t{pair.node}, 0,
+                    static_cast<std::int64_t>(nodes_.size()) - 1);
+      RequireWithin("a pair's trace", std::int64_t{pair.trace}, 0,
+                    static_cast<std::int64_t>(traces_.size()) - 1);
+    }
     std::vector<LoopConstraint> constraints;
     std::vector<std::size_t> of;  // pairs
     for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -346,12 +377,23 @@ Blob MatchPairs(const Inputs& inputs, const Options& options, Progress& progress
   const BlobPtr surroundings = inputs.Get("surroundings");
   const auto features = surroundings->Get<float>("features");
   const auto robot = surroundings->Get<double>("robot");
-  const std::size_t of_node = features.size() / (robot.size() / (2 * kQuarters)),
-                    of_quarter = of_node / kQuarters;
   const int half = static_cast<int>(options.grid.half_cells);
+  const std::size_t of_quarter = static_cast<std::size_t>(2 * half + 1) * kFeatureNumbers,
+                    of_node = of_quarter * kQuarters, nodes = features.size() / of_node;
+  RequireSize("features", features.size(), nodes * of_node);
+  RequireSize("robot", robot.size(), nodes * 2 * kQuarters);
+  RequireAllWithin("robot", robot, -kFarthest_m, kFarthest_m);
+  RequireFeatures(features);
   std::vector<Candidate> matches;
   for (const Pair& pair : pairs) {
     progress.Tick();
+    RequireWithin("a pair's trace", std::int64_t{pair.trace}, 0,
+                  static_cast<std::int64_t>(traces.size()) - 1);
+    RequireWithin("a pair's node", std::int64_t{pair.node} - pairs.front().node, 0,
+                  static_cast<std::int64_t>(nodes) - 1);
+    RequireWithin("a pair's z_m", pair.at.z_m, -kFarthest_m, kFarthest_m);
+    RequireWithin("a pair's u_m", pair.at.u_m, -kFarthest_m, kFarthest_m);
+    RequireWithin("a pair's range_m", pair.range_m, 0.0, options.pairs.most_m);
     const RecordedTrace& trace = traces[static_cast<std::size_t>(pair.trace)];
     const auto node = static_cast<std::size_t>(pair.node - pairs.front().node);
     const auto quarter = static_cast<std::size_t>(trace.frame.quarter);

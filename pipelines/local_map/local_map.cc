@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/local_map/advance.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/tasks/follow_task.h"
@@ -73,14 +75,25 @@ Step LocalMap::Start(const Inputs& inputs) const {
 
 namespace {
 
+constexpr std::int64_t kMostScans = std::numeric_limits<std::int32_t>::max();
+
+std::size_t RobotOf(const Task& task) {
+  return static_cast<std::size_t>(IntegerOf(task, "robot", 0, kMostScans));
+}
+
+// The first scan that is the task's own: those before it lead up to it.
+std::size_t OwnOf(const Task& task, const ScanReader& scans) {
+  return static_cast<std::size_t>(IntegerOf(task, "own", 0, static_cast<std::int64_t>(scans.size())));
+}
+
 Blob RecordTraces(const Task& task, const Inputs& inputs, const GridOptions& grid, ScanReader* scans,
                   Progress& progress, const RecordOptions& options) {
-  const auto first = static_cast<std::size_t>(task.params().at("first").i());
-  const auto own = static_cast<std::size_t>(task.params().at("own").i());
-  const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
+  const auto first = static_cast<std::size_t>(IntegerOf(task, "first", 0, kMostScans));
+  const std::size_t own = OwnOf(task, *scans), robot = RobotOf(task);
   std::vector<std::int64_t> nodes;
   if (inputs.Has("nodes")) {
     const BlobPtr blob = inputs.Get("nodes");
+    RequireAllWithin("a node's scan", blob->Get<std::int64_t>("scan"), std::int64_t{0}, kMostScans);
     for (const std::int64_t scan : blob->Get<std::int64_t>("scan"))
       nodes.push_back(scan - static_cast<std::int64_t>(first));
   }
@@ -110,10 +123,12 @@ Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, S
     if (rows[s].run == rows[s - 1].run) continue;
     moved_m[s] = rows[s].jumped ? options.nodes.jump_m : options.nodes.gap_m;
   }
-  const auto robot = static_cast<std::size_t>(task.params().at("robot").i());
+  RequireSize("rows", rows.size(), scans->size());
+  const std::vector<RecordedTrace> traces = ReadTraces(*inputs.Get("traces"), options.grid.cell_m);
+  const std::vector<Connection> connections = RowsIn<Connection>(*inputs.Get("connections"));
+  for (const Connection& connection : connections) connection.Check(traces.size());
   Blob partial;
-  partial.PutAll("positions/", Follow(*scans, robot, ReadTraces(*inputs.Get("traces"), options.grid.cell_m),
-                                      RowsIn<Connection>(*inputs.Get("connections")), moved_m, options.grid,
+  partial.PutAll("positions/", Follow(*scans, RobotOf(task), traces, connections, moved_m, options.grid,
                                       options.localizer, progress));
   return partial;
 }
@@ -125,14 +140,13 @@ Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) c
   ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
   Blob partial;
   if (task.kind() == "walls") {
-    const auto own = static_cast<std::size_t>(task.params().at("own").i());
-    partial = WatchWalls(scans, own, options_.grid, progress);
+    partial = WatchWalls(scans, OwnOf(task, scans), options_.grid, progress);
   } else if (task.kind() == "traces") {
     partial = RecordTraces(task, inputs, options_.grid, &scans, progress, options_.record);
   } else {
     partial = FollowAll(task, inputs, options_, &scans, progress);
   }
-  partial.PutScalar("robot", task.params().at("robot").i());
+  partial.PutScalar("robot", static_cast<std::int64_t>(RobotOf(task)));
   return partial;
 }
 

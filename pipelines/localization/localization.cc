@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/localization/result.h"
 #include "pipelines/localization/space.h"
@@ -54,9 +55,20 @@ void AddTasks(const char* kind, std::size_t count, std::size_t of_task, double e
   }
 }
 
-RowRange RowsOfTask(const Task& task) {
-  return {static_cast<std::size_t>(task.params().at("first").i()),
-          static_cast<std::size_t>(task.params().at("end").i())};
+// Of so many that there are.
+RowRange RowsOfTask(const Task& task, std::size_t count) {
+  const std::int64_t end = IntegerOf(task, "end", 1, static_cast<std::int64_t>(count));
+  return {static_cast<std::size_t>(IntegerOf(task, "first", 0, end - 1)), static_cast<std::size_t>(end)};
+}
+
+// Of all positions.
+FeatureMap MapIn(const Inputs& inputs, std::size_t positions, std::size_t features) {
+  FeatureMap map = Read<FeatureMap>(*inputs.Get("map"));
+  RequireSize("probability", map.probability.size(), positions * features);
+  RequireAllWithin("probability", map.probability, -1e-6, 1 + 1e-6);
+  RequireSize("room", map.room.size(), positions);
+  RequireAllWithin("room", map.room, 0.0, 1e300);
+  return map;
 }
 
 Step Plan(const State& state) {
@@ -87,11 +99,14 @@ Step Localization::Start(const Inputs& inputs) const {
 
 Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   progress.Tick();
-  const Source source = Read<Source>(*inputs.Get("source"));
+  const Source source = Source::In(options_, inputs);
   const Poses poses = BeliefPositions(options_, source);
-  const RowRange range = RowsOfTask(task);
-  if (task.kind() == "map") return BlobOf(MapOfBlock(options_, source, poses, range.first, range.end));
-  const FeatureMap map = Read<FeatureMap>(*inputs.Get("map"));
+  if (task.kind() == "map") {
+    const RowRange block = RowsOfTask(task, poses.positions.size());
+    return BlobOf(MapOfBlock(options_, source, poses, block.first, block.end));
+  }
+  const RowRange range = RowsOfTask(task, TraverseCount(options_, source));
+  const FeatureMap map = MapIn(inputs, poses.positions.size(), source.features());
   const BeliefSpace space(poses, map.room);
   const double least_sd_m = 0.5 * SpacingM(PositionIndex(poses.positions), poses);
   ResultRows rows;
@@ -105,7 +120,7 @@ Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progres
 }
 
 Step Localization::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  const Source source = Read<Source>(*inputs.Get("source"));
+  const Source source = Source::In(options_, inputs);
   const Poses poses = BeliefPositions(options_, source);
   if (!state.blobs().contains("map")) {
     FeatureMap map;

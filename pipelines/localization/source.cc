@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/localization/learned.h"
 #include "schema/error.h"
 #include "schema/headings.h"
@@ -238,6 +239,71 @@ Source Source::Of(const Options& options, const Inputs& inputs) {
                      std::to_string(source.map_positions.size()) + " samples");
   }
   source.DecideOnHeadings(options);
+  return source;
+}
+
+namespace {
+
+void RequirePositions(const std::vector<Position>& positions) {
+  for (const Position& position : positions) {
+    RequireWithin("a position's x_m", position.x_m, -kFar_m, kFar_m);
+    RequireWithin("a position's y_m", position.y_m, -kFar_m, kFar_m);
+  }
+}
+
+// One for each of `count` samples, or none.
+void RequireHeadings(const std::vector<double>& heading_rad, std::size_t count) {
+  if (!heading_rad.empty()) RequireSize("heading_rad", heading_rad.size(), count);
+  RequireAllWithin("heading_rad", heading_rad, -1e9, 1e9);
+}
+
+// As one feature's, `count` of them.
+template <class Output>
+void RequireOutputs(const Output& output, std::size_t count) {
+  RequireSize("output", output.size(), count);
+  RequireAllWithin("output", output, -1e-6, 1 + 1e-6);
+}
+
+}  // namespace
+
+void Source::Check(const Options& options) const {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  const auto features = static_cast<std::int64_t>(this->features());
+  RequireWithin("the number of features", features, 1, kMost);
+  RequireWithin("the number of groups", static_cast<std::int64_t>(groups.size()), 1, features);
+  for (const FeatureGroup& group : groups) {
+    RequireWithin("the end of a group", static_cast<std::int64_t>(group.end), 1, features);
+    RequireWithin("the first of a group", static_cast<std::int64_t>(group.first), 0,
+                  static_cast<std::int64_t>(group.end) - 1);
+  }
+  RequireWithin("the number of samples of the map", static_cast<std::int64_t>(map_positions.size()),
+                options.nearest, kMost);
+  RequirePositions(map_positions);
+  RequireHeadings(map_heading_rad, map_positions.size());
+  RequireOutputs(map_output, map_positions.size() * this->features());
+  RequireWithin("the number of runs", static_cast<std::int64_t>(runs.size()), 1, kMost);
+  for (const Run& run : runs) {
+    const std::size_t count = run.positions.size();
+    RequireWithin("a run's index", run.index, 0, static_cast<std::int64_t>(run_names.size()) - 1);
+    RequireWithin("the number of a run's samples", static_cast<std::int64_t>(count), 1, kMost);
+    RequirePositions(run.positions);
+    RequireHeadings(run.heading_rad, count);
+    RequireOutputs(run.output, count * this->features());
+    if (headings() || options.heading == "unknown" || !run.odometry.empty())
+      RequireSize("a run's heading_rad", run.heading_rad.size(), count);
+    if (!run.odometry.empty()) RequireSize("a run's odometry", run.odometry.size(), count);
+    for (const OwnMotion& own : run.odometry) {
+      RequirePositions({own.moved});
+      RequireWithin("a turn", own.turn_rad, -1e9, 1e9);
+    }
+  }
+  if (options.heading == "unknown")
+    RequireSize("the map's heading_rad", map_heading_rad.size(), map_positions.size());
+}
+
+Source Source::In(const Options& options, const Inputs& inputs) {
+  Source source = Read<Source>(*inputs.Get("source"));
+  source.Check(options);
   return source;
 }
 

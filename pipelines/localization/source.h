@@ -59,6 +59,8 @@ struct Source {
   //   different samples;
   // - headings are needed and not there.
   static Source Of(const Options& options, const Inputs& inputs);
+  // As a task is handed it. Throws InputError where its arrays do not fit each other, or the options.
+  static Source In(const Options& options, const Inputs& inputs);
 
   static void Fields(const auto& field) {
     field("run_names", &Source::run_names);
@@ -72,6 +74,7 @@ struct Source {
   }
 
  private:
+  void Check(const Options& options) const;
   void UseNetworks(const Options& options, const kinds::Samples& samples,
                    const std::vector<Learned>& learned);
   void UseHandMade(const Options& options, const kinds::Samples& samples);

@@ -108,6 +108,18 @@ std::string Listed(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// Landmarks are mapped by odometry alone.
+void CheckPaths(const kinds::Log& log, bool has_observations) {
+  for (std::size_t r = 0; r < log.robot.size(); ++r) {
+    if (!log.robot[r].odometry.time_s.OrNone().empty()) continue;
+    const std::string robot = "robot '" + log.robots[r] + "' has ";
+    if (has_observations)
+      throw InputError(robot + "no odometry: a map of landmarks that were observed needs it");
+    if (log.robot[r].poses.time_s.OrNone().empty())
+      throw InputError(robot + "neither poses nor odometry: where it was is not known");
+  }
+}
+
 // Whose poses the grid is made with: a stage's, the log's own (empty), or nobody's.
 std::optional<std::string> ChoosePoses(const Holdings& all, ChosenJob* chosen) {
   std::optional<std::string> poses;
@@ -148,11 +160,13 @@ void ChooseGrid(const Holdings& all, const std::string& poses, ChosenJob* chosen
 
 }  // namespace
 
-ChosenJob ChooseJob(const Blob& log) {
-  const Holdings all = Look(Read<kinds::Log>(log));
+ChosenJob ChooseJob(const Blob& blob) {
+  const auto log = Read<kinds::Log>(blob);
+  const Holdings all = Look(log);
   if (all.observations == 0 && all.scans == 0)
     throw InputError(
         "the log has no observations of landmarks and no range scans: there is nothing to make a map of");
+  CheckPaths(log, all.observations > 0);
   ChosenJob chosen;
   chosen.job.set_name("map");
   if (all.observations > 0) {

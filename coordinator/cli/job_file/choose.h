@@ -17,7 +17,7 @@ struct ChosenJob {
 // Observations of landmarks: `landmark_map`. Range scans: `local_map`, which finds a path by what the robot
 // sees, unless the log has poses of its own; then a grid of occupied and free cells by the best poses there
 // are: those of landmarks, else the log's own, else those of `local_map`, which ties no two robots together.
-// Throws InputError where the log has neither.
-ChosenJob ChooseJob(const Blob& log);
+// Throws InputError where the log has neither, or a robot without the odometry or poses that these need.
+ChosenJob ChooseJob(const Blob& blob);
 
 }  // namespace cairn::cli

@@ -14,7 +14,7 @@ struct Of {
   std::size_t robots = 1;
   int observations = 0, scans = 0;
   std::string sensor = "laser";
-  bool poses = false;
+  bool poses = false, odometry = true;
   double forward_m = 1;
 };
 
@@ -24,7 +24,9 @@ Blob LogOf(const Of& of) {
   for (std::size_t r = 0; r < of.robots; ++r) {
     names.push_back("robot " + std::to_string(r));
     Log::Robot robot;
-    robot.odometry = {std::vector{0.0, 1.0}, std::vector{0.0, 0.0}, std::vector{of.forward_m, of.forward_m}};
+    if (of.odometry)
+      robot.odometry = {std::vector{0.0, 1.0}, std::vector{0.0, 0.0},
+                        std::vector{of.forward_m, of.forward_m}};
     std::vector<double> times;
     for (int i = 0; i < of.observations; ++i) times.push_back(0.1 * i);
     robot.observations.time_s = times;
@@ -104,6 +106,13 @@ TEST(ChooseJob, EveryStageHasAReason) {
       EXPECT_TRUE(
           chosen.reasons[static_cast<std::size_t>(i)].starts_with(chosen.job.stages(i).name() + ": "));
   }
+}
+
+TEST(ChooseJob, OfARobotWhosePathNobodyCanKnowItSaysSo) {
+  EXPECT_THROW(ChooseJob(LogOf({.observations = 3, .odometry = false})), InputError);
+  EXPECT_THROW(ChooseJob(LogOf({.observations = 3, .poses = true, .odometry = false})), InputError);
+  EXPECT_THROW(ChooseJob(LogOf({.scans = 3, .odometry = false})), InputError);
+  EXPECT_EQ(Stages(ChooseJob(LogOf({.scans = 3, .poses = true, .odometry = false}))), "grid forward_map");
 }
 
 TEST(ChooseJob, OfALogWithNothingToMapItSaysSo) { EXPECT_THROW(ChooseJob(LogOf({})), InputError); }

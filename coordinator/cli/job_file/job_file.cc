@@ -129,7 +129,7 @@ class JobReader {
       if (parsed_.inputs.contains(name))
         yaml_.Refuse(entry.line, "stage '" + name + "' has the name of an input");
       // Its pages go into a folder of its name, beside them and beside the results of all stages.
-      if (name.ends_with(".h5") || name == "map.png" || name == "picture.png" || name == "report.html")
+      if (coordinator::IsFileOfARun(name))
         yaml_.Refuse(entry.line, "stage '" + name + "' has the name of a file that a run writes");
       return;
     }

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/taps.h"
 
 namespace cairn::landmark_map {
@@ -229,6 +230,17 @@ int MostLikelyClass(const Landmark& landmark, const LayeredGrid& counts, double 
 }
 
 }  // namespace
+
+std::vector<Landmark> LandmarksIn(const Blob& blob, const MapRules& rules) {
+  std::vector<Landmark> landmarks = RowsIn<Landmark>(blob);
+  for (const Landmark& landmark : landmarks) {
+    RequireWithin("a landmark's x_m", landmark.x_m, -kFar_m, kFar_m);
+    RequireWithin("a landmark's y_m", landmark.y_m, -kFar_m, kFar_m);
+    RequireWithin("a landmark's type", std::int64_t{landmark.type}, 0, rules.types);
+    RequireWithin("a landmark's class", std::int64_t{landmark.landmark_class}, 0, rules.classes.count - 1);
+  }
+  return landmarks;
+}
 
 std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules& rules) {
   constexpr double kLeastCount = 0.5;

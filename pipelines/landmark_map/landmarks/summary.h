@@ -44,6 +44,9 @@ struct Landmark {
   }
 };
 
+// Throws InputError where one is none of the map's.
+std::vector<Landmark> LandmarksIn(const Blob& blob, const MapRules& rules);
+
 // Identified landmarks: one a type, the mean around the mode. Others: peaks of the counts, strongest first,
 // each taking what lies within core_m of it; one with less than half an observation is none.
 std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules& rules);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -50,6 +52,11 @@ void MultiplyByLookup(const Layer& table, const Offset& offset, Layer* layer) {
 }
 
 }  // namespace
+
+void Perception::Check(int layers) const {
+  RequireSize("likelihood", likelihood.layers.size(), static_cast<std::size_t>(layers));
+  RequireSize("outside", outside.size(), likelihood.layers.size());
+}
 
 Box PlacesThatSee(const Observation& observation, const GridSpec& grid, const Perception& perception,
                   int layer) {

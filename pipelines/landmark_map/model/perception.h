@@ -19,6 +19,8 @@ struct GridSpec {
 struct Perception {
   LayeredGrid likelihood;
   std::vector<double> outside;
+  // Throws InputError where it is none of so many layers.
+  void Check(int layers) const;
   static void Fields(const auto& field) {
     field("likelihood", &Perception::likelihood);
     field("outside", &Perception::outside);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/odometry.h"
 
 namespace cairn::landmark_map {
@@ -161,6 +162,35 @@ class StepPlanner {
 MotionIncrement RobotSteps::IncrementTo(int step) const {
   if (step == 0) return {};
   return {odo_x_m[step] - odo_x_m[step - 1], odo_y_m[step] - odo_y_m[step - 1], path_m[step], turn_rad[step]};
+}
+
+RobotSteps RobotSteps::In(const Blob& blob, int layers, double cell_m) {
+  RobotSteps steps = Read<RobotSteps>(blob);
+  const std::size_t count = steps.time_s.size();
+  const auto observations = static_cast<std::int64_t>(steps.observations.size());
+  RequireWithin("the number of steps", static_cast<std::int64_t>(count), 1, 1 << 28);
+  for (const auto* const values : {&steps.odo_x_m, &steps.odo_y_m, &steps.odo_heading_rad}) {
+    RequireSize("a step's odometry", values->size(), count);
+    RequireAllWithin("a step's odometry", *values, -kFar_m, kFar_m);
+  }
+  for (const auto* const values : {&steps.path_m, &steps.turn_rad}) {
+    RequireSize("a step's motion", values->size(), count);
+    RequireAllWithin("a step's motion", *values, 0.0, kFar_m);
+  }
+  RequireSize("first_observation", steps.first_observation.size(), count + 1);
+  std::int64_t before = 0;
+  for (const std::int32_t first : steps.first_observation) {
+    RequireWithin("first_observation", std::int64_t{first}, before, observations);
+    before = first;
+  }
+  const double farthest_m = (1 << 26) * cell_m;
+  for (const Observation& observation : steps.observations) {
+    RequireWithin("an observation's type", std::int64_t{observation.type}, 0, std::int64_t{layers} - 1);
+    RequireWithin("an observation's x_m", observation.x_m, -farthest_m, farthest_m);
+    RequireWithin("an observation's y_m", observation.y_m, -farthest_m, farthest_m);
+  }
+  RequireAllWithin("row_observation", steps.row_observation, std::int64_t{-1}, observations - 1);
+  return steps;
 }
 
 std::vector<double> RobotSteps::DistanceTravelled() const {

@@ -41,6 +41,10 @@ struct RobotSteps {
   // observations turn back by drift * distance travelled so far.
   RobotSteps WithoutDrift(double drift_rad_per_m) const;
 
+  // As a task is handed them: with observations of so many layers of the map.
+  // Throws InputError where the arrays do not fit each other, or are of more cells than a grid can have.
+  static RobotSteps In(const Blob& blob, int layers, double cell_m);
+
   static void Fields(const auto& field) {
     field("time_s", &RobotSteps::time_s);
     field("odo_x_m", &RobotSteps::odo_x_m);

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <string>
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::landmark_map {
 
 PartialBuilder::PartialBuilder(const Settings& settings, const Slice& slice, int robot,
@@ -137,15 +139,30 @@ RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
       guessed_(robots, 0),
       confirmed_(robots, 0) {}
 
+namespace {
+
+constexpr double kMostCount = 1e15;
+
+LayeredGrid CountsIn(const Blob& partial) {
+  LayeredGrid counts = LayeredGrid::Load("counts/", partial);
+  for (const Layer& layer : counts.layers) RequireAllWithin("counts", layer.values, 0.0, kMostCount);
+  return counts;
+}
+
+}  // namespace
+
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
-  const LayeredGrid counts = LayeredGrid::Load("counts/", partial);
+  const LayeredGrid counts = CountsIn(partial);
+  RequireSize("the layers of a partial", counts.layers.size(), counts_.layers.size());
   for (std::size_t type = 0; type < counts.layers.size(); ++type) {
     counts_.layers[type].Cover(counts.layers[type].box);
     counts_.layers[type].AddShifted(counts.layers[type], 0, 0, 1.0);
   }
   log_likelihood_ += partial.Scalar<double>("log_likelihood");
-  const auto robot = static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"));
+  const std::int64_t of = partial.Scalar<std::int32_t>("robot");
+  RequireWithin("a partial's robot", of, 0, static_cast<std::int64_t>(work_.size()) - 1);
+  const auto robot = static_cast<std::size_t>(of);
   log_likelihood_of_[robot] += partial.Scalar<double>("log_likelihood");
   work_[robot] += partial.Scalar<double>("work");
   increments_[robot].Join(FieldsIn<IncrementSums>("increments/", partial), first_path_m_[robot]);
@@ -162,6 +179,7 @@ Blob RoundSum::ToBlob() const { return BlobOf(*this); }
 RoundSum RoundSum::FromBlob(const Blob& blob, std::size_t robots) {
   RoundSum sum({}, robots);
   TakeFields("", blob, &sum);
+  for (const Layer& layer : sum.counts_.layers) RequireAllWithin("counts", layer.values, 0.0, kMostCount);
   for (const std::size_t of : {sum.log_likelihood_of_.size(), sum.work_.size(), sum.increments_.size(),
                                sum.guessed_.size(), sum.confirmed_.size(), sum.first_path_m_.size()})
     if (of != robots) throw InputError("a sum over other robots");

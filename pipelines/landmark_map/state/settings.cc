@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/model/work.h"
 
@@ -403,13 +404,38 @@ Blob Settings::ToBlob() const {
   return blob;
 }
 
+void Settings::Check() const {
+  constexpr double kMostCells = 1 << 27, kMostNoise = 1e6;
+  const GridSpec& grid = map.grid;
+  RequireWithin("cell_m", grid.cell_m, 1e-6, 1e9);
+  RequireWithin("headings", std::int64_t{grid.headings}, 1, 1 << 16);
+  RequireWithin("types", std::int64_t{map.types}, 0, 1 << 24);
+  RequireWithin("classes", std::int64_t{map.classes.count}, 1, 256);
+  const auto classes = static_cast<std::size_t>(map.classes.count);
+  RequireSize("confusion", map.classes.confusion.size(), classes * classes);
+  RequireAllWithin("confusion", map.classes.confusion, 0.0, 1.0 + 1e-6);
+  for (const double length_m : {map.observation_m, map.radius_m, map.core_m, box_m})
+    RequireWithin("a length of the map", length_m, 0.0, kMostCells * grid.cell_m);
+  for (const double ratio : {noise.heading_drift_rad_per_m, noise.heading_walk_rad_per_sqrt_m,
+                             noise.forward_ratio, noise.turn_ratio})
+    RequireWithin("noise", ratio, 0.0, kMostNoise);
+  RequireWithin("drift_length_m", noise.drift_length_m, 0.0, kFar_m);
+  RequireWithin("prune", prune, 0.0, 1.0);
+}
+
 Settings Settings::FromBlob(const Blob& blob) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kMost = std::numeric_limits<std::int32_t>::max();
   Settings settings;
   VisitSettings(settings, [&]<class T>(const char* name, T& field) {
-    field = static_cast<T>(blob.Scalar<double>(name));
+    const double value = blob.Scalar<double>(name);
+    const double most = std::is_floating_point_v<T> ? kInfinity : std::is_same_v<T, int> ? kMost : 1;
+    RequireWithin(name, value, std::is_floating_point_v<T> ? -kInfinity : 0, most);
+    field = static_cast<T>(value);
   });
   const auto confusion = blob.Get<double>("confusion");
   settings.map.classes.confusion.assign(confusion.begin(), confusion.end());
+  settings.Check();
   return settings;
 }
 

@@ -36,7 +36,11 @@ struct Settings {
 
   EStepModel Model(const Perception* perception) const;
   Blob ToBlob() const;
+  // Throws InputError where these are none that Resolve could give.
   static Settings FromBlob(const Blob& blob);
+
+ private:
+  void Check() const;
 };
 
 // Distance between the drifts of neighbouring starts, in nominal standard deviations: half of the starts, or

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
+#include "pipelines/common/handed_over.h"
 #include "schema/error.h"
 #include "schema/kinds/fields.h"
 
@@ -45,15 +47,31 @@ ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std
     const auto beams = RowsIn<Pose>(rings, Numbered(k) + "beam/");
     const double opening_rad = rings.Scalar<double>(Numbered(k) + "opening_rad");
     const double max_range_m = rings.Scalar<double>(Numbered(k) + "max_range_m");
+    RequirePoses("a beam's pose", beams);
+    RequireWithin("opening_rad", opening_rad, 0.0, std::numbers::pi);
+    RequireWithin("max_range_m", max_range_m, 0.0, kFar_m);
     rings_.emplace_back(beams, opening_rad, max_range_m, SectorsOf(beams, opening_rad, ring_beams));
     beams_.push_back({beams, opening_rad, max_range_m});
     range_m_.push_back(log.at(name + "range_m"));
     turret_rad_.push_back(TurretOf(log, name));
+    const Shape& shape = range_m_.back().shape();
+    RequireSize("the shape of range_m", shape.size(), 2);
+    RequireSize("a row of range_m", beams.size(), static_cast<std::size_t>(shape[1]));
+    if (!turret_rad_.back().empty())
+      RequireSize("turret_rad", turret_rad_.back().size(), static_cast<std::size_t>(shape[0]));
   }
   time_s_ = Column<double>::In(rows, "time_s").vector();
   pose_ = RowsIn<Pose>(rows, "pose/");
   row_of_log_ = Column<std::int64_t>::In(rows, "row_of_log").vector();
   scan_.resize(rings_.size());
+  RequireWithin("the number of scans", static_cast<std::int64_t>(size()), 1,
+                std::numeric_limits<std::int32_t>::max());
+  RequireAllWithin("time_s", time_s_, -1e18, 1e18);
+  RequireSize("pose", pose_.size(), size());
+  RequirePoses("a scan's pose", pose_);
+  RequireSize("row_of_log", row_of_log_.size(), size() * rings_.size());
+  for (std::size_t k = 0; k < row_of_log_.size(); ++k)
+    RequireWithin("row_of_log", row_of_log_[k], -1, range_m_[k % rings_.size()].shape()[0] - 1);
 }
 
 std::span<const RingScan> ScanReader::Read(std::size_t scan) {

@@ -20,6 +20,7 @@ class ScanReader {
  public:
   // `rings` as RingsBlob made it; `rows` some rows of what RowsOf(runs) made; a laser's beams are thinned to
   // `ring_beams` sectors over the full circle.
+  // Throws InputError where these do not fit each other, or name rows that the log lacks.
   ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std::int64_t ring_beams);
 
   std::size_t size() const { return time_s_.size(); }

@@ -1,5 +1,10 @@
 #include "pipelines/local_map/traces/arrays.h"
 
+#include <cmath>
+#include <limits>
+
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::local_map {
 namespace {
 
@@ -25,6 +30,11 @@ void AppendFeatures(const EdgeTrace& trace, std::vector<float>* numbers) {
     Append(feature.left, numbers);
     Append(feature.right, numbers);
   }
+}
+
+void RequireFeatures(std::span<const float> numbers) {
+  for (const float number : numbers)
+    if (!std::isnan(number)) RequireWithin("a feature's number", double{number}, -1e6, 1e6);
 }
 
 EdgeTrace TraceOf(double cell_m, int first_z, std::span<const float> numbers) {
@@ -56,12 +66,19 @@ Blob TracesBlob(const std::vector<RecordedTrace>& traces) {
 
 std::vector<RecordedTrace> ReadTraces(const Blob& blob, double cell_m) {
   constexpr std::size_t kNumbers = 8;
+  constexpr std::int64_t kMostScans = std::numeric_limits<std::int32_t>::max(), kMostCells = 4'000'000;
   const auto rows = blob.Get<std::int64_t>("trace");
   const auto numbers = blob.Get<float>("features");
+  RequireFeatures(numbers);
   std::vector<RecordedTrace> traces;
   std::size_t begin = 0;
   for (std::size_t k = 0; k + kNumbers <= rows.size(); k += kNumbers) {
     const auto row = rows.subspan(k, kNumbers);
+    RequireAllWithin("a trace's robot and scans", row.first(3), std::int64_t{0}, kMostScans);
+    RequireWithin("a trace's quarter", row[3], 0, 3);
+    RequireAllWithin("a trace's cells", row.subspan(4, 3), -kMostCells, kMostCells);
+    RequireWithin("a trace's features", row[7], 0,
+                  static_cast<std::int64_t>((numbers.size() - begin) / kFeatureNumbers));
     const std::size_t count = static_cast<std::size_t>(row[7]) * kFeatureNumbers;
     traces.push_back({.robot = static_cast<std::size_t>(row[0]),
                       .first = static_cast<std::size_t>(row[1]),

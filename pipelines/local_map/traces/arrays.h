@@ -21,10 +21,13 @@ struct RecordedTrace {
 // Eight numbers a side, left before right.
 inline constexpr std::size_t kSideNumbers = 8, kFeatureNumbers = 2 * kSideNumbers;
 void AppendFeatures(const EdgeTrace& trace, std::vector<float>* numbers);
+// Throws InputError where one is larger than a trace holds; NaN is none.
+void RequireFeatures(std::span<const float> numbers);
 // `numbers`: kFeatureNumbers a feature.
 EdgeTrace TraceOf(double cell_m, int first_z, std::span<const float> numbers);
 
 Blob TracesBlob(const std::vector<RecordedTrace>& traces);
+// Throws InputError where these do not fit each other, or lie further away than a trace can.
 std::vector<RecordedTrace> ReadTraces(const Blob& blob, double cell_m);
 
 }  // namespace cairn::local_map

@@ -41,6 +41,8 @@ struct Feature {
   Side left, right;
 };
 
+inline constexpr double kFarthest_m = 1e7;  // any two traces lie apart, which in cells is still an int
+
 struct Position {
   double z_m = 0, u_m = 0;
   static void Fields(const auto& field) {

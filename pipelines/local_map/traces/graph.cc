@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/local_map/traces/frame.h"
 #include "schema/error.h"
 
@@ -15,6 +16,16 @@ Position Turned(int quarter, double x, double y) {
 }
 
 }  // namespace
+
+void Connection::Check(std::size_t traces) const {
+  const std::int64_t last = static_cast<std::int64_t>(traces) - 1;
+  RequireWithin("a connection's from", std::int64_t{from}, 0, last);
+  RequireWithin("a connection's to", std::int64_t{to}, 0, last);
+  RequireWithin("a connection's quarter", std::int64_t{quarter}, 0, 3);
+  RequireWithin("a connection's z_m", origin.z_m, -kFarthest_m, kFarthest_m);
+  RequireWithin("a connection's u_m", origin.u_m, -kFarthest_m, kFarthest_m);
+  RequireWithin("a connection's sd_m", sd_m, 0.0, kFarthest_m);
+}
 
 Position Through(const Connection& connection, const Position& at) {
   return Turned(connection.quarter, at.z_m - connection.origin.z_m, at.u_m - connection.origin.u_m);

@@ -15,6 +15,8 @@ struct Connection {
   int quarter = 0;  // `to` runs so many quarter turns left of `from`
   Position origin;  // of `to`, in the frame of `from`
   double sd_m = 0;  // of that, each axis: small where one led to the other, large for a loop or across a cut
+  // Throws InputError where it is none of so many traces.
+  void Check(std::size_t traces) const;
   static void Fields(const auto& field) {
     field("from", &Connection::from);
     field("to", &Connection::to);

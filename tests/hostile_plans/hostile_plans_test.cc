@@ -1,0 +1,227 @@
+// What a worker computes is a task of a plan that another worker made, with blobs that others made: one gone
+// bad may put anything there. Whatever that is, the task is done or fails with a reason, and the process that
+// computes it lives on. Most telling in a build with a sanitizer, which sees what is read out of bounds.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "pipelines/testing/in_process.h"
+#include "schema/demands_throw.h"
+#include "tests/conformance/cases.h"
+
+namespace cairn::conformance {
+namespace {
+
+// A task as a worker gets it.
+struct Handed {
+  Task task;
+  InputMap inputs;
+
+  Handed With(const std::string& param, const proto::Value& value) const {
+    Handed handed = *this;
+    (*handed.task.mutable_params())[param] = value;
+    return handed;
+  }
+  Handed With(const std::string& input, const std::string& name, const Array& array) const {
+    Handed handed = *this;
+    Blob changed = *inputs.at(input);
+    changed.Put(name, array);
+    handed.inputs[input] = std::make_shared<const Blob>(std::move(changed));
+    return handed;
+  }
+};
+
+constexpr std::int64_t kIntegers[] = {-1,
+                                      0,
+                                      std::int64_t{1} << 30,
+                                      std::int64_t{1} << 31,
+                                      std::int64_t{1} << 40,
+                                      std::numeric_limits<std::int64_t>::min(),
+                                      std::numeric_limits<std::int64_t>::max()};
+constexpr double kNumbers[] = {
+    std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e308, -1e308, -1, 0};
+
+using Arrays = std::vector<std::pair<std::string, Array>>;
+
+// Every element, and the last alone, as each of `values`, cut to what T holds.
+template <class T, class Values>
+void AddFilled(const Array& array, const Values& values, Arrays* to) {
+  const auto elements = array.As<T>();
+  if (elements.empty()) return;
+  for (auto value : values) {
+    if constexpr (std::is_integral_v<T>)
+      value = std::clamp<std::int64_t>(value, std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
+    const std::vector<T> all(elements.size(), static_cast<T>(value));
+    std::vector<T> last(elements.begin(), elements.end());
+    last.back() = static_cast<T>(value);
+    to->push_back({"all " + std::to_string(value), Array::Of(array.shape(), all)});
+    to->push_back({"last " + std::to_string(value), Array::Of(array.shape(), last)});
+  }
+}
+
+// The first of its bytes in another shape.
+Array Reshaped(const Array& array, const Shape& shape) {
+  std::size_t bytes = array.item_bytes();
+  for (const std::int64_t n : shape) bytes *= static_cast<std::size_t>(n);
+  return Array::FromBytes(array.type(), array.item_bytes(), shape, array.bytes().first(bytes)).value();
+}
+
+Arrays MutantsOf(const Array& array) {
+  Arrays mutants;
+  if (array.type() == DType::kI64) AddFilled<std::int64_t>(array, kIntegers, &mutants);
+  if (array.type() == DType::kI32) AddFilled<std::int32_t>(array, kIntegers, &mutants);
+  if (array.type() == DType::kU8) AddFilled<std::uint8_t>(array, kIntegers, &mutants);
+  if (array.type() == DType::kF64) AddFilled<double>(array, kNumbers, &mutants);
+  if (array.type() == DType::kF32) AddFilled<float>(array, kNumbers, &mutants);
+  const Shape& shape = array.shape();
+  if (shape.empty()) mutants.push_back({"of no element", Reshaped(array, {0})});
+  if (shape.size() > 1) mutants.push_back({"flat", Reshaped(array, {array.size()})});
+  for (const std::int64_t rows : {std::int64_t{0}, shape.empty() ? 0 : shape[0] / 2}) {
+    if (shape.empty() || rows >= shape[0]) continue;
+    Shape cut = shape;
+    cut[0] = rows;
+    mutants.push_back({"of " + std::to_string(rows) + " rows", Reshaped(array, cut)});
+  }
+  return mutants;
+}
+
+using Visit = std::function<void(const std::string& what, const Handed& handed)>;
+
+// Every parameter and every array by itself.
+void ForEachMutant(const Handed& real, const Visit& visit) {
+  for (const auto& [name, value] : real.task.params()) {
+    proto::Value hostile;
+    for (const std::int64_t i : kIntegers) {
+      hostile.set_i(i);
+      if (value.has_i()) visit(name + " = " + std::to_string(i), real.With(name, hostile));
+    }
+    for (const double d : kNumbers) {
+      hostile.set_d(d);
+      if (value.has_d()) visit(name + " = " + std::to_string(d), real.With(name, hostile));
+    }
+    Handed without = real;
+    without.task.mutable_params()->erase(name);
+    visit("without " + name, without);
+  }
+  for (const auto& [input, blob] : real.inputs) {
+    for (const auto& [name, array] : blob->fields()) {
+      if (name.starts_with("truth/")) continue;
+      for (const auto& [what, mutant] : MutantsOf(array))
+        visit(input + ", " + name + ": " + what, real.With(input, name, mutant));
+    }
+  }
+}
+
+// Somebody cancels a task that takes long.
+class SomeTicks : public Progress {
+ public:
+  void Tick() override {
+    if (++ticks_ > 20) throw Cancelled{};
+  }
+
+ private:
+  int ticks_ = 0;
+};
+
+[[noreturn]] void ComputeAndExit(const Case& c, const Handed& handed) {
+#ifndef CAIRN_SANITIZED
+  const rlimit memory{rlim_t{4} << 30, rlim_t{4} << 30};
+  setrlimit(RLIMIT_AS, &memory);
+#endif
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  const DemandsThrow demands_throw;  // as in a worker
+  SomeTicks progress;
+  try {
+    Make(c.stage, c.seed)->Run(handed.task, MapInputs(handed.inputs), progress);
+  } catch (const std::exception&) {
+  } catch (const Cancelled&) {
+  }
+  _exit(0);
+}
+
+// Computes in a process of its own, and says how that ended; empty where it lived on.
+std::string EndOf(const Case& c, const Handed& handed) {
+  int ends[2];
+  if (pipe(ends) != 0) return "there is no pipe";
+  const pid_t child = fork();
+  if (child == 0) {
+    dup2(ends[1], STDERR_FILENO);
+    close(ends[0]);
+    ComputeAndExit(c, handed);
+  }
+  close(ends[1]);
+  std::string said;
+  char bytes[4096];
+  for (ssize_t count = 0; (count = read(ends[0], bytes, sizeof bytes)) > 0;)
+    said.append(bytes, static_cast<std::size_t>(count));
+  close(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
+  // A sanitizer's allocator does not throw.
+  for (const char* what : {"allocation-size-too-big", "out-of-memory", "exceeds maximum supported size"})
+    if (said.find(what) != std::string::npos) return "";
+  return (WIFSIGNALED(status) ? std::string(strsignal(WTERMSIG(status))) : "it exited") + "\n" +
+         said.substr(0, 4000);
+}
+
+class HostilePlans : public ::testing::TestWithParam<Case> {};
+
+TEST_P(HostilePlans, ATaskIsDoneOrFailsAndItsProcessLivesOn) {
+  const Case& c = GetParam();
+  const auto pipeline = Make(c.stage, c.seed);
+  std::set<std::string> seen;  // kinds of tasks, by all that they are handed
+  NoProgress progress;
+  BlobsByHash store;
+  for (const auto& [name, blob] : c.inputs) store[blob->ContentHash().Binary()] = blob;
+  Step step = pipeline->Start(MapInputs(c.inputs));
+  while (true) {
+    for (const BlobPtr& blob : step.blobs) store[blob->ContentHash().Binary()] = blob;
+    if (!step.plan.result().empty()) return;
+    std::vector<BlobPtr> done;
+    for (const Task& task : step.plan.tasks()) {
+      Handed real{task, {}};
+      std::string kind = task.kind();
+      for (const proto::InputRef& ref : task.inputs()) {
+        real.inputs[ref.name()] = InputOf(ref, store, done);
+        kind += " " + ref.name();
+      }
+      if (seen.insert(kind).second) {
+        ForEachMutant(real, [&](const std::string& what, const Handed& handed) {
+          EXPECT_EQ(EndOf(c, handed), "") << "task " << task.kind() << ", " << what;
+        });
+      }
+      done.push_back(std::make_shared<const Blob>(pipeline->Run(task, MapInputs(real.inputs), progress)));
+    }
+    VectorPartials partials(std::move(done));
+    step = pipeline->Advance(step.plan.state(), partials, InputsOfRound(step.plan.state(), store, c.inputs));
+  }
+}
+
+// Of a pipeline's cases those that have tasks, or arrays, which the others have not.
+std::vector<Case> CasesOfAllTasks() {
+  std::vector<Case> cases = AllCases();
+  std::erase_if(cases, [](const Case& c) {
+    for (const char* alike : {"landmark_map_side_by_side", "forward_map_one_tile", "landmark_learning_global",
+                              "landmark_learning_starts", "landmark_learning_deep",
+                              "landmark_learning_momentum", "localization_samples", "localization_grid"})
+      if (c.name == alike) return true;
+    return false;
+  });
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, HostilePlans, ::testing::ValuesIn(CasesOfAllTasks()),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace cairn::conformance
