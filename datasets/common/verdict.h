@@ -32,8 +32,9 @@ struct Verdict {
 // squares explains them (`fit/`). High: at least 50, nine tenths of all that were made, at most 3% do not
 // fit, none of them by six standard deviations, no five in a row; odometry fits everywhere; ranges and
 // bearings err by at most 1.5 times what is stated. Low: a fifth do not fit. Chosen on simulated figures of
-// eight; how often it is right of other logs was not measured. Of any other: what its search says, how many
-// observations its landmarks explain, whether its refinement was refused. Of a map of a log, and with
+// eight; how often it is right of other logs was not measured. Of landmarks without names at a distance: what
+// the search says or the fit, whichever is less, and fair at most. Of any other: what its search says, how
+// many observations its landmarks explain, whether its refinement was refused. Of a map of a log, and with
 // options, like those on which the rates were measured (search/unlike is there and empty): "high: right in 99
 // of 100 such simulations; found from 6 of 12 starts, 57.2 nats ahead of the next different map". Of another
 // it is not known, and says in what it differs. No lead says that a better map, which was not tried, does not

@@ -190,13 +190,14 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
     map.Put("search/unlike", Array::Texts({"landmarks are seen at a distance"}));
     return LandmarkMapVerdict(map);
   };
-  const Verdict high = searched(5, 57.25, FittedMap(200, 1, 1, 0));
-  EXPECT_EQ(high.trust, Confidence::kHigh);
-  EXPECT_EQ(
-      high.why.substr(0, 104),
-      "found from 5 of 12 starts, 57.2 nats ahead of the next different map; 199 observations fit the map; ");
+  const Verdict agreed = searched(5, 57.25, FittedMap(200, 1, 1, 0));
+  EXPECT_EQ(agreed.trust, Confidence::kFair) << "never high";
+  EXPECT_EQ(agreed.why.find("found from 5 of 12 starts, 57.2 nats ahead of the next different map; 199 "
+                            "observations fit the map; 1 of"),
+            0U)
+      << agreed.why;
   EXPECT_EQ(searched(1, 57.25, FittedMap(200, 1, 1, 0)).trust, Confidence::kLow);
-  EXPECT_EQ(searched(5, 4.0, FittedMap(200, 1, 1, 0)).trust, Confidence::kFair);
+  EXPECT_EQ(searched(5, 2.0, FittedMap(200, 1, 1, 0)).trust, Confidence::kLow);
   EXPECT_EQ(searched(5, 57.25, FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
   EXPECT_EQ(searched(5, 57.25, FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
 }

@@ -122,6 +122,12 @@ int CandidateRounds::waves() const {
   return static_cast<int>(waves);
 }
 
+double CandidateRounds::Seconds() const {
+  double us = 0.0;
+  for (const cairn::Step& step : steps_) us += CostSoFar(step.plan.state());
+  return 1e-6 * us;
+}
+
 bool CandidateRounds::WentOnFrom(int candidate) const {
   for (std::size_t k = 0; k < steps_.size(); ++k) {
     if (WentOn(k) &&

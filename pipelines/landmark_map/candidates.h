@@ -38,6 +38,8 @@ class CandidateRounds {
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Settings& settings() const { return settings_; }
+  // What all candidates should have taken so far, reckoned from sizes.
+  double Seconds() const;
   // How often the search went on; whether it did from a best candidate with the map of this one.
   int waves() const;
   bool WentOnFrom(int candidate) const;

@@ -192,7 +192,7 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
     proposals = ProposalsAround(candidates, choice.best, settings);
   else if (choice.support < kEnoughSupport)
     proposals = ProposalsBeyond(candidates, settings, rounds.MeanIncrementM());
-  if (rounds.waves() < options_.waves && !proposals.empty()) {
+  if (rounds.waves() < options_.waves && rounds.Seconds() < kEnoughSeconds && !proposals.empty()) {
     const bool rare = choice.support < kEnoughSupport;
     const std::size_t beyond =
         rare ? ProposalsBeyond(candidates, settings, rounds.MeanIncrementM()).size() : 0;

@@ -61,11 +61,6 @@ struct Sum {
   }
 };
 
-double CostSoFar(const State& state) {
-  const auto cost = state.scalars().find(kCost);
-  return cost == state.scalars().end() ? 0.0 : cost->second.d();
-}
-
 std::int64_t ScalarOf(const State& state, const char* name) {
   const auto value = state.scalars().find(name);
   return value == state.scalars().end() ? 0 : value->second.i();
@@ -133,6 +128,11 @@ double Mean(const std::vector<double>& costs) {
 }
 
 }  // namespace
+
+double CostSoFar(const State& state) {
+  const auto cost = state.scalars().find(kCost);
+  return cost == state.scalars().end() ? 0.0 : cost->second.d();
+}
 
 void ExpectEm(const Options& options, const Schedule& now, const RobotStates& robot_states,
               proto::Step* plan) {

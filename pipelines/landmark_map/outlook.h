@@ -39,6 +39,9 @@ class SearchOutlook {
   double last_rounds_ = 0.0, last_cost_ = 0.0;
 };
 
+// Microseconds of a core that the tasks of a candidate's rounds should have taken so far, those that its
+// State plans included.
+double CostSoFar(const State& state);
 // Adds what the step's tasks cost to what `before` says that the candidate has cost.
 void CountCost(const State& before, cairn::Step* step);
 

@@ -69,6 +69,8 @@ std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, 
 // one observation to the next, ends it where a drift turns the robot by an eighth of a circle on one: that
 // makes other polygons of the same way.
 inline constexpr int kEnoughSupport = 3;
+// What all candidates may take for another wave to follow: of one core, reckoned from sizes.
+inline constexpr double kEnoughSeconds = 60.0;
 std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, const Settings& settings,
                                       double increment_m);
 

@@ -99,8 +99,8 @@ void VisitOptions(V& visit, Options& o) {
       Option{"starts", "", 0, 1000,
              "candidate starts of EM, which differ in the drift taken off the first robot's odometry and "
              "in how much data comes first; the data choose one; 0: auto, 1 where every observation names "
-             "its landmark and with model exact, else 10, or as many as should take ten minutes of one core; "
-             "--dry-run and the result say how many and why"},
+             "its landmark and with model exact, else 10, or fewer where the log is long; --dry-run and the "
+             "result say how many and why"},
       o.starts);
   visit(
       Option{"waves", "", 0, 1000,

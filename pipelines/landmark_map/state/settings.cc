@@ -337,15 +337,21 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   return settings;
 }
 
-// What a start should take, in seconds of one core: its E-steps on all data and on parts that grow to it.
-double SecondsOfStart(const Settings& settings, const Seen& seen) {
+// What a start should take: seconds of one core, for its E-steps on all data and on parts that grow to it,
+// and observations that it looks at.
+struct StartCost {
+  double seconds, observations;
+};
+
+StartCost CostOfStart(const Settings& settings, const Seen& seen) {
   constexpr double kOnAllData = 5.0;
   const double growing =
       settings.growth_start < 1.0 ? 1.0 / (1.0 - 1.0 / settings.growth_factor) : 1.0;  // a geometric series
   const RobotSteps steps = MakeSteps(seen.log.robot[0], seen.log.robots[0], settings.steps, nullptr);
   const EStepModel model = settings.Model(nullptr);
-  return 1e-9 * CellNanoseconds(steps, model, true) * WorkOfStep(steps, model) * steps.size() *
-         (growing + kOnAllData);
+  const double e_step_s =
+      1e-9 * CellNanoseconds(steps, model, true) * WorkOfStep(steps, model) * steps.size();
+  return {e_step_s * (growing + kOnAllData), static_cast<double>(steps.observations.size())};
 }
 
 // The same options on the grid that several starts are searched on: two and a half default cells are enough
@@ -360,14 +366,17 @@ Options OnSearchGrid(const Options& options, const Seen& seen) {
 }
 
 StartChoice ChooseFor(const Options& options, const Seen& seen) {
-  constexpr int kMost = 10;
-  constexpr double kMost_s = 600.0;
+  constexpr int kMost = 10, kFewest = 5;                      // fewer tell too little of one another
+  constexpr double kMost_s = 600.0, kMostObservations = 2e4;  // of all starts
   const Sensing& sensing = seen.sensing;
   if (options.starts > 0) return {static_cast<int>(options.starts), "as many as were asked for"};
   if (options.model == "exact") return {1, "under model=exact a start may be impossible"};
   if (sensing.identified == sensing.observations) return {1, "every observation names its landmark"};
   const Settings settings = ResolveWith(OnSearchGrid(options, seen), seen, kMost);
-  const double fit = kMost_s / SecondsOfStart(settings, seen);
+  const StartCost cost = CostOfStart(settings, seen);
+  // Among hundreds of landmarks at a distance starts lose themselves, and take far longer than is reckoned.
+  const double most = sensing.ranged > 0 ? kMostObservations : std::numeric_limits<double>::infinity();
+  const double fit = std::min(kMost_s / cost.seconds, most / cost.observations);
   const double most_deg =
       DriftStep(kMost) * 0.5 * (kMost / 2 - 1) * settings.noise.heading_drift_rad_per_m / kDegree;
   const std::string why = fmt::format(
@@ -375,8 +384,12 @@ StartChoice ChooseFor(const Options& options, const Seen& seen) {
       "either side",
       TellsDrift(seen.log) ? "the log states" : "the log does not state", most_deg);
   if (fit >= kMost) return {kMost, why};
-  return {std::max(1, static_cast<int>(fit)),
-          why + fmt::format("; more would take over {:.0f} s of one core", kMost_s)};
+  if (fit >= kFewest) return {static_cast<int>(fit), why + ", fewer than ten, for the log is long"};
+  return {
+      1, fmt::format(
+             "observations name no landmark, but the log is long: {:.0f} of them in {:.3g} s a start, of one "
+             "core; starts={} searches all the same",
+             cost.observations, cost.seconds, kMost)};
 }
 
 }  // namespace

@@ -48,8 +48,9 @@ struct Settings {
 double DriftStep(int starts);
 
 // How many candidate starts EM has, and for people why so many: as many as the options ask for; where they
-// leave it open one of a log whose observations all name their landmark, under model=exact, else
-// ten, or as many as should take ten minutes of one core, reckoned from sizes.
+// leave it open one of a log whose observations all name their landmark and under model=exact, else ten, or
+// as many as should take ten minutes of one core and, of range-bearing observations, look at 20,000 of them,
+// all by sizes; one where that is fewer than five.
 struct StartChoice {
   int count = 1;
   std::string why;

@@ -151,15 +151,16 @@ TEST(ChooseStarts, OneWhereObservationsTellWhichLandmarkIsWhichElseTen) {
   EXPECT_EQ(Resolve({}, SquareLog{.ranged = true}.Make()).starts, 10);
 }
 
-// By sizes: ten times as long a log under errors that fill the grid.
-TEST(ChooseStarts, NoMoreThanTenMinutesHold) {
-  const SquareLog log{.laps = 300, .side_m = 20.0, .ranged = true};
-  const StartChoice many = ChooseStarts({}, log.Make());
-  EXPECT_EQ(many.count, 10);
-  const StartChoice few = ChooseStarts({.cell_m = 0.2, .noise_scale = 10, .drift_length_m = 1e5}, log.Make());
-  EXPECT_LT(few.count, 10);
-  EXPECT_GE(few.count, 1);
-  EXPECT_NE(few.why.find("more would take over 600 s"), std::string::npos) << few.why;
+// An observation a side: 20,000 of all starts.
+TEST(ChooseStarts, FewerOfALongLogAndOneWhereFewerThanFiveFit) {
+  const auto of_laps = [](int laps) {
+    return ChooseStarts({}, SquareLog{.laps = laps, .side_m = 5.0, .ranged = true}.Make());
+  };
+  EXPECT_EQ(of_laps(500).count, 10);
+  EXPECT_EQ(of_laps(700).count, 7);
+  EXPECT_NE(of_laps(700).why.find("fewer than ten, for the log is long"), std::string::npos);
+  EXPECT_EQ(of_laps(1001).count, 1);
+  EXPECT_NE(of_laps(1001).why.find("starts=10 searches all the same"), std::string::npos);
 }
 
 // Of range-bearing observations starts span the drift of nearly every robot; of contact detections that log
