@@ -366,8 +366,8 @@ Options OnSearchGrid(const Options& options, const Seen& seen) {
 }
 
 StartChoice ChooseFor(const Options& options, const Seen& seen) {
-  constexpr int kMost = 10, kFewest = 5;                      // fewer tell too little of one another
-  constexpr double kMost_s = 600.0, kMostObservations = 2e4;  // of all starts
+  constexpr int kMost = 10, kFewest = 5, kEachWay = kMost / 2 - 1;  // fewer tell too little of one another
+  constexpr double kMost_s = 600.0, kMostObservations = 2e4;        // of all starts
   const Sensing& sensing = seen.sensing;
   if (options.starts > 0) return {static_cast<int>(options.starts), "as many as were asked for"};
   if (options.model == "exact") return {1, "under model=exact a start may be impossible"};
@@ -378,7 +378,7 @@ StartChoice ChooseFor(const Options& options, const Seen& seen) {
   const double most = sensing.ranged > 0 ? kMostObservations : std::numeric_limits<double>::infinity();
   const double fit = std::min(kMost_s / cost.seconds, most / cost.observations);
   const double most_deg =
-      DriftStep(kMost) * 0.5 * (kMost / 2 - 1) * settings.noise.heading_drift_rad_per_m / kDegree;
+      DriftStep(kMost) * 0.5 * kEachWay * settings.noise.heading_drift_rad_per_m / kDegree;
   const std::string why = fmt::format(
       "observations name no landmark, and {} a drift of the heading: starts are spread over {:.3g} deg/m to "
       "either side",
