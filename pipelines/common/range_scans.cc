@@ -135,6 +135,7 @@ void CheckHandedOver(const RangeScans& sensor, const Blob& scans) {
   RequireSize("pose", sensor.pose.size(), sensor.scans());
   RequirePoses("a scan's pose", sensor.pose);
   RequireSize("held_out", sensor.held_out.size(), sensor.scans());
+  RequireSize("checked", sensor.checked.size(), sensor.scans());
   RequireSize("row", sensor.row.size(), sensor.scans());
   if (!scans.Has("turret_rad")) return;
   RequireSize("turret_rad", sensor.turret_rad.size(), sensor.scans());
