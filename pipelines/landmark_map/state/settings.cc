@@ -376,8 +376,7 @@ StartChoice ChooseFor(const Options& options, const Seen& seen) {
   // Among hundreds of landmarks at a distance starts lose themselves, and take far longer than is reckoned.
   const double most = sensing.ranged > 0 ? kMostObservations : std::numeric_limits<double>::infinity();
   const double fit = std::min(kMost_s / cost.seconds, most / cost.observations);
-  const double most_deg =
-      DriftStep(kMost) * 0.5 * (kMost / 2 - 1) * settings.noise.heading_drift_rad_per_m / kDegree;
+  const double most_deg = 2.0 * settings.noise.heading_drift_rad_per_m / kDegree;
   const std::string why = fmt::format(
       "observations name no landmark, and {} a drift of the heading: starts are spread over {:.3g} deg/m to "
       "either side",
