@@ -70,7 +70,7 @@ std::vector<Proposal> ProposalsAround(const std::vector<Candidate>& candidates, 
 // makes other polygons of the same way.
 inline constexpr int kEnoughSupport = 3;
 // What all candidates may take for another wave to follow: of one core, reckoned from sizes.
-inline constexpr double kEnoughSeconds = 60.0;
+inline constexpr double kEnoughSeconds = 20.0;
 std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, const Settings& settings,
                                       double increment_m);
 
