@@ -70,15 +70,19 @@ class CsvImport {
   }
 
  private:
-  static constexpr std::size_t kRobot = 1;  // of all columns but those of the true landmarks
+  static constexpr std::size_t kRobot = 1;       // of all columns but those of the true landmarks
+  static constexpr std::size_t kMostNamed = 10;  // columns that are left out
   static constexpr std::string_view kOnlyRobot = "robot";
   static constexpr std::size_t kMostRobots = 1000;  // each is a group in the file, and they cost their square
 
   CsvReader Open(const std::string& path, const std::vector<std::vector<std::string>>& headers) {
     CsvReader reader(path, headers, &bad_);
-    for (const std::string& column : reader.extra_columns()) {
-      report_.warnings.push_back(path + ": column '" + column + "' is left out");
-    }
+    const std::vector<std::string>& extra = reader.extra_columns();
+    for (std::size_t i = 0; i < std::min(extra.size(), kMostNamed); ++i)
+      report_.warnings.push_back(path + ": column '" + extra[i] + "' is left out");
+    if (extra.size() > kMostNamed)
+      report_.warnings.push_back(path + ": " + std::to_string(extra.size() - kMostNamed) +
+                                 " more columns are left out");
     if (!reader.Has(kRobot) && rows_.robots.size() > 1)
       throw InputError(path + ":1: the header lacks 'robot'; odometry is of " +
                        std::to_string(rows_.robots.size()) + " robots");

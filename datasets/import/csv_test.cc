@@ -318,6 +318,19 @@ TEST_F(ImportCsvTest, ColumnsLeftOutAreMentioned) {
   ExpectContains(report.warnings[0], "o.csv: column 'mood' is left out");
 }
 
+TEST_F(ImportCsvTest, OfManyColumnsLeftOutTheFirstAreNamedAndTheRestCounted) {
+  std::string header = "time_s,robot,turn_rad,forward_m", row = "1,a,0,1";
+  for (int i = 0; i < 1000; ++i) {
+    header += ",c" + std::to_string(i);
+    row += ",0";
+  }
+  options_.odometry = folder_.Put("o.csv", header + "\n" + row + "\n");
+  const ImportReport report = Import();
+  ASSERT_GE(report.warnings.size(), 11U);
+  ExpectContains(report.warnings[9], "column 'c9' is left out");
+  ExpectContains(report.warnings[10], "o.csv: 990 more columns are left out");
+}
+
 // Real files of that form, made by a simulator of other hands: counts as its index states them.
 TEST(ImportCsvData, TakesTheTwentyLoops) {
   if (DataFolder().empty()) GTEST_SKIP() << "CAIRN_DATA is not set";

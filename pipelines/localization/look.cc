@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
+
+#include "schema/error.h"
 
 namespace cairn::localization {
 namespace {
@@ -53,6 +56,16 @@ double ExpectedError(const std::vector<Position>& positions, const std::vector<d
     if (mass > 0.0) error += PairSum(counted, weight) / mass;
   }
   return error;
+}
+
+void RequireWeighable(const std::vector<FeatureGroup>& groups) {
+  constexpr std::size_t kMost = 12;
+  if (groups.size() == 1) return;  // all is sensed
+  for (const FeatureGroup& group : groups) {
+    if (group.size() > kMost)
+      throw InputError("look=active: networks of " + std::to_string(group.size()) +
+                       " features, where it weighs " + std::to_string(kMost) + " at most");
+  }
 }
 
 std::size_t BestLook(const std::vector<Position>& positions, const std::vector<double>& belief,

@@ -26,6 +26,10 @@ struct FeatureGroup {
 double ExpectedError(const std::vector<Position>& positions, const std::vector<double>& belief,
                      const std::vector<double>& map, std::size_t features, const FeatureGroup& group);
 
+// Throws InputError where ExpectedError would weigh the outcomes of more than 12 features: 2^n of them, at
+// each stop.
+void RequireWeighable(const std::vector<FeatureGroup>& groups);
+
 // The group with the least expected error; of equal ones the first.
 std::size_t BestLook(const std::vector<Position>& positions, const std::vector<double>& belief,
                      const std::vector<double>& map, std::size_t features,

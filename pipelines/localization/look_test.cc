@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "schema/error.h"
 #include "schema/rng.h"
 
 namespace cairn::localization {
@@ -62,6 +63,12 @@ TEST(BestLook, DependsOnWhatIsBelieved) {
   const std::vector<FeatureGroup> groups = {{2, 3}, {0, 1}, {1, 2}};
   EXPECT_EQ(BestLook(kPositions, kEven, kMap, 3, groups), 1U);
   EXPECT_EQ(BestLook(kPositions, {0.5, 0.5, 0.0, 0.0}, kMap, 3, groups), 2U);  // halves say nothing any more
+}
+
+TEST(RequireWeighable, RefusesWhatTakesForEver) {
+  RequireWeighable({{0, 12}, {12, 24}});
+  RequireWeighable({{0, 40}});  // nothing to choose from
+  EXPECT_THROW(RequireWeighable({{0, 4}, {4, 17}}), InputError);
 }
 
 }  // namespace

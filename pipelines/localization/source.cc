@@ -233,6 +233,7 @@ Source Source::Of(const Options& options, const Inputs& inputs) {
     source.UseHandMade(options, samples);
   else
     source.UseNetworks(options, samples, learned);
+  if (options.look == "active") RequireWeighable(source.groups);
   if (source.map_positions.empty()) throw InputError("runs: no run is left to make the map of");
   if (static_cast<std::size_t>(options.nearest) > source.map_positions.size()) {
     throw InputError("nearest = " + std::to_string(options.nearest) + ", but the map has only " +
@@ -276,6 +277,7 @@ void Source::Check(const Options& options) const {
     RequireWithin("the first of a group", static_cast<std::int64_t>(group.first), 0,
                   static_cast<std::int64_t>(group.end) - 1);
   }
+  if (options.look == "active") RequireWeighable(groups);
   RequireWithin("the number of samples of the map", static_cast<std::int64_t>(map_positions.size()),
                 options.nearest, kMost);
   RequirePositions(map_positions);

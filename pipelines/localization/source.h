@@ -57,7 +57,8 @@ struct Source {
   // - no run is left to localise in, or none for the map, or the map has fewer samples than `nearest`;
   // - features or the networks' inputs are not among the samples', or several networks were trained on
   //   different samples;
-  // - headings are needed and not there.
+  // - headings are needed and not there;
+  // - look=active would weigh the outcomes of more than 12 features.
   static Source Of(const Options& options, const Inputs& inputs);
   // As a task is handed it. Throws InputError where its arrays do not fit each other, or the options.
   static Source In(const Options& options, const Inputs& inputs);

@@ -1,12 +1,16 @@
 // What a worker computes is a task of a plan that another worker made, with blobs that others made: one gone
 // bad may put anything there. Whatever that is, the task is done or fails with a reason, and the process that
-// computes it lives on. Most telling in a build with a sanitizer, which sees what is read out of bounds.
+// computes it lives on. So it is with what comes after the tasks: a state and partials that others made. Most
+// telling in a build with a sanitizer, which sees what is read out of bounds.
+//
+// Every third change is tried, with HOSTILE_PLANS=all in the environment every one.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -20,14 +24,16 @@
 namespace cairn::conformance {
 namespace {
 
-// A task as a worker gets it.
+using Params = std::map<std::string, proto::Value>;
+
+// What a worker gets: the parameters of a task or the scalars of a state, and all blobs.
 struct Handed {
-  Task task;
+  Params params;
   InputMap inputs;
 
   Handed With(const std::string& param, const proto::Value& value) const {
     Handed handed = *this;
-    (*handed.task.mutable_params())[param] = value;
+    handed.params[param] = value;
     return handed;
   }
   Handed With(const std::string& input, const std::string& name, const Array& array) const {
@@ -97,7 +103,7 @@ using Visit = std::function<void(const std::string& what, const Handed& handed)>
 
 // Every parameter and every array by itself.
 void ForEachMutant(const Handed& real, const Visit& visit) {
-  for (const auto& [name, value] : real.task.params()) {
+  for (const auto& [name, value] : real.params) {
     proto::Value hostile;
     for (const std::int64_t i : kIntegers) {
       hostile.set_i(i);
@@ -108,7 +114,7 @@ void ForEachMutant(const Handed& real, const Visit& visit) {
       if (value.has_d()) visit(name + " = " + std::to_string(d), real.With(name, hostile));
     }
     Handed without = real;
-    without.task.mutable_params()->erase(name);
+    without.params.erase(name);
     visit("without " + name, without);
   }
   for (const auto& [input, blob] : real.inputs) {
@@ -131,17 +137,23 @@ class SomeTicks : public Progress {
   int ticks_ = 0;
 };
 
-[[noreturn]] void ComputeAndExit(const Case& c, const Handed& handed) {
+using Compute = std::function<void(const Handed&, Progress&)>;
+
+[[noreturn]] void ComputeAndExit(const Compute& compute, const Handed& handed) {
+  rlim_t seconds = 600;
 #ifndef CAIRN_SANITIZED
   const rlimit memory{rlim_t{4} << 30, rlim_t{4} << 30};
   setrlimit(RLIMIT_AS, &memory);
+  seconds = 60;
 #endif
+  const rlimit processor_time{seconds, seconds};
+  setrlimit(RLIMIT_CPU, &processor_time);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const DemandsThrow demands_throw;  // as in a worker
   SomeTicks progress;
   try {
-    Make(c.stage, c.seed)->Run(handed.task, MapInputs(handed.inputs), progress);
+    compute(handed, progress);
   } catch (const std::exception&) {
   } catch (const Cancelled&) {
   }
@@ -149,14 +161,14 @@ class SomeTicks : public Progress {
 }
 
 // Computes in a process of its own, and says how that ended; empty where it lived on.
-std::string EndOf(const Case& c, const Handed& handed) {
+std::string EndOf(const Compute& compute, const Handed& handed) {
   int ends[2];
   if (pipe(ends) != 0) return "there is no pipe";
   const pid_t child = fork();
   if (child == 0) {
     dup2(ends[1], STDERR_FILENO);
     close(ends[0]);
-    ComputeAndExit(c, handed);
+    ComputeAndExit(compute, handed);
   }
   close(ends[1]);
   std::string said;
@@ -174,12 +186,66 @@ std::string EndOf(const Case& c, const Handed& handed) {
          said.substr(0, 4000);
 }
 
+// Tries every change, or every third one.
+class Tried {
+ public:
+  void All(const std::string& of, const Handed& real, const Compute& compute) {
+    ForEachMutant(real, [&](const std::string& what, const Handed& handed) {
+      if (every_ || changes_ % 3 == 0) {
+        EXPECT_EQ(EndOf(compute, handed), "") << of << ", " << what;
+      }
+      ++changes_;
+    });
+  }
+
+ private:
+  const bool every_ = [] {
+    const char* which = std::getenv("HOSTILE_PLANS");
+    return which != nullptr && std::string_view(which) == "all";
+  }();
+  int changes_ = 0;
+};
+
+std::string NamesIn(const InputMap& inputs) {
+  std::string names;
+  for (const auto& [name, blob] : inputs) names += " " + name;
+  return names;
+}
+
+std::string PartialName(std::size_t index) { return "partial " + std::to_string(index); }
+
+// What an Advance is handed: all of the state, the first and the last partial, for others are read as these
+// are.
+Handed HandedOn(const proto::State& state, const BlobsByHash& store, const std::vector<BlobPtr>& done) {
+  Handed real{{state.scalars().begin(), state.scalars().end()}, {}};
+  for (const auto& [name, hash] : state.blobs()) real.inputs[name] = store.at(hash);
+  if (!done.empty()) {
+    real.inputs[PartialName(0)] = done.front();
+    real.inputs[PartialName(done.size() - 1)] = done.back();
+  }
+  return real;
+}
+
+void AdvanceAsHanded(const Pipeline& pipeline, const proto::State& state, const Case& c,
+                     std::vector<BlobPtr> done, const Handed& handed) {
+  proto::State changed = state;
+  changed.mutable_scalars()->clear();
+  changed.mutable_scalars()->insert(handed.params.begin(), handed.params.end());
+  MapInputs inputs(c.inputs);
+  for (const auto& [name, hash] : state.blobs()) inputs.Put(name, handed.inputs.at(name));
+  for (const std::size_t i : {std::size_t{0}, done.size() - 1})
+    if (!done.empty()) done[i] = handed.inputs.at(PartialName(i));
+  VectorPartials partials(std::move(done));
+  (void)pipeline.Advance(changed, partials, inputs);
+}
+
 class HostilePlans : public ::testing::TestWithParam<Case> {};
 
-TEST_P(HostilePlans, ATaskIsDoneOrFailsAndItsProcessLivesOn) {
+TEST_P(HostilePlans, AStepIsComputedOrFailsAndItsProcessLivesOn) {
   const Case& c = GetParam();
   const auto pipeline = Make(c.stage, c.seed);
-  std::set<std::string> seen;  // kinds of tasks, by all that they are handed
+  std::set<std::string> seen;  // kinds of tasks and of states, by all that they are handed
+  Tried tried;
   NoProgress progress;
   BlobsByHash store;
   for (const auto& [name, blob] : c.inputs) store[blob->ContentHash().Binary()] = blob;
@@ -189,21 +255,33 @@ TEST_P(HostilePlans, ATaskIsDoneOrFailsAndItsProcessLivesOn) {
     if (!step.plan.result().empty()) return;
     std::vector<BlobPtr> done;
     for (const Task& task : step.plan.tasks()) {
-      Handed real{task, {}};
-      std::string kind = task.kind();
-      for (const proto::InputRef& ref : task.inputs()) {
-        real.inputs[ref.name()] = InputOf(ref, store, done);
-        kind += " " + ref.name();
-      }
-      if (seen.insert(kind).second) {
-        ForEachMutant(real, [&](const std::string& what, const Handed& handed) {
-          EXPECT_EQ(EndOf(c, handed), "") << "task " << task.kind() << ", " << what;
+      Handed real{{task.params().begin(), task.params().end()}, {}};
+      for (const proto::InputRef& ref : task.inputs()) real.inputs[ref.name()] = InputOf(ref, store, done);
+      if (seen.insert(task.kind() + NamesIn(real.inputs)).second) {
+        tried.All("task " + task.kind(), real, [&](const Handed& handed, Progress& ticks) {
+          Task changed = task;
+          changed.mutable_params()->clear();
+          changed.mutable_params()->insert(handed.params.begin(), handed.params.end());
+          Make(c.stage, c.seed)->Run(changed, MapInputs(handed.inputs), ticks);
         });
       }
       done.push_back(std::make_shared<const Blob>(pipeline->Run(task, MapInputs(real.inputs), progress)));
     }
+    const proto::State& state = step.plan.state();
+    const Handed real = HandedOn(state, store, done);
+    const auto phase = state.scalars().find("phase");
+    std::string kind = "advance" + NamesIn(real.inputs) +
+                       (phase == state.scalars().end() ? "" : phase->second.ShortDebugString());
+    std::set<std::string> after;
+    for (const Task& task : step.plan.tasks())
+      if (after.insert(task.kind()).second) kind += " " + task.kind();
+    if (seen.insert(kind).second) {
+      tried.All("advance", real, [&](const Handed& handed, Progress&) {
+        AdvanceAsHanded(*Make(c.stage, c.seed), state, c, done, handed);
+      });
+    }
     VectorPartials partials(std::move(done));
-    step = pipeline->Advance(step.plan.state(), partials, InputsOfRound(step.plan.state(), store, c.inputs));
+    step = pipeline->Advance(state, partials, InputsOfRound(state, store, c.inputs));
   }
 }
 

@@ -279,6 +279,9 @@ TEST_F(JobFile, ArgumentsGiveTheSameOptionsAsAFile) {
 
 TEST_F(JobFile, HostileTextsAreRefusedAtOnce) {
   EXPECT_EQ(Complaint("!,o"), "job.yaml:1: the job: a map of `key: value` is needed");
+  EXPECT_EQ(Complaint("name: !!python/object:os.system x\n"),
+            "job.yaml:1: a tag, 'tag:yaml.org,2002:python/object:os.system': a job file has none");
+  EXPECT_EQ(Complaint(std::string(2 << 20, ' ')), "job.yaml: larger than 1 MB: this is no job file");
   EXPECT_EQ(Complaint("a: 1\n---\nb: 2\n"), "job.yaml:2: a second document: a file holds one job");
   EXPECT_EQ(Complaint("---\n"), "job.yaml:1: the file is empty");
   EXPECT_EQ(Complaint(std::string(100000, '[')), "job.yaml:1: nested too deep for a job file");

@@ -31,21 +31,28 @@ class Handler : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
     if (++aliases_ > kMostAliases) Refuse(mark, "more than 100 aliases");
   }
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t, const std::string&) override {
+    RefuseTag(mark, tag);
     Meet();
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                        YAML::EmitterStyle::value) override {
+    RefuseTag(mark, tag);
     Descend(mark);
   }
   void OnSequenceEnd() override { --depth_; }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                   YAML::EmitterStyle::value) override {
+    RefuseTag(mark, tag);
     Descend(mark);
   }
   void OnMapEnd() override { --depth_; }
 
  private:
+  // yaml-cpp has '?' where nothing is written and '!' where text stands in quotes.
+  void RefuseTag(const YAML::Mark& mark, const std::string& tag) {
+    if (!tag.empty() && tag != "?" && tag != "!") Refuse(mark, "a tag, '" + tag + "': a job file has none");
+  }
   void Meet() {
     if (met_) return;
     met_ = true;

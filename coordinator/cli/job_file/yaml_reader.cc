@@ -4,7 +4,6 @@
 #include <cctype>
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/job_file/yaml_look.h"
@@ -26,16 +25,18 @@ bool IsName(const std::string& name) {
 
 YAML::Node YamlReader::Load(const std::string& path) const {
   std::ifstream in(path, std::ios::binary);
-  std::stringstream text;
-  if (!in || !(text << in.rdbuf()))
+  std::string text(kMostBytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (in.bad() || text.empty())
     throw InputError(file_ + ": there is no such job file, or it cannot be read or is empty");
-  if (text.str().size() > kMostBytes) throw InputError(file_ + ": larger than 1 MB: this is no job file");
+  if (text.size() > kMostBytes) throw InputError(file_ + ": larger than 1 MB: this is no job file");
   try {
-    const YamlLook look = LookThroughYaml(text.str());
+    const YamlLook look = LookThroughYaml(text);
     if (!look.problem.empty()) Refuse(look.line, look.problem);
     if (look.documents == 0) Refuse(1, "the file is empty");
     if (look.documents > 1) Refuse(look.second_line, "a second document: a file holds one job");
-    return YAML::Load(text.str());
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     Refuse(std::max(1, error.mark.line + 1), "not YAML: " + error.msg);
   }
