@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/common/handed_over.h"
 #include "schema/error.h"
 
 namespace cairn {
@@ -47,6 +48,8 @@ PoseTrack PoseTrack::Of(const Blob& log, const Blob* poses, std::size_t index, d
 
 void PoseTrack::Set(const kinds::PoseTable& poses, const std::string& robot) {
   if (poses.time_s.empty()) throw InputError("robot '" + robot + "': '" + poses.time_s.name() + "' is empty");
+  for (const auto* column : {&poses.x_m, &poses.y_m, &poses.heading_rad})
+    RequireSize(column->name(), column->size(), poses.time_s.size());
   time_s_ = poses.time_s.vector();
   pose_ = poses.poses();
 }

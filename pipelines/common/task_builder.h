@@ -20,6 +20,7 @@ struct BlobRows {
 class TaskBuilder {
  public:
   // `cost`: microseconds of a core that it is expected to take; at least one is counted.
+  // Throws InputError where the plan has more tasks than a round may.
   TaskBuilder(std::string_view kind, double cost, proto::Step* plan);
 
   // A parameter: an integer, a number, a truth value or a text.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/forward_map/history.h"
 #include "pipelines/forward_map/plan.h"
 #include "pipelines/forward_map/tile_task.h"
@@ -28,7 +29,7 @@ class Turn {
         partials_(partials),
         inputs_(inputs),
         schedule_(ScalarsIn<Schedule>(state)),
-        map_(Read<MapState>(*inputs.Get(kMapBlob))) {
+        map_(MapIn(options.grid, inputs)) {
     *step_.plan.mutable_state() = state;
   }
 
@@ -67,6 +68,7 @@ class Turn {
     std::vector<Proposal> proposals;
     for (std::size_t i = 0; i < partials_.size(); ++i) {
       std::vector<Proposal> of_tile = ProposalsOf(*partials_.Get(i));
+      RequireSize("the proposals of a tile", of_tile.size(), 1);
       if (!of_tile.front().cells.empty()) proposals.push_back(std::move(of_tile.front()));
     }
     if (proposals.empty()) return NothingFound();
@@ -130,6 +132,7 @@ class Turn {
 
   void ImproveParameters() {
     const std::vector<Evidence> evidence = RowsIn<Evidence>(*BlobOf(kEvidenceBlob));
+    RequireSize("the sensors' evidence", evidence.size(), map_.models.size());
     if (schedule_.steps == 0) schedule_.begun_nats = schedule_.target_nats;
     Share(kBeforeBlob, cairn::BlobOf(map_));
     for (std::size_t k = 0; k < map_.models.size(); ++k)
@@ -145,7 +148,10 @@ class Turn {
     const double target = TargetOf(evidence, map_), gain = target - schedule_.target_nats;
     const double readings = SumOf(evidence).readings;
     if (gain <= 0) {
-      map_ = Read<MapState>(*inputs_.Get(kBeforeBlob));
+      const std::size_t cells = map_.occupied.size(), sensors = map_.models.size();
+      map_ = MapIn(options_.grid, inputs_, kBeforeBlob);
+      RequireSize("the cells of the map before", map_.occupied.size(), cells);
+      RequireSize("the sensors of the map before", map_.models.size(), sensors);
       Share(kMapBlob, cairn::BlobOf(map_));
     } else {
       Keep(evidence, target);
@@ -164,8 +170,9 @@ class Turn {
     std::vector<Evidence> evidence(map_.models.size());
     for (std::size_t i = 0; i < partials_.size(); ++i) {
       const BlobPtr partial = partials_.Get(i);
-      evidence[static_cast<std::size_t>(partial->Scalar<std::int64_t>("sensor"))].Add(
-          Read<Evidence>(*partial));
+      const auto sensor = partial->Scalar<std::int64_t>("sensor");
+      RequireWithin("sensor", sensor, 0, static_cast<std::int64_t>(evidence.size()) - 1);
+      evidence[static_cast<std::size_t>(sensor)].Add(Read<Evidence>(*partial));
     }
     return evidence;
   }

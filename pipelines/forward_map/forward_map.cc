@@ -18,8 +18,6 @@
 namespace cairn::forward_map {
 namespace {
 
-// The map as it is held, sent and written: occupied, difference, probability, dynamic, and copies.
-constexpr double kBytesOfCell = 64;
 constexpr double kBytesOfCrossing = 32;  // in a task of the search
 constexpr double kCrossingsOfSlice = 3e5;
 constexpr double kShares[kSplits] = {0.5, 0.35};
@@ -76,12 +74,6 @@ void ShareSensors(const std::vector<RangeScans>& sensors, const Load& load, Step
   }
 }
 
-MapState MapIn(const Options& options, const Inputs& inputs) {
-  MapState map = Read<MapState>(*inputs.Get(kMapBlob));
-  map.Check(MostCells(options.grid, kBytesOfCell));
-  return map;
-}
-
 std::vector<RangeScans> SensorsOf(const Task& task, const Inputs& inputs, const MapState& map) {
   const auto count = static_cast<std::int64_t>(map.models.size());
   std::vector<RangeScans> sensors;
@@ -92,7 +84,7 @@ std::vector<RangeScans> SensorsOf(const Task& task, const Inputs& inputs, const 
 }
 
 Blob RunTile(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  const MapState map = MapIn(options, inputs);
+  const MapState map = MapIn(options.grid, inputs);
   const std::vector<Tile> tiles = RowsIn<Tile>(*inputs.Get("tiles"));
   const auto last = static_cast<std::int64_t>(tiles.size()) - 1;
   const Tile& tile = tiles[static_cast<std::size_t>(IntegerOf(task, "tile", 0, last))];
@@ -105,7 +97,7 @@ Blob RunTile(const Options& options, const Task& task, const Inputs& inputs, Pro
 }
 
 Blob RunScans(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  MapState map = MapIn(options, inputs);
+  MapState map = MapIn(options.grid, inputs);
   const std::int64_t sensor = IntegerOf(task, "sensor", 0, static_cast<std::int64_t>(map.models.size()) - 1);
   const RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get(kLogBlob));
   const SensorModel& model = map.models[static_cast<std::size_t>(sensor)];
@@ -179,7 +171,7 @@ Step ForwardMap::Advance(const State& state, Partials& partials, const Inputs& i
   *step.plan.mutable_state() = state;
   step.plan.set_result(
       step.Share(ResultOf(options_, ReadScans(options_, inputs), *inputs.Get("log"),
-                          Read<MapState>(*inputs.Get(kMapBlob)), RowsIn<Tile>(*inputs.Get(TilesBlob(0))),
+                          MapIn(options_.grid, inputs), RowsIn<Tile>(*inputs.Get(TilesBlob(0))),
                           *inputs.Get(kHistoryBlob), ScalarsIn<Schedule>(state), partials)));
   const Schedule schedule = ScalarsIn<Schedule>(state);
   step.plan.set_note(schedule.cut_short ? "done; cut short after " + std::to_string(schedule.searches) +

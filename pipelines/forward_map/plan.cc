@@ -1,7 +1,9 @@
 #include "pipelines/forward_map/plan.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/task_builder.h"
 
 namespace cairn::forward_map {
@@ -47,6 +49,7 @@ void PlanWeighing(const Schedule& schedule, proto::Step* plan) {
   for (std::int64_t k = 0; k < SensorsIn(plan->state()); ++k) {
     const std::int64_t scans = state.scalars().at(ScansKey(k)).i();
     const std::int64_t of_slice = state.scalars().at(SliceKey(k)).i();
+    RequireWithin("the scans of a slice", of_slice, 1, std::numeric_limits<std::int32_t>::max());
     for (std::int64_t first = 0; first < scans; first += of_slice) {
       const double part = static_cast<double>(std::min(of_slice, scans - first)) / all;
       TaskBuilder task("weigh", kWeighUs * CrossingsIn(state) * part, plan);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "pipelines/common/checked_readings.h"
+#include "pipelines/common/handed_over.h"
 #include "pipelines/forward_map/beams.h"
 #include "pipelines/forward_map/weigh.h"
 #include "schema/kinds/grid_map.h"
@@ -22,6 +23,10 @@ void TakeTile(const Blob& certainty, const Tile& tile, const GridBox& box, Cells
   const auto difference = certainty.Get<double>("difference_nats");
   const auto of_checked = certainty.Get<double>("of_checked_nats");
   const auto came_and_went = certainty.Get<std::uint8_t>("came_and_went");
+  const auto cells_of_tile = static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.columns);
+  RequireSize("difference_nats", difference.size(), cells_of_tile);
+  RequireSize("of_checked_nats", of_checked.size(), cells_of_tile);
+  RequireSize("came_and_went", came_and_went.size(), cells_of_tile);
   for (std::size_t own = 0; own < difference.size(); ++own) {
     const auto at = static_cast<std::int64_t>(own);
     const auto cell = static_cast<std::size_t>((tile.row + at / tile.columns) * box.columns + tile.column +
@@ -99,6 +104,8 @@ Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, 
   cells.difference.assign(map.occupied.size(), std::numeric_limits<double>::quiet_NaN());
   cells.unchecked = cells.difference;
   cells.dynamic.assign(map.occupied.size(), kStays);
+  RequireSize("the sensors of the map", map.models.size(), scans.sensors.size());
+  for (const Tile& tile : tiles) tile.Check(map.box);
   for (std::size_t i = 0; i < tiles.size(); ++i) TakeTile(*partials.Get(i), tiles[i], map.box, &cells);
   Blob result = history;
   result.PutScalar("search/searches", schedule.searches);
@@ -107,6 +114,7 @@ Blob ResultOf(const Options& options, const PosedScans& scans, const Blob& log, 
   for (std::size_t k = 0; k < scans.sensors.size(); ++k) {
     const RangeScans& sensor = scans.sensors[k];
     const BlobPtr explained = partials.Get(tiles.size() + k);
+    RequireSize("cause", explained->Get<std::int32_t>("cause").size(), sensor.scans() * sensor.beams.size());
     result.Put(sensor.name + "cause", explained->at("cause"));
     PutFields(sensor.name, map.models[k], &result);
     MarkPassers(sensor, explained->Get<std::int32_t>("cause"), options, map.models[k], map.box, &cells);

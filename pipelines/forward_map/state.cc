@@ -27,6 +27,12 @@ void MapState::Check(double most_cells) const {
   }
 }
 
+MapState MapIn(const GridOptions& options, const Inputs& inputs, const char* blob) {
+  MapState map = Read<MapState>(*inputs.Get(blob));
+  map.Check(MostCells(options, kBytesOfCell));
+  return map;
+}
+
 double MapState::CountOccupied() const {
   std::int64_t count = 0;
   for (const std::uint8_t cell : occupied) count += cell;

@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "pipelines/common/grid_box.h"
+#include "pipelines/common/range_scans.h"
 #include "pipelines/common/state_scalars.h"
 #include "pipelines/forward_map/forward_model.h"
 #include "pipelines/forward_map/search.h"
+#include "pipelines/pipeline.h"
 #include "schema/blob.h"
 #include "schema/kinds/fields.h"
 
@@ -71,6 +73,9 @@ std::string TilesBlob(std::int64_t split);
 std::string SensorBlobName(std::int64_t sensor);
 std::string ScansBlobName(std::int64_t sensor);
 
+// The map as it is held, sent and written: occupied, difference, probability, dynamic, and copies.
+inline constexpr double kBytesOfCell = 64;
+
 // What the search knows at a round's start.
 struct MapState {
   GridBox box;
@@ -88,6 +93,8 @@ struct MapState {
   // log p(m) but for a constant.
   double LogPrior(const MapPrior& prior) const;
 };
+// A map of the State, checked.
+MapState MapIn(const GridOptions& options, const Inputs& inputs, const char* blob = kMapBlob);
 
 // Cells of the map that a tile's search would flip.
 struct Proposal {

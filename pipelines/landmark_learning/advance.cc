@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "pipelines/common/handed_over.h"
+#include "pipelines/landmark_learning/handed_data.h"
 #include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/result.h"
@@ -24,9 +26,9 @@ class Round {
         options_(options),
         state_(state),
         inputs_(inputs),
-        data_(Read<TrainingData>(*inputs.Get("data"))),
-        planner_(options_, seed, data_, FieldsIn<SumPlan>("sum/", *inputs.Get("data"))),
-        t_(Training::Of(inputs)) {}
+        handed_(DataIn(options, inputs)),
+        planner_(options_, seed, data_, handed_.sum),
+        t_(Training::Of(options, Shape(), inputs)) {}
 
   Step End(Partials& partials) {
     if (t_.phase == Phase::kSearch) return EndSearch(partials);
@@ -165,6 +167,8 @@ class Round {
 
   Step EndFit(Partials& partials) {
     Parameters<double> all(Shape());
+    RequireSize("the networks that were fitted", partials.size(),
+                static_cast<std::size_t>(all.shape.networks));
     for (std::size_t i = 0; i < partials.size(); ++i) {
       NetworkShape one = all.shape;
       one.networks = 1;
@@ -209,7 +213,8 @@ class Round {
   const Options& options_;
   const State& state_;
   const Inputs& inputs_;
-  TrainingData data_;
+  const HandedData handed_;
+  const TrainingData& data_ = handed_.data;
   Planner planner_;
   Training t_;
   bool joins_ = false;

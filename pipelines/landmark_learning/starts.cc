@@ -55,7 +55,7 @@ Step AdvanceStarts(const Options& options, std::uint64_t seed, const State& stat
                    const Inputs& inputs) {
   std::vector<Step> steps;
   std::vector<double> scores;
-  const std::int64_t done = Training::Of(OneStart(state, 0, partials, inputs)).steps + 1;
+  const std::int64_t done = Read<Training>(*OneStart(state, 0, partials, inputs).Get("training")).steps + 1;
   for (int start = 0; start < StartsIn(state); ++start) {
     OneStart one(state, start, partials, inputs);
     steps.push_back(AdvanceRound(options, seed, one.state(), one, one, true));

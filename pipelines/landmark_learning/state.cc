@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::landmark_learning {
 namespace {
 
@@ -31,11 +33,27 @@ void Training::Share(const State& before, const Inputs& inputs, Step* step) {
   names["training"] = step->Share(BlobOf(*this));
 }
 
-Training Training::Of(const Inputs& inputs) {
+Training Training::Of(const Options& options, const NetworkShape& shape, const Inputs& inputs) {
   auto t = Read<Training>(*inputs.Get("training"));
   t.weights = WeightsIn(*inputs.Get("parameters"));
   if (inputs.Has("best")) t.best = WeightsIn(*inputs.Get("best"));
+  t.Check(options, shape);
   return t;
+}
+
+void Training::Check(const Options& options, const NetworkShape& shape) const {
+  RequireWithin("the phase", static_cast<std::int64_t>(phase), 0, static_cast<std::int64_t>(Phase::kWeights));
+  for (const std::int64_t count : {steps, network_steps, descent.step, conjugate.since_restart})
+    RequireWithin("a number of steps", count, 0, options.steps);
+  RequireWithin("the networks in use", std::int64_t{learning.end}, 1, shape.networks);
+  RequireWithin("the first that learns", std::int64_t{learning.first}, 0, learning.end - 1);
+  RequireSize("weights", weights.size(), shape.parameters());
+  if (!best.empty()) RequireSize("the best weights", best.size(), shape.parameters());
+  NetworkShape learn = shape;
+  learn.networks = learning.end - learning.first;
+  for (const auto* memory : {&descent.first, &descent.second, &conjugate.gradient, &conjugate.direction})
+    if (!memory->empty()) RequireSize("the optimiser's memory", memory->size(), learn.parameters());
+  RequireSize("the direction of the last step", conjugate.direction.size(), conjugate.gradient.size());
 }
 
 void Training::Record(double error, double validation, double gradient_norm) {

@@ -59,7 +59,8 @@ struct Training {
   // Into the State, as the blobs `parameters`, `best` (once there are any) and `training`, and those of the
   // history. What has not changed since `before` is named again, not made again.
   void Share(const State& before, const Inputs& inputs, Step* step);
-  static Training Of(const Inputs& inputs);
+  // As others hand it on. Throws InputError where it does not fit itself, or networks of this shape.
+  static Training Of(const Options& options, const NetworkShape& shape, const Inputs& inputs);
 
   // `sequential`: the next network joins, the one before it as it was best.
   void NextNetwork();
@@ -90,6 +91,8 @@ struct Training {
   }
 
  private:
+  void Check(const Options& options, const NetworkShape& shape) const;
+
   bool best_is_new_ = false;
 };
 

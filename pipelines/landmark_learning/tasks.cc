@@ -8,6 +8,7 @@
 #include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/compact.h"
+#include "pipelines/landmark_learning/handed_data.h"
 #include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/optimizer/batch.h"
 #include "pipelines/landmark_learning/optimizer/patterns.h"
@@ -18,53 +19,6 @@ namespace cairn::landmark_learning {
 namespace {
 
 constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
-
-void Check(const Positions& positions, std::size_t count) {
-  RequireWithin("the number of samples", static_cast<std::int64_t>(count), 0, kMost);
-  for (const auto* coordinates : {&positions.x_m, &positions.y_m, &positions.along_m}) {
-    RequireSize("positions", coordinates->size(), count);
-    RequireAllWithin("a position", *coordinates, -kFar_m, kFar_m);
-  }
-  for (const auto* direction : {&positions.cos_heading, &positions.sin_heading}) {
-    RequireSize("headings", direction->size(), positions.cos_heading.empty() ? 0 : count);
-    RequireAllWithin("the cosine of a heading", *direction, -1.0, 1.0);
-  }
-  if (positions.row.empty()) return;
-  RequireSize("rows of the table of errors", positions.row.size(), count);
-  RequireSize("the shape of the table of errors", positions.table.shape().size(), 2);
-  const std::int64_t rows = positions.table.shape()[0];
-  RequireSize("the table of errors", positions.table.As<float>().size(),
-              static_cast<std::size_t>(rows * rows));
-  RequireAllWithin("a row of the table of errors", positions.row, std::int64_t{0}, rows - 1);
-}
-
-// What sums need of positions.
-void CheckKnown(const Options& options, const Positions& positions) {
-  const auto count = static_cast<std::size_t>(positions.size());
-  if (BeliefOf(options).LooksAtHeadings()) RequireSize("headings", positions.cos_heading.size(), count);
-  if (ErrorOf(options) == ErrorKind::kTable)
-    RequireSize("rows of the table of errors", positions.row.size(), count);
-}
-
-void Check(const Options& options, const SampleSet& set, std::size_t inputs) {
-  const std::size_t count = set.positions.x_m.size();
-  Check(set.positions, count);
-  CheckKnown(options, set.positions);
-  RequireSize("weight", set.weight.size(), count);
-  RequireAllWithin("weight", set.weight, 0.0, 1.0 + 1e-6);
-  RequireSize("input", set.input.As<float>().size(), count * inputs);
-}
-
-void Check(const Options& options, const TrainingData& data, const SumPlan& sum) {
-  RequireWithin("the number of inputs", static_cast<std::int64_t>(data.mean.size()), 1, kMost);
-  Check(options, data.training, data.mean.size());
-  Check(options, data.held_out, data.mean.size());
-  RequireWithin("the path of the sum", static_cast<std::int64_t>(sum.path), 0,
-                static_cast<std::int64_t>(SumPath::kTree));
-  if (sum.projected.size() == 0) return;
-  Check(sum.projected, data.training.weight.size());
-  CheckKnown(options, sum.projected);
-}
 
 // Of so many that there are.
 IndexRange BlockOf(const Task& task, std::size_t count) {
@@ -233,9 +187,7 @@ Blob FitTask(const Options& options, const TrainingData& data, const Parameters<
 Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const Inputs& inputs,
              Progress& progress) {
   progress.Tick();
-  const TrainingData data = Read<TrainingData>(*inputs.Get("data"));
-  const auto sum = FieldsIn<SumPlan>("sum/", *inputs.Get("data"));
-  Check(options, data, sum);
+  const auto [data, sum] = DataIn(options, inputs);
   const NetworkShape shape = ShapeOf(options, data.mean.size());
   if (task.kind() == "pairs") return PairsTask(options, sum, data, *inputs.Get("outputs"), task);
   if (task.kind() == "search") return SearchTask(options, data, shape, inputs, task);
