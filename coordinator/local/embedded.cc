@@ -4,6 +4,7 @@
 #include <fstream>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -50,11 +51,17 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// A line each. What is no stage's name, but a path out of the folder, say, was not written here.
+// A line each. What is no stage's name, but a path out of the folder, say, was not written here, nor was what
+// lies beyond the names that a job may have.
 std::set<std::string> ReadStages(const fs::path& path) {
-  std::set<std::string> stages;
+  constexpr std::size_t kMostBytes = 1 << 16;
+  std::string text(kMostBytes, '\0');
   std::ifstream file(path);
-  for (std::string line; std::getline(file, line);)
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  std::set<std::string> stages;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
     if (IsPlainName(line)) stages.insert(line);
   return stages;
 }

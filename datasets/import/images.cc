@@ -135,8 +135,7 @@ class ImagesImport {
     return true;
   }
 
-  static bool AddImage(const std::string& path, const ImageReading& image, CsvReader* reader,
-                       SampleRun* run) {
+  bool AddImage(const std::string& path, const ImageReading& image, CsvReader* reader, SampleRun* run) {
     if (!image.failure.empty()) return reader->Bad("bad image", path + ": " + image.failure), false;
     if (run->image.empty()) {
       run->image_rows = image.rows;
@@ -149,6 +148,12 @@ class ImagesImport {
                                                std::to_string(run->image_columns));
       return false;
     }
+    // A table may name one image as often as it likes.
+    constexpr std::size_t kMostBytes = std::size_t{2} << 30;
+    image_bytes_ += image.rgb.size();
+    if (image_bytes_ > kMostBytes)
+      throw InputError(Table() +
+                       ": its images take more than 2 GB; import them smaller, or some of the runs");
     run->image.insert(run->image.end(), image.rgb.begin(), image.rgb.end());
     return true;
   }
@@ -183,6 +188,7 @@ class ImagesImport {
   std::optional<TimedInputs> ranges_;
   ImportReport report_;
   Samples samples_;
+  std::size_t image_bytes_ = 0;
   NameIndex runs_;
   std::string folder_name_;
 };

@@ -138,13 +138,15 @@ bool CandidateRounds::WentOnFrom(int candidate) const {
 }
 
 double CandidateRounds::MeanIncrementM() const {
-  const RobotSteps steps = Read<RobotSteps>(*BlobOf(0, "steps/0"));
+  const RobotSteps steps =
+      RobotSteps::In(*BlobOf(0, "steps/0"), settings_.map.layers(), settings_.map.grid.cell_m);
   return steps.DistanceTravelled().back() / static_cast<double>(steps.observations.size());
 }
 
 void CandidateRounds::GoOnFrom(int best, int beyond, const std::vector<Proposal>& proposals) {
   (*steps_[static_cast<std::size_t>(best)].plan.mutable_state()->mutable_scalars())[kWentOn].set_b(true);
-  const RobotSteps first_robot = Read<RobotSteps>(*BlobOf(0, "steps/0"));
+  const RobotSteps first_robot =
+      RobotSteps::In(*BlobOf(0, "steps/0"), settings_.map.layers(), settings_.map.grid.cell_m);
   const int wave = waves() + 1;
   std::vector<cairn::Step> added;
   for (const Proposal& proposal : proposals) {

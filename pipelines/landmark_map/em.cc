@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_map/candidates.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
@@ -22,10 +23,11 @@ namespace cairn::landmark_map {
 namespace {
 
 // The steps of all robots, of a State.
-std::vector<RobotSteps> StepsOf(const Inputs& inputs, std::size_t robots) {
+std::vector<RobotSteps> StepsOf(const Inputs& inputs, const MapRules& rules, std::size_t robots) {
   std::vector<RobotSteps> steps;
   for (std::size_t r = 0; r < robots; ++r)
-    steps.push_back(Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r))));
+    steps.push_back(
+        RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), rules.layers(), rules.grid.cell_m));
   return steps;
 }
 
@@ -152,6 +154,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   const std::vector<std::string> robots = log->Texts("robots");
   const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
   const Schedule done = Schedule::Load(state);
+  RequireWithin("the number of robots", done.robots, 1, static_cast<std::int64_t>(robots.size()));
   RobotStates robot_states = RobotStates::Load(state, robots.size());
 
   WhatIsLeft left(robots.size());
@@ -161,17 +164,17 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   const RoundSum& sum = m_step.sum;
   if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
     CheckLikelihood(sum.log_likelihood(), Read<Perception>(*inputs.Get("perception")),
-                    StepsOf(inputs, robots.size()));
+                    StepsOf(inputs, settings.map, robots.size()));
   }
   const Blob& before = *inputs.Get("history");
   const auto robots_before = before.Get<std::int64_t>("robots");
   if (!robots_before.empty() && robots_before.back() < done.robots) {
-    CheckRobotsFitTheMap(sum, Read<Perception>(*inputs.Get("perception")), StepsOf(inputs, robots.size()),
-                         robots);
+    CheckRobotsFitTheMap(sum, Read<Perception>(*inputs.Get("perception")),
+                         StepsOf(inputs, settings.map, robots.size()), robots);
   }
   const Blob history = Extended(before, done, sum);
   if (done.summarises()) {
-    const std::vector<RobotSteps> steps = StepsOf(inputs, robots.size());
+    const std::vector<RobotSteps> steps = StepsOf(inputs, settings.map, robots.size());
     const bool at_a_distance = AnyAtADistance(steps);
     std::vector<InTwoPlaces> in_two_places;
     std::string not_refined;

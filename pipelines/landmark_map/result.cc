@@ -201,7 +201,8 @@ void FindInImages(const Settings& settings, const Inputs& inputs, const RoundSum
   std::vector<ImageObservations> images;
   double variance_m2 = 0.0, poses = 0.0;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const RobotSteps steps = Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r)));
+    const RobotSteps steps = RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), settings.map.layers(),
+                                            settings.map.grid.cell_m);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
     AppendImages(steps.WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
                  Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
@@ -319,7 +320,8 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   }
   std::vector<RobotSteps> steps;
   for (std::size_t r = 0; r < robots.size(); ++r)
-    steps.push_back(Read<RobotSteps>(*inputs.Get("steps/" + std::to_string(r))));
+    steps.push_back(RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), settings.map.layers(),
+                                   settings.map.grid.cell_m));
   std::vector<AssociatedPath> paths = AssociatedPaths(sum, steps, odometry);
   std::vector<RowAssociations> rows;
   for (std::size_t r = 0; r < robots.size(); ++r) {

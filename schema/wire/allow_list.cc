@@ -99,6 +99,10 @@ Result<AllowedKeys> ReadAllowList(const std::filesystem::path& path) {
   if (Status status = CheckOwner(path); !status.ok()) return status;
   std::ifstream file(path);
   if (!file) return Status(Code::kNotFound, path.string() + ": " + std::strerror(errno));
+  constexpr std::uintmax_t kMostBytes = 16 << 20;  // a hundred thousand keys
+  std::error_code unknown;
+  if (const std::uintmax_t bytes = std::filesystem::file_size(path, unknown); !unknown && bytes > kMostBytes)
+    return Status(Code::kCorrupt, path.string() + ": larger than 16 MB: this is no list of keys");
   AllowedKeys keys;
   int number = 0;
   bool ended = false;

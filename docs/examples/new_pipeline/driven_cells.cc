@@ -3,6 +3,7 @@
 #include <limits>
 #include <set>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/task_builder.h"
 #include "schema/kinds/landmark_map.h"
 
@@ -35,8 +36,19 @@ Step DrivenCells::Start(const Inputs& inputs) const {
   return step;
 }
 
+namespace {
+
+// Another worker made it.
+GridBox GridIn(const Options& options, const Inputs& inputs) {
+  const auto grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  RequireGrid(grid, MostCells(options.grid, kBytesPerCell));
+  return grid;
+}
+
+}  // namespace
+
 Blob DrivenCells::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  const GridBox grid = GridIn(options_, inputs);
   const Blob poses = inputs.Get("scan poses")->Sub(task.params().at("sensor").s());
   const auto x = poses.Get<double>("x_m"), y = poses.Get<double>("y_m");
   std::set<std::int64_t> driven;  // in order, whatever the order of the poses
@@ -51,12 +63,14 @@ Blob DrivenCells::Run(const Task& task, const Inputs& inputs, Progress& progress
 }
 
 Step DrivenCells::Advance(const State&, Partials& partials, const Inputs& inputs) const {
-  const GridBox grid = cairn::Read<GridBox>(*inputs.Get("grid"));
+  const GridBox grid = GridIn(options_, inputs);
   std::vector<double> probability(static_cast<std::size_t>(grid.cells()),
                                   std::numeric_limits<double>::quiet_NaN());
   for (std::size_t k = 0; k < partials.size(); ++k)
-    for (const std::int64_t cell : partials.Get(k)->Get<std::int64_t>("cell"))
+    for (const std::int64_t cell : partials.Get(k)->Get<std::int64_t>("cell")) {
+      RequireWithin("a cell", cell, 0, grid.cells() - 1);
       probability[static_cast<std::size_t>(cell)] = options_.p_occupied;
+    }
   Blob result;
   result.Put("map/grid/probability", Array::Of<double>({grid.rows, grid.columns}, probability));
   PutFields("map/grid/", kinds::GridPlace::Of(grid), &result);

@@ -3,7 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::landmark_map {
+
+Schedule Schedule::Load(const State& state) {
+  constexpr std::int64_t kMost = 1 << 30;
+  const auto schedule = ScalarsIn<Schedule>(state);
+  RequireWithin("the phase", static_cast<std::int64_t>(schedule.phase), 0,
+                static_cast<std::int64_t>(Phase::kRefinedSummary));
+  RequireWithin("the iteration", schedule.iteration, 0, kMost);
+  RequireWithin("the share of the data", schedule.prefix, 1e-9, 1.0);
+  RequireWithin("the number of robots", schedule.robots, 1, kMost);
+  RequireWithin("the iterations on all data", schedule.settled, 0, kMost);
+  RequireWithin("the growth", schedule.growth, 1.001, 1e9);
+  return schedule;
+}
 
 Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
                         double observations) const {

@@ -30,7 +30,8 @@ struct Schedule {
   bool summarises() const { return phase != Phase::kMap; }
   bool is_refined() const { return phase == Phase::kRefinedSummary; }
   void Store(State* state) const { PutScalars(*this, "", state); }
-  static Schedule Load(const State& state) { return ScalarsIn<Schedule>(state); }
+  // Throws InputError where it is none: others made the State.
+  static Schedule Load(const State& state);
   static void Fields(const auto& field) {
     field("phase", &Schedule::phase);
     field("iteration", &Schedule::iteration);
