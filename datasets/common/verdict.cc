@@ -104,61 +104,122 @@ WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
   return weakest;
 }
 
-// By how many times ranges or bearings err more than was stated of them.
-double WiderThanStated(const kinds::LandmarkMap::Fit& fit) {
+// What lowers the trust in a map, and the words for it.
+struct Doubt {
+  Confidence at_most = Confidence::kFair;
+  std::string text = {};  // empty: there is none
+};
+
+// kLow from `much` on, kFair from `some` on.
+Confidence AtMost(double value, double some, double much) {
+  if (value > much) return Confidence::kLow;
+  return value > some ? Confidence::kFair : Confidence::kHigh;
+}
+
+Doubt OfMisfits(const kinds::LandmarkMap::Fit& fit) {
+  constexpr double kFew = 0.03, kMany = 0.2, kGross = 6;
+  const std::int64_t observations = fit.observations.Scalar(), misfits = fit.misfits.Scalar();
+  if (misfits == 0) return {Confidence::kHigh};
+  const double share = static_cast<double>(misfits) / static_cast<double>(observations);
+  const double worst = fit.worst_sigmas.OrNone().empty() ? 0 : fit.worst_sigmas.OrNone().front();
+  const double time_s = fit.worst_time_s.OrNone().empty() ? 0 : fit.worst_time_s.OrNone().front();
+  return {
+      std::min(AtMost(share, kFew, kMany), worst < kGross ? Confidence::kHigh : Confidence::kFair),
+      fmt::format("{} of {} observations do not fit the map, the worst is {:.1f} standard deviations off, "
+                  "at {:.1f} s",
+                  misfits, observations, worst, time_s)};
+}
+
+// Widths estimated from the residuals that are far from what was stated of a sensor.
+Doubt OfWidths(const kinds::LandmarkMap::Fit& fit) {
+  constexpr double kWider = 1.5, kMuchWider = 3;
   double wider = 0;
   for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
     if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
       wider = std::max(wider, fit.found[k] / fit.stated[k]);
-  return wider;
+  if (wider <= kWider) return {Confidence::kHigh};
+  return {AtMost(wider, kWider, kMuchWider),
+          fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected", wider)};
+}
+
+Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
+  constexpr std::int64_t kLong = 5;
+  if (fit.longest_run.Scalar() < kLong) return {Confidence::kHigh};
+  return {Confidence::kFair,
+          fmt::format("{} in a row do not from {:.1f} s on: were names exchanged, or was a landmark or the "
+                      "robot moved?",
+                      fit.longest_run.Scalar(), fit.longest_run_from_s.Scalar())};
+}
+
+Doubt OfJumps(const kinds::LandmarkMap::Fit& fit) {
+  const std::int64_t jumps = fit.odometry_misfits.Or(0);
+  if (jumps == 0) return {Confidence::kHigh};
+  return {Confidence::kFair,
+          fmt::format("odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?",
+                      jumps == 1 ? std::string("once") : fmt::format("{} times", jumps),
+                      fit.worst_odometry_s.Or(0))};
+}
+
+// By how much a scale is off: of one as many times too large as too small.
+double Off(const Column<double>& scale) { return std::abs(std::log(scale.Or(1))); }
+
+// Where odometry's distances are not those of the ranges, either may be the one that is wrong, and the map
+// has the ranges' scale.
+Doubt OfDistances(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kOff = 0.07, kFarOff = 0.15;
+  const auto worst = std::ranges::max_element(
+      map.robot, {}, [](const kinds::LandmarkMap::Robot& robot) { return Off(robot.distance_scale); });
+  if (worst == map.robot.end() || !worst->distance_scale) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("distance_scale", worst->distance_scale.Scalar());
+  const Confidence at_most = AtMost(Off(worst->distance_scale), std::log1p(kOff), std::log1p(kFarOff));
+  if (at_most == Confidence::kHigh) return {at_most};
+  return {at_most,
+          fmt::format("{} has travelled {:.2f} times as far by its ranges as by its odometry: are both in "
+                      "metres and calibrated? The map has the scale of the ranges",
+                      map.robots[static_cast<std::size_t>(worst - map.robot.begin())],
+                      worst->distance_scale.Scalar())};
+}
+
+// Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as
+// theirs, and are mapped well.
+Doubt OfTurns(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kOff = 0.15;
+  const auto worst = std::ranges::max_element(
+      map.robot, {}, [](const kinds::LandmarkMap::Robot& robot) { return Off(robot.turn_scale); });
+  if (worst == map.robot.end() || !worst->turn_scale) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("turn_scale", worst->turn_scale.Scalar());
+  if (Off(worst->turn_scale) <= std::log1p(kOff)) return {Confidence::kHigh};
+  return {Confidence::kFair,
+          fmt::format("{} has turned {:.2f} times as far by its observations as by its odometry",
+                      map.robots[static_cast<std::size_t>(worst - map.robot.begin())],
+                      worst->turn_scale.Scalar())};
 }
 
 // Of landmarks that observations name there is no search: the fit of the least squares is what the verdict
 // rests on. Else it may lower what the search says.
 void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* verdict) {
-  constexpr std::int64_t kFew = 50, kLongRun = 5;
-  constexpr double kFewMisfits = 0.03, kManyMisfits = 0.2, kNearlyAll = 0.9, kGross = 6, kMuchWider = 1.5;
+  constexpr std::int64_t kMany = 50;
+  constexpr double kNearlyAll = 0.9;
   const kinds::LandmarkMap::Fit& fit = map.fit;
   if (!fit.observations) return;
-  const std::int64_t observations = fit.observations.Scalar(), misfits = fit.misfits.Scalar(),
-                     run = fit.longest_run.Scalar(), jumps = fit.odometry_misfits.Or(0);
-  const double share =
-      static_cast<double>(misfits) / static_cast<double>(std::max<std::int64_t>(1, observations));
+  const std::int64_t observations = fit.observations.Scalar(), misfits = fit.misfits.Scalar();
   verdict->numbers.emplace_back("observations_fitted", static_cast<double>(observations));
   verdict->numbers.emplace_back("misfits", static_cast<double>(misfits));
-  verdict->numbers.emplace_back("misfits_in_a_row", static_cast<double>(run));
-  verdict->numbers.emplace_back("odometry_misfits", static_cast<double>(jumps));
-  const std::span<const double> sigmas = fit.worst_sigmas.OrNone();
-  const double worst = sigmas.empty() ? 0 : sigmas.front(), wider = WiderThanStated(fit);
-  const bool fits =
-      share <= kFewMisfits && run < kLongRun && jumps == 0 && worst < kGross && wider <= kMuchWider;
+  verdict->numbers.emplace_back("misfits_in_a_row", static_cast<double>(fit.longest_run.Scalar()));
+  verdict->numbers.emplace_back("odometry_misfits", static_cast<double>(fit.odometry_misfits.Or(0)));
   const bool all_named =
       std::ranges::all_of(map.map.landmark_identity.OrNone(), [](int id) { return id >= 0; });
-  const bool many = observations >= kFew && explained_share >= kNearlyAll;
-  const Confidence by_fit = share > kManyMisfits ? Confidence::kLow
-                            : fits && many       ? Confidence::kHigh
-                                                 : Confidence::kFair;
   const bool named = !map.search.support && all_named;
+  const bool many = observations >= kMany && explained_share >= kNearlyAll;
+  const Confidence by_number = many ? Confidence::kHigh : Confidence::kFair;
+  verdict->trust = named ? by_number : std::min(verdict->trust, by_number);
   const std::string fitted = fmt::format("{} observations fit the map", observations - misfits);
-  verdict->trust = named ? by_fit : std::min(verdict->trust, by_fit);
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
-  if (misfits > 0)
-    verdict->why += fmt::format(
-        "; {} of {} observations do not fit the map, the worst is {:.1f} standard deviations off, "
-        "at {:.1f} s",
-        misfits, observations, worst, fit.worst_time_s.OrNone().empty() ? 0.0 : fit.worst_time_s.front());
-  if (wider > kMuchWider)
-    verdict->why +=
-        fmt::format("; ranges or bearings err by {:.1f} times what is stated, or was expected", wider);
-  if (run >= kLongRun)
-    verdict->why += fmt::format(
-        "; {} in a row do not from {:.1f} s on: were names exchanged, or was a landmark or "
-        "the robot moved?",
-        run, fit.longest_run_from_s.Scalar());
-  if (jumps > 0)
-    verdict->why += fmt::format(
-        "; odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?",
-        jumps == 1 ? std::string("once") : fmt::format("{} times", jumps), fit.worst_odometry_s.Or(0));
+  for (const Doubt& doubt : {OfMisfits(fit), OfWidths(fit), OfRun(fit), OfJumps(fit),
+                             OfDistances(map, verdict), OfTurns(map, verdict)}) {
+    verdict->trust = std::min(verdict->trust, doubt.at_most);
+    if (!doubt.text.empty()) verdict->why += "; " + doubt.text;
+  }
 }
 
 // What a robot travels before its first loop or after its last, where nothing checks the path.

@@ -31,14 +31,15 @@ struct Verdict {
 // Of a landmark_map with landmarks that observations name and that are seen at a distance: whether the least
 // squares explains them (`fit/`). High: at least 50, nine tenths of all that were made, at most 3% do not
 // fit, none of them by six standard deviations, no five in a row; odometry fits everywhere; ranges and
-// bearings err by at most 1.5 times what is stated. Low: a fifth do not fit. Chosen on simulated figures of
-// eight; how often it is right of other logs was not measured. Of landmarks without names at a distance: what
-// the search says or the fit, whichever is less, and fair at most. Of any other: what its search says, how
-// many observations its landmarks explain, whether its refinement was refused. Of a map of a log, and with
-// options, like those on which the rates were measured (search/unlike is there and empty): "high: right in 99
-// of 100 such simulations; found from 6 of 12 starts, 57.2 nats ahead of the next different map". Of another
-// it is not known, and says in what it differs. No lead says that a better map, which was not tried, does not
-// exist.
+// bearings err by at most 1.5 times what is stated; odometry's distances are within 7% of what the
+// observations say, its turns within 15%. Low: a fifth do not fit, or ranges and bearings err by three times
+// what is stated, or the distances are 15% off. Chosen on simulated figures of eight; how often it is right
+// of other logs was not measured. Of landmarks without names at a distance: what the search says or the fit,
+// whichever is less, and fair at most. Of any other: what its search says, how many observations its
+// landmarks explain, whether its refinement was refused. Of a map of a log, and with options, like those on
+// which the rates were measured (search/unlike is there and empty): "high: right in 99 of 100 such
+// simulations; found from 6 of 12 starts, 57.2 nats ahead of the next different map". Of another it is not
+// known, and says in what it differs. No lead says that a better map, which was not tried, does not exist.
 Verdict LandmarkMapVerdict(const Blob& result);
 
 // Of a local_map: how many loops its path closes, how many contradict it, and how many go over the time over

@@ -212,6 +212,8 @@ TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 1, 1, 0, 7)).trust, Confidence::kFair) << "one is far off";
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair)
       << "ranges err twice as much";
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.5)).trust, Confidence::kLow)
+      << "five times as much: of this sensor nothing is known";
   const Verdict moved = LandmarkMapVerdict(FittedMap(200, 6, 6, 0));
   EXPECT_EQ(moved.trust, Confidence::kFair);
   EXPECT_NE(moved.why.find("6 in a row do not from 12.5 s on"), std::string::npos) << moved.why;
@@ -219,6 +221,27 @@ TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
   EXPECT_EQ(slipped.trust, Confidence::kFair);
   EXPECT_NE(slipped.why.find("odometry does not fit once, worst at 20.0 s"), std::string::npos)
       << slipped.why;
+}
+
+// Ranges in another unit than odometry, or one of both not calibrated: everything fits, in a wrong scale.
+TEST(LandmarkMapVerdict, OdometryOfAnotherScaleThanTheRangesIsNamed) {
+  const auto scaled = [](double distances, double turns) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    map.PutScalar<double>("robot/0/distance_scale", distances);
+    map.PutScalar<double>("robot/0/turn_scale", turns);
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(scaled(1.05, 0.98).trust, Confidence::kHigh);
+  for (const double off : {1 / 1.1, 1.1}) EXPECT_EQ(scaled(off, 1).trust, Confidence::kFair);
+  for (const double off : {0.75, 1.4}) {
+    EXPECT_EQ(scaled(off, 1).trust, Confidence::kLow);
+    EXPECT_EQ(scaled(1, off).trust, Confidence::kFair) << "of turns the observations tell enough";
+  }
+  const Verdict far = scaled(1.4, 1.02);
+  EXPECT_NE(far.why.find("has travelled 1.40 times as far by its ranges as by its odometry"),
+            std::string::npos)
+      << far.why;
+  EXPECT_NE(scaled(1, 0.8).why.find("has turned 0.80 times as far"), std::string::npos);
 }
 
 TEST(LocalMapVerdict, WithoutALoopNothingIsKnown) {

@@ -355,6 +355,11 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift_rad_per_m);
     result.PutScalar<double>(prefix + "heading_walk_rad_per_sqrt_m", odometry[r].heading_walk_rad_per_sqrt_m);
     result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);
+    if (!refined.paths.empty()) {
+      const SystematicErrors& errors = refined.paths[r].errors();
+      result.PutScalar<double>(prefix + "distance_scale", 1 + errors.way);
+      result.PutScalar<double>(prefix + "turn_scale", 1 + errors.turn);
+    }
   }
   if (std::isfinite(settings.steps.until_s)) result.PutScalar<double>("until_s", settings.steps.until_s);
   if (settings.detection.false_ratio > 0.0 && settings.detection.tells_passes && !settings.incremental) {

@@ -40,7 +40,8 @@ struct LandmarkMap {
   struct Robot {
     RobotPoses poses;
     Column<std::int32_t> map_landmark;  // of each observation
-    Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio;
+    Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio,
+        distance_scale, turn_scale;
     Beliefs beliefs;
     static void Fields(const auto& field) {
       field("poses", &Robot::poses);
@@ -51,6 +52,8 @@ struct LandmarkMap {
       field({"heading_drift_rad_per_m", "", Finite()}, &Robot::heading_drift_rad_per_m);
       field({"heading_walk_rad_per_sqrt_m", "", NotNegative()}, &Robot::heading_walk_rad_per_sqrt_m);
       field({"turn_ratio", "", NotNegative()}, &Robot::turn_ratio);
+      field({"distance_scale", "", Positive()}, &Robot::distance_scale);
+      field({"turn_scale", "", Positive()}, &Robot::turn_scale);
     }
   };
   struct Map {
