@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-#include "pipelines/landmark_map/refinement/selected_inverse.h"
+#include "pipelines/landmark_map/refinement/path_matrix.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -49,6 +49,22 @@ class UnknownLayout {
   int Landmark(std::size_t landmark) const { return landmarks_ + 2 * static_cast<int>(landmark); }
   int Errors(std::size_t robot) const { return errors_ + 3 * static_cast<int>(robot); }
   int size() const { return size_; }
+
+  PathMatrix Matrix(const LeastSquaresProblem& problem) const {
+    std::vector<int> chains;
+    std::vector<PathMatrix::Coupling> couplings;
+    for (std::size_t r = 0; r < problem.robots.size(); ++r) {
+      const int nodes = static_cast<int>(problem.robots[r].time_s.size());
+      chains.push_back(nodes);
+      for (int k = 0; k < nodes; ++k)
+        for (int i = 0; i < 3; ++i) couplings.push_back({first_[r] / 3 + k, Errors(r) + i - landmarks_});
+    }
+    for (const Sighting& seen : problem.sightings)
+      for (int i = 0; i < 2; ++i)
+        couplings.push_back(
+            {first_[static_cast<std::size_t>(seen.robot)] / 3 + seen.node, 2 * seen.landmark + i});
+    return {chains, size_ - landmarks_, couplings};
+  }
 
   LeastSquaresPoint Moved(LeastSquaresPoint point, const Eigen::VectorXd& step) const {
     for (std::size_t r = 0; r < point.nodes.size(); ++r) {
@@ -138,7 +154,7 @@ PriorTerm CauchyPrior(double value, double scale) {
 class NormalEquationsOf {
  public:
   NormalEquationsOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& at)
-      : problem_(problem), layout_(problem), anchor_(at.nodes[0][0]) {
+      : problem_(problem), layout_(problem), anchor_(at.nodes[0][0]), matrix_(layout_.Matrix(problem)) {
     for (std::size_t r = 0; r < problem.robots.size(); ++r) {
       auto& spreads = spreads_.emplace_back();
       auto& weights = weights_.emplace_back();
@@ -151,7 +167,7 @@ class NormalEquationsOf {
 
   const UnknownLayout& layout() const { return layout_; }
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  const SparseFactor& factor() const { return factor_; }
+  const PathMatrix& matrix() const { return matrix_; }
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
 
   // Minus the logarithm of the probability, and with `linearise` its matrix and gradient, in which sightings
@@ -160,9 +176,9 @@ class NormalEquationsOf {
     cost_ = 0.0;
     sighting_share_ = sighting_share;
     if (linearise) {
-      entries_.clear();
+      matrix_.SetZero();
       gradient_ = Eigen::VectorXd::Zero(layout_.size());
-      for (int k = 0; k < layout_.size(); ++k) entries_.emplace_back(k, k, 1.0 / SquareOfIt(kUnheld));
+      for (int k = 0; k < layout_.size(); ++k) matrix_.Add(k, k, 1.0 / SquareOfIt(kUnheld));
     }
     AddAnchor(point, linearise);
     for (std::size_t r = 0; r < problem_.robots.size(); ++r) {
@@ -170,23 +186,12 @@ class NormalEquationsOf {
       for (std::size_t k = 0; k < problem_.robots[r].controls.size(); ++k) AddEdge(point, r, k, linearise);
     }
     for (const Sighting& seen : problem_.sightings) AddSighting(point, seen, linearise);
-    if (linearise) {
-      matrix_.resize(layout_.size(), layout_.size());
-      matrix_.setFromTriplets(entries_.begin(), entries_.end());
-      diagonal_ = matrix_.diagonal();
-    }
+    if (linearise) diagonal_ = matrix_.Diagonal();
     return cost_;
   }
 
   // Of the matrix as it was made last, its diagonal raised by a share of itself. False: it has no factor.
-  bool Factorise(double damping) {
-    if (!analysed_) factor_.analyzePattern(matrix_);
-    analysed_ = true;
-    Eigen::SparseMatrix<double> damped = matrix_;
-    for (int k = 0; k < layout_.size(); ++k) damped.coeffRef(k, k) += damping * diagonal_[k];
-    factor_.factorize(damped);
-    return factor_.info() == Eigen::Success;
-  }
+  bool Factorise(double damping) { return matrix_.Factorise(damping); }
 
   // What of a sighting along its ray and across is its own.
   Eigen::Vector2d ShareOf(const Sighting& seen) const {
@@ -277,7 +282,7 @@ class NormalEquationsOf {
     for (int i = 0; i < kUnknowns; ++i) {
       gradient_[at[i]] += gradient[i];
       for (int j = 0; j < kUnknowns; ++j) {
-        if (at[i] >= at[j]) entries_.emplace_back(at[i], at[j], square(i, j));
+        if (at[i] >= at[j]) matrix_.Add(at[i], at[j], square(i, j));
       }
     }
   }
@@ -288,7 +293,7 @@ class NormalEquationsOf {
       cost_ += 0.5 * weight * off * off;
       if (!linearise) continue;
       gradient_[layout_.Node(0, 0) + i] += weight * off;
-      entries_.emplace_back(layout_.Node(0, 0) + i, layout_.Node(0, 0) + i, weight);
+      matrix_.Add(layout_.Node(0, 0) + i, layout_.Node(0, 0) + i, weight);
     }
   }
 
@@ -301,14 +306,14 @@ class NormalEquationsOf {
     for (int i = 0; i < 3; ++i) {
       const int at = layout_.Errors(r) + i;
       if (!(of[i].second > 0.0)) {
-        if (linearise) entries_.emplace_back(at, at, 1.0);
+        if (linearise) matrix_.Add(at, at, 1.0);
         continue;
       }
       const PriorTerm term = CauchyPrior(of[i].first, of[i].second);
       cost_ += term.cost;
       if (!linearise) continue;
       gradient_[at] += term.gradient;
-      entries_.emplace_back(at, at, term.curvature);
+      matrix_.Add(at, at, term.curvature);
     }
   }
 
@@ -331,21 +336,18 @@ class NormalEquationsOf {
   const LeastSquaresProblem& problem_;
   UnknownLayout layout_;
   Eigen::Vector3d anchor_;
+  PathMatrix matrix_;
   std::vector<std::vector<EdgeSpread>> spreads_;       // of each robot's edges
   std::vector<std::vector<Eigen::Matrix3d>> weights_;  // inverse covariances
   double cost_ = 0.0, sighting_share_ = 1.0;
   Eigen::VectorXd gradient_, diagonal_;
-  std::vector<Eigen::Triplet<double>> entries_;
-  Eigen::SparseMatrix<double> matrix_;
-  SparseFactor factor_;
-  bool analysed_ = false;
 };
 
 // J Cov J' of a term, of the unknowns' selected covariances.
 template <int kErrors, int kUnknowns>
 Eigen::Matrix<double, kErrors, kErrors> Fitted(const Eigen::Matrix<double, kErrors, kUnknowns>& by,
                                                const std::array<int, kUnknowns>& at,
-                                               const SelectedInverse& inverse) {
+                                               const PathMatrix::Inverse& inverse) {
   Eigen::Matrix<double, kUnknowns, kUnknowns> covariance;
   for (int i = 0; i < kUnknowns; ++i) {
     for (int j = 0; j <= i; ++j) covariance(i, j) = covariance(j, i) = inverse.At(at[i], at[j]);
@@ -421,7 +423,7 @@ LeastSquaresEnd Descend(const LeastSquaresProblem& problem, const LeastSquaresPo
       growth *= 2.0;
       continue;
     }
-    const Eigen::VectorXd step = -equations.factor().solve(equations.gradient());
+    const Eigen::VectorXd step = -equations.matrix().Solve(equations.gradient());
     double promised = 0.0;
     for (int k = 0; k < step.size(); ++k)
       promised += 0.5 * step[k] * (damping * equations.diagonal()[k] * step[k] - equations.gradient()[k]);
@@ -448,7 +450,7 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
   NormalEquationsOf equations(*problem, point);
   equations.Evaluate(point, true, kHoldingShare);
   if (!equations.Factorise(0.0)) return 0.0;
-  const SelectedInverse inverse(equations.factor());
+  const PathMatrix::Inverse inverse(equations.matrix());
   double change = 1.0;
   for (std::size_t r = 0; r < problem->robots.size(); ++r) {
     EdgeWidths& widths = problem->widths[r];
@@ -561,7 +563,7 @@ LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const 
   equations.Evaluate(point, true);
   if (!equations.Factorise(0.0)) return {};
   const UnknownLayout& layout = equations.layout();
-  const SelectedInverse inverse(equations.factor());
+  const PathMatrix::Inverse inverse(equations.matrix());
   std::vector<bool> is_seen(point.landmarks.size(), false);
   for (const Sighting& seen : problem.sightings) is_seen[static_cast<std::size_t>(seen.landmark)] = true;
 
@@ -587,7 +589,7 @@ LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const 
     columns.setZero();
   }
   Eigen::MatrixXd with_motion(layout.size(), 3);  // Cov(., d)
-  for (int k = 0; k < 3; ++k) with_motion.col(k) = equations.factor().solve(Eigen::VectorXd(columns.col(k)));
+  for (int k = 0; k < 3; ++k) with_motion.col(k) = equations.matrix().Solve(columns.col(k));
   Eigen::Matrix3d of_motion = Eigen::Matrix3d::Zero();
   for (int k = 0; k < layout.size(); ++k) of_motion += columns.row(k).transpose() * with_motion.row(k);
 
@@ -620,7 +622,7 @@ LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const 
         transformed.template operator()<2>(layout.Landmark(l), moved_landmark(l)));
 
   for (const Eigen::VectorXd& bias : equations.CommonErrors(point)) {
-    const Eigen::VectorXd shift = equations.factor().solve(bias);
+    const Eigen::VectorXd shift = equations.matrix().Solve(bias);
     const Eigen::Vector3d of_landmarks = columns.transpose() * shift;
     for (std::size_t r = 0; r < point.nodes.size(); ++r) {
       for (std::size_t k = 0; k < point.nodes[r].size(); ++k) {
