@@ -11,6 +11,8 @@ set(CAIRN_LINKS_pipelines_landmark_learning_networks "pipelines|pipelines/landma
 foreach(folder IN ITEMS data optimizer)
   set(CAIRN_LINKS_pipelines_landmark_learning_${folder} "pipelines|pipelines/landmark_learning/(error_sum|networks)")
 endforeach()
+set(CAIRN_LINKS_pipelines_landmark_learning_state "pipelines|pipelines/landmark_learning/(data|error_sum|networks|optimizer)")
+set(CAIRN_LINKS_pipelines_landmark_learning_tasks "pipelines/landmark_learning/state")
 set(CAIRN_LINKS_pipelines_landmark_map_model "pipelines")
 set(CAIRN_LINKS_pipelines_landmark_map_landmarks "pipelines|pipelines/landmark_map/model")
 set(CAIRN_LINKS_pipelines_landmark_map_state "pipelines|pipelines/landmark_map/(model|landmarks)")

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "pipelines/common/handed_over.h"
-#include "pipelines/landmark_learning/handed_data.h"
 #include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/result.h"
-#include "pipelines/landmark_learning/round_sum.h"
 #include "pipelines/landmark_learning/starts.h"
+#include "pipelines/landmark_learning/state/handed_data.h"
+#include "pipelines/landmark_learning/state/round_sum.h"
 
 namespace cairn::landmark_learning {
 namespace {

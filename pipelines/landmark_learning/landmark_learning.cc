@@ -9,14 +9,14 @@
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_learning/advance.h"
-#include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/data/ancestry.h"
 #include "pipelines/landmark_learning/data/error_table.h"
 #include "pipelines/landmark_learning/error_sum/posterior_error.h"
 #include "pipelines/landmark_learning/plan.h"
 #include "pipelines/landmark_learning/starts.h"
-#include "pipelines/landmark_learning/sum_path.h"
-#include "pipelines/landmark_learning/tasks.h"
+#include "pipelines/landmark_learning/state/sum_path.h"
+#include "pipelines/landmark_learning/tasks/block_task.h"
+#include "pipelines/landmark_learning/tasks/tasks.h"
 #include "pipelines/landmark_learning/truth_weights.h"
 
 namespace cairn::landmark_learning {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "pipelines/landmark_learning/options.h"
+#include "pipelines/landmark_learning/state/options.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_learning {

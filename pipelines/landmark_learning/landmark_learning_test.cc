@@ -7,9 +7,9 @@
 #include <memory>
 #include <utility>
 
-#include "pipelines/landmark_learning/block_task.h"
-#include "pipelines/landmark_learning/round_sum.h"
-#include "pipelines/landmark_learning/state.h"
+#include "pipelines/landmark_learning/state/round_sum.h"
+#include "pipelines/landmark_learning/state/state.h"
+#include "pipelines/landmark_learning/tasks/block_task.h"
 #include "pipelines/landmark_learning/testing.h"
 #include "pipelines/testing/in_process.h"
 

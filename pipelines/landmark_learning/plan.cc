@@ -5,10 +5,10 @@
 #include <initializer_list>
 
 #include "pipelines/common/task_builder.h"
-#include "pipelines/landmark_learning/block_task.h"
-#include "pipelines/landmark_learning/compact.h"
 #include "pipelines/landmark_learning/error_sum/features.h"
 #include "pipelines/landmark_learning/optimizer/batch.h"
+#include "pipelines/landmark_learning/tasks/block_task.h"
+#include "pipelines/landmark_learning/tasks/compact.h"
 
 namespace cairn::landmark_learning {
 namespace {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pipelines/landmark_learning/data/training_data.h"
-#include "pipelines/landmark_learning/state.h"
-#include "pipelines/landmark_learning/sum_path.h"
+#include "pipelines/landmark_learning/state/state.h"
+#include "pipelines/landmark_learning/state/sum_path.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_learning {

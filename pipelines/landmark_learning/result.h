@@ -4,7 +4,7 @@
 #include <string>
 
 #include "pipelines/landmark_learning/data/training_data.h"
-#include "pipelines/landmark_learning/state.h"
+#include "pipelines/landmark_learning/state/state.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::landmark_learning {

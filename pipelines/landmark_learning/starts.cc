@@ -11,7 +11,7 @@
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_learning/advance.h"
-#include "pipelines/landmark_learning/state.h"
+#include "pipelines/landmark_learning/state/state.h"
 
 namespace cairn::landmark_learning {
 namespace {

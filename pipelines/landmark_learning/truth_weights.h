@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipelines/landmark_learning/data/training_data.h"
-#include "pipelines/landmark_learning/options.h"
+#include "pipelines/landmark_learning/state/options.h"
 
 namespace cairn::landmark_learning {
 

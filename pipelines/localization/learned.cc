@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pipelines/landmark_learning/networks/arrays.h"
-#include "pipelines/landmark_learning/state.h"
+#include "pipelines/landmark_learning/state/state.h"
 #include "schema/kinds/learning.h"
 
 namespace cairn::localization {

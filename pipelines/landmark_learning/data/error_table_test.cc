@@ -5,8 +5,8 @@
 #include <cmath>
 #include <memory>
 
-#include "pipelines/landmark_learning/block_task.h"
 #include "pipelines/landmark_learning/landmark_learning.h"
+#include "pipelines/landmark_learning/tasks/block_task.h"
 #include "pipelines/landmark_learning/testing.h"
 #include "pipelines/testing/in_process.h"
 

@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/tasks.h"
+#include "pipelines/landmark_learning/tasks/tasks.h"
 
 #include <iterator>
 #include <limits>
@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "pipelines/common/handed_over.h"
-#include "pipelines/landmark_learning/block_task.h"
-#include "pipelines/landmark_learning/compact.h"
-#include "pipelines/landmark_learning/handed_data.h"
 #include "pipelines/landmark_learning/networks/some_networks.h"
 #include "pipelines/landmark_learning/optimizer/batch.h"
 #include "pipelines/landmark_learning/optimizer/patterns.h"
-#include "pipelines/landmark_learning/state.h"
-#include "pipelines/landmark_learning/sum_path.h"
+#include "pipelines/landmark_learning/state/handed_data.h"
+#include "pipelines/landmark_learning/state/state.h"
+#include "pipelines/landmark_learning/state/sum_path.h"
+#include "pipelines/landmark_learning/tasks/block_task.h"
+#include "pipelines/landmark_learning/tasks/compact.h"
 
 namespace cairn::landmark_learning {
 namespace {

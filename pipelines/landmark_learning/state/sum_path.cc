@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/sum_path.h"
+#include "pipelines/landmark_learning/state/sum_path.h"
 
 #include <fmt/format.h>
 

@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "pipelines/landmark_learning/block_task.h"
+#include "pipelines/landmark_learning/tasks/block_task.h"
 
 namespace cairn::landmark_learning {
 

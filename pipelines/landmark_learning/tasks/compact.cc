@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/compact.h"
+#include "pipelines/landmark_learning/tasks/compact.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "pipelines/landmark_learning/error_sum/features.h"
 #include "pipelines/landmark_learning/error_sum/posterior_error.h"
-#include "pipelines/landmark_learning/sum_path.h"
+#include "pipelines/landmark_learning/state/sum_path.h"
 
 namespace cairn::landmark_learning {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/compact.h"
+#include "pipelines/landmark_learning/tasks/compact.h"
 
 #include <gtest/gtest.h>
 

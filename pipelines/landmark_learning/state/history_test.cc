@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/history.h"
+#include "pipelines/landmark_learning/state/history.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/round_sum.h"
+#include "pipelines/landmark_learning/state/round_sum.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/handed_data.h"
+#include "pipelines/landmark_learning/state/handed_data.h"
 
 #include <limits>
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/landmark_learning/history.h"
 #include "pipelines/landmark_learning/networks/networks.h"
 #include "pipelines/landmark_learning/optimizer/conjugate.h"
 #include "pipelines/landmark_learning/optimizer/descent.h"
-#include "pipelines/landmark_learning/options.h"
+#include "pipelines/landmark_learning/state/history.h"
+#include "pipelines/landmark_learning/state/options.h"
 
 namespace cairn::landmark_learning {
 

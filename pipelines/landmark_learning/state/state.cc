@@ -1,4 +1,4 @@
-#include "pipelines/landmark_learning/state.h"
+#include "pipelines/landmark_learning/state/state.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include "pipelines/landmark_learning/data/training_data.h"
 #include "pipelines/landmark_learning/networks/input_noise.h"
 #include "pipelines/landmark_learning/networks/networks.h"
-#include "pipelines/landmark_learning/options.h"
-#include "pipelines/landmark_learning/sum_path.h"
+#include "pipelines/landmark_learning/state/options.h"
+#include "pipelines/landmark_learning/state/sum_path.h"
 
 namespace cairn::landmark_learning {
 

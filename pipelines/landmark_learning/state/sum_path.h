@@ -4,7 +4,7 @@
 #include <string>
 
 #include "pipelines/landmark_learning/error_sum/pairs.h"
-#include "pipelines/landmark_learning/options.h"
+#include "pipelines/landmark_learning/state/options.h"
 #include "schema/kinds/fields.h"
 
 namespace cairn::landmark_learning {
