@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <set>
 
+#include "pipelines/common/handed_over.h"
+#include "pipelines/common/task_builder.h"
+
 namespace cairn {
 namespace {
 
@@ -72,15 +75,21 @@ Step FanOut(std::vector<Step> candidates) {
 
 int StartsIn(const State& state) {
   const auto starts = state.scalars().find("starts");
-  return starts == state.scalars().end() ? 0 : static_cast<int>(starts->second.i());
+  if (starts == state.scalars().end()) return 0;
+  RequireWithin("the number of starts", starts->second.i(), 0, kMostTasks);
+  return static_cast<int>(starts->second.i());
 }
 
 OneStart::OneStart(const State& merged, int start, Partials& partials, const Inputs& inputs)
     : prefix_(Prefix(start)), partials_(partials), inputs_(inputs) {
   TakeOwn(merged.scalars(), prefix_, state_.mutable_scalars());
   TakeOwn(merged.blobs(), prefix_, state_.mutable_blobs());
-  for (int before = 0; before < start; ++before) first_ += static_cast<std::size_t>(TasksOf(merged, before));
-  tasks_ = static_cast<std::size_t>(TasksOf(merged, start));
+  for (int of = 0; of <= start; ++of) {
+    first_ += tasks_;
+    const std::int64_t tasks = TasksOf(merged, of);
+    RequireWithin("the tasks of a start", tasks, 0, static_cast<std::int64_t>(partials.size() - first_));
+    tasks_ = static_cast<std::size_t>(tasks);
+  }
 }
 
 bool OneStart::Has(const std::string& name) const { return inputs_.Has(prefix_ + name) || inputs_.Has(name); }

@@ -16,11 +16,11 @@ namespace cairn {
 // up: as many rounds as the longest has.
 Step FanOut(std::vector<Step> candidates);
 
-// How many candidates a state holds; 0 where FanOut did not make it.
+// How many candidates a state holds; 0 where FanOut did not make it. Throws InputError where it cannot be.
 int StartsIn(const State& state);
 
 // Candidate `start` of a round that FanOut made: what its own Advance would get to see. Refers to its
-// arguments.
+// arguments. Throws InputError where the round has not as many partials as the state says.
 class OneStart : public Partials, public Inputs {
  public:
   OneStart(const State& merged, int start, Partials& partials, const Inputs& inputs);

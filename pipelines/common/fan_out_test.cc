@@ -82,6 +82,25 @@ TEST(FanOut, ACandidateSeesWhatItWouldSeeAlone) {
   }
 }
 
+// Others made the State.
+TEST(FanOut, ACandidateOfMoreTasksThanThereArePartialsIsRefused) {
+  const Step merged = FanOut({Candidate(1, 2), Candidate(3, 3)});
+  const MapInputs inputs;
+  VectorPartials partials(std::vector<BlobPtr>(5));
+  EXPECT_NO_THROW(OneStart(merged.plan.state(), 1, partials, inputs));
+  for (const std::int64_t tasks : {std::int64_t{-1}, std::int64_t{4}, std::int64_t{1} << 62}) {
+    State state = merged.plan.state();
+    (*state.mutable_scalars())["tasks_of_start/1"].set_i(tasks);
+    EXPECT_THROW(OneStart(state, 1, partials, inputs), InputError) << tasks;
+    (*state.mutable_scalars())["tasks_of_start/0"].set_i(tasks);
+    (*state.mutable_scalars())["tasks_of_start/1"].set_i(3);
+    EXPECT_THROW(OneStart(state, 1, partials, inputs), InputError) << tasks;
+  }
+  State state = merged.plan.state();
+  (*state.mutable_scalars())["starts"].set_i(std::int64_t{1} << 40);
+  EXPECT_THROW(StartsIn(state), InputError);
+}
+
 TEST(StartsIn, IsNoneOfAStateThatWasNotFannedOut) { EXPECT_EQ(StartsIn(Candidate(1, 1).plan.state()), 0); }
 
 }  // namespace

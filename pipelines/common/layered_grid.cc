@@ -200,12 +200,15 @@ void LayeredGrid::StoreSparse(const std::string& prefix, Blob* blob) const {
   blob->PutVector<double>(prefix + "value", values);
 }
 
-LayeredGrid LayeredGrid::LoadSparse(const std::string& prefix, const Blob& blob) {
+LayeredGrid LayeredGrid::LoadSparse(const std::string& prefix, const Blob& blob, double most_cells) {
   const auto values = blob.Get<double>(prefix + "value");
   const auto runs = blob.Get<std::int64_t>(prefix + "run");
   LayeredGrid grid{LayersOf(prefix, blob)};
   const auto refuse = [&] { throw InputError("'" + prefix + "run' does not fit its boxes and values"); };
   if (runs.size() % 2 != 0) refuse();
+  double all_cells = 0.0;
+  for (const Layer& layer : grid.layers) all_cells += static_cast<double>(layer.box.cells());
+  RequireWithin("the number of cells of '" + prefix + "box'", all_cells, 0.0, most_cells);
   std::int64_t begin = 0, value = 0;  // of the layer's cells; of the values not yet placed
   std::size_t run = 0;
   for (Layer& layer : grid.layers) {

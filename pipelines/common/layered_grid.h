@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -73,8 +74,10 @@ struct LayeredGrid {
   // The same without zeros, for grids that are nearly empty: PREFIXvalue holds what PREFIXrun [R,2] i64
   // (index of a run's first cell in the order of layers, rows, cells; its length) picks out.
   void StoreSparse(const std::string& prefix, Blob* blob) const;
-  // Throws InputError as Load does, and where the runs do not fit the boxes and values.
-  static LayeredGrid LoadSparse(const std::string& prefix, const Blob& blob);
+  // Throws InputError as Load does, where the runs do not fit the boxes and values, and where with its zeros
+  // it would have more than `most_cells`.
+  static LayeredGrid LoadSparse(const std::string& prefix, const Blob& blob,
+                                double most_cells = std::numeric_limits<double>::infinity());
 };
 
 // The layers added up, in their order.

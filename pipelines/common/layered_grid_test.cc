@@ -86,6 +86,19 @@ TEST(LayeredGrid, SparseStorageThatDoesNotAddUpIsRefused) {
   EXPECT_THROW(LayeredGrid::LoadSparse("", bad), InputError);
 }
 
+// A few bytes may stand for very many zeros.
+TEST(LayeredGrid, SparseStorageOfMoreCellsThanOneAllowsIsRefused) {
+  Blob few;
+  few.Put("box",
+          Array::Of<std::int32_t>({2, 4}, std::vector<std::int32_t>{0, 0, 1 << 24, 1 << 24, 0, 0, 2, 1}));
+  few.Put("run", Array::Of<std::int64_t>({0, 2}, std::vector<std::int64_t>{}));
+  few.PutVector<double>("value", {});
+  EXPECT_THROW(LayeredGrid::LoadSparse("", few, 1e9), InputError);
+  few.Put("box", Array::Of<std::int32_t>({1, 4}, std::vector<std::int32_t>{0, 0, 10, 10}));
+  EXPECT_THROW(LayeredGrid::LoadSparse("", few, 99.0), InputError);
+  EXPECT_EQ(LayeredGrid::LoadSparse("", few, 100.0).cells(), 100);
+}
+
 TEST(LayeredGrid, StoresAndLoadsTheSame) {
   LayeredGrid grid;
   grid.layers = {RandomLayer({-3, 2, 4, 5}, 1), Layer(), RandomLayer({7, 7, 1, 1}, 2)};

@@ -8,8 +8,8 @@ namespace cairn {
 
 TaskBuilder::TaskBuilder(std::string_view kind, double cost, proto::Step* plan)
     : plan_(plan), task_(plan->add_tasks()) {
-  // What is counted in a State may be hostile. A coordinator takes no more, either.
-  RequireWithin("the number of tasks", std::int64_t{plan->tasks_size()}, 1, 200'000);
+  // What is counted in a State may be hostile.
+  RequireWithin("the number of tasks", std::int64_t{plan->tasks_size()}, 1, kMostTasks);
   task_->set_index(static_cast<std::uint32_t>(plan->tasks_size() - 1));
   task_->set_kind(std::string(kind));
   task_->set_cost(static_cast<std::uint64_t>(std::min(std::max(1.0, cost), 1e18)));

@@ -16,6 +16,9 @@ struct BlobRows {
   std::int64_t first = 0, count = 0;
 };
 
+// Of a round: a coordinator takes no more.
+inline constexpr std::int64_t kMostTasks = 200'000;
+
 // Adds a task to a plan, whose State holds already what the task reads.
 class TaskBuilder {
  public:

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipelines/common/handed_over.h"
+#include "pipelines/common/task_builder.h"
+#include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/outlook.h"
 #include "pipelines/landmark_map/result.h"
@@ -16,6 +19,7 @@ constexpr const char* kStartDrift = "start_drift";
 constexpr const char* kStartPrefix = "start_prefix";
 constexpr const char* kRefitOf = "refit_of";
 constexpr const char* kWentOn = "search_went_on";
+constexpr double kMostDrift = 1e6, kLeastPrefix = 1e-9;
 constexpr const char* kAwaits = "awaits_associations";
 constexpr const char* kAssociations = "associations";
 constexpr const char* kOfSearch[] = {kStartDrift, kStartPrefix, kRefitOf, kWentOn, kWave, kBeyond, kFiner};
@@ -68,7 +72,7 @@ void PlanAssociations(const Options& options, const std::vector<std::string>& ro
 
 bool AwaitsAssociations(const State& state) { return state.scalars().contains(kAwaits); }
 
-void KeepAssociations(Partials& partials, cairn::Step* step) {
+void KeepAssociations(const Options& options, Partials& partials, const Inputs& inputs, cairn::Step* step) {
   std::vector<Blob> summaries;
   for (std::size_t i = 0; i < partials.size(); ++i) {
     const BlobPtr partial = partials.Get(i);
@@ -76,6 +80,9 @@ void KeepAssociations(Partials& partials, cairn::Step* step) {
     if (partial->Has("association/landmark")) summaries.push_back(SummaryOf(*partial));
   }
   std::ranges::sort(summaries, {}, [](const Blob& b) { return b.Scalar<std::int32_t>("first"); });
+  const MapRules rules = Settings::In(*inputs.Get("settings"), options).map;
+  CheckSummaries(summaries, RobotSteps::In(*inputs.Get("steps/0"), rules.layers(), rules.grid.cell_m),
+                 LandmarksIn(*inputs.Get("landmarks"), rules).size());
   Blob associations;
   associations.PutVector("landmark", AssociatedIn(summaries).landmark);
   State& state = *step->plan.mutable_state();
@@ -90,12 +97,15 @@ CandidateRounds::CandidateRounds(const Options& options, std::vector<cairn::Step
       steps_(std::move(steps)),
       inputs_(inputs),
       robots_(inputs.Get("log")->Texts("robots")),
-      settings_(Settings::FromBlob(*BlobOf(0, "settings"))) {
+      settings_(Settings::In(*BlobOf(0, "settings"), options)) {
+  std::ptrdiff_t observations = -1;
   for (std::size_t k = 0; k < steps_.size(); ++k) {
     const State& state = steps_[k].plan.state();
     const auto& scalars = state.scalars();
     Candidate& candidate = candidates_.emplace_back();
     candidate.start = {scalars.at(kStartDrift).d(), scalars.at(kStartPrefix).d()};
+    RequireWithin(kStartDrift, candidate.start.drift_rad_per_m, -kMostDrift, kMostDrift);
+    RequireWithin(kStartPrefix, candidate.start.prefix, kLeastPrefix, 1.0);
     candidate.refit_of = static_cast<int>(scalars.at(kRefitOf).i());
     if (scalars.contains(kFailure)) {
       candidate.failure = scalars.at(kFailure).s();
@@ -103,9 +113,11 @@ CandidateRounds::CandidateRounds(const Options& options, std::vector<cairn::Step
     }
     candidate.drift_rad_per_m = RobotStates::Load(state, robots_.size()).odometry[0].drift_rad_per_m;
     candidate.log_likelihood = scalars.at("log_likelihood").d();
-    candidate.landmarks = RowsIn<Landmark>(*BlobOf(k, "landmarks"));
+    candidate.landmarks = LandmarksIn(*BlobOf(k, "landmarks"), settings_.map);
     const auto of = BlobOf(k, kAssociations)->Get<std::int32_t>("landmark");
     candidate.associations.assign(of.begin(), of.end());
+    if (observations < 0) observations = std::ssize(of);
+    RequireSize("the associations of a candidate", of.size(), static_cast<std::size_t>(observations));
   }
 }
 
@@ -119,6 +131,7 @@ int CandidateRounds::waves() const {
     const auto wave = step.plan.state().scalars().find(kWave);
     if (wave != step.plan.state().scalars().end()) waves = std::max(waves, wave->second.i());
   }
+  RequireWithin(kWave, waves, 0, kMostTasks);
   return static_cast<int>(waves);
 }
 
@@ -179,6 +192,8 @@ cairn::Step CandidateRounds::Refit(int parent, std::size_t without) const {
   const auto k = static_cast<std::size_t>(parent);
   const State& before = steps_[k].plan.state();
   LayeredGrid counts = LayeredGrid::Load("counts/", *BlobOf(k, "counts"));
+  CheckCounts(counts, settings_.map);
+  RequireMemory("the M-step", MStepBytes(counts, settings_.map), settings_.memory_mb);
   LeaveOut(candidates_[k].landmarks[without], settings_.map, &counts);
   const Perception perception = MakePerception(MapFromCounts(counts, settings_.map), settings_.map);
   Schedule schedule = Schedule::Load(before);

@@ -24,9 +24,9 @@ void KeepStart(const State& before, State* after);
 // landmark each observation is of.
 void PlanAssociations(const Options& options, const std::vector<std::string>& robots, cairn::Step* step);
 bool AwaitsAssociations(const State& state);
-// Takes them from that E-step.
+// Takes them from that E-step. `inputs`: the candidate's.
 // Throws NoPathError where no path fits.
-void KeepAssociations(Partials& partials, cairn::Step* step);
+void KeepAssociations(const Options& options, Partials& partials, const Inputs& inputs, cairn::Step* step);
 // The State as it was before, for what comes after the search.
 void DropAssociations(State* state);
 

@@ -9,6 +9,7 @@
 
 #include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_map/candidates.h"
+#include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/refinement/contradictions.h"
@@ -29,6 +30,12 @@ std::vector<RobotSteps> StepsOf(const Inputs& inputs, const MapRules& rules, std
     steps.push_back(
         RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), rules.layers(), rules.grid.cell_m));
   return steps;
+}
+
+Perception PerceptionIn(const Inputs& inputs, const MapRules& rules) {
+  auto perception = Read<Perception>(*inputs.Get("perception"));
+  perception.Check(rules.layers());
+  return perception;
 }
 
 // What the next E-step of each robot should cost: what the last one did, or, of a robot that joins (or whose
@@ -52,8 +59,10 @@ class WhatIsLeft {
   explicit WhatIsLeft(std::size_t robots) : of_(robots) {}
   // In task order.
   void Add(const Blob& partial) {
-    if (partial.Has("log_likelihood"))
-      of_[static_cast<std::size_t>(partial.Scalar<std::int32_t>("robot"))].AddEarlier(partial);
+    if (!partial.Has("log_likelihood")) return;
+    const std::int64_t robot = partial.Scalar<std::int32_t>("robot");
+    RequireWithin("a partial's robot", robot, 0, std::ssize(of_) - 1);
+    of_[static_cast<std::size_t>(robot)].AddEarlier(partial);
   }
   const Guesses& operator[](std::size_t robot) const { return of_[robot]; }
 
@@ -66,7 +75,7 @@ void PlanGuesses(const Options& options, const RoundSum& sum, const WhatIsLeft& 
                  RobotStates* robot_states, std::map<std::string, Blob>* fresh, State* state) {
   for (std::size_t r = 0; options.speculate && r < static_cast<std::size_t>(next.robots); ++r) {
     if (TooShort(sum.guessed(r), sum.confirmed(r))) {
-      robot_states->overlap[r] *= 2;
+      robot_states->overlap[r] = std::min(2 * robot_states->overlap[r], kMostSteps);
       continue;  // what this round left for guesses lies elsewhere
     }
     const Guesses& guesses = left[r];
@@ -96,7 +105,7 @@ bool AnyAtADistance(const std::vector<RobotSteps>& steps) {
 
 // The last E-step's sum, which no map follows.
 MStep Summary(Partials& partials, const Settings& settings, WhatIsLeft* left, std::size_t robots) {
-  MStep last{RoundSum(NoCounts(settings.map), robots), {}, {}};
+  MStep last{RoundSum(settings, robots), {}, {}};
   for (std::size_t i = 0; i < partials.size(); ++i) {
     const BlobPtr partial = partials.Get(i);
     last.sum.Add(*partial);
@@ -107,11 +116,12 @@ MStep Summary(Partials& partials, const Settings& settings, WhatIsLeft* left, st
 
 // The last task's. Throws NoPathError where a task of the round said so. `left`: nullptr where the round
 // leaves nothing for guesses, and no other partial need be looked at.
-MStep MadeMap(Partials& partials, WhatIsLeft* left, std::size_t robots) {
+MStep MadeMap(Partials& partials, const Settings& settings, WhatIsLeft* left, std::size_t robots) {
+  if (partials.size() == 0) throw InputError("a round without an M-step");
   for (std::size_t i = 0; left != nullptr && i + 1 < partials.size(); ++i) left->Add(*partials.Get(i));
   const BlobPtr last = partials.Get(partials.size() - 1);
   if (last->Has(kFailure)) throw NoPathError(last->Text(kFailure));
-  return MStep::FromBlob(*last, robots);
+  return MStep::FromBlob(settings, *last, robots);
 }
 
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
@@ -125,15 +135,16 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
                          const std::vector<Landmark>& before, const Blob& history, const RoundSum& sum,
                          const WhatIsLeft& left, const State& state, const Inputs& inputs) {
   const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+  const Settings settings = Settings::In(*inputs.Get("settings"), options);
   Schedule schedule = Schedule::Load(state);
   ++schedule.iteration;
   schedule.phase = Phase::kRefinedSummary;
   cairn::Step step;
   // The path is found in the map, to which the map's own uncertainty is nothing; the result's map has it.
   const MapRules& rules = settings.map;
-  const LayeredGrid wide = Recentred(sum.counts(), before, landmarks, rules),
-                    sharp = Recentred(sum.counts(), before, landmarks, rules, rules.observation_m);
+  const LayeredGrid wide = Recentred(sum.counts(), before, landmarks, settings),
+                    sharp = Recentred(sum.counts(), before, landmarks, settings, rules.observation_m);
+  RequireMemory("the M-step", MStepBytes(sharp, rules), settings.memory_mb);
   std::map<std::string, Blob> fresh{
       {"history", history},
       {"counts", StoredCounts(wide)},
@@ -152,24 +163,24 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
 cairn::Step AdvanceEm(const Options& options, const State& state, Partials& partials, const Inputs& inputs) {
   const BlobPtr log = inputs.Get("log");
   const std::vector<std::string> robots = log->Texts("robots");
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  const Schedule done = Schedule::Load(state);
-  RequireWithin("the number of robots", done.robots, 1, static_cast<std::int64_t>(robots.size()));
+  const Settings settings = Settings::In(*inputs.Get("settings"), options);
+  const Schedule done = Schedule::Load(state, robots.size());
   RobotStates robot_states = RobotStates::Load(state, robots.size());
 
   WhatIsLeft left(robots.size());
-  const MStep m_step = done.summarises()
-                           ? Summary(partials, settings, &left, robots.size())
-                           : MadeMap(partials, LeavesTables(options, done) ? &left : nullptr, robots.size());
+  const MStep m_step =
+      done.summarises()
+          ? Summary(partials, settings, &left, robots.size())
+          : MadeMap(partials, settings, LeavesTables(options, done) ? &left : nullptr, robots.size());
   const RoundSum& sum = m_step.sum;
   if (done.iteration == 0 && inputs.Has("map") && !settings.map.exact) {
-    CheckLikelihood(sum.log_likelihood(), Read<Perception>(*inputs.Get("perception")),
+    CheckLikelihood(sum.log_likelihood(), PerceptionIn(inputs, settings.map),
                     StepsOf(inputs, settings.map, robots.size()));
   }
   const Blob& before = *inputs.Get("history");
   const auto robots_before = before.Get<std::int64_t>("robots");
   if (!robots_before.empty() && robots_before.back() < done.robots) {
-    CheckRobotsFitTheMap(sum, Read<Perception>(*inputs.Get("perception")),
+    CheckRobotsFitTheMap(sum, PerceptionIn(inputs, settings.map),
                          StepsOf(inputs, settings.map, robots.size()), robots);
   }
   const Blob history = Extended(before, done, sum);
@@ -180,13 +191,15 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
     std::string not_refined;
     if (!done.is_refined()) {
       CheckRobotsAgree(sum, history, settings.places, steps[0].observations.size());
-      in_two_places = LandmarksInTwoPlaces(sum.counts(), settings.map, log->Texts("landmarks"));
+      const std::vector<std::string> names = log->Texts("landmarks");
+      RequireSize("the map's identities", static_cast<std::size_t>(settings.map.types), names.size());
+      in_two_places = LandmarksInTwoPlaces(sum.counts(), settings.map, names);
       if (!at_a_distance) CheckOnePositionPerLandmark(in_two_places, {}, nullptr);
       not_refined = NoRefinement(options, settings, inputs);
       if (not_refined.empty() && !at_a_distance) {
-        const std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
-        const Refinement refined =
-            RefineMap(AssociatedPaths(sum, steps, robot_states.odometry), settings, landmarks);
+        const std::vector<Landmark> landmarks = LandmarksIn(*inputs.Get("landmarks"), settings.map);
+        const Refinement refined = RefineMap(
+            AssociatedPaths(sum, steps, robot_states.odometry, landmarks.size()), settings, landmarks);
         if (refined.refused.empty())
           return SummaryUnder(options, refined.landmarks, landmarks, history, sum, left, state, inputs);
         not_refined = "refused: " + refined.refused;

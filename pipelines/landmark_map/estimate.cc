@@ -286,12 +286,4 @@ double MStepBytes(const LayeredGrid& counts, const MapRules& rules) {
   return 1e6 * megabytes;
 }
 
-void RequireMemory(const std::string& what, double bytes, double memory_mb) {
-  if (bytes <= 1e6 * memory_mb) return;
-  throw InputError(
-      fmt::format("{} would need about {:.0f} MB, more than memory_mb = {:.0f}: take a larger cell_m or "
-                  "heading_deg, or a smaller slice_mcells",
-                  what, std::ceil(bytes / 1e6), memory_mb));
-}
-
 }  // namespace cairn::landmark_map

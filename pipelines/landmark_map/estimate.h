@@ -37,7 +37,4 @@ std::string Sentence(const Estimate& estimate, const Settings& settings, const R
 inline constexpr double kMStepTables = 9.0;
 double MStepBytes(const LayeredGrid& counts, const MapRules& rules);
 
-// Throws InputError that names both figures where `what` needs more than is allowed.
-void RequireMemory(const std::string& what, double bytes, double memory_mb);
-
 }  // namespace cairn::landmark_map

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/model/m_step.h"
@@ -81,7 +82,7 @@ class Found : public Inputs {
 }  // namespace
 
 Blob RunIncremental(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+  const Settings settings = Settings::In(*inputs.Get("settings"), options);
   const RobotSteps steps =
       RobotSteps::In(*inputs.Get("steps"), settings.map.layers(), settings.map.grid.cell_m);
   const Slice slice{steps, 0, steps.size(), task.params().at("name").s()};
@@ -98,14 +99,16 @@ Blob RunIncremental(const Options& options, const Task& task, const Inputs& inpu
   return partial;
 }
 
-cairn::Step IncrementalResult(const State& state, Partials& partials, const Inputs& inputs) {
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+cairn::Step IncrementalResult(const Options& options, const State& state, Partials& partials,
+                              const Inputs& inputs) {
+  const Settings settings = Settings::In(*inputs.Get("settings"), options);
+  RequireSize("the tasks of one pass", partials.size(), 1);
   const BlobPtr partial = partials.Get(0);
-  RoundSum sum(NoCounts(settings.map), 1);
+  RoundSum sum(settings, 1);
   sum.Add(*partial);
   const Found found(inputs, partial->Sub("landmarks/"), StoredCounts(sum.counts()));
   return MakeResult(*inputs.Get("log"), settings, found, sum, RobotStates::Load(state, 1).odometry,
-                    Extended(*inputs.Get("history"), Schedule::Load(state), sum),
+                    Extended(*inputs.Get("history"), Schedule::Load(state, 1), sum),
                     "not tried: the incremental baseline revises nothing", false, {});
 }
 

@@ -13,7 +13,8 @@ namespace cairn::landmark_map {
 Blob RunIncremental(const Options& options, const Task& task, const Inputs& inputs, Progress& progress);
 
 // The stage's result, of that partial.
-cairn::Step IncrementalResult(const State& state, Partials& partials, const Inputs& inputs);
+cairn::Step IncrementalResult(const Options& options, const State& state, Partials& partials,
+                              const Inputs& inputs);
 
 // Throws InputError for what one pass cannot take: several robots, a given map, the exact model.
 void CheckIncremental(const Options& options, const Inputs& inputs);

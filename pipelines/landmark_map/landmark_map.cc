@@ -53,8 +53,9 @@ cairn::Step Merged(const Options& options, std::vector<cairn::Step> candidates) 
 
 Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
   if (task.kind() == "incremental") return RunIncremental(options, task, inputs, progress);
-  if (task.kind() == "sum") return RunSum(task, inputs);
-  return task.kind() == "m_step" ? RunMStep(task, inputs) : RunSlice(options, task, inputs, progress);
+  if (task.kind() == "sum") return RunSum(options, task, inputs);
+  return task.kind() == "m_step" ? RunMStep(options, task, inputs)
+                                 : RunSlice(options, task, inputs, progress);
 }
 
 }  // namespace
@@ -120,7 +121,7 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
 }
 
 cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  if (options_.incremental) return IncrementalResult(state, partials, inputs);
+  if (options_.incremental) return IncrementalResult(options_, state, partials, inputs);
   return StartsIn(state) > 0 ? AdvanceSearch(state, partials, inputs)
                              : AdvanceEm(options_, state, partials, inputs);
 }
@@ -137,7 +138,7 @@ cairn::Step LandmarkMap::AdvanceSearch(const State& state, Partials& partials, c
     if (!start.waits()) {
       try {
         if (AwaitsAssociations(start.state())) {
-          KeepAssociations(start, &step);
+          KeepAssociations(options_, start, start, &step);
         } else {
           step = AdvanceEm(options_, start.state(), start, start);
           KeepStart(start.state(), step.plan.mutable_state());
@@ -175,7 +176,8 @@ void LandmarkMap::Refine(const std::vector<Landmark>& landmarks, const Settings&
   schedule.Store(&state);
   robot_states.Store(&state);
   GuessNothing(&state);
-  const LayeredGrid counts = CountsFromLandmarks(landmarks, initial.settings.map);
+  const LayeredGrid counts = CountsFromLandmarks(landmarks, initial.settings);
+  RequireMemory("the M-step", MStepBytes(counts, initial.settings.map), initial.settings.memory_mb);
   const Perception perception =
       MakePerception(MapFromCounts(counts, initial.settings.map), initial.settings.map);
   (*state.mutable_blobs())["counts"] = step->Share(StoredCounts(counts));

@@ -12,27 +12,26 @@ std::string PartialInput(std::size_t index) { return "partial/" + std::to_string
 
 namespace {
 
-RoundSum SumOf(const Task& task, const Inputs& inputs, const MapRules& rules) {
+RoundSum SumOf(const Settings& settings, const Task& task, const Inputs& inputs) {
   const auto robots = static_cast<std::size_t>(IntegerOf(task, "robots", 1, 1 << 24));
-  RoundSum sum = inputs.Has("sum") ? RoundSum::FromBlob(inputs.Get("sum")->Sub("sum/"), robots)
-                                   : RoundSum(NoCounts(rules), robots);
-  RequireSize("the layers of a sum", sum.counts().layers.size(), static_cast<std::size_t>(rules.layers()));
+  RoundSum sum = inputs.Has("sum") ? RoundSum::FromBlob(settings, inputs.Get("sum")->Sub("sum/"), robots)
+                                   : RoundSum(settings, robots);
   for (std::size_t i = 0; inputs.Has(PartialInput(i)); ++i) sum.Add(*inputs.Get(PartialInput(i)));
   return sum;
 }
 
 }  // namespace
 
-Blob RunSum(const Task& task, const Inputs& inputs) {
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
+Blob RunSum(const Options& options, const Task& task, const Inputs& inputs) {
+  const Settings settings = Settings::In(*inputs.Get("settings"), options);
   Blob blob;
-  blob.PutAll("sum/", SumOf(task, inputs, settings.map).ToBlob());
+  blob.PutAll("sum/", SumOf(settings, task, inputs).ToBlob());
   return blob;
 }
 
-Blob RunMStep(const Task& task, const Inputs& inputs) {
-  const Settings settings = Settings::FromBlob(*inputs.Get("settings"));
-  const RoundSum sum = SumOf(task, inputs, settings.map);
+Blob RunMStep(const Options& options, const Task& task, const Inputs& inputs) {
+  const Settings settings = Settings::In(*inputs.Get("settings"), options);
+  const RoundSum sum = SumOf(settings, task, inputs);
   RequireMemory("the M-step", MStepBytes(sum.counts(), settings.map), settings.memory_mb);
   Blob blob;
   blob.PutAll("sum/", sum.ToBlob());
@@ -41,9 +40,11 @@ Blob RunMStep(const Task& task, const Inputs& inputs) {
   return blob;
 }
 
-MStep MStep::FromBlob(const Blob& blob, std::size_t robots) {
-  return {RoundSum::FromBlob(blob.Sub("sum/"), robots), FieldsIn<Perception>("perception/", blob),
-          RowsIn<Landmark>(blob, "landmarks/")};
+MStep MStep::FromBlob(const Settings& settings, const Blob& blob, std::size_t robots) {
+  MStep made{RoundSum::FromBlob(settings, blob.Sub("sum/"), robots),
+             FieldsIn<Perception>("perception/", blob), LandmarksIn(blob.Sub("landmarks/"), settings.map)};
+  made.perception.Check(settings.map.layers());
+  return made;
 }
 
 }  // namespace cairn::landmark_map

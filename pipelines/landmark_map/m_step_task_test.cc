@@ -29,6 +29,8 @@ struct Round {
     }
   }
 
+  Settings settings() const { return Settings::FromBlob(*store.at(plan.state().blobs().at("settings"))); }
+
   LandmarkMap pipeline{Options{.cell_m = 0.5, .growth_start = 1.0, .starts = 1, .slice_mcells = 0.5}};
   proto::Step plan;
   BlobsByHash store;
@@ -39,10 +41,8 @@ struct Round {
 TEST(MStepTask, ReturnsTheSumOfThePartialsAndTheMapOfIt) {
   const Round round;
   ASSERT_GT(round.partials.size(), 3U);
-  const MStep made = MStep::FromBlob(*round.partials.back(), 1);
-  LayeredGrid none;
-  none.layers.resize(made.sum.counts().layers.size());
-  RoundSum sum(std::move(none), 1);
+  const MStep made = MStep::FromBlob(round.settings(), *round.partials.back(), 1);
+  RoundSum sum(round.settings(), 1);
   for (std::size_t i = 0; i + 1 < round.partials.size(); ++i) sum.Add(*round.partials[i]);
   EXPECT_EQ(made.sum.ToBlob().ContentHash(), sum.ToBlob().ContentHash());
   EXPECT_NEAR(made.sum.counts().Sum(), 6 * 4.0, 1e-6);  // a contact detection at each corner
@@ -120,9 +120,7 @@ TEST(RoundSum, KeepsOfAPartialNoTable) {
   const std::vector<double> x = {1.0, 2.0};
   partial.PutVector("pose/x_m", x);
   partial.PutVector("association/landmark", std::vector<std::int32_t>{-1});
-  LayeredGrid none;
-  none.layers.resize(1);
-  RoundSum sum(none, 1);
+  RoundSum sum(round.settings(), 1);
   ASSERT_TRUE(partial.Has("counts/box"));
   sum.Add(partial);
   const std::vector<Blob> summaries = sum.SummariesOf(0);
@@ -137,8 +135,9 @@ TEST(RoundSum, KeepsOfAPartialNoTable) {
 
 TEST(MStepTask, ASumOfOtherRobotsIsRefused) {
   const Round round;
-  EXPECT_THROW(MStep::FromBlob(*round.partials.back(), 2), InputError);
-  EXPECT_THROW(MStep::FromBlob(round.partials.back()->Without("sum/counts/"), 1), InputError);
+  const Settings settings = round.settings();
+  EXPECT_THROW(MStep::FromBlob(settings, *round.partials.back(), 2), InputError);
+  EXPECT_THROW(MStep::FromBlob(settings, round.partials.back()->Without("sum/counts/"), 1), InputError);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_map/initial_state.h"
 
 namespace cairn::landmark_map {
@@ -70,6 +71,7 @@ std::int64_t ScalarOf(const State& state, const char* name) {
 Sum AfterSearch(const Options& options, const Schedule& now, const State& state) {
   std::size_t robots = 0;
   while (state.scalars().contains("work/" + std::to_string(robots))) ++robots;
+  RequireWithin("the number of robots", now.robots, 1, static_cast<std::int64_t>(robots));
   const RobotStates robot_states = RobotStates::Load(state, robots);
   proto::Step rest;
   ExpectEm(options, now, robot_states, &rest);

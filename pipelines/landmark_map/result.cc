@@ -7,7 +7,9 @@
 #include <limits>
 #include <string>
 
+#include "pipelines/common/handed_over.h"
 #include "pipelines/common/odometry.h"
+#include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
 #include "pipelines/landmark_map/refinement/all_rows.h"
 #include "pipelines/landmark_map/state/given_map.h"
@@ -194,23 +196,38 @@ void AddPositionVariance(const std::vector<Blob>& summaries, double* sum, double
   }
 }
 
+// Leaves out the landmarks without identity; their observations are of none.
+void DropUnidentified(const MapRules& rules, std::vector<Landmark>* landmarks,
+                      std::vector<Associated>* associated) {
+  std::vector<std::int32_t> now;
+  std::vector<Landmark> kept;
+  for (const Landmark& landmark : *landmarks) {
+    const bool stays = landmark.type != rules.types;
+    now.push_back(stays ? static_cast<std::int32_t>(kept.size()) : -1);
+    if (stays) kept.push_back(landmark);
+  }
+  *landmarks = std::move(kept);
+  for (Associated& of : *associated) {
+    for (std::int32_t& landmark : of.landmark)
+      landmark = landmark < 0 ? -1 : now[static_cast<std::size_t>(landmark)];
+  }
+}
+
 // Landmarks without identity that were seen at a distance are found anew, from whole images.
-void FindInImages(const Settings& settings, const Inputs& inputs, const RoundSum& sum,
+void FindInImages(const Settings& settings, const std::vector<RobotSteps>& steps, const RoundSum& sum,
                   const std::vector<OdometryFit>& odometry, std::vector<Landmark>* landmarks,
                   std::vector<Associated>* associated) {
   std::vector<ImageObservations> images;
   double variance_m2 = 0.0, poses = 0.0;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const RobotSteps steps = RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), settings.map.layers(),
-                                            settings.map.grid.cell_m);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
-    AppendImages(steps.WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
+    AppendImages(steps[r].WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
                  Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
                  Joined(summaries, "pose/mode_heading_rad"), &images);
     AddPositionVariance(summaries, &variance_m2, &poses);
   }
   if (images.empty()) return;
-  std::erase_if(*landmarks, [&](const Landmark& l) { return l.type == settings.map.types; });
+  DropUnidentified(settings.map, landmarks, associated);
   const auto first = static_cast<std::int32_t>(landmarks->size());
   const double sigma_m = std::hypot(settings.map.observation_m, std::sqrt(variance_m2 / poses));
   const ImageLandmarks found =
@@ -232,12 +249,12 @@ void PutAssociations(const RowAssociations& rows, const std::string& prefix, Blo
 }
 
 // Nothing where the partials have none.
-void PutBeliefs(const RobotSteps& steps, const std::vector<Blob>& summaries, const std::string& prefix,
-                Blob* result) {
+void PutBeliefs(const RobotSteps& steps, const std::vector<Blob>& summaries, const Settings& settings,
+                const std::string& prefix, Blob* result) {
   LayeredGrid beliefs;
   for (const Blob& summary : summaries) {
     if (!summary.Has("belief/box")) return;
-    for (Layer& layer : LayeredGrid::LoadSparse("belief/", summary).layers)
+    for (Layer& layer : LayeredGrid::LoadSparse("belief/", summary, settings.MostCells()).layers)
       beliefs.layers.push_back(std::move(layer));
   }
   result->PutVector(prefix + "time_s", steps.time_s);
@@ -293,6 +310,33 @@ LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& in
 
 }  // namespace
 
+namespace {
+
+// The steps of all robots; they are of this log's rows.
+std::vector<RobotSteps> StepsIn(const kinds::Log& log, const Settings& settings, const Inputs& inputs) {
+  RequireSize("the map's identities", static_cast<std::size_t>(settings.map.types), log.landmarks.size());
+  std::vector<RobotSteps> steps;
+  for (std::size_t r = 0; r < log.robot.size(); ++r) {
+    steps.push_back(RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), settings.map.layers(),
+                                   settings.map.grid.cell_m));
+    RequireSize("row_observation", steps.back().row_observation.size(),
+                log.robot[r].observations.time_s.size());
+  }
+  return steps;
+}
+
+LayeredGrid CountsIn(const Inputs& inputs, const Settings& settings) {
+  LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
+  CheckCounts(counts, settings.map);
+  Box box;
+  for (const Layer& layer : counts.layers) box = Union(box, layer.box);
+  RequireMemory("the map", sizeof(double) * static_cast<double>(box.cells()), settings.memory_mb);
+  RequireMemory("the M-step", MStepBytes(counts, settings.map), settings.memory_mb);
+  return counts;
+}
+
+}  // namespace
+
 Blob EmptyHistory() { return BlobOf(std::vector<Iteration>()); }
 
 Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
@@ -310,19 +354,15 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
                 bool jointly, const std::vector<InTwoPlaces>& in_two_places) {
   const auto log = Read<kinds::Log>(blob);
   const std::vector<std::string>& robots = log.robots;
-  std::vector<Landmark> landmarks = RowsIn<Landmark>(*inputs.Get("landmarks"));
-  std::vector<Associated> associated;
-  for (std::size_t r = 0; r < robots.size(); ++r) associated.push_back(AssociatedIn(sum.SummariesOf(r)));
-  const LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
+  const std::vector<RobotSteps> steps = StepsIn(log, settings, inputs);
+  std::vector<Landmark> landmarks = LandmarksIn(*inputs.Get("landmarks"), settings.map);
+  std::vector<AssociatedPath> paths = AssociatedPaths(sum, steps, odometry, landmarks.size());
+  std::vector<Associated> associated = ColumnOf(paths, &AssociatedPath::associated);
+  const LayeredGrid counts = CountsIn(inputs, settings);
   // Which class a landmark is of only the counts tell.
   if (settings.map.classes.count == 1 && !IsGivenMap(inputs, counts) && !settings.incremental) {
-    FindInImages(settings, inputs, sum, odometry, &landmarks, &associated);
+    FindInImages(settings, steps, sum, odometry, &landmarks, &associated);
   }
-  std::vector<RobotSteps> steps;
-  for (std::size_t r = 0; r < robots.size(); ++r)
-    steps.push_back(RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), settings.map.layers(),
-                                   settings.map.grid.cell_m));
-  std::vector<AssociatedPath> paths = AssociatedPaths(sum, steps, odometry);
   std::vector<RowAssociations> rows;
   for (std::size_t r = 0; r < robots.size(); ++r) {
     paths[r].associated = associated[r];
@@ -349,7 +389,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
                settings.steps.until_s, refined.paths.empty() ? nullptr : &refined.paths[r])
         .Write(prefix + "poses/", &result);
     PutAssociations(rows[r], prefix + "observations/", &result);
-    PutBeliefs(steps[r], summaries, prefix + "beliefs/", &result);
+    PutBeliefs(steps[r], summaries, settings, prefix + "beliefs/", &result);
     const double drift_rad_per_m =
         refined.paths.empty() ? odometry[r].drift_rad_per_m : refined.paths[r].errors().drift_rad_per_m;
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift_rad_per_m);
@@ -368,7 +408,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   }
   PutLandmarks(landmarks, settings.map, &result);
   const LayeredGrid final_counts =
-      refined.paths.empty() ? counts : Recentred(counts, found, landmarks, settings.map);
+      refined.paths.empty() ? counts : Recentred(counts, found, landmarks, settings);
   PutMap(FinalMap(blob, settings, inputs, final_counts), settings.map, &result);
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);

@@ -42,6 +42,7 @@ class RoundPlanner {
     const int slices = chain.guessed.empty()
                            ? SlicesFor(robot_states_.work[robot], 1e6 * options_.slice_mcells, count)
                            : static_cast<int>(chain.guessed.size());
+    RequireWithin("the slices of a robot", std::int64_t{slices}, 1, kMostTasks);
     std::vector<std::int64_t> guess(static_cast<std::size_t>(slices), kNone);
     for (std::size_t s = 0; s < chain.guessed.size(); ++s) {
       if (chain.guessed[s] == kIsGuessed)
@@ -171,7 +172,12 @@ RobotStates RobotStates::Load(const State& state, std::size_t robots) {
     robot_states.sharp.push_back(state.scalars().at("sharp/" + number).d());
     robot_states.overlap.push_back(state.scalars().at("overlap/" + number).i());
     robot_states.odometry.push_back(ScalarsIn<OdometryFit>(state, "/" + number));
+    robot_states.odometry.back().Check();
   }
+  RequireAllWithin("the steps of a robot", robot_states.step_counts, std::int64_t{1}, kMostSteps);
+  RequireAllWithin("the overlap of guesses", robot_states.overlap, std::int64_t{0}, kMostSteps);
+  for (const std::vector<double>* work : {&robot_states.work, &robot_states.sharp})
+    RequireAllWithin("the work of a robot", *work, 0.0, kMostWork);
   return robot_states;
 }
 
@@ -184,10 +190,9 @@ bool LeavesTables(const Options& options, const Schedule& schedule) {
 OdometryFit OdometryOf(const Task& task) {
   OdometryFit fit;
   OdometryFit::Fields([&](const Field& figure, const auto& member) {
-    const double value = task.params().at(std::string(figure.name)).d();
-    RequireWithin(figure.name, value, -1e6, 1e6);
-    fit.*member = value;
+    fit.*member = task.params().at(std::string(figure.name)).d();
   });
+  fit.Check();
   return fit;
 }
 
@@ -214,7 +219,7 @@ void GuessNothing(State* state) {
 }
 
 void PlanTasks(const Options& options, const std::vector<std::string>& robots, proto::Step* plan) {
-  const Schedule schedule = Schedule::Load(plan->state());
+  const Schedule schedule = Schedule::Load(plan->state(), robots.size());
   const RobotStates robot_states = RobotStates::Load(plan->state(), robots.size());
   RoundPlanner planner(options, schedule, robot_states, plan);
   for (std::int64_t r = 0; r < schedule.robots; ++r) {

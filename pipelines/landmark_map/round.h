@@ -23,6 +23,7 @@ struct RobotStates {
   std::vector<std::int64_t> overlap;         // per robot: steps by which guesses overlap (speculation.h)
 
   void Store(State* state) const;
+  // Throws InputError where a figure is none that Store could have stored: others made the State.
   static RobotStates Load(const State& state, std::size_t robots);
 };
 

@@ -19,12 +19,11 @@
 namespace cairn::landmark_map {
 namespace {
 
-constexpr std::int64_t kMostSteps = 1 << 28;
-
 // A table that another task handed over; a layer for each heading.
 LayeredGrid HandedOver(const Inputs& inputs, const std::string& input, const std::string& prefix,
-                       int headings) {
-  LayeredGrid grid = LayeredGrid::LoadSparse(prefix, *inputs.Get(input));
+                       const Settings& settings) {
+  const int headings = settings.map.grid.headings;
+  LayeredGrid grid = LayeredGrid::LoadSparse(prefix, *inputs.Get(input), settings.MostCells());
   if (grid.layers.size() != static_cast<std::size_t>(headings)) {
     throw InputError("the input '" + input + "' has " + std::to_string(grid.layers.size()) +
                      " layers where the grid has " + std::to_string(headings) + " headings");
@@ -60,7 +59,7 @@ class SliceTask {
         task_(task),
         inputs_(inputs),
         odometry_(OdometryOf(task)),
-        settings_(Settings::FromBlob(*inputs.Get("settings"))),
+        settings_(Settings::In(*inputs.Get("settings"), options)),
         robot_(static_cast<int>(IntegerOf(task, "robot", 0, std::numeric_limits<std::int32_t>::max()))),
         gauge_free_(settings_.gauge_free && robot_ == 0 && Param("joint").b()),
         anywhere_(gauge_free_ || StartsAnywhere(options, static_cast<std::size_t>(robot_))),
@@ -93,7 +92,7 @@ class SliceTask {
     const LayeredGrid before = Before();
     std::optional<LayeredGrid> beta;
     if (inputs_.Has("beta") && inputs_.Get("beta")->Has("beta/box"))
-      beta = HandedOver(inputs_, "beta", "beta/", model_.grid.headings);
+      beta = HandedOver(inputs_, "beta", "beta/", settings_);
     if (const auto guessed = WhatWasGuessed("backward/", before, beta ? &*beta : nullptr)) return *guessed;
     const Alphas alphas = landmark_map::Forward(model_, slice_, before, progress);
     if (!beta) beta = UniformBeta(alphas.tables.back());
@@ -134,19 +133,19 @@ class SliceTask {
 
   // alpha before the slice's first step.
   LayeredGrid Before() const {
-    return inputs_.Has("before") ? HandedOver(inputs_, "before", "alpha/", model_.grid.headings)
-                                 : AtTheStart();
+    return inputs_.Has("before") ? HandedOver(inputs_, "before", "alpha/", settings_) : AtTheStart();
   }
 
   // The same from the round before, at the step where the overlap begins.
   LayeredGrid Warm() const {
     const auto slice = static_cast<std::size_t>(IntegerOf(task_, "slice", 0, kMostSteps));
     const Guesses guesses = Guesses::FromBlob(*inputs_.Get("guesses"));
-    if (slice >= guesses.warm.size() ||
-        guesses.warm[slice].layers.size() != static_cast<std::size_t>(model_.grid.headings)) {
+    if (slice >= guesses.warm.size() || guesses.warm[slice].fields().empty())
       throw InputError("the input 'guesses' has no table for slice " + std::to_string(slice));
-    }
-    return guesses.warm[slice];
+    LayeredGrid warm = LayeredGrid::LoadSparse("", guesses.warm[slice], settings_.MostCells());
+    RequireSize("the headings of a guess", warm.layers.size(),
+                static_cast<std::size_t>(model_.grid.headings));
+    return warm;
   }
 
   // beta of the slice's last step, from what follows.
@@ -170,7 +169,7 @@ class SliceTask {
     const BlobPtr guess = inputs_.Get("guess");
     if (!guess->Has("before/box")) return std::nullopt;
     const auto agrees = [&](const char* prefix, const LayeredGrid& truth) {
-      return Agree(HandedOver(inputs_, "guess", prefix, model_.grid.headings), truth);
+      return Agree(HandedOver(inputs_, "guess", prefix, settings_), truth);
     };
     if (!agrees("before/", before) || (beta != nullptr && !agrees("beta/", *beta))) return std::nullopt;
     return guess->Sub(answer);

@@ -232,12 +232,15 @@ int MostLikelyClass(const Landmark& landmark, const LayeredGrid& counts, double 
 }  // namespace
 
 std::vector<Landmark> LandmarksIn(const Blob& blob, const MapRules& rules) {
+  constexpr double kMostCount = 1e15;
   std::vector<Landmark> landmarks = RowsIn<Landmark>(blob);
   for (const Landmark& landmark : landmarks) {
     RequireWithin("a landmark's x_m", landmark.x_m, -kFar_m, kFar_m);
     RequireWithin("a landmark's y_m", landmark.y_m, -kFar_m, kFar_m);
     RequireWithin("a landmark's type", std::int64_t{landmark.type}, 0, rules.types);
     RequireWithin("a landmark's class", std::int64_t{landmark.landmark_class}, 0, rules.classes.count - 1);
+    RequireWithin("a landmark's count", landmark.count, 0.0, kMostCount);
+    RequireAllWithin("a landmark's covariance", landmark.covariance_m2, -kFar_m * kFar_m, kFar_m * kFar_m);
   }
   return landmarks;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -36,6 +38,13 @@ void FitWidth(const std::vector<IncrementSums>& sums, const WidthEvidence& (Incr
 }
 
 }  // namespace
+
+void OdometryFit::Check() const {
+  constexpr double kMost = 1e6;
+  RequireWithin("drift_rad_per_m", drift_rad_per_m, -kMost, kMost);
+  RequireWithin("heading_walk_rad_per_sqrt_m", heading_walk_rad_per_sqrt_m, 0.0, kMost);
+  RequireWithin("turn_ratio", turn_ratio, 0.0, kMost);
+}
 
 MotionNoise OdometryFit::Widths(MotionNoise nominal) const {
   nominal.heading_walk_rad_per_sqrt_m = heading_walk_rad_per_sqrt_m;

@@ -26,6 +26,8 @@ struct OdometryFit {
   static OdometryFit Of(const MotionNoise& nominal) {
     return {0.0, nominal.heading_walk_rad_per_sqrt_m, nominal.turn_ratio};
   }
+  // Throws InputError where a figure is none that a fit can give.
+  void Check() const;
   // The noise parameters with these widths in their places.
   MotionNoise Widths(MotionNoise nominal) const;
 };

@@ -168,7 +168,7 @@ RobotSteps RobotSteps::In(const Blob& blob, int layers, double cell_m) {
   RobotSteps steps = Read<RobotSteps>(blob);
   const std::size_t count = steps.time_s.size();
   const auto observations = static_cast<std::int64_t>(steps.observations.size());
-  RequireWithin("the number of steps", static_cast<std::int64_t>(count), 1, 1 << 28);
+  RequireWithin("the number of steps", static_cast<std::int64_t>(count), 1, kMostSteps);
   for (const auto* const values : {&steps.odo_x_m, &steps.odo_y_m, &steps.odo_heading_rad}) {
     RequireSize("a step's odometry", values->size(), count);
     RequireAllWithin("a step's odometry", *values, -kFar_m, kFar_m);

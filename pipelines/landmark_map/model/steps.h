@@ -25,6 +25,8 @@ struct Observation {
   }
 };
 
+inline constexpr std::int64_t kMostSteps = 1 << 28;  // of a robot
+
 // Arrays over the S steps of a robot; motion increment [s] leads to step s (motion increment 0 is empty).
 struct RobotSteps {
   std::vector<double> time_s, odo_x_m, odo_y_m, odo_heading_rad, path_m,

@@ -11,6 +11,8 @@
 
 namespace cairn::landmark_map {
 
+inline constexpr double kMostWork = 1e18;  // cells, of a robot's E-step: none takes so long
+
 // The beliefs at each of the first `count` steps where nothing is known but odometry, from a Dirac at the
 // start. The pose's covariance is carried along the motion increments to first order; a heading's box is what
 // pruning leaves of a Gaussian. Right to a factor of about two while headings are known to a radian.

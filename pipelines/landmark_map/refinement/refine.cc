@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -307,13 +309,19 @@ double Width(const Landmark& landmark) {
 }
 
 // A Gaussian of that mass around the landmark.
-void SpreadMass(const Landmark& landmark, double sd_m, double mass, double cell_m, Layer* layer) {
+void SpreadMass(const Landmark& landmark, double sd_m, double mass, const Settings& settings, Layer* layer) {
   constexpr double kLeastSd = 0.5, kReach = 3.0;  // cells: narrower ones lose their mean; standard deviations
-  const double sd = std::max(kLeastSd, sd_m / cell_m);
-  const int reach = static_cast<int>(std::ceil(kReach * sd));
+  constexpr double kMostReach = 1 << 20, kFarthest = 1 << 26;  // cells
+  const double cell_m = settings.map.grid.cell_m, sd = std::max(kLeastSd, sd_m / cell_m);
   const double x0 = landmark.x_m / cell_m, y0 = landmark.y_m / cell_m;
+  RequireWithin("the width of a landmark in cells", kReach * sd, 0.0, kMostReach);
+  for (const double at : {x0, y0}) RequireWithin("a landmark's place in cells", at, -kFarthest, kFarthest);
+  const int reach = static_cast<int>(std::ceil(kReach * sd));
   const Box box =
       Box{static_cast<int>(std::lround(x0)), static_cast<int>(std::lround(y0)), 1, 1}.Grown(reach);
+  const Box wide = Union(layer->box, box);
+  RequireMemory("a landmark", sizeof(double) * static_cast<double>(box.cells() + wide.cells()),
+                settings.memory_mb);
   Layer bump(box);
   for (int y = box.y0; y < box.y0 + box.ny; ++y) {
     for (int x = box.x0; x < box.x0 + box.nx; ++x)
@@ -326,10 +334,11 @@ void SpreadMass(const Landmark& landmark, double sd_m, double mass, double cell_
 }  // namespace
 
 std::vector<AssociatedPath> AssociatedPaths(const RoundSum& sum, const std::vector<RobotSteps>& steps,
-                                            const std::vector<OdometryFit>& odometry) {
+                                            const std::vector<OdometryFit>& odometry, std::size_t landmarks) {
   std::vector<AssociatedPath> paths;
   for (std::size_t r = 0; r < steps.size(); ++r) {
     const std::vector<Blob> summaries = sum.SummariesOf(r);
+    CheckSummaries(summaries, steps[r], landmarks);
     paths.push_back({steps[r].WithoutDrift(odometry[r].drift_rad_per_m), odometry[r],
                      Joined(summaries, "pose/x_m"), Joined(summaries, "pose/y_m"),
                      Joined(summaries, "pose/heading_rad"), AssociatedIn(summaries)});
@@ -349,26 +358,26 @@ Refinement RefineMap(const std::vector<AssociatedPath>& paths, const Settings& s
   return refined;
 }
 
-LayeredGrid CountsFromLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules) {
+LayeredGrid CountsFromLandmarks(const std::vector<Landmark>& landmarks, const Settings& settings) {
+  const MapRules& rules = settings.map;
   LayeredGrid counts = NoCounts(rules);
   for (const Landmark& landmark : landmarks) {
     const int layer = landmark.type < rules.types ? landmark.type : rules.types + landmark.landmark_class;
-    SpreadMass(landmark, Width(landmark), landmark.count, rules.grid.cell_m,
+    SpreadMass(landmark, Width(landmark), landmark.count, settings,
                &counts.layers[static_cast<std::size_t>(layer)]);
   }
   return counts;
 }
 
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
-                      const std::vector<Landmark>& now, const MapRules& rules,
+                      const std::vector<Landmark>& now, const Settings& settings,
                       std::optional<double> width_m) {
   std::vector<std::vector<double>> masses;
-  for (const Landmark& landmark : before) masses.push_back(LeaveOut(landmark, rules, &counts));
+  for (const Landmark& landmark : before) masses.push_back(LeaveOut(landmark, settings.map, &counts));
   for (std::size_t k = 0; k < now.size(); ++k) {
     for (std::size_t l = 0; l < counts.layers.size(); ++l) {
       if (masses[k][l] > 0.0)
-        SpreadMass(now[k], width_m.value_or(Width(now[k])), masses[k][l], rules.grid.cell_m,
-                   &counts.layers[l]);
+        SpreadMass(now[k], width_m.value_or(Width(now[k])), masses[k][l], settings, &counts.layers[l]);
     }
   }
   return counts;

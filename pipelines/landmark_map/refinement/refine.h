@@ -23,8 +23,9 @@ struct AssociatedPath {
   Associated associated;
 };
 
+// `landmarks`: so many there are. Throws InputError where the sum's summaries are not of these steps.
 std::vector<AssociatedPath> AssociatedPaths(const RoundSum& sum, const std::vector<RobotSteps>& steps,
-                                            const std::vector<OdometryFit>& odometry);
+                                            const std::vector<OdometryFit>& odometry, std::size_t landmarks);
 
 // What the least squares came to.
 struct Refinement {
@@ -44,12 +45,13 @@ Refinement RefineMap(const std::vector<AssociatedPath>& paths, const Settings& s
                      const std::vector<Landmark>& landmarks);
 
 // What EM expects where it knows no more than these landmarks: on any grid.
-LayeredGrid CountsFromLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules);
+// Throws InputError where it would need more memory than is allowed.
+LayeredGrid CountsFromLandmarks(const std::vector<Landmark>& landmarks, const Settings& settings);
 
 // The expected counts with each landmark's mass where it now stands, as wide as is said, or as its
-// covariance.
+// covariance. Throws as CountsFromLandmarks.
 LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
-                      const std::vector<Landmark>& now, const MapRules& rules,
+                      const std::vector<Landmark>& now, const Settings& settings,
                       std::optional<double> width_m = std::nullopt);
 
 }  // namespace cairn::landmark_map

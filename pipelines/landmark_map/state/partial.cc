@@ -1,11 +1,13 @@
 #include "pipelines/landmark_map/state/partial.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "pipelines/common/handed_over.h"
+#include "pipelines/landmark_map/model/work.h"
 
 namespace cairn::landmark_map {
 
@@ -98,17 +100,59 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   return partial;
 }
 
+Blob CopyOf(const Blob& blob) {
+  Blob copy;
+  for (const auto& [name, array] : blob.fields())
+    copy.Put(name, Array::FromBytes(array.type(), array.item_bytes(), array.shape(), array.bytes()).value());
+  return copy;
+}
+
+// An array may lie in a mapped file beside the partial's tables, all of which it keeps there.
 Blob SummaryOf(const Blob& partial) {
   Blob summary;
   for (const auto& [name, array] : partial.fields()) {
     const bool wanted = name == "first" || name.starts_with("pose/") || name.starts_with("association/") ||
                         name.starts_with("belief/");
-    if (!wanted) continue;
-    // An array may lie in a mapped file beside the partial's tables, all of which it keeps there.
-    summary.Put(name,
-                Array::FromBytes(array.type(), array.item_bytes(), array.shape(), array.bytes()).value());
+    if (wanted) summary.Put(name, array);
   }
-  return summary;
+  return CopyOf(summary);
+}
+
+namespace {
+
+void CheckPoses(const std::vector<PoseSummary>& poses) {
+  for (const PoseSummary& pose : poses) {
+    RequirePoses("a mean pose", std::array{Pose{pose.x_m, pose.y_m, pose.heading_rad}});
+    RequirePoses("a likely pose", std::array{Pose{pose.mode_x_m, pose.mode_y_m, pose.mode_heading_rad}});
+    RequireAllWithin("the covariance of a pose", pose.covariance, -kFar_m * kFar_m, kFar_m * kFar_m);
+  }
+}
+
+}  // namespace
+
+void CheckSummaries(const std::vector<Blob>& summaries, const RobotSteps& steps, std::size_t landmarks) {
+  std::int64_t step = 0;
+  for (const Blob& summary : summaries) {
+    RequireWithin("the first step of a slice", std::int64_t{summary.Scalar<std::int32_t>("first")}, step,
+                  step);
+    const auto poses = RowsIn<PoseSummary>(summary, "pose/");
+    CheckPoses(poses);
+    RequireWithin("the steps of a slice", std::ssize(poses), 0, steps.size() - step);
+    const auto begin = static_cast<std::size_t>(step), end = begin + poses.size();
+    const auto seen = static_cast<std::size_t>(steps.first_observation[end] - steps.first_observation[begin]);
+    const auto landmark = summary.Get<std::int32_t>("association/landmark");
+    const auto probability = summary.Get<double>("association/probability");
+    RequireSize("association/landmark", landmark.size(), seen);
+    RequireSize("association/probability", probability.size(), seen);
+    RequireAllWithin("the landmark of an observation", landmark, std::int64_t{-1},
+                     static_cast<std::int64_t>(landmarks) - 1);
+    RequireAllWithin("the probability of a landmark", probability, 0.0, 1.0 + 1e-6);
+    step = static_cast<std::int64_t>(end);
+  }
+  RequireSize("the poses of a robot", static_cast<std::size_t>(step), steps.time_s.size());
+  RequireSize("the observations of a robot",
+              static_cast<std::size_t>(steps.first_observation.back() - steps.first_observation.front()),
+              steps.observations.size());
 }
 
 std::vector<double> Joined(const std::vector<Blob>& summaries, const char* name) {
@@ -129,8 +173,10 @@ Associated AssociatedIn(const std::vector<Blob>& summaries) {
   return all;
 }
 
-RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
-    : counts_(std::move(no_counts)),
+RoundSum::RoundSum(const Settings& settings, std::size_t robots)
+    : rules_(settings.map),
+      memory_mb_(settings.memory_mb),
+      counts_(NoCounts(settings.map)),
       log_likelihood_of_(robots, 0.0),
       work_(robots, 0.0),
       increments_(robots),
@@ -139,22 +185,20 @@ RoundSum::RoundSum(LayeredGrid no_counts, std::size_t robots)
       guessed_(robots, 0),
       confirmed_(robots, 0) {}
 
-namespace {
-
-constexpr double kMostCount = 1e15;
-
-LayeredGrid CountsIn(const Blob& partial) {
-  LayeredGrid counts = LayeredGrid::Load("counts/", partial);
+void CheckCounts(const LayeredGrid& counts, const MapRules& rules) {
+  constexpr double kMostCount = 1e15;
+  RequireSize("the layers of counts", counts.layers.size(), static_cast<std::size_t>(rules.layers()));
   for (const Layer& layer : counts.layers) RequireAllWithin("counts", layer.values, 0.0, kMostCount);
-  return counts;
 }
-
-}  // namespace
 
 void RoundSum::Add(const Blob& partial) {
   if (!partial.Has("log_likelihood")) return;
-  const LayeredGrid counts = CountsIn(partial);
-  RequireSize("the layers of a partial", counts.layers.size(), counts_.layers.size());
+  const LayeredGrid counts = LayeredGrid::Load("counts/", partial);
+  CheckCounts(counts, rules_);
+  double cells = 0.0;
+  for (std::size_t type = 0; type < counts.layers.size(); ++type)
+    cells += static_cast<double>(Union(counts_.layers[type].box, counts.layers[type].box).cells());
+  RequireMemory("the counts of a round", sizeof(double) * cells, memory_mb_);
   for (std::size_t type = 0; type < counts.layers.size(); ++type) {
     counts_.layers[type].Cover(counts.layers[type].box);
     counts_.layers[type].AddShifted(counts.layers[type], 0, 0, 1.0);
@@ -172,18 +216,31 @@ void RoundSum::Add(const Blob& partial) {
     ++guessed_[robot];
     confirmed_[robot] += partial.Scalar<std::int32_t>("confirmed");
   }
+  Check();
 }
 
 Blob RoundSum::ToBlob() const { return BlobOf(*this); }
 
-RoundSum RoundSum::FromBlob(const Blob& blob, std::size_t robots) {
-  RoundSum sum({}, robots);
+RoundSum RoundSum::FromBlob(const Settings& settings, const Blob& blob, std::size_t robots) {
+  RoundSum sum(settings, robots);
   TakeFields("", blob, &sum);
-  for (const Layer& layer : sum.counts_.layers) RequireAllWithin("counts", layer.values, 0.0, kMostCount);
+  CheckCounts(sum.counts_, settings.map);
   for (const std::size_t of : {sum.log_likelihood_of_.size(), sum.work_.size(), sum.increments_.size(),
                                sum.guessed_.size(), sum.confirmed_.size(), sum.first_path_m_.size()})
     if (of != robots) throw InputError("a sum over other robots");
+  sum.Check();
   return sum;
+}
+
+void RoundSum::Check() const {
+  constexpr double kMostNats = 1e15;
+  RequireWithin("log_likelihood", log_likelihood_, -kMostNats, kMostNats);
+  RequireAllWithin("log_likelihood", log_likelihood_of_, -kMostNats, kMostNats);
+  RequireAllWithin("work", work_, 0.0, kMostWork);
+  RequireAllWithin("first_path_m", first_path_m_, 0.0, kFar_m);
+  RequireAllWithin("slices that were guessed", guessed_, std::int64_t{0}, std::int64_t{1} << 40);
+  for (std::size_t r = 0; r < guessed_.size(); ++r)
+    RequireWithin("slices that were guessed right", confirmed_[r], 0, guessed_[r]);
 }
 
 std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {

@@ -55,19 +55,29 @@ struct Associated {
 };
 Associated AssociatedIn(const std::vector<Blob>& summaries);
 
-// A partial's pose/…, association/…, belief/… and first: copies, for which none of its other tables need stay
-// in memory.
+// Copies, for which nothing that lies beside them in memory need stay there.
+Blob CopyOf(const Blob& blob);
+// Copies of a partial's pose/…, association/…, belief/… and first.
 Blob SummaryOf(const Blob& partial);
+// What workers made of a robot's steps, in their order.
+// Throws InputError where it is not of all of them and of all observations, a pose is none, or an observation
+// is of a landmark that is none of so many.
+void CheckSummaries(const std::vector<Blob>& summaries, const RobotSteps& steps, std::size_t landmarks);
+
+// Throws InputError where these are no expected counts of such a map.
+void CheckCounts(const LayeredGrid& counts, const MapRules& rules);
 
 // Adds up partials one by one, which must come in task order: nothing of a partial's tables is kept. Counts,
 // likelihood and motion increments add; summaries are kept, but not stored.
 class RoundSum {
  public:
-  RoundSum(LayeredGrid no_counts, std::size_t robots);
+  RoundSum(const Settings& settings, std::size_t robots);
   // Partials of tasks other than `backward`, and of empty slices, are passed over.
+  // Throws InputError where a figure cannot be, or the counts would need more memory than is allowed.
   void Add(const Blob& partial);
   Blob ToBlob() const;
-  static RoundSum FromBlob(const Blob& blob, std::size_t robots);
+  // Throws InputError where it is none of such robots, or of another map's layers.
+  static RoundSum FromBlob(const Settings& settings, const Blob& blob, std::size_t robots);
 
   const LayeredGrid& counts() const { return counts_; }
   double log_likelihood() const { return log_likelihood_; }
@@ -92,6 +102,10 @@ class RoundSum {
   }
 
  private:
+  void Check() const;
+
+  MapRules rules_;
+  double memory_mb_;
   LayeredGrid counts_;
   double log_likelihood_ = 0.0;
   std::vector<double> log_likelihood_of_;

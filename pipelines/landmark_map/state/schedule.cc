@@ -7,14 +7,14 @@
 
 namespace cairn::landmark_map {
 
-Schedule Schedule::Load(const State& state) {
+Schedule Schedule::Load(const State& state, std::size_t all_robots) {
   constexpr std::int64_t kMost = 1 << 30;
   const auto schedule = ScalarsIn<Schedule>(state);
   RequireWithin("the phase", static_cast<std::int64_t>(schedule.phase), 0,
                 static_cast<std::int64_t>(Phase::kRefinedSummary));
   RequireWithin("the iteration", schedule.iteration, 0, kMost);
   RequireWithin("the share of the data", schedule.prefix, 1e-9, 1.0);
-  RequireWithin("the number of robots", schedule.robots, 1, kMost);
+  RequireWithin("the number of robots", schedule.robots, 1, static_cast<std::int64_t>(all_robots));
   RequireWithin("the iterations on all data", schedule.settled, 0, kMost);
   RequireWithin("the growth", schedule.growth, 1.001, 1e9);
   return schedule;

@@ -1,6 +1,7 @@
 // The schedule of iterations: from the State alone.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "pipelines/common/state_scalars.h"
@@ -30,8 +31,8 @@ struct Schedule {
   bool summarises() const { return phase != Phase::kMap; }
   bool is_refined() const { return phase == Phase::kRefinedSummary; }
   void Store(State* state) const { PutScalars(*this, "", state); }
-  // Throws InputError where it is none: others made the State.
-  static Schedule Load(const State& state);
+  // Throws InputError where it is none, or of more robots than there are: others made the State.
+  static Schedule Load(const State& state, std::size_t all_robots = 1 << 30);
   static void Fields(const auto& field) {
     field("phase", &Schedule::phase);
     field("iteration", &Schedule::iteration);

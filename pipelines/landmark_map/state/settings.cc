@@ -419,6 +419,7 @@ Blob Settings::ToBlob() const {
 
 void Settings::Check() const {
   constexpr double kMostCells = 1 << 27, kMostNoise = 1e6;
+  constexpr std::int64_t kMostStarts = 1000;  // as the option has it
   const GridSpec& grid = map.grid;
   RequireWithin("cell_m", grid.cell_m, 1e-6, 1e9);
   RequireWithin("headings", std::int64_t{grid.headings}, 1, 1 << 16);
@@ -434,6 +435,7 @@ void Settings::Check() const {
     RequireWithin("noise", ratio, 0.0, kMostNoise);
   RequireWithin("drift_length_m", noise.drift_length_m, 0.0, kFar_m);
   RequireWithin("prune", prune, 0.0, 1.0);
+  RequireWithin("starts", std::int64_t{starts}, 1, kMostStarts);
 }
 
 Settings Settings::FromBlob(const Blob& blob) {
@@ -450,6 +452,20 @@ Settings Settings::FromBlob(const Blob& blob) {
   settings.map.classes.confusion.assign(confusion.begin(), confusion.end());
   settings.Check();
   return settings;
+}
+
+Settings Settings::In(const Blob& blob, const Options& options) {
+  Settings settings = FromBlob(blob);
+  RequireWithin("memory_mb", settings.memory_mb, 0.0, options.memory_mb);
+  return settings;
+}
+
+void RequireMemory(const std::string& what, double bytes, double memory_mb) {
+  if (bytes <= 1e6 * memory_mb) return;
+  throw InputError(
+      fmt::format("{} would need about {:.0f} MB, more than memory_mb = {:.0f}: take a larger cell_m or "
+                  "heading_deg, or a smaller slice_mcells",
+                  what, std::ceil(bytes / 1e6), memory_mb));
 }
 
 StartChoice ChooseStarts(const Options& options, const Blob& log) {

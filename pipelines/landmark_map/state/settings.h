@@ -35,13 +35,20 @@ struct Settings {
   double memory_mb = 4096.0;
 
   EStepModel Model(const Perception* perception) const;
+  // Of a table that lies in memory.
+  double MostCells() const { return 1e6 * memory_mb / sizeof(double); }
   Blob ToBlob() const;
   // Throws InputError where these are none that Resolve could give.
   static Settings FromBlob(const Blob& blob);
+  // The same as others hand them on: they allow no more memory than the job does.
+  static Settings In(const Blob& blob, const Options& options);
 
  private:
   void Check() const;
 };
+
+// Throws InputError that names both figures where `what` needs more than is allowed.
+void RequireMemory(const std::string& what, double bytes, double memory_mb);
 
 // Distance between the drifts of neighbouring starts, in nominal standard deviations: half of the starts, or
 // one more, spread evenly over two to either side.

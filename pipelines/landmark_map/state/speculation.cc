@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "pipelines/landmark_map/state/partial.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -24,17 +26,15 @@ std::string WarmPrefix(std::size_t slice) { return "warm/" + std::to_string(slic
 }  // namespace
 
 void Guesses::AddEarlier(const Blob& partial) {
-  if (!warm.empty() && partial.Has("warm/box")) warm.front() = LayeredGrid::LoadSparse("warm/", partial);
+  if (!warm.empty()) warm.front() = CopyOf(partial.Sub("warm/"));
   first.insert(first.begin(), partial.Scalar<std::int32_t>("first"));
-  warm.insert(warm.begin(), LayeredGrid());
+  warm.insert(warm.begin(), Blob());
 }
 
 Blob Guesses::ToBlob() const {
   Blob blob;
   blob.PutVector("first", first);
-  for (std::size_t s = 0; s < warm.size(); ++s) {
-    if (!warm[s].layers.empty()) warm[s].StoreSparse(WarmPrefix(s), &blob);
-  }
+  for (std::size_t s = 0; s < warm.size(); ++s) blob.PutAll(WarmPrefix(s), warm[s]);
   return blob;
 }
 
@@ -42,10 +42,7 @@ Guesses Guesses::FromBlob(const Blob& blob) {
   Guesses guesses;
   const auto first = blob.Get<std::int32_t>("first");
   guesses.first.assign(first.begin(), first.end());
-  guesses.warm.resize(first.size());
-  for (std::size_t s = 0; s < first.size(); ++s) {
-    if (blob.Has(WarmPrefix(s) + "box")) guesses.warm[s] = LayeredGrid::LoadSparse(WarmPrefix(s), blob);
-  }
+  for (std::size_t s = 0; s < first.size(); ++s) guesses.warm.push_back(blob.Sub(WarmPrefix(s)));
   return guesses;
 }
 
@@ -56,7 +53,7 @@ std::vector<bool> WorthGuessing(const Guesses& guesses, std::int64_t steps, std:
   if (next.settled < kSharpAfter) return worth;
   for (std::size_t s = 0; s < slices; ++s) {
     const std::int64_t end = s + 1 < slices ? guesses.first[s + 1] : steps;
-    const bool known = s == 0 || !guesses.warm[s].layers.empty();
+    const bool known = s == 0 || !guesses.warm[s].fields().empty();
     worth[s] = known && end - guesses.first[s] >= 2 * overlap;
   }
   const bool any = std::find(worth.begin() + std::min<std::ptrdiff_t>(1, std::ssize(worth)), worth.end(),

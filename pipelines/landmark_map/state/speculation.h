@@ -14,9 +14,10 @@ namespace cairn::landmark_map {
 // What a robot's slices in one round tell of those in the next.
 struct Guesses {
   std::vector<std::int32_t> first;  // [slices] first steps, ascending; the first one is 0
-  // [slices]: alpha of the step that lies `overlap` + 1 before the slice's first; without layers where the
-  // slice before is too short to have it.
-  std::vector<LayeredGrid> warm;
+  // [slices]: alpha of the step that lies `overlap` + 1 before the slice's first, as the task before stored
+  // it (LayeredGrid::StoreSparse): only a task that begins from it looks whether it is one. Without fields
+  // where the slice before is too short to have it.
+  std::vector<Blob> warm;
 
   // The partial of the robot's task `backward` of the slice before those so far: the last slice's comes
   // first, and what a slice leaves is for the one after it.
