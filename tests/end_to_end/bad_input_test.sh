@@ -59,7 +59,7 @@ cmp odometry.csv kept.csv || die "an import has overwritten its input"
 empty=
 for command in "map odometry.csv --out" "run landmark_map odometry.csv --out" "map" "inspect" "diff odometry.csv" \
   "simulate loop" "export tum odometry.csv" "evaluate odometry.csv --truth" "report odometry.csv --out" \
-  "import csv log.h5 --odometry" "import tum odometry.csv" "list --coordinator" "run landmark_map --set"; do
+  "import csv log.h5 --odometry" "run landmark_map --set"; do
   # shellcheck disable=SC2086
   refuses 'nothing is given \(an empty word\)' cairn $command "$empty"
 done
