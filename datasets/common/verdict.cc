@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "datasets/common/moved_landmarks.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/landmark_map.h"
 #include "schema/kinds/learning.h"
@@ -331,6 +332,10 @@ Verdict LandmarkMapVerdict(const Blob& result) {
   if (explained < observations)
     verdict.why += fmt::format("; {} of {} observations are of none of its landmarks",
                                observations - explained, observations);
+  if (const std::string moved = MovedText(result); !moved.empty()) {
+    verdict.trust = std::min(verdict.trust, Confidence::kFair);
+    verdict.why += "; " + moved;
+  }
   if (RefinementRefused(result))
     verdict.why += "; refinement was " + NotRefined(result) + ", the landmarks stand where EM left them";
   return verdict;

@@ -50,6 +50,22 @@ TEST(LandmarkMapVerdict, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
             "different map");
 }
 
+TEST(LandmarkMapVerdict, IsNeverHighWhereALandmarkWasMovedAndNamesIt) {
+  Blob result = Searched(3, 57.25);
+  result.Put("landmarks", Array::Texts({"door", "bin"}));
+  result.PutVector("moved/landmark", std::vector<std::int32_t>{1});
+  result.PutVector("moved/until_s", std::vector<double>{298.25});
+  result.PutVector("moved/from_s", std::vector<double>{310});
+  result.PutVector("moved/left_out", std::vector<std::int64_t>{22});
+  result.PutVector("moved/later_left_out", std::vector<std::uint8_t>{1});
+  const std::string text = TextOf(result);
+  EXPECT_TRUE(text.starts_with("fair: ")) << text;
+  EXPECT_TRUE(text.ends_with(
+      "; landmark 'bin' was moved between 298.2 and 310.0 s: the 22 observations after that are left out; "
+      "give it another name from 310.0 s on, and it is mapped in both places"))
+      << text;
+}
+
 TEST(ReadConfidence, NeedsBothStartsThatAgreeAndALead) {
   EXPECT_EQ(ReadConfidence(Searched(3, 10.0)), Confidence::kHigh);
   EXPECT_EQ(ReadConfidence(Searched(3, 9.9)), Confidence::kFair);

@@ -120,6 +120,7 @@ class Evaluator {
         if (at) pairs.emplace_back(estimate.poses[i], *at);
       }
       pose_pairs_.push_back(std::move(pairs));
+      tracks_.push_back({std::move(estimate), truth});
       out_.robots.push_back({.name = log_.robots[r], .rmse_m = {}, .heading_rmse_rad = {}, .poses = 0});
     }
   }
@@ -197,6 +198,7 @@ class Evaluator {
       score.heading_rmse_rad = std::sqrt(heading_squares / static_cast<double>(pairs.size()));
       out_.trajectory_rmse_m = std::max(out_.trajectory_rmse_m.value_or(0), *score.rmse_m);
     }
+    out_.other_clock = FindOtherClock(tracks_);
     if (out_.trajectory_rmse_m) return;
     const bool known = std::ranges::any_of(log_.truth.robot, [](const kinds::Log::TrueRobot& robot) {
       return !robot.poses.time_s.OrNone().empty();
@@ -244,6 +246,7 @@ class Evaluator {
   Associations map_associations_;
   std::optional<Associations> truth_associations_;
   std::vector<std::vector<std::pair<Pose, Pose>>> pose_pairs_;  // of each robot: estimate, truth
+  std::vector<TrackAndTruth> tracks_;                           // of each robot
 };
 
 // Later observations count as false ones: a result of a prefix is held against what the prefix shows.
@@ -283,6 +286,7 @@ void AddLandmarks(const std::optional<LandmarkScore>& score, Scores* scores) {
 void AddTrajectories(const Evaluation& evaluation, Scores* scores) {
   scores->Add("trajectory.rmse_m", OrNone(evaluation.trajectory_rmse_m),
               evaluation.trajectory_rmse_m ? ", the worst robot" : "unknown: " + evaluation.no_trajectory);
+  AddClock(evaluation.other_clock, scores);
   std::vector<Scores> robots;
   for (const RobotScore& robot : evaluation.robots) {
     Scores& row = robots.emplace_back();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/evaluate/calibration.h"
+#include "datasets/evaluate/clock.h"
 #include "datasets/evaluate/matching/point_match.h"
 #include "datasets/evaluate/matching/similarity.h"
 #include "datasets/evaluate/scores.h"
@@ -40,6 +41,7 @@ struct Evaluation {
   std::optional<LandmarkScore> landmarks;   // none: the truth has no landmarks
   std::optional<double> trajectory_rmse_m;  // the worst robot's
   std::string no_trajectory;                // why there is none
+  std::optional<OtherClock> other_clock;    // that the truth may have
   std::vector<RobotScore> robots;
   std::optional<bool> topology_correct;  // matching/associations.h; none: the truth has no associations
   // Where it has: observations that are truly of a landmark, and those of them that are in none of the map's;

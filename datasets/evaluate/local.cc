@@ -114,7 +114,12 @@ void ScorePaths(const std::vector<Robot>& robots, LocalEvaluation* out) {
     const std::vector<PosePair> dead = Pairs(reckoned, robot.truth);
     AddErrors(dead, FitPoses(dead), &odometry);
   }
-  if (all.empty()) throw InputError("no pose of the result is of a time at which the truth has one");
+  std::vector<TrackAndTruth> tracks;
+  for (const Robot& robot : robots) tracks.push_back({robot.estimate, robot.truth});
+  out->other_clock = FindOtherClock(tracks);
+  if (all.empty())
+    throw InputError("no pose of the result is of a time at which the truth has one" +
+                     (out->other_clock ? "; " + out->other_clock->Text() : ""));
   out->alignment = FitPoses(all);
   AddErrors(all, out->alignment, &path);
   out->path = path.Error();
@@ -302,6 +307,7 @@ void AddPath(const LocalEvaluation& score, Scores* scores) {
   };
   add("trajectory.", score.path);
   scores->Add("trajectory.heading_rmse_deg", score.heading_rmse_deg);
+  AddClock(score.other_clock, scores);
   add("trajectory.odometry_", score.odometry);
   if (score.traces) {
     add("trajectory.in_trace_", *score.traces);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/evaluate/clock.h"
 #include "datasets/evaluate/matching/similarity.h"
 #include "datasets/evaluate/scores.h"
 #include "schema/blob.h"
@@ -39,8 +40,9 @@ struct LoopScore {
 };
 
 struct LocalEvaluation {
-  PathError path, odometry;         // after a rigid motion of each: of all robots, of each robot
-  double heading_rmse_deg = 0;      // of the path
+  PathError path, odometry;               // after a rigid motion of each: of all robots, of each robot
+  double heading_rmse_deg = 0;            // of the path
+  std::optional<OtherClock> other_clock;  // that the truth may have
   std::optional<PathError> traces;  // the live positions, each in its trace's frame, which the truth places
   PathError traces_odometry;        // of odometry alone at the same times, since each trace was recorded
   double corrected = 0;             // share of these at which matching corrected something

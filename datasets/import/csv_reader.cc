@@ -70,6 +70,9 @@ char SeparatorOf(std::string_view header) {
   return ',';
 }
 
+// "sep=;", by which spreadsheets tell each other what the header shows anyway.
+bool IsSeparatorLine(std::string_view line) { return Trim(line).size() == 5 && line.starts_with("sep="); }
+
 }  // namespace
 
 CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std::string>>& headers,
@@ -78,10 +81,14 @@ CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std:
   if (!lines_.Next()) throw InputError(path + ": is empty; a header is needed: " + Join(headers[0]));
   if (text_->starts_with("\xFF\xFE") || text_->starts_with("\xFE\xFF"))
     throw InputError(path + ": is UTF-16; save it as UTF-8 (or as plain CSV)");
+  if (IsSeparatorLine(lines_.text()) && !lines_.Next())
+    throw InputError(path + ": is empty; a header is needed: " + Join(headers[0]));
   separator_ = SeparatorOf(lines_.text());
-  if (!Split()) throw InputError(path + ":1: the header has an open quote");
+  if (!Split()) throw InputError(path + HeaderLine() + "the header has an open quote");
   FindColumns(headers);
 }
+
+std::string CsvReader::HeaderLine() const { return ":" + std::to_string(lines_.number()) + ": "; }
 
 std::map<std::string_view, std::size_t> PlacesOf(const std::vector<std::string>& names) {
   std::map<std::string_view, std::size_t> places;
@@ -103,15 +110,15 @@ void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers
   if (fits == headers.end()) {
     std::string allowed;
     for (const auto& set : headers) allowed += (allowed.empty() ? "" : " or ") + Join(set);
-    throw InputError(path_ + ":1: the header lacks columns: it must have " + allowed + ", it has " +
-                     std::string(lines_.text()));
+    throw InputError(path_ + HeaderLine() + "the header lacks columns: it must have " + allowed +
+                     ", it has " + std::string(lines_.text()));
   }
   header_ = static_cast<std::size_t>(fits - headers.begin());
   width_ = fields_.size();
   for (const std::string& wanted : *fits) {
     const Spelling column = spelling_of(wanted).value_or(Spelling{Bare(wanted)});
     if (std::ranges::count(fields_, column.name) > 1)
-      throw InputError(path_ + ":1: the header has " + column.name + " twice");
+      throw InputError(path_ + HeaderLine() + "the header has " + column.name + " twice");
     const auto place = std::ranges::find(fields_, column.name);
     places_.push_back(place == fields_.end() ? kMissing : static_cast<std::size_t>(place - fields_.begin()));
     columns_.push_back(column.name);
@@ -128,8 +135,8 @@ void CsvReader::TakeExtraColumns() {
   const std::map<std::string_view, std::size_t> once = PlacesOf(extra_);
   for (std::size_t k = 0; k < extra_.size(); ++k) {
     const std::string& column = extra_[k];
-    if (column.empty()) throw InputError(path_ + ":1: the header has a column without a name");
-    if (once.at(column) != k) throw InputError(path_ + ":1: the header has " + column + " twice");
+    if (column.empty()) throw InputError(path_ + HeaderLine() + "the header has a column without a name");
+    if (once.at(column) != k) throw InputError(path_ + HeaderLine() + "the header has " + column + " twice");
     places_.push_back(places.at(column));
     per_unit_.push_back(1);
   }

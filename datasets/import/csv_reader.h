@@ -50,7 +50,8 @@ class CsvReader {
   void Bad(const std::string& reason, const std::string& detail = {});
 
  private:
-  bool Split();  // false: an open quote
+  std::string HeaderLine() const;  // ":1: "
+  bool Split();                    // false: an open quote
   void FindColumns(const std::vector<std::vector<std::string>>& headers);
 
   static constexpr std::size_t kMissing = static_cast<std::size_t>(-1);

@@ -21,6 +21,23 @@ TEST(ParseNumber, TakesFiniteNumbersOnly) {
   }
 }
 
+TEST(CsvReader, PassesOverWhatSpreadsheetsSayOfTheSeparator) {
+  const TestFolder folder;
+  BadLines bad(false);
+  CsvReader reader(folder.Put("a.csv", "\xEF\xBB\xBFsep=;\r\na;b\r\n1,5;2\r\n"), {{"a", "b"}}, &bad);
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.line(), 3U);
+  EXPECT_EQ(reader.Number(0), 1.5);
+  const std::string other = folder.Put("b.csv", "sep=;\na;c\n");
+  try {
+    CsvReader refused(other, {{"a", "b"}}, &bad);
+    FAIL();
+  } catch (const InputError& error) {
+    ExpectContains(error.what(), "b.csv:2: the header lacks columns");
+  }
+  EXPECT_THROW(CsvReader(folder.Put("c.csv", "sep=;\n"), {{"a", "b"}}, &bad), InputError);
+}
+
 TEST(CsvReader, FindsColumnsByNameInPlainAndGzippedFiles) {
   const TestFolder folder;
   for (const char* name : {"a.csv", "a.csv.gz"}) {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/common/odometry_holes.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/error.h"
 #include "schema/kinds/log.h"
+#include "schema/kinds/odometry_holes.h"
 
 namespace cairn::datasets {
 namespace {

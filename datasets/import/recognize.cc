@@ -43,7 +43,9 @@ std::string Quoted(const std::string& path) {
   return quoted + "'";
 }
 
+constexpr std::size_t kMostLooked = 50;  // files of a folder
 constexpr const char* kRelations = "relations of the SLAM benchmark";
+constexpr const char *kOdometry = "a table of odometry", *kObservations = "a table of observations";
 
 bool HasColumns(std::string_view header, std::initializer_list<const char*> columns) {
   return std::ranges::all_of(columns, [&](const char* column) { return header.find(column) != header.npos; });
@@ -54,17 +56,19 @@ bool LooksLikeScans(std::string_view header) {
   const auto counted = [](auto column) {
     return std::ranges::any_of(column, [](unsigned char c) { return std::isdigit(c) != 0; });
   };
-  return std::ranges::count_if(header | std::views::split(','), counted) >= 2;
+  const auto separator = std::ranges::find_if(header, [](char c) { return c == ';' || c == '\t'; });
+  return std::ranges::count_if(header | std::views::split(separator == header.end() ? ',' : *separator),
+                               counted) >= 2;
 }
 
 std::optional<Recognized> RecognizeTable(const std::string& path, std::string_view header) {
   const std::string file = Quoted(path);
   const bool pose = HasColumns(header, {"x_", "y_", "time_"});
   if (HasColumns(header, {"time_", "landmark", "range_"}))
-    return Recognized{"a table of observations",
+    return Recognized{kObservations,
                       "cairn import csv --odometry ODOMETRY.csv --observations " + file + " log.h5"};
   if (HasColumns(header, {"time_", "turn_", "forward_"}) || HasColumns(header, {"time_", "v_", "omega_"}))
-    return Recognized{"a table of odometry",
+    return Recognized{kOdometry,
                       "cairn import csv --odometry " + file + " --observations OBSERVATIONS.csv log.h5"};
   if (pose && HasColumns(header, {"image"}))
     return Recognized{"a table of images and where they were taken",
@@ -99,7 +103,7 @@ std::optional<Recognized> RecognizeFile(const std::string& path) {
   Lines lines(text);
   while (lines.Next()) {
     const std::string_view line = lines.text(), word = line.substr(0, line.find(' '));
-    if (Trim(line).empty() || line.starts_with('#')) continue;
+    if (Trim(line).empty() || line.starts_with('#') || line.starts_with("sep=")) continue;
     if (line.find("time_") != line.npos) return RecognizeTable(path, line);
     if (HasColumns(line, {"x_", "y_"}) && line.find_first_of(",;\t") != line.npos)
       return Recognized{"a table of what it costs to take one place for another",
@@ -139,7 +143,6 @@ std::optional<Recognized> FirstOf(std::vector<std::string> paths,
                                   std::size_t* more) {
   std::ranges::sort(paths);
   *more = 0;
-  constexpr std::size_t kMostLooked = 50;
   std::optional<Recognized> first;
   std::size_t known = 0;
   for (std::size_t i = 0; i < std::min(kMostLooked, paths.size()); ++i) {
@@ -152,6 +155,19 @@ std::optional<Recognized> FirstOf(std::vector<std::string> paths,
   }
   *more = known > 0 ? known - 1 : 0;
   return first;
+}
+
+// Tables of both, whatever they are called, where there is one of each.
+std::optional<Recognized> RecognizeTables(const std::vector<std::string>& files) {
+  std::vector<std::string> odometry, observations;
+  for (const std::string& file : files) {
+    const auto found = RecognizeFile(file);
+    if (found && found->what == kOdometry) odometry.push_back(file);
+    if (found && found->what == kObservations) observations.push_back(file);
+  }
+  if (odometry.size() != 1 || observations.size() != 1) return std::nullopt;
+  return Recognized{"a folder of CSV tables", "cairn import csv --odometry " + Quoted(odometry[0]) +
+                                                  " --observations " + Quoted(observations[0]) + " log.h5"};
 }
 
 std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
@@ -181,6 +197,8 @@ std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
   if (images > 1)
     return Recognized{"a folder of " + std::to_string(images) + " images",
                       "cairn import images " + folder + " POSES.csv images.h5"};
+  if (files.size() <= kMostLooked)
+    if (auto tables = RecognizeTables(files)) return tables;
   std::size_t more = 0;
   auto found = FirstOf(std::move(files), RecognizeFile, &more);
   if (found) found->what = "a folder with " + found->what;

@@ -31,6 +31,8 @@ TEST(Recognize, TellsFilesByTheirFirstLine) {
   ASSERT_TRUE(scans);
   EXPECT_EQ(scans->what, "a table of scans");
   ExpectContains(scans->command, "cairn import carmen SCANS.log log.h5, once its rows are lines of a CARMEN");
+  ExpectContains(command("scans2.csv", "time_s;r0;r1;r2\n0;1;2;3\n"), "cairn import carmen SCANS.log");
+  ExpectContains(command("excel.csv", "sep=;\r\ntime_s;turn_deg;forward_mm\r\n"), "--odometry /");
   ExpectContains(command("it's.csv", "image,time_s,x_m,y_m\n"), "it'\\''s.csv' images.h5");
   EXPECT_EQ(command("h.txt", "Dear diary\n"), "");
   EXPECT_EQ(command("i.txt", ""), "");
@@ -59,6 +61,11 @@ TEST(Recognize, TellsFoldersByTheirFiles) {
   ExpectContains(CommandOf(benchmark / ""), "cairn import carmen");
   benchmark.Put("a-poses.txt", "976052890.244 0.6 -0.03 -0.35\n");
   ExpectContains(CommandOf(benchmark / ""), "freiburg.log");  // the log before what goes with it
+  const TestFolder tables;                                    // by whatever name
+  tables.Put("my drive.csv", "time_s;turn_deg;forward_mm\n");
+  tables.Put("seen.csv", "time_s;landmark;range_m;bearing_rad\n");
+  ExpectContains(CommandOf(tables / ""), "my drive.csv' --observations /");
+  ExpectContains(CommandOf(tables / ""), "seen.csv log.h5");
   const TestFolder collection;
   for (const char* run : {"one", "two", "three"}) {
     std::filesystem::create_directories(collection / run);

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "datasets/common/array_text.h"
-#include "datasets/common/odometry_holes.h"
 #include "datasets/common/unit_doubts.h"
 #include "datasets/common/verdict.h"
 #include "schema/kinds/grid_map.h"
@@ -14,6 +13,7 @@
 #include "schema/kinds/learning.h"
 #include "schema/kinds/local_map.h"
 #include "schema/kinds/log.h"
+#include "schema/kinds/odometry_holes.h"
 
 namespace cairn::datasets {
 namespace {

@@ -22,8 +22,8 @@ std::string BodyHtml(const ReportedStage& stage) {
   std::string html;
   if (row.verdict != nullptr) {
     const Verdict verdict = row.verdict(*stage.result);
-    html = "<p class=\"verdict\">How far to trust it: <b>" + std::string(Word(verdict.trust)) + "</b>. " +
-           Escape(verdict.why) + ".</p>\n";
+    html = "<p class=\"verdict\">How far to trust it: <b>" + std::string(Word(verdict.trust)) +
+           "</b>: " + Escape(verdict.why) + ".</p>\n";
   }
   return html + row.page(stage);
 }

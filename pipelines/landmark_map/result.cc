@@ -11,7 +11,7 @@
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
-#include "pipelines/landmark_map/refinement/all_rows.h"
+#include "pipelines/landmark_map/refinement/moved_landmarks.h"
 #include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
 #include "schema/kinds/landmark_map.h"
@@ -370,12 +370,11 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   }
   std::vector<Landmark> found = landmarks;
   JointRefinement refined;
-  if (jointly && not_refined.empty()) {
-    refined = RefineWithAllRows(log, paths, settings, &found, &rows);
-    landmarks = refined.landmarks;
-    if (!refined.refused.empty()) not_refined = "refused: " + refined.refused;
-  }
-  CheckOnePositionPerLandmark(in_two_places, landmarks, refined.paths.empty() ? nullptr : &refined.fit);
+  const bool refines = jointly && not_refined.empty();
+  const std::vector<MovedLandmark> moved =
+      RefineAllThatStayed(blob, paths, settings, in_two_places, refines, &found, &rows, &refined);
+  if (refines) landmarks = refined.landmarks;
+  if (!refined.refused.empty()) not_refined = "refused: " + refined.refused;
   Blob result;
   result.Put("robots", log.robots.array());
   result.Put("landmarks", log.landmarks.array());
@@ -414,6 +413,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);
   result.Put("refinement/reason", Array::Text(not_refined));
   if (!refined.paths.empty()) result.PutAll("fit/", refined.fit.ToBlob());
+  if (!moved.empty()) result.PutAll("moved/", BlobOf(moved));
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;
   step.plan.set_result(step.Share(std::move(result)));

@@ -74,12 +74,17 @@ struct SquareLog {
   }
 };
 
-// A robot that goes twice round a figure of eight among six posts and sees, exactly to `range_m` and
-// `bearing_rad`, those within 12 m that are ahead. Nothing says which is which, nor how odometry errs.
+// A robot that goes twice (or more often) round a figure of eight among six posts and sees, exactly to
+// `range_m` and `bearing_rad`, those within 12 m that are ahead. Nothing says which is which, but where they
+// are `named`, nor how odometry errs.
 struct PostsLog {
   double drift_rad_per_m = 3.0 * std::numbers::pi / 180.0;
   double range_m = 0.05, bearing_rad = 0.01;
   std::uint64_t seed = 1;
+  bool named = false;
+  int times = 2;
+  // After half of them a post is carried elsewhere; `swapped`: two change names.
+  bool moved = false, swapped = false;
 
   Blob Make() const {
     constexpr double kPosts[][2] = {{3, 4}, {-4, 12}, {8, 9}, {5, -6}, {-6, -4}, {9, -12}};
@@ -87,8 +92,9 @@ struct PostsLog {
     const int round = static_cast<int>(2.0 * std::numbers::pi * kRadius_m / kStep_m);
     Rng rng(seed);
     std::vector<double> time, turn, forward, seen_s, range, bearing;
+    std::vector<std::int32_t> landmark;
     double x = 0, y = 0, heading = 0;
-    for (int k = 0; k < 4 * round; ++k) {
+    for (int k = 0; k < 2 * times * round; ++k) {
       const double turned = (k / round % 2 == 0 ? 1.0 : -1.0) * 2.0 * std::numbers::pi / round;
       heading += turned;
       x += kStep_m * std::cos(heading);
@@ -96,23 +102,27 @@ struct PostsLog {
       time.push_back(0.4 * (k + 1));
       turn.push_back(turned + drift_rad_per_m * kStep_m + 0.003 * rng.Normal());
       forward.push_back(kStep_m + 0.005 * rng.Normal());
-      for (const auto& post : kPosts) {
-        const double distance = std::hypot(post[0] - x, post[1] - y);
+      for (int p = 0; p < 6; ++p) {
+        const bool again = k >= times * round;
+        const bool carried = moved && again && p == 2;
+        const double post_x = carried ? 13.0 : kPosts[p][0], post_y = carried ? -1.0 : kPosts[p][1];
+        const double distance = std::hypot(post_x - x, post_y - y);
         const double ahead =
-            std::remainder(std::atan2(post[1] - y, post[0] - x) - heading, 2.0 * std::numbers::pi);
+            std::remainder(std::atan2(post_y - y, post_x - x) - heading, 2.0 * std::numbers::pi);
         if (k % 2 != 0 || distance > 12.0 || std::abs(ahead) > 1.5) continue;
         seen_s.push_back(time.back());
+        landmark.push_back(!named ? -1 : swapped && again && p >= 2 && p <= 3 ? 5 - p : p);
         range.push_back(distance + range_m * rng.Normal());
         bearing.push_back(ahead + bearing_rad * rng.Normal());
       }
     }
     Blob log;
     log.Put("robots", Array::Texts({"rover"}));
-    log.Put("landmarks", Array::Texts({}));
+    log.Put("landmarks", named ? Array::Texts({"a", "b", "c", "d", "e", "f"}) : Array::Texts({}));
     log.PutVector("robot/0/odometry/time_s", time);
     log.PutVector("robot/0/odometry/turn_rad", turn);
     log.PutVector("robot/0/odometry/forward_m", forward);
-    log.PutVector("robot/0/observations/landmark", std::vector<std::int32_t>(seen_s.size(), -1));
+    log.PutVector("robot/0/observations/landmark", landmark);
     log.PutVector("robot/0/observations/time_s", seen_s);
     log.PutVector("robot/0/observations/range_m", range);
     log.PutVector("robot/0/observations/bearing_rad", bearing);

@@ -127,6 +127,21 @@ struct LandmarkMap {
     }
   };
 
+  // Landmarks with an identity that stood elsewhere before, or after.
+  struct Moved {
+    Column<std::int32_t> landmark;
+    Column<double> until_s, from_s;
+    Column<std::int64_t> left_out;
+    Column<std::uint8_t> later_left_out;
+    static void Fields(const auto& field) {
+      field({"landmark", "M", IndexInto("landmarks")}, &Moved::landmark);
+      field({"until_s", "M", Finite()}, &Moved::until_s);
+      field({"from_s", "M", Finite()}, &Moved::from_s);
+      field({"left_out", "M", From(0)}, &Moved::left_out);
+      field({"later_left_out", "M", YesNo()}, &Moved::later_left_out);
+    }
+  };
+
   Texts robots, landmarks, types, log_hash, refinement_reason;
   Column<double> until_s;
   std::vector<Robot> robot;
@@ -135,6 +150,7 @@ struct LandmarkMap {
   Column<std::uint8_t> refinement_done;
   Search search;
   Fit fit;
+  Moved moved;
 
   static void Fields(const auto& field) {
     field({"robots", "R"}, &LandmarkMap::robots);
@@ -149,6 +165,7 @@ struct LandmarkMap {
     field({"refinement/reason", ""}, &LandmarkMap::refinement_reason);
     field("search", &LandmarkMap::search);
     field("fit", &LandmarkMap::fit);
+    field("moved", &LandmarkMap::moved);
   }
 };
 

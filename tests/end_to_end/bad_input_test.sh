@@ -55,6 +55,16 @@ refuses "'odometry.csv' is an input" cairn import csv --odometry odometry.csv od
 refuses "'./odometry.csv' is an input" cairn import csv --odometry odometry.csv ./odometry.csv --force
 cmp odometry.csv kept.csv || die "an import has overwritten its input"
 
+# What a shell makes of a variable that is not set is no name.
+empty=
+for command in "map odometry.csv --out" "run landmark_map odometry.csv --out" "map" "inspect" "diff odometry.csv" \
+  "simulate loop" "export tum odometry.csv" "evaluate odometry.csv --truth" "report odometry.csv --out" \
+  "import csv log.h5 --odometry" "run landmark_map --set"; do
+  # shellcheck disable=SC2086
+  refuses 'nothing is given \(an empty word\)' cairn $command "$empty"
+done
+[ ! -e map ] || die "an empty name was taken for another"
+
 # MRCLAM: a folder with a file missing.
 mkdir mrclam
 refuses_import 'no Barcodes.dat' cairn import mrclam mrclam log.h5

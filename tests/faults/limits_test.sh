@@ -22,6 +22,10 @@ refuses 'lets a file of this process grow to 8 KiB.*ulimit -f' limited -f 8 cair
 refuses 'gives this process memory up to 250 MiB.*ulimit -v' limited -v 256000 cairn coordinator
 exits 1 limited -f 8 cairn simulate loop long.h5 --seed 1
 says 'no file may grow so large here \(ulimit -f\)'
+mkdir pictures
+exits 1 limited -f 8 cairn simulate corridor --runs 1 --snapshots 80 --length-m 40 --pictures pictures samples.h5
+says 'pictures/d1 run 1.png: cannot write: no file may grow so large here \(ulimit -f\)'
+[ -z "$(ls -A pictures)" ] || die "a half-written picture is left: $(ls -A pictures)"
 [ ! -e a ] || die "a run that was refused left a folder"
 
 exits 0 limited -n 60 cairn run landmark_map log.h5 --workers 2 --set iterations=1 --out b

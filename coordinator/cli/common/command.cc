@@ -3,8 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 
 namespace cairn::cli {
+namespace {
+
+// What a shell makes of a variable that is not set: no file, no folder and no name of anything is meant.
+void RefuseEmpty(CLI::Option* option) {
+  option->check(
+      [](const std::string& text) { return text.empty() ? "nothing is given (an empty word)" : ""; });
+}
+
+}  // namespace
 
 Argument Argument::Required() const { return Argument(option_->required()); }
 Argument Argument::ShowDefault() const { return Argument(option_->capture_default_str()); }
@@ -44,13 +54,18 @@ void Command::WhenGiven(std::function<void()> call) const { app_->callback(std::
 
 template <class T>
 Argument Command::Add(const std::string& names, T& value, const std::string& meaning) const {
-  return Argument(app_->add_option(names, value, meaning));
+  CLI::Option* option = app_->add_option(names, value, meaning);
+  if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, std::vector<std::string>>)
+    RefuseEmpty(option);
+  return Argument(option);
 }
 
 template <class T>
 Argument Command::AddTaking(const std::string& names, std::function<void(const T&)> take,
                             const std::string& meaning) const {
-  return Argument(app_->add_option_function<T>(names, std::move(take), meaning));
+  CLI::Option* option = app_->add_option_function<T>(names, std::move(take), meaning);
+  if constexpr (std::is_same_v<T, std::string>) RefuseEmpty(option);
+  return Argument(option);
 }
 
 Argument Command::AddFlag(const std::string& names, bool& value, const std::string& meaning) const {

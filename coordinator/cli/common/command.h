@@ -53,7 +53,8 @@ class Command {
   void Footer(const std::string& text) const;
   void WhenGiven(std::function<void()> call) const;
 
-  // `names`: `--long`, `-s,--long`, or that of a positional argument. `value` lives until all is parsed.
+  // `names`: `--long`, `-s,--long`, or that of a positional argument. `value` lives until all is parsed. An
+  // empty word is refused where text is taken.
   template <class T>
   Argument Add(const std::string& names, T& value, const std::string& meaning) const;
   template <class T>

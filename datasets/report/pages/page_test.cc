@@ -162,7 +162,7 @@ TEST_F(Page, IsCalledByItsLogAndItsJob) {
 TEST_F(Page, SaysHowSureTheMapIsInTheWordsOfTheSummary) {
   const auto said = Between(html_, "<p class=\"verdict\">", "</p>");
   ASSERT_EQ(said.size(), 1U);
-  ExpectContains(said[0], LandmarkMapVerdict(map_).why);
+  ExpectContains(said[0], "</b>: " + LandmarkMapVerdict(map_).why);
   EXPECT_EQ(html_.find("corrected"), std::string::npos)
       << "nothing says that the map is better than odometry";
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "schema/kinds/odometry_holes.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -22,10 +24,17 @@ std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
   return places;
 }
 
+std::string HolesIn(const Blob& log) {
+  std::string text;
+  for (const std::string& hole : OdometryHolesOf(log)) text += "; " + hole;
+  return text;
+}
+
 }  // namespace
 
 std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
-                                              const std::vector<std::string>& names) {
+                                              const Blob& log) {
+  const std::vector<std::string> names = log.Texts("landmarks");
   std::vector<InTwoPlaces> found;
   for (int type = 0; type < rules.types; ++type) {
     const Layer& count = counts.layers[static_cast<std::size_t>(type)];
@@ -38,31 +47,40 @@ std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const M
         text, sizeof text,
         "' stands in two places: %.0f of its %.0f observations are around (%.2f, %.2f) m, %.0f around "
         "(%.2f, %.2f) m; do bearings grow counter-clockwise from ahead, are ranges in metres, "
-        "do odometry and observations use one clock, and were identities mixed up?",
+        "do odometry and observations use one clock, was it moved, and were identities mixed up?",
         places[0].count, count.Sum(), places[0].x_m, places[0].y_m, places[1].count, places[1].x_m,
         places[1].y_m);
-    found.push_back(
-        {type, std::hypot(places[0].x_m - places[1].x_m, places[0].y_m - places[1].y_m),
-         "the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text});
+    found.push_back({type,
+                     std::hypot(places[0].x_m - places[1].x_m, places[0].y_m - places[1].y_m),
+                     "the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text +
+                         HolesIn(log),
+                     {places[0].x_m, places[0].y_m},
+                     {places[1].x_m, places[1].y_m}});
   }
   return found;
 }
 
-void CheckOnePositionPerLandmark(const std::vector<InTwoPlaces>& found,
-                                 const std::vector<Landmark>& landmarks, const ModelFit* fit) {
+std::vector<InTwoPlaces> StillInTwoPlaces(const std::vector<InTwoPlaces>& found,
+                                          const std::vector<Landmark>& landmarks, const ModelFit* fit) {
+  std::vector<InTwoPlaces> still;
   for (const InTwoPlaces& landmark : found) {
     const auto at = std::ranges::find(landmarks, landmark.type, &Landmark::type);
-    if (fit == nullptr || at == landmarks.end()) throw InputError(landmark.reason);
+    if (fit == nullptr || at == landmarks.end()) {
+      still.push_back(landmark);
+      continue;
+    }
     const std::vector<double>& off_m = fit->off_m[static_cast<std::size_t>(at - landmarks.begin())];
     const auto elsewhere = static_cast<double>(
         std::ranges::count_if(off_m, [&](double off) { return off > 0.25 * landmark.apart_m; }));
     if (elsewhere >= std::max(kLeastElsewhere, kShareElsewhere * static_cast<double>(off_m.size())))
-      throw InputError(landmark.reason);
+      still.push_back(landmark);
   }
+  return still;
 }
 
 void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
-                          const std::vector<RobotSteps>& steps, const std::vector<std::string>& robots) {
+                          const std::vector<RobotSteps>& steps, const Blob& log) {
+  const std::vector<std::string> robots = log.Texts("robots");
   for (std::size_t r = 1; r < robots.size(); ++r) {
     double all_false = 0.0, count = 0.0;
     for (const Observation& seen : steps[r].observations) {
@@ -79,11 +97,12 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
         "' fits nowhere into the first robot's map: its %.0f observations are %.1f nats likelier there "
         "than if every one were false; was it ever where the first robot was?",
         count, gain);
-    throw InputError("robot '" + robots[r] + text);
+    throw InputError("robot '" + robots[r] + text + HolesIn(log));
   }
 }
 
-void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations) {
+void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations,
+                      const Blob& log) {
   const auto robots = history.Get<std::int64_t>("robots");
   const auto likelihoods = history.Get<double>("log_likelihood");
   const auto joined = std::ranges::find_if(robots, [](std::int64_t count) { return count > 1; });
@@ -97,7 +116,7 @@ void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, s
       "the robots contradict each other: in the map of all, what the first robot saw is %.1f nats less "
       "likely than in its own; was one of them somewhere else?",
       lost);
-  throw InputError(text);
+  throw InputError(text + HolesIn(log));
 }
 
 }  // namespace cairn::landmark_map

@@ -1,4 +1,5 @@
-// Data that no map of this method explains: refused with the reason, instead of a map that looks right.
+// Data that no map of this method explains: refused with the reason, instead of a map that looks right. Holes
+// in the odometry (schema/kinds/odometry_holes.h) are named with it.
 #pragma once
 
 #include <string>
@@ -6,6 +7,7 @@
 
 #include "pipelines/landmark_map/refinement/model_fit.h"
 #include "pipelines/landmark_map/state/partial.h"
+#include "schema/geometry.h"
 
 namespace cairn::landmark_map {
 
@@ -15,15 +17,16 @@ struct InTwoPlaces {
   int type = 0;
   double apart_m = 0.0;
   std::string reason;  // names it and both places
+  Point main, other;   // where most of it is expected, and where the next most
 };
 std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
-                                              const std::vector<std::string>& names);
+                                              const Blob& log);
 
 // Of those that EM finds in two places, least squares may find the one: where all but a quarter of a
 // landmark's observations lie within a quarter of the way from one to the other.
-// Throws InputError with the first reason that stays. `fit`: nullptr where there was no least squares.
-void CheckOnePositionPerLandmark(const std::vector<InTwoPlaces>& found,
-                                 const std::vector<Landmark>& landmarks, const ModelFit* fit);
+// Those that stay in two. `fit`: nullptr where there was no least squares.
+std::vector<InTwoPlaces> StillInTwoPlaces(const std::vector<InTwoPlaces>& found,
+                                          const std::vector<Landmark>& landmarks, const ModelFit* fit);
 
 // Of robots that start anywhere, in their first round, under a map that is not theirs.
 // Throws InputError that names the robot where the map makes its observations no likelier than if every one
@@ -31,7 +34,7 @@ void CheckOnePositionPerLandmark(const std::vector<InTwoPlaces>& found,
 // where it fits least badly.
 inline constexpr double kLeastGain = 0.25;
 void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
-                          const std::vector<RobotSteps>& steps, const std::vector<std::string>& robots);
+                          const std::vector<RobotSteps>& steps, const Blob& log);
 
 // At the end. A robot that was somewhere else adds to the map what is not there, which the first robot's data
 // feel. EXPERIMENTS.md says why it is 0.29: robots of one place cost at most 0.27 nats an observation, one of
@@ -39,6 +42,7 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
 // Throws InputError where they lost more than kMostLoss nats an observation against the first robot's own map
 // (`history`: of all rounds), and more than being told one of `places` costs.
 inline constexpr double kMostLoss = 0.29;
-void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations);
+void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations,
+                      const Blob& log);
 
 }  // namespace cairn::landmark_map

@@ -1,6 +1,5 @@
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "coordinator/cli/commands/simulate/halls.h"
 #include "coordinator/cli/commands/simulate/loop_options.h"
@@ -10,6 +9,7 @@
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/simulate/corridor/corridor.h"
+#include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {
@@ -38,13 +38,8 @@ struct CorridorOptions {
 };
 
 void WritePictures(const std::string& folder, const std::vector<datasets::CorridorPicture>& pictures) {
-  for (const datasets::CorridorPicture& picture : pictures) {
-    const std::string path = folder + "/" + picture.name + ".png";
-    std::ofstream file(path, std::ios::binary);
-    file << picture.png;
-    file.close();
-    if (!file) throw InputError("cannot write '" + path + "'");
-  }
+  for (const datasets::CorridorPicture& picture : pictures)
+    Check(WriteTextAtomically(folder + "/" + picture.name + ".png", picture.png));
 }
 
 int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
