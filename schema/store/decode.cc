@@ -18,6 +18,8 @@ Status Corrupt(const std::string& message) { return {Code::kCorrupt, message}; }
 
 Status Damaged(const std::string& name) {
   const Hdf5Cause cause = LastCause();
+  if (cause.no_memory)
+    return {Code::kIo, "dataset '" + name + "': there is not the memory to read what it says that it holds"};
   return Corrupt("dataset '" + name +
                  "': " + (cause.in_a_filter ? "its checksum is wrong" : "damaged: " + cause.text));
 }

@@ -1,6 +1,7 @@
 // Files of strangers: nothing but what is in them is read, and nobody waits for ever.
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -10,6 +11,7 @@
 #include <fstream>
 
 #include "schema/store/blob_file.h"
+#include "schema/store/checked_file.h"
 #include "schema/store/checksum_trailer.h"
 #include "schema/store/decode.h"
 #include "schema/store/hdf5_handle.h"
@@ -125,6 +127,38 @@ TEST_F(ForeignFile, WhatUnpacksToGigabytesIsRefusedBeforeItIsUnpacked) {
   EXPECT_TRUE(ReadBlobFile(path_, {.only = {"types/"}, .without = {}, .changed_too = true}).ok());
   EXPECT_TRUE(ListBlobFile(path_).ok());
 }
+
+#ifndef CAIRN_SANITIZED
+// A chunk is unpacked beside the array that it goes into: here there is memory for one of the two.
+TEST_F(ForeignFile, ForWantOfMemoryItIsNotCalledDamaged) {
+  constexpr hsize_t kSize = hsize_t{64} << 20;
+  {
+    const Handle space(H5Screate_simple(1, &kSize, nullptr), H5Sclose);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(creation.get(), 1, &kSize);
+    H5Pset_deflate(creation.get(), 1);
+    const Handle data(
+        H5Dcreate2(file_.get(), "zeros", H5T_STD_U8LE, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+        H5Dclose);
+    const std::vector<std::uint8_t> zeros(kSize);
+    ASSERT_GE(H5Dwrite(data.get(), H5T_STD_U8LE, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data()), 0);
+  }
+  file_.Close();
+  const Status status =
+      store::InChild(path_, [&] {
+        std::ifstream self("/proc/self/statm");
+        rlim_t pages = 0;
+        self >> pages;
+        const rlim_t most = pages * static_cast<rlim_t>(::getpagesize()) + 2 * kSize - (kSize >> 2);
+        const rlimit limit{most, most};
+        ::setrlimit(RLIMIT_AS, &limit);
+        return store::ReadChecked(path_, {.only = {"zeros"}, .without = {}, .changed_too = true});
+      }).status();
+  EXPECT_EQ(status.code(), Code::kIo) << status.message();
+  EXPECT_NE(status.message().find("dataset 'zeros': there is not the memory"), std::string::npos)
+      << status.message();
+}
+#endif
 
 // As many texts as one likes may be one and the same in the file, which HDF5 unpacks one by one.
 TEST_F(ForeignFile, TextsThatUnpackToMoreThanTheyMayAreRefusedOnTheWay) {
